@@ -1,0 +1,92 @@
+"""Rocking dynamics of masonry structures: parameters, spectra and overturning envelopes.
+
+The public names below are imported on first use, so that a program pays only for what it calls.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+__version__ = "0.1.0"
+
+if TYPE_CHECKING:
+    from .dynamics.engine import Response, linear_response
+    from .dynamics.outcome import Outcome
+    from .errors import DocumentError, OutputError, RockingError, UsageError
+    from .motions import Motion, cosine, pulse, sine
+    from .spectra.closed_form import closed_form_curves
+    from .spectra.envelope import Interval, trace_envelope
+    from .spectra.grid import Axis, Grid, parse_grid
+    from .spectra.sweep import Spectrum, Summary, spectrum, write_spectrum
+    from .structures import RockingParameters, build_structure, load_structures, parse_documents
+    from .structures.parameters import dimensionless_oscillator
+
+_HOME = {
+    "Response": "dynamics.engine",
+    "linear_response": "dynamics.engine",
+    "Outcome": "dynamics.outcome",
+    "DocumentError": "errors",
+    "OutputError": "errors",
+    "RockingError": "errors",
+    "UsageError": "errors",
+    "Motion": "motions",
+    "cosine": "motions",
+    "pulse": "motions",
+    "sine": "motions",
+    "closed_form_curves": "spectra.closed_form",
+    "Interval": "spectra.envelope",
+    "trace_envelope": "spectra.envelope",
+    "Axis": "spectra.grid",
+    "Grid": "spectra.grid",
+    "parse_grid": "spectra.grid",
+    "Spectrum": "spectra.sweep",
+    "Summary": "spectra.sweep",
+    "spectrum": "spectra.sweep",
+    "write_spectrum": "spectra.sweep",
+    "RockingParameters": "structures",
+    "build_structure": "structures",
+    "load_structures": "structures",
+    "parse_documents": "structures",
+    "dimensionless_oscillator": "structures.parameters",
+}
+
+__all__ = [
+    "Axis",
+    "DocumentError",
+    "Grid",
+    "Interval",
+    "Motion",
+    "Outcome",
+    "OutputError",
+    "Response",
+    "RockingError",
+    "RockingParameters",
+    "Spectrum",
+    "Summary",
+    "UsageError",
+    "__version__",
+    "build_structure",
+    "closed_form_curves",
+    "cosine",
+    "dimensionless_oscillator",
+    "linear_response",
+    "load_structures",
+    "parse_documents",
+    "parse_grid",
+    "pulse",
+    "sine",
+    "spectrum",
+    "trace_envelope",
+    "write_spectrum",
+]
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOME:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return getattr(import_module(f"{__name__}.{_HOME[name]}"), name)
+
+
+def __dir__() -> list[str]:
+    return list(__all__)

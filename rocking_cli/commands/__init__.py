@@ -1,0 +1,74 @@
+"""The command line. Each command is a module of its own, imported when it is called."""
+
+from __future__ import annotations
+
+import os
+import sys
+from importlib import import_module
+from typing import Any
+
+import click
+
+from .. import __version__
+from ..errors import RockingError
+
+COMMANDS = {
+    "params": "Derive p, alpha, eta, lambda and a_scale of each structure.",
+    "spectrum": "Sweep every structure over a grid and write its rocking spectrum.",
+    "envelope": "Trace every interval of amplitude that overturns.",
+}
+
+
+class _Commands(click.Group):
+    """Commands by name, imported only when one is called."""
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        return list(COMMANDS)
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+        if cmd_name not in COMMANDS:
+            return None
+        command: click.Command = getattr(import_module(f"{__name__}.{cmd_name}"), cmd_name)
+        return command
+
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        with formatter.section("Commands"):
+            formatter.write_dl(list(COMMANDS.items()))
+
+
+@click.group(
+    cls=_Commands,
+    context_settings={"help_option_names": ["-h", "--help"]},
+    epilog="Example: rocking params configs/block.yaml",
+)
+@click.version_option(__version__, prog_name="rocking")
+def cli() -> None:
+    """Rocking parameters and rocking spectra of masonry structures.
+
+    Exit codes: 0 done, 1 failed, 2 usage, 3 invalid document, 4 finished with some cells failed, 130 interrupted.
+    """
+
+
+def main(arguments: list[str] | None = None) -> Any:
+    """Run the command line; every failure becomes one sentence on standard error and its documented exit code."""
+    try:
+        return sys.exit(cli.main(arguments, prog_name="rocking", standalone_mode=False) or 0)
+    except click.ClickException as error:
+        if isinstance(error, click.UsageError) and error.ctx is not None:
+            click.echo(f"{error.ctx.command_path}: {error.format_message()} (see --help)", err=True)
+        else:
+            click.echo(f"rocking: {error.format_message()}", err=True)
+        sys.exit(2 if isinstance(error, click.UsageError) else error.exit_code)
+    except RockingError as error:
+        click.echo(f"rocking: {error}", err=True)
+        sys.exit(error.exit_code)
+    except (KeyboardInterrupt, click.Abort):
+        click.echo("rocking: interrupted", err=True)
+        sys.exit(130)
+    except MemoryError:
+        click.echo("rocking: out of memory; a smaller --chunk or fewer --workers need less", err=True)
+        sys.exit(1)
+    except BrokenPipeError:
+        # The reader has gone, which ends a pipeline and is no failure; keep the interpreter from flushing into the void.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        sys.exit(0)

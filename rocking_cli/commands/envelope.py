@@ -1,0 +1,60 @@
+"""`rocking envelope`: overturning intervals by frequency, traced or in closed form."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import click
+
+from . import options
+
+
+@click.command(epilog="Example: rocking envelope --eta 0.9 --grid Omega=2:6:5")
+@options.files
+@click.option("--grid", "axes", required=True, metavar="AXIS", help="omega_g=START:STOP:N[:log] (or f_g, T_g), or Omega=….")
+@options.eta
+@options.motion
+@click.option("--a-max", type=float, default=20.0, show_default=True, help="Largest dimensionless amplitude A that is searched.")
+@click.option("--closed-form", is_flag=True, help="The closed-form curves of a sine pulse instead.")
+@options.output_form
+@options.quiet
+@click.pass_context
+def envelope(
+    context: click.Context,
+    files: tuple[str, ...],
+    axes: str,
+    etas: tuple[float, ...],
+    pulse: str,
+    cycles: float,
+    a_max: float,
+    closed_form: bool,
+    form: str | None,
+    quiet: bool,
+) -> None:
+    """Trace every interval of amplitude that overturns, for each frequency.
+
+    A_to is empty where the interval goes on beyond --a-max. No interval wider than 1e-3 in A is missed. For structures
+    with units omega_g [rad/s], a_from and a_to [m/s2] are printed as well.
+    """
+    from ..motions import pulse as named_pulse
+    from ..spectra.envelope import frequency_axis, structure_curves, structure_intervals
+
+    motion = named_pulse(pulse, cycles)
+    axis = frequency_axis(axes)
+    structures = options.structures_of(files, etas)
+    failed = False
+
+    def records() -> Iterator[dict[str, Any]]:
+        nonlocal failed
+        for structure in structures:
+            if closed_form:
+                yield from structure_curves(structure, axis, pulse, cycles)
+                continue
+            for record in structure_intervals(structure, axis, motion, a_max, options.ProgressLine(structure.name, quiet)):
+                failed |= record["mode"] == "failed"
+                yield record
+
+    options.emit(records(), form)
+    if failed:
+        context.exit(4)

@@ -1,0 +1,80 @@
+"""Options that several commands share, each defined once so that it means the same everywhere."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Iterable, Mapping
+from typing import TYPE_CHECKING, Any
+
+import click
+
+if TYPE_CHECKING:
+    from ..structures import RockingParameters
+
+F = Callable[..., Any]
+
+files = click.argument("files", nargs=-1, metavar="[FILE]...")
+json_output = click.option("--json", "form", flag_value="json", help="JSON Lines on standard output.")
+csv_output = click.option("--csv", "form", flag_value="csv", help="CSV on standard output.")
+quiet = click.option("-q", "--quiet", is_flag=True, help="No progress and no summary on standard error.")
+overwrite = click.option("--overwrite", is_flag=True, help="Replace an output that exists.")
+workers = click.option("--workers", type=click.IntRange(1), help="Processes to use (default: all cores).")
+pulse = click.option("--pulse", default="sine", show_default=True, help="Ground motion: sine or cosine.")
+cycles = click.option("--cycles", type=float, default=1.0, show_default=True, help="Cycles of the pulse, in half cycles.")
+eta = click.option(
+    "--eta", "etas", multiple=True, type=click.FloatRange(0.0, 1.0), metavar="ETA",
+    help="A dimensionless oscillator of this restitution instead of FILE; repeatable.",
+)  # fmt: skip
+
+
+def output_form(command: F) -> F:
+    """--json and --csv; without either a table for people."""
+    return json_output(csv_output(command))
+
+
+def motion(command: F) -> F:
+    """--pulse and --cycles."""
+    return pulse(cycles(command))
+
+
+def emit(records: Iterable[Mapping[str, Any]], form: str | None) -> None:
+    """Records on standard output, each as soon as it is there."""
+    from ..reports.tables import lines
+
+    for line in lines(records, form or "table"):
+        click.echo(line)
+
+
+def structures_of(files: tuple[str, ...], etas: tuple[float, ...] = ()) -> list[RockingParameters]:
+    """The structures of the given documents and the dimensionless oscillators of the given restitutions."""
+    return structures_and_texts(files, etas)[0]
+
+
+def structures_and_texts(files: tuple[str, ...], etas: tuple[float, ...] = ()) -> tuple[list[RockingParameters], str]:
+    """The structures, and the text of their documents."""
+    from ..structures import build_structure, read_documents
+    from ..structures.parameters import dimensionless_oscillator
+
+    if not files and not etas:
+        raise click.UsageError("no structure: give FILE (- for standard input), or --eta with a dimensionless grid")
+    documents = [document for path in files for document in read_documents(path)]
+    structures = [build_structure(document) for document in documents]
+    return [*structures, *(dimensionless_oscillator(eta) for eta in etas)], "\n---\n".join(d.text for d in documents)
+
+
+class ProgressLine:
+    """One line on standard error, rewritten; only on a terminal and not with --quiet."""
+
+    def __init__(self, label: str, quiet: bool) -> None:
+        self.label, self.shown = label, not quiet and sys.stderr.isatty()
+
+    def __call__(self, done: int, total: int) -> None:
+        if self.shown:
+            end = "\n" if done == total else ""
+            click.echo(f"\r{self.label}: {done}/{total} ({100 * done // max(1, total)} %)\x1b[K{end}", err=True, nl=False)
+
+
+def note(text: str, quiet: bool) -> None:
+    """A line on standard error, unless --quiet."""
+    if not quiet:
+        click.echo(text, err=True)

@@ -1,0 +1,51 @@
+"""`rocking params`: structure documents to rocking parameters."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import click
+
+from . import options
+
+
+@click.command(epilog="Example: rocking params configs/block.yaml --json | jq .p")
+@options.files
+@click.option("--vary", "vary", multiple=True, metavar="KEY=START:STOP:N", help="A family over this key; repeatable, all combinations.")
+@options.output_form
+@options.quiet
+@click.pass_context
+def params(context: click.Context, files: tuple[str, ...], vary: tuple[str, ...], form: str | None, quiet: bool) -> None:
+    """Derive p, alpha, eta, lambda and a_scale of each structure.
+
+    FILE is a YAML or JSON structure document, - for standard input. Bounds of --vary without a unit take the unit that
+    the document uses for that key. Members of a family without a solution are reported and the rest kept (exit code 4).
+    """
+    from ..structures import build_structure, read_documents
+    from ..structures.family import family, parse_variation
+
+    if not files:
+        raise click.UsageError("no structure: give FILE, or - for standard input")
+    variations = [parse_variation(text) for text in vary]
+    documents = [document for path in files for document in read_documents(path)]
+    faults: list[str] = []
+
+    def records() -> Iterator[dict[str, Any]]:
+        if not variations:
+            for built in [build_structure(document) for document in documents]:
+                yield built.record()
+            return
+        for document in documents:
+            for member in family(document, variations):
+                if member.parameters is None:
+                    faults.append(str(member.fault))
+                    options.note(f"no solution: {member.fault}", quiet)
+                else:
+                    record = member.parameters.record()
+                    clash = {key: f"{key}_varied" if key in record else key for key in member.varied}
+                    yield {**{clash[k]: v for k, v in member.varied.items()}, **record}
+
+    options.emit(records(), form)
+    if faults:
+        context.exit(4)

@@ -1,0 +1,81 @@
+"""`rocking spectrum`: structures over a grid of amplitude and frequency, to an HDF5 file."""
+
+from __future__ import annotations
+
+import shlex
+import sys
+from pathlib import Path
+
+import click
+
+from . import options
+
+
+@click.command(epilog="Example: rocking spectrum configs/block.yaml --grid a_g=0.1g:1g:50,f_g=0.5:5:40 -o block.h5")
+@options.files
+@click.option("--grid", "axes", required=True, metavar="AXES", help="a_g=START:STOP:N[:log],omega_g=… (or f_g, T_g), or A=…,Omega=….")
+@click.option("-o", "--output", required=True, type=click.Path(path_type=Path), help="The HDF5 file to write.")
+@options.eta
+@options.motion
+@click.option("--model", type=click.Choice(["linear"]), default="linear", show_default=True, help="Equation of motion.")
+@click.option("--impacts", is_flag=True, help="Also store the number of impacts during the shaking.")
+@options.workers
+@click.option("--chunk", type=click.IntRange(1), metavar="CELLS", help="Cells in one unit of work.")
+@click.option("--check", type=click.IntRange(0), metavar="N", help="Cells computed again by the independent path (default 16).")
+@options.overwrite
+@click.option("--json", "json_", is_flag=True, help="The closing summary as a JSON record on standard output.")
+@options.quiet
+@click.pass_context
+def spectrum(
+    context: click.Context,
+    files: tuple[str, ...],
+    axes: str,
+    output: Path,
+    etas: tuple[float, ...],
+    pulse: str,
+    cycles: float,
+    model: str,
+    impacts: bool,
+    workers: int | None,
+    chunk: int | None,
+    check: int | None,
+    overwrite: bool,
+    json_: bool,
+    quiet: bool,
+) -> None:
+    """Sweep every structure over a grid and write its rocking spectrum.
+
+    Units: bounds of a_g in m/s2, or with g; omega_g in rad/s, f_g in Hz, T_g in s. A = a_scale a_g/(alpha g) and
+    Omega = omega_g/p are dimensionless. NAME=VALUE gives an axis of one value. The file is OUTPUT.part until complete.
+    """
+    from ..motions import pulse as named_pulse
+    from ..reports.summary import summary_lines
+    from ..reports.tables import json_line
+    from ..spectra.grid import parse_grid
+    from ..spectra.store import check_output
+    from ..spectra.sweep import CHECKED_CELLS, CHUNK_CELLS, write_spectrum
+
+    motion = named_pulse(pulse, cycles)
+    grid = parse_grid(axes)
+    check_output(output, overwrite)
+    structures, texts = options.structures_and_texts(files, etas)
+    summary = write_spectrum(
+        structures,
+        grid,
+        motion,
+        output,
+        workers=workers,
+        chunk_cells=chunk or CHUNK_CELLS,
+        check=CHECKED_CELLS if check is None else check,
+        impacts=impacts,
+        overwrite=overwrite,
+        documents=texts,
+        history=shlex.join(["rocking", *sys.argv[1:]]),
+        progress=options.ProgressLine("spectrum", quiet),
+    )
+    for line in summary_lines(summary, str(output)):
+        options.note(line, quiet)
+    if json_:
+        click.echo(json_line({"output": str(output), **summary.record()}))
+    if summary.failed:
+        context.exit(4)

@@ -1,0 +1,130 @@
+"""Exact flow of the linear rocking oscillator on one side, for drives that are sums of sinusoids and a ramp.
+
+With y = |theta|/alpha on the current side, tau = p t and the outward drive a = -side A s (positive lifts the body),
+
+    y'' = y - 1 + a                                                                  (Eqs. 2.4 and 3.6, dimensionless)
+
+The state after h is written as the present state plus increments, each of which has its leading power of h as a factor:
+y is a small number wherever the motion is small, and a difference of terms of order one would turn it into noise.
+With b = y''(0) and a(h) = a(0) + sum_j [S_j sin(w_j h) - C_j (1 - cos(w_j h))] + r h,
+
+    y(h) = y0 + v0 sinh h + b (cosh h - 1) + sum_j [S_j F3(w_j, h) - C_j F4(w_j, h)] + r (sinh h - h)
+    F3 = (w sinh h - sin(w h)) / (1 + w^2),   F4 = (w^2 (cosh h - 1) - (1 - cos(w h))) / (1 + w^2)
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+Array = np.ndarray
+
+SMALL = 0.5  # below this, max(1, w) h, the differences in F3, F4 are taken from their series
+_TERMS = 8  # terms of that series: the first one left out is below 1e-17 of the sum at SMALL
+
+
+class Point(NamedTuple):
+    """State on an arc: displacement y, velocity v, acceleration b, jerk j, all over alpha and per tau."""
+
+    y: Array
+    v: Array
+    b: Array
+    j: Array
+
+
+class Arc(NamedTuple):
+    """One arc a lane: state at its start and the drive's coefficients, (lanes,) or (harmonics, lanes)."""
+
+    y: Array
+    v: Array
+    b: Array
+    sin: Array  # S_j: coefficient of sin(w h), rate of the outward drive over w
+    cos: Array  # C_j: coefficient of cos(w h) in the outward drive
+    w: Array  # angular frequency over p
+    ramp: Array | None  # r, or None when the motion has no ramp
+
+    def take(self, lanes: Array) -> Arc:
+        """The arcs of some lanes."""
+        return Arc(
+            self.y[lanes],
+            self.v[lanes],
+            self.b[lanes],
+            self.sin[:, lanes],
+            self.cos[:, lanes],
+            self.w[:, lanes],
+            None if self.ramp is None else self.ramp[lanes],
+        )
+
+    def at(self, h: Array) -> Point:
+        """The state after h >= 0 [-], exact up to rounding."""
+        half = np.sinh(0.5 * h)
+        half2 = half * half
+        cosh1 = 2.0 * half2
+        sinh = 2.0 * half * np.sqrt(1.0 + half2)
+        y = self.y + self.v * sinh + self.b * cosh1
+        v = self.v + self.v * cosh1 + self.b * sinh
+        drive, drive_rate = np.zeros_like(h), np.zeros_like(h)
+        for s, c, w in zip(self.sin, self.cos, self.w, strict=True):
+            wh = w * h
+            t = np.tan(0.5 * wh)
+            t2 = t * t
+            sin2 = t2 / (1.0 + t2)  # sin^2 of the half angle
+            cosm = 2.0 * sin2
+            sinw = 2.0 * t / (1.0 + t2)
+            over = 1.0 / (1.0 + w * w)
+            f2 = w * 2.0 * (half2 + sin2) * over
+            f3 = (w * sinh - sinw) * over
+            f4 = (w * w * cosh1 - cosm) * over
+            small = np.flatnonzero(np.maximum(h, wh) < SMALL)
+            if small.size:
+                f3[small], f4[small] = _series(w[small], h[small])
+            y = y + s * f3 - c * f4
+            v = v + s * f2 - c * (w * f3)
+            drive = drive + s * sinw - c * cosm
+            drive_rate = drive_rate + w * (s - s * cosm - c * sinw)
+        if self.ramp is not None:
+            tiny = h < SMALL
+            sinh_h = sinh - h
+            if tiny.any():
+                sinh_h[tiny] = _sinh_minus(h[tiny])
+            y = y + self.ramp * sinh_h
+            v = v + self.ramp * cosh1
+            drive = drive + self.ramp * h
+            drive_rate = drive_rate + self.ramp
+        return Point(y, v, self.b + (y - self.y) + drive, v + drive_rate)
+
+    def drive_change(self, h: Array) -> Array:
+        """a(h) - a(0)."""
+        total = np.zeros_like(h) if self.ramp is None else self.ramp * h
+        for s, c, w in zip(self.sin, self.cos, self.w, strict=True):
+            t = np.tan(0.5 * (w * h))
+            total = total + 2.0 * t * (s - c * t) / (1.0 + t * t)
+        return total
+
+
+def _series(w: Array, h: Array) -> tuple[Array, Array]:
+    """F3 and F4 for small arguments: sum of w h^(2n+1)/(2n+1)! G_n and of w^2 h^(2n)/(2n)! G_(n-1), G_(n+1) = 1 - w^2 G_n."""
+    h2, w2 = h * h, w * w
+    g = np.ones_like(h)
+    odd = w * h * h2 / 6.0
+    even = w2 * h2 * h2 / 24.0
+    f3, f4 = odd.copy(), even.copy()
+    for n in range(2, _TERMS + 1):
+        g = 1.0 - w2 * g
+        odd = odd * (h2 / ((2 * n) * (2 * n + 1)))
+        even = even * (h2 / ((2 * n + 1) * (2 * n + 2)))
+        f3 += odd * g
+        f4 += even * g
+    return f3, f4
+
+
+def _sinh_minus(h: Array) -> Array:
+    """sinh h - h for small h, without the subtraction."""
+    h2 = h * h
+    term = h * h2 / 6.0
+    total = term.copy()
+    for n in range(2, _TERMS + 1):
+        term = term * (h2 / ((2 * n) * (2 * n + 1)))
+        total += term
+    return total

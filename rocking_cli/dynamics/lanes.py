@@ -1,0 +1,82 @@
+"""Lanes of the engine: the state of many rocking bodies, as arrays of one length."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+
+import numpy as np
+
+from ..motions.motion import Segments
+from .flow import Arc
+from .windows import segment_value
+
+Array = np.ndarray
+
+
+@dataclass
+class Lanes:
+    """One body a lane. The side is stored, never inferred from a sign.
+
+    cell: index of the cell; amplitude, omega, eta: its A, Omega, eta; k, u: position in the motion (segment, phase in
+    it); side: +1 or -1; y, v, b: |theta|/alpha on that side and its two derivatives by tau; peak: largest y at a turning
+    point so far; impacts: number so far.
+    """
+
+    cell: Array
+    amplitude: Array
+    omega: Array
+    eta: Array
+    k: Array
+    u: Array
+    side: Array
+    y: Array
+    v: Array
+    b: Array
+    peak: Array
+    impacts: Array
+
+    def take(self, lanes: Array) -> Lanes:
+        """Some of the lanes, copied."""
+        return Lanes(*(getattr(self, f.name)[lanes] for f in fields(self)))
+
+    def join(self, other: Lanes) -> Lanes:
+        """These lanes followed by others."""
+        return Lanes(*(np.concatenate([getattr(self, f.name), getattr(other, f.name)]) for f in fields(self)))
+
+
+def drive_arc(segments: Segments, lanes: Lanes) -> Arc:
+    """The arc that each lane is about to follow: its state and the outward drive's coefficients."""
+    _, sin, cos = segment_value(segments, lanes.k, lanes.u)
+    outward = -lanes.side * lanes.amplitude
+    ramp = outward * segments.slope[lanes.k] * lanes.omega if segments.sloped else None
+    w = segments.frequency[:, lanes.k] * lanes.omega
+    return Arc(lanes.y, lanes.v, lanes.b, outward * cos, outward * sin, w, ramp)
+
+
+def place(segments: Segments, k: Array, u: Array) -> tuple[Array, Array]:
+    """The same position with the phase inside its segment; k is the number of segments at the end of the motion."""
+    last = len(segments)
+    over = np.flatnonzero((k < last) & (u >= segments.length[np.minimum(k, last - 1)]))
+    if over.size:
+        k, u = k.copy(), u.copy()
+    while over.size:
+        u[over] -= segments.length[k[over]]
+        k[over] += 1
+        u[over[k[over] >= last]] = 0.0
+        over = over[(k[over] < last)]
+        over = over[u[over] >= segments.length[k[over]]]
+    return k, u
+
+
+def phase_between(segments: Segments, k: Array, u: Array, to_k: Array, to_u: Array) -> Array:
+    """Phase from one position to a later one, summed over whole segments so that 10^4 cycles lose no digits."""
+    phase = to_u - u
+    at = k
+    behind = np.flatnonzero(at < to_k)
+    if behind.size:
+        at = at.copy()
+    while behind.size:
+        phase[behind] += segments.length[at[behind]]
+        at[behind] += 1
+        behind = behind[at[behind] < to_k[behind]]
+    return phase

@@ -1,0 +1,117 @@
+"""Windows of the drive: stretches of time on which one sign test proves whether y has a root.
+
+On one side y'' - y = a - 1, and the sign of a - 1 decides what y can do:
+
+- **valley**, a < 1: once y has crossed zero downwards y'' = y - (1 - a) stays negative, so y never comes back inside the
+  window. Hence y(end) > 0 proves that there was no impact, and y(end) <= 0 that there was exactly one. Where a falls and
+  then rises once (a valley ends at any inner maximum of a), y' has at most one zero downwards: at most one peak.
+- **ridge**, a >= 1: y is convex while y >= 0. With y' >= 0 at the start nothing can happen; with y' < 0 y has a single
+  minimum, and its sign decides.
+
+A position in the motion is a segment k and the phase u since that segment's start. The boundaries are the crossings of
+a = 1, found in closed form on a monotone segment, and the ends of pieces.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ..motions.motion import Segments
+
+Array = np.ndarray
+
+
+class Windows(NamedTuple):
+    """Where the present window ends, for every lane: segment and phase in it, and whether it is a ridge."""
+
+    k: Array
+    u: Array
+    ridge: Array
+
+
+def crossing(segments: Segments, k: Array, level: Array) -> Array:
+    """Phase u in segment k where s = level, for lanes whose level lies between the segment's end values."""
+    length = segments.length[k]
+    if segments.harmonics == 1 and not segments.sloped:
+        s, c = segments.sin[0, k], segments.cos[0, k]
+        offset = level - (segments.s_start[k] - s)
+        u = _sinusoid_crossing(s, c, offset, segments.s_end[k] > segments.s_start[k]) / segments.frequency[0, k]
+        return np.clip(u, 0.0, length)
+    return _bracketed_crossing(segments, k, level, length)
+
+
+def _sinusoid_crossing(s: Array, c: Array, level: Array, rising: Array) -> Array:
+    """x >= 0 with s cos x + c sin x = level on a monotone stretch that begins at x = 0."""
+    # With s + i c as a vector of length R, R sin(x + f) = level: the angle is arcsin or its supplement. Distances to the
+    # extremum are taken with arctan2 of the complement, which keeps them exact where the level is close to R.
+    radius2 = s * s + c * c
+    beside = np.sqrt(np.maximum(0.0, radius2 - level * level))
+    target = np.arctan2(level, np.where(rising, beside, -beside))
+    x = target - np.arctan2(s, c)
+    return np.where(x < -1e-9, x + 2.0 * np.pi, np.maximum(x, 0.0))
+
+
+def segment_value(segments: Segments, k: Array, u: Array) -> tuple[Array, Array, Array]:
+    """s - s(segment start), and the harmonics' sine and cosine parts (harmonics, lanes), at phase u of segment k."""
+    sin, cos, w = segments.sin[:, k], segments.cos[:, k], segments.frequency[:, k]
+    half = np.tan(0.5 * (w * u))
+    half2 = half * half
+    over = 1.0 / (1.0 + half2)
+    cosm, sinw = 2.0 * half2 * over, 2.0 * half * over
+    change = (cos * sinw - sin * cosm).sum(axis=0)
+    if segments.sloped:
+        change = change + segments.slope[k] * u
+    return change, sin - sin * cosm + cos * sinw, cos - cos * cosm - sin * sinw
+
+
+def _bracketed_crossing(segments: Segments, k: Array, level: Array, length: Array) -> Array:
+    """The crossing on a monotone segment of any shape: Newton's method inside a bracket that only shrinks."""
+    low, high = np.zeros_like(length), length.copy()
+    start, rising = segments.s_start[k], segments.s_end[k] > segments.s_start[k]
+    share = (level - start) / np.where(segments.s_end[k] == start, 1.0, segments.s_end[k] - start)
+    u = np.clip(share, 0.0, 1.0) * length
+    slope, w = segments.slope[k], segments.frequency[:, k]
+    active = np.ones(u.shape, dtype=bool)
+    for _ in range(80):
+        change, _, cos = segment_value(segments, k, u)
+        gap = np.where(rising, 1.0, -1.0) * (start + change - level)
+        rate = np.abs((w * cos).sum(axis=0) + slope)
+        low, high = np.where(gap < 0.0, u, low), np.where(gap < 0.0, high, u)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            newton = u - gap / rate
+        inside = (newton > low) & (newton < high)
+        following = np.where(inside, newton, 0.5 * (low + high))
+        following = np.where(active & (gap != 0.0), following, u)
+        active &= np.abs(following - u) > 2e-16 * length
+        u = following
+        if not active.any():
+            break
+    return u
+
+
+def window_end(segments: Segments, k: Array, u: Array, side: Array, amplitude: Array) -> Windows:
+    """The end of the window that (k, u) lies in; a boundary belongs to the window that it begins."""
+    level = -side / amplitude  # s where a = 1
+    start, end = -side * segments.s_start[k] > 1.0 / amplitude, -side * segments.s_end[k] > 1.0 / amplitude
+    cuts = start != end
+    at = np.where(cuts, crossing(segments, k, np.where(cuts, level, segments.s_start[k])), segments.length[k])
+    before = u < at
+    ridge = np.where(before | ~cuts, start, end)
+    here = cuts & before
+    # Past the crossing (or with none) the window runs to the segment's end, and on into the next segment where that one
+    # continues the closed form and turns the other way.
+    falling = -side * (segments.s_end[k] - segments.s_start[k]) < 0.0
+    goes_on = ~here & segments.joins[k] & (ridge != falling)
+    to_k, to_u = k, np.where(here, at, segments.length[k])
+    lanes = np.flatnonzero(goes_on)
+    if lanes.size:
+        nk = k[lanes] + 1
+        n_end = -side[lanes] * segments.s_end[nk] > 1.0 / amplitude[lanes]
+        n_cuts = ridge[lanes] != n_end
+        n_at = crossing(segments, nk, np.where(n_cuts, level[lanes], segments.s_start[nk]))
+        to_k = k.copy()
+        to_k[lanes] = nk
+        to_u[lanes] = np.where(n_cuts, n_at, segments.length[nk])
+    return Windows(to_k, to_u, ridge)

@@ -1,0 +1,230 @@
+"""A motion: ground acceleration over its amplitude, as exact pieces over the pulse's own phase.
+
+The phase is phi = omega_g t, so that one motion serves every frequency. On a piece
+
+    s(phi) = c0 + c1 (phi - start) + sum_j C_j sin(w_j phi + f_j)
+
+which is a drive for which the linear oscillator has a closed-form flow. `Segments` cuts the pieces where s has an
+extremum, so that s is monotone on each segment: that is what lets the engine prove where a root can and cannot be.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
+
+import numpy as np
+
+from ..errors import MotionError
+
+
+@dataclass(frozen=True)
+class Harmonic:
+    """One sinusoid C sin(w phi + f) of a piece: amplitude C [-], frequency w [multiples of omega_g], phase f [rad]."""
+
+    amplitude: float
+    frequency: float = 1.0
+    phase: float = 0.0
+
+
+@dataclass(frozen=True)
+class Piece:
+    """One exact piece of a motion between two phases [rad]; see the module's formula."""
+
+    start: float
+    stop: float
+    harmonics: tuple[Harmonic, ...] = ()
+    constant: float = 0.0
+    slope: float = 0.0
+
+    def value(self, phase: np.ndarray | float) -> np.ndarray:
+        """s(phase) [-], shape of `phase`."""
+        phase = np.asarray(phase, dtype=float)
+        total = self.constant + self.slope * (phase - self.start)
+        for h in self.harmonics:
+            total = total + h.amplitude * np.sin(h.frequency * phase + h.phase)
+        return np.asarray(total)
+
+    def rate(self, phase: np.ndarray | float) -> np.ndarray:
+        """ds/dphase, shape of `phase`."""
+        phase = np.asarray(phase, dtype=float)
+        total = self.slope + 0.0 * phase
+        for h in self.harmonics:
+            total = total + h.amplitude * h.frequency * np.cos(h.frequency * phase + h.phase)
+        return np.asarray(total)
+
+    def extremes(self) -> list[float]:
+        """Phases strictly inside the piece where s has an extremum, in order."""
+        if not self.harmonics:
+            return []
+        if len(self.harmonics) == 1 and self.slope == 0.0:
+            h = self.harmonics[0]
+            first = np.ceil((h.frequency * self.start + h.phase) / np.pi - 0.5)
+            last = np.floor((h.frequency * self.stop + h.phase) / np.pi - 0.5)
+            found = (((np.arange(first, last + 1) + 0.5) * np.pi - h.phase) / h.frequency).tolist()
+        else:
+            found = self._numerical_extremes()
+        margin = 1e-12 * (self.stop - self.start)
+        return [float(x) for x in found if self.start + margin < x < self.stop - margin]
+
+    def _numerical_extremes(self) -> list[float]:
+        from scipy.optimize import brentq
+
+        fastest = max(h.frequency for h in self.harmonics)
+        count = int(np.ceil((self.stop - self.start) * fastest / (2 * np.pi) * 256)) + 256
+        grid = np.linspace(self.start, self.stop, count)
+        rate = self.rate(grid)
+        changes = np.flatnonzero(np.sign(rate[:-1]) * np.sign(rate[1:]) < 0)
+        roots = [brentq(lambda x: float(self.rate(x)), grid[i], grid[i + 1], xtol=1e-15) for i in changes]
+        return sorted(roots + [float(grid[i]) for i in np.flatnonzero(rate == 0.0)])
+
+
+@dataclass(frozen=True)
+class Segments:
+    """The motion cut into K monotone segments; arrays over segments, `sin`/`cos` over (harmonic, segment).
+
+    `start`, `length` [rad]; `s_start`, `s_end` one-sided values; `sin`, `cos` of each harmonic's argument at the
+    segment's start, times its amplitude; `frequency` (harmonic, segment); `slope`; `joins`: the next segment belongs to
+    the same piece, so one closed form spans both; `later_max`, `later_min`: bounds of s from the segment's start to the
+    end of the motion (at least 0 and at most 0: after the motion the ground is still).
+    """
+
+    start: np.ndarray
+    length: np.ndarray
+    s_start: np.ndarray
+    s_end: np.ndarray
+    sin: np.ndarray
+    cos: np.ndarray
+    frequency: np.ndarray
+    slope: np.ndarray
+    joins: np.ndarray
+    later_max: np.ndarray
+    later_min: np.ndarray
+
+    def __len__(self) -> int:
+        return int(self.start.size)
+
+    @property
+    def harmonics(self) -> int:
+        """Number of sinusoids of the richest piece."""
+        return int(self.sin.shape[0])
+
+    @cached_property
+    def sloped(self) -> bool:
+        """Whether any piece has a term linear in time."""
+        return bool(np.any(self.slope != 0.0))
+
+    @cached_property
+    def steepest(self) -> np.ndarray:
+        """Bound of |ds/dphase| on each segment."""
+        amplitude = np.hypot(self.sin, self.cos)
+        return np.abs(self.slope) + (amplitude * self.frequency).sum(axis=0)
+
+
+@dataclass(frozen=True)
+class Motion:
+    """A named motion: contiguous pieces that begin at phase 0; amplitude 1 scales to a_g.
+
+    Raises MotionError when there is no piece, when pieces overlap or leave a gap, or when a number is not finite.
+    """
+
+    name: str
+    pieces: tuple[Piece, ...]
+
+    def __post_init__(self) -> None:
+        if not self.pieces:
+            raise MotionError(f"motion {self.name!r}: no pieces; a motion needs at least one")
+        at = 0.0
+        for i, piece in enumerate(self.pieces):
+            numbers = [piece.start, piece.stop, piece.constant, piece.slope]
+            numbers += [x for h in piece.harmonics for x in (h.amplitude, h.frequency, h.phase)]
+            if not np.all(np.isfinite(numbers)):
+                raise MotionError(f"motion {self.name!r}: piece {i + 1} holds a number that is not finite")
+            if any(h.frequency <= 0.0 for h in piece.harmonics):
+                raise MotionError(f"motion {self.name!r}: piece {i + 1} has a frequency that is not positive")
+            if abs(piece.start - at) > 1e-12 * max(1.0, at):
+                raise MotionError(
+                    f"motion {self.name!r}: piece {i + 1} begins at {piece.start:g} rad, expected {at:g}: "
+                    "pieces must follow one another without gap or overlap"
+                )
+            if not piece.stop > piece.start:
+                raise MotionError(f"motion {self.name!r}: piece {i + 1} is empty or runs backwards")
+            at = piece.stop
+
+    @property
+    def duration(self) -> float:
+        """Phase at which shaking ends [rad]; the time is duration / omega_g."""
+        return self.pieces[-1].stop
+
+    @property
+    def peak(self) -> float:
+        """max |s| over the motion."""
+        return float(max(self.segments.later_max[0], -self.segments.later_min[0]))
+
+    def value(self, phase: np.ndarray | float) -> np.ndarray:
+        """s(phase) [-], any shape; right-hand values at jumps, zero outside the motion."""
+        phase = np.asarray(phase, dtype=float)
+        result = np.zeros_like(phase)
+        for piece in self.pieces:
+            inside = (phase >= piece.start) & (phase < piece.stop)
+            result = np.where(inside, piece.value(phase), result)
+        return result
+
+    @cached_property
+    def segments(self) -> Segments:
+        """The monotone segments of the motion."""
+        cuts: list[tuple[int, float, float]] = []
+        for i, piece in enumerate(self.pieces):
+            marks = [piece.start, *piece.extremes(), piece.stop]
+            cuts += [(i, a, b) for a, b in pairwise(marks)]
+        index = np.array([c[0] for c in cuts])
+        start, stop = (np.array([c[j] for c in cuts]) for j in (1, 2))
+        count = max(len(p.harmonics) for p in self.pieces)
+        sin, cos = np.zeros((count, start.size)), np.zeros((count, start.size))
+        frequency = np.ones((count, start.size))
+        for i, piece in enumerate(self.pieces):
+            mine = index == i
+            for j, h in enumerate(piece.harmonics):
+                sin[j, mine], cos[j, mine] = _sin_cos(h, start[mine])
+                frequency[j, mine] = h.frequency
+        s_start, s_end = np.empty(start.size), np.empty(start.size)
+        for i, piece in enumerate(self.pieces):
+            mine = index == i
+            s_start[mine], s_end[mine] = _exact_value(piece, start[mine]), _exact_value(piece, stop[mine])
+        high, low = np.maximum(s_start, s_end), np.minimum(s_start, s_end)
+        return Segments(
+            start=start,
+            length=stop - start,
+            s_start=s_start,
+            s_end=s_end,
+            sin=sin,
+            cos=cos,
+            frequency=frequency,
+            slope=np.array([p.slope for p in self.pieces])[index],
+            joins=np.append(index[1:] == index[:-1], False),
+            later_max=np.maximum(0.0, np.maximum.accumulate(high[::-1])[::-1]),
+            later_min=np.minimum(0.0, np.minimum.accumulate(low[::-1])[::-1]),
+        )
+
+
+def _sin_cos(h: Harmonic, phase: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Amplitude times sin and cos of the argument, exact (0 or 1) at quarter turns so that 10^4 cycles do not drift."""
+    argument = h.frequency * phase + h.phase
+    quarter = np.rint(argument / (np.pi / 2))
+    rest = argument - quarter * (np.pi / 2)
+    rest = np.where(np.abs(rest) < 4e-16 * np.maximum(1.0, np.abs(argument)), 0.0, rest)
+    turn = quarter.astype(np.int64) % 4
+    sin, cos = np.sin(rest), np.cos(rest)
+    return (
+        h.amplitude * np.choose(turn, [sin, cos, -sin, -cos]),
+        h.amplitude * np.choose(turn, [cos, -sin, -cos, sin]),
+    )
+
+
+def _exact_value(piece: Piece, phase: np.ndarray) -> np.ndarray:
+    """s(phase) with sin(pi) = 0 and sin(pi/2 + 2 pi k) = 1 to the last bit."""
+    total = piece.constant + piece.slope * (phase - piece.start)
+    for h in piece.harmonics:
+        total = total + _sin_cos(h, phase)[0]
+    return np.asarray(total)

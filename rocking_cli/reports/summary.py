@@ -1,0 +1,25 @@
+"""The closing summary of a sweep, for people."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from ..spectra.sweep import Summary
+
+
+def summary_lines(summary: Summary, output: str) -> Iterator[str]:
+    """What was computed, how long it took, how far it can be trusted, and what was left out."""
+    s, w = summary, summary.work
+    yield f"{output}: {s.cells} cells, {s.structures} structure{'s' if s.structures != 1 else ''}"
+    yield f"run time: {s.run_time:.3g} s, {1e6 * s.time_per_cell:.3g} us a cell, {s.workers} worker{'s' if s.workers != 1 else ''}"
+    if s.checked_cells:
+        agree = "every outcome equal" if not s.misjudged else f"{s.misjudged} OUTCOMES DIFFER"
+        yield f"estimated error: {s.estimated_error:.1e} in theta/alpha, {s.checked_cells} cells computed again by Taylor series, {agree}"
+    else:
+        yield "estimated error: not checked"
+    yield "outcomes: " + ", ".join(f"{n} {flag}" for flag, n in s.outcomes.items() if n)
+    yield (
+        f"left out: {w.no_uplift} cells below uplift not integrated, {w.free_phase} free phases and "
+        f"{w.certain_overturning} certain overturnings closed, {w.rests_skipped} rests skipped, "
+        f"{w.chatters_closed} chatters summed, {s.shared_cells} cells shared between structures"
+    )

@@ -1,0 +1,86 @@
+"""Records on standard output: a table for people, JSON Lines or CSV for programs."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import math
+from collections.abc import Iterable, Iterator, Mapping
+from typing import Any
+
+Record = Mapping[str, Any]
+
+UNITS = {
+    "p": "rad/s", "alpha": "rad", "gravity": "m/s2", "omega_g": "rad/s", "a_g": "m/s2", "a_from": "m/s2", "a_to": "m/s2",
+}  # fmt: skip
+
+
+def json_line(record: Record) -> str:
+    """One JSON object on one line; NaN and infinities become null, which is what JSON knows."""
+    return json.dumps(_plain(record), ensure_ascii=False, allow_nan=False)
+
+
+def csv_lines(records: Iterable[Record]) -> Iterator[str]:
+    """A header and one row a record, columns in order of the first record; lists are written as JSON."""
+    columns: list[str] | None = None
+    for record in records:
+        if columns is None:
+            columns = list(record)
+            yield _csv_row(columns)
+        yield _csv_row([_csv_cell(record.get(c)) for c in columns])
+
+
+def table_lines(records: Iterable[Record], digits: int = 6) -> Iterator[str]:
+    """An aligned table; numbers to `digits` significant digits, to the right; units in the heading."""
+    rows = list(records)
+    if not rows:
+        return
+    columns = [key for key in dict.fromkeys(key for row in rows for key in row) if key != "kind"]
+    heads = [f"{c} [{UNITS[c]}]" if c in UNITS else c for c in columns]
+    cells = [[_text(row.get(c), digits) for c in columns] for row in rows]
+    numeric = [all(isinstance(row.get(c), int | float | None) for row in rows) for c in columns]
+    widths = [max(len(c), *(len(row[i]) for row in cells)) for i, c in enumerate(heads)]
+    for line in [heads, *cells]:
+        parts = [x.rjust(w) if right else x.ljust(w) for x, w, right in zip(line, widths, numeric, strict=True)]
+        yield "  ".join(parts).rstrip()
+
+
+def lines(records: Iterable[Record], form: str) -> Iterator[str]:
+    """Records in the form `json`, `csv` or `table`."""
+    if form == "json":
+        return (json_line(r) for r in records)
+    return csv_lines(records) if form == "csv" else table_lines(records)
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    if isinstance(value, Mapping):
+        return {str(k): _plain(v) for k, v in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(v) for v in value]
+    return value
+
+
+def _csv_row(cells: list[Any]) -> str:
+    out = io.StringIO()
+    csv.writer(out, lineterminator="").writerow(cells)
+    return out.getvalue()
+
+
+def _csv_cell(value: Any) -> Any:
+    value = _plain(value)
+    if isinstance(value, list | dict):
+        return json.dumps(value, ensure_ascii=False)
+    return "" if value is None else value
+
+
+def _text(value: Any, digits: int) -> str:
+    if value is None:
+        return "-"
+    if isinstance(value, float):
+        return f"{value:.{digits}g}"
+    if isinstance(value, list | tuple):
+        return " ".join(_text(v, digits) for v in value)
+    return str(value)

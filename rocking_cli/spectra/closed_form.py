@@ -1,0 +1,148 @@
+"""Overturning curves of a linear block under a sine pulse, in closed form (Fig. 2 left, curves i-iv).
+
+Scalar, with SciPy's root finder; nothing is shared with the engine, which traces the same boundaries from its outcomes.
+With psi = arcsin(1/A) and T = (2 pi - psi)/Omega the state at the end of one cycle, never having come down, is
+
+    x_e = 1 - W cosh T + S sinh T,   v_e = -W sinh T + S cosh T - A Omega/(1 + Omega^2)
+    W = Omega^2/(1 + Omega^2),       S = Omega sqrt(A^2 - 1)/(1 + Omega^2)
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+from scipy.optimize import brentq
+
+CURVES = ("initiation", "no_impact", "after_impact_lower", "after_impact_upper")
+_SCAN = 600  # amplitudes at which the margin's sign is looked at, between initiation and the no-impact curve
+
+
+class CurvePoint(NamedTuple):
+    """One point of a curve: its name, Omega [-] and A [-]."""
+
+    curve: str
+    omega: float
+    amplitude: float
+
+
+def no_impact_amplitude(omega: float, cycles: float = 1.0) -> float:
+    """A from which a body overturns without impact under a sine pulse of one cycle or of half a cycle.
+
+    One cycle: sqrt(A^2-1) - Omega - A exp(-T) = 0; half a cycle: sqrt(A^2-1) - Omega + A exp(-(pi-psi)/Omega) = 0.
+    Raises ValueError for other numbers of cycles.
+    """
+    if cycles not in (0.5, 1.0):
+        raise ValueError("the closed form holds for a sine of 0.5 or 1 cycle")
+    sign, end = (-1.0, 2.0 * math.pi) if cycles == 1.0 else (1.0, math.pi)
+
+    def margin(a: float) -> float:
+        decay = math.exp(-(end - math.asin(1.0 / a)) / omega)
+        return math.sqrt((a - 1.0) * (a + 1.0)) - omega + sign * a * decay
+
+    high = 2.0 + omega
+    while margin(high) <= 0.0:
+        high *= 2.0
+    return float(brentq(margin, 1.0, high, xtol=1e-15, rtol=8.9e-16, maxiter=500)) if margin(1.0) < 0.0 else 1.0
+
+
+class _FirstSide(NamedTuple):
+    """The motion on the side of the first uplift, tau = 0 at uplift; q sin is the particular solution."""
+
+    amplitude: float
+    omega: float
+
+    @property
+    def psi(self) -> float:
+        return math.asin(1.0 / self.amplitude)
+
+    @property
+    def duration(self) -> float:
+        return (2.0 * math.pi - self.psi) / self.omega
+
+    def state(self, t: float) -> tuple[float, float]:
+        a, w = self.amplitude, self.omega
+        big = w**2 / (1.0 + w**2)
+        s, q = w * math.sqrt((a - 1.0) * (a + 1.0)) / (1.0 + w**2), a / (1.0 + w**2)
+        phase = self.psi + w * t
+        x = 1.0 - big * math.cosh(t) + s * math.sinh(t) - q * math.sin(phase)
+        v = -big * math.sinh(t) + s * math.cosh(t) - q * w * math.cos(phase)
+        return x, v
+
+    def impact(self) -> float | None:
+        """Time of the impact inside the pulse, None where there is none; NaN where the motion drowns in rounding."""
+        if self.state(self.duration)[0] > 0.0:
+            return None
+        below = (math.pi - 2.0 * self.psi) / self.omega  # the drive has fallen below 1: from here a fall is for good
+        if self.state(below)[0] <= 0.0:
+            return math.nan
+        return float(brentq(lambda t: self.state(t)[0], below, self.duration, xtol=1e-15, rtol=8.9e-16, maxiter=500))
+
+
+def after_impact_margin(amplitude: float, omega: float, eta: float) -> float:
+    """Positive where a body overturns after one impact under a one-cycle sine: the unstable mode after that impact.
+
+    Impact after the pulse: eta sqrt(1 + v_e^2 - (1 - x_e)^2) - 1, on still ground; inside the pulse: x - 1 + v at its end.
+    """
+    first = _FirstSide(amplitude, omega)
+    at = first.impact()
+    if at is None:
+        x_e, v_e = first.state(first.duration)
+        return eta * math.sqrt(max(0.0, 1.0 + v_e**2 - (1.0 - x_e) ** 2)) - 1.0
+    if math.isnan(at):  # A so close to 1 does not overturn
+        return -1.0
+    rest, phase = first.duration - at, first.psi + omega * at
+    # On the other side x'' = x - 1 - A sin(phase + Omega t): unstable mode at the end of the pulse.
+    drive = amplitude * (omega * math.cos(phase) + math.sin(phase) - omega * math.exp(-rest)) / (1.0 + omega**2)
+    return math.exp(rest) * (-eta * first.state(at)[1] - 1.0 - drive)
+
+
+def _single_impact(amplitude: float, omega: float, eta: float) -> bool:
+    """Whether the body stays up after its impact until the pulse ends; where it does not, the curve does not exist."""
+    first = _FirstSide(amplitude, omega)
+    at = first.impact()
+    if at is None:
+        return True
+    t = np.linspace(0.0, first.duration - at, 4001)[1:]
+    phase, q, speed = first.psi + omega * at, amplitude / (1.0 + omega**2), -eta * first.state(at)[1]
+    sine, cosine = q * math.sin(phase), q * omega * math.cos(phase)
+    x = 1.0 + (-1.0 - sine) * np.cosh(t) + (speed - cosine) * np.sinh(t) + q * np.sin(phase + omega * t)
+    return bool(np.all(x > 0.0))
+
+
+def after_impact_amplitudes(omega: float, eta: float) -> list[float]:
+    """The amplitudes, rising, at which overturning after exactly one impact begins and ends below the no-impact curve.
+
+    Roots at which the body comes down again before the pulse ends are left out. At low Omega overturning after two or more
+    impacts begins below these curves; the traced envelope shows it.
+    """
+    top = no_impact_amplitude(omega)
+    if top <= 1.0:
+        return []
+    span = 1.0 + (top - 1.0) * np.linspace(1e-9, 1.0, _SCAN)
+    signs = [after_impact_margin(float(a), omega, eta) > 0.0 for a in span]
+    roots = [
+        float(brentq(after_impact_margin, a, b, args=(omega, eta), xtol=1e-15, rtol=8.9e-16, maxiter=500))
+        for a, b, before, after in zip(span[:-1], span[1:], signs[:-1], signs[1:], strict=True)
+        if before != after
+    ]
+    return [a for a in roots if _single_impact(a, omega, eta)]
+
+
+def closed_form_curves(omegas: np.ndarray, eta: float, cycles: float = 1.0) -> list[CurvePoint]:
+    """The curves of Fig. 2 (left) at these Omega [-], for a restitution eta; half a cycle has the first two only.
+
+    Raises ValueError when there is no closed form for this number of cycles.
+    """
+    curves: dict[str, Callable[[float], list[float]]] = {
+        "initiation": lambda _: [1.0],
+        "no_impact": lambda omega: [no_impact_amplitude(omega, cycles)],
+    }
+    points = [CurvePoint(name, float(omega), a) for name, curve in curves.items() for omega in omegas for a in curve(float(omega))]
+    if cycles == 1.0:
+        roots = [(float(omega), after_impact_amplitudes(float(omega), eta)) for omega in omegas]
+        points += [CurvePoint("after_impact_lower", omega, a[0]) for omega, a in roots if a]
+        points += [CurvePoint("after_impact_upper", omega, a[1]) for omega, a in roots if len(a) > 1]
+    return points

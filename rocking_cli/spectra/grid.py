@@ -1,0 +1,154 @@
+"""The grid of a sweep: an amplitude axis and a frequency axis, with units or dimensionless."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..errors import UsageError
+from ..structures.parameters import RockingParameters
+from ..structures.quantities import parse_quantity
+
+MAX_CELLS = 10**10
+MAX_VALUES = 10**7
+
+_AXES = {
+    "A": ("A", "number"),
+    "Omega": ("Omega", "number"),
+    "a_g": ("a_g", "acceleration"),
+    "omega_g": ("omega_g", "angular frequency"),
+    "f_g": ("omega_g", "frequency"),
+    "T_g": ("omega_g", "time"),
+}
+_FORM = "NAME=START:STOP:N[:log] or NAME=VALUE"
+UNITS = {"A": "1", "Omega": "1", "a_g": "m s-2", "omega_g": "rad s-1"}
+LONG_NAMES = {
+    "A": "dimensionless amplitude a_scale a_g / (alpha g)",
+    "Omega": "dimensionless frequency omega_g / p",
+    "a_g": "amplitude of ground acceleration",
+    "omega_g": "angular frequency of ground motion",
+}
+
+
+@dataclass(frozen=True, eq=False)
+class Axis:
+    """One axis: its name in the file (`A`, `a_g`, `Omega`, `omega_g`) and its values in SI units, rising."""
+
+    name: str
+    values: np.ndarray
+
+    def __post_init__(self) -> None:
+        v = self.values
+        if self.name not in UNITS:
+            raise UsageError(f"axis {self.name!r} is not one of {', '.join(UNITS)}")
+        if v.ndim != 1 or not v.size or not np.all(np.isfinite(v)) or np.any(np.diff(v) <= 0.0):
+            raise UsageError(f"axis {self.name}: its values must be finite and rise")
+        lowest_fits = v[0] >= 0.0 if self.name in ("A", "a_g") else v[0] > 0.0
+        if not lowest_fits:
+            raise UsageError(f"axis {self.name}: its values must be positive{', or zero' if self.name in ('A', 'a_g') else ''}")
+
+
+@dataclass(frozen=True, eq=False)
+class Grid:
+    """Amplitudes and frequencies: both dimensionless (A, Omega) or both with units (a_g [m/s2], omega_g [rad/s])."""
+
+    amplitude: Axis
+    frequency: Axis
+
+    def __post_init__(self) -> None:
+        if (self.amplitude.name, self.frequency.name) not in (("A", "Omega"), ("a_g", "omega_g")):
+            raise UsageError(
+                f"axes {self.amplitude.name} and {self.frequency.name} do not go together: give A and Omega, or a_g and omega_g"
+            )
+
+    @property
+    def dimensionless(self) -> bool:
+        """Whether the axes are A and Omega."""
+        return self.amplitude.name == "A"
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """(frequencies, amplitudes)."""
+        return self.frequency.values.size, self.amplitude.values.size
+
+    def scaled(self, structure: RockingParameters) -> tuple[np.ndarray, np.ndarray]:
+        """(A, Omega) values of the axes for one structure."""
+        if self.dimensionless:
+            return self.amplitude.values, self.frequency.values
+        return structure.dimensionless_amplitude(self.amplitude.values), self.frequency.values / structure.p
+
+
+def parse_axes(text: str) -> dict[str, Axis]:
+    """Axes by name from `a_g=0.1g:1g:50,omega_g=1:20:40:log` and the like. Raises UsageError."""
+    axes: dict[str, Axis] = {}
+    for part in text.split(","):
+        key, equals, span = part.strip().partition("=")
+        if not equals or not span:
+            raise UsageError(f"--grid: found {part.strip()!r}; accepted is {_FORM}, axes parted by commas")
+        if key not in _AXES:
+            raise UsageError(f"--grid: unknown axis {key!r}; accepted are {', '.join(_AXES)}")
+        name, dimension = _AXES[key]
+        values = _span(key, span, dimension)
+        if key == "f_g":
+            values = 2.0 * math.pi * values
+        elif key == "T_g":
+            with np.errstate(divide="ignore"):
+                values = (2.0 * math.pi / values)[::-1]
+        if name in axes:
+            raise UsageError(f"--grid: axis {name} is given twice")
+        axes[name] = Axis(name, values)
+    return axes
+
+
+def parse_grid(text: str, structures: int = 1) -> Grid:
+    """The grid of `--grid`: two axes, both with units or both dimensionless. Raises UsageError."""
+    axes = parse_axes(text)
+    pairs = [(a, f) for a, f in (("A", "Omega"), ("a_g", "omega_g")) if set(axes) == {a, f}]
+    if not pairs:
+        found = " and ".join(axes)
+        raise UsageError(f"--grid: found {found}; accepted are A and Omega, or a_g and one of omega_g, f_g, T_g")
+    grid = Grid(axes[pairs[0][0]], axes[pairs[0][1]])
+    cells = grid.shape[0] * grid.shape[1] * max(1, structures)
+    if cells > MAX_CELLS:
+        raise UsageError(
+            f"--grid: {cells:.3g} cells ({9e-9 * cells:.3g} GB) are more than the {MAX_CELLS:.0e} accepted in one file; split the grid"
+        )
+    return grid
+
+
+def parse_span(key: str, span: str, dimension: str) -> np.ndarray:
+    """Values of START:STOP:N[:log], or of a single VALUE. Raises UsageError; bounds need not be positive."""
+    parts = span.split(":")
+    if len(parts) not in (1, 3, 4) or (len(parts) == 4 and parts[3] != "log"):
+        raise UsageError(f"{key}: found {span!r}; accepted is START:STOP:N[:log] or a single VALUE")
+    bounds = []
+    for part in parts[:2]:
+        try:
+            bounds.append(parse_quantity(part, dimension))
+        except ValueError as error:
+            raise UsageError(f"{key}: found {part!r}; accepted is {error}") from None
+    if len(parts) == 1:
+        return np.array(bounds)
+    start, stop = bounds
+    if not parts[2].strip().isdigit() or not 2 <= int(parts[2]) <= MAX_VALUES:
+        raise UsageError(
+            f"{key}: found N = {parts[2]!r}; accepted is a whole number from 2 to {MAX_VALUES} (a single value is written {key}=VALUE)"
+        )
+    if start == stop:
+        raise UsageError(f"{key}: START and STOP are both {parts[0]}; a single value is written {key}={parts[0]}")
+    if start > stop:
+        raise UsageError(f"{key}: runs backwards from {parts[0]} to {parts[1]}; accepted is START below STOP")
+    if len(parts) == 4:
+        if start <= 0.0:
+            raise UsageError(f"{key}: a logarithmic axis begins above zero, found {parts[0]}")
+        return np.asarray(np.geomspace(start, stop, int(parts[2])))
+    return np.linspace(start, stop, int(parts[2]))
+
+
+def _span(key: str, span: str, dimension: str) -> np.ndarray:
+    values = parse_span(f"--grid {key}", span, dimension)
+    if values[0] < 0.0 or (values[0] == 0.0 and key not in ("A", "a_g")):
+        raise UsageError(f"--grid {key}: found {span!r}; accepted are positive values{' or zero' if key in ('A', 'a_g') else ''}")
+    return values

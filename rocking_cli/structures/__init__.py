@@ -1,0 +1,42 @@
+"""What rocks: from structure documents to rocking parameters. A new kind is one file and one line in KINDS."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from pathlib import Path
+
+from ..errors import DocumentError
+from . import block, parameters, point_mass, spire
+from .document import Document, parse_documents, read_documents
+from .parameters import RockingParameters
+
+KINDS: dict[str, Callable[[Document, str], RockingParameters]] = {
+    "block": block.build,
+    "point_mass": point_mass.build,
+    "spire": spire.build,
+    "parameters": parameters.build,
+}
+
+
+def build_structure(document: Document) -> RockingParameters:
+    """The rocking parameters of one document. Raises DocumentError, which names the file, line, key and what is accepted."""
+    kind = document.choice("kind", list(KINDS))
+    stem = "structure" if document.source.startswith("<") else Path(document.source).stem
+    name = document.word("name", stem if document.index == 0 else f"{stem}-{document.index + 1}")
+    try:
+        built = KINDS[kind](document, name)
+    except (ValueError, OverflowError, ZeroDivisionError) as error:
+        raise DocumentError(f"{document.place}: {kind}: {error}") from None
+    document.finish()
+    return built
+
+
+def load_structures(paths: Iterable[str | Path]) -> list[RockingParameters]:
+    """The rocking parameters of every document in these files, in order; `-` is standard input.
+
+    Raises UsageError for a file that cannot be read and DocumentError for a document that is not valid.
+    """
+    return [build_structure(document) for path in paths for document in read_documents(path)]
+
+
+__all__ = ["KINDS", "Document", "RockingParameters", "build_structure", "load_structures", "parse_documents", "read_documents"]

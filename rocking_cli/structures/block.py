@@ -1,0 +1,14 @@
+"""The rigid rectangular block (Fig. 1 left, Eqs. 2.1-2.6)."""
+
+from __future__ import annotations
+
+from .document import Document
+from .parameters import RockingParameters
+from .rigid import radius_and_alpha, rigid_body
+
+
+def build(document: Document, name: str) -> RockingParameters:
+    """width and height are full dimensions, radius half the diagonal: p^2 = 3g/(4R), eta = 1 - 3/2 sin^2 alpha."""
+    radius, alpha = radius_and_alpha(document, 0.5, 0.5)
+    limit = "a block with alpha up to 54.7 deg (width/height up to 1.414)"
+    return rigid_body(document, "block", name, radius=radius, alpha=alpha, inertia=4.0 / 3.0, limit=limit)

@@ -1,0 +1,273 @@
+"""Structure documents: YAML or JSON text to checked values, with the place of every fault.
+
+PyYAML's composer gives the nodes and their places; scalars keep their text and are read by our own rules, which closes
+YAML 1.1's surprises (`1e-3` a string, `010` eight, `no` a boolean, `1:30` ninety).
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import sys
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field, replace
+from difflib import get_close_matches
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from ..errors import DocumentError, UsageError
+from .quantities import accepted, parse_quantity, split_quantity
+
+
+@dataclass(frozen=True)
+class Place:
+    """Where a key or a value stands."""
+
+    source: str
+    line: int
+    column: int
+
+    def __str__(self) -> str:
+        return f"{self.source}:{self.line}:{self.column}" if self.line else self.source
+
+
+@dataclass(frozen=True)
+class Value:
+    """A node's content: a scalar's text, a list of values, or a mapping (kept only to be refused or passed on)."""
+
+    content: str | list[Value] | dict[str, Value]
+    place: Place
+    quoted: bool = False
+
+    def __str__(self) -> str:
+        if isinstance(self.content, str):
+            return json.dumps(self.content, ensure_ascii=False) if self.quoted or not self.content else self.content
+        return "a list" if isinstance(self.content, list) else "a mapping"
+
+    def plain(self) -> Any:
+        """As JSON would hold it."""
+        if isinstance(self.content, list):
+            return [v.plain() for v in self.content]
+        if isinstance(self.content, dict):
+            return {k: v.plain() for k, v in self.content.items()}
+        if self.quoted:
+            return self.content
+        parts = split_quantity(self.content)
+        if parts and not parts[1]:
+            return parts[0]
+        return {"null": None, "~": None, "": None, "true": True, "false": False}.get(self.content, self.content)
+
+
+@dataclass
+class Document:
+    """One structure document: values by key, read once each; `finish` refuses the keys that nobody asked for."""
+
+    source: str
+    place: Place
+    values: dict[str, Value]
+    keys: dict[str, Place]
+    index: int = 0
+    text: str = ""
+    asked: set[str] = field(default_factory=set)
+
+    def has(self, key: str) -> bool:
+        """Whether the key is there (and not null)."""
+        self.asked.add(key)
+        value = self.values.get(key)
+        return value is not None and (value.quoted or value.content not in ("", "~", "null"))
+
+    def fault(self, key: str | None, found: str, wanted: str) -> DocumentError:
+        """The error for a key: file, line, column, key, what was found and what is accepted."""
+        place = self.place
+        if key is not None and key in self.keys:
+            place = self.values[key].place if key in self.values else self.keys[key]
+        return DocumentError(f"{place}: {key + ': ' if key else ''}found {found}; accepted is {wanted}")
+
+    def missing(self, key: str, wanted: str) -> DocumentError:
+        """The error for a required key that is not there, or is there under a misspelt name."""
+        for other in get_close_matches(key, [k for k in self.keys if k not in self.asked], n=1, cutoff=0.75):
+            return DocumentError(f"{self.keys[other]}: unknown key {other!r} (did you mean {key!r}?)")
+        return DocumentError(f"{self.place}: no key {key!r}; accepted is {key}: {wanted}")
+
+    def quantity(
+        self,
+        key: str,
+        dimension: str,
+        *,
+        above: float = -math.inf,
+        below: float = math.inf,
+        least: float = -math.inf,
+        most: float = math.inf,
+        where: str = "",
+    ) -> float:
+        """The SI value of a required key; DocumentError when it is absent, has the wrong unit or is out of range."""
+        if not self.has(key):
+            raise self.missing(key, accepted(dimension))
+        value = self.values[key]
+        if not isinstance(value.content, str):
+            raise self.fault(key, str(value), accepted(dimension))
+        try:
+            number = parse_quantity(value.content, dimension)
+        except ValueError as error:
+            raise self.fault(key, str(value), str(error)) from None
+        if not (above < number < below and least <= number <= most):
+            raise self.fault(key, str(value), where or _range_text(above, below, least, most))
+        return number
+
+    def length(self, key: str) -> float:
+        """A positive length [m]."""
+        return self.quantity(key, "length", above=0.0, where="a positive length")
+
+    def choice(self, key: str, options: Sequence[str], default: str | None = None) -> str:
+        """One of the given words."""
+        if not self.has(key):
+            if default is None:
+                raise self.missing(key, f"one of {', '.join(options)}")
+            return default
+        value = self.values[key]
+        if value.content not in options:
+            raise self.fault(key, str(value), f"one of {', '.join(options)}{_did_you_mean(str(value.content), options)}")
+        return str(value.content)
+
+    def integer(self, key: str, least: int, most: int) -> int:
+        """A whole number in a range."""
+        number = self.quantity(key, "number", least=least, most=most, where=f"a whole number from {least} to {most}")
+        if number != int(number):
+            raise self.fault(key, str(self.values[key]), f"a whole number from {least} to {most}")
+        return int(number)
+
+    def word(self, key: str, default: str) -> str:
+        """Any non-empty text."""
+        if not self.has(key):
+            return default
+        content = self.values[key].content
+        if not isinstance(content, str) or not content.strip():
+            raise self.fault(key, str(self.values[key]), "a text")
+        return content
+
+    def finish(self) -> None:
+        """Refuse the keys that no reader asked for."""
+        for key, place in self.keys.items():
+            if key not in self.asked:
+                known = sorted(self.asked)
+                raise DocumentError(
+                    f"{place}: unknown key {key!r}{_did_you_mean(key, known)}; accepted for this kind are {', '.join(known)}"
+                )
+
+    def with_value(self, key: str, text: str, source: str) -> Document:
+        """The same document with one value replaced or added."""
+        place = Place(source, 0, 0)
+        values = {**self.values, key: Value(text, place)}
+        return replace(self, values=values, keys={**self.keys, key: place}, asked=set())
+
+
+def _range_text(above: float, below: float, least: float, most: float) -> str:
+    low = f"above {above:g}" if above > -math.inf else f"at least {least:g}" if least > -math.inf else ""
+    high = f"below {below:g}" if below < math.inf else f"at most {most:g}" if most < math.inf else ""
+    return "a value " + " and ".join(x for x in (low, high) if x)
+
+
+def _did_you_mean(word: str, known: Iterable[str]) -> str:
+    close = get_close_matches(word, list(known), n=1, cutoff=0.6)
+    return f" (did you mean {close[0]!r}?)" if close else ""
+
+
+def read_documents(path: str | Path) -> list[Document]:
+    """All documents of a YAML or JSON file, `-` for standard input.
+
+    Raises UsageError when the file cannot be read and DocumentError when it holds no valid document.
+    """
+    source = str(path)
+    try:
+        if source == "-":
+            source, raw = "<stdin>", sys.stdin.buffer.read()
+        else:
+            raw = Path(path).read_bytes()
+    except OSError as error:
+        raise UsageError(f"{source}: cannot be read: {error.strerror or error}") from None
+    try:
+        text = raw.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise DocumentError(f"{source}: not a text in UTF-8 (byte {error.start})") from None
+    return parse_documents(text, source)
+
+
+def parse_documents(text: str, source: str = "<text>") -> list[Document]:
+    """All documents of a text: YAML documents, or JSON objects one after the other. Raises DocumentError."""
+    nodes = _compose_json(text, source) if text.lstrip().startswith("{") else _compose_yaml(text, source, 0)
+    documents = [_document(node, source, i, first) for i, (node, first) in enumerate(nodes)]
+    if not documents:
+        raise DocumentError(f"{source}: empty; accepted is a structure document, such as `kind: block` with width and height")
+    return documents
+
+
+def _compose_yaml(text: str, source: str, first: int) -> list[tuple[yaml.Node, int]]:
+    try:
+        return [(node, first) for node in yaml.compose_all(text, Loader=yaml.SafeLoader) if node is not None]
+    except yaml.MarkedYAMLError as error:
+        mark = error.problem_mark or error.context_mark
+        place = f"{source}:{first + mark.line + 1}:{mark.column + 1}" if mark else source
+        raise DocumentError(f"{place}: not valid YAML: {error.problem or error.context}") from None
+    except yaml.YAMLError as error:
+        raise DocumentError(f"{source}: not valid YAML: {' '.join(str(error).split())}") from None
+    except RecursionError:
+        raise DocumentError(f"{source}: nested too deeply to be a structure document") from None
+
+
+def _compose_json(text: str, source: str) -> list[tuple[yaml.Node, int]]:
+    """JSON objects one after the other: JSON's own grammar decides, YAML's composer (JSON is its subset) gives places."""
+    nodes: list[tuple[yaml.Node, int]] = []
+    decoder, at = json.JSONDecoder(), _after_blanks(text, 0)
+    while at < len(text):
+        try:
+            _, end = decoder.raw_decode(text, at)
+        except json.JSONDecodeError as error:
+            if not nodes:  # a YAML flow mapping may begin with a brace too
+                return _compose_yaml(text, source, 0)
+            raise DocumentError(f"{source}:{error.lineno}:{error.colno}: not valid JSON: {error.msg}") from None
+        except RecursionError:
+            raise DocumentError(f"{source}: nested too deeply to be a structure document") from None
+        nodes += _compose_yaml(text[at:end].replace("\t", " "), source, text.count("\n", 0, at))
+        at = _after_blanks(text, end)
+    return nodes
+
+
+def _after_blanks(text: str, at: int) -> int:
+    while at < len(text) and text[at].isspace():
+        at += 1
+    return at
+
+
+def _document(node: yaml.Node, source: str, index: int, first: int) -> Document:
+    value = _value(node, source, first, 0)
+    if not isinstance(value.content, dict):
+        raise DocumentError(f"{value.place}: found {value}; accepted is a mapping of keys to values, such as `kind: block`")
+    keys = {str(key.value): _place(key, source, first) for key, _ in node.value}
+    mark = node.start_mark
+    text = mark.buffer[mark.pointer : node.end_mark.pointer] if mark.buffer else ""
+    return Document(source, value.place, value.content, keys, index, text.rstrip("\0").strip())
+
+
+def _place(node: yaml.Node, source: str, first: int) -> Place:
+    return Place(source, first + node.start_mark.line + 1, node.start_mark.column + 1)
+
+
+def _value(node: yaml.Node, source: str, first: int, depth: int) -> Value:
+    place = _place(node, source, first)
+    if depth > 20:
+        raise DocumentError(f"{place}: nested too deeply to be a structure document")
+    if isinstance(node, yaml.ScalarNode):
+        return Value(node.value, place, quoted=node.style is not None)
+    if isinstance(node, yaml.SequenceNode):
+        return Value([_value(child, source, first, depth + 1) for child in node.value], place)
+    content: dict[str, Value] = {}
+    for key, child in node.value:
+        where = _place(key, source, first)
+        if not isinstance(key, yaml.ScalarNode):
+            raise DocumentError(f"{where}: a key must be a word")
+        if key.value in content:
+            raise DocumentError(f"{where}: duplicate key {key.value!r}, first given at line {content[key.value].place.line}")
+        content[key.value] = _value(child, source, first, depth + 1)
+    return Value(content, place)

@@ -1,0 +1,94 @@
+"""Families of structures: one document with some of its values varied over all combinations (Figs. 4 and 6)."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator, Sequence
+from typing import Any, NamedTuple
+
+from ..errors import DocumentError, UsageError
+from .document import Document
+from .parameters import RockingParameters
+from .quantities import split_quantity
+
+MAX_MEMBERS = 1_000_000
+
+
+class Variation(NamedTuple):
+    """One key and the numbers it takes; `unit` is the text after each number, None for the document's own unit."""
+
+    key: str
+    values: tuple[float, ...]
+    unit: str | None
+
+
+class Member(NamedTuple):
+    """One member of a family: the varied values, and its parameters or the reason why it has none."""
+
+    varied: dict[str, float]
+    parameters: RockingParameters | None
+    fault: str | None
+
+
+def parse_variation(text: str) -> Variation:
+    """`KEY=START:STOP:N`; bounds may carry a unit, bare bounds take the unit that the document uses for the key.
+
+    Raises UsageError.
+    """
+    key, equals, span = text.partition("=")
+    parts = span.split(":")
+    wrong = UsageError(f"--vary: found {text!r}; accepted is KEY=START:STOP:N, such as thickness=1.2:2.0:9 or angle=150deg:180deg:31")
+    if not equals or not key.strip() or len(parts) != 3:
+        raise wrong
+    low, high = split_quantity(parts[0]), split_quantity(parts[1])
+    if low is None or high is None:
+        raise wrong
+    (start, unit), (stop, other) = low, high
+    if unit != other and unit and other:
+        raise UsageError(f"--vary {key}: bounds in {unit} and {other}; accepted is one unit for both")
+    if not parts[2].strip().isdigit() or int(parts[2]) < 1:
+        raise UsageError(f"--vary {key}: found N = {parts[2]!r}; accepted is a whole number from 1")
+    count = int(parts[2])
+    if count > MAX_MEMBERS:
+        raise UsageError(f"--vary {key}: {count} values, accepted are up to {MAX_MEMBERS}")
+    if count == 1 and start != stop:
+        raise UsageError(f"--vary {key}: one value from {start:g} to {stop:g}; give N of 2 or more, or equal bounds")
+    step = (stop - start) / max(1, count - 1)
+    values = tuple(stop if i == count - 1 else start + i * step for i in range(count))
+    return Variation(key.strip(), values, unit or other or None)
+
+
+def family(document: Document, variations: Sequence[Variation]) -> Iterator[Member]:
+    """Every combination of the varied values, the last varying fastest. A member that has no solution says why.
+
+    Raises UsageError when a key is varied twice or there are too many members, DocumentError for a key that is unknown.
+    """
+    from . import build_structure
+
+    keys = [v.key for v in variations]
+    if len(set(keys)) < len(keys):
+        raise UsageError("--vary: a key is varied twice")
+    count = 1
+    for variation in variations:
+        count *= len(variation.values)
+    if count > MAX_MEMBERS:
+        raise UsageError(f"--vary: {count} structures, accepted are up to {MAX_MEMBERS}")
+    units = [v.unit if v.unit is not None else _own_unit(document, v.key) for v in variations]
+    for values in itertools.product(*(v.values for v in variations)):
+        varied = document
+        for variation, value, unit in zip(variations, values, units, strict=True):
+            text = f"{value!r} {unit}".strip()
+            varied = varied.with_value(variation.key, text, f"{document.source} with {variation.key}={text}")
+        labels: dict[str, Any] = dict(zip(keys, values, strict=True))
+        try:
+            yield Member(labels, build_structure(varied), None)
+        except DocumentError as error:
+            if any(key not in varied.asked for key in keys):
+                raise
+            yield Member(labels, None, str(error))
+
+
+def _own_unit(document: Document, key: str) -> str:
+    value = document.values.get(key)
+    parts = split_quantity(value.content) if value is not None and isinstance(value.content, str) else None
+    return parts[1] if parts else ""

@@ -1,0 +1,13 @@
+"""A point mass on rigid struts (Fig. 1 right): p^2 = g/R1, eta = 1 - 2 sin^2 alpha."""
+
+from __future__ import annotations
+
+from .document import Document
+from .parameters import RockingParameters
+from .rigid import radius_and_alpha, rigid_body
+
+
+def build(document: Document, name: str) -> RockingParameters:
+    """width: distance of the two supports; height: of the mass above them; or radius, the strut, and alpha."""
+    radius, alpha = radius_and_alpha(document, 0.5, 1.0)
+    return rigid_body(document, "point_mass", name, radius=radius, alpha=alpha, inertia=1.0, limit="a point mass with alpha up to 45 deg")

@@ -1,0 +1,56 @@
+"""Numbers with units, as people write them: `157.5 deg`, `25 mm`, `0.3 g`; a bare number is SI."""
+
+from __future__ import annotations
+
+import math
+import re
+
+STANDARD_GRAVITY = 9.81  # m/s^2, the unit `g` and the default gravity of every structure (the paper's value)
+
+UNITS: dict[str, dict[str, float]] = {
+    "length": {"m": 1.0, "mm": 1e-3, "cm": 1e-2, "km": 1e3, "in": 0.0254, "ft": 0.3048},
+    "angle": {"rad": 1.0, "deg": math.pi / 180.0, "°": math.pi / 180.0, "mrad": 1e-3},
+    "acceleration": {
+        **dict.fromkeys(("m/s2", "m/s^2", "m/s²", "m/s**2", "m s-2"), 1.0),
+        **dict.fromkeys(("cm/s2", "cm/s^2", "cm/s²", "gal"), 1e-2),
+        "g": STANDARD_GRAVITY,
+    },
+    "frequency parameter": {"rad/s": 1.0, "1/s": 1.0, "rad s-1": 1.0},
+    "angular frequency": {"rad/s": 1.0, "1/s": 1.0, "rad s-1": 1.0},
+    "frequency": {"Hz": 1.0, "1/s": 1.0},
+    "time": {"s": 1.0, "ms": 1e-3},
+    "number": {},
+}
+
+_NUMBER = r"[+-]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d+)?"
+_QUANTITY = re.compile(rf"\s*({_NUMBER})\s*(.*?)\s*\Z", re.DOTALL)
+
+
+def split_quantity(text: str) -> tuple[float, str] | None:
+    """(number, unit text) of a quantity, or None when it does not begin with a decimal number.
+
+    `1e-3` is a number, `010` is ten, `no`, `0x10`, `1:30`, `.inf` and `nan` are not numbers.
+    """
+    match = _QUANTITY.match(text)
+    return None if match is None else (float(match[1]), match[2])
+
+
+def parse_quantity(text: str, dimension: str) -> float:
+    """The SI value of a finite quantity. Raises ValueError whose text says what is accepted instead."""
+    parts = split_quantity(text)
+    if parts is None or (parts[1] and parts[1] not in UNITS[dimension]):
+        raise ValueError(accepted(dimension))
+    number, unit = parts
+    value = number * (UNITS[dimension][unit] if unit else 1.0)
+    if not math.isfinite(value):
+        raise ValueError(f"{accepted(dimension)}, within the range of double precision")
+    return value
+
+
+def accepted(dimension: str) -> str:
+    """What a quantity of this dimension may look like, in words."""
+    if dimension == "number":
+        return "a number without a unit"
+    units = UNITS[dimension]
+    article = "an" if dimension[0] in "aeiou" else "a"
+    return f"{article} {dimension}: a bare number in {next(iter(units))}, or one with a unit ({', '.join(units)})"
