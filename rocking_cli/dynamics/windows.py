@@ -44,12 +44,11 @@ def crossing(segments: Segments, k: Array, level: Array) -> Array:
 
 def _sinusoid_crossing(s: Array, c: Array, level: Array, rising: Array) -> Array:
     """x >= 0 with s cos x + c sin x = level on a monotone stretch that begins at x = 0."""
-    # With s + i c as a vector of length R, R sin(x + f) = level: the angle is arcsin or its supplement. Distances to the
-    # extremum are taken with arctan2 of the complement, which keeps them exact where the level is close to R.
-    radius2 = s * s + c * c
-    beside = np.sqrt(np.maximum(0.0, radius2 - level * level))
-    target = np.arctan2(level, np.where(rising, beside, -beside))
-    x = target - np.arctan2(s, c)
+    # A falling stretch is its rising mirror image, so that mirrored motions give mirrored bits. With R^2 = s^2 + c^2 the
+    # angle is arcsin(level/R); arctan2 of the complement keeps its distance to the extremum exact where level is near R.
+    sign = np.where(rising, 1.0, -1.0)
+    beside = np.sqrt(np.maximum(0.0, s * s + c * c - level * level))
+    x = np.arctan2(sign * level, beside) - np.arctan2(sign * s, sign * c)
     return np.where(x < -1e-9, x + 2.0 * np.pi, np.maximum(x, 0.0))
 
 

@@ -1,0 +1,189 @@
+"""The linear engine against independent numbers, closed forms and its own invariances."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from oracle import integrate
+
+from rocking_cli import Motion, Outcome, cosine, linear_response, sine
+from rocking_cli.dynamics.reference import reference_cell
+from rocking_cli.motions import Harmonic, Piece
+
+# One sine cycle, linear, eta = 0.9: overturning after impact from, to; without impact from (traced by two independent
+# programs and the closed form of Fig. 2; given to the digits shown).
+INTERVALS = [
+    (2.0, 1.2252, 2.3144, 2.3499, 1e-4),
+    (3.0, 1.4036, 3.4847, 3.6311, 1e-4),
+    (4.0, 1.7954, 4.8501, 5.2390, 1e-4),
+    (5.0, 3.01860, 6.31807, 7.16813, 1e-5),
+    (6.0, 5.1642, 7.6699, 9.4170, 1e-4),
+]
+
+
+@pytest.mark.parametrize(("omega", "begin", "end", "no_impact", "digit"), INTERVALS)
+def test_outcome_changes_where_the_reference_table_says(omega, begin, end, no_impact, digit):
+    amplitude = np.array([begin - digit, begin + digit, end - digit, end + digit, no_impact - digit, no_impact + digit])
+    outcome = linear_response(sine(), amplitude, omega, 0.9).outcome
+    after, without = Outcome.OVERTURNED_AFTER_IMPACT, Outcome.OVERTURNED_NO_IMPACT
+    assert outcome.tolist() == [Outcome.ROCKED, after, after, Outcome.ROCKED, Outcome.ROCKED, without]
+
+
+def compare(motion, s, amplitude, omega, eta, tolerance):
+    response = linear_response(motion, amplitude, omega, eta)
+    breaks = tuple(p.stop for p in motion.pieces[:-1])
+    for i in range(amplitude.size):
+        flag, theta, impacts = integrate(s, motion.duration, amplitude[i], omega[i], eta[i], breaks)
+        case = (amplitude[i], omega[i], eta[i])
+        assert Outcome(response.outcome[i]).flag == flag, case
+        if not math.isnan(theta):
+            assert abs(response.theta_ratio[i] - theta) < tolerance, case
+        if impacts < 10:  # the oracle ends a chatter by a threshold
+            assert response.impacts[i] == impacts, case
+
+
+def test_200_random_cells_equal_an_independent_integration():
+    random = np.random.default_rng(1)
+    amplitude, omega, eta = random.uniform(0.5, 12, 200), random.uniform(0.5, 12, 200), random.uniform(0.5, 1, 200)
+    compare(sine(), math.sin, amplitude, omega, eta, 1e-12)
+
+
+LADDER = Motion("ladder", (Piece(0, 1, (), 0.5, -1.2), Piece(1, 2.5, (), 1.0), Piece(2.5, 4, (), -0.5), Piece(4, 6, (), -0.9, 0.9)))
+MIXED = Motion("mixed", (Piece(0, 12, (Harmonic(0.5, 1, 0.3), Harmonic(0.3, 1.7, 1.0), Harmonic(-0.4, 0.6, 0.2)), 0.1, 0.02),))
+
+
+def ladder(q):
+    return 0.5 - 1.2 * q if q < 1 else 1.0 if q < 2.5 else -0.5 if q < 4 else -0.9 + 0.9 * (q - 4)
+
+
+def mixed(q):
+    return 0.1 + 0.02 * q + 0.5 * math.sin(q + 0.3) + 0.3 * math.sin(1.7 * q + 1) - 0.4 * math.sin(0.6 * q + 0.2)
+
+
+@pytest.mark.parametrize(
+    ("motion", "s", "largest", "tolerance"),
+    [
+        (sine(0.5), math.sin, 12, 1e-12),
+        (sine(1.5), math.sin, 5, 1e-12),
+        (sine(6), math.sin, 4, 1e-11),
+        (cosine(1), math.cos, 8, 1e-12),
+        (cosine(2.5), math.cos, 3, 1e-10),  # 150 bounces in one of these cells, each of which the oracle locates to 1e-15
+        (LADDER, ladder, 6, 1e-12),
+        (MIXED, mixed, 4, 1e-12),
+    ],
+    ids=["half-sine", "sine-1.5", "sine-6", "cosine", "cosine-2.5", "ramps-and-jumps", "three-sinusoids-and-a-ramp"],
+)
+def test_other_motions_equal_an_independent_integration(motion, s, largest, tolerance):
+    random = np.random.default_rng(2)
+    n = 40
+    compare(motion, s, random.uniform(0.9, largest, n), random.uniform(0.5, 12, n), random.uniform(0.5, 1, n), tolerance)
+
+
+def test_amplitudes_barely_above_uplift_keep_their_relative_accuracy():
+    # 60-digit evaluation of the exact flow (mpmath): root of y', and the crest after the pulse where that is higher.
+    import mpmath
+
+    mpmath.mp.dps = 60
+    for amplitude in (1.001, 1.01, 1.1):
+        for omega in (3.0, 10.0):
+            a, w = mpmath.mpf(amplitude), mpmath.mpf(omega)
+            psi = mpmath.asin(1 / a)
+
+            def v(t, a=a, w=w, psi=psi):
+                d = 1 + w * w
+                return (-mpmath.sinh(t) * w * w + w * mpmath.sqrt(a * a - 1) * mpmath.cosh(t) - a * w * mpmath.cos(psi + w * t)) / d
+
+            def y(t, a=a, w=w, psi=psi):
+                d = 1 + w * w
+                return 1 + (-mpmath.cosh(t) * w * w + w * mpmath.sqrt(a * a - 1) * mpmath.sinh(t) - a * mpmath.sin(psi + w * t)) / d
+
+            ridge = (mpmath.pi - 2 * psi) / w
+            peak = y(mpmath.findroot(v, (ridge, 3 * ridge), solver="anderson"))
+            got = linear_response(sine(), amplitude, omega, 0.5).theta_ratio
+            assert abs(float(got / peak) - 1) < 1e-12
+
+
+def test_first_uplift_and_no_uplift():
+    response = linear_response(sine(), np.array([0.0, 0.5, 1.0, np.nextafter(1.0, 2.0)]), 3.0, 0.9)
+    assert response.outcome.tolist() == [Outcome.NO_UPLIFT] * 3 + [Outcome.ROCKED]
+    assert response.theta_ratio[:3].tolist() == [0.0] * 3
+
+
+def test_one_lane_equals_the_same_lane_in_a_batch_to_the_last_bit():
+    random = np.random.default_rng(3)
+    amplitude, omega, eta = random.uniform(0.9, 9, 400), random.uniform(0.3, 12, 400), random.uniform(0, 1, 400)
+    whole = linear_response(sine(1.5), amplitude, omega, eta)
+    small = linear_response(sine(1.5), amplitude, omega, eta, pool=7)
+    assert small.theta_ratio.tobytes() == whole.theta_ratio.tobytes()
+    for i in range(0, 400, 10):
+        one = linear_response(sine(1.5), amplitude[i], omega[i], eta[i])
+        assert one.theta_ratio.tobytes() == whole.theta_ratio[i].tobytes()
+        assert one.outcome == whole.outcome[i]
+
+
+def test_a_motion_and_its_mirror_image_give_the_same_bits():
+    grid = np.linspace(0.9, 8, 60)
+    mirrored = Motion("mirror", tuple(Piece(p.start, p.stop, tuple(Harmonic(-h.amplitude) for h in p.harmonics)) for p in sine().pieces))
+    a = linear_response(sine(), grid[:, None], grid, 0.8)
+    b = linear_response(mirrored, grid[:, None], grid, 0.8)
+    assert a.theta_ratio.tobytes() == b.theta_ratio.tobytes()
+    assert a.outcome.tobytes() == b.outcome.tobytes()
+
+
+def test_a_pulse_cut_into_pieces_is_the_same_pulse():
+    cuts = np.linspace(0.0, 2 * math.pi, 8)
+    pieces = tuple(Piece(float(a), float(b), (Harmonic(1.0),)) for a, b in zip(cuts[:-1], cuts[1:], strict=True))
+    grid = np.linspace(0.9, 8, 40)
+    a = linear_response(sine(), grid[:, None], grid, 0.9)
+    b = linear_response(Motion("cut", pieces), grid[:, None], grid, 0.9)
+    assert np.array_equal(a.outcome, b.outcome)
+    np.testing.assert_allclose(b.theta_ratio, a.theta_ratio, rtol=1e-11, atol=1e-13)
+
+
+def test_without_peaks_the_outcome_is_the_same():
+    grid = np.linspace(0.9, 8, 80)
+    whole = linear_response(sine(2), grid[:, None], grid, 0.7)
+    bare = linear_response(sine(2), grid[:, None], grid, 0.7, peaks=False)
+    assert np.array_equal(whole.outcome, bare.outcome)
+    assert np.isnan(bare.theta_ratio).all()
+
+
+def test_extreme_cells_are_decided():
+    amplitude = np.array([1 + 1e-12, 1 + 1e-8, 1 + 1e-4, 1.1, 3.0, 1e4, 1e8])
+    omega = np.array([1e-4, 1e-2, 1.0, 1e2, 1e4])
+    for motion in (sine(), cosine(), sine(5.5)):
+        for eta in (0.0, 1e-6, 0.5, 0.9):
+            response = linear_response(motion, amplitude[:, None], omega, eta)
+            decided = (response.outcome >= Outcome.ROCKED) & (response.outcome < Outcome.FAILED)
+            assert decided.all()
+            overturned = response.outcome >= Outcome.OVERTURNED_NO_IMPACT
+            assert np.array_equal(np.isnan(response.theta_ratio), overturned)
+
+
+@settings(max_examples=60, deadline=None)
+@given(
+    st.floats(0.5, 20), st.floats(0.2, 20), st.floats(0, 0.99),
+    st.sampled_from([sine(0.5), sine(1), sine(2), cosine(1), cosine(1.5), LADDER]),
+)  # fmt: skip
+def test_engine_and_taylor_reference_agree(amplitude, omega, eta, motion):
+    response = linear_response(motion, amplitude, omega, eta)
+    outcome, theta = reference_cell(motion, amplitude, omega, eta)
+    # A cell within rounding of a boundary may fall on either side of it; neighbours at 1e-9 show such a cell.
+    near = linear_response(motion, amplitude * np.array([1 - 1e-9, 1 + 1e-9]), omega, eta)
+    if (near.outcome == response.outcome).all():
+        assert outcome == response.outcome
+        if outcome == Outcome.ROCKED:
+            spread = float(np.ptp(near.theta_ratio))  # the cell's own sensitivity to 1e-9 in A
+            assert abs(theta - response.theta_ratio) < 1e-11 + 1e-3 * spread
+
+
+@pytest.mark.parametrize(
+    "bad", [{"amplitude": -1.0}, {"amplitude": np.inf}, {"omega": 0.0}, {"omega": np.nan}, {"eta": 1.1}, {"eta": -0.1}, {"eta": np.nan}]
+)
+def test_numbers_out_of_range_are_refused(bad):
+    with pytest.raises(ValueError, match=next(iter(bad))):
+        linear_response(sine(), **{"amplitude": 2.0, "omega": 3.0, "eta": 0.9, **bad})
