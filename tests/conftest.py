@@ -37,7 +37,8 @@ def refused(rocking: Run, tmp_path: Path) -> Callable[..., str]:
         assert done.returncode == code, done.stderr
         assert done.stdout == ""
         assert "Traceback" not in done.stderr
-        assert done.stderr.startswith("rocking") and len(done.stderr.strip().splitlines()) == 1, done.stderr
+        assert done.stderr.startswith("rocking"), done.stderr
+        assert len(done.stderr.strip().splitlines()) == 1, done.stderr
         assert sorted(p.name for p in tmp_path.iterdir()) == before
         return done.stderr
 

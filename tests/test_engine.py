@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -136,7 +137,7 @@ def test_a_motion_and_its_mirror_image_give_the_same_bits():
 
 def test_a_pulse_cut_into_pieces_is_the_same_pulse():
     cuts = np.linspace(0.0, 2 * math.pi, 8)
-    pieces = tuple(Piece(float(a), float(b), (Harmonic(1.0),)) for a, b in zip(cuts[:-1], cuts[1:], strict=True))
+    pieces = tuple(Piece(float(a), float(b), (Harmonic(1.0),)) for a, b in pairwise(cuts))
     grid = np.linspace(0.9, 8, 40)
     a = linear_response(sine(), grid[:, None], grid, 0.9)
     b = linear_response(Motion("cut", pieces), grid[:, None], grid, 0.9)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import sys
 from importlib import import_module
 from typing import Any
@@ -68,7 +67,3 @@ def main(arguments: list[str] | None = None) -> Any:
     except MemoryError:
         click.echo("rocking: out of memory; a smaller --chunk or fewer --workers need less", err=True)
         sys.exit(1)
-    except BrokenPipeError:
-        # The reader has gone, which ends a pipeline and is no failure; keep the interpreter from flushing into the void.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        sys.exit(0)

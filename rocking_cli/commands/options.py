@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from collections.abc import Callable, Iterable, Mapping
 from typing import TYPE_CHECKING, Any
@@ -38,11 +39,15 @@ def motion(command: F) -> F:
 
 
 def emit(records: Iterable[Mapping[str, Any]], form: str | None) -> None:
-    """Records on standard output, each as soon as it is there."""
+    """Records on standard output, each as soon as it is there. A reader that has gone ends the program, without an error."""
     from ..reports.tables import lines
 
-    for line in lines(records, form or "table"):
-        click.echo(line)
+    try:
+        for line in lines(records, form or "table"):
+            click.echo(line)
+    except BrokenPipeError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # keep the interpreter from flushing into the void
+        raise click.exceptions.Exit(0) from None
 
 
 def structures_of(files: tuple[str, ...], etas: tuple[float, ...] = ()) -> list[RockingParameters]:

@@ -50,7 +50,6 @@ def spectrum(
     """
     from ..motions import pulse as named_pulse
     from ..reports.summary import summary_lines
-    from ..reports.tables import json_line
     from ..spectra.grid import parse_grid
     from ..spectra.store import check_output
     from ..spectra.sweep import CHECKED_CELLS, CHUNK_CELLS, write_spectrum
@@ -76,6 +75,6 @@ def spectrum(
     for line in summary_lines(summary, str(output)):
         options.note(line, quiet)
     if json_:
-        click.echo(json_line({"output": str(output), **summary.record()}))
+        options.emit([{"output": str(output), **summary.record()}], "json")
     if summary.failed:
         context.exit(4)

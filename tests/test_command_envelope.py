@@ -1,0 +1,52 @@
+"""`rocking envelope` at the shell."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+
+
+def test_reference_row(rocking):
+    done = rocking("envelope", "--eta", "0.9", "--grid", "Omega=5", "--json")
+    rows = [json.loads(line) for line in done.stdout.splitlines()]
+    assert [r["mode"] for r in rows] == ["after_impact", "no_impact"]
+    assert (rows[0]["A_from"], rows[0]["A_to"], rows[1]["A_from"]) == pytest.approx((3.01860, 6.31807, 7.16813), abs=5.1e-6)
+    assert rows[1]["A_to"] is None
+
+
+def test_csv_has_the_documented_columns(rocking):
+    lines = rocking("envelope", "--eta", "0.9", "--grid", "Omega=4:5:2", "--csv").stdout.splitlines()
+    assert lines[0] == "structure,Omega,A_from,A_to,mode"
+    assert lines[2].split(",")[3] == ""
+
+
+def test_a_structure_has_units(rocking):
+    done = rocking("envelope", "configs/block.yaml", "--grid", "f_g=1:2:2", "--json")
+    row = json.loads(done.stdout.splitlines()[0])
+    assert row["structure"] == "Column"
+    assert row["omega_g"] == pytest.approx(6.283185307)
+    assert row["a_from"] == pytest.approx(row["A_from"] * 0.24497866 * 9.81, rel=1e-7)
+
+
+def test_closed_form_curves(rocking):
+    done = rocking("envelope", "--eta", "0.9", "--grid", "Omega=5", "--closed-form", "--json")
+    rows = {r["curve"]: r["A"] for r in map(json.loads, done.stdout.splitlines())}
+    assert rows == pytest.approx(
+        {"initiation": 1.0, "no_impact": 7.16813, "after_impact_lower": 3.01860, "after_impact_upper": 6.31807}, abs=5.1e-6
+    )
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["--grid", "Omega=1:2:3,A=1:2:3"], "one axis"),
+        (["--grid", "A=1:2:3"], "one axis"),
+        (["--grid", "omega_g=1:2:3"], "no units"),
+        (["--grid", "Omega=1:2:3", "--a-max", "0.5"], "a-max"),
+        (["--grid", "Omega=1:2:3", "--a-max", "nan"], "a-max"),
+        (["--grid", "Omega=1:2:3", "--pulse", "cosine", "--closed-form"], "--closed-form"),
+    ],
+)
+def test_wrong_calls(refused, arguments, words):
+    assert words in refused(2, "envelope", "--eta", "0.9", *arguments)

@@ -1,0 +1,119 @@
+"""`rocking params` and the program as a whole, at the shell."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import subprocess
+import sys
+
+import pytest
+
+
+def test_json_lines_are_documents_again(rocking):
+    first = rocking("params", "configs/block.yaml", "configs/spire.yaml", "--json")
+    records = [json.loads(line) for line in first.stdout.splitlines()]
+    assert [r["name"] for r in records] == ["Column", "Spire"]
+    assert records[0]["p"] == pytest.approx(2.6716705, abs=1e-6)
+    assert rocking("params", "-", "--json", stdin=first.stdout).stdout == first.stdout
+
+
+def test_every_shipped_config_has_parameters(rocking, pytestconfig):
+    configs = sorted(f"configs/{p.name}" for p in (pytestconfig.rootpath / "configs").glob("*.yaml"))
+    done = rocking("params", *configs, "--csv")
+    assert done.returncode == 0, done.stderr
+    assert len(done.stdout.splitlines()) == 1 + len(configs)
+
+
+def test_table_for_people_names_units(rocking):
+    done = rocking("params", "configs/block.yaml")
+    assert "p [rad/s]" in done.stdout.splitlines()[0]
+    assert "Column" in done.stdout
+
+
+def test_families(rocking):
+    done = rocking("params", "configs/block.yaml", "--vary", "height=1:3:3", "--vary", "width=20cm:30cm:2", "--csv")
+    rows = list(csv.DictReader(io.StringIO(done.stdout)))
+    assert [(float(r["height"]), float(r["width"])) for r in rows] == [(h, w) for h in (1, 2, 3) for w in (20, 30)]
+    assert float(rows[1]["lambda"]) == pytest.approx(0.3)
+
+
+def test_bare_bounds_take_the_documents_unit(rocking):
+    document = "kind: block\nradius: 1\nalpha: 10 deg"
+    done = rocking("params", "-", "--vary", "alpha=10:20:2", "--json", stdin=document)
+    assert json.loads(done.stdout.splitlines()[1])["alpha"] == pytest.approx(0.3490658503988659)
+
+
+def test_members_without_a_solution_are_reported_and_the_rest_kept(rocking):
+    done = rocking("params", "configs/block.yaml", "--vary", "width=1:5:5", "--json")
+    assert done.returncode == 4
+    assert len(done.stdout.splitlines()) == 2
+    assert done.stderr.count("no solution") == 3
+    assert "Traceback" not in done.stderr
+
+
+@pytest.mark.parametrize(
+    "vary", ["width", "width=1", "width=1:2", "width=1:2:0", "width=1:2:x", "width=a:b:3", "width=1m:2mm:3", "width=1:2:99999999"]
+)
+def test_vary_that_cannot_be_read(refused, vary):
+    assert "--vary" in refused(2, "params", "configs/block.yaml", "--vary", vary)
+
+
+def test_vary_of_an_unknown_key(refused):
+    assert "did you mean 'width'" in refused(3, "params", "configs/block.yaml", "--vary", "widht=1:2:3")
+
+
+def test_wrong_files(refused):
+    assert "nothere.yaml: cannot be read" in refused(2, "params", "nothere.yaml")
+    assert "cannot be read" in refused(2, "params", "configs")
+    assert "empty" in refused(3, "params", "-", stdin="")
+    assert "no structure" in refused(2, "params")
+    assert "not valid YAML" in refused(3, "params", "-", stdin="a: b: c")
+    assert "did you mean 'block'" in refused(3, "params", "-", stdin="kind: blokc")
+
+
+def test_no_partial_output_when_one_of_several_is_wrong(refused):
+    refused(3, "params", "configs/block.yaml", "-", stdin="kind: block\nwidth: 2 kg\nheight: 1")
+
+
+def test_unknown_command_and_option(refused):
+    assert "No such command" in refused(2, "parms")
+    assert "No such option" in refused(2, "params", "--jsn")
+
+
+def test_a_closed_pipe_is_no_error(tmp_path):
+    document = tmp_path / "b.yaml"
+    document.write_text("kind: block\nwidth: 1\nheight: 5")
+    call = f"{sys.executable} -m rocking_cli params {document} --vary height=2:9:50000 --csv"
+    done = subprocess.run(["bash", "-c", f"set -o pipefail; {call} | head -n 2"], capture_output=True, text=True, check=False)
+    assert done.returncode == 0
+    assert done.stderr == ""
+    assert len(done.stdout.splitlines()) == 2
+
+
+@pytest.mark.parametrize("command", [[], ["params"], ["spectrum"], ["envelope"]])
+def test_help_shows_an_example_that_runs(rocking, command):
+    done = rocking(*command, "--help")
+    assert done.returncode == 0
+    example = " ".join(done.stdout[done.stdout.index("Example: rocking") + len("Example: rocking") :].split()).split(" | ")[0]
+    ran = rocking(*example.split())
+    assert ran.returncode == 0, ran.stderr
+
+
+@pytest.mark.parametrize(
+    ("arguments", "unwanted"),
+    [
+        (["--help"], ["numpy", "scipy", "h5py", "yaml"]),
+        (["params", "configs/block.yaml"], ["numpy", "scipy", "h5py"]),
+        (["envelope", "--eta", "0.9", "--grid", "Omega=5", "--a-max", "2"], ["scipy", "h5py", "multiprocessing"]),
+    ],
+)
+def test_commands_import_only_what_they_use(arguments, unwanted, pytestconfig):
+    code = (
+        "import sys\nfrom rocking_cli.commands import main\n"
+        f"try: main({arguments!r})\nexcept SystemExit as e: assert not e.code, e.code\n"
+        "print(*sorted({m.partition('.')[0] for m in sys.modules}), file=sys.stderr)"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=pytestconfig.rootpath)
+    assert not set(unwanted) & set(done.stderr.split())

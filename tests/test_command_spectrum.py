@@ -1,0 +1,107 @@
+"""`rocking spectrum` at the shell: what it writes, what it says, and the calls a user gets wrong."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import h5py
+import numpy as np
+import pytest
+
+SMALL = "A=0.5:9:40,Omega=0.5:12:30"
+
+
+def test_summary_and_file(rocking, tmp_path):
+    done = rocking("spectrum", "configs/block.yaml", "configs/spire.yaml", "--grid", SMALL, "-o", "s.h5", "--json")
+    assert done.returncode == 0, done.stderr
+    record = json.loads(done.stdout)
+    assert record["cells"] == 2400
+    assert record["estimated_error"] < 1e-12
+    assert "us a cell" in done.stderr
+    assert "left out" in done.stderr
+    with h5py.File(tmp_path / "s.h5") as f:
+        assert f["structure"].asstr()[...].tolist() == ["Column", "Spire"]
+        assert f.attrs["history"].startswith("rocking spectrum configs/block.yaml")
+        assert f.attrs["cells"] == 2400
+        assert "kind: spire" in f.attrs["documents"]
+
+
+def test_pipeline_from_params(rocking, tmp_path):
+    records = rocking("params", "configs/block.yaml", "configs/spire.yaml", "--json").stdout
+    assert rocking("spectrum", "-", "--grid", "a_g=0.1g:1g:20,f_g=0.5:3:10", "-o", "a.h5", stdin=records).returncode == 0
+    direct = rocking("spectrum", "configs/block.yaml", "configs/spire.yaml", "--grid", "a_g=0.1g:1g:20,f_g=0.5:3:10", "-o", "b.h5")
+    assert direct.returncode == 0
+    with h5py.File(tmp_path / "a.h5") as a, h5py.File(tmp_path / "b.h5") as b:
+        assert np.array_equal(a["theta_ratio"][...], b["theta_ratio"][...], equal_nan=True)
+
+
+def test_quiet_says_nothing(rocking):
+    done = rocking("spectrum", "--eta", "0.9", "--grid", SMALL, "-o", "s.h5", "-q")
+    assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["--grid", "A=1:2"], "START:STOP:N"),
+        (["--grid", "A=2:1:9,Omega=1:2:3"], "runs backwards"),
+        (["--grid", "A=1:1:9,Omega=1:2:3"], "a single value is written"),
+        (["--grid", "A=1:2:0,Omega=1:2:3"], "N = '0'"),
+        (["--grid", "A=1:2:1000000,Omega=1:2:1000000"], "cells"),
+        (["--grid", "a_g=1:2:3,omega_g=1:2:3"], "no units"),
+        (["--grid", SMALL, "--pulse", "sinus"], "unknown pulse 'sinus'"),
+        (["--grid", SMALL, "--cycles", "0.3"], "multiple of 0.5"),
+        (["--grid", SMALL, "--workers", "0"], "workers"),
+        (["--grid", SMALL, "--chunk", "0"], "chunk"),
+        (["--grid", SMALL, "--eta", "1.5"], "1.5"),
+        ([], "--grid"),
+    ],
+)
+def test_wrong_calls(refused, arguments, words):
+    assert words in refused(2, "spectrum", "--eta", "0.9", *arguments, "-o", "s.h5")
+
+
+def test_wrong_outputs(refused, tmp_path):
+    (tmp_path / "there.h5").write_text("mine")
+    assert "--overwrite" in refused(2, "spectrum", "--eta", "0.9", "--grid", SMALL, "-o", "there.h5")
+    assert "does not exist" in refused(2, "spectrum", "--eta", "0.9", "--grid", SMALL, "-o", "no/s.h5")
+    assert "folder" in refused(2, "spectrum", "--eta", "0.9", "--grid", SMALL, "-o", "configs")
+    assert "no structure" in refused(2, "spectrum", "--grid", SMALL, "-o", "s.h5")
+    assert "width: found 2 kg" in refused(3, "spectrum", "-", "--grid", SMALL, "-o", "s.h5", stdin="kind: block\nwidth: 2 kg\nheight: 1")
+
+
+@pytest.mark.parametrize("workers", ["1", "2"])
+def test_ctrl_c_keeps_what_was_done(tmp_path, workers):
+    arguments = [
+        "spectrum",
+        "--eta",
+        "0.9",
+        "--grid",
+        "A=0.5:12:3000,Omega=0.5:12:3000",
+        "-o",
+        "s.h5",
+        "--workers",
+        workers,
+        "--chunk",
+        "30000",
+    ]
+    process = subprocess.Popen(
+        [sys.executable, "-m", "rocking_cli", *arguments], cwd=tmp_path, stderr=subprocess.PIPE, text=True, start_new_session=True
+    )
+    part = tmp_path / "s.h5.part"
+    deadline = time.monotonic() + 60
+    while not (part.exists() and part.stat().st_size > 200_000) and time.monotonic() < deadline:
+        time.sleep(0.01)
+    os.killpg(process.pid, signal.SIGINT)
+    _, said = process.communicate(timeout=60)
+    assert process.returncode == 130
+    assert said.startswith("rocking: interrupted; ")
+    assert len(said.strip().splitlines()) == 1
+    assert not (tmp_path / "s.h5").exists()
+    with h5py.File(part) as f:
+        assert 0 < f["chunk_done"][...].sum() < f["chunk_done"].size

@@ -1,0 +1,82 @@
+"""Axes of a sweep: units, spacing and refusals."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from rocking_cli import UsageError, build_structure, parse_documents, parse_grid
+from rocking_cli.spectra.grid import Axis, Grid
+
+
+def test_units_and_spacing():
+    grid = parse_grid("a_g=0.1g:1g:10,omega_g=1:100:3:log")
+    np.testing.assert_allclose(grid.amplitude.values, np.linspace(0.981, 9.81, 10))
+    np.testing.assert_allclose(grid.frequency.values, [1, 10, 100])
+    assert grid.shape == (3, 10)
+
+
+def test_hertz_and_periods_become_angular_frequencies_that_rise():
+    hertz = parse_grid("f_g=0.5:2:4,a_g=1:2:2").frequency
+    np.testing.assert_allclose(hertz.values, 2 * math.pi * np.linspace(0.5, 2, 4))
+    period = parse_grid("a_g=1:2:2,T_g=0.5:2:4").frequency
+    np.testing.assert_allclose(period.values, 2 * math.pi / np.array([2, 1.5, 1, 0.5]))
+    assert period.name == "omega_g"
+
+
+def test_single_values_and_zero_amplitude():
+    grid = parse_grid("A=0:5:6,Omega=5")
+    assert grid.shape == (1, 6)
+    assert grid.amplitude.values[0] == 0.0
+
+
+def test_scaling_to_a_structure():
+    (document,) = parse_documents("kind: parameters\np: 2\nalpha: 0.1\neta: 0.9\nlambda: 0.2\ngravity: 10")
+    a, omega = parse_grid("a_g=2:4:2,omega_g=6:8:2").scaled(build_structure(document))
+    np.testing.assert_allclose(a, np.array([2, 4]) * 0.5 / (0.1 * 10))
+    np.testing.assert_allclose(omega, [3, 4])
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("", "accepted is NAME=START"),
+        ("A", "accepted is NAME=START"),
+        ("A=1:2:3", "found A; accepted are A and Omega"),
+        ("A=1:2:3,omega_g=1:2:3", "found A and omega_g"),
+        ("A=1:2:3,A=1:2:3,Omega=1:2:3", "twice"),
+        ("omega_g=1:2:3,f_g=1:2:3,a_g=1", "twice"),
+        ("A=1:2:3,Omga=1:2:3", "unknown axis 'Omga'"),
+        ("A=1:2,Omega=1:2:3", "START:STOP:N"),
+        ("A=1:2:3:lin,Omega=1:2:3", "START:STOP:N"),
+        ("A=2:1:3,Omega=1:2:3", "runs backwards"),
+        ("A=1:1:3,Omega=1:2:3", "a single value is written"),
+        ("A=1:2:1,Omega=1:2:3", "N = '1'"),
+        ("A=1:2:0,Omega=1:2:3", "N = '0'"),
+        ("A=1:2:-3,Omega=1:2:3", "N = '-3'"),
+        ("A=1:2:2.5,Omega=1:2:3", "N = '2.5'"),
+        ("A=-1:2:3,Omega=1:2:3", "positive values or zero"),
+        ("A=1:2:3,Omega=0:2:3", "positive values"),
+        ("A=0:2:3:log,Omega=1:2:3", "begins above zero"),
+        ("A=1:inf:3,Omega=1:2:3", "found 'inf'"),
+        ("A=1:nan:3,Omega=1:2:3", "found 'nan'"),
+        ("A=1:2g:3,Omega=1:2:3", "without a unit"),
+        ("a_g=1:2kg:3,omega_g=1:2:3", "an acceleration"),
+        ("A=1:2:1000000,Omega=1:2:1000000", "1e.12 cells"),
+        ("A=1:2:100000000000,Omega=1:2:2", "from 2 to 10000000"),
+    ],
+)
+def test_refusals(text, words):
+    with pytest.raises(UsageError, match=words):
+        parse_grid(text)
+
+
+def test_axes_check_themselves():
+    with pytest.raises(UsageError, match="rise"):
+        Axis("A", np.array([2.0, 1.0]))
+    with pytest.raises(UsageError, match="positive"):
+        Axis("Omega", np.array([0.0, 1.0]))
+    with pytest.raises(UsageError, match="do not go together"):
+        Grid(Axis("A", np.ones(1)), Axis("omega_g", np.ones(1)))
