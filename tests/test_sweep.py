@@ -149,7 +149,8 @@ def test_a_restitution_alone_needs_dimensionless_axes():
 def test_a_million_cells_stay_within_400_mb(tmp_path):
     code = (
         "from rocking_cli import *\n"
-        f"write_spectrum([dimensionless_oscillator(0.9)], parse_grid('A=0.5:12:1000,Omega=0.5:12:1000'), sine(), r'{tmp_path / 's.h5'}', workers=1)\n"
+        "grid = parse_grid('A=0.5:12:1000,Omega=0.5:12:1000')\n"
+        f"write_spectrum([dimensionless_oscillator(0.9)], grid, sine(), {str(tmp_path / 's.h5')!r}, workers=1)\n"
         "print(next(line.split()[1] for line in open('/proc/self/status') if line.startswith('VmHWM')))\n"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
