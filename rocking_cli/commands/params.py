@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Iterator
 from typing import Any
 
@@ -23,11 +24,12 @@ def params(context: click.Context, files: tuple[str, ...], vary: tuple[str, ...]
     the document uses for that key. Members of a family without a solution are reported and the rest kept (exit code 4).
     """
     from ..structures import build_structure, read_documents
-    from ..structures.family import family, parse_variation
+    from ..structures.family import family, members, parse_variation
 
     if not files:
         raise click.UsageError("no structure: give FILE, or - for standard input")
     variations = [parse_variation(text) for text in vary]
+    total = members(variations)
     documents = [document for path in files for document in read_documents(path)]
     faults: list[str] = []
 
@@ -36,8 +38,11 @@ def params(context: click.Context, files: tuple[str, ...], vary: tuple[str, ...]
             for built in [build_structure(document) for document in documents]:
                 yield built.record()
             return
-        for document in documents:
-            for member in family(document, variations):
+        # Rows that appear on the terminal one by one are progress enough.
+        progress = options.ProgressLine("params", quiet or (form is not None and sys.stdout.isatty()))
+        for i, document in enumerate(documents):
+            for j, member in enumerate(family(document, variations), 1):
+                progress(i * total + j, len(documents) * total)
                 if member.parameters is None:
                     faults.append(str(member.fault))
                     options.note(f"no solution: {member.fault}", quiet)

@@ -81,6 +81,8 @@ def _text(value: Any, digits: int) -> str:
         return "-"
     if isinstance(value, float):
         return f"{value:.{digits}g}"
+    if isinstance(value, Mapping):
+        return " ".join(_text(v, digits) for v in value.values())
     if isinstance(value, list | tuple):
-        return " ".join(_text(v, digits) for v in value)
+        return ", ".join(_text(v, digits) for v in value)
     return str(value)

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable
 from pathlib import Path
 
 from ..errors import DocumentError
-from . import block, parameters, point_mass, spire
+from . import arch, block, drum, frame, parameters, point_mass, prism, spire
 from .document import Document, parse_documents, read_documents
 from .parameters import RockingParameters
 
@@ -14,6 +14,10 @@ KINDS: dict[str, Callable[[Document, str], RockingParameters]] = {
     "block": block.build,
     "point_mass": point_mass.build,
     "spire": spire.build,
+    "arch": arch.build,
+    "frame": frame.build,
+    "prism": prism.build,
+    "drum": drum.build,
     "parameters": parameters.build,
 }
 

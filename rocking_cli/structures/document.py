@@ -147,6 +147,12 @@ class Document:
             raise self.fault(key, str(self.values[key]), "a text")
         return content
 
+    def part(self, key: str, value: Value) -> Document:
+        """A mapping inside the value of a key, as a document of its own."""
+        if not isinstance(value.content, dict):
+            raise DocumentError(f"{value.place}: {key}: found {value}; accepted is a mapping of keys to values")
+        return Document(self.source, value.place, value.content, {k: v.place for k, v in value.content.items()})
+
     def finish(self) -> None:
         """Refuse the keys that no reader asked for."""
         for key, place in self.keys.items():

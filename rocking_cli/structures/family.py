@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple
 
@@ -58,21 +59,25 @@ def parse_variation(text: str) -> Variation:
     return Variation(key.strip(), values, unit or other or None)
 
 
+def members(variations: Sequence[Variation]) -> int:
+    """How many structures a family has. Raises UsageError when a key is varied twice or they are too many."""
+    keys = [v.key for v in variations]
+    if len(set(keys)) < len(keys):
+        raise UsageError("--vary: a key is varied twice")
+    count = math.prod(len(v.values) for v in variations)
+    if count > MAX_MEMBERS:
+        raise UsageError(f"--vary: {count} structures, accepted are up to {MAX_MEMBERS}")
+    return count
+
+
 def family(document: Document, variations: Sequence[Variation]) -> Iterator[Member]:
     """Every combination of the varied values, the last varying fastest. A member that has no solution says why.
 
-    Raises UsageError when a key is varied twice or there are too many members, DocumentError for a key that is unknown.
+    Raises DocumentError for a key that is unknown.
     """
     from . import build_structure
 
     keys = [v.key for v in variations]
-    if len(set(keys)) < len(keys):
-        raise UsageError("--vary: a key is varied twice")
-    count = 1
-    for variation in variations:
-        count *= len(variation.values)
-    if count > MAX_MEMBERS:
-        raise UsageError(f"--vary: {count} structures, accepted are up to {MAX_MEMBERS}")
     units = [v.unit if v.unit is not None else _own_unit(document, v.key) for v in variations]
     for values in itertools.product(*(v.values for v in variations)):
         varied = document

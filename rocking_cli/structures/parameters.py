@@ -71,7 +71,7 @@ def dimensionless_oscillator(eta: float) -> RockingParameters:
     return RockingParameters(f"eta={eta:g}", "dimensionless", 1.0, 1.0, eta, 1.0, 1.0, "given", 1.0)
 
 
-REPORTED = ("structure", "eta_source", "hinges", "faces", "a_scale_3_7", "mechanism", "direction")
+REPORTED = ("structure", "eta_source", "hinges", "a_scale_3_7", "direction", "tip_height", "crack_height", "cap_ratio")
 """Keys that a record may carry along and that do not change the parameters."""
 
 

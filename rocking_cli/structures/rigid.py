@@ -3,29 +3,45 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
+from typing import Any
 
 from .document import Document
 from .parameters import RockingParameters, gravity_of, restitution_of
 
 
-def rigid_body(document: Document, kind: str, name: str, *, radius: float, alpha: float, inertia: float, limit: str) -> RockingParameters:
+def rigid_body(
+    document: Document,
+    kind: str,
+    name: str,
+    *,
+    radius: float,
+    alpha: float,
+    inertia: float,
+    limit: str,
+    eta: float | None = None,
+    details: Mapping[str, Any] | None = None,
+) -> RockingParameters:
     """Parameters of one rigid body from its distance R to the centroid, critical angle and inertia about the pivot.
 
-    radius R [m]; alpha [rad]; inertia I_P / (M R^2) [-]; limit: the words for where eta < 0. p^2 = M g R / I_P,
-    lambda = tan alpha (Eq. 2.2), a_scale = 1 (Eq. 2.4), eta = 1 - (M R^2/I_P)(1 - cos 2 alpha) (Eqs. 2.6, 3.3).
+    radius R [m]; alpha [rad]; inertia I_P / (M R^2) [-]; limit: the words for where eta < 0; eta: from momentum, where it
+    is not that of a body which rocks as a whole on two edges, 1 - (M R^2/I_P)(1 - cos 2 alpha) (Eqs. 2.6, 3.3).
+    p^2 = M g R / I_P, lambda = tan alpha (Eq. 2.2), a_scale = 1 (Eq. 2.4).
     """
     gravity = gravity_of(document)
-    eta, source = restitution_of(document, 1.0 - 2.0 * math.sin(alpha) ** 2 / inertia, limit)
+    momentum = 1.0 - 2.0 * math.sin(alpha) ** 2 / inertia if eta is None else eta
+    restitution, source = restitution_of(document, momentum, limit)
     return RockingParameters(
         name=name,
         structure=kind,
         p=math.sqrt(gravity / (radius * inertia)),
         alpha=alpha,
-        eta=eta,
+        eta=restitution,
         uplift=math.tan(alpha),
         a_scale=1.0,
         eta_source=source,
         gravity=gravity,
+        details=details or {},
     )
 
 

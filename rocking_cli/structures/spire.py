@@ -1,18 +1,158 @@
-"""The conical masonry spire that rocks on the edge of its base (Fig. 3a, Eqs. 3.1-3.3)."""
+"""The conical masonry spire (Fig. 3): uncracked on the edge of its base, or cracked diagonally below its solid tip.
+
+Outer cone of base radius r_b and height H, wall of horizontal thickness t at the base; the inner cone closes at the tip's
+base z_t = H (1 - t/r_b), above which the tip is solid. The crack plane passes through the pivot (r_b, 0) and the windward
+point of the outer face at z_c; what lies above it rocks, and the mirrored crack opens on the other side. The paper gives
+Eqs. 3.1-3.3 for the uncracked thin wall; for the crack its equations are "not shown".
+"""
 
 from __future__ import annotations
 
+import itertools
 import math
+from typing import TYPE_CHECKING, NamedTuple
 
 from .document import Document
+from .mechanism import Moments, RigidBody
 from .parameters import RockingParameters
 from .rigid import rigid_body
 
+if TYPE_CHECKING:
+    import numpy as np
+
+_NODES = 64  # Gauss points a stretch; with the square roots at the ends taken out, 32 already give 1e-13
+
+
+class Cone(NamedTuple):
+    """A solid cone on z = 0 [m], or (thin) its lateral shell of unit horizontal thickness."""
+
+    radius: float
+    height: float
+    thin: bool = False
+
+    def whole(self) -> Moments:
+        """Moments of the whole cone."""
+        r, h = self.radius, self.height
+        if self.thin:
+            mass = math.pi * r * h
+            return Moments(mass, 0.0, mass * h / 3.0, mass * (0.25 * r**2 + h**2 / 6.0))
+        mass = math.pi * r**2 * h / 3.0
+        return Moments(mass, 0.0, mass * h / 4.0, mass * (0.15 * r**2 + 0.1 * h**2))
+
+    def above(self, edge: float, slope: float, both: bool = False) -> Moments:
+        """Moments of the part above the plane that leaves (edge, 0) and rises by `slope` towards -x; both: and its mirror.
+
+        Slices are circles (or rings) cut by chords, whose moments are closed; the integral over z is Gauss-Legendre after
+        z = middle - half cos(theta), which takes out the square roots where the plane enters and leaves the cone.
+        """
+        import numpy as np
+
+        nodes, weights = np.polynomial.legendre.leggauss(_NODES)
+        theta = 0.5 * math.pi * (nodes + 1.0)
+        total = Moments(0.0, 0.0, 0.0, 0.0)
+        for start, stop in self._stretches(edge, slope):
+            half = 0.5 * (stop - start)
+            z = 0.5 * (start + stop) - half * np.cos(theta)
+            weight = 0.5 * math.pi * weights * half * np.sin(theta)
+            radius = self.radius * (1.0 - z / self.height)
+            with np.errstate(over="ignore"):  # a crack next to flat
+                angle = np.arccos(np.clip((edge - z / slope) / radius, -1.0, 1.0))
+            area, x, xx = self._slice(radius, angle)
+            if both:
+                beyond = self._slice(radius, math.pi - angle)
+                area, x, xx = (np.where(angle > 0.5 * math.pi, a - b, 0.0) for a, b in zip((area, x, xx), beyond, strict=True))
+            total = total.plus(Moments(*(float((weight * f).sum()) for f in (area, x, area * z, xx + area * z * z))))
+        return total
+
+    def _slice(self, radius: np.ndarray, angle: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """int dA, int x dA, int x^2 dA over the part x >= R cos(angle) of a circle or ring of radius R."""
+        import numpy as np
+
+        sin, cos = np.sin(angle), np.cos(angle)
+        if self.thin:
+            return 2.0 * radius * angle, 2.0 * radius**2 * sin, radius**3 * (angle + sin * cos)
+        chord = radius**2 * (angle - sin * cos)
+        return chord, 2.0 / 3.0 * (radius * sin) ** 3, 0.25 * radius**4 * (angle - 0.25 * np.sin(4.0 * angle))
+
+    def _stretches(self, edge: float, slope: float) -> list[tuple[float, float]]:
+        """The cone's height, cut where the plane meets its faces and its axis."""
+        marks = [0.0, self.height, slope * edge]
+        for side in (1.0, -1.0):  # edge - z / slope = side R (1 - z / H)
+            fall = 1.0 / slope - side * self.radius / self.height
+            if fall != 0.0:
+                marks.append((edge - side * self.radius) / fall)
+        marks = sorted(z for z in marks if 0.0 <= z <= self.height)
+        return [(a, b) for a, b in itertools.pairwise(marks) if b > a]
+
+
+class Spire(NamedTuple):
+    """Geometry of a spire [m]: thickness 0 is the thin wall, crack_height 0 the uncracked spire."""
+
+    base_radius: float
+    height: float
+    thickness: float
+    tip_height: float
+    crack_height: float
+
+    def rocking(self, both: bool = False) -> Moments:
+        """Moments of what lies above the crack; both: and above its mirror image."""
+        outer = self._part(Cone(self.base_radius, self.height, thin=self.thickness == 0.0), both)
+        if self.thickness == 0.0:
+            return outer
+        return outer.minus(self._part(Cone(self.base_radius - self.thickness, self.tip_height), both))
+
+    def _part(self, cone: Cone, both: bool) -> Moments:
+        if self.crack_height == 0.0:
+            return cone.whole()
+        windward = self.base_radius * (1.0 - self.crack_height / self.height)
+        return cone.above(self.base_radius, self.crack_height / (self.base_radius + windward), both)
+
+    def mechanism(self) -> RigidBody:
+        """The rocking body on its pivot, and what it shares with its mirror image."""
+        return RigidBody(self.rocking(), self.base_radius, self.rocking(both=True))
+
 
 def build(document: Document, name: str) -> RockingParameters:
-    """A thin hollow cone: base_radius r_b and height H; with kappa = r_b/H, tan alpha = 3 kappa (Eq. 3.1)."""
+    """base_radius, height, thickness (absent: thin wall), tip_height, crack: none | diagonal, crack_height."""
+    spire = _read(document)
+    mechanism = spire.mechanism()
+    body = mechanism.body
+    x, z = spire.base_radius - body.x / body.mass, body.z / body.mass
+    if x <= 0.0:
+        raise document.fault(None, "a centroid beyond the pivot", "a spire whose part above the crack stands on it")
+    radius = math.hypot(x, z)
+    shared, own = mechanism.overlap()
+    details = {"tip_height": spire.tip_height, "crack_height": spire.crack_height} if spire.crack_height else {}
+    return rigid_body(
+        document,
+        "spire",
+        name,
+        radius=radius,
+        alpha=math.atan2(x, z),
+        inertia=body.about(spire.base_radius, 0.0) / (body.mass * radius**2),
+        eta=shared / own,
+        limit="a spire more slender, or cracked lower",
+        details=details,
+    )
+
+
+def _read(document: Document) -> Spire:
     base, height = document.length("base_radius"), document.length("height")
-    centroid = math.hypot(base, height / 3.0)
-    inertia = (1.25 * base**2 + height**2 / 6.0) / centroid**2  # I_P / (M R^2), from Eq. 3.2
-    alpha = math.atan2(3.0 * base, height)
-    return rigid_body(document, "spire", name, radius=centroid, alpha=alpha, inertia=inertia, limit="a spire more slender than this one")
+    thickness = 0.0
+    if document.has("thickness"):
+        wall = f"a positive length below base_radius ({base:g} m)"
+        thickness = document.quantity("thickness", "length", above=0.0, below=base, where=wall)
+    tip = height * (1.0 - thickness / base)
+    if document.has("tip_height"):
+        if thickness == 0.0:
+            raise document.fault("tip_height", "a solid tip on a thin wall", "tip_height beside thickness only")
+        tip = document.quantity("tip_height", "length", above=0.0, most=height, where=f"a positive length up to height ({height:g} m)")
+    crack = document.choice("crack", ["none", "diagonal"], "diagonal" if document.has("crack_height") else "none")
+    if crack == "none":
+        if document.has("crack_height"):
+            raise document.fault("crack_height", "a crack height", "crack_height beside crack: diagonal only")
+        return Spire(base, height, thickness, tip, 0.0)
+    if not document.has("crack_height"):
+        return Spire(base, height, thickness, tip, tip)
+    where = f"a length from 0 (the base) to {tip:g} m (where the solid tip begins)"
+    return Spire(base, height, thickness, tip, document.quantity("crack_height", "length", least=0.0, most=tip, where=where))

@@ -1,0 +1,121 @@
+"""The masonry arch (Figs. 5-7): the four-hinge mechanism it rocks in, from geometry alone.
+
+`uplift` is the least acceleration over all admissible mechanisms; the others follow from the linkage linearised at its
+unstable equilibrium (Eqs. 3.5-3.9). phi is the rotation of link A-B, whose end hinge A is on the intrados.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from typing import TYPE_CHECKING, Any
+
+from .document import Document, Value
+from .mechanism import linearise
+from .parameters import RockingParameters, gravity_of, restitution_of
+from .quantities import parse_quantity
+
+if TYPE_CHECKING:
+    from .fourbar import FourBar, Ring
+
+MOST_VOUSSOIRS = 200
+DIRECTION = "sways towards +x, away from springing A; the mirror image has the same parameters"
+_HINGES = "four angles from springing A, rising, or four of {angle, face} with faces intrados and extrados in turn"
+
+
+def build(document: Document, name: str) -> RockingParameters:
+    """radius (centre line), thickness, angle (inclusion), voussoirs (absent: continuous), hinges (absent: searched)."""
+    mechanism = find_mechanism(document)
+    found = linearise(mechanism)
+    gravity = gravity_of(document)
+    eta, source = restitution_of(document, found.eta, "an arch whose mechanism does not throw it backwards")
+    faces = ("intrados", "extrados", "intrados", "extrados")
+    return RockingParameters(
+        name=name,
+        structure="arch",
+        p=math.sqrt(gravity * found.stiffness),
+        alpha=found.alpha,
+        eta=eta,
+        uplift=found.uplift,
+        a_scale=found.a_scale,
+        eta_source=source,
+        gravity=gravity,
+        details={
+            "a_scale_3_7": found.a_scale_3_7,
+            "hinges": [{"angle": s, "face": face} for s, face in zip(mechanism.hinges, faces, strict=True)],
+            "direction": DIRECTION,
+        },
+    )
+
+
+def find_mechanism(document: Document) -> FourBar:
+    """The arch's mechanism: the given hinges, checked, or the governing ones. Raises DocumentError when it cannot stand."""
+    import numpy as np
+
+    from .fourbar import FourBar, Ring
+    from .hinges import search_continuous, search_joints
+
+    radius = document.length("radius")
+    thickness = document.quantity(
+        "thickness", "length", above=0.0, below=2.0 * radius, where=f"a length between 0 and {2 * radius:g} m (2 radius)"
+    )
+    angle = document.quantity("angle", "angle", above=0.0, below=2.0 * math.pi, where="an angle between 0 and 360 deg")
+    ring = Ring(radius, thickness, angle)
+    voussoirs = document.integer("voussoirs", 4, MOST_VOUSSOIRS) if document.has("voussoirs") else None
+    joints = None if voussoirs is None else np.linspace(0.0, angle, voussoirs + 1)
+    if document.has("hinges"):
+        return _given(document, ring, joints)
+    found = search_continuous(ring) if joints is None else search_joints(ring, joints)
+    if found is None:
+        raise document.fault(None, "no mechanism of four hinges that governs", "an arch longer or thinner, which rocks before it slides")
+    if not found[1] > 0.0:
+        raise document.fault("thickness", f"{document.values['thickness']}: the arch cannot carry its own weight", "a thicker arch")
+    return FourBar(ring, found[0])
+
+
+def _given(document: Document, ring: Ring, joints: Any) -> FourBar:
+    import numpy as np
+
+    from .fourbar import FACES, FourBar
+
+    value = document.values["hinges"]
+    if not isinstance(value.content, list) or len(value.content) != 4:
+        raise document.fault("hinges", str(value), _HINGES)
+    hinges, faces = zip(*(_hinge(document, child, face) for child, face in zip(value.content, FACES, strict=True)), strict=True)
+    if not all(a < b for a, b in itertools.pairwise(hinges)):
+        raise document.fault("hinges", "angles out of order", _HINGES)
+    if any(a == b for a, b in itertools.pairwise(faces)):
+        raise document.fault("hinges", "faces that do not alternate", _HINGES)
+    if not (hinges[0] >= -1e-12 and hinges[-1] <= ring.angle * (1.0 + 1e-12)):
+        raise document.fault("hinges", "a hinge beyond the springings", f"angles from 0 to {math.degrees(ring.angle):g} deg")
+    if joints is not None:
+        nearest = np.abs(np.subtract.outer(hinges, joints)).argmin(axis=1)
+        if np.max(np.abs(joints[nearest] - hinges)) > 1e-6:
+            raise document.fault(
+                "hinges", "a hinge between two joints", f"multiples of {math.degrees(joints[1]):g} deg, the voussoirs' joints"
+            )
+        hinges = tuple(float(joints[i]) for i in nearest)
+    a, b, c, d = (min(max(s, 0.0), ring.angle) for s in hinges)
+    mechanism = FourBar(ring, (a, b, c, d) if faces[0] == FACES[0] else (ring.angle - d, ring.angle - c, ring.angle - b, ring.angle - a))
+    at = mechanism.at_rest()
+    if not (bool(at.admissible) and float(at.push) > 0.0):
+        raise document.fault("hinges", "hinges that do not open on their far faces", "hinges of a mechanism that sways")
+    if not float(at.lift) > 0.0:
+        raise document.fault("hinges", "an arch that collapses in this mechanism under its own weight", "a thicker arch, or other hinges")
+    return mechanism
+
+
+def _hinge(document: Document, value: Value, face: str) -> tuple[float, str]:
+    from .fourbar import EXTRADOS, INTRADOS
+
+    if isinstance(value.content, dict):
+        part = document.part("hinges", value)
+        found = part.quantity("angle", "angle"), part.choice("face", [INTRADOS, EXTRADOS])
+        part.finish()
+        return found
+    if isinstance(value.content, str):
+        try:
+            return parse_quantity(value.content, "angle"), face
+        except ValueError:
+            pass
+    raise document.fault("hinges", str(value), _HINGES)

@@ -1,0 +1,76 @@
+"""A solid of revolution on the edge of its base circle: a cylinder, the frustum of a cone, or drums stacked.
+
+Stacked drums rock as one body; they stay together, and the lowest one's edge is the pivot.
+"""
+
+from __future__ import annotations
+
+import math
+
+from .document import Document
+from .mechanism import Moments
+from .parameters import RockingParameters
+from .rigid import rigid_body
+
+
+def frustum_moments(low: float, high: float, height: float) -> Moments:
+    """Moments of a solid frustum of unit density on z = 0: radii at its base and top, and height [m].
+
+    With q = high/low and R(z) linear, int R^2, int R^2 z, int R^2 z^2 and int R^4 are polynomials in the two radii.
+    """
+    a, b = low, high
+    area = math.pi * height * (a * a + a * b + b * b) / 3.0
+    first = math.pi * height**2 * (a * a + 2.0 * a * b + 3.0 * b * b) / 12.0
+    second = math.pi * height**3 * (a * a + 3.0 * a * b + 6.0 * b * b) / 30.0
+    across = math.pi * height * (a**4 + a**3 * b + a * a * b * b + a * b**3 + b**4) / 20.0  # int x^2 = int pi R^4 / 4 dz
+    return Moments(area, 0.0, first, second + across)
+
+
+def raised(body: Moments, by: float) -> Moments:
+    """The same body, `by` higher."""
+    return Moments(body.mass, body.x, body.z + by * body.mass, body.polar + by * (2.0 * body.z + by * body.mass))
+
+
+def build(document: Document, name: str) -> RockingParameters:
+    """radius and height (cylinder); base_radius, top_radius and height (frustum); or drums: a list of such, from below."""
+    if document.has("drums"):
+        value = document.values["drums"]
+        if not isinstance(value.content, list) or not value.content:
+            raise document.fault(
+                "drums", str(value), "a list of drums from below, each with radius, or base_radius and top_radius, and height"
+            )
+        sections = []
+        for child in value.content:
+            part = document.part("drums", child)
+            sections.append(_section(part))
+            part.finish()
+    else:
+        sections = [_section(document)]
+    body, top = Moments(0.0, 0.0, 0.0, 0.0), 0.0
+    for low, high, height in sections:
+        body, top = body.plus(raised(frustum_moments(low, high, height), top)), top + height
+    pivot = sections[0][0]
+    centroid = body.z / body.mass
+    radius = math.hypot(pivot, centroid)
+    return rigid_body(
+        document,
+        "drum",
+        name,
+        radius=radius,
+        alpha=math.atan2(pivot, centroid),
+        inertia=body.about(pivot, 0.0) / (body.mass * radius**2),
+        limit="a drum more slender than this one",
+    )
+
+
+def _section(document: Document) -> tuple[float, float, float]:
+    """(radius at the base, radius at the top, height)."""
+    height = document.length("height")
+    if document.has("radius"):
+        for key in ("base_radius", "top_radius"):
+            if document.has(key):
+                raise document.fault(key, f"{key} beside radius", "radius, or base_radius and top_radius, not both")
+        radius = document.length("radius")
+        return radius, radius, height
+    top = document.quantity("top_radius", "length", least=0.0, where="a length from 0")
+    return document.length("base_radius"), top, height

@@ -1,0 +1,181 @@
+"""The arch as a four-bar linkage (Fig. 5): annular sectors between four hinges, at rest and displaced.
+
+Positions along the arch are angles s from springing A; A is on the left and the mechanism sways towards +x, to the right.
+Hinges A, B, C, D lie on the intrados, extrados, intrados, extrados. Links A-B, B-C and C-D turn; phi is the rotation of
+A-B. What lies outside A and D stays on the ground. Everything is per unit width and unit density.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from .mechanism import Coefficients, Moments, Spin
+
+INTRADOS, EXTRADOS = "intrados", "extrados"
+FACES = (INTRADOS, EXTRADOS, INTRADOS, EXTRADOS)
+
+
+class Ring(NamedTuple):
+    """An arch: centre-line radius r [m], thickness t [m], inclusion angle beta [rad]."""
+
+    radius: float
+    thickness: float
+    angle: float
+
+    def point(self, s: Any, face: str) -> tuple[Any, Any]:
+        """(x, z) on a face at the angle s from springing A."""
+        rho = self.radius + (0.5 if face == EXTRADOS else -0.5) * self.thickness
+        polar = 0.5 * np.pi + 0.5 * self.angle - s
+        return rho * np.cos(polar), rho * np.sin(polar)
+
+    def sector(self, start: Any, stop: Any) -> Moments:
+        """Moments of the part between two angles, in closed form."""
+        r, t = self.radius, self.thickness
+        a, b = (0.5 * np.pi + 0.5 * self.angle - s for s in (start, stop))
+        lever = r * r * t + t**3 / 12.0  # (r_o^3 - r_i^3) / 3
+        spread = stop - start
+        return Moments(
+            r * t * spread, lever * (np.sin(a) - np.sin(b)), lever * (np.cos(b) - np.cos(a)), r * t * (r * r + 0.25 * t * t) * spread
+        )
+
+
+class Rates(NamedTuple):
+    """Rotations of the links per rotation of A-B, and the virtual work: V'/g = lift, B = push."""
+
+    second: Any
+    third: Any
+    lift: Any
+    push: Any
+
+    @property
+    def admissible(self) -> Any:
+        """Each hinge opens on its far face: relative rotations alternate in sign."""
+        return (self.third > 0.0) & (self.second < 1.0) & (self.second < self.third)
+
+
+def rates(points: Any, masses: Any, centroids: Any) -> Rates:
+    """First-order kinematics of the linkage in any position.
+
+    points: (x, z) of A, B, C, D; masses, centroids: of the three links. The loop closes: AB + w2 BC + w3 CD = 0.
+    """
+    (xa, za), (xb, zb), (xc, zc), (xd, zd) = points
+    abx, abz, bcx, bcz, cdx, cdz = xb - xa, zb - za, xc - xb, zc - zb, xd - xc, zd - zc
+    turn = bcx * cdz - bcz * cdx
+    second = -(abx * cdz - abz * cdx) / turn
+    third = (abx * bcz - abz * bcx) / turn
+    (m1, m2, m3), ((x1, z1), (x2, z2), (x3, z3)) = masses, centroids
+    lift = -(m1 * (x1 - xa) + m2 * (abx + second * (x2 - xb)) + m3 * third * (x3 - xd))
+    push = m1 * (z1 - za) + m2 * (abz + second * (z2 - zb)) + m3 * third * (z3 - zd)
+    return Rates(second, third, lift, push)
+
+
+@dataclass(frozen=True)
+class FourBar:
+    """A mechanism of an arch: the ring and its four hinges, angles [rad] from springing A, rising."""
+
+    ring: Ring
+    hinges: tuple[float, float, float, float]
+
+    @cached_property
+    def points(self) -> np.ndarray:
+        """Hinge points at rest, (4, 2)."""
+        return np.array([self.ring.point(s, face) for s, face in zip(self.hinges, FACES, strict=True)])
+
+    @cached_property
+    def links(self) -> list[Moments]:
+        """Moments of the three links at rest."""
+        return [self.ring.sector(a, b) for a, b in zip(self.hinges[:-1], self.hinges[1:], strict=True)]
+
+    def at_rest(self) -> Rates:
+        """Kinematics at rest."""
+        return rates(self.points, [m.mass for m in self.links], [(m.x / m.mass, m.z / m.mass) for m in self.links])
+
+    @cached_property
+    def reach(self) -> float:
+        """Largest phi before two links lie in line and the linkage locks, and at most a quarter turn."""
+        scan = np.linspace(0.0, 0.5 * np.pi, 2001)
+        fits = np.isfinite(self._angles(scan)[0])
+        return float(scan[np.argmin(fits) - 1]) if not fits.all() else float(scan[-1])
+
+    def _angles(self, phi: Any) -> tuple[Any, Any]:
+        """Rotations of B-C and C-D, towards +x, when A-B has turned by phi; NaN where the links do not meet."""
+        a, b, c, d = self.points
+        phi = np.asarray(phi, dtype=float)
+        ab = b - a
+        bx = a[0] + np.cos(phi) * ab[0] + np.sin(phi) * ab[1]
+        bz = a[1] - np.sin(phi) * ab[0] + np.cos(phi) * ab[1]
+        long2, long3 = np.hypot(*(c - b)), np.hypot(*(d - c))
+        across, up = d[0] - bx, d[1] - bz
+        span2 = across**2 + up**2
+        along = (long2**2 - long3**2 + span2) / (2.0 * span2)
+        with np.errstate(invalid="ignore"):
+            aside = np.sqrt(long2**2 / span2 - along**2)
+        cd, bd = d - c, d - b
+        side = np.sign((c - b)[0] * bd[1] - (c - b)[1] * bd[0])  # which side of B-D the hinge C lies on, at rest and after
+        bcx, bcz = along * across + side * aside * up, along * up - side * aside * across
+        cdx, cdz = across - bcx, up - bcz
+        return _turned((c - b), bcx, bcz), _turned(cd, cdx, cdz)
+
+    def coefficients(self, phi: Any) -> Coefficients:
+        """M, V'/g and B of Eq. 3.4 at finite rotations, from the position of the links."""
+        a, b, c, d = self.points
+        phi = np.asarray(phi, dtype=float)
+        second, third = self._angles(phi)
+        b_now = a[:, None] + _rotate(b - a, phi.ravel())
+        c_now = d[:, None] + _rotate(c - d, third.ravel())
+        centroids = [
+            start[:, None] + _rotate(np.array([m.x, m.z]) / m.mass - start, turn.ravel())
+            for m, start, turn in ((self.links[0], a, phi), (self.links[2], d, third))
+        ]
+        middle = b_now + _rotate(np.array([self.links[1].x, self.links[1].z]) / self.links[1].mass - b, second.ravel())
+        points = [a, b_now, c_now, d]
+        masses = [m.mass for m in self.links]
+        at = rates(points, masses, [centroids[0], middle, centroids[1]])
+        central = self.links[1].about(self.links[1].x / masses[1], self.links[1].z / masses[1])
+        ux, uz = (b_now - a[:, None])[1] + at.second * (middle - b_now)[1], -(b_now - a[:, None])[0] - at.second * (middle - b_now)[0]
+        inertia = (
+            self.links[0].about(*a)
+            + masses[1] * (ux * ux + uz * uz)
+            + at.second**2 * central
+            + at.third**2 * self.links[2].about(*d)
+        )  # fmt: skip
+        shape = phi.shape
+        return Coefficients(inertia.reshape(shape), at.lift.reshape(shape), at.push.reshape(shape))
+
+    def fields(self) -> list[tuple[float, float, Spin]]:
+        """(start, stop, velocity field) of each link at rest."""
+        at, (a, b, _, d) = self.at_rest(), self.points
+        w2, w3 = float(at.second), float(at.third)
+        first = Spin(-a[1], a[0], 1.0)
+        vb = np.array([b[1] - a[1], -(b[0] - a[0])])
+        second = Spin(vb[0] - w2 * b[1], vb[1] + w2 * b[0], w2)
+        third = Spin(-w3 * d[1], w3 * d[0], w3)
+        return [(*ends, f) for ends, f in zip(zip(self.hinges[:-1], self.hinges[1:], strict=True), (first, second, third), strict=True)]
+
+    def overlap(self) -> tuple[float, float]:
+        """The mechanism rocking back against its mirror image about the crown rocking on, over what moves in both."""
+        beta = self.ring.angle
+        back = [(s, e, Spin(-f.x0, -f.z0, -f.omega)) for s, e, f in self.fields()]
+        onward = [(beta - e, beta - s, Spin(-f.x0, f.z0, -f.omega)) for s, e, f in self.fields()]
+        shared = 0.0
+        for s1, e1, u in back:
+            for s2, e2, w in onward:
+                start, stop = max(s1, s2), min(e1, e2)
+                if stop > start:
+                    shared += u.product(w, self.ring.sector(start, stop))
+        return float(shared), float(sum(w.product(w, self.ring.sector(s, e)) for s, e, w in onward))
+
+
+def _rotate(vector: np.ndarray, angle: np.ndarray) -> np.ndarray:
+    """(2, n): a vector turned by angles towards +x (clockwise)."""
+    cos, sin = np.cos(angle), np.sin(angle)
+    return np.array([cos * vector[0] + sin * vector[1], cos * vector[1] - sin * vector[0]])
+
+
+def _turned(before: np.ndarray, x: Any, z: Any) -> Any:
+    """Clockwise angle from a vector to (x, z)."""
+    return np.arctan2(before[1] * x - before[0] * z, before[0] * x + before[1] * z)

@@ -1,0 +1,126 @@
+"""A rigid block of any polygonal section, on the ends of its base.
+
+An unsymmetric section has a weaker and a stronger side. The parameters are those of the side on which it lifts first;
+eta is the geometric mean of the two impacts of a cycle, whose product is what a cycle loses.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from .document import Document, Value
+from .mechanism import Moments, spin_about
+from .parameters import RockingParameters
+from .quantities import parse_quantity
+from .rigid import rigid_body
+
+Corner = tuple[float, float]
+
+
+def polygon_moments(corners: Sequence[Corner]) -> Moments:
+    """Moments of a polygon of unit density; corners [m] in order, counterclockwise for a positive mass (Green's theorem)."""
+    mass = x = z = polar = 0.0
+    for (x1, z1), (x2, z2) in zip(corners, [*corners[1:], corners[0]], strict=True):
+        cross = x1 * z2 - x2 * z1
+        mass += cross / 2.0
+        x += cross * (x1 + x2) / 6.0
+        z += cross * (z1 + z2) / 6.0
+        polar += cross * (x1 * x1 + x1 * x2 + x2 * x2 + z1 * z1 + z1 * z2 + z2 * z2) / 12.0
+    return Moments(mass, x, z, polar)
+
+
+def _symmetric(body: Moments) -> Moments:
+    """A centroid within rounding of the middle of the base is in the middle."""
+    return body._replace(x=0.0) if abs(body.x) <= 1e-13 * math.sqrt(body.mass * body.polar) else body
+
+
+def build(document: Document, name: str) -> RockingParameters:
+    """corners: the section's corners in order, [[x, z], ...]; it stands on its lowest points."""
+    corners = _corners(document)
+    lowest = min(z for _, z in corners)
+    size = max(math.dist(a, b) for a in corners for b in corners)
+    feet = [x for x, z in corners if z - lowest <= 1e-9 * size]
+    left, right = min(feet), max(feet)
+    if right - left <= 1e-9 * size:
+        raise document.fault("corners", "a section that rests on one point", "a base of two lowest corners or more")
+    middle = 0.5 * (left + right)
+    body = _symmetric(polygon_moments([(x - middle, z - lowest) for x, z in corners]))
+    half = 0.5 * (right - left)
+    if not abs(body.x) < half * body.mass:
+        raise document.fault("corners", "a centroid that is not above the base", "a section that stands")
+    pivot = math.copysign(half, body.x)  # the edge nearer to the centroid, over which it falls first
+    x, z = half - abs(body.x) / body.mass, body.z / body.mass
+    radius = math.hypot(x, z)
+    back, onward = spin_about(half, 0.0, -1.0), spin_about(-half, 0.0, -1.0)
+    shared = back.product(onward, body)
+    return rigid_body(
+        document,
+        "prism",
+        name,
+        radius=radius,
+        alpha=math.atan2(x, z),
+        inertia=body.about(pivot, 0.0) / (body.mass * radius**2),
+        eta=shared / math.sqrt(body.about(half, 0.0) * body.about(-half, 0.0)),
+        limit="a section more slender than this one",
+        details={} if body.x == 0.0 else {"direction": "over the right edge" if pivot > 0.0 else "over the left edge"},
+    )
+
+
+def _corners(document: Document) -> list[Corner]:
+    wanted = "a list of three or more corners [x, z], lengths in m or with a unit"
+    if not document.has("corners"):
+        raise document.missing("corners", wanted)
+    value = document.values["corners"]
+    if not isinstance(value.content, list) or len(value.content) < 3:
+        raise document.fault("corners", str(value), wanted)
+    corners = [_corner(document, child, wanted) for child in value.content]
+    if len(set(corners)) < len(corners):
+        raise document.fault("corners", "a corner given twice", wanted)
+    if _crosses_itself(corners):
+        raise document.fault("corners", "a section that crosses itself", "corners in order around the section")
+    area = polygon_moments(corners).mass
+    if abs(area) <= 1e-12 * max(math.dist(a, b) for a in corners for b in corners) ** 2:
+        raise document.fault("corners", "a section without area", wanted)
+    return corners if area > 0.0 else corners[::-1]
+
+
+def _corner(document: Document, value: Value, wanted: str) -> Corner:
+    if isinstance(value.content, list) and len(value.content) == 2:
+        texts = [v.content for v in value.content]
+        try:
+            x, z = (parse_quantity(t, "length") for t in texts if isinstance(t, str))
+        except ValueError:
+            pass
+        else:
+            return x, z
+    raise document.fault("corners", f"a corner that is not a pair of lengths (line {value.place.line})", wanted)
+
+
+def _crosses_itself(corners: Sequence[Corner]) -> bool:
+    """Whether two edges that are not neighbours touch, or two neighbours fold back on each other."""
+    edges = list(zip(corners, [*corners[1:], corners[0]], strict=True))
+    count = len(edges)
+    for i, (a, b) in enumerate(edges):
+        c = edges[(i + 1) % count][1]
+        if _turn(a, b, c) == 0.0 and (b[0] - a[0]) * (c[0] - b[0]) + (b[1] - a[1]) * (c[1] - b[1]) < 0.0:
+            return True
+        for j in range(i + 2, count):
+            if (j + 1) % count != i and _touch(a, b, *edges[j]):
+                return True
+    return False
+
+
+def _turn(a: Corner, b: Corner, c: Corner) -> float:
+    return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+
+
+def _touch(a: Corner, b: Corner, c: Corner, d: Corner) -> bool:
+    def within(p: Corner, q: Corner, r: Corner) -> bool:
+        return min(p[0], q[0]) <= r[0] <= max(p[0], q[0]) and min(p[1], q[1]) <= r[1] <= max(p[1], q[1])
+
+    t = (_turn(a, b, c), _turn(a, b, d), _turn(c, d, a), _turn(c, d, b))
+    if t[0] * t[1] < 0.0 and t[2] * t[3] < 0.0:
+        return True
+    pairs = ((t[0], a, b, c), (t[1], a, b, d), (t[2], c, d, a), (t[3], c, d, b))
+    return any(x == 0.0 and within(p, q, r) for x, p, q, r in pairs)
