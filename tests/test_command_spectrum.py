@@ -40,6 +40,23 @@ def test_pipeline_from_params(rocking, tmp_path):
         assert np.array_equal(a["theta_ratio"][...], b["theta_ratio"][...], equal_nan=True)
 
 
+def test_arches_and_spires_sweep_like_any_other_structure(rocking, tmp_path):
+    files = [f"configs/{name}.yaml" for name in ("arch", "spire_cracked", "frame", "prism", "drum")]
+    assert rocking("spectrum", *files, "--grid", "a_g=0.1g:1g:30,T_g=0.3:2:20", "-o", "s.h5").returncode == 0
+    envelope = rocking("envelope", *files, "--grid", "T_g=0.5:1:2", "--json")
+    edges = [json.loads(line) for line in envelope.stdout.splitlines()]
+    with h5py.File(tmp_path / "s.h5") as f:
+        outcome, a_g = f["outcome"][...], f["a_g"][...]
+        names = f["structure"].asstr()[...].tolist()
+        for row in edges:  # a grid point inside an interval has overturned
+            i, j = names.index(row["structure"]), int(np.abs(f["omega_g"][...] - row["omega_g"]).argmin())
+            if abs(f["omega_g"][j] - row["omega_g"]) > 1e-9:
+                continue
+            inside = (a_g > row["a_from"]) & (a_g < (row["a_to"] or np.inf))
+            assert (outcome[i, j, inside] >= 3).all()
+    assert {row["structure"] for row in edges} == set(names)
+
+
 def test_quiet_says_nothing(rocking):
     done = rocking("spectrum", "--eta", "0.9", "--grid", SMALL, "-o", "s.h5", "-q")
     assert (done.returncode, done.stdout, done.stderr) == (0, "", "")

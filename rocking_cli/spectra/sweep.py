@@ -1,84 +1,30 @@
-"""Sweeps: structures over a grid, cut into units of work, spread over processes, streamed to a file or into memory.
-
-A unit is one chunk of the file. Its cells are computed by the same code in the same order wherever it runs, and units
-are collected in their own order, so neither the number of workers nor the size of a unit changes a bit of the result.
-"""
+"""Sweeps: structures over a grid, streamed chunk by chunk into a file, or into memory."""
 
 from __future__ import annotations
 
-import multiprocessing
 import os
-import signal
-import sys
 import time
-import warnings
-from collections import deque
-from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import Future, ProcessPoolExecutor
-from concurrent.futures.process import BrokenProcessPool
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from ..dynamics.engine import Response, Work, linear_response
+from ..dynamics.engine import Response, Work
 from ..dynamics.outcome import Outcome
-from ..dynamics.reference import reference_cell
-from ..errors import Interrupted, OutputError, UsageError
+from ..errors import Interrupted, UsageError
 from ..motions import Motion
 from ..structures.parameters import RockingParameters
 from .grid import Grid
+from .scene import Scene, Unit, chunk_shape, cut_into_units, sampled_cells
+from .units import Job, unit_reports
 
 CHUNK_CELLS = 131072
 SMALL_SWEEP = 100_000  # cells below which starting processes takes longer than they save
 CHECKED_CELLS = 16
-_SEED = 20120924
 
 Progress = Callable[[int, int], None]
-
-
-@dataclass(frozen=True, eq=False)
-class Scene:
-    """What a sweep computes: structures, grid, motion.
-
-    Structures of equal restitution share one dimensionless spectrum, which is computed once (section 3.3 of the paper).
-    Raises UsageError when a structure has no units but the grid does, or the scene holds no structure.
-    """
-
-    structures: tuple[RockingParameters, ...]
-    grid: Grid
-    motion: Motion
-
-    def __post_init__(self) -> None:
-        if not self.structures:
-            raise UsageError("no structure: give a structure document, or a restitution for a dimensionless grid")
-        for s in self.structures:
-            if s.structure == "dimensionless" and not self.grid.dimensionless:
-                raise UsageError("a restitution alone has no units: give a structure document, or axes A and Omega")
-
-    @property
-    def cells(self) -> int:
-        """Cells of the result."""
-        return len(self.structures) * self.grid.shape[0] * self.grid.shape[1]
-
-    def sharing(self) -> list[tuple[int, ...]]:
-        """Structures, by index, that share one computation."""
-        if not self.grid.dimensionless:
-            return [(i,) for i in range(len(self.structures))]
-        groups: dict[float, list[int]] = {}
-        for i, s in enumerate(self.structures):
-            groups.setdefault(s.eta, []).append(i)
-        return [tuple(g) for g in groups.values()]
-
-
-@dataclass(frozen=True)
-class Unit:
-    """One unit of work: the structures it serves and its block of the grid."""
-
-    structures: tuple[int, ...]
-    row: int
-    column: int
 
 
 @dataclass(frozen=True)
@@ -206,14 +152,6 @@ def write_spectrum(
     return summary
 
 
-def chunk_shape(shape: tuple[int, int], cells: int) -> tuple[int, int]:
-    """(rows, columns) of a unit of work of about `cells` cells: whole rows where they fit. Raises UsageError if cells < 1."""
-    if cells < 1:
-        raise UsageError(f"a unit of work has at least one cell, found {cells}")
-    columns = min(shape[1], cells)
-    return min(shape[0], max(1, cells // columns)), columns
-
-
 def _padded(block: np.ndarray, shape: tuple[int, int]) -> np.ndarray:
     """A block at the grid's edge, filled up to the full chunk that HDF5 stores."""
     if block.shape == shape:
@@ -221,22 +159,6 @@ def _padded(block: np.ndarray, shape: tuple[int, int]) -> np.ndarray:
     full = np.zeros(shape, dtype=block.dtype)
     full[: block.shape[0], : block.shape[1]] = block
     return full
-
-
-def _units(scene: Scene, chunk: tuple[int, int]) -> Iterator[Unit]:
-    rows, columns = scene.grid.shape
-    for group in scene.sharing():
-        for row in range(0, rows, chunk[0]):
-            for column in range(0, columns, chunk[1]):
-                yield Unit(group, row, column)
-
-
-def _compute(scene: Scene, unit: Unit, chunk: tuple[int, int]) -> Response:
-    structure = scene.structures[unit.structures[0]]
-    amplitude, omega = scene.grid.scaled(structure)
-    a = amplitude[unit.column : unit.column + chunk[1]]
-    w = omega[unit.row : unit.row + chunk[0]]
-    return linear_response(scene.motion, a[None, :], w[:, None], structure.eta)
 
 
 def _sweep(
@@ -252,13 +174,13 @@ def _sweep(
     began = time.perf_counter()
     if workers is not None and workers < 1:
         raise UsageError(f"workers is {workers}, accepted is a whole number from 1")
-    units = list(_units(scene, chunk))
+    units = list(cut_into_units(scene, chunk))
     wanted = min(workers or os.cpu_count() or 1, len(units))
     if workers is None and scene.cells < SMALL_SWEEP:
         wanted = 1
-    job = _Job(scene, chunk, _sampled(scene, check), convert)
+    job = Job(scene, chunk, sampled_cells(scene, check), convert)
     total, outcomes, shared, worst, misjudged, checked = Work(), np.zeros(len(Outcome), dtype=np.int64), 0, 0.0, 0, 0
-    for done, (unit, report) in enumerate(_results(job, units, wanted), 1):
+    for done, (unit, report) in enumerate(unit_reports(job, units, wanted), 1):
         keep(unit, report.data)
         times = len(unit.structures)
         total += report.work
@@ -279,109 +201,3 @@ def _sweep(
         estimated_error=worst,
         misjudged=misjudged,
     )
-
-
-def _sampled(scene: Scene, check: int) -> np.ndarray:
-    """(structure, row, column) of the cells to check: drawn without regard to units, among the cells that uplift."""
-    if check < 1:
-        return np.zeros((0, 3), dtype=np.int64)
-    random = np.random.default_rng(_SEED)
-    rows, columns = scene.grid.shape
-    found: list[tuple[int, int, int]] = []
-    owners = [group[0] for group in scene.sharing()]
-    for _ in range(20 * check):
-        i, r, c = owners[int(random.integers(len(owners)))], int(random.integers(rows)), int(random.integers(columns))
-        amplitude = scene.grid.scaled(scene.structures[i])[0][c]
-        if amplitude * scene.motion.peak > 1.0 and (i, r, c) not in found:
-            found.append((i, r, c))
-        if len(found) == check:
-            break
-    return np.array(found, dtype=np.int64).reshape(-1, 3)
-
-
-@dataclass(frozen=True)
-class _Report:
-    """What comes back from a unit: its data (converted), its counters, and how its checked cells compare."""
-
-    data: Any
-    work: Work
-    outcomes: np.ndarray
-    worst: float
-    misjudged: int
-    checked: int
-
-
-@dataclass(frozen=True)
-class _Job:
-    """Everything a worker needs; sent once, not with each unit."""
-
-    scene: Scene
-    chunk: tuple[int, int]
-    samples: np.ndarray
-    convert: Callable[[Response], Any] | None
-
-    def run(self, unit: Unit) -> _Report:
-        response = _compute(self.scene, unit, self.chunk)
-        worst, misjudged, checked = self.compare(unit, response)
-        data = self.convert(response) if self.convert else response
-        outcomes = np.bincount(response.outcome.ravel(), minlength=len(Outcome))
-        return _Report(data, response.work, outcomes, worst, misjudged, checked)
-
-    def compare(self, unit: Unit, response: Response) -> tuple[float, int, int]:
-        """(largest difference, outcomes that differ, cells) of this unit's sampled cells against the reference."""
-        structure = self.scene.structures[unit.structures[0]]
-        amplitude, omega = self.scene.grid.scaled(structure)
-        worst, misjudged, checked = 0.0, 0, 0
-        for i, row, column in self.samples:
-            r, c = row - unit.row, column - unit.column
-            if i != unit.structures[0] or not (0 <= r < self.chunk[0] and 0 <= c < self.chunk[1]):
-                continue
-            outcome, theta = reference_cell(self.scene.motion, amplitude[column], omega[row], structure.eta)
-            if outcome == Outcome.FAILED:
-                continue
-            checked += 1
-            misjudged += int(outcome != response.outcome[r, c])
-            if outcome == response.outcome[r, c] and np.isfinite(theta):
-                worst = max(worst, abs(theta - float(response.theta_ratio[r, c])))
-        return worst, misjudged, checked
-
-
-_job: _Job | None = None
-
-
-def _set_job(job: _Job) -> None:
-    global _job
-    _job = job
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C reaches the whole group; the parent alone decides
-
-
-def _run_unit(unit: Unit) -> _Report:
-    assert _job is not None
-    return _job.run(unit)
-
-
-def _results(job: _Job, units: Sequence[Unit], workers: int) -> Iterator[tuple[Unit, _Report]]:
-    if workers == 1:
-        for unit in units:
-            yield unit, job.run(unit)
-        return
-    # Forked workers have the scene and the imported packages from the start; only results travel.
-    forks = sys.platform == "linux"
-    context = multiprocessing.get_context("fork" if forks else "spawn")
-    pool = ProcessPoolExecutor(workers, mp_context=context, initializer=_set_job, initargs=(job,))
-    try:
-        waiting: deque[tuple[Unit, Future[_Report]]] = deque()
-        with warnings.catch_warnings():  # numpy's idle arithmetic threads are no danger to a fork
-            warnings.simplefilter("ignore", DeprecationWarning)
-            for unit in units:
-                waiting.append((unit, pool.submit(_run_unit, unit)))
-                if len(waiting) > 2 * workers:
-                    first, future = waiting.popleft()
-                    yield first, future.result()
-        while waiting:
-            first, future = waiting.popleft()
-            yield first, future.result()
-    except BrokenProcessPool:
-        raise OutputError("a worker process died (out of memory?); fewer --workers or a smaller --chunk need less") from None
-    finally:
-        pool.shutdown(wait=True, cancel_futures=True)

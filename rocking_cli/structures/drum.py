@@ -10,7 +10,7 @@ import math
 from .document import Document
 from .mechanism import Moments
 from .parameters import RockingParameters
-from .rigid import rigid_body
+from .rigid import body_on_edge
 
 
 def frustum_moments(low: float, high: float, height: float) -> Moments:
@@ -49,18 +49,7 @@ def build(document: Document, name: str) -> RockingParameters:
     body, top = Moments(0.0, 0.0, 0.0, 0.0), 0.0
     for low, high, height in sections:
         body, top = body.plus(raised(frustum_moments(low, high, height), top)), top + height
-    pivot = sections[0][0]
-    centroid = body.z / body.mass
-    radius = math.hypot(pivot, centroid)
-    return rigid_body(
-        document,
-        "drum",
-        name,
-        radius=radius,
-        alpha=math.atan2(pivot, centroid),
-        inertia=body.about(pivot, 0.0) / (body.mass * radius**2),
-        limit="a drum more slender than this one",
-    )
+    return body_on_edge(document, "drum", name, body, sections[0][0], limit="a drum more slender than this one")
 
 
 def _section(document: Document) -> tuple[float, float, float]:

@@ -13,7 +13,7 @@ from .document import Document, Value
 from .mechanism import Moments, spin_about
 from .parameters import RockingParameters
 from .quantities import parse_quantity
-from .rigid import rigid_body
+from .rigid import body_on_edge
 
 Corner = tuple[float, float]
 
@@ -47,23 +47,16 @@ def build(document: Document, name: str) -> RockingParameters:
     middle = 0.5 * (left + right)
     body = _symmetric(polygon_moments([(x - middle, z - lowest) for x, z in corners]))
     half = 0.5 * (right - left)
-    if not abs(body.x) < half * body.mass:
-        raise document.fault("corners", "a centroid that is not above the base", "a section that stands")
-    pivot = math.copysign(half, body.x)  # the edge nearer to the centroid, over which it falls first
-    x, z = half - abs(body.x) / body.mass, body.z / body.mass
-    radius = math.hypot(x, z)
     back, onward = spin_about(half, 0.0, -1.0), spin_about(-half, 0.0, -1.0)
-    shared = back.product(onward, body)
-    return rigid_body(
+    return body_on_edge(
         document,
         "prism",
         name,
-        radius=radius,
-        alpha=math.atan2(x, z),
-        inertia=body.about(pivot, 0.0) / (body.mass * radius**2),
-        eta=shared / math.sqrt(body.about(half, 0.0) * body.about(-half, 0.0)),
+        body,
+        half,
         limit="a section more slender than this one",
-        details={} if body.x == 0.0 else {"direction": "over the right edge" if pivot > 0.0 else "over the left edge"},
+        eta=back.product(onward, body) / math.sqrt(body.about(half, 0.0) * body.about(-half, 0.0)),
+        details={} if body.x == 0.0 else {"direction": "over the right edge" if body.x > 0.0 else "over the left edge"},
     )
 
 

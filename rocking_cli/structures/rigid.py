@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from .document import Document
+from .mechanism import Moments
 from .parameters import RockingParameters, gravity_of, restitution_of
 
 
@@ -43,6 +44,30 @@ def rigid_body(
         gravity=gravity,
         details=details or {},
     )
+
+
+def body_on_edge(
+    document: Document,
+    kind: str,
+    name: str,
+    body: Moments,
+    pivot: float,
+    *,
+    limit: str,
+    eta: float | None = None,
+    details: Mapping[str, Any] | None = None,
+) -> RockingParameters:
+    """The same from a body's moments and the distance [m] of the pivots (+pivot, 0) and (-pivot, 0) from x = 0.
+
+    The body rocks first about the pivot nearer to its centroid. Raises DocumentError when the centroid is beyond it.
+    """  # fmt: skip
+    x, z = pivot - abs(body.x) / body.mass, body.z / body.mass
+    if not x > 0.0:
+        raise document.fault(None, "a centroid that is not above the base", f"a {kind} that stands")
+    radius = math.hypot(x, z)
+    inertia = body.about(math.copysign(pivot, body.x), 0.0) / (body.mass * radius**2)
+    alpha = math.atan2(x, z)
+    return rigid_body(document, kind, name, radius=radius, alpha=alpha, inertia=inertia, limit=limit, eta=eta, details=details)
 
 
 def radius_and_alpha(document: Document, half_width: float, centroid_height: float) -> tuple[float, float]:

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from .document import Document
 from .mechanism import Moments, RigidBody
 from .parameters import RockingParameters
-from .rigid import rigid_body
+from .rigid import body_on_edge
 
 if TYPE_CHECKING:
     import numpy as np
@@ -116,24 +116,10 @@ def build(document: Document, name: str) -> RockingParameters:
     """base_radius, height, thickness (absent: thin wall), tip_height, crack: none | diagonal, crack_height."""
     spire = _read(document)
     mechanism = spire.mechanism()
-    body = mechanism.body
-    x, z = spire.base_radius - body.x / body.mass, body.z / body.mass
-    if x <= 0.0:
-        raise document.fault(None, "a centroid beyond the pivot", "a spire whose part above the crack stands on it")
-    radius = math.hypot(x, z)
     shared, own = mechanism.overlap()
     details = {"tip_height": spire.tip_height, "crack_height": spire.crack_height} if spire.crack_height else {}
-    return rigid_body(
-        document,
-        "spire",
-        name,
-        radius=radius,
-        alpha=math.atan2(x, z),
-        inertia=body.about(spire.base_radius, 0.0) / (body.mass * radius**2),
-        eta=shared / own,
-        limit="a spire more slender, or cracked lower",
-        details=details,
-    )
+    limit = "a spire more slender, or cracked lower"
+    return body_on_edge(document, "spire", name, mechanism.body, spire.base_radius, limit=limit, eta=shared / own, details=details)
 
 
 def _read(document: Document) -> Spire:
