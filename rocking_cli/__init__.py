@@ -12,12 +12,14 @@ __version__ = "0.1.0"
 
 if TYPE_CHECKING:
     from .dynamics.engine import Response, linear_response
+    from .dynamics.nonlinear import nonlinear_response
     from .dynamics.outcome import Outcome
     from .errors import DocumentError, OutputError, RockingError, UsageError
     from .motions import Motion, cosine, pulse, sine
     from .spectra.closed_form import closed_form_curves
     from .spectra.envelope import Interval, trace_envelope
     from .spectra.grid import Axis, Grid, parse_grid
+    from .spectra.scene import Method
     from .spectra.sweep import Spectrum, Summary, spectrum, write_spectrum
     from .structures import RockingParameters, build_structure, load_structures, parse_documents
     from .structures.parameters import dimensionless_oscillator
@@ -25,6 +27,7 @@ if TYPE_CHECKING:
 _HOME = {
     "Response": "dynamics.engine",
     "linear_response": "dynamics.engine",
+    "nonlinear_response": "dynamics.nonlinear",
     "Outcome": "dynamics.outcome",
     "DocumentError": "errors",
     "OutputError": "errors",
@@ -40,6 +43,7 @@ _HOME = {
     "Axis": "spectra.grid",
     "Grid": "spectra.grid",
     "parse_grid": "spectra.grid",
+    "Method": "spectra.scene",
     "Spectrum": "spectra.sweep",
     "Summary": "spectra.sweep",
     "spectrum": "spectra.sweep",
@@ -56,6 +60,7 @@ __all__ = [
     "DocumentError",
     "Grid",
     "Interval",
+    "Method",
     "Motion",
     "Outcome",
     "OutputError",
@@ -72,6 +77,7 @@ __all__ = [
     "dimensionless_oscillator",
     "linear_response",
     "load_structures",
+    "nonlinear_response",
     "parse_documents",
     "parse_grid",
     "pulse",

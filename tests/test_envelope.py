@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from test_engine import INTERVALS
 
-from rocking_cli import Outcome, UsageError, closed_form_curves, cosine, linear_response, sine, trace_envelope
+from rocking_cli import Outcome, UsageError, closed_form_curves, cosine, dimensionless_oscillator, linear_response, sine, trace_envelope
 from rocking_cli.spectra.closed_form import no_impact_amplitude
 
 
 def test_traced_intervals_are_those_of_the_reference_table():
-    traced = trace_envelope(sine(), [row[0] for row in INTERVALS], 0.9)
+    traced = trace_envelope(sine(), [row[0] for row in INTERVALS], dimensionless_oscillator(0.9))
     for omega, begin, end, no_impact, digit in INTERVALS:
         mine = [i for i in traced if i.omega == omega]
         assert [i.mode for i in mine] == ["after_impact", "no_impact"]
@@ -22,7 +22,7 @@ def test_traced_intervals_are_those_of_the_reference_table():
 @pytest.mark.parametrize("eta", [0.5, 0.7, 0.9, 1.0])
 def test_traced_and_closed_form_agree_to_1e_10(eta):
     omegas = np.linspace(1.0, 8.0, 22)
-    traced = trace_envelope(sine(), omegas, eta, a_max=20.0)
+    traced = trace_envelope(sine(), omegas, dimensionless_oscillator(eta), a_max=20.0)
     compared = 0
     for point in closed_form_curves(omegas, eta):
         if point.curve == "initiation" or point.amplitude >= 20.0:
@@ -40,14 +40,14 @@ def test_traced_and_closed_form_agree_to_1e_10(eta):
 
 def test_half_sine_closed_form():
     omegas = np.array([1.0, 3.0, 5.0])
-    traced = [i for i in trace_envelope(sine(0.5), omegas, 0.9, a_max=30) if i.mode == "no_impact"]
+    traced = [i for i in trace_envelope(sine(0.5), omegas, dimensionless_oscillator(0.9), a_max=30) if i.mode == "no_impact"]
     assert [i.a_from for i in traced] == pytest.approx([no_impact_amplitude(w, 0.5) for w in omegas], abs=1e-10)
 
 
 def test_every_interval_of_a_fine_raster_is_traced():
     omega, amplitude = 0.4983, np.linspace(1, 1.2, 40_001)
     outcome = linear_response(sine(), amplitude, omega, 0.9).outcome
-    traced = trace_envelope(sine(), [omega], 0.9, a_max=1.2)
+    traced = trace_envelope(sine(), [omega], dimensionless_oscillator(0.9), a_max=1.2)
     inside = np.zeros(amplitude.size, dtype=bool)
     for i in traced:
         inside |= (amplitude > i.a_from) & (amplitude < (i.a_to or np.inf))
@@ -58,7 +58,7 @@ def test_every_interval_of_a_fine_raster_is_traced():
 
 
 def test_boundaries_are_where_the_outcome_changes():
-    for i in trace_envelope(cosine(1), [2.0, 4.0], 0.8, a_max=10):
+    for i in trace_envelope(cosine(1), [2.0, 4.0], dimensionless_oscillator(0.8), a_max=10):
         for edge in (i.a_from, i.a_to):
             if edge is not None:
                 below, above = linear_response(cosine(1), edge * np.array([1 - 1e-12, 1 + 1e-12]), i.omega, 0.8).outcome
@@ -68,7 +68,7 @@ def test_boundaries_are_where_the_outcome_changes():
 @pytest.mark.parametrize("a_max", [1.0, 0.0, -3.0, np.nan, np.inf, 1e9])
 def test_a_max_must_make_sense(a_max):
     with pytest.raises(UsageError, match="a-max"):
-        trace_envelope(sine(), [2.0], 0.9, a_max=a_max)
+        trace_envelope(sine(), [2.0], dimensionless_oscillator(0.9), a_max=a_max)
 
 
 def test_closed_form_only_where_there_is_one():

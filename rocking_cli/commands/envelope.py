@@ -15,6 +15,7 @@ from . import options
 @click.option("--grid", "axes", required=True, metavar="AXIS", help="omega_g=START:STOP:N[:log] (or f_g, T_g), or Omega=….")
 @options.eta
 @options.motion
+@options.method
 @click.option("--a-max", type=float, default=20.0, show_default=True, help="Largest dimensionless amplitude A that is searched.")
 @click.option("--closed-form", is_flag=True, help="The closed-form curves of a sine pulse instead.")
 @options.output_form
@@ -27,6 +28,8 @@ def envelope(
     etas: tuple[float, ...],
     pulse: str,
     cycles: float,
+    model: str,
+    tolerance: float,
     a_max: float,
     closed_form: bool,
     form: str | None,
@@ -39,8 +42,10 @@ def envelope(
     """
     from ..motions import pulse as named_pulse
     from ..spectra.envelope import frequency_axis, structure_curves, structure_intervals
+    from ..spectra.scene import Method
 
     motion = named_pulse(pulse, cycles)
+    method = Method(model, tolerance)
     axis = frequency_axis(axes)
     structures = options.structures_of(files, etas)
     failed = False
@@ -51,7 +56,8 @@ def envelope(
             if closed_form:
                 yield from structure_curves(structure, axis, pulse, cycles)
                 continue
-            for record in structure_intervals(structure, axis, motion, a_max, options.ProgressLine(structure.name, quiet)):
+            progress = options.ProgressLine(structure.name, quiet)
+            for record in structure_intervals(structure, axis, motion, method=method, a_max=a_max, progress=progress):
                 failed |= record["mode"] == "failed"
                 yield record
 

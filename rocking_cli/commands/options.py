@@ -28,6 +28,13 @@ eta = click.option(
 )  # fmt: skip
 
 
+def method(command: F) -> F:
+    """--model and --tolerance."""
+    model = click.option("--model", default="linear", show_default=True, help="Equation of motion: linear, or nonlinear for rigid bodies.")
+    tolerance = click.option("--tolerance", type=float, default=1e-9, show_default=True, help="Error of theta/alpha aimed at (nonlinear).")
+    return model(tolerance(command))
+
+
 def output_form(command: F) -> F:
     """--json and --csv; without either a table for people."""
     return json_output(csv_output(command))

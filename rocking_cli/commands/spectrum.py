@@ -17,7 +17,7 @@ from . import options
 @click.option("-o", "--output", required=True, type=click.Path(path_type=Path), help="The HDF5 file to write.")
 @options.eta
 @options.motion
-@click.option("--model", type=click.Choice(["linear"]), default="linear", show_default=True, help="Equation of motion.")
+@options.method
 @click.option("--impacts", is_flag=True, help="Also store the number of impacts during the shaking.")
 @options.workers
 @click.option("--chunk", type=click.IntRange(1), metavar="CELLS", help="Cells in one unit of work.")
@@ -35,6 +35,7 @@ def spectrum(
     pulse: str,
     cycles: float,
     model: str,
+    tolerance: float,
     impacts: bool,
     workers: int | None,
     chunk: int | None,
@@ -51,10 +52,12 @@ def spectrum(
     from ..motions import pulse as named_pulse
     from ..reports.summary import summary_lines
     from ..spectra.grid import parse_grid
+    from ..spectra.scene import Method
     from ..spectra.store import check_output
     from ..spectra.sweep import CHECKED_CELLS, CHUNK_CELLS, write_spectrum
 
     motion = named_pulse(pulse, cycles)
+    method = Method(model, tolerance)
     grid = parse_grid(axes)
     check_output(output, overwrite)
     structures, texts = options.structures_and_texts(files, etas)
@@ -63,6 +66,7 @@ def spectrum(
         grid,
         motion,
         output,
+        method=method,
         workers=workers,
         chunk_cells=chunk or CHUNK_CELLS,
         check=CHECKED_CELLS if check is None else check,

@@ -55,12 +55,12 @@ def uplift(segments: Segments, k: Array, u: Array, amplitude: Array) -> Uplift:
     return Uplift(k, u, side, b)
 
 
-def chatter_ends(segments: Segments, lanes: Lanes) -> Array:
+def chatter_ends(segments: Segments, lanes: Lanes, gain: float) -> Array:
     """Lanes just after an impact whose bouncing is proved to end in rest within the segment, before |a| reaches 1.
 
     With a between a_- and a_+ until the end, the series of arcs lasts at most
-    2 v / (1 - eta^2) [1/(1 - a_+ - y) + eta/(1 + a_- - y)], y the largest height, and no arc rises above
-    v^2 / (2 (1 - max |a| - y)). Lanes whose arcs could rise above their peak so far are left to go on.
+    2 v / (1 - eta^2) [1/(1 - a_+ - g y) + eta/(1 + a_- - g y)], y the largest height and g the model's gain, and no arc
+    rises above v^2 / (2 (1 - max |a| - g y)). Lanes whose arcs could rise above their peak so far are left to go on.
     """
     proved = np.zeros(lanes.k.shape, dtype=bool)
     drive, v = 1.0 + lanes.b, lanes.v
@@ -74,9 +74,9 @@ def chatter_ends(segments: Segments, lanes: Lanes) -> Array:
     later = np.minimum(u + lanes.omega[maybe] * trial, segments.length[k])
     change = np.abs(segment_value(segments, k, later)[0] - segment_value(segments, k, u)[0]) * lanes.amplitude[maybe]
     margin = gap[maybe] - change  # of 1 - |a|: s is monotone on a segment, so its change bounds that of |a|
-    height = v * v / margin
+    height = gain * v * v / margin  # bounds what y adds to the acceleration
     up, down = 1.0 - a0 - change - height, 1.0 + a0 - change - height
     ends = (margin > 0.0) & (height < 0.5 * margin) & (up > 0.0) & (down > 0.0)
-    ends &= (later < segments.length[k]) & (scale * (1.0 / up + n / down) <= trial) & (height <= lanes.peak[maybe])
+    ends &= (later < segments.length[k]) & (scale * (1.0 / up + n / down) <= trial) & (height <= gain * lanes.peak[maybe])
     proved[maybe[ends]] = True
     return proved

@@ -13,10 +13,11 @@ from dataclasses import dataclass, fields
 import numpy as np
 
 from ..motions.motion import Motion, Segments
+from .advance import Event, advance, raise_peaks
 from .contact import chatter_ends, uplift
-from .free import free_fate
 from .lanes import Lanes, place
-from .linear import Event, advance, raise_peaks
+from .linear import LinearModel
+from .model import Model
 from .outcome import Outcome
 
 Array = np.ndarray
@@ -65,14 +66,21 @@ def linear_response(
     positive and finite; eta [-] in [0, 1]; broadcast against each other. peaks: whether theta_ratio is wanted; without it
     only the outcome is computed and theta_ratio is NaN. Raises ValueError when a number is out of range.
     """
-    amplitude, omega, eta = np.broadcast_arrays(*(np.asarray(x, dtype=float) for x in (amplitude, omega, eta)))
+    return response(LinearModel(), motion, amplitude, omega, eta, peaks=peaks, pool=pool)
+
+
+def response(
+    model: Model, motion: Motion, uplift_ratio: Array, omega: Array, eta: Array | float, *, peaks: bool = True, pool: int = POOL
+) -> Response:
+    """The same for any model; `uplift_ratio` is a_g over the uplift acceleration [-]. Raises ValueError."""
+    amplitude, omega, eta = np.broadcast_arrays(*(np.asarray(x, dtype=float) for x in (uplift_ratio, omega, eta)))
     if not (np.all(np.isfinite(amplitude)) and np.all(amplitude >= 0.0)):
         raise ValueError("amplitude must be finite and not negative")
     if not (np.all(np.isfinite(omega)) and np.all(omega > 0.0)):
         raise ValueError("omega must be positive and finite")
     if not np.all((eta >= 0.0) & (eta <= 1.0)):
         raise ValueError("eta must be within [0, 1]")
-    run = _Run(motion.segments, amplitude.ravel(), omega.ravel(), eta.ravel(), peaks, pool)
+    run = _Run(model, motion.segments, amplitude.ravel(), omega.ravel(), eta.ravel(), peaks, pool)
     run.all()
     shape = amplitude.shape
     return Response(run.theta_ratio.reshape(shape), run.outcome.reshape(shape), run.impacts.reshape(shape), run.work)
@@ -81,8 +89,8 @@ def linear_response(
 class _Run:
     """One batch of cells on its way through the pool."""
 
-    def __init__(self, segments: Segments, amplitude: Array, omega: Array, eta: Array, peaks: bool, pool: int) -> None:
-        self.segments, self.peaks, self.pool = segments, peaks, pool
+    def __init__(self, model: Model, segments: Segments, amplitude: Array, omega: Array, eta: Array, peaks: bool, pool: int) -> None:
+        self.model, self.segments, self.peaks, self.pool = model, segments, peaks, pool
         self.amplitude, self.omega, self.eta = amplitude, omega, eta
         self.theta_ratio = np.full(amplitude.size, 0.0 if peaks else np.nan)
         self.outcome = np.full(amplitude.size, Outcome.NO_UPLIFT, dtype=np.uint8)
@@ -118,14 +126,14 @@ class _Run:
     def _round(self, lanes: Lanes) -> Lanes:
         """One step for every lane; returns the lanes that are still on their way."""
         seg = self.segments
-        event = advance(seg, lanes)
+        event = advance(seg, lanes, self.model)
         end, hit = event.end, event.hit
         k, u = place(seg, event.step.k, event.step.u)
         bad = ~(np.isfinite(end.y) & np.isfinite(event.reach)) | (lanes.impacts > MAX_IMPACTS)
         shaken = ~hit & ~bad & (k >= len(seg))
         over = ~hit & ~bad & ~shaken & self._certainly_overturns(lanes, k, event)
         last = np.flatnonzero(shaken)
-        fate = free_fate(end.y[last], end.v[last], lanes.eta[last])
+        fate = self.model.fate(end.y[last], end.v[last], lanes.eta[last])
         if self.peaks:
             wanted = ~(bad | over)
             wanted[last[np.isnan(fate.peak)]] = False
@@ -144,10 +152,10 @@ class _Run:
         return self._onward(lanes, event, k, u, free).join(self._impact(lanes, event, struck))
 
     def _certainly_overturns(self, lanes: Lanes, k: Array, event: Event) -> Array:
-        """The unstable mode z = y - 1 + v exceeds all the inward drive still to come: z' = z + a stays positive."""
+        """No drive that is still to come can bring the body back."""
         later = np.minimum(k, len(self.segments) - 1)
         inward = np.where(lanes.side > 0.0, self.segments.later_max[later], -self.segments.later_min[later])
-        return np.asarray(event.end.y - 1.0 + event.end.v > lanes.amplitude * inward)
+        return self.model.certainly_overturns(event.end.y, event.end.v, lanes.amplitude * inward)
 
     def _onward(self, lanes: Lanes, event: Event, k: Array, u: Array, at: Array) -> Lanes:
         """Lanes that reached the end of their step in the air."""
@@ -171,7 +179,7 @@ class _Run:
         over = lanes.k >= len(seg)  # the impact fell on the very end of the shaking
         last = np.flatnonzero(over)
         if last.size:
-            fate = free_fate(lanes.y[last], lanes.v[last], lanes.eta[last])
+            fate = self.model.fate(lanes.y[last], lanes.v[last], lanes.eta[last])
             self._overturn(lanes, last[fate.overturns])
             self._finish(lanes, last[~fate.overturns], Outcome.ROCKED, np.maximum(lanes.peak[last], fate.peak)[~fate.overturns])
             lanes = lanes.take(np.flatnonzero(~over))
@@ -180,7 +188,7 @@ class _Run:
     def _rest(self, lanes: Lanes) -> Lanes:
         """Bodies whose bouncing is over skip to their next uplift, or finish."""
         seg = self.segments
-        ends = chatter_ends(seg, lanes)
+        ends = chatter_ends(seg, lanes, self.model.gain)
         resting = np.flatnonzero(ends | (lanes.v == 0.0))
         if not resting.size:
             return lanes
@@ -197,7 +205,8 @@ class _Run:
         seg = self.segments
         at = np.flatnonzero((lanes.u == 0.0) & (lanes.k > 0) & (lanes.k < len(seg)))
         at = at[~seg.joins[lanes.k[at] - 1]]
-        lanes.b[at] = lanes.y[at] - 1.0 - lanes.side[at] * lanes.amplitude[at] * seg.s_start[lanes.k[at]]
+        drive = -lanes.side[at] * lanes.amplitude[at] * seg.s_start[lanes.k[at]]
+        lanes.b[at] = self.model.acceleration(lanes.y[at], drive)
 
     def _overturn(self, lanes: Lanes, at: Array) -> None:
         bounced = lanes.impacts[at] > 0
@@ -208,5 +217,5 @@ class _Run:
         cell = lanes.cell[at]
         self.outcome[cell] = outcome
         if self.peaks:
-            self.theta_ratio[cell] = theta_ratio
+            self.theta_ratio[cell] = self.model.ratio * theta_ratio
         self.impacts[cell] = lanes.impacts[at]

@@ -44,6 +44,16 @@ class Arc(NamedTuple):
     w: Array  # angular frequency over p
     ramp: Array | None  # r, or None when the motion has no ramp
 
+    @property
+    def longest(self) -> Array:
+        """Longest step [tau]: cosh stays below 2e10, so growth cannot bury the state in rounding."""
+        return np.full(self.y.shape, 24.0)
+
+    @property
+    def fastest(self) -> Array:
+        """Rate at which the arc bends, 1 + the fastest drive over p."""
+        return 1.0 + self.w.max(axis=0, initial=0.0)
+
     def take(self, lanes: Array) -> Arc:
         """The arcs of some lanes."""
         return Arc(
@@ -94,9 +104,9 @@ class Arc(NamedTuple):
             drive_rate = drive_rate + self.ramp
         return Point(y, v, self.b + (y - self.y) + drive, v + drive_rate)
 
-    def drive_change(self, h: Array) -> Array:
-        """a(h) - a(0)."""
-        total = np.zeros_like(h) if self.ramp is None else self.ramp * h
+    def at_ground(self, h: Array) -> Array:
+        """y'' at an impact, where y = 0, from the change of the drive since the start."""
+        total = self.b - self.y if self.ramp is None else self.b - self.y + self.ramp * h
         for s, c, w in zip(self.sin, self.cos, self.w, strict=True):
             t = np.tan(0.5 * (w * h))
             total = total + 2.0 * t * (s - c * t) / (1.0 + t * t)

@@ -7,8 +7,6 @@ from dataclasses import dataclass, fields
 import numpy as np
 
 from ..motions.motion import Segments
-from .flow import Arc
-from .windows import segment_value
 
 Array = np.ndarray
 
@@ -17,8 +15,9 @@ Array = np.ndarray
 class Lanes:
     """One body a lane. The side is stored, never inferred from a sign.
 
-    cell: index of the cell; amplitude, omega, eta: its A, Omega, eta; k, u: position in the motion (segment, phase in
-    it); side: +1 or -1; y, v, b: |theta|/alpha on that side and its two derivatives by tau; peak: largest y at a turning
+    cell: index of the cell; amplitude: its drive in units of the uplift
+    acceleration; omega, eta: its Omega and eta; k, u: position in the motion (segment, phase in
+    it); side: +1 or -1; y, v, b: displacement on that side in the model's unit and its two derivatives by tau; peak: largest y at a turning
     point so far; impacts: number so far.
     """
 
@@ -42,15 +41,6 @@ class Lanes:
     def join(self, other: Lanes) -> Lanes:
         """These lanes followed by others."""
         return Lanes(*(np.concatenate([getattr(self, f.name), getattr(other, f.name)]) for f in fields(self)))
-
-
-def drive_arc(segments: Segments, lanes: Lanes) -> Arc:
-    """The arc that each lane is about to follow: its state and the outward drive's coefficients."""
-    _, sin, cos = segment_value(segments, lanes.k, lanes.u)
-    outward = -lanes.side * lanes.amplitude
-    ramp = outward * segments.slope[lanes.k] * lanes.omega if segments.sloped else None
-    w = segments.frequency[:, lanes.k] * lanes.omega
-    return Arc(lanes.y, lanes.v, lanes.b, outward * cos, outward * sin, w, ramp)
 
 
 def place(segments: Segments, k: Array, u: Array) -> tuple[Array, Array]:

@@ -1,145 +1,40 @@
-"""One round of the linear oscillator: from the present state to the end of a window of the drive, or to an impact.
-
-Every step is exact, and every claim that nothing happened in between rests on the sign tests of `windows`.
-"""
+"""The linear oscillator (Eqs. 2.4 and 3.6): y is |theta|/alpha, the flow is exact."""
 
 from __future__ import annotations
-
-from typing import NamedTuple
 
 import numpy as np
 
 from ..motions.motion import Segments
-from .flow import Arc, Point
-from .lanes import Lanes, drive_arc, phase_between
-from .roots import hidden_dip, impact_root, turning_point
-from .windows import window_end
+from .flow import Arc
+from .free import Fate, free_fate
+from .lanes import Lanes
+from .windows import segment_value
 
 Array = np.ndarray
 
-STRIDE = 24.0  # longest step in tau: cosh stays below 2e10, so growth cannot bury the state in rounding
 
+class LinearModel:
+    """y'' = y - 1 + a."""
 
-class Step(NamedTuple):
-    """How far each lane goes in one proof.
+    gain = 1.0
+    ratio = 1.0
 
-    k, u: where the step ends; h: its length in tau; valley: where in it the valley begins; ridge: it holds a ridge only;
-    joined: a ridge left outwards, then a valley.
-    """
+    def flow(self, segments: Segments, lanes: Lanes) -> Arc:
+        """The arc that each lane is about to follow: its state and the outward drive's coefficients."""
+        _, sin, cos = segment_value(segments, lanes.k, lanes.u)
+        outward = -lanes.side * lanes.amplitude
+        ramp = outward * segments.slope[lanes.k] * lanes.omega if segments.sloped else None
+        w = segments.frequency[:, lanes.k] * lanes.omega
+        return Arc(lanes.y, lanes.v, lanes.b, outward * cos, outward * sin, w, ramp)
 
-    k: Array
-    u: Array
-    h: Array
-    valley: Array
-    ridge: Array
-    joined: Array
+    def acceleration(self, y: Array, a: Array) -> Array:
+        """y - 1 + a."""
+        return y - 1.0 + a
 
+    def fate(self, y: Array, v: Array, eta: Array) -> Fate:
+        """Eq. 2.7."""
+        return free_fate(y, v, eta)
 
-class Event(NamedTuple):
-    """What a step comes to: the state at its end, and where there was an impact its time, velocity and acceleration."""
-
-    step: Step
-    arc: Arc
-    end: Point
-    reach: Array  # end of the stretch looked at: the impact, or the end of the step
-    hit: Array
-    impact_v: Array
-    impact_b: Array
-
-
-def next_step(segments: Segments, lanes: Lanes) -> Step:
-    """The longest step that one sign test covers, for each lane."""
-    window = window_end(segments, lanes.k, lanes.u, lanes.side, lanes.amplitude)
-    k, u = window.k.copy(), window.u.copy()
-    h = phase_between(segments, lanes.k, lanes.u, k, u) / lanes.omega
-    ridge = window.ridge.copy()
-    valley = np.zeros(h.size)
-    joined = np.zeros(h.size, dtype=bool)
-    # A ridge entered outwards holds no event: go on to the end of the valley after it.
-    on = np.flatnonzero(ridge & (lanes.v >= 0.0) & (u < segments.length[k]) & (h < STRIDE))
-    if on.size:
-        beyond = window_end(segments, k[on], u[on], lanes.side[on], lanes.amplitude[on])
-        valley[on] = h[on]
-        h[on] += phase_between(segments, k[on], u[on], beyond.k, beyond.u) / lanes.omega[on]
-        k[on], u[on] = beyond.k, beyond.u
-        ridge[on], joined[on] = False, True
-    long = np.flatnonzero(h > STRIDE)
-    if long.size:
-        h[long] = STRIDE
-        k[long], u[long] = lanes.k[long], lanes.u[long] + STRIDE * lanes.omega[long]
-    return Step(k, u, h, valley, ridge, joined)
-
-
-def advance(segments: Segments, lanes: Lanes) -> Event:
-    """Take the step and settle whether the body hit the ground on the way, and when."""
-    arc = drive_arc(segments, lanes)
-    step = next_step(segments, lanes)
-    end = arc.at(step.h)
-    reach = step.h.copy()
-    hit = end.y <= 0.0
-    # A ridge entered inwards: its single minimum may touch the ground although both ends are above it.
-    dips = np.flatnonzero(step.ridge & ~hit & (lanes.v < 0.0) & (end.v > 0.0))
-    if dips.size:
-        h = step.h[dips]
-        h_min, y_min = turning_point(arc.take(dips), np.zeros(dips.size), h, 0.5 * h, -1.0)
-        touched = ~(y_min > 0.0)
-        hit[dips[touched]] = True
-        reach[dips[touched]] = h_min[touched]
-    impact_v, impact_b = np.zeros_like(reach), np.zeros_like(reach)
-    at = np.flatnonzero(hit)
-    if at.size:
-        guess = _impact_guess(arc, step, end, reach, at)
-        falling = arc.take(at)
-        reach[at], impact_v[at] = impact_root(falling, step.valley[at], reach[at], guess)
-        impact_b[at] = falling.b - falling.y + falling.drive_change(reach[at])
-    return Event(step, arc, end, reach, hit, impact_v, impact_b)
-
-
-def _impact_guess(arc: Arc, step: Step, end: Point, reach: Array, at: Array) -> Array:
-    """A first guess inside the bracket: ballistic from the left where b < 0 at the start, else a step from the right."""
-    low, high = step.valley[at], reach[at]
-    y, v, b = arc.y[at], arc.v[at], arc.b[at]
-    with np.errstate(all="ignore"):
-        left = (v + np.sqrt(v * v - 2.0 * b * y)) / -b
-        slope, bend = end.v[at], end.b[at]
-        right = step.h[at] - end.y[at] / (slope - 0.5 * end.y[at] * bend / slope)
-        guess = np.where((b < 0.0) & (left < high) & (left > low), left, right)
-    return np.where((guess > low) & (guess < high), guess, 0.5 * (low + high))
-
-
-def raise_peaks(segments: Segments, lanes: Lanes, event: Event, wanted: Array) -> None:
-    """Raise each wanted lane's peak by the turning point of this step: one at the most, and only in a valley."""
-    step, end = event.step, event.end
-    rises = wanted & ~step.ridge & (step.joined | (lanes.v > 0.0))
-    high = event.reach.copy()
-    sure = rises & (event.hit | (end.v <= 0.0))
-    # y' > 0 at both ends: a peak and a trough may hide where the drive rises again, and then b > 0 at the end.
-    doubtful = np.flatnonzero(rises & ~sure & (end.b > 0.0))
-    if doubtful.size:
-        falls = _falling_again(segments, lanes, event, doubtful)
-        found = np.isfinite(falls)
-        sure[doubtful[found]] = True
-        high[doubtful[found]] = falls[found]
-    at = np.flatnonzero(sure)
-    if at.size:
-        low = step.valley[at]
-        _, y = turning_point(event.arc.take(at), low, high[at], 0.5 * (low + high[at]), 1.0)
-        lanes.peak[at] = np.maximum(lanes.peak[at], y)
-
-
-def _falling_again(segments: Segments, lanes: Lanes, event: Event, at: Array) -> Array:
-    """A time with y' < 0 inside steps that begin and end with y' > 0, NaN where there is none."""
-    k, u = lanes.k[at], lanes.u[at]
-    to_k, to_u = event.step.k[at], event.step.u[at]
-    to_k, to_u = np.where(to_u > 0.0, to_k, to_k - 1), np.where(to_u > 0.0, to_u, 1.0)
-    valley, h = event.step.valley[at], event.step.h[at]
-    # The drive falls to the start of the last segment, if the valley reaches back that far, and rises in it.
-    bottom = phase_between(segments, k, u, np.maximum(k, to_k), np.zeros(at.size)) / lanes.omega[at]
-    bottom = np.clip(np.where(to_k > k, bottom, 0.0), valley, h)
-    arc = event.arc.take(at)
-    middle = arc.at(bottom)
-    found = np.where(middle.v < 0.0, bottom, np.nan)
-    hidden = np.flatnonzero((middle.v >= 0.0) & (middle.b < 0.0))
-    if hidden.size:
-        found[hidden] = hidden_dip(arc.take(hidden), bottom[hidden], h[hidden])
-    return found
+    def certainly_overturns(self, y: Array, v: Array, inward: Array) -> Array:
+        """The unstable mode z = y - 1 + v exceeds all the inward drive still to come: z' = z + a stays positive."""
+        return y - 1.0 + v > inward

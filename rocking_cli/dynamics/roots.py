@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from .flow import Arc, Point
+from .flow import Point
+from .model import Flow
 
 Array = np.ndarray
 
@@ -16,7 +17,7 @@ _CLOSE = 1e-5  # a Householder step this short, against every scale of the arc, 
 _ROUNDS = 200  # bisection alone would end in 64 for any bracket that a double can hold between 1e-3 and 1e3
 
 
-def impact_root(arc: Arc, low: Array, high: Array, guess: Array) -> tuple[Array, Array]:
+def impact_root(arc: Flow, low: Array, high: Array, guess: Array) -> tuple[Array, Array]:
     """First h with y(h) = 0 and the velocity there (not positive); NaN where it does not converge.
 
     `low` is before the root (y > 0, or the arc's own start), `high` is at it or after it (y <= 0), and y falls through
@@ -25,7 +26,7 @@ def impact_root(arc: Arc, low: Array, high: Array, guess: Array) -> tuple[Array,
     h_out, v_out = np.empty_like(low), np.empty_like(low)
     lanes = np.arange(low.size)
     low, high, h = low.copy(), high.copy(), guess.copy()
-    fastest = 1.0 + arc.w.max(axis=0, initial=0.0)
+    fastest = arc.fastest
     for _ in range(_ROUNDS):
         f = arc.at(h)
         step = _householder(f)
@@ -62,7 +63,7 @@ def _householder(f: Point) -> Array:
         return -r * (1.0 - 0.5 * r * e) / (1.0 - r * e + r * r * f.j / (6.0 * f.v))
 
 
-def turning_point(arc: Arc, low: Array, high: Array, guess: Array, sense: float) -> tuple[Array, Array]:
+def turning_point(arc: Flow, low: Array, high: Array, guess: Array, sense: float) -> tuple[Array, Array]:
     """The h between `low` and `high` where sense * v falls through zero, and y there.
 
     sense = +1 finds a peak (v goes from + to -), sense = -1 a minimum. Halley steps with bisection as the safeguard;
@@ -79,7 +80,7 @@ def turning_point(arc: Arc, low: Array, high: Array, guess: Array, sense: float)
         low, high = np.where(after, low, h), np.where(after, h, high)
         target = h + step
         inside = (sense * f.b < 0.0) & (target >= low) & (target <= high)
-        settled = inside & (np.abs(step) * (1.0 + arc.w.max(axis=0, initial=0.0)) <= 1e-4) & (np.abs(step * f.j) <= 1e-3 * np.abs(f.b))
+        settled = inside & (np.abs(step) * arc.fastest <= 1e-4) & (np.abs(step * f.j) <= 1e-3 * np.abs(f.b))
         settled &= np.abs(step) <= 1e-3 * h
         settled |= high - low <= 4e-16 * high
         if settled.any():
@@ -98,7 +99,7 @@ def turning_point(arc: Arc, low: Array, high: Array, guess: Array, sense: float)
     return h_out, y_out
 
 
-def hidden_dip(arc: Arc, low: Array, high: Array) -> Array:
+def hidden_dip(arc: Flow, low: Array, high: Array) -> Array:
     """A point with v < 0 between two ends with v > 0, NaN where there is none.
 
     For a stretch on which the drive rises: v'' = v + a' > 0 while v > 0, so v is convex there and the sign of its slope b

@@ -14,7 +14,7 @@ def summary_lines(summary: Summary, output: str) -> Iterator[str]:
     yield f"run time: {s.run_time:.3g} s, {1e6 * s.time_per_cell:.3g} us a cell, {s.workers} worker{'s' if s.workers != 1 else ''}"
     if s.checked_cells:
         agree = "every outcome equal" if not s.misjudged else f"{s.misjudged} OUTCOMES DIFFER"
-        yield f"estimated error: {s.estimated_error:.1e} in theta/alpha, {s.checked_cells} cells computed again by Taylor series, {agree}"
+        yield f"estimated error: {s.estimated_error:.1e} in theta/alpha, {s.checked_cells} cells computed again by {s.checked_by}, {agree}"
     else:
         yield "estimated error: not checked"
     yield "outcomes: " + ", ".join(f"{n} {flag}" for flag, n in s.outcomes.items() if n)

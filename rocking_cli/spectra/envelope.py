@@ -13,16 +13,18 @@ from typing import Any
 
 import numpy as np
 
-from ..dynamics.engine import linear_response
 from ..dynamics.outcome import Outcome
 from ..errors import UsageError
 from ..motions import Motion
 from ..structures.parameters import RockingParameters
 from .grid import Axis, parse_axes
+from .scene import LINEAR, Method
 
 A_MAX = 20.0
 SCAN_STEP = 0.999e-3  # no interval wider than 1e-3 in A escapes
 _BATCH = 1_000_000
+
+Labels = Callable[[np.ndarray, np.ndarray], np.ndarray]
 _MODES = {
     Outcome.OVERTURNED_AFTER_IMPACT: "after_impact",
     Outcome.OVERTURNED_NO_IMPACT: "no_impact",
@@ -43,18 +45,26 @@ class Interval:
 def trace_envelope(
     motion: Motion,
     omegas: Sequence[float] | np.ndarray,
-    eta: float,
+    structure: RockingParameters,
     *,
+    method: Method = LINEAR,
     a_max: float = A_MAX,
     progress: Callable[[int, int], None] | None = None,
 ) -> list[Interval]:
-    """Every overturning interval with A up to `a_max`, wider than 1e-3, for each Omega [-]; boundaries to 1e-14 relative.
+    """Every overturning interval with A up to `a_max`, wider than 1e-3, for each Omega [-] of a structure.
 
-    Intervals that touch but differ in mode are listed apart. Raises UsageError when a_max is not above the initiation,
-    ValueError when eta or an Omega is out of range.
+    For a linear oscillator of which only the restitution is known give `dimensionless_oscillator(eta)`. Boundaries are
+    traced to the last digits of the model's outcome. Intervals that touch but differ in mode are listed apart. Raises
+    UsageError when a_max is not above the initiation or the model does not hold for the structure.
     """
+    method.check(structure)
     omegas = np.asarray(omegas, dtype=float)
-    lowest = 1.0 / motion.peak
+    lowest = method.uplift(structure) / motion.peak
+
+    def outcome(amplitude: np.ndarray, omega: np.ndarray) -> np.ndarray:
+        found = method.respond(structure, motion, amplitude, omega, peaks=False).outcome
+        return np.where(found == Outcome.NO_UPLIFT, np.uint8(Outcome.ROCKED), found)  # safe is safe
+
     if not (np.isfinite(a_max) and a_max > lowest):
         raise UsageError(f"a-max is {a_max:g}, accepted is a finite amplitude above the uplift at A = {lowest:g}")
     count = int(np.ceil((a_max - lowest) / SCAN_STEP)) + 1
@@ -64,19 +74,19 @@ def trace_envelope(
     rows = max(1, _BATCH // count)
     for first in range(0, omegas.size, rows):
         some = omegas[first : first + rows]
-        intervals += _trace(motion, some, eta, np.linspace(lowest, a_max, count))
+        intervals += _trace(outcome, some, np.linspace(lowest, a_max, count))
         if progress:
             progress(min(first + rows, omegas.size), omegas.size)
     return intervals
 
 
-def _trace(motion: Motion, omegas: np.ndarray, eta: float, amplitudes: np.ndarray) -> list[Interval]:
-    outcome = _label(linear_response(motion, amplitudes[None, :], omegas[:, None], eta, peaks=False).outcome)
-    row, at = np.nonzero(outcome[:, 1:] != outcome[:, :-1])
-    marks = _bisect(motion, eta, omegas[row], amplitudes[at], amplitudes[at + 1], outcome[row, at], outcome[row, at + 1], row)
+def _trace(outcome: Labels, omegas: np.ndarray, amplitudes: np.ndarray) -> list[Interval]:
+    found = outcome(amplitudes[None, :], omegas[:, None])
+    row, at = np.nonzero(found[:, 1:] != found[:, :-1])
+    marks = _bisect(outcome, omegas[row], amplitudes[at], amplitudes[at + 1], found[row, at], found[row, at + 1], row)
     intervals: list[Interval] = []
     for i, omega in enumerate(omegas):
-        label, begin = int(outcome[i, 0]), float(amplitudes[0])
+        label, begin = int(found[i, 0]), float(amplitudes[0])
         for a, following in [*sorted(marks.get(i, [])), (None, 0)]:
             if label in _MODES:
                 intervals.append(Interval(float(omega), begin, a, _MODES[Outcome(label)]))
@@ -85,13 +95,8 @@ def _trace(motion: Motion, omegas: np.ndarray, eta: float, amplitudes: np.ndarra
     return intervals
 
 
-def _label(outcome: np.ndarray) -> np.ndarray:
-    """Outcomes with the safe ones (no uplift, rocked) made one."""
-    return np.where(outcome == Outcome.NO_UPLIFT, np.uint8(Outcome.ROCKED), outcome)
-
-
 def _bisect(
-    motion: Motion, eta: float, omega: np.ndarray, low: np.ndarray, high: np.ndarray, below: np.ndarray, above: np.ndarray, row: np.ndarray
+    outcome: Labels, omega: np.ndarray, low: np.ndarray, high: np.ndarray, below: np.ndarray, above: np.ndarray, row: np.ndarray
 ) -> dict[int, list[tuple[float, int]]]:
     """Boundaries by row: (amplitude, label above it). A bracket whose middle is of a third kind becomes two."""
     marks: dict[int, list[tuple[float, int]]] = {}
@@ -102,7 +107,7 @@ def _bisect(
             marks.setdefault(int(row[i]), []).append((float(high[i]), int(above[i])))
         go = np.flatnonzero(~closed)
         omega, low, high, below, above, row, middle = (x[go] for x in (omega, low, high, below, above, row, middle))
-        label = _label(linear_response(motion, middle, omega, eta, peaks=False).outcome)
+        label = outcome(middle, omega)
         third = np.flatnonzero((label != below) & (label != above))
         extra = (omega[third], middle[third], high[third], label[third], above[third], row[third])
         lower = label == below
@@ -131,10 +136,16 @@ def _scaled(structure: RockingParameters, axis: Axis) -> np.ndarray:
 
 
 def structure_intervals(
-    structure: RockingParameters, axis: Axis, motion: Motion, a_max: float = A_MAX, progress: Callable[[int, int], None] | None = None
+    structure: RockingParameters,
+    axis: Axis,
+    motion: Motion,
+    *,
+    method: Method = LINEAR,
+    a_max: float = A_MAX,
+    progress: Callable[[int, int], None] | None = None,
 ) -> Iterator[dict[str, Any]]:
     """Records of a structure's overturning intervals, with units where it has any. Raises as `trace_envelope`."""
-    for found in trace_envelope(motion, _scaled(structure, axis), structure.eta, a_max=a_max, progress=progress):
+    for found in trace_envelope(motion, _scaled(structure, axis), structure, method=method, a_max=a_max, progress=progress):
         record = {"structure": structure.name, "Omega": found.omega, "A_from": found.a_from, "A_to": found.a_to, "mode": found.mode}
         if structure.structure != "dimensionless":
             record["omega_g"] = found.omega * structure.p

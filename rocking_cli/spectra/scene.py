@@ -2,30 +2,79 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 
+from ..dynamics.engine import Response, linear_response
 from ..errors import UsageError
 from ..motions import Motion
 from ..structures.parameters import RockingParameters
 from .grid import Grid
 
+Array = np.ndarray
+
 _SEED = 20120924
+
+
+MODELS = ("linear", "nonlinear")
+TOLERANCE = 1e-9
+
+
+@dataclass(frozen=True)
+class Method:
+    """The equation of motion, and for the nonlinear one the error of theta/alpha that is aimed at. Raises UsageError."""
+
+    model: str = "linear"
+    tolerance: float = TOLERANCE
+
+    def __post_init__(self) -> None:
+        if self.model not in MODELS:
+            raise UsageError(f"unknown model {self.model!r}, accepted are {', '.join(MODELS)}")
+        if not 1e-13 <= self.tolerance <= 1e-2:
+            raise UsageError(f"tolerance is {self.tolerance:g}, accepted is a number from 1e-13 to 1e-2")
+
+    def check(self, structure: RockingParameters) -> None:
+        """Refuse a structure that the model does not hold for. Raises UsageError."""
+        if self.model == "linear":
+            return
+        if structure.structure == "dimensionless":
+            raise UsageError("the nonlinear model needs a critical angle: give a structure document")
+        if structure.a_scale != 1.0 or not structure.alpha < 0.5 * np.pi:
+            raise UsageError(
+                f"{structure.name}: the nonlinear model (Eq. 2.3) holds for rigid bodies, whose a_scale is 1; found {structure.a_scale:.6g}"
+            )
+
+    def respond(self, structure: RockingParameters, motion: Motion, amplitude: Array, omega: Array, *, peaks: bool = True) -> Response:
+        """The response of one structure at dimensionless amplitudes A and frequencies Omega."""
+        if self.model == "linear":
+            return linear_response(motion, amplitude, omega, structure.eta, peaks=peaks)
+        from ..dynamics.nonlinear import nonlinear_response
+
+        return nonlinear_response(motion, amplitude, omega, structure.eta, structure.alpha, tolerance=self.tolerance, peaks=peaks)
+
+    def uplift(self, structure: RockingParameters) -> float:
+        """The dimensionless amplitude A at which a drive of s = 1 lifts the structure."""
+        return 1.0 if self.model == "linear" else math.tan(structure.alpha) / structure.alpha
+
+
+LINEAR = Method()
 
 
 @dataclass(frozen=True, eq=False)
 class Scene:
-    """What a sweep computes: structures, grid, motion.
+    """What a sweep computes: structures, grid, motion, and the equation of motion.
 
-    Structures of equal restitution share one dimensionless spectrum, which is computed once (section 3.3 of the paper).
+    Structures of equal restitution share one dimensionless linear spectrum, which is computed once (section 3.3 of the paper).
     Raises UsageError when a structure has no units but the grid does, or the scene holds no structure.
     """
 
     structures: tuple[RockingParameters, ...]
     grid: Grid
     motion: Motion
+    method: Method = LINEAR
 
     def __post_init__(self) -> None:
         if not self.structures:
@@ -33,6 +82,7 @@ class Scene:
         for s in self.structures:
             if s.structure == "dimensionless" and not self.grid.dimensionless:
                 raise UsageError("a restitution alone has no units: give a structure document, or axes A and Omega")
+            self.method.check(s)
 
     @property
     def cells(self) -> int:
@@ -43,9 +93,9 @@ class Scene:
         """Structures, by index, that share one computation."""
         if not self.grid.dimensionless:
             return [(i,) for i in range(len(self.structures))]
-        groups: dict[float, list[int]] = {}
+        groups: dict[tuple[float, float], list[int]] = {}
         for i, s in enumerate(self.structures):
-            groups.setdefault(s.eta, []).append(i)
+            groups.setdefault((s.eta, 0.0 if self.method.model == "linear" else s.alpha), []).append(i)
         return [tuple(g) for g in groups.values()]
 
 
@@ -85,7 +135,7 @@ def sampled_cells(scene: Scene, check: int) -> np.ndarray:
     for _ in range(20 * check):
         i, r, c = owners[int(random.integers(len(owners)))], int(random.integers(rows)), int(random.integers(columns))
         amplitude = scene.grid.scaled(scene.structures[i])[0][c]
-        if amplitude * scene.motion.peak > 1.0 and (i, r, c) not in found:
+        if amplitude * scene.motion.peak > scene.method.uplift(scene.structures[i]) and (i, r, c) not in found:
             found.append((i, r, c))
         if len(found) == check:
             break

@@ -17,7 +17,7 @@ from ..errors import Interrupted, UsageError
 from ..motions import Motion
 from ..structures.parameters import RockingParameters
 from .grid import Grid
-from .scene import Scene, Unit, chunk_shape, cut_into_units, sampled_cells
+from .scene import LINEAR, Method, Scene, Unit, chunk_shape, cut_into_units, sampled_cells
 from .units import Job, unit_reports
 
 CHUNK_CELLS = 131072
@@ -31,7 +31,7 @@ Progress = Callable[[int, int], None]
 class Summary:
     """What a sweep took and left out.
 
-    run_time [s]; estimated_error: largest difference of theta/alpha from the reference on the checked cells; misjudged:
+    run_time [s]; estimated_error: largest difference of theta/alpha from another path on the checked cells; misjudged:
     checked cells whose outcome differs; shared_cells: cells taken from another structure of equal restitution.
     """
 
@@ -42,6 +42,7 @@ class Summary:
     outcomes: dict[str, int]
     work: Work
     shared_cells: int
+    checked_by: str
     checked_cells: int
     estimated_error: float
     misjudged: int
@@ -67,6 +68,7 @@ class Summary:
             "time_per_cell": self.time_per_cell,
             "workers": self.workers,
             "estimated_error": self.estimated_error,
+            "checked_by": self.checked_by,
             "checked_cells": self.checked_cells,
             "misjudged_cells": self.misjudged,
             **{f"cells_{k}": v for k, v in self.outcomes.items()},
@@ -87,13 +89,19 @@ class Spectrum:
 
 
 def spectrum(
-    structures: Sequence[RockingParameters], grid: Grid, motion: Motion, *, workers: int | None = None, check: int = CHECKED_CELLS
+    structures: Sequence[RockingParameters],
+    grid: Grid,
+    motion: Motion,
+    *,
+    method: Method = LINEAR,
+    workers: int | None = None,
+    check: int = CHECKED_CELLS,
 ) -> Spectrum:
     """The rocking spectrum of structures over a grid, in memory.
 
-    workers: processes, None for all cores; check: cells computed again by the reference. Raises UsageError.
+    method: the equation of motion; workers: processes, None for all cores; check: cells computed again by the reference. Raises UsageError.
     """
-    scene = Scene(tuple(structures), grid, motion)
+    scene = Scene(tuple(structures), grid, motion, method)
     shape = (len(scene.structures), *grid.shape)
     theta, outcome, impacts = np.full(shape, np.nan), np.zeros(shape, dtype=np.uint8), np.zeros(shape, dtype=np.int32)
     chunk = chunk_shape(grid.shape, CHUNK_CELLS)
@@ -114,6 +122,7 @@ def write_spectrum(
     motion: Motion,
     path: str | Path,
     *,
+    method: Method = LINEAR,
     workers: int | None = None,
     chunk_cells: int = CHUNK_CELLS,
     check: int = CHECKED_CELLS,
@@ -130,9 +139,11 @@ def write_spectrum(
     """
     from .store import SpectraWriter, pack
 
-    scene = Scene(tuple(structures), grid, motion)
+    scene = Scene(tuple(structures), grid, motion, method)
     chunk = chunk_shape(grid.shape, chunk_cells)
-    attributes = {"history": history, "documents": documents, "motion": motion.name, "model": "linear"}
+    attributes: dict[str, Any] = {"history": history, "documents": documents, "motion": motion.name, "model": method.model}
+    if method.model != "linear":
+        attributes["tolerance"] = method.tolerance
     names = ("theta_ratio", "outcome", "impacts") if impacts else ("theta_ratio", "outcome")
 
     def packed(response: Response) -> dict[str, bytes]:
@@ -197,6 +208,7 @@ def _sweep(
         outcomes={o.flag: int(outcomes[o]) for o in Outcome},
         work=total,
         shared_cells=shared,
+        checked_by="Taylor series" if scene.method.model == "linear" else "a Runge-Kutta method",
         checked_cells=checked,
         estimated_error=worst,
         misjudged=misjudged,

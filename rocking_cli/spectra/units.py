@@ -19,9 +19,9 @@ from typing import Any
 
 import numpy as np
 
-from ..dynamics.engine import Response, Work, linear_response
+from ..dynamics.engine import Response, Work
 from ..dynamics.outcome import Outcome
-from ..dynamics.reference import reference_cell
+from ..dynamics.reference import reference_cell, reference_rigid_body
 from ..errors import OutputError
 from .scene import Scene, Unit
 
@@ -31,7 +31,7 @@ def _compute(scene: Scene, unit: Unit, chunk: tuple[int, int]) -> Response:
     amplitude, omega = scene.grid.scaled(structure)
     a = amplitude[unit.column : unit.column + chunk[1]]
     w = omega[unit.row : unit.row + chunk[0]]
-    return linear_response(scene.motion, a[None, :], w[:, None], structure.eta)
+    return scene.method.respond(structure, scene.motion, a[None, :], w[:, None])
 
 
 @dataclass(frozen=True)
@@ -71,7 +71,9 @@ class Job:
             r, c = row - unit.row, column - unit.column
             if i != unit.structures[0] or not (0 <= r < self.chunk[0] and 0 <= c < self.chunk[1]):
                 continue
-            outcome, theta = reference_cell(self.scene.motion, amplitude[column], omega[row], structure.eta)
+            cell = (self.scene.motion, float(amplitude[column]), float(omega[row]), structure.eta)
+            linear = self.scene.method.model == "linear"
+            outcome, theta = reference_cell(*cell) if linear else reference_rigid_body(*cell, structure.alpha)
             if outcome == Outcome.FAILED:
                 continue
             checked += 1

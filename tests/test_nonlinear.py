@@ -1,0 +1,229 @@
+"""The nonlinear rigid body: independent numbers, order and tolerance, energy, periods, and the linear limit."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from scipy.integrate import quad, solve_ivp
+from scipy.optimize import brentq
+
+from rocking_cli import Method, Outcome, UsageError, cosine, linear_response, nonlinear_response, parse_documents, sine, trace_envelope
+from rocking_cli import build_structure as build
+from rocking_cli.dynamics.engine import response
+from rocking_cli.dynamics.lanes import Lanes
+from rocking_cli.dynamics.nonlinear import RigidModel
+from rocking_cli.dynamics.reference import reference_rigid_body
+from rocking_cli.motions import Motion, Piece
+
+BLOCK = "kind: block\nradius: 1.6065814 m\nalpha: 0.25\nrestitution: 0.9"
+
+
+def test_overturning_intervals_of_the_reference_block():
+    # alpha = 0.25, p = 2.14 rad/s, eta = 0.9, Omega = 5, in A = a_g/(alpha g); traced by two independent programs.
+    (document,) = parse_documents(BLOCK)
+    found = trace_envelope(sine(), [5.0], build(document), method=Method("nonlinear"), a_max=9.0)
+    assert [i.mode for i in found] == ["after_impact", "no_impact"]
+    assert (found[0].a_from, found[0].a_to, found[1].a_from) == pytest.approx((3.03234, 6.74302, 7.49300), abs=1e-5)
+    scale = 0.25 / math.tan(0.25)
+    assert found[0].a_from * scale == pytest.approx(2.96890, abs=1e-5)
+
+
+def integrate(s, phase_end, amplitude, omega, eta, alpha):
+    """Outcome flag and max |theta|/alpha by DOP853 at the limit of double precision on theta itself."""
+    drive, end, turn = amplitude * alpha, phase_end / omega, math.pi / (8 * omega)
+    fine = np.linspace(0.0, phase_end, 100_001)
+    over = drive * np.abs(s(fine)) > math.tan(alpha)
+    time, side, y, v, peak, bounced = 0.0, 0, 0.0, 0.0, 0.0, False
+    tight = {"method": "DOP853", "rtol": 2.3e-14, "atol": 1e-17}
+    while time < end * (1 - 1e-14):
+        if side == 0:
+            after = np.flatnonzero(over & (fine >= time * omega))
+            if not after.size:
+                return ("rocked" if peak else "no_uplift"), peak / alpha
+            i, at = after[0], fine[after[0]]
+            if i and not over[i - 1]:
+                at = brentq(lambda q: drive * abs(s(q)) - math.tan(alpha), fine[i - 1], at, xtol=1e-15)
+            time, side, y, v = at / omega, -int(np.sign(s(min(at + 1e-9, phase_end - 1e-12)))), 0.0, 0.0
+        stop = min(end, (math.floor(time / turn + 1e-9) + 1) * turn)
+
+        def rate(t, z, side=side):
+            return [z[1], -math.sin(alpha - z[0]) - side * drive * s(omega * t) * math.cos(alpha - z[0])]
+
+        ground, crest = (lambda t, z: z[0]), (lambda t, z: z[1])
+        ground.terminal, ground.direction, crest.direction = True, -1, -1
+        path = solve_ivp(rate, (time, stop), [y, v], events=[ground, crest], max_step=(stop - time) / 6, **tight)
+
+        def state(at, time=time, y=y, v=v, rate=rate):
+            return solve_ivp(rate, (time, at), [y, v], max_step=(at - time) / 6, **tight).y[:, -1]
+
+        for at in path.t_events[1][path.t_events[1] > time]:
+            z = state(at)
+            peak = max(peak, z[0] - z[1] ** 2 / (2 * rate(at, z)[1]))
+        if path.status == 1:
+            at = path.t_events[0][0]
+            z = state(at)
+            time, v = at - z[0] / z[1], -eta * (z[1] - rate(at, z)[1] * z[0] / z[1])
+            y, side, bounced = 0.0, -side, True
+            if v < 1e-10 and drive * abs(s(omega * time)) < 0.999 * math.tan(alpha):
+                side, v = 0, 0.0
+        else:
+            time, (y, v) = stop, path.y[:, -1]
+        if y > math.pi / 2:
+            return ("overturned_after_impact" if bounced else "overturned_no_impact"), math.nan
+    if side == 0:
+        return "rocked", peak / alpha
+    level = v * v / 2 + math.cos(alpha - y)
+    if (y < alpha and v > 0 and level > 1) or (y > alpha and (v > 0 or level < 1)):
+        return ("overturned_after_impact" if bounced else "overturned_no_impact"), math.nan
+    back = math.cos(alpha) + eta**2 * (level - math.cos(alpha))
+    if back > 1:
+        return "overturned_after_impact", math.nan
+    crests = [peak, alpha - math.acos(back)] + ([alpha - math.acos(level)] if v > 0 else [])
+    return "rocked", max(crests) / alpha
+
+
+@pytest.fixture(scope="module")
+def cells():
+    random = np.random.default_rng(1)
+    draw = [random.uniform(a, b, 200) for a, b in ((0.9, 12), (0.5, 12), (0.5, 1), (0.05, 0.6))]
+    return [(*c, *integrate(np.sin, 2 * math.pi, *c)) for c in zip(*draw, strict=True)]
+
+
+@pytest.mark.parametrize("tolerance", [1e-4, 1e-6, 1e-8, 1e-9, 1e-10, 1e-11])
+def test_200_random_cells_stay_within_five_tolerances(cells, tolerance):
+    worst = 0.0
+    for amplitude, omega, eta, alpha, flag, theta in cells:
+        found = nonlinear_response(sine(), amplitude, omega, eta, alpha, tolerance=tolerance)
+        near = {int(nonlinear_response(sine(), amplitude * f, omega, eta, alpha, tolerance=1e-11).outcome) for f in (1 - 1e-7, 1 + 1e-7)}
+        if len(near) == 1:
+            assert Outcome(int(found.outcome)).flag == flag
+        if not math.isnan(theta):
+            worst = max(worst, abs(float(found.theta_ratio) - theta))
+    assert worst < 5 * tolerance
+
+
+def test_jump_at_the_start_and_several_cycles():
+    random = np.random.default_rng(2)
+    for amplitude, omega, eta, alpha in zip(
+        *(random.uniform(a, b, 40) for a, b in ((0.9, 5), (0.5, 12), (0.5, 1), (0.05, 0.6))), strict=True
+    ):
+        flag, theta = integrate(np.cos, 3 * math.pi, amplitude, omega, eta, alpha)
+        found = nonlinear_response(cosine(1.5), amplitude, omega, eta, alpha, tolerance=1e-10)
+        assert Outcome(int(found.outcome)).flag == flag
+        if not math.isnan(theta):
+            assert abs(float(found.theta_ratio) - theta) < 5e-10
+
+
+def series_from(model, y, v, segments=None):
+    """The model's series on still ground from one state."""
+    still = segments or Motion("still", (Piece(0.0, 1.0),)).segments
+    one = lambda x: np.array([float(x)])  # noqa: E731
+    b = -math.sin(model.alpha - model.sin * y) / model.sin
+    k = np.zeros(1, dtype=np.int64)
+    return model.flow(still, Lanes(k, one(1), one(1), one(1), k, one(0), one(1), one(y), one(v), one(b), one(0), k))
+
+
+@pytest.mark.parametrize("alpha", [0.1, 0.25, 0.6])
+@pytest.mark.parametrize("start", [0.1, 0.5, 0.9, 0.99])
+def test_free_quarter_period_equals_the_quadrature(alpha, start):
+    """T/4 = integral of dtheta / sqrt(2 (cos(alpha - theta0) - cos(alpha - theta))), the singularity taken out by theta = theta0 - u^2."""
+    theta0 = start * alpha
+
+    def slowness(u):
+        theta = theta0 - u * u
+        fall = 2.0 * math.sin(alpha - (theta + theta0) / 2) * math.sin(u * u / 2)
+        return 2.0 / math.sqrt(2.0 * fall / (u * u)) if u > 1e-7 else 2.0 / math.sqrt(math.sin(alpha - theta0))
+
+    expected = quad(slowness, 0.0, math.sqrt(theta0), epsabs=1e-13, epsrel=1e-13, limit=400)[0]
+    model, time = RigidModel(alpha, 1e-12), 0.0
+    y, v = theta0 / model.sin, 0.0
+    while True:
+        flow = series_from(model, y, v)
+        h = flow.longest
+        end = flow.at(h)
+        if end.y[0] <= 0.0:
+            break
+        time, y, v = time + h[0], end.y[0], end.v[0]
+    time += brentq(lambda x: flow.at(np.array([x])).y[0], 0.0, h[0], xtol=1e-15)
+    assert time == pytest.approx(expected, rel=1e-9)
+
+
+def test_energy_is_constant_between_impacts():
+    model, y, v, energies = RigidModel(0.3, 1e-11), 0.0, 1.2, []
+    for _ in range(60):
+        energies.append(0.5 * v * v + math.cos(model.alpha - model.sin * y) / model.sin**2)
+        flow = series_from(model, y, v)
+        end = flow.at(flow.longest)
+        y, v = end.y[0], end.v[0]
+        if y < 0.0:
+            break
+    assert len(energies) > 3
+    assert np.ptp(energies) < 1e-11 * energies[0]
+
+
+def test_order_of_the_flow_is_the_order_of_its_series():
+    """Error after one step against its length, log-log slope by regression: the first term left out."""
+    model = RigidModel(0.4, 1e-4)
+    flow, exact = series_from(model, 0.3, 0.9), series_from(RigidModel(0.4, 1e-13), 0.3, 0.9)
+    steps = np.geomspace(0.4, 0.8, 9)
+    error = [abs(flow.at(np.array([h])).y[0] - exact.at(np.array([h])).y[0]) for h in steps]
+    slope = np.polyfit(np.log(steps), np.log(error), 1)[0]
+    assert abs(slope - (model.order + 1)) < 0.9
+
+
+def test_small_angles_lead_to_the_linear_oscillator():
+    """theta/alpha of Eq. 2.3 tends to that of Eq. 2.4 as alpha^2."""
+    amplitude, omega = np.array([2.0, 4.0, 5.5]), np.array([6.0, 8.0, 10.0])
+    linear = linear_response(sine(), amplitude, omega, 0.8).theta_ratio
+    alphas = np.array([0.02, 0.04, 0.08])
+    for i in range(3):
+        gaps = [
+            abs(float(nonlinear_response(sine(), amplitude[i], omega[i], 0.8, a, tolerance=1e-12).theta_ratio) - linear[i]) for a in alphas
+        ]
+        assert np.polyfit(np.log(alphas), np.log(gaps), 1)[0] == pytest.approx(2.0, abs=0.1)
+
+
+def test_grazing_bodies_are_caught():
+    """Cells within 1e-6 ... 1e-12 of a free fall that touches the ground under a rising drive: every crossing found.
+
+    Amplitudes on both sides of the one at which the minimum of y on a ridge is 0; below it the body dips and strikes.
+    """
+    grazed = 0
+    for omega in (3.0, 4.0):
+        for eta in (0.3, 0.6, 0.9):
+            amplitude = np.linspace(1.2, 4.0, 4001)
+            impacts = response(RigidModel(0.2), sine(2), amplitude, omega, eta).impacts
+            for i in np.flatnonzero(np.diff(impacts))[:6]:
+                low, high = amplitude[i], amplitude[i + 1]
+                while high - low > 1e-13:
+                    middle = 0.5 * (low + high)
+                    same = response(RigidModel(0.2), sine(2), middle, omega, eta).impacts == impacts[i]
+                    low, high = (middle, high) if same else (low, middle)
+                for offset in (1e-6, 1e-8, 1e-10, 1e-12):
+                    for a in (low - offset, high + offset):
+                        found = response(RigidModel(0.2, 1e-11), sine(2), a, omega, eta)
+                        outcome, theta = reference_rigid_body(sine(2), a * math.tan(0.2) / 0.2, omega, eta, 0.2)
+                        if outcome == found.outcome and outcome == Outcome.ROCKED and offset >= 1e-8:
+                            assert abs(theta - float(found.theta_ratio)) < 1e-6
+                        grazed += 1
+    assert grazed >= 200
+
+
+@pytest.mark.parametrize(
+    "bad", [{"alpha": 0.0}, {"alpha": 1.6}, {"tolerance": 0.0}, {"tolerance": 1e-15}, {"tolerance": 1.0}, {"tolerance": math.nan}]
+)
+def test_model_checks_its_numbers(bad):
+    with pytest.raises(ValueError, match="accepted"):
+        RigidModel(**{"alpha": 0.2, "tolerance": 1e-9, **bad})
+
+
+def test_model_is_refused_where_it_does_not_hold():
+    (document,) = parse_documents("kind: parameters\np: 2\nalpha: 0.1\neta: 0.9\nlambda: 0.3")
+    with pytest.raises(UsageError, match="rigid bodies, whose a_scale is 1"):
+        Method("nonlinear").check(build(document))
+    with pytest.raises(UsageError, match="unknown model"):
+        Method("quadratic")
+    with pytest.raises(UsageError, match="tolerance"):
+        Method("nonlinear", 0.5)
