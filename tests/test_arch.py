@@ -72,7 +72,7 @@ def test_oppenheims_seven_voussoirs_have_the_reference_values():
 
 def test_multiplier_in_displaced_positions():
     (document,) = parse_documents(OPPENHEIM + "voussoirs: 7")
-    at = find_mechanism(document).coefficients(np.array([0.01, 0.03, 0.05]))
+    at = find_mechanism(document)[0].coefficients(np.array([0.01, 0.03, 0.05]))
     assert at.lift / at.push == pytest.approx([0.28776, 0.16554, 0.07310], abs=1e-5)
 
 
@@ -128,6 +128,27 @@ def test_semicircle_of_least_thickness():
     with pytest.raises(DocumentError, match="cannot carry its own weight"):
         built("kind: arch\nradius: 1\nthickness: 0.107\nangle: 180 deg")
     assert built("kind: arch\nradius: 1\nthickness: 0.108\nangle: 180 deg").uplift > 0
+
+
+@pytest.mark.parametrize(("beta", "thickness", "count", "p"), [(250, 0.80, 11, 3.0564), (200, 0.50, 5, 3.5709), (195, 0.40, 5, 3.8673)])
+def test_stiffness_next_to_a_locking_position(beta, thickness, count, p):
+    # p from central differences of an independent V', stable to 5 digits over steps from 1e-4 to 1e-6.
+    a = built(f"kind: arch\nradius: 1\nthickness: {thickness}\nangle: {beta} deg\nvoussoirs: {count}")
+    assert a.p == pytest.approx(p, abs=1e-4)
+
+
+def test_given_hinges_say_what_governs():
+    a = built(OPPENHEIM + "hinges: [0, 20 deg, 110 deg, 157.5 deg]\nrestitution: 0.6")
+    assert a.uplift > 0.55
+    assert a.details["lambda_governing"] == pytest.approx(0.353384, abs=1e-6)
+
+
+@pytest.mark.parametrize(("beta", "eta"), [(300, ""), (180, "restitution: 0.5"), (149.336, "restitution: 0.5")])
+def test_very_thick_arches_are_solved_or_refused(beta, eta):
+    for thickness in (0.85, 0.88, 0.9, 0.95):
+        with contextlib.suppress(DocumentError):
+            a = built(f"kind: arch\nradius: 1\nthickness: {thickness}\nangle: {beta} deg\n{eta}")
+            assert a.uplift <= static_uplift(Ring(1.0, thickness, math.radians(beta)), 90) + 1e-6
 
 
 def test_finite_kinematics_equal_a_numerical_solution_of_the_loop():
@@ -259,6 +280,14 @@ REFUSED = [
     ("kind: arch\nradius: 10\nthickness: -1\nangle: 90 deg", "found -1; accepted is a length between"),
     (OPPENHEIM + "voussoirs: 3", "found 3; accepted is a whole number from 4"),
     (OPPENHEIM + "voussoirs: 7.5", "found 7.5; accepted is a whole number from 4"),
+    ("kind: arch\nradius: 10\nthickness: 1\nangle: 180 deg\nhinges: [0, 40 deg, 120 deg, 180 deg]", "cannot carry its own weight"),
+    ("kind: arch\nradius: 1\nthickness: 0.82\nangle: 222 deg\nvoussoirs: 5", "no linkage of four hinges that governs"),
+    (
+        "kind: arch\nradius: 10\nthickness: 1.5\nangle: 157.5",
+        "found 157.5; accepted is an angle between 0 and 360 deg .a bare number is in rad",
+    ),
+    ("kind: arch\nradius: 1\nthickness: 0.74\nangle: 255 deg\nvoussoirs: 6", "no linkage of four hinges that governs"),
+    ("kind: arch\nradius: 1\nthickness: 1.62\nangle: 303.2 deg\nvoussoirs: 16", "cannot carry its own weight"),
     (OPPENHEIM + "hinges: [0, 1]", "found a list; accepted is four angles"),
     (OPPENHEIM + "hinges: 3", "found 3; accepted is four angles"),
     (OPPENHEIM + "hinges: [0, 2, 1, 2.7]", "angles out of order"),

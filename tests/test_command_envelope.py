@@ -37,6 +37,17 @@ def test_closed_form_curves(rocking):
     )
 
 
+def test_no_overturning_is_said_and_still_a_table(rocking):
+    done = rocking("envelope", "configs/block.yaml", "--grid", "f_g=5Hz", "--csv")
+    assert done.returncode == 0
+    assert done.stdout == "structure,Omega,A_from,A_to,mode\n"
+    assert done.stderr == "Column: no overturning up to A = 20 at 1 of 1 frequencies\n"
+
+
+def test_eta_must_be_a_number(refused):
+    assert "eta is nan" in refused(2, "envelope", "--eta", "nan", "--grid", "Omega=5")
+
+
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
@@ -45,6 +56,10 @@ def test_closed_form_curves(rocking):
         (["--grid", "omega_g=1:2:3"], "no units"),
         (["--grid", "Omega=1:2:3", "--a-max", "0.5"], "a-max"),
         (["--grid", "Omega=1:2:3", "--a-max", "nan"], "a-max"),
+        (["--grid", "Omega=1:2:3", "--a-max", "1e308"], "a-max"),
+        (["--grid", "Omega=1:2:3", "--cycles", "1e9"], "cycles"),
+        (["--grid", "Omega=1:2:3", "--model", "nonlinear"], "needs a critical angle"),
+        (["--grid", "Omega=1:2:3", "--tolerance", "0"], "tolerance"),
         (["--grid", "Omega=1:2:3", "--pulse", "cosine", "--closed-form"], "--closed-form"),
     ],
 )

@@ -92,6 +92,35 @@ def test_a_closed_pipe_is_no_error(tmp_path):
     assert len(done.stdout.splitlines()) == 2
 
 
+def test_a_family_in_json_is_a_stream_of_documents(rocking):
+    family = rocking("params", "configs/arch.yaml", "--vary", "thickness=1.6:1.8:2", "--json")
+    records = [json.loads(line) for line in family.stdout.splitlines()]
+    assert [r["name"] for r in records] == ["Oppenheim, thickness=1.6", "Oppenheim, thickness=1.8"]
+    assert records[0]["varied"] == {"thickness": 1.6}
+    assert rocking("params", "-", "--json", stdin=family.stdout).stdout == family.stdout
+
+
+def test_csv_of_different_kinds_has_every_column(rocking):
+    rows = list(csv.DictReader(io.StringIO(rocking("params", "configs/block.yaml", "configs/arch.yaml", "--csv").stdout)))
+    assert rows[0]["hinges"] == ""
+    assert json.loads(rows[1]["hinges"])[1]["face"] == "extrados"
+
+
+def test_equal_names_are_numbered(rocking):
+    done = rocking("params", "configs/block.yaml", "configs/block.yaml", "--json")
+    assert [json.loads(line)["name"] for line in done.stdout.splitlines()] == ["Column", "Column-2"]
+
+
+def test_a_full_disk_is_one_sentence(tmp_path, pytestconfig):
+    with open("/dev/full", "w") as full:
+        done = subprocess.run(
+            [sys.executable, "-m", "rocking_cli", "params", str(pytestconfig.rootpath / "configs/block.yaml"), "--json"],
+            stdout=full, stderr=subprocess.PIPE, text=True, check=False,
+        )  # fmt: skip
+    assert done.returncode == 1
+    assert done.stderr == "rocking: standard output: cannot be written: No space left on device\n"
+
+
 @pytest.mark.parametrize("command", [[], ["params"], ["spectrum"], ["envelope"]])
 def test_help_shows_an_example_that_runs(rocking, command):
     done = rocking(*command, "--help")

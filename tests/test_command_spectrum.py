@@ -92,6 +92,30 @@ def test_wrong_outputs(refused, tmp_path):
     assert "width: found 2 kg" in refused(3, "spectrum", "-", "--grid", SMALL, "-o", "s.h5", stdin="kind: block\nwidth: 2 kg\nheight: 1")
 
 
+def test_an_input_is_never_the_output(refused, tmp_path):
+    (tmp_path / "mine.yaml").write_text("kind: block\nwidth: 1\nheight: 5")
+    assert "structure document" in refused(2, "spectrum", "mine.yaml", "--grid", SMALL, "-o", "mine.yaml", "--overwrite")
+    assert "standard output" in refused(2, "spectrum", "mine.yaml", "--grid", SMALL, "-o", "-")
+
+
+def test_numbers_beyond_double_precision_are_refused(refused):
+    document = "kind: block\nwidth: 1\nheight: 5\ngravity: 1e-320"
+    assert "range of double precision" in refused(2, "spectrum", "-", "--grid", "a_g=1:3:3,f_g=1:2:2", "-o", "s.h5", stdin=document)
+
+
+def test_nonlinear_sweep_of_the_reference_block(rocking, tmp_path):
+    (tmp_path / "b.yaml").write_text("kind: block\nradius: 1.6065814\nalpha: 0.25\nrestitution: 0.9")
+    # Boundaries at A = 3.03234, 6.74302, 7.49300 for Omega = 5.
+    done = rocking("spectrum", "b.yaml", "--grid", "A=3.03:7.5:448,Omega=5", "--model", "nonlinear", "-o", "s.h5", "--json", "--impacts")
+    assert done.returncode == 0, done.stderr
+    assert json.loads(done.stdout)["estimated_error"] < 5e-9
+    with h5py.File(tmp_path / "s.h5") as f:
+        a, outcome = f["A"][...], f["outcome"][0, 0]
+        assert f.attrs["model"] == "nonlinear"
+    expected = np.where(((a > 3.03234) & (a < 6.74302)), 4, np.where(a > 7.493, 3, 2))
+    assert np.array_equal(outcome, expected)
+
+
 @pytest.mark.parametrize("workers", ["1", "2"])
 def test_ctrl_c_keeps_what_was_done(tmp_path, workers):
     arguments = [

@@ -187,6 +187,13 @@ def test_stacked_drums_are_the_column_they_make():
     assert (stacked.p, stacked.alpha, stacked.eta) == pytest.approx((whole.p, whole.alpha, whole.eta), rel=1e-13)
 
 
+def test_a_column_on_a_plinth_rocks_on_the_plinth():
+    stacked = built("kind: drum\ndrums: [{radius: 2, height: 0.5}, {radius: 0.3, height: 6}]")
+    column = built("kind: drum\nradius: 0.3\nheight: 6")
+    assert (stacked.p, stacked.alpha, stacked.eta) == pytest.approx((column.p, column.alpha, column.eta), rel=1e-13)
+    assert stacked.details["rocks_on"] == "drum 1 from below"
+
+
 @given(st.floats(0.05, 3), st.floats(0, 3), st.floats(0.1, 20))
 def test_frustum_moments_equal_quadrature(low, high, height):
     nodes, weights = np.polynomial.legendre.leggauss(4)
@@ -219,6 +226,8 @@ REFUSED = [
     (CRACKED + "crack_height: 11", "crack_height: found 11; accepted is a length from 0 .the base. to 10.8 m"),
     (CRACKED + "crack_height: -1", "crack_height: found -1"),
     (CRACKED + "tip_height: 13", "tip_height: found 13"),
+    (THIN + "crack: diagonal", "a crack up to the apex"),
+    (CRACKED + "tip_height: 12", "a crack up to the apex"),
     (THIN + "tip_height: 9", "solid tip on a thin wall"),
     (THIN + "crack: none\ncrack_height: 3", "crack: diagonal only"),
     (THIN + "crack: vertical", "found vertical; accepted is one of none, diagonal"),

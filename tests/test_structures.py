@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import itertools
 import math
 
 import pytest
@@ -97,12 +98,19 @@ def test_yaml_surprises_are_closed():
     assert (b.name, b.eta) == ("no", 0.9)
 
 
+def test_json_escapes_of_one_character_are_put_together():
+    assert built('{"kind": "block", "width": 1, "height": 5, "name": "\\ud83d\\uddfc"}').name == "\U0001f5fc"
+
+
 def test_several_documents_json_and_yaml():
     assert [d.index for d in parse_documents("---\nkind: block\n---\nkind: spire\n")] == [0, 1]
     lines = '{"kind":"block","width":1,"height":5}\n\n {"kind": "spire",\n "base_radius":1,"height":"9 m"}\n'
     assert [build_structure(d).structure for d in parse_documents(lines)] == ["block", "spire"]
     assert built("{kind: block, width: 1, height: 5}").structure == "block"
 
+
+LEVELS = [f"{b}: &{b} [{', '.join(['*' + a] * 10)}]" for a, b in itertools.pairwise("abcdefghij")]
+BOMB = "\n".join(["a: &a [1, 1, 1, 1, 1]", *LEVELS])  # 5e9 values in ten lines
 
 REFUSED = [
     ("", "f.yaml: empty"),
@@ -132,6 +140,10 @@ REFUSED = [
     ("kind: block\nwidth: 1\nheight: 5\nrestitution: 1.01", "f.yaml:4:14: restitution: found 1.01; accepted is a number from 0 to 1"),
     ("kind: block\nwidth: 1\nheight: 5\nrestitution: -0.1", "found -0.1; accepted is a number from 0 to 1"),
     ("kind: block\nwidth: 1\nheight: 5\ngravity: 0", "found 0; accepted is a positive acceleration"),
+    ("kind: block\nwidth: 1\nheight: 5\nname: \"a\\0b\"", "name: found .* accepted is a text of printable characters"),
+    ('{"kind": "block", "width": 1, "height": 5, "name": "\\ud83d"}', "f.yaml:1:52: holds half a character"),
+    ("kind: block\n<<: {width: 1}\nheight: 5", "f.yaml:2:1: merge keys"),
+    (BOMB, "too many values"),
     ("kind: parameters\np: 2\nalpha: 0.2\neta: 0.9", "neither lambda nor a_scale"),
     ("kind: parameters\np: 2\nalpha: 0.2\neta: 1.9\nlambda: 1", "eta: found 1.9; accepted is a number from 0 to 1"),
     ('{"kind": "block", "width": 1,}\n{', "not valid"),

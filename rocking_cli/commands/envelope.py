@@ -37,18 +37,20 @@ def envelope(
 ) -> None:
     """Trace every interval of amplitude that overturns, for each frequency.
 
-    A_to is empty where the interval goes on beyond --a-max. No interval wider than 1e-3 in A is missed. For structures
-    with units omega_g [rad/s], a_from and a_to [m/s2] are printed as well.
+    A_to is empty where the interval goes on beyond --a-max. No interval wider than 1e-3 in A is missed; at low Omega
+    there may be narrower ones, overturning or safe, just above uplift. For structures with units omega_g [rad/s], a_from
+    and a_to [m/s2] are printed as well.
     """
     from ..motions import pulse as named_pulse
-    from ..spectra.envelope import frequency_axis, structure_curves, structure_intervals
+    from ..spectra.envelope import CURVE_COLUMNS, INTERVAL_COLUMNS, frequency_axis, structure_curves, structure_intervals
     from ..spectra.scene import Method
 
     motion = named_pulse(pulse, cycles)
     method = Method(model, tolerance)
     axis = frequency_axis(axes)
     structures = options.structures_of(files, etas)
-    failed = False
+    failed = 0
+    silent: list[str] = []
 
     def records() -> Iterator[dict[str, Any]]:
         nonlocal failed
@@ -57,10 +59,18 @@ def envelope(
                 yield from structure_curves(structure, axis, pulse, cycles)
                 continue
             progress = options.ProgressLine(structure.name, quiet)
+            found = set()
             for record in structure_intervals(structure, axis, motion, method=method, a_max=a_max, progress=progress):
-                failed |= record["mode"] == "failed"
+                failed += record["mode"] == "failed"
+                found.add(record["Omega"])
                 yield record
+            none = axis.values.size - len(found)
+            if none:
+                silent.append(f"{structure.name}: no overturning up to A = {a_max:g} at {none} of {axis.values.size} frequencies")
 
-    options.emit(records(), form)
+    options.emit(records(), form, columns=CURVE_COLUMNS if closed_form else INTERVAL_COLUMNS)
+    for line in silent:
+        options.note(line, quiet)
     if failed:
+        options.note(f"{failed} intervals could not be decided (mode failed)", quiet)
         context.exit(4)

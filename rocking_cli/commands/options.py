@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import click
+
+from ..errors import OutputError
 
 if TYPE_CHECKING:
     from ..structures import RockingParameters
@@ -45,16 +47,31 @@ def motion(command: F) -> F:
     return pulse(cycles(command))
 
 
-def emit(records: Iterable[Mapping[str, Any]], form: str | None) -> None:
-    """Records on standard output, each as soon as it is there. A reader that has gone ends the program, without an error."""
+def emit(records: Iterable[Mapping[str, Any]], form: str | None, columns: Sequence[str] = ()) -> int:
+    """Records on standard output, each as soon as it is there; returns how many.
+
+    columns: the CSV header where there is no record. A reader that has gone ends the program, without an error.
+    """
     from ..reports.tables import lines
 
+    count = 0
+
+    def counted() -> Iterator[Mapping[str, Any]]:
+        nonlocal count
+        for record in records:
+            count += 1
+            yield record
+
     try:
-        for line in lines(records, form or "table"):
+        for line in lines(counted(), form or "table", columns):
             click.echo(line)
     except BrokenPipeError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # keep the interpreter from flushing into the void
         raise click.exceptions.Exit(0) from None
+    except OSError as error:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        raise OutputError(f"standard output: cannot be written: {error.strerror or error}") from None
+    return count
 
 
 def structures_of(files: tuple[str, ...], etas: tuple[float, ...] = ()) -> list[RockingParameters]:
@@ -64,14 +81,18 @@ def structures_of(files: tuple[str, ...], etas: tuple[float, ...] = ()) -> list[
 
 def structures_and_texts(files: tuple[str, ...], etas: tuple[float, ...] = ()) -> tuple[list[RockingParameters], str]:
     """The structures, and the text of their documents."""
-    from ..structures import build_structure, read_documents
+    from ..structures import build_structure, read_documents, with_distinct_names
     from ..structures.parameters import dimensionless_oscillator
 
     if not files and not etas:
         raise click.UsageError("no structure: give FILE (- for standard input), or --eta with a dimensionless grid")
     documents = [document for path in files for document in read_documents(path)]
     structures = [build_structure(document) for document in documents]
-    return [*structures, *(dimensionless_oscillator(eta) for eta in etas)], "\n---\n".join(d.text for d in documents)
+    try:
+        oscillators = [dimensionless_oscillator(eta) for eta in etas]
+    except ValueError as error:
+        raise click.UsageError(f"--eta: {error}") from None
+    return with_distinct_names([*structures, *oscillators]), "\n---\n".join(d.text for d in documents)
 
 
 class ProgressLine:

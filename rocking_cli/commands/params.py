@@ -23,7 +23,7 @@ def params(context: click.Context, files: tuple[str, ...], vary: tuple[str, ...]
     FILE is a YAML or JSON structure document, - for standard input. Bounds of --vary without a unit take the unit that
     the document uses for that key. Members of a family without a solution are reported and the rest kept (exit code 4).
     """
-    from ..structures import build_structure, read_documents
+    from ..structures import build_structure, read_documents, with_distinct_names
     from ..structures.family import family, members, parse_variation
 
     if not files:
@@ -35,8 +35,9 @@ def params(context: click.Context, files: tuple[str, ...], vary: tuple[str, ...]
 
     def records() -> Iterator[dict[str, Any]]:
         if not variations:
-            for built in [build_structure(document) for document in documents]:
-                yield built.record()
+            plain = [built.record() for built in with_distinct_names([build_structure(document) for document in documents])]
+            every = dict.fromkeys(key for record in plain for key in record)
+            yield from plain if form != "csv" else ({key: record.get(key) for key in every} for record in plain)
             return
         # Rows that appear on the terminal one by one are progress enough.
         progress = options.ProgressLine("params", quiet or (form is not None and sys.stdout.isatty()))
@@ -45,12 +46,17 @@ def params(context: click.Context, files: tuple[str, ...], vary: tuple[str, ...]
                 progress(i * total + j, len(documents) * total)
                 if member.parameters is None:
                     faults.append(str(member.fault))
-                    options.note(f"no solution: {member.fault}", quiet)
+                    varied = ", ".join(f"{key}={value:g}" for key, value in member.varied.items())
+                    options.note(f"no solution for {varied}: {member.fault}", quiet)
                 else:
                     record = member.parameters.record()
-                    clash = {key: f"{key}_varied" if key in record else key for key in member.varied}
-                    yield {**{clash[k]: v for k, v in member.varied.items()}, **record}
+                    yield record if form == "json" else {**_columns(record.pop("varied"), record), **record}
 
     options.emit(records(), form)
     if faults:
         context.exit(4)
+
+
+def _columns(varied: dict[str, float], record: dict[str, Any]) -> dict[str, float]:
+    """The varied values as columns of their own; one that is also a parameter, as alpha of a block, says so."""
+    return {f"{key}_varied" if key in record else key: value for key, value in varied.items()}

@@ -60,6 +60,8 @@ def spectrum(
     method = Method(model, tolerance)
     grid = parse_grid(axes)
     check_output(output, overwrite)
+    if any(file != "-" and Path(file).resolve() == output.resolve() for file in files):
+        raise click.UsageError(f"{output} is a structure document of this very call; give another output")
     structures, texts = options.structures_and_texts(files, etas)
     summary = write_spectrum(
         structures,

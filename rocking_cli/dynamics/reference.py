@@ -19,14 +19,17 @@ from .outcome import Outcome
 
 TERMS = 18
 _SAMPLES = np.arange(1, 9) / 8.0
-_MAX_STEPS = 200_000
+_MAX_STEPS = 10_000  # about a second; a cell that takes longer is not checked
 _AT_REST = 1e-11
 
 
 def reference_cell(motion: Motion, amplitude: float, omega: float, eta: float) -> tuple[Outcome, float]:
     """(outcome, max |theta|/alpha, NaN where overturned) of one linear cell by Taylor series; FAILED if it takes too long."""
-    body = _Body(motion, amplitude, omega, eta)
-    return body.run()
+    with np.errstate(all="ignore"):
+        try:
+            return _Body(motion, amplitude, omega, eta).run()
+        except (OverflowError, ValueError):  # numbers beyond what a power series of doubles can hold
+            return Outcome.FAILED, math.nan
 
 
 class _Body:

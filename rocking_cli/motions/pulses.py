@@ -9,6 +9,8 @@ import numpy as np
 from ..errors import MotionError
 from .motion import Harmonic, Motion, Piece
 
+MOST_CYCLES = 100_000
+
 
 def sine(cycles: float = 1.0) -> Motion:
     """sin(phi) for `cycles` cycles, any number of half cycles (0.5, 1, 1.5, ...). Section 2 of the paper.
@@ -28,8 +30,8 @@ def cosine(cycles: float = 1.0) -> Motion:
 
 def _trigonometric(name: str, cycles: float, phase: float) -> Motion:
     halves = 2.0 * cycles
-    if not (np.isfinite(halves) and halves >= 1.0 and halves == np.rint(halves)):
-        raise MotionError(f"{name} pulse: cycles is {cycles:g}, accepted is a positive multiple of 0.5")
+    if not (1.0 <= halves <= 2.0 * MOST_CYCLES and halves == np.rint(halves)):
+        raise MotionError(f"{name} pulse: cycles is {cycles:g}, accepted is a positive multiple of 0.5 up to {MOST_CYCLES}")
     return Motion(f"{name}, {cycles:g} cycle{'' if cycles == 1 else 's'}", (Piece(0.0, halves * np.pi, (Harmonic(1.0, 1.0, phase),)),))
 
 

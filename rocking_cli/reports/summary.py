@@ -6,6 +6,8 @@ from collections.abc import Iterator
 
 from ..spectra.sweep import Summary
 
+SENSITIVE = 1e-6  # a larger difference between two accurate paths is the scene's own sensitivity
+
 
 def summary_lines(summary: Summary, output: str) -> Iterator[str]:
     """What was computed, how long it took, how far it can be trusted, and what was left out."""
@@ -15,6 +17,8 @@ def summary_lines(summary: Summary, output: str) -> Iterator[str]:
     if s.checked_cells:
         agree = "every outcome equal" if not s.misjudged else f"{s.misjudged} OUTCOMES DIFFER"
         yield f"estimated error: {s.estimated_error:.1e} in theta/alpha, {s.checked_cells} cells computed again by {s.checked_by}, {agree}"
+        if s.misjudged or s.estimated_error > SENSITIVE:
+            yield "warning: this scene holds cells that depend on the last digits of their input; single cells are not to be relied on"
     else:
         yield "estimated error: not checked"
     yield "outcomes: " + ", ".join(f"{n} {flag}" for flag, n in s.outcomes.items() if n)

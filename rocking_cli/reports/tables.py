@@ -6,7 +6,7 @@ import csv
 import io
 import json
 import math
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 Record = Mapping[str, Any]
@@ -21,14 +21,16 @@ def json_line(record: Record) -> str:
     return json.dumps(_plain(record), ensure_ascii=False, allow_nan=False)
 
 
-def csv_lines(records: Iterable[Record]) -> Iterator[str]:
-    """A header and one row a record, columns in order of the first record; lists are written as JSON."""
-    columns: list[str] | None = None
+def csv_lines(records: Iterable[Record], columns: Sequence[str] = ()) -> Iterator[str]:
+    """A header and one row a record, columns in order of the first record (or given); lists are written as JSON."""
+    header: list[str] | None = None
     for record in records:
-        if columns is None:
-            columns = list(record)
-            yield _csv_row(columns)
-        yield _csv_row([_csv_cell(record.get(c)) for c in columns])
+        if header is None:
+            header = list(record)
+            yield _csv_row(header)
+        yield _csv_row([_csv_cell(record.get(c)) for c in header])
+    if header is None and columns:
+        yield _csv_row(list(columns))
 
 
 def table_lines(records: Iterable[Record], digits: int = 6) -> Iterator[str]:
@@ -46,11 +48,11 @@ def table_lines(records: Iterable[Record], digits: int = 6) -> Iterator[str]:
         yield "  ".join(parts).rstrip()
 
 
-def lines(records: Iterable[Record], form: str) -> Iterator[str]:
-    """Records in the form `json`, `csv` or `table`."""
+def lines(records: Iterable[Record], form: str, columns: Sequence[str] = ()) -> Iterator[str]:
+    """Records in the form `json`, `csv` or `table`; `columns` is the header of a CSV without records."""
     if form == "json":
         return (json_line(r) for r in records)
-    return csv_lines(records) if form == "csv" else table_lines(records)
+    return csv_lines(records, columns) if form == "csv" else table_lines(records)
 
 
 def _plain(value: Any) -> Any:

@@ -84,7 +84,7 @@ def parse_axes(text: str) -> dict[str, Axis]:
     """Axes by name from `a_g=0.1g:1g:50,omega_g=1:20:40:log` and the like. Raises UsageError."""
     axes: dict[str, Axis] = {}
     for part in text.split(","):
-        key, equals, span = part.strip().partition("=")
+        key, equals, span = (x.strip() for x in part.partition("="))
         if not equals or not span:
             raise UsageError(f"--grid: found {part.strip()!r}; accepted is {_FORM}, axes parted by commas")
         if key not in _AXES:

@@ -83,6 +83,10 @@ class Scene:
             if s.structure == "dimensionless" and not self.grid.dimensionless:
                 raise UsageError("a restitution alone has no units: give a structure document, or axes A and Omega")
             self.method.check(s)
+            with np.errstate(all="ignore"):
+                amplitude, omega = self.grid.scaled(s)
+            if not (np.all(np.isfinite(amplitude)) and np.all(np.isfinite(omega)) and np.all(omega > 0.0)):
+                raise UsageError(f"{s.name}: the grid in units of this structure (A, Omega) leaves the range of double precision")
 
     @property
     def cells(self) -> int:

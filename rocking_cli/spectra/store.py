@@ -57,6 +57,8 @@ def pack(block: np.ndarray) -> bytes:
 
 def check_output(path: Path, overwrite: bool) -> None:
     """Refuse an output that exists, or whose folder does not, before any work is done. Raises UsageError."""
+    if str(path) in ("-", ".", ""):
+        raise UsageError(f"{str(path)!r} is not the name of a file; an HDF5 file cannot be written to standard output")
     if not path.parent.is_dir():
         raise UsageError(f"{path}: the folder {path.parent} does not exist")
     if path.is_dir():
@@ -180,3 +182,5 @@ class SpectraWriter:
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
         if self.file.id.valid:
             self.file.close()
+        if error is not None and not self.written:
+            self.part.unlink(missing_ok=True)  # there is nothing in it to keep

@@ -90,6 +90,7 @@ def _set_job(job: Job) -> None:
     global _job
     _job = job
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C reaches the whole group; the parent alone decides
+    signal.signal(signal.SIGTERM, signal.SIG_DFL)
 
 
 def _run_unit(unit: Unit) -> Report:

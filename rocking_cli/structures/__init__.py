@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
+from dataclasses import replace
 from pathlib import Path
 
 from ..errors import DocumentError
@@ -29,7 +30,7 @@ def build_structure(document: Document) -> RockingParameters:
     name = document.word("name", stem if document.index == 0 else f"{stem}-{document.index + 1}")
     try:
         built = KINDS[kind](document, name)
-    except (ValueError, OverflowError, ZeroDivisionError) as error:
+    except (ValueError, ArithmeticError) as error:
         raise DocumentError(f"{document.place}: {kind}: {error}") from None
     document.finish()
     return built
@@ -40,7 +41,21 @@ def load_structures(paths: Iterable[str | Path]) -> list[RockingParameters]:
 
     Raises UsageError for a file that cannot be read and DocumentError for a document that is not valid.
     """
-    return [build_structure(document) for path in paths for document in read_documents(path)]
+    return with_distinct_names([build_structure(document) for path in paths for document in read_documents(path)])
+
+
+def with_distinct_names(structures: Iterable[RockingParameters]) -> list[RockingParameters]:
+    """The same structures; a name that was there before gets a number, so that a file's coordinate tells them apart."""
+    taken: set[str] = set()
+    named = []
+    for structure in structures:
+        name, number = structure.name, 1
+        while name in taken:
+            number += 1
+            name = f"{structure.name}-{number}"
+        taken.add(name)
+        named.append(structure if name == structure.name else replace(structure, name=name))
+    return named
 
 
 __all__ = ["KINDS", "Document", "RockingParameters", "build_structure", "load_structures", "parse_documents", "read_documents"]

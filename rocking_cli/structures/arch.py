@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import itertools
 import math
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 from .document import Document, Value
@@ -25,7 +26,7 @@ _HINGES = "four angles from springing A, rising, or four of {angle, face} with f
 
 def build(document: Document, name: str) -> RockingParameters:
     """radius (centre line), thickness, angle (inclusion), voussoirs (absent: continuous), hinges (absent: searched)."""
-    mechanism = find_mechanism(document)
+    mechanism, governing = find_mechanism(document)
     found = linearise(mechanism)
     gravity = gravity_of(document)
     eta, source = restitution_of(document, found.eta, "an arch whose mechanism does not throw it backwards")
@@ -44,16 +45,21 @@ def build(document: Document, name: str) -> RockingParameters:
             "a_scale_3_7": found.a_scale_3_7,
             "hinges": [{"angle": s, "face": face} for s, face in zip(mechanism.hinges, faces, strict=True)],
             "direction": DIRECTION,
+            **({"lambda_governing": governing} if document.has("hinges") else {}),
         },
     )
 
 
-def find_mechanism(document: Document) -> FourBar:
-    """The arch's mechanism: the given hinges, checked, or the governing ones. Raises DocumentError when it cannot stand."""
+def find_mechanism(document: Document) -> tuple[FourBar, float | None]:
+    """The arch's mechanism: the given hinges, checked, or the governing ones; and the least uplift of all mechanisms.
+
+    Raises DocumentError when the arch cannot stand.
+    """
     import numpy as np
 
     from .fourbar import FourBar, Ring
     from .hinges import search_continuous, search_joints
+    from .statics import static_uplift
 
     radius = document.length("radius")
     thickness = document.quantity(
@@ -63,14 +69,17 @@ def find_mechanism(document: Document) -> FourBar:
     ring = Ring(radius, thickness, angle)
     voussoirs = document.integer("voussoirs", 4, MOST_VOUSSOIRS) if document.has("voussoirs") else None
     joints = None if voussoirs is None else np.linspace(0.0, angle, voussoirs + 1)
-    if document.has("hinges"):
-        return _given(document, ring, joints)
     found = search_continuous(ring) if joints is None else search_joints(ring, joints)
-    if found is None:
-        raise document.fault(None, "no mechanism of four hinges that governs", "an arch longer or thinner, which rocks before it slides")
-    if not found[1] > 0.0:
+    carried = (found[1] if found else None) if joints is None else static_uplift(ring, joints)
+    if (joints is not None and carried is None) or (found is not None and not found[1] > 0.0):
         raise document.fault("thickness", f"{document.values['thickness']}: the arch cannot carry its own weight", "a thicker arch")
-    return FourBar(ring, found[0])
+    if document.has("hinges"):
+        return _given(document, ring, joints), carried
+    # Where the static theorem allows less than the best linkage, joints part over their whole depth before four hinges form.
+    if found is None or carried is None or found[1] > carried + 1e-6 or any(a == b for a, b in pairwise(found[0])):
+        wanted = "an arch longer or thinner, which rocks before its joints part"
+        raise document.fault(None, "no linkage of four hinges that governs", wanted)
+    return FourBar(ring, found[0]), found[1]
 
 
 def _given(document: Document, ring: Ring, joints: Any) -> FourBar:

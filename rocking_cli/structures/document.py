@@ -20,6 +20,9 @@ import yaml
 from ..errors import DocumentError, UsageError
 from .quantities import accepted, parse_quantity, split_quantity
 
+LARGEST = 64 << 20  # bytes of a file
+MOST_VALUES = 100_000  # values of a document, aliases counted each time
+
 
 @dataclass(frozen=True)
 class Place:
@@ -43,7 +46,9 @@ class Value:
 
     def __str__(self) -> str:
         if isinstance(self.content, str):
-            return json.dumps(self.content, ensure_ascii=False) if self.quoted or not self.content else self.content
+            short = self.content if len(self.content) <= 60 else self.content[:57] + "..."
+            plain = short.isprintable() and short and not self.quoted
+            return short if plain else json.dumps(short, ensure_ascii=not short.isprintable())
         return "a list" if isinstance(self.content, list) else "a mapping"
 
     def plain(self) -> Any:
@@ -113,7 +118,8 @@ class Document:
         except ValueError as error:
             raise self.fault(key, str(value), str(error)) from None
         if not (above < number < below and least <= number <= most):
-            raise self.fault(key, str(value), where or _range_text(above, below, least, most))
+            hint = " (a bare number is in rad)" if dimension == "angle" and not (split_quantity(value.content) or (0, ""))[1] else ""
+            raise self.fault(key, str(value), (where or _range_text(above, below, least, most)) + hint)
         return number
 
     def length(self, key: str) -> float:
@@ -143,8 +149,8 @@ class Document:
         if not self.has(key):
             return default
         content = self.values[key].content
-        if not isinstance(content, str) or not content.strip():
-            raise self.fault(key, str(self.values[key]), "a text")
+        if not isinstance(content, str) or not content.strip() or not content.isprintable():
+            raise self.fault(key, str(self.values[key]), "a text of printable characters")
         return content
 
     def part(self, key: str, value: Value) -> Document:
@@ -188,11 +194,17 @@ def read_documents(path: str | Path) -> list[Document]:
     source = str(path)
     try:
         if source == "-":
-            source, raw = "<stdin>", sys.stdin.buffer.read()
+            source = "<stdin>"
+            if sys.stdin is None:
+                raise UsageError("standard input is closed")
+            raw = sys.stdin.buffer.read(LARGEST + 1)
         else:
-            raw = Path(path).read_bytes()
+            with open(path, "rb") as file:
+                raw = file.read(LARGEST + 1)
     except OSError as error:
         raise UsageError(f"{source}: cannot be read: {error.strerror or error}") from None
+    if len(raw) > LARGEST:
+        raise DocumentError(f"{source}: larger than {LARGEST >> 20} MiB, which no structure document is")
     try:
         text = raw.decode("utf-8-sig")
     except UnicodeDecodeError as error:
@@ -232,7 +244,7 @@ def _compose_json(text: str, source: str) -> list[tuple[yaml.Node, int]]:
         except json.JSONDecodeError as error:
             if not nodes:  # a YAML flow mapping may begin with a brace too
                 return _compose_yaml(text, source, 0)
-            raise DocumentError(f"{source}:{error.lineno}:{error.colno}: not valid JSON: {error.msg}") from None
+            raise DocumentError(f"{source}:{error.lineno}:{error.colno}: not valid JSON: {error.msg.removesuffix(' at')}") from None
         except RecursionError:
             raise DocumentError(f"{source}: nested too deeply to be a structure document") from None
         nodes += _compose_yaml(text[at:end].replace("\t", " "), source, text.count("\n", 0, at))
@@ -247,7 +259,7 @@ def _after_blanks(text: str, at: int) -> int:
 
 
 def _document(node: yaml.Node, source: str, index: int, first: int) -> Document:
-    value = _value(node, source, first, 0)
+    value = _value(node, source, first, 0, [0])
     if not isinstance(value.content, dict):
         raise DocumentError(f"{value.place}: found {value}; accepted is a mapping of keys to values, such as `kind: block`")
     keys = {str(key.value): _place(key, source, first) for key, _ in node.value}
@@ -260,14 +272,15 @@ def _place(node: yaml.Node, source: str, first: int) -> Place:
     return Place(source, first + node.start_mark.line + 1, node.start_mark.column + 1)
 
 
-def _value(node: yaml.Node, source: str, first: int, depth: int) -> Value:
+def _value(node: yaml.Node, source: str, first: int, depth: int, count: list[int]) -> Value:
     place = _place(node, source, first)
-    if depth > 20:
-        raise DocumentError(f"{place}: nested too deeply to be a structure document")
+    count[0] += 1
+    if depth > 20 or count[0] > MOST_VALUES:
+        raise DocumentError(f"{place}: {'nested too deeply' if depth > 20 else 'too many values'} to be a structure document")
     if isinstance(node, yaml.ScalarNode):
-        return Value(node.value, place, quoted=node.style is not None)
+        return Value(_whole_characters(node.value, place), place, quoted=node.style is not None)
     if isinstance(node, yaml.SequenceNode):
-        return Value([_value(child, source, first, depth + 1) for child in node.value], place)
+        return Value([_value(child, source, first, depth + 1, count) for child in node.value], place)
     content: dict[str, Value] = {}
     for key, child in node.value:
         where = _place(key, source, first)
@@ -275,5 +288,17 @@ def _value(node: yaml.Node, source: str, first: int, depth: int) -> Value:
             raise DocumentError(f"{where}: a key must be a word")
         if key.value in content:
             raise DocumentError(f"{where}: duplicate key {key.value!r}, first given at line {content[key.value].place.line}")
-        content[key.value] = _value(child, source, first, depth + 1)
+        if key.value == "<<":
+            raise DocumentError(f"{where}: merge keys (<<) are not part of structure documents")
+        content[_whole_characters(key.value, where)] = _value(child, source, first, depth + 1, count)
     return Value(content, place)
+
+
+def _whole_characters(text: str, place: Place) -> str:
+    """Characters that JSON wrote as two escapes put together; half a character is an error."""
+    if text.isascii() or not any("\ud800" <= c <= "\udfff" for c in text):
+        return text
+    try:
+        return text.encode("utf-16", "surrogatepass").decode("utf-16")
+    except UnicodeDecodeError:
+        raise DocumentError(f"{place}: holds half a character (a lone surrogate)") from None

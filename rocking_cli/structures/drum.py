@@ -1,11 +1,13 @@
 """A solid of revolution on the edge of its base circle: a cylinder, the frustum of a cone, or drums stacked.
 
-Stacked drums rock as one body; they stay together, and the lowest one's edge is the pivot.
+Stacked drums rock on the interface with the least uplift acceleration, and what is above it as one body: on the base of a
+tapered column, on the plinth of a statue.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 from .document import Document
 from .mechanism import Moments
@@ -46,10 +48,20 @@ def build(document: Document, name: str) -> RockingParameters:
             part.finish()
     else:
         sections = [_section(document)]
+    stacks = [_stack(sections[i:]) for i in range(len(sections))]
+    edges = [min(low, below[1]) for (low, _, _), below in zip(sections, [(0.0, math.inf, 0.0), *sections[:-1]], strict=True)]
+    weakest = min(range(len(sections)), key=lambda i: edges[i] * stacks[i].mass / stacks[i].z)  # tan alpha of what is above
+    details = {"rocks_on": "its base" if weakest == 0 else f"drum {weakest} from below"} if len(sections) > 1 else {}
+    limit = "a drum more slender than this one"
+    return body_on_edge(document, "drum", name, stacks[weakest], edges[weakest], limit=limit, details=details)
+
+
+def _stack(sections: Sequence[tuple[float, float, float]]) -> Moments:
+    """Moments of sections on top of each other."""
     body, top = Moments(0.0, 0.0, 0.0, 0.0), 0.0
     for low, high, height in sections:
         body, top = body.plus(raised(frustum_moments(low, high, height), top)), top + height
-    return body_on_edge(document, "drum", name, body, sections[0][0], limit="a drum more slender than this one")
+    return body
 
 
 def _section(document: Document) -> tuple[float, float, float]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 from ..errors import DocumentError, UsageError
@@ -86,7 +87,9 @@ def family(document: Document, variations: Sequence[Variation]) -> Iterator[Memb
             varied = varied.with_value(variation.key, text, f"{document.source} with {variation.key}={text}")
         labels: dict[str, Any] = dict(zip(keys, values, strict=True))
         try:
-            yield Member(labels, build_structure(varied), None)
+            built = build_structure(varied)
+            name = ", ".join([built.name, *(f"{key}={value:g}" for key, value in labels.items())])
+            yield Member(labels, replace(built, name=name, details={**built.details, "varied": labels}), None)
         except DocumentError as error:
             if any(key not in varied.asked for key in keys):
                 raise

@@ -57,19 +57,19 @@ class Rates(NamedTuple):
         return (self.third > 0.0) & (self.second < 1.0) & (self.second < self.third)
 
 
-def rates(points: Any, masses: Any, centroids: Any) -> Rates:
+def rates(points: Any, links: Any) -> Rates:
     """First-order kinematics of the linkage in any position.
 
-    points: (x, z) of A, B, C, D; masses, centroids: of the three links. The loop closes: AB + w2 BC + w3 CD = 0.
+    points: (x, z) of A, B, C, D; links: (mass, first moment of x, of z) of the three. The loop closes: AB + w2 BC + w3 CD = 0.
     """
     (xa, za), (xb, zb), (xc, zc), (xd, zd) = points
     abx, abz, bcx, bcz, cdx, cdz = xb - xa, zb - za, xc - xb, zc - zb, xd - xc, zd - zc
     turn = bcx * cdz - bcz * cdx
     second = -(abx * cdz - abz * cdx) / turn
     third = (abx * bcz - abz * bcx) / turn
-    (m1, m2, m3), ((x1, z1), (x2, z2), (x3, z3)) = masses, centroids
-    lift = -(m1 * (x1 - xa) + m2 * (abx + second * (x2 - xb)) + m3 * third * (x3 - xd))
-    push = m1 * (z1 - za) + m2 * (abz + second * (z2 - zb)) + m3 * third * (z3 - zd)
+    (m1, x1, z1), (m2, x2, z2), (m3, x3, z3) = links
+    lift = -((x1 - m1 * xa) + m2 * abx + second * (x2 - m2 * xb) + third * (x3 - m3 * xd))
+    push = (z1 - m1 * za) + m2 * abz + second * (z2 - m2 * zb) + third * (z3 - m3 * zd)
     return Rates(second, third, lift, push)
 
 
@@ -92,7 +92,7 @@ class FourBar:
 
     def at_rest(self) -> Rates:
         """Kinematics at rest."""
-        return rates(self.points, [m.mass for m in self.links], [(m.x / m.mass, m.z / m.mass) for m in self.links])
+        return rates(self.points, [m[:3] for m in self.links])
 
     @cached_property
     def reach(self) -> float:
@@ -134,7 +134,7 @@ class FourBar:
         middle = b_now + _rotate(np.array([self.links[1].x, self.links[1].z]) / self.links[1].mass - b, second.ravel())
         points = [a, b_now, c_now, d]
         masses = [m.mass for m in self.links]
-        at = rates(points, masses, [centroids[0], middle, centroids[1]])
+        at = rates(points, [(m, m * c[0], m * c[1]) for m, c in zip(masses, (centroids[0], middle, centroids[1]), strict=True)])
         central = self.links[1].about(self.links[1].x / masses[1], self.links[1].z / masses[1])
         ux, uz = (b_now - a[:, None])[1] + at.second * (middle - b_now)[1], -(b_now - a[:, None])[0] - at.second * (middle - b_now)[0]
         inertia = (

@@ -22,28 +22,25 @@ _STEP = 1e-30  # of the complex-step derivative, which is exact: nothing is subt
 def search_joints(ring: Ring, joints: np.ndarray) -> tuple[Hinges, float] | None:
     """Best mechanism with hinges on these joints [rad]: (hinges, lambda), or None if none is admissible.
 
-    Exhaustive: for each pair (A, B) all pairs (C, D) at once. lambda <= 0 means that the arch does not stand.
+    Exhaustive: for each pair (A, B) all pairs (C, D) at once. lambda <= 0 means that the arch does not stand. Two hinges on
+    one joint are a joint that opens over its whole depth, which is no four-bar linkage but may govern short thick arches.
     """
     count = joints.size
     inner, outer = np.array(ring.point(joints, FACES[0])), np.array(ring.point(joints, FACES[1]))
     upto = ring.sector(0.0, joints)
     best: tuple[float, tuple[int, int, int, int]] | None = None
-    for a in range(count - 3):
-        for b in range(a + 1, count - 2):
-            c, d = np.arange(b + 1, count - 1)[:, None], np.arange(b + 2, count)[None, :]
-            parts = [(upto.mass[j] - upto.mass[i], upto.x[j] - upto.x[i], upto.z[j] - upto.z[i]) for i, j in ((a, b), (b, c), (c, d))]
+    for a in range(count):
+        for b in range(a, count):
+            c, d = np.arange(b, count)[:, None], np.arange(b, count)[None, :]
+            links = [(upto.mass[j] - upto.mass[i], upto.x[j] - upto.x[i], upto.z[j] - upto.z[i]) for i, j in ((a, b), (b, c), (c, d))]
             with np.errstate(all="ignore"):
-                found = rates(
-                    (inner[:, a], outer[:, b], inner[:, c], outer[:, d]),
-                    [m for m, _, _ in parts],
-                    [(x / m, z / m) for m, x, z in parts],
-                )
-                uplift = np.where((d > c) & found.admissible & (found.push > 0.0), found.lift / found.push, np.inf)
+                found = rates((inner[:, a], outer[:, b], inner[:, c], outer[:, d]), links)
+                uplift = np.where((d >= c) & found.admissible & (found.push > 0.0), found.lift / found.push, np.inf)
             at = int(np.argmin(uplift))
             least = float(uplift.flat[at])
             if np.isfinite(least) and (best is None or least < best[0]):
                 i, j = divmod(at, uplift.shape[1])
-                best = least, (a, b, b + 1 + i, b + 2 + j)
+                best = least, (a, b, b + i, b + j)
     if best is None:
         return None
     return tuple(float(joints[i]) for i in best[1]), best[0]  # type: ignore[return-value]
@@ -59,7 +56,7 @@ def search_continuous(ring: Ring) -> tuple[Hinges, float] | None:
         return None
     s, least = np.array(start[0]), start[1]
     width = ring.angle / _COARSE
-    while width > 1e-5 * ring.angle:  # pattern search on a lattice that follows its best point and shrinks around it
+    while width > 1e-7 * ring.angle:  # pattern search on a lattice that follows its best point and shrinks around it
         tried = np.clip(s + width * _LATTICE, 0.0, ring.angle)
         values = _uplifts(ring, tried)
         at = int(np.argmin(values))
@@ -69,20 +66,23 @@ def search_continuous(ring: Ring) -> tuple[Hinges, float] | None:
             width *= 0.5
     if np.min(np.diff(s)) < 1e-3 * ring.angle:
         return None
+    rough = s
     for _ in range(30):
         slope = _gradient(ring, s)
         free = ~(((s <= 0.0) & (slope > 0.0)) | ((s >= ring.angle) & (slope < 0.0)))
         move = np.zeros(4)
-        move[free] = -np.linalg.solve(_curvature(ring, s)[np.ix_(free, free)], slope[free])
+        move[free] = -np.linalg.lstsq(_curvature(ring, s)[np.ix_(free, free)], slope[free], rcond=None)[0]
+        if np.max(np.abs(move)) > 1e-3 * ring.angle:  # no minimum inside: it lies on the edge of what is admissible
+            break
         following = np.clip(s + move, 0.0, ring.angle)
         done = float(np.max(np.abs(following - s))) < 1e-12
         s = following
         if done:
             break
     polished = float(_uplifts(ring, s[None, :])[0])
-    if not polished <= least + 1e-15:
-        raise ArithmeticError(f"the hinge search did not converge: lambda {least:.9g} became {polished:.9g}")
-    return (float(s[0]), float(s[1]), float(s[2]), float(s[3])), polished
+    if polished <= least + 1e-15:
+        return (float(s[0]), float(s[1]), float(s[2]), float(s[3])), polished
+    return (float(rough[0]), float(rough[1]), float(rough[2]), float(rough[3])), least
 
 
 def _uplifts(ring: Ring, s: np.ndarray) -> np.ndarray:
@@ -96,7 +96,7 @@ def _uplifts(ring: Ring, s: np.ndarray) -> np.ndarray:
 def _rates(ring: Ring, s: np.ndarray) -> Rates:
     links = [ring.sector(a, b) for a, b in pairwise(s)]
     points = [ring.point(x, face) for x, face in zip(s, FACES, strict=True)]
-    return rates(points, [m.mass for m in links], [(m.x / m.mass, m.z / m.mass) for m in links])
+    return rates(points, [m[:3] for m in links])
 
 
 def uplift_at(ring: Ring, s: np.ndarray) -> complex:

@@ -14,8 +14,8 @@ import math
 from dataclasses import dataclass
 from typing import Any, NamedTuple, Protocol
 
-DEGREE = 20  # of the polynomials that stand for M, V', B on [0, 1.5 alpha]; exact to 1e-12 for smooth linkages
-REACH = 1.5  # how far beyond alpha the coefficients are wanted, as a multiple of alpha
+# Central differences of eighth order: weights of the values at 1 ... 4 steps on either side.
+_WEIGHTS = (4.0 / 5.0, -1.0 / 5.0, 4.0 / 105.0, -1.0 / 280.0)
 
 
 class Moments(NamedTuple):
@@ -102,16 +102,14 @@ class Linearised:
 
 def linearise(mechanism: Mechanism) -> Linearised:
     """Parameters of a mechanism from its coefficients. Raises ValueError when it does not stand or never becomes unstable."""
-    from numpy.polynomial.chebyshev import Chebyshev
-
     at_rest = mechanism.coefficients(0.0)
     uplift = float(at_rest.lift / at_rest.push)
     if not uplift > 0.0:
         raise ValueError(f"does not stand: its uplift acceleration lambda is {uplift:.4g}")
     alpha = equilibrium(mechanism)
-    end = min(REACH * alpha, mechanism.reach)
-    lift = Chebyshev.interpolate(lambda phi: mechanism.coefficients(phi).lift, DEGREE, domain=[0.0, end])
-    falling = -float(lift.deriv()(alpha))
+    falling = -_slope_of_lift(mechanism, alpha)
+    if not falling > 0.0:
+        raise ValueError("reaches its unstable equilibrium where the links lock, and has no linear form there")
     there = mechanism.coefficients(alpha)
     shared, own = mechanism.overlap()
     return Linearised(
@@ -121,6 +119,17 @@ def linearise(mechanism: Mechanism) -> Linearised:
         a_scale=alpha / uplift,
         a_scale_3_7=float(there.push) / falling,
         eta=float(shared / own),
+    )
+
+
+def _slope_of_lift(mechanism: Mechanism, alpha: float) -> float:
+    """V''(alpha)/g. The step is a hundredth of the way to rest or to where the links lock, on which the lift is smooth."""
+    step = 0.01 * min(alpha, mechanism.reach - alpha)
+    if not step > 1e-9 * alpha:
+        return 0.0
+    return sum(
+        weight * float(mechanism.coefficients(alpha + i * step).lift - mechanism.coefficients(alpha - i * step).lift) / step
+        for i, weight in enumerate(_WEIGHTS, 1)
     )
 
 

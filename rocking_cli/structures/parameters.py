@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+from ..errors import DocumentError
 from .document import Document
 from .quantities import STANDARD_GRAVITY
 
@@ -71,7 +72,19 @@ def dimensionless_oscillator(eta: float) -> RockingParameters:
     return RockingParameters(f"eta={eta:g}", "dimensionless", 1.0, 1.0, eta, 1.0, 1.0, "given", 1.0)
 
 
-REPORTED = ("structure", "eta_source", "hinges", "a_scale_3_7", "direction", "tip_height", "crack_height", "cap_ratio")
+REPORTED = (
+    "structure",
+    "eta_source",
+    "hinges",
+    "a_scale_3_7",
+    "direction",
+    "lambda_governing",
+    "tip_height",
+    "crack_height",
+    "cap_ratio",
+    "rocks_on",
+    "varied",
+)
 """Keys that a record may carry along and that do not change the parameters."""
 
 
@@ -89,7 +102,10 @@ def restitution_of(document: Document, momentum: float, limit: str) -> tuple[flo
     """
     if document.has("restitution") and document.values["restitution"].content != "auto":
         wanted = "a number from 0 to 1, or auto"
-        return document.quantity("restitution", "number", least=0.0, most=1.0, where=wanted), "given"
+        try:
+            return abs(document.quantity("restitution", "number", least=0.0, most=1.0, where=wanted)), "given"
+        except DocumentError:
+            raise document.fault("restitution", str(document.values["restitution"]), wanted) from None
     if momentum < 0.0:
         raise document.fault(None, f"a restitution of {momentum:.4g} from momentum", f"{limit}; or give restitution")
     return momentum, "momentum"
@@ -105,7 +121,7 @@ def build(document: Document, name: str) -> RockingParameters:
     }
     if not given:
         raise document.fault(None, "neither lambda nor a_scale", "one of them, or both")
-    details = {key: document.values[key].plain() for key in REPORTED if document.has(key)}
+    details = {key: document.values[key].plain() for key in document.values if key in REPORTED and document.has(key)}
     structure = str(details.pop("structure", "parameters"))
     source = str(details.pop("eta_source", "given"))
     return RockingParameters(

@@ -138,7 +138,10 @@ def _read(document: Document) -> Spire:
         if document.has("crack_height"):
             raise document.fault("crack_height", "a crack height", "crack_height beside crack: diagonal only")
         return Spire(base, height, thickness, tip, 0.0)
-    if not document.has("crack_height"):
-        return Spire(base, height, thickness, tip, tip)
-    where = f"a length from 0 (the base) to {tip:g} m (where the solid tip begins)"
-    return Spire(base, height, thickness, tip, document.quantity("crack_height", "length", least=0.0, most=tip, where=where))
+    crack_height = tip
+    if document.has("crack_height"):
+        where = f"a length from 0 (the base) to {tip:g} m (where the solid tip begins)"
+        crack_height = document.quantity("crack_height", "length", least=0.0, most=tip, where=where)
+    if crack_height > (1.0 - 1e-3) * height:
+        raise document.fault("crack_height", "a crack up to the apex, above which nothing is left", f"crack_height well below {height:g} m")
+    return Spire(base, height, thickness, tip, crack_height)
