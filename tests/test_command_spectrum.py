@@ -116,8 +116,8 @@ def test_nonlinear_sweep_of_the_reference_block(rocking, tmp_path):
     assert np.array_equal(outcome, expected)
 
 
-@pytest.mark.parametrize("workers", ["1", "2"])
-def test_ctrl_c_keeps_what_was_done(tmp_path, workers):
+@pytest.mark.parametrize(("workers", "stop"), [("1", signal.SIGINT), ("2", signal.SIGINT), ("2", signal.SIGTERM)])
+def test_ctrl_c_and_sigterm_keep_what_was_done(tmp_path, workers, stop):
     arguments = [
         "spectrum",
         "--eta",
@@ -138,11 +138,16 @@ def test_ctrl_c_keeps_what_was_done(tmp_path, workers):
     deadline = time.monotonic() + 60
     while not (part.exists() and part.stat().st_size > 200_000) and time.monotonic() < deadline:
         time.sleep(0.01)
-    os.killpg(process.pid, signal.SIGINT)
+    if stop == signal.SIGINT:
+        os.killpg(process.pid, stop)  # a terminal tells the whole group
+    else:
+        process.send_signal(stop)
     _, said = process.communicate(timeout=60)
     assert process.returncode == 130
     assert said.startswith("rocking: interrupted; ")
     assert len(said.strip().splitlines()) == 1
+    with pytest.raises(ProcessLookupError):  # no worker is left behind
+        os.killpg(process.pid, 0)
     assert not (tmp_path / "s.h5").exists()
     with h5py.File(part) as f:
         assert 0 < f["chunk_done"][...].sum() < f["chunk_done"].size

@@ -161,6 +161,11 @@ def test_prism_of_the_tapered_column():
     assert (prism.p, prism.alpha) == pytest.approx((1.5742, 0.1909), abs=5e-5)
 
 
+def test_prism_may_be_a_closed_ring():
+    ring, open_ = "[0, 0], [1, 0], [1, 5], [0, 5], [0, 0]", "[0, 0], [1, 0], [1, 5], [0, 5]"
+    assert built(f"kind: prism\ncorners: [{ring}]") == built(f"kind: prism\ncorners: [{open_}]")
+
+
 def test_unsymmetric_prism_falls_over_its_weaker_edge():
     right = built("kind: prism\ncorners: [[0, 0], [2, 0], [2, 9]]")
     left = built("kind: prism\ncorners: [[0, 0], [2, 0], [0, 9]]")
@@ -238,7 +243,7 @@ REFUSED = [
     ("kind: prism\ncorners: [[0, 0], [1, 4], [-1, 4]]", "rests on one point"),
     ("kind: prism\ncorners: [[0, 0], [1, 0], [9, 5], [8, 5]]", "centroid that is not above the base"),
     ("kind: prism\ncorners: [[0, 0], [1, 0], [2, 0]]", "without area|crosses itself"),
-    ("kind: prism\ncorners: [[0, 0], [1, 0], [1, 3], [0, 0]]", "given twice"),
+    ("kind: prism\ncorners: [[0, 0], [1, 0], [1, 3], [1, 0]]", "given twice"),
     ("kind: prism\ncorners: [[0, 0], [1, 0], [1, 3, 4]]", "not a pair of lengths .line 2"),
     ("kind: prism\ncorners: [[0, 0], [1, 0], [1, 3 kg]]", "not a pair of lengths"),
     ("kind: frame\ncolumns: 0\nwidth: 1\nheight: 6\ncap_ratio: 1", "columns: found 0; accepted is a whole number from 1"),

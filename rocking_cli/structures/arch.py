@@ -96,7 +96,9 @@ def _given(document: Document, ring: Ring, joints: Any) -> FourBar:
     if any(a == b for a, b in itertools.pairwise(faces)):
         raise document.fault("hinges", "faces that do not alternate", _HINGES)
     if not (hinges[0] >= -1e-12 and hinges[-1] <= ring.angle * (1.0 + 1e-12)):
-        raise document.fault("hinges", "a hinge beyond the springings", f"angles from 0 to {math.degrees(ring.angle):g} deg")
+        raise document.fault(
+            "hinges", "a hinge beyond the springings", f"angles from 0 to {math.degrees(ring.angle):g} deg (a bare number is in rad)"
+        )
     if joints is not None:
         nearest = np.abs(np.subtract.outer(hinges, joints)).argmin(axis=1)
         if np.max(np.abs(joints[nearest] - hinges)) > 1e-6:

@@ -68,7 +68,9 @@ def _corners(document: Document) -> list[Corner]:
     if not isinstance(value.content, list) or len(value.content) < 3:
         raise document.fault("corners", str(value), wanted)
     corners = [_corner(document, child, wanted) for child in value.content]
-    if len(set(corners)) < len(corners):
+    if corners[0] == corners[-1]:  # a closed ring, as drawing programs write it
+        corners.pop()
+    if len(corners) < 3 or len(set(corners)) < len(corners):
         raise document.fault("corners", "a corner given twice", wanted)
     if _crosses_itself(corners):
         raise document.fault("corners", "a section that crosses itself", "corners in order around the section")
