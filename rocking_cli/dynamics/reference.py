@@ -101,6 +101,8 @@ class _Body:
     def look_for_peaks(self, series: np.ndarray, speed: np.ndarray, stop: float) -> None:
         marks = np.array([0.0, *(x for x in _SAMPLES if x < stop), stop])
         rates = np.polynomial.polynomial.polyval(marks, speed)
+        if self.y == self.v == 0.0:  # just lifted off: rising, though its speed is still nothing
+            rates[0] = 1.0
         for i in np.flatnonzero((rates[:-1] > 0.0) & (rates[1:] <= 0.0)):
             self.peak = max(self.peak, _value(series, _polish(speed, marks[i], marks[i + 1])))
 
@@ -199,7 +201,7 @@ def reference_rigid_body(motion: Motion, amplitude: float, omega: float, eta: fl
                 z = alpha - state[0]
                 return [state[1], -math.sin(z) - side * drive * float(piece.value(omega * t)) * math.cos(z)]
 
-            path = solve_ivp(rate, (time, stop), [y, v], events=(ground, crest), first_step=stop - time, **limits)
+            path = solve_ivp(rate, (time, stop), [y, v], events=(ground, crest), max_step=(stop - time) / 8, **limits)
             for at in path.t_events[1][path.t_events[1] > time]:
                 there = solve_ivp(rate, (time, at), [y, v], first_step=at - time, **limits).y[:, -1]
                 peak = max(peak, float(there[0] - 0.5 * there[1] ** 2 / rate(at, there)[1]))

@@ -6,7 +6,6 @@ unstable equilibrium (Eqs. 3.5-3.9). phi is the rotation of link A-B, whose end 
 
 from __future__ import annotations
 
-import itertools
 import math
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
@@ -51,9 +50,9 @@ def build(document: Document, name: str) -> RockingParameters:
 
 
 def find_mechanism(document: Document) -> tuple[FourBar, float | None]:
-    """The arch's mechanism: the given hinges, checked, or the governing ones; and the least uplift of all mechanisms.
+    """The arch's mechanism, from the given hinges, checked, or the governing ones; and the lambda that governs.
 
-    Raises DocumentError when the arch cannot stand.
+    Raises DocumentError when the arch cannot stand or no linkage of four hinges governs.
     """
     import numpy as np
 
@@ -91,9 +90,9 @@ def _given(document: Document, ring: Ring, joints: Any) -> FourBar:
     if not isinstance(value.content, list) or len(value.content) != 4:
         raise document.fault("hinges", str(value), _HINGES)
     hinges, faces = zip(*(_hinge(document, child, face) for child, face in zip(value.content, FACES, strict=True)), strict=True)
-    if not all(a < b for a, b in itertools.pairwise(hinges)):
+    if not all(a < b for a, b in pairwise(hinges)):
         raise document.fault("hinges", "angles out of order", _HINGES)
-    if any(a == b for a, b in itertools.pairwise(faces)):
+    if any(a == b for a, b in pairwise(faces)):
         raise document.fault("hinges", "faces that do not alternate", _HINGES)
     if not (hinges[0] >= -1e-12 and hinges[-1] <= ring.angle * (1.0 + 1e-12)):
         raise document.fault(
