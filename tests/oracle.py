@@ -14,6 +14,17 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 
+def _ground(t: float, z: np.ndarray) -> float:
+    return z[0]
+
+
+def _turn(t: float, z: np.ndarray) -> float:
+    return z[1]
+
+
+_ground.terminal, _ground.direction, _turn.direction = True, -1, -1
+
+
 def integrate(
     s: Callable[[float], float],
     phase_end: float,
@@ -27,6 +38,10 @@ def integrate(
 
     `s(phase)` is the motion, `breaks` the phases where it jumps (s is then evaluated just inside each piece).
     """
+
+    def excess(phase: float) -> float:
+        return amplitude * abs(s(phase)) - 1.0
+
     fine = np.linspace(0.0, phase_end, 40_001)
     marks = sorted({0.0, phase_end, *breaks, *np.arange(0.0, phase_end, 2 * math.pi / pieces_a_turn)})
     end = phase_end / omega
@@ -39,8 +54,7 @@ def integrate(
             for x in now:
                 inside = min(max(x, 1e-13), phase_end * (1 - 1e-15))
                 if amplitude * abs(s(inside)) > 1.0:
-                    gap = lambda q: amplitude * abs(s(q)) - 1.0  # noqa: E731
-                    lift = brentq(gap, before, x, xtol=1e-15) if x > before and gap(before) < 0.0 else before
+                    lift = brentq(excess, before, x, xtol=1e-15) if x > before and excess(before) < 0.0 else before
                     side = -int(np.sign(s(inside)))
                     break
                 before = x
@@ -56,12 +70,8 @@ def integrate(
             phase = min(max(omega * t, low + 1e-14 * high), high * (1 - 1e-15))
             return [z[1], z[0] - 1.0 - side * amplitude * s(phase)]
 
-        ground = lambda t, z: z[0]  # noqa: E731
-        ground.terminal, ground.direction = True, -1
-        turn = lambda t, z: z[1]  # noqa: E731
-        turn.direction = -1
         part = solve_ivp(rate, (time, nxt), [y, v], method="DOP853", rtol=2.3e-14, atol=1e-18,
-                         events=[ground, turn], max_step=(nxt - time) / 4)  # fmt: skip
+                         events=[_ground, _turn], max_step=(nxt - time) / 4)  # fmt: skip
         assert part.success, part.message
         for at in part.t_events[1]:  # dense output has a lower order: integrate again to the event, then correct
             z, accel = _state(rate, time, at, y, v)

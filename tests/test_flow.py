@@ -12,6 +12,10 @@ from rocking_cli.dynamics.flow import Arc
 from rocking_cli.dynamics.free import free_fate
 
 
+def one(x):
+    return np.array([x])
+
+
 def exact(y, v, a0, rate, w, ramp, h):
     """y(h) and v(h) in 60 digits from variation of constants: y'' = y - 1 + a0 cos(wt) + rate sin(wt)/1 + ramp t."""
     mpmath.mp.dps = 60
@@ -32,7 +36,6 @@ def exact(y, v, a0, rate, w, ramp, h):
 def test_flow_equals_variation_of_constants_in_60_digits(h, w, start):
     y0, v0, a0 = start
     rate, ramp = 1.3, 0.4
-    one = lambda x: np.array([x])  # noqa: E731
     arc = Arc(one(y0), one(v0), one(y0 - 1.0 + a0), one([rate]).T, one([a0]).T, one([w]).T, one(ramp))
     point = arc.at(one(h))
     y, v = exact(y0, v0, a0, rate, w, ramp, h)

@@ -128,10 +128,13 @@ def test_the_check_of_sweeps_is_itself_right(cells):
         assert math.isnan(theta) or abs(peak - theta) < 1e-9
 
 
+def one(x):
+    return np.array([float(x)])
+
+
 def series_from(model, y, v, segments=None):
     """The model's series on still ground from one state."""
     still = segments or Motion("still", (Piece(0.0, 1.0),)).segments
-    one = lambda x: np.array([float(x)])  # noqa: E731
     b = -math.sin(model.alpha - model.sin * y) / model.sin
     k = np.zeros(1, dtype=np.int64)
     return model.flow(still, Lanes(k, one(1), one(1), one(1), k, one(0), one(1), one(y), one(v), one(b), one(0), k))
@@ -215,7 +218,6 @@ def test_grazing_is_decided_on_either_side(model):
             for least in (-offset, offset):
                 spots = least + 0.5 * (y0 - least) * (nodes + 1.0)
                 rise = 0.5 * (y0 - least) * float(weights @ model.acceleration(spots, np.full(40, a)))
-                one = lambda x: np.array([float(x)])  # noqa: E731
                 k = np.zeros(1, dtype=np.int64)
                 b = model.acceleration(one(y0), one(a))
                 lanes = Lanes(k, one(a), one(1), one(1), k, one(0), one(-1), one(y0), one(-math.sqrt(2 * rise)), b, one(0), k)

@@ -165,6 +165,24 @@ def _polish(coefficients: np.ndarray, low: float, high: float) -> float:
     return x
 
 
+class _Ground:
+    """Event: the body comes down on the ground, where the integration stops."""
+
+    terminal, direction = True, -1
+
+    def __call__(self, t: float, state: np.ndarray) -> float:
+        return float(state[0])
+
+
+class _Crest:
+    """Event: the body turns back."""
+
+    terminal, direction = False, -1
+
+    def __call__(self, t: float, state: np.ndarray) -> float:
+        return float(state[1])
+
+
 def reference_rigid_body(motion: Motion, amplitude: float, omega: float, eta: float, alpha: float) -> tuple[Outcome, float]:
     """The same for the nonlinear rigid body (Eq. 2.3), by SciPy's DOP853 on theta itself."""
     from scipy.integrate import solve_ivp
@@ -173,13 +191,6 @@ def reference_rigid_body(motion: Motion, amplitude: float, omega: float, eta: fl
     drive, time, side, y, v, peak, bounced = amplitude * alpha, 0.0, 0, 0.0, 0.0, 0.0, False
     uplift, limits = math.tan(alpha), {"method": "DOP853", "rtol": 1e-13, "atol": 1e-15}
 
-    def ground(t: float, state: np.ndarray) -> float:
-        return float(state[0])
-
-    def crest(t: float, state: np.ndarray) -> float:
-        return float(state[1])
-
-    ground.terminal, ground.direction, crest.direction = True, -1, -1  # type: ignore[attr-defined]
     for piece in motion.pieces:
         end = piece.stop / omega
         stride = 0.2 / (1.0 + omega * max((h.frequency for h in piece.harmonics), default=1.0))
@@ -201,7 +212,7 @@ def reference_rigid_body(motion: Motion, amplitude: float, omega: float, eta: fl
                 z = alpha - state[0]
                 return [state[1], -math.sin(z) - side * drive * float(piece.value(omega * t)) * math.cos(z)]
 
-            path = solve_ivp(rate, (time, stop), [y, v], events=(ground, crest), max_step=(stop - time) / 8, **limits)
+            path = solve_ivp(rate, (time, stop), [y, v], events=(_Ground(), _Crest()), max_step=(stop - time) / 8, **limits)
             for at in path.t_events[1][path.t_events[1] > time]:
                 there = solve_ivp(rate, (time, at), [y, v], first_step=at - time, **limits).y[:, -1]
                 peak = max(peak, float(there[0] - 0.5 * there[1] ** 2 / rate(at, there)[1]))

@@ -43,7 +43,8 @@ def search_joints(ring: Ring, joints: np.ndarray) -> tuple[Hinges, float] | None
                 best = least, (a, b, b + i, b + j)
     if best is None:
         return None
-    return tuple(float(joints[i]) for i in best[1]), best[0]  # type: ignore[return-value]
+    s = joints[list(best[1])]
+    return (float(s[0]), float(s[1]), float(s[2]), float(s[3])), best[0]
 
 
 def search_continuous(ring: Ring) -> tuple[Hinges, float] | None:
