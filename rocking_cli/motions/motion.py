@@ -115,12 +115,6 @@ class Segments:
         """Whether any piece has a term linear in time."""
         return bool(np.any(self.slope != 0.0))
 
-    @cached_property
-    def steepest(self) -> np.ndarray:
-        """Bound of |ds/dphase| on each segment."""
-        amplitude = np.hypot(self.sin, self.cos)
-        return np.abs(self.slope) + (amplitude * self.frequency).sum(axis=0)
-
 
 @dataclass(frozen=True)
 class Motion:

@@ -16,7 +16,6 @@ from typing import NamedTuple
 import numpy as np
 from scipy.optimize import brentq
 
-CURVES = ("initiation", "no_impact", "after_impact_lower", "after_impact_upper")
 _SCAN = 600  # amplitudes at which the margin's sign is looked at, between initiation and the no-impact curve
 
 

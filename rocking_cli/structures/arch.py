@@ -25,11 +25,12 @@ _HINGES = "four angles from springing A, rising, or four of {angle, face} with f
 
 def build(document: Document, name: str) -> RockingParameters:
     """radius (centre line), thickness, angle (inclusion), voussoirs (absent: continuous), hinges (absent: searched)."""
+    from .fourbar import FACES
+
     mechanism, governing = find_mechanism(document)
     found = linearise(mechanism)
     gravity = gravity_of(document)
     eta, source = restitution_of(document, found.eta, "an arch whose mechanism does not throw it backwards")
-    faces = ("intrados", "extrados", "intrados", "extrados")
     return RockingParameters(
         name=name,
         structure="arch",
@@ -42,7 +43,7 @@ def build(document: Document, name: str) -> RockingParameters:
         gravity=gravity,
         details={
             "a_scale_3_7": found.a_scale_3_7,
-            "hinges": [{"angle": s, "face": face} for s, face in zip(mechanism.hinges, faces, strict=True)],
+            "hinges": [{"angle": s, "face": face} for s, face in zip(mechanism.hinges, FACES, strict=True)],
             "direction": DIRECTION,
             **({"lambda_governing": governing} if document.has("hinges") else {}),
         },

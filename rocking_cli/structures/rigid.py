@@ -60,7 +60,7 @@ def body_on_edge(
     """The same from a body's moments and the distance [m] of the pivots (+pivot, 0) and (-pivot, 0) from x = 0.
 
     The body rocks first about the pivot nearer to its centroid. Raises DocumentError when the centroid is beyond it.
-    """  # fmt: skip
+    """
     x, z = pivot - abs(body.x) / body.mass, body.z / body.mass
     if not x > 0.0:
         raise document.fault(None, "a centroid that is not above the base", f"a {kind} that stands")
