@@ -137,7 +137,7 @@ def series_from(model, y, v, segments=None):
     still = segments or Motion("still", (Piece(0.0, 1.0),)).segments
     b = -math.sin(model.alpha - model.sin * y) / model.sin
     k = np.zeros(1, dtype=np.int64)
-    return model.flow(still, Lanes(k, one(1), one(1), one(1), k, one(0), one(1), one(y), one(v), one(b), one(0), k))
+    return model.flow(still, Lanes(k, one(1), one(1), one(1), k, one(0), one(1), one(y), one(v), one(b), one(0), k, k))
 
 
 @pytest.mark.parametrize("alpha", [0.1, 0.25, 0.6])
@@ -220,7 +220,7 @@ def test_grazing_is_decided_on_either_side(model):
                 rise = 0.5 * (y0 - least) * float(weights @ model.acceleration(spots, np.full(40, a)))
                 k = np.zeros(1, dtype=np.int64)
                 b = model.acceleration(one(y0), one(a))
-                lanes = Lanes(k, one(a), one(1), one(1), k, one(0), one(-1), one(y0), one(-math.sqrt(2 * rise)), b, one(0), k)
+                lanes = Lanes(k, one(a), one(1), one(1), k, one(0), one(-1), one(y0), one(-math.sqrt(2 * rise)), b, one(0), k, k)
                 hit = False
                 for _ in range(40):
                     event = advance(push, lanes, model)

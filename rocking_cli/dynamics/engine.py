@@ -22,8 +22,8 @@ from .outcome import Outcome
 
 Array = np.ndarray
 
-POOL = 16384  # lanes: the working set of a round stays in the second-level cache
-MAX_IMPACTS = 2_000_000  # a cell that bounces longer than this within the shaking is given up as failed
+MAX_STEPS = 250_000  # a cell that takes more, and 40 for each segment of the motion, is given up as failed
+STILL = 1e-100  # a speed whose square a double does not hold is none
 
 
 @dataclass(frozen=True)
@@ -58,7 +58,7 @@ class Response:
 
 
 def linear_response(
-    motion: Motion, amplitude: Array, omega: Array, eta: Array | float, *, peaks: bool = True, pool: int = POOL
+    motion: Motion, amplitude: Array, omega: Array, eta: Array | float, *, peaks: bool = True, pool: int | None = None
 ) -> Response:
     """Largest rotation and outcome of linear rocking oscillators under one motion (Eqs. 2.4, 2.6, 3.6), exact.
 
@@ -70,17 +70,18 @@ def linear_response(
 
 
 def response(
-    model: Model, motion: Motion, uplift_ratio: Array, omega: Array, eta: Array | float, *, peaks: bool = True, pool: int = POOL
+    model: Model, motion: Motion, amplitude: Array, omega: Array, eta: Array | float, *, peaks: bool = True, pool: int | None = None
 ) -> Response:
-    """The same for any model; `uplift_ratio` is a_g over the uplift acceleration [-]. Raises ValueError."""
-    amplitude, omega, eta = np.broadcast_arrays(*(np.asarray(x, dtype=float) for x in (uplift_ratio, omega, eta)))
+    """The same for any model; pool: lanes advanced together, None for what suits the model. Raises ValueError."""
+    amplitude, omega, eta = np.broadcast_arrays(*(np.asarray(x, dtype=float) for x in (amplitude, omega, eta)))
     if not (np.all(np.isfinite(amplitude)) and np.all(amplitude >= 0.0)):
         raise ValueError("amplitude must be finite and not negative")
     if not (np.all(np.isfinite(omega)) and np.all(omega > 0.0)):
         raise ValueError("omega must be positive and finite")
     if not np.all((eta >= 0.0) & (eta <= 1.0)):
         raise ValueError("eta must be within [0, 1]")
-    run = _Run(model, motion.segments, amplitude.ravel(), omega.ravel(), eta.ravel(), peaks, pool)
+    pool = pool or max(256, model.pool // max(1, motion.segments.harmonics))
+    run = _Run(model, motion.segments, amplitude.ravel() / model.initiation, omega.ravel(), eta.ravel(), peaks, pool)
     run.all()
     shape = amplitude.shape
     return Response(run.theta_ratio.reshape(shape), run.outcome.reshape(shape), run.impacts.reshape(shape), run.work)
@@ -96,6 +97,7 @@ class _Run:
         self.outcome = np.full(amplitude.size, Outcome.NO_UPLIFT, dtype=np.uint8)
         self.impacts = np.zeros(amplitude.size, dtype=np.int32)
         self.work = Work(cells=amplitude.size)
+        self.most_steps = MAX_STEPS + 40 * len(segments)
 
     def all(self) -> None:
         """Run every cell to its end."""
@@ -116,20 +118,21 @@ class _Run:
         zero = np.zeros(cell.size)
         amplitude = self.amplitude[cell]
         first = uplift(self.segments, np.zeros(cell.size, dtype=np.int64), zero, amplitude)
-        impacts = np.zeros(cell.size, dtype=np.int32)
+        count = np.zeros(cell.size, dtype=np.int32)
         peak = np.full(cell.size, 0.0 if self.peaks else np.inf)  # infinite: nothing that comes can matter to it
         return Lanes(
             cell, amplitude, self.omega[cell], self.eta[cell],
-            first.k, first.u, first.side, zero, zero.copy(), first.b, peak, impacts,
+            first.k, first.u, first.side, zero, zero.copy(), first.b, peak, count, count.copy(),
         )  # fmt: skip
 
     def _round(self, lanes: Lanes) -> Lanes:
         """One step for every lane; returns the lanes that are still on their way."""
         seg = self.segments
+        lanes.steps += 1
         event = advance(seg, lanes, self.model)
         end, hit = event.end, event.hit
         k, u = place(seg, event.step.k, event.step.u)
-        bad = ~(np.isfinite(end.y) & np.isfinite(event.reach)) | (lanes.impacts > MAX_IMPACTS)
+        bad = ~(np.isfinite(end.y) & np.isfinite(event.reach)) | (lanes.steps > self.most_steps)
         shaken = ~hit & ~bad & (k >= len(seg))
         over = ~hit & ~bad & ~shaken & self._certainly_overturns(lanes, k, event)
         last = np.flatnonzero(shaken)
@@ -138,14 +141,15 @@ class _Run:
             wanted = ~(bad | over)
             wanted[last[np.isnan(fate.peak)]] = False
             raise_peaks(seg, lanes, event, wanted)
+            over |= ~bad & (lanes.peak >= self.model.limit)  # beyond it and back within one step
 
         self.work += Work(certain_overturning=int(over.sum()), free_phase=last.size, impacts=int(hit.sum()), steps=hit.size)
         self._finish(lanes, np.flatnonzero(bad), Outcome.FAILED, np.nan)
-        self._overturn(lanes, np.flatnonzero(over))
         self._overturn(lanes, last[fate.overturns])
         self._finish(lanes, last[fate.overturns_after_impact], Outcome.OVERTURNED_AFTER_IMPACT, np.nan)
         stays = ~(fate.overturns | fate.overturns_after_impact)
         self._finish(lanes, last[stays], Outcome.ROCKED, np.maximum(lanes.peak[last[stays]], fate.peak[stays]))
+        self._overturn(lanes, np.flatnonzero(over))
 
         going = ~(bad | over | shaken)
         free, struck = np.flatnonzero(going & ~hit), np.flatnonzero(going & hit)
@@ -189,7 +193,7 @@ class _Run:
         """Bodies whose bouncing is over skip to their next uplift, or finish."""
         seg = self.segments
         ends = chatter_ends(seg, lanes, self.model.gain)
-        resting = np.flatnonzero(ends | (lanes.v == 0.0))
+        resting = np.flatnonzero(ends | (lanes.v < STILL))
         if not resting.size:
             return lanes
         again = uplift(seg, lanes.k[resting], lanes.u[resting], lanes.amplitude[resting])
@@ -217,5 +221,5 @@ class _Run:
         cell = lanes.cell[at]
         self.outcome[cell] = outcome
         if self.peaks:
-            self.theta_ratio[cell] = self.model.ratio * theta_ratio
+            self.theta_ratio[cell] = self.model.rotation(np.asarray(theta_ratio))
         self.impacts[cell] = lanes.impacts[at]

@@ -5,6 +5,7 @@ With E = v^2 - (1 - y)^2 constant between impacts, D0* of Eq. 2.7 is -E at the e
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -34,6 +35,22 @@ def free_fate(y: Array, v: Array, eta: Array) -> Fate:
     outward = np.where((v > 0.0) & ~overturns, _crest(drop), y)
     peak = np.maximum(outward, _crest(rebound))
     return Fate(overturns, after, np.where(overturns | after, np.nan, peak))
+
+
+def fate_by_energy(
+    y: Array, v: Array, eta: Array, energy: Array, barrier: float, beyond: Array, crest: Callable[[Array], Array]
+) -> Fate:
+    """The same for any potential: energy (v^2/2 and the potential), its value at the unstable equilibrium, which bodies are
+    beyond that, and the displacement at which an energy up to the barrier is used up."""
+    overturns = np.where(beyond, (v >= 0.0) | (energy < barrier), (v > 0.0) & (energy > barrier))
+    rebound = eta * eta * energy
+    after = ~overturns & (rebound > barrier)
+    peak = np.full(np.shape(y), np.nan)
+    stays = np.flatnonzero(~(overturns | after))
+    out = v[stays] > 0.0  # the next crest is the higher one, since eta <= 1
+    top = crest(np.where(out, energy[stays], rebound[stays]))
+    peak[stays] = np.where(out, top, np.maximum(y[stays], top))
+    return Fate(overturns, after, peak)
 
 
 def _crest(drop: Array) -> Array:

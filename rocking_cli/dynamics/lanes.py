@@ -18,7 +18,7 @@ class Lanes:
     cell: index of the cell; amplitude: its drive in units of the uplift
     acceleration; omega, eta: its Omega and eta; k, u: position in the motion (segment, phase in
     it); side: +1 or -1; y, v, b: displacement on that side in the model's unit and its two derivatives by tau; peak: largest y at a turning
-    point so far; impacts: number so far.
+    point so far; impacts, steps: numbers so far.
     """
 
     cell: Array
@@ -33,6 +33,7 @@ class Lanes:
     b: Array
     peak: Array
     impacts: Array
+    steps: Array
 
     def take(self, lanes: Array) -> Lanes:
         """Some of the lanes, copied."""

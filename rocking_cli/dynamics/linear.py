@@ -17,7 +17,9 @@ class LinearModel:
     """y'' = y - 1 + a."""
 
     gain = 1.0
-    ratio = 1.0
+    initiation = 1.0
+    limit = np.inf
+    pool = 16384  # lanes: the working set of a round stays in the second-level cache
 
     def flow(self, segments: Segments, lanes: Lanes) -> Arc:
         """The arc that each lane is about to follow: its state and the outward drive's coefficients."""
@@ -30,6 +32,18 @@ class LinearModel:
     def acceleration(self, y: Array, a: Array) -> Array:
         """y - 1 + a."""
         return y - 1.0 + a
+
+    def rotation(self, y: Array) -> Array:
+        """y itself."""
+        return y
+
+    def rotation_rate(self, y: Array, v: Array) -> Array:
+        """v itself."""
+        return v
+
+    def displacement(self, rotation: Array) -> Array:
+        """|theta|/alpha itself."""
+        return rotation
 
     def fate(self, y: Array, v: Array, eta: Array) -> Fate:
         """Eq. 2.7."""

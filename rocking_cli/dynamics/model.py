@@ -6,8 +6,8 @@ body at rest falls back with acceleration 1,
     y'' = -l(y) + a(tau) m(y),   l(0) = m(0) = 1,   l/m > 1 for y < 0
 
 where a is the outward drive over its value at uplift. The linear oscillator has l = 1 - y, m = 1 (Eq. 2.4), a rigid body
-l = sin(alpha - theta)/sin alpha, m = cos(alpha - theta)/cos alpha (Eq. 2.3). Uplift, windows, impacts and chatter need
-nothing else.
+l = sin(alpha - theta)/sin alpha, m = cos(alpha - theta)/cos alpha (Eq. 2.3), a mechanism the forces of Eq. 3.4 in its canonical
+coordinate. Uplift, windows, impacts and chatter need nothing else.
 """
 
 from __future__ import annotations
@@ -65,14 +65,31 @@ class Model(Protocol):
         """Bound of the growth of -l + a m with y, near the ground and for |a| <= 1; 1 for the linear oscillator."""
 
     @property
-    def ratio(self) -> float:
-        """|theta|/alpha of y = 1."""
+    def initiation(self) -> float:
+        """The dimensionless amplitude A at which a drive of s = 1 lifts the body."""
+
+    @property
+    def limit(self) -> float:
+        """y from which the body counts as overturned whatever comes: it lies on its side, the linkage has collapsed."""
+
+    @property
+    def pool(self) -> int:
+        """Lanes that the engine advances together, for the best use of the caches."""
 
     def flow(self, segments: Segments, lanes: Lanes) -> Flow:
         """The flow of the lanes."""
 
     def acceleration(self, y: Array, a: Array) -> Array:
         """y'' at displacement y under the outward drive a."""
+
+    def rotation(self, y: Array) -> Array:
+        """|theta|/alpha at displacement y."""
+
+    def rotation_rate(self, y: Array, v: Array) -> Array:
+        """Its derivative by tau."""
+
+    def displacement(self, rotation: Array) -> Array:
+        """y of |theta|/alpha."""
 
     def fate(self, y: Array, v: Array, eta: Array) -> Fate:
         """What comes after the shaking, in closed form; peaks in units of y."""

@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from ..dynamics.engine import response
 from ..dynamics.outcome import Outcome
 from ..errors import UsageError
 from ..motions import Motion
@@ -60,12 +61,12 @@ def trace_envelope(
     traced to the last digits of the model's outcome. Intervals that touch but differ in mode are listed apart. Raises
     UsageError when a_max is not above the initiation or the model does not hold for the structure.
     """
-    method.check(structure)
+    model = method.model_of(structure)
     omegas = np.atleast_1d(np.asarray(omegas, dtype=float))
-    lowest = method.uplift(structure) / motion.peak
+    lowest = model.initiation / motion.peak
 
     def outcome(amplitude: np.ndarray, omega: np.ndarray) -> np.ndarray:
-        found = method.respond(structure, motion, amplitude, omega, peaks=False).outcome
+        found = response(model, motion, amplitude, omega, structure.eta, peaks=False).outcome
         return np.where(found == Outcome.NO_UPLIFT, np.uint8(Outcome.ROCKED), found)  # safe is safe
 
     if not (np.isfinite(a_max) and a_max > lowest):

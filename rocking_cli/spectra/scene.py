@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
-from ..dynamics.engine import Response, linear_response
+from ..dynamics.linear import LinearModel
+from ..dynamics.mechanism import MechanismModel
+from ..dynamics.model import Model
+from ..dynamics.rigid_body import RigidModel
 from ..errors import UsageError
 from ..motions import Motion
 from ..structures.parameters import RockingParameters
@@ -36,28 +39,23 @@ class Method:
         if not 1e-13 <= self.tolerance <= 1e-2:
             raise UsageError(f"tolerance is {self.tolerance:g}, accepted is a number from 1e-13 to 1e-2")
 
-    def check(self, structure: RockingParameters) -> None:
-        """Refuse a structure that the model does not hold for. Raises UsageError."""
+    def model_of(self, structure: RockingParameters) -> Model:
+        """The equation of motion of one structure. Raises UsageError when the model does not hold for it."""
         if self.model == "linear":
-            return
+            return LinearModel()
         if structure.structure == "dimensionless":
             raise UsageError("the nonlinear model needs a critical angle: give a structure document")
-        if structure.a_scale != 1.0 or not structure.alpha < 0.5 * np.pi:
-            raise UsageError(
-                f"{structure.name}: the nonlinear model (Eq. 2.3) holds for rigid bodies, whose a_scale is 1; found {structure.a_scale:.6g}"
-            )
-
-    def respond(self, structure: RockingParameters, motion: Motion, amplitude: Array, omega: Array, *, peaks: bool = True) -> Response:
-        """The response of one structure at dimensionless amplitudes A and frequencies Omega."""
-        if self.model == "linear":
-            return linear_response(motion, amplitude, omega, structure.eta, peaks=peaks)
-        from ..dynamics.nonlinear import nonlinear_response
-
-        return nonlinear_response(motion, amplitude, omega, structure.eta, structure.alpha, tolerance=self.tolerance, peaks=peaks)
-
-    def uplift(self, structure: RockingParameters) -> float:
-        """The dimensionless amplitude A at which a drive of s = 1 lifts the structure."""
-        return 1.0 if self.model == "linear" else math.tan(structure.alpha) / structure.alpha
+        try:
+            if structure.mechanism is not None:
+                return MechanismModel(structure.mechanism, self.tolerance)
+            if structure.a_scale == 1.0:
+                return RigidModel(structure.alpha, self.tolerance)
+        except ValueError as error:
+            raise UsageError(f"{structure.name}: {error}") from None
+        raise UsageError(
+            f"{structure.name}: the nonlinear model needs the structure itself (an arch) or a rigid body, whose a_scale is 1; "
+            f"found parameters with a_scale {structure.a_scale:.6g}"
+        )
 
 
 LINEAR = Method()
@@ -82,7 +80,7 @@ class Scene:
         for s in self.structures:
             if s.structure == "dimensionless" and not self.grid.dimensionless:
                 raise UsageError("a restitution alone has no units: give a structure document, or axes A and Omega")
-            self.method.check(s)
+            self.method.model_of(s)
             with np.errstate(all="ignore"):
                 amplitude, omega = self.grid.scaled(s)
             if not (np.all(np.isfinite(amplitude)) and np.all(np.isfinite(omega)) and np.all(omega > 0.0)):
@@ -97,9 +95,9 @@ class Scene:
         """Structures, by index, that share one computation."""
         if not self.grid.dimensionless:
             return [(i,) for i in range(len(self.structures))]
-        groups: dict[tuple[float, float], list[int]] = {}
+        groups: dict[tuple[Any, ...], list[int]] = {}
         for i, s in enumerate(self.structures):
-            groups.setdefault((s.eta, 0.0 if self.method.model == "linear" else s.alpha), []).append(i)
+            groups.setdefault((s.eta, *(() if self.method.model == "linear" else (s.alpha, s.mechanism))), []).append(i)
         return [tuple(g) for g in groups.values()]
 
 
@@ -136,10 +134,11 @@ def sampled_cells(scene: Scene, check: int) -> np.ndarray:
     rows, columns = scene.grid.shape
     found: list[tuple[int, int, int]] = []
     owners = [group[0] for group in scene.sharing()]
+    models = [scene.method.model_of(s) for s in scene.structures]
     for _ in range(20 * check):
         i, r, c = owners[int(random.integers(len(owners)))], int(random.integers(rows)), int(random.integers(columns))
         amplitude = scene.grid.scaled(scene.structures[i])[0][c]
-        if amplitude * scene.motion.peak > scene.method.uplift(scene.structures[i]) and (i, r, c) not in found:
+        if amplitude * scene.motion.peak > models[i].initiation and (i, r, c) not in found:
             found.append((i, r, c))
         if len(found) == check:
             break

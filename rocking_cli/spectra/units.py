@@ -19,7 +19,7 @@ from typing import Any
 
 import numpy as np
 
-from ..dynamics.engine import Response, Work
+from ..dynamics.engine import Response, Work, response
 from ..dynamics.outcome import Outcome
 from ..dynamics.reference import reference_cell, reference_rigid_body
 from ..errors import OutputError
@@ -31,7 +31,7 @@ def _compute(scene: Scene, unit: Unit, chunk: tuple[int, int]) -> Response:
     amplitude, omega = scene.grid.scaled(structure)
     a = amplitude[unit.column : unit.column + chunk[1]]
     w = omega[unit.row : unit.row + chunk[0]]
-    return scene.method.respond(structure, scene.motion, a[None, :], w[:, None])
+    return response(scene.method.model_of(structure), scene.motion, a[None, :], w[:, None], structure.eta)
 
 
 @dataclass(frozen=True)

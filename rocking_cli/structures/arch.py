@@ -47,6 +47,7 @@ def build(document: Document, name: str) -> RockingParameters:
             "direction": DIRECTION,
             **({"lambda_governing": governing} if document.has("hinges") else {}),
         },
+        mechanism=mechanism,
     )
 
 

@@ -9,6 +9,7 @@ from typing import Any
 
 from ..errors import DocumentError
 from .document import Document
+from .mechanism import Mechanism
 from .quantities import STANDARD_GRAVITY
 
 
@@ -18,7 +19,7 @@ class RockingParameters:
 
     name; structure: the kind it came from; p frequency parameter [rad/s]; alpha critical angle [rad]; eta restitution
     [-]; uplift lambda, the static uplift acceleration over g [-]; a_scale [-]; eta_source: where eta comes from; gravity
-    [m/s2]; details: what else the kind reports. Raises ValueError when a number is not finite or out of range.
+    [m/s2]; details: what else the kind reports; mechanism: where it is no rigid body, for the nonlinear model. Raises ValueError when a number is not finite or out of range.
     """
 
     name: str
@@ -31,6 +32,7 @@ class RockingParameters:
     eta_source: str = "momentum"
     gravity: float = STANDARD_GRAVITY
     details: Mapping[str, Any] = field(default_factory=dict)
+    mechanism: Mechanism | None = field(default=None, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         for label, x in (("p", self.p), ("alpha", self.alpha), ("lambda", self.uplift), ("a_scale", self.a_scale)):

@@ -1,0 +1,294 @@
+"""The nonlinear equation of a mechanism (Eq. 3.4), by Taylor series.
+
+In the canonical coordinate q = int sqrt(M) dphi the velocity term is gone. With L = V'/g, F = L/sqrt(M), G = B/sqrt(M), values at
+rest F0 and G0, y = q p^2/(g F0) and a the outward drive over lambda g,
+
+    y'' = -F(y)/F0 + a G(y)/G0
+
+F and G are tabulated once, as power series in y about the centres of patches that are short against the distance to the
+linkage's nearest lock-up; a step composes the local series with that of y. F/G = lambda(phi) falls all the way (checked), which is what
+the sign tests of `windows` ask; where it no longer falls, or has come to -50 times its value at rest, the structure has collapsed.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+from ..motions.motion import Segments
+from ..structures.mechanism import Mechanism, linearise
+from .free import Fate, fate_by_energy
+from .lanes import Lanes
+from .taylor import Series, drive_series, order_for, series
+
+Array = np.ndarray
+
+DEGREE = 28  # of a patch's series
+_COLLAPSED = -50.0  # lambda(phi) / lambda(0): no drive below 50 times the uplift's brings the structure back from there
+_WIDEN = 2.0  # a patch's series is fitted on this times its width
+_MARGIN = 1e-6  # energy beyond a barrier from which overturning is certain, whatever the table's interpolation
+_SMALL = 2e-15  # a Chebyshev coefficient below this, against the largest, is rounding
+
+
+@dataclass(frozen=True)
+class Patches:
+    """Functions of y by patches: edges (patches + 1), centre, half (width fitted), and (degree + 1, patches) coefficients.
+
+    Coefficients are of powers of (y - centre) / half. lift F/F0, push G/G0, turn phi/alpha; work and thrust: int lift dy and
+    int push dy from 0.
+    """
+
+    edges: Array
+    centre: Array
+    half: Array
+    lift: Array
+    push: Array
+    turn: Array
+    work: Array
+    thrust: Array
+
+    def of(self, y: Array) -> tuple[Array, Array]:
+        """(patch, argument of its series) of each displacement."""
+        at = np.clip(np.searchsorted(self.edges, y, side="right") - 1, 0, self.centre.size - 1)
+        return at, (y - self.centre[at]) / self.half[at]
+
+    def value(self, coefficients: Array, y: Array) -> Array:
+        """A tabulated function at y."""
+        at, x = self.of(y)
+        total = np.zeros_like(x)
+        for row in coefficients[::-1]:
+            total = total * x + row[at]
+        return total
+
+    def slope(self, coefficients: Array, y: Array) -> Array:
+        """Its derivative."""
+        at, x = self.of(y)
+        total = np.zeros_like(x)
+        for n in range(len(coefficients) - 1, 0, -1):
+            total = total * x + n * coefficients[n][at]
+        return total / self.half[at]
+
+
+class MechanismModel:
+    """Eq. 3.4 for one mechanism; tolerance: error of phi/alpha that is aimed at.
+
+    Raises ValueError when the mechanism does not stand or never becomes unstable, when its lambda(phi) does not fall on the
+    way there, or when the tolerance is not between 1e-13 and 1e-2.
+    """
+
+    pool = 1024  # lanes: the powers of a series of 14 terms take 100 numbers a lane
+    initiation = 1.0
+
+    def __init__(self, mechanism: Mechanism, tolerance: float = 1e-9) -> None:
+        self.order, self.tolerance = order_for(tolerance), tolerance
+        self.table = tabulate(mechanism)
+        table = self.table
+        self.limit = float(table.edges[-1])
+        self.top = float(_inverse(table, table.turn, np.array([1.0]), self.limit)[0])  # y at phi = alpha
+        self.barrier = float(table.value(table.work, np.array([self.top]))[0])
+        inner = np.linspace(0.0, self.top, 257)
+        rates = (np.abs(table.slope(c, inner)) for c in (table.lift, table.push))
+        self.gain = float(sum(r.max() for r in rates))
+        beyond = np.linspace(self.top, self.limit, 4097)
+        self.marks = beyond, -table.value(table.lift, beyond) / table.value(table.push, beyond)
+
+    def flow(self, segments: Segments, lanes: Lanes) -> Series:
+        """The series of every lane: those of F and G about its y, composed with the series of y."""
+        count = self.order - 1
+        known = drive_series(segments, lanes, count)
+        table = self.table
+        at, x = table.of(lanes.y)
+        lift, push = self._local(at, x, count)
+        drive = [(lanes.b + lift[0]) / push[0], *known.terms[1:]]
+        over, unit2 = 1.0 / table.half[at], known.unit * known.unit
+        y = [lanes.y, lanes.v * known.unit]
+        power = np.zeros((count, count, x.size))  # [j, n]: term n of ((y - y0) / half)^j
+        m = [push[0]]
+        for n in range(count):
+            fallen = lift[0]
+            if n:
+                power[1, n] = y[n] * over
+                for i in range(1, n):
+                    power[2 : n - i + 2, n] += power[1, i] * power[1 : n - i + 1, n - i]
+                here = power[1 : n + 1, n]
+                fallen = (lift[1 : n + 1] * here).sum(axis=0)
+                m.append((push[1 : n + 1] * here).sum(axis=0))
+            pushed = drive[0] * m[n]
+            for i in range(1, n + 1):
+                pushed = pushed + drive[i] * m[n - i]
+            y.append(unit2 * (pushed - fallen) / ((n + 1) * (n + 2)))
+        return series(np.array(y), known, self.tolerance)
+
+    def _local(self, at: Array, x: Array, count: int) -> Array:
+        """(2, count, lanes): the series of F and G in powers of (y - y0) / half, shifted from the patch's centre to y0."""
+        rows = np.stack([self.table.lift[:, at], self.table.push[:, at]])
+        for k in range(count):
+            for j in range(rows.shape[1] - 2, k - 1, -1):
+                rows[:, j] += x * rows[:, j + 1]
+        return rows[:, :count]
+
+    def acceleration(self, y: Array, a: Array) -> Array:
+        """-F/F0 + a G/G0."""
+        return a * self.table.value(self.table.push, y) - self.table.value(self.table.lift, y)
+
+    def rotation(self, y: Array) -> Array:
+        """phi/alpha."""
+        return self.table.value(self.table.turn, y)
+
+    def rotation_rate(self, y: Array, v: Array) -> Array:
+        """Its derivative by tau."""
+        return v * self.table.slope(self.table.turn, y)
+
+    def displacement(self, rotation: Array) -> Array:
+        """y of phi/alpha."""
+        return _inverse(self.table, self.table.turn, rotation, self.limit)
+
+    def fate(self, y: Array, v: Array, eta: Array) -> Fate:
+        """Energy is constant between impacts: K = v^2/2 + int F/F0 dy; the barrier is where phi = alpha."""
+        energy = 0.5 * v * v + self.table.value(self.table.work, y)
+        return fate_by_energy(y, v, eta, energy, self.barrier, y > self.top, self._crest)
+
+    def _crest(self, energy: Array) -> Array:
+        return _inverse(self.table, self.table.work, np.minimum(energy, self.barrier), self.top)
+
+    def certainly_overturns(self, y: Array, v: Array, inward: Array) -> Array:
+        """Beyond the barrier of the strongest inward drive still to come, or with the speed to pass it; or collapsed.
+
+        Under a constant inward drive e the equilibrium is where F/G = -e, which is a maximum of int F + e G, since F/G falls; a
+        weaker drive pushes back less.
+        """
+        table = self.table
+        certain = y >= self.limit
+        maybe = np.flatnonzero(~certain & (v > 0.0) & (0.5 * v * v + table.value(table.work, y) > self.barrier))
+        if maybe.size:
+            y, e = y[maybe], inward[maybe]
+            top = self._equilibrium(e)
+            rise = [table.value(c, top) - table.value(c, y) for c in (table.work, table.thrust)]
+            certain[maybe] = (y >= top) | (0.5 * v[maybe] ** 2 > (rise[0] + e * rise[1]) * (1.0 + _MARGIN) + _MARGIN)
+        return certain
+
+    def _equilibrium(self, e: Array) -> Array:
+        """y where F/G = -e, at most the limit; from a table, since at a maximum its last digits do not matter."""
+        return np.interp(e, self.marks[1], self.marks[0])
+
+
+def _inverse(table: Patches, coefficients: Array, value: Array, high: float) -> Array:
+    """y in [0, high] where a rising function has a value: Newton's method inside a bracket that only shrinks."""
+    value = np.asarray(value, dtype=float)
+    nodes = np.linspace(0.0, high, 513)
+    at = np.clip(np.searchsorted(table.value(coefficients, nodes), value) - 1, 0, nodes.size - 2)
+    a, b = nodes[at], nodes[at + 1]
+    y = 0.5 * (a + b)
+    for _ in range(60):
+        gap = table.value(coefficients, y) - value
+        a, b = np.where(gap < 0.0, y, a), np.where(gap < 0.0, b, y)
+        with np.errstate(all="ignore"):
+            newton = y - gap / table.slope(coefficients, y)
+        following = np.where((newton >= a) & (newton <= b), newton, 0.5 * (a + b))
+        moved = np.abs(following - y)
+        y = following
+        if not np.any((moved > 1e-15 * high) & (b - a > 1e-15 * high)):
+            break
+    return np.where(np.isnan(value), np.nan, y)
+
+
+@lru_cache(maxsize=32)
+def tabulate(mechanism: Mechanism) -> Patches:
+    """The coefficients of Eq. 3.4 as functions of y, to rounding. Raises ValueError; see `MechanismModel`."""
+    form = linearise(mechanism)
+    path = _Path(mechanism, form.alpha, form.stiffness)
+    fits = _fit(path, 0.0, path.length, 0)
+    edges = np.array([0.0, *(f[0] for f in fits)])
+    centre, half = np.array([f[1] for f in fits]), np.array([f[2] for f in fits])
+    lift, push, turn = (np.array([f[3][i] for f in fits]).T for i in range(3))
+    work, thrust = (_integral(c, edges, centre, half) for c in (lift, push))
+    return Patches(edges, centre, half, lift, push, turn, work, thrust)
+
+
+class _Path:
+    """The way from rest to collapse: y(phi) by quadrature, and F/F0, G/G0, phi/alpha at given y."""
+
+    def __init__(self, mechanism: Mechanism, alpha: float, stiffness: float) -> None:
+        self.mechanism, self.alpha = mechanism, alpha
+        at_rest = mechanism.coefficients(0.0)
+        root = float(np.sqrt(at_rest.inertia))
+        self.lift0, self.push0 = float(at_rest.lift) / root, float(at_rest.push) / root
+        self.rate = stiffness / self.lift0  # dy/dphi over sqrt(M)
+        end = _collapse(mechanism, alpha)
+        self.marks = np.linspace(0.0, end, 513)
+        self.nodes, self.weights = np.polynomial.legendre.leggauss(20)
+        self.sums = np.concatenate([[0.0], np.cumsum(self._integral(self.marks[:-1], self.marks[1:]))])
+        self.length = float(self.sums[-1])
+
+    def _integral(self, start: Array, stop: Array) -> Array:
+        half = 0.5 * (stop - start)
+        phi = (0.5 * (start + stop))[..., None] + half[..., None] * self.nodes
+        return self.rate * half * (np.sqrt(self.mechanism.coefficients(phi).inertia) * self.weights).sum(axis=-1)
+
+    def phi(self, y: Array) -> Array:
+        """Rotation at y [rad], by Newton's method; NaN beyond the reach of the links."""
+        first, last = self.marks[1] / self.sums[1], (self.marks[-1] - self.marks[-2]) / (self.sums[-1] - self.sums[-2])
+        phi = np.interp(y, self.sums, self.marks) + np.minimum(y, 0.0) * first + np.maximum(y - self.length, 0.0) * last
+        for _ in range(12):
+            at = np.clip(np.searchsorted(self.marks, phi, side="right") - 1, 0, self.marks.size - 1)
+            gap = self.sums[at] + self._integral(self.marks[at], phi) - y
+            phi = phi - gap / (self.rate * np.sqrt(self.mechanism.coefficients(phi).inertia))
+        return phi
+
+    def __call__(self, y: Array) -> list[Array]:
+        phi = self.phi(y)
+        c = self.mechanism.coefficients(phi)
+        root = np.sqrt(c.inertia)
+        return [c.lift / root / self.lift0, c.push / root / self.push0, phi / self.alpha]
+
+
+def _collapse(mechanism: Mechanism, alpha: float) -> float:
+    """The rotation from which nothing brings the structure back; at least 1.25 alpha."""
+    phi = np.linspace(0.0, mechanism.reach, 20001)[:-1]
+    c = mechanism.coefficients(phi)
+    with np.errstate(all="ignore"):
+        multiplier = np.asarray(c.lift / c.push)
+    falls = (np.diff(multiplier) < 0.0) & (np.asarray(c.push)[1:] > 0.0) & (multiplier[1:] >= _COLLAPSED * multiplier[0])
+    end = float(phi[-1] if falls.all() else phi[np.argmin(falls)])
+    if end < 1.25 * alpha:
+        raise ValueError("the nonlinear model does not hold: its lambda(phi) does not fall on to the unstable equilibrium and beyond it")
+    return end
+
+
+def _fit(path: _Path, start: float, stop: float, depth: int) -> list[tuple[float, float, float, list[Array]]]:
+    """Patches from start to stop: halved until their series converge."""
+    if depth > 16:
+        raise ValueError("the nonlinear model does not hold: the linkage locks too close to rest")
+    centre, half = 0.5 * (start + stop), 0.5 * _WIDEN * (stop - start)
+    x = np.cos(np.pi * (np.arange(DEGREE + 8) + 0.5) / (DEGREE + 8))
+    with np.errstate(all="ignore"):
+        values = path(centre + half * x)
+    found = []
+    for v in values:
+        if not np.all(np.isfinite(v)):
+            break
+        c = np.polynomial.chebyshev.chebfit(x, v, DEGREE + 7)
+        small = _SMALL * np.abs(c).max()
+        if np.abs(c[DEGREE - 2 :]).max() > small:
+            break
+        c = np.where(np.abs(c) > small, c, 0.0)[: DEGREE + 1]
+        powers = np.polynomial.chebyshev.cheb2poly(c)
+        found.append(np.pad(powers, (0, DEGREE + 1 - powers.size)))
+    else:
+        return [(stop, centre, half, found)]
+    middle = 0.5 * (start + stop)
+    return [*_fit(path, start, middle, depth + 1), *_fit(path, middle, stop, depth + 1)]
+
+
+def _integral(coefficients: Array, edges: Array, centre: Array, half: Array) -> Array:
+    """The integral from y = 0 of a function by patches."""
+    n = np.arange(1, coefficients.shape[0] + 1)[:, None]
+    raised = np.concatenate([np.zeros((1, centre.size)), coefficients * half / n])
+    total = 0.0
+    for i in range(centre.size):
+        ends = np.polynomial.polynomial.polyval((edges[i : i + 2] - centre[i]) / half[i], raised[:, i])
+        raised[0, i] = total - ends[0]
+        total += float(ends[1] - ends[0])
+    return raised

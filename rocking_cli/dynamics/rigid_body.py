@@ -1,0 +1,109 @@
+"""The nonlinear equation of a rigid body (Eq. 2.3), by Taylor series.
+
+With y = |theta| / sin(alpha), z = alpha - y sin(alpha) and a the outward drive over g tan(alpha),
+
+    y'' = -sin z / sin(alpha) + a cos z / cos(alpha)
+
+The series of y, sin z and cos z follow from each other term by term; the drive's are known. In a valley of the drive
+(a < 1) tan z > tan alpha below the ground, so that a body which has crossed y = 0 stays below it, and in a ridge y'' > 0 for
+y >= 0: the sign tests of `windows` hold as they stand.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ..motions.motion import Segments
+from .free import Fate, fate_by_energy
+from .lanes import Lanes
+from .taylor import Series, drive_series, order_for, series
+
+Array = np.ndarray
+
+
+class RigidModel:
+    """Eq. 2.3 for a body of critical angle alpha [rad]; tolerance: error of theta/alpha that is aimed at.
+
+    Raises ValueError when alpha is not between 0 and pi/2 or the tolerance not between 1e-13 and 1e-2.
+    """
+
+    pool = 4096  # lanes: a series of 18 terms for each stays in the second-level cache
+
+    def __init__(self, alpha: float, tolerance: float = 1e-9) -> None:
+        if not 0.0 < alpha < 0.5 * math.pi:
+            raise ValueError(f"alpha is {alpha:g} rad, accepted for a rigid body is an angle between 0 and 90 deg")
+        self.order, self.tolerance = order_for(tolerance), tolerance
+        self.alpha = alpha
+        self.sin, self.cos, self.tan = math.sin(alpha), math.cos(alpha), math.tan(alpha)
+        self.gain = 1.0 / self.cos**2  # of -l + a m near the ground, for |a| <= 1: (cos z + tan(alpha) sin z) / cos(alpha)
+        self.initiation = self.tan / alpha
+        self.limit = 0.5 * math.pi / self.sin  # it lies on its side
+        self.barrier = 1.0 / (1.0 + self.cos)
+
+    def flow(self, segments: Segments, lanes: Lanes) -> Series:
+        """The series of every lane from its present state."""
+        known = drive_series(segments, lanes, self.order - 1)
+        z = self.alpha - self.sin * lanes.y
+        s, c = [np.sin(z)], [np.cos(z)]
+        # The drive now, from the acceleration that the lane carries: at uplift it is 1 to the last bit.
+        drive = [(lanes.b + s[0] / self.sin) * self.cos / c[0], *known.terms[1:]]
+        y = [lanes.y, lanes.v * known.unit]
+        k, unit2 = self.sin, known.unit * known.unit
+        rate = [np.zeros_like(z)]  # n y_n, for the recurrences of sin z and cos z
+        for n in range(self.order - 1):
+            if n:
+                rate.append(n * y[n])
+                change_s, change_c = rate[n] * c[0], rate[n] * s[0]
+                for i in range(1, n):
+                    change_s = change_s + rate[i] * c[n - i]
+                    change_c = change_c + rate[i] * s[n - i]
+                s.append(change_s * (-k / n))
+                c.append(change_c * (k / n))
+            pushed = drive[0] * c[n]
+            for i in range(1, n + 1):
+                pushed = pushed + drive[i] * c[n - i]
+            y.append(unit2 * (pushed / self.cos - s[n] / self.sin) / ((n + 1) * (n + 2)))
+        return series(np.array(y), known, self.tolerance)
+
+    def acceleration(self, y: Array, a: Array) -> Array:
+        """-sin z / sin(alpha) + a cos z / cos(alpha)."""
+        z = self.alpha - self.sin * y
+        return a * np.cos(z) / self.cos - np.sin(z) / self.sin
+
+    def rotation(self, y: Array) -> Array:
+        """|theta|/alpha."""
+        return y * (self.sin / self.alpha)
+
+    def rotation_rate(self, y: Array, v: Array) -> Array:
+        """Its derivative by tau."""
+        return v * (self.sin / self.alpha)
+
+    def displacement(self, rotation: Array) -> Array:
+        """y of |theta|/alpha."""
+        return rotation * (self.alpha / self.sin)
+
+    def fate(self, y: Array, v: Array, eta: Array) -> Fate:
+        """Energy is constant between impacts: K = v^2/2 + [cos z - cos(alpha)]/sin^2(alpha), the barrier K = 1/(1 + cos(alpha))."""
+        turned = self.sin * y
+        energy = 0.5 * v * v + 2.0 * np.sin(self.alpha - 0.5 * turned) * np.sin(0.5 * turned) / self.sin**2
+        return fate_by_energy(y, v, eta, energy, self.barrier, turned > self.alpha, self._crest)
+
+    def _crest(self, energy: Array) -> Array:
+        """Largest y for an energy up to the barrier: 1 - cos(alpha - y sin(alpha)) = 1 - cos(alpha) - sin^2(alpha) K."""
+        left = np.maximum(0.0, (1.0 - self.cos) - self.sin**2 * energy)
+        return (self.alpha - 2.0 * np.arcsin(np.sqrt(0.5 * left))) / self.sin
+
+    def certainly_overturns(self, y: Array, v: Array, inward: Array) -> Array:
+        """Beyond the barrier of the strongest inward drive that is still to come, or with the speed to pass it.
+
+        Under a constant inward e = inward tan(alpha) the equilibrium is at beta = alpha + arctan e and y'' is
+        sqrt(1 + e^2) sin(theta - beta) / sin(alpha); a weaker drive pushes back less. While v > 0 the energy over that barrier
+        never falls, so a body that passes it goes on. On its side (theta = pi/2) a body has overturned.
+        """
+        e = inward * self.tan
+        gap = self.alpha + np.arctan(e) - self.sin * y
+        height = 2.0 * np.sqrt(1.0 + e * e) * np.sin(0.5 * gap) ** 2 / self.sin**2
+        passes = (v > 0.0) & ((gap <= 0.0) | (0.5 * v * v > height))
+        return passes | (self.sin * y >= 0.5 * math.pi)
