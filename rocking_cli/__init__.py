@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from .dynamics.nonlinear import nonlinear_response
     from .dynamics.outcome import Outcome
     from .errors import DocumentError, OutputError, RockingError, UsageError
-    from .motions import Motion, cosine, pulse, sine
+    from .motions import Motion, cosine, pulse, read_motion, sine
     from .spectra.closed_form import closed_form_curves
     from .spectra.envelope import Interval, trace_envelope
     from .spectra.grid import Axis, Grid, parse_grid
@@ -36,6 +36,7 @@ _HOME = {
     "Motion": "motions",
     "cosine": "motions",
     "pulse": "motions",
+    "read_motion": "motions",
     "sine": "motions",
     "closed_form_curves": "spectra.closed_form",
     "Interval": "spectra.envelope",
@@ -81,6 +82,7 @@ __all__ = [
     "parse_documents",
     "parse_grid",
     "pulse",
+    "read_motion",
     "sine",
     "spectrum",
     "trace_envelope",

@@ -14,8 +14,8 @@ from rocking_cli import build_structure as build
 from rocking_cli.dynamics.advance import advance
 from rocking_cli.dynamics.lanes import Lanes
 from rocking_cli.dynamics.linear import LinearModel
-from rocking_cli.dynamics.nonlinear import RigidModel
-from rocking_cli.dynamics.reference import reference_rigid_body
+from rocking_cli.dynamics.reference_nonlinear import RigidBody, reference_nonlinear
+from rocking_cli.dynamics.rigid_body import RigidModel
 from rocking_cli.motions import Motion, Piece
 
 BLOCK = "kind: block\nradius: 1.6065814 m\nalpha: 0.25\nrestitution: 0.9"
@@ -118,12 +118,12 @@ def test_jump_at_the_start_and_several_cycles():
 
 
 def test_the_check_of_sweeps_is_itself_right(cells):
-    """`reference_rigid_body`, on which the estimated error of nonlinear sweeps rests, against the oracle above."""
+    """`reference_nonlinear`, on which the estimated error of nonlinear sweeps rests, against the oracle above."""
     # The last three hold arcs shorter than its steps, right after uplift.
     odd = [(1.3739303, 8.18093324, 1.0, 0.82321594), (1.77887648, 2.65944071, 1.0, 1.03821494), (1.2, 2.0, 0.3, 1.0)]
     for case in [*(c[:4] for c in cells[:30]), *odd]:
         flag, theta = integrate(np.sin, 2 * math.pi, *case)
-        outcome, peak = reference_rigid_body(sine(), *case)
+        outcome, peak = reference_nonlinear(sine(), *case[:3], RigidBody(case[3]))
         assert outcome.flag == flag
         assert math.isnan(theta) or abs(peak - theta) < 1e-9
 
@@ -242,8 +242,8 @@ def test_model_checks_its_numbers(bad):
 
 def test_model_is_refused_where_it_does_not_hold():
     (document,) = parse_documents("kind: parameters\np: 2\nalpha: 0.1\neta: 0.9\nlambda: 0.3")
-    with pytest.raises(UsageError, match="rigid bodies, whose a_scale is 1"):
-        Method("nonlinear").check(build(document))
+    with pytest.raises(UsageError, match="a rigid body, whose a_scale is 1"):
+        Method("nonlinear").model_of(build(document))
     with pytest.raises(UsageError, match="unknown model"):
         Method("quadratic")
     with pytest.raises(UsageError, match="tolerance"):

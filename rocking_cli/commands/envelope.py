@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from . import options
+
+if TYPE_CHECKING:
+    from ..motions import Motion
 
 
 @click.command(epilog="Example: rocking envelope --eta 0.9 --grid Omega=2:6:5")
@@ -17,7 +20,7 @@ from . import options
 @options.motion
 @options.method
 @click.option("--a-max", type=float, default=20.0, show_default=True, help="Largest dimensionless amplitude A that is searched.")
-@click.option("--closed-form", is_flag=True, help="The closed-form curves of a sine pulse instead.")
+@click.option("--closed-form", is_flag=True, help="The closed-form curves of a sine, half-sine or rectangular pulse instead.")
 @options.output_form
 @options.quiet
 @click.pass_context
@@ -26,8 +29,7 @@ def envelope(
     files: tuple[str, ...],
     axes: str,
     etas: tuple[float, ...],
-    pulse: str,
-    cycles: float,
+    motion: Motion,
     model: str,
     tolerance: float,
     a_max: float,
@@ -41,11 +43,9 @@ def envelope(
     there may be narrower ones, overturning or safe, just above uplift. For structures with units omega_g [rad/s], a_from
     and a_to [m/s2] are printed as well.
     """
-    from ..motions import pulse as named_pulse
     from ..spectra.envelope import CURVE_COLUMNS, INTERVAL_COLUMNS, frequency_axis, structure_curves, structure_intervals
     from ..spectra.scene import Method
 
-    motion = named_pulse(pulse, cycles)
     method = Method(model, tolerance)
     axis = frequency_axis(axes)
     structures = options.structures_of(files, etas)
@@ -56,7 +56,7 @@ def envelope(
         nonlocal failed
         for structure in structures:
             if closed_form:
-                yield from structure_curves(structure, axis, pulse, cycles)
+                yield from structure_curves(structure, axis, motion)
                 continue
             progress = options.ProgressLine(structure.name, quiet)
             found = set()

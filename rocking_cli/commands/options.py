@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from functools import wraps
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -12,6 +13,7 @@ import click
 from ..errors import OutputError
 
 if TYPE_CHECKING:
+    from ..motions import Motion
     from ..structures import RockingParameters
 
 F = Callable[..., Any]
@@ -22,8 +24,11 @@ csv_output = click.option("--csv", "form", flag_value="csv", help="CSV on standa
 quiet = click.option("-q", "--quiet", is_flag=True, help="No progress and no summary on standard error.")
 overwrite = click.option("--overwrite", is_flag=True, help="Replace an output that exists.")
 workers = click.option("--workers", type=click.IntRange(1), help="Processes to use (default: all cores).")
-pulse = click.option("--pulse", default="sine", show_default=True, help="Ground motion: sine or cosine.")
-cycles = click.option("--cycles", type=float, default=1.0, show_default=True, help="Cycles of the pulse, in half cycles.")
+pulse = click.option("--pulse", metavar="NAME", help="Ground motion: sine (default), or one of the pulses listed in the README.")
+cycles = click.option("--cycles", type=float, help="Cycles of a sine or cosine, in half cycles (default 1).")
+gamma = click.option("--gamma", type=float, help="Duration over period of a mavroeidis-papageorgiou pulse (default 2).")
+phase = click.option("--phase", metavar="ANGLE", help="Phase of a mavroeidis-papageorgiou pulse, in rad or with a unit (default 0).")
+motion_file = click.option("--motion", "motion_file", metavar="FILE", help="A motion document of your own instead of a pulse.")
 eta = click.option(
     "--eta", "etas", multiple=True, type=click.FloatRange(0.0, 1.0), metavar="ETA",
     help="A dimensionless oscillator of this restitution instead of FILE; repeatable.",
@@ -32,7 +37,7 @@ eta = click.option(
 
 def method(command: F) -> F:
     """--model and --tolerance."""
-    model = click.option("--model", default="linear", show_default=True, help="Equation of motion: linear, or nonlinear for rigid bodies.")
+    model = click.option("--model", default="linear", show_default=True, help="Equation of motion: linear or nonlinear.")
     tolerance = click.option("--tolerance", type=float, default=1e-9, show_default=True, help="Error of theta/alpha aimed at (nonlinear).")
     return model(tolerance(command))
 
@@ -43,8 +48,40 @@ def output_form(command: F) -> F:
 
 
 def motion(command: F) -> F:
-    """--pulse and --cycles."""
-    return pulse(cycles(command))
+    """The options of the ground motion; the command gets the motion itself."""
+
+    @wraps(command)
+    def with_motion(
+        *arguments: Any,
+        pulse: str | None,
+        cycles: float | None,
+        gamma: float | None,
+        phase: str | None,
+        motion_file: str | None,
+        **others: Any,
+    ) -> Any:
+        return command(*arguments, motion=_motion_of(pulse, cycles, gamma, phase, motion_file), **others)
+
+    return pulse(cycles(gamma(phase(motion_file(with_motion)))))
+
+
+def _motion_of(name: str | None, cycles: float | None, gamma: float | None, phase: str | None, path: str | None) -> Motion:
+    from ..documents.quantities import parse_quantity
+    from ..motions import pulse as named_pulse
+    from ..motions import read_motion
+
+    angle = None
+    if phase is not None:
+        try:
+            angle = parse_quantity(phase, "angle")
+        except ValueError as error:
+            raise click.UsageError(f"--phase: found {phase!r}; accepted is {error}") from None
+    given = {key: value for key, value in (("cycles", cycles), ("gamma", gamma), ("phase", angle)) if value is not None}
+    if path is None:
+        return named_pulse(name or "sine", **given)
+    if name is not None or given:
+        raise click.UsageError(f"--motion does not go with --{'pulse' if name is not None else next(iter(given))}")
+    return read_motion(path)
 
 
 def emit(records: Iterable[Mapping[str, Any]], form: str | None, columns: Sequence[str] = ()) -> int:

@@ -5,10 +5,14 @@ from __future__ import annotations
 import shlex
 import sys
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
 from . import options
+
+if TYPE_CHECKING:
+    from ..motions import Motion
 
 
 @click.command(epilog="Example: rocking spectrum configs/block.yaml --grid a_g=0.1g:1g:50,f_g=0.5:5:40 -o block.h5")
@@ -21,7 +25,7 @@ from . import options
 @click.option("--impacts", is_flag=True, help="Also store the number of impacts during the shaking.")
 @options.workers
 @click.option("--chunk", type=click.IntRange(1), metavar="CELLS", help="Cells in one unit of work.")
-@click.option("--check", type=click.IntRange(0), metavar="N", help="Cells computed again by the independent path (default 16).")
+@click.option("--check", type=click.IntRange(0), metavar="N", help="Cells computed again by the independent path.")
 @options.overwrite
 @click.option("--json", "json_", is_flag=True, help="The closing summary as a JSON record on standard output.")
 @options.quiet
@@ -32,8 +36,7 @@ def spectrum(
     axes: str,
     output: Path,
     etas: tuple[float, ...],
-    pulse: str,
-    cycles: float,
+    motion: Motion,
     model: str,
     tolerance: float,
     impacts: bool,
@@ -49,14 +52,12 @@ def spectrum(
     Units: bounds of a_g in m/s2, or with g; omega_g in rad/s, f_g in Hz, T_g in s. A = a_scale a_g/(alpha g) and
     Omega = omega_g/p are dimensionless. NAME=VALUE gives an axis of one value. The file is OUTPUT.part until complete.
     """
-    from ..motions import pulse as named_pulse
     from ..reports.summary import summary_lines
     from ..spectra.grid import parse_grid
     from ..spectra.scene import Method
     from ..spectra.store import check_output
-    from ..spectra.sweep import CHECKED_CELLS, CHUNK_CELLS, write_spectrum
+    from ..spectra.sweep import CHUNK_CELLS, write_spectrum
 
-    motion = named_pulse(pulse, cycles)
     method = Method(model, tolerance)
     grid = parse_grid(axes)
     check_output(output, overwrite)
@@ -71,7 +72,7 @@ def spectrum(
         method=method,
         workers=workers,
         chunk_cells=chunk or CHUNK_CELLS,
-        check=CHECKED_CELLS if check is None else check,
+        check=check,
         impacts=impacts,
         overwrite=overwrite,
         documents=texts,

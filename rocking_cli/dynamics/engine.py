@@ -80,8 +80,7 @@ def response(
         raise ValueError("omega must be positive and finite")
     if not np.all((eta >= 0.0) & (eta <= 1.0)):
         raise ValueError("eta must be within [0, 1]")
-    pool = pool or max(256, model.pool // max(1, motion.segments.harmonics))
-    run = _Run(model, motion.segments, amplitude.ravel() / model.initiation, omega.ravel(), eta.ravel(), peaks, pool)
+    run = _Run(model, motion.segments, amplitude.ravel() / model.initiation, omega.ravel(), eta.ravel(), peaks, pool or model.pool)
     run.all()
     shape = amplitude.shape
     return Response(run.theta_ratio.reshape(shape), run.outcome.reshape(shape), run.impacts.reshape(shape), run.work)

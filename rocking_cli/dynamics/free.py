@@ -37,9 +37,7 @@ def free_fate(y: Array, v: Array, eta: Array) -> Fate:
     return Fate(overturns, after, np.where(overturns | after, np.nan, peak))
 
 
-def fate_by_energy(
-    y: Array, v: Array, eta: Array, energy: Array, barrier: float, beyond: Array, crest: Callable[[Array], Array]
-) -> Fate:
+def fate_by_energy(y: Array, v: Array, eta: Array, energy: Array, barrier: float, beyond: Array, crest: Callable[[Array], Array]) -> Fate:
     """The same for any potential: energy (v^2/2 and the potential), its value at the unstable equilibrium, which bodies are
     beyond that, and the displacement at which an energy up to the barrier is used up."""
     overturns = np.where(beyond, (v >= 0.0) | (energy < barrier), (v > 0.0) & (energy > barrier))

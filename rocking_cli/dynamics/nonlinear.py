@@ -20,4 +20,3 @@ def nonlinear_response(
     [rad]; tolerance: of theta/alpha. theta_ratio is max |theta|/alpha. Raises ValueError when a number is out of range.
     """
     return response(RigidModel(alpha, tolerance), motion, amplitude, omega, eta, peaks=peaks)
-

@@ -4,8 +4,8 @@ It shares nothing with the exact flow: no closed form, no windows, no mode analy
 series of the drive and of y'' = y - 1 + a by its recurrence, looks for impacts and peaks by sign changes on eighths of
 the step, and polishes them on the polynomial. Steps are a quarter radian of the fastest motion, 18 terms: the truncation
 error is below rounding. A dip narrower than an eighth of a step that grazes the ground would be missed; the engine's own
-proofs are what excludes that, and a disagreement shows in the check. The nonlinear rigid body, whose engine is a Taylor series itself, is
-checked by a Runge-Kutta method instead.
+proofs are what excludes that, and a disagreement shows in the check. The nonlinear equations, whose engine is a Taylor series itself,
+are checked by a Runge-Kutta method instead (`reference_nonlinear`).
 """
 
 from __future__ import annotations
@@ -163,78 +163,3 @@ def _polish(coefficients: np.ndarray, low: float, high: float) -> float:
             return following
         x = following
     return x
-
-
-class _Ground:
-    """Event: the body comes down on the ground, where the integration stops."""
-
-    terminal, direction = True, -1
-
-    def __call__(self, t: float, state: np.ndarray) -> float:
-        return float(state[0])
-
-
-class _Crest:
-    """Event: the body turns back."""
-
-    terminal, direction = False, -1
-
-    def __call__(self, t: float, state: np.ndarray) -> float:
-        return float(state[1])
-
-
-def reference_rigid_body(motion: Motion, amplitude: float, omega: float, eta: float, alpha: float) -> tuple[Outcome, float]:
-    """The same for the nonlinear rigid body (Eq. 2.3), by SciPy's DOP853 on theta itself."""
-    from scipy.integrate import solve_ivp
-    from scipy.optimize import brentq
-
-    drive, time, side, y, v, peak, bounced = amplitude * alpha, 0.0, 0, 0.0, 0.0, 0.0, False
-    uplift, limits = math.tan(alpha), {"method": "DOP853", "rtol": 1e-13, "atol": 1e-15}
-
-    for piece in motion.pieces:
-        end = piece.stop / omega
-        stride = 0.2 / (1.0 + omega * max((h.frequency for h in piece.harmonics), default=1.0))
-        while end - time > 1e-14 * end:
-            stop = min(end, time + stride)
-
-            def excess(t: float, piece: Piece = piece) -> float:
-                return drive * abs(float(piece.value(omega * t))) - uplift
-
-            if side == 0:
-                if excess(time) <= 0.0 and excess(stop) <= 0.0:
-                    time = stop
-                    continue
-                if excess(time) <= 0.0:
-                    time = float(brentq(excess, time, stop, xtol=1e-15))
-                side = -1 if float(piece.value(omega * min(stop, time + 1e-9))) > 0.0 else 1
-
-            def rate(t: float, state: np.ndarray, piece: Piece = piece, side: int = side) -> list[float]:
-                z = alpha - state[0]
-                return [state[1], -math.sin(z) - side * drive * float(piece.value(omega * t)) * math.cos(z)]
-
-            path = solve_ivp(rate, (time, stop), [y, v], events=(_Ground(), _Crest()), max_step=(stop - time) / 8, **limits)
-            for at in path.t_events[1][path.t_events[1] > time]:
-                there = solve_ivp(rate, (time, at), [y, v], first_step=at - time, **limits).y[:, -1]
-                peak = max(peak, float(there[0] - 0.5 * there[1] ** 2 / rate(at, there)[1]))
-            if path.status == 1:
-                at = max(float(path.t_events[0][0]), np.nextafter(time, math.inf))
-                there = solve_ivp(rate, (time, at), [y, v], first_step=at - time, **limits).y[:, -1]
-                miss = -there[0] / there[1] if there[1] < 0.0 else 0.0
-                time, side, bounced = at + miss, -side, True
-                y, v = 0.0, -eta * float(there[1] + miss * rate(at, there)[1])
-                if v <= 0.0 or (v < _AT_REST and excess(time) < 0.0 and eta < 1.0):
-                    side, v = 0, 0.0
-            else:
-                time, (y, v) = stop, (float(x) for x in path.y[:, -1])
-                if y > 0.5 * math.pi:
-                    return Outcome.OVERTURNED_AFTER_IMPACT if bounced else Outcome.OVERTURNED_NO_IMPACT, math.nan
-    if side == 0:
-        return (Outcome.ROCKED if peak > 0.0 else Outcome.NO_UPLIFT), peak / alpha
-    level = 0.5 * v * v + math.cos(alpha - y)  # the barrier is 1
-    if (y <= alpha and v > 0.0 and level > 1.0) or (y > alpha and (v >= 0.0 or level < 1.0)):
-        return Outcome.OVERTURNED_AFTER_IMPACT if bounced else Outcome.OVERTURNED_NO_IMPACT, math.nan
-    back = math.cos(alpha) + eta * eta * (level - math.cos(alpha))
-    if back > 1.0:
-        return Outcome.OVERTURNED_AFTER_IMPACT, math.nan
-    after = alpha - math.acos(back)
-    return Outcome.ROCKED, max(peak, after, alpha - math.acos(level) if v > 0.0 else 0.0) / alpha

@@ -72,21 +72,21 @@ def _bracketed_crossing(segments: Segments, k: Array, level: Array, length: Arra
     share = (level - start) / np.where(segments.s_end[k] == start, 1.0, segments.s_end[k] - start)
     u = np.clip(share, 0.0, 1.0) * length
     slope, w = segments.slope[k], segments.frequency[:, k]
-    active = np.ones(u.shape, dtype=bool)
+    lanes = np.flatnonzero((level != start) & (length > 0.0))
     for _ in range(80):
-        change, _, cos = segment_value(segments, k, u)
-        gap = np.where(rising, 1.0, -1.0) * (start + change - level)
-        rate = np.abs((w * cos).sum(axis=0) + slope)
-        low, high = np.where(gap < 0.0, u, low), np.where(gap < 0.0, high, u)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            newton = u - gap / rate
-        inside = (newton > low) & (newton < high)
-        following = np.where(inside, newton, 0.5 * (low + high))
-        following = np.where(active & (gap != 0.0), following, u)
-        active &= np.abs(following - u) > 2e-16 * length
-        u = following
-        if not active.any():
+        if not lanes.size:
             break
+        at, there = k[lanes], u[lanes]
+        change, _, cos = segment_value(segments, at, there)
+        gap = np.where(rising[lanes], 1.0, -1.0) * (start[lanes] + change - level[lanes])
+        rate = np.abs((w[:, lanes] * cos).sum(axis=0) + slope[lanes])
+        low[lanes], high[lanes] = np.where(gap < 0.0, there, low[lanes]), np.where(gap < 0.0, high[lanes], there)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            newton = there - gap / rate
+        inside = (newton > low[lanes]) & (newton < high[lanes])
+        following = np.where(gap == 0.0, there, np.where(inside, newton, 0.5 * (low[lanes] + high[lanes])))
+        u[lanes] = following
+        lanes = lanes[np.abs(following - there) > 2e-16 * length[lanes]]
     return u
 
 

@@ -1,8 +1,14 @@
-"""The pulses by name. A new pulse is one function that returns its pieces and one line in PULSES."""
+"""The pulses of the literature by name. A new pulse is one function that returns its pieces and one line in PULSES.
+
+phi = omega_g t. For pulses that have a duration instead of a frequency, omega_g = 2 pi / duration.
+"""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
+from inspect import signature
+from typing import Any
 
 import numpy as np
 
@@ -10,6 +16,8 @@ from ..errors import MotionError
 from .motion import Harmonic, Motion, Piece
 
 MOST_CYCLES = 100_000
+TURN = 2.0 * np.pi
+_TAIL = 8.5  # a Ricker wavelet is below 1e-13 beyond this many of its own units, in time and in frequency
 
 
 def sine(cycles: float = 1.0) -> Motion:
@@ -28,6 +36,56 @@ def cosine(cycles: float = 1.0) -> Motion:
     return _trigonometric("cosine", cycles, np.pi / 2)
 
 
+def half_sine() -> Motion:
+    """sin(phi) for half a cycle."""
+    return Motion("half sine", (Piece(0.0, np.pi, (Harmonic(1.0),)),))
+
+
+def rectangular() -> Motion:
+    """+1 for the duration t_d = 2 pi / omega_g."""
+    return Motion("rectangular", (Piece(0.0, TURN, constant=1.0),))
+
+
+def rectangular_impulse() -> Motion:
+    """+1 for t_p = 2 pi / omega_g, then -1/2 for 2 t_p: the impulse of Fig. 7c, which leaves no velocity behind."""
+    return Motion("rectangular impulse", (Piece(0.0, TURN, constant=1.0), Piece(TURN, 3.0 * TURN, constant=-0.5)))
+
+
+def ricker_symmetric() -> Motion:
+    """(1 - x^2) exp(-x^2/2), x = (phi - phi_0)/sqrt(2): the Ricker wavelet of predominant frequency omega_g.
+
+    Its spectrum ends where the wavelet does, so a sum of 23 cosines is that wavelet to 1e-13, an exact piece like any other.
+    """
+    return Motion("symmetric Ricker", (_ricker(math.sqrt(2.0), lambda k: (1.0, 0.5 * np.pi)),))
+
+
+def ricker_antisymmetric() -> Motion:
+    """x (x^2 - 3) exp(-x^2/2) / 1.3801, x = (phi - phi_0)/sqrt(3): the derivative of the symmetric one, of peak 1."""
+    x2 = 3.0 - math.sqrt(6.0)
+    peak = math.sqrt(x2) * (3.0 - x2) * math.exp(-0.5 * x2)
+    return Motion("antisymmetric Ricker", (_ricker(math.sqrt(3.0), lambda k: (-k / peak, 0.0)),))
+
+
+def mavroeidis_papageorgiou(gamma: float = 2.0, phase: float = 0.0) -> Motion:
+    """The near-fault pulse of Mavroeidis and Papageorgiou (2003), scaled to a peak acceleration of 1.
+
+    Its velocity is cos(phi' + phase) (1 + cos(phi'/gamma))/2 with phi' = phi - pi gamma, gamma >= 1 the ratio of duration to
+    period and the phase in rad; the acceleration is a sum of three sinusoids. Raises MotionError.
+    """
+    if not 1.0 <= gamma <= MOST_CYCLES:
+        raise MotionError(f"mavroeidis-papageorgiou pulse: gamma is {gamma:g}, accepted is a number from 1 to {MOST_CYCLES}")
+    if not math.isfinite(phase):
+        raise MotionError(f"mavroeidis-papageorgiou pulse: phase is {phase:g}, accepted is an angle in rad")
+    parts = [(0.5, 1.0), (0.25 * (1.0 + 1.0 / gamma), 1.0 + 1.0 / gamma), (0.25 * (1.0 - 1.0 / gamma), 1.0 - 1.0 / gamma)]
+
+    def pieces(peak: float) -> tuple[Piece, ...]:
+        turned = [Harmonic(-c / peak, w, math.remainder(phase - w * np.pi * gamma, TURN)) for c, w in parts if c > 0.0]
+        return (Piece(0.0, TURN * gamma, tuple(turned)),)
+
+    name = f"Mavroeidis-Papageorgiou, gamma {gamma:g}, phase {phase:g}"
+    return Motion(name, pieces(Motion(name, pieces(1.0)).peak))
+
+
 def _trigonometric(name: str, cycles: float, phase: float) -> Motion:
     halves = 2.0 * cycles
     if not (1.0 <= halves <= 2.0 * MOST_CYCLES and halves == np.rint(halves)):
@@ -35,13 +93,37 @@ def _trigonometric(name: str, cycles: float, phase: float) -> Motion:
     return Motion(f"{name}, {cycles:g} cycle{'' if cycles == 1 else 's'}", (Piece(0.0, halves * np.pi, (Harmonic(1.0, 1.0, phase),)),))
 
 
-PULSES: dict[str, Callable[[float], Motion]] = {"sine": sine, "cosine": cosine}
+def _ricker(unit: float, term: Callable[[float], tuple[float, float]]) -> Piece:
+    """Fourier series on |x| <= _TAIL, x = phi/unit - _TAIL, of (1 - x^2) exp(-x^2/2), each cosine replaced by `term`."""
+    harmonics = []
+    for n in range(1, int(_TAIL * _TAIL / np.pi) + 1):
+        k = n * np.pi / _TAIL
+        factor, quarter = term(k)
+        amplitude = math.sqrt(TURN) / _TAIL * k * k * math.exp(-0.5 * k * k) * factor
+        harmonics.append(Harmonic(amplitude, k / unit, quarter - (n % 2) * np.pi))
+    return Piece(0.0, 2.0 * _TAIL * unit, tuple(harmonics))
 
 
-def pulse(name: str, cycles: float = 1.0) -> Motion:
-    """The pulse of that name. Raises MotionError when there is none or `cycles` does not fit it."""
+PULSES: dict[str, Callable[..., Motion]] = {
+    "sine": sine,
+    "cosine": cosine,
+    "half-sine": half_sine,
+    "rectangular": rectangular,
+    "rectangular-impulse": rectangular_impulse,
+    "ricker-symmetric": ricker_symmetric,
+    "ricker-antisymmetric": ricker_antisymmetric,
+    "mavroeidis-papageorgiou": mavroeidis_papageorgiou,
+}
+
+
+def pulse(name: str, **parameters: Any) -> Motion:
+    """The pulse of that name; parameters: `cycles`, or `gamma` and `phase`. Raises MotionError when one does not fit the pulse."""
     try:
         make = PULSES[name]
     except KeyError:
         raise MotionError(f"unknown pulse {name!r}, accepted are {', '.join(PULSES)}") from None
-    return make(cycles)
+    known = list(signature(make).parameters)
+    for key in parameters:
+        if key not in known:
+            raise MotionError(f"{name} pulse: takes no {key}" + (f", accepted are {' and '.join(known)}" if known else ""))
+    return make(**parameters)

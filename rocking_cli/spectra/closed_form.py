@@ -27,15 +27,20 @@ class CurvePoint(NamedTuple):
     amplitude: float
 
 
-def no_impact_amplitude(omega: float, cycles: float = 1.0) -> float:
-    """A from which a body overturns without impact under a sine pulse of one cycle or of half a cycle.
+PULSES = ("sine", "half-sine", "rectangular")  # one cycle, half a cycle, and a constant for t_d = 2 pi/omega_g
 
-    One cycle: sqrt(A^2-1) - Omega - A exp(-T) = 0; half a cycle: sqrt(A^2-1) - Omega + A exp(-(pi-psi)/Omega) = 0.
-    Raises ValueError for other numbers of cycles.
+
+def no_impact_amplitude(omega: float, pulse: str = "sine") -> float:
+    """A from which a body overturns without impact under one of PULSES.
+
+    sine: sqrt(A^2-1) - Omega - A exp(-T) = 0; half-sine: sqrt(A^2-1) - Omega + A exp(-(pi-psi)/Omega) = 0; rectangular:
+    A = 1/(1 - exp(-p t_d)). Raises ValueError for another pulse.
     """
-    if cycles not in (0.5, 1.0):
-        raise ValueError("the closed form holds for a sine of 0.5 or 1 cycle")
-    sign, end = (-1.0, 2.0 * math.pi) if cycles == 1.0 else (1.0, math.pi)
+    if pulse not in PULSES:
+        raise ValueError(f"found pulse {pulse!r}; accepted are {', '.join(PULSES)}")
+    if pulse == "rectangular":
+        return -1.0 / math.expm1(-2.0 * math.pi / omega)
+    sign, end = (-1.0, 2.0 * math.pi) if pulse == "sine" else (1.0, math.pi)
 
     def margin(a: float) -> float:
         decay = math.exp(-(end - math.asin(1.0 / a)) / omega)
@@ -130,17 +135,17 @@ def after_impact_amplitudes(omega: float, eta: float) -> list[float]:
     return [a for a in roots if _single_impact(a, omega, eta)]
 
 
-def closed_form_curves(omegas: np.ndarray, eta: float, cycles: float = 1.0) -> list[CurvePoint]:
-    """The curves of Fig. 2 (left) at these Omega [-], for a restitution eta; half a cycle has the first two only.
+def closed_form_curves(omegas: np.ndarray, eta: float, pulse: str = "sine") -> list[CurvePoint]:
+    """The curves of Fig. 2 (left) at these Omega [-], for a restitution eta; only the sine has more than the first two.
 
-    Raises ValueError when there is no closed form for this number of cycles.
+    Raises ValueError when there is no closed form for this pulse.
     """
     curves: dict[str, Callable[[float], list[float]]] = {
         "initiation": lambda _: [1.0],
-        "no_impact": lambda omega: [no_impact_amplitude(omega, cycles)],
+        "no_impact": lambda omega: [no_impact_amplitude(omega, pulse)],
     }
     points = [CurvePoint(name, float(omega), a) for name, curve in curves.items() for omega in omegas for a in curve(float(omega))]
-    if cycles == 1.0:
+    if pulse == "sine":
         roots = [(float(omega), after_impact_amplitudes(float(omega), eta)) for omega in omegas]
         points += [CurvePoint("after_impact_lower", omega, a[0]) for omega, a in roots if a]
         points += [CurvePoint("after_impact_upper", omega, a[1]) for omega, a in roots if len(a) > 1]

@@ -17,7 +17,7 @@ import numpy as np
 from ..dynamics.engine import response
 from ..dynamics.outcome import Outcome
 from ..errors import UsageError
-from ..motions import Motion
+from ..motions import Motion, pulse
 from ..structures.parameters import RockingParameters
 from .grid import Axis, parse_axes
 from .scene import LINEAR, Method
@@ -165,11 +165,12 @@ def structure_intervals(
         yield record
 
 
-def structure_curves(structure: RockingParameters, axis: Axis, pulse: str, cycles: float) -> Iterator[dict[str, Any]]:
+def structure_curves(structure: RockingParameters, axis: Axis, motion: Motion) -> Iterator[dict[str, Any]]:
     """Records of the closed-form curves for a structure. Raises UsageError where there is no closed form."""
-    from .closed_form import closed_form_curves
+    from .closed_form import PULSES, closed_form_curves
 
-    if pulse != "sine" or cycles not in (0.5, 1.0):
-        raise UsageError("--closed-form: accepted are the sine pulse of 1 cycle and of 0.5 cycles")
-    for point in closed_form_curves(_scaled(structure, axis), structure.eta, cycles):
+    forms = {pulse(name).pieces: name for name in PULSES}
+    if motion.pieces not in forms:
+        raise UsageError(f"--closed-form: found {motion.name}; accepted are a sine of 1 cycle, a half sine and a rectangular pulse")
+    for point in closed_form_curves(_scaled(structure, axis), structure.eta, forms[motion.pieces]):
         yield {"structure": structure.name, "curve": point.curve, "Omega": point.omega, "A": point.amplitude}

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..documents.quantities import parse_quantity
 from ..errors import UsageError
 from ..structures.parameters import RockingParameters
-from ..structures.quantities import parse_quantity
 
 MAX_CELLS = 10**10
 MAX_VALUES = 10**7

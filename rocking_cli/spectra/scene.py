@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -11,6 +12,7 @@ import numpy as np
 from ..dynamics.linear import LinearModel
 from ..dynamics.mechanism import MechanismModel
 from ..dynamics.model import Model
+from ..dynamics.outcome import Outcome
 from ..dynamics.rigid_body import RigidModel
 from ..errors import UsageError
 from ..motions import Motion
@@ -56,6 +58,17 @@ class Method:
             f"{structure.name}: the nonlinear model needs the structure itself (an arch) or a rigid body, whose a_scale is 1; "
             f"found parameters with a_scale {structure.a_scale:.6g}"
         )
+
+    def reference_of(self, structure: RockingParameters) -> Callable[[Motion, float, float, float], tuple[Outcome, float]]:
+        """The slower, independent path to (outcome, theta_ratio) of a single cell (motion, A, Omega, eta)."""
+        if self.model == "linear":
+            from ..dynamics.reference import reference_cell
+
+            return reference_cell
+        from ..dynamics.reference_nonlinear import Linkage, RigidBody, reference_nonlinear
+
+        equation = RigidBody(structure.alpha) if structure.mechanism is None else Linkage(structure.mechanism)
+        return partial(reference_nonlinear, equation=equation)
 
 
 LINEAR = Method()
@@ -124,6 +137,12 @@ def cut_into_units(scene: Scene, chunk: tuple[int, int]) -> Iterator[Unit]:
         for row in range(0, rows, chunk[0]):
             for column in range(0, columns, chunk[1]):
                 yield Unit(group, row, column)
+
+
+def default_check(scene: Scene) -> int:
+    """Cells to compute again where the user does not say: few, since the reference of a linkage takes half a second a cell."""
+    linkage = scene.method.model == "nonlinear" and any(s.mechanism is not None for s in scene.structures)
+    return 4 if linkage else 16
 
 
 def sampled_cells(scene: Scene, check: int) -> np.ndarray:

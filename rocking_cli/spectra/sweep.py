@@ -17,12 +17,11 @@ from ..errors import Interrupted, UsageError
 from ..motions import Motion
 from ..structures.parameters import RockingParameters
 from .grid import Grid
-from .scene import LINEAR, Method, Scene, Unit, chunk_shape, cut_into_units, sampled_cells
+from .scene import LINEAR, Method, Scene, Unit, chunk_shape, cut_into_units, default_check, sampled_cells
 from .units import Job, unit_reports
 
 CHUNK_CELLS = 131072
 SMALL_SWEEP = 100_000  # cells below which starting processes takes longer than they save
-CHECKED_CELLS = 16
 
 Progress = Callable[[int, int], None]
 
@@ -95,11 +94,12 @@ def spectrum(
     *,
     method: Method = LINEAR,
     workers: int | None = None,
-    check: int = CHECKED_CELLS,
+    check: int | None = None,
 ) -> Spectrum:
     """The rocking spectrum of structures over a grid, in memory.
 
-    method: the equation of motion; workers: processes, None for all cores; check: cells computed again by the reference. Raises UsageError.
+    method: the equation of motion; workers: processes, None for all cores; check: cells computed again by the reference,
+    None for a few. Raises UsageError.
     """
     scene = Scene(tuple(structures), grid, motion, method)
     shape = (len(scene.structures), *grid.shape)
@@ -125,7 +125,7 @@ def write_spectrum(
     method: Method = LINEAR,
     workers: int | None = None,
     chunk_cells: int = CHUNK_CELLS,
-    check: int = CHECKED_CELLS,
+    check: int | None = None,
     impacts: bool = False,
     overwrite: bool = False,
     documents: str = "",
@@ -176,7 +176,7 @@ def _sweep(
     scene: Scene,
     chunk: tuple[int, int],
     workers: int | None,
-    check: int,
+    check: int | None,
     progress: Progress | None,
     convert: Callable[[Response], Any] | None,
     keep: Callable[[Unit, Any], None],
@@ -189,7 +189,7 @@ def _sweep(
     wanted = min(workers or os.cpu_count() or 1, len(units))
     if workers is None and scene.cells < SMALL_SWEEP:
         wanted = 1
-    job = Job(scene, chunk, sampled_cells(scene, check), convert)
+    job = Job(scene, chunk, sampled_cells(scene, default_check(scene) if check is None else check), convert)
     total, outcomes, shared, worst, misjudged, checked = Work(), np.zeros(len(Outcome), dtype=np.int64), 0, 0.0, 0, 0
     for done, (unit, report) in enumerate(unit_reports(job, units, wanted), 1):
         keep(unit, report.data)

@@ -21,7 +21,6 @@ import numpy as np
 
 from ..dynamics.engine import Response, Work, response
 from ..dynamics.outcome import Outcome
-from ..dynamics.reference import reference_cell, reference_rigid_body
 from ..errors import OutputError
 from .scene import Scene, Unit
 
@@ -72,8 +71,7 @@ class Job:
             if i != unit.structures[0] or not (0 <= r < self.chunk[0] and 0 <= c < self.chunk[1]):
                 continue
             cell = (self.scene.motion, float(amplitude[column]), float(omega[row]), structure.eta)
-            linear = self.scene.method.model == "linear"
-            outcome, theta = reference_cell(*cell) if linear else reference_rigid_body(*cell, structure.alpha)
+            outcome, theta = self.scene.method.reference_of(structure)(*cell)
             if outcome == Outcome.FAILED:
                 continue
             checked += 1

@@ -6,9 +6,9 @@ from collections.abc import Callable, Iterable
 from dataclasses import replace
 from pathlib import Path
 
+from ..documents.document import Document, parse_documents, read_documents
 from ..errors import DocumentError
 from . import arch, block, drum, frame, parameters, point_mass, prism, spire
-from .document import Document, parse_documents, read_documents
 from .parameters import RockingParameters
 
 KINDS: dict[str, Callable[[Document, str], RockingParameters]] = {

@@ -10,10 +10,10 @@ import math
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
-from .document import Document, Value
+from ..documents.document import Document, Value
+from ..documents.quantities import parse_quantity
 from .mechanism import linearise
 from .parameters import RockingParameters, gravity_of, restitution_of
-from .quantities import parse_quantity
 
 if TYPE_CHECKING:
     from .fourbar import FourBar, Ring

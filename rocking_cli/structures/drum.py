@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from .document import Document
+from ..documents.document import Document
 from .mechanism import Moments
 from .parameters import RockingParameters
 from .rigid import body_on_edge

@@ -8,10 +8,10 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import Any, NamedTuple
 
+from ..documents.document import Document
+from ..documents.quantities import split_quantity
 from ..errors import DocumentError, UsageError
-from .document import Document
 from .parameters import RockingParameters
-from .quantities import split_quantity
 
 MAX_MEMBERS = 1_000_000
 

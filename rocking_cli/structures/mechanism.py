@@ -68,7 +68,9 @@ class Coefficients(NamedTuple):
 
 
 class Mechanism(Protocol):
-    """What a mechanism has to tell. It may raise ValueError, with words for the user."""
+    """What a mechanism has to tell; immutable, so that what follows from it is computed once. It may raise ValueError."""
+
+    def __hash__(self) -> int: ...
 
     @property
     def reach(self) -> float:

@@ -7,10 +7,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+from ..documents.document import Document
+from ..documents.quantities import STANDARD_GRAVITY
 from ..errors import DocumentError
-from .document import Document
 from .mechanism import Mechanism
-from .quantities import STANDARD_GRAVITY
 
 
 @dataclass(frozen=True)
@@ -19,7 +19,8 @@ class RockingParameters:
 
     name; structure: the kind it came from; p frequency parameter [rad/s]; alpha critical angle [rad]; eta restitution
     [-]; uplift lambda, the static uplift acceleration over g [-]; a_scale [-]; eta_source: where eta comes from; gravity
-    [m/s2]; details: what else the kind reports; mechanism: where it is no rigid body, for the nonlinear model. Raises ValueError when a number is not finite or out of range.
+    [m/s2]; details: what else the kind reports; mechanism: where it is no rigid body, for the nonlinear model. Raises
+    ValueError when a number is not finite or out of range.
     """
 
     name: str

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from .document import Document
+from ..documents.document import Document
 from .parameters import RockingParameters
 from .rigid import radius_and_alpha, rigid_body
 

@@ -9,10 +9,10 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from .document import Document, Value
+from ..documents.document import Document, Value
+from ..documents.quantities import parse_quantity
 from .mechanism import Moments, spin_about
 from .parameters import RockingParameters
-from .quantities import parse_quantity
 from .rigid import body_on_edge
 
 Corner = tuple[float, float]

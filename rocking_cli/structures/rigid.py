@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from .document import Document
+from ..documents.document import Document
 from .mechanism import Moments
 from .parameters import RockingParameters, gravity_of, restitution_of
 

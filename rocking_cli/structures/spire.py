@@ -12,7 +12,7 @@ import itertools
 import math
 from typing import TYPE_CHECKING, NamedTuple
 
-from .document import Document
+from ..documents.document import Document
 from .mechanism import Moments, RigidBody
 from .parameters import RockingParameters
 from .rigid import body_on_edge

@@ -1,0 +1,5 @@
+"""Documents that people write: YAML or JSON, numbers with units, and the place of every fault."""
+
+from .document import Document, Place, Value, parse_documents, read_documents
+
+__all__ = ["Document", "Place", "Value", "parse_documents", "read_documents"]

@@ -1,0 +1,171 @@
+"""The nonlinear equations by a second, slower path, for checking: SciPy's DOP853 on the equation as the paper writes it.
+
+It shares no series, table, window or energy argument with the engine. The state is (theta, w), w = sqrt(M) theta', which takes
+the velocity term out of Eq. 3.4; for a rigid body M = 1. Strides are half a radian of the fastest motion, in five steps or
+more; impacts and crests are events.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Protocol
+
+import numpy as np
+from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
+
+from ..motions.motion import Motion, Piece
+from ..structures.mechanism import Mechanism, linearise
+from .outcome import Outcome
+
+_MAX_STRIDES = 5_000
+_AT_REST = 1e-11
+_LIMITS = {"method": "DOP853", "rtol": 1e-13, "atol": 1e-15}
+
+
+class Equation(Protocol):
+    """An equation of motion: alpha, uplift lambda, the ground acceleration of A = 1 (over g), and the rates by tau."""
+
+    alpha: float
+    uplift: float
+    scale: float
+
+    def rates(self, theta: float, w: float, push: float) -> list[float]:
+        """(theta', w') under the inward ground acceleration push [g]."""
+
+
+class RigidBody:
+    """Eq. 2.3."""
+
+    def __init__(self, alpha: float) -> None:
+        self.alpha, self.uplift, self.scale = alpha, math.tan(alpha), alpha
+
+    def rates(self, theta: float, w: float, push: float) -> list[float]:
+        """-sin(alpha - theta) - push cos(alpha - theta)."""
+        z = self.alpha - theta
+        return [w, -math.sin(z) - push * math.cos(z)]
+
+
+class Linkage:
+    """Eq. 3.4, from the mechanism's own coefficients."""
+
+    def __init__(self, mechanism: Mechanism) -> None:
+        form = linearise(mechanism)
+        self.mechanism, self.stiffness = mechanism, form.stiffness
+        self.alpha, self.uplift, self.scale = form.alpha, form.uplift, form.uplift
+
+    def rates(self, theta: float, w: float, push: float) -> list[float]:
+        """w/sqrt(M) and -(L + push B)/sqrt(M), over p^2/g."""
+        c = self.mechanism.coefficients(theta)
+        root = math.sqrt(c.inertia)
+        return [w / root, -float(c.lift + push * c.push) / root / self.stiffness]
+
+
+class _Ground:
+    """Event: the body comes down on the ground, where the integration stops."""
+
+    terminal, direction = True, -1
+
+    def __call__(self, t: float, state: np.ndarray) -> float:
+        return float(state[0])
+
+
+class _Crest:
+    """Event: the body turns back."""
+
+    terminal, direction = False, -1
+
+    def __call__(self, t: float, state: np.ndarray) -> float:
+        return float(state[1])
+
+
+def reference_nonlinear(motion: Motion, amplitude: float, omega: float, eta: float, equation: Equation) -> tuple[Outcome, float]:
+    """(outcome, max |theta|/alpha, NaN where overturned) of one cell; FAILED if it takes too long."""
+    body = _Body(equation, amplitude, omega, eta)
+    for piece in motion.pieces:
+        end = piece.stop / omega
+        while end - body.time > 1e-14 * end:
+            body.strides += 1
+            if body.strides > _MAX_STRIDES:
+                return Outcome.FAILED, math.nan
+            if body.side == 0:
+                body.wait(piece, end)
+            else:
+                body.move(piece, end)
+            if body.theta > 0.5 * math.pi or (body.theta > equation.alpha and body.lost(motion, piece)):
+                return body.overturned(), math.nan
+    return body.still()
+
+
+class _Body:
+    def __init__(self, equation: Equation, amplitude: float, omega: float, eta: float) -> None:
+        self.equation, self.drive, self.omega, self.eta = equation, amplitude * equation.scale, omega, eta
+        self.time = self.theta = self.w = self.peak = 0.0
+        self.side = self.strides = 0
+        self.bounced = False
+
+    def stride(self, piece: Piece) -> float:
+        return 0.5 / (1.0 + self.omega * max((h.frequency for h in piece.harmonics), default=1.0))
+
+    def excess(self, piece: Piece, time: float) -> float:
+        return self.drive * abs(float(piece.value(self.omega * time))) - self.equation.uplift
+
+    def wait(self, piece: Piece, end: float) -> None:
+        """At rest: on to the first instant of uplift, or by one stride."""
+        stop = min(end, self.time + self.stride(piece))
+        if self.excess(piece, self.time) <= 0.0:
+            if self.excess(piece, stop) <= 0.0:
+                self.time = stop
+                return
+            self.time = float(brentq(lambda t: self.excess(piece, t), self.time, stop, xtol=1e-15))
+        ahead = float(piece.value(self.omega * min(stop, self.time + 1e-9)))
+        self.side, self.theta, self.w = -1 if ahead > 0.0 else 1, 0.0, 0.0
+
+    def move(self, piece: Piece, end: float) -> None:
+        """One stride, or on to the impact in it."""
+        stop, time = min(end, self.time + self.stride(piece)), self.time
+
+        def rate(t: float, state: np.ndarray) -> list[float]:
+            push = self.side * self.drive * float(piece.value(self.omega * t))
+            return self.equation.rates(float(state[0]), float(state[1]), push)
+
+        def at(t: float) -> np.ndarray:
+            return solve_ivp(rate, (time, t), [self.theta, self.w], first_step=t - time, **_LIMITS).y[:, -1]
+
+        path = solve_ivp(rate, (time, stop), [self.theta, self.w], events=(_Ground(), _Crest()), max_step=(stop - time) / 5, **_LIMITS)
+        for t in path.t_events[1][path.t_events[1] > time]:
+            there = at(t)
+            speed, force = rate(t, there)
+            self.peak = max(self.peak, float(there[0] - 0.5 * speed * there[1] / force))
+        if path.status == 0:
+            self.time, (self.theta, self.w) = stop, (float(x) for x in path.y[:, -1])
+            return
+        t = max(float(path.t_events[0][0]), np.nextafter(time, math.inf))
+        there = at(t)
+        speed, force = rate(t, there)
+        miss = -float(there[0]) / speed if speed < 0.0 else 0.0
+        self.time, self.side, self.bounced = t + miss, -self.side, True
+        self.theta, self.w = 0.0, -self.eta * (float(there[1]) + miss * force)
+        if self.w <= 0.0 or (self.w < _AT_REST and self.excess(piece, self.time) < 0.0 and self.eta < 1.0):
+            self.side, self.w = 0, 0.0
+
+    def lost(self, motion: Motion, piece: Piece) -> bool:
+        """Moving outwards where no ground acceleration of this motion pushes inwards."""
+        theta, w = self.theta, self.w
+        return w > 0.0 and self.equation.rates(theta, w, self.drive * motion.peak)[1] > 0.0
+
+    def overturned(self) -> Outcome:
+        return Outcome.OVERTURNED_AFTER_IMPACT if self.bounced else Outcome.OVERTURNED_NO_IMPACT
+
+    def still(self) -> tuple[Outcome, float]:
+        """After the shaking: on over still ground, until the fate shows."""
+        ground, impacts = Piece(0.0, math.inf), 0
+        for _ in range(_MAX_STRIDES):
+            if self.side == 0 or impacts > 1:
+                return (Outcome.ROCKED if self.peak > 0.0 else Outcome.NO_UPLIFT), self.peak / self.equation.alpha
+            if self.theta > self.equation.alpha and self.w >= 0.0:
+                return self.overturned(), math.nan
+            side = self.side
+            self.move(ground, math.inf)
+            impacts += self.side != side
+        return Outcome.FAILED, math.nan

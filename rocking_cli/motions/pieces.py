@@ -1,0 +1,106 @@
+"""A motion of the user's own, from a YAML or JSON document: exact pieces, or points joined by straight lines.
+
+Times are in periods T_g = 2 pi / omega_g, accelerations in a_g, so that the document, like a pulse, serves every amplitude and
+frequency; with T_g = 1 s and a_g = 1 m/s2 they are in s and m/s2.
+"""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+
+from ..documents import Document, Value, read_documents
+from ..documents.quantities import parse_quantity
+from ..errors import DocumentError, MotionError
+from .motion import Harmonic, Motion, Piece
+
+TURN = 2.0 * np.pi
+MOST_CYCLES = 1e5
+_PIECES = "a list of pieces, each with from, to, and constant, slope or sines"
+_POINTS = "a list of two or more points [t/T_g, acceleration/a_g], in order of time"
+
+
+def read_motion(path: str | Path) -> Motion:
+    """The motion of a document. Raises UsageError for a file that cannot be read and DocumentError for one that is not valid."""
+    documents = read_documents(path)
+    if len(documents) > 1:
+        raise DocumentError(f"{documents[1].place}: a second document; a motion file holds one")
+    return build_motion(documents[0])
+
+
+def build_motion(document: Document) -> Motion:
+    """pieces or points, and a name. Raises DocumentError."""
+    stem = "motion" if document.source.startswith("<") else Path(document.source).stem
+    name = document.word("name", stem)
+    if document.has("pieces") == document.has("points"):
+        found = "both pieces and points" if document.has("pieces") else "neither pieces nor points"
+        raise document.fault(None, found, "one of them")
+    pieces = _pieces(document) if document.has("pieces") else _lines(document)
+    document.finish()
+    try:
+        motion = Motion(name, pieces)
+    except MotionError as error:
+        raise DocumentError(f"{document.place}: {error}") from None
+    if not motion.peak > 0.0:
+        raise document.fault(None, "a motion that is zero throughout", "one with an amplitude")
+    return motion
+
+
+def _children(document: Document, key: str, wanted: str, least: int) -> list[Value]:
+    content = document.values[key].content
+    if not isinstance(content, list) or len(content) < least:
+        raise document.fault(key, str(document.values[key]) if not isinstance(content, list) else f"{len(content)} entries", wanted)
+    return content
+
+
+def _pieces(document: Document) -> tuple[Piece, ...]:
+    pieces: list[Piece] = []
+    for i, value in enumerate(_children(document, "pieces", _PIECES, 1), 1):
+        part = document.part("pieces", value)
+        start = part.quantity("from", "number", least=0.0, most=MOST_CYCLES, where=f"a time in periods from 0 to {MOST_CYCLES:g}")
+        stop = part.quantity("to", "number", above=start, most=MOST_CYCLES, where=f"a time in periods after {start:g}")
+        before = pieces[-1].stop / TURN if pieces else 0.0
+        if abs(start - before) > 1e-9 * max(1.0, before):
+            what = "overlaps the one before" if start < before else "leaves a gap"
+            raise part.fault("from", f"{start:g}, where piece {i} {what}", f"{before:g}, the end of the piece before" if i > 1 else "0")
+        constant, slope = (part.quantity(key, "number") if part.has(key) else 0.0 for key in ("constant", "slope"))
+        harmonics = tuple(_sine(part, child, i) for child in _children(part, "sines", "a list of sines", 1)) if part.has("sines") else ()
+        if not (harmonics or part.has("constant") or part.has("slope")):
+            raise part.fault(None, "a piece without constant, slope or sines", "one of them (constant: 0 for a pause)")
+        part.finish()
+        pieces.append(Piece(pieces[-1].stop if pieces else 0.0, TURN * stop, harmonics, constant, slope / TURN))
+    return tuple(pieces)
+
+
+def _sine(part: Document, value: Value, piece: int) -> Harmonic:
+    sine = part.part("sines", value)
+    amplitude = sine.quantity("amplitude", "number")
+    frequency = sine.quantity("frequency", "number", above=0.0, where="a positive multiple of omega_g") if sine.has("frequency") else 1.0
+    phase = sine.quantity("phase", "angle") if sine.has("phase") else 0.0
+    sine.finish()
+    return Harmonic(amplitude, frequency, phase)
+
+
+def _lines(document: Document) -> tuple[Piece, ...]:
+    points = [_point(document, value) for value in _children(document, "points", _POINTS, 2)]
+    if points[0][0] != 0.0:
+        raise document.fault("points", f"a first point at {points[0][0]:g}", "a motion that begins at 0")
+    pieces = []
+    for (t0, s0), (t1, s1) in pairwise(points):
+        if not t1 > t0:
+            raise document.fault("points", f"a point at {t1:g} after one at {t0:g}", "times that rise")
+        pieces.append(Piece(TURN * t0, TURN * t1, (), s0, (s1 - s0) / (TURN * (t1 - t0))))
+    return tuple(pieces)
+
+
+def _point(document: Document, value: Value) -> tuple[float, float]:
+    if isinstance(value.content, list) and len(value.content) == 2:
+        try:
+            t, s = (parse_quantity(v.content, "number") for v in value.content if isinstance(v.content, str))
+        except ValueError:
+            pass
+        else:
+            return t, s
+    raise document.fault("points", f"a point that is not a pair of numbers (line {value.place.line})", _POINTS)
