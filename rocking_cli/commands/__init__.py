@@ -16,6 +16,8 @@ COMMANDS = {
     "params": "Derive p, alpha, eta, lambda and a_scale of each structure.",
     "spectrum": "Sweep every structure over a grid and write its rocking spectrum.",
     "envelope": "Trace every interval of amplitude that overturns.",
+    "response": "Time history of one structure under one motion.",
+    "compare": "Compare structures under motions scaled alike, and the linear with the nonlinear equation.",
 }
 
 

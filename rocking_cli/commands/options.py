@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from ..errors import OutputError
+from ..errors import OutputError, UsageError
 
 if TYPE_CHECKING:
     from ..motions import Motion
@@ -40,6 +40,63 @@ def method(command: F) -> F:
     model = click.option("--model", default="linear", show_default=True, help="Equation of motion: linear or nonlinear.")
     tolerance = click.option("--tolerance", type=float, default=1e-9, show_default=True, help="Error of theta/alpha aimed at (nonlinear).")
     return model(tolerance(command))
+
+
+def methods(command: F) -> F:
+    """--model, which may be both, and --tolerance; the command gets `models`."""
+
+    @wraps(command)
+    def with_models(*arguments: Any, model: str, **others: Any) -> Any:
+        return command(*arguments, models=("linear", "nonlinear") if model == "both" else (model,), **others)
+
+    model = click.option("--model", default="linear", show_default=True, help="Equation of motion: linear, nonlinear or both.")
+    tolerance = click.option("--tolerance", type=float, default=1e-9, show_default=True, help="Error of theta/alpha aimed at (nonlinear).")
+    return model(tolerance(with_models))
+
+
+def shaking(command: F) -> F:
+    """One amplitude and one frequency, with units or dimensionless; the command gets a grid of one cell, None without any."""
+
+    @wraps(command)
+    def with_shaking(*arguments: Any, **given: Any) -> Any:
+        from ..spectra.grid import parse_grid
+
+        flags = {"a_g": "--a-g", "omega_g": "--omega-g", "f_g": "--f-g", "T_g": "--T-g", "A": "--A", "Omega": "--Omega"}
+        axes = {key: given.pop(key.lower() if key in ("A", "Omega", "T_g") else key) for key in flags}
+        there = {key: value for key, value in axes.items() if value is not None}
+        grid = None
+        if there:
+            try:
+                grid = parse_grid(",".join(f"{key}={value}" for key, value in there.items()))
+            except UsageError as error:
+                text = str(error)
+                for key, flag in flags.items():
+                    text = text.replace(f"--grid {key}:", f"{flag}:")
+                raise UsageError(text.replace("--grid: found", "found")) from None
+            if grid.shape != (1, 1):
+                raise UsageError(f"found {' '.join(f'{flags[k]} {v}' for k, v in there.items())}; accepted is one value of each")
+        return command(*arguments, shaking=grid, **given)
+
+    for name, meaning in (
+        ("--Omega", "Dimensionless frequency omega_g/p."),
+        ("--A", "Dimensionless amplitude a_scale a_g/(alpha g)."),
+        ("--T-g", "Its period in s, the duration t_p of a rectangular pulse."),
+        ("--f-g", "Its frequency in Hz."),
+        ("--omega-g", "Angular frequency of the motion, rad/s."),
+        ("--a-g", "Amplitude of the ground acceleration, m/s2 or with g."),
+    ):
+        with_shaking = click.option(name, metavar="VALUE", help=meaning)(with_shaking)
+    return with_shaking
+
+
+def time(flag: str, text: str) -> float:
+    """A time in s, bare or with a unit. Raises UsageError."""
+    from ..documents.quantities import parse_quantity
+
+    try:
+        return parse_quantity(text, "time")
+    except ValueError as error:
+        raise UsageError(f"{flag}: found {text!r}; accepted is {error}") from None
 
 
 def output_form(command: F) -> F:

@@ -106,8 +106,8 @@ def _impact_guess(arc: Flow, step: Step, end: Point, reach: Array, at: Array) ->
     return np.where((guess > low) & (guess < high), guess, 0.5 * (low + high))
 
 
-def raise_peaks(segments: Segments, lanes: Lanes, event: Event, wanted: Array) -> None:
-    """Raise each wanted lane's peak by the turning point of this step: one at the most, and only in a valley."""
+def crests(segments: Segments, lanes: Lanes, event: Event, wanted: Array) -> tuple[Array, Array, Array]:
+    """(lanes, h, y) of the turning points of this step: one a lane at the most, and only in a valley."""
     step, end = event.step, event.end
     rises = wanted & ~step.ridge & (step.joined | (lanes.v > 0.0))
     high = event.reach.copy()
@@ -120,10 +120,14 @@ def raise_peaks(segments: Segments, lanes: Lanes, event: Event, wanted: Array) -
         sure[doubtful[found]] = True
         high[doubtful[found]] = falls[found]
     at = np.flatnonzero(sure)
-    if at.size:
-        low = step.valley[at]
-        _, y = turning_point(event.arc.take(at), low, high[at], 0.5 * (low + high[at]), 1.0)
-        lanes.peak[at] = np.maximum(lanes.peak[at], y)
+    low = step.valley[at]
+    return at, *turning_point(event.arc.take(at), low, high[at], 0.5 * (low + high[at]), 1.0)
+
+
+def raise_peaks(segments: Segments, lanes: Lanes, event: Event, wanted: Array) -> None:
+    """Raise each wanted lane's peak by the turning point of this step."""
+    at, _, y = crests(segments, lanes, event, wanted)
+    lanes.peak[at] = np.maximum(lanes.peak[at], y)
 
 
 def _falling_again(segments: Segments, lanes: Lanes, event: Event, at: Array) -> Array:

@@ -80,13 +80,13 @@ def response(
         raise ValueError("omega must be positive and finite")
     if not np.all((eta >= 0.0) & (eta <= 1.0)):
         raise ValueError("eta must be within [0, 1]")
-    run = _Run(model, motion.segments, amplitude.ravel() / model.initiation, omega.ravel(), eta.ravel(), peaks, pool or model.pool)
+    run = Run(model, motion.segments, amplitude.ravel() / model.initiation, omega.ravel(), eta.ravel(), peaks, pool or model.pool)
     run.all()
     shape = amplitude.shape
     return Response(run.theta_ratio.reshape(shape), run.outcome.reshape(shape), run.impacts.reshape(shape), run.work)
 
 
-class _Run:
+class Run:
     """One batch of cells on its way through the pool."""
 
     def __init__(self, model: Model, segments: Segments, amplitude: Array, omega: Array, eta: Array, peaks: bool, pool: int) -> None:
@@ -129,6 +129,7 @@ class _Run:
         seg = self.segments
         lanes.steps += 1
         event = advance(seg, lanes, self.model)
+        self._observe(lanes, event)
         end, hit = event.end, event.hit
         k, u = place(seg, event.step.k, event.step.u)
         bad = ~(np.isfinite(end.y) & np.isfinite(event.reach)) | (lanes.steps > self.most_steps)
@@ -153,6 +154,9 @@ class _Run:
         going = ~(bad | over | shaken)
         free, struck = np.flatnonzero(going & ~hit), np.flatnonzero(going & hit)
         return self._onward(lanes, event, k, u, free).join(self._impact(lanes, event, struck))
+
+    def _observe(self, lanes: Lanes, event: Event) -> None:
+        """Called with each step before it is taken; for those who record."""
 
     def _certainly_overturns(self, lanes: Lanes, k: Array, event: Event) -> Array:
         """No drive that is still to come can bring the body back."""
@@ -191,7 +195,7 @@ class _Run:
     def _rest(self, lanes: Lanes) -> Lanes:
         """Bodies whose bouncing is over skip to their next uplift, or finish."""
         seg = self.segments
-        ends = chatter_ends(seg, lanes, self.model.gain)
+        ends = self._chatter_ends(lanes)
         resting = np.flatnonzero(ends | (lanes.v < STILL))
         if not resting.size:
             return lanes
@@ -202,6 +206,9 @@ class _Run:
         settled = resting[again.k >= len(seg)]
         self._finish(lanes, settled, Outcome.ROCKED, lanes.peak[settled])
         return lanes.take(np.flatnonzero(lanes.k < len(seg)))
+
+    def _chatter_ends(self, lanes: Lanes) -> Array:
+        return chatter_ends(self.segments, lanes, self.model.gain)
 
     def _renew_drive(self, lanes: Lanes) -> None:
         """Where a piece of the motion begins the drive may jump: take the acceleration from the new side of the jump."""

@@ -22,6 +22,7 @@ from ..structures.mechanism import Mechanism, linearise
 from .free import Fate, fate_by_energy
 from .lanes import Lanes
 from .taylor import Series, drive_series, order_for, series
+from .windows import summed
 
 Array = np.ndarray
 
@@ -113,8 +114,8 @@ class MechanismModel:
                 for i in range(1, n):
                     power[2 : n - i + 2, n] += power[1, i] * power[1 : n - i + 1, n - i]
                 here = power[1 : n + 1, n]
-                fallen = (lift[1 : n + 1] * here).sum(axis=0)
-                m.append((push[1 : n + 1] * here).sum(axis=0))
+                fallen = summed(lift[1 : n + 1] * here)
+                m.append(summed(push[1 : n + 1] * here))
             pushed = drive[0] * m[n]
             for i in range(1, n + 1):
                 pushed = pushed + drive[i] * m[n - i]
@@ -176,22 +177,24 @@ class MechanismModel:
 
 def _inverse(table: Patches, coefficients: Array, value: Array, high: float) -> Array:
     """y in [0, high] where a rising function has a value: Newton's method inside a bracket that only shrinks."""
-    value = np.asarray(value, dtype=float)
+    shape, value = np.shape(value), np.atleast_1d(np.asarray(value, dtype=float))
     nodes = np.linspace(0.0, high, 513)
     at = np.clip(np.searchsorted(table.value(coefficients, nodes), value) - 1, 0, nodes.size - 2)
     a, b = nodes[at], nodes[at + 1]
     y = 0.5 * (a + b)
+    lanes = np.flatnonzero(~np.isnan(value))
     for _ in range(60):
-        gap = table.value(coefficients, y) - value
-        a, b = np.where(gap < 0.0, y, a), np.where(gap < 0.0, b, y)
-        with np.errstate(all="ignore"):
-            newton = y - gap / table.slope(coefficients, y)
-        following = np.where((newton >= a) & (newton <= b), newton, 0.5 * (a + b))
-        moved = np.abs(following - y)
-        y = following
-        if not np.any((moved > 1e-15 * high) & (b - a > 1e-15 * high)):
+        if not lanes.size:
             break
-    return np.where(np.isnan(value), np.nan, y)
+        here = y[lanes]
+        gap = table.value(coefficients, here) - value[lanes]
+        a[lanes], b[lanes] = np.where(gap < 0.0, here, a[lanes]), np.where(gap < 0.0, b[lanes], here)
+        with np.errstate(all="ignore"):
+            newton = here - gap / table.slope(coefficients, here)
+        inside = (newton >= a[lanes]) & (newton <= b[lanes])
+        y[lanes] = np.where(inside, newton, 0.5 * (a[lanes] + b[lanes]))
+        lanes = lanes[(np.abs(y[lanes] - here) > 1e-15 * high) & (b[lanes] - a[lanes] > 1e-15 * high)]
+    return np.where(np.isnan(value), np.nan, y).reshape(shape)
 
 
 @lru_cache(maxsize=32)
@@ -203,6 +206,7 @@ def tabulate(mechanism: Mechanism) -> Patches:
     edges = np.array([0.0, *(f[0] for f in fits)])
     centre, half = np.array([f[1] for f in fits]), np.array([f[2] for f in fits])
     lift, push, turn = (np.array([f[3][i] for f in fits]).T for i in range(3))
+    turn[0, 0] -= np.polynomial.polynomial.polyval((0.0 - centre[0]) / half[0], turn[:, 0])  # 0 at rest to the last digit
     work, thrust = (_integral(c, edges, centre, half) for c in (lift, push))
     return Patches(edges, centre, half, lift, push, turn, work, thrust)
 

@@ -52,6 +52,14 @@ def _sinusoid_crossing(s: Array, c: Array, level: Array, rising: Array) -> Array
     return np.where(x < -1e-9, x + 2.0 * np.pi, np.maximum(x, 0.0))
 
 
+def summed(rows: Array) -> Array:
+    """Sum of (terms, lanes) over the terms, one after the other: NumPy's own order depends on the number of lanes."""
+    total = np.zeros(rows.shape[1:])
+    for row in rows:
+        total = total + row
+    return total
+
+
 def segment_value(segments: Segments, k: Array, u: Array) -> tuple[Array, Array, Array]:
     """s - s(segment start), and the harmonics' sine and cosine parts (harmonics, lanes), at phase u of segment k."""
     sin, cos, w = segments.sin[:, k], segments.cos[:, k], segments.frequency[:, k]
@@ -59,7 +67,7 @@ def segment_value(segments: Segments, k: Array, u: Array) -> tuple[Array, Array,
     half2 = half * half
     over = 1.0 / (1.0 + half2)
     cosm, sinw = 2.0 * half2 * over, 2.0 * half * over
-    change = (cos * sinw - sin * cosm).sum(axis=0)
+    change = summed(cos * sinw - sin * cosm)
     if segments.sloped:
         change = change + segments.slope[k] * u
     return change, sin - sin * cosm + cos * sinw, cos - cos * cosm - sin * sinw
@@ -79,7 +87,7 @@ def _bracketed_crossing(segments: Segments, k: Array, level: Array, length: Arra
         at, there = k[lanes], u[lanes]
         change, _, cos = segment_value(segments, at, there)
         gap = np.where(rising[lanes], 1.0, -1.0) * (start[lanes] + change - level[lanes])
-        rate = np.abs((w[:, lanes] * cos).sum(axis=0) + slope[lanes])
+        rate = np.abs(summed(w[:, lanes] * cos) + slope[lanes])
         low[lanes], high[lanes] = np.where(gap < 0.0, there, low[lanes]), np.where(gap < 0.0, high[lanes], there)
         with np.errstate(divide="ignore", invalid="ignore"):
             newton = there - gap / rate

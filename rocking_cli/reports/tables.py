@@ -13,6 +13,7 @@ Record = Mapping[str, Any]
 
 UNITS = {
     "p": "rad/s", "alpha": "rad", "gravity": "m/s2", "omega_g": "rad/s", "a_g": "m/s2", "a_from": "m/s2", "a_to": "m/s2",
+    "t": "s", "theta": "rad", "theta_dot": "rad/s", "ground_acceleration": "m/s2", "theta_max": "rad", "t_max": "s",
 }  # fmt: skip
 
 

@@ -1,0 +1,92 @@
+"""Structures compared: their dimensional responses to motions scaled alike, which collapse (Fig. 8), and the linear against the
+nonlinear equation (Fig. 7)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+import numpy as np
+
+from ..dynamics.history import quarter_period
+from ..motions import Motion
+from ..spectra.grid import Axis, Grid
+from ..spectra.scene import Method
+from ..structures.parameters import RockingParameters
+from .time_history import TimeHistory, time_history
+
+RELEASES = (0.3, 0.6, 0.9)  # theta/alpha of the free quarter periods (Fig. 7b)
+_SAMPLES = 4001
+
+
+def scaled_alike(structure: RockingParameters, shaking: Grid, first: RockingParameters) -> Grid:
+    """The one-cell grid in units of a structure, a_g and omega_g, that has the A and Omega that `shaking` has for the first."""
+    amplitude, omega = shaking.scaled(first)
+    if structure.structure == "dimensionless":
+        return Grid(Axis("A", amplitude), Axis("Omega", omega))
+    return Grid(Axis("a_g", structure.ground_acceleration(amplitude)), Axis("omega_g", omega * structure.p))
+
+
+def compare(
+    structures: Sequence[RockingParameters], motion: Motion, shaking: Grid, methods: Sequence[Method], *, duration: float | None = None
+) -> list[TimeHistory]:
+    """The response of each structure to the motion scaled to equal (A, Omega), from its own a_g and omega_g.
+
+    duration [tau], the same for all. Raises UsageError.
+    """
+    return [
+        time_history(
+            s, motion, scaled_alike(s, shaking, structures[0]), methods, duration=None if duration is None else duration / s.p
+        )
+        for s in structures
+    ]  # fmt: skip
+
+
+def collapse(responses: Sequence[TimeHistory], model: str) -> float:
+    """Largest distance between the dimensionless curves theta/alpha (p t) of one model [-]."""
+    curves = [r.histories[model] for r in responses]
+    tau = np.linspace(0.0, min(c.end for c in curves), _SAMPLES)
+    first, *others = (c.at(tau)[0] for c in curves)
+    return max((float(np.abs(other - first).max()) for other in others), default=0.0)
+
+
+def comparison_records(responses: Sequence[TimeHistory], methods: Sequence[Method]) -> Iterator[dict[str, Any]]:
+    """One record a structure: its motion in units, peaks, and with both models their difference and the quarter periods' ratios."""
+    for r in responses:
+        s = r.structure
+        record: dict[str, Any] = {
+            "structure": s.name, "eta": s.eta, "A": r.amplitude, "Omega": r.omega,
+            "a_g": s.ground_acceleration(r.amplitude), "omega_g": r.omega * s.p,
+        }  # fmt: skip
+        ratios: list[float] = []
+        for method in methods:
+            found = r.histories[method.model]
+            suffix = f"_{method.model}" if len(methods) > 1 else ""
+            peak = found.peak
+            ratio = None if peak is None else abs(peak.theta_ratio)
+            ratios += [] if ratio is None else [ratio]
+            record |= {
+                f"outcome{suffix}": found.outcome.flag,
+                f"theta_max{suffix}": None if peak is None else s.alpha * abs(peak.theta_ratio),
+                f"theta_ratio{suffix}": ratio,
+                f"t_max{suffix}": None if peak is None else peak.tau / s.p,
+            }
+        if len(methods) > 1:
+            record["peak_difference"] = ratios[1] / ratios[0] - 1.0 if len(ratios) == 2 else None
+            for release in RELEASES:
+                linear, nonlinear = (quarter_period(m.model_of(s), release) for m in methods)
+                record[f"quarter_period_ratio_{release:g}"] = nonlinear / linear
+        yield record
+
+
+def curve_records(responses: Sequence[TimeHistory], methods: Sequence[Method]) -> Iterator[dict[str, Any]]:
+    """The curves themselves: structure, model, t [s], theta [rad], tau and theta/alpha."""
+    for r in responses:
+        tau = r.times(None, False)
+        for method in methods:
+            for x, y in zip(tau, r.histories[method.model].at(tau)[0], strict=True):
+                if np.isfinite(y):
+                    yield {
+                        "structure": r.structure.name, "model": method.model, "t": float(x) / r.structure.p,
+                        "theta": r.structure.alpha * float(y), "tau": float(x), "theta_ratio": float(y),
+                    }  # fmt: skip

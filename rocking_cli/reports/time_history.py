@@ -1,0 +1,123 @@
+"""Responses in time as records: with units, or theta/alpha against p t; linear and nonlinear side by side."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ..dynamics.history import History, history
+from ..dynamics.outcome import Outcome
+from ..errors import UsageError
+from ..motions import Motion, Piece
+from ..spectra.grid import Grid
+from ..spectra.scene import Method
+from ..structures.parameters import RockingParameters
+
+FREE = 30.0  # tau for which a response is followed after the shaking, unless the user says
+POINTS = 500  # times of a history over its whole length, unless the user says
+MOST_POINTS = 10_000_000
+STILL = Motion("none, free rocking", (Piece(0.0, 1.0),))
+
+
+@dataclass(frozen=True, eq=False)
+class TimeHistory:
+    """One structure under one motion: A, Omega, and the history by each equation of motion."""
+
+    structure: RockingParameters
+    motion: Motion
+    amplitude: float
+    omega: float
+    histories: dict[str, History]
+
+    @property
+    def end(self) -> float:
+        """tau at which the longest ends."""
+        return max(h.end for h in self.histories.values())
+
+    @property
+    def failed(self) -> bool:
+        """Whether one was given up."""
+        return any(h.outcome == Outcome.FAILED for h in self.histories.values())
+
+    def times(self, dt: float | None, steps: bool) -> np.ndarray:
+        """tau every dt [tau], at the solver's own steps, or POINTS of them. Raises UsageError."""
+        if steps:
+            return np.unique(np.concatenate([h.steps() for h in self.histories.values()]))
+        if dt is None:
+            return np.linspace(0.0, self.end, POINTS + 1)
+        if not (dt > 0.0 and self.end / dt <= MOST_POINTS):
+            raise UsageError(f"--dt: found {dt / self.structure.p:g} s, accepted is a positive time that gives up to {MOST_POINTS} points")
+        return dt * np.arange(math.floor(self.end / dt * (1.0 + 1e-12)) + 1)
+
+    def records(self, *, dt: float | None = None, steps: bool = False, dimensionless: bool = False) -> Iterator[dict[str, Any]]:
+        """One record a time; dt in s, or in tau with `dimensionless`. Columns carry the model's name where there are two."""
+        s = self.structure
+        time, angle = (1.0, 1.0) if dimensionless else (1.0 / s.p, s.alpha)
+        tau = self.times(None if dt is None else dt / time, steps)
+        names = ("tau", "theta_ratio", "theta_ratio_rate", "A") if dimensionless else ("t", "theta", "theta_dot", "ground_acceleration")
+        ground = self.amplitude * self.motion.value(tau * self.omega)
+        columns: dict[str, np.ndarray] = {names[0]: tau * time}
+        for model, found in self.histories.items():
+            suffix = f"_{model}" if len(self.histories) > 1 else ""
+            ratio, rate = found.at(tau)
+            columns[names[1] + suffix], columns[names[2] + suffix] = ratio * angle, rate * angle / time
+        columns[names[3]] = ground if dimensionless else s.ground_acceleration(ground)
+        keys = list(columns)
+        for row in zip(*columns.values(), strict=True):
+            yield {k: None if math.isnan(x) else float(x) for k, x in zip(keys, row, strict=True)}
+
+    def events(self, *, dimensionless: bool = False) -> Iterator[dict[str, Any]]:
+        """One record for each uplift, impact, peak, rest and overturning; the rate is that before an impact."""
+        s = self.structure
+        for model, found in self.histories.items():
+            for m in sorted(found.moments, key=lambda m: m.tau):
+                if dimensionless:
+                    row = {"tau": m.tau, "theta_ratio": m.theta_ratio, "theta_ratio_rate": m.rate}
+                else:
+                    row = {"t": m.tau / s.p, "theta": s.alpha * m.theta_ratio, "theta_dot": s.alpha * s.p * m.rate}
+                yield {"model": model, "event": m.event, **row}
+
+    def summary(self) -> Iterator[str]:
+        """What became of the structure, in a sentence for each model."""
+        s = self.structure
+        for model, found in self.histories.items():
+            peak = found.peak
+            text = found.outcome.flag.replace("_", " ")
+            if peak is not None:
+                ratio = abs(peak.theta_ratio)
+                text += f", largest theta {ratio * s.alpha:.6g} rad ({ratio:.6g} alpha) at {peak.tau / s.p:.4g} s"
+            if not any(m.event in ("rest", "overturning") for m in found.moments) and found.outcome == Outcome.ROCKED:
+                text += f"; still rocking at {found.end / s.p:.4g} s"
+            yield f"{s.name}, {model}: {text}"
+
+
+def time_history(
+    structure: RockingParameters,
+    motion: Motion | None,
+    shaking: Grid | None,
+    methods: Sequence[Method],
+    *,
+    release: float = 0.0,
+    duration: float | None = None,
+) -> TimeHistory:
+    """The response of one structure; shaking: a grid of one cell, None for free rocking from theta/alpha = release.
+
+    duration [s], None for the shaking and 30/p after it. Raises UsageError.
+    """
+    motion = motion or STILL
+    amplitude, omega = (float(x[0]) for x in shaking.scaled(structure)) if shaking else (0.0, 1.0)
+    if shaking and not amplitude > 0.0:
+        raise UsageError("the amplitude is 0, accepted is a positive one; free rocking is --release without a motion")
+    if not (0.0 <= release < 1.0):
+        raise UsageError(f"--release: found {release:g}, accepted is theta/alpha from 0 to below 1")
+    tau = motion.duration / omega + FREE if duration is None else duration * structure.p
+    if not (math.isfinite(tau) and tau > 0.0):
+        raise UsageError(f"--duration: found {duration if duration is not None else tau:g}, accepted is a positive time [s]")
+    histories = {
+        m.model: history(m.model_of(structure), motion, amplitude, omega, structure.eta, release=release, duration=tau) for m in methods
+    }
+    return TimeHistory(structure, motion, amplitude, omega, histories)

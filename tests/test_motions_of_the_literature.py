@@ -1,0 +1,170 @@
+"""Pulses by name and motions of the user: their shape, their closed forms, and cells under them against an independent integration."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from oracle import integrate
+
+from rocking_cli import DocumentError, Outcome, UsageError, dimensionless_oscillator, linear_response, nonlinear_response, trace_envelope
+from rocking_cli.documents import parse_documents
+from rocking_cli.dynamics.reference import reference_cell
+from rocking_cli.dynamics.reference_nonlinear import RigidBody, reference_nonlinear
+from rocking_cli.motions import PULSES, pulse
+from rocking_cli.motions.pieces import build_motion
+
+
+def ricker(unit, shape):
+    """A Ricker wavelet by its formula, shifted so that it begins at phase 0."""
+    return lambda phase: shape(phase / unit - 8.5)
+
+
+SHAPES = {
+    "ricker-symmetric": ricker(math.sqrt(2), lambda x: (1 - x * x) * np.exp(-x * x / 2)),
+    "ricker-antisymmetric": ricker(math.sqrt(3), lambda x: x * (x * x - 3) * np.exp(-x * x / 2) / 1.380119046161),
+}
+
+
+@pytest.mark.parametrize("name", list(PULSES))
+def test_amplitude_of_every_pulse_is_one(name):
+    motion = pulse(name)
+    fine = np.linspace(0.0, motion.duration, 400_001)[:-1]
+    assert motion.peak == pytest.approx(1.0, abs=1e-13)
+    assert np.abs(motion.value(fine)).max() == pytest.approx(1.0, abs=1e-9)
+
+
+@pytest.mark.parametrize(("name", "tolerance"), [("ricker-symmetric", 5e-14), ("ricker-antisymmetric", 1e-11)])
+def test_ricker_wavelets_are_their_formulas(name, tolerance):
+    # The largest |x (x^2 - 3)| exp(-x^2/2), at x^2 = 3 - sqrt 6, is 1.38 in the literature.
+    motion = pulse(name)
+    phase = np.linspace(0.0, motion.duration, 5001)[:-1]
+    assert np.abs(motion.value(phase) - SHAPES[name](phase)).max() < tolerance
+
+
+@pytest.mark.parametrize(("gamma", "phase"), [(1.0, 0.3), (1.5, 0.0), (2.0, math.pi / 2), (3.7, 4.0)])
+def test_mavroeidis_papageorgiou_is_the_derivative_of_its_velocity(gamma, phase):
+    motion = pulse("mavroeidis-papageorgiou", gamma=gamma, phase=phase)
+
+    def velocity(phi):
+        turned = phi - math.pi * gamma
+        return 0.5 * (1 + np.cos(turned / gamma)) * np.cos(turned + phase)
+
+    phi, h = np.linspace(0.1, motion.duration - 0.1, 500), 1e-3
+    slope = (8 * (velocity(phi + h) - velocity(phi - h)) - (velocity(phi + 2 * h) - velocity(phi - 2 * h))) / (12 * h)
+    assert motion.duration == pytest.approx(2 * math.pi * gamma)
+    scale = motion.value(phi) @ slope / (slope @ slope)
+    assert np.abs(motion.value(phi) - scale * slope).max() < 1e-11
+
+
+def test_rectangular_impulse_leaves_no_velocity_behind():
+    first, second = pulse("rectangular-impulse").pieces
+    assert first.constant * (first.stop - first.start) + second.constant * (second.stop - second.start) == pytest.approx(0.0, abs=1e-14)
+    assert (second.stop - second.start) == pytest.approx(2 * (first.stop - first.start))
+
+
+def test_rectangular_pulse_overturns_where_its_closed_form_says():
+    # p t_d = 0.5, 1, 2: A = 1/(1 - exp(-p t_d)) = 2.54149, 1.58198, 1.15652
+    omegas = 2 * math.pi / np.array([0.5, 1.0, 2.0])
+    found = [
+        i.a_from for i in trace_envelope(pulse("rectangular"), omegas, dimensionless_oscillator(0.5), a_max=5) if i.mode == "no_impact"
+    ]
+    assert found == pytest.approx([2.54149, 1.58198, 1.15652], abs=5e-6)
+    assert found == pytest.approx((1 / (1 - np.exp(-2 * math.pi / omegas))).tolist(), rel=1e-12)
+
+
+@pytest.mark.parametrize("name", list(SHAPES))
+def test_cells_under_a_ricker_wavelet_against_its_formula(name):
+    motion, random = pulse(name), np.random.default_rng(3)
+    for _ in range(6):
+        amplitude, omega, eta = random.uniform(1.1, 6), random.uniform(0.7, 6), random.uniform(0.5, 1)
+        flag, theta, _ = integrate(lambda phase: float(SHAPES[name](phase)), motion.duration, amplitude, omega, eta, pieces_a_turn=8)
+        found = linear_response(motion, amplitude, omega, eta)
+        assert Outcome(int(found.outcome)).flag == flag
+        assert math.isnan(theta) or abs(float(found.theta_ratio) - theta) < 1e-8
+
+
+OWN = """
+name: Two pulses
+pieces:
+  - {from: 0, to: 0.5, sines: [{amplitude: 1}]}
+  - {from: 0.5, to: 0.8, constant: 0}
+  - {from: 0.8, to: 1.2, constant: -0.6, slope: 1.5}
+  - {from: 1.2, to: 2.2, sines: [{amplitude: 0.5, phase: 90 deg}, {amplitude: 0.2, frequency: 3}]}
+"""
+
+
+def own(text):
+    return build_motion(parse_documents(text)[0])
+
+
+@pytest.mark.parametrize(
+    "motion",
+    [pulse(n) for n in PULSES if "ricker" not in n] + [own(OWN), own("points: [[0, 0], [0.25, 1], [0.75, -1.2], [1, 0.1]]")],
+    ids=lambda m: m.name,
+)
+def test_both_models_agree_with_their_references_under_every_motion(motion):
+    random = np.random.default_rng(11)
+    for _ in range(8):
+        cell = random.uniform(1.1, 6), random.uniform(0.7, 8), random.uniform(0.4, 1)
+        outcome, theta = reference_cell(motion, *cell)
+        found = linear_response(motion, *cell)
+        assert (outcome, theta) == (int(found.outcome), pytest.approx(float(found.theta_ratio), abs=1e-10, nan_ok=True))
+    for _ in range(3):
+        cell = random.uniform(1.1, 6), random.uniform(0.7, 8), random.uniform(0.4, 1)
+        outcome, theta = reference_nonlinear(motion, *cell, RigidBody(0.3))
+        found = nonlinear_response(motion, *cell, 0.3, tolerance=1e-10)
+        assert (outcome, theta) == (int(found.outcome), pytest.approx(float(found.theta_ratio), abs=1e-9, nan_ok=True))
+
+
+def test_own_pieces_are_what_they_say():
+    motion = own(OWN)
+    cycle = np.array([0.25, 0.6, 0.8, 1.0, 1.2, 1.45])
+    third = 2 * math.pi * 1.45
+    last = 0.5 * math.cos(third) + 0.2 * math.sin(3 * third)
+    start = 0.5 * math.cos(2 * math.pi * 1.2) + 0.2 * math.sin(6 * math.pi * 1.2)
+    assert motion.value(2 * math.pi * cycle) == pytest.approx([1.0, 0.0, -0.6, -0.3, start, last], abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("pieces: []", "pieces: found 0 entries"),
+        ("pieces: 3", "a list of pieces"),
+        ("name: x", "neither pieces nor points"),
+        ("points: [[0, 1], [1, 1]]\npieces: [{from: 0, to: 1, constant: 1}]", "both pieces and points"),
+        ("pieces: [{from: 0, to: 1, constant: 1}, {from: 0.5, to: 2, constant: 1}]", ":1:.*overlaps the one before; accepted is 1"),
+        ("pieces: [{from: 0, to: 1, constant: 1}, {from: 1.5, to: 2, constant: 1}]", "leaves a gap"),
+        ("pieces: [{from: 0, to: 0, constant: 1}]", "a time in periods after 0"),
+        ("pieces: [{from: 0, to: 1}]", "without constant, slope or sines"),
+        ("pieces: [{from: 0, to: 1, constant: 0}]", "zero throughout"),
+        ("pieces: [{from: 0, to: 1, constnat: 1}]", "constant|constnat"),
+        ("pieces: [{from: 0, to: 1, sines: [{amplitude: 1, frequency: 0}]}]", "a positive multiple"),
+        ("pieces: [{from: 0, to: 1, sines: [{amplitude: nan}]}]", "a number without a unit"),
+        ("points: [[0, 1]]", "two or more points"),
+        ("points: [[0, 1], [0, 2]]", "times that rise"),
+        ("points: [[1, 1], [2, 2]]", "begins at 0"),
+        ("points: [[0, 1], [1, x]]", "not a pair of numbers"),
+        ("points: [[0, 1], [1, 1]]\nunits: g", "unknown key 'units'"),
+    ],
+)
+def test_faulty_motion_documents_name_the_fault(text, words):
+    with pytest.raises(DocumentError, match=words):
+        own(text)
+
+
+@pytest.mark.parametrize(
+    ("name", "parameters", "words"),
+    [
+        ("mavroeidis-papageorgiou", {"gamma": 0.9}, "gamma is 0.9, accepted"),
+        ("mavroeidis-papageorgiou", {"gamma": math.nan}, "accepted is a number from 1"),
+        ("mavroeidis-papageorgiou", {"phase": math.inf}, "phase"),
+        ("half-sine", {"cycles": 2}, "takes no cycles"),
+        ("sine", {"gamma": 2}, "takes no gamma, accepted are cycles"),
+        ("ricker", {}, "unknown pulse 'ricker', accepted are sine"),
+    ],
+)
+def test_faulty_pulses_are_refused(name, parameters, words):
+    with pytest.raises(UsageError, match=words):
+        pulse(name, **parameters)

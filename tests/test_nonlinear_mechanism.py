@@ -1,0 +1,146 @@
+"""The nonlinear mechanism (Eq. 3.4): its tables, its energy, its periods, and cells against independent integrations."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from scipy.integrate import quad, solve_ivp
+
+from rocking_cli import Method, Outcome, build_structure, linear_response, parse_documents, pulse, sine
+from rocking_cli.dynamics.engine import response
+from rocking_cli.dynamics.history import history, quarter_period
+from rocking_cli.dynamics.linear import LinearModel
+from rocking_cli.dynamics.mechanism import MechanismModel
+from rocking_cli.dynamics.reference_nonlinear import Linkage, reference_nonlinear
+
+ARCHES = {
+    "oppenheim": "radius: 10 m\nthickness: 1.5 m\nangle: 157.5 deg\nvoussoirs: 7",
+    "continuous": "radius: 10 m\nthickness: 1.5 m\nangle: 157.5 deg",
+    "thick": "radius: 10 m\nthickness: 2.5 m\nangle: 150 deg",
+    "barely stands": "radius: 10 m\nthickness: 1.09 m\nangle: 180 deg",
+}
+
+
+@pytest.fixture(scope="module", params=list(ARCHES))
+def arch(request):
+    (document,) = parse_documents(f"kind: arch\nrestitution: 0.8\n{ARCHES[request.param]}")
+    return build_structure(document)
+
+
+@pytest.fixture(scope="module")
+def oppenheim():
+    (document,) = parse_documents(f"kind: arch\n{ARCHES['oppenheim']}")
+    return build_structure(document)
+
+
+def test_tables_are_the_linkage_to_rounding(arch):
+    table = MechanismModel(arch.mechanism).table
+    y = np.linspace(0.0, table.edges[-1], 2001)
+    phi = table.value(table.turn, y) * arch.alpha
+    at, rest = arch.mechanism.coefficients(phi), arch.mechanism.coefficients(0.0)
+    root, root0 = np.sqrt(at.inertia), math.sqrt(rest.inertia)
+    lift = at.lift / root / (rest.lift / root0)
+    assert np.abs(table.value(table.lift, y) - lift).max() < 1e-12 * np.abs(lift).max()
+    assert np.abs(table.value(table.push, y) - at.push / root / (rest.push / root0)).max() < 1e-12
+    rate = arch.p**2 / arch.gravity * root0 / float(rest.lift)
+    expected = quad(lambda f: rate * math.sqrt(arch.mechanism.coefficients(f).inertia), 0.0, arch.alpha, epsabs=1e-12, epsrel=1e-12)[0]
+    assert MechanismModel(arch.mechanism).top == pytest.approx(expected, rel=1e-10)
+
+
+@pytest.mark.parametrize("start", [0.1, 0.5, 0.9])
+def test_free_quarter_period_equals_the_quadrature(arch, start):
+    """T/4 = integral of sqrt(M) dphi / sqrt(2 g int L dphi), with the singularity taken out by phi = phi0 - u^2."""
+    coefficients, phi0 = arch.mechanism.coefficients, start * arch.alpha
+    nodes, weights = np.polynomial.legendre.leggauss(60)
+
+    def slowness(u):
+        phi = phi0 - u * u
+        spots = phi + 0.5 * u * u * (nodes + 1.0)
+        fall = 0.5 * u * u * float(weights @ coefficients(spots).lift)
+        return 2.0 * u * math.sqrt(float(coefficients(phi).inertia) / (2.0 * arch.gravity * fall))
+
+    grid, w = np.polynomial.legendre.leggauss(80)
+    half = 0.5 * math.sqrt(phi0)
+    expected = arch.p * half * sum(wi * slowness(half * (x + 1.0)) for x, wi in zip(grid, w, strict=True))
+    assert quarter_period(MechanismModel(arch.mechanism, 1e-12), start) == pytest.approx(expected, rel=1e-9)
+
+
+def test_oppenheims_arch_rocks_slower_than_its_linear_oscillator(oppenheim):
+    # Free rocking from 0.3, 0.6, 0.9 alpha, computed by an independent program: 1.0737, 1.0622, 1.0441 (Fig. 7b).
+    model = MechanismModel(oppenheim.mechanism, 1e-11)
+    ratios = [quarter_period(model, x) / math.acosh(1.0 / (1.0 - x)) for x in (0.3, 0.6, 0.9)]
+    assert ratios == pytest.approx([1.0737, 1.0622, 1.0441], abs=2e-4)
+
+
+def test_energy_is_constant_between_impacts(arch):
+    model = MechanismModel(arch.mechanism, 1e-12)
+    free = history(model, sine(), 0.0, 1.0, 0.8, release=0.9, duration=2.0)
+    for stretch in free.stretches:
+        tau = np.linspace(0.0, stretch.stop - stretch.start, 50)
+        point = stretch.flow.take(np.zeros(50, dtype=np.int64)).at(tau)
+        energy = 0.5 * point.v**2 + model.table.value(model.table.work, point.y)
+        assert np.ptp(energy) < 1e-11 * model.barrier
+
+
+def test_first_arc_is_the_paper_s_equation(oppenheim):
+    """Eq. 3.4 as it stands, M phi'' + M'/2 phi'^2 + V' = -B xg'', in SI units, with M' by differences."""
+    arch, a_g, t_p = oppenheim, 0.52 * 9.81, 0.4
+    coefficients, h = arch.mechanism.coefficients, 1e-3 * arch.alpha
+
+    def rate(t, state):
+        phi, speed = state
+        c = coefficients(phi)
+        around = coefficients(phi + h * np.array([-2.0, -1.0, 1.0, 2.0])).inertia
+        slope = (around[0] - 8 * around[1] + 8 * around[2] - around[3]) / (12 * h)
+        ground = a_g if t < t_p else -0.5 * a_g  # drives the arch to the side of positive phi here
+        return [speed, (float(c.push) * ground - arch.gravity * float(c.lift) - 0.5 * slope * speed**2) / float(c.inertia)]
+
+    first = solve_ivp(rate, (0.0, t_p * (1 - 1e-15)), [0.0, 0.0], method="DOP853", rtol=1e-12, atol=1e-14)
+    second = solve_ivp(rate, (t_p, 1.0), first.y[:, -1], method="DOP853", rtol=1e-12, atol=1e-14, t_eval=[0.42, 0.45, 0.5, 0.55])
+    amplitude, omega = float(arch.dimensionless_amplitude(a_g)), 2 * math.pi / t_p / arch.p
+    found = history(MechanismModel(arch.mechanism, 1e-12), pulse("rectangular-impulse"), amplitude, omega, arch.eta, duration=2.0)
+    ratio, speed = found.at(np.array([0.42, 0.45, 0.5, 0.55]) * arch.p)
+    assert -ratio * arch.alpha == pytest.approx(second.y[0], abs=1e-9)
+    assert -speed * arch.alpha * arch.p == pytest.approx(second.y[1], abs=1e-8)
+
+
+@pytest.fixture(scope="module")
+def cells(oppenheim):
+    random, equation = np.random.default_rng(5), Linkage(oppenheim.mechanism)
+    draw = np.array([random.uniform(a, b, 20) for a, b in ((0.9, 9), (0.5, 12), (0.4, 1))]).T
+    return draw, [reference_nonlinear(sine(), *(float(x) for x in c), equation) for c in draw]
+
+
+@pytest.mark.parametrize("tolerance", [1e-4, 1e-6, 1e-9, 1e-11])
+def test_cells_stay_within_five_tolerances(oppenheim, cells, tolerance):
+    draw, expected = cells
+    found = response(MechanismModel(oppenheim.mechanism, tolerance), sine(), *draw.T)
+    assert found.outcome.tolist() == [int(o) for o, _ in expected]
+    gaps = [abs(a - b) for a, (_, b) in zip(found.theta_ratio, expected, strict=True) if not math.isnan(b)]
+    assert len(gaps) > 8
+    assert max(gaps) < 5 * tolerance
+
+
+def test_an_arch_that_barely_moves_is_its_linear_oscillator():
+    """As alpha tends to 0 the nonlinear arch tends to the linear one (here alpha = 0.0009, its lambda(phi) nearly straight)."""
+    (document,) = parse_documents(f"kind: arch\nrestitution: 0.8\n{ARCHES['barely stands']}")
+    arch = build_structure(document)
+    amplitude, omega = np.array([2.0, 4.0, 5.5]), np.array([6.0, 8.0, 10.0])
+    found = response(Method("nonlinear").model_of(arch), sine(), amplitude, omega, 0.8)
+    linear = linear_response(sine(), amplitude, omega, 0.8)
+    assert found.outcome.tolist() == linear.outcome.tolist() == [Outcome.ROCKED] * 3
+    assert found.theta_ratio == pytest.approx(linear.theta_ratio, rel=0.05)
+
+
+def test_one_lane_is_the_same_lane_in_a_batch(oppenheim):
+    model = MechanismModel(oppenheim.mechanism)
+    amplitude = np.linspace(1.1, 6.0, 30)
+    whole = response(model, sine(), amplitude, 4.0, 0.7)
+    apart = [float(response(model, sine(), a, 4.0, 0.7, pool=1).theta_ratio) for a in amplitude]
+    assert np.array_equal(whole.theta_ratio, apart, equal_nan=True)
+
+
+def test_linear_quarter_period_is_its_closed_form():
+    assert quarter_period(LinearModel(), 0.6) == pytest.approx(math.acosh(1.0 / 0.4), rel=1e-14)
