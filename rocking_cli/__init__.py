@@ -11,9 +11,13 @@ from typing import TYPE_CHECKING, Any
 __version__ = "0.1.0"
 
 if TYPE_CHECKING:
-    from .dynamics.engine import Response, linear_response
+    from .dynamics.engine import Response, linear_response, response
+    from .dynamics.history import History, history
+    from .dynamics.linear import LinearModel
+    from .dynamics.mechanism import MechanismModel
     from .dynamics.nonlinear import nonlinear_response
     from .dynamics.outcome import Outcome
+    from .dynamics.rigid_body import RigidModel
     from .errors import DocumentError, OutputError, RockingError, UsageError
     from .motions import Motion, cosine, pulse, read_motion, sine
     from .spectra.closed_form import closed_form_curves
@@ -27,6 +31,12 @@ if TYPE_CHECKING:
 _HOME = {
     "Response": "dynamics.engine",
     "linear_response": "dynamics.engine",
+    "response": "dynamics.engine",
+    "History": "dynamics.history",
+    "history": "dynamics.history",
+    "LinearModel": "dynamics.linear",
+    "MechanismModel": "dynamics.mechanism",
+    "RigidModel": "dynamics.rigid_body",
     "nonlinear_response": "dynamics.nonlinear",
     "Outcome": "dynamics.outcome",
     "DocumentError": "errors",
@@ -60,12 +70,16 @@ __all__ = [
     "Axis",
     "DocumentError",
     "Grid",
+    "History",
     "Interval",
+    "LinearModel",
+    "MechanismModel",
     "Method",
     "Motion",
     "Outcome",
     "OutputError",
     "Response",
+    "RigidModel",
     "RockingError",
     "RockingParameters",
     "Spectrum",
@@ -76,6 +90,7 @@ __all__ = [
     "closed_form_curves",
     "cosine",
     "dimensionless_oscillator",
+    "history",
     "linear_response",
     "load_structures",
     "nonlinear_response",
@@ -83,6 +98,7 @@ __all__ = [
     "parse_grid",
     "pulse",
     "read_motion",
+    "response",
     "sine",
     "spectrum",
     "trace_envelope",

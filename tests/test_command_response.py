@@ -1,0 +1,123 @@
+"""`rocking response` and `rocking compare` at the shell."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import math
+
+import pytest
+
+IMPULSE = ("--pulse", "rectangular-impulse", "--a-g", "0.5g", "--T-g", "0.4")
+
+
+def rows(text):
+    return list(csv.DictReader(io.StringIO(text)))
+
+
+def test_time_history_has_the_documented_columns(rocking):
+    done = rocking("response", "configs/block.yaml", "--a-g", "3.5", "--f-g", "1.5", "--dt", "0.01", "--csv")
+    found = rows(done.stdout)
+    assert list(found[0]) == ["t", "theta", "theta_dot", "ground_acceleration"]
+    assert [float(r["t"]) for r in found[:3]] == pytest.approx([0.0, 0.01, 0.02])
+    assert float(found[10]["ground_acceleration"]) == pytest.approx(3.5 * math.sin(2 * math.pi * 1.5 * 0.1))
+    assert "Column, linear: rocked, largest theta" in done.stderr
+
+
+def test_both_models_side_by_side_and_their_events(rocking):
+    done = rocking("response", "configs/arch.yaml", *IMPULSE, "--model", "both", "--csv")
+    assert list(rows(done.stdout)[0])[:5] == ["t", "theta_linear", "theta_dot_linear", "theta_nonlinear", "theta_dot_nonlinear"]
+    events = [
+        json.loads(x)
+        for x in rocking("response", "configs/arch.yaml", *IMPULSE, "--model", "both", "--events", "--json").stdout.splitlines()
+    ]
+    for model in ("linear", "nonlinear"):
+        mine = [e for e in events if e["model"] == model]
+        assert [e["event"] for e in mine][:3] == ["uplift", "peak", "impact"]
+        assert mine[-1]["event"] == "rest"
+        assert [e["t"] for e in mine] == sorted(e["t"] for e in mine)
+
+
+def test_dimensionless_history_is_the_same_curve(rocking):
+    call = ("response", "configs/block.yaml", "--A", "2", "--Omega", "4", "--steps", "--json")
+    si = [json.loads(x) for x in rocking(*call).stdout.splitlines()]
+    plain = [json.loads(x) for x in rocking(*call, "--dimensionless").stdout.splitlines()]
+    (block,) = (json.loads(x) for x in rocking("params", "configs/block.yaml", "--json").stdout.splitlines())
+    assert list(plain[0]) == ["tau", "theta_ratio", "theta_ratio_rate", "A"]
+    for a, b in zip(si, plain, strict=True):
+        assert a["t"] * block["p"] == pytest.approx(b["tau"], rel=1e-12)
+        assert a["theta"] == pytest.approx(b["theta_ratio"] * block["alpha"], rel=1e-12)
+
+
+def test_free_rocking_by_release(rocking):
+    done = rocking("response", "configs/arch.yaml", "--release", "0.6", "--model", "both", "--events", "--json")
+    first = {}
+    for line in done.stdout.splitlines():
+        event = json.loads(line)
+        if event["event"] == "impact":
+            first.setdefault(event["model"], event["t"])
+    assert first["nonlinear"] / first["linear"] == pytest.approx(1.0622, abs=2e-4)
+
+
+def test_own_motion_in_every_command(rocking, tmp_path):
+    own = ("--motion", "configs/motion.yaml")
+    assert rocking("response", "configs/block.yaml", *own, "--a-g", "5", "--T-g", "1 s", "--csv").returncode == 0
+    assert rocking("envelope", "configs/block.yaml", *own, "--grid", "T_g=1", "--a-max", "6").stdout.count("after_impact") > 0
+    assert rocking("spectrum", "configs/block.yaml", *own, "--grid", "a_g=1:8:8,T_g=0.5:2:8", "-o", "own.h5").returncode == 0
+
+
+def test_comparison_collapses_and_tells_the_models_apart(rocking):
+    files = ("configs/block.yaml", "configs/spire.yaml", "configs/arch.yaml")
+    done = rocking("compare", *files, "--A", "2", "--Omega", "4", "--eta", "0.8", "--json")
+    found = [json.loads(x) for x in done.stdout.splitlines()]
+    assert len({round(r["theta_ratio"], 10) for r in found}) == 1
+    assert len({round(r["theta_max"], 4) for r in found}) == 3
+    apart = float(done.stderr.split("up to ")[1].split()[0])
+    assert apart < 1e-10
+    (arch,) = [
+        json.loads(x) for x in rocking("compare", files[2], "--A", "1.2", "--Omega", "4", "--model", "both", "--json").stdout.splitlines()
+    ]
+    ratios = [arch[f"quarter_period_ratio_{x}"] for x in (0.3, 0.6, 0.9)]
+    assert ratios == pytest.approx([1.0737, 1.0622, 1.0441], abs=2e-4)
+    assert arch["peak_difference"] == pytest.approx(arch["theta_ratio_nonlinear"] / arch["theta_ratio_linear"] - 1)
+
+
+def test_curves_of_a_comparison(rocking):
+    done = rocking("compare", "configs/block.yaml", "configs/spire.yaml", "--A", "2", "--Omega", "4", "--curves", "--csv")
+    found = rows(done.stdout)
+    assert list(found[0]) == ["structure", "model", "t", "theta", "tau", "theta_ratio"]
+    assert {r["structure"] for r in found} == {"Column", "Spire"}
+
+
+BLOCK = ("response", "configs/block.yaml")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code", "words"),
+    [
+        ((*BLOCK, "--a-g", "0", "--f-g", "1"), 2, "amplitude is 0"),
+        ((*BLOCK, "--a-g", "1", "--f-g", "0"), 2, "--f-g"),
+        ((*BLOCK, "--a-g", "1", "--f-g", "nan"), 2, "--f-g: found 'nan'"),
+        ((*BLOCK, "--a-g", "nan", "--f-g", "1"), 2, "--a-g: found 'nan'"),
+        ((*BLOCK, "--a-g", "1 s", "--f-g", "1"), 2, "an acceleration"),
+        ((*BLOCK, "--a-g", "1"), 2, "accepted are A and Omega"),
+        ((*BLOCK, "--a-g", "1:2:3", "--f-g", "1"), 2, "accepted is one value of each"),
+        (BLOCK, 2, "no shaking"),
+        ((*BLOCK, "--release", "1"), 2, "--release"),
+        ((*BLOCK, "--release", "nan"), 2, "--release"),
+        ((*BLOCK, "--release", "0.5", "--dt", "0"), 2, "--dt"),
+        ((*BLOCK, "--release", "0.5", "--dt", "1e-9"), 2, "points"),
+        ((*BLOCK, "--release", "0.5", "--duration", "-1"), 2, "--duration"),
+        ((*BLOCK, "--release", "0.5", "--model", "quadratic"), 2, "unknown model 'quadratic'"),
+        ((*BLOCK, "--a-g", "3", "--f-g", "1", "--pulse", "mavroeidis-papageorgiou", "--gamma", "0.5"), 2, "gamma is 0.5"),
+        ((*BLOCK, "--a-g", "3", "--f-g", "1", "--phase", "3 m"), 2, "--phase"),
+        ((*BLOCK, "--a-g", "3", "--f-g", "1", "--motion", "configs/motion.yaml", "--pulse", "sine"), 2, "does not go with --pulse"),
+        ((*BLOCK, "--a-g", "3", "--f-g", "1", "--motion", "configs/block.yaml"), 3, "neither pieces nor points"),
+        ((*BLOCK, "--a-g", "3", "--f-g", "1", "--motion", "nowhere.yaml"), 2, "nowhere.yaml: cannot be read"),
+        (("compare", "configs/block.yaml"), 2, "no shaking"),
+        (("compare", "--A", "1", "--Omega", "2"), 2, "no structure"),
+    ],
+)
+def test_bad_input_is_one_sentence(refused, arguments, code, words):
+    assert words in refused(code, *arguments)

@@ -1,0 +1,149 @@
+"""Responses in time: against closed forms and an independent integration, and against the engine's own peaks."""
+
+from __future__ import annotations
+
+import math
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from rocking_cli import Outcome, build_structure, cosine, parse_documents, parse_grid, pulse, sine
+from rocking_cli.dynamics import engine
+from rocking_cli.dynamics.engine import response
+from rocking_cli.dynamics.history import history
+from rocking_cli.dynamics.linear import LinearModel
+from rocking_cli.dynamics.mechanism import MechanismModel
+from rocking_cli.dynamics.rigid_body import RigidModel
+from rocking_cli.reports.comparison import collapse, compare
+from rocking_cli.spectra.scene import Method
+
+ARCH = build_structure(parse_documents("kind: arch\nradius: 10\nthickness: 1.5\nangle: 157.5 deg\nvoussoirs: 7")[0])
+MODELS = {"linear": LinearModel(), "rigid body": RigidModel(0.3, 1e-11), "arch": MechanismModel(ARCH.mechanism, 1e-10)}
+
+
+@pytest.fixture(params=list(MODELS))
+def model(request):
+    return MODELS[request.param]
+
+
+@pytest.mark.parametrize(
+    "motion", [sine(), cosine(1.5), pulse("rectangular-impulse"), pulse("mavroeidis-papageorgiou")], ids=lambda m: m.name
+)
+def test_history_comes_to_what_the_engine_says(model, motion):
+    random = np.random.default_rng(4)
+    rocked = 0
+    for _ in range(6 if model is not MODELS["arch"] else 3):
+        cell = random.uniform(0.9, 2.5), random.uniform(6, 14), random.uniform(0.3, 0.9)
+        expected = response(model, motion, *cell)
+        found = history(model, motion, *cell, duration=motion.duration / cell[1] + 40.0)
+        assert found.outcome == int(expected.outcome)
+        if found.peak is not None:
+            rocked += 1
+            assert abs(found.peak.theta_ratio) == pytest.approx(float(expected.theta_ratio), abs=1e-12)
+            times = np.linspace(0.0, found.end, 4001)
+            assert np.abs(found.at(times)[0]).max() <= abs(found.peak.theta_ratio) + 1e-12
+            assert found.at(np.array([found.peak.tau]))[0][0] == pytest.approx(found.peak.theta_ratio, abs=1e-12)
+    assert rocked
+
+
+def test_linear_history_is_the_equation_in_si_units():
+    """Eq. 2.4 with p, alpha, a_g in SI units by DOP853, through uplift and one impact."""
+    p, alpha, eta, a_g, w = 2.1, 0.22, 0.85, 3.0, 9.0
+    scale = a_g / (alpha * 9.81)
+
+    def rate(t, z, side):
+        ground = a_g * math.sin(w * t) if t * w < math.pi else 0.0
+        return [z[1], p * p * (z[0] - alpha * side - ground / 9.81)]
+
+    def ground(t, z, side):
+        return z[0]
+
+    ground.terminal, ground.direction = True, 1
+    lift, close = math.asin(1 / scale) / w, {"method": "DOP853", "rtol": 1e-13, "atol": 1e-15}
+    first = solve_ivp(rate, (lift, math.pi / w), [0.0, 0.0], args=(-1,), max_step=0.01, **close)
+    fall = solve_ivp(rate, (math.pi / w, 5.0), first.y[:, -1], args=(-1,), events=ground, max_step=0.01, **close)
+    strike = fall.t_events[0][0]
+    second = solve_ivp(rate, (strike, strike + 0.1), [0.0, eta * fall.y_events[0][0][1]], args=(1,), max_step=0.01, **close)
+    found = history(LinearModel(), pulse("half-sine"), scale, w / p, eta, duration=20.0)
+    events = {m.event: m.tau / p for m in reversed(found.moments)}
+    assert (events["uplift"], events["impact"]) == pytest.approx((lift, strike), abs=1e-9)
+    ratio, speed = found.at(np.array([0.6 * strike, strike + 0.1]) * p)
+    middle = solve_ivp(rate, (lift, math.pi / w), [0.0, 0.0], args=(-1,), t_eval=[0.6 * strike], max_step=0.01, **close)
+    assert ratio * alpha == pytest.approx([middle.y[0, 0], second.y[0, -1]], abs=1e-9)
+    assert speed * alpha * p == pytest.approx([middle.y[1, 0], second.y[1, -1]], abs=1e-8)
+
+
+def test_impacts_lose_speed_and_rest_is_the_end(model):
+    found = history(model, sine(), 1.6, 5.0, 0.6, duration=200.0)
+    impacts = [m for m in found.moments if m.event == "impact"]
+    assert found.moments[-1].event == "rest"
+    free = [abs(m.rate) for m in impacts if m.tau > 2 * math.pi / 5.0]
+    assert len(free) > 5
+    # On still ground an arc gives back its speed, so each impact is eta times the one before.
+    assert [b / a for a, b in pairwise(free[1:])] == pytest.approx([0.6] * (len(free) - 2), abs=1e-6)
+    # The rests of a geometric series: the last arcs take 2 v/(1 - eta) in all.
+    assert found.moments[-1].tau - impacts[-1].tau == pytest.approx(
+        2 * 0.6 * free[-1] / 0.4 / float(model.rotation_rate(0.0, 1.0)), rel=1e-3
+    )
+    assert not found.at(np.array([found.moments[-1].tau + 0.1, found.end]))[0].any()
+
+
+def test_overturning_is_followed_to_three_alpha():
+    found = history(LinearModel(), sine(), 8.0, 4.0, 0.9, duration=30.0)
+    assert found.outcome == Outcome.OVERTURNED_NO_IMPACT
+    assert found.moments[-1].event == "overturning"
+    assert abs(found.moments[-1].theta_ratio) == pytest.approx(3.0, abs=1e-9)
+    assert found.end == found.moments[-1].tau
+    assert np.isnan(found.at(np.array([found.end + 0.1]))[0]).all()
+
+
+def test_three_structures_collapse_to_one_dimensionless_curve():
+    # Each is computed from its own a_g and omega_g; Fig. 8.
+    texts = ("kind: block\nwidth: 0.5\nheight: 2", "kind: spire\nbase_radius: 1.5\nheight: 12")
+    structures = [build_structure(parse_documents(f"{t}\nrestitution: 0.8")[0]) for t in texts]
+    structures.append(build_structure(parse_documents("kind: arch\nradius: 10\nthickness: 1.5\nangle: 157.5 deg\nrestitution: 0.8")[0]))
+    for grid in ("A=2,Omega=4", "A=3.1,Omega=5.3", "a_g=0.4g,f_g=1.4"):
+        responses = compare(structures, sine(), parse_grid(grid), [Method()])
+        assert len({r.structure.p for r in responses}) == 3
+        peaks = [max(abs(x["theta"]) for x in r.records()) for r in responses]
+        assert max(peaks) / min(peaks) > 1.4
+        assert collapse(responses, "linear") < 1e-10
+
+
+def test_a_column_against_discrete_elements():
+    # Multi-drum column 1.11/0.90 m wide and 5.95 m high under the rectangular impulse: collapse on a raster of 0.01 g by UDEC,
+    # LMGC90 and HybriDFEM, at t_p = 0.4, 0.5, 0.6, 0.8, 1.0 s.
+    from rocking_cli import trace_envelope
+
+    column = build_structure(parse_documents("kind: prism\ncorners: [[0, 0], [1.11, 0], [1.005, 5.95], [0.105, 5.95]]")[0])
+    series = [(0.31, 0.30, 0.29), (0.27, 0.25, 0.25), (0.25, 0.24, 0.23), (0.22, 0.22, 0.22), (0.20, 0.21, 0.21)]
+    omegas = 2 * math.pi / np.array([0.4, 0.5, 0.6, 0.8, 1.0]) / column.p
+    found = trace_envelope(pulse("rectangular-impulse"), omegas, column, method=Method("nonlinear", 1e-8), a_max=2.5)
+    first = [min(i.a_from for i in found if i.omega == w) for w in omegas]
+    collapse_at = [math.ceil(100.0 * column.ground_acceleration(a) / 9.81) / 100.0 for a in first]
+    assert collapse_at == [0.30, 0.26, 0.24, 0.22, 0.21]
+    for ours, theirs in zip(collapse_at, series, strict=True):
+        assert [ours] * 3 == pytest.approx(theirs, rel=0.05 + 1e-12)
+
+
+def test_a_step_count_that_runs_away_is_a_failed_cell(monkeypatch, tmp_path):
+    from rocking_cli.commands import main
+
+    monkeypatch.setattr(engine, "MAX_STEPS", -119)
+    cell = ["--grid", "A=1.5:1.6:2,Omega=4", "--eta", "1", "-q"]
+    with pytest.raises(SystemExit) as ended:
+        main(["spectrum", *cell, "--workers", "1", "-o", str(tmp_path / "s.h5")])
+    assert ended.value.code == 4
+    assert (tmp_path / "s.h5").exists()
+    monkeypatch.setattr(engine, "MAX_STEPS", -158)
+    assert history(LinearModel(), sine(), 1.5, 4.0, 1.0, duration=30.0).outcome == Outcome.FAILED
+
+
+@pytest.mark.parametrize(
+    "bad", [{"amplitude": -1.0}, {"omega": 0.0}, {"omega": math.nan}, {"eta": 1.1}, {"release": 1.0}, {"duration": 0.0}]
+)
+def test_numbers_out_of_range_are_refused(bad):
+    with pytest.raises(ValueError, match=r"accepted|must"):
+        history(LinearModel(), sine(), **{"amplitude": 2.0, "omega": 3.0, "eta": 0.9, "duration": 5.0, **bad})
