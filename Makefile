@@ -2,7 +2,7 @@
 PYTHON ?= python3
 STAMPS := .venv/stamps
 CODE := $(shell find rocking_cli -name '*.py')
-CONFIGS := $(wildcard configs/*)
+CONFIGS := $(shell find configs -type f)
 TESTS := $(shell find tests -type f -not -path '*/__pycache__/*')
 
 .PHONY: demo test lint clean

@@ -61,7 +61,7 @@ def test_free_rocking_by_release(rocking):
 
 
 def test_own_motion_in_every_command(rocking, tmp_path):
-    own = ("--motion", "configs/motion.yaml")
+    own = ("--motion", "configs/motions/two_pulses.yaml")
     assert rocking("response", "configs/block.yaml", *own, "--a-g", "5", "--T-g", "1 s", "--csv").returncode == 0
     assert rocking("envelope", "configs/block.yaml", *own, "--grid", "T_g=1", "--a-max", "6").stdout.count("after_impact") > 0
     assert rocking("spectrum", "configs/block.yaml", *own, "--grid", "a_g=1:8:8,T_g=0.5:2:8", "-o", "own.h5").returncode == 0
@@ -112,7 +112,11 @@ BLOCK = ("response", "configs/block.yaml")
         ((*BLOCK, "--release", "0.5", "--model", "quadratic"), 2, "unknown model 'quadratic'"),
         ((*BLOCK, "--a-g", "3", "--f-g", "1", "--pulse", "mavroeidis-papageorgiou", "--gamma", "0.5"), 2, "gamma is 0.5"),
         ((*BLOCK, "--a-g", "3", "--f-g", "1", "--phase", "3 m"), 2, "--phase"),
-        ((*BLOCK, "--a-g", "3", "--f-g", "1", "--motion", "configs/motion.yaml", "--pulse", "sine"), 2, "does not go with --pulse"),
+        (
+            (*BLOCK, "--a-g", "3", "--f-g", "1", "--motion", "configs/motions/two_pulses.yaml", "--pulse", "sine"),
+            2,
+            "does not go with --pulse",
+        ),
         ((*BLOCK, "--a-g", "3", "--f-g", "1", "--motion", "configs/block.yaml"), 3, "neither pieces nor points"),
         ((*BLOCK, "--a-g", "3", "--f-g", "1", "--motion", "nowhere.yaml"), 2, "nowhere.yaml: cannot be read"),
         (("compare", "configs/block.yaml"), 2, "no shaking"),

@@ -121,6 +121,8 @@ def crests(segments: Segments, lanes: Lanes, event: Event, wanted: Array) -> tup
         high[doubtful[found]] = falls[found]
     at = np.flatnonzero(sure)
     low = step.valley[at]
+    if not at.size:
+        return at, low, low
     return at, *turning_point(event.arc.take(at), low, high[at], 0.5 * (low + high[at]), 1.0)
 
 
