@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import signal
 import sys
 from importlib import import_module
 from typing import Any
 
 import click
 
-from .. import __version__
+from .. import __version__, interruption
 from ..errors import RockingError
 
 COMMANDS = {
@@ -53,7 +52,7 @@ def cli() -> None:
 
 def main(arguments: list[str] | None = None) -> Any:
     """Run the command line; every failure becomes one sentence on standard error and its documented exit code."""
-    signal.signal(signal.SIGTERM, signal.default_int_handler)  # ends like Ctrl-C, and takes the workers along
+    interruption.listen()
     try:
         return sys.exit(cli.main(arguments, prog_name="rocking", standalone_mode=False) or 0)
     except click.exceptions.NoArgsIsHelpError as error:

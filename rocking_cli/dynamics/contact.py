@@ -39,7 +39,9 @@ def uplift(segments: Segments, k: Array, u: Array, amplitude: Array) -> Uplift:
         k[waiting[over]] = last
         waiting = waiting[~over]
         kk, uu, a = k[waiting], u[waiting], amplitude[waiting]
-        s_now = segments.s_start[kk] + np.where(uu > 0.0, segment_value(segments, kk, uu)[0], 0.0)
+        s_now = segments.s_start[kk]
+        inside = np.flatnonzero(uu > 0.0)
+        s_now[inside] += segment_value(segments, kk[inside], uu[inside])[0]
         now = a * np.abs(s_now) > 1.0
         s_end = segments.s_end[kk]
         later = ~now & (a * np.abs(s_end) > 1.0)

@@ -68,31 +68,59 @@ class Arc(NamedTuple):
 
     def at(self, h: Array) -> Point:
         """The state after h >= 0 [-], exact up to rounding."""
-        half = np.sinh(0.5 * h)
+        # In place where it can be: on arrays that fill a cache, what is not written need not be read back.
+        half = np.multiply(h, 0.5)
+        np.sinh(half, out=half)
         half2 = half * half
-        cosh1 = 2.0 * half2
-        sinh = 2.0 * half * np.sqrt(1.0 + half2)
-        y = self.y + self.v * sinh + self.b * cosh1
-        v = self.v + self.v * cosh1 + self.b * sinh
+        sinh = half2 + 1.0
+        np.sqrt(sinh, out=sinh)
+        sinh *= half
+        sinh += sinh
+        cosh1 = half2 + half2
+        y, v, part = self.v * sinh, self.v * cosh1, self.b * cosh1
+        y += self.y
+        y += part
+        v += self.v
+        v += np.multiply(self.b, sinh, out=part)
         drive, drive_rate = np.zeros_like(h), np.zeros_like(h)
         for s, c, w in zip(self.sin, self.cos, self.w, strict=True):
             wh = w * h
-            t = np.tan(0.5 * wh)
-            t2 = t * t
-            sin2 = t2 / (1.0 + t2)  # sin^2 of the half angle
-            cosm = 2.0 * sin2
-            sinw = 2.0 * t / (1.0 + t2)
-            over = 1.0 / (1.0 + w * w)
-            f2 = w * 2.0 * (half2 + sin2) * over
-            f3 = (w * sinh - sinw) * over
-            f4 = (w * w * cosh1 - cosm) * over
-            small = np.flatnonzero(np.maximum(h, wh) < SMALL)
+            t = np.multiply(wh, 0.5)
+            np.tan(t, out=t)
+            cosm = t * t
+            over = cosm + 1.0
+            np.divide(2.0, over, out=over)
+            cosm *= over  # 1 - cos(wh) = 2 sin^2 of the half angle
+            sinw = t
+            sinw *= over
+            w2 = w * w
+            np.add(w2, 1.0, out=over)
+            np.divide(1.0, over, out=over)
+            f2 = cosm + cosh1
+            f2 *= w
+            f2 *= over
+            f3 = w * sinh
+            f3 -= sinw
+            f3 *= over
+            f4 = w2
+            f4 *= cosh1
+            f4 -= cosm
+            f4 *= over
+            small = np.flatnonzero(np.maximum(h, wh, out=wh) < SMALL)
             if small.size:
                 f3[small], f4[small] = _series(w[small], h[small])
-            y = y + s * f3 - c * f4
-            v = v + s * f2 - c * (w * f3)
-            drive = drive + s * sinw - c * cosm
-            drive_rate = drive_rate + w * (s - s * cosm - c * sinw)
+            y += np.multiply(s, f3, out=part)
+            y -= np.multiply(c, f4, out=f4)
+            v += np.multiply(s, f2, out=f2)
+            f3 *= w
+            v -= np.multiply(c, f3, out=f3)
+            drive += np.multiply(s, sinw, out=f2)
+            drive -= np.multiply(c, cosm, out=f3)
+            rate = np.subtract(1.0, cosm, out=cosm)  # cos(wh)
+            rate *= s
+            rate -= np.multiply(c, sinw, out=sinw)
+            rate *= w
+            drive_rate += rate
         if self.ramp is not None:
             tiny = h < SMALL
             sinh_h = sinh - h
@@ -102,7 +130,10 @@ class Arc(NamedTuple):
             v = v + self.ramp * cosh1
             drive = drive + self.ramp * h
             drive_rate = drive_rate + self.ramp
-        return Point(y, v, self.b + (y - self.y) + drive, v + drive_rate)
+        drive += self.b
+        drive += y - self.y
+        drive_rate += v
+        return Point(y, v, drive, drive_rate)
 
     def at_ground(self, h: Array) -> Array:
         """y'' at an impact, where y = 0, from the change of the drive since the start."""

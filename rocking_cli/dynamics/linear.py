@@ -19,7 +19,7 @@ class LinearModel:
     gain = 1.0
     initiation = 1.0
     limit = np.inf
-    pool = 16384  # lanes: the working set of a round stays in the second-level cache
+    pool = 32768  # lanes: fewer rounds outweigh what no longer fits the second-level cache
 
     def flow(self, segments: Segments, lanes: Lanes) -> Arc:
         """The arc that each lane is about to follow: its state and the outward drive's coefficients."""

@@ -13,7 +13,8 @@ from .model import Flow
 
 Array = np.ndarray
 
-_CLOSE = 1e-5  # a Householder step this short, against every scale of the arc, leaves an error of its fourth power
+_NEAR = 1e-3  # a turning point this far, against every scale of the arc, is met to its fourth power over 24 by y's own Taylor series
+_CLOSE = 3e-6  # a Householder step this short, against every scale of the arc, leaves v an error of its third power
 _ROUNDS = 200  # bisection alone would end in 64 for any bracket that a double can hold between 1e-3 and 1e3
 
 
@@ -80,8 +81,8 @@ def turning_point(arc: Flow, low: Array, high: Array, guess: Array, sense: float
         low, high = np.where(after, low, h), np.where(after, h, high)
         target = h + step
         inside = (sense * f.b < 0.0) & (target >= low) & (target <= high)
-        settled = inside & (np.abs(step) * arc.fastest <= 1e-4) & (np.abs(step * f.j) <= 1e-3 * np.abs(f.b))
-        settled &= np.abs(step) <= 1e-3 * h
+        settled = inside & (np.abs(step) * arc.fastest <= _NEAR) & (np.abs(step * f.j) <= 1e-2 * np.abs(f.b))
+        settled &= np.abs(step) <= 3e-3 * h
         settled |= high - low <= 4e-16 * high
         if settled.any():
             done = np.flatnonzero(settled)

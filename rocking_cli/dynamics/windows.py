@@ -35,21 +35,15 @@ def crossing(segments: Segments, k: Array, level: Array) -> Array:
     """Phase u in segment k where s = level, for lanes whose level lies between the segment's end values."""
     length = segments.length[k]
     if segments.harmonics == 1 and not segments.sloped:
-        s, c = segments.sin[0, k], segments.cos[0, k]
-        offset = level - (segments.s_start[k] - s)
-        u = _sinusoid_crossing(s, c, offset, segments.s_end[k] > segments.s_start[k]) / segments.frequency[0, k]
-        return np.clip(u, 0.0, length)
+        # A falling stretch is its rising mirror image, so that mirrored motions give mirrored bits. The angle is
+        # arcsin(level/R); arctan2 of the complement keeps its distance to the extremum exact where level is near R.
+        wave = segments.wave
+        level = (level - wave.offset[k]) * wave.sign[k]
+        beside = np.sqrt(np.maximum(0.0, wave.radius2[k] - level * level))
+        x = np.arctan2(level, beside) - wave.angle[k]
+        x = np.where(x < -1e-9, x + 2.0 * np.pi, np.maximum(x, 0.0))
+        return np.minimum(x / segments.frequency[0, k], length)
     return _bracketed_crossing(segments, k, level, length)
-
-
-def _sinusoid_crossing(s: Array, c: Array, level: Array, rising: Array) -> Array:
-    """x >= 0 with s cos x + c sin x = level on a monotone stretch that begins at x = 0."""
-    # A falling stretch is its rising mirror image, so that mirrored motions give mirrored bits. With R^2 = s^2 + c^2 the
-    # angle is arcsin(level/R); arctan2 of the complement keeps its distance to the extremum exact where level is near R.
-    sign = np.where(rising, 1.0, -1.0)
-    beside = np.sqrt(np.maximum(0.0, s * s + c * c - level * level))
-    x = np.arctan2(sign * level, beside) - np.arctan2(sign * s, sign * c)
-    return np.where(x < -1e-9, x + 2.0 * np.pi, np.maximum(x, 0.0))
 
 
 def summed(rows: Array) -> Array:
@@ -100,25 +94,24 @@ def _bracketed_crossing(segments: Segments, k: Array, level: Array, length: Arra
 
 def window_end(segments: Segments, k: Array, u: Array, side: Array, amplitude: Array) -> Windows:
     """The end of the window that (k, u) lies in; a boundary belongs to the window that it begins."""
-    level = -side / amplitude  # s where a = 1
-    start, end = -side * segments.s_start[k] > 1.0 / amplitude, -side * segments.s_end[k] > 1.0 / amplitude
-    cuts = start != end
-    at = np.where(cuts, crossing(segments, k, np.where(cuts, level, segments.s_start[k])), segments.length[k])
-    before = u < at
-    ridge = np.where(before | ~cuts, start, end)
-    here = cuts & before
+    inverse = 1.0 / amplitude
+    start, end = -side * segments.s_start[k] > inverse, -side * segments.s_end[k] > inverse
+    at = segments.length[k]
+    cuts = np.flatnonzero(start != end)
+    at[cuts] = crossing(segments, k[cuts], -side[cuts] * inverse[cuts])  # s where a = 1
+    here = u < at
+    ridge = np.where(here, start, end)
+    here &= start != end
     # Past the crossing (or with none) the window runs to the segment's end, and on into the next segment where that one
     # continues the closed form and turns the other way.
     falling = -side * (segments.s_end[k] - segments.s_start[k]) < 0.0
-    goes_on = ~here & segments.joins[k] & (ridge != falling)
     to_k, to_u = k, np.where(here, at, segments.length[k])
-    lanes = np.flatnonzero(goes_on)
+    lanes = np.flatnonzero(~here & segments.joins[k] & (ridge != falling))
     if lanes.size:
-        nk = k[lanes] + 1
-        n_end = -side[lanes] * segments.s_end[nk] > 1.0 / amplitude[lanes]
-        n_cuts = ridge[lanes] != n_end
-        n_at = crossing(segments, nk, np.where(n_cuts, level[lanes], segments.s_start[nk]))
         to_k = k.copy()
-        to_k[lanes] = nk
-        to_u[lanes] = np.where(n_cuts, n_at, segments.length[nk])
+        to_k[lanes] = nk = k[lanes] + 1
+        n_at = segments.length[nk]
+        n_cuts = np.flatnonzero(ridge[lanes] != (-side[lanes] * segments.s_end[nk] > inverse[lanes]))
+        n_at[n_cuts] = crossing(segments, nk[n_cuts], -side[lanes[n_cuts]] * inverse[lanes[n_cuts]])
+        to_u[lanes] = n_at
     return Windows(to_k, to_u, ridge)

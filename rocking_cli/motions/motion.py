@@ -81,6 +81,16 @@ class Piece:
 
 
 @dataclass(frozen=True)
+class Wave:
+    """A motion of single sinusoids, each segment as its rising form: sign (s - offset) = radius sin(angle + w u)."""
+
+    sign: np.ndarray
+    offset: np.ndarray
+    radius2: np.ndarray
+    angle: np.ndarray
+
+
+@dataclass(frozen=True)
 class Segments:
     """The motion cut into K monotone segments; arrays over segments, `sin`/`cos` over (harmonic, segment).
 
@@ -109,6 +119,13 @@ class Segments:
     def harmonics(self) -> int:
         """Number of sinusoids of the richest piece."""
         return int(self.sin.shape[0])
+
+    @cached_property
+    def wave(self) -> Wave:
+        """The segments' sinusoids; only of a motion with one harmonic and no slope."""
+        s, c = self.sin[0], self.cos[0]
+        sign = np.where(self.s_end > self.s_start, 1.0, -1.0)
+        return Wave(sign, self.s_start - s, s * s + c * c, np.arctan2(sign * s, sign * c))
 
     @cached_property
     def sloped(self) -> bool:

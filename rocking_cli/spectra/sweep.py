@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from .. import interruption
 from ..dynamics.engine import Response, Work
 from ..dynamics.outcome import Outcome
 from ..errors import Interrupted, UsageError
@@ -192,14 +193,16 @@ def _sweep(
     job = Job(scene, chunk, sampled_cells(scene, default_check(scene) if check is None else check), convert)
     total, outcomes, shared, worst, misjudged, checked = Work(), np.zeros(len(Outcome), dtype=np.int64), 0, 0.0, 0, 0
     for done, (unit, report) in enumerate(unit_reports(job, units, wanted), 1):
-        keep(unit, report.data)
+        with interruption.deferred():
+            keep(unit, report.data)
         times = len(unit.structures)
         total += report.work
         outcomes += times * report.outcomes
-        shared += (times - 1) * report.work.cells
+        shared += (times - 1) * report.cells
         worst, misjudged, checked = max(worst, report.worst), misjudged + report.misjudged, checked + report.checked
         if progress:
             progress(done, len(units))
+    interruption.check()
     return Summary(
         structures=len(scene.structures),
         cells=scene.cells,

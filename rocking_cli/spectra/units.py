@@ -25,20 +25,16 @@ from ..errors import OutputError
 from .scene import Scene, Unit
 
 
-def _compute(scene: Scene, unit: Unit, chunk: tuple[int, int]) -> Response:
-    structure = scene.structures[unit.structures[0]]
-    amplitude, omega = scene.grid.scaled(structure)
-    a = amplitude[unit.column : unit.column + chunk[1]]
-    w = omega[unit.row : unit.row + chunk[0]]
-    return response(scene.method.model_of(structure), scene.motion, a[None, :], w[:, None], structure.eta)
-
-
 @dataclass(frozen=True)
 class Report:
-    """What comes back from a unit: its data (converted), its counters, and how its checked cells compare."""
+    """What comes back from a unit: its data (converted), its counters, and how its checked cells compare.
+
+    Units that ran together have their work counted with the first of them.
+    """
 
     data: Any
     work: Work
+    cells: int
     outcomes: np.ndarray
     worst: float
     misjudged: int
@@ -54,12 +50,38 @@ class Job:
     samples: np.ndarray
     convert: Callable[[Response], Any] | None
 
-    def run(self, unit: Unit) -> Report:
-        response = _compute(self.scene, unit, self.chunk)
-        worst, misjudged, checked = self.compare(unit, response)
-        data = self.convert(response) if self.convert else response
-        outcomes = np.bincount(response.outcome.ravel(), minlength=len(Outcome))
-        return Report(data, response.work, outcomes, worst, misjudged, checked)
+    @property
+    def together(self) -> int:
+        """Units that are best run as one batch, so that the engine's pool is seldom half empty; they share a model."""
+        if self.scene.method.model != "linear":
+            return 1
+        return max(1, TOGETHER // (self.chunk[0] * self.chunk[1]))
+
+    def run(self, units: Sequence[Unit]) -> list[Report]:
+        """Compute some units in one batch."""
+        scene = self.scene
+        blocks, sizes = [], []
+        for unit in units:
+            structure = scene.structures[unit.structures[0]]
+            amplitude, omega = scene.grid.scaled(structure)
+            a, w = amplitude[unit.column : unit.column + self.chunk[1]], omega[unit.row : unit.row + self.chunk[0]]
+            sizes.append((w.size, a.size))
+            blocks.append([np.broadcast_to(x, sizes[-1]).ravel() for x in (a[None, :], w[:, None], np.array(structure.eta))])
+        model = scene.method.model_of(scene.structures[units[0].structures[0]])
+        found = response(model, scene.motion, *(np.concatenate(column) for column in zip(*blocks, strict=True)))
+        reports: list[Report] = []
+        first = 0
+        for unit, size in zip(units, sizes, strict=True):
+            mine = slice(first, first + size[0] * size[1])
+            first = mine.stop
+            work = found.work if not reports else Work()
+            theta_ratio, outcome, impacts = (x[mine].reshape(size) for x in (found.theta_ratio, found.outcome, found.impacts))
+            part = Response(theta_ratio, outcome, impacts, work)
+            worst, misjudged, checked = self.compare(unit, part)
+            outcomes = np.bincount(part.outcome.ravel(), minlength=len(Outcome))
+            data = self.convert(part) if self.convert else part
+            reports.append(Report(data, work, part.outcome.size, outcomes, worst, misjudged, checked))
+        return reports
 
     def compare(self, unit: Unit, response: Response) -> tuple[float, int, int]:
         """(largest difference, outcomes that differ, cells) of this unit's sampled cells against the reference."""
@@ -81,6 +103,7 @@ class Job:
         return worst, misjudged, checked
 
 
+TOGETHER = 1 << 18  # cells of the linear model that a worker computes in one batch
 _job: Job | None = None
 
 
@@ -91,33 +114,47 @@ def _set_job(job: Job) -> None:
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
 
 
-def _run_unit(unit: Unit) -> Report:
+def _run_units(units: Sequence[Unit]) -> list[Report]:
     assert _job is not None
-    return _job.run(unit)
+    return _job.run(units)
+
+
+def _batches(job: Job, units: Sequence[Unit], workers: int) -> Iterator[list[list[int]]]:
+    """Indices of units in rounds, one batch a worker each; neighbours go to different workers, since they cost alike."""
+    size = max(1, min(job.together, -(-len(units) // workers)))
+    for first in range(0, len(units), workers * size):
+        last = min(len(units), first + workers * size)
+        yield [list(range(i, last, workers)) for i in range(first, min(first + workers, last))]
 
 
 def unit_reports(job: Job, units: Sequence[Unit], workers: int) -> Iterator[tuple[Unit, Report]]:
     if workers == 1:
-        for unit in units:
-            yield unit, job.run(unit)
+        for (batch,) in _batches(job, units, 1):
+            some = [units[i] for i in batch]
+            yield from zip(some, job.run(some), strict=True)
         return
     # Forked workers have the scene and the imported packages from the start; only results travel.
     forks = sys.platform == "linux"
     context = multiprocessing.get_context("fork" if forks else "spawn")
     pool = ProcessPoolExecutor(workers, mp_context=context, initializer=_set_job, initargs=(job,))
     try:
-        waiting: deque[tuple[Unit, Future[Report]]] = deque()
+        rounds = _batches(job, units, workers)
+        waiting: deque[list[tuple[list[int], Future[list[Report]]]]] = deque()
         with warnings.catch_warnings():  # numpy's idle arithmetic threads are no danger to a fork
             warnings.simplefilter("ignore", DeprecationWarning)
-            for unit in units:
-                waiting.append((unit, pool.submit(_run_unit, unit)))
-                if len(waiting) > 2 * workers:
-                    first, future = waiting.popleft()
-                    yield first, future.result()
+            for batches in rounds:
+                waiting.append([(batch, pool.submit(_run_units, [units[i] for i in batch])) for batch in batches])
+                if len(waiting) > 2:
+                    yield from _in_order(waiting.popleft(), units)
         while waiting:
-            first, future = waiting.popleft()
-            yield first, future.result()
+            yield from _in_order(waiting.popleft(), units)
     except BrokenProcessPool:
         raise OutputError("a worker process died (out of memory?); fewer --workers or a smaller --chunk need less") from None
     finally:
         pool.shutdown(wait=True, cancel_futures=True)
+
+
+def _in_order(batches: list[tuple[list[int], Future[list[Report]]]], units: Sequence[Unit]) -> Iterator[tuple[Unit, Report]]:
+    reports = {i: report for batch, future in batches for i, report in zip(batch, future.result(), strict=True)}
+    for i in sorted(reports):
+        yield units[i], reports[i]

@@ -1,0 +1,46 @@
+"""Ctrl-C and SIGTERM: one way to stop, that is not lost.
+
+Python raises KeyboardInterrupt wherever the program happens to be; inside a callback of a C library or a finalizer it is
+printed and forgotten. So the request is remembered as well, long loops ask for it, and a write is not cut in half.
+"""
+
+from __future__ import annotations
+
+import signal
+from collections.abc import Iterator
+from contextlib import contextmanager
+from types import FrameType
+
+_asked = False
+_deferred = False
+
+
+def listen() -> None:
+    """Make SIGINT and SIGTERM a KeyboardInterrupt that `check` raises again; for programs, from the main thread."""
+    signal.signal(signal.SIGINT, _stop)
+    signal.signal(signal.SIGTERM, _stop)
+
+
+def check() -> None:
+    """Raise KeyboardInterrupt if a stop was asked for before."""
+    if _asked:
+        raise KeyboardInterrupt
+
+
+@contextmanager
+def deferred() -> Iterator[None]:
+    """Let the block finish first: a stop that is asked for inside it comes at its end."""
+    global _deferred
+    _deferred = True
+    try:
+        yield
+    finally:
+        _deferred = False
+    check()
+
+
+def _stop(number: int, frame: FrameType | None) -> None:
+    global _asked
+    _asked = True
+    if not _deferred:
+        raise KeyboardInterrupt
