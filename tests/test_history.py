@@ -147,3 +147,17 @@ def test_a_step_count_that_runs_away_is_a_failed_cell(monkeypatch, tmp_path):
 def test_numbers_out_of_range_are_refused(bad):
     with pytest.raises(ValueError, match=r"accepted|must"):
         history(LinearModel(), sine(), **{"amplitude": 2.0, "omega": 3.0, "eta": 0.9, "duration": 5.0, **bad})
+
+
+def test_a_body_past_its_limit_has_overturned_even_if_it_turns_back_within_the_step():
+    cell = (17.628431883129675, 3.9264169916137712, 0.5)
+    found = history(RigidModel(1.2), cosine(1), *cell, duration=30.0)
+    assert found.outcome == int(response(RigidModel(1.2), cosine(1), *cell).outcome) == Outcome.OVERTURNED_AFTER_IMPACT
+    assert found.moments[-1].event == "overturning"
+    assert [m.tau for m in found.moments] == sorted(m.tau for m in found.moments)
+
+
+def test_the_last_row_of_an_overturning_history_is_where_it_ends():
+    arch = build_structure(parse_documents("kind: arch\nradius: 10\nthickness: 1.5\nangle: 157.5 deg\nvoussoirs: 7")[0])
+    found = history(MechanismModel(arch.mechanism), sine(), 3.283, 2.547, arch.eta, duration=30.0)
+    assert found.at(np.array([found.end]))[0][0] == pytest.approx(found.moments[-1].theta_ratio, rel=1e-9)

@@ -168,3 +168,41 @@ def test_faulty_motion_documents_name_the_fault(text, words):
 def test_faulty_pulses_are_refused(name, parameters, words):
     with pytest.raises(UsageError, match=words):
         pulse(name, **parameters)
+
+
+STEP = """
+pieces:
+  - {from: 0, to: 1, constant: -1}
+  - {from: 1, to: 1.9, constant: 0.2}
+  - {from: 1.9, to: 13.9, constant: -0.633333, slope: 0.111667}
+"""
+
+
+@pytest.mark.parametrize(
+    ("motion", "cell", "theta"),
+    [
+        # A valley of the drive entered inwards, in which the body turns outwards and then crests; by a Runge-Kutta program.
+        (own(STEP), (1.5, 2 * math.pi, 0.0), 0.75639),
+        (pulse("mavroeidis-papageorgiou", gamma=3, phase=0.06), (1.5788, 2.698, 0.9), 0.882476),
+        (pulse("mavroeidis-papageorgiou", gamma=3, phase=0.0610721), (1.5788487654715873, 2.6981940340400308, 0.9), 0.881604),
+        (pulse("mavroeidis-papageorgiou", gamma=3, phase=6.21634), (1.5133430666785952, 2.5930464639444697, 0.9), 0.902486),
+    ],
+)
+def test_a_crest_after_an_inward_start_is_seen(motion, cell, theta):
+    assert float(linear_response(motion, *cell).theta_ratio) == pytest.approx(theta, abs=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("pieces: [{from: 0, to: 1, sines: [{amplitude: 1, frequency: 1e300}]}]", "frequency: found 1e300"),
+        ("pieces: [{from: 0, to: 1, sines: [{amplitude: 1, phase: 1e20}]}]", "phase: found 1e20"),
+        ("pieces: [{from: 0, to: 1, constant: 1e308, slope: 1e308}]", "constant: found 1e308"),
+        ("points: [[0, 1], [1e-300, 2]]", "times that rise"),
+        ("points: [[0, 0], [1e300, 1]]", "up to 100000 periods"),
+        ("points: [[0, 0], [1, 1e300]]", "acceleration"),
+    ],
+)
+def test_numbers_without_sense_are_refused(text, words):
+    with pytest.raises(DocumentError, match=words):
+        own(text)

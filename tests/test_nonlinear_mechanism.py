@@ -144,3 +144,9 @@ def test_one_lane_is_the_same_lane_in_a_batch(oppenheim):
 
 def test_linear_quarter_period_is_its_closed_form():
     assert quarter_period(LinearModel(), 0.6) == pytest.approx(math.acosh(1.0 / 0.4), rel=1e-14)
+
+
+@pytest.mark.parametrize(("thickness", "angle"), [(0.8, 100), (0.795, 100), (0.801, 101), (2.0, 140), (0.5, 90)])
+def test_ordinary_arches_have_a_nonlinear_model(thickness, angle):
+    (document,) = parse_documents(f"kind: arch\nradius: 10\nthickness: {thickness}\nangle: {angle} deg\nrestitution: 0.8")
+    assert MechanismModel(build_structure(document).mechanism).limit > 1.0

@@ -16,6 +16,7 @@ COMMANDS = {
     "spectrum": "Sweep every structure over a grid and write its rocking spectrum.",
     "envelope": "Trace every interval of amplitude that overturns.",
     "response": "Time history of one structure under one motion.",
+    "accuracy": "Error against run time for a scene.",
     "compare": "Compare structures under motions scaled alike, and the linear with the nonlinear equation.",
 }
 

@@ -65,6 +65,9 @@ def shaking(command: F) -> F:
         axes = {key: given.pop(key.lower() if key in ("A", "Omega", "T_g") else key) for key in flags}
         there = {key: value for key, value in axes.items() if value is not None}
         grid = None
+        for key, value in there.items():
+            if "," in value:
+                raise click.UsageError(f"{flags[key]}: found {value!r}; accepted is one value")
         if there:
             try:
                 grid = parse_grid(",".join(f"{key}={value}" for key, value in there.items()))
@@ -72,7 +75,7 @@ def shaking(command: F) -> F:
                 text = str(error)
                 for key, flag in flags.items():
                     text = text.replace(f"--grid {key}:", f"{flag}:")
-                raise UsageError(text.replace("--grid: found", "found")) from None
+                raise UsageError(text.replace("--grid: ", "")) from None
             if grid.shape != (1, 1):
                 raise UsageError(f"found {' '.join(f'{flags[k]} {v}' for k, v in there.items())}; accepted is one value of each")
         return command(*arguments, shaking=grid, **given)

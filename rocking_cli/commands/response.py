@@ -57,6 +57,8 @@ def response(
         raise click.UsageError(f"{file} holds {len(structures)} structures, accepted is one; rocking compare takes several")
     if shaking is None and not release:
         raise click.UsageError("no shaking: give --a-g and --omega-g (or --f-g, --T-g), or --A and --Omega, or --release for free rocking")
+    if shaking is None and (context.params["pulse"] or context.params["motion_file"]):
+        raise click.UsageError("a motion needs --a-g and --omega-g (or --f-g, --T-g), or --A and --Omega")
     if steps and dt is not None:
         raise click.UsageError("--steps does not go with --dt")
     found = time_history(

@@ -13,7 +13,7 @@ from ..motions.motion import Segments
 from .flow import Point
 from .lanes import Lanes, phase_between
 from .model import Flow, Model
-from .roots import hidden_dip, impact_root, turning_point
+from .roots import hidden_turn, impact_root, turning_point
 from .windows import window_end
 
 Array = np.ndarray
@@ -109,8 +109,17 @@ def _impact_guess(arc: Flow, step: Step, end: Point, reach: Array, at: Array) ->
 def crests(segments: Segments, lanes: Lanes, event: Event, wanted: Array) -> tuple[Array, Array, Array]:
     """(lanes, h, y) of the turning points of this step: one a lane at the most, and only in a valley."""
     step, end = event.step, event.end
-    rises = wanted & ~step.ridge & (step.joined | (lanes.v > 0.0))
-    high = event.reach.copy()
+    wanted = wanted & ~step.ridge
+    rises = wanted & (step.joined | (lanes.v > 0.0))
+    low, high = step.valley.copy(), event.reach.copy()
+    # Entered inwards, y' may rise through zero while the drive still falls: as a concave function, not above its tangent.
+    turning = np.flatnonzero(wanted & ~rises & (lanes.b > 0.0))
+    if turning.size:
+        bottom = np.minimum(_bottom(segments, lanes, event, turning), high[turning])
+        turning, bottom = (x[lanes.v[turning] + lanes.b[turning] * bottom > 0.0] for x in (turning, bottom))
+        outwards = hidden_turn(event.arc.take(turning), np.zeros(turning.size), bottom, -1.0)
+        found = np.isfinite(outwards)
+        rises[turning[found]], low[turning[found]] = True, outwards[found]
     sure = rises & (event.hit | (end.v <= 0.0))
     # y' > 0 at both ends: a peak and a trough may hide where the drive rises again, and then b > 0 at the end.
     doubtful = np.flatnonzero(rises & ~sure & (end.b > 0.0))
@@ -120,10 +129,10 @@ def crests(segments: Segments, lanes: Lanes, event: Event, wanted: Array) -> tup
         sure[doubtful[found]] = True
         high[doubtful[found]] = falls[found]
     at = np.flatnonzero(sure)
-    low = step.valley[at]
+    low, high = low[at], high[at]
     if not at.size:
         return at, low, low
-    return at, *turning_point(event.arc.take(at), low, high[at], 0.5 * (low + high[at]), 1.0)
+    return at, *turning_point(event.arc.take(at), low, high, 0.5 * (low + high), 1.0)
 
 
 def raise_peaks(segments: Segments, lanes: Lanes, event: Event, wanted: Array) -> None:
@@ -132,19 +141,24 @@ def raise_peaks(segments: Segments, lanes: Lanes, event: Event, wanted: Array) -
     lanes.peak[at] = np.maximum(lanes.peak[at], y)
 
 
-def _falling_again(segments: Segments, lanes: Lanes, event: Event, at: Array) -> Array:
-    """A time with y' < 0 inside steps that begin and end with y' > 0, NaN where there is none."""
+def _bottom(segments: Segments, lanes: Lanes, event: Event, at: Array) -> Array:
+    """The time until which the drive falls in these steps: to the start of the last segment; 0 where it only rises."""
     k, u = lanes.k[at], lanes.u[at]
     to_k, to_u = event.step.k[at], event.step.u[at]
-    to_k, to_u = np.where(to_u > 0.0, to_k, to_k - 1), np.where(to_u > 0.0, to_u, 1.0)
-    valley, h = event.step.valley[at], event.step.h[at]
-    # The drive falls to the start of the last segment, if the valley reaches back that far, and rises in it.
+    to_k = np.where(to_u > 0.0, to_k, to_k - 1)
+    inside = -lanes.side[at] * (segments.s_end[k] - segments.s_start[k]) < 0.0  # a step within one falling segment
     bottom = phase_between(segments, k, u, np.maximum(k, to_k), np.zeros(at.size)) / lanes.omega[at]
-    bottom = np.clip(np.where(to_k > k, bottom, 0.0), valley, h)
+    return np.where(to_k > k, bottom, np.where(inside, event.step.h[at], 0.0))
+
+
+def _falling_again(segments: Segments, lanes: Lanes, event: Event, at: Array) -> Array:
+    """A time with y' < 0 inside steps that begin and end with y' > 0, NaN where there is none."""
+    valley, h = event.step.valley[at], event.step.h[at]
+    bottom = np.clip(_bottom(segments, lanes, event, at), valley, h)
     arc = event.arc.take(at)
     middle = arc.at(bottom)
     found = np.where(middle.v < 0.0, bottom, np.nan)
     hidden = np.flatnonzero((middle.v >= 0.0) & (middle.b < 0.0))
     if hidden.size:
-        found[hidden] = hidden_dip(arc.take(hidden), bottom[hidden], h[hidden])
+        found[hidden] = hidden_turn(arc.take(hidden), bottom[hidden], h[hidden], 1.0)
     return found

@@ -22,6 +22,7 @@ from .outcome import Outcome
 Array = np.ndarray
 
 _INVISIBLE = 1e-4  # speed of a bounce, y' by tau: its height is below 1e-8
+LONGEST = 1e9  # tau: beyond, doubles do not tell the times of an arc apart
 _FALLEN = 3.0  # |theta|/alpha to which an overturning body is followed, unless it lies on its side before
 
 
@@ -58,7 +59,7 @@ class History:
         tau = np.asarray(tau, dtype=float)
         ratio, rate = np.zeros(tau.shape), np.zeros(tau.shape)
         for stretch in self.stretches:
-            inside = np.flatnonzero((tau >= stretch.start) & (tau <= stretch.stop))
+            inside = np.flatnonzero((tau >= stretch.start) & (tau <= stretch.stop * (1.0 + 1e-14)))
             if inside.size:
                 point = stretch.flow.take(np.zeros(inside.size, dtype=np.int64)).at(tau[inside] - stretch.start)
                 ratio[inside] = stretch.side * self.model.rotation(point.y)
@@ -92,6 +93,8 @@ def history(model: Model, motion: Motion, amplitude: float, omega: float, eta: f
             raise ValueError(f"{name} is {x:g}, accepted is a finite number that is not negative")
     if not (omega > 0.0 and eta <= 1.0 and duration > 0.0 and release < 1.0):
         raise ValueError("omega and duration must be positive, eta at most 1 and release below 1")
+    if motion.duration / omega > LONGEST:
+        raise ValueError(f"omega is {omega:g}, accepted is one with which the shaking ends before tau = {LONGEST:g}")
     end = max(motion.duration / omega, duration) * 1.001
     still = Piece(motion.duration, end * omega)
     run = _Watched(model, Motion(motion.name, (*motion.pieces, still)), amplitude, omega, eta, release)
@@ -112,9 +115,9 @@ class _Watched(Run):
         with np.errstate(all="ignore"):
             while lanes.cell.size and self._tau(lanes) < duration:
                 lanes = self._round(lanes)
-        moments = [m for m in self.moments if m.tau <= duration]
-        end = min([duration, *(m.tau for m in moments if m.event == "overturning")])
-        stretches = tuple(s._replace(stop=min(s.stop, end)) for s in self.stretches if s.start < end)
+        end = min([duration, *(m.tau for m in self.moments if m.event == "overturning")])
+        moments = [m for m in self.moments if m.tau <= end]
+        stretches = tuple(s._replace(stop=min(s.stop, end)) for s in self.stretches if s.start <= end)
         return History(self.model, stretches, tuple(moments), end, self._became(moments))
 
     def _became(self, moments: list[Moment]) -> Outcome:
@@ -146,6 +149,7 @@ class _Watched(Run):
         return (float(self.segments.start[k]) + whole) / float(lanes.omega[0])
 
     def _note(self, tau: float, event: str, side: float, y: float, v: float) -> None:
+        tau = max(tau, self.moments[-1].tau if self.moments else 0.0)  # in order, whatever the last digit
         rotation, rate = self.model.rotation(np.array([y])), self.model.rotation_rate(np.array([y]), np.array([v]))
         self.moments.append(Moment(tau, event, float(side * rotation[0]) + 0.0, float(side * rate[0]) + 0.0))  # no -0
 
@@ -153,7 +157,10 @@ class _Watched(Run):
         start, side, reach = self._tau(lanes), float(lanes.side[0]), float(event.reach[0])
         self.stretches.append(Stretch(start, start + reach, side, event.arc))
         _, h, y = crests(self.segments, lanes, event, np.array([True]))
-        if h.size:
+        self.summit = start + reach
+        if h.size and y[0] >= self.model.limit:
+            self.summit = start + float(h[0])  # beyond its limit, and perhaps back within this step
+        elif h.size:
             self._note(start + float(h[0]), "peak", side, float(y[0]), 0.0)
         if event.hit[0]:
             self._note(start + reach, "impact", side, 0.0, float(event.impact_v[0]))
@@ -163,9 +170,9 @@ class _Watched(Run):
         return certain & (event.end.y >= self.fallen)
 
     def _overturn(self, lanes: Lanes, at: Array) -> None:
-        if at.size and self.stretches[-1].start >= 0.0:
+        if at.size:
             last = self.stretches[-1]
-            low, high = last.start, last.stop
+            low, high = last.start, self.summit
             for _ in range(80):
                 middle = 0.5 * (low + high)
                 beyond = float(last.flow.at(np.array([middle - last.start])).y[0]) >= self.fallen

@@ -30,7 +30,7 @@ DEGREE = 28  # of a patch's series
 _COLLAPSED = -50.0  # lambda(phi) / lambda(0): no drive below 50 times the uplift's brings the structure back from there
 _WIDEN = 2.0  # a patch's series is fitted on this times its width
 _MARGIN = 1e-6  # energy beyond a barrier from which overturning is certain, whatever the table's interpolation
-_SMALL = 2e-15  # a Chebyshev coefficient below this, against the largest, is rounding
+_SMALL = 3e-14  # a Chebyshev coefficient below this is rounding: values are of order one and come from the linkage to 1e-14
 
 
 @dataclass(frozen=True)
@@ -274,7 +274,7 @@ def _fit(path: _Path, start: float, stop: float, depth: int) -> list[tuple[float
         if not np.all(np.isfinite(v)):
             break
         c = np.polynomial.chebyshev.chebfit(x, v, DEGREE + 7)
-        small = _SMALL * np.abs(c).max()
+        small = _SMALL * max(1.0, np.abs(c).max()) * (1.0 if depth < 8 else 10.0)
         if np.abs(c[DEGREE - 2 :]).max() > small:
             break
         c = np.where(np.abs(c) > small, c, 0.0)[: DEGREE + 1]

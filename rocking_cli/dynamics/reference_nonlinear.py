@@ -8,7 +8,8 @@ more; impacts and crests are events.
 from __future__ import annotations
 
 import math
-from typing import Protocol
+from dataclasses import dataclass
+from typing import Any, Protocol
 
 import numpy as np
 from scipy.integrate import solve_ivp
@@ -19,8 +20,8 @@ from ..structures.mechanism import Mechanism, linearise
 from .outcome import Outcome
 
 _MAX_STRIDES = 5_000
+_SCRIPT_STRIDE = 10.0  # tau between two looks at whether a body is lost, where steps are the solver's own
 _AT_REST = 1e-11
-_LIMITS = {"method": "DOP853", "rtol": 1e-13, "atol": 1e-15}
 
 
 class Equation(Protocol):
@@ -61,6 +62,32 @@ class Linkage:
         return [w / root, -float(c.lift + push * c.push) / root / self.stiffness]
 
 
+class Oscillator:
+    """Eq. 2.4 over alpha, for general solvers; the engine's own reference for it is `reference`."""
+
+    alpha = uplift = scale = 1.0
+
+    def rates(self, theta: float, w: float, push: float) -> list[float]:
+        """theta - 1 - push."""
+        return [w, theta - 1.0 - push]
+
+
+@dataclass(frozen=True)
+class Solver:
+    """A method of SciPy's `solve_ivp`; small steps and events met by integrating anew to them, or as a script would call it."""
+
+    method: str = "DOP853"
+    tolerance: float = 1e-13
+    careful: bool = True
+
+    def __call__(self, rate: Any, span: tuple[float, float], state: list[float], **options: Any) -> Any:
+        absolute = 1e-2 * self.tolerance if self.careful else self.tolerance
+        return solve_ivp(rate, span, state, method=self.method, rtol=max(self.tolerance, 2.3e-14), atol=absolute, **options)
+
+
+CAREFUL = Solver()
+
+
 class _Ground:
     """Event: the body comes down on the ground, where the integration stops."""
 
@@ -79,9 +106,11 @@ class _Crest:
         return float(state[1])
 
 
-def reference_nonlinear(motion: Motion, amplitude: float, omega: float, eta: float, equation: Equation) -> tuple[Outcome, float]:
+def reference_nonlinear(
+    motion: Motion, amplitude: float, omega: float, eta: float, equation: Equation, solver: Solver = CAREFUL
+) -> tuple[Outcome, float]:
     """(outcome, max |theta|/alpha, NaN where overturned) of one cell; FAILED if it takes too long."""
-    body = _Body(equation, amplitude, omega, eta)
+    body = _Body(equation, amplitude, omega, eta, solver)
     for piece in motion.pieces:
         end = piece.stop / omega
         while end - body.time > 1e-14 * end:
@@ -98,7 +127,8 @@ def reference_nonlinear(motion: Motion, amplitude: float, omega: float, eta: flo
 
 
 class _Body:
-    def __init__(self, equation: Equation, amplitude: float, omega: float, eta: float) -> None:
+    def __init__(self, equation: Equation, amplitude: float, omega: float, eta: float, solver: Solver) -> None:
+        self.solver = solver
         self.equation, self.drive, self.omega, self.eta = equation, amplitude * equation.scale, omega, eta
         self.time = self.theta = self.w = self.peak = 0.0
         self.side = self.strides = 0
@@ -123,25 +153,28 @@ class _Body:
 
     def move(self, piece: Piece, end: float) -> None:
         """One stride, or on to the impact in it."""
-        stop, time = min(end, self.time + self.stride(piece)), self.time
+        time, careful = self.time, self.solver.careful
+        stop = min(end, time + (self.stride(piece) if careful else _SCRIPT_STRIDE))
 
         def rate(t: float, state: np.ndarray) -> list[float]:
             push = self.side * self.drive * float(piece.value(self.omega * t))
             return self.equation.rates(float(state[0]), float(state[1]), push)
 
         def at(t: float) -> np.ndarray:
-            return solve_ivp(rate, (time, t), [self.theta, self.w], first_step=t - time, **_LIMITS).y[:, -1]
+            return np.asarray(self.solver(rate, (time, t), [self.theta, self.w], first_step=t - time).y[:, -1])
 
-        path = solve_ivp(rate, (time, stop), [self.theta, self.w], events=(_Ground(), _Crest()), max_step=(stop - time) / 5, **_LIMITS)
-        for t in path.t_events[1][path.t_events[1] > time]:
-            there = at(t)
+        limit = {"max_step": (stop - time) / 5} if careful else {}
+        path = self.solver(rate, (time, stop), [self.theta, self.w], events=(_Ground(), _Crest()), **limit)
+        for i in np.flatnonzero(path.t_events[1] > time):
+            t = path.t_events[1][i]
+            there = at(t) if careful else path.y_events[1][i]
             speed, force = rate(t, there)
             self.peak = max(self.peak, float(there[0] - 0.5 * speed * there[1] / force))
         if path.status == 0:
             self.time, (self.theta, self.w) = stop, (float(x) for x in path.y[:, -1])
             return
         t = max(float(path.t_events[0][0]), np.nextafter(time, math.inf))
-        there = at(t)
+        there = at(t) if careful else path.y_events[0][0]
         speed, force = rate(t, there)
         miss = -float(there[0]) / speed if speed < 0.0 else 0.0
         self.time, self.side, self.bounced = t + miss, -self.side, True

@@ -100,25 +100,25 @@ def turning_point(arc: Flow, low: Array, high: Array, guess: Array, sense: float
     return h_out, y_out
 
 
-def hidden_dip(arc: Flow, low: Array, high: Array) -> Array:
-    """A point with v < 0 between two ends with v > 0, NaN where there is none.
+def hidden_turn(arc: Flow, low: Array, high: Array, sense: float) -> Array:
+    """A point with sense * v < 0 between two ends with sense * v >= 0, NaN where there is none.
 
-    For a stretch on which the drive rises: v'' = v + a' > 0 while v > 0, so v is convex there and the sign of its slope b
-    says on which side its minimum lies.
+    sense = +1: a dip of v while the drive rises: v'' = v + a' > 0 while v > 0, so v is convex there and the sign of its slope b
+    says on which side its minimum lies. sense = -1: a rise of v while the drive falls, its mirror image.
     """
     found = np.full(low.shape, np.nan)
     lanes = np.arange(low.size)
     low, high = low.copy(), high.copy()
     for _ in range(60):
+        if not lanes.size:
+            break
         h = 0.5 * (low + high)
         f = arc.at(h)
-        dips = f.v < 0.0
-        found[lanes[dips]] = h[dips]
-        # Convexity bounds v from below by its tangents: stop where they prove that v stays positive.
-        proven = f.v - np.abs(f.b) * (high - low) > 0.0
-        keep = np.flatnonzero(~dips & ~proven)
-        if not keep.size:
-            break
-        low, high = np.where(f.b < 0.0, h, low)[keep], np.where(f.b < 0.0, high, h)[keep]
+        v, b = sense * f.v, sense * f.b
+        turns = v < 0.0
+        found[lanes[turns]] = h[turns]
+        # Convexity bounds v from below by its tangents: stop where they prove that v keeps its sign.
+        keep = np.flatnonzero(~turns & (v - np.abs(b) * (high - low) <= 0.0))
+        low, high = np.where(b < 0.0, h, low)[keep], np.where(b < 0.0, high, h)[keep]
         arc, lanes = arc.take(keep), lanes[keep]
     return found

@@ -17,7 +17,9 @@ from ..errors import DocumentError, MotionError
 from .motion import Harmonic, Motion, Piece
 
 TURN = 2.0 * np.pi
-MOST_CYCLES = 1e5
+MOST_CYCLES = 1e5  # length of a motion, and of any of its sines in its own periods
+LARGEST = 1e6  # accelerations, over a_g, and phases
+SHORTEST = 1e-9  # periods
 _PIECES = "a list of pieces, each with from, to, and constant, slope or sines"
 _POINTS = "a list of two or more points [t/T_g, acceleration/a_g], in order of time"
 
@@ -60,13 +62,20 @@ def _pieces(document: Document) -> tuple[Piece, ...]:
     for i, value in enumerate(_children(document, "pieces", _PIECES, 1), 1):
         part = document.part("pieces", value)
         start = part.quantity("from", "number", least=0.0, most=MOST_CYCLES, where=f"a time in periods from 0 to {MOST_CYCLES:g}")
-        stop = part.quantity("to", "number", above=start, most=MOST_CYCLES, where=f"a time in periods after {start:g}")
+        stop = part.quantity(
+            "to", "number", least=start + SHORTEST, most=MOST_CYCLES, where=f"a time in periods after {start:g}, up to {MOST_CYCLES:g}"
+        )
         before = pieces[-1].stop / TURN if pieces else 0.0
         if abs(start - before) > 1e-9 * max(1.0, before):
             what = "overlaps the one before" if start < before else "leaves a gap"
             raise part.fault("from", f"{start:g}, where piece {i} {what}", f"{before:g}, the end of the piece before" if i > 1 else "0")
-        constant, slope = (part.quantity(key, "number") if part.has(key) else 0.0 for key in ("constant", "slope"))
-        harmonics = tuple(_sine(part, child, i) for child in _children(part, "sines", "a list of sines", 1)) if part.has("sines") else ()
+        steepest = LARGEST / (stop - start)
+        constant, slope = (
+            part.quantity(key, "number", least=-most, most=most) if part.has(key) else 0.0
+            for key, most in (("constant", LARGEST), ("slope", steepest))
+        )
+        sines = _children(part, "sines", "a list of sines", 1) if part.has("sines") else []
+        harmonics = tuple(_sine(part, child, stop - start) for child in sines)
         if not (harmonics or part.has("constant") or part.has("slope")):
             raise part.fault(None, "a piece without constant, slope or sines", "one of them (constant: 0 for a pause)")
         part.finish()
@@ -74,11 +83,13 @@ def _pieces(document: Document) -> tuple[Piece, ...]:
     return tuple(pieces)
 
 
-def _sine(part: Document, value: Value, piece: int) -> Harmonic:
+def _sine(part: Document, value: Value, length: float) -> Harmonic:
     sine = part.part("sines", value)
-    amplitude = sine.quantity("amplitude", "number")
-    frequency = sine.quantity("frequency", "number", above=0.0, where="a positive multiple of omega_g") if sine.has("frequency") else 1.0
-    phase = sine.quantity("phase", "angle") if sine.has("phase") else 0.0
+    amplitude = sine.quantity("amplitude", "number", least=-LARGEST, most=LARGEST)
+    highest = MOST_CYCLES / length
+    where = f"a positive multiple of omega_g, up to {highest:g} for {MOST_CYCLES:g} cycles in this piece"
+    frequency = sine.quantity("frequency", "number", above=0.0, most=highest, where=where) if sine.has("frequency") else 1.0
+    phase = sine.quantity("phase", "angle", least=-LARGEST, most=LARGEST) if sine.has("phase") else 0.0
     sine.finish()
     return Harmonic(amplitude, frequency, phase)
 
@@ -89,8 +100,10 @@ def _lines(document: Document) -> tuple[Piece, ...]:
         raise document.fault("points", f"a first point at {points[0][0]:g}", "a motion that begins at 0")
     pieces = []
     for (t0, s0), (t1, s1) in pairwise(points):
-        if not t1 > t0:
-            raise document.fault("points", f"a point at {t1:g} after one at {t0:g}", "times that rise")
+        if not (t1 >= t0 + SHORTEST and t1 <= MOST_CYCLES):
+            raise document.fault("points", f"a point at {t1:g} after one at {t0:g}", f"times that rise, up to {MOST_CYCLES:g} periods")
+        if max(abs(s0), abs(s1)) > LARGEST:
+            raise document.fault("points", f"an acceleration of {s0 if abs(s0) > abs(s1) else s1:g}", f"one up to {LARGEST:g} a_g")
         pieces.append(Piece(TURN * t0, TURN * t1, (), s0, (s1 - s0) / (TURN * (t1 - t0))))
     return tuple(pieces)
 

@@ -18,7 +18,7 @@ def summary_lines(summary: Summary, output: str) -> Iterator[str]:
         agree = "every outcome equal" if not s.misjudged else f"{s.misjudged} OUTCOMES DIFFER"
         yield f"estimated error: {s.estimated_error:.1e} in theta/alpha, {s.checked_cells} cells computed again by {s.checked_by}, {agree}"
         if s.misjudged or s.estimated_error > SENSITIVE:
-            yield "warning: this scene holds cells that depend on the last digits of their input; single cells are not to be relied on"
+            yield "warning: the two paths differ, as where cells depend on the last digits of their input; do not rely on single cells"
     else:
         yield "estimated error: not checked"
     yield "outcomes: " + ", ".join(f"{n} {flag}" for flag, n in s.outcomes.items() if n)

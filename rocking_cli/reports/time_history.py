@@ -74,7 +74,7 @@ class TimeHistory:
         """One record for each uplift, impact, peak, rest and overturning; the rate is that before an impact."""
         s = self.structure
         for model, found in self.histories.items():
-            for m in sorted(found.moments, key=lambda m: m.tau):
+            for m in found.moments:
                 if dimensionless:
                     row = {"tau": m.tau, "theta_ratio": m.theta_ratio, "theta_ratio_rate": m.rate}
                 else:
@@ -117,7 +117,10 @@ def time_history(
     tau = motion.duration / omega + FREE if duration is None else duration * structure.p
     if not (math.isfinite(tau) and tau > 0.0):
         raise UsageError(f"--duration: found {duration if duration is not None else tau:g}, accepted is a positive time [s]")
-    histories = {
-        m.model: history(m.model_of(structure), motion, amplitude, omega, structure.eta, release=release, duration=tau) for m in methods
-    }
+    try:
+        histories = {
+            m.model: history(m.model_of(structure), motion, amplitude, omega, structure.eta, release=release, duration=tau) for m in methods
+        }
+    except ValueError as error:
+        raise UsageError(f"{structure.name}: {error}") from None
     return TimeHistory(structure, motion, amplitude, omega, histories)

@@ -60,15 +60,19 @@ class Job:
     def run(self, units: Sequence[Unit]) -> list[Report]:
         """Compute some units in one batch."""
         scene = self.scene
-        blocks, sizes = [], []
-        for unit in units:
+        rows, columns = scene.grid.shape
+        sizes = [(min(self.chunk[0], rows - unit.row), min(self.chunk[1], columns - unit.column)) for unit in units]
+        cells, first = np.empty((3, sum(a * b for a, b in sizes))), 0
+        for unit, size in zip(units, sizes, strict=True):
             structure = scene.structures[unit.structures[0]]
             amplitude, omega = scene.grid.scaled(structure)
-            a, w = amplitude[unit.column : unit.column + self.chunk[1]], omega[unit.row : unit.row + self.chunk[0]]
-            sizes.append((w.size, a.size))
-            blocks.append([np.broadcast_to(x, sizes[-1]).ravel() for x in (a[None, :], w[:, None], np.array(structure.eta))])
+            block = cells[:, first : first + size[0] * size[1]].reshape(3, *size)
+            block[0], block[1] = amplitude[unit.column : unit.column + size[1]], omega[unit.row : unit.row + size[0], None]
+            block[2] = structure.eta
+            first += size[0] * size[1]
         model = scene.method.model_of(scene.structures[units[0].structures[0]])
-        found = response(model, scene.motion, *(np.concatenate(column) for column in zip(*blocks, strict=True)))
+        found = response(model, scene.motion, *cells)
+        del cells
         reports: list[Report] = []
         first = 0
         for unit, size in zip(units, sizes, strict=True):
@@ -103,7 +107,7 @@ class Job:
         return worst, misjudged, checked
 
 
-TOGETHER = 1 << 18  # cells of the linear model that a worker computes in one batch
+TOGETHER = 1 << 19  # cells of the linear model that a worker computes in one batch
 _job: Job | None = None
 
 

@@ -88,7 +88,8 @@ def heyoka_cells(cells, eta, alpha, tol):
     limit = 1e3 if alpha is None else 0.5 * math.pi / alpha  # on its side
     ta = hy.taylor_adaptive(
         [(y, v), (v, force)], [0.0, 0.0], tol=tol, pars=[1.0, 1.0, 1.0],
-        t_events=[hy.t_event(y, direction=down, callback=impact), hy.t_event(y - limit, direction=hy.event_direction.positive)], nt_events=[hy.nt_event(v, callback=crest, direction=down)],
+        t_events=[hy.t_event(y, direction=down, callback=impact), hy.t_event(y - limit, direction=hy.event_direction.positive)],
+        nt_events=[hy.nt_event(v, callback=crest, direction=down)],
     )  # fmt: skip
     found = np.empty((len(cells), 2))
     for i, (amplitude, omega) in enumerate(cells):

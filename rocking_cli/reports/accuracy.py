@@ -1,0 +1,99 @@
+"""Error against run time, for one scene: the engine and SciPy's solvers, against an independent reference."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ..dynamics.engine import response
+from ..dynamics.outcome import Outcome
+from ..dynamics.reference_nonlinear import Equation, Linkage, Oscillator, RigidBody, Solver, reference_nonlinear
+from ..errors import UsageError
+from ..spectra.grid import Grid
+from ..spectra.scene import Method, Scene, sampled_cells
+
+TOLERANCES = (1e-4, 1e-6, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12)
+SCIPY_METHODS = ("RK45", "LSODA", "DOP853")
+SCIPY_TOLERANCES = (1e-4, 1e-6, 1e-8, 1e-10, 1e-12)
+TIMED_CELLS = 50_000  # of the grid, given to the engine at once for its time a cell
+
+
+@dataclass(frozen=True)
+class WorkPrecision:
+    """One line of the table: a method at a tolerance (None: exact), and how it did on the sample.
+
+    time_per_cell [s]; error_max and error_99: largest and 99th percentile of the error of theta/alpha where the outcome is right;
+    misjudged: cells with another outcome.
+    """
+
+    method: str
+    tolerance: float | None
+    cells: int
+    time_per_cell: float
+    error_max: float
+    error_99: float
+    misjudged: int
+
+    def record(self) -> dict[str, Any]:
+        """As one record."""
+        return dict(vars(self))
+
+
+def work_precision(scene: Scene, *, sample: int = 40, scipy: int = 10, seed: int = 0) -> Iterator[WorkPrecision]:
+    """The table of a scene's first structure; sample, scipy: cells for the engine's error and for each of SciPy's solvers.
+
+    Raises UsageError when no cell of the grid leaves the ground.
+    """
+    structure = scene.structures[0]
+    one = Scene((structure,), scene.grid, scene.motion, scene.method)
+    amplitude, omega = one.grid.scaled(structure)
+    at = sampled_cells(one, sample, seed)
+    if not at.size:
+        raise UsageError("no cell of this grid leaves the ground; accepted is a grid that goes above uplift")
+    cells = [(float(amplitude[c]), float(omega[r])) for _, r, c in at]
+    reference = one.method.reference_of(structure)
+    truth = [reference(one.motion, a, w, structure.eta) for a, w in cells]
+    known = [i for i, (outcome, _) in enumerate(truth) if outcome != Outcome.FAILED]
+    cells, truth = [cells[i] for i in known], [truth[i] for i in known]
+
+    a, w = _timed(one.grid, amplitude, omega)
+    tolerances = (None,) if one.method.model == "linear" else TOLERANCES
+    for tolerance in tolerances:
+        model = (one.method if tolerance is None else Method("nonlinear", tolerance)).model_of(structure)
+        began = time.perf_counter()
+        response(model, one.motion, a, w, structure.eta)
+        cost = (time.perf_counter() - began) / a.size
+        found = response(model, one.motion, np.array([x for x, _ in cells]), np.array([y for _, y in cells]), structure.eta)
+        answers = [(Outcome(int(o)), float(x)) for o, x in zip(found.outcome, found.theta_ratio, strict=True)]
+        yield _compare("rocking, exact" if tolerance is None else "rocking, Taylor series", tolerance, answers, truth, cost)
+
+    equation: Equation = Oscillator()
+    if one.method.model != "linear":
+        equation = RigidBody(structure.alpha) if structure.mechanism is None else Linkage(structure.mechanism)
+    for method in SCIPY_METHODS if scipy else ():
+        for tolerance in SCIPY_TOLERANCES:
+            began, solver = time.perf_counter(), Solver(method, tolerance, careful=False)
+            answers = [reference_nonlinear(one.motion, a, w, structure.eta, equation, solver) for a, w in cells[:scipy]]
+            cost = (time.perf_counter() - began) / max(1, len(answers))
+            yield _compare(f"SciPy {method}", tolerance, answers, truth[:scipy], cost)
+
+
+def _timed(grid: Grid, amplitude: np.ndarray, omega: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Up to TIMED_CELLS cells, evenly over the grid."""
+    thin = max(1, math.ceil(math.sqrt(amplitude.size * omega.size / TIMED_CELLS)))
+    a, w = np.meshgrid(amplitude[::thin], omega[::thin])
+    return a.ravel(), w.ravel()
+
+
+def _compare(
+    method: str, tolerance: float | None, answers: list[tuple[Outcome, float]], truth: list[tuple[Outcome, float]], cost: float
+) -> WorkPrecision:
+    right = [(x, y) for (o, x), (p, y) in zip(answers, truth, strict=True) if o == p]
+    gaps = np.array([abs(x - y) for x, y in right if math.isfinite(y)])
+    worst, most = (float(gaps.max()), float(np.quantile(gaps, 0.99))) if gaps.size else (math.nan, math.nan)
+    return WorkPrecision(method, tolerance, len(answers), cost, worst, most, len(answers) - len(right))
