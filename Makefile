@@ -5,7 +5,7 @@ CODE := $(shell find rocking_cli -name '*.py')
 CONFIGS := $(shell find configs -type f)
 TESTS := $(shell find tests -type f -not -path '*/__pycache__/*')
 
-.PHONY: demo test lint clean
+.PHONY: demo test lint bench soak clean
 
 demo: out/demo.h5
 test: $(STAMPS)/test
@@ -36,6 +36,13 @@ $(STAMPS)/lint: $(STAMPS)/dev $(CODE) $(TESTS)
 	.venv/bin/ruff check .
 	.venv/bin/mypy
 	touch $@
+
+bench: $(STAMPS)/dev
+	.venv/bin/python -m pip install --quiet --disable-pip-version-check --editable '.[bench]'
+	.venv/bin/python tests/bench/bench.py
+
+soak: $(STAMPS)/dev
+	.venv/bin/python -m pytest -m soak
 
 clean:
 	rm -rf .venv out dist .mypy_cache .ruff_cache .pytest_cache .hypothesis

@@ -18,6 +18,10 @@ from .windows import crossing, segment_value
 Array = np.ndarray
 
 
+# Without loss at impacts a bounce never ends; one this slow is 1e-24 high, and to be at rest is the same to every digit.
+BELOW_ROUNDING = 1e-12
+
+
 class Uplift(NamedTuple):
     """Where bodies at rest leave the ground: segment (the number of segments where they never do), phase, side, y''."""
 
@@ -64,9 +68,9 @@ def chatter_ends(segments: Segments, lanes: Lanes, gain: float) -> Array:
     2 v / (1 - eta^2) [1/(1 - a_+ - g y) + eta/(1 + a_- - g y)], y the largest height and g the model's gain, and no arc
     rises above v^2 / (2 (1 - max |a| - g y)). Lanes whose arcs could rise above their peak so far are left to go on.
     """
-    proved = np.zeros(lanes.k.shape, dtype=bool)
     drive, v = 1.0 + lanes.b, lanes.v
     gap = 1.0 - np.abs(drive)
+    proved = (lanes.eta == 1.0) & (v < BELOW_ROUNDING * gap)
     maybe = np.flatnonzero((gap > 0.0) & (v * v < 0.05 * gap * gap) & (lanes.eta < 1.0))
     if not maybe.size:
         return proved
@@ -74,10 +78,12 @@ def chatter_ends(segments: Segments, lanes: Lanes, gain: float) -> Array:
     scale = 2.0 * v / (1.0 - n * n)
     trial = 1.5 * scale * (1.0 / (1.0 - a0) + n / (1.0 + a0))
     later = np.minimum(u + lanes.omega[maybe] * trial, segments.length[k])
-    change = np.abs(segment_value(segments, k, later)[0] - segment_value(segments, k, u)[0]) * lanes.amplitude[maybe]
-    margin = gap[maybe] - change  # of 1 - |a|: s is monotone on a segment, so its change bounds that of |a|
+    outward = -lanes.side[maybe] * lanes.amplitude[maybe]
+    a1 = a0 + outward * (segment_value(segments, k, later)[0] - segment_value(segments, k, u)[0])
+    highest, lowest = np.maximum(a0, a1), np.minimum(a0, a1)  # s is monotone on a segment
+    margin = 1.0 - np.maximum(highest, -lowest)
     height = gain * v * v / margin  # bounds what y adds to the acceleration
-    up, down = 1.0 - a0 - change - height, 1.0 + a0 - change - height
+    up, down = 1.0 - highest - height, 1.0 + lowest - height
     ends = (margin > 0.0) & (height < 0.5 * margin) & (up > 0.0) & (down > 0.0)
     ends &= (later < segments.length[k]) & (scale * (1.0 / up + n / down) <= trial) & (height <= gain * lanes.peak[maybe])
     proved[maybe[ends]] = True

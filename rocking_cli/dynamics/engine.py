@@ -22,7 +22,7 @@ from .outcome import Outcome
 
 Array = np.ndarray
 
-MAX_STEPS = 250_000  # a cell that takes more, and 40 for each segment of the motion, is given up as failed
+MAX_STEPS = 120_000  # a cell that takes more, and 40 for each segment of the motion, is given up as failed
 STILL = 1e-100  # a speed whose square a double does not hold is none
 
 

@@ -30,7 +30,9 @@ DEGREE = 28  # of a patch's series
 _COLLAPSED = -50.0  # lambda(phi) / lambda(0): no drive below 50 times the uplift's brings the structure back from there
 _WIDEN = 2.0  # a patch's series is fitted on this times its width
 _MARGIN = 1e-6  # energy beyond a barrier from which overturning is certain, whatever the table's interpolation
-_SMALL = 3e-14  # a Chebyshev coefficient below this is rounding: values are of order one and come from the linkage to 1e-14
+# A Chebyshev coefficient below this is rounding: values are of order one, and come from the linkage to 1e-14, or to 1e-15 over
+# lambda where that is small, since V' is then a small difference.
+_SMALL = 3e-14
 
 
 @dataclass(frozen=True)
@@ -219,6 +221,7 @@ class _Path:
         at_rest = mechanism.coefficients(0.0)
         root = float(np.sqrt(at_rest.inertia))
         self.lift0, self.push0 = float(at_rest.lift) / root, float(at_rest.push) / root
+        self.noise = max(1.0, 0.1 * self.push0 / self.lift0)
         self.rate = stiffness / self.lift0  # dy/dphi over sqrt(M)
         end = _collapse(mechanism, alpha)
         self.marks = np.linspace(0.0, end, 513)
@@ -274,7 +277,7 @@ def _fit(path: _Path, start: float, stop: float, depth: int) -> list[tuple[float
         if not np.all(np.isfinite(v)):
             break
         c = np.polynomial.chebyshev.chebfit(x, v, DEGREE + 7)
-        small = _SMALL * max(1.0, np.abs(c).max()) * (1.0 if depth < 8 else 10.0)
+        small = _SMALL * path.noise * max(1.0, np.abs(c).max()) * (1.0 if depth < 8 else 10.0)
         if np.abs(c[DEGREE - 2 :]).max() > small:
             break
         c = np.where(np.abs(c) > small, c, 0.0)[: DEGREE + 1]

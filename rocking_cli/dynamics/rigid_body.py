@@ -92,7 +92,7 @@ class RigidModel:
 
     def _crest(self, energy: Array) -> Array:
         """Largest y for an energy up to the barrier: 1 - cos(alpha - y sin(alpha)) = 1 - cos(alpha) - sin^2(alpha) K."""
-        left = np.maximum(0.0, (1.0 - self.cos) - self.sin**2 * energy)
+        left = np.maximum(0.0, 2.0 * math.sin(0.5 * self.alpha) ** 2 - self.sin**2 * energy)
         return (self.alpha - 2.0 * np.arcsin(np.sqrt(0.5 * left))) / self.sin
 
     def certainly_overturns(self, y: Array, v: Array, inward: Array) -> Array:

@@ -1,0 +1,149 @@
+"""Stiff and extreme cells: never NaN without an outcome, never a hang, and the closed form or the limit where there is one."""
+
+from __future__ import annotations
+
+import math
+import time
+
+import numpy as np
+import pytest
+
+from rocking_cli import (
+    MechanismModel,
+    Outcome,
+    build_structure,
+    dimensionless_oscillator,
+    linear_response,
+    nonlinear_response,
+    parse_documents,
+    parse_grid,
+    pulse,
+    response,
+    sine,
+    spectrum,
+    trace_envelope,
+)
+from rocking_cli.dynamics.reference import reference_cell
+
+DECIDED = (Outcome.NO_UPLIFT, Outcome.ROCKED, Outcome.OVERTURNED_NO_IMPACT, Outcome.OVERTURNED_AFTER_IMPACT)
+
+
+def both(amplitude, omega, eta, alpha=0.25, motion=None):
+    """(linear, nonlinear) responses of a cell, the amplitude over that of uplift."""
+    motion = motion or sine()
+    return (
+        linear_response(motion, amplitude, omega, eta),
+        nonlinear_response(motion, np.asarray(amplitude) * math.tan(alpha) / alpha, omega, eta, alpha),
+    )
+
+
+@pytest.mark.parametrize("omega", [1e-4, 1e-2, 1.0, 1e2, 1e4])
+@pytest.mark.parametrize("eta", [0.0, 1e-6, 0.9, 0.999])
+def test_amplitudes_from_uplift_to_1e8_are_decided(omega, eta):
+    amplitude = np.array([1 + 1e-12, 1 + 1e-9, 1.001, 1.1, 2.0, 1e2, 1e4, 1e8])
+    for found in both(amplitude, omega, eta):
+        assert set(found.outcome.tolist()) <= set(DECIDED)
+        rocked = found.outcome == Outcome.ROCKED
+        assert np.isfinite(found.theta_ratio[rocked]).all()
+        assert np.isnan(found.theta_ratio[found.outcome >= Outcome.OVERTURNED_NO_IMPACT]).all()
+
+
+@pytest.mark.parametrize("omega", [1.0, 1e2, 1e4])
+def test_peak_just_above_uplift_is_its_expansion(omega):
+    """A = 1 + d: the body lifts for 2 sqrt(2 d)/Omega; y'' = d - (Omega tau)^2/2 gives a peak of 9 d^2/(2 Omega^2) as d tends to 0."""
+    d = np.array([1e-12, 1e-10, 1e-8])
+    for found in both(1.0 + d, omega, 0.9):
+        expected = 4.5 * ((1.0 + d) - 1.0) ** 2 / omega**2
+        assert (found.outcome == Outcome.ROCKED).all()
+        assert found.theta_ratio == pytest.approx(expected, rel=0.04)
+
+
+def test_slow_pulses_are_statics_and_fast_ones_are_impulses():
+    slow, slow_rigid = both(np.array([0.999999, 1.000001, 2.0]), 1e-6, 0.5)  # p T = 6e6
+    for found in (slow, slow_rigid):
+        assert found.outcome[0] == Outcome.NO_UPLIFT
+        assert found.outcome[2] == Outcome.OVERTURNED_NO_IMPACT
+    # A half sine much shorter than 1/p is a velocity 2 A/Omega less what the body's weight takes: it overturns at v = 1.
+    omega = 1e4
+    (found,) = [i for i in trace_envelope(pulse("half-sine"), [omega], dimensionless_oscillator(0.5), a_max=6000) if i.mode == "no_impact"]
+    assert found.a_from == pytest.approx(omega / 2, rel=1e-3)
+
+
+@pytest.mark.parametrize("alpha", [1e-6, 1e-3, 0.25, 1.2])
+def test_critical_angles_from_1e_6_to_1_2(alpha):
+    amplitude, omega = np.array([1.0001, 1.5, 3.0, 8.0]), np.array([0.5, 2.0, 4.0, 20.0])
+    linear, rigid = both(amplitude, omega, 0.9, alpha)
+    assert set(rigid.outcome.tolist()) <= set(DECIDED)
+    if alpha <= 1e-3:
+        assert rigid.outcome.tolist() == linear.outcome.tolist()
+        rocked = linear.outcome == Outcome.ROCKED
+        assert rigid.theta_ratio[rocked] == pytest.approx(linear.theta_ratio[rocked], abs=10 * alpha**2 + 1e-8)
+
+
+@pytest.mark.parametrize("cycles", [500, pytest.param(10_000, marks=pytest.mark.soak)])
+def test_thousands_of_cycles(cycles):
+    found = linear_response(sine(cycles), np.array([1.0005, 1.2]), np.array([30.0, 400.0]), 0.2)
+    assert set(found.outcome.tolist()) <= set(DECIDED)
+    outcome, theta = reference_cell(sine(2), 1.0005, 30.0, 0.5)
+    assert outcome == Outcome.ROCKED
+    assert float(linear_response(sine(2), 1.0005, 30.0, 0.5).theta_ratio) == pytest.approx(theta, abs=1e-12)
+
+
+def test_a_hundred_thousand_impacts_end_in_an_outcome(monkeypatch):
+    """Without loss a body just above uplift never stops bouncing: the cell is given up as failed, in bounded time."""
+    from rocking_cli.dynamics import engine
+
+    monkeypatch.setattr(engine, "MAX_STEPS", 3000)
+    began = time.perf_counter()
+    found = linear_response(sine(), 1 + 1e-6, 1.0, 1.0)
+    assert found.outcome == Outcome.FAILED
+    assert int(found.impacts) > 2900
+    assert time.perf_counter() - began < 20.0
+
+
+@pytest.mark.parametrize("omega", [2.0, 5.0])
+def test_cells_within_1e_12_of_a_boundary_have_an_outcome(omega):
+    for interval in trace_envelope(sine(), [omega], dimensionless_oscillator(0.9), a_max=10):
+        edges = [a for a in (interval.a_from, interval.a_to) if a is not None]
+        around = np.array([a * (1 + f * 1e-13) for a in edges for f in range(-10, 11)])
+        found = linear_response(sine(), around, omega, 0.9)
+        assert set(found.outcome.tolist()) <= set(DECIDED)
+        assert np.isfinite(found.theta_ratio[found.outcome == Outcome.ROCKED]).all()
+
+
+def test_uplift_on_the_edge_of_a_piece():
+    (motion,) = [pulse("rectangular-impulse")]
+    # -A/2 lifts the resting body at A > 2 on the other side; at A = 2 exactly it does not.
+    for amplitude, omega in ((2.0, 300.0), (2.0 + 1e-12, 300.0), (1.0 + 1e-15, 3.0)):
+        for found in both(amplitude, omega, 0.0, motion=motion):
+            assert int(found.outcome) in DECIDED
+    cosine = linear_response(pulse("cosine"), 1.0 + 1e-15, 2.0, 0.5)
+    assert cosine.outcome == Outcome.ROCKED
+
+
+def test_an_arch_at_the_edge_of_stability():
+    (document,) = parse_documents("kind: arch\nradius: 10\nthickness: 1.0751 m\nangle: 180 deg\nrestitution: 0.8")
+    arch = build_structure(document)
+    assert 0.0 < arch.uplift < 1e-3
+    found = response(MechanismModel(arch.mechanism), sine(), np.array([0.9, 1.5, 4.0, 12.0]), 4.0, 0.8)
+    assert found.outcome.tolist() == linear_response(sine(), np.array([0.9, 1.5, 4.0, 12.0]), 4.0, 0.8).outcome.tolist()
+
+
+@pytest.mark.parametrize("p", [1e-3, 1.0, 1e3])
+def test_frequency_parameters_from_1e_3_to_1e3(p):
+    (document,) = parse_documents(f"kind: parameters\np: {p}\nalpha: 0.2\neta: 0.9\na_scale: 1")
+    structure = build_structure(document)
+    found = spectrum([structure], parse_grid(f"a_g=1:12:12,omega_g={0.5 * p}:{8 * p}:9"), sine())
+    again = spectrum([dimensionless_oscillator(0.9)], parse_grid(f"A={1 / 1.962}:{12 / 1.962}:12,Omega=0.5:8:9"), sine())
+    assert np.array_equal(found.outcome, again.outcome)
+    assert found.summary.misjudged == 0
+
+
+@pytest.mark.parametrize(
+    "grid", ["a_g=1e-310:2e-310:3,omega_g=1:2:3", "a_g=1e300:1e301:3,omega_g=1e-3:1:3", "a_g=1:2:3,omega_g=1e290:1e291:3"]
+)
+def test_denormal_and_huge_inputs_have_an_outcome(grid):
+    (document,) = parse_documents("kind: block\nwidth: 0.5\nheight: 2")
+    found = spectrum([build_structure(document)], parse_grid(grid), sine(), check=0)
+    assert not np.any(found.outcome == Outcome.NOT_COMPUTED)
+    assert np.isfinite(found.theta_ratio[found.outcome == Outcome.ROCKED]).all()
