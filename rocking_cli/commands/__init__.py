@@ -17,6 +17,10 @@ COMMANDS = {
     "envelope": "Trace every interval of amplitude that overturns.",
     "response": "Time history of one structure under one motion.",
     "accuracy": "Error against run time for a scene.",
+    "predict": "Predict structures' responses from a spectrum.",
+    "info": "Tell what a spectra file holds, and verify it.",
+    "convert": "Stream the cells of a spectra file.",
+    "merge": "Put together the shards of a sweep.",
     "compare": "Compare structures under motions scaled alike, and the linear with the nonlinear equation.",
 }
 

@@ -27,6 +27,8 @@ if TYPE_CHECKING:
 @click.option("--chunk", type=click.IntRange(1), metavar="CELLS", help="Cells in one unit of work.")
 @click.option("--check", type=click.IntRange(0), metavar="N", help="Cells computed again by the independent path.")
 @options.overwrite
+@click.option("--resume", is_flag=True, help="Go on with an interrupted sweep of the same scene (OUTPUT.part).")
+@click.option("--shard", metavar="I/N", help="Compute the I-th of N parts only; rocking merge puts them together.")
 @click.option("--json", "json_", is_flag=True, help="The closing summary as a JSON record on standard output.")
 @options.quiet
 @click.pass_context
@@ -44,6 +46,8 @@ def spectrum(
     chunk: int | None,
     check: int | None,
     overwrite: bool,
+    resume: bool,
+    shard: str | None,
     json_: bool,
     quiet: bool,
 ) -> None:
@@ -60,7 +64,7 @@ def spectrum(
 
     method = Method(model, tolerance)
     grid = parse_grid(axes)
-    check_output(output, overwrite)
+    check_output(output, overwrite, resume)
     if any(file != "-" and Path(file).resolve() == output.resolve() for file in files):
         raise click.UsageError(f"{output} is a structure document of this very call; give another output")
     structures, texts = options.structures_and_texts(files, etas)
@@ -75,6 +79,8 @@ def spectrum(
         check=check,
         impacts=impacts,
         overwrite=overwrite,
+        resume=resume,
+        shard=None if shard is None else _part(shard),
         documents=texts,
         history=shlex.join(["rocking", *sys.argv[1:]]),
         progress=options.ProgressLine("spectrum", quiet),
@@ -85,3 +91,10 @@ def spectrum(
         options.emit([{"output": str(output), **summary.record()}], "json")
     if summary.failed:
         context.exit(4)
+
+
+def _part(text: str) -> tuple[int, int]:
+    part, slash, count = text.partition("/")
+    if not (slash and part.isdigit() and count.isdigit() and 1 <= int(part) <= int(count) <= 1_000_000):
+        raise click.UsageError(f"--shard: found {text!r}; accepted is I/N with I from 1 to N, such as 2/8")
+    return int(part), int(count)

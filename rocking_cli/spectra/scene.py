@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import json
+import zlib
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from functools import partial
 from typing import Any
 
 import numpy as np
 
+from .. import __version__
 from ..dynamics.linear import LinearModel
 from ..dynamics.mechanism import MechanismModel
 from ..dynamics.model import Model
@@ -103,6 +106,18 @@ class Scene:
     def cells(self) -> int:
         """Cells of the result."""
         return len(self.structures) * self.grid.shape[0] * self.grid.shape[1]
+
+    def identity(self) -> dict[str, Any]:
+        """What the result depends on, by name, as JSON values; two scenes of equal identity have equal spectra."""
+        axes = {axis.name: axis.values for axis in (self.grid.frequency, self.grid.amplitude)}
+        return {
+            "version": __version__,
+            "structures": [json.loads(json.dumps(s.record())) for s in self.structures],
+            **{f"axis {name}": [float(v[0]), float(v[-1]), v.size, zlib.crc32(v.tobytes())] for name, v in axes.items()},
+            "motion": [self.motion.name, [json.loads(json.dumps(asdict(piece))) for piece in self.motion.pieces]],
+            "model": self.method.model,
+            "tolerance": self.method.tolerance if self.method.model != "linear" else None,
+        }
 
     def sharing(self) -> list[tuple[int, ...]]:
         """Structures, by index, that share one computation."""

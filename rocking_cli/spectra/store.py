@@ -1,11 +1,12 @@
 """Spectra on disk: HDF5 with named dimensions, coordinates and units, that netCDF readers open as it is.
 
-A sweep writes to `OUT.h5.part`: a chunk's data, flush, its done flag, flush; the file takes its final name when complete,
-so that nothing half-written ever stands under it. One writer.
+A sweep writes to `OUT.h5.part`: a chunk's data and checksum, flush, its done flag, flush; the file takes its final name when
+complete, so that nothing half-written ever stands under it, and a sweep that was stopped goes on from there. One writer.
 """
 
 from __future__ import annotations
 
+import json
 import os
 import zlib
 from collections.abc import Callable, Mapping, Sequence
@@ -55,7 +56,28 @@ def pack(block: np.ndarray) -> bytes:
     return zlib.compress(np.ascontiguousarray(block).tobytes(), GZIP_LEVEL)
 
 
-def check_output(path: Path, overwrite: bool) -> None:
+def unpack(raw: bytes, dtype: np.dtype, shape: tuple[int, ...]) -> np.ndarray:
+    """The inverse of `pack`. Raises ValueError when the bytes are not such a chunk."""
+    try:
+        data = np.frombuffer(zlib.decompress(raw), dtype=np.uint8)
+    except zlib.error as error:
+        raise ValueError(str(error)) from None
+    if data.size != dtype.itemsize * int(np.prod(shape)):
+        raise ValueError(f"{data.size} bytes, expected {dtype.itemsize * int(np.prod(shape))}")
+    if dtype.itemsize > 1:
+        data = np.ascontiguousarray(data.reshape(dtype.itemsize, -1).T)
+    return data.reshape(-1).view(dtype).reshape(shape)
+
+
+def checksum(packed: Mapping[str, bytes], names: Sequence[str]) -> int:
+    """CRC-32 over the packed variables of a chunk, in their order."""
+    total = 0
+    for name in names:
+        total = zlib.crc32(packed[name], total)
+    return total
+
+
+def check_output(path: Path, overwrite: bool, resume: bool = False) -> None:
     """Refuse an output that exists, or whose folder does not, before any work is done. Raises UsageError."""
     if str(path) in ("-", ".", ""):
         raise UsageError(f"{str(path)!r} is not the name of a file; an HDF5 file cannot be written to standard output")
@@ -63,10 +85,12 @@ def check_output(path: Path, overwrite: bool) -> None:
         raise UsageError(f"{path}: the folder {path.parent} does not exist")
     if path.is_dir():
         raise UsageError(f"{path}: is a folder, accepted is the name of a file")
-    for there in (path, part_of(path)):
-        if there.exists() and not overwrite:
-            what = "exists" if there == path else "exists, left by a sweep that did not finish"
-            raise UsageError(f"{there}: {what}; --overwrite replaces it")
+    if resume and overwrite:
+        raise UsageError("--resume does not go with --overwrite")
+    if path.exists() and not overwrite:
+        raise UsageError(f"{path}: exists{' and is complete' if resume else ''}; --overwrite replaces it")
+    if part_of(path).exists() and not (overwrite or resume):
+        raise UsageError(f"{part_of(path)}: exists, left by a sweep that did not finish; --resume goes on with it, --overwrite begins anew")
 
 
 def part_of(path: Path) -> Path:
@@ -89,16 +113,83 @@ class SpectraWriter:
         *,
         impacts: bool,
         overwrite: bool,
+        resume: bool,
+        scene: Mapping[str, Any],
         attributes: Mapping[str, Any],
     ) -> None:
-        check_output(path, overwrite)
+        check_output(path, overwrite, resume)
         self.path, self.part, self.overwrite, self.chunk = path, part_of(path), overwrite, chunk
         self.written = 0
+        shape = (len(structures), *grid.shape)
+        self.names = ["theta_ratio", "outcome", *(["impacts"] if impacts else [])]
+        self._counts = [-(-n // c) for n, c in zip(shape, (1, *chunk), strict=True)]
+        self.chunks = int(np.prod(self._counts))
+        self.done = np.zeros(self.chunks, dtype=bool)
+        self.outcomes: dict[int, np.ndarray] = {}  # of the chunks that were there before
+        self.resumed = 0
         try:
-            self.file = h5py.File(self.part, "w", track_order=True)
+            if resume and self.part.exists():
+                self._reopen(scene)
+                return
+            fresh = self.part.with_name(self.part.name + ".new")  # so that a part is never without its layout
+            self.file = h5py.File(fresh, "w", track_order=True)
+            self.file.attrs["scene"] = json.dumps(scene)
             self._layout(structures, grid, impacts, attributes)
+            self.file.close()
+            os.replace(fresh, self.part)
+            self.file = h5py.File(self.part, "r+")
         except OSError as error:
             raise OutputError(f"{self.part}: cannot be written: {error}") from None
+
+    def _reopen(self, scene: Mapping[str, Any]) -> None:
+        """Go on with a part: the same scene, and every chunk that is marked done whole."""
+        try:
+            self.file = h5py.File(self.part, "r+")
+            before = json.loads(self.file.attrs["scene"])
+            flags, sums = self.file["chunk_done"][...] == 1, self.file["chunk_checksum"][...]
+            if any(self.file[name].chunks != (1, *self.chunk) for name in self.names) or flags.size != self.chunks:
+                raise ValueError("another layout")
+        except (OSError, KeyError, ValueError, RuntimeError) as error:
+            raise OutputError(f"{self.part}: is not a sweep that can go on ({error}); --overwrite begins anew") from None
+        for key in dict.fromkeys([*before, *scene]):
+            if before.get(key) != scene.get(key):
+                self.file.close()
+                raise UsageError(
+                    f"{self.part}: is of another scene: its {key} is {_brief(before.get(key))}, this one's {_brief(scene.get(key))}; "
+                    "--overwrite begins anew"
+                )
+        for index in np.flatnonzero(flags):
+            outcome = self._whole(int(index), int(sums[index]))
+            self.done[index] = outcome is not None
+            if outcome is not None:
+                self.outcomes[int(index)] = np.bincount(outcome.ravel(), minlength=len(Outcome))
+        self.file["chunk_done"][...] = self.done.astype("u1")
+        self.file.flush()
+        self.resumed = int(self.done.sum())
+
+    def _whole(self, index: int, sum_: int) -> np.ndarray | None:
+        """The outcomes of a chunk whose bytes are what was written, else None."""
+        structure, row, column = (int(i) * c for i, c in zip(np.unravel_index(index, self._counts), (1, *self.chunk), strict=True))
+        try:
+            packed = {name: self.file[name].id.read_direct_chunk((structure, row, column))[1] for name in self.names}
+            if checksum(packed, self.names) != sum_:
+                return None
+            rows, columns = self.file["outcome"].shape[1:]
+            return unpack(packed["outcome"], np.dtype("u1"), self.chunk)[: rows - row, : columns - column]
+        except (OSError, ValueError, RuntimeError):
+            return None
+
+    def has(self, structures: Sequence[int], row: int, column: int) -> bool:
+        """Whether the chunks of these structures whose first cell is (row, column) are all there; if not, none counts."""
+        indices = [self._index(i, row, column) for i in structures]
+        if all(self.done[indices]):
+            return True
+        for index in indices:
+            self.outcomes.pop(index, None)
+        return False
+
+    def _index(self, structure: int, row: int, column: int) -> int:
+        return int(np.ravel_multi_index((structure, row // self.chunk[0], column // self.chunk[1]), self._counts))
 
     def _layout(self, structures: Sequence[RockingParameters], grid: Grid, impacts: bool, attributes: Mapping[str, Any]) -> None:
         f = self.file
@@ -122,7 +213,6 @@ class SpectraWriter:
             f[name].attrs["units"], f[name].attrs["long_name"] = units, long_name
             f[name].dims[0].attach_scale(f["structure"])
         shape = (len(structures), *grid.shape)
-        self.names = ["theta_ratio", "outcome", *(["impacts"] if impacts else [])]
         for name in self.names:
             dtype, attrs = VARIABLES[name]
             fill = attrs.get("_FillValue", 0)
@@ -134,15 +224,15 @@ class SpectraWriter:
                 data.attrs[key] = np.array([value], dtype=dtype) if key == "_FillValue" else value
             for i, dimension in enumerate(dimensions):
                 data.dims[i].attach_scale(f[dimension])
-        counts = [-(-n // c) for n, c in zip(shape, (1, *self.chunk), strict=True)]
-        done = f.create_dataset("chunk_done", data=np.zeros(int(np.prod(counts)), dtype="u1"))
-        f.create_dataset("chunk", data=np.arange(int(np.prod(counts)), dtype="<i4")).make_scale("chunk")
+        done = f.create_dataset("chunk_done", data=np.zeros(self.chunks, dtype="u1"))
+        sums = f.create_dataset("chunk_checksum", data=np.zeros(self.chunks, dtype="<u4"))
+        f.create_dataset("chunk", data=np.arange(self.chunks, dtype="<i4")).make_scale("chunk")
         f["chunk"].attrs["units"], f["chunk"].attrs["long_name"] = "1", "unit of work, row-major over the chunks of the data"
         done.attrs["units"], done.attrs["long_name"] = "1", "whether this chunk's data are written"
         done.attrs["flag_values"], done.attrs["flag_meanings"] = np.array([0, 1], dtype="u1"), "open done"
         done.dims[0].attach_scale(f["chunk"])
-        self._counts = counts
-        self.chunks = int(np.prod(counts))
+        sums.attrs["units"], sums.attrs["long_name"] = "1", "CRC-32 of this chunk's stored bytes"
+        sums.dims[0].attach_scale(f["chunk"])
         f.flush()
 
     def write(self, structure: int, row: int, column: int, packed: Mapping[str, bytes]) -> None:
@@ -150,8 +240,9 @@ class SpectraWriter:
         try:
             for name in self.names:
                 self.file[name].id.write_direct_chunk((structure, row, column), packed[name], 0)
+            index = self._index(structure, row, column)
+            self.file["chunk_checksum"][index] = checksum(packed, self.names)
             self.file.flush()
-            index = np.ravel_multi_index((structure, row // self.chunk[0], column // self.chunk[1]), self._counts)
             self.file["chunk_done"][index] = 1
             self.file.flush()
             self.written += 1
@@ -182,5 +273,10 @@ class SpectraWriter:
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
         if self.file.id.valid:
             self.file.close()
-        if error is not None and not self.written:
+        if error is not None and not self.written and not self.resumed:
             self.part.unlink(missing_ok=True)  # there is nothing in it to keep
+
+
+def _brief(value: Any) -> str:
+    text = json.dumps(value)
+    return text if len(text) <= 60 else text[:57] + "..."

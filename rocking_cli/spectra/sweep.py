@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
@@ -129,13 +129,16 @@ def write_spectrum(
     check: int | None = None,
     impacts: bool = False,
     overwrite: bool = False,
+    resume: bool = False,
+    shard: tuple[int, int] | None = None,
     documents: str = "",
     history: str = "",
     progress: Progress | None = None,
 ) -> Summary:
     """Compute a spectrum and stream it, chunk by chunk, into an HDF5 file (layout: README).
 
-    documents, history: texts kept in the file. progress: called with (units done, units). Raises UsageError for a scene or
+    shard: (i, n) computes the i-th of n parts, for `merge`. resume: go on with what an interrupted sweep of the same scene left in PATH.part. documents, history: texts kept in the
+    file. progress: called with (units done, units). Raises UsageError for a scene or
     an output that is refused, OutputError when the file cannot be written or a worker process dies, Interrupted on Ctrl-C.
     """
     from .store import SpectraWriter, pack
@@ -150,16 +153,23 @@ def write_spectrum(
     def packed(response: Response) -> dict[str, bytes]:
         return {name: pack(_padded(getattr(response, name), chunk)) for name in names}
 
-    with SpectraWriter(Path(path), scene.structures, grid, chunk, impacts=impacts, overwrite=overwrite, attributes=attributes) as writer:
+    identity = {**scene.identity(), "impacts": impacts, "chunk": list(chunk)}
+    options: dict[str, Any] = {"impacts": impacts, "overwrite": overwrite, "resume": resume, "scene": identity, "attributes": attributes}
+    with SpectraWriter(Path(path), scene.structures, grid, chunk, **options) as writer:
+        mine = {u for i, u in enumerate(cut_into_units(scene, chunk)) if shard is None or i % shard[1] == shard[0] - 1}
+
+        def todo(unit: Unit) -> bool:
+            return unit in mine and not writer.has(unit.structures, unit.row, unit.column)
 
         def keep(unit: Unit, data: dict[str, bytes]) -> None:
             for i in unit.structures:
                 writer.write(i, unit.row, unit.column, data)
 
         try:
-            summary = _sweep(scene, chunk, workers, check, progress, packed, keep)
+            summary = _sweep(scene, chunk, workers, check, progress, packed, keep, todo, writer.outcomes)
         except KeyboardInterrupt:
-            raise Interrupted(f"interrupted; {writer.written} of {writer.chunks} chunks are kept in {writer.part}") from None
+            kept = writer.written + writer.resumed
+            raise Interrupted(f"interrupted; {kept} of {writer.chunks} chunks are kept in {writer.part}; --resume goes on") from None
         writer.finish(summary.record())
     return summary
 
@@ -181,18 +191,22 @@ def _sweep(
     progress: Progress | None,
     convert: Callable[[Response], Any] | None,
     keep: Callable[[Unit, Any], None],
+    todo: Callable[[Unit], bool] | None = None,
+    before: Mapping[int, np.ndarray] | None = None,
 ) -> Summary:
-    """Compute all units, hand each result to `keep` in order, and sum up."""
+    """Compute all units, or those `todo`, hand each result to `keep` in order, and sum up with the outcomes from before."""
     began = time.perf_counter()
     if workers is not None and workers < 1:
         raise UsageError(f"workers is {workers}, accepted is a whole number from 1")
-    units = list(cut_into_units(scene, chunk))
-    wanted = min(workers or os.cpu_count() or 1, len(units))
+    every = list(cut_into_units(scene, chunk))
+    units = [unit for unit in every if todo is None or todo(unit)]
+    wanted = max(1, min(workers or os.cpu_count() or 1, len(units)))
     if workers is None and scene.cells < SMALL_SWEEP:
         wanted = 1
     job = Job(scene, chunk, sampled_cells(scene, default_check(scene) if check is None else check), convert)
     total, outcomes, shared, worst, misjudged, checked = Work(), np.zeros(len(Outcome), dtype=np.int64), 0, 0.0, 0, 0
-    for done, (unit, report) in enumerate(unit_reports(job, units, wanted), 1):
+    outcomes += sum((before or {}).values(), np.zeros_like(outcomes))
+    for done, (unit, report) in enumerate(unit_reports(job, units, wanted), 1 + len(every) - len(units)):
         with interruption.deferred():
             keep(unit, report.data)
         times = len(unit.structures)
@@ -201,7 +215,7 @@ def _sweep(
         shared += (times - 1) * report.cells
         worst, misjudged, checked = max(worst, report.worst), misjudged + report.misjudged, checked + report.checked
         if progress:
-            progress(done, len(units))
+            progress(done, len(every))
     interruption.check()
     return Summary(
         structures=len(scene.structures),

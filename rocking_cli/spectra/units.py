@@ -6,6 +6,7 @@ size of a unit changes a bit of the result.
 
 from __future__ import annotations
 
+import ctypes
 import multiprocessing
 import signal
 import sys
@@ -108,6 +109,7 @@ class Job:
 
 
 TOGETHER = 1 << 19  # cells of the linear model that a worker computes in one batch
+_PARENT_DEATH_SIGNAL = 1  # PR_SET_PDEATHSIG of prctl(2)
 _job: Job | None = None
 
 
@@ -116,6 +118,8 @@ def _set_job(job: Job) -> None:
     _job = job
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C reaches the whole group; the parent alone decides
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
+    if sys.platform == "linux":  # a worker does not outlive its parent, however that ends
+        ctypes.CDLL(None).prctl(_PARENT_DEATH_SIGNAL, signal.SIGKILL)
 
 
 def _run_units(units: Sequence[Unit]) -> list[Report]:

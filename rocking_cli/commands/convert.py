@@ -1,0 +1,18 @@
+"""`rocking convert`: the cells of a spectra file as rows."""
+
+from __future__ import annotations
+
+import click
+
+from . import options
+
+
+@click.command(epilog="Example: rocking convert slice.h5 --csv | head")
+@click.argument("file")
+@options.output_form
+def convert(file: str, form: str | None) -> None:
+    """Stream the computed cells of a spectra file, one a row (CSV unless --json)."""
+    from ..spectra.reader import SpectraFile
+
+    with SpectraFile(file) as spectrum:
+        options.emit(spectrum.cells(), form or "csv", ("structure", "outcome", "theta_ratio"))

@@ -1,0 +1,60 @@
+"""`rocking info`: what a spectra file holds, and whether it is whole."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import click
+
+from . import options
+
+
+@click.command(epilog="Example: rocking info towers.h5 --verify")
+@click.argument("files", nargs=-1, required=True, metavar="FILE...")
+@click.option("--verify", is_flag=True, help="Check every chunk against its checksum.")
+@options.output_form
+@click.pass_context
+def info(context: click.Context, files: tuple[str, ...], verify: bool, form: str | None) -> None:
+    """Tell what spectra files hold: scene, completeness, run time, estimated error.
+
+    A file that is damaged, or with --verify holds a damaged chunk, ends with exit code 1.
+    """
+    from ..spectra.reader import SpectraFile
+
+    damaged = []
+    records: list[dict[str, Any]] = []
+    for path in files:
+        with SpectraFile(path) as file:
+            grid, attributes = file.grid, file.attributes
+            records.append(
+                {
+                    "file": path,
+                    "structures": ", ".join(s.name for s in file.structures),
+                    "model": file.scene["model"],
+                    "motion": file.scene["motion"][0],
+                    **{
+                        axis.name: f"{axis.values[0]:g} to {axis.values[-1]:g}, {axis.values.size}"
+                        for axis in (grid.frequency, grid.amplitude)
+                    },
+                    "chunks": f"{int(file.done.sum())} of {file.done.size}",
+                    "complete": "yes" if file.complete else "no",
+                    "run_time": attributes.get("run_time"),
+                    "estimated_error": attributes.get("estimated_error"),
+                    "checked_cells": attributes.get("checked_cells"),
+                    "source": attributes.get("source"),
+                }
+            )
+            if verify:
+                bad = file.damaged_chunks()
+                records[-1]["damaged_chunks"] = len(bad)
+                damaged += [f"{path}: chunk {i} is damaged" for i in bad]
+    if form is None:
+        for record in records:
+            for key, value in record.items():
+                click.echo(f"{key:<16} {'-' if value is None else value}")
+    else:
+        options.emit(records, form)
+    for line in damaged:
+        click.echo(f"rocking: {line}", err=True)
+    if damaged:
+        context.exit(1)

@@ -1,0 +1,25 @@
+"""`rocking merge`: the shards of a sweep, put together."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from . import options
+
+
+@click.command(epilog="Example: rocking merge part-1.h5 part-2.h5 -o whole.h5")
+@click.argument("files", nargs=-1, required=True, metavar="FILE...")
+@click.option("-o", "--output", required=True, type=click.Path(path_type=Path), help="The HDF5 file to write.")
+@options.overwrite
+@options.quiet
+@click.pass_context
+def merge(context: click.Context, files: tuple[str, ...], output: Path, overwrite: bool, quiet: bool) -> None:
+    """Put together what `rocking spectrum --shard i/n` computed in n parts; exit code 4 where chunks are missing."""
+    from ..spectra.merge import merge as put_together
+
+    there, whole = put_together(files, output, overwrite=overwrite)
+    options.note(f"{output}: {there} of {whole} chunks", quiet)
+    if there < whole:
+        context.exit(4)

@@ -1,0 +1,56 @@
+"""The parts of a sweep that was computed in shards, put together: bytes are copied, nothing is computed."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from ..dynamics.outcome import Outcome
+from ..errors import UsageError
+from .reader import SpectraFile
+from .store import SpectraWriter, unpack
+
+
+def merge(paths: Sequence[str | Path], output: str | Path, *, overwrite: bool = False) -> tuple[int, int]:
+    """Write the spectrum that these shards hold together; (chunks there, chunks of the whole).
+
+    Raises UsageError when they are not of one scene, OutputError when one is damaged or the output cannot be written.
+    """
+    files = [SpectraFile(path) for path in paths]
+    try:
+        first = files[0]
+        for other in files[1:]:
+            for key in dict.fromkeys([*first.scene, *other.scene]):
+                if first.scene.get(key) != other.scene.get(key):
+                    raise UsageError(f"{other.path}: is of another scene than {first.path}: its {key} differs")
+        kept = {k: v for k, v in first.attributes.items() if k in ("history", "documents", "motion", "model", "tolerance")}
+        chunk = (int(first.chunk[1]), int(first.chunk[2]))
+        with SpectraWriter(
+            Path(output), first.structures, first.grid, chunk, impacts="impacts" in first.names, overwrite=overwrite, resume=False,
+            scene=first.scene, attributes=kept,
+        ) as writer:  # fmt: skip
+            outcomes, there = np.zeros(len(Outcome), dtype=np.int64), 0
+            rows, columns = first.grid.shape
+            for index in range(writer.chunks):
+                holder = next((f for f in files if f.done[index]), None)
+                if holder is None:
+                    continue
+                packed = holder.packed(index)
+                structure, row, column = holder.offset(index)
+                block = unpack(packed["outcome"], np.dtype("u1"), chunk)[: rows - row, : columns - column]
+                outcomes += np.bincount(block.ravel(), minlength=len(Outcome))
+                writer.write(structure, row, column, packed)
+                there += 1
+            run_time = sum(float(f.attributes.get("run_time", 0.0)) for f in files)
+            checked = sum(int(f.attributes.get("checked_cells", 0)) for f in files)
+            worst = max(float(f.attributes.get("estimated_error", 0.0)) for f in files)
+            counts = {f"cells_{o.flag}": int(outcomes[o]) for o in Outcome}
+            cells = int(np.prod((len(first.structures), rows, columns)))
+            counts["cells_not_computed"] = cells - int(outcomes.sum())
+            writer.finish({"cells": cells, "run_time": run_time, "checked_cells": checked, "estimated_error": worst, **counts})
+            return there, writer.chunks
+    finally:
+        for file in files:
+            file.file.close()

@@ -1,0 +1,120 @@
+"""What a dimensionless spectrum says of a structure under one motion: the paper's use of a rocking spectrum (section 4)."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from ..dynamics.engine import response
+from ..dynamics.outcome import Outcome
+from ..errors import UsageError
+from ..motions import Motion
+from ..structures.parameters import RockingParameters
+from .envelope import trace_envelope
+from .grid import Grid
+from .reader import SpectraFile
+from .scene import LINEAR
+
+ETA_TOLERANCE = 1e-6  # spectra of restitutions closer than this are taken for the same
+
+
+def predict(spectrum: SpectraFile, structure: RockingParameters, shaking: Grid) -> dict[str, Any]:
+    """theta_max [rad], theta_ratio, outcome, margin and interpolation error of a structure from a linear dimensionless spectrum.
+
+    theta_ratio is interpolated linearly in the grid's cell (A, Omega); half the spread of the cell's corners is stated as its
+    error. The outcome is that of the cell's corners where they agree, and `undecided` where they differ: a boundary runs
+    through the cell. margin: relative distance in A to the nearest boundary among the grid's amplitudes at the two
+    frequencies. Raises UsageError when the spectrum has other axes, model or restitutions, or does not reach (A, Omega).
+    """
+    if not spectrum.grid.dimensionless or spectrum.scene["model"] != "linear":
+        raise UsageError(f"{spectrum.path}: accepted is a linear spectrum on axes A and Omega")
+    etas = [s.eta for s in spectrum.structures]
+    nearest = int(np.argmin(np.abs(np.array(etas) - structure.eta)))
+    if abs(etas[nearest] - structure.eta) > ETA_TOLERANCE:
+        held = ", ".join(f"{x:g}" for x in sorted(set(etas)))
+        raise UsageError(f"{structure.name}: its eta is {structure.eta:.6g}, the spectrum holds {held}; --exact computes it")
+    amplitude, omega = (float(x[0]) for x in shaking.scaled(structure))
+    a, w = spectrum.grid.amplitude.values, spectrum.grid.frequency.values
+    if not (a[0] <= amplitude <= a[-1] and w[0] <= omega <= w[-1]):
+        raise UsageError(
+            f"{structure.name}: A = {amplitude:.6g}, Omega = {omega:.6g} is outside the spectrum "
+            f"(A {a[0]:g} to {a[-1]:g}, Omega {w[0]:g} to {w[-1]:g}); --exact computes it"
+        )
+    rows, x = _cell(w, omega)
+    columns, y = _cell(a, amplitude)
+    block = spectrum.block(nearest, slice(rows[0], rows[-1] + 1))
+    outcomes = {int(block["outcome"][r - rows[0], c]) for r in rows for c in columns}
+    if Outcome.NOT_COMPUTED in outcomes:
+        raise UsageError(f"{spectrum.path}: this part of the spectrum is not computed; --exact computes it")
+    record = _record(structure, amplitude, omega, shaking)
+    margin = min((_margin(block["outcome"][r - rows[0]], a, amplitude) for r in rows), default=math.inf)
+    safe = outcomes <= {Outcome.ROCKED, Outcome.NO_UPLIFT}
+    if len(outcomes) > 1 and not safe:
+        return {**record, "theta_max": None, "theta_ratio": None, "outcome": "undecided", "margin": 0.0, "interpolation_error": None}
+    ratio = error = None
+    if safe:
+        theta = block["theta_ratio"][[[r - rows[0]] for r in rows], columns]
+        ratio = float(theta[0] @ np.array([1 - y, y][: len(columns)])) * (1 - x)
+        ratio += float(theta[-1] @ np.array([1 - y, y][: len(columns)])) * x
+        error = float(np.ptp(theta)) / 2
+    outcome = Outcome.ROCKED if safe and len(outcomes) > 1 else Outcome(outcomes.pop())
+    return {
+        **record,
+        "theta_max": None if ratio is None else ratio * structure.alpha,
+        "theta_ratio": ratio,
+        "outcome": outcome.flag,
+        "margin": margin if math.isfinite(margin) else None,
+        "interpolation_error": error,
+    }
+
+
+def predict_exactly(structure: RockingParameters, motion: Motion, shaking: Grid) -> dict[str, Any]:
+    """The same, computed; no interpolation, and margin to the traced boundaries up to twice A."""
+    amplitude, omega = (float(x[0]) for x in shaking.scaled(structure))
+    model = LINEAR.model_of(structure)
+    found = response(model, motion, np.array([amplitude]), np.array([omega]), structure.eta)
+    outcome = Outcome(int(found.outcome[0]))
+    edges = [
+        edge
+        for i in trace_envelope(motion, [omega], structure, a_max=max(2.0 * amplitude, 2.0 / motion.peak))
+        for edge in (i.a_from, i.a_to)
+        if edge is not None
+    ]
+    ratio = float(found.theta_ratio[0]) if np.isfinite(found.theta_ratio[0]) else None
+    return {
+        **_record(structure, amplitude, omega, shaking),
+        "theta_max": None if ratio is None else ratio * structure.alpha,
+        "theta_ratio": ratio,
+        "outcome": outcome.flag,
+        "margin": min((abs(e - amplitude) / amplitude for e in edges), default=None),
+        "interpolation_error": 0.0 if ratio is not None else None,
+    }
+
+
+def _record(structure: RockingParameters, amplitude: float, omega: float, shaking: Grid) -> dict[str, Any]:
+    units = {}
+    if structure.structure != "dimensionless":
+        units = {"a_g": float(structure.ground_acceleration(amplitude)), "omega_g": omega * structure.p}
+    return {"structure": structure.name, "eta": structure.eta, "A": amplitude, "Omega": omega, **units}
+
+
+def _cell(axis: np.ndarray, value: float) -> tuple[list[int], float]:
+    """The grid lines around a value, and its place between them."""
+    if axis.size == 1:
+        return [0], 0.0
+    low = int(np.clip(np.searchsorted(axis, value, side="right") - 1, 0, axis.size - 2))
+    place = float((value - axis[low]) / (axis[low + 1] - axis[low]))
+    return ([low], 0.0) if place == 0.0 else ([low + 1], 0.0) if place == 1.0 else ([low, low + 1], place)
+
+
+def _margin(outcomes: np.ndarray, axis: np.ndarray, value: float) -> float:
+    """Relative distance from a value to the nearest change between safe and overturned along a row: a lower bound."""
+    over = outcomes >= Outcome.OVERTURNED_NO_IMPACT
+    at = np.flatnonzero(over[1:] != over[:-1])
+    if not at.size:
+        return math.inf
+    low, high = axis[at], axis[at + 1]
+    distance = np.where(value < low, low - value, np.where(value > high, value - high, 0.0))
+    return float(distance.min() / value)
