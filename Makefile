@@ -5,7 +5,7 @@ CODE := $(shell find rocking_cli -name '*.py')
 CONFIGS := $(shell find configs -type f)
 TESTS := $(shell find tests -type f -not -path '*/__pycache__/*')
 
-.PHONY: demo test lint bench soak clean
+.PHONY: demo test lint figures bench soak clean
 
 demo: out/demo.h5
 test: $(STAMPS)/test
@@ -36,6 +36,27 @@ $(STAMPS)/lint: $(STAMPS)/dev $(CODE) $(TESTS)
 	.venv/bin/ruff check .
 	.venv/bin/mypy
 	touch $@
+
+# Figs. 2, 4, 6, 7 and 8 of the paper, from the shipped configs.
+ROCKING := .venv/bin/rocking
+FIG := out/figures
+figures: $(STAMPS)/dev
+	mkdir -p $(FIG)
+	$(ROCKING) spectrum --eta 0.9 --grid A=0.2:12:600,Omega=0.2:8:500 -o $(FIG)/fig2.h5 --overwrite
+	$(ROCKING) plot $(FIG)/fig2.h5 -o $(FIG)/fig2_left.png --overwrite
+	$(ROCKING) spectrum --eta 0.7 --eta 0.8 --eta 0.9 --eta 1 --grid A=0.5:8:600,Omega=4:5:2 -o $(FIG)/fig2_right.h5 --overwrite
+	$(ROCKING) plot $(FIG)/fig2_right.h5 --slice Omega=5 -o $(FIG)/fig2_right.png --overwrite
+	$(ROCKING) params configs/spire_cracked.yaml --vary base_radius=0.9:3:22 --vary height=8:16:3 --csv -q > $(FIG)/fig4.csv || test $$? = 4
+	$(ROCKING) plot $(FIG)/fig4.csv -o $(FIG)/fig4.png --overwrite
+	$(ROCKING) params configs/arch.yaml --vary thickness=1.3:3:35 --vary angle=140:180:3 --csv -q > $(FIG)/fig6.csv || test $$? = 4
+	$(ROCKING) plot $(FIG)/fig6.csv -o $(FIG)/fig6.png --overwrite
+	$(ROCKING) response configs/arch.yaml --release 0.6 --model both --duration 3 --csv > $(FIG)/fig7b.csv
+	$(ROCKING) plot $(FIG)/fig7b.csv -o $(FIG)/fig7b.png --overwrite
+	for t in 0.36 0.40 0.44; do \
+	  $(ROCKING) response configs/arch.yaml --pulse rectangular-impulse --a-g 1g --T-g $$t --model both --duration 5 --csv > $(FIG)/fig7d_$$t.csv && \
+	  $(ROCKING) plot $(FIG)/fig7d_$$t.csv -o $(FIG)/fig7d_$$t.png --overwrite || exit 1; done
+	$(ROCKING) compare configs/block.yaml configs/spire.yaml configs/arch.yaml --A 2 --Omega 4 --eta 0.8 --curves --csv > $(FIG)/fig8.csv
+	$(ROCKING) plot $(FIG)/fig8.csv -o $(FIG)/fig8.png --overwrite
 
 bench: $(STAMPS)/dev
 	.venv/bin/python -m pip install --quiet --disable-pip-version-check --editable '.[bench]'

@@ -18,6 +18,7 @@ COMMANDS = {
     "response": "Time history of one structure under one motion.",
     "accuracy": "Error against run time for a scene.",
     "predict": "Predict structures' responses from a spectrum.",
+    "plot": "Draw spectra, envelopes, responses, families.",
     "info": "Tell what a spectra file holds, and verify it.",
     "convert": "Stream the cells of a spectra file.",
     "merge": "Put together the shards of a sweep.",

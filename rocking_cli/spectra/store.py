@@ -146,18 +146,18 @@ class SpectraWriter:
         try:
             self.file = h5py.File(self.part, "r+")
             before = json.loads(self.file.attrs["scene"])
+            for key in dict.fromkeys([*before, *scene]):
+                if before.get(key) != scene.get(key):
+                    self.file.close()
+                    raise UsageError(
+                        f"{self.part}: is of another scene: its {key} is {_brief(before.get(key))}, this one's {_brief(scene.get(key))}; "
+                        "--overwrite begins anew"
+                    )
             flags, sums = self.file["chunk_done"][...] == 1, self.file["chunk_checksum"][...]
             if any(self.file[name].chunks != (1, *self.chunk) for name in self.names) or flags.size != self.chunks:
-                raise ValueError("another layout")
+                raise ValueError("its layout is damaged")
         except (OSError, KeyError, ValueError, RuntimeError) as error:
             raise OutputError(f"{self.part}: is not a sweep that can go on ({error}); --overwrite begins anew") from None
-        for key in dict.fromkeys([*before, *scene]):
-            if before.get(key) != scene.get(key):
-                self.file.close()
-                raise UsageError(
-                    f"{self.part}: is of another scene: its {key} is {_brief(before.get(key))}, this one's {_brief(scene.get(key))}; "
-                    "--overwrite begins anew"
-                )
         for index in np.flatnonzero(flags):
             outcome = self._whole(int(index), int(sums[index]))
             self.done[index] = outcome is not None
