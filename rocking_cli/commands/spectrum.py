@@ -29,6 +29,7 @@ if TYPE_CHECKING:
 @options.overwrite
 @click.option("--resume", is_flag=True, help="Go on with an interrupted sweep of the same scene (OUTPUT.part).")
 @click.option("--shard", metavar="I/N", help="Compute the I-th of N parts only; rocking merge puts them together.")
+@click.option("--scheduler", metavar="ADDRESS", help="Compute on a dask.distributed cluster, such as tcp://host:8786.")
 @click.option("--json", "json_", is_flag=True, help="The closing summary as a JSON record on standard output.")
 @options.quiet
 @click.pass_context
@@ -48,6 +49,7 @@ def spectrum(
     overwrite: bool,
     resume: bool,
     shard: str | None,
+    scheduler: str | None,
     json_: bool,
     quiet: bool,
 ) -> None:
@@ -80,6 +82,7 @@ def spectrum(
         impacts=impacts,
         overwrite=overwrite,
         resume=resume,
+        scheduler=scheduler,
         shard=None if shard is None else _part(shard),
         documents=texts,
         history=shlex.join(["rocking", *sys.argv[1:]]),

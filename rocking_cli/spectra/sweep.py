@@ -131,13 +131,15 @@ def write_spectrum(
     overwrite: bool = False,
     resume: bool = False,
     shard: tuple[int, int] | None = None,
+    scheduler: str | None = None,
     documents: str = "",
     history: str = "",
     progress: Progress | None = None,
 ) -> Summary:
     """Compute a spectrum and stream it, chunk by chunk, into an HDF5 file (layout: README).
 
-    shard: (i, n) computes the i-th of n parts, for `merge`. resume: go on with what an interrupted sweep of the same scene
+    scheduler: address of a dask.distributed cluster to compute on. shard: (i, n) computes the i-th of n parts, for `merge`.
+    resume: go on with what an interrupted sweep of the same scene
     left in PATH.part. documents, history: texts kept in the
     file. progress: called with (units done, units). Raises UsageError for a scene or
     an output that is refused, OutputError when the file cannot be written or a worker process dies, Interrupted on Ctrl-C.
@@ -167,7 +169,7 @@ def write_spectrum(
                 writer.write(i, unit.row, unit.column, data)
 
         try:
-            summary = _sweep(scene, chunk, workers, check, progress, packed, keep, todo, writer.outcomes)
+            summary = _sweep(scene, chunk, workers, check, progress, packed, keep, todo, writer.outcomes, scheduler)
         except KeyboardInterrupt:
             kept = writer.written + writer.resumed
             raise Interrupted(f"interrupted; {kept} of {writer.chunks} chunks are kept in {writer.part}; --resume goes on") from None
@@ -194,6 +196,7 @@ def _sweep(
     keep: Callable[[Unit, Any], None],
     todo: Callable[[Unit], bool] | None = None,
     before: Mapping[int, np.ndarray] | None = None,
+    scheduler: str | None = None,
 ) -> Summary:
     """Compute all units, or those `todo`, hand each result to `keep` in order, and sum up with the outcomes from before."""
     began = time.perf_counter()
@@ -207,7 +210,13 @@ def _sweep(
     job = Job(scene, chunk, sampled_cells(scene, default_check(scene) if check is None else check), convert)
     total, outcomes, shared, worst, misjudged, checked = Work(), np.zeros(len(Outcome), dtype=np.int64), 0, 0.0, 0, 0
     outcomes += sum((before or {}).values(), np.zeros_like(outcomes))
-    for done, (unit, report) in enumerate(unit_reports(job, units, wanted), 1 + len(every) - len(units)):
+    if scheduler is None:
+        reports = unit_reports(job, units, wanted)
+    else:
+        from .cluster import cluster_reports
+
+        reports = cluster_reports(job, units, scheduler)
+    for done, (unit, report) in enumerate(reports, 1 + len(every) - len(units)):
         with interruption.deferred():
             keep(unit, report.data)
         times = len(unit.structures)

@@ -1,0 +1,36 @@
+"""The help blocks of the README: `python tests/readme_help.py` writes them anew, a test compares them."""
+
+from __future__ import annotations
+
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+README = Path(__file__).resolve().parent.parent / "README.md"
+START, END = "<!-- help -->\n", "<!-- /help -->"
+
+
+def blocks() -> str:
+    """`rocking COMMAND --help` of every command, as Markdown."""
+    from rocking_cli.commands import COMMANDS
+
+    found = []
+    for name in COMMANDS:
+        call = [sys.executable, "-m", "rocking_cli", name, "--help"]
+        done = subprocess.run(call, capture_output=True, text=True, check=True, env={**os.environ, "COLUMNS": "100"})
+        found.append(f"```text\n{done.stdout.rstrip()}\n```\n")
+    return "\n".join(found)
+
+
+def section(text: str) -> str:
+    """What the README holds between its marks."""
+    found = re.search(f"{START}(.*?){END}", text, re.DOTALL)
+    assert found is not None
+    return found[1]
+
+
+if __name__ == "__main__":
+    before = README.read_text(encoding="utf-8")
+    README.write_text(before.replace(f"{START}{section(before)}{END}", f"{START}{blocks()}{END}"), encoding="utf-8")
