@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import random
+import shutil
 import signal
 import subprocess
 import sys
@@ -128,6 +129,31 @@ def test_a_worker_that_dies_loses_nothing_that_was_done(rocking, tmp_path):
     assert "a worker process died" in said
     assert "Traceback" not in said
     assert rocking("info", "s.h5.part", "--verify").returncode == 0
+
+
+def test_a_full_disk_keeps_what_was_done(rocking, tmp_path):
+    assert rocking("spectrum", *GRID, "-o", "whole.h5").returncode == 0
+    call = f"ulimit -f 150; exec {sys.executable} -m rocking_cli spectrum {' '.join(GRID)} -o cut.h5"
+    done = subprocess.run(["bash", "-c", call], cwd=tmp_path, capture_output=True, text=True, timeout=60, check=False)
+    assert done.returncode == 1
+    assert "cut.h5.part: cannot be written: File too large; what was done is kept there for --resume" in done.stderr
+    assert len(done.stderr.strip().splitlines()) == 1
+    assert rocking("spectrum", *GRID, "-o", "cut.h5", "--resume").returncode == 0
+    same(tmp_path / "cut.h5", tmp_path / "whole.h5")
+
+
+def test_a_folder_that_vanishes_is_a_sentence(tmp_path):
+    folder = tmp_path / "gone"
+    folder.mkdir()
+    call = [sys.executable, "-m", "rocking_cli", "spectrum", "--eta", "0.9", "--grid", "A=0.5:12:1500,Omega=0.5:12:1500", "-q"]
+    process = subprocess.Popen([*call, "-o", str(folder / "s.h5")], stderr=subprocess.PIPE, text=True)
+    while not (folder / "s.h5.part").exists():
+        time.sleep(0.005)
+    shutil.rmtree(folder)
+    _, said = process.communicate(timeout=60)
+    assert process.returncode == 1
+    assert "cannot be written" in said
+    assert "Traceback" not in said
 
 
 def test_shards_come_together(rocking, tmp_path):

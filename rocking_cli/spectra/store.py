@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import zlib
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
@@ -139,12 +140,12 @@ class SpectraWriter:
             os.replace(fresh, self.part)
             self.file = h5py.File(self.part, "r+")
         except OSError as error:
-            raise OutputError(f"{self.part}: cannot be written: {error}") from None
+            raise OutputError(f"{self.part}: cannot be written: {_reason(error)}") from None
 
     def _reopen(self, scene: Mapping[str, Any]) -> None:
         """Go on with a part: the same scene, and every chunk that is marked done whole."""
         try:
-            self.file = h5py.File(self.part, "r+")
+            self.file = self._open_part()
             before = json.loads(self.file.attrs["scene"])
             for key in dict.fromkeys([*before, *scene]):
                 if before.get(key) != scene.get(key):
@@ -166,6 +167,17 @@ class SpectraWriter:
         self.file["chunk_done"][...] = self.done.astype("u1")
         self.file.flush()
         self.resumed = int(self.done.sum())
+
+    def _open_part(self) -> h5py.File:
+        """A part whose end a full disk cut off is given its length again; the checksums tell which chunks that cost."""
+        try:
+            return h5py.File(self.part, "r+")
+        except OSError as error:
+            length = re.search(r"stored_eof = (\d+)", str(error))
+            if length is None or int(length[1]) <= self.part.stat().st_size:
+                raise
+            os.truncate(self.part, int(length[1]))
+            return h5py.File(self.part, "r+")
 
     def _whole(self, index: int, sum_: int) -> np.ndarray | None:
         """The outcomes of a chunk whose bytes are what was written, else None."""
@@ -246,8 +258,8 @@ class SpectraWriter:
             self.file["chunk_done"][index] = 1
             self.file.flush()
             self.written += 1
-        except OSError as error:
-            raise OutputError(f"{self.part}: cannot be written: {error}; what was done is kept there") from None
+        except (OSError, RuntimeError) as error:
+            raise OutputError(f"{self.part}: cannot be written: {_reason(error)}; what was done is kept there for --resume") from None
 
     def finish(self, attributes: Mapping[str, Any]) -> None:
         """Add the closing attributes, make the file durable and give it its final name."""
@@ -264,17 +276,28 @@ class SpectraWriter:
                 os.unlink(self.part)
         except FileExistsError:
             raise OutputError(f"{self.path}: has appeared meanwhile; the result is kept as {self.part}") from None
-        except OSError as error:
-            raise OutputError(f"{self.path}: cannot be written: {error}; the result is kept as {self.part}") from None
+        except (OSError, RuntimeError) as error:
+            kept = f"the result is kept as {self.part}" if self.part.exists() else f"{self.part} has vanished meanwhile"
+            raise OutputError(f"{self.path}: cannot be written: {_reason(error)}; {kept}") from None
 
     def __enter__(self) -> SpectraWriter:
         return self
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
         if self.file.id.valid:
-            self.file.close()
+            try:
+                self.file.close()
+            except (OSError, RuntimeError):  # on a full disk; the error that is on its way says so
+                if error is None:
+                    raise
         if error is not None and not self.written and not self.resumed:
             self.part.unlink(missing_ok=True)  # there is nothing in it to keep
+
+
+def _reason(error: Exception) -> str:
+    """The system's own words; HDF5 hides its error number in a longer text."""
+    number = getattr(error, "errno", None) or next((int(n) for n in re.findall(r"errno = (\d+)", str(error))), 0)
+    return os.strerror(number) if number else str(error)
 
 
 def _brief(value: Any) -> str:
