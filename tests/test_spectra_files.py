@@ -240,7 +240,7 @@ def test_prediction_is_the_computed_response_within_its_stated_error(rocking, sp
             assert a["outcome"] == b["outcome"]
             assert a["margin"] == pytest.approx(b["margin"], abs=0.03)
             if a["theta_ratio"] is not None:
-                assert abs(a["theta_ratio"] - b["theta_ratio"]) <= a["interpolation_error"]
+                assert abs(a["theta_ratio"] - b["theta_ratio"]) <= a["interpolation_error"] + 1e-12
                 assert a["theta_max"] == pytest.approx(a["theta_ratio"] * (0.24497866 if a["structure"] == "One" else 0.358771), rel=1e-5)
 
 
@@ -252,6 +252,18 @@ def test_prediction_near_a_boundary_is_undecided_and_outside_refused(rocking, re
     assert "is outside the spectrum" in refused(2, "predict", str(spectrum_file), "two.yaml", "--A", "9", "--Omega", "5")
     other = ("predict", str(spectrum_file), "configs/spire.yaml", "--A", "2", "--Omega", "5")
     assert "the spectrum holds 0.9" in refused(2, *other)
+
+
+def test_prediction_is_never_a_guess(rocking, tmp_path):
+    """Tongues of three-cycle overturning narrower than the grid's cells; and below uplift nothing moves."""
+    rocking("spectrum", "--eta", "0.9", "--grid", "A=0.5:6:400,Omega=0.2:10:100", "--cycles", "3", "-o", "s3.h5", "-q")
+    (tmp_path / "x.yaml").write_text("{kind: parameters, p: 2, alpha: 0.2, eta: 0.9, lambda: 0.2, a_scale: 1}")
+    for cell, outcome in ((("1.8385398861885287", "3.2245844713068648"), "undecided"), (("0.99", "5"), "no_uplift")):
+        done = rocking("predict", "s3.h5", "x.yaml", "--A", cell[0], "--Omega", cell[1], "--json")
+        assert json.loads(done.stdout)["outcome"] == outcome
+    call = ("predict", "s3.h5", "x.yaml", "--A", "1.0618680975437393", "--Omega", "3.266321116592374", "--json")
+    record = json.loads(rocking(*call).stdout)
+    assert record["outcome"] == "undecided" or abs(record["theta_ratio"] - 0.606) <= record["interpolation_error"] + 1e-3
 
 
 def test_figures_of_every_kind_are_drawn(rocking, refused, spectrum_file, tmp_path):
@@ -277,6 +289,8 @@ def test_figures_of_every_kind_are_drawn(rocking, refused, spectrum_file, tmp_pa
     assert "are none that a command" in refused(2, "plot", str(_foreign(tmp_path)), "-o", "x.png")
     assert "ends in .png" in refused(2, "plot", "params.csv", "-o", "x.bmp")
     assert "--slice" in refused(2, "plot", str(spectrum_file), "--text", "--slice", "B=3")
+    assert "Omega=1 to 8" in refused(2, "plot", str(spectrum_file), "--text", "--slice", "Omega=99")
+    assert "spectra files" in refused(2, "plot", "params.csv", "--text")
 
 
 def _foreign(folder):

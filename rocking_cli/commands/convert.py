@@ -15,4 +15,8 @@ def convert(file: str, form: str | None) -> None:
     from ..spectra.reader import SpectraFile
 
     with SpectraFile(file) as spectrum:
-        options.emit(spectrum.cells(), form or "csv", ("structure", "outcome", "theta_ratio"))
+        options.emit(
+            spectrum.cells(),
+            form or "csv",
+            ("structure", spectrum.grid.frequency.name, spectrum.grid.amplitude.name, "outcome", "theta_ratio"),
+        )

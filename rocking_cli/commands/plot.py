@@ -22,9 +22,13 @@ def plot(file: Path, output: Path | None, structure: str | None, cut: str | None
 
     Axes carry units. Figures need the extra: pip install 'rocking[plot]'.
     """
-    from ..reports.plot import draw, text_map
+    from ..reports.plot import draw, is_spectra_file, text_map
     from ..spectra.reader import SpectraFile
 
+    if text and output is not None:
+        raise click.UsageError("--text does not go with -o")
+    if text and not is_spectra_file(file):
+        raise click.UsageError(f"{file}: --text draws spectra files (.h5), and -o FIGURE.png CSV as well")
     if text:
         with SpectraFile(file) as spectrum:
             for line in text_map(spectrum, structure, cut):

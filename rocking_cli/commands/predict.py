@@ -23,7 +23,8 @@ def predict(spectrum: str, files: tuple[str, ...], shaking: Grid | None, exact: 
     """Predict theta_max, outcome and margin of structures from the spectrum of any structure of equal restitution.
 
     SPECTRUM holds a linear spectrum on axes A and Omega. theta_max in rad; margin is the relative distance in A to the nearest
-    overturning boundary; the outcome is `undecided` where a boundary runs through the grid's cell.
+    overturning boundary, read off the grid a lower bound. interpolation_error is the distance from the computed value; the
+    outcome is `undecided` where a boundary runs through the grid's cell.
     """
     from ..spectra.prediction import predict as read_off
     from ..spectra.prediction import predict_exactly
@@ -33,8 +34,9 @@ def predict(spectrum: str, files: tuple[str, ...], shaking: Grid | None, exact: 
     if shaking is None:
         raise click.UsageError("no shaking: give --a-g and --omega-g (or --f-g, --T-g), or --A and --Omega")
     with SpectraFile(spectrum) as file:
+        reach = float(file.grid.amplitude.values[-1]) if file.grid.dimensionless else 0.0
         if exact:
-            records = [predict_exactly(s, file.motion(), shaking) for s in structures]
+            records = [predict_exactly(s, file.motion(), shaking, reach) for s in structures]
         else:
             records = [read_off(file, s, shaking) for s in structures]
     options.emit(records, form)

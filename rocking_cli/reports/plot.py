@@ -57,7 +57,7 @@ def draw(source: Path, target: Path, *, structure: str | None = None, cut: str |
         raise OutputError("figures need matplotlib: pip install 'rocking[plot]'; --text needs nothing") from None
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(5.6, 4.0))
-        if source.suffix.lower() in (".h5", ".hdf5", ".nc", ".part"):
+        if is_spectra_file(source):
             with SpectraFile(source) as file:
                 axes = [_slice(figure, file, cut) if cut else _map(figure, file, structure)]
         else:
@@ -71,6 +71,11 @@ def draw(source: Path, target: Path, *, structure: str | None = None, cut: str |
             figure.savefig(target)
         except (OSError, ValueError) as error:
             raise OutputError(f"{target}: cannot be written: {error}") from None
+
+
+def is_spectra_file(source: Path) -> bool:
+    """By its name; anything else is read as CSV."""
+    return source.suffix.lower() in (".h5", ".hdf5", ".nc", ".part")
 
 
 def _label(axis: str) -> str:
@@ -95,7 +100,8 @@ def _map(figure: Figure, file: SpectraFile, name: str | None) -> Axes:
     entries: list[Any] = [Patch(facecolor=OUTCOMES[o][0], edgecolor="0.5", label=OUTCOMES[o][1]) for o in OUTCOMES if np.any(outcome == o)]
     entries += _closed_form(axes, file, index)
     axes.set(xlabel=_label(frequency.name), ylabel=_label(amplitude.name), title=f"{s.name}, η = {s.eta:.4g}: {file.scene['motion'][0]}")
-    axes.set(xlim=(frequency.values[0], frequency.values[-1]), ylim=(amplitude.values[0], amplitude.values[-1]))
+    if frequency.values.size > 1 and amplitude.values.size > 1:
+        axes.set(xlim=(frequency.values[0], frequency.values[-1]), ylim=(amplitude.values[0], amplitude.values[-1]))
     axes.legend(handles=entries, loc="upper left")
     return axes
 
@@ -128,8 +134,11 @@ def slice_of(file: SpectraFile, cut: str) -> tuple[str, float, str, np.ndarray, 
     axes = {axis.name: axis.values for axis in (file.grid.frequency, file.grid.amplitude)}
     try:
         at = int(np.abs(axes[key] - float(text)).argmin())
+        if not axes[key][0] <= float(text) <= axes[key][-1]:
+            raise ValueError
     except (KeyError, ValueError):
-        raise UsageError(f"--slice: found {cut!r}; accepted is {' or '.join(axes)}=VALUE") from None
+        wanted = " or ".join(f"{k}={v[0]:g} to {v[-1]:g}" for k, v in axes.items())
+        raise UsageError(f"--slice: found {cut!r}; accepted is {wanted}") from None
     frequency = key == file.grid.frequency.name
     (other,) = (name for name in axes if name != key)
     rows, columns = (slice(at, at + 1), slice(None)) if frequency else (slice(None), slice(at, at + 1))
@@ -163,6 +172,8 @@ def _rows(source: Path) -> Rows:
 
 def _table(figure: Figure, source: Path, rows: Rows) -> list[Axes]:
     columns = set(rows[0])
+    if "event" in columns:
+        raise UsageError(f"{source}: holds events; accepted is the time history, rocking response without --events")
     kinds: tuple[tuple[set[str], Callable[[Figure, Rows], list[Axes]]], ...] = (
         ({"Omega", "A_from", "A_to", "mode"}, _envelope),
         ({"curve", "Omega", "A"}, _curves),
@@ -176,7 +187,7 @@ def _table(figure: Figure, source: Path, rows: Rows) -> list[Axes]:
         if wanted <= columns:
             try:
                 return kind(figure, rows)
-            except (ValueError, TypeError) as error:
+            except (ValueError, TypeError, KeyError) as error:
                 raise UsageError(f"{source}: cannot be drawn: {error}") from None
     raise UsageError(f"{source}: its columns ({', '.join(sorted(columns))[:80]}) are none that a command of this program writes")
 

@@ -8,9 +8,9 @@ from pathlib import Path
 import numpy as np
 
 from ..dynamics.outcome import Outcome
-from ..errors import UsageError
+from ..errors import OutputError, UsageError
 from .reader import SpectraFile
-from .store import SpectraWriter, unpack
+from .store import SpectraWriter, part_of, unpack
 
 
 def merge(paths: Sequence[str | Path], output: str | Path, *, overwrite: bool = False) -> tuple[int, int]:
@@ -18,6 +18,7 @@ def merge(paths: Sequence[str | Path], output: str | Path, *, overwrite: bool = 
 
     Raises UsageError when they are not of one scene, OutputError when one is damaged or the output cannot be written.
     """
+    kept_part = part_of(Path(output)).exists()
     files = [SpectraFile(path) for path in paths]
     try:
         first = files[0]
@@ -34,11 +35,11 @@ def merge(paths: Sequence[str | Path], output: str | Path, *, overwrite: bool = 
             outcomes, there = np.zeros(len(Outcome), dtype=np.int64), 0
             rows, columns = first.grid.shape
             for index in range(writer.chunks):
-                holder = next((f for f in files if f.done[index]), None)
-                if holder is None:
+                holders = [f for f in files if f.done[index]]
+                if not holders:
                     continue
-                packed = holder.packed(index)
-                structure, row, column = holder.offset(index)
+                packed = next((f for f in holders if f.intact(index)), holders[0]).packed(index)
+                structure, row, column = first.offset(index)
                 block = unpack(packed["outcome"], np.dtype("u1"), chunk)[: rows - row, : columns - column]
                 outcomes += np.bincount(block.ravel(), minlength=len(Outcome))
                 writer.write(structure, row, column, packed)
@@ -51,6 +52,10 @@ def merge(paths: Sequence[str | Path], output: str | Path, *, overwrite: bool = 
             counts["cells_not_computed"] = cells - int(outcomes.sum())
             writer.finish({"cells": cells, "run_time": run_time, "checked_cells": checked, "estimated_error": worst, **counts})
             return there, writer.chunks
+    except (OutputError, UsageError):
+        if not kept_part:
+            part_of(Path(output)).unlink(missing_ok=True)  # it can be made again from the shards
+        raise
     finally:
         for file in files:
             file.file.close()

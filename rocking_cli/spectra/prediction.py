@@ -23,9 +23,9 @@ ETA_TOLERANCE = 1e-6  # spectra of restitutions closer than this are taken for t
 def predict(spectrum: SpectraFile, structure: RockingParameters, shaking: Grid) -> dict[str, Any]:
     """theta_max [rad], theta_ratio, outcome, margin and interpolation error of a structure from a linear dimensionless spectrum.
 
-    theta_ratio is interpolated linearly in the grid's cell (A, Omega); half the spread of the cell's corners is stated as its
-    error. The outcome is that of the cell's corners where they agree, and `undecided` where they differ: a boundary runs
-    through the cell. margin: relative distance in A to the nearest boundary among the grid's amplitudes at the two
+    theta_ratio is interpolated linearly in the grid's cell (A, Omega) and its error is the difference from the computed
+    value of this one cell. The outcome is that of the cell's corners where they and the computed one agree, else `undecided`: a
+    boundary runs through the cell. margin: a lower bound of the relative distance in A to the nearest boundary at the two
     frequencies. Raises UsageError when the spectrum has other axes, model or restitutions, or does not reach (A, Omega).
     """
     if not spectrum.grid.dimensionless or spectrum.scene["model"] != "linear":
@@ -51,34 +51,36 @@ def predict(spectrum: SpectraFile, structure: RockingParameters, shaking: Grid) 
     record = _record(structure, amplitude, omega, shaking)
     margin = min((_margin(block["outcome"][r - rows[0]], a, amplitude) for r in rows), default=math.inf)
     safe = outcomes <= {Outcome.ROCKED, Outcome.NO_UPLIFT}
-    if len(outcomes) > 1 and not safe:
+    exact = response(LINEAR.model_of(structure), spectrum.motion(), np.array([amplitude]), np.array([omega]), structure.eta)
+    truth = Outcome(int(exact.outcome[0]))
+    agree = truth in (Outcome.ROCKED, Outcome.NO_UPLIFT) if safe else outcomes == {truth}
+    if not agree:
         return {**record, "theta_max": None, "theta_ratio": None, "outcome": "undecided", "margin": 0.0, "interpolation_error": None}
     ratio = error = None
     if safe:
         theta = block["theta_ratio"][[[r - rows[0]] for r in rows], columns]
-        ratio = float(theta[0] @ np.array([1 - y, y][: len(columns)])) * (1 - x)
-        ratio += float(theta[-1] @ np.array([1 - y, y][: len(columns)])) * x
-        error = float(np.ptp(theta)) / 2
-    outcome = Outcome.ROCKED if safe and len(outcomes) > 1 else Outcome(outcomes.pop())
+        across = np.array([1 - y, y][: len(columns)])
+        ratio = float(theta[0] @ across) * (1 - x) + float(theta[-1] @ across) * x if truth == Outcome.ROCKED else 0.0
+        error = abs(ratio - float(exact.theta_ratio[0]))
     return {
         **record,
         "theta_max": None if ratio is None else ratio * structure.alpha,
         "theta_ratio": ratio,
-        "outcome": outcome.flag,
+        "outcome": truth.flag,
         "margin": margin if math.isfinite(margin) else None,
         "interpolation_error": error,
     }
 
 
-def predict_exactly(structure: RockingParameters, motion: Motion, shaking: Grid) -> dict[str, Any]:
-    """The same, computed; no interpolation, and margin to the traced boundaries up to twice A."""
+def predict_exactly(structure: RockingParameters, motion: Motion, shaking: Grid, a_max: float = 0.0) -> dict[str, Any]:
+    """The same, computed; no interpolation, and margin to the boundaries, traced up to a_max and at least twice A."""
     amplitude, omega = (float(x[0]) for x in shaking.scaled(structure))
     model = LINEAR.model_of(structure)
     found = response(model, motion, np.array([amplitude]), np.array([omega]), structure.eta)
     outcome = Outcome(int(found.outcome[0]))
     edges = [
         edge
-        for i in trace_envelope(motion, [omega], structure, a_max=max(2.0 * amplitude, 2.0 / motion.peak))
+        for i in trace_envelope(motion, [omega], structure, a_max=max(a_max, 2.0 * amplitude, 2.0 / motion.peak))
         for edge in (i.a_from, i.a_to)
         if edge is not None
     ]

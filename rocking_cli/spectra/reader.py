@@ -70,8 +70,8 @@ class SpectraFile:
 
     @property
     def complete(self) -> bool:
-        """Whether every chunk is there."""
-        return bool(self.done.all())
+        """Whether every chunk is there and the sweep came to its end."""
+        return bool(self.done.all()) and self.path.suffix != ".part"
 
     def motion(self) -> Motion:
         """The ground motion of the spectrum. Raises OutputError."""
@@ -83,7 +83,7 @@ class SpectraFile:
 
     def damaged_chunks(self) -> list[int]:
         """Indices of the chunks that are marked done and are not what was written."""
-        return [int(i) for i in np.flatnonzero(self.done) if not self._intact(int(i))]
+        return [int(i) for i in np.flatnonzero(self.done) if not self.intact(int(i))]
 
     def offset(self, index: int) -> tuple[int, int, int]:
         """(structure, row, column) of a chunk's first cell."""
@@ -101,7 +101,8 @@ class SpectraFile:
             raise OutputError(f"{self.path}: chunk {index} is damaged: its checksum does not fit")
         return packed
 
-    def _intact(self, index: int) -> bool:
+    def intact(self, index: int) -> bool:
+        """Whether a chunk is what was written."""
         try:
             self.packed(index)
         except OutputError:

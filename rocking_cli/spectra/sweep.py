@@ -32,7 +32,8 @@ class Summary:
     """What a sweep took and left out.
 
     run_time [s]; estimated_error: largest difference of theta/alpha from another path on the checked cells; misjudged:
-    checked cells whose outcome differs; shared_cells: cells taken from another structure of equal restitution.
+    checked cells whose outcome differs; shared_cells: cells taken from another structure of equal restitution; resumed_cells:
+    cells that were there before. Times, checks and counters are those of this run.
     """
 
     structures: int
@@ -46,11 +47,12 @@ class Summary:
     checked_cells: int
     estimated_error: float
     misjudged: int
+    resumed_cells: int = 0
 
     @property
     def time_per_cell(self) -> float:
-        """Run time over all cells [s]."""
-        return self.run_time / self.cells
+        """Run time over the cells of this run [s]."""
+        return self.run_time / max(1, self.cells - self.resumed_cells)
 
     @property
     def failed(self) -> int:
@@ -73,6 +75,7 @@ class Summary:
             "misjudged_cells": self.misjudged,
             **{f"cells_{k}": v for k, v in self.outcomes.items()},
             "shared_cells": self.shared_cells,
+            "resumed_cells": self.resumed_cells,
             **work,
         }
 
@@ -239,4 +242,5 @@ def _sweep(
         checked_cells=checked,
         estimated_error=worst,
         misjudged=misjudged,
+        resumed_cells=int(sum(int(counts.sum()) for counts in (before or {}).values())),
     )
