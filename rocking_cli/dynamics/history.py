@@ -98,7 +98,7 @@ def history(model: Model, motion: Motion, amplitude: float, omega: float, eta: f
     end = max(motion.duration / omega, duration) * 1.001
     still = Piece(motion.duration, end * omega)
     run = _Watched(model, Motion(motion.name, (*motion.pieces, still)), amplitude, omega, eta, release)
-    return run.record(duration, motion.duration / omega)
+    return run.record(duration)
 
 
 class _Watched(Run):
@@ -110,7 +110,7 @@ class _Watched(Run):
         self.release, self.stretches, self.moments = release, list[Stretch](), list[Moment]()
         self.fallen = min(model.limit, float(model.displacement(np.array(_FALLEN))))
 
-    def record(self, duration: float, shaken: float) -> History:
+    def record(self, duration: float) -> History:
         lanes = self._first()
         with np.errstate(all="ignore"):
             while lanes.cell.size and self._tau(lanes) < duration:
