@@ -112,13 +112,14 @@ def test_cells_within_1e_12_of_a_boundary_have_an_outcome(omega):
 
 
 def test_uplift_on_the_edge_of_a_piece():
-    (motion,) = [pulse("rectangular-impulse")]
+    motion = pulse("rectangular-impulse")
     # -A/2 lifts the resting body at A > 2 on the other side; at A = 2 exactly it does not.
     for amplitude, omega in ((2.0, 300.0), (2.0 + 1e-12, 300.0), (1.0 + 1e-15, 3.0)):
         for found in both(amplitude, omega, 0.0, motion=motion):
             assert int(found.outcome) in DECIDED
     cosine = linear_response(pulse("cosine"), 1.0 + 1e-15, 2.0, 0.5)
     assert cosine.outcome == Outcome.ROCKED
+    assert linear_response(pulse("cosine"), 1.0, 2.0, 0.5).outcome == Outcome.NO_UPLIFT
 
 
 def test_an_arch_at_the_edge_of_stability():

@@ -61,6 +61,9 @@ def response(
         raise click.UsageError("a motion needs --a-g and --omega-g (or --f-g, --T-g), or --A and --Omega")
     if steps and dt is not None:
         raise click.UsageError("--steps does not go with --dt")
+    step = None if dt is None else options.time("--dt", dt)
+    if step is not None and not step > 0.0:
+        raise UsageError(f"--dt: found {dt}, accepted is a positive time")
     found = time_history(
         structures[0],
         motion if shaking else None,
@@ -69,9 +72,6 @@ def response(
         release=release,
         duration=None if duration is None else options.time("--duration", duration),
     )
-    step = None if dt is None else options.time("--dt", dt)
-    if step is not None and not step > 0.0:
-        raise UsageError(f"--dt: found {dt}, accepted is a positive time")
     records = found.events(dimensionless=dimensionless) if events else found.records(dt=step, steps=steps, dimensionless=dimensionless)
     options.emit(records, form, ("model", "event") if events else ())
     for line in found.summary():

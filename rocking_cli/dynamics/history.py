@@ -108,6 +108,7 @@ class _Watched(Run):
         a, w, n = (np.array([x]) for x in (amplitude / model.initiation, omega, eta))
         super().__init__(model, motion.segments, a, w, n, True, 1)
         self.release, self.stretches, self.moments = release, list[Stretch](), list[Moment]()
+        self.summit = 0.0  # tau up to which the last arc is looked at for an overturning
         self.fallen = min(model.limit, float(model.displacement(np.array(_FALLEN))))
 
     def record(self, duration: float) -> History:

@@ -12,7 +12,7 @@ import numpy as np
 
 from ..dynamics.engine import response
 from ..dynamics.outcome import Outcome
-from ..dynamics.reference_nonlinear import Equation, Linkage, Oscillator, RigidBody, Solver, reference_nonlinear
+from ..dynamics.reference_nonlinear import Solver, reference_nonlinear
 from ..errors import UsageError
 from ..spectra.grid import Grid
 from ..spectra.scene import Method, Scene, sampled_cells
@@ -72,9 +72,7 @@ def work_precision(scene: Scene, *, sample: int = 40, scipy: int = 10, seed: int
         answers = [(Outcome(int(o)), float(x)) for o, x in zip(found.outcome, found.theta_ratio, strict=True)]
         yield _compare("rocking, exact" if tolerance is None else "rocking, Taylor series", tolerance, answers, truth, cost)
 
-    equation: Equation = Oscillator()
-    if one.method.model != "linear":
-        equation = RigidBody(structure.alpha) if structure.mechanism is None else Linkage(structure.mechanism)
+    equation = one.method.equation_of(structure)
     for method in SCIPY_METHODS if scipy else ():
         for tolerance in SCIPY_TOLERANCES:
             began, solver = time.perf_counter(), Solver(method, tolerance, careful=False)

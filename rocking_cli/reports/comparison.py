@@ -27,19 +27,9 @@ def scaled_alike(structure: RockingParameters, shaking: Grid, first: RockingPara
     return Grid(Axis("a_g", structure.ground_acceleration(amplitude)), Axis("omega_g", omega * structure.p))
 
 
-def compare(
-    structures: Sequence[RockingParameters], motion: Motion, shaking: Grid, methods: Sequence[Method], *, duration: float | None = None
-) -> list[TimeHistory]:
-    """The response of each structure to the motion scaled to equal (A, Omega), from its own a_g and omega_g.
-
-    duration [tau], the same for all. Raises UsageError.
-    """
-    return [
-        time_history(
-            s, motion, scaled_alike(s, shaking, structures[0]), methods, duration=None if duration is None else duration / s.p
-        )
-        for s in structures
-    ]  # fmt: skip
+def compare(structures: Sequence[RockingParameters], motion: Motion, shaking: Grid, methods: Sequence[Method]) -> list[TimeHistory]:
+    """The response of each structure to the motion scaled to equal (A, Omega), from its own a_g and omega_g. Raises UsageError."""
+    return [time_history(s, motion, scaled_alike(s, shaking, structures[0]), methods) for s in structures]
 
 
 def collapse(responses: Sequence[TimeHistory], model: str) -> float:

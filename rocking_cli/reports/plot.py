@@ -88,7 +88,7 @@ def _map(figure: Figure, file: SpectraFile, name: str | None) -> Axes:
     from matplotlib.colors import BoundaryNorm, ListedColormap
     from matplotlib.patches import Patch
 
-    index = file.index(name or (file.structures[0].name if file.structures else None))
+    index = file.index(name or file.structures[0].name)
     s, axes = file.structures[index], figure.add_subplot()
     frequency, amplitude = file.grid.frequency, file.grid.amplitude
     outcome = file.block(index, slice(None))["outcome"]

@@ -10,7 +10,7 @@ import numpy as np
 from ..dynamics.outcome import Outcome
 from ..errors import OutputError, UsageError
 from .reader import SpectraFile
-from .store import SpectraWriter, part_of, unpack
+from .store import SpectraWriter, difference, part_of, stored_outcomes
 
 
 def merge(paths: Sequence[str | Path], output: str | Path, *, overwrite: bool = False) -> tuple[int, int]:
@@ -23,9 +23,9 @@ def merge(paths: Sequence[str | Path], output: str | Path, *, overwrite: bool = 
     try:
         first = files[0]
         for other in files[1:]:
-            for key in dict.fromkeys([*first.scene, *other.scene]):
-                if first.scene.get(key) != other.scene.get(key):
-                    raise UsageError(f"{other.path}: is of another scene than {first.path}: its {key} differs")
+            key = difference(first.scene, other.scene)
+            if key is not None:
+                raise UsageError(f"{other.path}: is of another scene than {first.path}: its {key} differs")
         kept = {k: v for k, v in first.attributes.items() if k in ("history", "documents", "motion", "model", "tolerance")}
         chunk = (int(first.chunk[1]), int(first.chunk[2]))
         with SpectraWriter(
@@ -33,22 +33,19 @@ def merge(paths: Sequence[str | Path], output: str | Path, *, overwrite: bool = 
             scene=first.scene, attributes=kept,
         ) as writer:  # fmt: skip
             outcomes, there = np.zeros(len(Outcome), dtype=np.int64), 0
-            rows, columns = first.grid.shape
             for index in range(writer.chunks):
                 holders = [f for f in files if f.done[index]]
                 if not holders:
                     continue
                 packed = next((f for f in holders if f.intact(index)), holders[0]).packed(index)
-                structure, row, column = first.offset(index)
-                block = unpack(packed["outcome"], np.dtype("u1"), chunk)[: rows - row, : columns - column]
-                outcomes += np.bincount(block.ravel(), minlength=len(Outcome))
-                writer.write(structure, row, column, packed)
+                outcomes += stored_outcomes(packed, first.offset(index), chunk, first.grid.shape)
+                writer.write(*first.offset(index), packed)
                 there += 1
             run_time = sum(float(f.attributes.get("run_time", 0.0)) for f in files)
             checked = sum(int(f.attributes.get("checked_cells", 0)) for f in files)
             worst = max(float(f.attributes.get("estimated_error", 0.0)) for f in files)
             counts = {f"cells_{o.flag}": int(outcomes[o]) for o in Outcome}
-            cells = int(np.prod((len(first.structures), rows, columns)))
+            cells = len(first.structures) * int(np.prod(first.grid.shape))
             counts["cells_not_computed"] = cells - int(outcomes.sum())
             writer.finish({"cells": cells, "run_time": run_time, "checked_cells": checked, "estimated_error": worst, **counts})
             return there, writer.chunks

@@ -16,7 +16,7 @@ from ..errors import OutputError, UsageError
 from ..motions import Harmonic, Motion, Piece
 from ..structures.parameters import RockingParameters
 from .grid import Axis, Grid
-from .store import checksum, unpack
+from .store import stored_chunk
 
 _FAULTS = (OSError, KeyError, ValueError, RuntimeError, TypeError, AttributeError, IndexError, UnicodeDecodeError, UsageError)
 
@@ -93,13 +93,9 @@ class SpectraFile:
     def packed(self, index: int) -> dict[str, bytes]:
         """The stored bytes of a chunk, checked. Raises OutputError."""
         try:
-            packed = {name: self.file[name].id.read_direct_chunk(self.offset(index))[1] for name in self.names}
-            unpack(packed["outcome"], np.dtype("u1"), self.chunk[1:])
+            return stored_chunk(self.file, self.names, self.offset(index), self.chunk[1:], int(self.sums[index]))
         except _FAULTS as error:
             raise OutputError(f"{self.path}: chunk {index} is damaged: {error}") from None
-        if checksum(packed, self.names) != int(self.sums[index]):
-            raise OutputError(f"{self.path}: chunk {index} is damaged: its checksum does not fit")
-        return packed
 
     def intact(self, index: int) -> bool:
         """Whether a chunk is what was written."""

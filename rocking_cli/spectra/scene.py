@@ -7,7 +7,7 @@ import zlib
 from collections.abc import Callable, Iterator
 from dataclasses import asdict, dataclass
 from functools import partial
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -17,16 +17,16 @@ from ..dynamics.mechanism import MechanismModel
 from ..dynamics.model import Model
 from ..dynamics.outcome import Outcome
 from ..dynamics.rigid_body import RigidModel
+from ..dynamics.taylor import order_for
 from ..errors import UsageError
 from ..motions import Motion
 from ..structures.parameters import RockingParameters
 from .grid import Grid
 
-Array = np.ndarray
+if TYPE_CHECKING:
+    from ..dynamics.reference_nonlinear import Equation
 
 _SEED = 20120924
-
-
 MODELS = ("linear", "nonlinear")
 TOLERANCE = 1e-9
 
@@ -41,8 +41,10 @@ class Method:
     def __post_init__(self) -> None:
         if self.model not in MODELS:
             raise UsageError(f"unknown model {self.model!r}, accepted are {', '.join(MODELS)}")
-        if not 1e-13 <= self.tolerance <= 1e-2:
-            raise UsageError(f"tolerance is {self.tolerance:g}, accepted is a number from 1e-13 to 1e-2")
+        try:
+            order_for(self.tolerance)
+        except ValueError as error:
+            raise UsageError(str(error)) from None
 
     def model_of(self, structure: RockingParameters) -> Model:
         """The equation of motion of one structure. Raises UsageError when the model does not hold for it."""
@@ -68,10 +70,17 @@ class Method:
             from ..dynamics.reference import reference_cell
 
             return reference_cell
-        from ..dynamics.reference_nonlinear import Linkage, RigidBody, reference_nonlinear
+        from ..dynamics.reference_nonlinear import reference_nonlinear
 
-        equation = RigidBody(structure.alpha) if structure.mechanism is None else Linkage(structure.mechanism)
-        return partial(reference_nonlinear, equation=equation)
+        return partial(reference_nonlinear, equation=self.equation_of(structure))
+
+    def equation_of(self, structure: RockingParameters) -> Equation:
+        """The equation of motion of one structure as general solvers take it."""
+        from ..dynamics.reference_nonlinear import Linkage, Oscillator, RigidBody
+
+        if self.model == "linear":
+            return Oscillator()
+        return RigidBody(structure.alpha) if structure.mechanism is None else Linkage(structure.mechanism)
 
 
 LINEAR = Method()

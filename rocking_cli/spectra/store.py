@@ -11,6 +11,7 @@ import os
 import re
 import zlib
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from pathlib import Path
 from types import TracebackType
 from typing import Any
@@ -76,6 +77,30 @@ def checksum(packed: Mapping[str, bytes], names: Sequence[str]) -> int:
     for name in names:
         total = zlib.crc32(packed[name], total)
     return total
+
+
+def stored_chunk(
+    file: h5py.File, names: Sequence[str], offset: tuple[int, int, int], chunk: tuple[int, int], sum_: int
+) -> dict[str, bytes]:
+    """The stored bytes of a chunk's variables. Raises ValueError, or what HDF5 raises, where they are not what was written."""
+    packed = {name: file[name].id.read_direct_chunk(offset)[1] for name in names}
+    if checksum(packed, names) != sum_:
+        raise ValueError("its checksum does not fit")
+    unpack(packed["outcome"], np.dtype("u1"), chunk)
+    return packed
+
+
+def stored_outcomes(
+    packed: Mapping[str, bytes], offset: tuple[int, int, int], chunk: tuple[int, int], shape: tuple[int, int]
+) -> np.ndarray:
+    """How many of a chunk's cells came to each outcome; shape: of the whole grid, at whose edge a chunk is filled up."""
+    block = unpack(packed["outcome"], np.dtype("u1"), chunk)[: shape[0] - offset[1], : shape[1] - offset[2]]
+    return np.bincount(block.ravel(), minlength=len(Outcome))
+
+
+def difference(one: Mapping[str, Any], other: Mapping[str, Any]) -> str | None:
+    """The first key in which two scenes differ."""
+    return next((key for key in dict.fromkeys([*one, *other]) if one.get(key) != other.get(key)), None)
 
 
 def check_output(path: Path, overwrite: bool, resume: bool = False) -> None:
@@ -147,23 +172,25 @@ class SpectraWriter:
         try:
             self.file = self._open_part()
             before = json.loads(self.file.attrs["scene"])
-            for key in dict.fromkeys([*before, *scene]):
-                if before.get(key) != scene.get(key):
-                    self.file.close()
-                    raise UsageError(
-                        f"{self.part}: is of another scene: its {key} is {_brief(before.get(key))}, this one's {_brief(scene.get(key))}; "
-                        "--overwrite begins anew"
-                    )
+            key = difference(before, scene)
+            if key is not None:
+                self.file.close()
+                raise UsageError(
+                    f"{self.part}: is of another scene: its {key} is {_brief(before.get(key))}, this one's {_brief(scene.get(key))}; "
+                    "--overwrite begins anew"
+                )
             flags, sums = self.file["chunk_done"][...] == 1, self.file["chunk_checksum"][...]
             if any(self.file[name].chunks != (1, *self.chunk) for name in self.names) or flags.size != self.chunks:
                 raise ValueError("its layout is damaged")
         except (OSError, KeyError, ValueError, RuntimeError) as error:
             raise OutputError(f"{self.part}: is not a sweep that can go on ({error}); --overwrite begins anew") from None
+        grid = self.file["outcome"].shape[1:]
         for index in np.flatnonzero(flags):
-            outcome = self._whole(int(index), int(sums[index]))
-            self.done[index] = outcome is not None
-            if outcome is not None:
-                self.outcomes[int(index)] = np.bincount(outcome.ravel(), minlength=len(Outcome))
+            offset = self._offset(int(index))
+            with suppress(OSError, ValueError, RuntimeError):  # a damaged chunk is computed again
+                packed = stored_chunk(self.file, self.names, offset, self.chunk, int(sums[index]))
+                self.outcomes[int(index)] = stored_outcomes(packed, offset, self.chunk, grid)
+                self.done[index] = True
         self.file["chunk_done"][...] = self.done.astype("u1")
         self.file.flush()
         self.resumed = int(self.done.sum())
@@ -179,18 +206,6 @@ class SpectraWriter:
             os.truncate(self.part, int(length[1]))
             return h5py.File(self.part, "r+")
 
-    def _whole(self, index: int, sum_: int) -> np.ndarray | None:
-        """The outcomes of a chunk whose bytes are what was written, else None."""
-        structure, row, column = (int(i) * c for i, c in zip(np.unravel_index(index, self._counts), (1, *self.chunk), strict=True))
-        try:
-            packed = {name: self.file[name].id.read_direct_chunk((structure, row, column))[1] for name in self.names}
-            if checksum(packed, self.names) != sum_:
-                return None
-            rows, columns = self.file["outcome"].shape[1:]
-            return unpack(packed["outcome"], np.dtype("u1"), self.chunk)[: rows - row, : columns - column]
-        except (OSError, ValueError, RuntimeError):
-            return None
-
     def has(self, structures: Sequence[int], row: int, column: int) -> bool:
         """Whether the chunks of these structures whose first cell is (row, column) are all there; if not, none counts."""
         indices = [self._index(i, row, column) for i in structures]
@@ -199,6 +214,10 @@ class SpectraWriter:
         for index in indices:
             self.outcomes.pop(index, None)
         return False
+
+    def _offset(self, index: int) -> tuple[int, int, int]:
+        structure, row, column = (int(i) for i in np.unravel_index(index, self._counts))
+        return structure, row * self.chunk[0], column * self.chunk[1]
 
     def _index(self, structure: int, row: int, column: int) -> int:
         return int(np.ravel_multi_index((structure, row // self.chunk[0], column // self.chunk[1]), self._counts))

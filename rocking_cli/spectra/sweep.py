@@ -142,10 +142,9 @@ def write_spectrum(
     """Compute a spectrum and stream it, chunk by chunk, into an HDF5 file (layout: README).
 
     scheduler: address of a dask.distributed cluster to compute on. shard: (i, n) computes the i-th of n parts, for `merge`.
-    resume: go on with what an interrupted sweep of the same scene
-    left in PATH.part. documents, history: texts kept in the
-    file. progress: called with (units done, units). Raises UsageError for a scene or
-    an output that is refused, OutputError when the file cannot be written or a worker process dies, Interrupted on Ctrl-C.
+    resume: go on with what an interrupted sweep of the same scene left in PATH.part. documents, history: texts kept in the
+    file. progress: called with (units done, units). Raises UsageError for a scene or an output that is refused, OutputError when
+    the file cannot be written or a worker process dies, Interrupted on Ctrl-C.
     """
     from .store import SpectraWriter, pack
 

@@ -44,7 +44,7 @@ class Report:
 
 @dataclass(frozen=True)
 class Job:
-    """Everything a worker needs; sent once, not with each unit."""
+    """Everything a worker needs; to processes of this machine it goes once, not with each unit."""
 
     scene: Scene
     chunk: tuple[int, int]
@@ -136,6 +136,7 @@ def _batches(job: Job, units: Sequence[Unit], workers: int) -> Iterator[list[lis
 
 
 def unit_reports(job: Job, units: Sequence[Unit], workers: int) -> Iterator[tuple[Unit, Report]]:
+    """The reports of the units, in their order. Raises OutputError when a worker process dies."""
     if workers == 1:
         for (batch,) in _batches(job, units, 1):
             some = [units[i] for i in batch]
