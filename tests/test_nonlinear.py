@@ -12,6 +12,7 @@ from scipy.optimize import brentq
 from rocking_cli import Method, Outcome, UsageError, cosine, linear_response, nonlinear_response, parse_documents, sine, trace_envelope
 from rocking_cli import build_structure as build
 from rocking_cli.dynamics.advance import advance
+from rocking_cli.dynamics.engine import response
 from rocking_cli.dynamics.lanes import Lanes
 from rocking_cli.dynamics.linear import LinearModel
 from rocking_cli.dynamics.reference_nonlinear import RigidBody, reference_nonlinear
@@ -29,6 +30,15 @@ def test_overturning_intervals_of_the_reference_block():
     assert (found[0].a_from, found[0].a_to, found[1].a_from) == pytest.approx((3.03234, 6.74302, 7.49300), abs=1e-5)
     scale = 0.25 / math.tan(0.25)
     assert found[0].a_from * scale == pytest.approx(2.96890, abs=1e-5)
+
+
+def test_one_lane_is_the_same_lane_in_a_batch():
+    random = np.random.default_rng(5)
+    amplitude, omega = random.uniform(0.9, 9, 300), random.uniform(0.3, 12, 300)
+    whole = response(RigidModel(0.25), sine(), amplitude, omega, 0.9)
+    for pool in (1, 2, 7, 64):
+        other = response(RigidModel(0.25), sine(), amplitude, omega, 0.9, pool=pool)
+        assert other.theta_ratio.tobytes() == whole.theta_ratio.tobytes()
 
 
 def integrate(s, phase_end, amplitude, omega, eta, alpha):

@@ -22,7 +22,6 @@ from ..structures.mechanism import Mechanism, linearise
 from .free import Fate, fate_by_energy
 from .lanes import Lanes
 from .taylor import Series, drive_series, order_for, series
-from .windows import summed
 
 Array = np.ndarray
 
@@ -81,11 +80,11 @@ class MechanismModel:
     way there, or when the tolerance is not between 1e-13 and 1e-2.
     """
 
-    pool = 1024  # lanes: the powers of a series of 14 terms take 100 numbers a lane
+    pool = 4096  # lanes: the powers of a series of 20 terms take 400 numbers a lane
     initiation = 1.0
 
     def __init__(self, mechanism: Mechanism, tolerance: float = 1e-9) -> None:
-        self.order, self.tolerance = order_for(tolerance), tolerance
+        self.order, self.tolerance = order_for(tolerance, 0.8), tolerance  # fewer terms than for a body: they cost their third power
         self.table = tabulate(mechanism)
         table = self.table
         self.limit = float(table.edges[-1])
@@ -104,25 +103,30 @@ class MechanismModel:
         table = self.table
         at, x = table.of(lanes.y)
         lift, push = self._local(at, x, count)
-        drive = [(lanes.b + lift[0]) / push[0], *known.terms[1:]]
-        over, unit2 = 1.0 / table.half[at], known.unit * known.unit
-        y = [lanes.y, lanes.v * known.unit]
+        drive = known.terms
+        drive[0] = (lanes.b + lift[0]) / push[0]
+        unit2 = known.unit * known.unit
+        drive *= unit2
+        lift *= unit2
+        over = 1.0 / table.half[at]
+        y = np.empty((count + 2, x.size))
+        y[0] = lanes.y
+        np.multiply(lanes.v, known.unit, out=y[1])
         power = np.zeros((count, count, x.size))  # [j, n]: term n of ((y - y0) / half)^j
-        m = [push[0]]
+        pushes = np.empty_like(drive)  # G along the motion
+        pushes[0], fallen = push[0], lift[0]
         for n in range(count):
-            fallen = lift[0]
             if n:
-                power[1, n] = y[n] * over
-                for i in range(1, n):
-                    power[2 : n - i + 2, n] += power[1, i] * power[1 : n - i + 1, n - i]
+                np.multiply(y[n], over, out=power[1, n])
+                if n > 1:
+                    np.einsum("il,jil->jl", power[1, 1:n], power[1:n, n - 1 : 0 : -1], out=power[2 : n + 1, n])
                 here = power[1 : n + 1, n]
-                fallen = summed(lift[1 : n + 1] * here)
-                m.append(summed(push[1 : n + 1] * here))
-            pushed = drive[0] * m[n]
-            for i in range(1, n + 1):
-                pushed = pushed + drive[i] * m[n - i]
-            y.append(unit2 * (pushed - fallen) / ((n + 1) * (n + 2)))
-        return series(np.array(y), known, self.tolerance)
+                fallen = np.einsum("jl,jl->l", lift[1 : n + 1], here)
+                np.einsum("jl,jl->l", push[1 : n + 1], here, out=pushes[n])
+            pushed = np.einsum("il,il->l", drive[: n + 1], pushes[n::-1])
+            pushed -= fallen
+            np.multiply(pushed, 1.0 / ((n + 1) * (n + 2)), out=y[n + 2])
+        return series(y, known, self.tolerance)
 
     def _local(self, at: Array, x: Array, count: int) -> Array:
         """(2, count, lanes): the series of F and G in powers of (y - y0) / half, shifted from the patch's centre to y0."""

@@ -29,7 +29,7 @@ class RigidModel:
     Raises ValueError when alpha is not between 0 and pi/2 or the tolerance not between 1e-13 and 1e-2.
     """
 
-    pool = 4096  # lanes: a series of 18 terms for each stays in the second-level cache
+    pool = 8192  # lanes: fewer rounds against what no longer fits the caches, measured with series of 28 terms
 
     def __init__(self, alpha: float, tolerance: float = 1e-9) -> None:
         if not 0.0 < alpha < 0.5 * math.pi:
@@ -44,28 +44,35 @@ class RigidModel:
 
     def flow(self, segments: Segments, lanes: Lanes) -> Series:
         """The series of every lane from its present state."""
-        known = drive_series(segments, lanes, self.order - 1)
-        z = self.alpha - self.sin * lanes.y
-        s, c = [np.sin(z)], [np.cos(z)]
+        order = self.order
+        known = drive_series(segments, lanes, order - 1)
+        y = np.empty((order + 1, lanes.y.size))
+        turn = np.empty((order, 2, lanes.y.size))  # sin z, cos z
+        rate = np.empty_like(y)  # n z_n, for the recurrences of sin z and cos z
+        both, pushed, fallen = np.empty_like(turn[0]), np.empty_like(y[0]), np.empty_like(y[0])
+        half = np.tan(0.5 * (self.alpha - self.sin * lanes.y))
+        over = 1.0 / (1.0 + half * half)
+        turn[0, 0] = 2.0 * half * over
+        turn[0, 1] = (1.0 - half * half) * over
+        unit2 = known.unit * known.unit
+        back = unit2 / self.sin
+        drive = known.terms
         # The drive now, from the acceleration that the lane carries: at uplift it is 1 to the last bit.
-        drive = [(lanes.b + s[0] / self.sin) * self.cos / c[0], *known.terms[1:]]
-        y = [lanes.y, lanes.v * known.unit]
-        k, unit2 = self.sin, known.unit * known.unit
-        rate = [np.zeros_like(z)]  # n y_n, for the recurrences of sin z and cos z
-        for n in range(self.order - 1):
+        drive[0] = (lanes.b + turn[0, 0] / self.sin) * self.cos / turn[0, 1]
+        drive *= unit2 / self.cos
+        y[0] = lanes.y
+        np.multiply(lanes.v, known.unit, out=y[1])
+        for n in range(order - 1):
             if n:
-                rate.append(n * y[n])
-                change_s, change_c = rate[n] * c[0], rate[n] * s[0]
-                for i in range(1, n):
-                    change_s = change_s + rate[i] * c[n - i]
-                    change_c = change_c + rate[i] * s[n - i]
-                s.append(change_s * (-k / n))
-                c.append(change_c * (k / n))
-            pushed = drive[0] * c[n]
-            for i in range(1, n + 1):
-                pushed = pushed + drive[i] * c[n - i]
-            y.append(unit2 * (pushed / self.cos - s[n] / self.sin) / ((n + 1) * (n + 2)))
-        return series(np.array(y), known, self.tolerance)
+                np.multiply(y[n], -self.sin * n, out=rate[n])
+                np.einsum("il,ijl->jl", rate[1 : n + 1], turn[n - 1 :: -1], out=both)
+                np.multiply(both[1], 1.0 / n, out=turn[n, 0])
+                np.multiply(both[0], -1.0 / n, out=turn[n, 1])
+            np.einsum("il,il->l", drive[: n + 1], turn[n::-1, 1], out=pushed)
+            np.multiply(back, turn[n, 0], out=fallen)
+            pushed -= fallen
+            np.multiply(pushed, 1.0 / ((n + 1) * (n + 2)), out=y[n + 2])
+        return series(y, known, self.tolerance)
 
     def acceleration(self, y: Array, a: Array) -> Array:
         """-sin z / sin(alpha) + a cos z / cos(alpha)."""
