@@ -23,6 +23,9 @@ from .outcome import Outcome
 Array = np.ndarray
 
 MAX_STEPS = 120_000  # a cell that takes more, and 40 for each segment of the motion, is given up as failed
+# The C library keeps freed memory up to twice the largest block it has seen come and go. Below that it hands the arrays of each
+# round back to the system and faults them in again for the next, which takes a third of the nonlinear engine's time.
+_KEPT = 31 << 20  # bytes; glibc learns from blocks up to 32 MB
 STILL = 1e-100  # a speed whose square a double does not hold is none
 
 
@@ -104,6 +107,7 @@ class Run:
         waiting = np.flatnonzero(self.amplitude * peak > 1.0)
         self.work += Work(no_uplift=self.amplitude.size - waiting.size)
         lanes, taken = self._start(waiting[:0]), 0
+        np.empty(_KEPT, dtype=np.uint8)  # made and freed: see there
         with np.errstate(all="ignore"):
             while taken < waiting.size or lanes.cell.size:
                 room = self.pool - lanes.cell.size

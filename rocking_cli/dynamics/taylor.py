@@ -105,7 +105,7 @@ class Drive(NamedTuple):
     fastest: Array
 
 
-def order_for(tolerance: float, terms: float = 1.15) -> int:
+def order_for(tolerance: float, terms: float = 1.0) -> int:
     """Terms of a series: `terms` for each factor e of a step's error. Raises ValueError when the tolerance is out of range."""
     if not LOWEST <= tolerance <= HIGHEST:
         raise ValueError(f"tolerance is {tolerance:g}, accepted is a number from {LOWEST:g} to {HIGHEST:g}")
