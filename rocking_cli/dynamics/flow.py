@@ -14,6 +14,7 @@ With b = y''(0) and a(h) = a(0) + sum_j [S_j sin(w_j h) - C_j (1 - cos(w_j h))] 
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -21,7 +22,10 @@ import numpy as np
 Array = np.ndarray
 
 SMALL = 0.5  # below this, max(1, w) h, the differences in F3, F4 are taken from their series
-_TERMS = 8  # terms of that series: the first one left out is below 1e-17 of the sum at SMALL
+_TERMS = 7  # terms of those series: the first one left out is below 1e-17 of the sum at SMALL
+# Of 6 (sinh x - x)/x^3 and 24 (cosh x - 1 - x^2/2)/x^4 in powers of x^2.
+_ODD, _EVEN = (np.array([math.factorial(k) / math.factorial(2 * n + k) for n in range(_TERMS)]) for k in (3, 4))
+_BOTH = np.stack([_ODD, _EVEN], axis=1)[:, :, None, None]
 
 
 class Point(NamedTuple):
@@ -145,27 +149,23 @@ class Arc(NamedTuple):
 
 
 def _series(w: Array, h: Array) -> tuple[Array, Array]:
-    """F3 and F4 for small arguments: sum of w h^(2n+1)/(2n+1)! G_n and of w^2 h^(2n)/(2n)! G_(n-1), G_(n+1) = 1 - w^2 G_n."""
+    """F3 and F4 for small arguments, from w (sinh h - h) + (wh - sin wh) and w^2 (cosh h - 1 - h^2/2) + (w^2 h^2/2 - 1 + cos wh)."""
     h2, w2 = h * h, w * w
-    g = np.ones_like(h)
-    odd = w * h * h2 / 6.0
-    even = w2 * h2 * h2 / 24.0
-    f3, f4 = odd.copy(), even.copy()
-    for n in range(2, _TERMS + 1):
-        g = 1.0 - w2 * g
-        odd = odd * (h2 / ((2 * n) * (2 * n + 1)))
-        even = even * (h2 / ((2 * n + 1) * (2 * n + 2)))
-        f3 += odd * g
-        f4 += even * g
-    return f3, f4
+    argument = np.stack([h2, -w2 * h2])
+    total = _BOTH[-1] * argument  # (odd or even, h or wh, lanes)
+    for c in _BOTH[-2:0:-1]:
+        total += c
+        total *= argument
+    total += _BOTH[0]
+    factor = w * h * h2 / (1.0 + w2)
+    (odd_h, odd_wh), (even_h, even_wh) = total
+    return factor * (odd_h + w2 * odd_wh) * (1.0 / 6.0), w * h * factor * (even_h + w2 * even_wh) * (1.0 / 24.0)
 
 
 def _sinh_minus(h: Array) -> Array:
     """sinh h - h for small h, without the subtraction."""
     h2 = h * h
-    term = h * h2 / 6.0
-    total = term.copy()
-    for n in range(2, _TERMS + 1):
-        term = term * (h2 / ((2 * n) * (2 * n + 1)))
-        total += term
-    return total
+    total = np.full_like(h, _ODD[-1])
+    for c in _ODD[-2::-1]:
+        total = total * h2 + c
+    return h * h2 * total * (1.0 / 6.0)
