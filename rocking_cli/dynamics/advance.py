@@ -18,6 +18,8 @@ from .windows import window_end
 
 Array = np.ndarray
 
+_SURELY = 1.0 - 1e-9  # bounds are trusted up to this part of what they bound: rounding is far below the rest
+
 
 class Step(NamedTuple):
     """How far each lane goes in one proof.
@@ -78,6 +80,7 @@ def advance(segments: Segments, lanes: Lanes, model: Model) -> Event:
     hit = end.y <= 0.0
     # A ridge entered inwards: its single minimum may touch the ground although both ends are above it.
     dips = np.flatnonzero(step.ridge & ~hit & (lanes.v < 0.0) & (end.v > 0.0))
+    dips = dips[~_clears(arc, end, step.h, dips)]
     if dips.size:
         h = step.h[dips]
         h_min, y_min = turning_point(arc.take(dips), np.zeros(dips.size), h, 0.5 * h, -1.0)
@@ -92,6 +95,13 @@ def advance(segments: Segments, lanes: Lanes, model: Model) -> Event:
         reach[at], impact_v[at] = impact_root(falling, step.valley[at], reach[at], guess)
         impact_b[at] = falling.at_ground(reach[at])
     return Event(step, arc, end, reach, hit, impact_v, impact_b)
+
+
+def _clears(arc: Flow, end: Point, h: Array, at: Array) -> Array:
+    """Whether the tangents at both ends of a convex arc meet above the ground, so that its minimum lies above it too."""
+    y, v, slope = arc.y[at], arc.v[at], end.v[at]
+    meet = (end.y[at] - slope * h[at] - y) / (v - slope)
+    return -v * meet < _SURELY * y
 
 
 def _impact_guess(arc: Flow, step: Step, end: Point, reach: Array, at: Array) -> Array:
@@ -121,8 +131,9 @@ def crests(segments: Segments, lanes: Lanes, event: Event, wanted: Array) -> tup
         found = np.isfinite(outwards)
         rises[turning[found]], low[turning[found]] = True, outwards[found]
     sure = rises & (event.hit | (end.v <= 0.0))
-    # y' > 0 at both ends: a peak and a trough may hide where the drive rises again, and then b > 0 at the end.
-    doubtful = np.flatnonzero(rises & ~sure & (end.b > 0.0))
+    # y' > 0 at both ends: a peak and a trough may hide where the drive rises again, and then b > 0 at the end. There y' is
+    # convex (see `hidden_turn`): its tangent at the end may prove at once that it never falls below zero.
+    doubtful = np.flatnonzero(rises & ~sure & (end.b > 0.0) & (end.b * (step.h - step.valley) > _SURELY * end.v))
     if doubtful.size:
         falls = _falling_again(segments, lanes, event, doubtful)
         found = np.isfinite(falls)

@@ -23,6 +23,9 @@ from ..motions.motion import Segments
 Array = np.ndarray
 
 
+_NO_SIDE = 1e-300  # stands for a triangle's side of no length
+
+
 class Windows(NamedTuple):
     """Where the present window ends, for every lane: segment and phase in it, and whether it is a ridge."""
 
@@ -36,11 +39,12 @@ def crossing(segments: Segments, k: Array, level: Array) -> Array:
     length = segments.length[k]
     if segments.harmonics == 1 and not segments.sloped:
         # A falling stretch is its rising mirror image, so that mirrored motions give mirrored bits. The angle is
-        # arcsin(level/R); arctan2 of the complement keeps its distance to the extremum exact where level is near R.
+        # arcsin(level/R); the arctangent with the complement keeps its distance to the extremum exact where level is near R.
         wave = segments.wave
         level = (level - wave.offset[k]) * wave.sign[k]
         beside = np.sqrt(np.maximum(0.0, wave.radius2[k] - level * level))
-        x = np.arctan2(level, beside) - wave.angle[k]
+        with np.errstate(over="ignore"):
+            x = np.arctan(level / np.maximum(beside, _NO_SIDE)) - wave.angle[k]
         x = np.where(x < -1e-9, x + 2.0 * np.pi, np.maximum(x, 0.0))
         return np.minimum(x / segments.frequency[0, k], length)
     return _bracketed_crossing(segments, k, level, length)
