@@ -146,17 +146,14 @@ def write_spectrum(
     file. progress: called with (units done, units). Raises UsageError for a scene or an output that is refused, OutputError when
     the file cannot be written or a worker process dies, Interrupted on Ctrl-C.
     """
-    from .store import SpectraWriter, pack
+    from .store import SpectraWriter
 
     scene = Scene(tuple(structures), grid, motion, method)
     chunk = chunk_shape(grid.shape, chunk_cells)
     attributes: dict[str, Any] = {"history": history, "documents": documents, "motion": motion.name, "model": method.model}
     if method.model != "linear":
         attributes["tolerance"] = method.tolerance
-    names = ("theta_ratio", "outcome", "impacts") if impacts else ("theta_ratio", "outcome")
-
-    def packed(response: Response) -> dict[str, bytes]:
-        return {name: pack(_padded(getattr(response, name), chunk)) for name in names}
+    names: tuple[str, ...] = ("theta_ratio", "outcome", "impacts") if impacts else ("theta_ratio", "outcome")
 
     identity = {**scene.identity(), "impacts": impacts, "chunk": list(chunk)}
     options: dict[str, Any] = {"impacts": impacts, "overwrite": overwrite, "resume": resume, "scene": identity, "attributes": attributes}
@@ -171,12 +168,25 @@ def write_spectrum(
                 writer.write(i, unit.row, unit.column, data)
 
         try:
-            summary = _sweep(scene, chunk, workers, check, progress, packed, keep, todo, writer.outcomes, scheduler)
+            summary = _sweep(scene, chunk, workers, check, progress, _Packing(names, chunk), keep, todo, writer.outcomes, scheduler)
         except KeyboardInterrupt:
             kept = writer.written + writer.resumed
             raise Interrupted(f"interrupted; {kept} of {writer.chunks} chunks are kept in {writer.part}; --resume goes on") from None
         writer.finish(summary.record())
     return summary
+
+
+@dataclass(frozen=True)
+class _Packing:
+    """What becomes of a chunk where it is computed: its variables as the file stores them. It travels to other processes."""
+
+    names: tuple[str, ...]
+    chunk: tuple[int, int]
+
+    def __call__(self, response: Response) -> dict[str, bytes]:
+        from .store import pack
+
+        return {name: pack(_padded(getattr(response, name), self.chunk)) for name in self.names}
 
 
 def _padded(block: np.ndarray, shape: tuple[int, int]) -> np.ndarray:

@@ -6,15 +6,9 @@ size of a unit changes a bit of the result.
 
 from __future__ import annotations
 
-import ctypes
-import multiprocessing
-import signal
-import sys
-import warnings
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import Future, ProcessPoolExecutor
-from concurrent.futures.process import BrokenProcessPool
+from concurrent.futures import Future
 from dataclasses import dataclass
 from typing import Any
 
@@ -22,7 +16,7 @@ import numpy as np
 
 from ..dynamics.engine import Response, Work, response
 from ..dynamics.outcome import Outcome
-from ..errors import OutputError
+from .processes import processes
 from .scene import Scene, Unit
 
 
@@ -109,22 +103,6 @@ class Job:
 
 
 TOGETHER = 1 << 19  # cells of the linear model that a worker computes in one batch
-_PARENT_DEATH_SIGNAL = 1  # PR_SET_PDEATHSIG of prctl(2)
-_job: Job | None = None
-
-
-def _set_job(job: Job) -> None:
-    global _job
-    _job = job
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C reaches the whole group; the parent alone decides
-    signal.signal(signal.SIGTERM, signal.SIG_DFL)
-    if sys.platform == "linux":  # a worker does not outlive its parent, however that ends
-        ctypes.CDLL(None).prctl(_PARENT_DEATH_SIGNAL, signal.SIGKILL)
-
-
-def _run_units(units: Sequence[Unit]) -> list[Report]:
-    assert _job is not None
-    return _job.run(units)
 
 
 def _batches(job: Job, units: Sequence[Unit], workers: int) -> Iterator[list[list[int]]]:
@@ -142,25 +120,14 @@ def unit_reports(job: Job, units: Sequence[Unit], workers: int) -> Iterator[tupl
             some = [units[i] for i in batch]
             yield from zip(some, job.run(some), strict=True)
         return
-    # Forked workers have the scene and the imported packages from the start; only results travel.
-    forks = sys.platform == "linux"
-    context = multiprocessing.get_context("fork" if forks else "spawn")
-    pool = ProcessPoolExecutor(workers, mp_context=context, initializer=_set_job, initargs=(job,))
-    try:
-        rounds = _batches(job, units, workers)
+    with processes(workers, job.run, "fewer --workers or a smaller --chunk need less") as submit:
         waiting: deque[list[tuple[list[int], Future[list[Report]]]]] = deque()
-        with warnings.catch_warnings():  # numpy's idle arithmetic threads are no danger to a fork
-            warnings.simplefilter("ignore", DeprecationWarning)
-            for batches in rounds:
-                waiting.append([(batch, pool.submit(_run_units, [units[i] for i in batch])) for batch in batches])
-                if len(waiting) > 2:
-                    yield from _in_order(waiting.popleft(), units)
+        for batches in _batches(job, units, workers):
+            waiting.append([(batch, submit([units[i] for i in batch])) for batch in batches])
+            if len(waiting) > 2:
+                yield from _in_order(waiting.popleft(), units)
         while waiting:
             yield from _in_order(waiting.popleft(), units)
-    except BrokenProcessPool:
-        raise OutputError("a worker process died (out of memory?); fewer --workers or a smaller --chunk need less") from None
-    finally:
-        pool.shutdown(wait=True, cancel_futures=True)
 
 
 def _in_order(batches: list[tuple[list[int], Future[list[Report]]]], units: Sequence[Unit]) -> Iterator[tuple[Unit, Report]]:
