@@ -6,7 +6,19 @@ import numpy as np
 import pytest
 from test_engine import INTERVALS
 
-from rocking_cli import Outcome, UsageError, closed_form_curves, cosine, dimensionless_oscillator, linear_response, sine, trace_envelope
+from rocking_cli import (
+    Outcome,
+    UsageError,
+    closed_form_curves,
+    cosine,
+    dimensionless_oscillator,
+    linear_response,
+    pulse,
+    sine,
+    trace_envelope,
+)
+from rocking_cli.dynamics.linear import LinearModel
+from rocking_cli.spectra.boundaries import Search
 from rocking_cli.spectra.closed_form import no_impact_amplitude
 
 
@@ -63,6 +75,64 @@ def test_boundaries_are_where_the_outcome_changes():
             if edge is not None:
                 below, above = linear_response(cosine(1), edge * np.array([1 - 1e-12, 1 + 1e-12]), i.omega, 0.8).outcome
                 assert below != above
+
+
+MOTIONS = [sine(), sine(0.5), sine(2), cosine(1.5), pulse("rectangular"), pulse("rectangular-impulse"), pulse("ricker-symmetric")]
+
+
+@pytest.mark.parametrize("motion", MOTIONS, ids=lambda m: m.name)
+def test_nothing_overturns_where_the_scan_does_not_look_below(motion):
+    random = np.random.default_rng(9)
+    omega, eta = random.uniform(0.3, 30.0, 4000), random.uniform(0.0, 1.0, 4000)
+    bound = omega / path(motion)
+    outcome = linear_response(motion, random.uniform(0.9, 1.0, 4000) * bound, omega, eta).outcome
+    assert set(outcome.tolist()) <= {Outcome.NO_UPLIFT, Outcome.ROCKED}
+
+
+def test_an_impulse_overturns_just_above_that_bound():
+    traced = trace_envelope(sine(0.5), [60.0], dimensionless_oscillator(0.9), a_max=40.0)
+    assert traced[0].a_from == pytest.approx(60.0 / path(sine(0.5)), rel=0.05)
+
+
+def path(motion):
+    """int |s| dphi by the trapezium rule."""
+    phase = np.linspace(0.0, motion.duration, 200_001)
+    return float(np.trapezoid(np.abs(motion.value(phase)), phase))
+
+
+@pytest.mark.parametrize("motion", MOTIONS[:6], ids=lambda m: m.name)
+def test_above_overturning_without_impact_there_is_nothing_else(motion):
+    random = np.random.default_rng(10)
+    omega, eta = random.uniform(0.3, 12.0, 4000), random.uniform(0.0, 1.0, 4000)
+    amplitude = random.uniform(1.0, 30.0, 4000)
+    over = np.flatnonzero(linear_response(motion, amplitude, omega, eta).outcome == Outcome.OVERTURNED_NO_IMPACT)
+    assert over.size > 500
+    for factor in (1.001, 1.1, 2.0, 10.0):
+        above = linear_response(motion, factor * amplitude[over], omega[over], eta[over]).outcome
+        assert set(above.tolist()) == {Outcome.OVERTURNED_NO_IMPACT}
+
+
+class Plain:
+    """The linear model, of which the search knows nothing that would spare it a look."""
+
+    def __getattr__(self, name):
+        return getattr(LinearModel(), name)
+
+
+@pytest.mark.parametrize("motion", [sine(), cosine(1), sine(0.5)], ids=lambda m: m.name)
+def test_what_the_scan_leaves_out_changes_nothing(motion):
+    omegas = np.array([0.8, 2.3, 5.0, 9.1])
+    spared = Search(LinearModel(), motion, 0.9, 16.0).rows(omegas)
+    assert spared == Search(Plain(), motion, 0.9, 16.0).rows(omegas)
+    assert sum(len(row.changes) for row in spared) > 3
+
+
+def test_workers_change_nothing():
+    omegas = np.linspace(2.0, 6.0, 7)
+    one, two = (trace_envelope(sine(), omegas, dimensionless_oscillator(0.9), a_max=9.0, workers=w) for w in (1, 2))
+    assert one == two
+    with pytest.raises(UsageError, match="workers is 0"):
+        trace_envelope(sine(), omegas, dimensionless_oscillator(0.9), workers=0)
 
 
 @pytest.mark.parametrize("a_max", [1.0, 0.0, -3.0, np.nan, np.inf, 1e9])

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 @options.method
 @click.option("--a-max", type=float, default=20.0, show_default=True, help="Largest dimensionless amplitude A that is searched.")
 @click.option("--closed-form", is_flag=True, help="The closed-form curves of a sine, half-sine or rectangular pulse instead.")
+@options.workers
 @options.output_form
 @options.quiet
 @click.pass_context
@@ -34,6 +35,7 @@ def envelope(
     tolerance: float,
     a_max: float,
     closed_form: bool,
+    workers: int | None,
     form: str | None,
     quiet: bool,
 ) -> None:
@@ -60,7 +62,8 @@ def envelope(
                 continue
             progress = options.ProgressLine(structure.name, quiet)
             found = set()
-            for record in structure_intervals(structure, axis, motion, method=method, a_max=a_max, progress=progress):
+            traced = structure_intervals(structure, axis, motion, method=method, a_max=a_max, workers=workers, progress=progress)
+            for record in traced:
                 failed += record["mode"] == "failed"
                 found.add(record["Omega"])
                 yield record

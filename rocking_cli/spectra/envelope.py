@@ -2,33 +2,34 @@
 
 Between the interval that overturns after an impact and the one that overturns without lies a safe window, so a threshold
 is not enough. The outcome is computed on amplitudes 1e-3 apart, which no wider interval escapes, and closer just above
-uplift; every change between neighbours is bisected down to the last digits. Slow pulses (Omega below 1) have intervals
-narrower than the scan, and more of them the closer one looks: those can be missed, safe ones and overturning ones.
+uplift; every change between neighbours is traced down to the last digits (`boundaries`). Slow pulses (Omega below 1) have
+intervals narrower than the scan, and more of them the closer one looks: those can be missed, safe ones and overturning ones.
 """
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from ..dynamics.engine import response
 from ..dynamics.outcome import Outcome
 from ..errors import UsageError
 from ..motions import Motion, pulse
 from ..structures.parameters import RockingParameters
+from .boundaries import SCAN_STEP, Row, Search
 from .grid import Axis, parse_axes
+from .processes import processes
 from .scene import LINEAR, Method
 
 A_MAX = 20.0
-SCAN_STEP = 0.999e-3  # no interval wider than 1e-3 in A escapes
 INTERVAL_COLUMNS = ("structure", "Omega", "A_from", "A_to", "mode")
 CURVE_COLUMNS = ("structure", "curve", "Omega", "A")
-_BATCH = 1_000_000
+_SMALL = 1_000_000  # amplitudes in all below which starting processes takes longer than they save
+_SHARE = 8_000_000  # amplitudes that a process looks at before it reports
 
-Labels = Callable[[np.ndarray, np.ndarray], np.ndarray]
 _MODES = {
     Outcome.OVERTURNED_AFTER_IMPACT: "after_impact",
     Outcome.OVERTURNED_NO_IMPACT: "no_impact",
@@ -53,81 +54,53 @@ def trace_envelope(
     *,
     method: Method = LINEAR,
     a_max: float = A_MAX,
+    workers: int | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> list[Interval]:
     """Every overturning interval with A up to `a_max`, wider than 1e-3, for each Omega [-] of a structure.
 
     For a linear oscillator of which only the restitution is known give `dimensionless_oscillator(eta)`. Boundaries are
-    traced to the last digits of the model's outcome. Intervals that touch but differ in mode are listed apart. Raises
-    UsageError when a_max is not above the initiation or the model does not hold for the structure.
+    traced to the last digits of the model's outcome. Intervals that touch but differ in mode are listed apart. workers:
+    processes, None for all cores where that saves time. Raises UsageError when a_max is not above the initiation or the model
+    does not hold for the structure, OutputError when a worker process dies.
     """
-    model = method.model_of(structure)
+    search = Search(method.model_of(structure), motion, structure.eta, a_max)
     omegas = np.atleast_1d(np.asarray(omegas, dtype=float))
-    lowest = model.initiation / motion.peak
-
-    def outcome(amplitude: np.ndarray, omega: np.ndarray) -> np.ndarray:
-        found = response(model, motion, amplitude, omega, structure.eta, peaks=False).outcome
-        return np.where(found == Outcome.NO_UPLIFT, np.uint8(Outcome.ROCKED), found)  # safe is safe
-
-    if not (np.isfinite(a_max) and a_max > lowest):
-        raise UsageError(f"a-max is {a_max:g}, accepted is a finite amplitude above the uplift at A = {lowest:g}")
+    if not (np.isfinite(a_max) and a_max > search.lowest):
+        raise UsageError(f"a-max is {a_max:g}, accepted is a finite amplitude above the uplift at A = {search.lowest:g}")
     if a_max > 1e5:
         raise UsageError(f"a-max is {a_max:g}, accepted is up to 1e5")
-    amplitudes = _scan(lowest, a_max)
-    intervals: list[Interval] = []
-    rows = max(1, _BATCH // amplitudes.size)
-    for first in range(0, omegas.size, rows):
-        some = omegas[first : first + rows]
-        intervals += _trace(outcome, some, amplitudes)
+    if workers is not None and workers < 1:
+        raise UsageError(f"workers is {workers}, accepted is a whole number from 1")
+    amplitudes = omegas.size * (a_max - search.lowest) / SCAN_STEP
+    if workers is None:
+        workers = 1 if amplitudes < _SMALL else os.cpu_count() or 1
+    # Neighbouring frequencies cost alike, so each share takes some from everywhere.
+    shares = int(min(omegas.size, max(workers, np.ceil(amplitudes / _SHARE))))
+    rows: dict[int, Row] = {}
+    for i, found in enumerate(_in_turn(search, [omegas[i::shares] for i in range(shares)], min(workers, shares))):
+        rows.update(zip(range(i, omegas.size, shares), found, strict=True))
         if progress:
-            progress(min(first + rows, omegas.size), omegas.size)
-    return intervals
+            progress(len(rows), omegas.size)
+    return [interval for i, omega in enumerate(omegas) for interval in _intervals(float(omega), search.lowest, rows[i])]
 
 
-def _scan(lowest: float, highest: float) -> np.ndarray:
-    """Amplitudes to look at: SCAN_STEP apart, and closer just above uplift, where slow pulses pack their intervals."""
-    even = np.linspace(lowest, highest, int(np.ceil((highest - lowest) / SCAN_STEP)) + 1)
-    close = lowest * (1.0 + np.geomspace(1e-3, 0.1, 460))
-    return np.unique(np.concatenate([even, close[close < highest]]))
+def _in_turn(search: Search, shares: list[np.ndarray], workers: int) -> Iterator[list[Row]]:
+    """The rows of each share of the frequencies, in their order."""
+    if workers == 1:
+        yield from map(search.rows, shares)
+        return
+    with processes(workers, search.rows, "fewer --workers need less") as submit:
+        yield from (future.result() for future in [submit(share) for share in shares])
 
 
-def _trace(outcome: Labels, omegas: np.ndarray, amplitudes: np.ndarray) -> list[Interval]:
-    found = outcome(amplitudes[None, :], omegas[:, None])
-    row, at = np.nonzero(found[:, 1:] != found[:, :-1])
-    marks = _bisect(outcome, omegas[row], amplitudes[at], amplitudes[at + 1], found[row, at], found[row, at + 1], row)
-    intervals: list[Interval] = []
-    for i, omega in enumerate(omegas):
-        label, begin = int(found[i, 0]), float(amplitudes[0])
-        for a, following in [*sorted(marks.get(i, [])), (None, 0)]:
-            if label in _MODES:
-                intervals.append(Interval(float(omega), begin, a, _MODES[Outcome(label)]))
-            if a is not None:
-                label, begin = following, a
-    return intervals
-
-
-def _bisect(
-    outcome: Labels, omega: np.ndarray, low: np.ndarray, high: np.ndarray, below: np.ndarray, above: np.ndarray, row: np.ndarray
-) -> dict[int, list[tuple[float, int]]]:
-    """Boundaries by row: (amplitude, label above it). A bracket whose middle is of a third kind becomes two."""
-    marks: dict[int, list[tuple[float, int]]] = {}
-    while omega.size:
-        middle = 0.5 * (low + high)
-        closed = (high - low <= 4e-16 * high) | (middle <= low) | (middle >= high)
-        for i in np.flatnonzero(closed):
-            marks.setdefault(int(row[i]), []).append((float(high[i]), int(above[i])))
-        go = np.flatnonzero(~closed)
-        omega, low, high, below, above, row, middle = (x[go] for x in (omega, low, high, below, above, row, middle))
-        label = outcome(middle, omega)
-        third = np.flatnonzero((label != below) & (label != above))
-        extra = (omega[third], middle[third], high[third], label[third], above[third], row[third])
-        lower = label == below
-        low, high = np.where(lower, middle, low), np.where(lower, high, middle)
-        above = np.where(lower, above, label)
-        omega, low, high, below, above, row = (
-            np.concatenate([x, y]) for x, y in zip((omega, low, high, below, above, row), extra, strict=True)
-        )
-    return marks
+def _intervals(omega: float, lowest: float, row: Row) -> Iterator[Interval]:
+    label, begin = row.begins, lowest
+    for amplitude, above in [*row.changes, (None, 0)]:
+        if label in _MODES:
+            yield Interval(omega, begin, amplitude, _MODES[Outcome(label)])
+        if amplitude is not None:
+            label, begin = above, amplitude
 
 
 def frequency_axis(text: str) -> Axis:
@@ -153,10 +126,12 @@ def structure_intervals(
     *,
     method: Method = LINEAR,
     a_max: float = A_MAX,
+    workers: int | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> Iterator[dict[str, Any]]:
     """Records of a structure's overturning intervals, with units where it has any. Raises as `trace_envelope`."""
-    for found in trace_envelope(motion, _scaled(structure, axis), structure, method=method, a_max=a_max, progress=progress):
+    omegas = _scaled(structure, axis)
+    for found in trace_envelope(motion, omegas, structure, method=method, a_max=a_max, workers=workers, progress=progress):
         record = {"structure": structure.name, "Omega": found.omega, "A_from": found.a_from, "A_to": found.a_to, "mode": found.mode}
         if structure.structure != "dimensionless":
             record["omega_g"] = found.omega * structure.p

@@ -23,8 +23,10 @@ _task: Callable[..., Any] | None = None
 def processes(workers: int, task: Callable[..., Any], advice: str) -> Iterator[Callable[..., Future[Any]]]:
     """A function that has task(*arguments) run in one of the processes, to which the task itself travels once.
 
-    Raises OutputError, with the advice, when a process dies.
+    Whoever leaves early, by Ctrl-C or by another exception, does not wait for them: they are ended. Raises OutputError, with
+    the advice, when a process dies.
     """
+    strangers = multiprocessing.active_children()
     # Forked workers have the task and the imported packages from the start; only arguments and results travel.
     context = multiprocessing.get_context("fork" if sys.platform == "linux" else "spawn")
     pool = ProcessPoolExecutor(workers, mp_context=context, initializer=_begin, initargs=(task,))
@@ -38,6 +40,11 @@ def processes(workers: int, task: Callable[..., Any], advice: str) -> Iterator[C
         yield submit
     except BrokenProcessPool:
         raise OutputError(f"a worker process died (out of memory?); {advice}") from None
+    except BaseException:
+        for process in multiprocessing.active_children():
+            if process not in strangers:
+                process.terminate()
+        raise
     finally:
         pool.shutdown(wait=True, cancel_futures=True)
 

@@ -1,0 +1,203 @@
+"""Where the outcome changes along the amplitude, for many frequencies: a scan that bounds what can be missed, then sections.
+
+Two bounds of the linear model spare most of the scan:
+
+- Nothing overturns while A int |s| dphi <= Omega. With E = v^2 + y (2 - y), dE/dtau = 2 v a, and v^2 <= E below y = 1: the root of
+  E grows by at most int |a| dtau, impacts lower it, and a body that overturns has had E >= 1.
+- Above an amplitude that overturns without impact every other does, where the motion lifts the body on its first segment
+  at any amplitude. At a fixed time y = A J - K with K > 0 and dy/dA = J: where y > 0 it grows with A.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import NamedTuple, Self
+
+import numpy as np
+
+from ..dynamics.engine import response
+from ..dynamics.linear import LinearModel
+from ..dynamics.model import Model
+from ..dynamics.outcome import Outcome
+from ..dynamics.windows import segment_value
+from ..motions import Motion
+from ..motions.motion import Segments
+
+Array = np.ndarray
+
+SCAN_STEP = 0.999e-3  # no interval wider than 1e-3 in A escapes
+_BATCH = 1 << 20  # cells of the scan computed together
+_SECTIONS = 32  # parts that a bracket is cut into: five bits for one run of the engine
+
+
+class Brackets(NamedTuple):
+    """Changes of the outcome: row, amplitudes and outcomes on both sides."""
+
+    row: Array
+    low: Array
+    high: Array
+    below: Array
+    above: Array
+
+    def take(self, at: Array) -> Self:
+        """Some of them."""
+        return type(self)(*(x[at] for x in self))
+
+    @classmethod
+    def join(cls, parts: list[Self]) -> Self:
+        """All of them."""
+        return cls(*(np.concatenate(columns) for columns in zip(*parts, strict=True)))
+
+
+class Row(NamedTuple):
+    """The outcome just above uplift, and where it changes on the way up: (amplitude, outcome above it)."""
+
+    begins: int
+    changes: list[tuple[float, int]]
+
+
+@dataclass(frozen=True)
+class Search:
+    """The outcomes of a model with one restitution under one motion, up to an amplitude."""
+
+    model: Model
+    motion: Motion
+    eta: float
+    a_max: float
+
+    @property
+    def lowest(self) -> float:
+        """The amplitude of the first uplift."""
+        return self.model.initiation / self.motion.peak
+
+    @property
+    def amplitudes(self) -> Array:
+        """Amplitudes to look at: SCAN_STEP apart, and closer just above uplift, where slow pulses pack their intervals."""
+        even = np.linspace(self.lowest, self.a_max, int(np.ceil((self.a_max - self.lowest) / SCAN_STEP)) + 1)
+        close = self.lowest * (1.0 + np.geomspace(1e-3, 0.1, 460))
+        return np.unique(np.concatenate([even, close[close < self.a_max]]))
+
+    def outcome(self, amplitude: Array, omega: Array) -> Array:
+        """Codes of `Outcome`; safe is safe, with uplift and without."""
+        found = response(self.model, self.motion, amplitude, omega, self.eta, peaks=False).outcome
+        return np.where(found == Outcome.NO_UPLIFT, np.uint8(Outcome.ROCKED), found)
+
+    def rows(self, omegas: Array) -> list[Row]:
+        """Every change of the outcome for each Omega, to the last digits; what is narrower than SCAN_STEP may be missed."""
+        begins, brackets = self._scan(omegas)
+        found = self._sections(omegas, brackets)
+        order = np.lexsort((found.high, found.row))
+        ends = np.searchsorted(found.row[order], np.arange(omegas.size + 1))
+        rows = []
+        for i in range(omegas.size):
+            mine = order[ends[i] : ends[i + 1]]
+            rows.append(Row(int(begins[i]), list(zip(found.high[mine].tolist(), found.above[mine].tolist(), strict=True))))
+        return rows
+
+    def _scan(self, omegas: Array) -> tuple[Array, Brackets]:
+        """(outcome of each row's first amplitude, the changes between neighbours)."""
+        amplitudes = self.amplitudes
+        first, last = self._doubtful(omegas, amplitudes)
+        begins, parts = np.empty(omegas.size, dtype=np.uint8), []
+        for some in _groups(last - first + 1):
+            count = (last - first + 1)[some]
+            starts = np.cumsum(count) - count
+            row = np.repeat(np.arange(some.start, some.stop), count)
+            at = np.arange(row.size) + np.repeat(first[some] - starts, count)
+            label = self.outcome(amplitudes[at], omegas[row])
+            begins[some] = label[starts]
+            change = np.flatnonzero((label[1:] != label[:-1]) & (row[1:] == row[:-1]))
+            parts.append(Brackets(row[change], amplitudes[at[change]], amplitudes[at[change + 1]], label[change], label[change + 1]))
+        return begins, Brackets.join(parts)
+
+    def _doubtful(self, omegas: Array, amplitudes: Array) -> tuple[Array, Array]:
+        """First and last index of the amplitudes that must be looked at: below them nothing changes, nor above."""
+        first, last = np.zeros(omegas.size, dtype=np.int64), np.full(omegas.size, amplitudes.size - 1)
+        if not isinstance(self.model, LinearModel):
+            return first, last
+        safe = (1.0 - 1e-9) * omegas / _path(self.motion.segments)
+        first = np.maximum(0, np.searchsorted(amplitudes, safe, side="right") - 1)
+        if not _lifts_at_once(self.motion):
+            return first, last
+        over = np.flatnonzero(self.outcome(amplitudes[last], omegas) == Outcome.OVERTURNED_NO_IMPACT)
+        low, high = first[over] - 1, last[over]
+        while np.any(high - low > 1):
+            at = low[:, None] + (high - low)[:, None] * np.arange(1, _SECTIONS + 1) // _SECTIONS
+            at = np.maximum(at, first[over, None])
+            there = self.outcome(amplitudes[at], omegas[over, None]) == Outcome.OVERTURNED_NO_IMPACT
+            step = there.argmax(axis=1)
+            lanes = np.arange(over.size)
+            high, low = at[lanes, step], np.where(step > 0, at[lanes, step - 1], low)
+        last[over] = high
+        return first, last
+
+    def _sections(self, omegas: Array, brackets: Brackets) -> Brackets:
+        """Each change to the last digits. The first cut follows every change that it uncovers, the later ones one way through."""
+        done = []
+        follow = _all_changes
+        while True:
+            low, high = brackets.low, brackets.high
+            middle = 0.5 * (low + high)
+            closed = (high - low <= 4e-16 * high) | (middle <= low) | (middle >= high)
+            done.append(brackets.take(np.flatnonzero(closed)))
+            brackets = brackets.take(np.flatnonzero(~closed))
+            if not brackets.row.size:
+                return Brackets.join(done)
+            share = np.arange(1, _SECTIONS) / _SECTIONS
+            inner = brackets.low[:, None] + (brackets.high - brackets.low)[:, None] * share
+            label = self.outcome(inner, omegas[brackets.row, None])
+            points = np.column_stack([brackets.low, inner, brackets.high])
+            labels = np.column_stack([brackets.below, label, brackets.above])
+            lane, at = follow(labels)
+            brackets = Brackets(brackets.row[lane], points[lane, at], points[lane, at + 1], labels[lane, at], labels[lane, at + 1])
+            follow = _one_way
+
+
+def _all_changes(labels: Array) -> tuple[Array, Array]:
+    """(lane, index) of every change from an index to the next."""
+    lane, at = np.nonzero(labels[:, 1:] != labels[:, :-1])
+    return lane, at
+
+
+def _one_way(labels: Array) -> tuple[Array, Array]:
+    """(lane, index) of changes that lead from the first label to the last, each kind left where it is seen last.
+
+    The rest is left alone: after many impacts the outcome of neighbouring numbers may be noise.
+    """
+    lane, now = np.arange(len(labels)), labels[:, 0]
+    lanes, places = [], []
+    while lane.size:
+        at = labels.shape[1] - 1 - (labels[lane, ::-1] == now[:, None]).argmax(axis=1)
+        lanes.append(lane)
+        places.append(at)
+        now = labels[lane, at + 1]
+        going = np.flatnonzero(now != labels[lane, -1])
+        lane, now = lane[going], now[going]
+    return np.concatenate(lanes), np.concatenate(places)
+
+
+def _groups(counts: Array) -> Iterator[slice]:
+    """Consecutive rows with about _BATCH cells together."""
+    start, total = 0, 0
+    for i, count in enumerate(counts):
+        if total and total + count > _BATCH:
+            yield slice(start, i)
+            start, total = i, 0
+        total += int(count)
+    yield slice(start, len(counts))
+
+
+def _path(segments: Segments) -> float:
+    """An upper bound of int |s| dphi: on a part of a monotone segment |s| is largest at one of its ends."""
+    share = np.linspace(0.0, 1.0, 65)
+    k = np.repeat(np.arange(len(segments)), share.size)
+    change, _, _ = segment_value(segments, k, segments.length[k] * np.tile(share, len(segments)))
+    s = np.abs(segments.s_start[k] + change).reshape(len(segments), share.size)
+    return float((np.maximum(s[:, 1:], s[:, :-1]).mean(axis=1) * segments.length).sum())
+
+
+def _lifts_at_once(motion: Motion) -> bool:
+    """Whether the first segment holds the strongest shaking, so that it lifts the body, and the same way, at any amplitude."""
+    start, end = motion.segments.s_start[0], motion.segments.s_end[0]
+    return abs(start) == motion.peak or (abs(end) == motion.peak and start * end >= 0.0)
