@@ -105,7 +105,7 @@ class Drive(NamedTuple):
     fastest: Array
 
 
-def order_for(tolerance: float, terms: float = 1.0) -> int:
+def order_for(tolerance: float, terms: float = 0.98) -> int:
     """Terms of a series: `terms` for each factor e of a step's error. Raises ValueError when the tolerance is out of range."""
     if not LOWEST <= tolerance <= HIGHEST:
         raise ValueError(f"tolerance is {tolerance:g}, accepted is a number from {LOWEST:g} to {HIGHEST:g}")
@@ -123,14 +123,14 @@ def drive_series(segments: Segments, lanes: Lanes, order: int) -> Drive:
     for a, b, f in zip(sin, cos, w, strict=True):
         x = f * unit
         back = x * x
-        odd, even = outward * b * x, outward * a * back * -0.5  # b sin(x) + a cos(x), term by term
-        terms[1] += odd
-        for n in range(2, order + 1):
-            term = even if n % 2 == 0 else odd
-            if n > 2:
-                term *= back
-                term *= -1.0 / (n * (n - 1))
-            terms[n] += term
+        mine = terms if len(sin) == 1 else np.zeros_like(terms)
+        np.multiply(outward * b, x, out=mine[1])  # b sin(x) + a cos(x), term by term
+        np.multiply(outward * a, back * -0.5, out=mine[2])
+        for n in range(3, order + 1):
+            np.multiply(mine[n - 2], back, out=mine[n])
+            mine[n] *= -1.0 / (n * (n - 1))
+        if mine is not terms:
+            terms += mine
     if segments.sloped:
         terms[1] += outward * segments.slope[lanes.k] * lanes.omega * unit
     return Drive(terms, unit, fastest)
@@ -141,5 +141,7 @@ def series(terms: Array, drive: Drive, tolerance: float) -> Series:
     # Four terms, since one or two can be small by accident: after a jump from rest the series has even powers only.
     last = np.arange(terms.shape[0] - 4, terms.shape[0])[:, None]
     with np.errstate(divide="ignore"):
-        reach = ((LOCAL * tolerance / (last * np.abs(terms[-4:]) * drive.fastest)) ** (1.0 / (last - 1))).min(axis=0)
+        room = np.log(LOCAL * tolerance / (last * np.abs(terms[-4:]) * drive.fastest))
+    room /= last - 1
+    reach = np.exp(room.min(axis=0))
     return Series(terms, drive.unit, np.minimum(reach, 4.0 * drive.fastest) * drive.unit, drive.fastest)

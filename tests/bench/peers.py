@@ -7,6 +7,7 @@ energy; nothing of the engine is used.
 from __future__ import annotations
 
 import math
+import time
 from multiprocessing import get_context
 
 import numpy as np
@@ -97,19 +98,19 @@ def heyoka_cells(cells, eta, alpha, tol):
         start = cell.uplift(0.0)
         found[i] = (1, 0.0) if start is None else (2, cell.peak)
         while start is not None:
-            time, ta.pars[0] = start
+            begin, ta.pars[0] = start
             # At uplift y has a triple root, which event detection takes for an impact: begin a little later, on its series.
             late = 1e-4 / (1.0 + omega)
             rate = (
                 omega * math.sqrt(max(0.0, (amplitude / cell.lift) ** 2 - 1.0))
-                if abs(math.sin(omega * time)) * amplitude < cell.lift * (1 + 1e-9)
+                if abs(math.sin(omega * begin)) * amplitude < cell.lift * (1 + 1e-9)
                 else 0.0
             )
-            jump = amplitude / cell.lift * abs(math.sin(omega * time)) - 1.0
+            jump = amplitude / cell.lift * abs(math.sin(omega * begin)) - 1.0
             unit = 1.0 if alpha is None else math.sin(alpha) / alpha
             ta.state[0] = unit * (0.5 * jump * late**2 + rate * late**3 / 6.0)
             ta.state[1] = unit * (jump * late + 0.5 * rate * late**2)
-            ta.time, ta.pars[1], ta.pars[2] = time + late, amplitude, omega
+            ta.time, ta.pars[1], ta.pars[2] = begin + late, amplitude, omega
             ta.reset_cooldowns()
             outcome = ta.propagate_until(TURN / omega)[0]
             if outcome == hy.taylor_outcome.time_limit:
@@ -152,32 +153,39 @@ def scipy_cells(cells, eta, alpha, tol, method="DOP853"):
         start = cell.uplift(0.0)
         found[i] = (1, 0.0)
         while start is not None:
-            time, side = start
+            now, side = start
             y, v, start = 0.0, 1e-15, None
             while True:
                 path = solve_ivp(
-                    rate, (time, TURN / omega), (y, v), args=(side,), method=method, rtol=tol, atol=tol, events=(ground, turn, fallen)
+                    rate, (now, TURN / omega), (y, v), args=(side,), method=method, rtol=tol, atol=tol, events=(ground, turn, fallen)
                 )
-                tops = [z[0] for t, z in zip(path.t_events[1], path.y_events[1], strict=True) if t > time]
+                tops = [z[0] for t, z in zip(path.t_events[1], path.y_events[1], strict=True) if t > now]
                 cell.peak = max([cell.peak, *tops])
                 if path.t_events[2].size:
                     found[i] = (4 if cell.bounced else 3), math.nan
                     break
-                if path.status != 1 or path.t[-1] <= time:
+                if path.status != 1 or path.t[-1] <= now:
                     found[i] = cell.end(path.y[0, -1], path.y[1, -1])
                     break
-                time, side, y, v, cell.bounced = path.t[-1], -side, 0.0, -eta * path.y[1, -1], True
-                if v < 1e-9 and amplitude * abs(math.sin(omega * time)) < cell.lift:
-                    found[i], start = (2, cell.peak), cell.uplift(time)
+                now, side, y, v, cell.bounced = path.t[-1], -side, 0.0, -eta * path.y[1, -1], True
+                if v < 1e-9 and amplitude * abs(math.sin(omega * now)) < cell.lift:
+                    found[i], start = (2, cell.peak), cell.uplift(now)
                     break
     return found
 
 
 def on_all_cores(run, cells, *arguments, workers=2):
-    """The cells dealt out to processes, one a core."""
+    """(seconds, results): the cells dealt out to processes, one a core, which have compiled what they need before the clock starts."""
     with get_context("fork").Pool(workers) as pool:
-        parts = pool.starmap(run, [(cells[i::workers], *arguments) for i in range(workers)])
+        parts = pool.starmap(_timed, [(run, cells[i::workers], *arguments) for i in range(workers)], chunksize=1)
     found = np.empty((len(cells), 2))
-    for i, part in enumerate(parts):
+    for i, (_, part) in enumerate(parts):
         found[i::workers] = part
-    return found
+    return max(seconds for seconds, _ in parts), found
+
+
+def _timed(run, cells, *arguments):
+    run(cells[:4], *arguments)
+    start = time.perf_counter()
+    found = run(cells, *arguments)
+    return time.perf_counter() - start, found
