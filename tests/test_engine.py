@@ -11,7 +11,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from oracle import integrate
 
-from rocking_cli import Motion, Outcome, cosine, linear_response, sine
+from rocking_cli import LinearModel, Motion, Outcome, RigidModel, cosine, linear_response, response, sine
+from rocking_cli.dynamics import advance
 from rocking_cli.dynamics.reference import reference_cell
 from rocking_cli.motions import Harmonic, Piece
 
@@ -124,6 +125,29 @@ def test_one_lane_equals_the_same_lane_in_a_batch_to_the_last_bit():
         one = linear_response(sine(1.5), amplitude[i], omega[i], eta[i])
         assert one.theta_ratio.tobytes() == whole.theta_ratio[i].tobytes()
         assert one.outcome == whole.outcome[i]
+
+
+@pytest.mark.parametrize("model", [LinearModel(), RigidModel(0.4)], ids=["linear", "rigid"])
+@pytest.mark.parametrize("bound", ["_low_bounces", "_clears"])
+def test_bounds_that_spare_root_searches_change_nothing(monkeypatch, model, bound):
+    random = np.random.default_rng(12)
+    amplitude, omega, eta = 1.0 + 8.0 * random.uniform(0, 1, 3000) ** 3, random.uniform(0.05, 9, 3000), random.uniform(0.5, 1, 3000)
+    kept, proved = getattr(advance, bound), []
+
+    def counted(*arguments):
+        proved.append(int(kept(*arguments).sum()))
+        return kept(*arguments)
+
+    def never(*arguments):
+        return np.zeros_like(kept(*arguments))
+
+    monkeypatch.setattr(advance, bound, counted)
+    spared = response(model, sine(3), amplitude, omega, eta)
+    monkeypatch.setattr(advance, bound, never)
+    searched = response(model, sine(3), amplitude, omega, eta)
+    assert sum(proved) > 100
+    assert spared.theta_ratio.tobytes() == searched.theta_ratio.tobytes()
+    assert spared.outcome.tobytes() == searched.outcome.tobytes()
 
 
 def test_a_motion_and_its_mirror_image_give_the_same_bits():

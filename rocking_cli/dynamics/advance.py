@@ -146,10 +146,25 @@ def crests(segments: Segments, lanes: Lanes, event: Event, wanted: Array) -> tup
     return at, *turning_point(event.arc.take(at), low, high, 0.5 * (low + high), 1.0)
 
 
-def raise_peaks(segments: Segments, lanes: Lanes, event: Event, wanted: Array) -> None:
-    """Raise each wanted lane's peak by the turning point of this step."""
-    at, _, y = crests(segments, lanes, event, wanted)
+def raise_peaks(segments: Segments, lanes: Lanes, event: Event, wanted: Array, gain: float) -> None:
+    """Raise each wanted lane's peak by the turning point of this step; gain: the model's."""
+    at, _, y = crests(segments, lanes, event, wanted & ~_low_bounces(lanes, event, gain))
     lanes.peak[at] = np.maximum(lanes.peak[at], y)
+
+
+def _low_bounces(lanes: Lanes, event: Event, gain: float) -> Array:
+    """Bounces from impact to impact within one valley that cannot rise above their lane's peak so far.
+
+    In a valley a is largest at an end, so that y'' <= g y - m with m = 1 - a there. While g v h < m the bounce is concave, and
+    lower than the point where the tangents at its ends meet.
+    """
+    low = event.hit & (lanes.impacts > 0) & (lanes.y == 0.0) & ~event.step.ridge & ~event.step.joined
+    at = np.flatnonzero(low)
+    if at.size:
+        v, fall, h = lanes.v[at], -event.impact_v[at], event.reach[at]
+        margin = -np.maximum(np.maximum(lanes.b[at], event.impact_b[at]), -2.0)
+        low[at] = (gain * v * h < _SURELY * margin) & (v * fall * h <= _SURELY * (v + fall) * lanes.peak[at])
+    return low
 
 
 def _bottom(segments: Segments, lanes: Lanes, event: Event, at: Array) -> Array:

@@ -144,7 +144,7 @@ class Run:
         if self.peaks:
             wanted = ~(bad | over)
             wanted[last[np.isnan(fate.peak)]] = False
-            raise_peaks(seg, lanes, event, wanted)
+            raise_peaks(seg, lanes, event, wanted, self.model.gain)
             over |= ~bad & (lanes.peak >= self.model.limit)  # beyond it and back within one step
 
         self.work += Work(certain_overturning=int(over.sum()), free_phase=last.size, impacts=int(hit.sum()), steps=hit.size)

@@ -86,7 +86,7 @@ class Arc(NamedTuple):
         y += part
         v += self.v
         v += np.multiply(self.b, sinh, out=part)
-        drive, drive_rate = np.zeros_like(h), np.zeros_like(h)
+        drive, drive_rate = np.zeros(h.shape), np.zeros(h.shape)
         for s, c, w in zip(self.sin, self.cos, self.w, strict=True):
             wh = w * h
             t = np.multiply(wh, 0.5)
@@ -103,16 +103,19 @@ class Arc(NamedTuple):
             f2 = cosm + cosh1
             f2 *= w
             f2 *= over
-            f3 = w * sinh
-            f3 -= sinw
-            f3 *= over
-            f4 = w2
-            f4 *= cosh1
-            f4 -= cosm
-            f4 *= over
-            small = np.flatnonzero(np.maximum(h, wh, out=wh) < SMALL)
-            if small.size:
-                f3[small], f4[small] = _series(w[small], h[small])
+            (small,) = (np.maximum(h, wh, out=wh) < SMALL).nonzero()
+            if small.size == h.size:
+                f3, f4 = _series(w, h)
+            else:
+                f3 = w * sinh
+                f3 -= sinw
+                f3 *= over
+                f4 = w2
+                f4 *= cosh1
+                f4 -= cosm
+                f4 *= over
+                if small.size:
+                    f3[small], f4[small] = _series(w[small], h[small])
             y += np.multiply(s, f3, out=part)
             y -= np.multiply(c, f4, out=f4)
             v += np.multiply(s, f2, out=f2)
@@ -151,7 +154,9 @@ class Arc(NamedTuple):
 def _series(w: Array, h: Array) -> tuple[Array, Array]:
     """F3 and F4 for small arguments, from w (sinh h - h) + (wh - sin wh) and w^2 (cosh h - 1 - h^2/2) + (w^2 h^2/2 - 1 + cos wh)."""
     h2, w2 = h * h, w * w
-    argument = np.stack([h2, -w2 * h2])
+    argument = np.empty((2, h.size))
+    argument[0] = h2
+    np.multiply(h2, -w2, out=argument[1])
     total = _BOTH[-1] * argument  # (odd or even, h or wh, lanes)
     for c in _BOTH[-2:0:-1]:
         total += c

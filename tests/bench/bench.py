@@ -1,8 +1,8 @@
 """Side by side in one run: the engine, a compiled lower bound, heyoka and SciPy. Prints a table and the ratios the README quotes.
 
 Scene L: linear, one sine cycle, eta 0.9, A and Omega 0.5 ... 12. Scene N: nonlinear, alpha 0.25, tolerance 1e-9, the same grid.
-Comparisons are made twice and the faster counts; what peers compile, they compile before the clock starts. `--values` sets the values of each axis (1000), `--sample` the cells
-given to heyoka.
+The faster of two or more runs counts; what peers compile, they compile before the clock starts. `--values` sets the values of each
+axis (1000), `--sample` the cells given to heyoka.
 """
 
 from __future__ import annotations
