@@ -106,11 +106,17 @@ TOGETHER = 1 << 19  # cells of the linear model that a worker computes in one ba
 
 
 def _batches(job: Job, units: Sequence[Unit], workers: int) -> Iterator[list[list[int]]]:
-    """Indices of units in rounds, one batch a worker each; neighbours go to different workers, since they cost alike."""
+    """Indices of units in rounds, one batch a worker each.
+
+    Neighbours go to different workers, since they cost alike, and in alternating order, since the cost falls along the grid.
+    """
     size = max(1, min(job.together, -(-len(units) // workers)))
     for first in range(0, len(units), workers * size):
-        last = min(len(units), first + workers * size)
-        yield [list(range(i, last, workers)) for i in range(first, min(first + workers, last))]
+        batches: list[list[int]] = [[] for _ in range(workers)]
+        for i in range(first, min(len(units), first + workers * size)):
+            lap, place = divmod(i - first, workers)
+            batches[place if lap % 2 == 0 else workers - 1 - place].append(i)
+        yield [batch for batch in batches if batch]
 
 
 def unit_reports(job: Job, units: Sequence[Unit], workers: int) -> Iterator[tuple[Unit, Report]]:
