@@ -61,6 +61,7 @@ figures: $(STAMPS)/dev
 bench: $(STAMPS)/dev
 	.venv/bin/python -m pip install --quiet --disable-pip-version-check --editable '.[bench]'
 	.venv/bin/python tests/bench/bench.py
+	.venv/bin/python tests/bench/left_out.py
 
 soak: $(STAMPS)/dev
 	.venv/bin/python -m pytest -m soak
