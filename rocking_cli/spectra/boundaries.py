@@ -10,7 +10,6 @@ Two bounds of the linear model spare most of the scan:
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import NamedTuple, Self
 
@@ -50,6 +49,39 @@ class Brackets(NamedTuple):
         return cls(*(np.concatenate(columns) for columns in zip(*parts, strict=True)))
 
 
+@dataclass(frozen=True)
+class Ladder:
+    """Amplitudes to look at: SCAN_STEP apart, and closer just above uplift, where slow pulses pack their intervals.
+
+    near: the first rungs one by one; after them rung n is start + (n - near.size) step.
+    """
+
+    near: Array
+    start: float
+    step: float
+    size: int
+
+    @classmethod
+    def between(cls, lowest: float, highest: float) -> Self:
+        """From the first uplift to the highest amplitude, both included."""
+        count = int(np.ceil((highest - lowest) / SCAN_STEP))
+        step = (highest - lowest) / count
+        close = lowest * (1.0 + np.geomspace(1e-3, 0.1, 460))
+        even = min(count, int(np.ceil((close[-1] - lowest) / step)))
+        near = np.unique(np.concatenate([lowest + step * np.arange(even + 1), close[close < highest]]))
+        return cls(near, lowest + step * (even + 1), step, near.size + count - even)
+
+    def rung(self, n: Array) -> Array:
+        """The amplitude of each."""
+        return np.where(n < self.near.size, self.near[np.minimum(n, self.near.size - 1)], self.start + self.step * (n - self.near.size))
+
+    def below(self, amplitude: Array) -> Array:
+        """The last rung that is surely not above each amplitude, the first one if there is none."""
+        there = np.searchsorted(self.near, amplitude, side="right") - 1
+        beyond = np.floor((amplitude - self.start) / self.step).astype(np.int64) - 1 + self.near.size
+        return np.clip(np.where(beyond >= self.near.size, beyond, there), 0, self.size - 1)
+
+
 class Row(NamedTuple):
     """The outcome just above uplift, and where it changes on the way up: (amplitude, outcome above it)."""
 
@@ -71,13 +103,6 @@ class Search:
         """The amplitude of the first uplift."""
         return self.model.initiation / self.motion.peak
 
-    @property
-    def amplitudes(self) -> Array:
-        """Amplitudes to look at: SCAN_STEP apart, and closer just above uplift, where slow pulses pack their intervals."""
-        even = np.linspace(self.lowest, self.a_max, int(np.ceil((self.a_max - self.lowest) / SCAN_STEP)) + 1)
-        close = self.lowest * (1.0 + np.geomspace(1e-3, 0.1, 460))
-        return np.unique(np.concatenate([even, close[close < self.a_max]]))
-
     def outcome(self, amplitude: Array, omega: Array) -> Array:
         """Codes of `Outcome`; safe is safe, with uplift and without."""
         found = response(self.model, self.motion, amplitude, omega, self.eta, peaks=False).outcome
@@ -97,35 +122,35 @@ class Search:
 
     def _scan(self, omegas: Array) -> tuple[Array, Brackets]:
         """(outcome of each row's first amplitude, the changes between neighbours)."""
-        amplitudes = self.amplitudes
-        first, last = self._doubtful(omegas, amplitudes)
+        ladder = Ladder.between(self.lowest, self.a_max)
+        first, last = self._doubtful(omegas, ladder)
+        starts = np.concatenate([[0], np.cumsum(last - first + 1)])
         begins, parts = np.empty(omegas.size, dtype=np.uint8), []
-        for some in _groups(last - first + 1):
-            count = (last - first + 1)[some]
-            starts = np.cumsum(count) - count
-            row = np.repeat(np.arange(some.start, some.stop), count)
-            at = np.arange(row.size) + np.repeat(first[some] - starts, count)
-            label = self.outcome(amplitudes[at], omegas[row])
-            begins[some] = label[starts]
-            change = np.flatnonzero((label[1:] != label[:-1]) & (row[1:] == row[:-1]))
-            parts.append(Brackets(row[change], amplitudes[at[change]], amplitudes[at[change + 1]], label[change], label[change + 1]))
+        for begin in range(0, int(starts[-1]), _BATCH):
+            place = np.arange(max(0, begin - 1), min(begin + _BATCH, int(starts[-1])))  # from the last cell of the batch before
+            row = np.searchsorted(starts, place, side="right") - 1
+            amplitude = ladder.rung(place - starts[row] + first[row])
+            label = self.outcome(amplitude, omegas[row])
+            new = np.flatnonzero(place == starts[row])
+            begins[row[new]] = label[new]
+            at = np.flatnonzero((label[1:] != label[:-1]) & (row[1:] == row[:-1]))
+            parts.append(Brackets(row[at], amplitude[at], amplitude[at + 1], label[at], label[at + 1]))
         return begins, Brackets.join(parts)
 
-    def _doubtful(self, omegas: Array, amplitudes: Array) -> tuple[Array, Array]:
-        """First and last index of the amplitudes that must be looked at: below them nothing changes, nor above."""
-        first, last = np.zeros(omegas.size, dtype=np.int64), np.full(omegas.size, amplitudes.size - 1)
+    def _doubtful(self, omegas: Array, ladder: Ladder) -> tuple[Array, Array]:
+        """First and last rung that must be looked at: below them nothing changes, nor above."""
+        first, last = np.zeros(omegas.size, dtype=np.int64), np.full(omegas.size, ladder.size - 1)
         if not isinstance(self.model, LinearModel):
             return first, last
-        safe = (1.0 - 1e-9) * omegas / _path(self.motion.segments)
-        first = np.maximum(0, np.searchsorted(amplitudes, safe, side="right") - 1)
+        first = ladder.below((1.0 - 1e-9) * omegas / _path(self.motion.segments))
         if not _lifts_at_once(self.motion):
             return first, last
-        over = np.flatnonzero(self.outcome(amplitudes[last], omegas) == Outcome.OVERTURNED_NO_IMPACT)
+        over = np.flatnonzero(self.outcome(ladder.rung(last), omegas) == Outcome.OVERTURNED_NO_IMPACT)
         low, high = first[over] - 1, last[over]
         while np.any(high - low > 1):
             at = low[:, None] + (high - low)[:, None] * np.arange(1, _SECTIONS + 1) // _SECTIONS
             at = np.maximum(at, first[over, None])
-            there = self.outcome(amplitudes[at], omegas[over, None]) == Outcome.OVERTURNED_NO_IMPACT
+            there = self.outcome(ladder.rung(at), omegas[over, None]) == Outcome.OVERTURNED_NO_IMPACT
             step = there.argmax(axis=1)
             lanes = np.arange(over.size)
             high, low = at[lanes, step], np.where(step > 0, at[lanes, step - 1], low)
@@ -175,17 +200,6 @@ def _one_way(labels: Array) -> tuple[Array, Array]:
         going = np.flatnonzero(now != labels[lane, -1])
         lane, now = lane[going], now[going]
     return np.concatenate(lanes), np.concatenate(places)
-
-
-def _groups(counts: Array) -> Iterator[slice]:
-    """Consecutive rows with about _BATCH cells together."""
-    start, total = 0, 0
-    for i, count in enumerate(counts):
-        if total and total + count > _BATCH:
-            yield slice(start, i)
-            start, total = i, 0
-        total += int(count)
-    yield slice(start, len(counts))
 
 
 def _path(segments: Segments) -> float:

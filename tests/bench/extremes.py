@@ -50,12 +50,12 @@ def row(name, motion, amplitude, omega, eta, alpha=0.25, mechanism=None):
         worst, differ, lost = 0.0, 0, 0
         for i, cell in enumerate(zip(amplitude, omega, eta, strict=True)):
             outcome, theta = reference(*(float(x) for x in cell))
-            lost += outcome == Outcome.FAILED
-            if outcome == Outcome.FAILED:
+            overlooked = outcome == Outcome.NO_UPLIFT != found.outcome[i]  # an uplift shorter than the reference's samples
+            if outcome == Outcome.FAILED or overlooked:
+                lost += 1
                 continue
-            safe = {outcome, found.outcome[i]} <= {Outcome.NO_UPLIFT, Outcome.ROCKED}  # the references overlook the shortest uplifts
-            differ += outcome != found.outcome[i] and not safe
-            if safe:
+            differ += outcome != found.outcome[i]
+            if outcome == found.outcome[i] and not math.isnan(theta):
                 worst = max(worst, abs(theta - float(found.theta_ratio[i])))
         said.append(f"{worst:8.1e} {differ:3d} differ {lost:3d} not checked")
     print(f"{name:<46}{amplitude.size:4d} cells | {said[0]} | {said[1]}", flush=True)
@@ -64,7 +64,7 @@ def row(name, motion, amplitude, omega, eta, alpha=0.25, mechanism=None):
 def main() -> None:
     print(f"{'':<46}{'':10} | linear: largest error of theta/alpha  | nonlinear")
     strong = np.array([1 + 1e-12, 1 + 1e-9, 1.001, 1.1, 2.0, 1e2, 1e4, 1e8])
-    etas = [0.0, 1e-6, 0.9, 0.999]
+    etas = [0.0, 1e-6, 0.9]  # with less loss the references take minutes for thousands of bounces
     for omega in (1e-4, 1e-2, 1.0, 1e2, 1e4):
         amplitude, eta = cells(strong, etas)
         row(f"A = 1 + 1e-12 ... 1e8, Omega = {omega:g}", sine(), amplitude, omega, eta)
