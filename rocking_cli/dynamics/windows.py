@@ -23,7 +23,7 @@ from ..motions.motion import Segments
 Array = np.ndarray
 
 
-_NO_SIDE = 1e-300  # stands for a triangle's side of no length
+_NO_SIDE = 1e-300  # stands for the square of a triangle's side of no length
 
 
 class Windows(NamedTuple):
@@ -37,17 +37,23 @@ class Windows(NamedTuple):
 def crossing(segments: Segments, k: Array, level: Array) -> Array:
     """Phase u in segment k where s = level, for lanes whose level lies between the segment's end values."""
     length = segments.length[k]
-    if segments.harmonics == 1 and not segments.sloped:
-        # A falling stretch is its rising mirror image, so that mirrored motions give mirrored bits. The angle is
-        # arcsin(level/R); the arctangent with the complement keeps its distance to the extremum exact where level is near R.
-        wave = segments.wave
-        level = (level - wave.offset[k]) * wave.sign[k]
-        beside = np.sqrt(np.maximum(0.0, wave.radius2[k] - level * level))
-        with np.errstate(over="ignore"):
-            x = np.arctan(level / np.maximum(beside, _NO_SIDE)) - wave.angle[k]
-        x = np.where(x < -1e-9, x + 2.0 * np.pi, np.maximum(x, 0.0))
-        return np.minimum(x / segments.frequency[0, k], length)
-    return _bracketed_crossing(segments, k, level, length)
+    if segments.harmonics > 1 or segments.sloped:
+        return _bracketed_crossing(segments, k, level, length)
+    # A falling stretch is its rising mirror image, so that mirrored motions give mirrored bits. The angle is
+    # arcsin(level/R); the arctangent with the complement keeps its distance to the extremum exact where level is near R.
+    wave = segments.wave
+    x = level - wave.offset[k]
+    x *= wave.sign[k]
+    beside = x * x
+    np.subtract(wave.radius2[k], beside, out=beside)
+    np.maximum(beside, _NO_SIDE, out=beside)
+    x /= np.sqrt(beside, out=beside)
+    np.arctan(x, out=x)
+    x -= wave.angle[k]
+    early = np.flatnonzero(x < 0.0)
+    x[early] = np.where(x[early] < -1e-9, x[early] + 2.0 * np.pi, 0.0)
+    x /= segments.frequency[0, k]
+    return np.minimum(x, length, out=x)
 
 
 def summed(rows: Array) -> Array:
@@ -99,8 +105,12 @@ def _bracketed_crossing(segments: Segments, k: Array, level: Array, length: Arra
 def window_end(segments: Segments, k: Array, u: Array, side: Array, amplitude: Array) -> Windows:
     """The end of the window that (k, u) lies in; a boundary belongs to the window that it begins."""
     inverse = 1.0 / amplitude
-    start, end = -side * segments.s_start[k] > inverse, -side * segments.s_end[k] > inverse
-    at = segments.length[k]
+    from_s, to_s = segments.s_start[k], segments.s_end[k]  # outwards
+    from_s *= -side
+    to_s *= -side
+    start, end = from_s > inverse, to_s > inverse
+    length = segments.length[k]
+    at = length.copy()
     cuts = np.flatnonzero(start != end)
     at[cuts] = crossing(segments, k[cuts], -side[cuts] * inverse[cuts])  # s where a = 1
     here = u < at
@@ -108,8 +118,8 @@ def window_end(segments: Segments, k: Array, u: Array, side: Array, amplitude: A
     here &= start != end
     # Past the crossing (or with none) the window runs to the segment's end, and on into the next segment where that one
     # continues the closed form and turns the other way.
-    falling = -side * (segments.s_end[k] - segments.s_start[k]) < 0.0
-    to_k, to_u = k, np.where(here, at, segments.length[k])
+    falling = to_s < from_s
+    to_k, to_u = k, np.where(here, at, length)
     lanes = np.flatnonzero(~here & segments.joins[k] & (ridge != falling))
     if lanes.size:
         to_k = k.copy()
