@@ -37,7 +37,7 @@ class Windows(NamedTuple):
 def crossing(segments: Segments, k: Array, level: Array) -> Array:
     """Phase u in segment k where s = level, for lanes whose level lies between the segment's end values."""
     length = segments.length[k]
-    if segments.harmonics > 1 or segments.sloped:
+    if segments.harmonics != 1 or segments.sloped:
         return _bracketed_crossing(segments, k, level, length)
     # A falling stretch is its rising mirror image, so that mirrored motions give mirrored bits. The angle is
     # arcsin(level/R); the arctangent with the complement keeps its distance to the extremum exact where level is near R.
