@@ -62,6 +62,7 @@ bench: $(STAMPS)/dev
 	.venv/bin/python -m pip install --quiet --disable-pip-version-check --editable '.[bench]'
 	.venv/bin/python tests/bench/bench.py
 	.venv/bin/python tests/bench/left_out.py
+	.venv/bin/python tests/bench/extremes.py
 
 soak: $(STAMPS)/dev
 	.venv/bin/python -m pytest -m soak
