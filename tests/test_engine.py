@@ -189,6 +189,13 @@ def test_extreme_cells_are_decided():
             assert np.array_equal(np.isnan(response.theta_ratio), overturned)
 
 
+def test_the_reference_sees_a_bounce_that_the_drive_lifts_again():
+    # After its second impact this body bounces for 1e-8 and lifts off again within the same step of the reference.
+    for eta in (1e-6, 1e-5, 6.1e-5, 1e-4, 1e-3):
+        found = linear_response(cosine(1), 11.625, 11.0, eta).theta_ratio
+        assert reference_cell(cosine(1), 11.625, 11.0, eta)[1] == pytest.approx(float(found), abs=1e-12)
+
+
 @settings(max_examples=60, deadline=None)
 @given(
     st.floats(0.5, 20), st.floats(0.2, 20), st.floats(0, 0.99),

@@ -21,7 +21,6 @@ from ..motions import Motion, pulse
 from ..structures.parameters import RockingParameters
 from .boundaries import SCAN_STEP, Row, Search
 from .grid import Axis, parse_axes
-from .processes import processes
 from .scene import LINEAR, Method
 
 A_MAX = 20.0
@@ -90,6 +89,8 @@ def _in_turn(search: Search, shares: list[np.ndarray], workers: int) -> Iterator
     if workers == 1:
         yield from map(search.rows, shares)
         return
+    from .processes import processes
+
     with processes(workers, search.rows, "fewer --workers need less") as submit:
         yield from (future.result() for future in [submit(share) for share in shares])
 
