@@ -75,6 +75,24 @@ def test_fifty_kills(tmp_path):
     assert opened > 10
 
 
+@pytest.mark.parametrize("chunk", [2, 5, 8])
+def test_resume_reads_on_beyond_the_end_that_a_killed_writer_stated(rocking, tmp_path, chunk):
+    """HDF5 flushes the index of a chunk before the superblock: a kill in between leaves addresses beyond the stated end."""
+    assert rocking("spectrum", *GRID, "-o", "whole.h5").returncode == 0
+    part = tmp_path / "cut.h5.part"
+    with h5py.File(tmp_path / "whole.h5") as file:
+        begins = file["theta_ratio"].id.get_chunk_info(chunk).byte_offset
+        last = file["chunk_done"].id.get_offset()
+    data = bytearray((tmp_path / "whole.h5").read_bytes())
+    assert data[8] == 0
+    data[40:48] = begins.to_bytes(8, "little")
+    data[last + chunk] = 0
+    part.write_bytes(data)
+    done = rocking("spectrum", *GRID, "-o", "cut.h5", "--resume")
+    assert done.returncode == 0, done.stderr
+    same(tmp_path / "cut.h5", tmp_path / "whole.h5")
+
+
 def test_resume_takes_only_its_own_scene(rocking, refused, tmp_path):
     assert rocking("spectrum", *GRID, "-o", "a.h5").returncode == 0
     (tmp_path / "a.h5").rename(tmp_path / "b.h5.part")

@@ -197,6 +197,7 @@ class SpectraWriter:
 
     def _open_part(self) -> h5py.File:
         """A part whose end a full disk cut off is given its length again; the checksums tell which chunks that cost."""
+        _state_end(self.part)
         try:
             return h5py.File(self.part, "r+")
         except OSError as error:
@@ -311,6 +312,19 @@ class SpectraWriter:
                     raise
         if error is not None and not self.written and not self.resumed:
             self.part.unlink(missing_ok=True)  # there is nothing in it to keep
+
+
+def _state_end(part: Path) -> None:
+    """Where a killed writer left data beyond the end that the superblock states (version 0, bytes 40 to 47), state the file's own.
+
+    HDF5 refuses every address beyond the stated end, and so would never again write a chunk whose index came through alone.
+    """
+    with open(part, "r+b") as raw:
+        head, size = raw.read(48), os.fstat(raw.fileno()).st_size
+        plain = head[:9] == b"\x89HDF\r\n\x1a\n\0" and head[13:14] == b"\x08" and not any(head[24:32])
+        if plain and int.from_bytes(head[40:48], "little") < size:
+            raw.seek(40)
+            raw.write(size.to_bytes(8, "little"))
 
 
 def _reason(error: Exception) -> str:
