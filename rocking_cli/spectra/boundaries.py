@@ -127,8 +127,10 @@ class Search:
         starts = np.concatenate([[0], np.cumsum(last - first + 1)])
         begins, parts = np.empty(omegas.size, dtype=np.uint8), []
         for begin in range(0, int(starts[-1]), _BATCH):
-            place = np.arange(max(0, begin - 1), min(begin + _BATCH, int(starts[-1])))  # from the last cell of the batch before
-            row = np.searchsorted(starts, place, side="right") - 1
+            a, b = max(0, begin - 1), min(begin + _BATCH, int(starts[-1]))  # from the last cell of the batch before
+            top, bottom = np.searchsorted(starts, [a, b - 1], side="right")
+            row = np.repeat(np.arange(top - 1, bottom), np.diff(np.clip(starts[top - 1 : bottom + 1], a, b)))
+            place = np.arange(a, b)
             amplitude = ladder.rung(place - starts[row] + first[row])
             label = self.outcome(amplitude, omegas[row])
             new = np.flatnonzero(place == starts[row])
