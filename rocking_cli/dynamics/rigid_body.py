@@ -29,7 +29,7 @@ class RigidModel:
     Raises ValueError when alpha is not between 0 and pi/2 or the tolerance not between 1e-13 and 1e-2.
     """
 
-    pool = 12288  # lanes: fewer rounds against what no longer fits the caches, measured with series of 24 terms
+    pool = 16384  # lanes: fewer rounds against what no longer fits the caches, measured with series of 24 terms
 
     def __init__(self, alpha: float, tolerance: float = 1e-9) -> None:
         if not 0.0 < alpha < 0.5 * math.pi:
