@@ -8,16 +8,17 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import Future
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ..dynamics.engine import Response, Work, response
 from ..dynamics.outcome import Outcome
-from .processes import processes
 from .scene import Scene, Unit
+
+if TYPE_CHECKING:
+    from concurrent.futures import Future
 
 
 @dataclass(frozen=True)
@@ -126,6 +127,8 @@ def unit_reports(job: Job, units: Sequence[Unit], workers: int) -> Iterator[tupl
             some = [units[i] for i in batch]
             yield from zip(some, job.run(some), strict=True)
         return
+    from .processes import processes
+
     with processes(workers, job.run, "fewer --workers or a smaller --chunk need less") as submit:
         waiting: deque[list[tuple[list[int], Future[list[Report]]]]] = deque()
         for batches in _batches(job, units, workers):

@@ -112,7 +112,7 @@ def main() -> None:
     engine, write = best["engine, one process"], best["the write alone: shuffle, gzip, HDF5"]
     one, all_workers = best["rocking spectrum, 1 worker, with file"], best[f"rocking spectrum, {cores} workers, with file"]
     for name, seconds in best.items():
-        exact = agreement(theta, outcome, found.theta_ratio, found.outcome) if seconds == engine else ""
+        exact = agreement(theta, outcome, found.theta_ratio, found.outcome) if name == "engine, one process" else ""
         line(name, seconds, n * n, exact)
     heyoka, answer = peers.on_all_cores(peers.heyoka_cells, cells, ETA, None, 1e-12, workers=cores)
     line(
