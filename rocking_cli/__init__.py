@@ -11,15 +11,15 @@ from typing import TYPE_CHECKING, Any
 __version__ = "0.1.0"
 
 if TYPE_CHECKING:
-    from .dynamics.engine import Response, linear_response, response
-    from .dynamics.history import History, history
-    from .dynamics.linear import LinearModel
-    from .dynamics.mechanism import MechanismModel
-    from .dynamics.nonlinear import nonlinear_response
+    from .dynamics.equations.linear import LinearModel
+    from .dynamics.equations.mechanism import MechanismModel
+    from .dynamics.equations.rigid_body import RigidModel
+    from .dynamics.march.engine import Response, linear_response, response
     from .dynamics.outcome import Outcome
-    from .dynamics.rigid_body import RigidModel
+    from .dynamics.response import nonlinear_response
     from .errors import DocumentError, OutputError, RockingError, UsageError
     from .motions import Motion, cosine, pulse, read_motion, sine
+    from .responses.history import History, history
     from .spectra.closed_form import closed_form_curves
     from .spectra.envelope import Interval, trace_envelope
     from .spectra.grid import Axis, Grid, parse_grid
@@ -29,15 +29,15 @@ if TYPE_CHECKING:
     from .structures.parameters import dimensionless_oscillator
 
 _HOME = {
-    "Response": "dynamics.engine",
-    "linear_response": "dynamics.engine",
-    "response": "dynamics.engine",
-    "History": "dynamics.history",
-    "history": "dynamics.history",
-    "LinearModel": "dynamics.linear",
-    "MechanismModel": "dynamics.mechanism",
-    "RigidModel": "dynamics.rigid_body",
-    "nonlinear_response": "dynamics.nonlinear",
+    "Response": "dynamics.march.engine",
+    "linear_response": "dynamics.march.engine",
+    "response": "dynamics.march.engine",
+    "History": "responses.history",
+    "history": "responses.history",
+    "LinearModel": "dynamics.equations.linear",
+    "MechanismModel": "dynamics.equations.mechanism",
+    "RigidModel": "dynamics.equations.rigid_body",
+    "nonlinear_response": "dynamics.response",
     "Outcome": "dynamics.outcome",
     "DocumentError": "errors",
     "OutputError": "errors",

@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 from oracle import integrate
 
 from rocking_cli import LinearModel, Motion, Outcome, RigidModel, cosine, linear_response, response, sine
-from rocking_cli.dynamics import advance
-from rocking_cli.dynamics.reference import reference_cell
+from rocking_cli.dynamics.march import advance
+from rocking_cli.dynamics.references.taylor_series import reference_cell
 from rocking_cli.motions import Harmonic, Piece
 
 # One sine cycle, linear, eta = 0.9: overturning after impact from, to; without impact from (traced by two independent

@@ -17,7 +17,7 @@ from rocking_cli import (
     sine,
     trace_envelope,
 )
-from rocking_cli.dynamics.linear import LinearModel
+from rocking_cli.dynamics.equations.linear import LinearModel
 from rocking_cli.spectra.boundaries import Search
 from rocking_cli.spectra.closed_form import no_impact_amplitude
 

@@ -23,7 +23,7 @@ from rocking_cli import (
     spectrum,
     trace_envelope,
 )
-from rocking_cli.dynamics.reference import reference_cell
+from rocking_cli.dynamics.references.taylor_series import reference_cell
 
 DECIDED = (Outcome.NO_UPLIFT, Outcome.ROCKED, Outcome.OVERTURNED_NO_IMPACT, Outcome.OVERTURNED_AFTER_IMPACT)
 
@@ -93,7 +93,7 @@ def test_thousands_of_cycles(cycles):
 
 def test_a_hundred_thousand_impacts_end_in_an_outcome(monkeypatch):
     """Without loss a body just above uplift never stops bouncing: the cell is given up as failed, in bounded time."""
-    from rocking_cli.dynamics import engine
+    from rocking_cli.dynamics.march import engine
 
     monkeypatch.setattr(engine, "MAX_STEPS", 3000)
     began = time.perf_counter()

@@ -8,8 +8,8 @@ import mpmath
 import numpy as np
 import pytest
 
-from rocking_cli.dynamics.flow import Arc
-from rocking_cli.dynamics.free import free_fate
+from rocking_cli.dynamics.contacts.free import free_fate
+from rocking_cli.dynamics.equations.flow import Arc
 
 
 def one(x):

@@ -10,13 +10,13 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from rocking_cli import Outcome, build_structure, cosine, parse_documents, parse_grid, pulse, sine
-from rocking_cli.dynamics import engine
-from rocking_cli.dynamics.engine import response
-from rocking_cli.dynamics.history import history
-from rocking_cli.dynamics.linear import LinearModel
-from rocking_cli.dynamics.mechanism import MechanismModel
-from rocking_cli.dynamics.rigid_body import RigidModel
-from rocking_cli.reports.comparison import collapse, compare
+from rocking_cli.dynamics.equations.linear import LinearModel
+from rocking_cli.dynamics.equations.mechanism import MechanismModel
+from rocking_cli.dynamics.equations.rigid_body import RigidModel
+from rocking_cli.dynamics.march import engine
+from rocking_cli.dynamics.march.engine import response
+from rocking_cli.responses.comparison import collapse, compare
+from rocking_cli.responses.history import history
 from rocking_cli.spectra.scene import Method
 
 ARCH = build_structure(parse_documents("kind: arch\nradius: 10\nthickness: 1.5\nangle: 157.5 deg\nvoussoirs: 7")[0])

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from rocking_cli import DocumentError, build_structure, parse_documents
 from rocking_cli.structures.drum import frustum_moments
-from rocking_cli.structures.mechanism import Moments, RigidBody, linearise
+from rocking_cli.structures.kinematics import Moments, RigidBody, linearise
 from rocking_cli.structures.prism import polygon_moments
 from rocking_cli.structures.spire import Spire
 

@@ -10,8 +10,8 @@ from oracle import integrate
 
 from rocking_cli import DocumentError, Outcome, UsageError, dimensionless_oscillator, linear_response, nonlinear_response, trace_envelope
 from rocking_cli.documents import parse_documents
-from rocking_cli.dynamics.reference import reference_cell
-from rocking_cli.dynamics.reference_nonlinear import RigidBody, reference_nonlinear
+from rocking_cli.dynamics.references.general_solver import RigidBody, reference_nonlinear
+from rocking_cli.dynamics.references.taylor_series import reference_cell
 from rocking_cli.motions import PULSES, pulse
 from rocking_cli.motions.pieces import build_motion
 

@@ -11,12 +11,12 @@ from scipy.optimize import brentq
 
 from rocking_cli import Method, Outcome, UsageError, cosine, linear_response, nonlinear_response, parse_documents, sine, trace_envelope
 from rocking_cli import build_structure as build
-from rocking_cli.dynamics.advance import advance
-from rocking_cli.dynamics.engine import response
-from rocking_cli.dynamics.lanes import Lanes
-from rocking_cli.dynamics.linear import LinearModel
-from rocking_cli.dynamics.reference_nonlinear import RigidBody, reference_nonlinear
-from rocking_cli.dynamics.rigid_body import RigidModel
+from rocking_cli.dynamics.equations.linear import LinearModel
+from rocking_cli.dynamics.equations.rigid_body import RigidModel
+from rocking_cli.dynamics.march.advance import advance
+from rocking_cli.dynamics.march.engine import response
+from rocking_cli.dynamics.march.lanes import Lanes
+from rocking_cli.dynamics.references.general_solver import RigidBody, reference_nonlinear
 from rocking_cli.motions import Motion, Piece
 
 BLOCK = "kind: block\nradius: 1.6065814 m\nalpha: 0.25\nrestitution: 0.9"

@@ -9,11 +9,11 @@ import pytest
 from scipy.integrate import quad, solve_ivp
 
 from rocking_cli import Method, Outcome, build_structure, linear_response, parse_documents, pulse, sine
-from rocking_cli.dynamics.engine import response
-from rocking_cli.dynamics.history import history, quarter_period
-from rocking_cli.dynamics.linear import LinearModel
-from rocking_cli.dynamics.mechanism import MechanismModel
-from rocking_cli.dynamics.reference_nonlinear import Linkage, reference_nonlinear
+from rocking_cli.dynamics.equations.linear import LinearModel
+from rocking_cli.dynamics.equations.mechanism import MechanismModel
+from rocking_cli.dynamics.march.engine import response
+from rocking_cli.dynamics.references.general_solver import Linkage, reference_nonlinear
+from rocking_cli.responses.history import history, quarter_period
 
 ARCHES = {
     "oppenheim": "radius: 10 m\nthickness: 1.5 m\nangle: 157.5 deg\nvoussoirs: 7",

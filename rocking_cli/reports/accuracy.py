@@ -10,9 +10,9 @@ from typing import Any
 
 import numpy as np
 
-from ..dynamics.engine import response
+from ..dynamics.march.engine import response
 from ..dynamics.outcome import Outcome
-from ..dynamics.reference_nonlinear import Solver, reference_nonlinear
+from ..dynamics.references.general_solver import Solver, reference_nonlinear
 from ..errors import UsageError
 from ..spectra.grid import Grid
 from ..spectra.scene import Method, Scene, sampled_cells

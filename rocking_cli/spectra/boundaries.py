@@ -15,11 +15,11 @@ from typing import NamedTuple, Self
 
 import numpy as np
 
-from ..dynamics.engine import response
-from ..dynamics.linear import LinearModel
-from ..dynamics.model import Model
+from ..dynamics.equations.equation import Model
+from ..dynamics.equations.linear import LinearModel
+from ..dynamics.march.engine import response
+from ..dynamics.march.windows import segment_value
 from ..dynamics.outcome import Outcome
-from ..dynamics.windows import segment_value
 from ..motions import Motion
 from ..motions.motion import Segments
 

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ..dynamics.engine import response
+from ..dynamics.march.engine import response
 from ..dynamics.outcome import Outcome
 from ..errors import UsageError
 from ..motions import Motion

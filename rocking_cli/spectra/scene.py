@@ -12,19 +12,19 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .. import __version__
-from ..dynamics.linear import LinearModel
-from ..dynamics.mechanism import MechanismModel
-from ..dynamics.model import Model
+from ..dynamics.equations.equation import Model
+from ..dynamics.equations.linear import LinearModel
+from ..dynamics.equations.mechanism import MechanismModel
+from ..dynamics.equations.rigid_body import RigidModel
+from ..dynamics.equations.taylor import order_for
 from ..dynamics.outcome import Outcome
-from ..dynamics.rigid_body import RigidModel
-from ..dynamics.taylor import order_for
 from ..errors import UsageError
 from ..motions import Motion
 from ..structures.parameters import RockingParameters
 from .grid import Grid
 
 if TYPE_CHECKING:
-    from ..dynamics.reference_nonlinear import Equation
+    from ..dynamics.references.general_solver import Equation
 
 _SEED = 20120924
 MODELS = ("linear", "nonlinear")
@@ -67,16 +67,16 @@ class Method:
     def reference_of(self, structure: RockingParameters) -> Callable[[Motion, float, float, float], tuple[Outcome, float]]:
         """The slower, independent path to (outcome, theta_ratio) of a single cell (motion, A, Omega, eta)."""
         if self.model == "linear":
-            from ..dynamics.reference import reference_cell
+            from ..dynamics.references.taylor_series import reference_cell
 
             return reference_cell
-        from ..dynamics.reference_nonlinear import reference_nonlinear
+        from ..dynamics.references.general_solver import reference_nonlinear
 
         return partial(reference_nonlinear, equation=self.equation_of(structure))
 
     def equation_of(self, structure: RockingParameters) -> Equation:
         """The equation of motion of one structure as general solvers take it."""
-        from ..dynamics.reference_nonlinear import Linkage, Oscillator, RigidBody
+        from ..dynamics.references.general_solver import Linkage, Oscillator, RigidBody
 
         if self.model == "linear":
             return Oscillator()

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from .. import interruption
-from ..dynamics.engine import Response, Work
+from ..dynamics.march.engine import Response, Work
 from ..dynamics.outcome import Outcome
 from ..errors import Interrupted, UsageError
 from ..motions import Motion

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..dynamics.engine import Response, Work, response
+from ..dynamics.march.engine import Response, Work, response
 from ..dynamics.outcome import Outcome
 from .scene import Scene, Unit
 

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..documents.document import Document, Value
 from ..documents.quantities import parse_quantity
-from .mechanism import linearise
+from .kinematics import linearise
 from .parameters import RockingParameters, gravity_of, restitution_of
 
 if TYPE_CHECKING:

@@ -10,7 +10,7 @@ import math
 from collections.abc import Sequence
 
 from ..documents.document import Document
-from .mechanism import Moments
+from .kinematics import Moments
 from .parameters import RockingParameters
 from .rigid import body_on_edge
 

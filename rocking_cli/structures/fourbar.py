@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from .mechanism import Coefficients, Moments, Spin
+from .kinematics import Coefficients, Moments, Spin
 
 INTRADOS, EXTRADOS = "intrados", "extrados"
 FACES = (INTRADOS, EXTRADOS, INTRADOS, EXTRADOS)

@@ -10,7 +10,7 @@ from typing import Any
 from ..documents.document import Document
 from ..documents.quantities import STANDARD_GRAVITY
 from ..errors import DocumentError
-from .mechanism import Mechanism
+from .kinematics import Mechanism
 
 
 @dataclass(frozen=True)

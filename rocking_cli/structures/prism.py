@@ -11,7 +11,7 @@ from collections.abc import Sequence
 
 from ..documents.document import Document, Value
 from ..documents.quantities import parse_quantity
-from .mechanism import Moments, spin_about
+from .kinematics import Moments, spin_about
 from .parameters import RockingParameters
 from .rigid import body_on_edge
 

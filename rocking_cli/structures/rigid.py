@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from ..documents.document import Document
-from .mechanism import Moments
+from .kinematics import Moments
 from .parameters import RockingParameters, gravity_of, restitution_of
 
 

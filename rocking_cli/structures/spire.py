@@ -13,7 +13,7 @@ import math
 from typing import TYPE_CHECKING, NamedTuple
 
 from ..documents.document import Document
-from .mechanism import Moments, RigidBody
+from .kinematics import Moments, RigidBody
 from .parameters import RockingParameters
 from .rigid import body_on_edge
 

@@ -23,8 +23,8 @@ from rocking_cli import (
     sine,
     trace_envelope,
 )  # fmt: skip
-from rocking_cli.dynamics.reference import reference_cell
-from rocking_cli.dynamics.reference_nonlinear import Linkage, RigidBody, reference_nonlinear
+from rocking_cli.dynamics.references.general_solver import Linkage, RigidBody, reference_nonlinear
+from rocking_cli.dynamics.references.taylor_series import reference_cell
 
 TOLERANCE = 1e-11
 

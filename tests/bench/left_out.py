@@ -12,8 +12,8 @@ from unittest import mock
 import numpy as np
 
 from rocking_cli import Motion, dimensionless_oscillator, linear_response, parse_grid, sine, spectrum, trace_envelope
-from rocking_cli.dynamics import advance, engine
-from rocking_cli.dynamics.linear import LinearModel
+from rocking_cli.dynamics.equations.linear import LinearModel
+from rocking_cli.dynamics.march import advance, engine
 from rocking_cli.motions import Piece
 from rocking_cli.spectra import boundaries
 

@@ -12,13 +12,13 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
-from ..motions.motion import Motion, Segments
+from ...motions.motion import Motion, Segments
+from ..contacts.contact import chatter_ends, uplift
+from ..equations.equation import Model
+from ..equations.linear import LinearModel
+from ..outcome import Outcome
 from .advance import Event, advance, raise_peaks
-from .contact import chatter_ends, uplift
 from .lanes import Lanes, place
-from .linear import LinearModel
-from .model import Model
-from .outcome import Outcome
 
 Array = np.ndarray
 

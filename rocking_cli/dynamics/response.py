@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from ..motions.motion import Motion
-from .engine import Response, response
-from .rigid_body import RigidModel
+from .equations.rigid_body import RigidModel
+from .march.engine import Response, response
 
 Array = np.ndarray
 

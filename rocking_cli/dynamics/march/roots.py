@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from .flow import Point
-from .model import Flow
+from ..equations.equation import Flow
+from ..equations.flow import Point
 
 Array = np.ndarray
 

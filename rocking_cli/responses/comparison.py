@@ -8,11 +8,11 @@ from typing import Any
 
 import numpy as np
 
-from ..dynamics.history import quarter_period
 from ..motions import Motion
 from ..spectra.grid import Axis, Grid
 from ..spectra.scene import Method
 from ..structures.parameters import RockingParameters
+from .history import quarter_period
 from .time_history import TimeHistory, time_history
 
 RELEASES = (0.3, 0.6, 0.9)  # theta/alpha of the free quarter periods (Fig. 7b)

@@ -11,9 +11,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..motions.motion import Segments
-from .lanes import Lanes
-from .windows import crossing, segment_value
+from ...motions.motion import Segments
+from ..march.lanes import Lanes
+from ..march.windows import crossing, segment_value
 
 Array = np.ndarray
 

@@ -9,13 +9,13 @@ from typing import Any
 
 import numpy as np
 
-from ..dynamics.history import History, history
 from ..dynamics.outcome import Outcome
 from ..errors import UsageError
 from ..motions import Motion, Piece
 from ..spectra.grid import Grid
 from ..spectra.scene import Method
 from ..structures.parameters import RockingParameters
+from .history import History, history
 
 FREE = 30.0  # tau for which a response is followed after the shaking, unless the user says
 POINTS = 500  # times of a history over its whole length, unless the user says

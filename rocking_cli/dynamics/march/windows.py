@@ -18,7 +18,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..motions.motion import Segments
+from ...motions.motion import Segments
 
 Array = np.ndarray
 

@@ -14,8 +14,8 @@ import math
 
 import numpy as np
 
-from ..motions.motion import Motion, Piece
-from .outcome import Outcome
+from ...motions.motion import Motion, Piece
+from ..outcome import Outcome
 
 TERMS = 18
 _SAMPLES = np.arange(1, 9) / 8.0

@@ -15,9 +15,9 @@ import numpy as np
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
-from ..motions.motion import Motion, Piece
-from ..structures.mechanism import Mechanism, linearise
-from .outcome import Outcome
+from ...motions.motion import Motion, Piece
+from ...structures.kinematics import Mechanism, linearise
+from ..outcome import Outcome
 
 _MAX_STRIDES = 5_000
 _SCRIPT_STRIDE = 10.0  # tau between two looks at whether a body is lost, where steps are the solver's own

@@ -12,10 +12,10 @@ from typing import NamedTuple, Self
 
 import numpy as np
 
-from ..motions.motion import Segments
+from ...motions.motion import Segments
+from ..march.lanes import Lanes
+from ..march.windows import segment_value
 from .flow import Point
-from .lanes import Lanes
-from .windows import segment_value
 
 Array = np.ndarray
 

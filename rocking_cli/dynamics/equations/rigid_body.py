@@ -15,9 +15,9 @@ import math
 
 import numpy as np
 
-from ..motions.motion import Segments
-from .free import Fate, fate_by_energy
-from .lanes import Lanes
+from ...motions.motion import Segments
+from ..contacts.free import Fate, fate_by_energy
+from ..march.lanes import Lanes
 from .taylor import Series, drive_series, order_for, series
 
 Array = np.ndarray

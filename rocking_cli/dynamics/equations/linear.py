@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..motions.motion import Segments
+from ...motions.motion import Segments
+from ..contacts.free import Fate, free_fate
+from ..march.lanes import Lanes
+from ..march.windows import segment_value
 from .flow import Arc
-from .free import Fate, free_fate
-from .lanes import Lanes
-from .windows import segment_value
 
 Array = np.ndarray
 

@@ -12,12 +12,12 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..dynamics.equations.equation import Flow, Model
+from ..dynamics.march.advance import Event, crests
+from ..dynamics.march.engine import Run
+from ..dynamics.march.lanes import Lanes
+from ..dynamics.outcome import Outcome
 from ..motions.motion import Motion, Piece
-from .advance import Event, crests
-from .engine import Run
-from .lanes import Lanes
-from .model import Flow, Model
-from .outcome import Outcome
 
 Array = np.ndarray
 

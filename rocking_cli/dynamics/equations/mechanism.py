@@ -17,10 +17,10 @@ from functools import lru_cache
 
 import numpy as np
 
-from ..motions.motion import Segments
-from ..structures.mechanism import Mechanism, linearise
-from .free import Fate, fate_by_energy
-from .lanes import Lanes
+from ...motions.motion import Segments
+from ...structures.kinematics import Mechanism, linearise
+from ..contacts.free import Fate, fate_by_energy
+from ..march.lanes import Lanes
 from .taylor import Series, drive_series, order_for, series
 
 Array = np.ndarray

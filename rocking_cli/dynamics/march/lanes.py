@@ -6,7 +6,7 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
-from ..motions.motion import Segments
+from ...motions.motion import Segments
 
 Array = np.ndarray
 

@@ -9,10 +9,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..motions.motion import Segments
-from .flow import Point
+from ...motions.motion import Segments
+from ..equations.equation import Flow, Model
+from ..equations.flow import Point
 from .lanes import Lanes, phase_between
-from .model import Flow, Model
 from .roots import hidden_turn, impact_root, turning_point
 from .windows import window_end
 

@@ -16,10 +16,10 @@ from typing import Any, Protocol, Self
 
 import numpy as np
 
-from ..motions.motion import Segments
+from ...motions.motion import Segments
+from ..contacts.free import Fate
+from ..march.lanes import Lanes
 from .flow import Point
-from .free import Fate
-from .lanes import Lanes
 
 Array = np.ndarray
 
