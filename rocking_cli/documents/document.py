@@ -137,6 +137,15 @@ class Document:
             raise self.fault(key, str(value), f"one of {', '.join(options)}{_did_you_mean(str(value.content), options)}")
         return str(value.content)
 
+    def flag(self, key: str) -> bool:
+        """`true` or `false`, false when the key is absent."""
+        if not self.has(key):
+            return False
+        value = self.values[key]
+        if value.quoted or value.content not in ("true", "false"):
+            raise self.fault(key, str(value), "true or false")
+        return value.content == "true"
+
     def integer(self, key: str, least: int, most: int) -> int:
         """A whole number in a range."""
         number = self.quantity(key, "number", least=least, most=most, where=f"a whole number from {least} to {most}")

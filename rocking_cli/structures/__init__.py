@@ -9,7 +9,7 @@ from pathlib import Path
 from ..documents.document import Document, parse_documents, read_documents
 from ..errors import DocumentError
 from . import arch, block, drum, frame, parameters, point_mass, prism, spire
-from .parameters import RockingParameters
+from .parameters import RockingParameters, Side, damping_of
 
 KINDS: dict[str, Callable[[Document, str], RockingParameters]] = {
     "block": block.build,
@@ -29,7 +29,7 @@ def build_structure(document: Document) -> RockingParameters:
     stem = "structure" if document.source.startswith("<") else Path(document.source).stem
     name = document.word("name", stem if document.index == 0 else f"{stem}-{document.index + 1}")
     try:
-        built = KINDS[kind](document, name)
+        built = replace(KINDS[kind](document, name), damping=damping_of(document))
     except (ValueError, ArithmeticError) as error:
         raise DocumentError(f"{document.place}: {kind}: {error}") from None
     document.finish()
@@ -58,4 +58,4 @@ def with_distinct_names(structures: Iterable[RockingParameters]) -> list[Rocking
     return named
 
 
-__all__ = ["KINDS", "Document", "RockingParameters", "build_structure", "load_structures", "parse_documents", "read_documents"]
+__all__ = ["KINDS", "Document", "RockingParameters", "Side", "build_structure", "load_structures", "parse_documents", "read_documents"]
