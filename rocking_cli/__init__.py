@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from .dynamics.equations.mechanism import MechanismModel
     from .dynamics.equations.rigid_body import RigidModel
     from .dynamics.march.engine import Response, linear_response, response
-    from .dynamics.outcome import Outcome
+    from .dynamics.outcome import Outcome, overturned, safe
     from .dynamics.response import nonlinear_response
     from .errors import DocumentError, OutputError, RockingError, UsageError
     from .motions import Motion, cosine, pulse, read_motion, sine
@@ -39,6 +39,8 @@ _HOME = {
     "RigidModel": "dynamics.equations.rigid_body",
     "nonlinear_response": "dynamics.response",
     "Outcome": "dynamics.outcome",
+    "overturned": "dynamics.outcome",
+    "safe": "dynamics.outcome",
     "DocumentError": "errors",
     "OutputError": "errors",
     "RockingError": "errors",
@@ -94,11 +96,13 @@ __all__ = [
     "linear_response",
     "load_structures",
     "nonlinear_response",
+    "overturned",
     "parse_documents",
     "parse_grid",
     "pulse",
     "read_motion",
     "response",
+    "safe",
     "sine",
     "spectrum",
     "trace_envelope",

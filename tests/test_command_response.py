@@ -22,7 +22,7 @@ def test_time_history_has_the_documented_columns(rocking):
     assert list(found[0]) == ["t", "theta", "theta_dot", "ground_acceleration"]
     assert [float(r["t"]) for r in found[:3]] == pytest.approx([0.0, 0.01, 0.02])
     assert float(found[10]["ground_acceleration"]) == pytest.approx(3.5 * math.sin(2 * math.pi * 1.5 * 0.1))
-    assert "Column, linear: rocked, largest theta" in done.stderr
+    assert "Column, linear: rocks and survives, largest theta" in done.stderr
 
 
 def test_both_models_side_by_side_and_their_events(rocking):

@@ -13,6 +13,7 @@ from rocking_cli import (
     cosine,
     dimensionless_oscillator,
     linear_response,
+    overturned,
     pulse,
     sine,
     trace_envelope,
@@ -64,7 +65,7 @@ def test_every_interval_of_a_fine_raster_is_traced():
     for i in traced:
         inside |= (amplitude > i.a_from) & (amplitude < (i.a_to or np.inf))
     assert len(traced) > 3
-    wrong = np.flatnonzero(inside != (outcome >= Outcome.OVERTURNED_NO_IMPACT))
+    wrong = np.flatnonzero(inside != overturned(outcome))
     runs = np.split(wrong, np.flatnonzero(np.diff(wrong) > 1) + 1)
     assert max((r.size for r in runs if r.size), default=0) * 5e-6 < 1e-3
 

@@ -1,21 +1,65 @@
-"""What became of a cell."""
+"""What became of a cell: each outcome with its code, its words, its looks, and whether it is overturned or safe."""
 
 from __future__ import annotations
 
 from enum import IntEnum
+from typing import Any, Self
+
+import numpy as np
 
 
 class Outcome(IntEnum):
-    """Outcome codes as they stand in the spectra file; the names in lower case are its flag meanings."""
+    """Outcome codes as they stand in the spectra file; the names in lower case are its flag meanings.
 
-    NOT_COMPUTED = 0
-    NO_UPLIFT = 1
-    ROCKED = 2
-    OVERTURNED_NO_IMPACT = 3
-    OVERTURNED_AFTER_IMPACT = 4
-    FAILED = 5
+    sentence: what a person reads; colour: in figures (Okabe and Ito's, which the colour-blind tell apart); sign: in maps of characters.
+    """
+
+    NOT_COMPUTED = 0, "not computed", "#DDDDDD", "?"
+    NO_UPLIFT = 1, "no uplift", "#FFFFFF", " "
+    ROCKED = 2, "rocks and survives", "#BFDDEB", "."
+    OVERTURNED_NO_IMPACT = 3, "overturns without impact", "#7A4A00", "#"
+    OVERTURNED_AFTER_IMPACT = 4, "overturns after an impact", "#E69F00", "o"
+    FAILED = 5, "failed", "#000000", "!"
+
+    sentence: str
+    colour: str
+    sign: str
+
+    def __new__(cls, code: int, sentence: str = "", colour: str = "", sign: str = "") -> Self:
+        member = int.__new__(cls, code)
+        member._value_, member.sentence, member.colour, member.sign = code, sentence, colour, sign
+        return member
 
     @property
     def flag(self) -> str:
         """The word that files and tables use."""
         return self.name.lower()
+
+    @property
+    def mode(self) -> str:
+        """The word of an envelope's interval: `no_impact`, `after_impact`, `failed`."""
+        return self.flag.removeprefix("overturned_")
+
+    @property
+    def overturned(self) -> bool:
+        """Whether the body fell; of a failed cell that is not known."""
+        return self in (Outcome.OVERTURNED_NO_IMPACT, Outcome.OVERTURNED_AFTER_IMPACT)
+
+    @property
+    def safe(self) -> bool:
+        """Whether the body is known to have stayed upright, with uplift or without."""
+        return self in (Outcome.NO_UPLIFT, Outcome.ROCKED)
+
+
+_OVERTURNED = np.array([o.overturned for o in Outcome])
+_SAFE = np.array([o.safe for o in Outcome])
+
+
+def overturned(codes: Any) -> Any:
+    """Where codes of `Outcome`, of any shape, are `Outcome.overturned`; a failed cell is neither overturned nor safe."""
+    return _OVERTURNED[codes]
+
+
+def safe(codes: Any) -> Any:
+    """Where codes of `Outcome`, of any shape, are `Outcome.safe`."""
+    return _SAFE[codes]

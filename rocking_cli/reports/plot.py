@@ -7,7 +7,7 @@ needed. matplotlib is the extra `plot`.
 from __future__ import annotations
 
 import csv
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -30,15 +30,6 @@ STYLE: dict[Any, Any] = {
     "font.size": 9, "axes.grid": True, "grid.alpha": 0.3, "grid.linewidth": 0.5, "axes.axisbelow": True,
     "legend.fontsize": 8, "legend.framealpha": 0.9, "savefig.dpi": 200, "figure.constrained_layout.use": True,
 }  # fmt: skip
-OUTCOMES = {
-    Outcome.NO_UPLIFT: ("#FFFFFF", "no uplift"),
-    Outcome.ROCKED: ("#BFDDEB", "rocks and survives"),
-    Outcome.OVERTURNED_AFTER_IMPACT: ("#E69F00", "overturns after an impact"),
-    Outcome.OVERTURNED_NO_IMPACT: ("#7A4A00", "overturns without impact"),
-    Outcome.FAILED: ("#000000", "failed"),
-    Outcome.NOT_COMPUTED: ("#DDDDDD", "not computed"),
-}
-MODES = {"after_impact": Outcome.OVERTURNED_AFTER_IMPACT, "no_impact": Outcome.OVERTURNED_NO_IMPACT, "failed": Outcome.FAILED}
 _LABELS = {
     "t": "time t [s]", "theta": "rotation θ [rad]", "tau": "p t [-]", "theta_ratio": "θ/α [-]", "p": "p [rad/s]", "alpha": "α [rad]",
     "eta": "η [-]", "lambda": "λ [-]", "a_scale": "a_scale [-]",
@@ -92,12 +83,12 @@ def _map(figure: Figure, file: SpectraFile, name: str | None) -> Axes:
     s, axes = file.structures[index], figure.add_subplot()
     frequency, amplitude = file.grid.frequency, file.grid.amplitude
     outcome = file.block(index, slice(None))["outcome"]
-    colours = [OUTCOMES[o][0] for o in sorted(OUTCOMES)]
+    colours = [o.colour for o in Outcome]
     norm = BoundaryNorm(np.arange(-0.5, len(colours)), len(colours))
     axes.pcolormesh(
         frequency.values, amplitude.values, outcome.T, cmap=ListedColormap(colours), norm=norm, shading="nearest", rasterized=True
     )
-    entries: list[Any] = [Patch(facecolor=OUTCOMES[o][0], edgecolor="0.5", label=OUTCOMES[o][1]) for o in OUTCOMES if np.any(outcome == o)]
+    entries: list[Any] = [Patch(facecolor=o.colour, edgecolor="0.5", label=o.sentence) for o in Outcome if np.any(outcome == o)]
     entries += _closed_form(axes, file, index)
     axes.set(xlabel=_label(frequency.name), ylabel=_label(amplitude.name), title=f"{s.name}, η = {s.eta:.4g}: {file.scene['motion'][0]}")
     if frequency.values.size > 1 and amplitude.values.size > 1:
@@ -206,11 +197,12 @@ def _groups(rows: Rows, *keys: str) -> dict[tuple[str, ...], Rows]:
 def _envelope(figure: Figure, rows: Rows) -> list[Axes]:
     axes = figure.add_subplot()
     top = max(np.nanmax(_column(rows, "A_from")), np.nanmax(np.append(_column(rows, "A_to"), 0.0))) * 1.1
+    modes = {o.mode: o for o in Outcome}
     for (mode,), some in _groups(rows, "mode").items():
-        colour, label = OUTCOMES[MODES.get(mode, Outcome.FAILED)]
+        drawn = modes.get(mode, Outcome.FAILED)
         low, high = _column(some, "A_from"), _column(some, "A_to")
-        axes.vlines(_column(some, "Omega"), low, np.where(np.isnan(high), top, high), color=colour, lw=2.0, alpha=0.6)
-        axes.plot(_column(some, "Omega"), low, ".", color=colour, ms=3, label=label)
+        axes.vlines(_column(some, "Omega"), low, np.where(np.isnan(high), top, high), color=drawn.colour, lw=2.0, alpha=0.6)
+        axes.plot(_column(some, "Omega"), low, ".", color=drawn.colour, ms=3, label=drawn.sentence)
     axes.set(xlabel=_label("Omega"), ylabel=_label("A"), ylim=(0.0, top))
     axes.legend()
     return [axes]
@@ -294,12 +286,12 @@ def text_map(file: SpectraFile, name: str | None, cut: str | None, width: int = 
         return lines
     index = file.index(name or file.structures[0].name)
     frequency, amplitude = file.grid.frequency, file.grid.amplitude
-    signs: Sequence[str] = "? .#o!"  # by outcome code: not computed, no uplift, rocked, no impact, after impact, failed
     rows = np.linspace(amplitude.values.size - 1, 0, min(height, amplitude.values.size)).astype(int)
     columns = np.linspace(0, frequency.values.size - 1, min(width, frequency.values.size)).astype(int)
     outcome = file.block(index, slice(None))["outcome"]
-    lines = [f"{file.structures[index].name}: ' ' no uplift  '.' rocks  'o' overturns after an impact  '#' without impact"]
-    lines += [f"{amplitude.values[r]:>9.3g} |" + "".join(signs[outcome[c, r]] for c in columns) for r in rows]
+    meanings = "  ".join(f"'{o.sign}' {o.sentence}" for o in Outcome if np.any(outcome == o))
+    lines = [f"{file.structures[index].name}: {meanings}"]
+    lines += [f"{amplitude.values[r]:>9.3g} |" + "".join(Outcome(int(outcome[c, r])).sign for c in columns) for r in rows]
     lines.append(" " * 10 + "+" + "-" * columns.size)
     lines.append(f"{amplitude.name:>9}   {frequency.name} {frequency.values[0]:.4g} to {frequency.values[-1]:.4g}")
     return lines

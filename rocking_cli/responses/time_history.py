@@ -86,7 +86,7 @@ class TimeHistory:
         s = self.structure
         for model, found in self.histories.items():
             peak = found.peak
-            text = found.outcome.flag.replace("_", " ")
+            text = found.outcome.sentence
             if peak is not None:
                 ratio = abs(peak.theta_ratio)
                 text += f", largest theta {ratio * s.alpha:.6g} rad ({ratio:.6g} alpha) at {peak.tau / s.p:.4g} s"

@@ -29,12 +29,6 @@ CURVE_COLUMNS = ("structure", "curve", "Omega", "A")
 _SMALL = 1_000_000  # amplitudes in all below which starting processes takes longer than they save
 _SHARE = 8_000_000  # amplitudes that a process looks at before it reports
 
-_MODES = {
-    Outcome.OVERTURNED_AFTER_IMPACT: "after_impact",
-    Outcome.OVERTURNED_NO_IMPACT: "no_impact",
-    Outcome.FAILED: "failed",
-}
-
 
 @dataclass(frozen=True)
 class Interval:
@@ -98,8 +92,8 @@ def _in_turn(search: Search, shares: list[np.ndarray], workers: int) -> Iterator
 def _intervals(omega: float, lowest: float, row: Row) -> Iterator[Interval]:
     label, begin = row.begins, lowest
     for amplitude, above in [*row.changes, (None, 0)]:
-        if label in _MODES:
-            yield Interval(omega, begin, amplitude, _MODES[Outcome(label)])
+        if not Outcome(label).safe:
+            yield Interval(omega, begin, amplitude, Outcome(label).mode)
         if amplitude is not None:
             label, begin = above, amplitude
 

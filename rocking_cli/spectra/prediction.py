@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from ..dynamics.march.engine import response
-from ..dynamics.outcome import Outcome
+from ..dynamics.outcome import Outcome, overturned
 from ..errors import UsageError
 from ..motions import Motion
 from ..structures.parameters import RockingParameters
@@ -50,10 +50,10 @@ def predict(spectrum: SpectraFile, structure: RockingParameters, shaking: Grid) 
         raise UsageError(f"{spectrum.path}: this part of the spectrum is not computed; --exact computes it")
     record = _record(structure, amplitude, omega, shaking)
     margin = min((_margin(block["outcome"][r - rows[0]], a, amplitude) for r in rows), default=math.inf)
-    safe = outcomes <= {Outcome.ROCKED, Outcome.NO_UPLIFT}
+    safe = all(Outcome(o).safe for o in outcomes)
     exact = response(LINEAR.model_of(structure), spectrum.motion(), np.array([amplitude]), np.array([omega]), structure.eta)
     truth = Outcome(int(exact.outcome[0]))
-    agree = truth in (Outcome.ROCKED, Outcome.NO_UPLIFT) if safe else outcomes == {truth}
+    agree = truth.safe if safe else outcomes == {truth}
     if not agree:
         return {**record, "theta_max": None, "theta_ratio": None, "outcome": "undecided", "margin": 0.0, "interpolation_error": None}
     ratio = error = None
@@ -113,7 +113,7 @@ def _cell(axis: np.ndarray, value: float) -> tuple[list[int], float]:
 
 def _margin(outcomes: np.ndarray, axis: np.ndarray, value: float) -> float:
     """Relative distance from a value to the nearest change between safe and overturned along a row: a lower bound."""
-    over = outcomes >= Outcome.OVERTURNED_NO_IMPACT
+    over = overturned(outcomes)
     at = np.flatnonzero(over[1:] != over[:-1])
     if not at.size:
         return math.inf

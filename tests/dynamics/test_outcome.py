@@ -1,0 +1,38 @@
+"""Outcomes: codes, words and predicates."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from rocking_cli import Outcome, overturned, safe
+
+EXPECTED = {  # code, safe, overturned, the word of an envelope's interval
+    "not_computed": (0, False, False, "not_computed"),
+    "no_uplift": (1, True, False, "no_uplift"),
+    "rocked": (2, True, False, "rocked"),
+    "overturned_no_impact": (3, False, True, "no_impact"),
+    "overturned_after_impact": (4, False, True, "after_impact"),
+    "failed": (5, False, False, "failed"),
+}
+
+
+def test_a_failed_or_missing_cell_is_neither_safe_nor_overturned():
+    assert {o.flag: (int(o), o.safe, o.overturned, o.mode) for o in Outcome} == EXPECTED
+    codes = np.array([[0, 1, 2], [3, 4, 5]], dtype=np.uint8)
+    assert safe(codes).tolist() == [[False, True, True], [False, False, False]]
+    assert overturned(codes).tolist() == [[False, False, False], [True, True, False]]
+    assert overturned(4)
+    assert not overturned(np.uint8(5))
+
+
+def test_codes_are_outcomes_and_other_numbers_are_not():
+    assert [Outcome(code) for code in range(6)] == list(Outcome)
+    with pytest.raises(ValueError, match="6"):
+        Outcome(6)
+
+
+def test_each_outcome_has_a_look_of_its_own():
+    for look in ("sentence", "colour", "sign"):
+        assert len({getattr(o, look) for o in Outcome}) == len(Outcome)
+    assert all(len(o.sign) == 1 for o in Outcome)
