@@ -9,6 +9,8 @@ from pathlib import Path
 
 import pytest
 
+from rocking_cli import dimensionless_oscillator, parse_grid, sine, write_spectrum
+
 ROOT = Path(__file__).resolve().parent.parent
 Run = Callable[..., subprocess.CompletedProcess[str]]
 
@@ -43,3 +45,11 @@ def refused(rocking: Run, tmp_path: Path) -> Callable[..., str]:
         return done.stderr
 
     return run
+
+
+@pytest.fixture(scope="session")
+def spectrum_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A complete spectra file of one restitution, to be read only."""
+    path = tmp_path_factory.mktemp("spectra") / "s.h5"
+    write_spectrum([dimensionless_oscillator(0.9)], parse_grid("A=0.5:8:400,Omega=1:8:400"), sine(), path, workers=1, chunk_cells=20_000)
+    return path

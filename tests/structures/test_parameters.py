@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import json
+import math
 from dataclasses import replace
 
 import pytest
+from written import built
 
 from rocking_cli import DocumentError, RockingParameters, build_structure, dimensionless_oscillator, parse_documents
 from rocking_cli.structures.parameters import Side
@@ -14,11 +16,6 @@ LEFT = Side("left", 2.1, 0.3, 0.31, 1.0, 0.8)
 RIGHT = Side("right", 1.9, 0.2, 0.21, 1.0, 0.9)
 TWO = RockingParameters.of_sides("Statue", "rigid", LEFT, RIGHT)
 ONE = RockingParameters("Wall", "block", 1.3, 0.15, -0.4366730773, 0.151, 1.0, one_sided=True)
-
-
-def built(text: str) -> RockingParameters:
-    (document,) = parse_documents(text, "f.yaml")
-    return build_structure(document)
 
 
 def test_an_unequal_body_has_the_numbers_of_the_edge_that_lifts_first():
@@ -108,3 +105,33 @@ def test_sides_are_read_with_lambda_or_a_scale():
 def test_refusals(text, words):
     with pytest.raises(DocumentError, match=words):
         built(text)
+
+
+def test_parameters_give_lambda_and_a_scale_from_each_other():
+    base = "kind: parameters\np: 2\nalpha: 0.2\neta: 0.9\n"
+    assert built(base + "lambda: 0.4").a_scale == pytest.approx(0.5)
+    assert built(base + "a_scale: 0.5").uplift == pytest.approx(0.4)
+    both = built(base + "lambda: 0.3\na_scale: 1")
+    assert (both.uplift, both.a_scale) == (0.3, 1.0)
+
+
+@pytest.mark.parametrize("text", ["kind: block\nwidth: 0.5\nheight: 2", "kind: spire\nbase_radius: 1\nheight: 9\nname: Ö 'x'"])
+def test_a_record_is_a_document_of_the_same_parameters(text):
+    import json
+
+    first = built(text)
+    (document,) = parse_documents(json.dumps(first.record()), "<stdin>")
+    assert build_structure(document) == first
+
+
+@pytest.mark.parametrize("bad", [{"p": 0.0}, {"alpha": math.nan}, {"eta": 1.2}, {"uplift": -1.0}, {"a_scale": math.inf}])
+def test_parameters_validate_themselves(bad):
+    good = {"name": "x", "structure": "block", "p": 1.0, "alpha": 0.2, "eta": 0.9, "uplift": 0.2, "a_scale": 1.0}
+    with pytest.raises(ValueError, match="accepted is"):
+        RockingParameters(**{**good, **bad})
+
+
+def test_dimensionless_oscillator_scales_nothing():
+    o = dimensionless_oscillator(0.9)
+    assert o.dimensionless_amplitude(3.0) == 3.0
+    assert (o.p, o.name) == (1.0, "eta=0.9")

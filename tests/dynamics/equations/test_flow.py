@@ -1,4 +1,4 @@
-"""The exact flow and the closed form after the shaking, against high precision and against each other."""
+"""The exact flow against high precision."""
 
 from __future__ import annotations
 
@@ -8,7 +8,6 @@ import mpmath
 import numpy as np
 import pytest
 
-from rocking_cli.dynamics.contacts.free import free_fate
 from rocking_cli.dynamics.equations.flow import Arc
 
 
@@ -58,33 +57,6 @@ def test_uplift_from_rest_is_a_triple_root_without_noise():
     for h in (1e-6, 1e-5, 1e-4):
         expected = 3.0 * rate * h**3 / 6 - 9.0 * h**4 / 24
         assert arc.at(np.array([h])).y[0] == pytest.approx(expected, rel=1e-7)
-
-
-def march(y, v, eta):
-    """The free motion in small steps of its exact hyperbolic flow, impact by impact: overturns, and the largest y."""
-    peak, h, bounces = (y if v > 0 else 0.0), 1e-3, 0
-    c, s = math.cosh(h), math.sinh(h)
-    for _ in range(200_000):
-        y, v = 1 + (y - 1) * c + v * s, (y - 1) * s + v * c
-        peak = max(peak, y)
-        if y < 0:
-            y, v, bounces = 0.0, -eta * v, bounces + 1
-        if y > 3:
-            return True, peak
-        if bounces > 2:
-            return False, peak
-    raise AssertionError("undecided")
-
-
-def test_fate_equals_marching():
-    random = np.random.default_rng(4)
-    y, v, eta = random.uniform(0, 1.5, 60), random.uniform(-2, 1.2, 60), random.uniform(0.3, 1, 60)
-    fate = free_fate(y, v, eta)
-    for i in range(60):
-        overturns, peak = march(y[i], v[i], eta[i])
-        assert overturns == (fate.overturns[i] or fate.overturns_after_impact[i])
-        if not overturns and v[i] > 0:
-            assert fate.peak[i] == pytest.approx(peak, abs=2e-3)
 
 
 def test_free_rocking_period_is_housners():

@@ -13,6 +13,11 @@ import h5py
 import numpy as np
 import pytest
 
+from rocking_cli import Outcome, sine
+from rocking_cli.dynamics.equations.linear import LinearModel
+from rocking_cli.dynamics.march import engine
+from rocking_cli.responses.history import history
+
 SMALL = "A=0.5:9:40,Omega=0.5:12:30"
 
 
@@ -151,3 +156,16 @@ def test_ctrl_c_and_sigterm_keep_what_was_done(tmp_path, workers, stop):
     assert not (tmp_path / "s.h5").exists()
     with h5py.File(part) as f:
         assert 0 < f["chunk_done"][...].sum() < f["chunk_done"].size
+
+
+def test_a_step_count_that_runs_away_is_a_failed_cell(monkeypatch, tmp_path):
+    from rocking_cli.commands import main
+
+    monkeypatch.setattr(engine, "MAX_STEPS", -119)
+    cell = ["--grid", "A=1.5:1.6:2,Omega=4", "--eta", "1", "-q"]
+    with pytest.raises(SystemExit) as ended:
+        main(["spectrum", *cell, "--workers", "1", "-o", str(tmp_path / "s.h5")])
+    assert ended.value.code == 4
+    assert (tmp_path / "s.h5").exists()
+    monkeypatch.setattr(engine, "MAX_STEPS", -158)
+    assert history(LinearModel(), sine(), 1.5, 4.0, 1.0, duration=30.0).outcome == Outcome.FAILED

@@ -13,6 +13,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from scipy.optimize import brentq, fsolve, linprog
 from scipy.sparse import lil_matrix
+from written import built
 
 from rocking_cli import DocumentError, build_structure, parse_documents
 from rocking_cli.structures.arch import find_mechanism
@@ -20,12 +21,9 @@ from rocking_cli.structures.fourbar import FourBar, Ring
 from rocking_cli.structures.hinges import search_continuous, search_joints
 
 OPPENHEIM = "kind: arch\nradius: 10\nthickness: 1.5\nangle: 157.5 deg\n"
+
+
 RING = Ring(10.0, 1.5, math.radians(157.5))
-
-
-def built(text):
-    (document,) = parse_documents(text, "f.yaml")
-    return build_structure(document)
 
 
 def static_uplift(ring: Ring, count: int) -> float:

@@ -8,10 +8,8 @@ import sys
 import h5py
 import numpy as np
 import pytest
-import xarray
 
 from rocking_cli import (
-    Outcome,
     UsageError,
     build_structure,
     cosine,
@@ -23,9 +21,10 @@ from rocking_cli import (
     spectrum,
     write_spectrum,
 )
-from rocking_cli.errors import OutputError
 
 GRID = parse_grid("A=0.5:9:53,Omega=0.5:12:37")
+
+
 TWO = [dimensionless_oscillator(0.9), dimensionless_oscillator(0.6)]
 
 
@@ -77,65 +76,6 @@ def test_summary_adds_up_and_the_check_agrees():
     assert s.misjudged == 0
     assert s.estimated_error < 1e-12
     assert s.record()["time_per_cell"] * s.cells == pytest.approx(s.run_time)
-
-
-def test_xarray_sees_dimensions_coordinates_units_and_flags(tmp_path):
-    (document,) = parse_documents("kind: block\nname: Säule\nwidth: 0.5\nheight: 2")
-    path = tmp_path / "s.h5"
-    write_spectrum([build_structure(document)], parse_grid("a_g=0.1g:1g:12,omega_g=1:20:9"), sine(), path, documents=document.text)
-    with xarray.open_dataset(path, engine="h5netcdf") as d:
-        assert d.theta_ratio.dims == ("structure", "omega_g", "a_g")
-        assert d.sizes["omega_g"] == 9
-        assert (d.omega_g.units, d.a_g.units, d.theta_ratio.units) == ("rad s-1", "m s-2", "1")
-        assert d.structure.values.tolist() == ["Säule"]
-        assert d.outcome.dtype == np.uint8
-        assert d.outcome.flag_meanings.split()[d.outcome.values.max()] in {o.flag for o in Outcome}
-        assert list(d.outcome.flag_values) == list(range(6))
-        assert d.attrs["Conventions"] == "CF-1.11"
-        assert "kind: block" in d.attrs["documents"]
-        assert d.attrs["estimated_error"] < 1e-12
-        for name in d.variables:
-            assert "units" in d[name].attrs, name
-            assert "long_name" in d[name].attrs, name
-        assert float(d.p[0]) == pytest.approx(2.6716705, abs=1e-6)
-        assert d["lambda"].dims == ("structure",)
-        assert d.sel(structure="Säule").theta_ratio.shape == (9, 12)
-
-
-def test_hdf5_file_is_chunked_compressed_and_marked_done(tmp_path):
-    write_spectrum(TWO, GRID, sine(), tmp_path / "s.h5", chunk_cells=500)
-    with h5py.File(tmp_path / "s.h5") as f:
-        theta = f["theta_ratio"]
-        assert theta.chunks == (1, 9, 53)
-        assert theta.compression == "gzip"
-        assert theta.shuffle
-        assert f["chunk_done"][...].all()
-        assert f["chunk_done"].size == 2 * 5
-        assert [scale.name for scale in (d[0] for d in theta.dims)] == ["/structure", "/Omega", "/A"]
-        assert "theta_ratio" in list(f)[-5:]
-
-
-def test_outputs_are_never_replaced_unasked(tmp_path):
-    path = tmp_path / "s.h5"
-    path.write_text("mine")
-    with pytest.raises(UsageError, match="exists; --overwrite"):
-        write_spectrum(TWO, GRID, sine(), path)
-    assert path.read_text() == "mine"
-    write_spectrum(TWO, GRID, sine(), path, overwrite=True)
-    assert path.read_bytes()[:4] == b"\x89HDF"
-    (tmp_path / "t.h5.part").write_text("half")
-    with pytest.raises(UsageError, match="left by a sweep"):
-        write_spectrum(TWO, GRID, sine(), tmp_path / "t.h5")
-    with pytest.raises(UsageError, match="does not exist"):
-        write_spectrum(TWO, GRID, sine(), tmp_path / "nowhere" / "t.h5")
-
-
-def test_a_file_that_appears_meanwhile_is_kept(tmp_path):
-    path = tmp_path / "s.h5"
-    with pytest.raises(OutputError, match="has appeared meanwhile"):
-        write_spectrum(TWO, GRID, sine(), path, workers=1, progress=lambda done, total: path.write_text("mine"))
-    assert path.read_text() == "mine"
-    assert h5py.is_hdf5(tmp_path / "s.h5.part")
 
 
 def test_a_restitution_alone_needs_dimensionless_axes():

@@ -1,12 +1,10 @@
-"""`rocking params` and the program as a whole, at the shell."""
+"""`rocking params` at the shell."""
 
 from __future__ import annotations
 
 import csv
 import io
 import json
-import subprocess
-import sys
 
 import pytest
 
@@ -77,21 +75,6 @@ def test_no_partial_output_when_one_of_several_is_wrong(refused):
     refused(3, "params", "configs/block.yaml", "-", stdin="kind: block\nwidth: 2 kg\nheight: 1")
 
 
-def test_unknown_command_and_option(refused):
-    assert "No such command" in refused(2, "parms")
-    assert "No such option" in refused(2, "params", "--jsn")
-
-
-def test_a_closed_pipe_is_no_error(tmp_path):
-    document = tmp_path / "b.yaml"
-    document.write_text("kind: block\nwidth: 1\nheight: 5")
-    call = f"{sys.executable} -m rocking_cli params {document} --vary height=2:9:50000 --csv"
-    done = subprocess.run(["bash", "-c", f"set -o pipefail; {call} | head -n 2"], capture_output=True, text=True, check=False)
-    assert done.returncode == 0
-    assert done.stderr == ""
-    assert len(done.stdout.splitlines()) == 2
-
-
 def test_a_family_in_json_is_a_stream_of_documents(rocking):
     family = rocking("params", "configs/arch.yaml", "--vary", "thickness=1.6:1.8:2", "--json")
     records = [json.loads(line) for line in family.stdout.splitlines()]
@@ -109,40 +92,3 @@ def test_csv_of_different_kinds_has_every_column(rocking):
 def test_equal_names_are_numbered(rocking):
     done = rocking("params", "configs/block.yaml", "configs/block.yaml", "--json")
     assert [json.loads(line)["name"] for line in done.stdout.splitlines()] == ["Column", "Column-2"]
-
-
-def test_a_full_disk_is_one_sentence(tmp_path, pytestconfig):
-    with open("/dev/full", "w") as full:
-        done = subprocess.run(
-            [sys.executable, "-m", "rocking_cli", "params", str(pytestconfig.rootpath / "configs/block.yaml"), "--json"],
-            stdout=full, stderr=subprocess.PIPE, text=True, check=False,
-        )  # fmt: skip
-    assert done.returncode == 1
-    assert done.stderr == "rocking: standard output: cannot be written: No space left on device\n"
-
-
-@pytest.mark.parametrize("command", [[], ["params"], ["spectrum"], ["envelope"]])
-def test_help_shows_an_example_that_runs(rocking, command):
-    done = rocking(*command, "--help")
-    assert done.returncode == 0
-    example = " ".join(done.stdout[done.stdout.index("Example: rocking") + len("Example: rocking") :].split()).split(" | ")[0]
-    ran = rocking(*example.split())
-    assert ran.returncode == 0, ran.stderr
-
-
-@pytest.mark.parametrize(
-    ("arguments", "unwanted"),
-    [
-        (["--help"], ["numpy", "scipy", "h5py", "yaml"]),
-        (["params", "configs/block.yaml"], ["numpy", "scipy", "h5py"]),
-        (["envelope", "--eta", "0.9", "--grid", "Omega=5", "--a-max", "2"], ["scipy", "h5py", "multiprocessing"]),
-    ],
-)
-def test_commands_import_only_what_they_use(arguments, unwanted, pytestconfig):
-    code = (
-        "import sys\nfrom rocking_cli.commands import main\n"
-        f"try: main({arguments!r})\nexcept SystemExit as e: assert not e.code, e.code\n"
-        "print(*sorted({m.partition('.')[0] for m in sys.modules}), file=sys.stderr)"
-    )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=pytestconfig.rootpath)
-    assert not set(unwanted) & set(done.stderr.split())

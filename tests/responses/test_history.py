@@ -9,17 +9,16 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from rocking_cli import Outcome, build_structure, cosine, parse_documents, parse_grid, pulse, sine
+from rocking_cli import Outcome, build_structure, cosine, parse_documents, pulse, sine
 from rocking_cli.dynamics.equations.linear import LinearModel
 from rocking_cli.dynamics.equations.mechanism import MechanismModel
 from rocking_cli.dynamics.equations.rigid_body import RigidModel
-from rocking_cli.dynamics.march import engine
 from rocking_cli.dynamics.march.engine import response
-from rocking_cli.responses.comparison import collapse, compare
 from rocking_cli.responses.history import history
-from rocking_cli.spectra.scene import Method
 
 ARCH = build_structure(parse_documents("kind: arch\nradius: 10\nthickness: 1.5\nangle: 157.5 deg\nvoussoirs: 7")[0])
+
+
 MODELS = {"linear": LinearModel(), "rigid body": RigidModel(0.3, 1e-11), "arch": MechanismModel(ARCH.mechanism, 1e-10)}
 
 
@@ -97,48 +96,6 @@ def test_overturning_is_followed_to_three_alpha():
     assert abs(found.moments[-1].theta_ratio) == pytest.approx(3.0, abs=1e-9)
     assert found.end == found.moments[-1].tau
     assert np.isnan(found.at(np.array([found.end + 0.1]))[0]).all()
-
-
-def test_three_structures_collapse_to_one_dimensionless_curve():
-    # Each is computed from its own a_g and omega_g; Fig. 8.
-    texts = ("kind: block\nwidth: 0.5\nheight: 2", "kind: spire\nbase_radius: 1.5\nheight: 12")
-    structures = [build_structure(parse_documents(f"{t}\nrestitution: 0.8")[0]) for t in texts]
-    structures.append(build_structure(parse_documents("kind: arch\nradius: 10\nthickness: 1.5\nangle: 157.5 deg\nrestitution: 0.8")[0]))
-    for grid in ("A=2,Omega=4", "A=3.1,Omega=5.3", "a_g=0.4g,f_g=1.4"):
-        responses = compare(structures, sine(), parse_grid(grid), [Method()])
-        assert len({r.structure.p for r in responses}) == 3
-        peaks = [max(abs(x["theta"]) for x in r.records()) for r in responses]
-        assert max(peaks) / min(peaks) > 1.4
-        assert collapse(responses, "linear") < 1e-10
-
-
-def test_a_column_against_discrete_elements():
-    # Multi-drum column 1.11/0.90 m wide and 5.95 m high under the rectangular impulse: collapse on a raster of 0.01 g by UDEC,
-    # LMGC90 and HybriDFEM, at t_p = 0.4, 0.5, 0.6, 0.8, 1.0 s.
-    from rocking_cli import trace_envelope
-
-    column = build_structure(parse_documents("kind: prism\ncorners: [[0, 0], [1.11, 0], [1.005, 5.95], [0.105, 5.95]]")[0])
-    series = [(0.31, 0.30, 0.29), (0.27, 0.25, 0.25), (0.25, 0.24, 0.23), (0.22, 0.22, 0.22), (0.20, 0.21, 0.21)]
-    omegas = 2 * math.pi / np.array([0.4, 0.5, 0.6, 0.8, 1.0]) / column.p
-    found = trace_envelope(pulse("rectangular-impulse"), omegas, column, method=Method("nonlinear", 1e-8), a_max=2.5)
-    first = [min(i.a_from for i in found if i.omega == w) for w in omegas]
-    collapse_at = [math.ceil(100.0 * column.ground_acceleration(a) / 9.81) / 100.0 for a in first]
-    assert collapse_at == [0.30, 0.26, 0.24, 0.22, 0.21]
-    for ours, theirs in zip(collapse_at, series, strict=True):
-        assert [ours] * 3 == pytest.approx(theirs, rel=0.05 + 1e-12)
-
-
-def test_a_step_count_that_runs_away_is_a_failed_cell(monkeypatch, tmp_path):
-    from rocking_cli.commands import main
-
-    monkeypatch.setattr(engine, "MAX_STEPS", -119)
-    cell = ["--grid", "A=1.5:1.6:2,Omega=4", "--eta", "1", "-q"]
-    with pytest.raises(SystemExit) as ended:
-        main(["spectrum", *cell, "--workers", "1", "-o", str(tmp_path / "s.h5")])
-    assert ended.value.code == 4
-    assert (tmp_path / "s.h5").exists()
-    monkeypatch.setattr(engine, "MAX_STEPS", -158)
-    assert history(LinearModel(), sine(), 1.5, 4.0, 1.0, duration=30.0).outcome == Outcome.FAILED
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,67 @@
+"""The program as a whole at the shell: unknown words, pipes, full disks, help, start-up."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+
+import pytest
+
+
+def test_unknown_command_and_option(refused):
+    assert "No such command" in refused(2, "parms")
+    assert "No such option" in refused(2, "params", "--jsn")
+
+
+def test_a_closed_pipe_is_no_error(tmp_path):
+    document = tmp_path / "b.yaml"
+    document.write_text("kind: block\nwidth: 1\nheight: 5")
+    call = f"{sys.executable} -m rocking_cli params {document} --vary height=2:9:50000 --csv"
+    done = subprocess.run(["bash", "-c", f"set -o pipefail; {call} | head -n 2"], capture_output=True, text=True, check=False)
+    assert done.returncode == 0
+    assert done.stderr == ""
+    assert len(done.stdout.splitlines()) == 2
+
+
+def test_a_full_disk_is_one_sentence(tmp_path, pytestconfig):
+    with open("/dev/full", "w") as full:
+        done = subprocess.run(
+            [sys.executable, "-m", "rocking_cli", "params", str(pytestconfig.rootpath / "configs/block.yaml"), "--json"],
+            stdout=full, stderr=subprocess.PIPE, text=True, check=False,
+        )  # fmt: skip
+    assert done.returncode == 1
+    assert done.stderr == "rocking: standard output: cannot be written: No space left on device\n"
+
+
+@pytest.mark.parametrize("command", [[], ["params"], ["spectrum"], ["envelope"]])
+def test_help_shows_an_example_that_runs(rocking, command):
+    done = rocking(*command, "--help")
+    assert done.returncode == 0
+    example = " ".join(done.stdout[done.stdout.index("Example: rocking") + len("Example: rocking") :].split()).split(" | ")[0]
+    ran = rocking(*example.split())
+    assert ran.returncode == 0, ran.stderr
+
+
+@pytest.mark.parametrize(
+    ("arguments", "unwanted"),
+    [
+        (["--help"], ["numpy", "scipy", "h5py", "yaml"]),
+        (["params", "configs/block.yaml"], ["numpy", "scipy", "h5py"]),
+        (["envelope", "--eta", "0.9", "--grid", "Omega=5", "--a-max", "2"], ["scipy", "h5py", "multiprocessing"]),
+    ],
+)
+def test_commands_import_only_what_they_use(arguments, unwanted, pytestconfig):
+    code = (
+        "import sys\nfrom rocking_cli.commands import main\n"
+        f"try: main({arguments!r})\nexcept SystemExit as e: assert not e.code, e.code\n"
+        "print(*sorted({m.partition('.')[0] for m in sys.modules}), file=sys.stderr)"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=pytestconfig.rootpath)
+    assert not set(unwanted) & set(done.stderr.split())
+
+
+def test_shell_completion(tmp_path):
+    program = [sys.executable, "-c", "from rocking_cli.commands import main; main()"]
+    env = {**os.environ, "_ROCKING_COMPLETE": "bash_complete", "COMP_WORDS": "rocking sp", "COMP_CWORD": "1"}
+    assert "plain,spectrum" in subprocess.run(program, env=env, capture_output=True, text=True, check=False).stdout

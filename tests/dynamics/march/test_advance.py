@@ -1,0 +1,72 @@
+"""Within one step: what is proved without a root search, and bodies that turn back next to the ground."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from rocking_cli import LinearModel, Motion, RigidModel, response, sine
+from rocking_cli.dynamics.march import advance
+from rocking_cli.dynamics.march.lanes import Lanes
+from rocking_cli.motions import Piece
+
+
+@pytest.mark.parametrize("model", [LinearModel(), RigidModel(0.4)], ids=["linear", "rigid"])
+@pytest.mark.parametrize("bound", ["_low_bounces", "_clears"])
+def test_bounds_that_spare_root_searches_change_nothing(monkeypatch, model, bound):
+    random = np.random.default_rng(12)
+    amplitude, omega, eta = 1.0 + 8.0 * random.uniform(0, 1, 3000) ** 3, random.uniform(0.05, 9, 3000), random.uniform(0.5, 1, 3000)
+    kept, proved = getattr(advance, bound), []
+
+    def counted(*arguments):
+        proved.append(int(kept(*arguments).sum()))
+        return kept(*arguments)
+
+    def never(*arguments):
+        return np.zeros_like(kept(*arguments))
+
+    monkeypatch.setattr(advance, bound, counted)
+    spared = response(model, sine(3), amplitude, omega, eta)
+    monkeypatch.setattr(advance, bound, never)
+    searched = response(model, sine(3), amplitude, omega, eta)
+    assert sum(proved) > 100
+    assert spared.theta_ratio.tobytes() == searched.theta_ratio.tobytes()
+    assert spared.outcome.tobytes() == searched.outcome.tobytes()
+
+
+def one(x):
+    return np.array([float(x)])
+
+
+@pytest.mark.parametrize(
+    "model", [LinearModel(), RigidModel(0.25, 1e-13), RigidModel(0.6, 1e-13)], ids=["linear", "alpha-0.25", "alpha-0.6"]
+)
+def test_grazing_is_decided_on_either_side(model):
+    """A body falls under a constant push a > 1 that turns it back within 1e-6 ... 1e-12 of the ground: energy says on which side.
+
+    v0^2/2 = G(y0) - G(y_min) with G' = y'': for y_min < 0 it strikes, for y_min > 0 it does not. Both ends of the step are
+    in the air, so no sign change would show it.
+    """
+    push = Motion("push", (Piece(0.0, 60.0, (), 1.0),)).segments
+    random = np.random.default_rng(6)
+    nodes, weights = np.polynomial.legendre.leggauss(40)
+    for offset in np.geomspace(1e-6, 1e-12, 7):
+        for _ in range(15):
+            a, y0 = random.uniform(1.2, 4.0), random.uniform(0.02, 0.4)
+            for least in (-offset, offset):
+                spots = least + 0.5 * (y0 - least) * (nodes + 1.0)
+                rise = 0.5 * (y0 - least) * float(weights @ model.acceleration(spots, np.full(40, a)))
+                k = np.zeros(1, dtype=np.int64)
+                b = model.acceleration(one(y0), one(a))
+                lanes = Lanes(k, one(a), one(1), one(1), k, one(0), one(-1), one(y0), one(-math.sqrt(2 * rise)), b, one(0), k, k)
+                hit = False
+                for _ in range(40):
+                    event = advance.advance(push, lanes, model)
+                    hit |= bool(event.hit[0])
+                    if hit or event.end.v[0] > 0.0:
+                        break
+                    lanes.u = event.step.u
+                    lanes.y, lanes.v, lanes.b = event.end.y, event.end.v, event.end.b
+                assert hit == (least < 0.0), (offset, a, y0)

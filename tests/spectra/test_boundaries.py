@@ -1,0 +1,67 @@
+"""The search along one frequency: what it leaves out changes nothing."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from rocking_cli import (
+    Outcome,
+    cosine,
+    dimensionless_oscillator,
+    linear_response,
+    pulse,
+    sine,
+    trace_envelope,
+)
+from rocking_cli.dynamics.equations.linear import LinearModel
+from rocking_cli.spectra.boundaries import Search
+
+MOTIONS = [sine(), sine(0.5), sine(2), cosine(1.5), pulse("rectangular"), pulse("rectangular-impulse"), pulse("ricker-symmetric")]
+
+
+@pytest.mark.parametrize("motion", MOTIONS, ids=lambda m: m.name)
+def test_nothing_overturns_where_the_scan_does_not_look_below(motion):
+    random = np.random.default_rng(9)
+    omega, eta = random.uniform(0.3, 30.0, 4000), random.uniform(0.0, 1.0, 4000)
+    bound = omega / path(motion)
+    outcome = linear_response(motion, random.uniform(0.9, 1.0, 4000) * bound, omega, eta).outcome
+    assert set(outcome.tolist()) <= {Outcome.NO_UPLIFT, Outcome.ROCKED}
+
+
+def test_an_impulse_overturns_just_above_that_bound():
+    traced = trace_envelope(sine(0.5), [60.0], dimensionless_oscillator(0.9), a_max=40.0)
+    assert traced[0].a_from == pytest.approx(60.0 / path(sine(0.5)), rel=0.05)
+
+
+def path(motion):
+    """int |s| dphi by the trapezium rule."""
+    phase = np.linspace(0.0, motion.duration, 200_001)
+    return float(np.trapezoid(np.abs(motion.value(phase)), phase))
+
+
+@pytest.mark.parametrize("motion", MOTIONS[:6], ids=lambda m: m.name)
+def test_above_overturning_without_impact_there_is_nothing_else(motion):
+    random = np.random.default_rng(10)
+    omega, eta = random.uniform(0.3, 12.0, 4000), random.uniform(0.0, 1.0, 4000)
+    amplitude = random.uniform(1.0, 30.0, 4000)
+    over = np.flatnonzero(linear_response(motion, amplitude, omega, eta).outcome == Outcome.OVERTURNED_NO_IMPACT)
+    assert over.size > 500
+    for factor in (1.001, 1.1, 2.0, 10.0):
+        above = linear_response(motion, factor * amplitude[over], omega[over], eta[over]).outcome
+        assert set(above.tolist()) == {Outcome.OVERTURNED_NO_IMPACT}
+
+
+class Plain:
+    """The linear model, of which the search knows nothing that would spare it a look."""
+
+    def __getattr__(self, name):
+        return getattr(LinearModel(), name)
+
+
+@pytest.mark.parametrize("motion", [sine(), cosine(1), sine(0.5)], ids=lambda m: m.name)
+def test_what_the_scan_leaves_out_changes_nothing(motion):
+    omegas = np.array([0.8, 2.3, 5.0, 9.1])
+    spared = Search(LinearModel(), motion, 0.9, 16.0).rows(omegas)
+    assert spared == Search(Plain(), motion, 0.9, 16.0).rows(omegas)
+    assert sum(len(row.changes) for row in spared) > 3

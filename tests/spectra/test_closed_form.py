@@ -1,0 +1,44 @@
+"""Closed-form curves of overturning, and where there is none."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from rocking_cli import (
+    closed_form_curves,
+    dimensionless_oscillator,
+    sine,
+    trace_envelope,
+)
+from rocking_cli.spectra.closed_form import no_impact_amplitude
+
+
+@pytest.mark.parametrize("eta", [0.5, 0.7, 0.9, 1.0])
+def test_traced_and_closed_form_agree_to_1e_10(eta):
+    omegas = np.linspace(1.0, 8.0, 22)
+    traced = trace_envelope(sine(), omegas, dimensionless_oscillator(eta), a_max=20.0)
+    compared = 0
+    for point in closed_form_curves(omegas, eta):
+        if point.curve == "initiation" or point.amplitude >= 20.0:
+            continue
+        mode, end = {
+            "no_impact": ("no_impact", "a_from"),
+            "after_impact_lower": ("after_impact", "a_from"),
+            "after_impact_upper": ("after_impact", "a_to"),
+        }[point.curve]
+        ends = [getattr(i, end) for i in traced if i.omega == point.omega and i.mode == mode]
+        assert min(abs(e - point.amplitude) for e in ends if e is not None) < 1e-10
+        compared += 1
+    assert compared > 30
+
+
+def test_half_sine_closed_form():
+    omegas = np.array([1.0, 3.0, 5.0])
+    traced = [i for i in trace_envelope(sine(0.5), omegas, dimensionless_oscillator(0.9), a_max=30) if i.mode == "no_impact"]
+    assert [i.a_from for i in traced] == pytest.approx([no_impact_amplitude(w, "half-sine") for w in omegas], abs=1e-10)
+
+
+def test_closed_form_only_where_there_is_one():
+    with pytest.raises(ValueError, match="accepted"):
+        no_impact_amplitude(3.0, "cosine")

@@ -1,0 +1,83 @@
+"""Envelopes: traced intervals against the reference table, a raster and published simulations."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from oracle import INTERVALS
+
+from rocking_cli import (
+    UsageError,
+    build_structure,
+    cosine,
+    dimensionless_oscillator,
+    linear_response,
+    overturned,
+    parse_documents,
+    pulse,
+    sine,
+    trace_envelope,
+)
+from rocking_cli.spectra.scene import Method
+
+
+def test_traced_intervals_are_those_of_the_reference_table():
+    traced = trace_envelope(sine(), [row[0] for row in INTERVALS], dimensionless_oscillator(0.9))
+    for omega, begin, end, no_impact, digit in INTERVALS:
+        mine = [i for i in traced if i.omega == omega]
+        assert [i.mode for i in mine] == ["after_impact", "no_impact"]
+        assert (mine[0].a_from, mine[0].a_to, mine[1].a_from) == pytest.approx((begin, end, no_impact), abs=0.51 * digit)
+        assert mine[1].a_to is None
+
+
+def test_every_interval_of_a_fine_raster_is_traced():
+    omega, amplitude = 0.4983, np.linspace(1, 1.2, 40_001)
+    outcome = linear_response(sine(), amplitude, omega, 0.9).outcome
+    traced = trace_envelope(sine(), [omega], dimensionless_oscillator(0.9), a_max=1.2)
+    inside = np.zeros(amplitude.size, dtype=bool)
+    for i in traced:
+        inside |= (amplitude > i.a_from) & (amplitude < (i.a_to or np.inf))
+    assert len(traced) > 3
+    wrong = np.flatnonzero(inside != overturned(outcome))
+    runs = np.split(wrong, np.flatnonzero(np.diff(wrong) > 1) + 1)
+    assert max((r.size for r in runs if r.size), default=0) * 5e-6 < 1e-3
+
+
+def test_boundaries_are_where_the_outcome_changes():
+    for i in trace_envelope(cosine(1), [2.0, 4.0], dimensionless_oscillator(0.8), a_max=10):
+        for edge in (i.a_from, i.a_to):
+            if edge is not None:
+                below, above = linear_response(cosine(1), edge * np.array([1 - 1e-12, 1 + 1e-12]), i.omega, 0.8).outcome
+                assert below != above
+
+
+def test_workers_change_nothing():
+    omegas = np.linspace(2.0, 6.0, 7)
+    one, two = (trace_envelope(sine(), omegas, dimensionless_oscillator(0.9), a_max=9.0, workers=w) for w in (1, 2))
+    assert one == two
+    with pytest.raises(UsageError, match="workers is 0"):
+        trace_envelope(sine(), omegas, dimensionless_oscillator(0.9), workers=0)
+
+
+@pytest.mark.parametrize("a_max", [1.0, 0.0, -3.0, np.nan, np.inf, 1e9])
+def test_a_max_must_make_sense(a_max):
+    with pytest.raises(UsageError, match="a-max"):
+        trace_envelope(sine(), [2.0], dimensionless_oscillator(0.9), a_max=a_max)
+
+
+def test_a_column_against_discrete_elements():
+    # Multi-drum column 1.11/0.90 m wide and 5.95 m high under the rectangular impulse: collapse on a raster of 0.01 g by UDEC,
+    # LMGC90 and HybriDFEM, at t_p = 0.4, 0.5, 0.6, 0.8, 1.0 s.
+    from rocking_cli import trace_envelope
+
+    column = build_structure(parse_documents("kind: prism\ncorners: [[0, 0], [1.11, 0], [1.005, 5.95], [0.105, 5.95]]")[0])
+    series = [(0.31, 0.30, 0.29), (0.27, 0.25, 0.25), (0.25, 0.24, 0.23), (0.22, 0.22, 0.22), (0.20, 0.21, 0.21)]
+    omegas = 2 * math.pi / np.array([0.4, 0.5, 0.6, 0.8, 1.0]) / column.p
+    found = trace_envelope(pulse("rectangular-impulse"), omegas, column, method=Method("nonlinear", 1e-8), a_max=2.5)
+    first = [min(i.a_from for i in found if i.omega == w) for w in omegas]
+    collapse_at = [math.ceil(100.0 * column.ground_acceleration(a) / 9.81) / 100.0 for a in first]
+    assert collapse_at == [0.30, 0.26, 0.24, 0.22, 0.21]
+    for ours, theirs in zip(collapse_at, series, strict=True):
+        assert [ours] * 3 == pytest.approx(theirs, rel=0.05 + 1e-12)

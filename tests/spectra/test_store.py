@@ -1,0 +1,235 @@
+"""Sweeps that are stopped go on to the same file."""
+
+from __future__ import annotations
+
+import os
+import random
+import shutil
+import signal
+import subprocess
+import sys
+import time
+
+import h5py
+import numpy as np
+import pytest
+import xarray
+from written import SMALL_SCENE, same_file
+
+from rocking_cli import (
+    Outcome,
+    OutputError,
+    UsageError,
+    build_structure,
+    dimensionless_oscillator,
+    parse_documents,
+    parse_grid,
+    sine,
+    write_spectrum,
+)
+
+
+def kill_loop(folder, kills, seed, values):
+    """SIGKILL a resumed sweep at random moments; every part opens, every finished file equals the uninterrupted one."""
+    moment, finished, opened = random.Random(seed), 0, 0
+    call = [sys.executable, "-m", "rocking_cli", "spectrum", "--eta", "0.9", "--eta", "0.7", "-q", "--chunk", "10000"]
+    call += ["--grid", f"A=0.5:12:{values},Omega=0.5:12:{values}"]
+    began = time.perf_counter()
+    subprocess.run([*call, "-o", "whole.h5"], cwd=folder, check=True)
+    usual = time.perf_counter() - began
+    done = 0
+    while done < kills or not finished:
+        process = subprocess.Popen([*call, "-o", "cut.h5", "--resume"], cwd=folder, stderr=subprocess.PIPE, start_new_session=True)
+        if done < kills:
+            time.sleep(moment.uniform(0.15, 0.9) * usual)
+            if process.poll() is None:
+                os.killpg(process.pid, signal.SIGKILL)
+        said = process.communicate()[1]
+        done += 1
+        assert process.returncode in (0, -signal.SIGKILL), said
+        if (folder / "cut.h5").exists():
+            same_file(folder / "cut.h5", folder / "whole.h5")
+            (folder / "cut.h5").unlink()
+            finished += 1
+        elif (folder / "cut.h5.part").exists():
+            with h5py.File(folder / "cut.h5.part") as part:
+                assert part["chunk_done"].shape == part["chunk"].shape
+            opened += 1
+    return finished, opened
+
+
+def test_killed_sweeps_go_on_to_the_same_file(tmp_path):
+    finished, opened = kill_loop(tmp_path, 6, 1, 500)
+    assert finished
+    assert opened
+
+
+@pytest.mark.soak
+def test_fifty_kills(tmp_path):
+    finished, opened = kill_loop(tmp_path, 50, 2, 1200)
+    assert finished
+    assert opened > 10
+
+
+@pytest.mark.parametrize("chunk", [2, 5, 8])
+def test_resume_reads_on_beyond_the_end_that_a_killed_writer_stated(rocking, tmp_path, chunk):
+    """HDF5 flushes the index of a chunk before the superblock: a kill in between leaves addresses beyond the stated end."""
+    assert rocking("spectrum", *SMALL_SCENE, "-o", "whole.h5").returncode == 0
+    part = tmp_path / "cut.h5.part"
+    with h5py.File(tmp_path / "whole.h5") as file:
+        begins = file["theta_ratio"].id.get_chunk_info(chunk).byte_offset
+        last = file["chunk_done"].id.get_offset()
+    data = bytearray((tmp_path / "whole.h5").read_bytes())
+    assert data[8] == 0
+    data[40:48] = begins.to_bytes(8, "little")
+    data[last + chunk] = 0
+    part.write_bytes(data)
+    done = rocking("spectrum", *SMALL_SCENE, "-o", "cut.h5", "--resume")
+    assert done.returncode == 0, done.stderr
+    same_file(tmp_path / "cut.h5", tmp_path / "whole.h5")
+
+
+def test_resume_takes_only_its_own_scene(rocking, refused, tmp_path):
+    assert rocking("spectrum", *SMALL_SCENE, "-o", "a.h5").returncode == 0
+    (tmp_path / "a.h5").rename(tmp_path / "b.h5.part")
+    other = ["--grid", "A=0.5:12:200,Omega=0.5:12:201", *SMALL_SCENE[2:]]
+    assert "its axis Omega is" in refused(2, "spectrum", *other, "-o", "b.h5", "--resume")
+    assert "its motion is" in refused(2, "spectrum", *SMALL_SCENE, "--pulse", "cosine", "-o", "b.h5", "--resume")
+    assert "its structures is" in refused(2, "spectrum", *SMALL_SCENE[:2], "--eta", "0.8", *SMALL_SCENE[6:], "-o", "b.h5", "--resume")
+    assert "--resume goes on" in refused(2, "spectrum", *SMALL_SCENE, "-o", "b.h5")
+    assert "does not go with" in refused(2, "spectrum", *SMALL_SCENE, "-o", "b.h5", "--resume", "--overwrite")
+    assert rocking("spectrum", *SMALL_SCENE, "-o", "b.h5", "--resume").returncode == 0
+    assert "is complete" in refused(2, "spectrum", *SMALL_SCENE, "-o", "b.h5", "--resume")
+
+
+def test_resume_computes_damaged_chunks_again(rocking, tmp_path):
+    assert rocking("spectrum", *SMALL_SCENE, "-o", "whole.h5").returncode == 0
+    part = tmp_path / "cut.h5.part"
+    part.write_bytes((tmp_path / "whole.h5").read_bytes())
+    with h5py.File(part, "r+") as file:
+        offset, size = file["theta_ratio"].id.get_chunk_info(3).byte_offset, file["theta_ratio"].id.get_chunk_info(3).size
+        file["chunk_done"][7] = 0
+    with open(part, "r+b") as raw:
+        raw.seek(offset + size // 2)
+        raw.write(b"\x00" * 8)
+    info = rocking("info", "cut.h5.part", "--verify")
+    assert info.returncode == 1
+    assert "chunk 3 is damaged" in info.stderr
+    assert rocking("spectrum", *SMALL_SCENE, "-o", "cut.h5", "--resume").returncode == 0
+    same_file(tmp_path / "cut.h5", tmp_path / "whole.h5")
+
+
+def test_a_worker_that_dies_loses_nothing_that_was_done(rocking, tmp_path):
+    call = [
+        sys.executable,
+        "-m",
+        "rocking_cli",
+        "spectrum",
+        "--eta",
+        "0.9",
+        "--grid",
+        "A=0.5:12:2500,Omega=0.5:12:2500",
+        "--chunk",
+        "20000",
+    ]
+    process = subprocess.Popen([*call, "-o", "s.h5", "--workers", "2"], cwd=tmp_path, stderr=subprocess.PIPE, text=True)
+    part = tmp_path / "s.h5.part"
+    while not (part.exists() and part.stat().st_size > 300_000):
+        time.sleep(0.01)
+    children = subprocess.run(["pgrep", "-P", str(process.pid)], capture_output=True, text=True, check=True).stdout.split()
+    os.kill(int(children[0]), signal.SIGKILL)
+    _, said = process.communicate(timeout=60)
+    assert process.returncode == 1
+    assert "a worker process died" in said
+    assert "Traceback" not in said
+    assert rocking("info", "s.h5.part", "--verify").returncode == 0
+
+
+def test_a_full_disk_keeps_what_was_done(rocking, tmp_path):
+    assert rocking("spectrum", *SMALL_SCENE, "-o", "whole.h5").returncode == 0
+    call = f"ulimit -f 150; exec {sys.executable} -m rocking_cli spectrum {' '.join(SMALL_SCENE)} -o cut.h5"
+    done = subprocess.run(["bash", "-c", call], cwd=tmp_path, capture_output=True, text=True, timeout=60, check=False)
+    assert done.returncode == 1
+    assert "cut.h5.part: cannot be written: File too large; what was done is kept there for --resume" in done.stderr
+    assert len(done.stderr.strip().splitlines()) == 1
+    assert rocking("spectrum", *SMALL_SCENE, "-o", "cut.h5", "--resume").returncode == 0
+    same_file(tmp_path / "cut.h5", tmp_path / "whole.h5")
+
+
+def test_a_folder_that_vanishes_is_a_sentence(tmp_path):
+    folder = tmp_path / "gone"
+    folder.mkdir()
+    call = [sys.executable, "-m", "rocking_cli", "spectrum", "--eta", "0.9", "--grid", "A=0.5:12:1500,Omega=0.5:12:1500", "-q"]
+    process = subprocess.Popen([*call, "-o", str(folder / "s.h5")], stderr=subprocess.PIPE, text=True)
+    while not (folder / "s.h5.part").exists():
+        time.sleep(0.005)
+    shutil.rmtree(folder)
+    _, said = process.communicate(timeout=60)
+    assert process.returncode == 1
+    assert "cannot be written" in said
+    assert "Traceback" not in said
+
+
+GRID = parse_grid("A=0.5:9:53,Omega=0.5:12:37")
+
+
+TWO = [dimensionless_oscillator(0.9), dimensionless_oscillator(0.6)]
+
+
+def test_xarray_sees_dimensions_coordinates_units_and_flags(tmp_path):
+    (document,) = parse_documents("kind: block\nname: Säule\nwidth: 0.5\nheight: 2")
+    path = tmp_path / "s.h5"
+    write_spectrum([build_structure(document)], parse_grid("a_g=0.1g:1g:12,omega_g=1:20:9"), sine(), path, documents=document.text)
+    with xarray.open_dataset(path, engine="h5netcdf") as d:
+        assert d.theta_ratio.dims == ("structure", "omega_g", "a_g")
+        assert d.sizes["omega_g"] == 9
+        assert (d.omega_g.units, d.a_g.units, d.theta_ratio.units) == ("rad s-1", "m s-2", "1")
+        assert d.structure.values.tolist() == ["Säule"]
+        assert d.outcome.dtype == np.uint8
+        assert d.outcome.flag_meanings.split()[d.outcome.values.max()] in {o.flag for o in Outcome}
+        assert list(d.outcome.flag_values) == list(range(6))
+        assert d.attrs["Conventions"] == "CF-1.11"
+        assert "kind: block" in d.attrs["documents"]
+        assert d.attrs["estimated_error"] < 1e-12
+        for name in d.variables:
+            assert "units" in d[name].attrs, name
+            assert "long_name" in d[name].attrs, name
+        assert float(d.p[0]) == pytest.approx(2.6716705, abs=1e-6)
+        assert d["lambda"].dims == ("structure",)
+        assert d.sel(structure="Säule").theta_ratio.shape == (9, 12)
+
+
+def test_hdf5_file_is_chunked_compressed_and_marked_done(tmp_path):
+    write_spectrum(TWO, GRID, sine(), tmp_path / "s.h5", chunk_cells=500)
+    with h5py.File(tmp_path / "s.h5") as f:
+        theta = f["theta_ratio"]
+        assert theta.chunks == (1, 9, 53)
+        assert theta.compression == "gzip"
+        assert theta.shuffle
+        assert f["chunk_done"][...].all()
+        assert f["chunk_done"].size == 2 * 5
+        assert [scale.name for scale in (d[0] for d in theta.dims)] == ["/structure", "/Omega", "/A"]
+        assert "theta_ratio" in list(f)[-5:]
+
+
+def test_outputs_are_never_replaced_unasked(tmp_path):
+    path = tmp_path / "s.h5"
+    path.write_text("mine")
+    with pytest.raises(UsageError, match="exists; --overwrite"):
+        write_spectrum(TWO, GRID, sine(), path)
+    assert path.read_text() == "mine"
+    write_spectrum(TWO, GRID, sine(), path, overwrite=True)
+    assert path.read_bytes()[:4] == b"\x89HDF"
+    (tmp_path / "t.h5.part").write_text("half")
+    with pytest.raises(UsageError, match="left by a sweep"):
+        write_spectrum(TWO, GRID, sine(), tmp_path / "t.h5")
+    with pytest.raises(UsageError, match="does not exist"):
+        write_spectrum(TWO, GRID, sine(), tmp_path / "nowhere" / "t.h5")
+
+
+def test_a_file_that_appears_meanwhile_is_kept(tmp_path):
+    path = tmp_path / "s.h5"
+    with pytest.raises(OutputError, match="has appeared meanwhile"):
+        write_spectrum(TWO, GRID, sine(), path, workers=1, progress=lambda done, total: path.write_text("mine"))
+    assert path.read_text() == "mine"
+    assert h5py.is_hdf5(tmp_path / "s.h5.part")

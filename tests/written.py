@@ -1,0 +1,27 @@
+"""What a document writes, as a test needs it: structures from their text, and the scene that the tests of files share."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import h5py
+
+from rocking_cli import RockingParameters, build_structure, parse_documents
+
+SMALL_SCENE = ("--grid", "A=0.5:12:200,Omega=0.5:12:200", "--eta", "0.9", "--eta", "0.7", "--chunk", "5000", "-q")
+
+
+def built(text: str) -> RockingParameters:
+    """The structure of the only document in a text."""
+    (document,) = parse_documents(text, "f.yaml")
+    return build_structure(document)
+
+
+def same_file(one: Path, other: Path) -> None:
+    """Two spectra files hold the same cells to the last bit, and both are complete."""
+    with h5py.File(one) as a, h5py.File(other) as b:
+        counts = [k for k in b.attrs if k.startswith("cells")]
+        assert a["theta_ratio"][...].tobytes() == b["theta_ratio"][...].tobytes()
+        assert a["outcome"][...].tobytes() == b["outcome"][...].tobytes()
+        assert [a.attrs[k] for k in counts] == [b.attrs[k] for k in counts]
+        assert a["chunk_done"][...].all()
