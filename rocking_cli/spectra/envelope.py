@@ -8,7 +8,6 @@ intervals narrower than the scan, and more of them the closer one looks: those c
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -21,6 +20,7 @@ from ..motions import Motion, pulse
 from ..structures.parameters import RockingParameters
 from .boundaries import SCAN_STEP, Row, Search
 from .grid import Axis, parse_axes
+from .processes import available_cpus, processes
 from .scene import LINEAR, Method
 
 A_MAX = 20.0
@@ -67,7 +67,7 @@ def trace_envelope(
         raise UsageError(f"workers is {workers}, accepted is a whole number from 1")
     amplitudes = omegas.size * (a_max - search.lowest) / SCAN_STEP
     if workers is None:
-        workers = 1 if amplitudes < _SMALL else os.cpu_count() or 1
+        workers = 1 if amplitudes < _SMALL else available_cpus()
     # Neighbouring frequencies cost alike, so each share takes some from everywhere.
     shares = int(min(omegas.size, max(workers, np.ceil(amplitudes / _SHARE))))
     rows: dict[int, Row] = {}
@@ -83,10 +83,8 @@ def _in_turn(search: Search, shares: list[np.ndarray], workers: int) -> Iterator
     if workers == 1:
         yield from map(search.rows, shares)
         return
-    from .processes import processes
-
-    with processes(workers, search.rows, "fewer --workers need less") as submit:
-        yield from (future.result() for future in [submit(share) for share in shares])
+    with processes(workers, search.rows, "fewer --workers need less") as run:
+        yield from run(shares)
 
 
 def _intervals(omega: float, lowest: float, row: Row) -> Iterator[Interval]:

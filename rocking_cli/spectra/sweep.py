@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass
@@ -18,6 +17,7 @@ from ..errors import Interrupted, UsageError
 from ..motions import Motion
 from ..structures.parameters import RockingParameters
 from .grid import Grid
+from .processes import available_cpus
 from .scene import LINEAR, Method, Scene, Unit, chunk_shape, cut_into_units, default_check, sampled_cells
 from .units import Job, unit_reports
 
@@ -216,7 +216,7 @@ def _sweep(
         raise UsageError(f"workers is {workers}, accepted is a whole number from 1")
     every = list(cut_into_units(scene, chunk))
     units = [unit for unit in every if todo is None or todo(unit)]
-    wanted = max(1, min(workers or os.cpu_count() or 1, len(units)))
+    wanted = max(1, min(workers or available_cpus(), len(units)))
     if workers is None and scene.cells < SMALL_SWEEP:
         wanted = 1
     job = Job(scene, chunk, sampled_cells(scene, default_check(scene) if check is None else check), convert)

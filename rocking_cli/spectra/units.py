@@ -6,19 +6,17 @@ size of a unit changes a bit of the result.
 
 from __future__ import annotations
 
-from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from itertools import tee
+from typing import Any
 
 import numpy as np
 
 from ..dynamics.march.engine import Response, Work, response
 from ..dynamics.outcome import Outcome
+from .processes import processes
 from .scene import Scene, Unit
-
-if TYPE_CHECKING:
-    from concurrent.futures import Future
 
 
 @dataclass(frozen=True)
@@ -127,19 +125,10 @@ def unit_reports(job: Job, units: Sequence[Unit], workers: int) -> Iterator[tupl
             some = [units[i] for i in batch]
             yield from zip(some, job.run(some), strict=True)
         return
-    from .processes import processes
-
-    with processes(workers, job.run, "fewer --workers or a smaller --chunk need less") as submit:
-        waiting: deque[list[tuple[list[int], Future[list[Report]]]]] = deque()
-        for batches in _batches(job, units, workers):
-            waiting.append([(batch, submit([units[i] for i in batch])) for batch in batches])
-            if len(waiting) > 2:
-                yield from _in_order(waiting.popleft(), units)
-        while waiting:
-            yield from _in_order(waiting.popleft(), units)
-
-
-def _in_order(batches: list[tuple[list[int], Future[list[Report]]]], units: Sequence[Unit]) -> Iterator[tuple[Unit, Report]]:
-    reports = {i: report for batch, future in batches for i, report in zip(batch, future.result(), strict=True)}
-    for i in sorted(reports):
-        yield units[i], reports[i]
+    with processes(workers, job.run, "fewer --workers or a smaller --chunk need less") as run:
+        rounds, ahead = tee(_batches(job, units, workers))
+        results = run([units[i] for i in batch] for batches in ahead for batch in batches)
+        for batches in rounds:
+            reports = {i: report for batch in batches for i, report in zip(batch, next(results), strict=True)}
+            for i in sorted(reports):
+                yield units[i], reports[i]

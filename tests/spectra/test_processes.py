@@ -1,0 +1,206 @@
+"""Processes: results in order, whatever fails is said, and nobody waits for one that cannot answer."""
+
+from __future__ import annotations
+
+import os
+import resource
+import signal
+import sys
+import time
+from collections.abc import Iterator
+
+import pytest
+
+from rocking_cli.errors import OutputError, UsageError
+from rocking_cli.spectra import processes as room
+from rocking_cli.spectra.processes import available_cpus, processes
+
+linux = pytest.mark.skipif(sys.platform != "linux", reason="forks")
+
+
+def gone(pid: int) -> bool:
+    try:
+        os.kill(pid, 0)
+    except ProcessLookupError:
+        return True
+    return False
+
+
+def slow_first(n: int) -> int:
+    if n == 0:
+        time.sleep(0.2)
+    return n * n
+
+
+def who(_: int) -> int:
+    return os.getpid()
+
+
+def interrupted() -> Iterator[int]:
+    yield from range(20)
+    raise KeyboardInterrupt
+
+
+def refuse(n: int) -> int:
+    raise UsageError(f"not {n}")
+
+
+class Untold(Exception):
+    """An exception that cannot be made again from what is pickled of it."""
+
+    def __init__(self, one: int, two: int) -> None:
+        super().__init__(f"{one} and {two}")
+
+
+def refuse_untold(n: int) -> int:
+    raise Untold(n, n)
+
+
+def unpicklable(n: int) -> object:
+    return lambda: n
+
+
+def file_error(n: int) -> int:
+    raise FileNotFoundError(2, "No such file", str(n))
+
+
+def die(n: int) -> int:
+    if n == 3:
+        os.kill(os.getpid(), signal.SIGKILL)
+    return n
+
+
+def signals(_: int) -> tuple[object, object, set[int]]:
+    return signal.getsignal(signal.SIGINT), signal.getsignal(signal.SIGTERM), {int(s) for s in signal.pthread_sigmask(signal.SIG_BLOCK, ())}
+
+
+@pytest.mark.parametrize("method", ["spawn", pytest.param("fork", marks=linux)])
+def test_results_come_in_order(method, monkeypatch):
+    monkeypatch.setattr(room, "_METHOD", method)
+    with processes(2, slow_first, "") as run:
+        assert list(run(range(40))) == [n * n for n in range(40)]
+        assert list(run([])) == []
+        assert list(run([7])) == [49]
+
+
+def test_items_are_asked_for_as_they_are_needed():
+    asked = []
+    with processes(2, slow_first, "") as run:
+        results = run(asked.append(n) or n for n in range(1, 1000))
+        assert next(results) == 1
+        assert len(asked) <= 2 * room._AHEAD + 1
+
+
+def test_large_items_and_results_travel():
+    with processes(2, bytes.upper, "") as run:
+        assert list(run([b"a" * 3_000_000] * 6)) == [b"A" * 3_000_000] * 6
+
+
+@pytest.mark.parametrize(
+    ("task", "error", "words"),
+    [
+        (refuse, UsageError, "not 1"),
+        (file_error, FileNotFoundError, "No such file"),
+        (refuse_untold, RuntimeError, "1 and 1"),
+        (unpicklable, RuntimeError, "pickle"),
+    ],
+)
+def test_what_a_task_raises_is_raised_here(task, error, words):
+    with pytest.raises(error, match=words), processes(2, task, "") as run:
+        list(run([1, 2]))
+
+
+def test_all_processes_are_gone_afterwards():
+    with processes(2, who, "") as run:
+        pids = set(run(range(20)))
+    assert all(gone(pid) for pid in pids)
+    pids.clear()
+    with pytest.raises(KeyboardInterrupt), processes(2, who, "") as run:
+        pids.update(run(interrupted()))
+    assert pids
+    assert all(gone(pid) for pid in pids)
+
+
+def test_a_death_is_told_with_its_signal_and_the_advice():
+    with (
+        pytest.raises(OutputError, match=r"^a worker process died by signal 9 \(out of memory\?\); fewer$"),
+        processes(2, die, "fewer") as run,
+    ):
+        list(run(range(10)))
+
+
+@linux
+@pytest.mark.parametrize("how", [lambda *_: os.kill(os.getpid(), signal.SIGKILL), lambda *_: None])
+def test_a_death_while_starting_is_told(how, monkeypatch):
+    monkeypatch.setattr(room, "_work", how)
+    with pytest.raises(OutputError, match="a worker process died"), processes(3, who, ""):
+        pass
+
+
+@linux
+def test_a_process_that_never_starts_is_not_waited_for(monkeypatch):
+    monkeypatch.setattr(room, "_work", lambda *_: time.sleep(60))
+    monkeypatch.setattr(room, "_TO_START", 0.1)
+    with pytest.raises(OutputError, match=r"^3 of 3 worker processes did not start within 0.1 s; fewer$"), processes(3, who, "fewer"):
+        pass
+
+
+@linux
+def test_too_few_descriptors_are_a_sentence():
+    before = resource.getrlimit(resource.RLIMIT_NOFILE)
+    free = os.dup(0)
+    os.close(free)
+    resource.setrlimit(resource.RLIMIT_NOFILE, (free + 6, before[1]))
+    try:
+        with (
+            pytest.raises(OutputError, match=r"^4 worker processes cannot be started: Too many open files; fewer$"),
+            processes(4, who, "fewer"),
+        ):
+            pass
+    finally:
+        resource.setrlimit(resource.RLIMIT_NOFILE, before)
+    again = os.dup(0)
+    os.close(again)
+    assert again == free  # nothing is left open
+
+
+@linux
+def test_a_process_has_no_handler_of_its_parent():
+    def of_the_parent(*_: object) -> None:
+        raise AssertionError
+
+    before = signal.signal(signal.SIGTERM, of_the_parent)
+    try:
+        with processes(1, signals, "") as run:
+            assert list(run([0])) == [(signal.SIG_IGN, signal.SIG_DFL, set())]
+        assert signal.getsignal(signal.SIGTERM) is of_the_parent
+    finally:
+        signal.signal(signal.SIGTERM, before)
+
+
+@linux
+def test_a_stop_while_forking_reaches_no_handler_in_the_child(monkeypatch, tmp_path):
+    """The child sends itself SIGTERM before it has set its handlers: it must wait until they are set, and end by it."""
+    work = room._work
+
+    def stopped(*arguments):
+        os.kill(os.getpid(), signal.SIGTERM)
+        work(*arguments)
+
+    def of_the_parent(*_: object) -> None:
+        (tmp_path / "ran").touch()
+
+    before = signal.signal(signal.SIGTERM, of_the_parent)
+    monkeypatch.setattr(room, "_work", stopped)
+    try:
+        with pytest.raises(OutputError, match="died by signal 15"), processes(1, who, ""):
+            pass
+    finally:
+        signal.signal(signal.SIGTERM, before)
+    assert not (tmp_path / "ran").exists()
+
+
+@linux
+def test_cpus_are_those_that_this_process_may_use(monkeypatch):
+    monkeypatch.setattr(os, "sched_getaffinity", lambda _: {3, 5, 8})
+    assert available_cpus() == 3
