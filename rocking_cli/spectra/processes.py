@@ -46,7 +46,7 @@ def available_cpus() -> int:
 def processes(workers: int, task: Callable[[Any], Any], advice: str) -> Iterator[Callable[[Iterable[Any]], Iterator[Any]]]:
     """A function from items to task(item) of each, in their order; the task itself travels to each process once.
 
-    An exception of the task is raised here. Whoever leaves, early or not, ends the processes. Raises OutputError, with the
+    An exception of the task is raised here, in its turn. Whoever leaves, early or not, ends the processes. Raises OutputError, with the
     advice, when one of them cannot be started, does not report in time that it has, or dies.
     """
     crew: list[_Worker] = []
@@ -116,7 +116,7 @@ def _results(crew: list[_Worker], items: Iterable[Any], advice: str) -> Iterator
 
     source, idle = enumerate(items), list(crew)
     busy: dict[int, _Worker] = {}
-    results: dict[int, Any] = {}
+    results: dict[int, tuple[Any, Exception | None]] = {}
     done = sent = 0
     while True:
         while idle and sent < done + _AHEAD * len(crew) and (job := next(source, None)) is not None:
@@ -127,16 +127,17 @@ def _results(crew: list[_Worker], items: Iterable[Any], advice: str) -> Iterator
                 raise _death(busy[sent], advice) from None
             sent += 1
         if done in results:
-            yield results.pop(done)
+            result, error = results.pop(done)
+            if error is not None:
+                raise error
+            yield result
             done += 1
         elif not busy:
             return
         else:
             ready = wait([x for worker in busy.values() for x in (worker.connection, worker.process.sentinel)])
             for number in [n for n, w in busy.items() if w.connection in ready or w.process.sentinel in ready]:
-                results[number], error = _receive(busy[number], advice)
-                if error is not None:
-                    raise error
+                results[number] = _receive(busy[number], advice)
                 idle.append(busy.pop(number))
 
 
