@@ -25,6 +25,12 @@ class DocumentError(RockingError):
     exit_code = 3
 
 
+class StructureError(RockingError, ValueError):
+    """Numbers that make no rocking structure; of a document this becomes a DocumentError, which tells the place too."""
+
+    exit_code = 3
+
+
 class OutputError(RockingError):
     """A file that cannot be written or read."""
 

@@ -18,7 +18,7 @@ from typing import Any
 import yaml
 
 from ..errors import DocumentError, UsageError
-from .quantities import accepted, parse_quantity, split_quantity
+from .quantities import SMALLEST_LENGTH, accepted, parse_quantity, split_quantity
 
 LARGEST = 64 << 20  # bytes of a file
 MOST_VALUES = 100_000  # values of a document, aliases counted each time
@@ -124,7 +124,7 @@ class Document:
 
     def length(self, key: str) -> float:
         """A positive length [m]."""
-        return self.quantity(key, "length", above=0.0, where="a positive length")
+        return self.quantity(key, "length", least=SMALLEST_LENGTH, where=f"a positive length, from {SMALLEST_LENGTH:g} m")
 
     def choice(self, key: str, options: Sequence[str], default: str | None = None) -> str:
         """One of the given words."""

@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 import re
 
-STANDARD_GRAVITY = 9.81  # m/s^2, the unit `g` and the default gravity of every structure (the paper's value)
+DEFAULT_GRAVITY = 9.81  # m/s^2, the unit `g` and the gravity of a structure unless given: the paper's value, not standard gravity (9.80665)
+SMALLEST_LENGTH, LARGEST_LENGTH = 1e-9, 1e9  # m; their fifth powers, which moments hold, are far from a double's limits
 
 UNITS: dict[str, dict[str, float]] = {
     "length": {"m": 1.0, "mm": 1e-3, "cm": 1e-2, "km": 1e3, "in": 0.0254, "ft": 0.3048},
@@ -13,7 +14,7 @@ UNITS: dict[str, dict[str, float]] = {
     "acceleration": {
         **dict.fromkeys(("m/s2", "m/s^2", "m/s²", "m/s**2", "m s-2"), 1.0),
         **dict.fromkeys(("cm/s2", "cm/s^2", "cm/s²", "gal"), 1e-2),
-        "g": STANDARD_GRAVITY,
+        "g": DEFAULT_GRAVITY,
     },
     "frequency parameter": {"rad/s": 1.0, "1/s": 1.0, "rad s-1": 1.0},
     "angular frequency": {"rad/s": 1.0, "1/s": 1.0, "rad s-1": 1.0},
@@ -44,6 +45,8 @@ def parse_quantity(text: str, dimension: str) -> float:
     value = number * (UNITS[dimension][unit] if unit else 1.0)
     if not math.isfinite(value):
         raise ValueError(f"{accepted(dimension)}, within the range of double precision")
+    if dimension == "length" and abs(value) > LARGEST_LENGTH:
+        raise ValueError(f"{accepted(dimension)}, up to {LARGEST_LENGTH:g} m")
     return value
 
 

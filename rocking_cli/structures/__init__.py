@@ -7,7 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from ..documents.document import Document, parse_documents, read_documents
-from ..errors import DocumentError
+from ..errors import DocumentError, StructureError
 from . import arch, block, drum, frame, parameters, point_mass, prism, spire
 from .parameters import RockingParameters, Side, damping_of
 
@@ -30,7 +30,7 @@ def build_structure(document: Document) -> RockingParameters:
     name = document.word("name", stem if document.index == 0 else f"{stem}-{document.index + 1}")
     try:
         built = replace(KINDS[kind](document, name), damping=damping_of(document))
-    except (ValueError, ArithmeticError) as error:
+    except StructureError as error:
         raise DocumentError(f"{document.place}: {kind}: {error}") from None
     document.finish()
     return built

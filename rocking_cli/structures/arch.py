@@ -11,7 +11,7 @@ from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 from ..documents.document import Document, Value
-from ..documents.quantities import parse_quantity
+from ..documents.quantities import SMALLEST_LENGTH, parse_quantity
 from .kinematics import linearise
 from .parameters import RockingParameters, gravity_of, restitution_of
 
@@ -63,9 +63,8 @@ def find_mechanism(document: Document) -> tuple[FourBar, float | None]:
     from .statics import static_uplift
 
     radius = document.length("radius")
-    thickness = document.quantity(
-        "thickness", "length", above=0.0, below=2.0 * radius, where=f"a length between 0 and {2 * radius:g} m (2 radius)"
-    )
+    where = f"a length between {SMALLEST_LENGTH:g} m and {2 * radius:g} m (2 radius)"
+    thickness = document.quantity("thickness", "length", above=SMALLEST_LENGTH, below=2.0 * radius, where=where)
     angle = document.quantity("angle", "angle", above=0.0, below=2.0 * math.pi, where="an angle between 0 and 360 deg")
     ring = Ring(radius, thickness, angle)
     voussoirs = document.integer("voussoirs", 4, MOST_VOUSSOIRS) if document.has("voussoirs") else None

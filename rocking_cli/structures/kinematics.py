@@ -14,6 +14,8 @@ import math
 from dataclasses import dataclass
 from typing import Any, NamedTuple, Protocol
 
+from ..errors import StructureError
+
 # Central differences of eighth order: weights of the values at 1 ... 4 steps on either side.
 _WEIGHTS = (4.0 / 5.0, -1.0 / 5.0, 4.0 / 105.0, -1.0 / 280.0)
 
@@ -68,7 +70,7 @@ class Coefficients(NamedTuple):
 
 
 class Mechanism(Protocol):
-    """What a mechanism has to tell; immutable, so that what follows from it is computed once. It may raise ValueError."""
+    """What a mechanism has to tell; immutable, so that what follows from it is computed once. It may raise StructureError."""
 
     def __hash__(self) -> int: ...
 
@@ -103,15 +105,15 @@ class Linearised:
 
 
 def linearise(mechanism: Mechanism) -> Linearised:
-    """Parameters of a mechanism from its coefficients. Raises ValueError when it does not stand or never becomes unstable."""
+    """Parameters of a mechanism from its coefficients. Raises StructureError when it does not stand or never becomes unstable."""
     at_rest = mechanism.coefficients(0.0)
     uplift = float(at_rest.lift / at_rest.push)
     if not uplift > 0.0:
-        raise ValueError(f"does not stand: its uplift acceleration lambda is {uplift:.4g}")
+        raise StructureError(f"does not stand: its uplift acceleration lambda is {uplift:.4g}")
     alpha = equilibrium(mechanism)
     falling = -_slope_of_lift(mechanism, alpha)
     if not falling > 0.0:
-        raise ValueError("reaches its unstable equilibrium where the links lock, and has no linear form there")
+        raise StructureError("reaches its unstable equilibrium where the links lock, and has no linear form there")
     there = mechanism.coefficients(alpha)
     shared, own = mechanism.overlap()
     return Linearised(
@@ -136,7 +138,7 @@ def _slope_of_lift(mechanism: Mechanism, alpha: float) -> float:
 
 
 def equilibrium(mechanism: Mechanism) -> float:
-    """alpha: the first rotation at which V' = 0 [rad]. Raises ValueError when there is none within reach."""
+    """alpha: the first rotation at which V' = 0 [rad]. Raises StructureError when there is none within reach."""
     import numpy as np
     from scipy.optimize import brentq
 
@@ -147,7 +149,7 @@ def equilibrium(mechanism: Mechanism) -> float:
     lifts = np.asarray(mechanism.coefficients(scan).lift)
     below = np.flatnonzero(lifts <= 0.0)
     if not below.size:
-        raise ValueError("never reaches an unstable equilibrium within the reach of its links")
+        raise StructureError("never reaches an unstable equilibrium within the reach of its links")
     first = int(below[0])
     return float(brentq(lift, scan[first - 1], scan[first], xtol=1e-16, rtol=8.9e-16, maxiter=500))
 

@@ -8,8 +8,8 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from ..documents.document import Document
-from ..documents.quantities import STANDARD_GRAVITY
-from ..errors import DocumentError
+from ..documents.quantities import DEFAULT_GRAVITY
+from ..errors import DocumentError, StructureError
 from .kinematics import Mechanism
 
 DIMENSIONLESS = "dimensionless"  # the structure word of an oscillator without units
@@ -19,7 +19,7 @@ MOST_DAMPING = 1.0  # zeta below this; motions of masonry are damped by a few pe
 def _check_numbers(p: float, alpha: float, uplift: float, a_scale: float) -> None:
     for label, x in (("p", p), ("alpha", alpha), ("lambda", uplift), ("a_scale", a_scale)):
         if not (math.isfinite(x) and x > 0.0):
-            raise ValueError(f"{label} is {x:g}, accepted is a positive finite number")
+            raise StructureError(f"{label} is {x:g}, accepted is a positive finite number")
 
 
 @dataclass(frozen=True)
@@ -28,7 +28,7 @@ class Side:
 
     side: that edge, "right" for theta > 0 and "left" for theta < 0; p frequency parameter [rad/s]; alpha critical angle
     [rad]; uplift lambda [-]; a_scale [-]; eta: angular speed after over before, on leaving this edge for the other [-].
-    Raises ValueError when a number is not finite or out of range.
+    Raises StructureError when a number is not finite or out of range.
     """
 
     side: str
@@ -40,10 +40,10 @@ class Side:
 
     def __post_init__(self) -> None:
         if self.side not in ("left", "right"):
-            raise ValueError(f"side is {self.side!r}, accepted is left or right")
+            raise StructureError(f"side is {self.side!r}, accepted is left or right")
         _check_numbers(self.p, self.alpha, self.uplift, self.a_scale)
         if not 0.0 <= self.eta <= 1.0:
-            raise ValueError(f"eta is {self.eta:g}, accepted is a number from 0 to 1")
+            raise StructureError(f"eta is {self.eta:g}, accepted is a number from 0 to 1")
 
     def record(self) -> dict[str, Any]:
         """As `rocking params --json` prints it."""
@@ -65,7 +65,7 @@ class RockingParameters:
     sides: (left, right) of a body whose edges differ, and then the numbers above are those of the edge with the least
     lambda; one_sided: free for theta > 0 only, on its right edge, and then eta is the restitution against what stands
     behind it, from above -1 to 0, negative as the literature prints it; damping: zeta of the moment -2 zeta p theta' [-].
-    Raises ValueError when a number is not finite or out of range, or the sides do not fit the rest.
+    Raises StructureError when a number is not finite or out of range, or the sides do not fit the rest.
     """
 
     name: str
@@ -76,7 +76,7 @@ class RockingParameters:
     uplift: float
     a_scale: float
     eta_source: str = "momentum"
-    gravity: float = STANDARD_GRAVITY
+    gravity: float = DEFAULT_GRAVITY
     details: Mapping[str, Any] = field(default_factory=dict)
     mechanism: Mechanism | None = field(default=None, repr=False, compare=False)
     sides: tuple[Side, ...] = ()
@@ -86,20 +86,20 @@ class RockingParameters:
     def __post_init__(self) -> None:
         _check_numbers(self.p, self.alpha, self.uplift, self.a_scale)
         if self.one_sided and not -1.0 < self.eta <= 0.0:
-            raise ValueError(f"eta is {self.eta:g}, accepted for a one-sided body is a number above -1 and up to 0")
+            raise StructureError(f"eta is {self.eta:g}, accepted for a one-sided body is a number above -1 and up to 0")
         if not self.one_sided and not 0.0 <= self.eta <= 1.0:
-            raise ValueError(f"eta is {self.eta:g}, accepted is a number from 0 to 1")
+            raise StructureError(f"eta is {self.eta:g}, accepted is a number from 0 to 1")
         if not 0.0 <= self.damping < MOST_DAMPING:
-            raise ValueError(f"damping is {self.damping:g}, accepted is a number from 0 to below {MOST_DAMPING:g}")
+            raise StructureError(f"damping is {self.damping:g}, accepted is a number from 0 to below {MOST_DAMPING:g}")
         if not self.sides:
             return
         if [side.side for side in self.sides] != ["left", "right"]:
-            raise ValueError("sides are not the left one and the right one, in this order")
+            raise StructureError("sides are not the left one and the right one, in this order")
         if self.one_sided:
-            raise ValueError("a one-sided body has one side")
+            raise StructureError("a one-sided body has one side")
         weaker = weaker_side(self.sides)
         if weaker.numbers() != {"p": self.p, "alpha": self.alpha, "lambda": self.uplift, "a_scale": self.a_scale, "eta": self.eta}:
-            raise ValueError(f"p, alpha, lambda, a_scale and eta are not those of the {weaker.side} edge, which lifts first")
+            raise StructureError(f"p, alpha, lambda, a_scale and eta are not those of the {weaker.side} edge, which lifts first")
 
     @classmethod
     def of_sides(cls, name: str, structure: str, left: Side, right: Side, **more: Any) -> RockingParameters:
@@ -149,7 +149,7 @@ def weaker_side(sides: Sequence[Side]) -> Side:
 def dimensionless_oscillator(eta: float) -> RockingParameters:
     """The oscillator of a dimensionless spectrum: p, alpha, lambda, a_scale and gravity are 1, so a_g is A and omega_g Omega.
 
-    Raises ValueError when eta is not within [0, 1].
+    Raises StructureError when eta is not within [0, 1].
     """
     return RockingParameters(f"eta={eta:g}", DIMENSIONLESS, 1.0, 1.0, eta, 1.0, 1.0, "given", 1.0)
 
@@ -176,7 +176,7 @@ ONE_SIDED_RESTITUTION = "a number above -1 and up to 0 (one_sided: it returns to
 def gravity_of(document: Document) -> float:
     """The document's gravity [m/s2], 9.81 unless given."""
     if not document.has("gravity"):
-        return STANDARD_GRAVITY
+        return DEFAULT_GRAVITY
     return document.quantity("gravity", "acceleration", above=0.0, where="a positive acceleration")
 
 

@@ -126,13 +126,16 @@ def _read(document: Document) -> Spire:
     base, height = document.length("base_radius"), document.length("height")
     thickness = 0.0
     if document.has("thickness"):
-        wall = f"a positive length below base_radius ({base:g} m)"
-        thickness = document.quantity("thickness", "length", above=0.0, below=base, where=wall)
+        thinnest = 1e-9 * base  # of a thinner one the difference of two cones keeps no digits
+        wall = f"a positive length below base_radius ({base:g} m) and above {thinnest:g} m; absent: a thin wall"
+        thickness = document.quantity("thickness", "length", above=thinnest, below=base, where=wall)
     tip = height * (1.0 - thickness / base)
     if document.has("tip_height"):
         if thickness == 0.0:
             raise document.fault("tip_height", "a solid tip on a thin wall", "tip_height beside thickness only")
-        tip = document.quantity("tip_height", "length", above=0.0, most=height, where=f"a positive length up to height ({height:g} m)")
+        tip = document.quantity(
+            "tip_height", "length", above=1e-9 * height, most=height, where=f"a positive length up to height ({height:g} m)"
+        )
     crack = document.choice("crack", ["none", "diagonal"], "diagonal" if document.has("crack_height") else "none")
     if crack == "none":
         if document.has("crack_height"):
@@ -144,4 +147,6 @@ def _read(document: Document) -> Spire:
         crack_height = document.quantity("crack_height", "length", least=0.0, most=tip, where=where)
     if crack_height > (1.0 - 1e-3) * height:
         raise document.fault("crack_height", "a crack up to the apex, above which nothing is left", f"crack_height well below {height:g} m")
+    if crack_height < 1e-16 * height:  # no digit of the result tells it from none
+        crack_height = 0.0
     return Spire(base, height, thickness, tip, crack_height)

@@ -16,6 +16,7 @@ def static_uplift(ring: Ring, joints: np.ndarray) -> float | None:
     from scipy.optimize import linprog
     from scipy.sparse import csr_array
 
+    ring = Ring(1.0, ring.thickness / ring.radius, ring.angle)  # lambda has no scale, the solver's tolerances have one
     count = joints.size - 1
     polar = 0.5 * np.pi + 0.5 * ring.angle - joints
     x, z = ring.radius * np.cos(polar), ring.radius * np.sin(polar)

@@ -274,7 +274,7 @@ REFUSED = [
     ("kind: arch\nradius: 10\nthickness: 1\nangle: 180 deg", "thickness: found 1: the arch cannot carry its own weight"),
     ("kind: arch\nradius: 10\nthickness: 1.5\nangle: 0", "angle: found 0; accepted is an angle between 0 and 360 deg"),
     ("kind: arch\nradius: 10\nthickness: 1.5\nangle: 360 deg", "found 360 deg; accepted is an angle between 0 and 360 deg"),
-    ("kind: arch\nradius: 10\nthickness: 20\nangle: 90 deg", "found 20; accepted is a length between 0 and 20 m"),
+    ("kind: arch\nradius: 10\nthickness: 20\nangle: 90 deg", "found 20; accepted is a length between 1e-09 m and 20 m"),
     ("kind: arch\nradius: 10\nthickness: -1\nangle: 90 deg", "found -1; accepted is a length between"),
     (OPPENHEIM + "voussoirs: 3", "found 3; accepted is a whole number from 4"),
     (OPPENHEIM + "voussoirs: 7.5", "found 7.5; accepted is a whole number from 4"),
