@@ -14,12 +14,14 @@ UNITS: dict[str, dict[str, float]] = {
     "acceleration": {
         **dict.fromkeys(("m/s2", "m/s^2", "m/s²", "m/s**2", "m s-2"), 1.0),
         **dict.fromkeys(("cm/s2", "cm/s^2", "cm/s²", "gal"), 1e-2),
+        "mm/s2": 1e-3,
         "g": DEFAULT_GRAVITY,
     },
     "frequency parameter": {"rad/s": 1.0, "1/s": 1.0, "rad s-1": 1.0},
     "angular frequency": {"rad/s": 1.0, "1/s": 1.0, "rad s-1": 1.0},
     "frequency": {"Hz": 1.0, "1/s": 1.0},
     "time": {"s": 1.0, "ms": 1e-3},
+    "velocity": {"m/s": 1.0, "cm/s": 1e-2, "mm/s": 1e-3},
     "number": {},
 }
 

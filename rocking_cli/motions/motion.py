@@ -143,6 +143,11 @@ class Motion:
     name: str
     pieces: tuple[Piece, ...]
 
+    @property
+    def acceleration(self) -> float | None:
+        """The amplitude a_g [m/s2] that the motion has of its own, in its own time (omega_g = 1 rad/s); None where it has none."""
+        return None
+
     def __post_init__(self) -> None:
         if not self.pieces:
             raise MotionError(f"motion {self.name!r}: no pieces; a motion needs at least one")
@@ -167,6 +172,10 @@ class Motion:
     def duration(self) -> float:
         """Phase at which shaking ends [rad]; the time is duration / omega_g."""
         return self.pieces[-1].stop
+
+    def still_until(self, phase: float) -> Motion:
+        """The motion with the ground at rest after it, up to a phase [rad]."""
+        return Motion(self.name, (*self.pieces, Piece(self.duration, phase)))
 
     @property
     def peak(self) -> float:

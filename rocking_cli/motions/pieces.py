@@ -15,6 +15,7 @@ from ..documents import Document, Value, read_documents
 from ..documents.quantities import parse_quantity
 from ..errors import DocumentError, MotionError
 from .motion import Harmonic, Motion, Piece
+from .polyline import Polyline
 
 TURN = 2.0 * np.pi
 MOST_CYCLES = 1e5  # length of a motion, and of any of its sines in its own periods
@@ -39,12 +40,11 @@ def build_motion(document: Document) -> Motion:
     if document.has("pieces") == document.has("points"):
         found = "both pieces and points" if document.has("pieces") else "neither pieces nor points"
         raise document.fault(None, found, "one of them")
-    pieces = _pieces(document) if document.has("pieces") else _lines(document)
-    document.finish()
     try:
-        motion = Motion(name, pieces)
+        motion = Motion(name, _pieces(document)) if document.has("pieces") else _lines(document, name)
     except MotionError as error:
         raise DocumentError(f"{document.place}: {error}") from None
+    document.finish()
     if not motion.peak > 0.0:
         raise document.fault(None, "a motion that is zero throughout", "one with an amplitude")
     return motion
@@ -94,18 +94,17 @@ def _sine(part: Document, value: Value, length: float) -> Harmonic:
     return Harmonic(amplitude, frequency, phase)
 
 
-def _lines(document: Document) -> tuple[Piece, ...]:
+def _lines(document: Document, name: str) -> Motion:
     points = [_point(document, value) for value in _children(document, "points", _POINTS, 2)]
     if points[0][0] != 0.0:
         raise document.fault("points", f"a first point at {points[0][0]:g}", "a motion that begins at 0")
-    pieces = []
     for (t0, s0), (t1, s1) in pairwise(points):
         if not (t1 >= t0 + SHORTEST and t1 <= MOST_CYCLES):
             raise document.fault("points", f"a point at {t1:g} after one at {t0:g}", f"times that rise, up to {MOST_CYCLES:g} periods")
         if max(abs(s0), abs(s1)) > LARGEST:
             raise document.fault("points", f"an acceleration of {s0 if abs(s0) > abs(s1) else s1:g}", f"one up to {LARGEST:g} a_g")
-        pieces.append(Piece(TURN * t0, TURN * t1, (), s0, (s1 - s0) / (TURN * (t1 - t0))))
-    return tuple(pieces)
+    time, level = np.array(points).T
+    return Polyline(name, TURN * time[:-1], TURN * time[1:], level[:-1], np.diff(level) / (TURN * np.diff(time)))
 
 
 def _point(document: Document, value: Value) -> tuple[float, float]:

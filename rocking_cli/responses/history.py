@@ -96,8 +96,7 @@ def history(model: Model, motion: Motion, amplitude: float, omega: float, eta: f
     if motion.duration / omega > LONGEST:
         raise ValueError(f"omega is {omega:g}, accepted is one with which the shaking ends before tau = {LONGEST:g}")
     end = max(motion.duration / omega, duration) * 1.001
-    still = Piece(motion.duration, end * omega)
-    run = _Watched(model, Motion(motion.name, (*motion.pieces, still)), amplitude, omega, eta, release)
+    run = _Watched(model, motion.still_until(end * omega), amplitude, omega, eta, release)
     return run.record(duration)
 
 

@@ -1,0 +1,115 @@
+"""Intensity measures of a record: integrals of the polyline of its samples, exact, without any correction.
+
+On an interval from a0 to a1 of length dt the velocity is a parabola and the displacement a cubic, so their largest values lie at
+samples or where a, or v, is zero inside an interval.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..documents.quantities import DEFAULT_GRAVITY
+from .records import Record
+
+Array = np.ndarray
+
+
+@dataclass(frozen=True)
+class Intensity:
+    """What a record measures: peak ground acceleration [m/s2] and its time [s], velocity [m/s] and displacement [m], Arias intensity
+    [m/s], cumulative absolute velocity [m/s], and the durations from 5 % to 75 and 95 % of the Arias intensity [s]."""
+
+    pga: float
+    pga_time: float
+    pgv: float
+    pgd: float
+    arias: float
+    cav: float
+    d5_75: float
+    d5_95: float
+
+
+def intensity(record: Record) -> Intensity:
+    """The intensity measures of a record, which begins at rest."""
+    a, dt = record.acceleration, record.dt
+    energy = np.concatenate([[0.0], np.cumsum(_squares(a, dt))])
+    at_5, at_75, at_95 = (_reached(a, dt, energy, part) for part in (0.05, 0.75, 0.95))
+    v = velocity(a, dt)
+    peak = int(np.argmax(np.abs(a)))
+    return Intensity(
+        pga=float(abs(a[peak])),
+        pga_time=peak * dt,
+        pgv=_largest_velocity(a, v, dt),
+        pgd=_largest_displacement(a, v, dt),
+        arias=math.pi / (2.0 * DEFAULT_GRAVITY) * float(energy[-1]),
+        cav=_absolute(a, dt),
+        d5_75=at_75 - at_5,
+        d5_95=at_95 - at_5,
+    )
+
+
+def velocity(a: Array, dt: float) -> Array:
+    """Velocity at the samples, shape of `a`, from rest."""
+    return np.concatenate([[0.0], np.cumsum(0.5 * dt * (a[:-1] + a[1:]))])
+
+
+def displacement(a: Array, v: Array, dt: float) -> Array:
+    """Displacement at the samples, shape of `a`, from rest; v: the velocity there."""
+    return np.concatenate([[0.0], np.cumsum(dt * v[:-1] + dt * dt / 6.0 * (2.0 * a[:-1] + a[1:]))])
+
+
+def _squares(a: Array, dt: float) -> Array:
+    """Integral of a^2 over each interval: dt (a0^2 + a0 a1 + a1^2)/3."""
+    return np.asarray(dt / 3.0 * (a[:-1] ** 2 + a[:-1] * a[1:] + a[1:] ** 2))
+
+
+def _absolute(a: Array, dt: float) -> float:
+    """Integral of |a|: two triangles where a changes sign, else a trapezoid."""
+    a0, a1 = np.abs(a[:-1]), np.abs(a[1:])
+    total = a0 + a1
+    crosses = a[:-1] * a[1:] < 0.0
+    parts = 0.5 * dt * total
+    parts[crosses] = 0.5 * dt * (a0[crosses] ** 2 + a1[crosses] ** 2) / total[crosses]
+    return float(parts.sum())
+
+
+def _largest_velocity(a: Array, v: Array, dt: float) -> float:
+    i = np.flatnonzero(a[:-1] * a[1:] < 0.0)
+    inside = v[i] + 0.5 * dt * a[i] ** 2 / (a[i] - a[i + 1])
+    return float(max(np.abs(v).max(), np.abs(inside).max(initial=0.0)))
+
+
+def _largest_displacement(a: Array, v: Array, dt: float) -> float:
+    """At samples, or where v0 + a0 s + (a1 - a0)/dt s^2/2 = 0 inside an interval: up to two roots, found without cancellation."""
+    d = displacement(a, v, dt)
+    largest = float(np.abs(d).max())
+    # v can only be zero inside where it changes sign, or where its parabola has its vertex inside.
+    i = np.flatnonzero((v[:-1] * v[1:] <= 0.0) | (a[:-1] * a[1:] < 0.0))
+    curved, sloped, flat = 0.5 * dt * (a[i + 1] - a[i]), dt * a[i], v[i]
+    with np.errstate(all="ignore"):
+        root = np.sqrt(sloped**2 - 4.0 * curved * flat)
+        q = -0.5 * (sloped + np.copysign(root, sloped))
+        for s in (q / curved, flat / q):
+            inside = np.flatnonzero((s > 0.0) & (s < 1.0))
+            j, x = i[inside], s[inside]
+            there = d[j] + dt * x * (v[j] + dt * x * (a[j] / 2.0 + (a[j + 1] - a[j]) * x / 6.0))
+            largest = max(largest, float(np.abs(there).max(initial=0.0)))
+    return largest
+
+
+def _reached(a: Array, dt: float, energy: Array, part: float) -> float:
+    """Time at which the integral of a^2 first reaches a part of its end; 0 for a record that is zero throughout."""
+    target = part * float(energy[-1])
+    if not target > 0.0:
+        return 0.0
+    i = int(np.searchsorted(energy, target)) - 1
+    a0, rise, wanted = float(a[i]), float(a[i + 1] - a[i]) / dt, target - float(energy[i])
+    low, high = 0.0, dt
+    for _ in range(60):  # the integral rises, so halving is sure, and 60 halvings are exact
+        middle = 0.5 * (low + high)
+        gained = middle * (a0 * a0 + middle * (a0 * rise + middle * rise * rise / 3.0))
+        low, high = (low, middle) if gained >= wanted else (middle, high)
+    return i * dt + high

@@ -1,0 +1,110 @@
+"""A motion of straight lines, kept in arrays: a record, or points joined by straight lines.
+
+Its extremes are at its points, so each interval is one segment; that spares the objects and the search that other motions need.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import cached_property
+
+import numpy as np
+
+from ..errors import MotionError
+from .motion import Motion, Piece, Segments
+from .records import Record
+
+Array = np.ndarray
+
+
+class Polyline(Motion):
+    """Straight lines over contiguous intervals of phase: s = constant + slope (phase - start), like so many pieces without harmonics.
+
+    start, stop [rad], constant [-], slope [1/rad]: arrays of one shape (n,), start[0] = 0. acceleration: the a_g [m/s2] that with
+    omega_g = 1 rad/s gives the motion as it was recorded, None where it has no amplitude of its own.
+    Raises MotionError when an interval is empty or a number is not finite.
+    """
+
+    start: Array
+    stop: Array
+    constant: Array
+    slope: Array
+    _acceleration: float | None
+
+    def __init__(self, name: str, start: Array, stop: Array, constant: Array, slope: Array, acceleration: float | None = None) -> None:
+        arrays = {"start": start, "stop": stop, "constant": constant, "slope": slope}
+        if not start.size:
+            raise MotionError(f"motion {name!r}: no pieces; a motion needs at least one")
+        if not all(np.all(np.isfinite(x)) for x in arrays.values()):
+            raise MotionError(f"motion {name!r}: holds a number that is not finite")
+        if not np.all(stop > start):
+            raise MotionError(f"motion {name!r}: an interval is empty or runs backwards")
+        for key, value in {"name": name, **arrays, "_acceleration": acceleration}.items():
+            object.__setattr__(self, key, value)
+
+    @property
+    def acceleration(self) -> float | None:
+        """The amplitude a_g [m/s2] that the motion has of its own, in its own time (omega_g = 1 rad/s); None where it has none."""
+        return self._acceleration
+
+    @cached_property
+    def pieces(self) -> tuple[Piece, ...]:
+        """The intervals as pieces, one by one: for what has no use for arrays."""
+        return tuple(self._pieces())
+
+    def _pieces(self) -> Iterator[Piece]:
+        for row in zip(self.start.tolist(), self.stop.tolist(), self.constant.tolist(), self.slope.tolist(), strict=True):
+            yield Piece(row[0], row[1], (), row[2], row[3])
+
+    @property
+    def duration(self) -> float:
+        """Phase at which shaking ends [rad]; the time is duration / omega_g."""
+        return float(self.stop[-1])
+
+    def value(self, phase: Array | float) -> Array:
+        """s(phase) [-], any shape; right-hand values at jumps, zero outside the motion."""
+        phase = np.asarray(phase, dtype=float)
+        i = np.clip(np.searchsorted(self.start, phase, side="right") - 1, 0, self.start.size - 1)
+        inside = (phase >= self.start[0]) & (phase < self.stop[-1])
+        return np.where(inside, self.constant[i] + self.slope[i] * (phase - self.start[i]), 0.0)
+
+    def still_until(self, phase: float) -> Polyline:
+        """The motion with the ground at rest after it, up to a phase [rad]."""
+        start, stop = np.append(self.start, self.stop[-1]), np.append(self.stop, phase)
+        return Polyline(self.name, start, stop, np.append(self.constant, 0.0), np.append(self.slope, 0.0), self.acceleration)
+
+    @cached_property
+    def segments(self) -> Segments:
+        """The monotone segments of the motion: its intervals, none of which is known to go on in the next."""
+        length = self.stop - self.start
+        end = self.constant + self.slope * length
+        high, low = np.maximum(self.constant, end), np.minimum(self.constant, end)
+        none = np.zeros((0, length.size))
+        return Segments(
+            start=self.start,
+            length=length,
+            s_start=self.constant,
+            s_end=end,
+            sin=none,
+            cos=none,
+            frequency=none,
+            slope=self.slope,
+            joins=np.zeros(length.size, dtype=bool),
+            later_max=np.maximum(0.0, np.maximum.accumulate(high[::-1])[::-1]),
+            later_min=np.minimum(0.0, np.minimum.accumulate(low[::-1])[::-1]),
+        )
+
+
+def record_motion(record: Record, scale: float = 1.0) -> Polyline:
+    """The motion of a record in its own time, times `scale`: phase = t in s, so omega_g = 1 rad/s; s is 1 at the larger peak.
+
+    Its `acceleration` is then |scale| PGA. Raises MotionError for a record that is zero throughout, or a scale of zero.
+    """
+    peak = float(np.abs(record.acceleration).max())
+    if not (np.isfinite(scale) and scale != 0.0):
+        raise MotionError(f"motion {record.label!r}: a scale of {scale:g}, accepted is a number that is not zero")
+    if not peak > 0.0:
+        raise MotionError(f"motion {record.label!r}: zero throughout, accepted is one with an amplitude")
+    s = np.copysign(1.0, scale) / peak * record.acceleration
+    time = record.dt * np.arange(record.npts)
+    return Polyline(record.label, time[:-1], time[1:], s[:-1], np.diff(s) / np.diff(time), abs(scale) * peak)

@@ -1,0 +1,177 @@
+"""Recorded ground motions: a reader for each format, told apart by what a file holds and never by its name.
+
+A new format is one module with NAME, recognise(head) and read(text), and one line in FORMATS.
+"""
+
+from __future__ import annotations
+
+import gzip
+import hashlib
+import io
+import os
+import sys
+import zlib
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from types import ModuleType
+
+from ...documents.quantities import UNITS
+from ...errors import DocumentError, UsageError
+from . import afad, cosmos, csmip, esm, geonet, knet, peer, plain, smc
+from .record import Record, Series, record_of
+from .text import HEAD, RecordText
+
+__all__ = ["FORMATS", "Record", "pick", "read_bytes", "read_record", "read_records", "record_files", "records_of"]
+
+FORMATS: tuple[ModuleType, ...] = (esm, cosmos, geonet, csmip, smc, knet, afad, peer)
+LARGEST = 256 << 20  # bytes of a file, unpacked
+_STDIN = "<stdin>"
+_COUNTS = "counts of an instrument and no unit; convert it to an acceleration with the station's response first"
+
+
+def read_bytes(path: str | Path) -> tuple[str, bytes]:
+    """The source's name and what the file holds, `-` for standard input. Raises UsageError, and DocumentError for one too large."""
+    source = str(path)
+    try:
+        if source == "-":
+            if sys.stdin is None:
+                raise UsageError("standard input is closed")
+            source, raw = _STDIN, sys.stdin.buffer.read(LARGEST + 1)
+        else:
+            with open(path, "rb") as file:
+                size = os.fstat(file.fileno()).st_size
+                raw = b"" if size > LARGEST else file.read(LARGEST + 1)
+    except OSError as error:
+        raise UsageError(f"{source}: cannot be read: {error.strerror or error}") from None
+    if len(raw) > LARGEST or (source != _STDIN and size > LARGEST):
+        raise DocumentError(f"{source}: larger than {LARGEST >> 20} MiB, which no record is")
+    return source, raw
+
+
+def records_of(source: str, raw: bytes, *, unit: str | None = None, dt: float | None = None) -> list[Record] | None:
+    """Every component of a file, or None where it has no record format; for plain text its unit, and dt [s] of a single column.
+
+    Raises DocumentError where a file of a record format is not valid, or holds counts, and UsageError for an unknown unit.
+    """
+    if unit is not None and unit not in UNITS["acceleration"]:
+        raise UsageError(f"--unit: found {unit!r}; accepted are {', '.join(UNITS['acceleration'])}")
+    sha256 = hashlib.sha256(raw).hexdigest()
+    raw = _unpacked(source, raw)
+    _refuse_binary(source, raw)
+    text = RecordText(source, raw)
+    found = next((f for f in FORMATS if f.recognise(text.head)), None)
+    if found is not None:
+        for flag, value in (("--unit", unit), ("--dt", dt)):
+            if value is not None:
+                raise UsageError(f"{source}: states its own ({found.NAME}); {flag} is for plain numbers")
+        series = found.read(text)
+    elif plain.recognise(text.head):
+        found, series = plain, plain.read(text, unit, dt)
+    else:
+        return None
+    name = "record" if source == _STDIN else Path(Path(source).name.removesuffix(".gz")).stem
+    return [record_of(s, name, found.NAME, source, sha256) for s in _distinct(series)]
+
+
+def read_records(path: str | Path, *, component: str | None = None, unit: str | None = None, dt: float | None = None) -> list[Record]:
+    """The components of a record file, or the one that is asked for. Raises UsageError and DocumentError."""
+    source, raw = read_bytes(path)
+    records = records_of(source, raw, unit=unit, dt=dt)
+    if records is None:
+        raise DocumentError(f"{source}: {_unknown(raw)}; accepted are {', '.join(f.NAME for f in FORMATS)} and plain columns of numbers")
+    return records if component is None else [pick(records, component)]
+
+
+def read_record(path: str | Path, *, component: str | None = None, unit: str | None = None, dt: float | None = None) -> Record:
+    """The one record of a file. Raises UsageError where it holds several and no component is asked for, and DocumentError."""
+    return pick(read_records(path, unit=unit, dt=dt), component)
+
+
+def pick(records: Sequence[Record], component: str | None) -> Record:
+    """The record of a component, by its name or its number from 1; None for the only one there is. Raises UsageError."""
+    names = [str(r.component) for r in records]
+    if component is None:
+        if len(records) == 1:
+            return records[0]
+        raise UsageError(f"{records[0].source}: holds the components {', '.join(names)}; give one with --component")
+    for record in records:
+        if record.component is not None and record.component.casefold() == component.strip().casefold():
+            return record
+    if component.strip().isdigit() and 1 <= int(component) <= len(records):
+        return records[int(component) - 1]
+    if len(records) == 1 and records[0].component is None:
+        return records[0]
+    raise UsageError(f"{records[0].source}: --component: found {component!r}; accepted are {', '.join(names)}")
+
+
+def record_files(paths: Sequence[str]) -> Iterator[str]:
+    """The files of a set: of a directory all that lie in it, in order of name, of a list file (one path a line, from where the list
+    lies) those it names, and every other path itself. Raises UsageError."""
+    for path in paths:
+        if path != "-" and os.path.isdir(path):
+            inside = sorted(os.path.join(path, name) for name in os.listdir(path) if not name.startswith("."))
+            files = [x for x in inside if os.path.isfile(x)]
+            if not files:
+                raise UsageError(f"{path}: a directory without files")
+            yield from files
+        else:
+            yield from _listed(path) or [path]
+
+
+def _listed(path: str) -> list[str]:
+    """The files that a list names; none where the file is not a list."""
+    if path == "-" or not os.path.isfile(path):
+        return []
+    with open(path, "rb") as file:
+        head = file.read(HEAD)
+    if b"\0" in head:
+        return []
+    folder = os.path.dirname(path)
+    names = [line.strip() for line in head.decode("utf-8", "replace").splitlines()]
+    first = next((name for name in names if name and not name.startswith("#")), "")
+    if not first or not os.path.isfile(os.path.join(folder, first)):
+        return []
+    with open(path, encoding="utf-8", errors="replace") as lines:
+        return [os.path.join(folder, x.strip()) for x in lines if x.strip() and not x.startswith("#")]
+
+
+def _unpacked(source: str, raw: bytes) -> bytes:
+    if not raw.startswith(b"\x1f\x8b"):
+        return raw
+    try:
+        with gzip.open(io.BytesIO(raw)) as file:
+            unpacked = file.read(LARGEST + 1)
+    except (OSError, EOFError, zlib.error) as error:
+        raise DocumentError(f"{source}: a damaged gzip file ({error})") from None
+    if len(unpacked) > LARGEST:
+        raise DocumentError(f"{source}: larger than {LARGEST >> 20} MiB when unpacked, which no record is")
+    return unpacked
+
+
+def _refuse_binary(source: str, raw: bytes) -> None:
+    """Raise DocumentError for an empty file, for SAC and miniSEED, which hold counts, and for anything else that is no text."""
+    if not (raw[:HEAD].strip() or raw.strip()):
+        raise DocumentError(f"{source}: empty; accepted is a record or a motion document")
+    if raw[:3] == b"MS\x03" or (raw[:6].strip(b" 0123456789") == b"" and raw[6:7] in b"DRQM" and raw[7:8] in b" \0" and len(raw) >= 48):
+        raise DocumentError(f"{source}: miniSEED, which holds {_COUNTS}")
+    if len(raw) >= 632 and raw[304:308] in (b"\x06\0\0\0", b"\0\0\0\x06", b"\x07\0\0\0", b"\0\0\0\x07"):
+        raise DocumentError(f"{source}: SAC, which holds {_COUNTS}")
+    if raw[:HEAD].split(None, 6)[:5] == [b"-12345.00"] * 5 or raw[:HEAD].count(b"-12345.00") > 20:
+        raise DocumentError(f"{source}: SAC (alphanumeric), which holds {_COUNTS}")
+    if b"\0" in raw:
+        raise DocumentError(f"{source}: a binary file; accepted is a record or a motion document in text")
+
+
+def _unknown(raw: bytes) -> str:
+    first = raw[:200].decode("latin-1").strip().split("\n", 1)[0].strip()
+    if first.lower().startswith("uncorrected accelerogram"):
+        return f"begins with {first[:60]!r}, uncorrected (volume 1); accepted is the corrected accelerogram"
+    return f"no record format (it begins with {first[:60]!r})"
+
+
+def _distinct(series: list[Series]) -> list[Series]:
+    """Components of equal names told apart by their number in the file."""
+    names = [s.component for s in series]
+    return [
+        s if names.count(s.component) == 1 else s._replace(component=f"{s.component or 'channel'} ({i})") for i, s in enumerate(series, 1)
+    ]

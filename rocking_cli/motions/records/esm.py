@@ -1,0 +1,49 @@
+"""ESM and ITACA, DYNA 1.2: lines `KEY: value` from EVENT_NAME on (64 of them), then one value a line."""
+
+from __future__ import annotations
+
+import re
+
+from .record import Series
+from .text import Layout, RecordText
+
+NAME = "ESM"
+_KEY = re.compile(r"([A-Z][A-Z0-9_/^.()-]*)\s*:\s*(.*)")
+_UNITS = {"cm/s^2": "cm/s2", "cm/s2": "cm/s2", "cm/s/s": "cm/s2", "gal": "gal", "m/s^2": "m/s2", "m/s2": "m/s2", "g": "g"}
+
+
+def recognise(head: str) -> bool:
+    """Whether the first line is EVENT_NAME and the keys of the sampling are there."""
+    return head.lstrip().startswith("EVENT_NAME:") and "SAMPLING_INTERVAL_S" in head and "NDATA" in head
+
+
+def read(text: RecordText) -> list[Series]:
+    """The one component of the file. Raises DocumentError."""
+    keys: dict[str, tuple[str, int]] = {}
+    while not text.more_numbers():
+        line = text.next_line()
+        if line is None:
+            raise text.fault("the file ends within its header")
+        found = _KEY.match(line.strip())
+        if found is not None:
+            keys[found[1]] = found[2].strip(), text.line - 1
+
+    def value(key: str, wanted: str) -> tuple[str, int]:
+        if not keys.get(key, ("", 0))[0]:
+            raise text.fault(f"no value of {key}; accepted is {wanted}", keys.get(key, ("", 1))[1])
+        return keys[key]
+
+    kind, line_number = value("DATA_TYPE", "ACCELERATION")
+    if kind.upper() != "ACCELERATION":
+        raise text.fault(f"DATA_TYPE: found {kind!r}; accepted is ACCELERATION", line_number)
+    unit, line_number = value("UNITS", "a unit of acceleration")
+    if unit.lower() not in _UNITS:
+        raise text.fault(f"UNITS: found {unit!r}; accepted are {', '.join(_UNITS)}", line_number)
+    count = text.count(*value("NDATA", "a number of values"))
+    dt = text.step(*value("SAMPLING_INTERVAL_S", "a step in s"))
+    if keys.get("DURATION_S", ("", 0))[0]:
+        text.agree(count, dt, *keys["DURATION_S"])
+    peak = next((v for k, (v, _) in keys.items() if k.startswith("PGA_") and re.fullmatch(r"[-+\d.eE]+", v)), None)
+    component = keys.get("STREAM", ("", 0))[0] or None
+    samples = text.numbers(count, Layout(1))
+    return [Series(component, dt, samples, _UNITS[unit.lower()], peak, text.surplus(count))]

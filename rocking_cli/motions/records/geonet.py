@@ -1,0 +1,54 @@
+"""GeoNet V2A (GNS Science): three components a file, each 16 lines of text, 10 of numbers, then acceleration, velocity and
+displacement in mm/s2, mm/s and mm, ten values of eight characters a line."""
+
+from __future__ import annotations
+
+import re
+
+from .record import Series
+from .text import Layout, RecordText
+
+NAME = "GeoNet V2A"
+_FIRST = re.compile(r"^\s*(un)?corrected accelerogram.*GNS Science", re.IGNORECASE)
+_POINTS = re.compile(r"Number of points\s+(\S+)\s+Duration\s+([\d.]+)\s*s", re.IGNORECASE)
+_COMPONENT = re.compile(r"^\s*Component\s+(\S+)", re.IGNORECASE)
+_PEAK = re.compile(r"Acceleration:\s*peak\s*([-+.\dEe]+)\s*mm/s", re.IGNORECASE)
+_LAYOUT = Layout(10, 8)
+_TEXT, _NUMBERS = 16, 100
+_COUNTS, _STEP = (33, 34, 35), 65  # places among the numbers, from 0: values of each block, and dt
+
+
+def recognise(head: str) -> bool:
+    """Whether the first line is that of an accelerogram of GNS Science."""
+    return bool(_FIRST.match(head.lstrip().split("\n", 1)[0]))
+
+
+def read(text: RecordText) -> list[Series]:
+    """The acceleration of every component. Raises DocumentError."""
+    found: list[Series] = []
+    while (first := text.find(_FIRST)) is not None:
+        if first[1]:
+            raise text.fault("an uncorrected accelerogram (V1A); accepted is the corrected one (V2A)")
+        start = text.line
+        lines = text.lines(_TEXT - 1)
+        numbers = text.numbers(_NUMBERS, _LAYOUT)
+        counts = [text.count(f"{numbers[i]:.10g}") if numbers[i] else 0 for i in _COUNTS]
+        if not counts[0]:
+            raise text.fault("no acceleration: its number of points is 0")
+        dt = text.step(f"{numbers[_STEP]:.10g}")
+        component = peak = None
+        for i, line in enumerate(lines, start):
+            if (points := _POINTS.search(line)) is not None:
+                if text.count(points[1], i) != counts[0]:
+                    raise text.fault(f"{points[1]} points, where the numbers of the header state {counts[0]}", i)
+                text.agree(counts[0], dt, points[2], i)
+            component = m[1] if (m := _COMPONENT.match(line)) else component
+            peak = m[1] if (m := _PEAK.search(line)) else peak
+        samples = text.numbers(counts[0], _LAYOUT)
+        for count in counts[1:]:
+            if count:
+                text.numbers(count, _LAYOUT)
+        found.append(Series(component, dt, samples, "mm/s2", peak))
+    if not found:
+        raise text.fault("no component")
+    return found

@@ -1,0 +1,45 @@
+"""PEER AT2: text lines, one of which is `NPTS=  n, DT=  x SEC` (older files: `n  x  NPTS, DT`), then n values in g."""
+
+from __future__ import annotations
+
+import re
+
+from .record import Series
+from .text import Layout, RecordText
+
+NAME = "PEER AT2"
+_NUMBER = r"([-+.\dEe]+)"
+_COUNT = re.compile(rf"NPTS\s*=\s*{_NUMBER}\s*,?\s*DT\s*=\s*{_NUMBER}", re.IGNORECASE)
+_OLDER = re.compile(rf"^\s*{_NUMBER}\s*,?\s+{_NUMBER}\s*,?\s*NPTS\s*,?\s*DT\b", re.IGNORECASE)
+_UNIT = re.compile(r"UNITS?\s*(?:OF|:|=)\s*([A-Z][A-Z0-9/^*]*)", re.IGNORECASE)
+_KIND = re.compile(r"\b(ACC|VEL|DISP)[A-Z.]*\b.*\b(?:UNITS?|IN)\b|\b(ACC|VEL|DISP)[A-Z.]*\s+TIME[ -](?:HISTORY|SERIES)", re.IGNORECASE)
+_UNITS = {"G": "g", "CM/S/S": "cm/s2", "CM/S2": "cm/s2", "CM/S^2": "cm/s2", "CM/SEC/SEC": "cm/s2", "CM/SEC2": "cm/s2",
+          "CM/SEC^2": "cm/s2", "GAL": "gal", "M/S/S": "m/s2", "M/S2": "m/s2", "M/S^2": "m/s2", "M/SEC2": "m/s2"}  # fmt: skip
+
+
+def recognise(head: str) -> bool:
+    """Whether a line among the first 50 states points and step as AT2 files do."""
+    return any(_COUNT.search(line) or _OLDER.search(line) for line in head.split("\n", 50)[:50])
+
+
+def read(text: RecordText) -> list[Series]:
+    """The one component of the file. Raises DocumentError."""
+    unit = "g"
+    while (line := text.next_line()) is not None:
+        found = _COUNT.search(line) or _OLDER.search(line)
+        if found is not None:
+            break
+        kind = _KIND.search(line)
+        if kind is not None and not (kind[1] or kind[2]).upper().startswith("ACC"):
+            raise text.fault(f"found {line.strip()!r}; accepted is an acceleration (AT2)")
+        stated = _UNIT.search(line)
+        if stated is not None:
+            if stated[1].upper() not in _UNITS:
+                raise text.fault(f"found the unit {stated[1]!r}; accepted is g, or another unit of acceleration")
+            unit = _UNITS[stated[1].upper()]
+    if line is None or found is None:
+        raise text.fault("no line NPTS=, DT=")
+    count, dt = text.count(found[1]), text.step(found[2])
+    first = (text.raw[text.at : text.at + 1000].lstrip().split(b"\n", 1)[0]).split()
+    samples = text.numbers(count, Layout(max(1, len(first))))
+    return [Series(None, dt, samples, unit, remark=text.surplus(count))]

@@ -1,0 +1,60 @@
+"""Plain text: one column of accelerations, or two of time [s] and acceleration, below any lines that hold no numbers."""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+
+from ...documents.quantities import UNITS
+from ...errors import DocumentError
+from .record import Series
+from .text import RecordText
+
+NAME = "text"
+_SEPARATORS = b",;\t"
+_ROW = re.compile(r"^\s*[-+]?(?:\d+\.?\d*|\.\d+)(?:[eEdD][-+]?\d+)?(?:[\s,;]|$)")
+_MOST_TITLE_LINES = 40
+_UNEVEN = 0.1  # part of a step by which printed times may lie off an even grid
+
+
+def recognise(head: str) -> bool:
+    """Whether, after at most 40 lines of other text, lines begin with numbers."""
+    lines = [line for line in head.split("\n", _MOST_TITLE_LINES + 3) if line.strip()]
+    rows = [i for i, line in enumerate(lines[: _MOST_TITLE_LINES + 1]) if _ROW.match(line)]
+    return bool(rows) and (len(lines) <= rows[0] + 1 or bool(_ROW.match(lines[rows[0] + 1])))
+
+
+def read(text: RecordText, unit: str | None, dt: float | None) -> list[Series]:
+    """The one component of the file; unit: of the accelerations; dt [s]: of a single column. Raises DocumentError."""
+    while True:
+        at, line_number = text.at, text.line
+        line = text.next_line()
+        if line is None:
+            raise text.fault("no numbers")
+        if _ROW.match(line):
+            break
+        if re.search(r"\bvel(?:oc\w*)?\b", line, re.IGNORECASE) and not re.search(r"\bacc", line, re.IGNORECASE):
+            raise text.fault(f"found {line.strip()!r}; accepted is an acceleration")
+    text.at, text.line = at, line_number
+    decimal_comma = ";" in line and "," in line and "." not in line
+    if decimal_comma:
+        text.raw = text.raw[:at] + text.raw[at:].replace(b",", b".")
+    values, columns = text.table(_SEPARATORS)
+    if columns > 2:
+        raise text.fault(f"{columns} columns; accepted are one (acceleration) or two (time in s, acceleration)", line_number)
+    if unit is None:
+        raise DocumentError(f"{text.source}: plain numbers without a unit; give --unit, one of {', '.join(UNITS['acceleration'])}")
+    if columns == 1:
+        if dt is None:
+            raise DocumentError(f"{text.source}: one column of numbers without times; give --dt, the step in s")
+        return [Series(None, dt, values, unit)]
+    if dt is not None:
+        raise DocumentError(f"{text.source}: two columns, of which the first is the time; --dt goes with one column")
+    time = values[0::2]
+    step = float(f"{(time[-1] - time[0]) / max(1, time.size - 1):.10g}")
+    off = np.abs(time - (time[0] + step * np.arange(time.size))) > _UNEVEN * abs(step)
+    if not step > 0.0 or np.any(off) or np.any(np.diff(time) <= 0.0):
+        bad = int(np.argmax(off)) if np.any(off) else 0
+        raise text.fault(f"times that do not rise in even steps, such as {time[bad]:g} s", line_number + bad)
+    return [Series(None, step, values[1::2].copy(), unit)]

@@ -1,0 +1,93 @@
+"""A record: samples of ground acceleration at equal steps of time, joined by straight lines."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from ...documents.quantities import UNITS
+from ...errors import DocumentError
+
+_PEAK_AGREES = 0.01  # part of a header's peak by which the samples' own may differ without a word
+
+
+class Series(NamedTuple):
+    """What a format's reader finds for one component: samples in the file's unit, and the header's peak as it is printed."""
+
+    component: str | None
+    dt: float
+    samples: np.ndarray
+    unit: str
+    peak: str | None = None
+    remark: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class Record:
+    """One component of a ground motion as recorded.
+
+    name: of the file, without its extension; format: as `rocking records` prints it; component: as the file calls it, None where it
+    does not; dt [s]; acceleration [m/s2], shape (npts,); header_pga [m/s2]: the peak that the file's header states; unit: the
+    file's own; source: path; sha256: of the file. Raises DocumentError when there are fewer than two samples, one is not finite,
+    or dt is not positive.
+    """
+
+    name: str
+    format: str
+    component: str | None
+    dt: float
+    acceleration: np.ndarray
+    header_pga: float | None
+    unit: str
+    source: str
+    sha256: str
+    remarks: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        if not (np.isfinite(self.dt) and self.dt > 0.0):
+            raise DocumentError(f"{self.source}: a time step of {self.dt:g} s; accepted is a positive one")
+        if self.acceleration.ndim != 1 or self.acceleration.size < 2:
+            raise DocumentError(f"{self.source}: {self.acceleration.size} samples; a record has at least two")
+        if not np.all(np.isfinite(self.acceleration)):
+            raise DocumentError(f"{self.source}: an acceleration that is not finite")
+        self.acceleration.flags.writeable = False
+
+    @property
+    def npts(self) -> int:
+        """Number of samples."""
+        return int(self.acceleration.size)
+
+    @property
+    def duration(self) -> float:
+        """Time from the first sample to the last [s]."""
+        return (self.npts - 1) * self.dt
+
+    @property
+    def label(self) -> str:
+        """The name with the component."""
+        return self.name if self.component is None else f"{self.name} {self.component}"
+
+
+def record_of(series: Series, name: str, format_: str, source: str, sha256: str) -> Record:
+    """The record of a series in SI units; a header's peak that the samples contradict becomes a remark. Raises DocumentError."""
+    factor = UNITS["acceleration"][series.unit]
+    acceleration = np.asarray(series.samples, dtype=float) * factor
+    remarks = [series.remark] if series.remark else []
+    header = None
+    if series.peak is not None:
+        stated = abs(float(series.peak))
+        header = stated * factor
+        found = float(np.max(np.abs(acceleration), initial=0.0)) / factor
+        if abs(found - stated) > max(_PEAK_AGREES * stated, _half_a_digit(series.peak)):
+            where = "" if series.component is None else f" of {series.component}"
+            remarks.append(f"the header states a peak{where} of {stated:g} {series.unit}, the samples have {found:.6g} {series.unit}")
+    return Record(name, format_, series.component, series.dt, acceleration, header, series.unit, source, sha256, tuple(remarks))
+
+
+def _half_a_digit(text: str) -> float:
+    """Half a unit of the last digit of a number as printed."""
+    mantissa, _, exponent = text.lower().partition("e")
+    decimals = len(mantissa.partition(".")[2])
+    return 0.5 * 10.0 ** (int(exponent or 0) - decimals)

@@ -1,0 +1,105 @@
+"""CSMIP volume 2: fixed columns in which numbers touch, several channels of three blocks each."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from recorded import as_printed, rows, wave
+
+from rocking_cli.errors import DocumentError
+from rocking_cli.motions.records import read_record, read_records
+
+FORM = "{:10.5f}"
+SAMPLES = wave(997, 1234.56789)  # -1234.56789 fills its ten columns and one more
+TOUCHING = np.clip(SAMPLES, -999.0, 9999.0)
+
+
+def channel(
+    number,
+    degrees,
+    values,
+    *,
+    dt="  .010",
+    precise=0.01,
+    unit="cm/sec2",
+    form="(8f10.5)",
+    peak=None,
+    points=None,
+    length=None,
+    blocks="avd",
+):
+    peak = np.abs(values).max() if peak is None else peak
+    n = len(values)
+    title = f"Corrected accelerogram   12345-X0001-00001.02       Chan{number:3d}: {degrees:3d} Deg     from   "
+    header = [
+        title, "Uncorrected Accelerogram Data             Processed: 01/02/00, XYZ", "Record of Sun Jan  2, 1900 13:06:45.0 PST", "", "",
+        "Station No. 12345   40.000N, 120.000W      Etna  s/n 1", "Somewhere", f"Chan{number:3d}: {degrees:3d} Deg",
+        "", "", "Instr Period =  .0109 sec,  Damping =  .670,  Sensitivity =  .63  v/g",
+        f"                        Record length = {n * precise if length is None else length:.3f} sec.", "", "", "",
+        f"{n if points is None else points:6d} points of instrument- and baseline-corrected accel, veloc and displ data",
+        f"At equally-spaced intervals of  {dt}  sec.", f"Peak acceleration = {peak:9.3f}    cm/sec/sec  at   30.585   sec.",
+        "Peak   velocity   =     3.150      cm/sec    at   30.650   sec.", "Peak displacement =      .165        cm",
+        "Initial velocity  =      .000   cm/sec;   Initial displacement =     .000   cm", "", "", "", "",
+    ]  # fmt: skip
+    reals = np.zeros(100)
+    reals[60] = precise
+    text = "\n".join(header) + "\n" + rows(np.arange(100), 16, "{:5d}").replace("   -1", " -999") + rows(reals, 8, "{:10.7f}")
+    for kind, word, of in (("a", "accel", unit), ("v", "veloc", "cm/sec"), ("d", "displ", "cm")):
+        if kind in blocks:
+            text += f"{n:6d} points of {word} data equally spaced at {dt} sec, in {of}. {form}\n" + rows(values, 8, FORM)
+    return text + f"/&  ---------- End of data for channel {number:2d} ----------\n"
+
+
+def test_every_channel_has_its_acceleration_though_numbers_touch(tmp_path):
+    path = tmp_path / "XY12345.V2"
+    assert any(line[:10].strip() and line[10] == "-" for line in rows(TOUCHING, 8, FORM).splitlines())
+    path.write_text(channel(1, 90, TOUCHING) + channel(2, 360, -TOUCHING / 2))
+    first, second = read_records(path)
+    assert (first.format, first.component, second.component, first.dt) == ("CSMIP V2", "90 Deg", "360 Deg", 0.01)
+    np.testing.assert_allclose(first.acceleration, 1e-2 * as_printed(TOUCHING, FORM), rtol=1e-15)
+    np.testing.assert_allclose(second.acceleration, 1e-2 * as_printed(-TOUCHING / 2, FORM), rtol=1e-15)
+    assert first.header_pga == pytest.approx(9.99 if np.abs(TOUCHING).max() == 999.0 else 1e-2 * np.abs(TOUCHING).max(), rel=1e-6)
+    assert first.remarks == ()
+    assert read_record(path, component="360 deg").component == "360 Deg"
+    assert read_record(path, component="1").component == "90 Deg"
+
+
+def test_any_case_and_no_format(tmp_path):
+    path = tmp_path / "a"
+    path.write_text(channel(1, 90, TOUCHING, form="").upper())
+    np.testing.assert_allclose(read_record(path).acceleration, 1e-2 * as_printed(TOUCHING, FORM), rtol=1e-15)
+
+
+def test_the_real_header_knows_the_step_to_more_digits(tmp_path):
+    path = tmp_path / "a"
+    path.write_text(channel(1, 90, SAMPLES / 10, dt="  .008", precise=0.0078125))
+    assert read_record(path).dt == 0.0078125
+
+
+def test_channels_of_one_name_are_told_apart(tmp_path):
+    path = tmp_path / "a"
+    path.write_text(channel(1, 90, SAMPLES / 10) + channel(2, 90, SAMPLES / 20))
+    assert [r.component for r in read_records(path)] == ["90 Deg (1)", "90 Deg (2)"]
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        (channel(1, 90, SAMPLES / 10, blocks="v"), "no points of accel data, only of veloc"),
+        (channel(1, 90, SAMPLES / 10, blocks=""), "no line `n points of accel data`"),
+        (channel(1, 90, SAMPLES / 10, points=996), "a:46: 997 points of acceleration, where the channel's header states 996"),
+        (channel(1, 90, SAMPLES / 10, length=59.97), "a:46: 997 points every 0.01 s"),
+        (channel(1, 90, SAMPLES / 10, unit="cm/sec"), "a:46: found"),
+        (channel(1, 90, SAMPLES / 10, dt="  .000", precise=0.0), "a time step of"),
+        (channel(1, 90, SAMPLES), "a:103: found '3-1056.335', two numbers run together"),  # eleven characters in ten columns
+        (channel(1, 90, SAMPLES / 10).replace(FORM.format(SAMPLES[500] / 10), "*" * 10, 1), "'**********', stars in place of a number"),
+        ("\n".join(channel(1, 90, SAMPLES / 10).splitlines()[:100]) + "\n", "a:100: the file ends after 432 of 997 values"),
+        ("\n".join([*channel(1, 90, SAMPLES / 10).splitlines()[:100], "/& End of data"]), "a:101: found '/&"),
+    ],
+)
+def test_bad_files_are_told_with_file_and_line(tmp_path, text, words):
+    path = tmp_path / "a"
+    path.write_text(text)
+    with pytest.raises(DocumentError) as error:
+        read_record(path)
+    assert words in str(error.value)

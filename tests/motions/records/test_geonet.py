@@ -1,0 +1,80 @@
+"""GeoNet V2A: three components a file, ten numbers of eight characters a line."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from recorded import as_printed, rows, wave
+
+from rocking_cli.errors import DocumentError
+from rocking_cli.motions.records import read_records
+
+FORM = "{:8.1f}"
+SAMPLES = wave(1234, 11024.7)  # -11024.7 fills its eight characters
+
+
+def component(name, values, *, points=None, duration=None, dt=0.02, peak=None, first="Corrected accelerogram"):
+    n = len(values)
+    points, duration = n if points is None else points, (n - 1) * dt if duration is None else duration
+    peak = values[np.argmax(np.abs(values))] if peak is None else peak
+    lines = [
+        f"{first} 19000102_030405_ABCD_20 GNS Science",
+        "Site ABCD      42 37 10S  173 03 13E",
+        "A Farm",
+        "Instrument X_1",
+        "Resolution: 18-bit",
+    ]
+    lines += [
+        "Accelerogram 19000102",
+        "5 km south-west of Nowhere",
+        "1900 January 02",
+        "Epicentre",
+        f"Number of points {points:5d}    Duration {duration:.2f} sec",
+    ]
+    lines += [
+        f"Instrument corrected data at {dt:.3f} sec intervals",
+        "Band-pass filter",
+        f"Component {name}  Longitudinal Accelerometer Axis",
+    ]
+    lines += [
+        f"Acceleration:  peak {peak:9.1f} mm/s/s at  44.88 sec     rms    719.0 mm/s/s",
+        "Velocity:      peak -1016.55 mm/s",
+        "Displacement:",
+    ]
+    integers = np.zeros(40)
+    integers[33:36] = n, n, 3
+    reals = np.zeros(60)
+    reals[24], reals[25] = 0.005, dt
+    text = "\n".join(lines) + "\n" + rows(integers, 10, "{:8.0f}") + rows(reals, 10, "{:8.4f}")
+    return text + rows(values, 10, FORM) + rows(values / 10, 10, FORM) + rows([1.0, 2.0, 3.0], 10, FORM)
+
+
+def test_three_components_whose_numbers_touch(tmp_path):
+    path = tmp_path / "a.V2A"
+    shaken = {"N28W": np.minimum(SAMPLES, 9999.0), "S62W": -SAMPLES / 3, "Up": SAMPLES / 7}
+    path.write_text("".join(component(name, x) for name, x in shaken.items()))
+    records = read_records(path)
+    assert [r.component for r in records] == list(shaken)
+    for record, samples in zip(records, shaken.values(), strict=True):
+        assert (record.format, record.dt, record.remarks) == ("GeoNet V2A", 0.02, ())
+        np.testing.assert_allclose(record.acceleration, 1e-3 * as_printed(samples, FORM), rtol=1e-15)
+        assert record.header_pga == pytest.approx(np.abs(record.acceleration).max(), rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        (component("Up", SAMPLES / 2, points=1235), "a:10: 1235 points, where the numbers of the header state 1234"),
+        (component("Up", SAMPLES / 2, duration=30.0), "a:10: 1234 values every 0.02 s make 24.68 s, where the header states 30.00 s"),
+        (component("Up", SAMPLES / 2, dt=0.0, duration=24.66), "a time step of 0"),
+        (component("Up", SAMPLES / 2, first="Uncorrected accelerogram"), "a:1: an uncorrected accelerogram (V1A)"),
+        ("\n".join(component("Up", SAMPLES / 2).splitlines()[:60]) + "\n", "a:60: the file ends after 340 of 1234 values"),
+        (component("Up", SAMPLES / 2) + "\n".join(component("N", SAMPLES / 2).splitlines()[:20]), "the file ends after"),
+    ],
+)
+def test_bad_files_are_told_with_file_and_line(tmp_path, text, words):
+    path = tmp_path / "a"
+    path.write_text(text)
+    with pytest.raises(DocumentError) as error:
+        read_records(path)
+    assert words in str(error.value)

@@ -1,0 +1,97 @@
+"""PEER AT2 in the spellings of real files."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from recorded import as_printed, rows, wave
+
+from rocking_cli.documents.quantities import DEFAULT_GRAVITY
+from rocking_cli.errors import DocumentError
+from rocking_cli.motions.records import read_record
+
+FORM = "{:15.7E}"
+TITLE = "PEER NGA STRONG MOTION DATABASE RECORD\nNowhere, 1/2/1999, Anystation, 090\nACCELERATION TIME SERIES IN UNITS OF G\n"
+SAMPLES = wave(1003, 0.31)
+READ = DEFAULT_GRAVITY * as_printed(SAMPLES, FORM)
+
+
+def body(samples=SAMPLES):
+    return rows(samples, 5, FORM)
+
+
+@pytest.mark.parametrize(
+    "header",
+    [
+        TITLE + "NPTS=   1003, DT=   .0050 SEC,\n",
+        TITLE + "NPTS= 1003, DT=   0.005 SEC\n",
+        TITLE.lower() + "npts= 1003, dt=  .00500\n",
+        TITLE + "NPTS=1003 DT=.5E-02 SEC\n",
+        TITLE + "\n\n\n NPTS=   1003, DT= .00500 SEC\n",
+        "Title\nEvent\nStation\nSite\nFilter\nAcceleration in g\n    1003    0.0050    NPTS, DT\n",
+    ],
+)
+@pytest.mark.parametrize("end", ["\n", "\r\n", "\r\r\n"])
+def test_every_spelling_gives_the_same_samples(tmp_path, header, end):
+    path = tmp_path / "motion.dat"
+    path.write_bytes((header + body()).replace("\n", end).encode())
+    record = read_record(path)
+    assert (record.format, record.name, record.component, record.header_pga) == ("PEER AT2", "motion", None, None)
+    assert record.dt == 0.005
+    np.testing.assert_array_equal(record.acceleration, READ)
+
+
+def test_a_trailer_is_no_number(tmp_path):
+    path = tmp_path / "a.AT2"
+    path.write_text(TITLE + "NPTS= 1003, DT= .005 SEC\n" + body() + "*** End Data ***\n")
+    assert read_record(path).npts == 1003
+    assert read_record(path).remarks == ()
+
+
+def test_values_beyond_those_declared_are_left_out_and_said(tmp_path):
+    path = tmp_path / "a.AT2"
+    path.write_text(TITLE + "NPTS= 1000, DT= .005 SEC\n" + body())
+    record = read_record(path)
+    np.testing.assert_array_equal(record.acceleration, READ[:1000])
+    assert "more values than the 1000 declared" in " ".join(record.remarks)
+
+
+def test_other_units_of_acceleration(tmp_path):
+    path = tmp_path / "a.AT2"
+    path.write_text(TITLE.replace("UNITS OF G", "UNITS OF CM/S/S") + "NPTS= 1003, DT= .005 SEC\n" + body())
+    np.testing.assert_allclose(read_record(path).acceleration, READ / DEFAULT_GRAVITY * 1e-2, rtol=1e-15)
+
+
+def broken(line, text):
+    lines = body().splitlines()
+    lines[line] = text
+    return TITLE + "NPTS= 1003, DT= .005 SEC\n" + "\n".join(lines) + "\n"
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        (TITLE + "NPTS= 1004, DT= .005 SEC\n" + body(), "a.AT2:205: the file ends after 1003 of 1004 values"),
+        (TITLE + "NPTS= 1003, DT= .005 SEC\n" + body()[:4000], "the file ends after"),
+        (TITLE + "NPTS= 1003, DT= .005 SEC\n", "1003 values are declared, more than a file of"),
+        (TITLE + "NPTS= 1003, DT= 0.000 SEC\n" + body(), "a.AT2:4: a time step of 0.000"),
+        (TITLE + "NPTS= 9999999999, DT= .005 SEC\n" + body(), "9999999999 values are declared"),
+        (
+            TITLE.replace("ACCELERATION", "VELOCITY").replace("G\n", "CM/S\n") + "NPTS= 1003, DT= .005 SEC\n" + body(),
+            "a.AT2:3: found 'VELOCITY",
+        ),
+        (TITLE.replace("UNITS OF G", "UNITS OF CM/S") + "NPTS= 1003, DT= .005 SEC\n" + body(), "unit 'CM/S'"),
+        (broken(7, "  0.1 -0.2 0.3-0.4 0.5 0.6"), "a.AT2:12: found '0.3-0.4', two numbers run together, after 37 of 1003"),
+        (broken(7, "  0.1 -0.2 0.30.4 0.5 0.6"), "a.AT2:12: found '0.30.4', two numbers run together"),
+        (broken(7, "  0.1 -0.2 ******* 0.5 0.6"), "a.AT2:12: found '*******', stars in place of a number"),
+        (broken(7, "  0.1 -0.2 NaN 0.5 0.6"), "a.AT2:12: found 'NaN', which is no finite number"),
+        (broken(7, "  0.1 -0.2 1e999 0.5 0.6"), "a.AT2:12: found '1e999'"),
+    ],
+)
+def test_bad_files_are_told_with_file_and_line(tmp_path, text, words):
+    path = tmp_path / "a.AT2"
+    path.write_text(text)
+    with pytest.raises(DocumentError) as error:
+        read_record(path)
+    assert words in str(error.value)
+    assert "\n" not in str(error.value)

@@ -1,0 +1,82 @@
+"""Plain columns of numbers: their unit, and the step of a single column, have to be given."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from recorded import as_printed, wave
+
+from rocking_cli.errors import DocumentError, UsageError
+from rocking_cli.motions.records import read_record
+
+SAMPLES = wave(400, 2.5)
+READ = as_printed(SAMPLES, "{:.6f}")
+
+
+@pytest.mark.parametrize("separator", [",", ";", "\t", "   ", ", ", "  ,\t"])
+@pytest.mark.parametrize("title", ["", "Time[s]{}Accel[g]\n", "# made up\n# by hand\nt{}a\n\n"])
+def test_two_columns(tmp_path, separator, title):
+    path = tmp_path / "motion.csv"
+    path.write_text(title.format(separator) + "".join(f"{0.01 * i:.3f}{separator}{x:.6f}\n" for i, x in enumerate(SAMPLES)))
+    record = read_record(path, unit="m/s2")
+    assert (record.format, record.dt, record.header_pga) == ("text", 0.01, None)
+    np.testing.assert_array_equal(record.acceleration, READ)
+
+
+def test_one_column_and_a_unit(tmp_path):
+    path = tmp_path / "motion.txt"
+    path.write_text("".join(f"{x:.6f}\n" for x in SAMPLES))
+    np.testing.assert_allclose(read_record(path, unit="g", dt=0.02).acceleration, 9.81 * READ, rtol=1e-15)
+    assert read_record(path, unit="g", dt=0.02).duration == pytest.approx(399 * 0.02)
+
+
+def test_decimal_commas_between_semicolons(tmp_path):
+    path = tmp_path / "motion.csv"
+    path.write_text("".join(f"{0.01 * i:.2f};{x:.6f}\n".replace(".", ",") for i, x in enumerate(SAMPLES)))
+    np.testing.assert_array_equal(read_record(path, unit="m/s2").acceleration, READ)
+
+
+def test_times_printed_to_few_digits_are_an_even_grid(tmp_path):
+    path = tmp_path / "motion.csv"
+    path.write_text("".join(f"{i / 128:.3f} {x:.6f}\n" for i, x in enumerate(SAMPLES[:129])))
+    assert read_record(path, unit="m/s2").dt == 1 / 128
+
+
+ROWS = [f"{0.01 * i:.2f} {x:.6f}" for i, x in enumerate(SAMPLES)]
+
+
+def lines(**changed):
+    return "\n".join({**dict(enumerate(ROWS)), **{int(k[1:]): v for k, v in changed.items()}}.values()) + "\n"
+
+
+@pytest.mark.parametrize(
+    ("text", "given", "words"),
+    [
+        (lines(), {}, "a: plain numbers without a unit; give --unit, one of m/s2"),
+        ("1\n2\n3\n", {"unit": "g"}, "a: one column of numbers without times; give --dt"),
+        (lines(), {"unit": "g", "dt": 0.01}, "--dt goes with one column"),
+        ("1 2 3\n4 5 6\n", {"unit": "g"}, "a:1: 3 columns"),
+        (lines(_7="0.07"), {"unit": "g"}, "a:8: found 1 numbers, 2 on the lines before"),
+        (lines(_7="0.07 0.1 0.2"), {"unit": "g"}, "a:8: found 3 numbers, 2 on the lines before"),
+        (lines(_7="0.07 0.1-0.2"), {"unit": "g"}, "a:8: found '0.1-0.2', two numbers run together"),
+        (lines(_7="0.07 ****"), {"unit": "g"}, "a:8: found '****', stars in place of a number"),
+        (lines(_7="0.07 nan"), {"unit": "g"}, "a:8: found 'nan', which is no finite number"),
+        (lines(_7="0.05 0.1"), {"unit": "g"}, "a:8: times that do not rise in even steps, such as 0.05 s"),
+        ("t velocity\n" + lines(), {"unit": "g"}, "a:1: found 't velocity'; accepted is an acceleration"),
+        ("0 1\n0 2\n0 3\n", {"unit": "g"}, "times that do not rise"),
+        ("0.5\n", {"unit": "g", "dt": 0.01}, "1 samples; a record has at least two"),
+    ],
+)
+def test_bad_files_are_told_with_file_and_line(tmp_path, text, given, words):
+    path = tmp_path / "a"
+    path.write_text(text)
+    with pytest.raises(DocumentError) as error:
+        read_record(path, **given)
+    assert words in str(error.value)
+
+
+def test_a_unit_that_is_none_of_acceleration(tmp_path):
+    path = tmp_path / "a"
+    path.write_text(lines())
+    with pytest.raises(UsageError, match="--unit: found 'cm/s'; accepted are m/s2"):
+        read_record(path, unit="cm/s")

@@ -1,0 +1,101 @@
+"""What all formats share: told apart by content, packed files, sets, and what is no record."""
+
+from __future__ import annotations
+
+import gzip
+import hashlib
+import io
+import struct
+import tracemalloc
+
+import numpy as np
+import pytest
+from recorded import rows, wave
+
+from rocking_cli.errors import DocumentError, UsageError
+from rocking_cli.motions import records
+from rocking_cli.motions.records import read_record, read_records, record_files
+
+AT2 = "PEER\nNowhere\nACCELERATION TIME SERIES IN UNITS OF G\nNPTS= 500, DT= .01 SEC\n" + rows(wave(500, 0.2), 5, "{:15.7E}")
+
+
+def test_content_decides_and_not_the_name(tmp_path):
+    for name in ("a.AT2", "a.V2", "a.txt", "a"):
+        (tmp_path / name).write_text(AT2)
+        assert read_record(tmp_path / name).format == "PEER AT2"
+
+
+def test_a_packed_file_and_standard_input_hold_the_same(tmp_path, monkeypatch):
+    path = tmp_path / "r.AT2.gz"
+    path.write_bytes(gzip.compress(AT2.encode()))
+    packed = read_record(path)
+    assert (packed.name, packed.sha256) == ("r", hashlib.sha256(path.read_bytes()).hexdigest())
+    monkeypatch.setattr("sys.stdin", io.TextIOWrapper(io.BytesIO(AT2.encode())))
+    np.testing.assert_array_equal(read_record("-").acceleration, packed.acceleration)
+
+
+def test_a_set_is_files_a_directory_or_a_list(tmp_path):
+    for name in ("b.AT2", "a.AT2", ".hidden"):
+        (tmp_path / name).write_text(AT2)
+    (tmp_path / "lists").mkdir()
+    listing = tmp_path / "lists" / "set.txt"
+    listing.write_text("# a set\n../b.AT2\n\n../a.AT2\n")
+    a, b = (str(tmp_path / x) for x in ("a.AT2", "b.AT2"))
+    assert list(record_files([a, str(tmp_path)])) == [a, a, b]
+    assert [read_record(x).name for x in record_files([str(listing)])] == ["b", "a"]
+    (tmp_path / "empty").mkdir()
+    with pytest.raises(UsageError, match="a directory without files"):
+        list(record_files([str(tmp_path / "empty")]))
+
+
+SAC = struct.pack("<110f", *[-12345.0] * 110)[:304] + struct.pack("<i", 6) + b"\0" * 400
+
+
+@pytest.mark.parametrize(
+    ("raw", "words"),
+    [
+        (b"", "empty"),
+        (b"\n \n", "empty"),
+        (SAC, "SAC, which holds counts"),
+        (SAC[:304] + struct.pack(">i", 6) + b"\0" * 400, "SAC, which holds counts"),
+        (b"000001D ABC  00HHZXX" + b"\0" * 100, "miniSEED, which holds counts"),
+        (b"MS\x03" + b"\0" * 100, "miniSEED, which holds counts"),
+        (b"abc\0def" * 50, "a binary file"),
+        (b"Uncorrected Accelerogram Data  Processed\n", "uncorrected (volume 1)"),
+        (b"kind: block\n", "no record format (it begins with 'kind: block')"),
+        (gzip.compress(AT2.encode())[:-20], "a damaged gzip file"),
+        (gzip.compress(b""), "empty"),
+    ],
+)
+def test_what_is_no_record(tmp_path, raw, words):
+    (tmp_path / "a").write_bytes(raw)
+    with pytest.raises(DocumentError) as error:
+        read_records(tmp_path / "a")
+    assert words in str(error.value)
+    assert "\n" not in str(error.value)
+
+
+def test_a_file_too_large_is_refused_before_it_is_read(tmp_path, monkeypatch):
+    path = tmp_path / "large.AT2"
+    with open(path, "wb") as file:
+        file.truncate(300_000_000)
+    tracemalloc.start()
+    with pytest.raises(DocumentError, match="larger than 256 MiB"):
+        read_records(path)
+    assert tracemalloc.get_traced_memory()[1] < 1_000_000
+    tracemalloc.stop()
+    (tmp_path / "packed.gz").write_bytes(gzip.compress(b"0 0\n" * 1000))
+    monkeypatch.setattr(records, "LARGEST", 3999)
+    with pytest.raises(DocumentError, match="when unpacked"):
+        read_records(tmp_path / "packed.gz")
+
+
+def test_a_unit_is_for_plain_numbers(tmp_path):
+    (tmp_path / "a").write_text(AT2)
+    with pytest.raises(UsageError, match=r"states its own \(PEER AT2\); --unit"):
+        read_record(tmp_path / "a", unit="g")
+
+
+def test_a_file_that_is_not_there(tmp_path):
+    with pytest.raises(UsageError, match="cannot be read: No such file"):
+        read_record(tmp_path / "nowhere")

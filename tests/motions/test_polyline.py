@@ -1,0 +1,76 @@
+"""Motions of straight lines: the same numbers as the pieces they stand for, and records in their own time."""
+
+from __future__ import annotations
+
+import dataclasses
+import pickle
+
+import numpy as np
+import pytest
+from recorded import wave
+
+from rocking_cli.dynamics.march.engine import linear_response
+from rocking_cli.errors import MotionError
+from rocking_cli.motions import Motion, Piece
+from rocking_cli.motions.polyline import Polyline, record_motion
+from rocking_cli.motions.records import Record
+
+
+def record(samples, dt):
+    return Record("r", "text", "N", dt, np.array(samples, dtype=float), None, "m/s2", "r", "")
+
+
+def polyline(count=60):
+    level, time = wave(count, 1.0), np.arange(count) ** 1.1
+    return Polyline("p", time[:-1], time[1:], level[:-1], np.diff(level) / np.diff(time))
+
+
+def test_the_same_to_the_last_bit_as_its_pieces():
+    lines = polyline()
+    pieces = Motion(
+        "p", tuple(Piece(a, b, (), c, s) for a, b, c, s in zip(lines.start, lines.stop, lines.constant, lines.slope, strict=True))
+    )
+    assert lines.pieces == pieces.pieces
+    assert (lines.duration, lines.peak) == (pieces.duration, pieces.peak)
+    phase = np.linspace(-1.0, lines.duration + 1.0, 1000)
+    np.testing.assert_array_equal(lines.value(phase), pieces.value(phase))
+    for field in dataclasses.fields(lines.segments):
+        np.testing.assert_array_equal(getattr(lines.segments, field.name), getattr(pieces.segments, field.name), err_msg=field.name)
+    still, plain = lines.still_until(500.0), pieces.still_until(500.0)
+    assert still.pieces == plain.pieces
+    a, omega = np.meshgrid(np.linspace(1.1, 8.0, 12), np.linspace(0.5, 20.0, 12))
+    found, wanted = (linear_response(m, a, omega, 0.9) for m in (lines, pieces))
+    np.testing.assert_array_equal(found.theta_ratio, wanted.theta_ratio)
+    np.testing.assert_array_equal(found.outcome, wanted.outcome)
+    assert pickle.loads(pickle.dumps(lines)).pieces == lines.pieces
+
+
+def test_a_record_runs_in_its_own_time_and_amplitude():
+    samples = wave(300, -4.2)
+    for scale in (1.0, 1.5, -0.5):
+        motion = record_motion(record(samples, 0.01), scale)
+        t = np.linspace(0.0, 2.989, 1001)
+        assert motion.acceleration == pytest.approx(abs(scale) * 4.2, rel=1e-15)
+        assert motion.peak == pytest.approx(1.0, rel=1e-15)
+        wanted = scale * np.interp(t, 0.01 * np.arange(300), samples)
+        np.testing.assert_allclose(motion.acceleration * motion.value(t), wanted, rtol=1e-11, atol=1e-13)
+    assert record_motion(record(samples, 0.01)).name == "r N"
+    assert polyline().acceleration is None
+
+
+@pytest.mark.parametrize(
+    ("samples", "scale", "words"),
+    [([0.0, 0.0], 1.0, "zero throughout"), ([0.0, 1.0], 0.0, "a scale of 0"), ([0.0, 1.0], np.nan, "a scale of nan")],
+)
+def test_what_cannot_shake_is_refused(samples, scale, words):
+    with pytest.raises(MotionError, match=words):
+        record_motion(record(samples, 0.01), scale)
+
+
+@pytest.mark.parametrize(
+    ("start", "stop", "slope", "words"),
+    [([], [], [], "no pieces"), ([0.0, 1.0], [1.0, 1.0], [0.0, 0.0], "is empty"), ([0.0, 1.0], [1.0, np.nan], [0.0, 0.0], "not finite")],
+)
+def test_bad_lines_are_refused(start, stop, slope, words):
+    with pytest.raises(MotionError, match=words):
+        Polyline("bad", np.array(start), np.array(stop), np.zeros(len(start)), np.array(slope))

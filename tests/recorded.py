@@ -1,0 +1,26 @@
+"""Numbers of our own in the layouts of record files, for the tests of their readers."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+
+import numpy as np
+
+
+def wave(count: int, peak: float = 1.0) -> np.ndarray:
+    """A swelling and fading sum of sines whose largest absolute value, `peak`, is taken once."""
+    t = np.arange(count) / count
+    raw = np.sin(math.pi * t) ** 2 * (np.sin(37.0 * t) + 0.6 * np.sin(91.0 * t + 0.4))
+    return peak * raw / np.abs(raw).max()
+
+
+def rows(values: Iterable[float], per_line: int, form: str) -> str:
+    """Numbers printed by a format such as {:10.6f}, so many on a line, each line ended."""
+    printed = [form.format(x) for x in values]
+    return "".join("".join(printed[i : i + per_line]) + "\n" for i in range(0, len(printed), per_line))
+
+
+def as_printed(values: Sequence[float] | np.ndarray, form: str) -> np.ndarray:
+    """The numbers that a reader can find again after printing."""
+    return np.array([float(form.format(x)) for x in values])
