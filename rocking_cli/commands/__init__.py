@@ -38,9 +38,30 @@ class _Commands(click.Group):
         command: click.Command = getattr(import_module(f"{__name__}.{cmd_name}"), cmd_name)
         return command
 
+    def resolve_command(self, ctx: click.Context, args: list[str]) -> tuple[str | None, click.Command | None, list[str]]:
+        name, command, rest = super().resolve_command(ctx, args)
+        if command is not None and not ctx.resilient_parsing:
+            _refuse_repetitions(click.Context(command, ctx, name), rest)
+        return name, command, rest
+
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         with formatter.section("Commands"):
             formatter.write_dl(list(COMMANDS.items()))
+
+
+def _refuse_repetitions(context: click.Context, arguments: list[str]) -> None:
+    """Refuse a second value where one is taken: click would keep the last without a word. Raises click.UsageError."""
+    _, _, order = context.command.make_parser(context).parse_args(list(arguments))
+    given: dict[str | None, click.Option] = {}
+    for option in order:
+        if not isinstance(option, click.Option) or option.multiple:
+            continue
+        if option.name not in given:
+            given[option.name] = option
+        elif given[option.name] is not option:
+            raise click.UsageError(f"{given[option.name].opts[-1]} does not go with {option.opts[-1]}", context)
+        elif not option.is_flag:
+            raise click.UsageError(f"{option.opts[-1]} is given twice; accepted is one value", context)
 
 
 @click.group(

@@ -171,6 +171,8 @@ def write_spectrum(
             summary = _sweep(scene, chunk, workers, check, progress, _Packing(names, chunk), keep, todo, writer.outcomes, scheduler)
         except KeyboardInterrupt:
             kept = writer.written + writer.resumed
+            if not kept:
+                raise Interrupted("interrupted before the first chunk was done; nothing is kept") from None
             raise Interrupted(f"interrupted; {kept} of {writer.chunks} chunks are kept in {writer.part}; --resume goes on") from None
         writer.finish(summary.record())
     return summary

@@ -6,12 +6,42 @@ import os
 import subprocess
 import sys
 
+import click
 import pytest
+
+from rocking_cli.commands import COMMANDS, cli
 
 
 def test_unknown_command_and_option(refused):
     assert "No such command" in refused(2, "parms")
     assert "No such option" in refused(2, "params", "--jsn")
+
+
+SINGLE = [
+    (command, option.opts[-1])
+    for command in COMMANDS
+    for option in cli.get_command(click.Context(cli), command).params
+    if isinstance(option, click.Option) and not option.multiple and not option.is_flag
+]
+
+
+@pytest.mark.parametrize(("command", "option"), SINGLE, ids=" ".join)
+def test_a_single_valued_option_is_not_taken_twice(command, option):
+    with pytest.raises(click.UsageError, match=f"^{option} is given twice; accepted is one value$"):
+        cli.main([command, option, "1", option, "2"], standalone_mode=False)
+
+
+def test_all_ways_to_write_a_repetition_are_seen(refused):
+    wanted = "rocking spectrum: --output is given twice; accepted is one value (see --help)\n"
+    assert refused(2, "spectrum", "-o", "a.h5", "--output=b.h5") == wanted
+    assert refused(2, "spectrum", "x.yaml", "-oa.h5", "y.yaml", "-o", "a.h5") == wanted
+    assert "--json does not go with --csv" in refused(2, "params", "configs/block.yaml", "--json", "--csv")
+
+
+def test_repeatable_options_flags_and_values_that_look_like_options_are_taken(rocking):
+    twice = rocking("envelope", "--eta", "0.9", "--eta", "0.8", "--grid", "Omega=5", "--csv", "--csv", "-q", "-q")
+    assert {line.split(",")[0] for line in twice.stdout.splitlines()[1:]} == {"eta=0.9", "eta=0.8"}
+    assert "--grid: cannot be read" in rocking("params", "--", "--grid", "--grid").stderr
 
 
 def test_a_closed_pipe_is_no_error(tmp_path):

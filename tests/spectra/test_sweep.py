@@ -21,6 +21,8 @@ from rocking_cli import (
     spectrum,
     write_spectrum,
 )
+from rocking_cli.errors import Interrupted
+from rocking_cli.spectra import sweep
 
 GRID = parse_grid("A=0.5:9:53,Omega=0.5:12:37")
 
@@ -98,3 +100,16 @@ def test_a_million_cells_stay_within_400_mb(tmp_path):
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     parent, largest_worker = (float(x) / 1024 for x in done.stdout.split())
     assert parent + 2 * largest_worker < 400
+
+
+def test_an_interruption_names_the_part_that_it_leaves(tmp_path, monkeypatch):
+    def stopped(*_):
+        raise KeyboardInterrupt
+
+    with pytest.raises(Interrupted, match=r"interrupted; 1 of 20 chunks are kept in .*s\.h5\.part; --resume goes on"):
+        write_spectrum(TWO, GRID, sine(), tmp_path / "s.h5", chunk_cells=53 * 4, workers=1, progress=stopped)
+    assert (tmp_path / "s.h5.part").exists()
+    monkeypatch.setattr(sweep, "unit_reports", stopped)
+    with pytest.raises(Interrupted, match=r"^interrupted before the first chunk was done; nothing is kept$"):
+        write_spectrum(TWO, GRID, sine(), tmp_path / "none.h5", workers=1)
+    assert not (tmp_path / "none.h5.part").exists()
