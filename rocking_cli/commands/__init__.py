@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import sys
 from importlib import import_module
 from typing import Any
@@ -10,6 +11,7 @@ import click
 
 from .. import __version__, interruption
 from ..errors import RockingError
+from . import streams
 
 COMMANDS = {
     "params": "Derive p, alpha, eta, lambda and a_scale of each structure.",
@@ -80,23 +82,28 @@ def cli() -> None:
 def main(arguments: list[str] | None = None) -> Any:
     """Run the command line; every failure becomes one sentence on standard error and its documented exit code."""
     interruption.listen()
-    try:
-        return sys.exit(cli.main(arguments, prog_name="rocking", standalone_mode=False) or 0)
-    except click.exceptions.NoArgsIsHelpError as error:
-        click.echo(error.format_message(), err=True)
-        sys.exit(2)
-    except click.ClickException as error:
-        if isinstance(error, click.UsageError) and error.ctx is not None:
-            click.echo(f"{error.ctx.command_path}: {error.format_message()} (see --help)", err=True)
-        else:
-            click.echo(f"rocking: {error.format_message()}", err=True)
-        sys.exit(2 if isinstance(error, click.UsageError) else error.exit_code)
-    except RockingError as error:
-        click.echo(f"rocking: {error}", err=True)
-        sys.exit(error.exit_code)
-    except (KeyboardInterrupt, click.Abort):
-        click.echo("rocking: interrupted", err=True)
-        sys.exit(130)
-    except MemoryError:
-        click.echo("rocking: out of memory; a smaller --chunk or fewer --workers need less", err=True)
-        sys.exit(1)
+    with streams.guarded():
+        try:
+            return sys.exit(cli.main(arguments, prog_name="rocking", standalone_mode=False) or 0)
+        except click.exceptions.NoArgsIsHelpError as error:
+            for line in error.format_message().splitlines():
+                streams.say(line)
+            sys.exit(2)
+        except click.ClickException as error:
+            if isinstance(error, click.UsageError) and error.ctx is not None:
+                streams.say(f"{error.ctx.command_path}: {error.format_message()} (see --help)")
+            else:
+                streams.say(f"rocking: {error.format_message()}")
+            sys.exit(2 if isinstance(error, click.UsageError) else error.exit_code)
+        except RockingError as error:
+            streams.say(f"rocking: {error}")
+            sys.exit(error.exit_code)
+        except (KeyboardInterrupt, click.Abort):
+            streams.say("rocking: interrupted")
+            sys.exit(130)
+        except MemoryError:
+            streams.say("rocking: out of memory; a smaller --chunk or fewer --workers need less")
+            sys.exit(1)
+        except OSError as error:  # a name that the file system refuses, a disk that fails
+            streams.say(f"rocking: {f'{error.filename}: ' if error.filename else ''}{error.strerror or error}")
+            sys.exit(2 if error.errno == errno.ENAMETOOLONG else 1)

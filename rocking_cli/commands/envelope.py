@@ -49,6 +49,7 @@ def envelope(
     from ..spectra.scene import Method
 
     method = Method(model, tolerance)
+    workers = options.at_most_the_cpus(workers, quiet)
     axis = frequency_axis(axes)
     structures = options.structures_of(files, etas)
     failed = 0

@@ -6,7 +6,7 @@ from typing import Any
 
 import click
 
-from . import options
+from . import options, streams
 
 
 @click.command(epilog="Example: rocking info towers.h5 --verify")
@@ -51,10 +51,10 @@ def info(context: click.Context, files: tuple[str, ...], verify: bool, form: str
     if form is None:
         for record in records:
             for key, value in record.items():
-                click.echo(f"{key:<16} {'-' if value is None else value}")
+                streams.put(f"{key:<16} {'-' if value is None else value}")
     else:
         options.emit(records, form)
     for line in damaged:
-        click.echo(f"rocking: {line}", err=True)
+        streams.say(f"rocking: {line}")
     if damaged:
         context.exit(1)

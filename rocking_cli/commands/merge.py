@@ -11,7 +11,7 @@ from . import options
 
 @click.command(epilog="Example: rocking merge part-1.h5 part-2.h5 -o whole.h5")
 @click.argument("files", nargs=-1, required=True, metavar="FILE...")
-@click.option("-o", "--output", required=True, type=click.Path(path_type=Path), help="The HDF5 file to write.")
+@options.output
 @options.overwrite
 @options.quiet
 @click.pass_context

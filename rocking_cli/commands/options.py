@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-import os
 import sys
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import wraps
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from ..errors import OutputError, UsageError
+from ..errors import UsageError
+from . import streams
 
 if TYPE_CHECKING:
     from ..motions import Motion
@@ -18,10 +19,24 @@ if TYPE_CHECKING:
 
 F = Callable[..., Any]
 
+
+class OutputPath(click.Path):
+    """The name of a file to write."""
+
+    def __init__(self) -> None:
+        super().__init__(path_type=Path)
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        if value == "":
+            self.fail("found an empty name, accepted is the name of a file to write", param, ctx)
+        return super().convert(value, param, ctx)
+
+
 files = click.argument("files", nargs=-1, metavar="[FILE]...")
 json_output = click.option("--json", "form", flag_value="json", help="JSON Lines on standard output.")
 csv_output = click.option("--csv", "form", flag_value="csv", help="CSV on standard output.")
 quiet = click.option("-q", "--quiet", is_flag=True, help="No progress and no summary on standard error.")
+output = click.option("-o", "--output", required=True, type=OutputPath(), help="The HDF5 file to write.")
 overwrite = click.option("--overwrite", is_flag=True, help="Replace an output that exists.")
 workers = click.option("--workers", type=click.IntRange(1), help="Processes to use (default: all cores).")
 pulse = click.option("--pulse", metavar="NAME", help="Ground motion: sine (default), or one of the pulses listed in the README.")
@@ -144,31 +159,23 @@ def _motion_of(name: str | None, cycles: float | None, gamma: float | None, phas
     return read_motion(path)
 
 
-def emit(records: Iterable[Mapping[str, Any]], form: str | None, columns: Sequence[str] = ()) -> int:
-    """Records on standard output, each as soon as it is there; returns how many.
-
-    columns: the CSV header where there is no record. A reader that has gone ends the program, without an error.
-    """
+def emit(records: Iterable[Mapping[str, Any]], form: str | None, columns: Sequence[str] = ()) -> None:
+    """Records on standard output, each as soon as it is there; columns: the CSV header where there is no record."""
     from ..reports.tables import lines
 
-    count = 0
+    for line in lines(records, form or "table", columns, encoding=sys.stdout.encoding):
+        streams.put(line)
 
-    def counted() -> Iterator[Mapping[str, Any]]:
-        nonlocal count
-        for record in records:
-            count += 1
-            yield record
 
-    try:
-        for line in lines(counted(), form or "table", columns):
-            click.echo(line)
-    except BrokenPipeError:
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # keep the interpreter from flushing into the void
-        raise click.exceptions.Exit(0) from None
-    except OSError as error:
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        raise OutputError(f"standard output: cannot be written: {error.strerror or error}") from None
-    return count
+def at_most_the_cpus(workers: int | None, quiet: bool) -> int | None:
+    """The processes that --workers comes to: more than there are CPUs to use only get into each other's way, as a line says."""
+    from ..spectra.processes import available_cpus
+
+    cpus = available_cpus()
+    if workers is None or workers <= cpus:
+        return workers
+    note(f"--workers {workers}: reduced to {cpus}, the CPUs that may be used here", quiet)
+    return cpus
 
 
 def structures_of(files: tuple[str, ...], etas: tuple[float, ...] = ()) -> list[RockingParameters]:
@@ -196,15 +203,16 @@ class ProgressLine:
     """One line on standard error, rewritten; only on a terminal and not with --quiet."""
 
     def __init__(self, label: str, quiet: bool) -> None:
-        self.label, self.shown = label, not quiet and sys.stderr.isatty()
+        self.label, self.shown = streams.printable(label), not quiet and sys.stderr.isatty()
 
     def __call__(self, done: int, total: int) -> None:
         if self.shown:
             end = "\n" if done == total else ""
-            click.echo(f"\r{self.label}: {done}/{total} ({100 * done // max(1, total)} %)\x1b[K{end}", err=True, nl=False)
+            sys.stderr.write(f"\r{self.label}: {done}/{total} ({100 * done // max(1, total)} %)\x1b[K{end}")
+            sys.stderr.flush()
 
 
 def note(text: str, quiet: bool) -> None:
     """A line on standard error, unless --quiet."""
     if not quiet:
-        click.echo(text, err=True)
+        streams.say(text)

@@ -6,12 +6,12 @@ from pathlib import Path
 
 import click
 
-from . import options
+from . import options, streams
 
 
 @click.command(epilog="Example: rocking plot slice.h5 --text")
 @click.argument("file", type=click.Path(path_type=Path))
-@click.option("-o", "--output", type=click.Path(path_type=Path), help="The figure: .png, .svg or .pdf.")
+@click.option("-o", "--output", type=options.OutputPath(), help="The figure: .png, .svg or .pdf.")
 @click.option("--structure", metavar="NAME", help="Which structure of a spectra file is mapped (default: the first).")
 @click.option("--slice", "cut", metavar="AXIS=VALUE", help="Rocking spectra along the other axis instead of the map.")
 @click.option("--log", type=click.Choice(["x", "y", "xy"]), help="Logarithmic axes.")
@@ -32,7 +32,7 @@ def plot(file: Path, output: Path | None, structure: str | None, cut: str | None
     if text:
         with SpectraFile(file) as spectrum:
             for line in text_map(spectrum, structure, cut):
-                click.echo(line)
+                streams.put(line)
         return
     if output is None:
         raise click.UsageError("no output: give -o FIGURE.png (or .svg, .pdf), or --text")

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from . import options
+from . import options, streams
 
 if TYPE_CHECKING:
     from ..motions import Motion
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 @click.command(epilog="Example: rocking spectrum configs/block.yaml --grid a_g=0.1g:1g:50,f_g=0.5:5:40 -o block.h5")
 @options.files
 @click.option("--grid", "axes", required=True, metavar="AXES", help="a_g=START:STOP:N[:log],omega_g=… (or f_g, T_g), or A=…,Omega=….")
-@click.option("-o", "--output", required=True, type=click.Path(path_type=Path), help="The HDF5 file to write.")
+@options.output
 @options.eta
 @options.motion
 @options.method
@@ -76,7 +76,7 @@ def spectrum(
         motion,
         output,
         method=method,
-        workers=workers,
+        workers=options.at_most_the_cpus(workers, quiet),
         chunk_cells=chunk or CHUNK_CELLS,
         check=check,
         impacts=impacts,
@@ -85,7 +85,7 @@ def spectrum(
         scheduler=scheduler,
         shard=None if shard is None else _part(shard),
         documents=texts,
-        history=shlex.join(["rocking", *sys.argv[1:]]),
+        history=streams.printable(shlex.join(["rocking", *sys.argv[1:]])),
         progress=options.ProgressLine("spectrum", quiet),
     )
     for line in summary_lines(summary, str(output)):
@@ -97,7 +97,9 @@ def spectrum(
 
 
 def _part(text: str) -> tuple[int, int]:
-    part, slash, count = text.partition("/")
-    if not (slash and part.isdigit() and count.isdigit() and 1 <= int(part) <= int(count) <= 1_000_000):
+    from ..documents.quantities import parse_whole
+
+    part, count = (parse_whole(x) for x in text.partition("/")[::2])
+    if part is None or count is None or not 1 <= part <= count <= 1_000_000:
         raise click.UsageError(f"--shard: found {text!r}; accepted is I/N with I from 1 to N, such as 2/8")
-    return int(part), int(count)
+    return part, count

@@ -52,6 +52,12 @@ def parse_quantity(text: str, dimension: str) -> float:
     return value
 
 
+def parse_whole(text: str) -> int | None:
+    """The whole number that a text of up to 18 plain digits states, or None (`2e3`, `1_000`, `²` and `-1` are none)."""
+    text = text.strip()
+    return int(text) if text.isascii() and text.isdecimal() and len(text) <= 18 else None
+
+
 def accepted(dimension: str) -> str:
     """What a quantity of this dimension may look like, in words."""
     if dimension == "number":

@@ -17,13 +17,29 @@ UNITS = {
 }  # fmt: skip
 
 
-def json_line(record: Record) -> str:
-    """One JSON object on one line; NaN and infinities become null, which is what JSON knows."""
-    return json.dumps(_plain(record), ensure_ascii=False, allow_nan=False)
+_FORMULA = ("=", "+", "-", "@")  # a spreadsheet computes a text that begins with one of them
+
+
+def json_line(record: Record, encoding: str = "utf-8") -> str:
+    """One JSON object on one line; NaN and infinities become null, which is what JSON knows.
+
+    All in ASCII where it holds characters that no screen shows (JSON escapes only some of them) or that the encoding lacks.
+    """
+    line = json.dumps(_plain(record), ensure_ascii=False, allow_nan=False)
+    try:
+        line.encode(encoding)
+    except UnicodeEncodeError:
+        shows = False
+    else:
+        shows = line.isprintable()
+    return line if shows else json.dumps(_plain(record), allow_nan=False)
 
 
 def csv_lines(records: Iterable[Record], columns: Sequence[str] = ()) -> Iterator[str]:
-    """A header and one row a record, columns in order of the first record (or given); lists are written as JSON."""
+    """A header and one row a record, columns in order of the first record (or given); lists are written as JSON.
+
+    A text that a spreadsheet would take for a formula begins with an apostrophe instead.
+    """
     header: list[str] | None = None
     for record in records:
         if header is None:
@@ -49,10 +65,10 @@ def table_lines(records: Iterable[Record], digits: int = 6) -> Iterator[str]:
         yield "  ".join(parts).rstrip()
 
 
-def lines(records: Iterable[Record], form: str, columns: Sequence[str] = ()) -> Iterator[str]:
-    """Records in the form `json`, `csv` or `table`; `columns` is the header of a CSV without records."""
+def lines(records: Iterable[Record], form: str, columns: Sequence[str] = (), *, encoding: str = "utf-8") -> Iterator[str]:
+    """Records in the form `json`, `csv` or `table`; columns: the header of a CSV without records; encoding: of the output."""
     if form == "json":
-        return (json_line(r) for r in records)
+        return (json_line(r, encoding) for r in records)
     return csv_lines(records, columns) if form == "csv" else table_lines(records)
 
 
@@ -76,6 +92,8 @@ def _csv_cell(value: Any) -> Any:
     value = _plain(value)
     if isinstance(value, list | dict):
         return json.dumps(value, ensure_ascii=False)
+    if isinstance(value, str) and value.startswith(_FORMULA):
+        return f"'{value}"
     return "" if value is None else value
 
 

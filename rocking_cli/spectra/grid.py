@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..documents.quantities import parse_quantity
+from ..documents.quantities import parse_quantity, parse_whole
 from ..errors import UsageError
 from ..structures.parameters import RockingParameters
 
@@ -132,7 +132,8 @@ def parse_span(key: str, span: str, dimension: str) -> np.ndarray:
     if len(parts) == 1:
         return np.array(bounds)
     start, stop = bounds
-    if not parts[2].strip().isdigit() or not 2 <= int(parts[2]) <= MAX_VALUES:
+    count = parse_whole(parts[2])
+    if count is None or not 2 <= count <= MAX_VALUES:
         raise UsageError(
             f"{key}: found N = {parts[2]!r}; accepted is a whole number from 2 to {MAX_VALUES} (a single value is written {key}=VALUE)"
         )
@@ -143,8 +144,8 @@ def parse_span(key: str, span: str, dimension: str) -> np.ndarray:
     if len(parts) == 4:
         if start <= 0.0:
             raise UsageError(f"{key}: a logarithmic axis begins above zero, found {parts[0]}")
-        return np.asarray(np.geomspace(start, stop, int(parts[2])))
-    return np.linspace(start, stop, int(parts[2]))
+        return np.asarray(np.geomspace(start, stop, count))
+    return np.linspace(start, stop, count)
 
 
 def _span(key: str, span: str, dimension: str) -> np.ndarray:

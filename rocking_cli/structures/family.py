@@ -9,7 +9,7 @@ from dataclasses import replace
 from typing import Any, NamedTuple
 
 from ..documents.document import Document
-from ..documents.quantities import split_quantity
+from ..documents.quantities import parse_whole, split_quantity
 from ..errors import DocumentError, UsageError
 from .parameters import RockingParameters
 
@@ -48,9 +48,9 @@ def parse_variation(text: str) -> Variation:
     (start, unit), (stop, other) = low, high
     if unit != other and unit and other:
         raise UsageError(f"--vary {key}: bounds in {unit} and {other}; accepted is one unit for both")
-    if not parts[2].strip().isdigit() or int(parts[2]) < 1:
+    count = parse_whole(parts[2])
+    if count is None or count < 1:
         raise UsageError(f"--vary {key}: found N = {parts[2]!r}; accepted is a whole number from 1")
-    count = int(parts[2])
     if count > MAX_MEMBERS:
         raise UsageError(f"--vary {key}: {count} values, accepted are up to {MAX_MEMBERS}")
     if count == 1 and start != stop:

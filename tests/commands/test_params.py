@@ -52,7 +52,8 @@ def test_members_without_a_solution_are_reported_and_the_rest_kept(rocking):
 
 
 @pytest.mark.parametrize(
-    "vary", ["width", "width=1", "width=1:2", "width=1:2:0", "width=1:2:x", "width=a:b:3", "width=1m:2mm:3", "width=1:2:99999999"]
+    "vary",
+    ["width", "width=1", "width=1:2", "width=1:2:0", "width=1:2:²", "width=1:2:x", "width=a:b:3", "width=1m:2mm:3", "width=1:2:99999999"],
 )
 def test_vary_that_cannot_be_read(refused, vary):
     assert "--vary" in refused(2, "params", "configs/block.yaml", "--vary", vary)

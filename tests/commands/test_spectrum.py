@@ -81,6 +81,8 @@ def test_quiet_says_nothing(rocking):
         (["--grid", SMALL, "--workers", "0"], "workers"),
         (["--grid", SMALL, "--chunk", "0"], "chunk"),
         (["--grid", SMALL, "--eta", "1.5"], "1.5"),
+        (["--grid", SMALL, "--shard", "²/3"], "accepted is I/N"),
+        (["--grid", SMALL, "--shard", "4/3"], "accepted is I/N"),
         ([], "--grid"),
     ],
 )
@@ -135,6 +137,7 @@ def test_ctrl_c_and_sigterm_keep_what_was_done(tmp_path, workers, stop):
         workers,
         "--chunk",
         "30000",
+        "-q",
     ]
     process = subprocess.Popen(
         [sys.executable, "-m", "rocking_cli", *arguments], cwd=tmp_path, stderr=subprocess.PIPE, text=True, start_new_session=True

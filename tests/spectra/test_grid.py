@@ -57,6 +57,8 @@ def test_scaling_to_a_structure():
         ("A=1:2:0,Omega=1:2:3", "N = '0'"),
         ("A=1:2:-3,Omega=1:2:3", "N = '-3'"),
         ("A=1:2:2.5,Omega=1:2:3", "N = '2.5'"),
+        ("A=1:2:²,Omega=1:2:3", "N = '²'"),
+        (f"A=1:2:{'9' * 5000},Omega=1:2:3", "N = '999"),
         ("A=-1:2:3,Omega=1:2:3", "positive values or zero"),
         ("A=1:2:3,Omega=0:2:3", "positive values"),
         ("A=0:2:3:log,Omega=1:2:3", "begins above zero"),

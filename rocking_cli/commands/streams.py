@@ -1,0 +1,109 @@
+"""The standard streams of a call: the one place where output may fail, and where foreign text loses its power over a terminal."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager, redirect_stderr, redirect_stdout, suppress
+from typing import TextIO, cast
+
+import click
+
+from ..errors import OutputError
+
+
+def printable(text: str) -> str:
+    """The text with everything that is not a visible character or a space escaped: control characters, and half characters."""
+    if text.isprintable():
+        return text
+    return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in text)
+
+
+def put(line: str) -> None:
+    """A line on standard output, at once."""
+    sys.stdout.write(f"{printable(line)}\n")
+    sys.stdout.flush()
+
+
+def say(line: str) -> None:
+    """A line on standard error, at once."""
+    sys.stderr.write(f"{printable(line)}\n")
+    sys.stderr.flush()
+
+
+@contextmanager
+def guarded() -> Iterator[None]:
+    """For a call: a reader of standard output who has gone ends it without an error, what else befalls the streams is said once.
+
+    Standard error may be closed or full; that changes nothing.
+    """
+    _occupy_descriptors()
+    with redirect_stdout(cast(TextIO, _Output(sys.stdout))), redirect_stderr(cast(TextIO, _Stream(sys.stderr))):
+        yield
+
+
+def _occupy_descriptors() -> None:
+    """A file opened while descriptor 1 or 2 is closed would take its number, and what a C library prints would go into it."""
+    descriptor = 0
+    while descriptor <= 2:
+        descriptor = os.open(os.devnull, os.O_RDWR)
+    os.close(descriptor)
+
+
+class _Stream:
+    """Standard error, or None where it is closed; what its encoding lacks is escaped, and a failure is nobody's error.
+
+    It has no `buffer`, so that nobody writes past it.
+    """
+
+    def __init__(self, stream: TextIO | None) -> None:
+        self._stream = stream
+        self.encoding = getattr(stream, "encoding", None) or "utf-8"
+        self.errors = "backslashreplace"
+
+    def write(self, text: str | bytes) -> int:
+        if isinstance(text, bytes):
+            if not text:
+                raise TypeError("a stream of text")  # click asks in this way whether it is one
+            text = text.decode()  # click writes what completes a word as bytes
+        try:
+            if self._stream is None:
+                raise OSError("it is closed")
+            if text:  # an empty one fails on a full device, which click would take for an answer
+                self._stream.write(text.encode(self.encoding, self.errors).decode(self.encoding))
+        except OSError as error:
+            self._failed(error)
+        return len(text)
+
+    def flush(self) -> None:
+        try:
+            if self._stream is not None:
+                self._stream.flush()
+        except OSError as error:
+            self._failed(error)
+
+    def isatty(self) -> bool:
+        return self._stream is not None and self._stream.isatty()
+
+    def fileno(self) -> int:
+        if self._stream is None:
+            raise OSError("it is closed")
+        return self._stream.fileno()
+
+    def _failed(self, error: OSError) -> None:
+        """Keep the interpreter from flushing into the void when it ends."""
+        with suppress(OSError, ValueError):
+            void = os.open(os.devnull, os.O_WRONLY)
+            os.dup2(void, self.fileno())
+            os.close(void)
+
+
+class _Output(_Stream):
+    """Standard output: a reader who has gone has read enough, other failures are errors."""
+
+    def _failed(self, error: OSError) -> None:
+        super()._failed(error)
+        if isinstance(error, BrokenPipeError):
+            raise click.exceptions.Exit(0) from None
+        raise OutputError(f"standard output: cannot be written: {error.strerror or error}") from None

@@ -1,0 +1,156 @@
+"""The standard streams: readers who go, devices that are full or closed, encodings, control characters, names that are none."""
+
+from __future__ import annotations
+
+import io
+import json
+import os
+import subprocess
+import sys
+
+import click
+import h5py
+import pytest
+
+from rocking_cli import interruption
+from rocking_cli.commands import main, options, streams
+from rocking_cli.errors import OutputError
+
+PROGRAM = f"{sys.executable} -m rocking_cli"
+SWEEP = "spectrum --eta 0.9 --grid A=1:2:3,Omega=1:2:3"
+
+
+def shell(line: str, folder) -> subprocess.CompletedProcess[str]:
+    line = f"set -o pipefail; {line.replace('rocking', PROGRAM)}"
+    return subprocess.run(["bash", "-c", line], cwd=folder, capture_output=True, text=True, timeout=60, check=False)
+
+
+class Failing(io.StringIO):
+    """A stream whose every write fails, as a pipe without a reader or a full disk."""
+
+    def __init__(self, error: OSError) -> None:
+        super().__init__()
+        self.error = error
+
+    def write(self, text: str) -> int:
+        raise self.error
+
+
+@pytest.mark.parametrize(
+    ("text", "shown"),
+    [
+        ("Säule α ≤ 3°, 石", "Säule α ≤ 3°, 石"),
+        ("\x1b[31mred\x07", r"\x1b[31mred\x07"),
+        ("two\nlines\r\t", r"two\nlines\r\t"),
+        ("\x9b31m\x7f", r"\x9b31m\x7f"),
+        ("right \u202e to left \u2028", r"right \u202e to left \u2028"),
+        ("not UTF-8: \udcff", r"not UTF-8: \udcff"),
+    ],
+)
+def test_only_visible_characters_reach_a_terminal(text, shown, capsys):
+    with streams.guarded():
+        streams.put(text)
+        streams.say(text)
+    assert capsys.readouterr() == (f"{shown}\n", f"{shown}\n")
+
+
+def test_a_reader_who_has_gone_ends_the_call_without_an_error(monkeypatch):
+    monkeypatch.setattr(sys, "stdout", Failing(BrokenPipeError(32, "Broken pipe")))
+    with streams.guarded(), pytest.raises(click.exceptions.Exit) as ended:
+        streams.put("a line")
+    assert ended.value.exit_code == 0
+
+
+@pytest.mark.parametrize(
+    ("stream", "words"), [(Failing(OSError(28, "No space left on device")), "No space left on device"), (None, "it is closed")]
+)
+def test_output_that_cannot_be_written_is_an_error(stream, words, monkeypatch):
+    monkeypatch.setattr(sys, "stdout", stream)
+    with streams.guarded(), pytest.raises(OutputError, match=f"^standard output: cannot be written: {words}$"):
+        streams.put("a line")
+
+
+@pytest.mark.parametrize("stream", [Failing(OSError(28, "No space left on device")), Failing(BrokenPipeError(32, "Broken pipe")), None])
+def test_standard_error_may_fail(stream, monkeypatch):
+    monkeypatch.setattr(sys, "stderr", stream)
+    with streams.guarded():
+        streams.say("a line")
+        assert not sys.stderr.isatty()
+
+
+@pytest.mark.parametrize(("encoding", "shown"), [("latin-1", "ä\\u03b2"), ("ascii", "\\xe4\\u03b2"), ("utf-8", "äβ")])
+def test_what_the_encoding_lacks_is_escaped(encoding, shown, monkeypatch):
+    raw = io.BytesIO()
+    monkeypatch.setattr(sys, "stdout", io.TextIOWrapper(raw, encoding=encoding))
+    with streams.guarded():
+        streams.put("äβ")
+    assert raw.getvalue().decode(encoding) == f"{shown}\n"
+
+
+@pytest.mark.parametrize("encoding", ["ascii", "latin-1", "utf-8"])
+def test_json_is_json_in_every_encoding(encoding, rocking, tmp_path):
+    (tmp_path / "b.yaml").write_text('kind: block\nname: "Säule β \U0001f5fc"\nwidth: 1\nheight: 5\n', encoding="utf-8")
+    done = subprocess.run(
+        [sys.executable, "-m", "rocking_cli", "params", "b.yaml", "--json"],
+        cwd=tmp_path, env={**os.environ, "PYTHONIOENCODING": encoding}, capture_output=True, check=True,
+    )  # fmt: skip
+    assert json.loads(done.stdout.decode(encoding))["name"] == "Säule β \U0001f5fc"
+
+
+@pytest.mark.parametrize("call", ["--help", "--version", "params --help", "params b.yaml", "info s.h5", "plot s.h5 --text", "convert s.h5"])
+def test_every_output_ends_alike(call, tmp_path, spectrum_file):
+    (tmp_path / "b.yaml").write_text("kind: block\nwidth: 1\nheight: 5\n")
+    (tmp_path / "s.h5").symlink_to(spectrum_file)
+    gone = shell(f"(sleep 0.3; rocking {call}) | true", tmp_path)  # the reader is gone before the first line
+    assert (gone.returncode, gone.stderr) == (0, "")
+    full = shell(f"rocking {call} > /dev/full", tmp_path)
+    assert (full.returncode, full.stderr) == (1, "rocking: standard output: cannot be written: No space left on device\n")
+    closed = shell(f"rocking {call} >&-", tmp_path)
+    assert (closed.returncode, closed.stderr) == (1, "rocking: standard output: cannot be written: it is closed\n")
+
+
+def test_closed_descriptors_do_not_end_up_in_the_file(tmp_path):
+    """Without care the file would be opened as descriptor 2, and what a library says there be written into it."""
+    assert shell(f"rocking {SWEEP} -o s.h5 2>&-", tmp_path).returncode == 0
+    assert shell(f"rocking {SWEEP} -o t.h5 <&- >&- 2>&-", tmp_path).returncode == 0
+    for name in ("s.h5", "t.h5"):
+        done = shell(f"rocking info --verify {name} --json", tmp_path)
+        assert json.loads(done.stdout)["damaged_chunks"] == 0
+
+
+def test_names_that_are_not_utf_8_or_too_long(tmp_path):
+    done = shell(f"rocking {SWEEP} -q -o $'\\xff.h5' && rocking info --json $'\\xff.h5'", tmp_path)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert json.loads(done.stdout)["file"] == "\udcff.h5"
+    with h5py.File(tmp_path / "\udcff.h5") as file:
+        assert r"\udcff.h5" in file.attrs["history"]
+    for call in (f"{SWEEP} -o", "params", "info", "merge s.h5 -o"):
+        done = shell(f"rocking {call} {'x' * 300}", tmp_path)
+        assert done.returncode in (1, 2)
+        assert done.stderr.startswith("rocking")
+        assert len(done.stderr.splitlines()) == 1
+
+
+@pytest.mark.parametrize("arguments", [["merge", "s.h5", "-o", ""], [*SWEEP.split(), "-o", ""], ["plot", "s.h5", "-o", ""]])
+def test_an_empty_name_is_refused(arguments, refused):
+    assert "found an empty name" in refused(2, *arguments)
+
+
+def test_a_message_is_one_line_whatever_it_quotes(capsys, monkeypatch):
+    monkeypatch.setattr(interruption, "listen", lambda: None)
+    with pytest.raises(SystemExit) as ended:
+        main(["params", "--\x1b[31mx\ny"])
+    assert ended.value.code == 2
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert err == "rocking params: No such option '--\\x1b[31mx\\ny'. (see --help)\n"
+
+
+def test_more_workers_than_cpus_are_reduced_with_a_line(capsys, monkeypatch):
+    monkeypatch.setattr("rocking_cli.spectra.processes.available_cpus", lambda: 3)
+    assert [options.at_most_the_cpus(n, False) for n in (None, 1, 3)] == [None, 1, 3]
+    assert capsys.readouterr().err == ""
+    assert options.at_most_the_cpus(64, False) == 3
+    assert capsys.readouterr().err == "--workers 64: reduced to 3, the CPUs that may be used here\n"
+    assert options.at_most_the_cpus(64, True) == 3
+    assert capsys.readouterr().err == ""

@@ -1,0 +1,17 @@
+"""Numbers as people write them."""
+
+from __future__ import annotations
+
+import pytest
+
+from rocking_cli.documents.quantities import parse_whole
+
+
+@pytest.mark.parametrize(("text", "number"), [("7", 7), (" 010 ", 10), ("9" * 18, 10**18 - 1)])
+def test_whole_numbers(text, number):
+    assert parse_whole(text) == number
+
+
+@pytest.mark.parametrize("text", ["", " ", "²", "٣", "-1", "+1", "1.0", "1e3", "1_000", "0x10", "9" * 19, "9" * 5000])
+def test_texts_that_are_no_whole_number(text):
+    assert parse_whole(text) is None
