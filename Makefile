@@ -28,7 +28,7 @@ out/demo.h5: $(STAMPS)/install $(CODE) $(CONFIGS)
 	.venv/bin/rocking envelope configs/block.yaml --grid f_g=0.5:2:4
 
 $(STAMPS)/test: $(STAMPS)/dev $(CODE) $(CONFIGS) $(TESTS) README.md
-	.venv/bin/python -m pytest
+	.venv/bin/python -m pytest -n 2
 	touch $@
 
 $(STAMPS)/lint: $(STAMPS)/dev $(CODE) $(TESTS)

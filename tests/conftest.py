@@ -1,7 +1,9 @@
-"""Shared by the tests: the command line as a user meets it, in a process of its own."""
+"""Shared by the tests: the command line as a user meets it, in this process, and a spectra file to read."""
 
 from __future__ import annotations
 
+import io
+import signal
 import subprocess
 import sys
 from collections.abc import Callable
@@ -10,21 +12,37 @@ from pathlib import Path
 import pytest
 
 from rocking_cli import dimensionless_oscillator, parse_grid, sine, write_spectrum
+from rocking_cli.commands import main
 
 ROOT = Path(__file__).resolve().parent.parent
 Run = Callable[..., subprocess.CompletedProcess[str]]
 
 
 @pytest.fixture
-def rocking(tmp_path: Path) -> Run:
-    """Run `rocking` in an empty folder; the repository's configs are at hand as `configs`."""
+def rocking(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Run:
+    """Run `rocking` in an empty folder; the repository's configs are at hand as `configs`.
+
+    In this process, with streams of its own; an exception that `main` lets through, a traceback for the user, fails the test.
+    """
     (tmp_path / "configs").symlink_to(ROOT / "configs")
 
     def run(*arguments: str, stdin: str | None = None) -> subprocess.CompletedProcess[str]:
-        return subprocess.run(
-            [sys.executable, "-m", "rocking_cli", *arguments],
-            cwd=tmp_path, input=stdin if stdin is not None else "", capture_output=True, text=True, timeout=120, check=False,
-        )  # fmt: skip
+        handlers = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
+        with monkeypatch.context() as patch:
+            patch.chdir(tmp_path)
+            patch.setattr(sys, "argv", ["rocking", *arguments])
+            patch.setattr(sys, "stdin", io.TextIOWrapper(io.BytesIO((stdin or "").encode()), encoding="utf-8"))
+            streams = [io.TextIOWrapper(io.BytesIO(), encoding="utf-8", write_through=True) for _ in range(2)]
+            patch.setattr(sys, "stdout", streams[0])
+            patch.setattr(sys, "stderr", streams[1])
+            try:
+                with pytest.raises(SystemExit) as ended:
+                    main(list(arguments))
+            finally:
+                for number, handler in handlers.items():
+                    signal.signal(number, handler)
+        said = [stream.buffer.getvalue().decode() for stream in streams]
+        return subprocess.CompletedProcess(list(arguments), int(ended.value.code or 0), *said)
 
     return run
 

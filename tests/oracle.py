@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from functools import lru_cache
 
 import numpy as np
 from scipy.integrate import solve_ivp
@@ -31,6 +32,17 @@ LADDER = Motion("ladder", (Piece(0, 1, (), 0.5, -1.2), Piece(1, 2.5, (), 1.0), P
 def ladder(q: float) -> float:
     """The motion LADDER by its formula: a ramp, two plateaus, a ramp."""
     return 0.5 - 1.2 * q if q < 1 else 1.0 if q < 2.5 else -0.5 if q < 4 else -0.9 + 0.9 * (q - 4)
+
+
+def _inside(phase: float, phase_end: float) -> float:
+    return min(max(phase, 1e-13), phase_end * (1 - 1e-15))
+
+
+@lru_cache(maxsize=8)
+def _samples(s: Callable[[float], float], phase_end: float) -> tuple[np.ndarray, np.ndarray]:
+    """40,001 phases from 0 to the end, and |s| there."""
+    fine = np.linspace(0.0, phase_end, 40_001)
+    return fine, np.array([abs(s(_inside(float(x), phase_end))) for x in fine])
 
 
 def _ground(t: float, z: np.ndarray) -> float:
@@ -61,22 +73,18 @@ def integrate(
     def excess(phase: float) -> float:
         return amplitude * abs(s(phase)) - 1.0
 
-    fine = np.linspace(0.0, phase_end, 40_001)
+    fine, strength = _samples(s, phase_end)
     marks = sorted({0.0, phase_end, *breaks, *np.arange(0.0, phase_end, 2 * math.pi / pieces_a_turn)})
     end = phase_end / omega
     time, side, y, v, peak, impacts = 0.0, 0, 0.0, 0.0, 0.0, 0
     while True:
         if side == 0:  # at rest: find the next uplift
-            now = [x for x in fine if x / omega > time] if time > 0.0 else list(fine)
             lift = None
-            before = time * omega
-            for x in now:
-                inside = min(max(x, 1e-13), phase_end * (1 - 1e-15))
-                if amplitude * abs(s(inside)) > 1.0:
-                    lift = brentq(excess, before, x, xtol=1e-15) if x > before and excess(before) < 0.0 else before
-                    side = -int(np.sign(s(inside)))
-                    break
-                before = x
+            after = np.flatnonzero((amplitude * strength > 1.0) & ((fine / omega > time) | (time == 0.0)))
+            if after.size:
+                x, before = fine[after[0]], max(time * omega, fine[max(after[0] - 1, 0)])
+                lift = brentq(excess, before, x, xtol=1e-15) if x > before and excess(before) < 0.0 else before
+                side = -int(np.sign(s(_inside(x, phase_end))))
             if lift is None:
                 return ("rocked" if peak > 0.0 else "no_uplift"), peak, impacts
             time, y, v = lift / omega, 0.0, 0.0

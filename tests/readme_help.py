@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import contextlib
+import io
 import os
 import re
-import subprocess
-import sys
 from pathlib import Path
+from unittest import mock
 
 README = Path(__file__).resolve().parent.parent / "README.md"
 START, END = "<!-- help -->\n", "<!-- /help -->"
@@ -14,13 +15,13 @@ START, END = "<!-- help -->\n", "<!-- /help -->"
 
 def blocks() -> str:
     """`rocking COMMAND --help` of every command, as Markdown."""
-    from rocking_cli.commands import COMMANDS
+    from rocking_cli.commands import COMMANDS, cli
 
     found = []
     for name in COMMANDS:
-        call = [sys.executable, "-m", "rocking_cli", name, "--help"]
-        done = subprocess.run(call, capture_output=True, text=True, check=True, env={**os.environ, "COLUMNS": "100"})
-        found.append(f"```text\n{done.stdout.rstrip()}\n```\n")
+        with mock.patch.dict(os.environ, COLUMNS="100"), contextlib.redirect_stdout(io.StringIO()) as shown:
+            cli.main([name, "--help"], prog_name="rocking", standalone_mode=False)
+        found.append(f"```text\n{shown.getvalue().rstrip()}\n```\n")
     return "\n".join(found)
 
 

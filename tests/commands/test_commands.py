@@ -8,6 +8,7 @@ import sys
 
 import click
 import pytest
+from watching import PROGRAM
 
 from rocking_cli.commands import COMMANDS, cli
 
@@ -57,7 +58,7 @@ def test_a_closed_pipe_is_no_error(tmp_path):
 def test_a_full_disk_is_one_sentence(tmp_path, pytestconfig):
     with open("/dev/full", "w") as full:
         done = subprocess.run(
-            [sys.executable, "-m", "rocking_cli", "params", str(pytestconfig.rootpath / "configs/block.yaml"), "--json"],
+            [*PROGRAM, "params", str(pytestconfig.rootpath / "configs/block.yaml"), "--json"],
             stdout=full, stderr=subprocess.PIPE, text=True, check=False,
         )  # fmt: skip
     assert done.returncode == 1

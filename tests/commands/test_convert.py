@@ -1,26 +1,23 @@
-"""`rocking info` and `rocking convert` at the shell."""
+"""`rocking convert` at the shell."""
 
 from __future__ import annotations
 
 import json
+import math
 
-import pytest
-from written import SMALL_SCENE
+import h5py
+
+from rocking_cli import Outcome
 
 
-def test_info_and_convert(rocking):
-    rocking("spectrum", *SMALL_SCENE, "-o", "s.h5")
-    (record,) = [json.loads(x) for x in rocking("info", "s.h5", "--verify", "--json").stdout.splitlines()]
-    assert record["complete"] == "yes"
-    assert record["damaged_chunks"] == 0
+def test_every_cell_is_a_line_in_the_order_of_the_file(rocking, tmp_path):
+    rocking("spectrum", "--eta", "0.9", "--eta", "0.7", "--grid", "A=0.5:12:20,Omega=0.5:12:15", "-o", "s.h5", "-q")
+    with h5py.File(tmp_path / "s.h5") as file:
+        theta, outcome = file["theta_ratio"][...], file["outcome"][...]
     lines = rocking("convert", "s.h5").stdout.splitlines()
     assert lines[0] == "structure,Omega,A,outcome,theta_ratio"
-    assert len(lines) == 1 + 2 * 200 * 200
-    first = json.loads(rocking("convert", "s.h5", "--json").stdout.splitlines()[39_999])
-    assert first == {
-        "structure": "eta=0.9",
-        "Omega": 12.0,
-        "A": 12.0,
-        "outcome": "rocked",
-        "theta_ratio": pytest.approx(first["theta_ratio"]),
-    }
+    assert len(lines) == 1 + 2 * 15 * 20
+    assert [line.split(",")[3] for line in lines[1:]] == [Outcome(o).flag for o in outcome.flat]
+    records = [json.loads(line) for line in rocking("convert", "s.h5", "--json").stdout.splitlines()]
+    assert [r["theta_ratio"] for r in records] == [None if math.isnan(x) else x for x in theta.flat]
+    assert records[299] == {"structure": "eta=0.9", "Omega": 12.0, "A": 12.0, "outcome": "rocked", "theta_ratio": theta[0, -1, -1]}

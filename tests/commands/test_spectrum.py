@@ -6,12 +6,11 @@ import json
 import os
 import signal
 import subprocess
-import sys
-import time
 
 import h5py
 import numpy as np
 import pytest
+from watching import PATIENCE, PROGRAM, grows
 
 from rocking_cli import Outcome, sine
 from rocking_cli.dynamics.equations.linear import LinearModel
@@ -125,32 +124,15 @@ def test_nonlinear_sweep_of_the_reference_block(rocking, tmp_path):
 
 @pytest.mark.parametrize(("workers", "stop"), [("1", signal.SIGINT), ("2", signal.SIGINT), ("2", signal.SIGTERM)])
 def test_ctrl_c_and_sigterm_keep_what_was_done(tmp_path, workers, stop):
-    arguments = [
-        "spectrum",
-        "--eta",
-        "0.9",
-        "--grid",
-        "A=0.5:12:3000,Omega=0.5:12:3000",
-        "-o",
-        "s.h5",
-        "--workers",
-        workers,
-        "--chunk",
-        "30000",
-        "-q",
-    ]
-    process = subprocess.Popen(
-        [sys.executable, "-m", "rocking_cli", *arguments], cwd=tmp_path, stderr=subprocess.PIPE, text=True, start_new_session=True
-    )
+    call = [*PROGRAM, "spectrum", "--eta", "0.9", "--grid", "A=0.5:12:3000,Omega=0.5:12:3000", "--chunk", "30000", "-q", "-o", "s.h5"]
+    process = subprocess.Popen([*call, "--workers", workers], cwd=tmp_path, stderr=subprocess.PIPE, text=True, start_new_session=True)
     part = tmp_path / "s.h5.part"
-    deadline = time.monotonic() + 60
-    while not (part.exists() and part.stat().st_size > 200_000) and time.monotonic() < deadline:
-        time.sleep(0.01)
+    assert grows(part, 200_000, process)
     if stop == signal.SIGINT:
         os.killpg(process.pid, stop)  # a terminal tells the whole group
     else:
         process.send_signal(stop)
-    _, said = process.communicate(timeout=60)
+    _, said = process.communicate(timeout=PATIENCE)
     assert process.returncode == 130
     assert said.startswith("rocking: interrupted; ")
     assert len(said.strip().splitlines()) == 1

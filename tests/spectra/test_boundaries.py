@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.integrate import trapezoid
 
 from rocking_cli import (
     Outcome,
@@ -37,7 +38,7 @@ def test_an_impulse_overturns_just_above_that_bound():
 def path(motion):
     """int |s| dphi by the trapezium rule."""
     phase = np.linspace(0.0, motion.duration, 200_001)
-    return float(np.trapezoid(np.abs(motion.value(phase)), phase))
+    return float(trapezoid(np.abs(motion.value(phase)), phase))
 
 
 @pytest.mark.parametrize("motion", MOTIONS[:6], ids=lambda m: m.name)

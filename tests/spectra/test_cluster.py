@@ -6,11 +6,11 @@ import os
 import signal
 import subprocess
 import sys
-import time
 
 import h5py
 import numpy as np
 import pytest
+from watching import PATIENCE, PROGRAM, grows
 
 CLUSTER = """
 import sys
@@ -31,30 +31,38 @@ def cluster(tmp_path):
     address, *workers = process.stdout.readline().split()
     yield address, [int(w) for w in workers]
     process.stdin.close()
-    process.wait(timeout=60)
+    process.wait(timeout=PATIENCE)
     process.stdout.close()
 
 
 def test_a_cluster_computes_the_same_file_though_a_worker_dies(rocking, cluster, tmp_path):
     address, workers = cluster
-    call = ["spectrum", "--eta", "0.9", "--grid", "A=0.5:12:1200,Omega=0.5:12:1200", "--chunk", "20000", "-q"]
+    call = ["spectrum", "--eta", "0.9", "--grid", "A=0.5:12:800,Omega=0.5:12:800", "--chunk", "10000", "-q"]
     assert rocking(*call, "-o", "here.h5").returncode == 0
-    command = [sys.executable, "-m", "rocking_cli", *call, "-o", "there.h5", "--scheduler", address]
+    command = [*PROGRAM, *call, "-o", "there.h5", "--scheduler", address]
     process = subprocess.Popen(command, cwd=tmp_path, stderr=subprocess.PIPE, text=True)
-    part = tmp_path / "there.h5.part"
-    deadline = time.monotonic() + 60
-    while not (part.exists() and part.stat().st_size > 150_000) and process.poll() is None and time.monotonic() < deadline:
-        time.sleep(0.01)
+    grows(tmp_path / "there.h5.part", 50_000, process)
     os.kill(workers[0], signal.SIGKILL)
-    _, said = process.communicate(timeout=120)
+    _, said = process.communicate(timeout=PATIENCE)
     assert process.returncode == 0, said
     with h5py.File(tmp_path / "here.h5") as a, h5py.File(tmp_path / "there.h5") as b:
         assert np.array_equal(a["theta_ratio"][...], b["theta_ratio"][...], equal_nan=True)
         assert np.array_equal(a["outcome"][...], b["outcome"][...])
 
 
-def test_no_scheduler_is_a_sentence(rocking):
-    done = rocking("spectrum", "--eta", "0.9", "--grid", "A=1:2:3,Omega=1:2:3", "-o", "s.h5", "--scheduler", "tcp://127.0.0.1:9")
+IMPATIENT = """
+import sys
+import distributed
+from rocking_cli.commands import main
+client = distributed.Client
+distributed.Client = lambda address, **options: client(address, **{**options, "timeout": "0.2s"})
+main(sys.argv[1:])
+"""
+
+
+def test_no_scheduler_is_a_sentence(tmp_path):
+    call = ["spectrum", "--eta", "0.9", "--grid", "A=1:2:3,Omega=1:2:3", "-o", str(tmp_path / "s.h5"), "--scheduler", "tcp://127.0.0.1:9"]
+    done = subprocess.run([sys.executable, "-c", IMPATIENT, *call], capture_output=True, text=True, timeout=PATIENCE, check=False)
     assert done.returncode == 1
     assert "no dask scheduler answers at tcp://127.0.0.1:9" in done.stderr
     assert "Traceback" not in done.stderr

@@ -14,6 +14,7 @@ import h5py
 import numpy as np
 import pytest
 import xarray
+from watching import PATIENCE, PROGRAM, children, grows
 from written import SMALL_SCENE, same_file
 
 from rocking_cli import (
@@ -30,18 +31,18 @@ from rocking_cli import (
 
 
 def kill_loop(folder, kills, seed, values):
-    """SIGKILL a resumed sweep at random moments; every part opens, every finished file equals the uninterrupted one."""
+    """SIGKILL a resumed sweep at random sizes of its part; every part opens, every finished file equals the uninterrupted one."""
     moment, finished, opened = random.Random(seed), 0, 0
-    call = [sys.executable, "-m", "rocking_cli", "spectrum", "--eta", "0.9", "--eta", "0.7", "-q", "--chunk", "10000"]
+    call = [*PROGRAM, "spectrum", "--eta", "0.9", "--eta", "0.7", "-q", "--chunk", "10000"]
     call += ["--grid", f"A=0.5:12:{values},Omega=0.5:12:{values}"]
-    began = time.perf_counter()
     subprocess.run([*call, "-o", "whole.h5"], cwd=folder, check=True)
-    usual = time.perf_counter() - began
+    whole, part = (folder / "whole.h5").stat().st_size, folder / "cut.h5.part"
     done = 0
     while done < kills or not finished:
         process = subprocess.Popen([*call, "-o", "cut.h5", "--resume"], cwd=folder, stderr=subprocess.PIPE, start_new_session=True)
-        if done < kills:
-            time.sleep(moment.uniform(0.15, 0.9) * usual)
+        begun = part.stat().st_size if part.exists() else -1
+        if done < kills and grows(part, begun + int(moment.uniform(0.0, 0.5) * whole), process):
+            time.sleep(moment.uniform(0.0, 0.02))  # somewhere between two writes, or in one
             if process.poll() is None:
                 os.killpg(process.pid, signal.SIGKILL)
         said = process.communicate()[1]
@@ -51,15 +52,15 @@ def kill_loop(folder, kills, seed, values):
             same_file(folder / "cut.h5", folder / "whole.h5")
             (folder / "cut.h5").unlink()
             finished += 1
-        elif (folder / "cut.h5.part").exists():
-            with h5py.File(folder / "cut.h5.part") as part:
-                assert part["chunk_done"].shape == part["chunk"].shape
+        elif part.exists():
+            with h5py.File(part) as file:
+                assert file["chunk_done"].shape == file["chunk"].shape
             opened += 1
     return finished, opened
 
 
 def test_killed_sweeps_go_on_to_the_same_file(tmp_path):
-    finished, opened = kill_loop(tmp_path, 6, 1, 500)
+    finished, opened = kill_loop(tmp_path, 5, 1, 300)
     assert finished
     assert opened
 
@@ -120,25 +121,11 @@ def test_resume_computes_damaged_chunks_again(rocking, tmp_path):
 
 
 def test_a_worker_that_dies_loses_nothing_that_was_done(rocking, tmp_path):
-    call = [
-        sys.executable,
-        "-m",
-        "rocking_cli",
-        "spectrum",
-        "--eta",
-        "0.9",
-        "--grid",
-        "A=0.5:12:2500,Omega=0.5:12:2500",
-        "--chunk",
-        "20000",
-    ]
-    process = subprocess.Popen([*call, "-o", "s.h5", "--workers", "2"], cwd=tmp_path, stderr=subprocess.PIPE, text=True)
-    part = tmp_path / "s.h5.part"
-    while not (part.exists() and part.stat().st_size > 300_000):
-        time.sleep(0.01)
-    children = subprocess.run(["pgrep", "-P", str(process.pid)], capture_output=True, text=True, check=True).stdout.split()
-    os.kill(int(children[0]), signal.SIGKILL)
-    _, said = process.communicate(timeout=60)
+    call = [*PROGRAM, "spectrum", "--eta", "0.9", "--grid", "A=0.5:12:2500,Omega=0.5:12:2500", "--chunk", "20000", "--workers", "2"]
+    process = subprocess.Popen([*call, "-o", "s.h5"], cwd=tmp_path, stderr=subprocess.PIPE, text=True)
+    assert grows(tmp_path / "s.h5.part", 300_000, process)
+    os.kill(children(process)[0], signal.SIGKILL)
+    _, said = process.communicate(timeout=PATIENCE)
     assert process.returncode == 1
     assert "a worker process died" in said
     assert "Traceback" not in said
@@ -147,8 +134,9 @@ def test_a_worker_that_dies_loses_nothing_that_was_done(rocking, tmp_path):
 
 def test_a_full_disk_keeps_what_was_done(rocking, tmp_path):
     assert rocking("spectrum", *SMALL_SCENE, "-o", "whole.h5").returncode == 0
-    call = f"ulimit -f 150; exec {sys.executable} -m rocking_cli spectrum {' '.join(SMALL_SCENE)} -o cut.h5"
-    done = subprocess.run(["bash", "-c", call], cwd=tmp_path, capture_output=True, text=True, timeout=60, check=False)
+    half = (tmp_path / "whole.h5").stat().st_size // 2048  # kB
+    call = f"ulimit -f {half}; exec {sys.executable} -m rocking_cli spectrum {' '.join(SMALL_SCENE)} -o cut.h5"
+    done = subprocess.run(["bash", "-c", call], cwd=tmp_path, capture_output=True, text=True, timeout=PATIENCE, check=False)
     assert done.returncode == 1
     assert "cut.h5.part: cannot be written: File too large; what was done is kept there for --resume" in done.stderr
     assert len(done.stderr.strip().splitlines()) == 1
@@ -159,12 +147,11 @@ def test_a_full_disk_keeps_what_was_done(rocking, tmp_path):
 def test_a_folder_that_vanishes_is_a_sentence(tmp_path):
     folder = tmp_path / "gone"
     folder.mkdir()
-    call = [sys.executable, "-m", "rocking_cli", "spectrum", "--eta", "0.9", "--grid", "A=0.5:12:1500,Omega=0.5:12:1500", "-q"]
+    call = [*PROGRAM, "spectrum", "--eta", "0.9", "--grid", "A=0.5:12:1500,Omega=0.5:12:1500", "-q"]
     process = subprocess.Popen([*call, "-o", str(folder / "s.h5")], stderr=subprocess.PIPE, text=True)
-    while not (folder / "s.h5.part").exists():
-        time.sleep(0.005)
+    assert grows(folder / "s.h5.part", 0, process)
     shutil.rmtree(folder)
-    _, said = process.communicate(timeout=60)
+    _, said = process.communicate(timeout=PATIENCE)
     assert process.returncode == 1
     assert "cannot be written" in said
     assert "Traceback" not in said

@@ -5,7 +5,6 @@ from __future__ import annotations
 import contextlib
 import itertools
 import math
-import time
 
 import numpy as np
 import pytest
@@ -16,6 +15,7 @@ from scipy.sparse import lil_matrix
 from written import built
 
 from rocking_cli import DocumentError, build_structure, parse_documents
+from rocking_cli.structures import hinges
 from rocking_cli.structures.arch import find_mechanism
 from rocking_cli.structures.fourbar import FourBar, Ring
 from rocking_cli.structures.hinges import search_continuous, search_joints
@@ -84,8 +84,8 @@ def test_continuous_arch_hinged_at_its_springing():
 
 def test_continuous_minimum_leaves_the_springing_as_the_static_theorem_proves():
     """The governing hinge A is 1.5 deg above the springing: lambda is 0.353384, below the 0.353498 of A on the springing."""
-    hinges, uplift = search_continuous(RING)
-    assert np.degrees(hinges) == pytest.approx([1.513526, 59.287414, 117.061302, 157.5], abs=1e-6)
+    found, uplift = search_continuous(RING)
+    assert np.degrees(found) == pytest.approx([1.513526, 59.287414, 117.061302, 157.5], abs=1e-6)
     assert uplift == pytest.approx(0.3533838581583, abs=1e-12)
     fine = static_uplift(RING, 630)
     assert uplift < fine < uplift + 2e-6 < 0.353498
@@ -107,15 +107,17 @@ def test_search_equals_brute_force():
         at = FourBar(ring, tuple(joints[list(some)])).at_rest()
         if at.admissible and at.push > 0:
             every.append((float(at.lift / at.push), some))
-    hinges, uplift = search_joints(ring, joints)
+    found, uplift = search_joints(ring, joints)
     assert uplift == pytest.approx(min(every)[0], rel=1e-13)
-    assert hinges == tuple(joints[list(min(every)[1])])
+    assert found == tuple(joints[list(min(every)[1])])
 
 
-def test_a_hundred_voussoirs_within_two_seconds():
-    began = time.perf_counter()
+def test_a_hundred_voussoirs_are_searched_by_pairs_of_hinges(monkeypatch):
+    """4.6 million mechanisms of 101 joints in 5151 batches, one for each choice of the first two hinges."""
+    kept, batches = hinges.rates, []
+    monkeypatch.setattr(hinges, "rates", lambda points, links: batches.append(1) or kept(points, links))
     _, uplift = search_joints(RING, np.linspace(0, RING.angle, 101))
-    assert time.perf_counter() - began < 2.0
+    assert len(batches) == 101 * 102 / 2
     assert uplift == pytest.approx(static_uplift(RING, 100), abs=1e-9)
 
 

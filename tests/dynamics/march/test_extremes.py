@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import time
 
 import numpy as np
 import pytest
@@ -39,7 +38,7 @@ def both(amplitude, omega, eta, alpha=0.25, motion=None):
 
 
 @pytest.mark.parametrize("omega", [1e-4, 1e-2, 1.0, 1e2, 1e4])
-@pytest.mark.parametrize("eta", [0.0, 1e-6, 0.9, 0.999])
+@pytest.mark.parametrize("eta", [0.0, 1e-6, 0.9, 0.99, pytest.param(0.999, marks=pytest.mark.soak)])
 def test_amplitudes_from_uplift_to_1e8_are_decided(omega, eta):
     amplitude = np.array([1 + 1e-12, 1 + 1e-9, 1.001, 1.1, 2.0, 1e2, 1e4, 1e8])
     for found in both(amplitude, omega, eta):
@@ -93,15 +92,13 @@ def test_thousands_of_cycles(cycles):
 
 
 def test_a_hundred_thousand_impacts_end_in_an_outcome(monkeypatch):
-    """Without loss a body just above uplift never stops bouncing: the cell is given up as failed, in bounded time."""
+    """Without loss a body just above uplift never stops bouncing: the cell is given up as failed after a bounded number of steps."""
     from rocking_cli.dynamics.march import engine
 
     monkeypatch.setattr(engine, "MAX_STEPS", 3000)
-    began = time.perf_counter()
     found = linear_response(sine(), 1 + 1e-6, 1.0, 1.0)
     assert found.outcome == Outcome.FAILED
-    assert int(found.impacts) > 2900
-    assert time.perf_counter() - began < 20.0
+    assert 2900 < int(found.impacts) <= 3000
 
 
 @pytest.mark.parametrize("omega", [2.0, 5.0])
