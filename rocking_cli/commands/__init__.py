@@ -17,6 +17,7 @@ COMMANDS = {
     "params": "Derive p, alpha, eta, lambda and a_scale of each structure.",
     "spectrum": "Sweep every structure over a grid and write its rocking spectrum.",
     "envelope": "Trace every interval of amplitude that overturns.",
+    "records": "Tell what recorded ground motions hold, and measure them.",
     "response": "Time history of one structure under one motion.",
     "accuracy": "Error against run time for a scene.",
     "predict": "Predict structures' responses from a spectrum.",

@@ -44,6 +44,9 @@ cycles = click.option("--cycles", type=float, help="Cycles of a sine or cosine, 
 gamma = click.option("--gamma", type=float, help="Duration over period of a mavroeidis-papageorgiou pulse (default 2).")
 phase = click.option("--phase", metavar="ANGLE", help="Phase of a mavroeidis-papageorgiou pulse, in rad or with a unit (default 0).")
 motion_file = click.option("--motion", "motion_file", metavar="FILE", help="A motion document of your own instead of a pulse.")
+component = click.option("--component", metavar="NAME", help="The component of a record that holds several, by name or number.")
+unit = click.option("--unit", metavar="UNIT", help="Unit of a record in plain columns of numbers, such as g or m/s2.")
+dt = click.option("--dt", metavar="TIME", help="Time between the values of a record in a single column.")
 eta = click.option(
     "--eta", "etas", multiple=True, type=click.FloatRange(0.0, 1.0), metavar="ETA",
     help="A dimensionless oscillator of this restitution instead of FILE; repeatable.",

@@ -21,9 +21,9 @@ from . import afad, cosmos, csmip, esm, geonet, knet, peer, plain, smc
 from .record import Record, Series, record_of
 from .text import HEAD, RecordText
 
-__all__ = ["FORMATS", "Record", "pick", "read_bytes", "read_record", "read_records", "record_files", "records_of"]
+__all__ = ["FORMATS", "Record", "pick", "read_bytes", "read_record", "read_records", "record_files", "records_of", "unknown"]
 
-FORMATS: tuple[ModuleType, ...] = (esm, cosmos, geonet, csmip, smc, knet, afad, peer)
+FORMATS: tuple[ModuleType, ...] = (esm, cosmos, geonet, smc, csmip, knet, afad, peer)
 LARGEST = 256 << 20  # bytes of a file, unpacked
 _STDIN = "<stdin>"
 _COUNTS = "counts of an instrument and no unit; convert it to an acceleration with the station's response first"
@@ -54,16 +54,15 @@ def records_of(source: str, raw: bytes, *, unit: str | None = None, dt: float | 
     Raises DocumentError where a file of a record format is not valid, or holds counts, and UsageError for an unknown unit.
     """
     if unit is not None and unit not in UNITS["acceleration"]:
-        raise UsageError(f"--unit: found {unit!r}; accepted are {', '.join(UNITS['acceleration'])}")
+        raise UsageError(f"unit: found {unit!r}; accepted are {', '.join(UNITS['acceleration'])}")
     sha256 = hashlib.sha256(raw).hexdigest()
     raw = _unpacked(source, raw)
     _refuse_binary(source, raw)
     text = RecordText(source, raw)
     found = next((f for f in FORMATS if f.recognise(text.head)), None)
     if found is not None:
-        for flag, value in (("--unit", unit), ("--dt", dt)):
-            if value is not None:
-                raise UsageError(f"{source}: states its own ({found.NAME}); {flag} is for plain numbers")
+        if unit is not None or dt is not None:
+            raise UsageError(f"{source}: states its own unit and dt ({found.NAME}); they are given with plain numbers only")
         series = found.read(text)
     elif plain.recognise(text.head):
         found, series = plain, plain.read(text, unit, dt)
@@ -78,7 +77,7 @@ def read_records(path: str | Path, *, component: str | None = None, unit: str | 
     source, raw = read_bytes(path)
     records = records_of(source, raw, unit=unit, dt=dt)
     if records is None:
-        raise DocumentError(f"{source}: {_unknown(raw)}; accepted are {', '.join(f.NAME for f in FORMATS)} and plain columns of numbers")
+        raise DocumentError(unknown(source, raw))
     return records if component is None else [pick(records, component)]
 
 
@@ -87,13 +86,22 @@ def read_record(path: str | Path, *, component: str | None = None, unit: str | N
     return pick(read_records(path, unit=unit, dt=dt), component)
 
 
+def unknown(source: str, raw: bytes) -> str:
+    """What to say of a file that `records_of` knows no format for."""
+    first = raw[:200].decode("latin-1").strip().split("\n", 1)[0].strip()[:60]
+    formats = f"{', '.join(f.NAME for f in FORMATS)} and plain columns of numbers"
+    if first.lower().startswith("uncorrected accelerogram"):
+        return f"{source}:1: found {first!r}, which is not corrected (volume 1); accepted are {formats}"
+    return f"{source}: no record format (it begins with {first!r}); accepted are {formats}"
+
+
 def pick(records: Sequence[Record], component: str | None) -> Record:
     """The record of a component, by its name or its number from 1; None for the only one there is. Raises UsageError."""
     names = [str(r.component) for r in records]
     if component is None:
         if len(records) == 1:
             return records[0]
-        raise UsageError(f"{records[0].source}: holds the components {', '.join(names)}; give one with --component")
+        raise UsageError(f"{records[0].source}: holds the components {', '.join(names)}; give one as component")
     for record in records:
         if record.component is not None and record.component.casefold() == component.strip().casefold():
             return record
@@ -101,21 +109,21 @@ def pick(records: Sequence[Record], component: str | None) -> Record:
         return records[int(component) - 1]
     if len(records) == 1 and records[0].component is None:
         return records[0]
-    raise UsageError(f"{records[0].source}: --component: found {component!r}; accepted are {', '.join(names)}")
+    raise UsageError(f"{records[0].source}: component: found {component!r}; accepted are {', '.join(names)}")
 
 
-def record_files(paths: Sequence[str]) -> Iterator[str]:
-    """The files of a set: of a directory all that lie in it, in order of name, of a list file (one path a line, from where the list
-    lies) those it names, and every other path itself. Raises UsageError."""
+def record_files(paths: Sequence[str]) -> Iterator[tuple[str, bool]]:
+    """The files of a set, and whether they were named: of a directory all that lie in it, in order of name, unnamed; of a list file
+    (one path a line, from where the list lies) those it names; and every other path itself. Raises UsageError."""
     for path in paths:
         if path != "-" and os.path.isdir(path):
             inside = sorted(os.path.join(path, name) for name in os.listdir(path) if not name.startswith("."))
             files = [x for x in inside if os.path.isfile(x)]
             if not files:
                 raise UsageError(f"{path}: a directory without files")
-            yield from files
+            yield from ((x, False) for x in files)
         else:
-            yield from _listed(path) or [path]
+            yield from ((x, True) for x in _listed(path) or [path])
 
 
 def _listed(path: str) -> list[str]:
@@ -160,13 +168,6 @@ def _refuse_binary(source: str, raw: bytes) -> None:
         raise DocumentError(f"{source}: SAC (alphanumeric), which holds {_COUNTS}")
     if b"\0" in raw:
         raise DocumentError(f"{source}: a binary file; accepted is a record or a motion document in text")
-
-
-def _unknown(raw: bytes) -> str:
-    first = raw[:200].decode("latin-1").strip().split("\n", 1)[0].strip()
-    if first.lower().startswith("uncorrected accelerogram"):
-        return f"begins with {first[:60]!r}, uncorrected (volume 1); accepted is the corrected accelerogram"
-    return f"no record format (it begins with {first[:60]!r})"
 
 
 def _distinct(series: list[Series]) -> list[Series]:

@@ -12,7 +12,7 @@ from .record import Series
 from .text import Layout, RecordText, fortran_layout
 
 NAME = "CSMIP V2"
-_FIRST = re.compile(r"^\s*CORRECTED ACCELEROGRAM", re.IGNORECASE)
+_FIRST = re.compile(r"(?<!UN)CORRECTED ACCELEROGRAM", re.IGNORECASE)
 _CHANNEL = re.compile(r"\bChan(?:nel)?\s*\d*\s*:\s*(.+?)\s*(?:from|\(|$)", re.IGNORECASE)
 _BLOCK = re.compile(r"^\s*(\d+)\s*points of (accel|veloc|displ)\w* data(?:.*?\bat\s*([-+.\d]+)\s*sec)?", re.IGNORECASE)
 _PEAK = re.compile(r"Peak\s+accel\w*\s*=\s*([-+.\dEe]+)\s*([a-z/0-9^]+)", re.IGNORECASE)
@@ -31,7 +31,7 @@ _REAL_HEADER = 13  # lines of the numbers before a block; the 61st of them is th
 def recognise(head: str) -> bool:
     """Whether the first line announces a corrected accelerogram that is not of GNS Science."""
     first = head.lstrip().split("\n", 1)[0]
-    return bool(_FIRST.match(first)) and "GNS Science" not in first and "(format v" not in first.lower()
+    return bool(_FIRST.search(first)) and "GNS Science" not in first and "(format v" not in first.lower()
 
 
 def read(text: RecordText) -> list[Series]:
@@ -44,7 +44,7 @@ def read(text: RecordText) -> list[Series]:
     recent: list[str] = []
     while (line := text.next_line()) is not None:
         recent = [*recent[-_REAL_HEADER:], line]
-        if _FIRST.match(line):
+        if _FIRST.search(line):
             named = _CHANNEL.search(line)
             channel, peak, points, length = named[1] if named else None, None, None, None
         peak = _PEAK.search(line) or peak
@@ -67,7 +67,7 @@ def read(text: RecordText) -> list[Series]:
             raise text.fault(f"{count} points every {dt:g} s, where the channel's header states a length of {length[1]} s")
         stated = _UNIT.search(line[block.end() :])
         unit = _UNITS.get(stated[1].lower()) if stated else "cm/s2"
-        if unit is None or stated is None:
+        if unit is None:
             raise text.fault(f"found {line.strip()!r}; accepted are the units {', '.join(_UNITS)}")
         same = peak is not None and _UNITS.get(peak[2].lower()) == unit
         found.append(Series(channel, dt, text.numbers(count, layout), unit, peak[1] if peak is not None and same else None))

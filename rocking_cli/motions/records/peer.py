@@ -12,7 +12,9 @@ _NUMBER = r"([-+.\dEe]+)"
 _COUNT = re.compile(rf"NPTS\s*=\s*{_NUMBER}\s*,?\s*DT\s*=\s*{_NUMBER}", re.IGNORECASE)
 _OLDER = re.compile(rf"^\s*{_NUMBER}\s*,?\s+{_NUMBER}\s*,?\s*NPTS\s*,?\s*DT\b", re.IGNORECASE)
 _UNIT = re.compile(r"UNITS?\s*(?:OF|:|=)\s*([A-Z][A-Z0-9/^*]*)", re.IGNORECASE)
-_KIND = re.compile(r"\b(ACC|VEL|DISP)[A-Z.]*\b.*\b(?:UNITS?|IN)\b|\b(ACC|VEL|DISP)[A-Z.]*\s+TIME[ -](?:HISTORY|SERIES)", re.IGNORECASE)
+_KIND = re.compile(
+    r"\b(ACC|VELOC|DISPL)[A-Z.]*\b.*\b(?:UNITS?|IN)\b|\b(ACC|VELOC|DISPL)[A-Z.]*\s+TIME[ -](?:HISTORY|SERIES)", re.IGNORECASE
+)
 _UNITS = {"G": "g", "CM/S/S": "cm/s2", "CM/S2": "cm/s2", "CM/S^2": "cm/s2", "CM/SEC/SEC": "cm/s2", "CM/SEC2": "cm/s2",
           "CM/SEC^2": "cm/s2", "GAL": "gal", "M/S/S": "m/s2", "M/S2": "m/s2", "M/S^2": "m/s2", "M/SEC2": "m/s2"}  # fmt: skip
 

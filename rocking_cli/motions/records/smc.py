@@ -18,7 +18,7 @@ _NONE, _RATE, _MAXIMUM, _MINIMUM = 0, 1, 29, 31  # places among the reals
 
 def recognise(head: str) -> bool:
     """Whether the first line names one of the kinds of SMC files."""
-    return bool(_FIRST.match(head.split("\n", 1)[0])) and "|" in head
+    return bool(_FIRST.match(head.split("\n", 1)[0]))
 
 
 def read(text: RecordText) -> list[Series]:

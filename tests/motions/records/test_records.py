@@ -41,8 +41,8 @@ def test_a_set_is_files_a_directory_or_a_list(tmp_path):
     listing = tmp_path / "lists" / "set.txt"
     listing.write_text("# a set\n../b.AT2\n\n../a.AT2\n")
     a, b = (str(tmp_path / x) for x in ("a.AT2", "b.AT2"))
-    assert list(record_files([a, str(tmp_path)])) == [a, a, b]
-    assert [read_record(x).name for x in record_files([str(listing)])] == ["b", "a"]
+    assert list(record_files([a, str(tmp_path)])) == [(a, True), (a, False), (b, False)]
+    assert [read_record(x).name for x, _ in record_files([str(listing)])] == ["b", "a"]
     (tmp_path / "empty").mkdir()
     with pytest.raises(UsageError, match="a directory without files"):
         list(record_files([str(tmp_path / "empty")]))
@@ -61,7 +61,7 @@ SAC = struct.pack("<110f", *[-12345.0] * 110)[:304] + struct.pack("<i", 6) + b"\
         (b"000001D ABC  00HHZXX" + b"\0" * 100, "miniSEED, which holds counts"),
         (b"MS\x03" + b"\0" * 100, "miniSEED, which holds counts"),
         (b"abc\0def" * 50, "a binary file"),
-        (b"Uncorrected Accelerogram Data  Processed\n", "uncorrected (volume 1)"),
+        (b"Uncorrected Accelerogram Data  Processed\n", "not corrected (volume 1)"),
         (b"kind: block\n", "no record format (it begins with 'kind: block')"),
         (gzip.compress(AT2.encode())[:-20], "a damaged gzip file"),
         (gzip.compress(b""), "empty"),
@@ -92,7 +92,7 @@ def test_a_file_too_large_is_refused_before_it_is_read(tmp_path, monkeypatch):
 
 def test_a_unit_is_for_plain_numbers(tmp_path):
     (tmp_path / "a").write_text(AT2)
-    with pytest.raises(UsageError, match=r"states its own \(PEER AT2\); --unit"):
+    with pytest.raises(UsageError, match=r"states its own unit and dt \(PEER AT2\)"):
         read_record(tmp_path / "a", unit="g")
 
 

@@ -1,0 +1,114 @@
+"""`rocking records` at the shell."""
+
+from __future__ import annotations
+
+import csv
+import gzip
+import io
+import json
+
+import numpy as np
+import pytest
+from recorded import rows, wave
+
+COLUMNS = [
+    "name",
+    "format",
+    "component",
+    "npts",
+    "dt",
+    "duration",
+    "pga",
+    "pga_time",
+    "pgv",
+    "pgd",
+    "arias",
+    "cav",
+    "d5_75",
+    "d5_95",
+    "header_pga",
+]
+AT2 = "Title\nEvent\nACCELERATION TIME SERIES IN UNITS OF G\nNPTS= 500, DT= .01 SEC\n" + rows(wave(500, 0.2), 5, "{:15.7E}")
+
+
+def test_a_row_a_component_in_si_units(rocking, tmp_path):
+    (tmp_path / "a.AT2.gz").write_bytes(gzip.compress(AT2.encode()))
+    done = rocking("records", "a.AT2.gz", "configs/motions/synthetic.at2", "--json")
+    first, second = (json.loads(x) for x in done.stdout.splitlines())
+    assert list(first)[: len(COLUMNS)] == COLUMNS
+    assert (first["name"], first["format"], first["component"], first["npts"], first["header_pga"]) == ("a", "PEER AT2", None, 500, None)
+    assert first["pga"] == pytest.approx(0.2 * 9.81, rel=1e-6)
+    assert (first["dt"], first["duration"]) == (0.01, pytest.approx(4.99))
+    assert (second["name"], second["npts"]) == ("synthetic", 1600)
+    (row,) = csv.DictReader(io.StringIO(rocking("records", "a.AT2.gz", "--csv").stdout))
+    assert float(row["pga"]) == first["pga"]
+    assert "pga [m/s2]" in rocking("records", "a.AT2.gz").stdout
+
+
+def test_standard_input_and_plain_columns(rocking):
+    done = rocking("records", "-", "--unit", "g", "--dt", "10 ms", "--json", stdin="0\n0.1\n-0.2\n0\n")
+    (row,) = (json.loads(x) for x in done.stdout.splitlines())
+    assert (row["npts"], row["dt"], row["pga_time"], row["unit"]) == (4, 0.01, 0.02, "g")
+    assert row["pga"] == pytest.approx(1.962, rel=1e-15)
+
+
+def test_a_directory_leaves_out_what_is_no_record(rocking, tmp_path):
+    (tmp_path / "set").mkdir()
+    (tmp_path / "set" / "b.AT2").write_text(AT2)
+    (tmp_path / "set" / "LICENSE").write_text("free to use\n")
+    done = rocking("records", "set", "--json")
+    assert [json.loads(x)["name"] for x in done.stdout.splitlines()] == ["b"]
+    assert done.stderr.strip() == "set/LICENSE: left out, no record format"
+    assert rocking("records", "set", "--json", "-q").stderr == ""
+
+
+def test_a_peak_that_the_header_contradicts_is_one_line_with_both_numbers(rocking, tmp_path):
+    keys = [
+        "EVENT_NAME:",
+        "NDATA: 3",
+        "SAMPLING_INTERVAL_S: 0.01",
+        "UNITS: cm/s^2",
+        "STREAM: HNN",
+        "PGA_CM/S^2: -50.5",
+        "DATA_TYPE: ACCELERATION",
+    ]
+    (tmp_path / "a.asc").write_text("\n".join(keys) + "\n0\n-70.25\n0\n")
+    done = rocking("records", "a.asc", "--json")
+    row = json.loads(done.stdout)
+    assert done.returncode == 0
+    assert (row["component"], row["header_pga"], row["pga"]) == ("HNN", 0.505, 0.7025)
+    assert row["header_difference"] == pytest.approx(70.25 / 50.5 - 1.0)
+    assert done.stderr.strip() == "a.asc: the header states a peak of HNN of 50.5 cm/s2, the samples have 70.25 cm/s2"
+
+
+def test_the_shipped_record_is_what_its_recipe_makes(rocking):
+    """The second line of the file, evaluated."""
+    t, k = 0.01 * np.arange(1600), np.arange(1, 61)[:, None]
+    f, phi = 0.4 * 25.0 ** (k / 60), 2.0 * np.pi * np.modf(k * (np.sqrt(5.0) - 1.0) / 2.0)[0]
+    w = np.sum(np.sin(2.0 * np.pi * f * t + phi) / (1.0 + f**2), axis=0)
+    e = np.where(t < 3.0, (t / 3.0) ** 2, np.where(t < 7.0, 1.0, np.exp(-0.6 * (t - 7.0))))
+    made = 9.81 * 0.4 * e * w / np.abs(e * w).max()
+    row = json.loads(rocking("records", "configs/motions/synthetic.at2", "--json").stdout)
+    assert row["pga"] == pytest.approx(np.abs(made).max(), rel=1e-7)
+    assert row["pga_time"] == pytest.approx(t[np.argmax(np.abs(made))], rel=1e-12)
+    assert row["cav"] == pytest.approx(0.01 * np.sum(np.abs(made)), rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("files", "arguments", "code", "words"),
+    [
+        ({}, (), 2, "no record: give FILE"),
+        ({}, ("nowhere.AT2",), 2, "nowhere.AT2: cannot be read"),
+        ({"a": AT2[:-30]}, ("a",), 3, "a:104: the file ends after"),
+        ({"a": AT2, "b": "kind: block\n"}, ("a", "b"), 3, "b: no record format"),
+        ({"a": "0 1\n1 2\n"}, ("a",), 3, "a: plain numbers without a unit"),
+        ({"a": "0 1\n1 2\n"}, ("a", "--unit", "cm/s"), 2, "unit: found 'cm/s'"),
+        ({"a": "0\n1\n"}, ("a", "--unit", "g", "--dt", "0"), 3, "a: a time step of 0 s"),
+        ({"a": "0\n1\n"}, ("a", "--unit", "g", "--dt", "1 m"), 2, "--dt: found '1 m'"),
+        ({"a": ""}, ("a",), 3, "a: empty"),
+    ],
+)
+def test_bad_input_is_one_sentence(refused, tmp_path, files, arguments, code, words):
+    for name, text in files.items():
+        (tmp_path / name).write_text(text)
+    assert words in refused(code, "records", *arguments)
