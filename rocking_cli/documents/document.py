@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import json
 import math
-import sys
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from difflib import get_close_matches
@@ -17,23 +16,9 @@ from typing import Any
 
 import yaml
 
-from ..errors import DocumentError, UsageError
+from ..errors import DocumentError
+from .composition import DEEPEST, MOST_VALUES, Place, compose, read_text
 from .quantities import SMALLEST_LENGTH, accepted, parse_quantity, split_quantity
-
-LARGEST = 64 << 20  # bytes of a file
-MOST_VALUES = 100_000  # values of a document, aliases counted each time
-
-
-@dataclass(frozen=True)
-class Place:
-    """Where a key or a value stands."""
-
-    source: str
-    line: int
-    column: int
-
-    def __str__(self) -> str:
-        return f"{self.source}:{self.line}:{self.column}" if self.line else self.source
 
 
 @dataclass(frozen=True)
@@ -200,71 +185,15 @@ def read_documents(path: str | Path) -> list[Document]:
 
     Raises UsageError when the file cannot be read and DocumentError when it holds no valid document.
     """
-    source = str(path)
-    try:
-        if source == "-":
-            source = "<stdin>"
-            if sys.stdin is None:
-                raise UsageError("standard input is closed")
-            raw = sys.stdin.buffer.read(LARGEST + 1)
-        else:
-            with open(path, "rb") as file:
-                raw = file.read(LARGEST + 1)
-    except OSError as error:
-        raise UsageError(f"{source}: cannot be read: {error.strerror or error}") from None
-    if len(raw) > LARGEST:
-        raise DocumentError(f"{source}: larger than {LARGEST >> 20} MiB, which no structure document is")
-    try:
-        text = raw.decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        raise DocumentError(f"{source}: not a text in UTF-8 (byte {error.start})") from None
-    return parse_documents(text, source)
+    return parse_documents(*read_text(path))
 
 
 def parse_documents(text: str, source: str = "<text>") -> list[Document]:
     """All documents of a text: YAML documents, or JSON objects one after the other. Raises DocumentError."""
-    nodes = _compose_json(text, source) if text.lstrip().startswith("{") else _compose_yaml(text, source, 0)
-    documents = [_document(node, source, i, first) for i, (node, first) in enumerate(nodes)]
+    documents = [_document(node, source, i, first) for i, (node, first) in enumerate(compose(text, source))]
     if not documents:
-        raise DocumentError(f"{source}: empty; accepted is a structure document, such as `kind: block` with width and height")
+        raise DocumentError(f"{Place(source, 1, 1)}: empty; accepted is a structure document, such as `kind: block` with width and height")
     return documents
-
-
-def _compose_yaml(text: str, source: str, first: int) -> list[tuple[yaml.Node, int]]:
-    try:
-        return [(node, first) for node in yaml.compose_all(text, Loader=yaml.SafeLoader) if node is not None]
-    except yaml.MarkedYAMLError as error:
-        mark = error.problem_mark or error.context_mark
-        place = f"{source}:{first + mark.line + 1}:{mark.column + 1}" if mark else source
-        raise DocumentError(f"{place}: not valid YAML: {error.problem or error.context}") from None
-    except yaml.YAMLError as error:
-        raise DocumentError(f"{source}: not valid YAML: {' '.join(str(error).split())}") from None
-    except RecursionError:
-        raise DocumentError(f"{source}: nested too deeply to be a structure document") from None
-
-
-def _compose_json(text: str, source: str) -> list[tuple[yaml.Node, int]]:
-    """JSON objects one after the other: JSON's own grammar decides, YAML's composer (JSON is its subset) gives places."""
-    nodes: list[tuple[yaml.Node, int]] = []
-    decoder, at = json.JSONDecoder(), _after_blanks(text, 0)
-    while at < len(text):
-        try:
-            _, end = decoder.raw_decode(text, at)
-        except json.JSONDecodeError as error:
-            if not nodes:  # a YAML flow mapping may begin with a brace too
-                return _compose_yaml(text, source, 0)
-            raise DocumentError(f"{source}:{error.lineno}:{error.colno}: not valid JSON: {error.msg.removesuffix(' at')}") from None
-        except RecursionError:
-            raise DocumentError(f"{source}: nested too deeply to be a structure document") from None
-        nodes += _compose_yaml(text[at:end].replace("\t", " "), source, text.count("\n", 0, at))
-        at = _after_blanks(text, end)
-    return nodes
-
-
-def _after_blanks(text: str, at: int) -> int:
-    while at < len(text) and text[at].isspace():
-        at += 1
-    return at
 
 
 def _document(node: yaml.Node, source: str, index: int, first: int) -> Document:
@@ -284,8 +213,8 @@ def _place(node: yaml.Node, source: str, first: int) -> Place:
 def _value(node: yaml.Node, source: str, first: int, depth: int, count: list[int]) -> Value:
     place = _place(node, source, first)
     count[0] += 1
-    if depth > 20 or count[0] > MOST_VALUES:
-        raise DocumentError(f"{place}: {'nested too deeply' if depth > 20 else 'too many values'} to be a structure document")
+    if depth > DEEPEST or count[0] > MOST_VALUES:
+        raise DocumentError(f"{place}: {'nested too deeply' if depth > DEEPEST else 'too many values'} to be a structure document")
     if isinstance(node, yaml.ScalarNode):
         return Value(_whole_characters(node.value, place), place, quoted=node.style is not None)
     if isinstance(node, yaml.SequenceNode):

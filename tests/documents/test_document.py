@@ -43,8 +43,8 @@ BOMB = "\n".join(["a: &a [1, 1, 1, 1, 1]", *LEVELS])  # 5e9 values in ten lines
 
 
 REFUSED = [
-    ("", "f.yaml: empty"),
-    ("# only a comment\n", "f.yaml: empty"),
+    ("", "f.yaml:1:1: empty"),
+    ("# only a comment\n", "f.yaml:1:1: empty"),
     ("a: [", "f.yaml:1:5: not valid YAML"),
     ("- 1\n- 2", "f.yaml:1:1: found a list; accepted is a mapping"),
     ("just words", "f.yaml:1:1: found just words"),

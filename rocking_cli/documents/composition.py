@@ -1,0 +1,150 @@
+"""Text to nodes: YAML documents, or JSON objects one after the other, each node with its place; what is too large is not read.
+
+JSON's own grammar decides what is JSON, YAML's composer (JSON is its subset) gives the places.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import yaml
+
+from ..errors import DocumentError, UsageError
+
+LARGEST = 64 << 20  # bytes of a file, which may be a stream of JSON objects
+LONGEST = 2 << 20  # characters of a YAML file, and of one JSON object
+MOST_VALUES = 100_000  # values of a document, aliases counted each time
+DEEPEST = 20  # levels of lists and mappings in each other
+
+
+@dataclass(frozen=True)
+class Place:
+    """Where a key or a value stands."""
+
+    source: str
+    line: int
+    column: int
+
+    def __str__(self) -> str:
+        return f"{self.source}:{self.line}:{self.column}" if self.line else self.source
+
+    def below(self, lines: int) -> Place:
+        """The same place where that many lines stand before the text."""
+        return replace(self, line=self.line + lines)
+
+
+def read_text(path: str | Path) -> tuple[str, str]:
+    """(text, name of its source) of a file, `-` for standard input.
+
+    Raises UsageError when it cannot be read and DocumentError when it is too large or no text.
+    """
+    source = str(path)
+    try:
+        if source == "-":
+            source = "<stdin>"
+            if sys.stdin is None:
+                raise UsageError("standard input is closed")
+            raw = sys.stdin.buffer.read(LARGEST + 1)
+        else:
+            with open(path, "rb") as file:
+                raw = file.read(LARGEST + 1)
+    except OSError as error:
+        raise UsageError(f"{source}: cannot be read: {error.strerror or error}") from None
+    if len(raw) > LARGEST:
+        raise DocumentError(f"{_place_in(raw.decode(errors='replace'), LARGEST, source)}: {_too_long(LARGEST)}")
+    try:
+        text = raw.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        before = error.object[: error.start].decode()  # without the mark of a UTF-8 file, as `start` counts
+        place = _place_in(before, len(before), source)
+        raise DocumentError(f"{place}: not a text in UTF-8 (byte {error.start})") from None
+    return text, source
+
+
+def compose(text: str, source: str) -> list[tuple[yaml.Node, int]]:
+    """The root nodes of a text, each with the number of lines before the text in which its marks count. Raises DocumentError."""
+    return _compose_json(text, source) if text.lstrip().startswith("{") else _compose_yaml(text, source, 0)
+
+
+def _too_long(limit: int) -> str:
+    return f"goes on beyond {limit >> 20} MiB, which no structure document does"
+
+
+def _place_in(text: str, at: int, source: str) -> Place:
+    """The place of a character of a text."""
+    before = text[:at]
+    return Place(source, before.count("\n") + 1, len(before) - before.rfind("\n"))
+
+
+class _Unlikely(yaml.MarkedYAMLError):
+    """Valid YAML that is no structure document."""
+
+
+class _Composer(yaml.SafeLoader):
+    """A composer that stops where a document grows beyond all bounds, before that costs time and memory."""
+
+    def __init__(self, stream: str) -> None:
+        super().__init__(stream)
+        self.values = self.depth = 0
+
+    def compose_document(self) -> yaml.Node | None:
+        self.values = 0
+        return super().compose_document()
+
+    def compose_node(self, parent: yaml.Node | None, index: int) -> yaml.Node | None:
+        self.depth += 1
+        if parent is not None and self.depth > DEEPEST + 1:
+            raise _Unlikely(problem="nested too deeply", problem_mark=parent.start_mark)
+        node = super().compose_node(parent, index)
+        self.depth -= 1
+        self.values += 1
+        if node is not None and self.values > MOST_VALUES:
+            raise _Unlikely(problem="too many values", problem_mark=node.start_mark)
+        return node
+
+
+def _compose_yaml(text: str, source: str, first: int) -> list[tuple[yaml.Node, int]]:
+    if len(text) > LONGEST:
+        raise DocumentError(f"{_place_in(text, LONGEST, source).below(first)}: {_too_long(LONGEST)}")
+    try:
+        return [(node, first) for node in yaml.compose_all(text, Loader=_Composer) if node is not None]
+    except _Unlikely as error:
+        raise DocumentError(f"{_marked(error, source, first)}: {error.problem} to be a structure document") from None
+    except yaml.MarkedYAMLError as error:
+        raise DocumentError(f"{_marked(error, source, first)}: not valid YAML: {error.problem or error.context}") from None
+    except yaml.reader.ReaderError as error:
+        place = _place_in(text, error.position, source)
+        raise DocumentError(f"{place.below(first)}: not valid YAML: holds the control character U+{error.character:04X}") from None
+
+
+def _marked(error: yaml.MarkedYAMLError, source: str, first: int) -> Place:
+    mark = error.problem_mark or error.context_mark
+    return Place(source, first + mark.line + 1, mark.column + 1) if mark else Place(source, first + 1, 1)
+
+
+def _compose_json(text: str, source: str) -> list[tuple[yaml.Node, int]]:
+    nodes: list[tuple[yaml.Node, int]] = []
+    decoder, at = json.JSONDecoder(), _after_blanks(text, 0)
+    first = text.count("\n", 0, at)
+    while at < len(text):
+        try:
+            _, end = decoder.raw_decode(text, at)
+        except json.JSONDecodeError as error:
+            if not nodes:  # a YAML flow mapping may begin with a brace too
+                return _compose_yaml(text, source, 0)
+            raise DocumentError(f"{source}:{error.lineno}:{error.colno}: not valid JSON: {error.msg.removesuffix(' at')}") from None
+        except RecursionError:
+            end = len(text)  # the composer tells where it becomes too deep
+        nodes += _compose_yaml(text[at:end].replace("\t", " "), source, first)
+        after = _after_blanks(text, end)
+        first, at = first + text.count("\n", at, after), after
+    return nodes
+
+
+def _after_blanks(text: str, at: int) -> int:
+    while at < len(text) and text[at].isspace():
+        at += 1
+    return at
