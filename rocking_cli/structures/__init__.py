@@ -1,37 +1,27 @@
-"""What rocks: from structure documents to rocking parameters. A new kind is one file and one line in KINDS."""
+"""What rocks: from structure documents to rocking parameters."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
 
 from ..documents.document import Document, parse_documents, read_documents
 from ..errors import DocumentError, StructureError
-from . import arch, block, drum, frame, parameters, point_mass, prism, spire
-from .parameters import RockingParameters, Side, damping_of
-
-KINDS: dict[str, Callable[[Document, str], RockingParameters]] = {
-    "block": block.build,
-    "point_mass": point_mass.build,
-    "spire": spire.build,
-    "arch": arch.build,
-    "frame": frame.build,
-    "prism": prism.build,
-    "drum": drum.build,
-    "parameters": parameters.build,
-}
+from .kinds import KINDS, kind_of
+from .parameters import RockingParameters, Side
+from .shared_keys import damping_of
 
 
 def build_structure(document: Document) -> RockingParameters:
     """The rocking parameters of one document. Raises DocumentError, which names the file, line, key and what is accepted."""
-    kind = document.choice("kind", list(KINDS))
+    word, kind = kind_of(document)
     stem = "structure" if document.source.startswith("<") else Path(document.source).stem
     name = document.word("name", stem if document.index == 0 else f"{stem}-{document.index + 1}")
     try:
-        built = replace(KINDS[kind](document, name), damping=damping_of(document))
+        built = replace(kind.build(document, name), damping=damping_of(document))
     except StructureError as error:
-        raise DocumentError(f"{document.place}: {kind}: {error}") from None
+        raise DocumentError(f"{document.place}: {word}: {error}") from None
     document.finish()
     return built
 

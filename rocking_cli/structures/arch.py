@@ -13,11 +13,13 @@ from typing import TYPE_CHECKING, Any
 from ..documents.document import Document, Value
 from ..documents.quantities import SMALLEST_LENGTH, parse_quantity
 from .kinematics import linearise
-from .parameters import RockingParameters, gravity_of, restitution_of
+from .parameters import RockingParameters
+from .shared_keys import gravity_of, restitution_of
 
 if TYPE_CHECKING:
     from .fourbar import FourBar, Ring
 
+REPORTS = ("a_scale_3_7", "hinges", "direction", "lambda_governing")
 MOST_VOUSSOIRS = 200
 DIRECTION = "sways towards +x, away from springing A; the mirror image has the same parameters"
 _HINGES = "four angles from springing A, rising, or four of {angle, face} with faces intrados and extrados in turn"

@@ -12,7 +12,9 @@ from collections.abc import Sequence
 from ..documents.document import Document
 from .kinematics import Moments
 from .parameters import RockingParameters
-from .rigid import body_on_edge
+from .single_body import body_on_edge
+
+REPORTS = ("rocks_on",)
 
 
 def frustum_moments(low: float, high: float, height: float) -> Moments:

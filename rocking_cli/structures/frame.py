@@ -12,7 +12,9 @@ import math
 
 from ..documents.document import Document
 from .parameters import RockingParameters
-from .rigid import radius_and_alpha, rigid_body
+from .single_body import radius_and_alpha, rigid_body
+
+REPORTS = ("cap_ratio",)
 
 
 def build(document: Document, name: str) -> RockingParameters:

@@ -5,7 +5,7 @@ Rigid links are moved by one coordinate phi >= 0, which is 0 at rest. With the v
     M(phi) = int rho u.u dV,   V'(phi) = g int rho u_z dV,   B(phi) = int rho u_x dV
     M phi'' + M'/2 phi'^2 + V' = -B xg''                                                          (Eq. 3.4)
 
-A new mechanism is a class with `coefficients` and `overlap`; a single rigid body has closed forms (`rigid`).
+A new mechanism is a class with `coefficients` and `overlap`; a single rigid body has closed forms (`single_body`).
 """
 
 from __future__ import annotations
@@ -155,7 +155,7 @@ def equilibrium(mechanism: Mechanism) -> float:
 
 
 @dataclass(frozen=True)
-class RigidBody:
+class EdgeRocker:
     """The mechanism of one rigid body that rocks about (pivot, 0) and, after an impact, about (-pivot, 0)."""
 
     body: Moments

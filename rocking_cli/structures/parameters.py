@@ -1,4 +1,4 @@
-"""The few numbers that govern rocking, and the document kind that states them directly."""
+"""The few numbers that govern rocking."""
 
 from __future__ import annotations
 
@@ -7,9 +7,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from ..documents.document import Document
 from ..documents.quantities import DEFAULT_GRAVITY
-from ..errors import DocumentError, StructureError
+from ..errors import StructureError
 from .kinematics import Mechanism
 
 DIMENSIONLESS = "dimensionless"  # the structure word of an oscillator without units
@@ -152,117 +151,3 @@ def dimensionless_oscillator(eta: float) -> RockingParameters:
     Raises StructureError when eta is not within [0, 1].
     """
     return RockingParameters(f"eta={eta:g}", DIMENSIONLESS, 1.0, 1.0, eta, 1.0, 1.0, "given", 1.0)
-
-
-REPORTED = (
-    "structure",
-    "eta_source",
-    "hinges",
-    "a_scale_3_7",
-    "direction",
-    "lambda_governing",
-    "tip_height",
-    "crack_height",
-    "cap_ratio",
-    "rocks_on",
-    "varied",
-)
-"""Keys that a record may carry along and that do not change the parameters."""
-
-
-ONE_SIDED_RESTITUTION = "a number above -1 and up to 0 (one_sided: it returns to the side it came from)"
-
-
-def gravity_of(document: Document) -> float:
-    """The document's gravity [m/s2], 9.81 unless given."""
-    if not document.has("gravity"):
-        return DEFAULT_GRAVITY
-    return document.quantity("gravity", "acceleration", above=0.0, where="a positive acceleration")
-
-
-def restitution_of(document: Document, momentum: float, limit: str) -> tuple[float, str]:
-    """(eta, where it comes from): the document's value, or the given one from momentum.
-
-    `limit` says in words when the momentum model stops to hold (eta < 0), which is an error unless eta is given.
-    """
-    if document.has("restitution") and document.values["restitution"].content != "auto":
-        wanted = "a number from 0 to 1, or auto"
-        try:
-            return abs(document.quantity("restitution", "number", least=0.0, most=1.0, where=wanted)), "given"
-        except DocumentError:
-            raise document.fault("restitution", str(document.values["restitution"]), wanted) from None
-    if momentum < 0.0:
-        raise document.fault(None, f"a restitution of {momentum:.4g} from momentum", f"{limit}; or give restitution")
-    return momentum, "momentum"
-
-
-def one_sided_of(document: Document) -> bool:
-    """Whether the body leaves the ground on its right edge only, false unless the document says so."""
-    return document.flag("one_sided")
-
-
-def damping_of(document: Document) -> float:
-    """The document's viscous damping zeta [-], 0 unless given."""
-    if not document.has("damping"):
-        return 0.0
-    where = f"a number from 0 to below {MOST_DAMPING:g} (zeta)"
-    return document.quantity("damping", "number", least=0.0, below=MOST_DAMPING, where=where)
-
-
-def build(document: Document, name: str) -> RockingParameters:
-    """The parameters as a document of kind `parameters` states them; lambda and a_scale give each other (Eq. 3.9)."""
-    details = {key: document.values[key].plain() for key in document.values if key in REPORTED and document.has(key)}
-    structure = str(details.pop("structure", "parameters"))
-    if structure == DIMENSIONLESS:
-        raise document.fault("structure", structure, "the kind of a structure, which has units")
-    source = str(details.pop("eta_source", "given"))
-    more: dict[str, Any] = {"eta_source": source, "gravity": gravity_of(document), "details": details}
-    one_sided = one_sided_of(document)
-    if not document.has("sides"):
-        return RockingParameters(name, structure, **_numbers(document, one_sided), one_sided=one_sided, **more)
-    if one_sided:
-        raise document.fault("one_sided", "a one-sided body of two sides", "sides, or one_sided: true, not both")
-    left, right = _sides(document)
-    weaker = weaker_side((left, right))
-    for key, number in weaker.numbers().items():
-        dimension = {"p": "frequency parameter", "alpha": "angle"}.get(key, "number")
-        if document.has(key) and document.quantity(key, dimension) != number:
-            raise document.fault(key, str(document.values[key]), f"{number!r} as in sides, where the {weaker.side} edge lifts first")
-    return RockingParameters.of_sides(name, structure, left, right, **more)
-
-
-def _numbers(document: Document, one_sided: bool = False) -> dict[str, Any]:
-    p = document.quantity("p", "frequency parameter", above=0.0, where="a positive number")
-    alpha = document.quantity("alpha", "angle", above=0.0, below=math.pi, where="an angle between 0 and 180 deg")
-    if one_sided:
-        eta = document.quantity("eta", "number", above=-1.0, most=0.0, where=ONE_SIDED_RESTITUTION)
-    else:
-        eta = document.quantity("eta", "number", least=0.0, most=1.0, where="a number from 0 to 1")
-    given = {
-        key: document.quantity(key, "number", above=0.0, where="a positive number") for key in ("lambda", "a_scale") if document.has(key)
-    }
-    if not given:
-        raise document.fault(None, "neither lambda nor a_scale", "one of them, or both")
-    return {
-        "p": p,
-        "alpha": alpha,
-        "eta": eta,
-        "uplift": given.get("lambda", alpha / given.get("a_scale", 1.0)),
-        "a_scale": given.get("a_scale", alpha / given.get("lambda", 1.0)),
-    }
-
-
-def _sides(document: Document) -> tuple[Side, Side]:
-    wanted = "a list of two, one with side: left and one with side: right, each with p, alpha, eta, and lambda or a_scale"
-    value = document.values["sides"]
-    if not isinstance(value.content, list) or len(value.content) != 2:
-        raise document.fault("sides", str(value), wanted)
-    found: dict[str, Side] = {}
-    for child in value.content:
-        part = document.part("sides", child)
-        side = part.choice("side", ["left", "right"])
-        found[side] = Side(side, **_numbers(part))
-        part.finish()
-    if len(found) < 2:
-        raise document.fault("sides", f"the {next(iter(found))} side twice", wanted)
-    return found["left"], found["right"]

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from ..documents.document import Document
 from .parameters import RockingParameters
-from .rigid import radius_and_alpha, rigid_body
+from .single_body import radius_and_alpha, rigid_body
+
+REPORTS = ()
 
 
 def build(document: Document, name: str) -> RockingParameters:

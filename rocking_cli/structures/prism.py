@@ -13,7 +13,9 @@ from ..documents.document import Document, Value
 from ..documents.quantities import parse_quantity
 from .kinematics import Moments, spin_about
 from .parameters import RockingParameters
-from .rigid import body_on_edge
+from .single_body import body_on_edge
+
+REPORTS = ("direction",)
 
 Corner = tuple[float, float]
 

@@ -13,13 +13,14 @@ import math
 from typing import TYPE_CHECKING, NamedTuple
 
 from ..documents.document import Document
-from .kinematics import Moments, RigidBody
+from .kinematics import EdgeRocker, Moments
 from .parameters import RockingParameters
-from .rigid import body_on_edge
+from .single_body import body_on_edge
 
 if TYPE_CHECKING:
     import numpy as np
 
+REPORTS = ("tip_height", "crack_height")
 _NODES = 64  # Gauss points a stretch; with the square roots at the ends taken out, 32 already give 1e-13
 
 
@@ -107,9 +108,9 @@ class Spire(NamedTuple):
         windward = self.base_radius * (1.0 - self.crack_height / self.height)
         return cone.above(self.base_radius, self.crack_height / (self.base_radius + windward), both)
 
-    def mechanism(self) -> RigidBody:
+    def mechanism(self) -> EdgeRocker:
         """The rocking body on its pivot, and what it shares with its mirror image."""
-        return RigidBody(self.rocking(), self.base_radius, self.rocking(both=True))
+        return EdgeRocker(self.rocking(), self.base_radius, self.rocking(both=True))
 
 
 def build(document: Document, name: str) -> RockingParameters:

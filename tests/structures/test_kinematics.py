@@ -7,7 +7,7 @@ import math
 import pytest
 from written import built
 
-from rocking_cli.structures.kinematics import Moments, RigidBody, linearise
+from rocking_cli.structures.kinematics import EdgeRocker, Moments, linearise
 from rocking_cli.structures.prism import polygon_moments
 from rocking_cli.structures.spire import Spire
 
@@ -27,7 +27,7 @@ def same(parameters, mechanism, g=9.81):
 
 def test_block_point_mass_and_spire_pass_through_the_mechanism():
     block = polygon_moments([(-0.25, 0), (0.25, 0), (0.25, 2), (-0.25, 2)])
-    same(built("kind: block\nwidth: 0.5\nheight: 2"), RigidBody(block, 0.25))
-    same(built("kind: point_mass\nwidth: 1.2\nheight: 4"), RigidBody(Moments(1.0, 0.0, 4.0, 16.0), 0.6))
+    same(built("kind: block\nwidth: 0.5\nheight: 2"), EdgeRocker(block, 0.25))
+    same(built("kind: point_mass\nwidth: 1.2\nheight: 4"), EdgeRocker(Moments(1.0, 0.0, 4.0, 16.0), 0.6))
     same(built(THIN), Spire(1.5, 12.0, 0.0, 12.0, 0.0).mechanism())
     same(built(CRACKED), Spire(1.5, 12.0, 0.15, 10.8, 10.8).mechanism())

@@ -8,7 +8,8 @@ from typing import Any
 
 from ..documents.document import Document
 from .kinematics import Moments
-from .parameters import RockingParameters, gravity_of, restitution_of
+from .parameters import RockingParameters
+from .shared_keys import gravity_of, restitution_of
 
 
 def rigid_body(

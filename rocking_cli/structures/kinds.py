@@ -1,0 +1,90 @@
+"""The kinds of structure. A new one is one file with `build` and `REPORTS`, and one line in KINDS.
+
+An installed package adds a kind of its own by an entry point, which names a module (or object) of the same two:
+
+    [project.entry-points."rocking.structures"]
+    tower = "my_package.tower"
+
+Entry points are looked at only for a `kind` that is not in KINDS.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Protocol
+
+from ..documents.document import Document
+from . import arch, block, drum, frame, point_mass, prism, spire, stated
+from .parameters import RockingParameters
+
+if TYPE_CHECKING:
+    from importlib.metadata import EntryPoint
+
+GROUP = "rocking.structures"
+
+
+class Kind(Protocol):
+    """What a kind of structure has to tell; a module will do."""
+
+    @property
+    def REPORTS(self) -> Sequence[str]:
+        """Keys of its own in RockingParameters.details, which a document of kind `parameters` carries along."""
+
+    def build(self, document: Document, name: str) -> RockingParameters:
+        """The rocking parameters of a document of this kind.
+
+        It reads every key that it knows by the document's methods, which name place, key and what is accepted where they
+        refuse; what nobody has read is refused afterwards. It may raise StructureError for numbers that do not rock.
+        """
+
+
+KINDS: dict[str, Kind] = {
+    "block": block,
+    "point_mass": point_mass,
+    "spire": spire,
+    "arch": arch,
+    "frame": frame,
+    "prism": prism,
+    "drum": drum,
+    "parameters": stated,
+}
+
+
+def kind_of(document: Document) -> tuple[str, Kind]:
+    """The word after `kind` and the kind itself. Raises DocumentError for one that is unknown or whose package does not load."""
+    value = document.values.get("kind")
+    installed = {} if value is not None and value.content in KINDS else _installed()
+    word = document.choice("kind", [*KINDS, *installed])
+    if word in KINDS:
+        return word, KINDS[word]
+    entry = installed[word]
+    try:
+        return word, _load(entry)
+    except Exception as error:  # whatever the import of a foreign package raises
+        package = f"the package {entry.dist.name}" if entry.dist else entry.value
+        found = f"{word}, which {package} adds and which cannot be used: {type(error).__name__}: {error}"
+        raise document.fault("kind", found, f"a package that works, or one of {', '.join(KINDS)}") from error
+
+
+def reports_of(word: str) -> Sequence[str]:
+    """The details that a kind reports; none of a word that is no kind here."""
+    if word in KINDS:
+        return KINDS[word].REPORTS
+    entry = _installed().get(word)
+    try:
+        return () if entry is None else _load(entry).REPORTS
+    except Exception:  # its details are then refused by name, as those of a kind that is not installed
+        return ()
+
+
+def _installed() -> dict[str, EntryPoint]:
+    from importlib.metadata import entry_points
+
+    return {entry.name: entry for entry in entry_points(group=GROUP)}
+
+
+def _load(entry: EntryPoint) -> Kind:
+    kind: Kind = entry.load()
+    if not (callable(getattr(kind, "build", None)) and isinstance(getattr(kind, "REPORTS", None), tuple | list)):
+        raise TypeError(f"{entry.value} has no build(document, name), or no REPORTS, a tuple of keys")
+    return kind

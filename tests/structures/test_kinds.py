@@ -1,0 +1,157 @@
+"""From a document to a structure: the kinds, those that installed packages add, and which failures are the document's."""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+import sys
+from pathlib import Path
+from types import SimpleNamespace
+
+import pytest
+
+from rocking_cli import DocumentError, build_structure, parse_documents
+from rocking_cli.errors import StructureError
+from rocking_cli.structures import KINDS
+from rocking_cli.structures.kinds import GROUP
+
+
+@pytest.mark.parametrize("bug", [ZeroDivisionError("bug"), ValueError("bug"), OverflowError("bug"), KeyError("bug")])
+def test_a_bug_in_a_builder_is_not_the_documents_fault(monkeypatch, bug):
+    def build(document, name):
+        raise bug
+
+    monkeypatch.setitem(KINDS, "block", SimpleNamespace(build=build, REPORTS=()))
+    with pytest.raises(type(bug), match="bug"):
+        build_structure(parse_documents("kind: block")[0])
+
+
+def test_geometry_without_a_structure_is_the_documents_fault(monkeypatch):
+    def build(document, name):
+        raise StructureError("never reaches an unstable equilibrium")
+
+    monkeypatch.setitem(KINDS, "block", SimpleNamespace(build=build, REPORTS=()))
+    with pytest.raises(DocumentError, match=r"tower.yaml:1:1: block: never reaches an unstable equilibrium"):
+        build_structure(parse_documents("kind: block", "tower.yaml")[0])
+
+
+@pytest.mark.parametrize(
+    ("document", "words"),
+    [
+        ("kind: block\nwidth: 1e-300\nheight: 1", "width: found 1e-300; accepted is a positive length, from 1e-09 m"),
+        ("kind: block\nwidth: 1e300\nheight: 1", "width: found 1e300; accepted is a length"),
+        ("kind: block\nwidth: 1e7 km\nheight: 1", "up to 1e+09 m"),
+        ("kind: drum\nbase_radius: 1\ntop_radius: 1e200\nheight: 3", "top_radius: found 1e200"),
+        ("kind: prism\ncorners: [[0, 0], [1e200, 0], [0, 1]]", "corners: found a corner"),
+        (
+            "kind: spire\nbase_radius: 1e9\nheight: 1e9\nthickness: 1e-9",
+            "thickness: found 1e-9; accepted is a positive length below base_radius (1e+09 m) and above 1 m",
+        ),
+        ("kind: arch\nradius: 1e200\nthickness: 1\nangle: 1\nvoussoirs: 12", "radius: found 1e200"),
+        ("kind: parameters\np: 1\nalpha: 1e-300\neta: 1\nlambda: 1e300", "a_scale is 0"),
+    ],
+)
+def test_numbers_that_overflow_are_refused_by_name(document, words):
+    with pytest.raises(DocumentError, match=re.escape(words)):
+        build_structure(parse_documents(document)[0])
+
+
+SIMILAR = [
+    "kind: block\nwidth: {a}\nheight: {b}",
+    "kind: drum\nbase_radius: {a}\ntop_radius: {c}\nheight: {b}",
+    "kind: prism\ncorners: [[0, 0], [{a}, 0], [{c}, {b}]]",
+    "kind: spire\nbase_radius: {a}\nheight: {b}\nthickness: {c}\ncrack: diagonal",
+    "kind: arch\nradius: {b}\nthickness: {a}\nangle: 157.5 deg\nvoussoirs: 7",
+]
+
+
+@pytest.mark.parametrize("document", SIMILAR, ids=lambda text: text.split()[1])
+def test_the_smallest_and_the_largest_lengths_are_similar_to_those_of_a_building(document):
+    def built(size):
+        return build_structure(parse_documents(document.format(a=size, b=6 * size, c=0.4 * size))[0])
+
+    usual = built(1.0)
+    for size in (1e-8, 1e8):
+        found = built(size)
+        assert (found.alpha, found.eta, found.uplift) == pytest.approx((usual.alpha, usual.eta, usual.uplift), rel=1e-9)
+        assert found.p * math.sqrt(size) == pytest.approx(usual.p, rel=1e-9)
+
+
+TOWER = """
+from rocking_cli import RockingParameters
+
+REPORTS = ("storeys",)
+
+
+def build(document, name):
+    storeys = document.integer("storeys", 1, 99)
+    return RockingParameters(name, "tower", 2.0, 0.2, 0.9, 0.25, 0.8, details={"storeys": storeys})
+"""
+
+
+@pytest.fixture
+def install(tmp_path, monkeypatch):
+    """A package on the path whose entry point adds a kind of this name: a module, and the folder that pip would leave."""
+
+    def installed(kind: str, source: str) -> Path:
+        site = tmp_path / f"site-{kind}"
+        (site / f"of_{kind}-1.dist-info").mkdir(parents=True)
+        (site / f"rocking_{kind}.py").write_text(source)
+        (site / f"of_{kind}-1.dist-info" / "METADATA").write_text(f"Metadata-Version: 2.1\nName: of-{kind}\nVersion: 1\n")
+        (site / f"of_{kind}-1.dist-info" / "entry_points.txt").write_text(f"[{GROUP}]\n{kind} = rocking_{kind}\n")
+        monkeypatch.syspath_prepend(str(site))
+        return site
+
+    return installed
+
+
+def parameters_of(text: str):
+    return build_structure(parse_documents(text, "f.yaml")[0])
+
+
+def test_an_installed_package_adds_a_kind(install):
+    install("tower", TOWER)
+    tower = parameters_of("kind: tower\nstoreys: 7\ndamping: 0.02\nname: T")
+    assert (tower.p, tower.damping, tower.details) == (2.0, 0.02, {"storeys": 7})
+    assert parameters_of(json.dumps(tower.record())) == tower
+    with pytest.raises(DocumentError, match=r"f.yaml:2:1: unknown key 'storys' \(did you mean 'storeys'"):
+        parameters_of("kind: tower\nstorys: 7")
+    with pytest.raises(DocumentError, match=r"accepted is one of block, .*parameters, tower .did you mean 'tower'"):
+        parameters_of("kind: towr\nstoreys: 7")
+
+
+def test_details_are_carried_along_only_for_the_kind_that_reports_them(install):
+    record = {"kind": "parameters", "structure": "tower", "p": 1, "alpha": 0.2, "eta": 0.9, "lambda": 0.2, "storeys": 7}
+    with pytest.raises(DocumentError, match="unknown key 'storeys'"):
+        parameters_of(json.dumps(record))
+    install("tower", TOWER)
+    assert parameters_of(json.dumps(record)).details == {"storeys": 7}
+    with pytest.raises(DocumentError, match="unknown key 'storeys'"):
+        parameters_of(json.dumps({**record, "structure": "arch"}))
+
+
+@pytest.mark.parametrize(
+    ("source", "words"),
+    [
+        ("import nowhere_to_be_found", "ModuleNotFoundError: No module named 'nowhere_to_be_found'"),
+        ("REPORTS = ()", "rocking_broken has no build"),
+        ("def build(document, name): ...", "no REPORTS, a tuple of keys"),
+    ],
+)
+def test_a_package_that_cannot_be_used_is_named(install, monkeypatch, source, words):
+    install("broken", source)
+    monkeypatch.delitem(sys.modules, "rocking_broken", raising=False)
+    with pytest.raises(DocumentError, match=f"kind: found broken, which the package of-broken adds and which cannot be used: .*{words}"):
+        parameters_of("kind: broken")
+
+
+def test_known_kinds_never_look_for_packages(monkeypatch):
+    def looked(**_):
+        raise AssertionError("installed packages were searched")
+
+    monkeypatch.setattr("importlib.metadata.entry_points", looked)
+    block = parameters_of("kind: block\nwidth: 1\nheight: 5")
+    assert parameters_of(json.dumps(block.record())) == block
+    with pytest.raises(AssertionError, match="searched"):
+        parameters_of("kind: tower")
