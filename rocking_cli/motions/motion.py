@@ -17,6 +17,7 @@ from itertools import pairwise
 import numpy as np
 
 from ..errors import MotionError
+from .extremes import isolated_extremes
 
 
 @dataclass(frozen=True)
@@ -46,14 +47,6 @@ class Piece:
             total = total + h.amplitude * np.sin(h.frequency * phase + h.phase)
         return np.asarray(total)
 
-    def rate(self, phase: np.ndarray | float) -> np.ndarray:
-        """ds/dphase, shape of `phase`."""
-        phase = np.asarray(phase, dtype=float)
-        total = self.slope + 0.0 * phase
-        for h in self.harmonics:
-            total = total + h.amplitude * h.frequency * np.cos(h.frequency * phase + h.phase)
-        return np.asarray(total)
-
     def extremes(self) -> list[float]:
         """Phases strictly inside the piece where s has an extremum, in order."""
         if not self.harmonics:
@@ -64,20 +57,9 @@ class Piece:
             last = np.floor((h.frequency * self.stop + h.phase) / np.pi - 0.5)
             found = (((np.arange(first, last + 1) + 0.5) * np.pi - h.phase) / h.frequency).tolist()
         else:
-            found = self._numerical_extremes()
+            found = isolated_extremes(self).tolist()
         margin = 1e-12 * (self.stop - self.start)
         return [float(x) for x in found if self.start + margin < x < self.stop - margin]
-
-    def _numerical_extremes(self) -> list[float]:
-        from scipy.optimize import brentq
-
-        fastest = max(h.frequency for h in self.harmonics)
-        count = int(np.ceil((self.stop - self.start) * fastest / (2 * np.pi) * 256)) + 256
-        grid = np.linspace(self.start, self.stop, count)
-        rate = self.rate(grid)
-        changes = np.flatnonzero(np.sign(rate[:-1]) * np.sign(rate[1:]) < 0)
-        roots = [brentq(lambda x: float(self.rate(x)), grid[i], grid[i + 1], xtol=1e-15) for i in changes]
-        return sorted(roots + [float(grid[i]) for i in np.flatnonzero(rate == 0.0)])
 
 
 @dataclass(frozen=True)
@@ -215,7 +197,7 @@ class Motion:
         high, low = np.maximum(s_start, s_end), np.minimum(s_start, s_end)
         return Segments(
             start=start,
-            length=stop - start,
+            length=self._lengths(index, start, stop),
             s_start=s_start,
             s_end=s_end,
             sin=sin,
@@ -227,13 +209,30 @@ class Motion:
             later_min=np.minimum(0.0, np.minimum.accumulate(low[::-1])[::-1]),
         )
 
+    def _lengths(self, index: np.ndarray, start: np.ndarray, stop: np.ndarray) -> np.ndarray:
+        """Lengths of the segments; between quarter turns of a piece's one sinusoid without the rounding of the phases there,
+        which would stand against sines that are exact, and add up."""
+        length = stop - start
+        for i, piece in enumerate(self.pieces):
+            if len(piece.harmonics) == 1:
+                mine, h = np.flatnonzero(index == i), piece.harmonics[0]
+                (first, rest), (last, left) = _quarters(h, start[mine]), _quarters(h, stop[mine])
+                exact = (rest == 0.0) & (left == 0.0) & (last > first)
+                length[mine[exact]] = (last - first)[exact] * (np.pi / 2) / h.frequency
+        return length
 
-def _sin_cos(h: Harmonic, phase: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Amplitude times sin and cos of the argument, exact (0 or 1) at quarter turns so that 10^4 cycles do not drift."""
+
+def _quarters(h: Harmonic, phase: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The argument of a sinusoid as quarter turns and the rest [rad], 0 where rounding of the phase explains it."""
     argument = h.frequency * phase + h.phase
     quarter = np.rint(argument / (np.pi / 2))
     rest = argument - quarter * (np.pi / 2)
-    rest = np.where(np.abs(rest) < 4e-16 * np.maximum(1.0, np.abs(argument)), 0.0, rest)
+    return quarter, np.where(np.abs(rest) < 4e-16 * np.maximum(1.0, np.abs(argument)), 0.0, rest)
+
+
+def _sin_cos(h: Harmonic, phase: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Amplitude times sin and cos of the argument, exact (0 or 1) at quarter turns so that 10^4 cycles do not drift."""
+    quarter, rest = _quarters(h, phase)
     turn = quarter.astype(np.int64) % 4
     sin, cos = np.sin(rest), np.cos(rest)
     return (

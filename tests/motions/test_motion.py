@@ -24,6 +24,13 @@ def test_sine_and_cosine_are_cut_at_their_extremes_without_rounding():
     assert long.later_min[-1] == -1.0
 
 
+@pytest.mark.parametrize("motion", [cosine(5), cosine(10_000), sine(300.5)])
+def test_half_cycles_are_pi_long_whatever_came_before(motion):
+    """As the difference of two phases they would be off by the rounding of those, against sines that are exact there."""
+    half_cycles = motion.segments.length[1:-1]
+    assert np.array_equal(half_cycles, np.full(half_cycles.size, math.pi))
+
+
 def test_every_segment_is_monotone():
     harmonics = (Harmonic(0.5, 1, 0.3), Harmonic(0.3, 1.7, 1.0), Harmonic(-0.4, 0.6, 0.2))
     motion = Motion("mixed", (Piece(0, 12, harmonics, 0.1, 0.02), Piece(12, 13, (), -1.0, 2.0)))

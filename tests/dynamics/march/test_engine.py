@@ -7,9 +7,10 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from multiple import march
 from oracle import INTERVALS, LADDER, integrate, ladder
 
-from rocking_cli import Motion, Outcome, cosine, linear_response, overturned, sine
+from rocking_cli import Motion, Outcome, cosine, linear_response, overturned, pulse, sine
 from rocking_cli.motions import Harmonic, Piece
 
 
@@ -151,3 +152,21 @@ def test_extreme_cells_are_decided():
 def test_numbers_out_of_range_are_refused(bad):
     with pytest.raises(ValueError, match=next(iter(bad))):
         linear_response(sine(), **{"amplitude": 2.0, "omega": 3.0, "eta": 0.9, **bad})
+
+
+@pytest.mark.parametrize(
+    ("motion", "amplitude", "omega", "eta", "tolerance"),
+    [
+        (cosine(5), 743.56, 80.335, 0.3, 3e-13),  # A = 743: a rounding of the drive is 1e-13
+        (cosine(40), 743.56, 2000.0, 0.3, 1e-12),
+        (sine(40), 200.0, 700.0, 0.7, 1e-13),
+        (pulse("ricker-antisymmetric"), 30.0, 25.0, 0.5, 1e-15),
+        (pulse("rectangular-impulse"), 3.0, 30.0, 0.5, 1e-15),
+        (sine(), 1.0 + 1e-9, 1.0, 0.5, 1e-24),  # a peak of 4.5e-18
+    ],
+)
+def test_cells_equal_fifty_digits(motion, amplitude, omega, eta, tolerance):
+    flag, theta, _ = march(motion, amplitude, omega, eta)
+    found = linear_response(motion, amplitude, omega, eta)
+    assert Outcome(int(found.outcome)).flag == flag == "rocked"
+    assert float(found.theta_ratio) == pytest.approx(theta, rel=0.0, abs=tolerance)

@@ -1,0 +1,104 @@
+"""Extremes of a sum of sinusoids and a ramp, isolated by proof: none is missed however close it lies to the next.
+
+A cell of half width d about m is settled by the Taylor series of the rate r = ds/dphase there, T_n = r^(n)(m) d^n/n!, and the bound
+sum_j |C_j| w_j^(n+1) of its derivatives, which bounds the remainder:
+
+    free      |T_0| > sum_{n>=1} |T_n|               r has no root
+    monotone  |T_1| > sum_{n>=2} n |T_n|             r has one root or none: its signs at the ends tell
+    curved    2 |T_2| > sum_{n>=3} n (n-1) |T_n|     r has a single turn, which tells between two roots, one and none
+    flat      sum |T_n| below rounding               s does not change in it
+
+and halved otherwise. A turn of r that comes to zero within rounding (an inflection with a level tangent, two extremes closer than
+1e-7 or so) is no extreme: s is monotone across it to its last digit.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from functools import partial
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from .motion import Piece
+
+Array = np.ndarray
+
+_TERMS = 12  # of the Taylor series
+_CELLS = 4  # a turn of the fastest sinusoid, to begin with
+_HALVINGS = 64
+
+
+def isolated_extremes(piece: Piece) -> Array:
+    """Phases [rad] within the piece where s turns, in order."""
+    fastest = max(h.frequency for h in piece.harmonics)
+    edges = np.linspace(piece.start, piece.stop, math.ceil((piece.stop - piece.start) * fastest / (2.0 * math.pi) * _CELLS) + 2)
+    low, high = edges[:-1], edges[1:]
+    ends: list[tuple[Array, Array]] = []
+    n = np.arange(float(_TERMS))[:, None]
+    for _ in range(_HALVINGS):
+        terms, rest, rounding = _series(piece, low, high)
+        size = np.abs(terms)
+        free = size[0] > size[1:].sum(axis=0) + rest + rounding[0]
+        monotone = size[1] > (n * size)[2:].sum(axis=0) + _TERMS * rest + rounding[1]
+        curved = 2.0 * size[2] > (n * (n - 1.0) * size)[3:].sum(axis=0) + _TERMS * (_TERMS - 1) * rest + rounding[2]
+        flat = size.sum(axis=0) + rest <= 4.0 * rounding[0]
+        single = (monotone | flat) & ~free
+        turning = curved & ~(free | single)
+        ends += [(low[single], high[single]), *_about_turns(piece, low[turning], high[turning], rounding[0, turning])]
+        open_ = ~(free | single | curved)
+        if not open_.any():
+            break
+        middle = 0.5 * (low[open_] + high[open_])
+        low, high = np.concatenate([low[open_], middle]), np.concatenate([middle, high[open_]])
+    before, after = (np.concatenate(x) for x in zip(*ends, strict=True))
+    change = (_rate(piece, before) >= 0.0) != (_rate(piece, after) >= 0.0)  # zero is positive: neighbours agree on their common end
+    return np.unique(_bisected(partial(_rate, piece), before[change], after[change]))
+
+
+def _series(piece: Piece, low: Array, high: Array) -> tuple[Array, Array, Array]:
+    """(terms, cells) T_n; the bound of the remainder; (3, cells) what rounding leaves uncertain in r, r' d and r'' d^2."""
+    middle, half = 0.5 * (low + high), 0.5 * (high - low)
+    terms, rest, rounding = np.zeros((_TERMS, middle.size)), np.zeros(middle.size), np.zeros((3, middle.size))
+    terms[0] = piece.slope
+    for h in piece.harmonics:
+        argument, x = h.frequency * middle + h.phase, h.frequency * half
+        cos, sin = np.cos(argument), np.sin(argument)
+        size = np.full(middle.size, h.amplitude * h.frequency)
+        error = 4.0 * np.finfo(float).eps * np.abs(size) * (1.0 + np.abs(argument))
+        for n in range(_TERMS):
+            terms[n] += size * (cos, -sin, -cos, sin)[n % 4]
+            size = size * x / (n + 1)
+        rest += np.abs(size)
+        rounding += error * x ** np.arange(3.0)[:, None]
+    rounding[0] += 4.0 * np.finfo(float).eps * abs(piece.slope)
+    return terms, rest, rounding
+
+
+def _about_turns(piece: Piece, low: Array, high: Array, rounding: Array) -> list[tuple[Array, Array]]:
+    """The parts before and after the one turn of r in each cell, where r comes to another sign there."""
+    if not low.size:
+        return []
+    turn = _bisected(partial(_rate, piece, order=1), low, high)
+    deep = (np.abs(_rate(piece, turn)) > rounding) | ((_rate(piece, low) >= 0.0) != (_rate(piece, high) >= 0.0))
+    return [(low[deep], turn[deep]), (turn[deep], high[deep])]
+
+
+def _rate(piece: Piece, phase: Array, order: int = 0) -> Array:
+    """ds/dphase, or (order 1) the derivative of that, at one-dimensional phases."""
+    amplitude, w, f = np.array([(h.amplitude, h.frequency, h.phase) for h in piece.harmonics]).T[:, :, None]
+    argument = w * phase + f
+    total = (amplitude * w * np.cos(argument) if order == 0 else -amplitude * w * w * np.sin(argument)).sum(axis=0)
+    return total + piece.slope if order == 0 else np.asarray(total)
+
+
+def _bisected(function: Callable[[Array], Array], low: Array, high: Array) -> Array:
+    """Where the sign of a function changes between two ends, to the last bit; one of the ends where it does not."""
+    sign = function(low) >= 0.0
+    for _ in range(_HALVINGS if low.size else 0):
+        middle = 0.5 * (low + high)
+        before = (function(middle) >= 0.0) == sign
+        low, high = np.where(before, middle, low), np.where(before, high, middle)
+    return high
