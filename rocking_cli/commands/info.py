@@ -19,6 +19,7 @@ def info(context: click.Context, files: tuple[str, ...], verify: bool, form: str
 
     A file that is damaged, or with --verify holds a damaged chunk, ends with exit code 1.
     """
+    from ..spectra.machine import described, machines_of
     from ..spectra.reader import SpectraFile
 
     damaged = []
@@ -42,6 +43,9 @@ def info(context: click.Context, files: tuple[str, ...], verify: bool, form: str
                     "estimated_error": attributes.get("estimated_error"),
                     "checked_cells": attributes.get("checked_cells"),
                     "source": attributes.get("source"),
+                    "sealed": "yes" if file.sealed else "no",
+                    "digest": attributes.get("layout_digest"),
+                    "computed_on": "; ".join(described(m) for m in machines_of(attributes.get("computed_on"))) or None,
                 }
             )
             if verify:

@@ -13,13 +13,16 @@ from . import options
 @click.argument("files", nargs=-1, required=True, metavar="FILE...")
 @options.output
 @options.overwrite
+@options.strict
 @options.quiet
 @click.pass_context
-def merge(context: click.Context, files: tuple[str, ...], output: Path, overwrite: bool, quiet: bool) -> None:
+def merge(context: click.Context, files: tuple[str, ...], output: Path, overwrite: bool, strict: bool, quiet: bool) -> None:
     """Put together what `rocking spectrum --shard i/n` computed in n parts; exit code 4 where chunks are missing."""
     from ..spectra.merge import merge as put_together
 
-    there, whole = put_together(files, output, overwrite=overwrite)
-    options.note(f"{output}: {there} of {whole} chunks", quiet)
-    if there < whole:
+    merged = put_together(files, output, overwrite=overwrite, strict=strict)
+    options.note(f"{output}: {merged.there} of {merged.whole} chunks", quiet)
+    if merged.elsewhere:
+        options.note(f"computed on machines that differ: {merged.elsewhere}; the last digits of cells may differ", quiet)
+    if merged.there < merged.whole:
         context.exit(4)

@@ -38,6 +38,7 @@ csv_output = click.option("--csv", "form", flag_value="csv", help="CSV on standa
 quiet = click.option("-q", "--quiet", is_flag=True, help="No progress and no summary on standard error.")
 output = click.option("-o", "--output", required=True, type=OutputPath(), help="The HDF5 file to write.")
 overwrite = click.option("--overwrite", is_flag=True, help="Replace an output that exists.")
+strict = click.option("--strict", is_flag=True, help="Refuse data of a machine or of libraries that may differ in the last digits.")
 workers = click.option("--workers", type=click.IntRange(1), help="Processes to use (default: all cores).")
 pulse = click.option("--pulse", metavar="NAME", help="Ground motion: sine (default), or one of the pulses listed in the README.")
 cycles = click.option("--cycles", type=float, help="Cycles of a sine or cosine, in half cycles (default 1).")

@@ -28,6 +28,7 @@ if TYPE_CHECKING:
 @click.option("--check", type=click.IntRange(0), metavar="N", help="Cells computed again by the independent path.")
 @options.overwrite
 @click.option("--resume", is_flag=True, help="Go on with an interrupted sweep of the same scene (OUTPUT.part).")
+@options.strict
 @click.option("--shard", metavar="I/N", help="Compute the I-th of N parts only; rocking merge puts them together.")
 @click.option("--scheduler", metavar="ADDRESS", help="Compute on a dask.distributed cluster, such as tcp://host:8786.")
 @click.option("--json", "json_", is_flag=True, help="The closing summary as a JSON record on standard output.")
@@ -48,6 +49,7 @@ def spectrum(
     check: int | None,
     overwrite: bool,
     resume: bool,
+    strict: bool,
     shard: str | None,
     scheduler: str | None,
     json_: bool,
@@ -60,8 +62,8 @@ def spectrum(
     """
     from ..reports.summary import summary_lines
     from ..spectra.grid import parse_grid
+    from ..spectra.part import check_output
     from ..spectra.scene import Method
-    from ..spectra.store import check_output
     from ..spectra.sweep import CHUNK_CELLS, write_spectrum
 
     method = Method(model, tolerance)
@@ -82,6 +84,7 @@ def spectrum(
         impacts=impacts,
         overwrite=overwrite,
         resume=resume,
+        strict=strict,
         scheduler=scheduler,
         shard=None if shard is None else _part(shard),
         documents=texts,

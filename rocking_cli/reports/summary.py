@@ -16,6 +16,8 @@ def summary_lines(summary: Summary, output: str) -> Iterator[str]:
     yield f"run time: {s.run_time:.3g} s, {1e6 * s.time_per_cell:.3g} us a cell, {s.workers} worker{'s' if s.workers != 1 else ''}"
     if s.resumed_cells:
         yield f"resumed: {s.resumed_cells} cells were there before; times, checks and what was left out are those of this run"
+    if s.elsewhere:
+        yield f"computed on machines that differ: {s.elsewhere}; the last digits of cells may differ from those of one machine"
     if s.checked_cells:
         agree = "every outcome equal" if not s.misjudged else f"{s.misjudged} OUTCOMES DIFFER"
         yield f"estimated error: {s.estimated_error:.1e} in theta/alpha, {s.checked_cells} cells computed again by {s.checked_by}, {agree}"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import zlib
 from dataclasses import dataclass
 
 import numpy as np
@@ -48,6 +49,11 @@ class Axis:
         lowest_fits = v[0] >= 0.0 if self.name in ("A", "a_g") else v[0] > 0.0
         if not lowest_fits:
             raise UsageError(f"axis {self.name}: its values must be positive{', or zero' if self.name in ('A', 'a_g') else ''}")
+
+    def stated(self) -> list[float | int]:
+        """First and last value, their number and CRC-32: what tells this axis from another one."""
+        v = self.values
+        return [float(v[0]), float(v[-1]), v.size, zlib.crc32(v.tobytes())]
 
 
 @dataclass(frozen=True, eq=False)

@@ -3,56 +3,100 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import ExitStack
+from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from ..dynamics.outcome import Outcome
 from ..errors import OutputError, UsageError
+from .chunks import stored_outcomes, unpack
+from .layout import VARIABLES
+from .machine import machines_of, together, unlike
 from .reader import SpectraFile
-from .store import SpectraWriter, difference, part_of, stored_outcomes
+from .store import SpectraWriter, brief, difference
+
+KEPT = ("history", "documents", "motion", "model", "tolerance")
 
 
-def merge(paths: Sequence[str | Path], output: str | Path, *, overwrite: bool = False) -> tuple[int, int]:
-    """Write the spectrum that these shards hold together; (chunks there, chunks of the whole).
+@dataclass(frozen=True)
+class Merged:
+    """What came of a merge: chunks there, chunks of the whole, and how the machines differ that computed them."""
 
-    Raises UsageError when they are not of one scene, OutputError when one is damaged or the output cannot be written.
+    there: int
+    whole: int
+    elsewhere: str
+
+
+def merge(paths: Sequence[str | Path], output: str | Path, *, overwrite: bool = False, strict: bool = False) -> Merged:
+    """Write the spectrum that these shards hold together; strict: refuse machines that compute otherwise.
+
+    Raises UsageError when they are not of one scene, OutputError when one is damaged, two hold different data for the same
+    cells, or the output cannot be written.
     """
-    kept_part = part_of(Path(output)).exists()
-    files = [SpectraFile(path) for path in paths]
-    try:
+    with ExitStack() as stack:
+        files = [stack.enter_context(SpectraFile(path)) for path in paths]
         first = files[0]
-        for other in files[1:]:
-            key = difference(first.scene, other.scene)
-            if key is not None:
-                raise UsageError(f"{other.path}: is of another scene than {first.path}: its {key} differs")
-        kept = {k: v for k, v in first.attributes.items() if k in ("history", "documents", "motion", "model", "tolerance")}
-        chunk = (int(first.chunk[1]), int(first.chunk[2]))
-        with SpectraWriter(
-            Path(output), first.structures, first.grid, chunk, impacts="impacts" in first.names, overwrite=overwrite, resume=False,
-            scene=first.scene, attributes=kept,
-        ) as writer:  # fmt: skip
-            outcomes, there = np.zeros(len(Outcome), dtype=np.int64), 0
+        _demand_one_scene(files)
+        machines = together([machines_of(f.attributes.get("computed_on")) for f in files])
+        if strict and unlike(machines):
+            raise UsageError(f"{output}: its shards come from machines that compute otherwise ({unlike(machines)})")
+        kept = {key: value for key, value in first.attributes.items() if key in KEPT}
+        options: dict[str, Any] = {"names": first.names, "scene": first.scene, "attributes": kept, "shard": None, "machines": machines}
+        chunk, target = first.cut.chunk[1:], Path(output)
+        writer = stack.enter_context(
+            SpectraWriter(target, first.structures, first.grid, chunk, overwrite=overwrite, resume=False, **options)
+        )
+        try:
+            outcomes = np.zeros(len(Outcome), dtype=np.int64)
             for index in range(writer.chunks):
                 holders = [f for f in files if f.done[index]]
-                if not holders:
-                    continue
-                packed = next((f for f in holders if f.intact(index)), holders[0]).packed(index)
-                outcomes += stored_outcomes(packed, first.offset(index), chunk, first.grid.shape)
-                writer.write(*first.offset(index), packed)
-                there += 1
-            run_time = sum(float(f.attributes.get("run_time", 0.0)) for f in files)
-            checked = sum(int(f.attributes.get("checked_cells", 0)) for f in files)
-            worst = max(float(f.attributes.get("estimated_error", 0.0)) for f in files)
-            counts = {f"cells_{o.flag}": int(outcomes[o]) for o in Outcome}
-            cells = len(first.structures) * int(np.prod(first.grid.shape))
-            counts["cells_not_computed"] = cells - int(outcomes.sum())
-            writer.finish({"cells": cells, "run_time": run_time, "checked_cells": checked, "estimated_error": worst, **counts})
-            return there, writer.chunks
-    except (OutputError, UsageError):
-        if not kept_part:
-            part_of(Path(output)).unlink(missing_ok=True)  # it can be made again from the shards
-        raise
-    finally:
-        for file in files:
-            file.file.close()
+                if holders:
+                    packed = _agreed(holders, index)
+                    outcomes += stored_outcomes(packed, first.cut, index)
+                    writer.write(first.cut.offset(index), packed)
+        except BaseException:
+            writer.discard()  # it can be made again from the shards
+            raise
+        counts = {f"cells_{o.flag}": int(outcomes[o]) for o in Outcome}
+        cells = int(np.prod(first.cut.shape))
+        counts["cells_not_computed"] = cells - int(outcomes.sum())
+        writer.finish(
+            {
+                "cells": cells,
+                "run_time": sum(float(f.attributes.get("run_time", 0.0)) for f in files),
+                "checked_cells": sum(int(f.attributes.get("checked_cells", 0)) for f in files),
+                "estimated_error": max(float(f.attributes.get("estimated_error", 0.0)) for f in files),
+                **counts,
+            }
+        )
+        return Merged(writer.written, writer.chunks, writer.elsewhere)
+
+
+def _demand_one_scene(files: Sequence[SpectraFile]) -> None:
+    first = files[0]
+    for other in files[1:]:
+        found = difference(first.scene, other.scene)
+        if found is not None:
+            place, one, another = found
+            raise UsageError(
+                f"{other.path}: is of another scene than {first.path}: its {place} differs: {brief(another)}, there {brief(one)}"
+            )
+
+
+def _agreed(holders: Sequence[SpectraFile], index: int) -> dict[str, bytes]:
+    """The bytes of a chunk from the first file where it is intact; those of the others must say the same. Raises OutputError."""
+    intact = [f for f in holders if f.intact(index)]
+    if not intact:
+        return holders[0].packed(index)
+    first = intact[0]
+    packed = first.packed(index)
+    for other in intact[1:]:
+        theirs = other.packed(index)
+        for name in first.names:
+            kind = (VARIABLES[name][0], first.cut.chunk)
+            if packed[name] != theirs[name] and unpack(packed[name], *kind).tobytes() != unpack(theirs[name], *kind).tobytes():
+                raise OutputError(f"{other.path} and {first.path} disagree: chunk {index} of {name} differs; one of them is wrong")
+    return packed

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-import json
+import os
 from collections.abc import Iterator
+from functools import lru_cache
 from pathlib import Path
 from types import TracebackType
 from typing import Any
@@ -14,59 +15,66 @@ import numpy as np
 from ..dynamics.outcome import Outcome
 from ..errors import OutputError, UsageError
 from ..motions import Harmonic, Motion, Piece
-from ..structures.parameters import RockingParameters
-from .grid import Axis, Grid
-from .store import stored_chunk
+from .chunks import stored_chunk, unpack
+from .contents import FAULTS, contents_of
+from .layout import VARIABLES
+from .part import SIGNATURE, RawFile, lock, open_regular
+from .seal import read, sealed
+from .trial import trial
 
-_FAULTS = (OSError, KeyError, ValueError, RuntimeError, TypeError, AttributeError, IndexError, UnicodeDecodeError, UsageError)
+_FAULTS = (*FAULTS, UsageError)
+UNPACKED = 8  # chunks that are kept as arrays
 
 
 class SpectraFile:
     """A spectra file, open for reading; a context manager.
 
-    grid; structures: parameters as stored; names: of the variables; attributes: of the root. Raises UsageError when the file
-    cannot be opened and OutputError when it is not a whole spectra file.
+    grid; structures: parameters as stored; names: of the variables; cut, done, sums: how it is cut, which chunks are there, and
+    their checksums; attributes: of the root; sealed: it came to its end and is as it was then. Nothing is read from it that its
+    seal, its digest or a checksum does not vouch for. Raises UsageError when the file cannot be opened and OutputError when it is not
+    a whole spectra file, or is being written.
     """
 
     def __init__(self, path: str | Path) -> None:
         self.path = Path(path)
-        if not self.path.is_file():
-            raise UsageError(f"{path}: cannot be read: no such file")
         try:
-            self.file = h5py.File(self.path, "r")
+            descriptor = open_regular(self.path)
         except OSError as error:
-            what = "is not an HDF5 file, or is damaged" if "signature" in str(error) else f"is damaged or truncated ({error})"
-            raise OutputError(f"{path}: {what}") from None
+            reason = "no such file" if isinstance(error, FileNotFoundError | IsADirectoryError) else error.strerror
+            raise UsageError(f"{path}: cannot be read: {reason}") from None
+        self._raw = RawFile(descriptor)
         try:
-            self._read()
-        except _FAULTS as error:
-            self.file.close()
-            raise OutputError(f"{path}: is not a spectra file of this program, or is damaged ({error})") from None
+            self._open(descriptor)
+        except BaseException as error:
+            os.close(descriptor)
+            if isinstance(error, _FAULTS):
+                raise OutputError(f"{path}: is not a spectra file of this program, or is damaged ({error})") from None
+            raise
+        self._arrays = lru_cache(UNPACKED)(self._unpacked)
 
-    def _read(self) -> None:
-        f = self.file
-        self.attributes = {key: _plain(value) for key, value in f.attrs.items()}
-        self.scene: dict[str, Any] = json.loads(f.attrs["scene"])
-        dimensionless = "Omega" in f
-        frequency, amplitude = ("Omega", "A") if dimensionless else ("omega_g", "a_g")
-        self.grid = Grid(Axis(amplitude, f[amplitude][...]), Axis(frequency, f[frequency][...]))
-        names = [x.decode() for x in f["structure"][...]]
-        kinds = [s["structure"] for s in self.scene["structures"]]
-        columns = [f[key][...] for key in ("p", "alpha", "eta", "lambda", "a_scale", "gravity")]
-        self.structures = [
-            RockingParameters(name, kind, float(p), float(alpha), float(eta), float(uplift), float(scale), "stored", float(gravity))
-            for name, kind, p, alpha, eta, uplift, scale, gravity in zip(names, kinds, *columns, strict=True)
-        ]
-        self.names = [name for name in ("theta_ratio", "outcome", "impacts") if name in f]
-        self.done = f["chunk_done"][...] == 1
-        self.sums = f["chunk_checksum"][...]
-        self.chunk = f["outcome"].chunks
-        shape = (len(names), *self.grid.shape)
-        if any(f[name].shape != shape or f[name].chunks != self.chunk for name in self.names) or len(self.names) < 2:
-            raise ValueError("its variables do not fit its axes")
-        self.counts = [-(-n // c) for n, c in zip(shape, self.chunk, strict=True)]
-        if self.done.size != int(np.prod(self.counts)) or self.sums.size != self.done.size:
-            raise ValueError("its chunks are not counted right")
+    def _open(self, descriptor: int) -> None:
+        if read(descriptor, 0, len(SIGNATURE)) != SIGNATURE:
+            raise OutputError(f"{self.path}: is not an HDF5 file, or is damaged")
+        self.sealed = sealed(descriptor)
+        if not self.sealed:
+            if not lock(descriptor, shared=True):
+                raise OutputError(f"{self.path}: is in use by another process")
+            trial(self.path)
+        self.file = h5py.File(self._raw, "r")
+        try:
+            found = contents_of(self.file, self._raw.end)
+        except BaseException:
+            self.file.close()
+            raise
+        self.names, self.structures, self.grid, self.cut = found.names, found.structures, found.grid, found.cut
+        self.scene, self.attributes, self.done, self.sums = found.scene, found.attributes, found.done, found.sums
+
+    def close(self) -> None:
+        """Close the file."""
+        self.file.close()
+        if not self._raw.closed:
+            self._raw.close()
+            os.close(self._raw.descriptor)
 
     @property
     def complete(self) -> bool:
@@ -85,32 +93,48 @@ class SpectraFile:
         """Indices of the chunks that are marked done and are not what was written."""
         return [int(i) for i in np.flatnonzero(self.done) if not self.intact(int(i))]
 
-    def offset(self, index: int) -> tuple[int, int, int]:
-        """(structure, row, column) of a chunk's first cell."""
-        structure, row, column = (int(i) * int(c) for i, c in zip(np.unravel_index(index, self.counts), self.chunk, strict=True))
-        return structure, row, column
-
     def packed(self, index: int) -> dict[str, bytes]:
         """The stored bytes of a chunk, checked. Raises OutputError."""
         try:
-            return stored_chunk(self.file, self.names, self.offset(index), self.chunk[1:], int(self.sums[index]))
+            return stored_chunk(self.file, self.names, self.cut.offset(index), int(self.sums[index]))
         except _FAULTS as error:
             raise OutputError(f"{self.path}: chunk {index} is damaged: {error}") from None
 
     def intact(self, index: int) -> bool:
         """Whether a chunk is what was written."""
         try:
-            self.packed(index)
+            self._unpacked(index)
         except OutputError:
             return False
         return True
 
-    def block(self, structure: int, rows: slice, columns: slice = slice(None)) -> dict[str, np.ndarray]:
-        """The variables of a part of the grid, (frequencies, amplitudes). Raises OutputError."""
+    def _unpacked(self, index: int) -> dict[str, np.ndarray]:
+        """The variables of a chunk, checked, without what fills it up at the grid's edge. Raises OutputError."""
+        packed = self.packed(index)
+        cells = tuple(slice(0, s.stop - s.start) for s in self.cut.extent(index))
         try:
-            return {name: self.file[name][structure, rows, columns] for name in self.names}
-        except _FAULTS as error:
-            raise OutputError(f"{self.path}: is damaged: {error}; rocking info --verify tells where") from None
+            return {name: unpack(packed[name], VARIABLES[name][0], self.cut.chunk)[cells] for name in self.names}
+        except ValueError as error:
+            raise OutputError(f"{self.path}: chunk {index} is damaged: {error}") from None
+
+    def block(self, structure: int, rows: slice, columns: slice = slice(None)) -> dict[str, np.ndarray]:
+        """The variables of a part of the grid, (frequencies, amplitudes); every chunk is checked. Raises OutputError."""
+        wanted = (
+            slice(structure, structure + 1),
+            *(slice(*s.indices(n)[:2]) for s, n in zip((rows, columns), self.grid.shape, strict=True)),
+        )
+        shape = tuple(max(0, s.stop - s.start) for s in wanted[1:])
+        found = {name: np.full(shape, VARIABLES[name][1].get("_FillValue", 0), VARIABLES[name][0]) for name in self.names}
+        for index in self.cut.within(wanted):
+            if not self.done[index]:
+                continue
+            extent = self.cut.extent(index)
+            both = [slice(max(a.start, b.start), min(a.stop, b.stop)) for a, b in zip(wanted, extent, strict=True)]
+            here = tuple(slice(b.start - w.start, b.stop - w.start) for b, w in zip(both, wanted, strict=True))[1:]
+            there = tuple(slice(b.start - e.start, b.stop - e.start) for b, e in zip(both, extent, strict=True))
+            for name, array in self._arrays(index).items():
+                found[name][here] = array[there][0]
+        return found
 
     def index(self, name: str | None) -> int:
         """The structure of that name, the only one where no name is given. Raises UsageError."""
@@ -125,10 +149,10 @@ class SpectraFile:
     def cells(self) -> Iterator[dict[str, Any]]:
         """Every computed cell as a record, with units where the axes have them."""
         frequency, amplitude = self.grid.frequency, self.grid.amplitude
+        height = self.cut.chunk[1]
         for i, s in enumerate(self.structures):
-            step = max(1, 100_000 // amplitude.values.size)
-            for first in range(0, frequency.values.size, step):
-                block = self.block(i, slice(first, first + step))
+            for first in range(0, frequency.values.size, height):
+                block = self.block(i, slice(first, first + height))
                 for r, row in enumerate(block["outcome"]):
                     for c in np.flatnonzero(row != Outcome.NOT_COMPUTED):
                         theta = float(block["theta_ratio"][r, c])
@@ -147,8 +171,4 @@ class SpectraFile:
         return self
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
-        self.file.close()
-
-
-def _plain(value: Any) -> Any:
-    return value.item() if isinstance(value, np.generic) else value.tolist() if isinstance(value, np.ndarray) else value
+        self.close()

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import zlib
 from collections.abc import Callable, Iterator
 from dataclasses import asdict, dataclass
 from functools import partial
@@ -118,11 +117,10 @@ class Scene:
 
     def identity(self) -> dict[str, Any]:
         """What the result depends on, by name, as JSON values; two scenes of equal identity have equal spectra."""
-        axes = {axis.name: axis.values for axis in (self.grid.frequency, self.grid.amplitude)}
         return {
             "version": __version__,
             "structures": [json.loads(json.dumps(s.record())) for s in self.structures],
-            **{f"axis {name}": [float(v[0]), float(v[-1]), v.size, zlib.crc32(v.tobytes())] for name, v in axes.items()},
+            **{f"axis {axis.name}": axis.stated() for axis in (self.grid.frequency, self.grid.amplitude)},
             "motion": [self.motion.name, [json.loads(json.dumps(asdict(piece))) for piece in self.motion.pieces]],
             "model": self.method.model,
             "tolerance": self.method.tolerance if self.method.model != "linear" else None,

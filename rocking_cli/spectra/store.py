@@ -7,10 +7,7 @@ complete, so that nothing half-written ever stands under it, and a sweep that wa
 from __future__ import annotations
 
 import json
-import os
-import re
-import zlib
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
 from types import TracebackType
@@ -19,115 +16,48 @@ from typing import Any
 import h5py
 import numpy as np
 
-from .. import __version__
-from ..dynamics.outcome import Outcome
 from ..errors import OutputError, UsageError
 from ..structures.parameters import RockingParameters
-from .grid import LONG_NAMES, UNITS, Grid
+from .chunks import ChunkGrid, checksum, stored_chunk, stored_outcomes
+from .contents import FAULTS, Contents, chunk_places, contents_of
+from .grid import Grid
+from .layout import image
+from .machine import machine, machines_of, together, unlike
+from .part import Part, RawFile
+from .seal import seal
+from .trial import trial
 
-GZIP_LEVEL = 1  # on these data level 4 takes three times as long and saves 2 %
-
-PARAMETERS: dict[str, tuple[str, str, Callable[[RockingParameters], float]]] = {
-    "p": ("rad s-1", "frequency parameter", lambda s: s.p),
-    "alpha": ("rad", "critical angle", lambda s: s.alpha),
-    "eta": ("1", "coefficient of restitution", lambda s: s.eta),
-    "lambda": ("1", "static uplift acceleration over gravity", lambda s: s.uplift),
-    "a_scale": ("1", "scale of the ground acceleration", lambda s: s.a_scale),
-    "gravity": ("m s-2", "acceleration of gravity", lambda s: s.gravity),
-}
-
-VARIABLES: dict[str, tuple[np.dtype, dict[str, Any]]] = {
-    "theta_ratio": (
-        np.dtype("<f8"),
-        {"units": "1", "long_name": "largest rotation over critical angle", "_FillValue": np.nan,
-         "comment": "max over time of abs(theta)/alpha; NaN where overturned or not computed"},
-    ),
-    "outcome": (
-        np.dtype("u1"),
-        {"units": "1", "long_name": "outcome", "flag_values": np.array([o.value for o in Outcome], dtype="u1"),
-         "flag_meanings": " ".join(o.flag for o in Outcome)},
-    ),
-    "impacts": (np.dtype("<i4"), {"units": "1", "long_name": "impacts during shaking"}),
-}  # fmt: skip
+SLACK = 1 << 15  # bytes beside its chunks that HDF5 may take for one write, at most: nodes of its index, blocks of headers
+WHOLE = "1/1"
 
 
-def pack(block: np.ndarray) -> bytes:
-    """A chunk as HDF5's shuffle and gzip filters would store it; a worker does this so that the writer only writes."""
-    if block.dtype.itemsize > 1:
-        block = block.reshape(-1).view(np.uint8).reshape(-1, block.dtype.itemsize).T
-    return zlib.compress(np.ascontiguousarray(block).tobytes(), GZIP_LEVEL)
+def difference(one: Any, other: Any, place: str = "") -> tuple[str, Any, Any] | None:
+    """Where two scenes first differ, and what each has there. A list that begins with a name differs by that name."""
+    if one == other:
+        return None
+    if isinstance(one, Mapping) and isinstance(other, Mapping):
+        keys = list(dict.fromkeys([*one, *other]))
+        return next(d for k in keys if (d := difference(one.get(k), other.get(k), f"{place}.{k}" if place else k)))
+    if isinstance(one, list) and isinstance(other, list) and any(isinstance(x, list | Mapping) for x in [*one, *other]):
+        if len(one) != len(other):
+            return f"number of {place}", len(one), len(other)
+        i = next(i for i, (a, b) in enumerate(zip(one, other, strict=True)) if a != b)
+        return difference(one[i], other[i], place if isinstance(one[i], str) else f"{place}[{i}]")
+    return place, one, other
 
 
-def unpack(raw: bytes, dtype: np.dtype, shape: tuple[int, ...]) -> np.ndarray:
-    """The inverse of `pack`. Raises ValueError when the bytes are not such a chunk."""
-    try:
-        data = np.frombuffer(zlib.decompress(raw), dtype=np.uint8)
-    except zlib.error as error:
-        raise ValueError(str(error)) from None
-    if data.size != dtype.itemsize * int(np.prod(shape)):
-        raise ValueError(f"{data.size} bytes, expected {dtype.itemsize * int(np.prod(shape))}")
-    if dtype.itemsize > 1:
-        data = np.ascontiguousarray(data.reshape(dtype.itemsize, -1).T)
-    return data.reshape(-1).view(dtype).reshape(shape)
-
-
-def checksum(packed: Mapping[str, bytes], names: Sequence[str]) -> int:
-    """CRC-32 over the packed variables of a chunk, in their order."""
-    total = 0
-    for name in names:
-        total = zlib.crc32(packed[name], total)
-    return total
-
-
-def stored_chunk(
-    file: h5py.File, names: Sequence[str], offset: tuple[int, int, int], chunk: tuple[int, int], sum_: int
-) -> dict[str, bytes]:
-    """The stored bytes of a chunk's variables. Raises ValueError, or what HDF5 raises, where they are not what was written."""
-    packed = {name: file[name].id.read_direct_chunk(offset)[1] for name in names}
-    if checksum(packed, names) != sum_:
-        raise ValueError("its checksum does not fit")
-    unpack(packed["outcome"], np.dtype("u1"), chunk)
-    return packed
-
-
-def stored_outcomes(
-    packed: Mapping[str, bytes], offset: tuple[int, int, int], chunk: tuple[int, int], shape: tuple[int, int]
-) -> np.ndarray:
-    """How many of a chunk's cells came to each outcome; shape: of the whole grid, at whose edge a chunk is filled up."""
-    block = unpack(packed["outcome"], np.dtype("u1"), chunk)[: shape[0] - offset[1], : shape[1] - offset[2]]
-    return np.bincount(block.ravel(), minlength=len(Outcome))
-
-
-def difference(one: Mapping[str, Any], other: Mapping[str, Any]) -> str | None:
-    """The first key in which two scenes differ."""
-    return next((key for key in dict.fromkeys([*one, *other]) if one.get(key) != other.get(key)), None)
-
-
-def check_output(path: Path, overwrite: bool, resume: bool = False) -> None:
-    """Refuse an output that exists, or whose folder does not, before any work is done. Raises UsageError."""
-    if str(path) in ("-", ".", ""):
-        raise UsageError(f"{str(path)!r} is not the name of a file; an HDF5 file cannot be written to standard output")
-    if not path.parent.is_dir():
-        raise UsageError(f"{path}: the folder {path.parent} does not exist")
-    if path.is_dir():
-        raise UsageError(f"{path}: is a folder, accepted is the name of a file")
-    if resume and overwrite:
-        raise UsageError("--resume does not go with --overwrite")
-    if path.exists() and not overwrite:
-        raise UsageError(f"{path}: exists{' and is complete' if resume else ''}; --overwrite replaces it")
-    if part_of(path).exists() and not (overwrite or resume):
-        raise UsageError(f"{part_of(path)}: exists, left by a sweep that did not finish; --resume goes on with it, --overwrite begins anew")
-
-
-def part_of(path: Path) -> Path:
-    """The name a spectra file has while it is being written."""
-    return path.with_name(path.name + ".part")
+def brief(value: Any) -> str:
+    """A value of a scene in at most 60 characters."""
+    text = json.dumps(value)
+    return text if len(text) <= 60 else text[:57] + "..."
 
 
 class SpectraWriter:
     """The one writer of a spectra file; a context manager that closes it whatever happens.
 
-    Raises OutputError when the file cannot be written.
+    names: of the variables; shard: "i/n", the part of the chunks that is written, or None where any may be missing; strict: refuse
+    a part that was begun on a machine which computes otherwise; machines: those whose chunks are written, this one unless given.
+    Raises UsageError for an output that is refused, OutputError when the file is in use or cannot be written.
     """
 
     def __init__(
@@ -135,204 +65,179 @@ class SpectraWriter:
         path: Path,
         structures: Sequence[RockingParameters],
         grid: Grid,
-        chunk: tuple[int, int],
+        chunk: tuple[int, ...],
         *,
-        impacts: bool,
+        names: Sequence[str],
         overwrite: bool,
         resume: bool,
         scene: Mapping[str, Any],
         attributes: Mapping[str, Any],
+        shard: str | None = WHOLE,
+        strict: bool = False,
+        machines: Sequence[Mapping[str, Any]] = (),
     ) -> None:
-        check_output(path, overwrite, resume)
-        self.path, self.part, self.overwrite, self.chunk = path, part_of(path), overwrite, chunk
-        self.written = 0
-        shape = (len(structures), *grid.shape)
-        self.names = ["theta_ratio", "outcome", *(["impacts"] if impacts else [])]
-        self._counts = [-(-n // c) for n, c in zip(shape, (1, *chunk), strict=True)]
-        self.chunks = int(np.prod(self._counts))
-        self.done = np.zeros(self.chunks, dtype=bool)
+        self.path, self.names, self.whole = path, list(names), shard == WHOLE
+        self.cut = ChunkGrid((len(structures), *grid.shape), (1, *chunk))
+        self.chunks = self.cut.size
+        self.written = self.resumed = 0
+        self.kept = False
         self.outcomes: dict[int, np.ndarray] = {}  # of the chunks that were there before
-        self.resumed = 0
+        self.done = np.zeros(self.chunks, dtype=bool)
+        self.machines = together([machines or [machine()]])
+        settled = {**attributes, "computed_on": json.dumps(self.machines), **({} if shard is None else {"shard": shard})}
+        fresh = image(structures, grid, chunk, names, scene, settled)
+        self._part = Part(path, overwrite, resume)
+        self.part = self._part.part
         try:
-            if resume and self.part.exists():
-                self._reopen(scene)
-                return
-            fresh = self.part.with_name(self.part.name + ".new")  # so that a part is never without its layout
-            self.file = h5py.File(fresh, "w", track_order=True)
-            self.file.attrs["scene"] = json.dumps(scene)
-            self._layout(structures, grid, impacts, attributes)
-            self.file.close()
-            os.replace(fresh, self.part)
-            self.file = h5py.File(self.part, "r+")
-        except OSError as error:
-            raise OutputError(f"{self.part}: cannot be written: {_reason(error)}") from None
+            if resume and self._part.begun(len(fresh)):
+                self._resume(scene, shard, strict)
+            else:
+                self._part.begin(fresh)
+                self.raw = RawFile(self._part.descriptor)
+                self.file = h5py.File(self.raw, "r+")
+        except BaseException as error:
+            self._part.discard()
+            self._part.close()
+            if isinstance(error, OSError):
+                raise OutputError(f"{self.part}: cannot be written: {_reason(error)}") from None
+            raise
 
-    def _reopen(self, scene: Mapping[str, Any]) -> None:
+    @property
+    def elsewhere(self) -> str:
+        """How the machines differ on which this file was computed; empty where they compute alike."""
+        return unlike(self.machines)
+
+    def _resume(self, scene: Mapping[str, Any], shard: str | None, strict: bool) -> None:
         """Go on with a part: the same scene, and every chunk that is marked done whole."""
         try:
-            self.file = self._open_part()
-            before = json.loads(self.file.attrs["scene"])
-            key = difference(before, scene)
-            if key is not None:
-                self.file.close()
-                raise UsageError(
-                    f"{self.part}: is of another scene: its {key} is {_brief(before.get(key))}, this one's {_brief(scene.get(key))}; "
-                    "--overwrite begins anew"
-                )
-            flags, sums = self.file["chunk_done"][...] == 1, self.file["chunk_checksum"][...]
-            if any(self.file[name].chunks != (1, *self.chunk) for name in self.names) or flags.size != self.chunks:
-                raise ValueError("its layout is damaged")
-        except (OSError, KeyError, ValueError, RuntimeError) as error:
-            raise OutputError(f"{self.part}: is not a sweep that can go on ({error}); --overwrite begins anew") from None
-        grid = self.file["outcome"].shape[1:]
-        for index in np.flatnonzero(flags):
-            offset = self._offset(int(index))
-            with suppress(OSError, ValueError, RuntimeError):  # a damaged chunk is computed again
-                packed = stored_chunk(self.file, self.names, offset, self.chunk, int(sums[index]))
-                self.outcomes[int(index)] = stored_outcomes(packed, offset, self.chunk, grid)
-                self.done[index] = True
-        self.file["chunk_done"][...] = self.done.astype("u1")
-        self.file.flush()
+            trial(self.part)
+            self.raw = RawFile(self._part.descriptor)
+            self.file = h5py.File(self.raw, "r+")
+        except FAULTS as error:
+            raise OutputError(f"{self.part}: is not a sweep that can go on ({error}); it is kept, --overwrite begins anew") from None
+        try:
+            contents = contents_of(self.file, self.raw.end)
+            self._demand_same(contents, scene, shard, strict)
+            sums = contents.sums
+            for index in np.flatnonzero(contents.done):
+                with suppress(*FAULTS):  # a damaged chunk is computed again
+                    packed = stored_chunk(self.file, self.names, self.cut.offset(int(index)), int(sums[index]))
+                    self.outcomes[int(index)] = stored_outcomes(packed, self.cut, int(index))
+                    self.done[index] = True
+            self.raw.reserve(SLACK + len(json.dumps(self.machines)))
+            self.file["chunk_done"][...] = self.done.astype("u1")
+            self.file.attrs["computed_on"] = json.dumps(self.machines)
+            self.file.flush()
+        except BaseException:
+            self._abandon()
+            raise
         self.resumed = int(self.done.sum())
 
-    def _open_part(self) -> h5py.File:
-        """A part whose end a full disk cut off is given its length again; the checksums tell which chunks that cost."""
-        _state_end(self.part)
-        try:
-            return h5py.File(self.part, "r+")
-        except OSError as error:
-            length = re.search(r"stored_eof = (\d+)", str(error))
-            if length is None or int(length[1]) <= self.part.stat().st_size:
-                raise
-            os.truncate(self.part, int(length[1]))
-            return h5py.File(self.part, "r+")
+    def _demand_same(self, contents: Contents, scene: Mapping[str, Any], shard: str | None, strict: bool) -> None:
+        """Refuse a part of another scene, shard or, if strict, machine. Raises UsageError."""
+        found = difference(contents.scene, dict(scene))
+        if found is not None:
+            place, there, here = found
+            raise UsageError(
+                f"{self.part}: is of another scene: its {place} is {brief(there)}, this one's {brief(here)}; --overwrite begins anew"
+            )
+        before = contents.attributes.get("shard")
+        if before != shard:
+            raise UsageError(f"{self.part}: is of shard {before}, this call computes {shard}; give another output")
+        machines = together([machines_of(contents.attributes.get("computed_on")), self.machines])
+        if strict and unlike(machines):
+            raise UsageError(f"{self.part}: was begun on a machine that computes otherwise ({unlike(machines)}); it is kept")
+        self.machines = machines
 
     def has(self, structures: Sequence[int], row: int, column: int) -> bool:
         """Whether the chunks of these structures whose first cell is (row, column) are all there; if not, none counts."""
-        indices = [self._index(i, row, column) for i in structures]
+        indices = [self.cut.index((i, row, column)) for i in structures]
         if all(self.done[indices]):
             return True
         for index in indices:
             self.outcomes.pop(index, None)
         return False
 
-    def _offset(self, index: int) -> tuple[int, int, int]:
-        structure, row, column = (int(i) for i in np.unravel_index(index, self._counts))
-        return structure, row * self.chunk[0], column * self.chunk[1]
-
-    def _index(self, structure: int, row: int, column: int) -> int:
-        return int(np.ravel_multi_index((structure, row // self.chunk[0], column // self.chunk[1]), self._counts))
-
-    def _layout(self, structures: Sequence[RockingParameters], grid: Grid, impacts: bool, attributes: Mapping[str, Any]) -> None:
-        f = self.file
-        f.attrs["Conventions"] = "CF-1.11"
-        f.attrs["title"] = "Rocking spectra"
-        f.attrs["source"] = f"rocking {__version__}"
-        for key, value in attributes.items():
-            f.attrs[key] = value
-        dimensions = ("structure", grid.frequency.name, grid.amplitude.name)
-        f.create_dataset("structure", data=[s.name for s in structures], dtype=h5py.string_dtype())
-        f["structure"].attrs["long_name"] = "name of the structure"
-        f["structure"].attrs["units"] = "1"
-        for axis in (grid.frequency, grid.amplitude):
-            f.create_dataset(axis.name, data=axis.values)
-            f[axis.name].attrs["units"] = UNITS[axis.name]
-            f[axis.name].attrs["long_name"] = LONG_NAMES[axis.name]
-        for name in dimensions:
-            f[name].make_scale(name)
-        for name, (units, long_name, get) in PARAMETERS.items():
-            f.create_dataset(name, data=[get(s) for s in structures])
-            f[name].attrs["units"], f[name].attrs["long_name"] = units, long_name
-            f[name].dims[0].attach_scale(f["structure"])
-        shape = (len(structures), *grid.shape)
-        for name in self.names:
-            dtype, attrs = VARIABLES[name]
-            fill = attrs.get("_FillValue", 0)
-            data = f.create_dataset(
-                name, shape, dtype, chunks=(1, *self.chunk), shuffle=dtype.itemsize > 1,
-                compression="gzip", compression_opts=GZIP_LEVEL, fillvalue=fill,
-            )  # fmt: skip
-            for key, value in attrs.items():
-                data.attrs[key] = np.array([value], dtype=dtype) if key == "_FillValue" else value
-            for i, dimension in enumerate(dimensions):
-                data.dims[i].attach_scale(f[dimension])
-        done = f.create_dataset("chunk_done", data=np.zeros(self.chunks, dtype="u1"))
-        sums = f.create_dataset("chunk_checksum", data=np.zeros(self.chunks, dtype="<u4"))
-        f.create_dataset("chunk", data=np.arange(self.chunks, dtype="<i4")).make_scale("chunk")
-        f["chunk"].attrs["units"], f["chunk"].attrs["long_name"] = "1", "unit of work, row-major over the chunks of the data"
-        done.attrs["units"], done.attrs["long_name"] = "1", "whether this chunk's data are written"
-        done.attrs["flag_values"], done.attrs["flag_meanings"] = np.array([0, 1], dtype="u1"), "open done"
-        done.dims[0].attach_scale(f["chunk"])
-        sums.attrs["units"], sums.attrs["long_name"] = "1", "CRC-32 of this chunk's stored bytes"
-        sums.dims[0].attach_scale(f["chunk"])
-        f.flush()
-
-    def write(self, structure: int, row: int, column: int, packed: Mapping[str, bytes]) -> None:
-        """Write the packed chunk of one structure whose first cell is (row, column), and mark it done."""
+    def write(self, offset: tuple[int, ...], packed: Mapping[str, bytes]) -> None:
+        """Write the packed chunk whose first cell is (structure, row, column), and mark it done."""
+        index = self.cut.index(offset)
         try:
+            self.raw.reserve(SLACK + sum(len(packed[name]) for name in self.names))
             for name in self.names:
-                self.file[name].id.write_direct_chunk((structure, row, column), packed[name], 0)
-            index = self._index(structure, row, column)
+                self.file[name].id.write_direct_chunk(offset, packed[name], 0)
             self.file["chunk_checksum"][index] = checksum(packed, self.names)
             self.file.flush()
             self.file["chunk_done"][index] = 1
             self.file.flush()
-            self.written += 1
         except (OSError, RuntimeError) as error:
+            self._abandon()
             raise OutputError(f"{self.part}: cannot be written: {_reason(error)}; what was done is kept there for --resume") from None
+        self.done[index] = True
+        self.written += 1
 
     def finish(self, attributes: Mapping[str, Any]) -> None:
-        """Add the closing attributes, make the file durable and give it its final name."""
+        """Add the closing attributes, verify the file, seal it, make it durable and give it its final name."""
+        self.kept = True
+        if self.whole and not self.done.all():
+            raise OutputError(f"{self.part}: {int((~self.done).sum())} of {self.done.size} chunks are missing; it is kept for --resume")
         try:
-            for key, value in attributes.items():
+            self.raw.reserve(2 * SLACK + len(json.dumps(self.machines)))
+            for key, value in {**attributes, "computed_on": json.dumps(self.machines)}.items():
                 self.file.attrs[key] = value
             self.file.close()
-            with open(self.part, "rb") as handle:
-                os.fsync(handle.fileno())
-            if self.overwrite:
-                os.replace(self.part, self.path)
-            else:  # a link fails where a file of that name has appeared meanwhile; a rename would replace it
-                os.link(self.part, self.path)
-                os.unlink(self.part)
-        except FileExistsError:
-            raise OutputError(f"{self.path}: has appeared meanwhile; the result is kept as {self.part}") from None
+            self.raw.trim()
+            self._seal()
         except (OSError, RuntimeError) as error:
-            kept = f"the result is kept as {self.part}" if self.part.exists() else f"{self.part} has vanished meanwhile"
-            raise OutputError(f"{self.path}: cannot be written: {_reason(error)}; {kept}") from None
+            self._abandon()
+            raise OutputError(f"{self.path}: cannot be written: {_reason(error)}; the result is kept as {self.part}") from None
+        self._part.publish()
+
+    def _seal(self) -> None:
+        """Read the finished file as a reader would, and set the seal behind it. Raises OutputError, OSError."""
+        raw = RawFile(self._part.descriptor)
+        size = raw.end
+        try:
+            with h5py.File(raw, "r") as file:
+                contents = contents_of(file, size)
+                end = seal(raw.descriptor, chunk_places(file, contents, size))
+            if not np.array_equal(contents.done, self.done):
+                raise ValueError("chunks that were written are missing")
+        except (ValueError, LookupError, TypeError, UsageError) as error:
+            raise OutputError(f"{self.part}: is not what was written ({error}); it is kept as it is") from None
+        raw.reserve(len(end))
+        raw.seek(size)
+        raw.write(end)
+
+    def discard(self) -> None:
+        """Remove the part, if this process made it."""
+        self._abandon()
+        self._part.discard()
+
+    def _abandon(self) -> None:
+        """Close the file as it is on the disk; HDF5 would go on trying to write what it has in memory."""
+        self.raw.abandoned = True
+        with suppress(OSError, RuntimeError):
+            self.file.close()
+            self.raw.trim()
 
     def __enter__(self) -> SpectraWriter:
         return self
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
-        if self.file.id.valid:
-            try:
+        try:
+            if self.file.id.valid:
                 self.file.close()
-            except (OSError, RuntimeError):  # on a full disk; the error that is on its way says so
-                if error is None:
-                    raise
-        if error is not None and not self.written and not self.resumed:
-            self.part.unlink(missing_ok=True)  # there is nothing in it to keep
-
-
-def _state_end(part: Path) -> None:
-    """Where a killed writer left data beyond the end that the superblock states (version 0, bytes 40 to 47), state the file's own.
-
-    HDF5 refuses every address beyond the stated end, and so would never again write a chunk whose index came through alone.
-    """
-    with open(part, "r+b") as raw:
-        head, size = raw.read(48), os.fstat(raw.fileno()).st_size
-        plain = head[:9] == b"\x89HDF\r\n\x1a\n\0" and head[13:14] == b"\x08" and not any(head[24:32])
-        if plain and int.from_bytes(head[40:48], "little") < size:
-            raw.seek(40)
-            raw.write(size.to_bytes(8, "little"))
+                self.raw.trim()
+        except (OSError, RuntimeError):  # on a full disk; the error that is on its way says so
+            self._abandon()
+            if error is None:
+                raise
+        finally:
+            if error is not None and not (self.written or self.resumed or self.kept):
+                self._part.discard()  # there is nothing in it to keep
+            self._part.close()
 
 
 def _reason(error: Exception) -> str:
-    """The system's own words; HDF5 hides its error number in a longer text."""
-    number = getattr(error, "errno", None) or next((int(n) for n in re.findall(r"errno = (\d+)", str(error))), 0)
-    return os.strerror(number) if number else str(error)
-
-
-def _brief(value: Any) -> str:
-    text = json.dumps(value)
-    return text if len(text) <= 60 else text[:57] + "..."
+    """The system's own words, where the error has them."""
+    return str(getattr(error, "strerror", None) or error)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -33,7 +33,8 @@ class Summary:
 
     run_time [s]; estimated_error: largest difference of theta/alpha from another path on the checked cells; misjudged:
     checked cells whose outcome differs; shared_cells: cells taken from another structure of equal restitution; resumed_cells:
-    cells that were there before. Times, checks and counters are those of this run.
+    cells that were there before; elsewhere: how the machine differs on which those were computed. Times, checks and counters are
+    those of this run.
     """
 
     structures: int
@@ -48,6 +49,7 @@ class Summary:
     estimated_error: float
     misjudged: int
     resumed_cells: int = 0
+    elsewhere: str = ""
 
     @property
     def time_per_cell(self) -> float:
@@ -76,6 +78,7 @@ class Summary:
             **{f"cells_{k}": v for k, v in self.outcomes.items()},
             "shared_cells": self.shared_cells,
             "resumed_cells": self.resumed_cells,
+            **({"elsewhere": self.elsewhere} if self.elsewhere else {}),
             **work,
         }
 
@@ -133,6 +136,7 @@ def write_spectrum(
     impacts: bool = False,
     overwrite: bool = False,
     resume: bool = False,
+    strict: bool = False,
     shard: tuple[int, int] | None = None,
     scheduler: str | None = None,
     documents: str = "",
@@ -142,7 +146,8 @@ def write_spectrum(
     """Compute a spectrum and stream it, chunk by chunk, into an HDF5 file (layout: README).
 
     scheduler: address of a dask.distributed cluster to compute on. shard: (i, n) computes the i-th of n parts, for `merge`.
-    resume: go on with what an interrupted sweep of the same scene left in PATH.part. documents, history: texts kept in the
+    resume: go on with what an interrupted sweep of the same scene left in PATH.part, strict: unless it was begun on a machine whose
+    results may differ in the last digits. documents, history: texts kept in the
     file. progress: called with (units done, units). Raises UsageError for a scene or an output that is refused, OutputError when
     the file cannot be written or a worker process dies, Interrupted on Ctrl-C.
     """
@@ -156,7 +161,10 @@ def write_spectrum(
     names: tuple[str, ...] = ("theta_ratio", "outcome", "impacts") if impacts else ("theta_ratio", "outcome")
 
     identity = {**scene.identity(), "impacts": impacts, "chunk": list(chunk)}
-    options: dict[str, Any] = {"impacts": impacts, "overwrite": overwrite, "resume": resume, "scene": identity, "attributes": attributes}
+    options: dict[str, Any] = {
+        "names": names, "overwrite": overwrite, "resume": resume, "strict": strict, "scene": identity, "attributes": attributes,
+        "shard": "{}/{}".format(*(shard or (1, 1))),
+    }  # fmt: skip
     with SpectraWriter(Path(path), scene.structures, grid, chunk, **options) as writer:
         mine = {u for i, u in enumerate(cut_into_units(scene, chunk)) if shard is None or i % shard[1] == shard[0] - 1}
 
@@ -165,7 +173,7 @@ def write_spectrum(
 
         def keep(unit: Unit, data: dict[str, bytes]) -> None:
             for i in unit.structures:
-                writer.write(i, unit.row, unit.column, data)
+                writer.write((i, unit.row, unit.column), data)
 
         try:
             summary = _sweep(scene, chunk, workers, check, progress, _Packing(names, chunk), keep, todo, writer.outcomes, scheduler)
@@ -174,6 +182,7 @@ def write_spectrum(
             if not kept:
                 raise Interrupted("interrupted before the first chunk was done; nothing is kept") from None
             raise Interrupted(f"interrupted; {kept} of {writer.chunks} chunks are kept in {writer.part}; --resume goes on") from None
+        summary = replace(summary, elsewhere=writer.elsewhere)
         writer.finish(summary.record())
     return summary
 
@@ -186,7 +195,7 @@ class _Packing:
     chunk: tuple[int, int]
 
     def __call__(self, response: Response) -> dict[str, bytes]:
-        from .store import pack
+        from .chunks import pack
 
         return {name: pack(_padded(getattr(response, name), self.chunk)) for name in self.names}
 

@@ -22,7 +22,7 @@ import numpy as np
 import peers
 
 from rocking_cli import dimensionless_oscillator, linear_response, nonlinear_response, sine, trace_envelope
-from rocking_cli.spectra.store import pack
+from rocking_cli.spectra.chunks import pack
 
 ETA, ALPHA = 0.9, 0.25
 

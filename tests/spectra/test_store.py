@@ -95,8 +95,11 @@ def test_resume_takes_only_its_own_scene(rocking, refused, tmp_path):
     (tmp_path / "a.h5").rename(tmp_path / "b.h5.part")
     other = ["--grid", "A=0.5:12:200,Omega=0.5:12:201", *SMALL_SCENE[2:]]
     assert "its axis Omega is" in refused(2, "spectrum", *other, "-o", "b.h5", "--resume")
-    assert "its motion is" in refused(2, "spectrum", *SMALL_SCENE, "--pulse", "cosine", "-o", "b.h5", "--resume")
-    assert "its structures is" in refused(2, "spectrum", *SMALL_SCENE[:2], "--eta", "0.8", *SMALL_SCENE[6:], "-o", "b.h5", "--resume")
+    said = refused(2, "spectrum", *SMALL_SCENE, "--pulse", "cosine", "-o", "b.h5", "--resume")
+    assert 'its motion is "sine, 1 cycle", this one\'s "cosine, 1 cycle"' in said
+    assert "its number of structures is 2, this one's 1" in refused(
+        2, "spectrum", *SMALL_SCENE[:2], "--eta", "0.8", *SMALL_SCENE[6:], "-o", "b.h5", "--resume"
+    )
     assert "--resume goes on" in refused(2, "spectrum", *SMALL_SCENE, "-o", "b.h5")
     assert "does not go with" in refused(2, "spectrum", *SMALL_SCENE, "-o", "b.h5", "--resume", "--overwrite")
     assert rocking("spectrum", *SMALL_SCENE, "-o", "b.h5", "--resume").returncode == 0

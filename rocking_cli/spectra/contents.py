@@ -1,0 +1,171 @@
+"""What a spectra file says of itself, checked before it is believed: its form, its digest, and its scene.
+
+Nothing is read that the file does not itself hold, and no more than it holds.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import h5py
+import numpy as np
+
+from ..structures.parameters import RockingParameters
+from .chunks import GZIP_LEVEL, ChunkGrid
+from .digest import DIGEST, digest_of, filters_of, plain
+from .grid import Axis, Grid
+from .layout import CHUNK_TABLES, PARAMETERS, REQUIRED, VARIABLES
+
+AXES = (("Omega", "A"), ("omega_g", "a_g"))
+
+_FILTERS = {
+    True: [(h5py.h5z.FILTER_SHUFFLE, 1), (h5py.h5z.FILTER_DEFLATE, 1)],
+    False: [(h5py.h5z.FILTER_DEFLATE, 1)],
+}  # (code, flags) by whether a number has several bytes; 1: a filter that the reader need not have
+
+
+NAME_BYTES = 16  # of a text of any length in a dataset: its length, and where in the file it is
+
+
+@dataclass(frozen=True, eq=False)
+class Contents:
+    """What a spectra file holds, beside its cells.
+
+    names: of its variables; cut: into which chunks; scene: what it was computed from; attributes: of the root; done: the chunks
+    that are written; sums: their checksums.
+    """
+
+    names: tuple[str, ...]
+    structures: tuple[RockingParameters, ...]
+    grid: Grid
+    cut: ChunkGrid
+    scene: dict[str, Any]
+    attributes: dict[str, Any]
+    done: np.ndarray
+    sums: np.ndarray
+
+
+FAULTS = (OSError, LookupError, ValueError, RuntimeError, TypeError, AttributeError, OverflowError)
+"""What HDF5 and this module raise where a file is not a whole spectra file; a UsageError of a grid is one too."""
+
+
+def contents_of(file: h5py.File, size: int) -> Contents:
+    """Check a file of `size` bytes and read what it says of itself. Raises one of FAULTS, or UsageError."""
+    frequency, amplitude = _form(file, size)
+    if plain(file.attrs[DIGEST]) != digest_of(file):
+        raise ValueError("what it says of itself does not fit its digest")
+    attributes = {key: plain(value) for key, value in file.attrs.items()}
+    scene = json.loads(attributes["scene"])
+    grid = Grid(Axis(amplitude, file[amplitude][...]), Axis(frequency, file[frequency][...]))
+    structures = tuple(_structures(file, scene))
+    for axis in (grid.frequency, grid.amplitude):
+        if scene[f"axis {axis.name}"] != axis.stated():
+            raise ValueError(f"its axis {axis.name} is not that of its scene")
+    names = tuple(name for name in VARIABLES if name in file)
+    cut = ChunkGrid(file["outcome"].shape, file["outcome"].chunks)
+    return Contents(
+        names, structures, grid, cut, scene, attributes, file["chunk_done"][...] == 1, file["chunk_checksum"][...]
+    )  # fmt: skip
+
+
+def chunk_places(file: h5py.File, contents: Contents, size: int) -> list[tuple[int, int]]:
+    """(offset, length) in the file of every chunk that HDF5's index names.
+
+    Raises ValueError where the index lacks a chunk that is marked done, or names one that is not a chunk of this file.
+    """
+    places: list[tuple[int, int]] = []
+    for name in contents.names:
+        there = np.zeros(contents.cut.size, dtype=bool)
+
+        def visit(info: Any, there: np.ndarray = there, name: str = name) -> None:
+            index = contents.cut.index(info.chunk_offset)
+            if info.filter_mask or contents.cut.offset(index) != tuple(info.chunk_offset) or there[index]:
+                raise ValueError(f"the chunk index of {name} is damaged at {tuple(info.chunk_offset)}")
+            if info.byte_offset + info.size > size:
+                raise ValueError(f"chunk {index} of {name} lies beyond the end of the file")
+            there[index] = True
+            places.append((info.byte_offset, info.size))
+
+        file[name].id.chunk_iter(visit)
+        if np.any(contents.done & ~there):
+            raise ValueError(f"chunk {int(np.flatnonzero(contents.done & ~there)[0])} of {name} is marked done and is not there")
+    return places
+
+
+def _form(file: h5py.File, size: int) -> tuple[str, str]:
+    """Demand the datasets of the layout, each as this program stores it; the names of the axes."""
+    names = set(file)
+    found = [pair for pair in AXES if names >= set(pair)]
+    if len(found) != 1:
+        raise ValueError("it has no axes Omega and A, or omega_g and a_g")
+    required = {"structure", *found[0], *PARAMETERS, *CHUNK_TABLES, *REQUIRED}
+    if missing := sorted(required - names):
+        raise ValueError(f"it has no dataset {missing[0]!r}")
+    if foreign := sorted(names - required - set(VARIABLES)):
+        raise ValueError(f"its dataset {foreign[0]!r} is none of a spectra file")
+    for name in sorted(names):
+        if not isinstance(file.get(name, getlink=True), h5py.HardLink) or file.get(name, getclass=True) is not h5py.Dataset:
+            raise ValueError(f"its {name} is not a dataset of its own")
+    for name in ("structure", *found[0], *PARAMETERS):
+        _demand(file[name], size, None if name == "structure" else np.dtype("<f8"))
+    shape = (file["structure"].size, file[found[0][0]].size, file[found[0][1]].size)
+    cut = None
+    for name in (name for name in VARIABLES if name in names):
+        chunk = _chunked(file[name], shape)
+        if cut not in (None, chunk):
+            raise ValueError("its variables are cut into different chunks")
+        cut = chunk
+    assert cut is not None
+    for name, (dtype, _) in CHUNK_TABLES.items():
+        _demand(file[name], size, dtype, ChunkGrid(shape, cut).size)
+    if any(file[name].size != shape[0] for name in PARAMETERS):
+        raise ValueError("it has not as many parameters as structures")
+    for place in (file, *(file[name] for name in names)):
+        if any(place.attrs.get_id(key).get_storage_size() > size for key in place.attrs):
+            raise ValueError("an attribute is larger than the file")
+    return found[0]
+
+
+def _demand(data: h5py.Dataset, size: int, dtype: np.dtype | None, count: int | None = None) -> None:
+    """A list of numbers, or of names (dtype None), that lies whole in this file of `size` bytes."""
+    plist, name = data.id.get_create_plist(), data.name[1:]
+    if plist.get_layout() != h5py.h5d.CONTIGUOUS or plist.get_external_count() or data.ndim != 1:
+        raise ValueError(f"its {name} is not stored in one piece in the file itself")
+    fits = h5py.check_string_dtype(data.dtype) is not None if dtype is None else data.dtype == dtype
+    if not fits or (count is not None and data.size != count):
+        raise ValueError(f"its {name} is of another type or size than a spectra file's")
+    stored, begins = data.id.get_storage_size(), data.id.get_offset()
+    if data.size < 1 or stored != data.size * (NAME_BYTES if dtype is None else dtype.itemsize) or begins is None or begins + stored > size:
+        raise ValueError(f"its {name} is not all in the file")
+
+
+def _chunked(data: h5py.Dataset, shape: tuple[int, ...]) -> tuple[int, ...]:
+    """A variable over the axes, in chunks that are filtered as this program does; the shape of its chunks."""
+    plist, name = data.id.get_create_plist(), data.name[1:]
+    dtype = VARIABLES[name][0]
+    if plist.get_layout() != h5py.h5d.CHUNKED or plist.get_external_count():
+        raise ValueError(f"its {name} is not stored in chunks in the file itself")
+    if data.dtype != dtype or data.shape != shape or data.maxshape != shape:
+        raise ValueError(f"its {name} does not fit its axes")
+    chunk: tuple[int, ...] = data.chunks
+    if chunk[0] != 1 or any(c > n for c, n in zip(chunk, shape, strict=True)):
+        raise ValueError(f"the chunks of its {name} do not fit its axes")
+    filters = filters_of(data)
+    if [f[:2] for f in filters] != _FILTERS[dtype.itemsize > 1] or filters[-1][2] != (GZIP_LEVEL,):
+        raise ValueError(f"its {name} is not filtered as a spectra file's")
+    return chunk
+
+
+def _structures(file: h5py.File, scene: dict[str, Any]) -> Iterator[RockingParameters]:
+    """The structures, whose parameters must be those of the scene."""
+    columns = {key: file[key][...] for key in PARAMETERS}
+    names = [name.decode() for name in file["structure"][...]]
+    for i, (name, stated) in enumerate(zip(names, scene["structures"], strict=True)):
+        values = {key: float(column[i]) for key, column in columns.items()}
+        if name != stated["name"] or any(values[key] != stated[key] for key in values):
+            raise ValueError(f"the parameters of structure {i} are not those of its scene")
+        p, alpha, eta, uplift, scale, gravity = values.values()
+        yield RockingParameters(name, stated["structure"], p, alpha, eta, uplift, scale, "stored", gravity)

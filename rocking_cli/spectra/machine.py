@@ -1,0 +1,65 @@
+"""What the last digits of a result depend on beside its scene: the libraries, and the instructions that they use here.
+
+Two machines that agree in all of this compute the same bytes; others may differ in the last digits of cells.
+"""
+
+from __future__ import annotations
+
+import json
+import platform
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+
+def machine() -> dict[str, Any]:
+    """This machine and its libraries by name, as JSON values; `cpu`: what NumPy uses of the processor's vector instructions."""
+    import h5py
+    import numpy as np
+    import scipy
+
+    vectors: Mapping[str, Any] = np.show_config(mode="dicts") or {}
+    simd = vectors.get("SIMD Extensions", {})
+    return {
+        "platform": f"{platform.system()} {platform.machine()}",
+        "libc": " ".join(platform.libc_ver()).strip(),
+        "python": platform.python_version(),
+        "numpy": np.__version__,
+        "scipy": scipy.__version__,
+        "h5py": h5py.__version__,
+        "hdf5": h5py.version.hdf5_version,
+        "cpu": [*simd.get("baseline", []), *simd.get("found", [])],
+    }
+
+
+def described(machine: Mapping[str, Any]) -> str:
+    """A machine in one line."""
+    return ", ".join(f"{key} {' '.join(value) if isinstance(value, list) else value}" for key, value in machine.items())
+
+
+def machines_of(text: Any) -> list[dict[str, Any]]:
+    """The machines that a file's attribute `computed_on` lists, in their order; none where it cannot be read."""
+    try:
+        found = json.loads(text)
+    except (TypeError, ValueError):
+        return []
+    return [m for m in found if isinstance(m, dict)] if isinstance(found, list) else []
+
+
+def together(lists: Sequence[Sequence[Mapping[str, Any]]]) -> list[dict[str, Any]]:
+    """All machines of several lists, each once."""
+    found: list[dict[str, Any]] = []
+    for m in (dict(m) for machines in lists for m in machines):
+        if m not in found:
+            found.append(m)
+    return found
+
+
+def unlike(machines: Sequence[Mapping[str, Any]]) -> str:
+    """In what several machines differ, by name and value; empty where they compute alike."""
+    keys = dict.fromkeys(key for m in machines for key in m)
+    parts = []
+    for key in keys:
+        values = list(dict.fromkeys(" ".join(v) if isinstance(v := m.get(key, "unknown"), list) else str(v) for m in machines))
+        if len(values) > 1:
+            parts.append(f"{key} {' and '.join(values)}")
+    return ", ".join(parts)
