@@ -46,7 +46,7 @@ def accuracy(
     from ..spectra.grid import parse_grid
     from ..spectra.scene import Method, Scene
 
-    grid = parse_grid(axes)
+    grid = parse_grid(axes, own_time=motion.acceleration is not None)
     structures = options.structures_of(files, etas)
     if len(structures) > 1:
         raise click.UsageError(f"found {len(structures)} structures, accepted is one")

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 @click.command(epilog="Example: rocking envelope --eta 0.9 --grid Omega=2:6:5")
 @options.files
-@click.option("--grid", "axes", required=True, metavar="AXIS", help="omega_g=START:STOP:N[:log] (or f_g, T_g), or Omega=….")
+@click.option("--grid", "axes", metavar="AXIS", help="omega_g=START:STOP:N[:log] (or f_g, T_g), or Omega=…; a record has none.")
 @options.eta
 @options.motion
 @options.method
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 def envelope(
     context: click.Context,
     files: tuple[str, ...],
-    axes: str,
+    axes: str | None,
     etas: tuple[float, ...],
     motion: Motion,
     model: str,
@@ -50,7 +50,7 @@ def envelope(
 
     method = Method(model, tolerance)
     workers = options.at_most_the_cpus(workers, quiet)
-    axis = frequency_axis(axes)
+    axis = frequency_axis(axes, own_time=motion.acceleration is not None)
     structures = options.structures_of(files, etas)
     failed = 0
     silent: list[str] = []

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from functools import wraps
+from functools import partial, wraps
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -44,7 +44,9 @@ pulse = click.option("--pulse", metavar="NAME", help="Ground motion: sine (defau
 cycles = click.option("--cycles", type=float, help="Cycles of a sine or cosine, in half cycles (default 1).")
 gamma = click.option("--gamma", type=float, help="Duration over period of a mavroeidis-papageorgiou pulse (default 2).")
 phase = click.option("--phase", metavar="ANGLE", help="Phase of a mavroeidis-papageorgiou pulse, in rad or with a unit (default 0).")
-motion_file = click.option("--motion", "motion_file", metavar="FILE", help="A motion document of your own instead of a pulse.")
+motion_file = click.option("--motion", "motion_file", metavar="FILE", help="A record, or a motion document, instead of a pulse.")
+scale = click.option("--scale", type=float, metavar="FACTOR", help="Factor of the motion; a negative one turns it over.")
+scale_to = click.option("--scale-to", metavar="IM=VALUE", help="Scale a record to an intensity measure, such as PGA=0.35g.")
 component = click.option("--component", metavar="NAME", help="The component of a record that holds several, by name or number.")
 unit = click.option("--unit", metavar="UNIT", help="Unit of a record in plain columns of numbers, such as g or m/s2.")
 dt = click.option("--dt", metavar="TIME", help="Time between the values of a record in a single column.")
@@ -74,22 +76,28 @@ def methods(command: F) -> F:
 
 
 def shaking(command: F) -> F:
-    """One amplitude and one frequency, with units or dimensionless; the command gets a grid of one cell, None without any."""
+    """One amplitude and one frequency, with units or dimensionless; the command gets a grid of one cell, None without any.
+
+    A record has both; only its peak may be given anew.
+    """
 
     @wraps(command)
     def with_shaking(*arguments: Any, **given: Any) -> Any:
         from ..spectra.grid import parse_grid
 
+        own = given["motion"].acceleration if "motion" in given else None
         flags = {"a_g": "--a-g", "omega_g": "--omega-g", "f_g": "--f-g", "T_g": "--T-g", "A": "--A", "Omega": "--Omega"}
         axes = {key: given.pop(key.lower() if key in ("A", "Omega", "T_g") else key) for key in flags}
         there = {key: value for key, value in axes.items() if value is not None}
         grid = None
+        if own is not None and not there:
+            there = {"a_g": f"{own!r} m/s2"}
         for key, value in there.items():
             if "," in value:
                 raise click.UsageError(f"{flags[key]}: found {value!r}; accepted is one value")
         if there:
             try:
-                grid = parse_grid(",".join(f"{key}={value}" for key, value in there.items()))
+                grid = parse_grid(",".join(f"{key}={value}" for key, value in there.items()), own_time=own is not None)
             except UsageError as error:
                 text = str(error)
                 for key, flag in flags.items():
@@ -126,41 +134,49 @@ def output_form(command: F) -> F:
     return json_output(csv_output(command))
 
 
-def motion(command: F) -> F:
-    """The options of the ground motion; the command gets the motion itself."""
+def motion(command: F | None = None, *, dt_flag: str = "--dt") -> F:
+    """The options of the ground motion; the command gets the motion itself. dt_flag: where the command has a --dt of its own."""
+    if command is None:
+        return partial(motion, dt_flag=dt_flag)
 
     @wraps(command)
-    def with_motion(
-        *arguments: Any,
-        pulse: str | None,
-        cycles: float | None,
-        gamma: float | None,
-        phase: str | None,
-        motion_file: str | None,
-        **others: Any,
-    ) -> Any:
-        return command(*arguments, motion=_motion_of(pulse, cycles, gamma, phase, motion_file), **others)
+    def with_motion(*arguments: Any, **given: Any) -> Any:
+        mine = {key: given.pop(key) for key in (*_PULSE, *_FILE)}
+        return command(*arguments, motion=_motion_of({k: v for k, v in mine.items() if v is not None}, dt_flag), **given)
 
-    return pulse(cycles(gamma(phase(motion_file(with_motion)))))
+    record_dt = click.option(dt_flag, "motion_dt", metavar="TIME", help="Time between the values of a record in a single column.")
+    for option in (scale_to, scale, record_dt, unit, component, motion_file, phase, gamma, cycles, pulse):
+        with_motion = option(with_motion)
+    return with_motion
 
 
-def _motion_of(name: str | None, cycles: float | None, gamma: float | None, phase: str | None, path: str | None) -> Motion:
+_PULSE = ("pulse", "cycles", "gamma", "phase")
+_FILE = ("motion_file", "component", "unit", "motion_dt", "scale", "scale_to")
+
+
+def _motion_of(given: dict[str, Any], dt_flag: str) -> Motion:
     from ..documents.quantities import parse_quantity
     from ..motions import pulse as named_pulse
     from ..motions import read_motion
 
-    angle = None
-    if phase is not None:
+    if "phase" in given:
         try:
-            angle = parse_quantity(phase, "angle")
+            given["phase"] = parse_quantity(given["phase"], "angle")
         except ValueError as error:
-            raise click.UsageError(f"--phase: found {phase!r}; accepted is {error}") from None
-    given = {key: value for key, value in (("cycles", cycles), ("gamma", gamma), ("phase", angle)) if value is not None}
-    if path is None:
-        return named_pulse(name or "sine", **given)
-    if name is not None or given:
-        raise click.UsageError(f"--motion does not go with --{'pulse' if name is not None else next(iter(given))}")
-    return read_motion(path)
+            raise click.UsageError(f"--phase: found {given['phase']!r}; accepted is {error}") from None
+    if "motion_dt" in given:
+        given["dt"] = time(dt_flag, given.pop("motion_dt"))
+    if "motion_file" in given:
+        for key in _PULSE:
+            if key in given:
+                raise click.UsageError(f"--motion does not go with --{key}")
+        return read_motion(given.pop("motion_file"), **given)
+    for key, flag in (("component", "--component"), ("unit", "--unit"), ("dt", dt_flag), ("scale_to", "--scale-to")):
+        if key in given:
+            raise click.UsageError(f"{flag} goes with a record: give --motion")
+    factor = given.pop("scale", None)
+    found = named_pulse(given.pop("pulse", "sine"), **given)
+    return found if factor is None else found.scaled(factor)
 
 
 def emit(records: Iterable[Mapping[str, Any]], form: str | None, columns: Sequence[str] = ()) -> None:

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 @click.command(epilog="Example: rocking response configs/arch.yaml --pulse rectangular-impulse --a-g 0.9g --T-g 0.4 --model both --events")
 @click.argument("file")
-@options.motion
+@options.motion(dt_flag="--motion-dt")
 @options.shaking
 @options.methods
 @click.option("--release", type=float, default=0.0, metavar="RATIO", help="Release from theta/alpha = RATIO; alone: free rocking.")

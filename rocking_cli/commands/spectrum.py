@@ -67,7 +67,7 @@ def spectrum(
     from ..spectra.sweep import CHUNK_CELLS, write_spectrum
 
     method = Method(model, tolerance)
-    grid = parse_grid(axes)
+    grid = parse_grid(axes, own_time=motion.acceleration is not None)
     check_output(output, overwrite, resume)
     if any(file != "-" and Path(file).resolve() == output.resolve() for file in files):
         raise click.UsageError(f"{output} is a structure document of this very call; give another output")

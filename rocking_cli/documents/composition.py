@@ -53,15 +53,19 @@ def read_text(path: str | Path) -> tuple[str, str]:
                 raw = file.read(LARGEST + 1)
     except OSError as error:
         raise UsageError(f"{source}: cannot be read: {error.strerror or error}") from None
+    return text_of(raw, source), source
+
+
+def text_of(raw: bytes, source: str) -> str:
+    """The text of a file's bytes. Raises DocumentError when it is too large or no text."""
     if len(raw) > LARGEST:
         raise DocumentError(f"{_place_in(raw.decode(errors='replace'), LARGEST, source)}: {_too_long(LARGEST)}")
     try:
-        text = raw.decode("utf-8-sig")
+        return raw.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         before = error.object[: error.start].decode()  # without the mark of a UTF-8 file, as `start` counts
         place = _place_in(before, len(before), source)
         raise DocumentError(f"{place}: not a text in UTF-8 (byte {error.start})") from None
-    return text, source
 
 
 def compose(text: str, source: str) -> list[tuple[yaml.Node, int]]:

@@ -17,7 +17,7 @@ from typing import Any
 import yaml
 
 from ..errors import DocumentError
-from .composition import DEEPEST, MOST_VALUES, Place, compose, read_text
+from .composition import DEEPEST, MOST_VALUES, Place, compose, read_text, text_of
 from .quantities import SMALLEST_LENGTH, accepted, parse_quantity, split_quantity
 
 
@@ -186,6 +186,11 @@ def read_documents(path: str | Path) -> list[Document]:
     Raises UsageError when the file cannot be read and DocumentError when it holds no valid document.
     """
     return parse_documents(*read_text(path))
+
+
+def documents_of(raw: bytes, source: str) -> list[Document]:
+    """All documents of a file's bytes. Raises DocumentError."""
+    return parse_documents(text_of(raw, source), source)
 
 
 def parse_documents(text: str, source: str = "<text>") -> list[Document]:

@@ -2,7 +2,6 @@
 
 from .intensity import Intensity, intensity
 from .motion import Harmonic, Motion, Piece
-from .pieces import read_motion
 from .polyline import Polyline, record_motion
 from .pulses import (
     PULSES,
@@ -16,6 +15,7 @@ from .pulses import (
     ricker_symmetric,
     sine,
 )
+from .reading import read_motion
 from .records import Record, read_record, read_records
 
 __all__ = [

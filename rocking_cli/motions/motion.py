@@ -10,7 +10,7 @@ extremum, so that s is monotone on each segment: that is what lets the engine pr
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
 
@@ -46,6 +46,11 @@ class Piece:
         for h in self.harmonics:
             total = total + h.amplitude * np.sin(h.frequency * phase + h.phase)
         return np.asarray(total)
+
+    def scaled(self, factor: float) -> Piece:
+        """The piece times a factor."""
+        harmonics = tuple(replace(h, amplitude=factor * h.amplitude) for h in self.harmonics)
+        return Piece(self.start, self.stop, harmonics, factor * self.constant, factor * self.slope)
 
     def extremes(self) -> list[float]:
         """Phases strictly inside the piece where s has an extremum, in order."""
@@ -159,6 +164,10 @@ class Motion:
         """The motion with the ground at rest after it, up to a phase [rad]."""
         return Motion(self.name, (*self.pieces, Piece(self.duration, phase)))
 
+    def scaled(self, factor: float) -> Motion:
+        """The motion times a factor, which may be negative. Raises MotionError for one that is zero or not finite."""
+        return Motion(f"{self.name}, times {checked_scale(self.name, factor):g}", tuple(p.scaled(factor) for p in self.pieces))
+
     @property
     def peak(self) -> float:
         """max |s| over the motion."""
@@ -220,6 +229,13 @@ class Motion:
                 exact = (rest == 0.0) & (left == 0.0) & (last > first)
                 length[mine[exact]] = (last - first)[exact] * (np.pi / 2) / h.frequency
         return length
+
+
+def checked_scale(name: str, factor: float) -> float:
+    """The factor of a motion of that name. Raises MotionError for one that is zero or not finite."""
+    if np.isfinite(factor) and factor != 0.0:
+        return factor
+    raise MotionError(f"motion {name!r}: a scale of {factor:g}, accepted is a number that is not zero")
 
 
 def _quarters(h: Harmonic, phase: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ..documents import Document, Value, read_documents
+from ..documents import Document, Value
 from ..documents.quantities import parse_quantity
 from ..errors import DocumentError, MotionError
 from .motion import Harmonic, Motion, Piece
@@ -23,14 +23,6 @@ LARGEST = 1e6  # accelerations, over a_g, and phases
 SHORTEST = 1e-9  # periods
 _PIECES = "a list of pieces, each with from, to, and constant, slope or sines"
 _POINTS = "a list of two or more points [t/T_g, acceleration/a_g], in order of time"
-
-
-def read_motion(path: str | Path) -> Motion:
-    """The motion of a document. Raises UsageError for a file that cannot be read and DocumentError for one that is not valid."""
-    documents = read_documents(path)
-    if len(documents) > 1:
-        raise DocumentError(f"{documents[1].place}: a second document; a motion file holds one")
-    return build_motion(documents[0])
 
 
 def build_motion(document: Document) -> Motion:

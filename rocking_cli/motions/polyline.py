@@ -11,7 +11,7 @@ from functools import cached_property
 import numpy as np
 
 from ..errors import MotionError
-from .motion import Motion, Piece, Segments
+from .motion import Motion, Piece, Segments, checked_scale
 from .records import Record
 
 Array = np.ndarray
@@ -73,6 +73,11 @@ class Polyline(Motion):
         start, stop = np.append(self.start, self.stop[-1]), np.append(self.stop, phase)
         return Polyline(self.name, start, stop, np.append(self.constant, 0.0), np.append(self.slope, 0.0), self.acceleration)
 
+    def scaled(self, factor: float) -> Polyline:
+        """The motion times a factor, which may be negative. Raises MotionError for one that is zero or not finite."""
+        name = f"{self.name}, times {checked_scale(self.name, factor):g}"
+        return Polyline(name, self.start, self.stop, factor * self.constant, factor * self.slope)
+
     @cached_property
     def segments(self) -> Segments:
         """The monotone segments of the motion: its intervals, none of which is known to go on in the next."""
@@ -101,10 +106,8 @@ def record_motion(record: Record, scale: float = 1.0) -> Polyline:
     Its `acceleration` is then |scale| PGA. Raises MotionError for a record that is zero throughout, or a scale of zero.
     """
     peak = float(np.abs(record.acceleration).max())
-    if not (np.isfinite(scale) and scale != 0.0):
-        raise MotionError(f"motion {record.label!r}: a scale of {scale:g}, accepted is a number that is not zero")
     if not peak > 0.0:
         raise MotionError(f"motion {record.label!r}: zero throughout, accepted is one with an amplitude")
-    s = np.copysign(1.0, scale) / peak * record.acceleration
+    s = np.copysign(1.0, checked_scale(record.label, scale)) / peak * record.acceleration
     time = record.dt * np.arange(record.npts)
     return Polyline(record.label, time[:-1], time[1:], s[:-1], np.diff(s) / np.diff(time), abs(scale) * peak)

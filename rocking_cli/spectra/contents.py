@@ -19,7 +19,7 @@ from .digest import DIGEST, digest_of, filters_of, plain
 from .grid import Axis, Grid
 from .layout import CHUNK_TABLES, PARAMETERS, REQUIRED, VARIABLES
 
-AXES = (("Omega", "A"), ("omega_g", "a_g"))
+AXES = (("Omega", "A"), ("omega_g", "a_g"), ("omega_g", "A"))
 
 _FILTERS = {
     True: [(h5py.h5z.FILTER_SHUFFLE, 1), (h5py.h5z.FILTER_DEFLATE, 1)],
@@ -100,7 +100,7 @@ def _form(file: h5py.File, size: int) -> tuple[str, str]:
     names = set(file)
     found = [pair for pair in AXES if names >= set(pair)]
     if len(found) != 1:
-        raise ValueError("it has no axes Omega and A, or omega_g and a_g")
+        raise ValueError("it has no axes Omega and A, or omega_g and a_g or A")
     required = {"structure", *found[0], *PARAMETERS, *CHUNK_TABLES, *REQUIRED}
     if missing := sorted(required - names):
         raise ValueError(f"it has no dataset {missing[0]!r}")

@@ -19,7 +19,7 @@ from ..errors import UsageError
 from ..motions import Motion, pulse
 from ..structures.parameters import RockingParameters
 from .boundaries import SCAN_STEP, Row, Search
-from .grid import Axis, parse_axes
+from .grid import OWN_TIME, Axis, parse_axes
 from .processes import available_cpus, processes
 from .scene import LINEAR, Method
 
@@ -96,8 +96,14 @@ def _intervals(omega: float, lowest: float, row: Row) -> Iterator[Interval]:
             label, begin = above, amplitude
 
 
-def frequency_axis(text: str) -> Axis:
-    """The single frequency axis of `--grid`: Omega, omega_g, f_g or T_g. Raises UsageError."""
+def frequency_axis(text: str | None, *, own_time: bool = False) -> Axis:
+    """The single frequency axis of `--grid`: Omega, omega_g, f_g or T_g, and none with own_time. Raises UsageError."""
+    if own_time:
+        if text is not None:
+            raise UsageError(f"--grid: found {text}; accepted is none, since a record runs in its own time")
+        return OWN_TIME
+    if text is None:
+        raise UsageError("no --grid; accepted is one axis, Omega, omega_g, f_g or T_g")
     axes = parse_axes(text)
     if len(axes) != 1 or next(iter(axes)) not in ("Omega", "omega_g"):
         raise UsageError(f"--grid: found {' and '.join(axes)}; accepted is one axis, Omega, omega_g, f_g or T_g")

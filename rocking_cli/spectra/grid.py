@@ -58,13 +58,14 @@ class Axis:
 
 @dataclass(frozen=True, eq=False)
 class Grid:
-    """Amplitudes and frequencies: both dimensionless (A, Omega) or both with units (a_g [m/s2], omega_g [rad/s])."""
+    """Amplitudes and frequencies: both dimensionless (A, Omega) or both with units (a_g [m/s2], omega_g [rad/s]); for a motion that
+    has a time of its own also A with omega_g."""
 
     amplitude: Axis
     frequency: Axis
 
     def __post_init__(self) -> None:
-        if (self.amplitude.name, self.frequency.name) not in (("A", "Omega"), ("a_g", "omega_g")):
+        if (self.amplitude.name, self.frequency.name) not in (("A", "Omega"), ("a_g", "omega_g"), ("A", "omega_g")):
             raise UsageError(
                 f"axes {self.amplitude.name} and {self.frequency.name} do not go together: give A and Omega, or a_g and omega_g"
             )
@@ -72,7 +73,7 @@ class Grid:
     @property
     def dimensionless(self) -> bool:
         """Whether the axes are A and Omega."""
-        return self.amplitude.name == "A"
+        return self.frequency.name == "Omega"
 
     @property
     def shape(self) -> tuple[int, int]:
@@ -81,9 +82,11 @@ class Grid:
 
     def scaled(self, structure: RockingParameters) -> tuple[np.ndarray, np.ndarray]:
         """(A, Omega) values of the axes for one structure."""
-        if self.dimensionless:
-            return self.amplitude.values, self.frequency.values
-        return structure.dimensionless_amplitude(self.amplitude.values), self.frequency.values / structure.p
+        a, omega = self.amplitude.values, self.frequency.values
+        return (
+            a if self.amplitude.name == "A" else structure.dimensionless_amplitude(a),
+            omega if self.frequency.name == "Omega" else omega / structure.p,
+        )
 
 
 def parse_axes(text: str) -> dict[str, Axis]:
@@ -108,10 +111,21 @@ def parse_axes(text: str) -> dict[str, Axis]:
     return axes
 
 
-def parse_grid(text: str, structures: int = 1) -> Grid:
-    """The grid of `--grid`: two axes, both with units or both dimensionless. Raises UsageError."""
+OWN_TIME = Axis("omega_g", np.array([1.0]))  # the phase of a record is its time in s
+
+
+def parse_grid(text: str, structures: int = 1, *, own_time: bool = False) -> Grid:
+    """The grid of `--grid`: two axes, both with units or both dimensionless. Raises UsageError.
+
+    own_time: of a motion that has a time of its own, so that the grid has no frequency but one axis, its peak as A or a_g.
+    """
     axes = parse_axes(text)
-    pairs = [(a, f) for a, f in (("A", "Omega"), ("a_g", "omega_g")) if set(axes) == {a, f}]
+    if own_time:
+        if len(axes) != 1 or next(iter(axes)) not in ("A", "a_g"):
+            raise UsageError(f"--grid: found {' and '.join(axes)}; accepted is A or a_g, since a record runs in its own time")
+        axes["omega_g"] = OWN_TIME
+    known = (("A", "Omega"), ("a_g", "omega_g"), ("A", "omega_g"))[: 3 if own_time else 2]
+    pairs = [(a, f) for a, f in known if set(axes) == {a, f}]
     if not pairs:
         found = " and ".join(axes)
         raise UsageError(f"--grid: found {found}; accepted are A and Omega, or a_g and one of omega_g, f_g, T_g")

@@ -11,23 +11,8 @@ import numpy as np
 import pytest
 from recorded import rows, wave
 
-COLUMNS = [
-    "name",
-    "format",
-    "component",
-    "npts",
-    "dt",
-    "duration",
-    "pga",
-    "pga_time",
-    "pgv",
-    "pgd",
-    "arias",
-    "cav",
-    "d5_75",
-    "d5_95",
-    "header_pga",
-]
+COLUMNS = ["name", "format", "component", "npts", "dt", "duration", "pga", "pga_time", "pgv", "pgd", "arias", "cav", "d5_75", "d5_95"]
+COLUMNS += ["header_pga"]
 AT2 = "Title\nEvent\nACCELERATION TIME SERIES IN UNITS OF G\nNPTS= 500, DT= .01 SEC\n" + rows(wave(500, 0.2), 5, "{:15.7E}")
 
 
@@ -112,3 +97,74 @@ def test_bad_input_is_one_sentence(refused, tmp_path, files, arguments, code, wo
     for name, text in files.items():
         (tmp_path / name).write_text(text)
     assert words in refused(code, "records", *arguments)
+
+
+RECORD = ("--motion", "configs/motions/synthetic.at2")
+
+
+def summary(done):
+    assert done.returncode == 0, done.stderr
+    return done.stderr.strip()
+
+
+def test_a_response_runs_as_recorded_and_scaled(rocking):
+    """The block under 0.4 g of the synthetic record: as it is, by factor, by measure, by amplitude, all the same motion."""
+    call = ("response", "configs/block.yaml", *RECORD, "--model", "nonlinear", "--events", "--json")
+    plain = rocking(*call)
+    assert "largest theta 0.1844" in summary(plain)
+    assert rocking(*call, "--a-g", "0.4g").stdout == plain.stdout
+    more = rocking(*call, "--scale", "1.25")
+    assert "overturn" in summary(more)
+    for same in (("--scale-to", "PGA=0.5g"), ("--a-g", "0.5g")):
+        other = [json.loads(x) for x in rocking(*call, *same).stdout.splitlines()]
+        for a, b in zip(other, (json.loads(x) for x in more.stdout.splitlines()), strict=True):
+            assert a["event"] == b["event"]
+            assert a["t"] == pytest.approx(b["t"], rel=1e-9)
+
+
+def test_a_record_turned_over_turns_the_response_over(rocking):
+    call = ("response", "configs/block.yaml", *RECORD, "--model", "nonlinear", "--csv")
+    rows_ = [list(csv.DictReader(io.StringIO(rocking(*call, *scale).stdout))) for scale in ((), ("--scale", "-1"))]
+    for a, b in zip(*rows_, strict=True):
+        assert float(a["theta"]) == -float(b["theta"])
+        assert float(a["ground_acceleration"]) == -float(b["ground_acceleration"])
+
+
+def test_a_spectrum_and_an_envelope_need_no_frequency(rocking):
+    done = rocking("spectrum", "configs/block.yaml", *RECORD, "--grid", "a_g=0.3g:0.5g:5", "-o", "r.h5", "--json")
+    assert summary(done)
+    done = rocking("convert", "r.h5", "--csv")
+    ratios = [row["theta_ratio"] for row in csv.DictReader(io.StringIO(done.stdout))]
+    assert float(ratios[0]) > 0.0
+    assert ratios[2] == "", "at 0.4 g the linear equation overturns"
+    done = rocking("spectrum", "configs/block.yaml", "configs/spire.yaml", *RECORD, "--grid", "A=1.1:2:4", "-o", "A.h5", "-q")
+    assert summary(done) == ""
+    done = rocking("envelope", "configs/block.yaml", *RECORD, "--a-max", "2", "--json")
+    first = json.loads(done.stdout.splitlines()[0])
+    assert 0.3 * 9.81 < first["a_from"] < 0.4 * 9.81
+
+
+def test_plain_columns_as_a_motion(rocking, tmp_path):
+    (tmp_path / "a.txt").write_text("0\n4\n-4\n0\n")
+    call = ("response", "configs/block.yaml", "--motion", "a.txt", "--unit", "m/s2", "--events", "--json")
+    assert json.loads(rocking(*call, "--motion-dt", "0.2").stdout.splitlines()[0])["event"] == "uplift"
+    assert "one column of numbers" in rocking(*call).stderr
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code", "words"),
+    [
+        (("response", "configs/block.yaml", *RECORD, "--a-g", "1", "--T-g", "1"), 2, "a record runs in its own time"),
+        (("response", "configs/block.yaml", *RECORD, "--T-g", "1"), 2, "a record runs in its own time"),
+        (("response", "configs/block.yaml", "--scale-to", "PGA=1g", "--a-g", "1", "--T-g", "1"), 2, "--scale-to goes with a record"),
+        (("response", "configs/block.yaml", *RECORD, "--pulse", "sine"), 2, "--motion does not go with --pulse"),
+        (("response", "configs/block.yaml", *RECORD, "--scale", "0"), 2, "a scale of 0"),
+        (("response", "configs/block.yaml", *RECORD, "--scale", "2", "--scale-to", "PGA=1"), 2, "do not go together"),
+        (("spectrum", "configs/block.yaml", *RECORD, "--grid", "a_g=1:2:3,T_g=1", "-o", "x.h5"), 2, "a record runs in its own time"),
+        (("envelope", "configs/block.yaml", *RECORD, "--grid", "T_g=1"), 2, "a record runs in its own time"),
+        (("envelope", "configs/block.yaml"), 2, "no --grid"),
+        (("spectrum", "--eta", "0.9", *RECORD, "--grid", "A=1:2:3", "-o", "x.h5"), 2, "no units"),
+    ],
+)
+def test_what_does_not_go_with_a_record(refused, arguments, code, words):
+    assert words in refused(code, *arguments)

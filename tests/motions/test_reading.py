@@ -1,0 +1,89 @@
+"""The motion of a file: documents and records told apart, scaled, and turned over."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from recorded import wave
+
+from rocking_cli.errors import DocumentError, UsageError
+from rocking_cli.motions import intensity, pulse, read_motion, read_record
+from rocking_cli.motions.polyline import Polyline
+from rocking_cli.motions.reading import factor_to
+
+SAMPLES = wave(400, -2.5)
+
+
+@pytest.fixture
+def plain(tmp_path):
+    path = tmp_path / "plain.txt"
+    path.write_text("".join(f"{x!r}\n" for x in SAMPLES.tolist()))
+    return path
+
+
+def test_a_record_runs_as_it_is(plain):
+    motion = read_motion(plain, unit="m/s2", dt=0.02)
+    assert isinstance(motion, Polyline)
+    assert (motion.name, motion.acceleration) == ("plain", 2.5)
+    np.testing.assert_allclose(motion.acceleration * motion.value(0.02 * np.arange(399)), SAMPLES[:-1], rtol=1e-13, atol=1e-15)
+
+
+@pytest.mark.parametrize("text", ["PGA=0.35g", "pgv=12 cm/s", "PGD=30 mm", "Arias=0.4", "CAV=3 m/s", "PGA=-0.1g"])
+def test_a_record_is_scaled_to_a_measure(plain, text):
+    record = read_record(plain, unit="m/s2", dt=0.02)
+    factor = factor_to(record, text)
+    scaled = type(record)(**{**vars(record), "acceleration": factor * record.acceleration})
+    name, _, value = text.partition("=")
+    units = {"g": 9.81, "cm/s": 1e-2, "mm": 1e-3, "m/s": 1.0, "": 1.0}
+    number = value.rstrip("gmcs/ ")
+    assert getattr(intensity(scaled), name.lower()) == pytest.approx(abs(float(number)) * units[value[len(number) :].strip()], rel=1e-12)
+    assert (factor < 0.0) == ("-" in text)
+    motion = read_motion(plain, unit="m/s2", dt=0.02, scale_to=text)
+    assert motion.acceleration == pytest.approx(abs(factor) * 2.5, rel=1e-15)
+    peak = int(np.argmax(np.abs(SAMPLES)))
+    assert float(motion.value(0.02 * peak)) == pytest.approx(np.sign(factor * SAMPLES[peak]), rel=1e-12)
+
+
+def test_documents_and_pulses_are_turned_over(tmp_path):
+    path = tmp_path / "own.yaml"
+    path.write_text("points: [[0, 0], [0.25, 1], [0.75, -1], [1, 0]]\n")
+    phase = np.linspace(0.0, 7.0, 50)
+    own = read_motion(path)
+    np.testing.assert_array_equal(read_motion(path, scale=-2.0).value(phase), -2.0 * own.value(phase))
+    for name in ("sine", "cosine", "rectangular-impulse", "ricker-symmetric", "mavroeidis-papageorgiou"):
+        turned = pulse(name).scaled(-1.0)
+        np.testing.assert_allclose(turned.value(phase), -pulse(name).value(phase), rtol=1e-12, atol=1e-15)
+        assert turned.peak == pytest.approx(pulse(name).peak, rel=1e-12)
+        assert len(turned.segments) == len(pulse(name).segments)
+
+
+@pytest.mark.parametrize(
+    ("given", "words"),
+    [
+        ({"scale_to": "PGA"}, "scale-to: found 'PGA'; accepted is such as PGA=0.35g, of PGA, PGV, PGD, Arias, CAV"),
+        ({"scale_to": "SA=1g"}, "scale-to: found 'SA=1g'"),
+        ({"scale_to": "PGA=1 m"}, "scale-to PGA: found '1 m'; accepted is an acceleration"),
+        ({"scale_to": "PGA=0"}, "accepted is one that is not zero"),
+        ({"scale_to": "PGA=1", "scale": 2.0}, "do not go together"),
+        ({"scale": 0.0}, "a scale of 0"),
+        ({"component": "2"}, None),
+    ],
+)
+def test_choices_that_do_not_fit(plain, given, words):
+    if words is None:
+        assert read_motion(plain, unit="m/s2", dt=0.02, **given).name == "plain"
+        return
+    with pytest.raises(UsageError) as error:
+        read_motion(plain, unit="m/s2", dt=0.02, **given)
+    assert words in str(error.value)
+
+
+def test_what_goes_with_a_record_only(tmp_path):
+    path = tmp_path / "own.yaml"
+    path.write_text("points: [[0, 0], [0.25, 1], [1, 0]]\n")
+    for given in ({"component": "NS"}, {"unit": "g"}, {"dt": 0.1}, {"scale_to": "PGA=1"}):
+        with pytest.raises(UsageError, match="goes with a record"):
+            read_motion(path, **given)
+    path.write_text("kind: block\n")
+    with pytest.raises(DocumentError, match="neither pieces nor points"):
+        read_motion(path)
