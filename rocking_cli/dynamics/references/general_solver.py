@@ -13,13 +13,13 @@ from typing import Any, Protocol
 
 import numpy as np
 from scipy.integrate import solve_ivp
-from scipy.optimize import brentq
 
 from ...motions.motion import Motion, Piece
 from ...structures.kinematics import Mechanism, linearise
 from ..outcome import Outcome
+from .uplift import next_uplift
 
-_MAX_STRIDES = 5_000
+_MAX_STRIDES, _A_SEGMENT = 5_000, 50  # strides of a cell, and these for each segment of the motion
 _SCRIPT_STRIDE = 10.0  # tau between two looks at whether a body is lost, where steps are the solver's own
 _AT_REST = 1e-11
 
@@ -111,11 +111,12 @@ def reference_nonlinear(
 ) -> tuple[Outcome, float]:
     """(outcome, max |theta|/alpha, NaN where overturned) of one cell; FAILED if it takes too long."""
     body = _Body(equation, amplitude, omega, eta, solver)
+    most_strides = _MAX_STRIDES + _A_SEGMENT * len(motion.segments)
     for piece in motion.pieces:
         end = piece.stop / omega
         while end - body.time > 1e-14 * end:
             body.strides += 1
-            if body.strides > _MAX_STRIDES:
+            if body.strides > most_strides:
                 return Outcome.FAILED, math.nan
             if body.side == 0:
                 body.wait(piece, end)
@@ -141,15 +142,10 @@ class _Body:
         return self.drive * abs(float(piece.value(self.omega * time))) - self.equation.uplift
 
     def wait(self, piece: Piece, end: float) -> None:
-        """At rest: on to the first instant of uplift, or by one stride."""
-        stop = min(end, self.time + self.stride(piece))
-        if self.excess(piece, self.time) <= 0.0:
-            if self.excess(piece, stop) <= 0.0:
-                self.time = stop
-                return
-            self.time = float(brentq(lambda t: self.excess(piece, t), self.time, stop, xtol=1e-15))
-        ahead = float(piece.value(self.omega * min(stop, self.time + 1e-9)))
-        self.side, self.theta, self.w = -1 if ahead > 0.0 else 1, 0.0, 0.0
+        """At rest: on to the first instant of uplift, or to the end of the piece."""
+        lift = next_uplift(piece, self.omega * self.time, self.drive / self.equation.uplift)
+        self.time = end if lift is None else max(self.time, lift[0] / self.omega)
+        self.side, self.theta, self.w = 0 if lift is None else lift[1], 0.0, 0.0
 
     def move(self, piece: Piece, end: float) -> None:
         """One stride, or on to the impact in it."""

@@ -16,10 +16,11 @@ import numpy as np
 
 from ...motions.motion import Motion, Piece
 from ..outcome import Outcome
+from .uplift import next_uplift
 
 TERMS = 18
 _SAMPLES = np.arange(1, 9) / 8.0
-_MAX_STEPS = 10_000  # about a second; a cell that takes longer is not checked
+_MAX_STEPS, _A_SEGMENT = 10_000, 100  # a cell that takes more, and these for each segment of the motion, is not checked: about a second
 _AT_REST = 1e-11
 
 
@@ -35,6 +36,7 @@ def reference_cell(motion: Motion, amplitude: float, omega: float, eta: float) -
 class _Body:
     def __init__(self, motion: Motion, amplitude: float, omega: float, eta: float) -> None:
         self.pieces, self.amplitude, self.omega, self.eta = motion.pieces, amplitude, omega, eta
+        self.most_steps = _MAX_STEPS + _A_SEGMENT * len(motion.segments)
         fastest = max((h.frequency for p in motion.pieces for h in p.harmonics), default=1.0)
         self.stride = 0.25 / max(1.0, omega * fastest)
         self.y = self.v = self.peak = 0.0
@@ -48,18 +50,21 @@ class _Body:
             time = 0.0
             while y_end - time > 1e-14 * y_end:
                 steps += 1
-                if steps > _MAX_STEPS:
+                if steps > self.most_steps:
                     return Outcome.FAILED, math.nan
-                length = min(self.stride, y_end - time)
-                time += self.step(piece, phase + self.omega * time, length)
+                if self.side == 0:
+                    lift = next_uplift(piece, phase + self.omega * time, self.amplitude)
+                    if lift is None:
+                        break
+                    time, self.side = max(time, (lift[0] - phase) / self.omega), lift[1]
+                    self.y = self.v = 0.0
+                time += self.step(piece, phase + self.omega * time, min(self.stride, y_end - time))
                 if self.side and self.y - 1.0 + self.v > 1e3 * (1.0 + self.amplitude):
                     return self.overturned(), math.nan
         return self.still()
 
     def step(self, piece: Piece, phase: float, length: float) -> float:
         """Go on by `length` or to the first event; returns the time that passed."""
-        if self.side == 0:
-            return self.wait(piece, phase, length)
         force = -1.0 - self.side * self.amplitude * float(piece.value(phase))
         if self.y == 0.0 < self.v and force < 0.0:  # a bounce of 2 v / |force| must not hide between two samples
             length = min(length, 8.0 * self.v / -force)
@@ -108,24 +113,6 @@ class _Body:
             rates[0] = 1.0
         for i in np.flatnonzero((rates[:-1] > 0.0) & (rates[1:] <= 0.0)):
             self.peak = max(self.peak, _value(series, _polish(speed, marks[i], marks[i + 1])))
-
-    def wait(self, piece: Piece, phase: float, length: float) -> float:
-        """At rest: the first instant with A |s| > 1 inside this step, by samples and bisection."""
-
-        def excess(time: float) -> float:
-            return self.amplitude * abs(float(piece.value(phase + self.omega * time))) - 1.0
-
-        low = 0.0
-        for high in (0.0, *(length * _SAMPLES)):
-            if excess(high) > 0.0:
-                for _ in range(80 if high > 0.0 else 0):
-                    middle = 0.5 * (low + high)
-                    low, high = (low, middle) if excess(middle) > 0.0 else (middle, high)
-                self.side = -1 if float(piece.value(phase + self.omega * high)) > 0.0 else 1
-                self.y = self.v = 0.0
-                return max(high, 1e-300)
-            low = high
-        return length
 
     def overturned(self) -> Outcome:
         return Outcome.OVERTURNED_AFTER_IMPACT if self.bounced else Outcome.OVERTURNED_NO_IMPACT

@@ -2,14 +2,20 @@
 
 from __future__ import annotations
 
+import math
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from multiple import march
 from oracle import LADDER
 
 from rocking_cli import Outcome, cosine, linear_response, sine
+from rocking_cli.dynamics.references import taylor_series
 from rocking_cli.dynamics.references.taylor_series import reference_cell
+from rocking_cli.motions import Motion, Piece
 
 
 def test_the_reference_sees_a_bounce_that_the_drive_lifts_again():
@@ -34,3 +40,32 @@ def test_engine_and_taylor_reference_agree(amplitude, omega, eta, motion):
         if outcome == Outcome.ROCKED:
             spread = float(np.ptp(near.theta_ratio))  # the cell's own sensitivity to 1e-9 in A
             assert abs(theta - response.theta_ratio) < 1e-11 + 1e-3 * spread
+
+
+def test_the_limit_of_steps_grows_with_the_motion(monkeypatch):
+    """A record has a step or more a piece, however long it is."""
+    monkeypatch.setattr(taylor_series, "_MAX_STEPS", 20)
+    heights = np.random.default_rng(0).uniform(-1.0, 1.0, 101)
+    pieces = tuple(Piece(float(i), i + 1.0, (), float(a), float(b - a)) for i, (a, b) in enumerate(pairwise(heights)))
+    motion = Motion("record", pieces)
+    found = linear_response(motion, 1.5, 12.0, 0.7)
+    outcome, theta = reference_cell(motion, 1.5, 12.0, 0.7)
+    assert outcome == found.outcome == Outcome.ROCKED
+    assert theta == pytest.approx(float(found.theta_ratio), abs=1e-13)
+
+
+@pytest.mark.parametrize("omega", [1e-4, 1e-2, 1.0, 100.0])
+def test_an_uplift_shorter_than_a_step_is_seen(omega):
+    """The drive exceeds 1 by 1e-9 for 9e-5 rad, and in a slow pulse the body waits for it through 1e5 of its own steps."""
+    outcome, theta = reference_cell(sine(), 1.0 + 1e-9, omega, 0.5)
+    found = linear_response(sine(), 1.0 + 1e-9, omega, 0.5)
+    assert outcome == found.outcome == Outcome.ROCKED
+    assert theta == pytest.approx(float(found.theta_ratio), rel=1e-5)  # rounding of the drive over its excess: 2e-7
+
+
+def test_the_reference_equals_fifty_digits():
+    for motion, amplitude, omega, eta in ((sine(2), 1.3, 2.5, 0.6), (cosine(1), 3.0, 6.0, 0.9)):
+        flag, theta, _ = march(motion, amplitude, omega, eta)
+        outcome, peak = reference_cell(motion, amplitude, omega, eta)
+        assert outcome.flag == flag
+        assert math.isnan(theta) or peak == pytest.approx(theta, abs=1e-13)

@@ -1,0 +1,22 @@
+"""Uplift from rest for the slower paths: a bisection between the extremes of a piece."""
+
+from __future__ import annotations
+
+from ...motions.motion import Piece
+
+
+def next_uplift(piece: Piece, phase: float, amplitude: float) -> tuple[float, int] | None:
+    """(phase, side) of the first uplift of a body at rest, A |s| > 1, from `phase` to the end of the piece; None if there is none."""
+
+    def excess(at: float) -> float:
+        return amplitude * abs(float(piece.value(at))) - 1.0
+
+    low = phase
+    for mark in (phase, *(x for x in piece.extremes() if x > phase), piece.stop):  # s is monotone from one to the next
+        high = mark
+        if excess(high) > 0.0:
+            while low < (middle := 0.5 * (low + high)) < high:
+                low, high = (low, middle) if excess(middle) > 0.0 else (middle, high)
+            return high, -1 if float(piece.value(high)) > 0.0 else 1
+        low = mark
+    return None
