@@ -10,9 +10,13 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from hypothesis import settings
 
 from rocking_cli import dimensionless_oscillator, parse_grid, sine, write_spectrum
 from rocking_cli.commands import main
+
+settings.register_profile("the same everywhere", derandomize=True, database=None, deadline=None)
+settings.load_profile("the same everywhere")
 
 ROOT = Path(__file__).resolve().parent.parent
 Run = Callable[..., subprocess.CompletedProcess[str]]

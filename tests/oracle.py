@@ -14,6 +14,7 @@ import numpy as np
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
+from rocking_cli import linear_response
 from rocking_cli.motions import Motion, Piece
 
 # One sine cycle, linear, eta = 0.9: overturning after impact from, to; without impact from (traced by two independent
@@ -32,6 +33,28 @@ LADDER = Motion("ladder", (Piece(0, 1, (), 0.5, -1.2), Piece(1, 2.5, (), 1.0), P
 def ladder(q: float) -> float:
     """The motion LADDER by its formula: a ramp, two plateaus, a ramp."""
     return 0.5 - 1.2 * q if q < 1 else 1.0 if q < 2.5 else -0.5 if q < 4 else -0.9 + 0.9 * (q - 4)
+
+
+RTOL = 2.3e-14  # of the oracle's steps, the least that SciPy takes
+
+
+def condition(motion: Motion, amplitude: np.ndarray, omega: np.ndarray, eta: np.ndarray) -> np.ndarray:
+    """|theta| + |dtheta/dlog A| + |dtheta/dlog Omega| + |dtheta/dlog eta|, theta over alpha, of linear cells (arrays of one shape).
+
+    What relative errors of the size e, made anywhere on the way, may come to at the end is this times e: with it a tolerance
+    follows from the cell. Central differences over 1e-7; NaN next to a boundary of outcome.
+    """
+    cell = np.broadcast_arrays(amplitude, omega, eta)
+    total = np.abs(linear_response(motion, *cell).theta_ratio)
+    for k in range(3):
+        low, high = list(cell), list(cell)
+        low[k], high[k] = cell[k] * (1.0 - 1e-7), cell[k] * (1.0 + 1e-7)
+        if k == 2:
+            high[k] = np.minimum(high[k], 1.0)
+        with np.errstate(invalid="ignore", divide="ignore"):
+            slope = (linear_response(motion, *high).theta_ratio - linear_response(motion, *low).theta_ratio) / (high[k] - low[k])
+        total = total + np.abs(np.where(cell[k] == 0.0, 0.0, slope * cell[k]))
+    return total
 
 
 def _inside(phase: float, phase_end: float) -> float:
@@ -97,7 +120,7 @@ def integrate(
             phase = min(max(omega * t, low + 1e-14 * high), high * (1 - 1e-15))
             return [z[1], z[0] - 1.0 - side * amplitude * s(phase)]
 
-        part = solve_ivp(rate, (time, nxt), [y, v], method="DOP853", rtol=2.3e-14, atol=1e-18,
+        part = solve_ivp(rate, (time, nxt), [y, v], method="DOP853", rtol=RTOL, atol=1e-18,
                          events=[_ground, _turn], max_step=(nxt - time) / 4)  # fmt: skip
         assert part.success, part.message
         for at in part.t_events[1]:  # dense output has a lower order: integrate again to the event, then correct
@@ -134,7 +157,7 @@ def integrate(
 def _state(rate: Callable[[float, np.ndarray], list[float]], start: float, stop: float, y: float, v: float) -> tuple[np.ndarray, float]:
     if stop <= start:
         return np.array([y, v]), rate(stop, np.array([y, v]))[1]
-    part = solve_ivp(rate, (start, stop), [y, v], method="DOP853", rtol=2.3e-14, atol=1e-18, max_step=(stop - start) / 4)
+    part = solve_ivp(rate, (start, stop), [y, v], method="DOP853", rtol=RTOL, atol=1e-18, max_step=(stop - start) / 4)
     return part.y[:, -1], rate(stop, part.y[:, -1])[1]
 
 
@@ -146,7 +169,7 @@ def integrate_rigid_body(
     fine = np.linspace(0.0, phase_end, 100_001)
     over = drive * np.abs(s(fine)) > math.tan(alpha)
     time, side, y, v, peak, bounced = 0.0, 0, 0.0, 0.0, 0.0, False
-    tight = {"method": "DOP853", "rtol": 2.3e-14, "atol": 1e-17}
+    tight = {"method": "DOP853", "rtol": RTOL, "atol": 1e-17}
     while time < end * (1 - 1e-14):
         if side == 0:
             after = np.flatnonzero(over & (fine >= time * omega))

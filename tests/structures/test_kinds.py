@@ -74,8 +74,8 @@ def test_the_smallest_and_the_largest_lengths_are_similar_to_those_of_a_building
     usual = built(1.0)
     for size in (1e-8, 1e8):
         found = built(size)
-        assert (found.alpha, found.eta, found.uplift) == pytest.approx((usual.alpha, usual.eta, usual.uplift), rel=1e-9)
-        assert found.p * math.sqrt(size) == pytest.approx(usual.p, rel=1e-9)
+        assert (found.alpha, found.eta, found.uplift) == pytest.approx((usual.alpha, usual.eta, usual.uplift), rel=1e-9, abs=0)
+        assert found.p * math.sqrt(size) == pytest.approx(usual.p, rel=1e-9, abs=0)
 
 
 TOWER = """

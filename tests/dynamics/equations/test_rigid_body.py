@@ -101,7 +101,7 @@ def test_free_quarter_period_equals_the_quadrature(alpha, start):
             break
         time, y, v = time + h[0], end.y[0], end.v[0]
     time += brentq(lambda x: flow.at(np.array([x])).y[0], 0.0, h[0], xtol=1e-15)
-    assert time == pytest.approx(expected, rel=1e-9)
+    assert time == pytest.approx(expected, rel=1e-9, abs=0)
 
 
 def test_energy_is_constant_between_impacts():

@@ -8,7 +8,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from multiple import march
-from oracle import INTERVALS, LADDER, integrate, ladder
+from oracle import INTERVALS, LADDER, RTOL, condition, integrate, ladder
 
 from rocking_cli import Motion, Outcome, cosine, linear_response, overturned, pulse, sine
 from rocking_cli.motions import Harmonic, Piece
@@ -22,15 +22,17 @@ def test_outcome_changes_where_the_reference_table_says(omega, begin, end, no_im
     assert outcome.tolist() == [Outcome.ROCKED, after, after, Outcome.ROCKED, Outcome.ROCKED, without]
 
 
-def compare(motion, s, amplitude, omega, eta, tolerance):
+def compare(motion, s, amplitude, omega, eta):
+    """Every cell to twice what the errors of the oracle's steps come to in it."""
     response = linear_response(motion, amplitude, omega, eta)
+    tolerance = 2.0 * RTOL * condition(motion, amplitude, omega, eta)
     breaks = tuple(p.stop for p in motion.pieces[:-1])
     for i in range(amplitude.size):
         flag, theta, impacts = integrate(s, motion.duration, amplitude[i], omega[i], eta[i], breaks)
         case = (amplitude[i], omega[i], eta[i])
         assert Outcome(response.outcome[i]).flag == flag, case
         if not math.isnan(theta):
-            assert abs(response.theta_ratio[i] - theta) < tolerance, case
+            assert abs(response.theta_ratio[i] - theta) <= tolerance[i], case
         if impacts < 10:  # the oracle ends a chatter by a threshold
             assert response.impacts[i] == impacts, case
 
@@ -38,7 +40,7 @@ def compare(motion, s, amplitude, omega, eta, tolerance):
 def test_200_random_cells_equal_an_independent_integration():
     random = np.random.default_rng(1)
     amplitude, omega, eta = random.uniform(0.5, 12, 200), random.uniform(0.5, 12, 200), random.uniform(0.5, 1, 200)
-    compare(sine(), math.sin, amplitude, omega, eta, 1e-12)
+    compare(sine(), math.sin, amplitude, omega, eta)
 
 
 MIXED = Motion("mixed", (Piece(0, 12, (Harmonic(0.5, 1, 0.3), Harmonic(0.3, 1.7, 1.0), Harmonic(-0.4, 0.6, 0.2)), 0.1, 0.02),))
@@ -49,22 +51,22 @@ def mixed(q):
 
 
 @pytest.mark.parametrize(
-    ("motion", "s", "largest", "tolerance"),
+    ("motion", "s", "largest"),
     [
-        (sine(0.5), math.sin, 12, 1e-12),
-        (sine(1.5), math.sin, 5, 1e-12),
-        (sine(6), math.sin, 4, 1e-11),
-        (cosine(1), math.cos, 8, 1e-12),
-        (cosine(2.5), math.cos, 3, 1e-10),  # 150 bounces in one of these cells, each of which the oracle locates to 1e-15
-        (LADDER, ladder, 6, 1e-12),
-        (MIXED, mixed, 4, 1e-12),
+        (sine(0.5), math.sin, 12),
+        (sine(1.5), math.sin, 5),
+        (sine(6), math.sin, 4),
+        (cosine(1), math.cos, 8),
+        (cosine(2.5), math.cos, 3),
+        (LADDER, ladder, 6),
+        (MIXED, mixed, 4),
     ],
     ids=["half-sine", "sine-1.5", "sine-6", "cosine", "cosine-2.5", "ramps-and-jumps", "three-sinusoids-and-a-ramp"],
 )
-def test_other_motions_equal_an_independent_integration(motion, s, largest, tolerance):
+def test_other_motions_equal_an_independent_integration(motion, s, largest):
     random = np.random.default_rng(2)
     n = 40
-    compare(motion, s, random.uniform(0.9, largest, n), random.uniform(0.5, 12, n), random.uniform(0.5, 1, n), tolerance)
+    compare(motion, s, random.uniform(0.9, largest, n), random.uniform(0.5, 12, n), random.uniform(0.5, 1, n))
 
 
 def test_amplitudes_barely_above_uplift_keep_their_relative_accuracy():
@@ -88,7 +90,8 @@ def test_amplitudes_barely_above_uplift_keep_their_relative_accuracy():
             ridge = (mpmath.pi - 2 * psi) / w
             peak = y(mpmath.findroot(v, (ridge, 3 * ridge), solver="anderson"))
             got = linear_response(sine(), amplitude, omega, 0.5).theta_ratio
-            assert abs(float(got / peak) - 1) < 1e-12
+            condition_of_peak = 2 * amplitude / (amplitude - 1)  # it is 9 (A - 1)^2/(2 Omega^2) at first
+            assert abs(float(got / peak) - 1) < np.finfo(float).eps * (2 * condition_of_peak + 150)
 
 
 def test_first_uplift_and_no_uplift():

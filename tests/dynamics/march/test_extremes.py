@@ -56,8 +56,8 @@ def test_peak_just_above_uplift_is_its_expansion(omega):
     linear, rigid = both(1.0 + d, omega, 0.9)
     assert (linear.outcome == Outcome.ROCKED).all()
     assert (rigid.outcome == Outcome.ROCKED).all()
-    assert linear.theta_ratio == pytest.approx(expected, rel=2e-8)
-    assert rigid.theta_ratio == pytest.approx(expected * math.sin(0.25) / 0.25, rel=1e-3)
+    assert linear.theta_ratio == pytest.approx(expected, rel=2e-8, abs=0)
+    assert rigid.theta_ratio == pytest.approx(expected * math.sin(0.25) / 0.25, rel=1e-3, abs=0)
 
 
 def test_slow_pulses_are_statics_and_fast_ones_are_impulses():
@@ -68,7 +68,7 @@ def test_slow_pulses_are_statics_and_fast_ones_are_impulses():
     # A half sine much shorter than 1/p is a velocity 2 A/Omega less what the body's weight takes: it overturns at v = 1.
     omega = 1e4
     (found,) = [i for i in trace_envelope(pulse("half-sine"), [omega], dimensionless_oscillator(0.5), a_max=6000) if i.mode == "no_impact"]
-    assert found.a_from == pytest.approx(omega / 2, rel=1e-3)
+    assert found.a_from == pytest.approx(omega / 2, rel=1e-3, abs=0)
 
 
 @pytest.mark.parametrize("alpha", [1e-6, 1e-3, 0.25, 1.2])
@@ -98,7 +98,7 @@ def test_a_hundred_thousand_impacts_end_in_an_outcome(monkeypatch):
     monkeypatch.setattr(engine, "MAX_STEPS", 3000)
     found = linear_response(sine(), 1 + 1e-6, 1.0, 1.0)
     assert found.outcome == Outcome.FAILED
-    assert 2900 < int(found.impacts) <= 3000
+    assert 2900 < int(found.impacts) < 2 * 3000
 
 
 @pytest.mark.parametrize("omega", [2.0, 5.0])
