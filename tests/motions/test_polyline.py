@@ -11,7 +11,7 @@ from recorded import wave
 
 from rocking_cli.dynamics.march.engine import linear_response
 from rocking_cli.errors import MotionError
-from rocking_cli.motions import Motion, Piece
+from rocking_cli.motions import Motion, Piece, sine
 from rocking_cli.motions.polyline import Polyline, record_motion
 from rocking_cli.motions.records import Record
 
@@ -74,3 +74,16 @@ def test_what_cannot_shake_is_refused(samples, scale, words):
 def test_bad_lines_are_refused(start, stop, slope, words):
     with pytest.raises(MotionError, match=words):
         Polyline("bad", np.array(start), np.array(stop), np.zeros(len(start)), np.array(slope))
+
+
+def test_a_pulse_sampled_finely_converges_to_the_pulse_at_second_order():
+    """One cycle of sin 5t in the record's own time (Omega = 1, p = 1 rad/s) against the exact sine at Omega = 5."""
+    amplitude = np.array([1.5, 2.0, 2.5, 6.8])  # rocking with and without an impact, and the safe window between the intervals
+    exact = linear_response(sine(), amplitude, 5.0, 0.9).theta_ratio
+    errors = []
+    for count in (1000, 2000):
+        t = np.linspace(0.0, 2.0 * np.pi / 5.0, count + 1)
+        motion = record_motion(record(np.sin(5.0 * t), t[1]))
+        errors.append(np.abs(linear_response(motion, amplitude * motion.acceleration, 1.0, 0.9).theta_ratio - exact))
+    assert np.all(np.isfinite(exact))
+    np.testing.assert_allclose(errors[0] / errors[1], 4.0, rtol=0.02)

@@ -43,6 +43,8 @@ class RecordText:
     def __init__(self, source: str, raw: bytes) -> None:
         if b"\r" in raw[:HEAD]:
             raw = raw.replace(b"\r\n", b"\n").replace(b"\r\n", b"\n").replace(b"\r", b"\n" if b"\n" not in raw[:HEAD] else b"")
+        if b"\0" in raw:
+            raw = raw.replace(b"\0", b" ")
         self.source, self.raw = source, raw.removeprefix(b"\xef\xbb\xbf")
         self.head = self.raw[:HEAD].decode("latin-1")
         self.at, self.line = 0, 1

@@ -47,6 +47,12 @@ def test_numbers_of_ten_characters(tmp_path):
     assert record.header_pga == pytest.approx(1.044, rel=1e-6, abs=0)
 
 
+def test_a_name_padded_with_nulls_and_no_comments(tmp_path):
+    path = written(tmp_path / "a", comments=0)
+    path.write_bytes(path.read_bytes().replace(b"ABCD", b"AB\0\0"))
+    assert read_record(path).npts == 805
+
+
 @pytest.mark.parametrize(
     ("changed", "words"),
     [
