@@ -142,7 +142,8 @@ def motion(command: F | None = None, *, dt_flag: str = "--dt") -> F:
     @wraps(command)
     def with_motion(*arguments: Any, **given: Any) -> Any:
         mine = {key: given.pop(key) for key in (*_PULSE, *_FILE)}
-        return command(*arguments, motion=_motion_of({k: v for k, v in mine.items() if v is not None}, dt_flag), **given)
+        there = {k: v for k, v in mine.items() if v is not None}
+        return command(*arguments, motion=_motion_of(there, dt_flag, given.get("quiet", False)), **given)
 
     record_dt = click.option(dt_flag, "motion_dt", metavar="TIME", help="Time between the values of a record in a single column.")
     for option in (scale_to, scale, record_dt, unit, component, motion_file, phase, gamma, cycles, pulse):
@@ -154,7 +155,7 @@ _PULSE = ("pulse", "cycles", "gamma", "phase")
 _FILE = ("motion_file", "component", "unit", "motion_dt", "scale", "scale_to")
 
 
-def _motion_of(given: dict[str, Any], dt_flag: str) -> Motion:
+def _motion_of(given: dict[str, Any], dt_flag: str, quiet: bool) -> Motion:
     from ..documents.quantities import parse_quantity
     from ..motions import pulse as named_pulse
     from ..motions import read_motion
@@ -170,7 +171,7 @@ def _motion_of(given: dict[str, Any], dt_flag: str) -> Motion:
         for key in _PULSE:
             if key in given:
                 raise click.UsageError(f"--motion does not go with --{key}")
-        return read_motion(given.pop("motion_file"), **given)
+        return read_motion(given.pop("motion_file"), tell=lambda text: note(text, quiet), **given)
     for key, flag in (("component", "--component"), ("unit", "--unit"), ("dt", dt_flag), ("scale_to", "--scale-to")):
         if key in given:
             raise click.UsageError(f"{flag} goes with a record: give --motion")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from pathlib import Path
 
 from ..documents.document import documents_of
@@ -25,16 +26,21 @@ def read_motion(
     dt: float | None = None,
     scale: float | None = None,
     scale_to: str | None = None,
+    tell: Callable[[str], None] | None = None,
 ) -> Motion:
     """The motion of a document or of a record, `-` for standard input, times `scale` (which may be negative).
 
     Of a record: the component, where the file holds several; unit and dt [s] of plain numbers; scale_to: `PGA=0.35g` and the like
-    instead of `scale`. Raises UsageError for a file that cannot be read or a choice that does not fit, and DocumentError.
+    instead of `scale`. tell: called with what is odd about the record, in a sentence. Raises UsageError for a file that cannot be
+    read or a choice that does not fit, and DocumentError.
     """
     source, raw = read_bytes(path)
     records = records_of(source, raw, unit=unit, dt=dt)
     if records is not None:
         record = pick(records, component)
+        if tell is not None:
+            for remark in record.remarks:
+                tell(f"{source}: {remark}")
         if scale_to is not None:
             if scale is not None:
                 raise UsageError("scale and scale-to do not go together: give one of them")

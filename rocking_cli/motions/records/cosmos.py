@@ -49,7 +49,7 @@ def read(text: RecordText) -> list[Series]:
         count = text.count(block[1])
         if not block[2].lower().startswith("acc"):
             others = f"{block[2]} in {block[3].strip()}"
-            text.numbers(count, layout)
+            text.skip(count, layout)
             continue
         if int(block[4]) not in _UNITS:
             raise text.fault(f"found the unit {block[3].strip()!r} ({block[4]}); accepted are cm/s2 (04), g (02) and gal (10)")

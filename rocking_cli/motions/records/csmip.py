@@ -57,8 +57,7 @@ def read(text: RecordText) -> list[Series]:
         count = text.count(block[1])
         if block[2].lower() != "accel":
             others = block[2].lower()
-            if count:
-                text.numbers(count, layout)
+            text.skip(count, layout)
             continue
         if points is not None and int(points[1]) != count:
             raise text.fault(f"{count} points of acceleration, where the channel's header states {points[1]}")

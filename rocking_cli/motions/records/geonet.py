@@ -46,8 +46,7 @@ def read(text: RecordText) -> list[Series]:
             peak = m[1] if (m := _PEAK.search(line)) else peak
         samples = text.numbers(counts[0], _LAYOUT)
         for count in counts[1:]:
-            if count:
-                text.numbers(count, _LAYOUT)
+            text.skip(count, _LAYOUT)
         found.append(Series(component, dt, samples, "mm/s2", peak))
     if not found:
         raise text.fault("no component")

@@ -145,6 +145,15 @@ class RecordText:
             done += found.size
         return values
 
+    def skip(self, count: int, layout: Layout) -> None:
+        """Pass over `count` numbers without reading them. Raises DocumentError where the file ends before."""
+        end = self._after(-(-count // layout.columns))
+        block = self.raw[self.at : end]
+        lines = block.count(b"\n") + bool(block and not block.endswith(b"\n"))
+        self.at, self.line = end, self.line + lines
+        if lines * layout.columns < count:
+            raise self.fault(f"the file ends after {lines} lines of {count} values")
+
     def table(self, separators: bytes = b"") -> tuple[Array, int]:
         """All numbers of the lines to come, and how many stand on each. Raises DocumentError where the lines differ."""
         first = self.line

@@ -64,6 +64,14 @@ def test_every_channel_has_its_acceleration_though_numbers_touch(tmp_path):
     assert read_record(path, component="1").component == "90 Deg"
 
 
+def test_what_is_no_acceleration_is_not_read(tmp_path):
+    path = tmp_path / "a"
+    text = channel(1, 90, TOUCHING)
+    displaced = text.index("points of displ")
+    path.write_text(text[:displaced] + text[displaced:].replace(FORM.format(TOUCHING[500]), "*" * 10) + channel(2, 360, SAMPLES / 10))
+    assert [r.component for r in read_records(path)] == ["90 Deg", "360 Deg"]
+
+
 def test_any_case_and_no_format(tmp_path):
     path = tmp_path / "a"
     path.write_text(channel(1, 90, TOUCHING, form="").upper())
@@ -93,6 +101,7 @@ def test_channels_of_one_name_are_told_apart(tmp_path):
         (channel(1, 90, SAMPLES / 10, dt="  .000", precise=0.0), "a time step of"),
         (channel(1, 90, SAMPLES), "a:103: found '3-1056.335', two numbers run together"),  # eleven characters in ten columns
         (channel(1, 90, SAMPLES / 10).replace(FORM.format(SAMPLES[500] / 10), "*" * 10, 1), "'**********', stars in place of a number"),
+        ("\n".join(channel(1, 90, SAMPLES / 10).splitlines()[:200]) + "\n", "a:200: the file ends after 28 lines of 997 values"),
         ("\n".join(channel(1, 90, SAMPLES / 10).splitlines()[:100]) + "\n", "a:100: the file ends after 432 of 997 values"),
         ("\n".join([*channel(1, 90, SAMPLES / 10).splitlines()[:100], "/& End of data"]), "a:101: found '/&"),
     ],
