@@ -11,33 +11,34 @@ from typing import TYPE_CHECKING, Any
 __version__ = "0.1.0"
 
 if TYPE_CHECKING:
-    from .dynamics.equations.linear import LinearModel
-    from .dynamics.equations.mechanism import MechanismModel
-    from .dynamics.equations.rigid_body import RigidModel
-    from .dynamics.march.engine import Response, linear_response, response
+    from .dynamics.equations.linear import LinearEquation
+    from .dynamics.equations.mechanism import MechanismEquation
+    from .dynamics.equations.rigid_body import RigidBodyEquation
+    from .dynamics.method import Method
     from .dynamics.outcome import Outcome, overturned, safe
-    from .dynamics.response import nonlinear_response
+    from .dynamics.response import Response, linear_response, nonlinear_response, response
+    from .dynamics.system import System
     from .errors import DocumentError, OutputError, RockingError, UsageError
     from .motions import Motion, cosine, pulse, read_motion, sine
     from .responses.history import History, history
     from .spectra.closed_form import closed_form_curves
     from .spectra.envelope import Interval, trace_envelope
     from .spectra.grid import Axis, Grid, parse_grid
-    from .spectra.scene import Method
     from .spectra.sweep import Spectrum, Summary, spectrum, write_spectrum
     from .structures import RockingParameters, build_structure, load_structures, parse_documents
     from .structures.parameters import dimensionless_oscillator
 
 _HOME = {
-    "Response": "dynamics.march.engine",
-    "linear_response": "dynamics.march.engine",
-    "response": "dynamics.march.engine",
+    "Response": "dynamics.response",
+    "linear_response": "dynamics.response",
+    "response": "dynamics.response",
     "History": "responses.history",
     "history": "responses.history",
-    "LinearModel": "dynamics.equations.linear",
-    "MechanismModel": "dynamics.equations.mechanism",
-    "RigidModel": "dynamics.equations.rigid_body",
+    "LinearEquation": "dynamics.equations.linear",
+    "MechanismEquation": "dynamics.equations.mechanism",
+    "RigidBodyEquation": "dynamics.equations.rigid_body",
     "nonlinear_response": "dynamics.response",
+    "System": "dynamics.system",
     "Outcome": "dynamics.outcome",
     "overturned": "dynamics.outcome",
     "safe": "dynamics.outcome",
@@ -56,7 +57,7 @@ _HOME = {
     "Axis": "spectra.grid",
     "Grid": "spectra.grid",
     "parse_grid": "spectra.grid",
-    "Method": "spectra.scene",
+    "Method": "dynamics.method",
     "Spectrum": "spectra.sweep",
     "Summary": "spectra.sweep",
     "spectrum": "spectra.sweep",
@@ -74,18 +75,19 @@ __all__ = [
     "Grid",
     "History",
     "Interval",
-    "LinearModel",
-    "MechanismModel",
+    "LinearEquation",
+    "MechanismEquation",
     "Method",
     "Motion",
     "Outcome",
     "OutputError",
     "Response",
-    "RigidModel",
+    "RigidBodyEquation",
     "RockingError",
     "RockingParameters",
     "Spectrum",
     "Summary",
+    "System",
     "UsageError",
     "__version__",
     "build_structure",

@@ -42,9 +42,10 @@ def accuracy(
     and DOP853 with events: run time a cell, largest and 99th-percentile error of theta/alpha, and misjudged outcomes, against an
     independent reference (Taylor series in small steps for the linear equation, DOP853 at 1e-13 in small steps otherwise).
     """
+    from ..dynamics.method import Method
     from ..reports.accuracy import work_precision
     from ..spectra.grid import parse_grid
-    from ..spectra.scene import Method, Scene
+    from ..spectra.scene import Scene
 
     grid = parse_grid(axes, own_time=motion.acceleration is not None)
     structures = options.structures_of(files, etas)

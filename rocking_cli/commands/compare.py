@@ -42,8 +42,8 @@ def compare(
     apart; of structures of equal restitution they collapse in the linear model (Fig. 8). --model both compares the
     equations (Fig. 7): peaks, and quarter periods of free rocking from 0.3, 0.6 and 0.9 alpha.
     """
+    from ..dynamics.method import Method
     from ..responses import comparison
-    from ..spectra.scene import Method
 
     structures = options.structures_of(files)
     if shaking is None:

@@ -45,8 +45,8 @@ def envelope(
     there may be narrower ones, overturning or safe, just above uplift. For structures with units omega_g [rad/s], a_from
     and a_to [m/s2] are printed as well.
     """
+    from ..dynamics.method import Method
     from ..spectra.envelope import CURVE_COLUMNS, INTERVAL_COLUMNS, frequency_axis, structure_curves, structure_intervals
-    from ..spectra.scene import Method
 
     method = Method(model, tolerance)
     workers = options.at_most_the_cpus(workers, quiet)

@@ -68,7 +68,9 @@ def methods(command: F) -> F:
 
     @wraps(command)
     def with_models(*arguments: Any, model: str, **others: Any) -> Any:
-        return command(*arguments, models=("linear", "nonlinear") if model == "both" else (model,), **others)
+        from ..dynamics.method import MODELS
+
+        return command(*arguments, models=MODELS if model == "both" else (model,), **others)
 
     model = click.option("--model", default="linear", show_default=True, help="Equation of motion: linear, nonlinear or both.")
     tolerance = click.option("--tolerance", type=float, default=1e-9, show_default=True, help="Error of theta/alpha aimed at (nonlinear).")

@@ -49,8 +49,8 @@ def response(
     FILE holds one structure. An overturning body is followed to 3 alpha, or until it lies on its side or its linkage has
     collapsed. In the events the speed at an impact is that before it.
     """
+    from ..dynamics.method import Method
     from ..responses.time_history import time_history
-    from ..spectra.scene import Method
 
     structures = options.structures_of((file,))
     if len(structures) != 1:

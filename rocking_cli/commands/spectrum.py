@@ -60,10 +60,10 @@ def spectrum(
     Units: bounds of a_g in m/s2, or with g; omega_g in rad/s, f_g in Hz, T_g in s. A = a_scale a_g/(alpha g) and
     Omega = omega_g/p are dimensionless. NAME=VALUE gives an axis of one value. The file is OUTPUT.part until complete.
     """
+    from ..dynamics.method import Method
     from ..reports.summary import summary_lines
     from ..spectra.grid import parse_grid
     from ..spectra.part import check_output
-    from ..spectra.scene import Method
     from ..spectra.sweep import CHUNK_CELLS, write_spectrum
 
     method = Method(model, tolerance)

@@ -1,22 +1,65 @@
-"""The nonlinear equation of rigid bodies (Eq. 2.3) for arrays of cells; for mechanisms (Eq. 3.4) see `mechanism`."""
+"""The response of arrays of cells: the march's front door."""
 
 from __future__ import annotations
+
+from dataclasses import dataclass
 
 import numpy as np
 
 from ..motions.motion import Motion
-from .equations.rigid_body import RigidModel
-from .march.engine import Response, response
+from .equations.linear import LinearEquation
+from .equations.rigid_body import RigidBodyEquation
+from .march.engine import Run, Work
+from .system import System
 
 Array = np.ndarray
+
+
+@dataclass(frozen=True)
+class Response:
+    """Result for each cell, in the shape of the input.
+
+    theta_ratio: max over time of |theta|/alpha [-], NaN where overturned or failed; outcome: uint8 codes of `Outcome`;
+    impacts: int32, impacts during the shaking (those of a chatter closed in one step are not counted); work: counters.
+    """
+
+    theta_ratio: Array
+    outcome: Array
+    impacts: Array
+    work: Work
+
+
+def response(
+    system: System, motion: Motion, amplitude: Array, omega: Array, eta: Array | float, *, peaks: bool = True, pool: int | None = None
+) -> Response:
+    """Largest rotation and outcome of one system under one motion (Eqs. 2.3, 2.4, 2.6, 3.4).
+
+    Parameters: amplitude A = a_scale a_g / (alpha g) [-], finite and not negative; omega Omega = omega_g / p [-], positive and
+    finite; of a body with two unequal edges both are those of the edge that lifts first. eta [-]: within [0, 1], within (-1, 0]
+    of a one-sided body, not used where the two edges have restitutions of their own. They are broadcast against each other.
+    peaks: whether theta_ratio is wanted; without it only the outcome is computed and theta_ratio is NaN. pool: lanes advanced
+    together, None for what suits the equation. Raises ValueError when a number is out of range.
+    """
+    amplitude, omega, eta = np.broadcast_arrays(*(np.asarray(x, dtype=float) for x in (amplitude, omega, eta)))
+    if not (np.all(np.isfinite(amplitude)) and np.all(amplitude >= 0.0)):
+        raise ValueError("amplitude must be finite and not negative")
+    if not (np.all(np.isfinite(omega)) and np.all(omega > 0.0)):
+        raise ValueError("omega must be positive and finite")
+    run = Run(system, motion.segments, amplitude.ravel(), omega.ravel(), eta.ravel(), peaks, pool or system.equation.pool)
+    run.all()
+    shape = amplitude.shape
+    return Response(run.theta_ratio.reshape(shape), run.outcome.reshape(shape), run.impacts.reshape(shape), run.work)
+
+
+def linear_response(
+    motion: Motion, amplitude: Array, omega: Array, eta: Array | float, *, peaks: bool = True, pool: int | None = None
+) -> Response:
+    """The same for symmetric linear oscillators (Eqs. 2.4, 2.6, 3.6), exact."""
+    return response(System(LinearEquation()), motion, amplitude, omega, eta, peaks=peaks, pool=pool)
 
 
 def nonlinear_response(
     motion: Motion, amplitude: Array, omega: Array, eta: Array | float, alpha: float, *, tolerance: float = 1e-9, peaks: bool = True
 ) -> Response:
-    """Largest rotation and outcome of rigid bodies of one critical angle under one motion (Eqs. 2.3, 2.6).
-
-    Parameters: amplitude A = a_g / (alpha g) [-], omega Omega = omega_g / p [-] and eta [-] as in `linear_response`; alpha
-    [rad]; tolerance: of theta/alpha. theta_ratio is max |theta|/alpha. Raises ValueError when a number is out of range.
-    """
-    return response(RigidModel(alpha, tolerance), motion, amplitude, omega, eta, peaks=peaks)
+    """The same for symmetric rigid bodies of one critical angle alpha [rad] (Eqs. 2.3, 2.6); tolerance: of theta/alpha."""
+    return response(System(RigidBodyEquation(alpha, tolerance)), motion, amplitude, omega, eta, peaks=peaks)

@@ -10,7 +10,7 @@ extremum, so that s is monotone on each segment: that is what lets the engine pr
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from itertools import pairwise
 
@@ -106,6 +106,16 @@ class Segments:
     def harmonics(self) -> int:
         """Number of sinusoids of the richest piece."""
         return int(self.sin.shape[0])
+
+    def followed_by_rest(self, length: float) -> Segments:
+        """The same motion and then still ground, for a phase of this length [rad]."""
+
+        def then(values: np.ndarray, last: float | bool) -> np.ndarray:
+            return np.concatenate([values, np.full((*values.shape[:-1], 1), last, dtype=values.dtype)], axis=-1)
+
+        end = self.start[-1] + self.length[-1]
+        lasts = {"start": end, "length": length, "frequency": 1.0, "joins": False}
+        return Segments(**{f.name: then(getattr(self, f.name), lasts.get(f.name, 0.0)) for f in fields(self)})
 
     @cached_property
     def wave(self) -> Wave:

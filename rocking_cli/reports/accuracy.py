@@ -10,12 +10,13 @@ from typing import Any
 
 import numpy as np
 
-from ..dynamics.march.engine import response
+from ..dynamics.method import Method
 from ..dynamics.outcome import Outcome
-from ..dynamics.references.general_solver import Solver, reference_nonlinear
+from ..dynamics.references.general_solver import Solver, solve_cell
+from ..dynamics.response import response
 from ..errors import UsageError
 from ..spectra.grid import Grid
-from ..spectra.scene import Method, Scene, sampled_cells
+from ..spectra.scene import Scene, sampled_cells
 
 TOLERANCES = (1e-4, 1e-6, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12)
 SCIPY_METHODS = ("RK45", "LSODA", "DOP853")
@@ -62,21 +63,21 @@ def work_precision(scene: Scene, *, sample: int = 40, scipy: int = 10, seed: int
     cells, truth = [cells[i] for i in known], [truth[i] for i in known]
 
     a, w = _timed(one.grid, amplitude, omega)
-    tolerances = (None,) if one.method.model == "linear" else TOLERANCES
+    tolerances = (None,) if one.method.exact else TOLERANCES
     for tolerance in tolerances:
-        model = (one.method if tolerance is None else Method("nonlinear", tolerance)).model_of(structure)
+        system = (one.method if tolerance is None else Method(one.method.model, tolerance)).system_of(structure)
         began = time.perf_counter()
-        response(model, one.motion, a, w, structure.eta)
+        response(system, one.motion, a, w, structure.eta)
         cost = (time.perf_counter() - began) / a.size
-        found = response(model, one.motion, np.array([x for x, _ in cells]), np.array([y for _, y in cells]), structure.eta)
+        found = response(system, one.motion, np.array([x for x, _ in cells]), np.array([y for _, y in cells]), structure.eta)
         answers = [(Outcome(int(o)), float(x)) for o, x in zip(found.outcome, found.theta_ratio, strict=True)]
         yield _compare("rocking, exact" if tolerance is None else "rocking, Taylor series", tolerance, answers, truth, cost)
 
-    equation = one.method.equation_of(structure)
+    problem = one.method.problem_of(structure)
     for method in SCIPY_METHODS if scipy else ():
         for tolerance in SCIPY_TOLERANCES:
             began, solver = time.perf_counter(), Solver(method, tolerance, careful=False)
-            answers = [reference_nonlinear(one.motion, a, w, structure.eta, equation, solver) for a, w in cells[:scipy]]
+            answers = [solve_cell(one.motion, a, w, structure.eta, problem, solver) for a, w in cells[:scipy]]
             cost = (time.perf_counter() - began) / max(1, len(answers))
             yield _compare(f"SciPy {method}", tolerance, answers, truth[:scipy], cost)
 

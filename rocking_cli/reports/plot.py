@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..dynamics.method import LINEAR
 from ..dynamics.outcome import Outcome
 from ..errors import OutputError, UsageError
 from ..spectra.grid import LONG_NAMES, UNITS
@@ -104,7 +105,7 @@ def _closed_form(axes: Axes, file: SpectraFile, index: int) -> list[Any]:
 
     s, pieces = file.structures[index], file.motion().pieces
     name = next((p for p in PULSES if pulse(p).pieces == pieces), None)
-    if name is None or file.scene["model"] != "linear":
+    if name is None or file.scene["model"] != LINEAR.model:
         return []
     plain = file.grid.dimensionless
     omega = np.linspace(file.grid.frequency.values[0], file.grid.frequency.values[-1], 80) / (1.0 if plain else s.p)

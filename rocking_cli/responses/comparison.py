@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
+from ..dynamics.method import Method
 from ..motions import Motion
 from ..spectra.grid import Axis, Grid
-from ..spectra.scene import Method
 from ..structures.parameters import RockingParameters
 from .history import quarter_period
 from .time_history import TimeHistory, time_history
@@ -22,7 +22,7 @@ _SAMPLES = 4001
 def scaled_alike(structure: RockingParameters, shaking: Grid, first: RockingParameters) -> Grid:
     """The one-cell grid in units of a structure, a_g and omega_g, that has the A and Omega that `shaking` has for the first."""
     amplitude, omega = shaking.scaled(first)
-    if structure.structure == "dimensionless":
+    if structure.dimensionless:
         return Grid(Axis("A", amplitude), Axis("Omega", omega))
     return Grid(Axis("a_g", structure.ground_acceleration(amplitude)), Axis("omega_g", omega * structure.p))
 
@@ -57,14 +57,14 @@ def comparison_records(responses: Sequence[TimeHistory], methods: Sequence[Metho
             ratios += [] if ratio is None else [ratio]
             record |= {
                 f"outcome{suffix}": found.outcome.flag,
-                f"theta_max{suffix}": None if peak is None else s.alpha * abs(peak.theta_ratio),
+                f"theta_max{suffix}": None if peak is None else float(s.alpha_on(peak.side)) * abs(peak.theta_ratio),
                 f"theta_ratio{suffix}": ratio,
                 f"t_max{suffix}": None if peak is None else peak.tau / s.p,
             }
         if len(methods) > 1:
             record["peak_difference"] = ratios[1] / ratios[0] - 1.0 if len(ratios) == 2 else None
             for release in RELEASES:
-                linear, nonlinear = (quarter_period(m.model_of(s), release) for m in methods)
+                linear, nonlinear = (quarter_period(m.system_of(s), release) for m in methods)
                 record[f"quarter_period_ratio_{release:g}"] = nonlinear / linear
         yield record
 
@@ -74,9 +74,10 @@ def curve_records(responses: Sequence[TimeHistory], methods: Sequence[Method]) -
     for r in responses:
         tau = r.times(None, False)
         for method in methods:
-            for x, y in zip(tau, r.histories[method.model].at(tau)[0], strict=True):
+            found = r.histories[method.model]
+            for x, y, alpha in zip(tau, found.at(tau)[0], r.structure.alpha_on(found.sides(tau)), strict=True):
                 if np.isfinite(y):
                     yield {
                         "structure": r.structure.name, "model": method.model, "t": float(x) / r.structure.p,
-                        "theta": r.structure.alpha * float(y), "tau": float(x), "theta_ratio": float(y),
+                        "theta": float(alpha) * float(y), "tau": float(x), "theta_ratio": float(y),
                     }  # fmt: skip

@@ -9,11 +9,11 @@ from typing import Any
 
 import numpy as np
 
+from ..dynamics.method import Method
 from ..dynamics.outcome import Outcome
 from ..errors import UsageError
 from ..motions import Motion, Piece
 from ..spectra.grid import Grid
-from ..spectra.scene import Method
 from ..structures.parameters import RockingParameters
 from .history import History, history
 
@@ -56,7 +56,7 @@ class TimeHistory:
     def records(self, *, dt: float | None = None, steps: bool = False, dimensionless: bool = False) -> Iterator[dict[str, Any]]:
         """One record a time; dt in s, or in tau with `dimensionless`. Columns carry the model's name where there are two."""
         s = self.structure
-        time, angle = (1.0, 1.0) if dimensionless else (1.0 / s.p, s.alpha)
+        time = 1.0 if dimensionless else 1.0 / s.p
         tau = self.times(None if dt is None else dt / time, steps)
         names = ("tau", "theta_ratio", "theta_ratio_rate", "A") if dimensionless else ("t", "theta", "theta_dot", "ground_acceleration")
         ground = self.amplitude * self.motion.value(tau * self.omega)
@@ -64,6 +64,7 @@ class TimeHistory:
         for model, found in self.histories.items():
             suffix = f"_{model}" if len(self.histories) > 1 else ""
             ratio, rate = found.at(tau)
+            angle = 1.0 if dimensionless else s.alpha_on(found.sides(tau))
             columns[names[1] + suffix], columns[names[2] + suffix] = ratio * angle, rate * angle / time
         columns[names[3]] = ground if dimensionless else s.ground_acceleration(ground)
         keys = list(columns)
@@ -74,11 +75,12 @@ class TimeHistory:
         """One record for each uplift, impact, peak, rest and overturning; the rate is that before an impact."""
         s = self.structure
         for model, found in self.histories.items():
-            for m in found.moments:
+            for m in found.events:
                 if dimensionless:
                     row = {"tau": m.tau, "theta_ratio": m.theta_ratio, "theta_ratio_rate": m.rate}
                 else:
-                    row = {"t": m.tau / s.p, "theta": s.alpha * m.theta_ratio, "theta_dot": s.alpha * s.p * m.rate}
+                    alpha = float(s.alpha_on(m.side))
+                    row = {"t": m.tau / s.p, "theta": alpha * m.theta_ratio, "theta_dot": alpha * s.p * m.rate}
                 yield {"model": model, "event": m.event, **row}
 
     def summary(self) -> Iterator[str]:
@@ -89,8 +91,8 @@ class TimeHistory:
             text = found.outcome.sentence
             if peak is not None:
                 ratio = abs(peak.theta_ratio)
-                text += f", largest theta {ratio * s.alpha:.6g} rad ({ratio:.6g} alpha) at {peak.tau / s.p:.4g} s"
-            if not any(m.event in ("rest", "overturning") for m in found.moments) and found.outcome == Outcome.ROCKED:
+                text += f", largest theta {ratio * float(s.alpha_on(peak.side)):.6g} rad ({ratio:.6g} alpha) at {peak.tau / s.p:.4g} s"
+            if not any(m.event in ("rest", "overturning") for m in found.events) and found.outcome == Outcome.ROCKED:
                 text += f"; still rocking at {found.end / s.p:.4g} s"
             yield f"{s.name}, {model}: {text}"
 
@@ -119,7 +121,8 @@ def time_history(
         raise UsageError(f"--duration: found {duration if duration is not None else tau:g}, accepted is a positive time [s]")
     try:
         histories = {
-            m.model: history(m.model_of(structure), motion, amplitude, omega, structure.eta, release=release, duration=tau) for m in methods
+            m.model: history(m.system_of(structure), motion, amplitude, omega, structure.eta, release=release, duration=tau)
+            for m in methods
         }
     except ValueError as error:
         raise UsageError(f"{structure.name}: {error}") from None

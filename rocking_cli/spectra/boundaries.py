@@ -15,11 +15,10 @@ from typing import NamedTuple, Self
 
 import numpy as np
 
-from ..dynamics.equations.equation import Model
-from ..dynamics.equations.linear import LinearModel
-from ..dynamics.march.engine import response
 from ..dynamics.march.windows import segment_value
 from ..dynamics.outcome import Outcome
+from ..dynamics.response import response
+from ..dynamics.system import System
 from ..motions import Motion
 from ..motions.motion import Segments
 
@@ -93,7 +92,7 @@ class Row(NamedTuple):
 class Search:
     """The outcomes of a model with one restitution under one motion, up to an amplitude."""
 
-    model: Model
+    system: System
     motion: Motion
     eta: float
     a_max: float
@@ -101,11 +100,11 @@ class Search:
     @property
     def lowest(self) -> float:
         """The amplitude of the first uplift."""
-        return self.model.initiation / self.motion.peak
+        return self.system.least_uplift(self.motion)
 
     def outcome(self, amplitude: Array, omega: Array) -> Array:
         """Codes of `Outcome`; safe is safe, with uplift and without."""
-        found = response(self.model, self.motion, amplitude, omega, self.eta, peaks=False).outcome
+        found = response(self.system, self.motion, amplitude, omega, self.eta, peaks=False).outcome
         return np.where(found == Outcome.NO_UPLIFT, np.uint8(Outcome.ROCKED), found)
 
     def rows(self, omegas: Array) -> list[Row]:
@@ -142,7 +141,7 @@ class Search:
     def _doubtful(self, omegas: Array, ladder: Ladder) -> tuple[Array, Array]:
         """First and last rung that must be looked at: below them nothing changes, nor above."""
         first, last = np.zeros(omegas.size, dtype=np.int64), np.full(omegas.size, ladder.size - 1)
-        if not isinstance(self.model, LinearModel):
+        if not (self.system.equation.bounded and self.system.contact.alike):
             return first, last
         first = ladder.below((1.0 - 1e-9) * omegas / _path(self.motion.segments))
         if not _lifts_at_once(self.motion):

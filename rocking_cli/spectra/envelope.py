@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from ..dynamics.method import LINEAR, Method
 from ..dynamics.outcome import Outcome
 from ..errors import UsageError
 from ..motions import Motion, pulse
@@ -21,7 +22,6 @@ from ..structures.parameters import RockingParameters
 from .boundaries import SCAN_STEP, Row, Search
 from .grid import OWN_TIME, Axis, parse_axes
 from .processes import available_cpus, processes
-from .scene import LINEAR, Method
 
 A_MAX = 20.0
 INTERVAL_COLUMNS = ("structure", "Omega", "A_from", "A_to", "mode")
@@ -57,7 +57,7 @@ def trace_envelope(
     processes, None for all cores where that saves time. Raises UsageError when a_max is not above the initiation or the model
     does not hold for the structure, OutputError when a worker process dies.
     """
-    search = Search(method.model_of(structure), motion, structure.eta, a_max)
+    search = Search(method.system_of(structure), motion, structure.eta, a_max)
     omegas = np.atleast_1d(np.asarray(omegas, dtype=float))
     if not (np.isfinite(a_max) and a_max > search.lowest):
         raise UsageError(f"a-max is {a_max:g}, accepted is a finite amplitude above the uplift at A = {search.lowest:g}")
@@ -113,7 +113,7 @@ def frequency_axis(text: str | None, *, own_time: bool = False) -> Axis:
 def _scaled(structure: RockingParameters, axis: Axis) -> np.ndarray:
     if axis.name == "Omega":
         return axis.values
-    if structure.structure == "dimensionless":
+    if structure.dimensionless:
         raise UsageError("a restitution alone has no units: give a structure document, or the axis Omega")
     return axis.values / structure.p
 
@@ -132,7 +132,7 @@ def structure_intervals(
     omegas = _scaled(structure, axis)
     for found in trace_envelope(motion, omegas, structure, method=method, a_max=a_max, workers=workers, progress=progress):
         record = {"structure": structure.name, "Omega": found.omega, "A_from": found.a_from, "A_to": found.a_to, "mode": found.mode}
-        if structure.structure != "dimensionless":
+        if not structure.dimensionless:
             record["omega_g"] = found.omega * structure.p
             record["a_from"] = structure.ground_acceleration(found.a_from)
             record["a_to"] = None if found.a_to is None else structure.ground_acceleration(found.a_to)

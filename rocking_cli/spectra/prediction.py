@@ -7,15 +7,15 @@ from typing import Any
 
 import numpy as np
 
-from ..dynamics.march.engine import response
+from ..dynamics.method import LINEAR
 from ..dynamics.outcome import Outcome, overturned
+from ..dynamics.response import response
 from ..errors import UsageError
 from ..motions import Motion
 from ..structures.parameters import RockingParameters
 from .envelope import trace_envelope
 from .grid import Grid
 from .reader import SpectraFile
-from .scene import LINEAR
 
 ETA_TOLERANCE = 1e-6  # spectra of restitutions closer than this are taken for the same
 
@@ -28,7 +28,7 @@ def predict(spectrum: SpectraFile, structure: RockingParameters, shaking: Grid) 
     boundary runs through the cell. margin: a lower bound of the relative distance in A to the nearest boundary at the two
     frequencies. Raises UsageError when the spectrum has other axes, model or restitutions, or does not reach (A, Omega).
     """
-    if not spectrum.grid.dimensionless or spectrum.scene["model"] != "linear":
+    if not spectrum.grid.dimensionless or spectrum.scene["model"] != LINEAR.model:
         raise UsageError(f"{spectrum.path}: accepted is a linear spectrum on axes A and Omega")
     etas = [s.eta for s in spectrum.structures]
     nearest = int(np.argmin(np.abs(np.array(etas) - structure.eta)))
@@ -51,7 +51,7 @@ def predict(spectrum: SpectraFile, structure: RockingParameters, shaking: Grid) 
     record = _record(structure, amplitude, omega, shaking)
     margin = min((_margin(block["outcome"][r - rows[0]], a, amplitude) for r in rows), default=math.inf)
     safe = all(Outcome(o).safe for o in outcomes)
-    exact = response(LINEAR.model_of(structure), spectrum.motion(), np.array([amplitude]), np.array([omega]), structure.eta)
+    exact = response(LINEAR.system_of(structure), spectrum.motion(), np.array([amplitude]), np.array([omega]), structure.eta)
     truth = Outcome(int(exact.outcome[0]))
     agree = truth.safe if safe else outcomes == {truth}
     if not agree:
@@ -75,7 +75,7 @@ def predict(spectrum: SpectraFile, structure: RockingParameters, shaking: Grid) 
 def predict_exactly(structure: RockingParameters, motion: Motion, shaking: Grid, a_max: float = 0.0) -> dict[str, Any]:
     """The same, computed; no interpolation, and margin to the boundaries, traced up to a_max and at least twice A."""
     amplitude, omega = (float(x[0]) for x in shaking.scaled(structure))
-    model = LINEAR.model_of(structure)
+    model = LINEAR.system_of(structure)
     found = response(model, motion, np.array([amplitude]), np.array([omega]), structure.eta)
     outcome = Outcome(int(found.outcome[0]))
     edges = [
@@ -97,7 +97,7 @@ def predict_exactly(structure: RockingParameters, motion: Motion, shaking: Grid,
 
 def _record(structure: RockingParameters, amplitude: float, omega: float, shaking: Grid) -> dict[str, Any]:
     units = {}
-    if structure.structure != "dimensionless":
+    if not structure.dimensionless:
         units = {"a_g": float(structure.ground_acceleration(amplitude)), "omega_g": omega * structure.p}
     return {"structure": structure.name, "eta": structure.eta, "A": amplitude, "Omega": omega, **units}
 

@@ -3,86 +3,20 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import asdict, dataclass
-from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from .. import __version__
-from ..dynamics.equations.equation import Model
-from ..dynamics.equations.linear import LinearModel
-from ..dynamics.equations.mechanism import MechanismModel
-from ..dynamics.equations.rigid_body import RigidModel
-from ..dynamics.equations.taylor import order_for
-from ..dynamics.outcome import Outcome
+from ..dynamics.method import LINEAR, Method
 from ..errors import UsageError
 from ..motions import Motion
 from ..structures.parameters import RockingParameters
 from .grid import Grid
 
-if TYPE_CHECKING:
-    from ..dynamics.references.general_solver import Equation
-
 _SEED = 20120924
-MODELS = ("linear", "nonlinear")
-TOLERANCE = 1e-9
-
-
-@dataclass(frozen=True)
-class Method:
-    """The equation of motion, and for the nonlinear one the error of theta/alpha that is aimed at. Raises UsageError."""
-
-    model: str = "linear"
-    tolerance: float = TOLERANCE
-
-    def __post_init__(self) -> None:
-        if self.model not in MODELS:
-            raise UsageError(f"unknown model {self.model!r}, accepted are {', '.join(MODELS)}")
-        try:
-            order_for(self.tolerance)
-        except ValueError as error:
-            raise UsageError(str(error)) from None
-
-    def model_of(self, structure: RockingParameters) -> Model:
-        """The equation of motion of one structure. Raises UsageError when the model does not hold for it."""
-        if self.model == "linear":
-            return LinearModel()
-        if structure.structure == "dimensionless":
-            raise UsageError("the nonlinear model needs a critical angle: give a structure document")
-        try:
-            if structure.mechanism is not None:
-                return MechanismModel(structure.mechanism, self.tolerance)
-            if structure.a_scale == 1.0:
-                return RigidModel(structure.alpha, self.tolerance)
-        except ValueError as error:
-            raise UsageError(f"{structure.name}: {error}") from None
-        raise UsageError(
-            f"{structure.name}: the nonlinear model needs the structure itself (an arch) or a rigid body, whose a_scale is 1; "
-            f"found parameters with a_scale {structure.a_scale:.6g}"
-        )
-
-    def reference_of(self, structure: RockingParameters) -> Callable[[Motion, float, float, float], tuple[Outcome, float]]:
-        """The slower, independent path to (outcome, theta_ratio) of a single cell (motion, A, Omega, eta)."""
-        if self.model == "linear":
-            from ..dynamics.references.taylor_series import reference_cell
-
-            return reference_cell
-        from ..dynamics.references.general_solver import reference_nonlinear
-
-        return partial(reference_nonlinear, equation=self.equation_of(structure))
-
-    def equation_of(self, structure: RockingParameters) -> Equation:
-        """The equation of motion of one structure as general solvers take it."""
-        from ..dynamics.references.general_solver import Linkage, Oscillator, RigidBody
-
-        if self.model == "linear":
-            return Oscillator()
-        return RigidBody(structure.alpha) if structure.mechanism is None else Linkage(structure.mechanism)
-
-
-LINEAR = Method()
 
 
 @dataclass(frozen=True, eq=False)
@@ -102,9 +36,9 @@ class Scene:
         if not self.structures:
             raise UsageError("no structure: give a structure document, or a restitution for a dimensionless grid")
         for s in self.structures:
-            if s.structure == "dimensionless" and not self.grid.dimensionless:
+            if s.dimensionless and not self.grid.dimensionless:
                 raise UsageError("a restitution alone has no units: give a structure document, or axes A and Omega")
-            self.method.model_of(s)
+            self.method.system_of(s)
             with np.errstate(all="ignore"):
                 amplitude, omega = self.grid.scaled(s)
             if not (np.all(np.isfinite(amplitude)) and np.all(np.isfinite(omega)) and np.all(omega > 0.0)):
@@ -123,8 +57,13 @@ class Scene:
             **{f"axis {axis.name}": axis.stated() for axis in (self.grid.frequency, self.grid.amplitude)},
             "motion": [self.motion.name, [json.loads(json.dumps(asdict(piece))) for piece in self.motion.pieces]],
             "model": self.method.model,
-            "tolerance": self.method.tolerance if self.method.model != "linear" else None,
+            "tolerance": self.method.stated_tolerance,
         }
+
+    @property
+    def one_system(self) -> bool:
+        """Whether all structures are one system, but for their restitution."""
+        return len({self.method.shares(s) for s in self.structures}) == 1
 
     def sharing(self) -> list[tuple[int, ...]]:
         """Structures, by index, that share one computation."""
@@ -132,7 +71,7 @@ class Scene:
             return [(i,) for i in range(len(self.structures))]
         groups: dict[tuple[Any, ...], list[int]] = {}
         for i, s in enumerate(self.structures):
-            groups.setdefault((s.eta, *(() if self.method.model == "linear" else (s.alpha, s.mechanism))), []).append(i)
+            groups.setdefault((s.eta, *self.method.shares(s)), []).append(i)
         return [tuple(g) for g in groups.values()]
 
 
@@ -163,7 +102,7 @@ def cut_into_units(scene: Scene, chunk: tuple[int, int]) -> Iterator[Unit]:
 
 def default_check(scene: Scene) -> int:
     """Cells to compute again where the user does not say: so few that large sweeps spend under 3 % of their time on them."""
-    return 4 if scene.method.model != "linear" else max(4, min(64, scene.cells // 250_000))
+    return 4 if not scene.method.exact else max(4, min(64, scene.cells // 250_000))
 
 
 def sampled_cells(scene: Scene, check: int, seed: int = _SEED) -> np.ndarray:
@@ -174,11 +113,11 @@ def sampled_cells(scene: Scene, check: int, seed: int = _SEED) -> np.ndarray:
     rows, columns = scene.grid.shape
     found: list[tuple[int, int, int]] = []
     owners = [group[0] for group in scene.sharing()]
-    models = [scene.method.model_of(s) for s in scene.structures]
+    lifts = [float(np.min(scene.method.system_of(s).equation.uplift_amplitude)) for s in scene.structures]
     for _ in range(20 * check):
         i, r, c = owners[int(random.integers(len(owners)))], int(random.integers(rows)), int(random.integers(columns))
         amplitude = scene.grid.scaled(scene.structures[i])[0][c]
-        if amplitude * scene.motion.peak > models[i].initiation and (i, r, c) not in found:
+        if amplitude * scene.motion.peak > lifts[i] and (i, r, c) not in found:
             found.append((i, r, c))
         if len(found) == check:
             break

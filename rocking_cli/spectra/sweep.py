@@ -11,14 +11,16 @@ from typing import Any
 import numpy as np
 
 from .. import interruption
-from ..dynamics.march.engine import Response, Work
+from ..dynamics.march.engine import Work
+from ..dynamics.method import LINEAR, Method
 from ..dynamics.outcome import Outcome
+from ..dynamics.response import Response
 from ..errors import Interrupted, UsageError
 from ..motions import Motion
 from ..structures.parameters import RockingParameters
 from .grid import Grid
 from .processes import available_cpus
-from .scene import LINEAR, Method, Scene, Unit, chunk_shape, cut_into_units, default_check, sampled_cells
+from .scene import Scene, Unit, chunk_shape, cut_into_units, default_check, sampled_cells
 from .units import Job, unit_reports
 
 CHUNK_CELLS = 131072
@@ -156,8 +158,8 @@ def write_spectrum(
     scene = Scene(tuple(structures), grid, motion, method)
     chunk = chunk_shape(grid.shape, chunk_cells)
     attributes: dict[str, Any] = {"history": history, "documents": documents, "motion": motion.name, "model": method.model}
-    if method.model != "linear":
-        attributes["tolerance"] = method.tolerance
+    if method.stated_tolerance is not None:
+        attributes["tolerance"] = method.stated_tolerance
     names: tuple[str, ...] = ("theta_ratio", "outcome", "impacts") if impacts else ("theta_ratio", "outcome")
 
     identity = {**scene.identity(), "impacts": impacts, "chunk": list(chunk)}
@@ -258,7 +260,7 @@ def _sweep(
         outcomes={o.flag: int(outcomes[o]) for o in Outcome},
         work=total,
         shared_cells=shared,
-        checked_by="Taylor series" if scene.method.model == "linear" else "a Runge-Kutta method",
+        checked_by=" and ".join(sorted({scene.method.checked_by(s) for s in scene.structures})),
         checked_cells=checked,
         estimated_error=worst,
         misjudged=misjudged,

@@ -13,8 +13,9 @@ from typing import Any
 
 import numpy as np
 
-from ..dynamics.march.engine import Response, Work, response
+from ..dynamics.march.engine import Work
 from ..dynamics.outcome import Outcome
+from ..dynamics.response import Response, response
 from .processes import processes
 from .scene import Scene, Unit
 
@@ -46,8 +47,8 @@ class Job:
 
     @property
     def together(self) -> int:
-        """Units that are best run as one batch, so that the engine's pool is seldom half empty; they share a model."""
-        if self.scene.method.model != "linear":
+        """Units that are best run as one batch, so that the engine's pool is seldom half empty; they are one system."""
+        if not (self.scene.method.exact and self.scene.one_system):
             return 1
         return max(1, TOGETHER // (self.chunk[0] * self.chunk[1]))
 
@@ -64,8 +65,8 @@ class Job:
             block[0], block[1] = amplitude[unit.column : unit.column + size[1]], omega[unit.row : unit.row + size[0], None]
             block[2] = structure.eta
             first += size[0] * size[1]
-        model = scene.method.model_of(scene.structures[units[0].structures[0]])
-        found = response(model, scene.motion, *cells)
+        system = scene.method.system_of(scene.structures[units[0].structures[0]])
+        found = response(system, scene.motion, *cells)
         del cells
         reports: list[Report] = []
         first = 0
@@ -101,7 +102,7 @@ class Job:
         return worst, misjudged, checked
 
 
-TOGETHER = 1 << 19  # cells of the linear model that a worker computes in one batch
+TOGETHER = 1 << 19  # cells of an exact equation that a worker computes in one batch
 
 
 def _batches(job: Job, units: Sequence[Unit], workers: int) -> Iterator[list[list[int]]]:

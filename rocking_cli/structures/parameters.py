@@ -131,6 +131,13 @@ class RockingParameters:
             **self.details,
         }
 
+    def alpha_on(self, side: Any) -> Any:
+        """alpha [rad] on the side +1 (right edge) or -1, of any shape."""
+        if not self.sides:
+            return self.alpha + 0.0 * side
+        left, right = self.sides
+        return left.alpha + (right.alpha - left.alpha) * (side > 0.0)
+
     def dimensionless_amplitude(self, a_g: Any) -> Any:
         """A = a_scale a_g / (alpha g) for a ground acceleration a_g [m/s2]."""
         return self.a_scale * a_g / (self.alpha * self.gravity)

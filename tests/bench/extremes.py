@@ -11,9 +11,10 @@ import math
 import numpy as np
 
 from rocking_cli import (
-    MechanismModel,
+    MechanismEquation,
     Outcome,
-    RigidModel,
+    RigidBodyEquation,
+    System,
     build_structure,
     dimensionless_oscillator,
     linear_response,
@@ -23,7 +24,7 @@ from rocking_cli import (
     sine,
     trace_envelope,
 )  # fmt: skip
-from rocking_cli.dynamics.references.general_solver import Linkage, RigidBody, reference_nonlinear
+from rocking_cli.dynamics.references.general_solver import MechanismRates, Problem, RigidBodyRates, solve_cell
 from rocking_cli.dynamics.references.taylor_series import reference_cell
 
 TOLERANCE = 1e-11
@@ -36,15 +37,16 @@ def cells(*axes):
 def row(name, motion, amplitude, omega, eta, alpha=0.25, mechanism=None):
     """Engine against references; amplitudes are over that of uplift."""
     amplitude, omega, eta = (np.ravel(x) for x in np.broadcast_arrays(amplitude, omega, eta))
-    model, equation = (RigidModel(alpha, TOLERANCE), RigidBody(alpha)) if mechanism is None else (
-        MechanismModel(mechanism, TOLERANCE), Linkage(mechanism))  # fmt: skip
+    model, equation = (RigidBodyEquation(alpha, TOLERANCE), RigidBodyRates(alpha)) if mechanism is None else (
+        MechanismEquation(mechanism, TOLERANCE), MechanismRates(mechanism))  # fmt: skip
+    problem = Problem(equation, equation, alpha if mechanism is None else equation.uplift)
     lift = math.tan(alpha) / alpha if mechanism is None else 1.0
     said = []
     for found, reference in (
         (linear_response(motion, amplitude, omega, eta), lambda a, w, n: reference_cell(motion, a, w, n)),
         (
-            response(model, motion, lift * amplitude, omega, eta),
-            lambda a, w, n: reference_nonlinear(motion, lift * a, w, n, equation=equation),
+            response(System(model), motion, lift * amplitude, omega, eta),
+            lambda a, w, n: solve_cell(motion, lift * a, w, n, problem),
         ),
     ):
         worst, differ, lost = 0.0, 0, 0

@@ -12,10 +12,10 @@ from unittest import mock
 import numpy as np
 
 from rocking_cli import Motion, dimensionless_oscillator, linear_response, parse_grid, sine, spectrum, trace_envelope
-from rocking_cli.dynamics.equations.linear import LinearModel
+from rocking_cli.dynamics.contacts.symmetric import Symmetric
+from rocking_cli.dynamics.equations.linear import LinearEquation
 from rocking_cli.dynamics.march import advance, engine
 from rocking_cli.motions import Piece
-from rocking_cli.spectra import boundaries
 
 ETA = 0.9
 AXIS = np.linspace(0.5, 12.0, 500)
@@ -65,14 +65,19 @@ def ratio(name, kept, plain, patch=None):
 def main() -> None:
     ratio("free motion after the shaking, 5 periods marched instead", scene(), scene(followed_by_rest(5)))
     long = scene(sine(5))
-    ratio("certain overturning, 5 cycles", long, long, (LinearModel, "certainly_overturns", lambda self, y, v, inward: y > 1e6))
+    ratio("certain overturning, 5 cycles", long, long, (LinearEquation, "certainly_overturns", lambda self, y, v, inward: y > 1e6))
     near = scene(amplitude=NEAR)
-    ratio("end of a chatter, A up to 1.1", near, near, (engine, "chatter_ends", no_lanes))
-    ratio("end of a chatter, the whole grid", scene(), scene(), (engine, "chatter_ends", no_lanes))
-    ratio("crests of low bounces, A up to 1.1", near, near, (advance, "_low_bounces", no_lanes))
+    ratio("end of a chatter, A up to 1.1", near, near, (Symmetric, "bouncing_ends", no_lanes))
+    ratio("end of a chatter, the whole grid", scene(), scene(), (Symmetric, "bouncing_ends", no_lanes))
+    ratio("crests of low bounces, A up to 1.1", near, near, (engine, "low_bounces", no_lanes))
     ratio("roots on ridges that clear the ground", scene(), scene(), (advance, "_clears", no_lanes))
     ratio("peaks, where only the outcome is asked for", scene(peaks=False), scene())
-    ratio("envelope: amplitudes that two bounds decide", envelope, envelope, (boundaries, "LinearModel", type(None)))
+    ratio(
+        "envelope: amplitudes that two bounds decide",
+        envelope,
+        envelope,
+        (Symmetric, "alike", False),
+    )
     ratio("ten structures of equal restitution", *structures(10))
 
 

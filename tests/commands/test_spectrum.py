@@ -13,8 +13,9 @@ import pytest
 from watching import PATIENCE, PROGRAM, grows
 
 from rocking_cli import Outcome, sine
-from rocking_cli.dynamics.equations.linear import LinearModel
+from rocking_cli.dynamics.equations.linear import LinearEquation
 from rocking_cli.dynamics.march import engine
+from rocking_cli.dynamics.system import System
 from rocking_cli.responses.history import history
 
 SMALL = "A=0.5:9:40,Omega=0.5:12:30"
@@ -153,4 +154,4 @@ def test_a_step_count_that_runs_away_is_a_failed_cell(monkeypatch, tmp_path):
     assert ended.value.code == 4
     assert (tmp_path / "s.h5").exists()
     monkeypatch.setattr(engine, "MAX_STEPS", -158)
-    assert history(LinearModel(), sine(), 1.5, 4.0, 1.0, duration=30.0).outcome == Outcome.FAILED
+    assert history(System(LinearEquation()), sine(), 1.5, 4.0, 1.0, duration=30.0).outcome == Outcome.FAILED

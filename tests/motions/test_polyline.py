@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from recorded import wave
 
-from rocking_cli.dynamics.march.engine import linear_response
+from rocking_cli.dynamics.response import linear_response
 from rocking_cli.errors import MotionError
 from rocking_cli.motions import Motion, Piece, sine
 from rocking_cli.motions.polyline import Polyline, record_motion

@@ -10,7 +10,7 @@ from oracle import integrate
 
 from rocking_cli import Outcome, UsageError, dimensionless_oscillator, linear_response, nonlinear_response, trace_envelope
 from rocking_cli.documents import parse_documents
-from rocking_cli.dynamics.references.general_solver import RigidBody, reference_nonlinear
+from rocking_cli.dynamics.references.general_solver import Problem, RigidBodyRates, solve_cell
 from rocking_cli.dynamics.references.taylor_series import reference_cell
 from rocking_cli.motions import PULSES, pulse
 from rocking_cli.motions.pieces import build_motion
@@ -113,7 +113,7 @@ def test_both_models_agree_with_their_references_under_every_motion(motion):
         assert (outcome, theta) == (int(found.outcome), pytest.approx(float(found.theta_ratio), abs=1e-10, nan_ok=True))
     for _ in range(3):
         cell = random.uniform(1.1, 6), random.uniform(0.7, 8), random.uniform(0.4, 1)
-        outcome, theta = reference_nonlinear(motion, *cell, RigidBody(0.3))
+        outcome, theta = solve_cell(motion, *cell, Problem(RigidBodyRates(0.3), RigidBodyRates(0.3), 0.3))
         found = nonlinear_response(motion, *cell, 0.3, tolerance=1e-10)
         assert (outcome, theta) == (int(found.outcome), pytest.approx(float(found.theta_ratio), abs=1e-9, nan_ok=True))
 

@@ -10,16 +10,18 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from rocking_cli import Outcome, build_structure, cosine, parse_documents, pulse, sine
-from rocking_cli.dynamics.equations.linear import LinearModel
-from rocking_cli.dynamics.equations.mechanism import MechanismModel
-from rocking_cli.dynamics.equations.rigid_body import RigidModel
-from rocking_cli.dynamics.march.engine import response
+from rocking_cli.dynamics.equations.linear import LinearEquation
+from rocking_cli.dynamics.equations.mechanism import MechanismEquation
+from rocking_cli.dynamics.equations.rigid_body import RigidBodyEquation
+from rocking_cli.dynamics.response import response
+from rocking_cli.dynamics.system import System
 from rocking_cli.responses.history import history
 
 ARCH = build_structure(parse_documents("kind: arch\nradius: 10\nthickness: 1.5\nangle: 157.5 deg\nvoussoirs: 7")[0])
 
 
-MODELS = {"linear": LinearModel(), "rigid body": RigidModel(0.3, 1e-11), "arch": MechanismModel(ARCH.mechanism, 1e-10)}
+EQUATIONS = {"linear": LinearEquation(), "rigid body": RigidBodyEquation(0.3, 1e-11), "arch": MechanismEquation(ARCH.mechanism, 1e-10)}
+MODELS = {name: System(equation) for name, equation in EQUATIONS.items()}
 
 
 @pytest.fixture(params=list(MODELS))
@@ -65,8 +67,8 @@ def test_linear_history_is_the_equation_in_si_units():
     fall = solve_ivp(rate, (math.pi / w, 5.0), first.y[:, -1], args=(-1,), events=ground, max_step=0.01, **close)
     strike = fall.t_events[0][0]
     second = solve_ivp(rate, (strike, strike + 0.1), [0.0, eta * fall.y_events[0][0][1]], args=(1,), max_step=0.01, **close)
-    found = history(LinearModel(), pulse("half-sine"), scale, w / p, eta, duration=20.0)
-    events = {m.event: m.tau / p for m in reversed(found.moments)}
+    found = history(System(LinearEquation()), pulse("half-sine"), scale, w / p, eta, duration=20.0)
+    events = {m.event: m.tau / p for m in reversed(found.events)}
     assert (events["uplift"], events["impact"]) == pytest.approx((lift, strike), abs=1e-9)
     ratio, speed = found.at(np.array([0.6 * strike, strike + 0.1]) * p)
     middle = solve_ivp(rate, (lift, math.pi / w), [0.0, 0.0], args=(-1,), t_eval=[0.6 * strike], max_step=0.01, **close)
@@ -76,25 +78,25 @@ def test_linear_history_is_the_equation_in_si_units():
 
 def test_impacts_lose_speed_and_rest_is_the_end(model):
     found = history(model, sine(), 1.6, 5.0, 0.6, duration=200.0)
-    impacts = [m for m in found.moments if m.event == "impact"]
-    assert found.moments[-1].event == "rest"
+    impacts = [m for m in found.events if m.event == "impact"]
+    assert found.events[-1].event == "rest"
     free = [abs(m.rate) for m in impacts if m.tau > 2 * math.pi / 5.0]
     assert len(free) > 5
     # On still ground an arc gives back its speed, so each impact is eta times the one before.
     assert [b / a for a, b in pairwise(free[1:])] == pytest.approx([0.6] * (len(free) - 2), abs=1e-6)
     # The rests of a geometric series: the last arcs take 2 v/(1 - eta) in all.
-    assert found.moments[-1].tau - impacts[-1].tau == pytest.approx(
-        2 * 0.6 * free[-1] / 0.4 / float(model.rotation_rate(0.0, 1.0)), rel=1e-3, abs=0
+    assert found.events[-1].tau - impacts[-1].tau == pytest.approx(
+        2 * 0.6 * free[-1] / 0.4 / float(model.equation.rotation_rate(0.0, 1.0)), rel=1e-3, abs=0
     )
-    assert not found.at(np.array([found.moments[-1].tau + 0.1, found.end]))[0].any()
+    assert not found.at(np.array([found.events[-1].tau + 0.1, found.end]))[0].any()
 
 
 def test_overturning_is_followed_to_three_alpha():
-    found = history(LinearModel(), sine(), 8.0, 4.0, 0.9, duration=30.0)
+    found = history(System(LinearEquation()), sine(), 8.0, 4.0, 0.9, duration=30.0)
     assert found.outcome == Outcome.OVERTURNED_NO_IMPACT
-    assert found.moments[-1].event == "overturning"
-    assert abs(found.moments[-1].theta_ratio) == pytest.approx(3.0, abs=1e-9)
-    assert found.end == found.moments[-1].tau
+    assert found.events[-1].event == "overturning"
+    assert abs(found.events[-1].theta_ratio) == pytest.approx(3.0, abs=1e-9)
+    assert found.end == found.events[-1].tau
     assert np.isnan(found.at(np.array([found.end + 0.1]))[0]).all()
 
 
@@ -103,18 +105,18 @@ def test_overturning_is_followed_to_three_alpha():
 )
 def test_numbers_out_of_range_are_refused(bad):
     with pytest.raises(ValueError, match=r"accepted|must"):
-        history(LinearModel(), sine(), **{"amplitude": 2.0, "omega": 3.0, "eta": 0.9, "duration": 5.0, **bad})
+        history(System(LinearEquation()), sine(), **{"amplitude": 2.0, "omega": 3.0, "eta": 0.9, "duration": 5.0, **bad})
 
 
 def test_a_body_past_its_limit_has_overturned_even_if_it_turns_back_within_the_step():
     cell = (17.628431883129675, 3.9264169916137712, 0.5)
-    found = history(RigidModel(1.2), cosine(1), *cell, duration=30.0)
-    assert found.outcome == int(response(RigidModel(1.2), cosine(1), *cell).outcome) == Outcome.OVERTURNED_AFTER_IMPACT
-    assert found.moments[-1].event == "overturning"
-    assert [m.tau for m in found.moments] == sorted(m.tau for m in found.moments)
+    found = history(System(RigidBodyEquation(1.2)), cosine(1), *cell, duration=30.0)
+    assert found.outcome == int(response(System(RigidBodyEquation(1.2)), cosine(1), *cell).outcome) == Outcome.OVERTURNED_AFTER_IMPACT
+    assert found.events[-1].event == "overturning"
+    assert [m.tau for m in found.events] == sorted(m.tau for m in found.events)
 
 
 def test_the_last_row_of_an_overturning_history_is_where_it_ends():
     arch = build_structure(parse_documents("kind: arch\nradius: 10\nthickness: 1.5\nangle: 157.5 deg\nvoussoirs: 7")[0])
-    found = history(MechanismModel(arch.mechanism), sine(), 3.283, 2.547, arch.eta, duration=30.0)
-    assert found.at(np.array([found.end]))[0][0] == pytest.approx(found.moments[-1].theta_ratio, rel=1e-9, abs=0)
+    found = history(System(MechanismEquation(arch.mechanism)), sine(), 3.283, 2.547, arch.eta, duration=30.0)
+    assert found.at(np.array([found.end]))[0][0] == pytest.approx(found.events[-1].theta_ratio, rel=1e-9, abs=0)

@@ -1,29 +1,25 @@
-"""The rules at contact: uplift from rest, and the end of a chatter.
-
-A body at rest leaves the ground at the first instant with A |s| > 1, on the side -sgn s. A body that bounces while
-|a| < 1 comes to rest after infinitely many impacts in a finite time; that series is closed in one step as soon as
-bounds on its duration prove that it ends before anything else can happen.
-"""
+"""What the march asks of the contact with the ground: where a body lifts off, what an impact does, when bouncing ends, and what
+becomes of it after the shaking. `symmetric`, `unequal` and `one_sided` answer; what they share stands here."""
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
 from ...motions.motion import Segments
-from ..march.lanes import Lanes
+from ..equations.equation import Equation
+from ..march.lanes import Cells, Lanes
 from ..march.windows import crossing, segment_value
 
 Array = np.ndarray
-
 
 # Without loss at impacts a bounce never ends; one this slow is 1e-24 high, and to be at rest is the same to every digit.
 BELOW_ROUNDING = 1e-12
 
 
 class Uplift(NamedTuple):
-    """Where bodies at rest leave the ground: segment (the number of segments where they never do), phase, side, y''."""
+    """Where bodies at rest leave the ground: segment (the number of segments where they never do), phase, side, force."""
 
     k: Array
     u: Array
@@ -31,60 +27,187 @@ class Uplift(NamedTuple):
     b: Array
 
 
-def uplift(segments: Segments, k: Array, u: Array, amplitude: Array) -> Uplift:
-    """First instant at or after (k, u) with A |s| > 1, for bodies at rest; y'' is 0 there unless the drive jumps."""
+class Fate(NamedTuple):
+    """What free motion comes to: overturns before or after an impact; the largest y to come, NaN where the body overturns."""
+
+    overturns: Array
+    overturns_after_impact: Array
+    peak: Array
+
+
+class Contact(Protocol):
+    """How a body stands on the ground."""
+
+    @property
+    def alike(self) -> bool:
+        """Whether both edges are free and alike, which the bounds of an envelope ask for."""
+
+    @property
+    def settles(self) -> int:
+        """Impacts on still ground after which nothing larger can come."""
+
+    def cells(self, equation: Equation, amplitude: Array, omega: Array, eta: Array) -> Cells:
+        """What drives each cell on its sides, from A, Omega and eta (each (cells,)). Raises ValueError when an eta is out of range."""
+
+    def strongest(self, cells: Cells, segments: Segments) -> Array:
+        """The motion's strongest drive of each cell over what lifts it: above 1 it leaves the ground, (cells,)."""
+
+    def uplift(self, cells: Cells, segments: Segments, cell: Array, k: Array, u: Array) -> Uplift:
+        """Where bodies at rest at (k, u) leave the ground."""
+
+    def turn(self, cells: Cells, lanes: Lanes, at: Array, side: Array) -> None:
+        """Put lanes on a side: what they carry becomes that side's, in its units. `at`: their indices."""
+
+    def strike(self, cells: Cells, lanes: Lanes, v: Array, b: Array) -> None:
+        """Impact with velocity v <= 0 and force b: the lanes' new side, velocity and force (Eq. 2.6)."""
+
+    def bouncing_ends(self, segments: Segments, lanes: Lanes, equation: Equation) -> Array:
+        """Lanes just after an impact whose bouncing is proved to end in rest before anything else can happen (Lemma 7)."""
+
+    def bouncing_time(self, lanes: Lanes) -> Array:
+        """How long [tau of their side] lanes just after an impact go on bouncing under the drive of now; 0 where they do not end."""
+
+    def fate(self, equation: Equation, lanes: Lanes, y: Array, v: Array, cells: Cells) -> Fate:
+        """What becomes of lanes at y, v when the shaking is over, undamped, in closed form (Lemma 8)."""
+
+
+def first_uplift(segments: Segments, k: Array, u: Array, right: Array, left: Array) -> Uplift:
+    """First instant at or after (k, u) that lifts bodies at rest: -right s > 1 on to their right edge, left s > 1 on to their left.
+
+    right, left: amplitudes in units of each edge's uplift, 0 where an edge cannot be stood on. The force is 0 there unless
+    the drive jumps.
+    """
     k, u = k.copy(), u.copy()
-    side, b = np.ones_like(amplitude), np.zeros_like(amplitude)
+    side, b = np.ones(k.shape), np.zeros(k.shape)
     last = len(segments)
-    strongest = np.maximum(segments.later_max, -segments.later_min)
     waiting = np.arange(k.size)
     while waiting.size:
-        over = (k[waiting] >= last) | (amplitude[waiting] * strongest[np.minimum(k[waiting], last - 1)] <= 1.0)
+        here = np.minimum(k[waiting], last - 1)
+        over = (k[waiting] >= last) | (
+            np.maximum(left[waiting] * segments.later_max[here], right[waiting] * -segments.later_min[here]) <= 1.0
+        )
         k[waiting[over]] = last
         waiting = waiting[~over]
-        kk, uu, a = k[waiting], u[waiting], amplitude[waiting]
+        kk, uu = k[waiting], u[waiting]
         s_now = segments.s_start[kk]
         inside = np.flatnonzero(uu > 0.0)
         s_now[inside] += segment_value(segments, kk[inside], uu[inside])[0]
-        now = a * np.abs(s_now) > 1.0
         s_end = segments.s_end[kk]
-        later = ~now & (a * np.abs(s_end) > 1.0)
+        push_now = np.where(s_now > 0.0, left[waiting], right[waiting]) * np.abs(s_now)
+        a_end = np.where(s_end > 0.0, left[waiting], right[waiting])
+        now = push_now > 1.0
+        later = ~now & (a_end * np.abs(s_end) > 1.0)
         hit = np.flatnonzero(now)
         side[waiting[hit]] = -np.sign(s_now[hit])
-        b[waiting[hit]] = a[hit] * np.abs(s_now[hit]) - 1.0
+        b[waiting[hit]] = push_now[hit] - 1.0
         hit = np.flatnonzero(later)
         side[waiting[hit]] = -np.sign(s_end[hit])
-        u[waiting[hit]] = np.maximum(uu[hit], crossing(segments, kk[hit], np.sign(s_end[hit]) / a[hit]))
+        u[waiting[hit]] = np.maximum(uu[hit], crossing(segments, kk[hit], np.sign(s_end[hit]) / a_end[hit]))
         waiting = waiting[~(now | later)]
         k[waiting] += 1
         u[waiting] = 0.0
     return Uplift(k, u, side, b)
 
 
-def chatter_ends(segments: Segments, lanes: Lanes, gain: float) -> Array:
-    """Lanes just after an impact whose bouncing is proved to end in rest within the segment, before |a| reaches 1.
+class Bounce(NamedTuple):
+    """The other side of a bounce, in units of this one: its outward drive is -drive a, its speed on leaving eta times the speed
+    here at the impact before, its time `time` times that of the same arc here. `eta` and `back`, on leaving this side and the
+    other, make up what a cycle keeps."""
 
-    With a between a_- and a_+ until the end, the series of arcs lasts at most
-    2 v / (1 - eta^2) [1/(1 - a_+ - g y) + eta/(1 + a_- - g y)], y the largest height and g the model's gain, and no arc
-    rises above v^2 / (2 (1 - max |a| - g y)). Lanes whose arcs could rise above their peak so far are left to go on.
+    drive: Array | float
+    time: Array | float
+    eta: Array
+    back: Array
+    higher: Array | float  # |theta|/alpha of an arc there over that of an arc of equal speed here, at least 1
+
+    def take(self, lanes: Array) -> Bounce:
+        """Of some lanes."""
+        return Bounce(*(np.broadcast_to(x, self.eta.shape)[lanes] for x in self))
+
+
+def bouncing_ends(segments: Segments, lanes: Lanes, equation: Equation, there: Bounce) -> Array:
+    """Lemma 7 for a body that bounces from side to side.
+
+    With a between a_- and a_+ until the end, on a monotone segment, the series of arcs lasts at most
+    2 v / (1 - q) [G/(1 - a_+ - e) + eta r H/(1 + d a_- - e)], q = eta back, d and r the other side's drive and time; e bounds what
+    y and damping add to the force. An arc is left with more speed than it began with only where the force grows, by at most the
+    root of its last over its first value, and over a monotone drive these ratios telescope: where a rises only arcs there gain,
+    those here then by G^2 = (1 + d a_+)/(1 + d a_-), while those there, which are shorter by G^2, need no H; and the other
+    way round where a falls. Lanes whose arcs could rise above their peak so far are left to go on.
     """
     drive, v = 1.0 + lanes.b, lanes.v
-    gap = 1.0 - np.abs(drive)
-    proved = (lanes.eta == 1.0) & (v < BELOW_ROUNDING * gap)
-    maybe = np.flatnonzero((gap > 0.0) & (v * v < 0.05 * gap * gap) & (lanes.eta < 1.0))
+    keeps = there.eta * there.back
+    gap = np.minimum(1.0 - drive, 1.0 + there.drive * drive)
+    proved = (keeps == 1.0) & (v < BELOW_ROUNDING * gap)
+    maybe = np.flatnonzero((gap > 0.0) & (v * v < 0.05 * gap * gap) & (keeps < 1.0))
     if not maybe.size:
         return proved
-    k, u, v, n, a0 = lanes.k[maybe], lanes.u[maybe], v[maybe], lanes.eta[maybe], drive[maybe]
-    scale = 2.0 * v / (1.0 - n * n)
-    trial = 1.5 * scale * (1.0 / (1.0 - a0) + n / (1.0 + a0))
-    later = np.minimum(u + lanes.omega[maybe] * trial, segments.length[k])
-    outward = -lanes.side[maybe] * lanes.amplitude[maybe]
-    a1 = a0 + outward * (segment_value(segments, k, later)[0] - segment_value(segments, k, u)[0])
-    highest, lowest = np.maximum(a0, a1), np.minimum(a0, a1)  # s is monotone on a segment
-    margin = 1.0 - np.maximum(highest, -lowest)
-    height = gain * v * v / margin  # bounds what y adds to the acceleration
-    up, down = 1.0 - highest - height, 1.0 + lowest - height
-    ends = (margin > 0.0) & (height < 0.5 * margin) & (up > 0.0) & (down > 0.0)
-    ends &= (later < segments.length[k]) & (scale * (1.0 / up + n / down) <= trial) & (height <= gain * lanes.peak[maybe])
+    k, u, v, a0, q = lanes.k[maybe], lanes.u[maybe], v[maybe], drive[maybe], keeps[maybe]
+    d, r, n, _, higher = there.take(maybe)
+    scale = 2.0 * v / (1.0 - q)
+    trial = 1.5 * scale * (1.0 / (1.0 - a0) + n * r / (1.0 + d * a0))
+    a1, inside = _drive_after(segments, lanes, maybe, k, u, a0, trial)
+    lowest, highest = np.minimum(a0, a1), np.maximum(a0, a1)
+    margin = np.minimum(1.0 - highest, 1.0 + d * lowest)
+    rises = a1 > a0
+    growth = np.sqrt(np.where(rises, (1.0 + d * a1) / (1.0 + d * a0), (1.0 - a1) / (1.0 - a0)))
+    fastest = growth * v * np.maximum(1.0, n)
+    height = equation.gain * fastest * fastest / margin  # bounds what y adds to the force
+    extra = height + 2.0 * equation.damping * fastest if equation.damping else height
+    up, down = 1.0 - highest - extra, 1.0 + d * lowest - extra
+    ends = inside & (margin > 0.0) & (extra < 0.5 * margin) & (up > 0.0) & (down > 0.0)
+    lasts = scale * (np.where(rises, growth, 1.0) / up + n * r * np.where(rises, 1.0, growth) / down)
+    ends &= (lasts <= trial) & (higher * height <= equation.gain * lanes.peak[maybe])
     proved[maybe[ends]] = True
     return proved
+
+
+def bouncing_time(lanes: Lanes, there: Bounce) -> Array:
+    """The sum of the series of arcs from side to side under a constant drive."""
+    drive, keeps = 1.0 + lanes.b, there.eta * there.back
+    ends = (lanes.v > 0.0) & (keeps < 1.0)
+    total = 2.0 * lanes.v / (1.0 - keeps) * (1.0 / (1.0 - drive) + there.eta * there.time / (1.0 + there.drive * drive))
+    return np.where(ends, total, 0.0)
+
+
+def _drive_after(segments: Segments, lanes: Lanes, at: Array, k: Array, u: Array, a0: Array, trial: Array) -> tuple[Array, Array]:
+    """(outward drive after `trial` [tau], whether that is inside the segment); in between the drive is monotone."""
+    later = np.minimum(u + lanes.omega[at] * trial, segments.length[k])
+    outward = -lanes.side[at] * lanes.amplitude[at]
+    a1 = a0 + outward * (segment_value(segments, k, later)[0] - segment_value(segments, k, u)[0])
+    return a1, later < segments.length[k]
+
+
+def settled_on_one_side(segments: Segments, lanes: Lanes, equation: Equation) -> Array:
+    """Lemma 7 for a body that always returns to the same side: 2 v / (1 - eta) / (1 - a_+ - e), and any inward drive holds it."""
+    drive, v, eta = 1.0 + lanes.b, lanes.v, lanes.eta
+    gap = 1.0 - drive
+    ends = np.zeros(v.shape, dtype=bool)
+    maybe = np.flatnonzero((gap > 0.0) & (v * v < 0.05 * gap * gap) & (eta < 1.0))
+    k, u, v, a0 = lanes.k[maybe], lanes.u[maybe], v[maybe], drive[maybe]
+    scale = 2.0 * v / (1.0 - eta[maybe])
+    trial = 1.5 * scale / (1.0 - a0)
+    a1, inside = _drive_after(segments, lanes, maybe, k, u, a0, trial)
+    margin = 1.0 - np.maximum(a0, a1)
+    fastest = v * np.sqrt(np.maximum(1.0, (1.0 - a1) / (1.0 - a0)))
+    height = equation.gain * fastest * fastest / margin
+    extra = height + 2.0 * equation.damping * fastest
+    sure = inside & (margin > 0.0) & (extra < 0.5 * margin) & (scale <= trial * (margin - extra))  # arcs that gain speed are shorter
+    ends[maybe[sure & (height <= equation.gain * lanes.peak[maybe])]] = True
+    return ends
+
+
+def free_motion(equation: Equation, y: Array, v: Array, eta: Array) -> Fate:
+    """Lemma 8 where the next side is like this one: after the next crest and impact nothing larger comes, since eta <= 1.
+
+    y >= 0, v: at the end of the shaking; eta: speed after over before the impact; arrays of one shape.
+    """
+    overturns, energy = equation.fall(y, v)
+    rebound = eta * eta * energy
+    after = ~overturns & (rebound > equation.barrier)
+    peak = np.full(np.shape(y), np.nan)
+    stays = np.flatnonzero(~(overturns | after))
+    out = v[stays] > 0.0  # the next crest is the higher one
+    top = equation.crest(np.where(out, energy[stays], rebound[stays]))
+    peak[stays] = np.where(out, top, np.maximum(y[stays], top))
+    return Fate(overturns, after, peak)

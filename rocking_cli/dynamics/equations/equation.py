@@ -1,89 +1,118 @@
-"""What the engine asks of an equation of motion.
+"""What the march asks of an equation of motion.
 
-Both equations are put in one form. On one side, with tau = p t and the displacement y >= 0 in the unit in which the
-body at rest falls back with acceleration 1,
+All equations are put in one form. On one side, with tau = p t of that side and the displacement y >= 0 in the unit in which
+the body at rest falls back with acceleration 1,
 
-    y'' = -l(y) + a(tau) m(y),   l(0) = m(0) = 1,   l/m > 1 for y < 0
+    y'' = f - 2 zeta y',   f = -l(y) + a(tau) m(y),   l(0) = m(0) = 1,   l/m > 1 for y < 0
 
-where a is the outward drive over its value at uplift. The linear oscillator has l = 1 - y, m = 1 (Eq. 2.4), a rigid body
-l = sin(alpha - theta)/sin alpha, m = cos(alpha - theta)/cos alpha (Eq. 2.3), a mechanism the forces of Eq. 3.4 in its canonical
-coordinate. Uplift, windows, impacts and chatter need nothing else.
+where a is the outward drive over its value at uplift and f the force. The linear oscillator has l = 1 - y, m = 1 (Eq. 2.4), a
+rigid body l = sin(alpha - theta)/sin alpha, m = cos(alpha - theta)/cos alpha (Eq. 2.3), a mechanism the forces of Eq. 3.4 in
+its canonical coordinate. Uplift, windows, impacts and chatter need nothing else.
 """
 
 from __future__ import annotations
 
-from typing import Any, Protocol, Self
+from typing import Any, NamedTuple, Protocol, Self
 
 import numpy as np
 
 from ...motions.motion import Segments
-from ..contacts.free import Fate
 from ..march.lanes import Lanes
-from .flow import Point
 
 Array = np.ndarray
+
+
+class Point(NamedTuple):
+    """A state on an arc: displacement y, velocity v, acceleration b, jerk j; (lanes,), per tau."""
+
+    y: Array
+    v: Array
+    b: Array
+    j: Array
 
 
 class Flow(Protocol):
     """The motion of each lane from its present state on, until the next impact or the end of a piece."""
 
     @property
+    def damping(self) -> float:
+        """zeta [-]."""
+
+    @property
     def y(self) -> Any:
-        """Displacement at the start."""
+        """Displacement at the start, (lanes,)."""
 
     @property
     def v(self) -> Any:
-        """Velocity at the start."""
+        """Velocity at the start, (lanes,)."""
 
     @property
     def b(self) -> Any:
-        """Acceleration at the start."""
+        """Acceleration at the start, (lanes,)."""
 
     @property
     def longest(self) -> Array:
-        """Longest step [tau] that it can be followed."""
+        """Longest step [tau] that it can be followed, (lanes,)."""
 
     @property
     def fastest(self) -> Array:
-        """Rate at which it bends, for the roots' tolerances."""
+        """Rate [1/tau] at which it bends, for the roots' tolerances, (lanes,)."""
 
     def take(self, lanes: Array) -> Self:
-        """The flow of some lanes."""
+        """The flow of the lanes of these indices."""
 
     def at(self, h: Array) -> Point:
-        """The state after h."""
+        """The state after h >= 0 [tau], one for each lane."""
 
     def at_ground(self, h: Array) -> Array:
-        """y'' at an impact after h."""
+        """The force f at an impact after h [tau], (lanes,)."""
 
 
-class Model(Protocol):
-    """An equation of motion in the form above."""
+class Equation(Protocol):
+    """An equation of motion in the form above; y, v in its own unit, per tau.
+
+    Its numbers are floats, or (lanes,) arrays where the two sides of a body differ (`on`).
+    """
+
+    @property
+    def damping(self) -> float:
+        """zeta [-]; where it is not zero there is no closed form of what comes after the shaking."""
 
     @property
     def gain(self) -> float:
-        """Bound of the growth of -l + a m with y, near the ground and for |a| <= 1; 1 for the linear oscillator."""
+        """Bound of the growth of f with y, near the ground and for |a| <= 1, on either side; 1 for the linear oscillator."""
 
     @property
-    def initiation(self) -> float:
+    def uplift_amplitude(self) -> Any:
         """The dimensionless amplitude A at which a drive of s = 1 lifts the body."""
 
     @property
-    def limit(self) -> float:
+    def limit(self) -> Any:
         """y from which the body counts as overturned whatever comes: it lies on its side, the linkage has collapsed."""
 
     @property
+    def barrier(self) -> Any:
+        """Energy (`fall`) at which a body that leaves the ground just reaches its unstable equilibrium."""
+
+    @property
+    def bounded(self) -> bool:
+        """Whether an envelope may use the bounds of the undamped linear oscillator (Lemmas 9 and 10)."""
+
+    @property
     def pool(self) -> int:
-        """Lanes that the engine advances together, for the best use of the caches."""
+        """Lanes that the march advances together, for the best use of the caches."""
+
+    def on(self, side: Array) -> Equation:
+        """The equation with the numbers of the sides, +1 or -1, that these lanes are on."""
 
     def flow(self, segments: Segments, lanes: Lanes) -> Flow:
-        """The flow of the lanes."""
+        """The flow of the lanes from their present state."""
 
-    def acceleration(self, y: Array, a: Array) -> Array:
-        """y'' at displacement y under the outward drive a."""
+    def force(self, y: Array, a: Array) -> Array:
+        """f at displacement y under the outward drive a."""
 
     def rotation(self, y: Array) -> Array:
-        """|theta|/alpha at displacement y."""
+        """|theta|/alpha at displacement y, of any shape."""
 
     def rotation_rate(self, y: Array, v: Array) -> Array:
         """Its derivative by tau."""
@@ -91,8 +120,11 @@ class Model(Protocol):
     def displacement(self, rotation: Array) -> Array:
         """y of |theta|/alpha."""
 
-    def fate(self, y: Array, v: Array, eta: Array) -> Fate:
-        """What comes after the shaking, in closed form; peaks in units of y."""
+    def fall(self, y: Array, v: Array) -> tuple[Array, Array]:
+        """On still ground, undamped: (whether the body overturns on this side, its energy, proportional to v^2 at the ground)."""
+
+    def crest(self, energy: Array) -> Array:
+        """Largest y of a body that has this energy and does not pass the barrier."""
 
     def certainly_overturns(self, y: Array, v: Array, inward: Array) -> Array:
-        """Whether no drive up to `inward` (over the uplift's) can bring the body back."""
+        """Whether no drive up to `inward` >= 0 (over the uplift's) can bring the body back; see Lemma 6."""

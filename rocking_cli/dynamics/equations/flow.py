@@ -19,6 +19,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from .equation import Point
+
 Array = np.ndarray
 
 SMALL = 0.5  # below this, max(1, w) h, the differences in F3, F4 are taken from their series
@@ -28,16 +30,7 @@ _ODD, _EVEN = (np.array([math.factorial(k) / math.factorial(2 * n + k) for n in 
 _BOTH = np.stack([_ODD, _EVEN], axis=1)[:, :, None, None]
 
 
-class Point(NamedTuple):
-    """State on an arc: displacement y, velocity v, acceleration b, jerk j, all over alpha and per tau."""
-
-    y: Array
-    v: Array
-    b: Array
-    j: Array
-
-
-class Arc(NamedTuple):
+class LinearFlow(NamedTuple):
     """One arc a lane: state at its start and the drive's coefficients, (lanes,) or (harmonics, lanes)."""
 
     y: Array
@@ -49,6 +42,11 @@ class Arc(NamedTuple):
     ramp: Array | None  # r, or None when the motion has no ramp
 
     @property
+    def damping(self) -> float:
+        """None: see `DampedFlow`."""
+        return 0.0
+
+    @property
     def longest(self) -> Array:
         """Longest step [tau]: cosh stays below 2e10, so growth cannot bury the state in rounding."""
         return np.full(self.y.shape, 24.0)
@@ -58,9 +56,9 @@ class Arc(NamedTuple):
         """Rate at which the arc bends, 1 + the fastest drive over p."""
         return 1.0 + self.w.max(axis=0, initial=0.0)
 
-    def take(self, lanes: Array) -> Arc:
+    def take(self, lanes: Array) -> LinearFlow:
         """The arcs of some lanes."""
-        return Arc(
+        return LinearFlow(
             self.y[lanes],
             self.v[lanes],
             self.b[lanes],
@@ -143,7 +141,7 @@ class Arc(NamedTuple):
         return Point(y, v, drive, drive_rate)
 
     def at_ground(self, h: Array) -> Array:
-        """y'' at an impact, where y = 0, from the change of the drive since the start."""
+        """The force at an impact, where y = 0, from the change of the drive since the start."""
         total = self.b - self.y if self.ramp is None else self.b - self.y + self.ramp * h
         for s, c, w in zip(self.sin, self.cos, self.w, strict=True):
             t = np.tan(0.5 * (w * h))

@@ -1,35 +1,55 @@
-"""The linear oscillator (Eqs. 2.4 and 3.6): y is |theta|/alpha, the flow is exact."""
+"""The linear oscillator (Eqs. 2.4 and 3.6): y is |theta|/alpha, the flow is exact.
+
+y'' = y - 1 + a - 2 zeta y'
+"""
 
 from __future__ import annotations
+
+import math
+from typing import Self
 
 import numpy as np
 
 from ...motions.motion import Segments
-from ..contacts.free import Fate, free_fate
 from ..march.lanes import Lanes
 from ..march.windows import segment_value
-from .flow import Arc
+from .damped_flow import DampedFlow
+from .flow import LinearFlow
 
 Array = np.ndarray
 
 
-class LinearModel:
-    """y'' = y - 1 + a."""
+class LinearEquation:
+    """y'' = y - 1 + a - 2 zeta y'; damping: zeta [-]. Raises ValueError when it is negative or not finite."""
 
     gain = 1.0
-    initiation = 1.0
+    uplift_amplitude = 1.0
     limit = np.inf
+    barrier = 1.0
     pool = 32768  # lanes: fewer rounds outweigh what no longer fits the second-level cache
 
-    def flow(self, segments: Segments, lanes: Lanes) -> Arc:
+    def __init__(self, damping: float = 0.0) -> None:
+        if not 0.0 <= damping < math.inf:
+            raise ValueError(f"damping is {damping:g}, accepted is a number from 0")
+        self.damping = damping
+        self.bounded = damping == 0.0
+        self.growth = math.sqrt(1.0 + damping * damping) - damping  # rate of the unstable mode, over p
+
+    def on(self, side: Array) -> Self:
+        """Both sides have the same equation in their own units."""
+        return self
+
+    def flow(self, segments: Segments, lanes: Lanes) -> LinearFlow | DampedFlow:
         """The arc that each lane is about to follow: its state and the outward drive's coefficients."""
         _, sin, cos = segment_value(segments, lanes.k, lanes.u)
         outward = -lanes.side * lanes.amplitude
         ramp = outward * segments.slope[lanes.k] * lanes.omega if segments.sloped else None
         w = segments.frequency[:, lanes.k] * lanes.omega
-        return Arc(lanes.y, lanes.v, lanes.b, outward * cos, outward * sin, w, ramp)
+        if self.damping:
+            return DampedFlow(lanes.y, lanes.v, lanes.b, outward * cos, outward * sin, w, ramp, self.damping)
+        return LinearFlow(lanes.y, lanes.v, lanes.b, outward * cos, outward * sin, w, ramp)
 
-    def acceleration(self, y: Array, a: Array) -> Array:
+    def force(self, y: Array, a: Array) -> Array:
         """y - 1 + a."""
         return y - 1.0 + a
 
@@ -45,10 +65,14 @@ class LinearModel:
         """|theta|/alpha itself."""
         return rotation
 
-    def fate(self, y: Array, v: Array, eta: Array) -> Fate:
-        """Eq. 2.7."""
-        return free_fate(y, v, eta)
+    def fall(self, y: Array, v: Array) -> tuple[Array, Array]:
+        """The unstable mode y - 1 + v, and v^2 at the ground, which is 1 - D0* of Eq. 2.7, without cancellation."""
+        return y - 1.0 + v > 0.0, v * v + y * (2.0 - y)
+
+    def crest(self, energy: Array) -> Array:
+        """1 - sqrt(1 - v^2) (Eq. 2.7), without cancellation where v is small; at most 1."""
+        return energy / (1.0 + np.sqrt(np.maximum(0.0, 1.0 - energy)))
 
     def certainly_overturns(self, y: Array, v: Array, inward: Array) -> Array:
-        """The unstable mode z = y - 1 + v exceeds all the inward drive still to come: z' = z + a stays positive."""
-        return y - 1.0 + v > inward
+        """The unstable mode z = y - 1 + g v, whose rate is g, exceeds all the inward drive still to come: z' = g (z + a) > 0."""
+        return y - 1.0 + (self.growth * v if self.damping else v) > inward

@@ -3,7 +3,7 @@
 In the canonical coordinate q = int sqrt(M) dphi the velocity term is gone. With L = V'/g, F = L/sqrt(M), G = B/sqrt(M), values at
 rest F0 and G0, y = q p^2/(g F0) and a the outward drive over lambda g,
 
-    y'' = -F(y)/F0 + a G(y)/G0
+    y'' = -F(y)/F0 + a G(y)/G0 - 2 zeta y'
 
 F and G are tabulated once, as power series in y about the centres of patches that are short against the distance to the
 linkage's nearest lock-up; a step composes the local series with that of y. F/G = lambda(phi) falls all the way (checked), which is what
@@ -14,14 +14,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import Self
 
 import numpy as np
 
 from ...motions.motion import Segments
 from ...structures.kinematics import Mechanism, linearise
-from ..contacts.free import Fate, fate_by_energy
 from ..march.lanes import Lanes
-from .taylor import Series, drive_series, order_for, series
+from .energy import falls_by_energy
+from .taylor import TaylorSeries, drive_series, order_for, series
 
 Array = np.ndarray
 
@@ -73,17 +74,21 @@ class Patches:
         return total / self.half[at]
 
 
-class MechanismModel:
-    """Eq. 3.4 for one mechanism; tolerance: error of phi/alpha that is aimed at.
+class MechanismEquation:
+    """Eq. 3.4 for one mechanism; tolerance: error of phi/alpha that is aimed at; damping: zeta [-], of q.
 
     Raises ValueError when the mechanism does not stand or never becomes unstable, when its lambda(phi) does not fall on the
     way there, or when the tolerance is not between 1e-13 and 1e-2.
     """
 
     pool = 4096  # lanes: the powers of a series of 20 terms take 400 numbers a lane
-    initiation = 1.0
+    uplift_amplitude = 1.0
+    bounded = False
 
-    def __init__(self, mechanism: Mechanism, tolerance: float = 1e-9) -> None:
+    def __init__(self, mechanism: Mechanism, tolerance: float = 1e-9, damping: float = 0.0) -> None:
+        if not 0.0 <= damping < np.inf:
+            raise ValueError(f"damping is {damping:g}, accepted is a number from 0")
+        self.damping = damping
         self.order, self.tolerance = order_for(tolerance, 0.8), tolerance  # fewer terms than for a body: they cost their third power
         self.table = tabulate(mechanism)
         table = self.table
@@ -96,7 +101,11 @@ class MechanismModel:
         beyond = np.linspace(self.top, self.limit, 4097)
         self.marks = beyond, -table.value(table.lift, beyond) / table.value(table.push, beyond)
 
-    def flow(self, segments: Segments, lanes: Lanes) -> Series:
+    def on(self, side: Array) -> Self:
+        """An arch and its mirror image rock alike."""
+        return self
+
+    def flow(self, segments: Segments, lanes: Lanes) -> TaylorSeries:
         """The series of every lane: those of F and G about its y, composed with the series of y."""
         count = self.order - 1
         known = drive_series(segments, lanes, count)
@@ -125,8 +134,10 @@ class MechanismModel:
                 np.einsum("jl,jl->l", push[1 : n + 1], here, out=pushes[n])
             pushed = np.einsum("il,il->l", drive[: n + 1], pushes[n::-1])
             pushed -= fallen
+            if self.damping:
+                pushed -= (2.0 * self.damping * (n + 1)) * known.unit * y[n + 1]
             np.multiply(pushed, 1.0 / ((n + 1) * (n + 2)), out=y[n + 2])
-        return series(y, known, self.tolerance)
+        return series(y, known, self.tolerance, self.damping)
 
     def _local(self, at: Array, x: Array, count: int) -> Array:
         """(2, count, lanes): the series of F and G in powers of (y - y0) / half, shifted from the patch's centre to y0."""
@@ -136,7 +147,7 @@ class MechanismModel:
                 rows[:, j] += x * rows[:, j + 1]
         return rows[:, :count]
 
-    def acceleration(self, y: Array, a: Array) -> Array:
+    def force(self, y: Array, a: Array) -> Array:
         """-F/F0 + a G/G0."""
         return a * self.table.value(self.table.push, y) - self.table.value(self.table.lift, y)
 
@@ -152,12 +163,13 @@ class MechanismModel:
         """y of phi/alpha."""
         return _inverse(self.table, self.table.turn, rotation, self.limit)
 
-    def fate(self, y: Array, v: Array, eta: Array) -> Fate:
-        """Energy is constant between impacts: K = v^2/2 + int F/F0 dy; the barrier is where phi = alpha."""
+    def fall(self, y: Array, v: Array) -> tuple[Array, Array]:
+        """K = v^2/2 + int F/F0 dy is constant between impacts; the barrier is where phi = alpha."""
         energy = 0.5 * v * v + self.table.value(self.table.work, y)
-        return fate_by_energy(y, v, eta, energy, self.barrier, y > self.top, self._crest)
+        return falls_by_energy(v, energy, self.barrier, y > self.top), energy
 
-    def _crest(self, energy: Array) -> Array:
+    def crest(self, energy: Array) -> Array:
+        """y where the work of the weight has used up the energy."""
         return _inverse(self.table, self.table.work, np.minimum(energy, self.barrier), self.top)
 
     def certainly_overturns(self, y: Array, v: Array, inward: Array) -> Array:
@@ -168,6 +180,8 @@ class MechanismModel:
         """
         table = self.table
         certain = y >= self.limit
+        if self.damping:  # friction eats the energy: only the equilibrium itself is a point of no return
+            return certain | ((v > 0.0) & (y >= self._equilibrium(inward) * (1.0 + _MARGIN)))
         maybe = np.flatnonzero(~certain & (v > 0.0) & (0.5 * v * v + table.value(table.work, y) > self.barrier))
         if maybe.size:
             y, e = y[maybe], inward[maybe]
@@ -205,7 +219,7 @@ def _inverse(table: Patches, coefficients: Array, value: Array, high: float) -> 
 
 @lru_cache(maxsize=32)
 def tabulate(mechanism: Mechanism) -> Patches:
-    """The coefficients of Eq. 3.4 as functions of y, to rounding. Raises ValueError; see `MechanismModel`."""
+    """The coefficients of Eq. 3.4 as functions of y, to rounding. Raises ValueError; see `MechanismEquation`."""
     form = linearise(mechanism)
     path = _Path(mechanism, form.alpha, form.stiffness)
     fits = _fit(path, 0.0, path.length, 0)

@@ -2,47 +2,67 @@
 
 With y = |theta| / sin(alpha), z = alpha - y sin(alpha) and a the outward drive over g tan(alpha),
 
-    y'' = -sin z / sin(alpha) + a cos z / cos(alpha)
+    y'' = -sin z / sin(alpha) + a cos z / cos(alpha) - 2 zeta y'
 
 The series of y, sin z and cos z follow from each other term by term; the drive's are known. In a valley of the drive
-(a < 1) tan z > tan alpha below the ground, so that a body which has crossed y = 0 stays below it, and in a ridge y'' > 0 for
-y >= 0: the sign tests of `windows` hold as they stand.
+(a < 1) tan z > tan alpha below the ground, so that a body which has crossed y = 0 stays below it, and in a ridge f > 0 for
+y >= 0: the sign tests of the march hold as they stand (Lemmas 1 and 2).
 """
 
 from __future__ import annotations
 
+import copy
 import math
+from typing import Any, Self
 
 import numpy as np
 
 from ...motions.motion import Segments
-from ..contacts.free import Fate, fate_by_energy
 from ..march.lanes import Lanes
-from .taylor import Series, drive_series, order_for, series
+from .energy import falls_by_energy
+from .taylor import TaylorSeries, drive_series, order_for, series
 
 Array = np.ndarray
 
+_LEAST_ALPHA = 1e-100  # rad; the square of its sine is a double
 
-class RigidModel:
-    """Eq. 2.3 for a body of critical angle alpha [rad]; tolerance: error of theta/alpha that is aimed at.
 
-    Raises ValueError when alpha is not between 0 and pi/2 or the tolerance not between 1e-13 and 1e-2.
+class RigidBodyEquation:
+    """Eq. 2.3 for a body of critical angle alpha [rad].
+
+    alpha: of both edges, or (right, left) of a body whose edges differ; tolerance: error of theta/alpha that is aimed at;
+    damping: zeta [-]. Raises ValueError when an alpha is not between 1e-100 and
+    pi/2, the tolerance not between 1e-13 and 1e-2, or the damping negative.
     """
 
     pool = 16384  # lanes: fewer rounds against what no longer fits the caches, measured with series of 24 terms
+    bounded = False
 
-    def __init__(self, alpha: float, tolerance: float = 1e-9) -> None:
-        if not 0.0 < alpha < 0.5 * math.pi:
-            raise ValueError(f"alpha is {alpha:g} rad, accepted for a rigid body is an angle between 0 and 90 deg")
+    def __init__(self, alpha: float | tuple[float, float], tolerance: float = 1e-9, damping: float = 0.0) -> None:
         self.order, self.tolerance = order_for(tolerance), tolerance
-        self.alpha = alpha
-        self.sin, self.cos, self.tan = math.sin(alpha), math.cos(alpha), math.tan(alpha)
-        self.gain = 1.0 / self.cos**2  # of -l + a m near the ground, for |a| <= 1: (cos z + tan(alpha) sin z) / cos(alpha)
-        self.initiation = self.tan / alpha
-        self.limit = 0.5 * math.pi / self.sin  # it lies on its side
-        self.barrier = 1.0 / (1.0 + self.cos)
+        if not 0.0 <= damping < math.inf:
+            raise ValueError(f"damping is {damping:g}, accepted is a number from 0")
+        self.damping = damping
+        self._edges = [_numbers(x) for x in (alpha if isinstance(alpha, tuple) else (alpha,))]
+        self.gain = max(1.0 / numbers["cos"] ** 2 for numbers in self._edges)  # (cos z + tan(alpha) sin z) / cos(alpha), for |a| <= 1
+        self._take(self._edges[0])
 
-    def flow(self, segments: Segments, lanes: Lanes) -> Series:
+    def _take(self, numbers: dict[str, Any]) -> None:
+        """The numbers of one edge, or of an edge a lane: those of the angle, A at uplift, on its side (`limit`), the barrier."""
+        self.alpha, self.sin, self.cos, self.tan = (numbers[key] for key in ("alpha", "sin", "cos", "tan"))
+        self.bottom = numbers["bottom"]  # 1 - cos(alpha)
+        self.uplift_amplitude, self.limit, self.barrier = (numbers[key] for key in ("uplift_amplitude", "limit", "barrier"))
+
+    def on(self, side: Array) -> Self:
+        """The same body on the edges that the lanes are on."""
+        if len(self._edges) == 1:
+            return self
+        right, left = self._edges
+        there = copy.copy(self)
+        there._take({key: np.where(side > 0.0, right[key], left[key]) for key in right})
+        return there
+
+    def flow(self, segments: Segments, lanes: Lanes) -> TaylorSeries:
         """The series of every lane from its present state."""
         order = self.order
         known = drive_series(segments, lanes, order - 1)
@@ -57,7 +77,7 @@ class RigidModel:
         unit2 = known.unit * known.unit
         back = unit2 / self.sin
         drive = known.terms
-        # The drive now, from the acceleration that the lane carries: at uplift it is 1 to the last bit.
+        # The drive now, from the force that the lane carries: at uplift it is 1 to the last bit.
         drive[0] = (lanes.b + turn[0, 0] / self.sin) * self.cos / turn[0, 1]
         drive *= unit2 / self.cos
         y[0] = lanes.y
@@ -71,10 +91,12 @@ class RigidModel:
             np.einsum("il,il->l", drive[: n + 1], turn[n::-1, 1], out=pushed)
             np.multiply(back, turn[n, 0], out=fallen)
             pushed -= fallen
+            if self.damping:
+                pushed -= (2.0 * self.damping * (n + 1)) * known.unit * y[n + 1]
             np.multiply(pushed, 1.0 / ((n + 1) * (n + 2)), out=y[n + 2])
-        return series(y, known, self.tolerance)
+        return series(y, known, self.tolerance, self.damping)
 
-    def acceleration(self, y: Array, a: Array) -> Array:
+    def force(self, y: Array, a: Array) -> Array:
         """-sin z / sin(alpha) + a cos z / cos(alpha)."""
         z = self.alpha - self.sin * y
         return a * np.cos(z) / self.cos - np.sin(z) / self.sin
@@ -91,15 +113,15 @@ class RigidModel:
         """y of |theta|/alpha."""
         return rotation * (self.alpha / self.sin)
 
-    def fate(self, y: Array, v: Array, eta: Array) -> Fate:
-        """Energy is constant between impacts: K = v^2/2 + [cos z - cos(alpha)]/sin^2(alpha), the barrier K = 1/(1 + cos(alpha))."""
+    def fall(self, y: Array, v: Array) -> tuple[Array, Array]:
+        """K = v^2/2 + [cos z - cos(alpha)]/sin^2(alpha) is constant between impacts; 1/(1 + cos(alpha)) at the barrier."""
         turned = self.sin * y
         energy = 0.5 * v * v + 2.0 * np.sin(self.alpha - 0.5 * turned) * np.sin(0.5 * turned) / self.sin**2
-        return fate_by_energy(y, v, eta, energy, self.barrier, turned > self.alpha, self._crest)
+        return falls_by_energy(v, energy, self.barrier, turned > self.alpha), energy
 
-    def _crest(self, energy: Array) -> Array:
+    def crest(self, energy: Array) -> Array:
         """Largest y for an energy up to the barrier: 1 - cos(alpha - y sin(alpha)) = 1 - cos(alpha) - sin^2(alpha) K."""
-        left = np.maximum(0.0, 2.0 * math.sin(0.5 * self.alpha) ** 2 - self.sin**2 * energy)
+        left = np.maximum(0.0, self.bottom - self.sin**2 * energy)
         return (self.alpha - 2.0 * np.arcsin(np.sqrt(0.5 * left))) / self.sin
 
     def certainly_overturns(self, y: Array, v: Array, inward: Array) -> Array:
@@ -111,8 +133,21 @@ class RigidModel:
         """
         e = inward * self.tan
         gap = self.alpha + np.arctan(e) - self.sin * y
+        on_its_side = self.sin * y >= 0.5 * math.pi
+        if self.damping:  # friction eats the energy: only the equilibrium itself is a point of no return
+            return ((v > 0.0) & (gap <= 0.0)) | on_its_side
         half = np.tan(0.5 * gap)
         half *= half
         height = 2.0 / self.sin**2 * np.sqrt(1.0 + e * e) * (half / (1.0 + half))  # sin^2 of half the gap
         passes = (v > 0.0) & ((gap <= 0.0) | (0.5 * v * v > height))
-        return passes | (self.sin * y >= 0.5 * math.pi)
+        return passes | on_its_side
+
+
+def _numbers(alpha: float) -> dict[str, float]:
+    if not _LEAST_ALPHA <= alpha < 0.5 * math.pi:
+        raise ValueError(f"alpha is {alpha:g} rad, accepted for a rigid body is an angle from {_LEAST_ALPHA:g} rad to below 90 deg")
+    sin, cos, tan = math.sin(alpha), math.cos(alpha), math.tan(alpha)
+    return {
+        "alpha": alpha, "sin": sin, "cos": cos, "tan": tan, "bottom": 2.0 * math.sin(0.5 * alpha) ** 2,
+        "uplift_amplitude": tan / alpha, "limit": 0.5 * math.pi / sin, "barrier": 1.0 / (1.0 + cos),
+    }  # fmt: skip

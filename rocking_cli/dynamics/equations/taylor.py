@@ -15,7 +15,7 @@ import numpy as np
 from ...motions.motion import Segments
 from ..march.lanes import Lanes
 from ..march.windows import segment_value
-from .flow import Point
+from .equation import Point
 
 Array = np.ndarray
 
@@ -25,13 +25,14 @@ LOCAL = 3e-2
 LOWEST, HIGHEST = 1e-13, 1e-2  # tolerances that are accepted
 
 
-class Series(NamedTuple):
+class TaylorSeries(NamedTuple):
     """(terms, lanes) coefficients of (h / unit)^n, and how far [tau] they may be used."""
 
     terms: Array
     unit: Array
     longest: Array
     fastest: Array
+    damping: float = 0.0
 
     @property
     def y(self) -> Array:
@@ -50,7 +51,7 @@ class Series(NamedTuple):
 
     def take(self, lanes: Array) -> Self:
         """The series of some lanes."""
-        return type(self)(self.terms.take(lanes, axis=1), self.unit[lanes], self.longest[lanes], self.fastest[lanes])
+        return type(self)(self.terms.take(lanes, axis=1), self.unit[lanes], self.longest[lanes], self.fastest[lanes], self.damping)
 
     def at(self, h: Array) -> Point:
         """y and three derivatives after h."""
@@ -70,8 +71,9 @@ class Series(NamedTuple):
         return Point(y, v, b, j)
 
     def at_ground(self, h: Array) -> Array:
-        """y'' at an impact after h."""
-        return self.at(h).b
+        """The force at an impact after h: y'' less what damping takes."""
+        there = self.at(h)
+        return there.b + 2.0 * self.damping * there.v if self.damping else there.b
 
 
 _TINY = 1e-90  # stands for no time at all, where derivatives are taken as n (n - 1) ... c_n x^n / x^d
@@ -98,7 +100,7 @@ def _falling_factors(count: int) -> Array:
 
 
 class Drive(NamedTuple):
-    """Series of the outward drive, without its first term: (terms, lanes) in powers of h / unit, and that unit."""
+    """TaylorSeries of the outward drive, without its first term: (terms, lanes) in powers of h / unit, and that unit."""
 
     terms: Array
     unit: Array
@@ -113,7 +115,7 @@ def order_for(tolerance: float, terms: float = 0.98) -> int:
 
 
 def drive_series(segments: Segments, lanes: Lanes, order: int) -> Drive:
-    """Terms 1 ... order of the drive. The first, the drive now, follows from the acceleration that a lane carries."""
+    """Terms 1 ... order of the drive. The first, the drive now, follows from the force that a lane carries."""
     _, sin, cos = segment_value(segments, lanes.k, lanes.u)
     outward = -lanes.side * lanes.amplitude
     w = segments.frequency[:, lanes.k] * lanes.omega
@@ -136,7 +138,7 @@ def drive_series(segments: Segments, lanes: Lanes, order: int) -> Drive:
     return Drive(terms, unit, fastest)
 
 
-def series(terms: Array, drive: Drive, tolerance: float) -> Series:
+def series(terms: Array, drive: Drive, tolerance: float, damping: float = 0.0) -> TaylorSeries:
     """The series of these terms, with the step that the tolerance allows."""
     # Four terms, since one or two can be small by accident: after a jump from rest the series has even powers only.
     last = np.arange(terms.shape[0] - 4, terms.shape[0])[:, None]
@@ -144,4 +146,4 @@ def series(terms: Array, drive: Drive, tolerance: float) -> Series:
         room = np.log(LOCAL * tolerance / (last * np.abs(terms[-4:]) * drive.fastest))
     room /= last - 1
     reach = np.exp(room.min(axis=0))
-    return Series(terms, drive.unit, np.minimum(reach, 4.0 * drive.fastest) * drive.unit, drive.fastest)
+    return TaylorSeries(terms, drive.unit, np.minimum(reach, 4.0 * drive.fastest) * drive.unit, drive.fastest, damping)

@@ -10,8 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...motions.motion import Segments
-from ..equations.equation import Flow, Model
-from ..equations.flow import Point
+from ..equations.equation import Equation, Flow, Point
 from .lanes import Lanes, phase_between
 from .roots import hidden_turn, impact_root, turning_point
 from .windows import window_end
@@ -21,23 +20,26 @@ Array = np.ndarray
 _SURELY = 1.0 - 1e-9  # bounds are trusted up to this part of what they bound: rounding is far below the rest
 
 
+# What a step covers: one window of the drive, or a ridge that is left outwards together with the valley after it.
+RIDGE, VALLEY, RIDGE_THEN_VALLEY = np.int8(0), np.int8(1), np.int8(2)
+
+
 class Step(NamedTuple):
     """How far each lane goes in one proof.
 
-    k, u: where the step ends; h: its length in tau; valley: where in it the valley begins; ridge: it holds a ridge only;
-    joined: a ridge left outwards, then a valley.
+    k, u: where the step ends; h: its length [tau]; kind: RIDGE, VALLEY or RIDGE_THEN_VALLEY; valley: time [tau] in it at which its
+    valley begins.
     """
 
     k: Array
     u: Array
     h: Array
+    kind: Array
     valley: Array
-    ridge: Array
-    joined: Array
 
 
-class Event(NamedTuple):
-    """What a step comes to: the state at its end, and where there was an impact its time, velocity and acceleration."""
+class Passage(NamedTuple):
+    """What a step comes to: the state at its end, and where there was an impact its time, velocity and force."""
 
     step: Step
     arc: Flow
@@ -47,40 +49,53 @@ class Event(NamedTuple):
     impact_v: Array
     impact_b: Array
 
+    @property
+    def force(self) -> Array:
+        """The force at the end."""
+        return self.end.b + 2.0 * self.arc.damping * self.end.v if self.arc.damping else self.end.b
+
+
+class Crests(NamedTuple):
+    """Turning points: lanes, times [tau] since the start of their step, and heights y."""
+
+    lanes: Array
+    h: Array
+    y: Array
+
 
 def next_step(segments: Segments, lanes: Lanes, longest: Array) -> Step:
     """The longest step that one sign test covers, for each lane, and that the flow can take (`longest`, in tau)."""
     window = window_end(segments, lanes.k, lanes.u, lanes.side, lanes.amplitude)
     k, u = window.k.copy(), window.u.copy()
     h = phase_between(segments, lanes.k, lanes.u, k, u) / lanes.omega
-    ridge = window.ridge.copy()
+    kind = np.where(window.ridge, RIDGE, VALLEY)
     valley = np.zeros(h.size)
-    joined = np.zeros(h.size, dtype=bool)
     # A ridge entered outwards holds no event: go on to the end of the valley after it.
-    on = np.flatnonzero(ridge & (lanes.v >= 0.0) & (u < segments.length[k]) & (h < longest))
+    on = np.flatnonzero(window.ridge & (lanes.v >= 0.0) & (u < segments.length[k]) & (h < longest))
     if on.size:
         beyond = window_end(segments, k[on], u[on], lanes.side[on], lanes.amplitude[on])
         valley[on] = h[on]
         h[on] += phase_between(segments, k[on], u[on], beyond.k, beyond.u) / lanes.omega[on]
         k[on], u[on] = beyond.k, beyond.u
-        ridge[on], joined[on] = False, True
+        kind[on] = RIDGE_THEN_VALLEY
     long = np.flatnonzero(h > longest)
     if long.size:
         h[long] = longest[long]
         k[long], u[long] = lanes.k[long], lanes.u[long] + longest[long] * lanes.omega[long]
-    return Step(k, u, h, valley, ridge, joined)
+    return Step(k, u, h, kind, valley)
 
 
-def advance(segments: Segments, lanes: Lanes, model: Model) -> Event:
+def advance(segments: Segments, lanes: Lanes, equation: Equation) -> Passage:
     """Take the step and settle whether the body hit the ground on the way, and when."""
-    arc = model.flow(segments, lanes)
+    arc = equation.flow(segments, lanes)
     step = next_step(segments, lanes, arc.longest)
     end = arc.at(step.h)
     reach = step.h.copy()
     hit = end.y <= 0.0
     # A ridge entered inwards: its single minimum may touch the ground although both ends are above it.
-    dips = np.flatnonzero(step.ridge & ~hit & (lanes.v < 0.0) & (end.v > 0.0))
-    dips = dips[~_clears(arc, end, step.h, dips)]
+    dips = np.flatnonzero((step.kind == RIDGE) & ~hit & (lanes.v < 0.0) & (end.v > 0.0))
+    if not arc.damping:
+        dips = dips[~_clears(arc, end, step.h, dips)]
     if dips.size:
         h = step.h[dips]
         h_min, y_min = turning_point(arc.take(dips), np.zeros(dips.size), h, 0.5 * h, -1.0)
@@ -94,7 +109,7 @@ def advance(segments: Segments, lanes: Lanes, model: Model) -> Event:
         falling = arc.take(at)
         reach[at], impact_v[at] = impact_root(falling, step.valley[at], reach[at], guess)
         impact_b[at] = falling.at_ground(reach[at])
-    return Event(step, arc, end, reach, hit, impact_v, impact_b)
+    return Passage(step, arc, end, reach, hit, impact_v, impact_b)
 
 
 def _clears(arc: Flow, end: Point, h: Array, at: Array) -> Array:
@@ -116,75 +131,78 @@ def _impact_guess(arc: Flow, step: Step, end: Point, reach: Array, at: Array) ->
     return np.where((guess > low) & (guess < high), guess, 0.5 * (low + high))
 
 
-def crests(segments: Segments, lanes: Lanes, event: Event, wanted: Array) -> tuple[Array, Array, Array]:
-    """(lanes, h, y) of the turning points of this step: one a lane at the most, and only in a valley."""
-    step, end = event.step, event.end
-    wanted = wanted & ~step.ridge
-    rises = wanted & (step.joined | (lanes.v > 0.0))
-    low, high = step.valley.copy(), event.reach.copy()
+def crests(segments: Segments, lanes: Lanes, passage: Passage, wanted: Array) -> Crests:
+    """The turning points of this step: one a lane at the most, and only in a valley (Lemmas 3 and 4)."""
+    step, end, damping = passage.step, passage.end, passage.arc.damping
+    wanted = wanted & (step.kind != RIDGE)
+    rises = wanted & ((step.kind == RIDGE_THEN_VALLEY) | (lanes.v > 0.0))
+    low, high = step.valley.copy(), passage.reach.copy()
     # Entered inwards, y' may rise through zero while the drive still falls: as a concave function, not above its tangent.
-    turning = np.flatnonzero(wanted & ~rises & (lanes.b > 0.0))
+    slope = _slope(lanes.b, lanes.v, -damping)  # lanes carry the force
+    turning = np.flatnonzero(wanted & ~rises & (slope > 0.0))
     if turning.size:
-        bottom = np.minimum(_bottom(segments, lanes, event, turning), high[turning])
-        turning, bottom = (x[lanes.v[turning] + lanes.b[turning] * bottom > 0.0] for x in (turning, bottom))
-        outwards = hidden_turn(event.arc.take(turning), np.zeros(turning.size), bottom, -1.0)
+        bottom = np.minimum(_bottom(segments, lanes, passage, turning), high[turning])
+        turning, bottom = (x[lanes.v[turning] + slope[turning] * bottom > 0.0] for x in (turning, bottom))
+        outwards = hidden_turn(passage.arc.take(turning), np.zeros(turning.size), bottom, -1.0)
         found = np.isfinite(outwards)
         rises[turning[found]], low[turning[found]] = True, outwards[found]
-    sure = rises & (event.hit | (end.v <= 0.0))
+    sure = rises & (passage.hit | (end.v <= 0.0))
     # y' > 0 at both ends: a peak and a trough may hide where the drive rises again, and then b > 0 at the end. There y' is
     # convex (see `hidden_turn`): its tangent at the end may prove at once that it never falls below zero.
-    doubtful = np.flatnonzero(rises & ~sure & (end.b > 0.0) & (end.b * (step.h - step.valley) > _SURELY * end.v))
+    slope = _slope(end.b, end.v, damping)
+    doubtful = np.flatnonzero(rises & ~sure & (slope > 0.0) & (slope * (step.h - step.valley) > _SURELY * end.v))
     if doubtful.size:
-        falls = _falling_again(segments, lanes, event, doubtful)
+        falls = _falling_again(segments, lanes, passage, doubtful)
         found = np.isfinite(falls)
         sure[doubtful[found]] = True
         high[doubtful[found]] = falls[found]
     at = np.flatnonzero(sure)
     low, high = low[at], high[at]
     if not at.size:
-        return at, low, low
-    return at, *turning_point(event.arc.take(at), low, high, 0.5 * (low + high), 1.0)
+        return Crests(at, low, low)
+    return Crests(at, *turning_point(passage.arc.take(at), low, high, 0.5 * (low + high), 1.0))
 
 
-def raise_peaks(segments: Segments, lanes: Lanes, event: Event, wanted: Array, gain: float) -> None:
-    """Raise each wanted lane's peak by the turning point of this step; gain: the model's."""
-    at, _, y = crests(segments, lanes, event, wanted & ~_low_bounces(lanes, event, gain))
-    lanes.peak[at] = np.maximum(lanes.peak[at], y)
+def _slope(b: Array, v: Array, damping: float) -> Array:
+    """Slope of exp(zeta tau) y' over that factor, y'' + zeta y'; from the force it is f - zeta y'."""
+    return b + damping * v if damping else b
 
 
-def _low_bounces(lanes: Lanes, event: Event, gain: float) -> Array:
+def low_bounces(lanes: Lanes, passage: Passage, gain: float) -> Array:
     """Bounces from impact to impact within one valley that cannot rise above their lane's peak so far.
 
     In a valley a is largest at an end, so that y'' <= g y - m with m = 1 - a there. While g v h < m the bounce is concave, and
-    lower than the point where the tangents at its ends meet.
+    lower than the point where the tangents at its ends meet. (Lemma 5; undamped.)
     """
-    low = event.hit & (lanes.impacts > 0) & (lanes.y == 0.0) & ~event.step.ridge & ~event.step.joined
+    if passage.arc.damping:
+        return np.zeros(passage.hit.shape, dtype=bool)
+    low = passage.hit & (lanes.impacts > 0) & (lanes.y == 0.0) & (passage.step.kind == VALLEY)
     at = np.flatnonzero(low)
     if at.size:
-        v, fall, h = lanes.v[at], -event.impact_v[at], event.reach[at]
-        margin = -np.maximum(np.maximum(lanes.b[at], event.impact_b[at]), -2.0)
+        v, fall, h = lanes.v[at], -passage.impact_v[at], passage.reach[at]
+        margin = -np.maximum(np.maximum(lanes.b[at], passage.impact_b[at]), -2.0)
         low[at] = (gain * v * h < _SURELY * margin) & (v * fall * h <= _SURELY * (v + fall) * lanes.peak[at])
     return low
 
 
-def _bottom(segments: Segments, lanes: Lanes, event: Event, at: Array) -> Array:
+def _bottom(segments: Segments, lanes: Lanes, passage: Passage, at: Array) -> Array:
     """The time until which the drive falls in these steps: to the start of the last segment; 0 where it only rises."""
     k, u = lanes.k[at], lanes.u[at]
-    to_k, to_u = event.step.k[at], event.step.u[at]
+    to_k, to_u = passage.step.k[at], passage.step.u[at]
     to_k = np.where(to_u > 0.0, to_k, to_k - 1)
     inside = -lanes.side[at] * (segments.s_end[k] - segments.s_start[k]) < 0.0  # a step within one falling segment
     bottom = phase_between(segments, k, u, np.maximum(k, to_k), np.zeros(at.size)) / lanes.omega[at]
-    return np.where(to_k > k, bottom, np.where(inside, event.step.h[at], 0.0))
+    return np.where(to_k > k, bottom, np.where(inside, passage.step.h[at], 0.0))
 
 
-def _falling_again(segments: Segments, lanes: Lanes, event: Event, at: Array) -> Array:
+def _falling_again(segments: Segments, lanes: Lanes, passage: Passage, at: Array) -> Array:
     """A time with y' < 0 inside steps that begin and end with y' > 0, NaN where there is none."""
-    valley, h = event.step.valley[at], event.step.h[at]
-    bottom = np.clip(_bottom(segments, lanes, event, at), valley, h)
-    arc = event.arc.take(at)
+    valley, h = passage.step.valley[at], passage.step.h[at]
+    bottom = np.clip(_bottom(segments, lanes, passage, at), valley, h)
+    arc = passage.arc.take(at)
     middle = arc.at(bottom)
     found = np.where(middle.v < 0.0, bottom, np.nan)
-    hidden = np.flatnonzero((middle.v >= 0.0) & (middle.b < 0.0))
+    hidden = np.flatnonzero((middle.v >= 0.0) & (_slope(middle.b, middle.v, arc.damping) < 0.0))
     if hidden.size:
         found[hidden] = hidden_turn(arc.take(hidden), bottom[hidden], h[hidden], 1.0)
     return found

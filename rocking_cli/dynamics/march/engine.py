@@ -1,4 +1,4 @@
-"""The vectorised engine: cells (A, Omega, eta) under one motion, advanced arc by arc in a pool of lanes.
+"""The march: cells (A, Omega, eta) under one motion, advanced arc by arc in a pool of lanes.
 
 In each round every lane goes from its present state to the end of a window of the drive, or to its impact (`advance`).
 Lanes that finish hand in their result and new cells take their places, so that a cell which chatters never holds up the
@@ -9,15 +9,14 @@ chatter, certain overturning, the free motion after the shaking.
 from __future__ import annotations
 
 from dataclasses import dataclass, fields
+from typing import NamedTuple
 
 import numpy as np
 
-from ...motions.motion import Motion, Segments
-from ..contacts.contact import chatter_ends, uplift
-from ..equations.equation import Model
-from ..equations.linear import LinearModel
+from ...motions.motion import Segments
 from ..outcome import Outcome
-from .advance import Event, advance, raise_peaks
+from ..system import System
+from .advance import Crests, Passage, advance, crests, low_bounces
 from .lanes import Lanes, place
 
 Array = np.ndarray
@@ -27,6 +26,7 @@ MAX_STEPS = 120_000  # a cell that takes more, and 40 for each segment of the mo
 # round back to the system and faults them in again for the next, which takes a third of the nonlinear engine's time.
 _KEPT = 31 << 20  # bytes; glibc learns from blocks up to 32 MB
 STILL = 1e-100  # a speed whose square a double does not hold is none
+_SETTLING = 250.0  # tau, times what damping slows the unstable mode: no body is longer on its way to its last impacts that matter
 
 
 @dataclass(frozen=True)
@@ -47,54 +47,57 @@ class Work:
 
 
 @dataclass(frozen=True)
-class Response:
-    """Result for each cell, in the shape of the input.
+class Watch:
+    """What a run that is looked at does not leave out.
 
-    theta_ratio: max over time of |theta|/alpha [-], NaN where overturned or failed; outcome: uint8 codes of `Outcome`;
-    impacts: int32, impacts during the shaking (those of a chatter closed in one step are not counted); work: counters.
+    fallen: displacement y, (right, left), to which an overturning body is followed; visible: speed y' of the bounces that are still
+    marched through. Every turning point is found, whether it matters to the peak or not.
     """
 
-    theta_ratio: Array
-    outcome: Array
-    impacts: Array
-    work: Work
+    fallen: tuple[float, float]
+    visible: float
 
 
-def linear_response(
-    motion: Motion, amplitude: Array, omega: Array, eta: Array | float, *, peaks: bool = True, pool: int | None = None
-) -> Response:
-    """Largest rotation and outcome of linear rocking oscillators under one motion (Eqs. 2.4, 2.6, 3.6), exact.
+class Rests(NamedTuple):
+    """Bodies that came to rest in a round: as they were just after their last impact, and as they lift off again (if ever)."""
 
-    Parameters: amplitude A = a_scale a_g / (alpha g) [-], finite and not negative; omega Omega = omega_g / p [-],
-    positive and finite; eta [-] in [0, 1]; broadcast against each other. peaks: whether theta_ratio is wanted; without it
-    only the outcome is computed and theta_ratio is NaN. Raises ValueError when a number is out of range.
+    before: Lanes
+    after: Lanes
+
+
+class Round(NamedTuple):
+    """What happened in one round.
+
+    lanes: as they were before it; passage: their step; crests: turning points in it; overturned: the lanes that are lost;
+    rests: bodies that came to rest after an impact in it, None unless watched; going: the lanes that go on.
     """
-    return response(LinearModel(), motion, amplitude, omega, eta, peaks=peaks, pool=pool)
 
-
-def response(
-    model: Model, motion: Motion, amplitude: Array, omega: Array, eta: Array | float, *, peaks: bool = True, pool: int | None = None
-) -> Response:
-    """The same for any model; pool: lanes advanced together, None for what suits the model. Raises ValueError."""
-    amplitude, omega, eta = np.broadcast_arrays(*(np.asarray(x, dtype=float) for x in (amplitude, omega, eta)))
-    if not (np.all(np.isfinite(amplitude)) and np.all(amplitude >= 0.0)):
-        raise ValueError("amplitude must be finite and not negative")
-    if not (np.all(np.isfinite(omega)) and np.all(omega > 0.0)):
-        raise ValueError("omega must be positive and finite")
-    if not np.all((eta >= 0.0) & (eta <= 1.0)):
-        raise ValueError("eta must be within [0, 1]")
-    run = Run(model, motion.segments, amplitude.ravel() / model.initiation, omega.ravel(), eta.ravel(), peaks, pool or model.pool)
-    run.all()
-    shape = amplitude.shape
-    return Response(run.theta_ratio.reshape(shape), run.outcome.reshape(shape), run.impacts.reshape(shape), run.work)
+    lanes: Lanes
+    passage: Passage
+    crests: Crests
+    overturned: Array
+    rests: Rests | None
+    going: Lanes
 
 
 class Run:
-    """One batch of cells on its way through the pool."""
+    """One batch of cells on its way through the pool.
 
-    def __init__(self, model: Model, segments: Segments, amplitude: Array, omega: Array, eta: Array, peaks: bool, pool: int) -> None:
-        self.model, self.segments, self.peaks, self.pool = model, segments, peaks, pool
-        self.amplitude, self.omega, self.eta = amplitude, omega, eta
+    Parameters: amplitude, omega, eta: (cells,), as `response` takes them; peaks: whether the largest rotations are wanted; pool: lanes
+    advanced together; watch: None unless somebody listens. Raises ValueError when an eta does not fit the contact.
+    """
+
+    def __init__(
+        self, system: System, segments: Segments, amplitude: Array, omega: Array, eta: Array, peaks: bool, pool: int,
+        watch: Watch | None = None,
+    ) -> None:  # fmt: skip
+        self.equation, self.contact = system.equation, system.contact
+        self.peaks, self.pool, self.watch = peaks, pool, watch
+        self.cells = self.contact.cells(self.equation, amplitude, omega, eta)
+        self.segments, self.shaken = segments, len(segments)
+        if self.equation.damping and omega.size:  # no closed form of the free motion: march on over still ground
+            self.segments = segments.followed_by_rest(_SETTLING * (1.0 + 3.0 * self.equation.damping) * float(self.cells.omega.max()))
+            self.settling = np.zeros(omega.size, dtype=np.int8)
         self.theta_ratio = np.full(amplitude.size, 0.0 if peaks else np.nan)
         self.outcome = np.full(amplitude.size, Outcome.NO_UPLIFT, dtype=np.uint8)
         self.impacts = np.zeros(amplitude.size, dtype=np.int32)
@@ -103,49 +106,53 @@ class Run:
 
     def all(self) -> None:
         """Run every cell to its end."""
-        peak = max(self.segments.later_max[0], -self.segments.later_min[0])
-        waiting = np.flatnonzero(self.amplitude * peak > 1.0)
-        self.work += Work(no_uplift=self.amplitude.size - waiting.size)
-        lanes, taken = self._start(waiting[:0]), 0
-        np.empty(_KEPT, dtype=np.uint8)  # made and freed: see there
+        waiting = np.flatnonzero(self.contact.strongest(self.cells, self.segments) > 1.0)
+        self.work += Work(no_uplift=self.outcome.size - waiting.size)
+        lanes, taken = self.start(waiting[:0]), 0
+        np.empty(_KEPT, dtype=np.uint8)  # made and freed, see _KEPT
         with np.errstate(all="ignore"):
             while taken < waiting.size or lanes.cell.size:
                 room = self.pool - lanes.cell.size
                 if room > 0 and taken < waiting.size:
-                    lanes = lanes.join(self._start(waiting[taken : taken + room]))
+                    lanes = lanes.join(self.start(waiting[taken : taken + room]))
                     taken += room
-                lanes = self._round(lanes)
+                lanes = self.round(lanes).going
 
-    def _start(self, cell: Array) -> Lanes:
-        """Bodies at rest, taken to their first uplift."""
+    def start(self, cell: Array) -> Lanes:
+        """Bodies at rest, taken to their first uplift; k is the number of segments where there is none."""
         zero = np.zeros(cell.size)
-        amplitude = self.amplitude[cell]
-        first = uplift(self.segments, np.zeros(cell.size, dtype=np.int64), zero, amplitude)
+        first = self.contact.uplift(self.cells, self.segments, cell, np.zeros(cell.size, dtype=np.int64), zero)
         count = np.zeros(cell.size, dtype=np.int32)
         peak = np.full(cell.size, 0.0 if self.peaks else np.inf)  # infinite: nothing that comes can matter to it
-        return Lanes(
-            cell, amplitude, self.omega[cell], self.eta[cell],
-            first.k, first.u, first.side, zero, zero.copy(), first.b, peak, count, count.copy(),
-        )  # fmt: skip
+        row = self.cells.row(first.side)
+        amplitude, omega, eta = (values[row, cell] for values in self.cells)
+        place_and_state = (first.k, first.u, first.side, zero, zero.copy(), first.b)
+        return Lanes(cell, amplitude, omega, eta, *place_and_state, peak, count, count.copy())
 
-    def _round(self, lanes: Lanes) -> Lanes:
-        """One step for every lane; returns the lanes that are still on their way."""
+    def round(self, lanes: Lanes) -> Round:
+        """One step for every lane."""
         seg = self.segments
         lanes.steps += 1
-        event = advance(seg, lanes, self.model)
-        self._observe(lanes, event)
-        end, hit = event.end, event.hit
-        k, u = place(seg, event.step.k, event.step.u)
-        bad = ~(np.isfinite(end.y) & np.isfinite(event.reach)) | (lanes.steps > self.most_steps)
+        equation = self.equation.on(lanes.side)
+        passage = advance(seg, lanes, equation)
+        end, hit = passage.end, passage.hit
+        k, u = place(seg, passage.step.k, passage.step.u)
+        bad = ~(np.isfinite(end.y) & np.isfinite(passage.reach)) | (lanes.steps > self.most_steps)
         shaken = ~hit & ~bad & (k >= len(seg))
-        over = ~hit & ~bad & ~shaken & self._certainly_overturns(lanes, k, event)
+        if self.equation.damping:
+            bad, shaken = bad | shaken, np.zeros(hit.shape, dtype=bool)  # it should have settled
+        over = ~hit & ~bad & ~shaken & self._certainly_overturns(lanes, k, passage)
         last = np.flatnonzero(shaken)
-        fate = self.model.fate(end.y[last], end.v[last], lanes.eta[last])
+        ending = lanes.take(last)
+        fate = self.contact.fate(self.equation, ending, end.y[last], end.v[last], self.cells)
+        wanted = ~(bad | over)
+        wanted[last[np.isnan(fate.peak)]] = False
+        found = self._crests(lanes, passage, wanted)
         if self.peaks:
-            wanted = ~(bad | over)
-            wanted[last[np.isnan(fate.peak)]] = False
-            raise_peaks(seg, lanes, event, wanted, self.model.gain)
-            over |= ~bad & (lanes.peak >= self.model.limit)  # beyond it and back within one step
+            lanes.peak[found.lanes] = np.maximum(lanes.peak[found.lanes], found.y)
+            limit = np.broadcast_to(equation.limit, hit.shape)
+            over[found.lanes[found.y >= limit[found.lanes]]] = True  # beyond it and back within one step
+            over &= ~bad
 
         self.work += Work(certain_overturning=int(over.sum()), free_phase=last.size, impacts=int(hit.sum()), steps=hit.size)
         self._finish(lanes, np.flatnonzero(bad), Outcome.FAILED, np.nan)
@@ -157,79 +164,103 @@ class Run:
 
         going = ~(bad | over | shaken)
         free, struck = np.flatnonzero(going & ~hit), np.flatnonzero(going & hit)
-        return self._onward(lanes, event, k, u, free).join(self._impact(lanes, event, struck))
+        landed, rests = self._impact(lanes, passage, struck)
+        return Round(lanes, passage, found, over, rests, self._onward(lanes, passage, k, u, free).join(landed))
 
-    def _observe(self, lanes: Lanes, event: Event) -> None:
-        """Called with each step before it is taken; for those who record."""
+    def _crests(self, lanes: Lanes, passage: Passage, wanted: Array) -> Crests:
+        """The turning points of those steps whose peak is wanted."""
+        if self.watch is not None:
+            return crests(self.segments, lanes, passage, np.ones(wanted.shape, dtype=bool))
+        if not self.peaks:
+            return Crests(np.zeros(0, dtype=np.int64), np.zeros(0), np.zeros(0))
+        return crests(self.segments, lanes, passage, wanted & ~low_bounces(lanes, passage, self.equation.gain))
 
-    def _certainly_overturns(self, lanes: Lanes, k: Array, event: Event) -> Array:
-        """No drive that is still to come can bring the body back."""
+    def _certainly_overturns(self, lanes: Lanes, k: Array, passage: Passage) -> Array:
+        """No drive that is still to come can bring the body back (Lemma 6)."""
+        end = passage.end
         later = np.minimum(k, len(self.segments) - 1)
         inward = np.where(lanes.side > 0.0, self.segments.later_max[later], -self.segments.later_min[later])
-        return self.model.certainly_overturns(event.end.y, event.end.v, lanes.amplitude * inward)
+        certain = self.equation.on(lanes.side).certainly_overturns(end.y, end.v, lanes.amplitude * inward)
+        return certain if self.watch is None else certain & (end.y >= np.where(lanes.side > 0.0, *self.watch.fallen))
 
-    def _onward(self, lanes: Lanes, event: Event, k: Array, u: Array, at: Array) -> Lanes:
+    def _onward(self, lanes: Lanes, passage: Passage, k: Array, u: Array, at: Array) -> Lanes:
         """Lanes that reached the end of their step in the air."""
         lanes = lanes.take(at)
         lanes.k, lanes.u = k[at], u[at]
-        lanes.y, lanes.v, lanes.b = event.end.y[at], event.end.v[at], event.end.b[at]
+        lanes.y, lanes.v, lanes.b = passage.end.y[at], passage.end.v[at], passage.force[at]
         self._renew_drive(lanes)
         return lanes
 
-    def _impact(self, lanes: Lanes, event: Event, at: Array) -> Lanes:
-        """Impact: the side flips, the speed is multiplied by eta (Eq. 2.6); a body without speed comes to rest."""
+    def _impact(self, lanes: Lanes, passage: Passage, at: Array) -> tuple[Lanes, Rests | None]:
+        """Impact, by the rule of the contact; a body without speed comes to rest."""
         seg = self.segments
         lanes = lanes.take(at)
-        lanes.k, lanes.u = place(seg, lanes.k, lanes.u + lanes.omega * event.reach[at])
-        lanes.side = -lanes.side
-        lanes.y, lanes.v = np.zeros(at.size), -lanes.eta * event.impact_v[at]
-        lanes.b = -2.0 - event.impact_b[at]
-        lanes.impacts += 1
+        lanes.k, lanes.u = place(seg, lanes.k, lanes.u + lanes.omega * passage.reach[at])
+        lanes.y = np.zeros(at.size)
+        self.contact.strike(self.cells, lanes, passage.impact_v[at], passage.impact_b[at])
+        lanes.impacts += lanes.k < self.shaken if self.equation.damping else 1
         self._renew_drive(lanes)
 
         over = lanes.k >= len(seg)  # the impact fell on the very end of the shaking
         last = np.flatnonzero(over)
         if last.size:
-            fate = self.model.fate(lanes.y[last], lanes.v[last], lanes.eta[last])
-            self._overturn(lanes, last[fate.overturns])
-            self._finish(lanes, last[~fate.overturns], Outcome.ROCKED, np.maximum(lanes.peak[last], fate.peak)[~fate.overturns])
+            ending = lanes.take(last)
+            fate = self.contact.fate(self.equation, ending, ending.y, ending.v, self.cells)
+            lost = fate.overturns | fate.overturns_after_impact
+            self._overturn(lanes, last[lost])
+            self._finish(lanes, last[~lost], Outcome.ROCKED, np.maximum(lanes.peak[last], fate.peak)[~lost])
             lanes = lanes.take(np.flatnonzero(~over))
+        if self.equation.damping:
+            lanes = self._settle(lanes)
         return self._rest(lanes)
 
-    def _rest(self, lanes: Lanes) -> Lanes:
+    def _settle(self, lanes: Lanes) -> Lanes:
+        """Lanes whose last impact that matters was this one, on still ground after the shaking, are done."""
+        still = np.flatnonzero(lanes.k >= self.shaken)
+        self.settling[lanes.cell[still]] += 1
+        done = lanes.k >= self.shaken
+        done[still] = self.settling[lanes.cell[still]] >= self.contact.settles
+        at = np.flatnonzero(done)
+        self._finish(lanes, at, Outcome.ROCKED, lanes.peak[at])
+        return lanes.take(np.flatnonzero(~done)) if at.size else lanes
+
+    def _rest(self, lanes: Lanes) -> tuple[Lanes, Rests | None]:
         """Bodies whose bouncing is over skip to their next uplift, or finish."""
-        seg = self.segments
-        ends = self._chatter_ends(lanes)
+        ends = self.contact.bouncing_ends(self.segments, lanes, self.equation)
+        if self.watch is not None:
+            ends &= lanes.v < self.watch.visible
         resting = np.flatnonzero(ends | (lanes.v < STILL))
         if not resting.size:
-            return lanes
-        again = uplift(seg, lanes.k[resting], lanes.u[resting], lanes.amplitude[resting])
-        lanes.k[resting], lanes.u[resting], lanes.side[resting] = again.k, again.u, again.side
+            return lanes, None
+        before = lanes.take(resting) if self.watch is not None else None
+        again = self.contact.uplift(self.cells, self.segments, lanes.cell[resting], lanes.k[resting], lanes.u[resting])
+        lanes.k[resting], lanes.u[resting] = again.k, again.u
         lanes.y[resting], lanes.v[resting], lanes.b[resting] = 0.0, 0.0, again.b
+        self.contact.turn(self.cells, lanes, resting, again.side)
         self.work += Work(chatters_closed=int(ends.sum()), rests_skipped=resting.size)
-        settled = resting[again.k >= len(seg)]
+        settled = resting[again.k >= len(self.segments)]
         self._finish(lanes, settled, Outcome.ROCKED, lanes.peak[settled])
-        return lanes.take(np.flatnonzero(lanes.k < len(seg)))
-
-    def _chatter_ends(self, lanes: Lanes) -> Array:
-        return chatter_ends(self.segments, lanes, self.model.gain)
+        rests = None if before is None else Rests(before, lanes.take(resting))
+        return lanes.take(np.flatnonzero(lanes.k < len(self.segments))), rests
 
     def _renew_drive(self, lanes: Lanes) -> None:
-        """Where a piece of the motion begins the drive may jump: take the acceleration from the new side of the jump."""
+        """Where a piece of the motion begins the drive may jump: take the force from the new side of the jump."""
         seg = self.segments
         at = np.flatnonzero((lanes.u == 0.0) & (lanes.k > 0) & (lanes.k < len(seg)))
         at = at[~seg.joins[lanes.k[at] - 1]]
         drive = -lanes.side[at] * lanes.amplitude[at] * seg.s_start[lanes.k[at]]
-        lanes.b[at] = self.model.acceleration(lanes.y[at], drive)
+        lanes.b[at] = self.equation.on(lanes.side[at]).force(lanes.y[at], drive)
 
     def _overturn(self, lanes: Lanes, at: Array) -> None:
         bounced = lanes.impacts[at] > 0
+        if self.equation.damping:
+            bounced |= self.settling[lanes.cell[at]] > 0
         self._finish(lanes, at[bounced], Outcome.OVERTURNED_AFTER_IMPACT, np.nan)
         self._finish(lanes, at[~bounced], Outcome.OVERTURNED_NO_IMPACT, np.nan)
 
-    def _finish(self, lanes: Lanes, at: Array, outcome: Outcome, theta_ratio: Array | float) -> None:
+    def _finish(self, lanes: Lanes, at: Array, outcome: Outcome, peak: Array | float) -> None:
         cell = lanes.cell[at]
         self.outcome[cell] = outcome
         if self.peaks:
-            self.theta_ratio[cell] = self.model.rotation(np.asarray(theta_ratio))
+            self.theta_ratio[cell] = self.equation.on(lanes.side[at]).rotation(np.asarray(peak))
         self.impacts[cell] = lanes.impacts[at]

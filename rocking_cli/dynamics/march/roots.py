@@ -8,8 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..equations.equation import Flow
-from ..equations.flow import Point
+from ..equations.equation import Flow, Point
 
 Array = np.ndarray
 
@@ -114,7 +113,8 @@ def hidden_turn(arc: Flow, low: Array, high: Array, sense: float) -> Array:
             break
         h = 0.5 * (low + high)
         f = arc.at(h)
-        v, b = sense * f.v, sense * f.b
+        v = sense * f.v
+        b = sense * (f.b + arc.damping * f.v) if arc.damping else sense * f.b
         turns = v < 0.0
         found[lanes[turns]] = h[turns]
         # Convexity bounds v from below by its tangents: stop where they prove that v keeps its sign.

@@ -1,4 +1,4 @@
-"""The nonlinear equations by a second, slower path, for checking: SciPy's DOP853 on the equation as the paper writes it.
+"""Any equation and contact by a second, slower path, for checking: SciPy's DOP853 on the equation as the paper writes it.
 
 It shares no series, table, window or energy argument with the engine. The state is (theta, w), w = sqrt(M) theta', which takes
 the velocity term out of Eq. 3.4; for a rigid body M = 1. Strides are half a radian of the fastest motion, in five steps or
@@ -8,8 +8,9 @@ more; impacts and crests are events.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 from scipy.integrate import solve_ivp
@@ -19,57 +20,124 @@ from ...structures.kinematics import Mechanism, linearise
 from ..outcome import Outcome
 from .uplift import next_uplift
 
+if TYPE_CHECKING:
+    from ...structures.parameters import RockingParameters, Side
+
+    Edge = Side | RockingParameters  # what has a p, alpha and a_scale
+
 _MAX_STRIDES, _A_SEGMENT = 5_000, 50  # strides of a cell, and these for each segment of the motion
 _SCRIPT_STRIDE = 10.0  # tau between two looks at whether a body is lost, where steps are the solver's own
 _AT_REST = 1e-11
 
 
-class Equation(Protocol):
-    """An equation of motion: alpha, uplift lambda, the ground acceleration of A = 1 (over g), and the rates by tau."""
+class Rates(Protocol):
+    """An equation of motion on one side: critical angle alpha [rad], static uplift lambda [-], theta [rad] at which the body has
+    overturned whatever comes, and its rates by tau of the reference."""
 
-    alpha: float
-    uplift: float
-    scale: float
+    @property
+    def alpha(self) -> float: ...
 
-    def rates(self, theta: float, w: float, push: float) -> list[float]:
+    @property
+    def uplift(self) -> float: ...
+
+    @property
+    def limit(self) -> float: ...
+
+    def __call__(self, theta: float, w: float, push: float) -> list[float]:
         """(theta', w') under the inward ground acceleration push [g]."""
 
 
-class RigidBody:
+@dataclass(frozen=True)
+class LinearRates:
+    """Eq. 2.4 or 3.6; pace: p of the side over that of the reference; damping: zeta."""
+
+    alpha: float
+    uplift: float
+    pace: float = 1.0
+    damping: float = 0.0
+    limit: float = math.inf
+
+    def __call__(self, theta: float, w: float, push: float) -> list[float]:
+        """theta - alpha - a_scale push - 2 zeta w; a_scale is alpha over the uplift of this equation."""
+        return [w, self.pace**2 * (theta - self.alpha - self.alpha / self.uplift * push) - 2.0 * self.damping * self.pace * w]
+
+
+@dataclass(frozen=True)
+class RigidBodyRates:
     """Eq. 2.3."""
 
-    def __init__(self, alpha: float) -> None:
-        self.alpha, self.uplift, self.scale = alpha, math.tan(alpha), alpha
+    alpha: float
+    pace: float = 1.0
+    damping: float = 0.0
+    limit: float = 0.5 * math.pi
 
-    def rates(self, theta: float, w: float, push: float) -> list[float]:
-        """-sin(alpha - theta) - push cos(alpha - theta)."""
+    @property
+    def uplift(self) -> float:
+        """tan(alpha) (Eq. 2.2)."""
+        return math.tan(self.alpha)
+
+    def __call__(self, theta: float, w: float, push: float) -> list[float]:
+        """-sin(alpha - theta) - push cos(alpha - theta) - 2 zeta w."""
         z = self.alpha - theta
-        return [w, -math.sin(z) - push * math.cos(z)]
+        return [w, self.pace**2 * (-math.sin(z) - push * math.cos(z)) - 2.0 * self.damping * self.pace * w]
 
 
-class Linkage:
+class MechanismRates:
     """Eq. 3.4, from the mechanism's own coefficients."""
 
-    def __init__(self, mechanism: Mechanism) -> None:
-        form = linearise(mechanism)
-        self.mechanism, self.stiffness = mechanism, form.stiffness
-        self.alpha, self.uplift, self.scale = form.alpha, form.uplift, form.uplift
+    limit = 0.5 * math.pi
 
-    def rates(self, theta: float, w: float, push: float) -> list[float]:
-        """w/sqrt(M) and -(L + push B)/sqrt(M), over p^2/g."""
+    def __init__(self, mechanism: Mechanism, damping: float = 0.0) -> None:
+        form = linearise(mechanism)
+        self.mechanism, self.stiffness, self.damping = mechanism, form.stiffness, damping
+        self.alpha, self.uplift = form.alpha, form.uplift
+
+    def __call__(self, theta: float, w: float, push: float) -> list[float]:
+        """w/sqrt(M) and -(L + push B)/sqrt(M), over p^2/g, less 2 zeta w."""
         c = self.mechanism.coefficients(theta)
         root = math.sqrt(c.inertia)
-        return [w / root, -float(c.lift + push * c.push) / root / self.stiffness]
+        return [w / root, -float(c.lift + push * c.push) / root / self.stiffness - 2.0 * self.damping * w]
 
 
-class Oscillator:
-    """Eq. 2.4 over alpha, for general solvers; the engine's own reference for it is `reference`."""
+@dataclass(frozen=True)
+class Problem:
+    """A structure as general solvers take it.
 
-    alpha = uplift = scale = 1.0
+    right, left: the equation on each edge, right that of theta > 0, left None for a body that is free to the right only; scale:
+    ground acceleration of A = 1 [g]; eta: theta' after over before on leaving each edge, None for that of the cell.
+    """
 
-    def rates(self, theta: float, w: float, push: float) -> list[float]:
-        """theta - 1 - push."""
-        return [w, theta - 1.0 - push]
+    right: Rates
+    left: Rates | None
+    scale: float
+    eta: tuple[float, float] | None = None
+
+
+def linear_rates(structure: RockingParameters, edge: Edge, pace: float) -> Rates:
+    """Eq. 2.4 or 3.6 of an edge of a structure."""
+    return LinearRates(edge.alpha, edge.alpha / edge.a_scale, pace, structure.damping)
+
+
+def rigid_body_rates(structure: RockingParameters, edge: Edge, pace: float) -> Rates:
+    """Eq. 2.3 of an edge of a structure."""
+    return RigidBodyRates(edge.alpha, pace, structure.damping)
+
+
+def mechanism_rates(structure: RockingParameters, edge: Edge, pace: float) -> Rates:
+    """Eq. 3.4 of a structure."""
+    assert structure.mechanism is not None  # asked only where there is one
+    return MechanismRates(structure.mechanism, structure.damping)
+
+
+def problem_of(structure: RockingParameters, rates: Callable[[RockingParameters, Edge, float], Rates]) -> Problem:
+    """A structure with the rates of an equation."""
+    scale = structure.alpha / structure.a_scale
+    if structure.sides:
+        left, right = structure.sides
+        there = [rates(structure, side, side.p / structure.p) for side in (right, left)]
+        return Problem(there[0], there[1], scale, (right.eta, left.eta))
+    one = rates(structure, structure, 1.0)
+    return Problem(one, None if structure.one_sided else one, scale)
 
 
 @dataclass(frozen=True)
@@ -106,11 +174,11 @@ class _Crest:
         return float(state[1])
 
 
-def reference_nonlinear(
-    motion: Motion, amplitude: float, omega: float, eta: float, equation: Equation, solver: Solver = CAREFUL
+def solve_cell(
+    motion: Motion, amplitude: float, omega: float, eta: float, problem: Problem, solver: Solver = CAREFUL
 ) -> tuple[Outcome, float]:
     """(outcome, max |theta|/alpha, NaN where overturned) of one cell; FAILED if it takes too long."""
-    body = _Body(equation, amplitude, omega, eta, solver)
+    body = _Body(problem, amplitude, omega, eta, solver)
     most_strides = _MAX_STRIDES + _A_SEGMENT * len(motion.segments)
     for piece in motion.pieces:
         end = piece.stop / omega
@@ -122,39 +190,51 @@ def reference_nonlinear(
                 body.wait(piece, end)
             else:
                 body.move(piece, end)
-            if body.theta > 0.5 * math.pi or (body.theta > equation.alpha and body.lost(motion, piece)):
+            if body.theta > body.here.limit or (body.side and body.theta > body.here.alpha and body.lost(motion)):
                 return body.overturned(), math.nan
     return body.still()
 
 
 class _Body:
-    def __init__(self, equation: Equation, amplitude: float, omega: float, eta: float, solver: Solver) -> None:
+    def __init__(self, problem: Problem, amplitude: float, omega: float, eta: float, solver: Solver) -> None:
         self.solver = solver
-        self.equation, self.drive, self.omega, self.eta = equation, amplitude * equation.scale, omega, eta
+        self.problem, self.drive, self.omega = problem, amplitude * problem.scale, omega
+        self.etas = problem.eta or (abs(eta), abs(eta))
         self.time = self.theta = self.w = self.peak = 0.0
         self.side = self.strides = 0
         self.bounced = False
+
+    @property
+    def here(self) -> Rates:
+        """The equation on the side that the body is on."""
+        return self.problem.right if self.side > 0 or self.problem.left is None else self.problem.left
 
     def stride(self, piece: Piece) -> float:
         return 0.5 / (1.0 + self.omega * max((h.frequency for h in piece.harmonics), default=1.0))
 
     def excess(self, piece: Piece, time: float) -> float:
-        return self.drive * abs(float(piece.value(self.omega * time))) - self.equation.uplift
+        """How far the ground acceleration exceeds what lifts the body on to the edge that it pushes it to [g]."""
+        push = self.drive * float(piece.value(self.omega * time))
+        if push <= 0.0:
+            return -push - self.problem.right.uplift
+        return push - self.problem.left.uplift if self.problem.left is not None else -push
 
     def wait(self, piece: Piece, end: float) -> None:
         """At rest: on to the first instant of uplift, or to the end of the piece."""
-        lift = next_uplift(piece, self.omega * self.time, self.drive / self.equation.uplift)
+        right, left = self.problem.right, self.problem.left
+        onto = (self.drive / right.uplift, self.drive / left.uplift if left is not None else 0.0)
+        lift = next_uplift(piece, self.omega * self.time, *onto)
         self.time = end if lift is None else max(self.time, lift[0] / self.omega)
         self.side, self.theta, self.w = 0 if lift is None else lift[1], 0.0, 0.0
 
     def move(self, piece: Piece, end: float) -> None:
         """One stride, or on to the impact in it."""
-        time, careful = self.time, self.solver.careful
+        time, careful, here = self.time, self.solver.careful, self.here
         stop = min(end, time + (self.stride(piece) if careful else _SCRIPT_STRIDE))
 
         def rate(t: float, state: np.ndarray) -> list[float]:
             push = self.side * self.drive * float(piece.value(self.omega * t))
-            return self.equation.rates(float(state[0]), float(state[1]), push)
+            return here(float(state[0]), float(state[1]), push)
 
         def at(t: float) -> np.ndarray:
             return np.asarray(self.solver(rate, (time, t), [self.theta, self.w], first_step=t - time).y[:, -1])
@@ -165,7 +245,7 @@ class _Body:
             t = path.t_events[1][i]
             there = at(t) if careful else path.y_events[1][i]
             speed, force = rate(t, there)
-            self.peak = max(self.peak, float(there[0] - 0.5 * speed * there[1] / force))
+            self.peak = max(self.peak, float(there[0] - 0.5 * speed * there[1] / force) / here.alpha)
         if path.status == 0:
             self.time, (self.theta, self.w) = stop, (float(x) for x in path.y[:, -1])
             return
@@ -173,15 +253,16 @@ class _Body:
         there = at(t) if careful else path.y_events[0][0]
         speed, force = rate(t, there)
         miss = -float(there[0]) / speed if speed < 0.0 else 0.0
-        self.time, self.side, self.bounced = t + miss, -self.side, True
-        self.theta, self.w = 0.0, -self.eta * (float(there[1]) + miss * force)
-        if self.w <= 0.0 or (self.w < _AT_REST and self.excess(piece, self.time) < 0.0 and self.eta < 1.0):
+        eta = self.etas[0 if self.side > 0 else 1]
+        self.time, self.bounced = t + miss, True
+        self.side = self.side if self.problem.left is None else -self.side
+        self.theta, self.w = 0.0, -eta * (float(there[1]) + miss * force)
+        if self.w <= 0.0 or (self.w < _AT_REST and self.excess(piece, self.time) < 0.0 and eta < 1.0):
             self.side, self.w = 0, 0.0
 
-    def lost(self, motion: Motion, piece: Piece) -> bool:
+    def lost(self, motion: Motion) -> bool:
         """Moving outwards where no ground acceleration of this motion pushes inwards."""
-        theta, w = self.theta, self.w
-        return w > 0.0 and self.equation.rates(theta, w, self.drive * motion.peak)[1] > 0.0
+        return self.w > 0.0 and self.here(self.theta, self.w, self.drive * motion.peak)[1] > 0.0
 
     def overturned(self) -> Outcome:
         return Outcome.OVERTURNED_AFTER_IMPACT if self.bounced else Outcome.OVERTURNED_NO_IMPACT
@@ -190,11 +271,15 @@ class _Body:
         """After the shaking: on over still ground, until the fate shows."""
         ground, impacts = Piece(0.0, math.inf), 0
         for _ in range(_MAX_STRIDES):
-            if self.side == 0 or impacts > 1:
-                return (Outcome.ROCKED if self.peak > 0.0 else Outcome.NO_UPLIFT), self.peak / self.equation.alpha
-            if self.theta > self.equation.alpha and self.w >= 0.0:
+            if self.side == 0 or impacts > 2:
+                return (Outcome.ROCKED if self.peak > 0.0 else Outcome.NO_UPLIFT), self.peak
+            if self.theta > self.here.alpha and self.w >= 0.0:
                 return self.overturned(), math.nan
-            side = self.side
+            before = self.time
+            bounced, self.bounced = self.bounced, False
             self.move(ground, math.inf)
-            impacts += self.side != side
+            impacts += self.bounced
+            self.bounced |= bounced
+            if not self.time > before:
+                break
         return Outcome.FAILED, math.nan

@@ -53,7 +53,7 @@ class _Body:
                 if steps > self.most_steps:
                     return Outcome.FAILED, math.nan
                 if self.side == 0:
-                    lift = next_uplift(piece, phase + self.omega * time, self.amplitude)
+                    lift = next_uplift(piece, phase + self.omega * time, self.amplitude, self.amplitude)
                     if lift is None:
                         break
                     time, self.side = max(time, (lift[0] - phase) / self.omega), lift[1]

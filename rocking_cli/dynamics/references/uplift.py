@@ -5,11 +5,15 @@ from __future__ import annotations
 from ...motions.motion import Piece
 
 
-def next_uplift(piece: Piece, phase: float, amplitude: float) -> tuple[float, int] | None:
-    """(phase, side) of the first uplift of a body at rest, A |s| > 1, from `phase` to the end of the piece; None if there is none."""
+def next_uplift(piece: Piece, phase: float, right: float, left: float) -> tuple[float, int] | None:
+    """(phase, side) of the first uplift of a body at rest from `phase` to the end of the piece; None if there is none.
+
+    right, left: amplitudes over the uplift of each edge, 0 where there is no such edge: -right s > 1 or left s > 1.
+    """
 
     def excess(at: float) -> float:
-        return amplitude * abs(float(piece.value(at))) - 1.0
+        s = float(piece.value(at))
+        return (left if s > 0.0 else -right) * s - 1.0
 
     low = phase
     for mark in (phase, *(x for x in piece.extremes() if x > phase), piece.stop):  # s is monotone from one to the next

@@ -8,7 +8,7 @@ import mpmath
 import numpy as np
 import pytest
 
-from rocking_cli.dynamics.equations.flow import Arc
+from rocking_cli.dynamics.equations.flow import LinearFlow
 
 
 def one(x):
@@ -35,7 +35,7 @@ def exact(y, v, a0, rate, w, ramp, h):
 def test_flow_equals_variation_of_constants_in_60_digits(h, w, start):
     y0, v0, a0 = start
     rate, ramp = 1.3, 0.4
-    arc = Arc(one(y0), one(v0), one(y0 - 1.0 + a0), one([rate]).T, one([a0]).T, one([w]).T, one(ramp))
+    arc = LinearFlow(one(y0), one(v0), one(y0 - 1.0 + a0), one([rate]).T, one([a0]).T, one([w]).T, one(ramp))
     point = arc.at(one(h))
     y, v = exact(y0, v0, a0, rate, w, ramp, h)
     # y and v are sums of terms that may cancel: the error is a few units in the last place of the largest of them.
@@ -53,7 +53,7 @@ def test_uplift_from_rest_is_a_triple_root_without_noise():
     """After uplift y starts as (rate w) h^3/6; at h = 1e-6 that is 1e-18, far below the rounding of terms of order one."""
     a = 1.5
     rate = math.sqrt(a * a - 1)
-    arc = Arc(np.zeros(1), np.zeros(1), np.zeros(1), np.array([[rate]]), np.array([[1.0]]), np.array([[3.0]]), None)
+    arc = LinearFlow(np.zeros(1), np.zeros(1), np.zeros(1), np.array([[rate]]), np.array([[1.0]]), np.array([[3.0]]), None)
     for h in (1e-6, 1e-5, 1e-4):
         expected = 3.0 * rate * h**3 / 6 - 9.0 * h**4 / 24
         assert arc.at(np.array([h])).y[0] == pytest.approx(expected, rel=1e-7, abs=0)
@@ -64,5 +64,5 @@ def test_free_rocking_period_is_housners():
     for x0 in (1e-6, 0.1, 0.5, 0.9, 0.999):
         quarter = math.acosh(1 / (1 - x0)) if x0 > 1e-3 else math.sqrt(2 * x0) * (1 + 5 * x0 / 12)
         still = np.zeros((1, 1))
-        arc = Arc(np.array([x0]), np.zeros(1), np.array([x0 - 1.0]), still, still, np.ones((1, 1)), None)
+        arc = LinearFlow(np.array([x0]), np.zeros(1), np.array([x0 - 1.0]), still, still, np.ones((1, 1)), None)
         assert abs(arc.at(np.array([quarter])).y[0]) < 1e-15 + 1e-11 * x0

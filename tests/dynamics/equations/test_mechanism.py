@@ -9,10 +9,11 @@ import pytest
 from scipy.integrate import quad, solve_ivp
 
 from rocking_cli import Method, Outcome, build_structure, linear_response, parse_documents, pulse, sine
-from rocking_cli.dynamics.equations.linear import LinearModel
-from rocking_cli.dynamics.equations.mechanism import MechanismModel
-from rocking_cli.dynamics.march.engine import response
-from rocking_cli.dynamics.references.general_solver import Linkage, reference_nonlinear
+from rocking_cli.dynamics.equations.linear import LinearEquation
+from rocking_cli.dynamics.equations.mechanism import MechanismEquation
+from rocking_cli.dynamics.references.general_solver import MechanismRates, Problem, solve_cell
+from rocking_cli.dynamics.response import response
+from rocking_cli.dynamics.system import System
 from rocking_cli.responses.history import history, quarter_period
 
 ARCHES = {
@@ -36,7 +37,7 @@ def oppenheim():
 
 
 def test_tables_are_the_linkage_to_rounding(arch):
-    table = MechanismModel(arch.mechanism).table
+    table = MechanismEquation(arch.mechanism).table
     y = np.linspace(0.0, table.edges[-1], 2001)
     phi = table.value(table.turn, y) * arch.alpha
     at, rest = arch.mechanism.coefficients(phi), arch.mechanism.coefficients(0.0)
@@ -46,7 +47,7 @@ def test_tables_are_the_linkage_to_rounding(arch):
     assert np.abs(table.value(table.push, y) - at.push / root / (rest.push / root0)).max() < 1e-12
     rate = arch.p**2 / arch.gravity * root0 / float(rest.lift)
     expected = quad(lambda f: rate * math.sqrt(arch.mechanism.coefficients(f).inertia), 0.0, arch.alpha, epsabs=1e-12, epsrel=1e-12)[0]
-    assert MechanismModel(arch.mechanism).top == pytest.approx(expected, rel=1e-10, abs=0)
+    assert MechanismEquation(arch.mechanism).top == pytest.approx(expected, rel=1e-10, abs=0)
 
 
 @pytest.mark.parametrize("start", [0.1, 0.5, 0.9])
@@ -64,20 +65,20 @@ def test_free_quarter_period_equals_the_quadrature(arch, start):
     grid, w = np.polynomial.legendre.leggauss(80)
     half = 0.5 * math.sqrt(phi0)
     expected = arch.p * half * sum(wi * slowness(half * (x + 1.0)) for x, wi in zip(grid, w, strict=True))
-    assert quarter_period(MechanismModel(arch.mechanism, 1e-12), start) == pytest.approx(expected, rel=1e-9, abs=0)
+    assert quarter_period(System(MechanismEquation(arch.mechanism, 1e-12)), start) == pytest.approx(expected, rel=1e-9, abs=0)
 
 
 def test_oppenheims_arch_rocks_slower_than_its_linear_oscillator(oppenheim):
     # Free rocking from 0.3, 0.6, 0.9 alpha, computed by an independent program: 1.0737, 1.0622, 1.0441 (Fig. 7b).
-    model = MechanismModel(oppenheim.mechanism, 1e-11)
-    ratios = [quarter_period(model, x) / math.acosh(1.0 / (1.0 - x)) for x in (0.3, 0.6, 0.9)]
+    model = MechanismEquation(oppenheim.mechanism, 1e-11)
+    ratios = [quarter_period(System(model), x) / math.acosh(1.0 / (1.0 - x)) for x in (0.3, 0.6, 0.9)]
     assert ratios == pytest.approx([1.0737, 1.0622, 1.0441], abs=2e-4)
 
 
 def test_energy_is_constant_between_impacts(arch):
-    model = MechanismModel(arch.mechanism, 1e-12)
-    free = history(model, sine(), 0.0, 1.0, 0.8, release=0.9, duration=2.0)
-    for stretch in free.stretches:
+    model = MechanismEquation(arch.mechanism, 1e-12)
+    free = history(System(model), sine(), 0.0, 1.0, 0.8, release=0.9, duration=2.0)
+    for stretch in free.arcs:
         tau = np.linspace(0.0, stretch.stop - stretch.start, 50)
         point = stretch.flow.take(np.zeros(50, dtype=np.int64)).at(tau)
         energy = 0.5 * point.v**2 + model.table.value(model.table.work, point.y)
@@ -100,18 +101,19 @@ def test_first_arc_is_the_paper_s_equation(oppenheim):
     first = solve_ivp(rate, (0.0, t_p * (1 - 1e-15)), [0.0, 0.0], method="DOP853", rtol=1e-12, atol=1e-14)
     second = solve_ivp(rate, (t_p, 1.0), first.y[:, -1], method="DOP853", rtol=1e-12, atol=1e-14, t_eval=[0.42, 0.45, 0.5, 0.55])
     amplitude, omega = float(arch.dimensionless_amplitude(a_g)), 2 * math.pi / t_p / arch.p
-    found = history(MechanismModel(arch.mechanism, 1e-12), pulse("rectangular-impulse"), amplitude, omega, arch.eta, duration=2.0)
+    system = System(MechanismEquation(arch.mechanism, 1e-12))
+    found = history(system, pulse("rectangular-impulse"), amplitude, omega, arch.eta, duration=2.0)
     ratio, speed = found.at(np.array([0.42, 0.45, 0.5, 0.55]) * arch.p)
     assert -ratio * arch.alpha == pytest.approx(second.y[0], abs=1e-9)
     assert -speed * arch.alpha * arch.p == pytest.approx(second.y[1], abs=1e-8)
 
 
 def test_cells_stay_within_five_tolerances(oppenheim):
-    random, equation = np.random.default_rng(5), Linkage(oppenheim.mechanism)
+    random, equation = np.random.default_rng(5), MechanismRates(oppenheim.mechanism)
     draw = np.array([random.uniform(a, b, 20) for a, b in ((0.9, 9), (0.5, 12), (0.4, 1))]).T
-    expected = [reference_nonlinear(sine(), *(float(x) for x in c), equation) for c in draw]
+    expected = [solve_cell(sine(), *(float(x) for x in c), Problem(equation, equation, equation.uplift)) for c in draw]
     for tolerance in (1e-4, 1e-6, 1e-9, 1e-11):
-        found = response(MechanismModel(oppenheim.mechanism, tolerance), sine(), *draw.T)
+        found = response(System(MechanismEquation(oppenheim.mechanism, tolerance)), sine(), *draw.T)
         assert found.outcome.tolist() == [int(o) for o, _ in expected]
         gaps = [abs(a - b) for a, (_, b) in zip(found.theta_ratio, expected, strict=True) if not math.isnan(b)]
         assert len(gaps) > 8
@@ -123,14 +125,14 @@ def test_an_arch_that_barely_moves_is_its_linear_oscillator():
     (document,) = parse_documents(f"kind: arch\nrestitution: 0.8\n{ARCHES['barely stands']}")
     arch = build_structure(document)
     amplitude, omega = np.array([2.0, 4.0, 5.5]), np.array([6.0, 8.0, 10.0])
-    found = response(Method("nonlinear").model_of(arch), sine(), amplitude, omega, 0.8)
+    found = response(Method("nonlinear").system_of(arch), sine(), amplitude, omega, 0.8)
     linear = linear_response(sine(), amplitude, omega, 0.8)
     assert found.outcome.tolist() == linear.outcome.tolist() == [Outcome.ROCKED] * 3
     assert found.theta_ratio == pytest.approx(linear.theta_ratio, rel=0.05, abs=0)
 
 
 def test_one_lane_is_the_same_lane_in_a_batch(oppenheim):
-    model = MechanismModel(oppenheim.mechanism)
+    model = System(MechanismEquation(oppenheim.mechanism))
     amplitude = np.linspace(1.1, 6.0, 30)
     whole = response(model, sine(), amplitude, 4.0, 0.7)
     apart = [float(response(model, sine(), a, 4.0, 0.7, pool=1).theta_ratio) for a in amplitude]
@@ -138,10 +140,10 @@ def test_one_lane_is_the_same_lane_in_a_batch(oppenheim):
 
 
 def test_linear_quarter_period_is_its_closed_form():
-    assert quarter_period(LinearModel(), 0.6) == pytest.approx(math.acosh(1.0 / 0.4), rel=1e-14, abs=0)
+    assert quarter_period(System(LinearEquation()), 0.6) == pytest.approx(math.acosh(1.0 / 0.4), rel=1e-14, abs=0)
 
 
 @pytest.mark.parametrize(("thickness", "angle"), [(0.8, 100), (0.795, 100), (0.801, 101), (2.0, 140), (0.5, 90)])
 def test_ordinary_arches_have_a_nonlinear_model(thickness, angle):
     (document,) = parse_documents(f"kind: arch\nradius: 10\nthickness: {thickness}\nangle: {angle} deg\nrestitution: 0.8")
-    assert MechanismModel(build_structure(document).mechanism).limit > 1.0
+    assert MechanismEquation(build_structure(document).mechanism).limit > 1.0

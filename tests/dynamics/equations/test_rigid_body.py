@@ -12,9 +12,10 @@ from scipy.optimize import brentq
 
 from rocking_cli import Method, Outcome, cosine, linear_response, nonlinear_response, parse_documents, sine, trace_envelope
 from rocking_cli import build_structure as build
-from rocking_cli.dynamics.equations.rigid_body import RigidModel
-from rocking_cli.dynamics.march.engine import response
+from rocking_cli.dynamics.equations.rigid_body import RigidBodyEquation
 from rocking_cli.dynamics.march.lanes import Lanes
+from rocking_cli.dynamics.response import response
+from rocking_cli.dynamics.system import System
 from rocking_cli.motions import Motion, Piece
 
 BLOCK = "kind: block\nradius: 1.6065814 m\nalpha: 0.25\nrestitution: 0.9"
@@ -33,9 +34,9 @@ def test_overturning_intervals_of_the_reference_block():
 def test_one_lane_is_the_same_lane_in_a_batch():
     random = np.random.default_rng(5)
     amplitude, omega = random.uniform(0.9, 9, 100), random.uniform(0.3, 12, 100)
-    whole = response(RigidModel(0.25), sine(), amplitude, omega, 0.9)
+    whole = response(System(RigidBodyEquation(0.25)), sine(), amplitude, omega, 0.9)
     for pool in (1, 2, 7, 64):
-        other = response(RigidModel(0.25), sine(), amplitude, omega, 0.9, pool=pool)
+        other = response(System(RigidBodyEquation(0.25)), sine(), amplitude, omega, 0.9, pool=pool)
         assert other.theta_ratio.tobytes() == whole.theta_ratio.tobytes()
 
 
@@ -91,7 +92,7 @@ def test_free_quarter_period_equals_the_quadrature(alpha, start):
         return 2.0 / math.sqrt(2.0 * fall / (u * u)) if u > 1e-7 else 2.0 / math.sqrt(math.sin(alpha - theta0))
 
     expected = quad(slowness, 0.0, math.sqrt(theta0), epsabs=1e-13, epsrel=1e-13, limit=400)[0]
-    model, time = RigidModel(alpha, 1e-12), 0.0
+    model, time = RigidBodyEquation(alpha, 1e-12), 0.0
     y, v = theta0 / model.sin, 0.0
     while True:
         flow = series_from(model, y, v)
@@ -105,7 +106,7 @@ def test_free_quarter_period_equals_the_quadrature(alpha, start):
 
 
 def test_energy_is_constant_between_impacts():
-    model, y, v, energies = RigidModel(0.3, 1e-11), 0.0, 1.2, []
+    model, y, v, energies = RigidBodyEquation(0.3, 1e-11), 0.0, 1.2, []
     for _ in range(60):
         energies.append(0.5 * v * v + math.cos(model.alpha - model.sin * y) / model.sin**2)
         flow = series_from(model, y, v)
@@ -119,8 +120,8 @@ def test_energy_is_constant_between_impacts():
 
 def test_order_of_the_flow_is_the_order_of_its_series():
     """Error after one step against its length, log-log slope by regression: the first term left out."""
-    model = RigidModel(0.4, 1e-4)
-    flow, exact = series_from(model, 0.3, 0.9), series_from(RigidModel(0.4, 1e-13), 0.3, 0.9)
+    model = RigidBodyEquation(0.4, 1e-4)
+    flow, exact = series_from(model, 0.3, 0.9), series_from(RigidBodyEquation(0.4, 1e-13), 0.3, 0.9)
     steps = np.geomspace(0.4, 0.8, 9)
     error = [abs(flow.at(np.array([h])).y[0] - exact.at(np.array([h])).y[0]) for h in steps]
     slope = np.polyfit(np.log(steps), np.log(error), 1)[0]
@@ -144,4 +145,4 @@ def test_small_angles_lead_to_the_linear_oscillator():
 )
 def test_model_checks_its_numbers(bad):
     with pytest.raises(ValueError, match="accepted"):
-        RigidModel(**{"alpha": 0.2, "tolerance": 1e-9, **bad})
+        RigidBodyEquation(**{"alpha": 0.2, "tolerance": 1e-9, **bad})

@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 from rocking_cli import (
-    MechanismModel,
+    MechanismEquation,
     Outcome,
+    System,
     build_structure,
     dimensionless_oscillator,
     linear_response,
@@ -126,7 +127,7 @@ def test_an_arch_at_the_edge_of_stability():
     (document,) = parse_documents("kind: arch\nradius: 10\nthickness: 1.0751 m\nangle: 180 deg\nrestitution: 0.8")
     arch = build_structure(document)
     assert 0.0 < arch.uplift < 1e-3
-    found = response(MechanismModel(arch.mechanism), sine(), np.array([0.9, 1.5, 4.0, 12.0]), 4.0, 0.8)
+    found = response(System(MechanismEquation(arch.mechanism)), sine(), np.array([0.9, 1.5, 4.0, 12.0]), 4.0, 0.8)
     assert found.outcome.tolist() == linear_response(sine(), np.array([0.9, 1.5, 4.0, 12.0]), 4.0, 0.8).outcome.tolist()
 
 

@@ -7,7 +7,8 @@ import math
 import numpy as np
 import pytest
 
-from rocking_cli.dynamics.contacts.free import free_fate
+from rocking_cli.dynamics.contacts.contact import free_motion
+from rocking_cli.dynamics.equations.linear import LinearEquation
 
 
 def march(y, v, eta):
@@ -29,7 +30,7 @@ def march(y, v, eta):
 def test_fate_equals_marching():
     random = np.random.default_rng(4)
     y, v, eta = random.uniform(0, 1.5, 60), random.uniform(-2, 1.2, 60), random.uniform(0.3, 1, 60)
-    fate = free_fate(y, v, eta)
+    fate = free_motion(LinearEquation(), y, v, eta)
     for i in range(60):
         overturns, peak = march(y[i], v[i], eta[i])
         assert overturns == (fate.overturns[i] or fate.overturns_after_impact[i])

@@ -1,0 +1,192 @@
+"""Which equation of motion answers for which structure: the one registry of equations, and what a user's choice comes to.
+
+A new equation is one entry of EQUATIONS; everything that differs between equations is asked of its entry or of the equation itself.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..errors import UsageError
+from ..structures.parameters import RockingParameters
+from .contacts.contact import Contact
+from .contacts.one_sided import OneSided
+from .contacts.symmetric import Symmetric
+from .contacts.unequal import Unequal
+from .equations.equation import Equation
+from .equations.linear import LinearEquation
+from .equations.mechanism import MechanismEquation
+from .equations.rigid_body import RigidBodyEquation
+from .equations.taylor import order_for
+from .system import System
+
+if TYPE_CHECKING:
+    from ..motions.motion import Motion
+    from .outcome import Outcome
+    from .references.general_solver import Problem
+
+TOLERANCE = 1e-9
+Reference = Callable[["Motion", float, float, float], tuple["Outcome", float]]
+
+
+@dataclass(frozen=True)
+class EquationKind:
+    """An equation of motion and everything that belongs to it.
+
+    model: the word of `--model` and of files; name, source: as they are printed; exact: no tolerance; serves: whether it holds for a
+    structure; build: the equation of a structure at a tolerance, which raises ValueError; shares: what structures must
+    have in common, besides restitution, to share a dimensionless computation; rates: the name of its form for general solvers.
+    """
+
+    model: str
+    name: str
+    source: str
+    exact: bool
+    serves: Callable[[RockingParameters], bool]
+    build: Callable[[RockingParameters, float], Equation]
+    shares: Callable[[RockingParameters], tuple[Any, ...]]
+    rates: str
+
+
+def _edges(structure: RockingParameters) -> tuple[float, ...]:
+    """Critical angles of the edges that differ, right and left."""
+    return tuple(side.alpha for side in reversed(structure.sides))
+
+
+def _rigid(structure: RockingParameters, tolerance: float) -> Equation:
+    edges = _edges(structure)
+    return RigidBodyEquation((edges[0], edges[1]) if edges else structure.alpha, tolerance, structure.damping)
+
+
+def _mechanism(structure: RockingParameters, tolerance: float) -> Equation:
+    assert structure.mechanism is not None  # `serves` says so
+    return MechanismEquation(structure.mechanism, tolerance, structure.damping)
+
+
+EQUATIONS = (
+    EquationKind(
+        "linear", "the linear oscillator", "Eqs. 2.4 and 3.6", True,
+        serves=lambda s: True,
+        build=lambda s, tolerance: LinearEquation(s.damping),
+        shares=lambda s: (s.damping,),
+        rates="linear_rates",
+    ),
+    EquationKind(
+        "nonlinear", "a mechanism", "Eq. 3.4", False,
+        serves=lambda s: s.mechanism is not None,
+        build=_mechanism,
+        shares=lambda s: (s.damping, s.mechanism),
+        rates="mechanism_rates",
+    ),
+    EquationKind(
+        "nonlinear", "a rigid body", "Eq. 2.3", False,
+        serves=lambda s: s.a_scale == 1.0 and not s.dimensionless,
+        build=_rigid,
+        shares=lambda s: (s.damping, s.alpha),
+        rates="rigid_body_rates",
+    ),
+)  # fmt: skip
+MODELS = tuple(dict.fromkeys(kind.model for kind in EQUATIONS))
+
+
+@dataclass(frozen=True)
+class Method:
+    """The equation of motion, and where it is not exact the error of theta/alpha that is aimed at. Raises UsageError."""
+
+    model: str = MODELS[0]
+    tolerance: float = TOLERANCE
+
+    def __post_init__(self) -> None:
+        if self.model not in MODELS:
+            raise UsageError(f"unknown model {self.model!r}, accepted are {', '.join(MODELS)}")
+        try:
+            order_for(self.tolerance)
+        except ValueError as error:
+            raise UsageError(str(error)) from None
+
+    @property
+    def exact(self) -> bool:
+        """Whether the model has no tolerance."""
+        return all(kind.exact for kind in EQUATIONS if kind.model == self.model)
+
+    @property
+    def stated_tolerance(self) -> float | None:
+        """The tolerance as results depend on it: None where the model is exact."""
+        return None if self.exact else self.tolerance
+
+    def kind_of(self, structure: RockingParameters) -> EquationKind:
+        """The equation that answers for a structure. Raises UsageError where the model has none for it."""
+        for kind in EQUATIONS:
+            if kind.model == self.model and kind.serves(structure):
+                return kind
+        if structure.dimensionless:
+            raise UsageError(f"the {self.model} model needs a critical angle: give a structure document")
+        raise UsageError(
+            f"{structure.name}: the {self.model} model needs the structure itself (an arch) or a rigid body, whose a_scale is 1; "
+            f"found parameters with a_scale {structure.a_scale:.6g}"
+        )
+
+    def system_of(self, structure: RockingParameters) -> System:
+        """A structure as the march takes it. Raises UsageError when the model does not hold for it."""
+        kind = self.kind_of(structure)
+        try:
+            equation = kind.build(structure, self.tolerance)
+            return System(equation, contact_of(structure, equation))
+        except ValueError as error:
+            raise UsageError(f"{structure.name}: {error}") from None
+
+    def shares(self, structure: RockingParameters) -> tuple[Any, ...]:
+        """Structures for which this is equal are one system; with equal restitutions too they share one dimensionless computation,
+        as sections 3.3 and 4 of the paper have it."""
+        return structure.one_sided, structure.sides, self.kind_of(structure).shares(structure)
+
+    def reference_of(self, structure: RockingParameters) -> Reference:
+        """The slower, independent path to (outcome, theta_ratio) of a single cell (motion, A, Omega, eta)."""
+        if self._has_series(structure):
+            from .references.taylor_series import reference_cell
+
+            return reference_cell
+        from .references.general_solver import solve_cell
+
+        return partial(solve_cell, problem=self.problem_of(structure))
+
+    def checked_by(self, structure: RockingParameters) -> str:
+        """What that path is, in words."""
+        return "Taylor series" if self._has_series(structure) else "a Runge-Kutta method"
+
+    def _has_series(self, structure: RockingParameters) -> bool:
+        """The series in small steps know the symmetric linear oscillator; the engine of other equations is a Taylor series itself."""
+        return self.exact and not (structure.damping or structure.sides or structure.one_sided)
+
+    def problem_of(self, structure: RockingParameters) -> Problem:
+        """The structure as general solvers take it."""
+        from .references import general_solver
+
+        return general_solver.problem_of(structure, getattr(general_solver, self.kind_of(structure).rates))
+
+
+LINEAR = Method()
+
+
+def contact_of(structure: RockingParameters, equation: Equation) -> Contact:
+    """How a structure stands on the ground."""
+    if structure.one_sided:
+        return OneSided()
+    if not structure.sides:
+        return Symmetric()
+    left, right = structure.sides
+    there = equation.on(np.array([1.0, -1.0]))
+    turns, lifts = (np.broadcast_to(x, 2).tolist() for x in (there.rotation(np.ones(2)), there.uplift_amplitude))
+    unit = [side.alpha * side.p * turn for side, turn in zip((right, left), turns, strict=True)]  # of the speed y'
+    drive = [(side.a_scale / side.alpha) / (structure.a_scale / structure.alpha) / x for side, x in zip((right, left), lifts, strict=True)]
+    return Unequal(
+        drive=(drive[0], drive[1]),
+        omega=(structure.p / right.p, structure.p / left.p),
+        eta=(right.eta * unit[0] / unit[1], left.eta * unit[1] / unit[0]),
+        rotation=(turns[0], turns[1]),
+    )
