@@ -10,6 +10,8 @@ import click
 
 from . import options
 
+SIDES_COLUMNS = [f"{side}_{key}" for side in ("left", "right") for key in ("p", "alpha", "lambda", "a_scale", "eta")]
+
 
 @click.command(epilog="Example: rocking params configs/block.yaml --json | jq .p")
 @options.files
@@ -21,7 +23,8 @@ def params(context: click.Context, files: tuple[str, ...], vary: tuple[str, ...]
     """Derive p, alpha, eta, lambda and a_scale of each structure.
 
     FILE is a YAML or JSON structure document, - for standard input. Bounds of --vary without a unit take the unit that
-    the document uses for that key. Members of a family without a solution are reported and the rest kept (exit code 4).
+    the document uses for that key. A body with two unequal sides has the parameters of the edge that lifts first, and those
+    of both besides. Members of a family without a solution are reported and the rest kept (exit code 4).
     """
     from ..structures import build_structure, read_documents, with_distinct_names
     from ..structures.family import family, members, parse_variation
@@ -36,8 +39,9 @@ def params(context: click.Context, files: tuple[str, ...], vary: tuple[str, ...]
     def records() -> Iterator[dict[str, Any]]:
         if not variations:
             plain = [built.record() for built in with_distinct_names([build_structure(document) for document in documents])]
-            every = dict.fromkeys(key for record in plain for key in record)
-            yield from plain if form != "csv" else ({key: record.get(key) for key in every} for record in plain)
+            rows = [row for record in plain for row in _rows(record, form)]
+            every = dict.fromkeys(key for row in rows for key in row)
+            yield from rows if form != "csv" else ({key: row.get(key) for key in every} for row in rows)
             return
         # Rows that appear on the terminal one by one are progress enough.
         progress = options.ProgressLine("params", quiet or (form is not None and sys.stdout.isatty()))
@@ -49,14 +53,29 @@ def params(context: click.Context, files: tuple[str, ...], vary: tuple[str, ...]
                     varied = ", ".join(f"{key}={value:g}" for key, value in member.varied.items())
                     options.note(f"no solution for {varied}: {member.fault}", quiet)
                 else:
-                    record = member.parameters.record()
-                    yield record if form == "json" else {**_columns(record.pop("varied"), record), **record}
+                    yield from _rows(member.parameters.record(), form, family=True)
 
     options.emit(records(), form)
     if faults:
         context.exit(4)
 
 
-def _columns(varied: dict[str, float], record: dict[str, Any]) -> dict[str, float]:
-    """The varied values as columns of their own; one that is also a parameter, as alpha of a block, says so."""
-    return {f"{key}_varied" if key in record else key: value for key, value in varied.items()}
+def _rows(record: dict[str, Any], form: str | None, family: bool = False) -> Iterator[dict[str, Any]]:
+    """A record as it is for JSON; without lists of numbers and mappings for CSV (left_p ...), and for a table a row a side."""
+    from ..structures.kinds import reports_of
+
+    if form == "json":
+        yield record
+        return
+    varied, sides = record.pop("varied", {}) if family else {}, record.pop("sides", [])
+    if form == "csv":
+        columns = {f"{side['side']}_{key}": value for side in sides for key, value in side.items() if key != "side"}
+        if family:  # the header is written with the first member, and others may have more to tell
+            columns = {column: columns.get(column) for column in SIDES_COLUMNS}
+            more = {key: record.get(key) for key in reports_of(record["structure"])}
+            record = {**record, "one_sided": record.get("one_sided", False), "damping": record.get("damping", 0.0), **more}
+        record = {**record, **columns}
+    # A varied key that is also a parameter, as alpha of a block, says so.
+    yield {**{f"{key}_varied" if key in record else key: value for key, value in varied.items()}, **record}
+    if form is None:
+        yield from ({"name": f"  {side['side']} edge", **{key: value for key, value in side.items() if key != "side"}} for side in sides)

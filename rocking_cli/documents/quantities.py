@@ -22,6 +22,8 @@ UNITS: dict[str, dict[str, float]] = {
     "frequency": {"Hz": 1.0, "1/s": 1.0},
     "time": {"s": 1.0, "ms": 1e-3},
     "velocity": {"m/s": 1.0, "cm/s": 1e-2, "mm/s": 1e-3},
+    "mass": {"kg": 1.0, "t": 1e3},
+    "moment of inertia": {**dict.fromkeys(("kg m2", "kg m^2", "kg m²"), 1.0), **dict.fromkeys(("t m2", "t m^2", "t m²"), 1e3)},
     "number": {},
 }
 

@@ -14,7 +14,7 @@ from ..documents.document import Document, Value
 from ..documents.quantities import SMALLEST_LENGTH, parse_quantity
 from .kinematics import linearise
 from .parameters import RockingParameters
-from .shared_keys import gravity_of, restitution_of
+from .shared_keys import gravity_of, one_sided_of, restitution_of
 
 if TYPE_CHECKING:
     from .fourbar import FourBar, Ring
@@ -29,6 +29,8 @@ def build(document: Document, name: str) -> RockingParameters:
     """radius (centre line), thickness, angle (inclusion), voussoirs (absent: continuous), hinges (absent: searched)."""
     from .fourbar import FACES
 
+    if one_sided_of(document):
+        raise document.fault("one_sided", "true", "false: an arch sways to both sides")
     mechanism, governing = find_mechanism(document)
     found = linearise(mechanism)
     gravity = gravity_of(document)

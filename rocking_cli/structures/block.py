@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 from ..documents.document import Document
 from .parameters import RockingParameters
 from .single_body import radius_and_alpha, rigid_body
@@ -10,7 +12,11 @@ REPORTS = ()
 
 
 def build(document: Document, name: str) -> RockingParameters:
-    """width and height are full dimensions, radius half the diagonal: p^2 = 3g/(4R), eta = 1 - 3/2 sin^2 alpha."""
+    """width and height are full dimensions, radius half the diagonal: p^2 = 3g/(4R), eta = 1 - 3/2 sin^2 alpha.
+
+    One-sided it meets its backing at its top: e = (1 - 3/2 sin^2 alpha)^2 (1 - 3/2 cos^2 alpha).
+    """
     radius, alpha = radius_and_alpha(document, 0.5, 0.5)
     limit = "a block with alpha up to 54.7 deg (width/height up to 1.414)"
-    return rigid_body(document, "block", name, radius=radius, alpha=alpha, inertia=4.0 / 3.0, limit=limit)
+    backing = 1.0 - 1.5 * math.cos(alpha) ** 2
+    return rigid_body(document, "block", name, radius=radius, alpha=alpha, inertia=4.0 / 3.0, limit=limit, backing=backing)

@@ -14,7 +14,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Protocol
 
 from ..documents.document import Document
-from . import arch, block, drum, frame, point_mass, prism, spire, stated
+from . import arch, block, drum, frame, point_mass, prism, rigid, spire, stated
 from .parameters import RockingParameters
 
 if TYPE_CHECKING:
@@ -46,6 +46,7 @@ KINDS: dict[str, Kind] = {
     "frame": frame,
     "prism": prism,
     "drum": drum,
+    "rigid": rigid,
     "parameters": stated,
 }
 
@@ -53,7 +54,7 @@ KINDS: dict[str, Kind] = {
 def kind_of(document: Document) -> tuple[str, Kind]:
     """The word after `kind` and the kind itself. Raises DocumentError for one that is unknown or whose package does not load."""
     value = document.values.get("kind")
-    installed = {} if value is not None and value.content in KINDS else _installed()
+    installed = {} if value is not None and isinstance(value.content, str) and value.content in KINDS else _installed()
     word = document.choice("kind", [*KINDS, *installed])
     if word in KINDS:
         return word, KINDS[word]

@@ -1,7 +1,6 @@
 """A rigid block of any polygonal section, on the ends of its base.
 
-An unsymmetric section has a weaker and a stronger side. The parameters are those of the side on which it lifts first;
-eta is the geometric mean of the two impacts of a cycle, whose product is what a cycle loses.
+An unsymmetric section has two sides. A one-sided one meets its backing at its highest corner, the left one of several.
 """
 
 from __future__ import annotations
@@ -11,9 +10,9 @@ from collections.abc import Sequence
 
 from ..documents.document import Document, Value
 from ..documents.quantities import parse_quantity
-from .kinematics import Moments, spin_about
+from .kinematics import Moments
 from .parameters import RockingParameters
-from .single_body import body_on_edge
+from .single_body import body_on_edges
 
 REPORTS = ("direction",)
 
@@ -32,11 +31,6 @@ def polygon_moments(corners: Sequence[Corner]) -> Moments:
     return Moments(mass, x, z, polar)
 
 
-def _symmetric(body: Moments) -> Moments:
-    """A centroid within rounding of the middle of the base is in the middle."""
-    return body._replace(x=0.0) if abs(body.x) <= 1e-13 * math.sqrt(body.mass * body.polar) else body
-
-
 def build(document: Document, name: str) -> RockingParameters:
     """corners: the section's corners in order, [[x, z], ...]; it stands on its lowest points."""
     corners = _corners(document)
@@ -47,18 +41,15 @@ def build(document: Document, name: str) -> RockingParameters:
     if right - left <= 1e-9 * size:
         raise document.fault("corners", "a section that rests on one point", "a base of two lowest corners or more")
     middle = 0.5 * (left + right)
-    body = _symmetric(polygon_moments([(x - middle, z - lowest) for x, z in corners]))
-    half = 0.5 * (right - left)
-    back, onward = spin_about(half, 0.0, -1.0), spin_about(-half, 0.0, -1.0)
-    return body_on_edge(
+    placed = [(x - middle, z - lowest) for x, z in corners]
+    return body_on_edges(
         document,
         "prism",
         name,
-        body,
-        half,
+        polygon_moments(placed),
+        0.5 * (right - left),
         limit="a section more slender than this one",
-        eta=back.product(onward, body) / math.sqrt(body.about(half, 0.0) * body.about(-half, 0.0)),
-        details={} if body.x == 0.0 else {"direction": "over the right edge" if body.x > 0.0 else "over the left edge"},
+        top=max(placed, key=lambda corner: (corner[1], -corner[0])),
     )
 
 

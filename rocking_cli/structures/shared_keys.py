@@ -33,23 +33,26 @@ def restitution_of(document: Document, momentum: float, limit: str) -> tuple[flo
     return momentum, "momentum"
 
 
-def one_sided_restitution_of(document: Document, momentum: float | None, limit: str) -> tuple[float, str]:
+def one_sided_restitution_of(document: Document, base: tuple[float, float], backing: float | None) -> tuple[float, str]:
     """The same for a one-sided body, (e, where it comes from): e is above -1 and up to 0.
 
-    momentum: e from the impacts on base, backing and base; None where the geometry does not say where it meets its backing.
+    From momentum it is the product of three impacts: `base`, on leaving the right edge for the left and back; `backing`,
+    None where the geometry does not say where the body meets it.
     """
     if document.has("restitution") and document.values["restitution"].content != "auto":
-        wanted = ONE_SIDED_RESTITUTION + ("" if momentum is None else ", or auto")
+        wanted = ONE_SIDED_RESTITUTION + ("" if backing is None else ", or auto")
         try:
             return document.quantity("restitution", "number", above=-1.0, most=0.0, where=wanted) + 0.0, "given"
         except DocumentError:
             raise document.fault("restitution", str(document.values["restitution"]), wanted) from None
-    if momentum is None:
+    if backing is None:
         found = "a one-sided body whose geometry does not say where it meets its backing"
         raise document.fault("one_sided", found, f"restitution beside it: {ONE_SIDED_RESTITUTION}")
-    if not -1.0 < momentum <= 0.0:
-        raise document.fault(None, f"a restitution of {momentum:.4g} from three impacts", f"{limit}; or give restitution")
-    return momentum, "momentum"
+    e = base[0] * base[1] * backing
+    if min(base) < 0.0 or not -1.0 < e <= 0.0:
+        found = f"a restitution of {e:.4g} from three impacts, {base[0]:.4g} and {base[1]:.4g} on its base and {backing:.4g} on its backing"
+        raise document.fault("one_sided", found, "a body more slender than this one; or give restitution")
+    return e, "momentum"
 
 
 def one_sided_of(document: Document) -> bool:

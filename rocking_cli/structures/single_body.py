@@ -1,4 +1,14 @@
-"""A single rigid body that rocks about the ends of its base: the paper's section 2 for any section."""
+"""A single rigid body that rocks about the ends of its base: the paper's section 2 for any section, with edges that may differ.
+
+With l and r the horizontal distances of the left and the right edge from the mass centre, z its height and I_G the inertia
+about it, the body stands on its right edge while theta > 0. A change of edges keeps the angular momentum about the new one:
+
+    eta_right = (I_G + m (z^2 - l r)) / (I_G + m (z^2 + l^2)),   eta_left = (I_G + m (z^2 - l r)) / (I_G + m (z^2 + r^2))
+
+A one-sided body stands on its right edge only. Coming back it hits its base, the backing and its base again, and returns by
+e = eta_right eta_left (I_G + m r_L.r_T) / (I_G + m r_T^2), r_L and r_T from its left edge and from the point where it meets
+the backing to the mass centre (Sorrentino et al. 2011).
+"""
 
 from __future__ import annotations
 
@@ -7,9 +17,11 @@ from collections.abc import Mapping
 from typing import Any
 
 from ..documents.document import Document
-from .kinematics import Moments
-from .parameters import RockingParameters
-from .shared_keys import gravity_of, restitution_of
+from .kinematics import Moments, spin_about
+from .parameters import RockingParameters, Side
+from .shared_keys import gravity_of, one_sided_of, one_sided_restitution_of, restitution_of
+
+Point = tuple[float, float]
 
 
 def rigid_body(
@@ -22,17 +34,23 @@ def rigid_body(
     inertia: float,
     limit: str,
     eta: float | None = None,
+    backing: float | None = None,
     details: Mapping[str, Any] | None = None,
 ) -> RockingParameters:
-    """Parameters of one rigid body from its distance R to the centroid, critical angle and inertia about the pivot.
+    """Parameters of one rigid body of equal edges from its distance R to the centroid, critical angle and inertia about the pivot.
 
     radius R [m]; alpha [rad]; inertia I_P / (M R^2) [-]; limit: the words for where eta < 0; eta: from momentum, where it
-    is not that of a body which rocks as a whole on two edges, 1 - (M R^2/I_P)(1 - cos 2 alpha) (Eqs. 2.6, 3.3).
+    is not that of a body which rocks as a whole on two edges, 1 - (M R^2/I_P)(1 - cos 2 alpha) (Eqs. 2.6, 3.3); backing:
+    the factor of the impact on a backing, None where the geometry does not say.
     p^2 = M g R / I_P, lambda = tan alpha (Eq. 2.2), a_scale = 1 (Eq. 2.4).
     """
     gravity = gravity_of(document)
     momentum = 1.0 - 2.0 * math.sin(alpha) ** 2 / inertia if eta is None else eta
-    restitution, source = restitution_of(document, momentum, limit)
+    one_sided = one_sided_of(document)
+    if one_sided:
+        restitution, source = one_sided_restitution_of(document, (momentum, momentum), backing)
+    else:
+        restitution, source = restitution_of(document, momentum, limit)
     return RockingParameters(
         name=name,
         structure=kind,
@@ -44,31 +62,88 @@ def rigid_body(
         eta_source=source,
         gravity=gravity,
         details=details or {},
+        one_sided=one_sided,
     )
 
 
-def body_on_edge(
+def symmetric_body(
     document: Document,
     kind: str,
     name: str,
     body: Moments,
-    pivot: float,
+    half: float,
     *,
     limit: str,
     eta: float | None = None,
+    top: Point | None = None,
     details: Mapping[str, Any] | None = None,
 ) -> RockingParameters:
-    """The same from a body's moments and the distance [m] of the pivots (+pivot, 0) and (-pivot, 0) from x = 0.
+    """The same from the moments of a body on its right edge (half, 0) [m]; what rocks on the left one is its mirror image.
 
-    The body rocks first about the pivot nearer to its centroid. Raises DocumentError when the centroid is beyond it.
+    top: (x, z) [m] where a one-sided body meets its backing, None where the geometry does not say. Raises DocumentError when
+    the centroid is not above the base.
     """
-    x, z = pivot - abs(body.x) / body.mass, body.z / body.mass
-    if not x > 0.0:
+    _, right, z = _distances(document, kind, body, half)
+    radius = math.hypot(right, z)
+    inertia, alpha = body.about(half, 0.0) / (body.mass * radius**2), math.atan2(right, z)
+    backing = _against_backing(body, half, top)
+    return rigid_body(
+        document, kind, name, radius=radius, alpha=alpha, inertia=inertia, limit=limit, eta=eta, backing=backing, details=details
+    )
+
+
+def body_on_edges(
+    document: Document,
+    kind: str,
+    name: str,
+    body: Moments,
+    half: float,
+    *,
+    limit: str,
+    top: Point | None = None,
+    details: Mapping[str, Any] | None = None,
+) -> RockingParameters:
+    """The same for a body that rocks as a whole on both edges, (half, 0) and (-half, 0), which need not be alike."""
+    if abs(body.x) <= 1e-13 * math.sqrt(body.mass * body.polar):  # within rounding of the middle is in the middle
+        body = body._replace(x=0.0)
+    inertia = {"left": body.about(-half, 0.0), "right": body.about(half, 0.0)}
+    shared = spin_about(half, 0.0).product(spin_about(-half, 0.0), body)  # I_G + m (z^2 - l r)
+    from_left, from_right = shared / inertia["right"], shared / inertia["left"]
+    if body.x == 0.0:
+        return symmetric_body(document, kind, name, body, half, limit=limit, eta=from_right, top=top, details=details)
+    left, right, z = _distances(document, kind, body, half)
+    gravity, more = gravity_of(document), dict(details or {})
+
+    def on(side: str, distance: float, eta: float) -> Side:
+        p = math.sqrt(gravity * math.hypot(distance, z) * body.mass / inertia[side])
+        return Side(side, p, math.atan2(distance, z), distance / z, 1.0, eta)
+
+    if one_sided_of(document):
+        e, source = one_sided_restitution_of(document, (from_right, from_left), _against_backing(body, half, top))
+        s = on("right", right, 0.0)
+        return RockingParameters(name, kind, s.p, s.alpha, e, s.uplift, s.a_scale, source, gravity, more, one_sided=True)
+    eta_left, source = restitution_of(document, from_left, limit)
+    eta_right, _ = restitution_of(document, from_right, limit)
+    more["direction"] = "over the left edge" if left < right else "over the right edge"
+    sides = on("left", left, eta_left), on("right", right, eta_right)
+    return RockingParameters.of_sides(name, kind, *sides, eta_source=source, gravity=gravity, details=more)
+
+
+def _distances(document: Document, kind: str, body: Moments, half: float) -> tuple[float, float, float]:
+    """Distances [m] of the centroid from the left edge, the right edge and the base."""
+    x, z = body.x / body.mass, body.z / body.mass
+    if not (half + x > 0.0 and half - x > 0.0 and z > 0.0):
         raise document.fault(None, "a centroid that is not above the base", f"a {kind} that stands")
-    radius = math.hypot(x, z)
-    inertia = body.about(math.copysign(pivot, body.x), 0.0) / (body.mass * radius**2)
-    alpha = math.atan2(x, z)
-    return rigid_body(document, kind, name, radius=radius, alpha=alpha, inertia=inertia, limit=limit, eta=eta, details=details)
+    return half + x, half - x, z
+
+
+def _against_backing(body: Moments, half: float, top: Point | None) -> float | None:
+    """(I_G + m r_L.r_T)/(I_G + m r_T^2): the angular speed about T over that about the left edge L."""
+    if top is None:
+        return None
+    x, z = body.x / body.mass, body.z / body.mass
+    central = body.about(x, z)
+    return (central + body.mass * ((x + half) * (x - top[0]) + z * (z - top[1]))) / body.about(*top)
 
 
 def radius_and_alpha(document: Document, half_width: float, centroid_height: float) -> tuple[float, float]:

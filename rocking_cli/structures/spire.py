@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from ..documents.document import Document
 from .kinematics import EdgeRocker, Moments
 from .parameters import RockingParameters
-from .single_body import body_on_edge
+from .single_body import symmetric_body
 
 if TYPE_CHECKING:
     import numpy as np
@@ -120,7 +120,10 @@ def build(document: Document, name: str) -> RockingParameters:
     shared, own = mechanism.overlap()
     details = {"tip_height": spire.tip_height, "crack_height": spire.crack_height} if spire.crack_height else {}
     limit = "a spire more slender, or cracked lower"
-    return body_on_edge(document, "spire", name, mechanism.body, spire.base_radius, limit=limit, eta=shared / own, details=details)
+    top = None if spire.crack_height else (0.0, spire.height)
+    return symmetric_body(
+        document, "spire", name, mechanism.body, spire.base_radius, limit=limit, eta=shared / own, top=top, details=details
+    )
 
 
 def _read(document: Document) -> Spire:

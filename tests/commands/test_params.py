@@ -30,6 +30,46 @@ def test_table_for_people_names_units(rocking):
     assert "Column" in done.stdout
 
 
+LEANING = "{kind: rigid, name: Statue, left: 0.2, right: 0.3, height: 1.2, gyration: 0.7}"
+
+
+def test_a_table_has_a_row_for_each_side(rocking):
+    lines = rocking("params", "configs/block.yaml", "-", stdin=LEANING).stdout.splitlines()
+    heads, column, statue, left, right = (line.split() for line in lines)
+    assert (column[0], statue[0], left[:2], right[:2]) == ("Column", "Statue", ["left", "edge"], ["right", "edge"])
+    assert statue[2:4] == left[3:5]  # p and alpha of the edge that lifts first
+    assert "side" not in heads
+    assert (heads[2], left[2], left[6]) == ("p", "-", "0.166667")
+
+
+def test_csv_has_columns_for_both_sides(rocking):
+    rows = list(csv.DictReader(io.StringIO(rocking("params", "configs/block.yaml", "-", "--csv", stdin=LEANING).stdout)))
+    record = json.loads(rocking("params", "-", "--json", stdin=LEANING).stdout)
+    assert rows[0]["left_p"] == ""
+    for side in record["sides"]:
+        for key in ("p", "alpha", "lambda", "a_scale", "eta"):
+            assert float(rows[1][f"{side['side']}_{key}"]) == side[key]
+    assert "sides" not in rows[1]
+
+
+def test_a_family_has_both_sides_even_if_its_first_member_is_symmetric(rocking):
+    done = rocking("params", "-", "--vary", "left=0.3:0.2:2", "--vary", "damping=0:0.05:2", "--csv", stdin=LEANING)
+    rows = list(csv.DictReader(io.StringIO(done.stdout)))
+    assert [row["left_lambda"] for row in rows] == ["", "", *2 * [repr(0.2 / 1.2)]]
+    assert [row["direction"] for row in rows] == ["", "", *2 * ["over the left edge"]]
+    assert [float(row["damping"]) for row in rows] == [0.0, 0.05, 0.0, 0.05]
+
+
+def test_a_wall_against_its_backing(rocking):
+    first = rocking("params", "configs/wall.yaml", "--json").stdout
+    wall = json.loads(first)
+    assert wall["eta"] == pytest.approx(-0.43667308, abs=5e-9)
+    assert (wall["one_sided"], wall["damping"]) == (True, 0.02)
+    assert rocking("params", "-", "--json", stdin=first).stdout == first
+    rows = list(csv.DictReader(io.StringIO(rocking("params", "configs/wall.yaml", "--csv").stdout)))
+    assert rows[0]["one_sided"] == "True"
+
+
 def test_families(rocking):
     done = rocking("params", "configs/block.yaml", "--vary", "height=1:3:3", "--vary", "width=20cm:30cm:2", "--csv")
     rows = list(csv.DictReader(io.StringIO(done.stdout)))

@@ -146,6 +146,12 @@ def test_a_package_that_cannot_be_used_is_named(install, monkeypatch, source, wo
         parameters_of("kind: broken")
 
 
+@pytest.mark.parametrize("kind", ["[block]", "{block: 1}"])
+def test_a_kind_that_is_no_word_is_refused(kind):
+    with pytest.raises(DocumentError, match=r"f.yaml:1:7: kind: found a (list|mapping); accepted is one of block"):
+        parameters_of(f"kind: {kind}")
+
+
 def test_known_kinds_never_look_for_packages(monkeypatch):
     def looked(**_):
         raise AssertionError("installed packages were searched")

@@ -1,66 +1,62 @@
-"""Blocks, point masses and thin spires: closed forms, published values, invariances."""
+"""The body that was measured elsewhere."""
 
 from __future__ import annotations
 
+import json
 import math
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 from written import built
 
+from rocking_cli import DocumentError
 
-def test_block_has_housners_parameters():
-    b = built("kind: block\nwidth: 0.5\nheight: 2 m")
-    radius, alpha = math.hypot(0.25, 1.0), math.atan(0.25)
-    assert b.p == pytest.approx(math.sqrt(3 * 9.81 / (4 * radius)), rel=5e-15, abs=0)
-    assert b.alpha == pytest.approx(alpha, rel=5e-15, abs=0)
-    assert b.eta == pytest.approx(1 - 1.5 * math.sin(alpha) ** 2, rel=5e-15, abs=0)
-    assert b.uplift == pytest.approx(0.25, rel=5e-15, abs=0)
-    assert (b.a_scale, b.eta_source, b.name) == (1.0, "momentum", "f")
+STATUE = "kind: rigid\nleft: 0.42\nright: 31 cm\nheight: 1.15\n"
 
 
-def test_block_of_the_nonlinear_reference_case():
-    # alpha = 0.25 and p = 2.14 rad/s belong to R = 3 g / (4 p^2) = 1.606581 m.
-    b = built("kind: block\nradius: 1.60658 m\nalpha: 0.25\nrestitution: 0.9")
-    assert b.p == pytest.approx(2.14, abs=1e-6)
-    assert (b.eta, b.eta_source) == (0.9, "given")
+def test_a_block_by_its_mass_centre_is_the_block():
+    gyration = math.sqrt((1.2**2 + 8**2) / 12)
+    body = built(f"kind: rigid\nleft: 0.6\nright: 0.6\nheight: 4\ngyration: {gyration!r}")
+    block = built("kind: block\nwidth: 1.2\nheight: 8")
+    assert (body.p, body.alpha, body.eta, body.uplift) == pytest.approx((block.p, block.alpha, block.eta, block.uplift), rel=1e-14, abs=0)
+    assert body.sides == ()
 
 
-def test_point_mass():
-    m = built("kind: point_mass\nradius: 4 m\nalpha: 20 deg")
-    assert m.p == pytest.approx(math.sqrt(9.81 / 4), rel=5e-15, abs=0)
-    assert m.eta == pytest.approx(1 - 2 * math.sin(math.radians(20)) ** 2, rel=5e-15, abs=0)
-    same = built(f"kind: point_mass\nwidth: {8 * math.sin(math.radians(20))!r}\nheight: {4 * math.cos(math.radians(20))!r}")
-    assert same.p == pytest.approx(m.p, rel=1e-14, abs=0)
+def test_a_prism_by_its_mass_centre_is_the_prism():
+    # A right triangle 2 x 9 m: mass centre a third from the right angle, I_G = m (b^2 + h^2)/18.
+    body = built(f"kind: rigid\nleft: {4 / 3!r}\nright: {2 / 3!r}\nheight: 3\ninertia: {850 * 85 / 18!r} kg m2\nmass: 0.85 t")
+    prism = built("kind: prism\ncorners: [[0, 0], [2, 0], [2, 9]]")
+    for one, other in zip(body.sides, prism.sides, strict=True):
+        assert tuple(one.numbers().values()) == pytest.approx(tuple(other.numbers().values()), rel=1e-13, abs=0)
+    assert body.details == {"mass": 850.0, "direction": "over the right edge"}
 
 
-def test_thin_spire_has_the_reference_values():
-    # r_b = 1.5 m, H = 12 m: Eqs. 3.1-3.3 of the paper evaluated independently, to the digits given.
-    s = built("kind: spire\nbase_radius: 1.5\nheight: 12")
-    assert s.p == pytest.approx(1.250206, abs=1e-6)
-    assert s.alpha == pytest.approx(0.358771, abs=1e-6)
-    assert s.eta == pytest.approx(0.832168, abs=1e-6)
-    kappa = 1.5 / 12
-    assert s.p**2 == pytest.approx(9.81 / 12 * math.sqrt(1 / 9 + kappa**2) / (1.25 * kappa**2 + 1 / 6), rel=1e-14, abs=0)
+@pytest.mark.parametrize("more", ["", "mass: 3 t", "restitution: 0.7\ndamping: 0.05", "one_sided: true\nrestitution: -0.3"])
+def test_what_is_printed_reads_back(more):
+    body = built(STATUE + "gyration: 0.68\n" + more)
+    assert built(json.dumps(body.record())) == body
 
 
-@given(st.floats(0.01, 1.3), st.floats(0.01, 100), st.floats(0.1, 100))
-def test_scale_moves_only_p(slenderness, height, factor):
-    a = built(f"kind: block\nwidth: {slenderness * height!r}\nheight: {height!r}")
-    b = built(f"kind: block\nwidth: {slenderness * height * factor!r}\nheight: {height * factor!r}")
-    assert b.p * math.sqrt(factor) == pytest.approx(a.p, rel=1e-12, abs=0)
-    assert (b.alpha, b.eta, b.uplift) == pytest.approx((a.alpha, a.eta, a.uplift), rel=1e-12, abs=0)
-    assert 0 <= a.eta <= 1
+def test_momentum_of_both_edges():
+    left, right = built(STATUE + "gyration: 0.68").sides
+    shared = 0.68**2 + 1.15**2 - 0.42 * 0.31
+    assert left.eta == pytest.approx(shared / (0.68**2 + 1.15**2 + 0.31**2), rel=1e-14, abs=0)
+    assert right.eta == pytest.approx(shared / (0.68**2 + 1.15**2 + 0.42**2), rel=1e-14, abs=0)
+    assert right.p**2 == pytest.approx(9.81 * math.hypot(0.31, 1.15) / (0.68**2 + 1.15**2 + 0.31**2), rel=1e-14, abs=0)
 
 
-@given(st.floats(0.05, 50))
-def test_units_do_not_matter(width):
-    height = 3 * width
-    si = built(f"kind: block\nwidth: {width!r}\nheight: {height!r}")
-    mm = built(f"kind: block\nwidth: {1000 * width!r} mm\nheight: {100 * height!r} cm")
-    assert mm.p == pytest.approx(si.p, rel=1e-14, abs=0)
-
-
-def test_eta_given_lifts_the_limit_on_alpha():
-    assert built("kind: block\nwidth: 3\nheight: 2\nrestitution: 0.5").eta == 0.5
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        (STATUE, "no key 'gyration'; accepted is gyration: a length"),
+        (STATUE + "gyration: 0", "gyration: found 0; accepted is a positive length"),
+        (STATUE + "gyration: 1\ninertia: 3", "inertia: found inertia beside gyration; accepted is gyration, or inertia and mass"),
+        (STATUE + "inertia: 3", "no key 'mass'; accepted is mass: the mass .kg. that goes with inertia"),
+        (STATUE + "inertia: 3 kg\nmass: 2", "inertia: found 3 kg; accepted is a moment of inertia"),
+        (STATUE + "gyration: 1\nmass: -2", "mass: found -2; accepted is a positive mass"),
+        (STATUE.replace("right: 31 cm", "right: -1"), "right: found -1; accepted is a positive length"),
+        (STATUE.replace("1.15", "0.2") + "gyration: 0.2", "a restitution of -.* from momentum; accepted is a body more slender"),
+    ],
+)
+def test_refusals(text, words):
+    with pytest.raises(DocumentError, match=words):
+        built(text)

@@ -1,0 +1,38 @@
+"""A rigid body that was measured or modelled elsewhere: its edges, its mass centre and its inertia."""
+
+from __future__ import annotations
+
+import math
+
+from ..documents.document import Document
+from .kinematics import Moments
+from .parameters import RockingParameters
+from .single_body import body_on_edges
+
+REPORTS = ("mass", "direction")
+
+
+def build(document: Document, name: str) -> RockingParameters:
+    """left, right: horizontal distance from each edge to the mass centre; height of the mass centre above them.
+
+    gyration: radius of gyration about the mass centre, or inertia about it beside mass. mass is optional otherwise.
+    """
+    left, right, height = (document.length(key) for key in ("left", "right", "height"))
+    mass = document.quantity("mass", "mass", above=0.0, where="a positive mass") if document.has("mass") else None
+    half, x = 0.5 * (left + right), 0.5 * (left - right)
+    square = _gyration(document, mass) ** 2
+    body = Moments(1.0, x, height, square + x * x + height * height)
+    details = {} if mass is None else {"mass": mass}
+    return body_on_edges(document, "rigid", name, body, half, limit="a body more slender than this one", details=details)
+
+
+def _gyration(document: Document, mass: float | None) -> float:
+    """Radius of gyration about the mass centre [m]."""
+    if not document.has("inertia"):
+        return document.length("gyration")
+    if document.has("gyration"):
+        raise document.fault("inertia", "inertia beside gyration", "gyration, or inertia and mass, not both")
+    inertia = document.quantity("inertia", "moment of inertia", above=0.0, where="a positive moment of inertia about the mass centre")
+    if mass is None:
+        raise document.missing("mass", "the mass [kg] that goes with inertia")
+    return math.sqrt(inertia / mass)
