@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 @options.motion
 @options.method
 @click.option("--impacts", is_flag=True, help="Also store the number of impacts during the shaking.")
+@click.option("--quantity", "quantities", metavar="NAME,…", help="Also store these: condition (sensitivity of each cell to its input).")
 @options.workers
 @click.option("--chunk", type=click.IntRange(1), metavar="CELLS", help="Cells in one unit of work.")
 @click.option("--check", type=click.IntRange(0), metavar="N", help="Cells computed again by the independent path.")
@@ -44,6 +45,7 @@ def spectrum(
     model: str,
     tolerance: float,
     impacts: bool,
+    quantities: str | None,
     workers: int | None,
     chunk: int | None,
     check: int | None,
@@ -82,6 +84,7 @@ def spectrum(
         chunk_cells=chunk or CHUNK_CELLS,
         check=check,
         impacts=impacts,
+        quantities=[name.strip() for name in quantities.split(",")] if quantities is not None else (),
         overwrite=overwrite,
         resume=resume,
         strict=strict,

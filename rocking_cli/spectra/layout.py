@@ -43,6 +43,12 @@ VARIABLES: dict[str, tuple[np.dtype, dict[str, Any]]] = {
          "flag_meanings": " ".join(o.flag for o in Outcome)},
     ),
     "impacts": (np.dtype("<i4"), {"units": "1", "long_name": "impacts during shaking"}),
+    "condition": (
+        np.dtype("<f8"),
+        {"units": "1", "long_name": "condition of the largest rotation", "_FillValue": np.nan,
+         "comment": "sum of abs(d theta_ratio / d ln x) over the amplitude, the frequency and the restitution, by central differences; NaN "
+                    "where overturned, failed or not computed, or where a cell beside it is"},
+    ),
 }  # fmt: skip
 """Of each cell: type and attributes. A file has the first two, and others on request."""
 

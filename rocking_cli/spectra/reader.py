@@ -165,6 +165,9 @@ class SpectraFile:
                         }
                         if "impacts" in block:
                             record["impacts"] = int(block["impacts"][r, c])
+                        if "condition" in block:
+                            condition = float(block["condition"][r, c])
+                            record["condition"] = condition if np.isfinite(condition) else None
                         yield record
 
     def __enter__(self) -> SpectraFile:

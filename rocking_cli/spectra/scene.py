@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -17,6 +17,7 @@ from ..structures.parameters import RockingParameters
 from .grid import Grid
 
 _SEED = 20120924
+QUANTITIES = ("condition",)  # what may be computed beside theta_ratio, outcome and impacts
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,6 +74,14 @@ class Scene:
         for i, s in enumerate(self.structures):
             groups.setdefault((s.eta, *self.method.shares(s)), []).append(i)
         return [tuple(g) for g in groups.values()]
+
+
+def known_quantities(names: Sequence[str]) -> tuple[str, ...]:
+    """These names of QUANTITIES, each once, in their own order. Raises UsageError for another."""
+    for name in names:
+        if name not in QUANTITIES:
+            raise UsageError(f"unknown quantity {name!r}, accepted {'is' if len(QUANTITIES) == 1 else 'are'} {', '.join(QUANTITIES)}")
+    return tuple(name for name in QUANTITIES if name in names)
 
 
 @dataclass(frozen=True)

@@ -14,14 +14,13 @@ from .. import interruption
 from ..dynamics.march.engine import Work
 from ..dynamics.method import LINEAR, Method
 from ..dynamics.outcome import Outcome
-from ..dynamics.response import Response
 from ..errors import Interrupted, UsageError
 from ..motions import Motion
 from ..structures.parameters import RockingParameters
 from .grid import Grid
 from .processes import available_cpus
-from .scene import Scene, Unit, chunk_shape, cut_into_units, default_check, sampled_cells
-from .units import Job, unit_reports
+from .scene import Scene, Unit, chunk_shape, cut_into_units, default_check, known_quantities, sampled_cells
+from .units import Block, Job, unit_reports
 
 CHUNK_CELLS = 131072
 SMALL_SWEEP = 100_000  # cells below which starting processes takes longer than they save
@@ -87,13 +86,15 @@ class Summary:
 
 @dataclass(frozen=True, eq=False)
 class Spectrum:
-    """A spectrum in memory: theta_ratio, outcome and impacts have dimensions (structure, frequency, amplitude)."""
+    """A spectrum in memory: theta_ratio, outcome, impacts and condition (None unless asked for) have dimensions (structure,
+    frequency, amplitude)."""
 
     scene: Scene
     theta_ratio: np.ndarray
     outcome: np.ndarray
     impacts: np.ndarray
     summary: Summary
+    condition: np.ndarray | None = None
 
 
 def spectrum(
@@ -104,25 +105,30 @@ def spectrum(
     method: Method = LINEAR,
     workers: int | None = None,
     check: int | None = None,
+    quantities: Sequence[str] = (),
 ) -> Spectrum:
     """The rocking spectrum of structures over a grid, in memory.
 
     method: the equation of motion; workers: processes, None for all cores; check: cells computed again by the reference,
-    None for a few. Raises UsageError.
+    None for a few; quantities: names of `QUANTITIES` to compute as well. Raises UsageError.
     """
     scene = Scene(tuple(structures), grid, motion, method)
+    quantities = known_quantities(quantities)
     shape = (len(scene.structures), *grid.shape)
     theta, outcome, impacts = np.full(shape, np.nan), np.zeros(shape, dtype=np.uint8), np.zeros(shape, dtype=np.int32)
+    condition = np.full(shape, np.nan) if "condition" in quantities else None
     chunk = chunk_shape(grid.shape, CHUNK_CELLS)
 
-    def keep(unit: Unit, response: Response) -> None:
+    def keep(unit: Unit, response: Block) -> None:
         rows, columns = response.outcome.shape
         for i in unit.structures:
             block = (i, slice(unit.row, unit.row + rows), slice(unit.column, unit.column + columns))
             theta[block], outcome[block], impacts[block] = response.theta_ratio, response.outcome, response.impacts
+            if condition is not None:
+                condition[block] = response.condition
 
-    summary = _sweep(scene, chunk, workers, check, None, None, keep)
-    return Spectrum(scene, theta, outcome, impacts, summary)
+    summary = _sweep(scene, chunk, workers, check, None, None, keep, quantities=quantities)
+    return Spectrum(scene, theta, outcome, impacts, summary, condition)
 
 
 def write_spectrum(
@@ -136,6 +142,7 @@ def write_spectrum(
     chunk_cells: int = CHUNK_CELLS,
     check: int | None = None,
     impacts: bool = False,
+    quantities: Sequence[str] = (),
     overwrite: bool = False,
     resume: bool = False,
     strict: bool = False,
@@ -147,9 +154,9 @@ def write_spectrum(
 ) -> Summary:
     """Compute a spectrum and stream it, chunk by chunk, into an HDF5 file (layout: README).
 
-    scheduler: address of a dask.distributed cluster to compute on. shard: (i, n) computes the i-th of n parts, for `merge`.
-    resume: go on with what an interrupted sweep of the same scene left in PATH.part, strict: unless it was begun on a machine whose
-    results may differ in the last digits. documents, history: texts kept in the
+    quantities: names of `QUANTITIES`, stored as well. scheduler: address of a dask.distributed cluster to compute on. shard: (i, n)
+    computes the i-th of n parts, for `merge`. resume: go on with what an interrupted sweep of the same scene left in PATH.part,
+    strict: unless it was begun on a machine whose results may differ in the last digits. documents, history: texts kept in the
     file. progress: called with (units done, units). Raises UsageError for a scene or an output that is refused, OutputError when
     the file cannot be written or a worker process dies, Interrupted on Ctrl-C.
     """
@@ -160,9 +167,10 @@ def write_spectrum(
     attributes: dict[str, Any] = {"history": history, "documents": documents, "motion": motion.name, "model": method.model}
     if method.stated_tolerance is not None:
         attributes["tolerance"] = method.stated_tolerance
-    names: tuple[str, ...] = ("theta_ratio", "outcome", "impacts") if impacts else ("theta_ratio", "outcome")
+    quantities = known_quantities(quantities)
+    names: tuple[str, ...] = ("theta_ratio", "outcome", *(["impacts"] if impacts else []), *quantities)
 
-    identity = {**scene.identity(), "impacts": impacts, "chunk": list(chunk)}
+    identity = {**scene.identity(), "impacts": impacts, "quantities": list(quantities), "chunk": list(chunk)}
     options: dict[str, Any] = {
         "names": names, "overwrite": overwrite, "resume": resume, "strict": strict, "scene": identity, "attributes": attributes,
         "shard": "{}/{}".format(*(shard or (1, 1))),
@@ -178,7 +186,8 @@ def write_spectrum(
                 writer.write((i, unit.row, unit.column), data)
 
         try:
-            summary = _sweep(scene, chunk, workers, check, progress, _Packing(names, chunk), keep, todo, writer.outcomes, scheduler)
+            packing = _Packing(names, chunk)
+            summary = _sweep(scene, chunk, workers, check, progress, packing, keep, todo, writer.outcomes, scheduler, quantities)
         except KeyboardInterrupt:
             kept = writer.written + writer.resumed
             if not kept:
@@ -196,7 +205,7 @@ class _Packing:
     names: tuple[str, ...]
     chunk: tuple[int, int]
 
-    def __call__(self, response: Response) -> dict[str, bytes]:
+    def __call__(self, response: Block) -> dict[str, bytes]:
         from .chunks import pack
 
         return {name: pack(_padded(getattr(response, name), self.chunk)) for name in self.names}
@@ -217,11 +226,12 @@ def _sweep(
     workers: int | None,
     check: int | None,
     progress: Progress | None,
-    convert: Callable[[Response], Any] | None,
+    convert: Callable[[Block], Any] | None,
     keep: Callable[[Unit, Any], None],
     todo: Callable[[Unit], bool] | None = None,
     before: Mapping[int, np.ndarray] | None = None,
     scheduler: str | None = None,
+    quantities: tuple[str, ...] = (),
 ) -> Summary:
     """Compute all units, or those `todo`, hand each result to `keep` in order, and sum up with the outcomes from before."""
     began = time.perf_counter()
@@ -232,7 +242,7 @@ def _sweep(
     wanted = max(1, min(workers or available_cpus(), len(units)))
     if workers is None and scene.cells < SMALL_SWEEP:
         wanted = 1
-    job = Job(scene, chunk, sampled_cells(scene, default_check(scene) if check is None else check), convert)
+    job = Job(scene, chunk, sampled_cells(scene, default_check(scene) if check is None else check), convert, quantities)
     total, outcomes, shared, worst, misjudged, checked = Work(), np.zeros(len(Outcome), dtype=np.int64), 0, 0.0, 0, 0
     outcomes += sum((before or {}).values(), np.zeros_like(outcomes))
     if scheduler is None:

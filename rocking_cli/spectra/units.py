@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import partial
 from itertools import tee
 from typing import Any
 
@@ -16,6 +17,7 @@ import numpy as np
 from ..dynamics.march.engine import Work
 from ..dynamics.outcome import Outcome
 from ..dynamics.response import Response, response
+from .condition import condition_of
 from .processes import processes
 from .scene import Scene, Unit
 
@@ -37,13 +39,21 @@ class Report:
 
 
 @dataclass(frozen=True)
+class Block(Response):
+    """A unit's response, and what was asked for beside it (see `QUANTITIES`)."""
+
+    condition: np.ndarray | None = None
+
+
+@dataclass(frozen=True)
 class Job:
     """Everything a worker needs; to processes of this machine it goes once, not with each unit."""
 
     scene: Scene
     chunk: tuple[int, int]
     samples: np.ndarray
-    convert: Callable[[Response], Any] | None
+    convert: Callable[[Block], Any] | None
+    quantities: tuple[str, ...] = ()
 
     @property
     def together(self) -> int:
@@ -66,7 +76,10 @@ class Job:
             block[2] = structure.eta
             first += size[0] * size[1]
         system = scene.method.system_of(scene.structures[units[0].structures[0]])
-        found = response(system, scene.motion, *cells)
+        found, condition = response(system, scene.motion, *cells), None
+        if "condition" in self.quantities:
+            respond, tolerance = partial(response, system, scene.motion), scene.method.stated_tolerance or 0.0
+            condition = condition_of(respond, cells[0], cells[1], cells[2], tolerance)
         del cells
         reports: list[Report] = []
         first = 0
@@ -75,7 +88,7 @@ class Job:
             first = mine.stop
             work = found.work if not reports else Work()
             theta_ratio, outcome, impacts = (x[mine].reshape(size) for x in (found.theta_ratio, found.outcome, found.impacts))
-            part = Response(theta_ratio, outcome, impacts, work)
+            part = Block(theta_ratio, outcome, impacts, work, None if condition is None else condition[mine].reshape(size))
             worst, misjudged, checked = self.compare(unit, part)
             outcomes = np.bincount(part.outcome.ravel(), minlength=len(Outcome))
             data = self.convert(part) if self.convert else part

@@ -36,6 +36,23 @@ def test_summary_and_file(rocking, tmp_path):
         assert "kind: spire" in f.attrs["documents"]
 
 
+def test_quantities_on_request_are_variables_of_the_file(rocking, tmp_path):
+    done = rocking("spectrum", "--eta", "0.9", "--grid", "A=0.5:9:7,Omega=5", "--quantity", "condition", "--impacts", "-o", "s.h5")
+    assert done.returncode == 0, done.stderr
+    with h5py.File(tmp_path / "s.h5") as f:
+        condition, theta = f["condition"][0, 0], f["theta_ratio"][0, 0]
+        assert f["condition"].attrs["units"] == "1"
+        assert "restitution" in f["condition"].attrs["comment"]
+        assert f["impacts"].shape == f["condition"].shape
+    assert condition[0] == 0.0
+    assert np.isnan(condition[np.isnan(theta)]).all()
+    rows = [json.loads(line) for line in rocking("convert", "s.h5", "--json").stdout.splitlines()]
+    assert [row["condition"] for row in rows] == [None if np.isnan(x) else x for x in condition]
+    other = rocking("spectrum", "--eta", "0.9", "--grid", "A=0.5:9:7,Omega=5", "--quantity", "condition,size", "-o", "t.h5")
+    assert other.returncode == 2
+    assert "unknown quantity 'size'" in other.stderr
+
+
 def test_pipeline_from_params(rocking, tmp_path):
     records = rocking("params", "configs/block.yaml", "configs/spire.yaml", "--json").stdout
     assert rocking("spectrum", "-", "--grid", "a_g=0.1g:1g:20,f_g=0.5:3:10", "-o", "a.h5", stdin=records).returncode == 0

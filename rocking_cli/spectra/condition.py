@@ -1,0 +1,53 @@
+"""How strongly cells depend on their input: what is between an error that an integration makes on its way and the one it ends with."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Protocol
+
+import numpy as np
+
+from ..dynamics.outcome import Outcome
+
+Array = np.ndarray
+
+STEP = 1e-7  # relative change of each input; the linear equation leaves the differences 8 digits
+_ETA = 2
+_TOLERANCES = 100.0  # of a method with a tolerance, the least change of input, so that its own error stays below the difference
+
+
+class Answer(Protocol):
+    """The part of a response that is compared."""
+
+    @property
+    def theta_ratio(self) -> Array:
+        """max |theta|/alpha."""
+
+    @property
+    def outcome(self) -> Array:
+        """Codes of `Outcome`."""
+
+
+def condition_of(respond: Callable[[Array, Array, Array], Answer], amplitude: Array, omega: Array, eta: Array, tolerance: float) -> Array:
+    """Condition of cells (any shape, broadcast): what a relative change of their input does to max |theta|/alpha,
+
+        kappa = |d theta/d ln A| + |d theta/d ln Omega| + |d theta/d ln eta|,   theta = max |theta|/alpha        [-]
+
+    by central differences over a relative 1e-7, or 100 times the tolerance of the method (0 of an exact one). respond: the
+    response of arrays (A, Omega, eta). NaN where a cell beside it does not rock as well: it overturned, failed, or is that close to
+    the boundary of one that did; 0 below uplift.
+    """
+    cells = np.broadcast_arrays(*(np.asarray(x, dtype=float) for x in (amplitude, omega, eta)))
+    step, total = max(STEP, _TOLERANCES * tolerance), np.zeros(cells[0].shape)
+    for i, values in enumerate(cells):
+        ends = np.stack([values * (1.0 - step), values * (1.0 + step)])
+        if i == _ETA:
+            np.clip(ends, -1.0, 1.0, out=ends)
+        beside = [ends if j == i else np.stack([x, x]) for j, x in enumerate(cells)]
+        found = respond(*beside)
+        still = ((found.outcome == Outcome.ROCKED) | (found.outcome == Outcome.NO_UPLIFT)).all(axis=0)
+        width = np.abs(ends[1] - ends[0])
+        with np.errstate(divide="ignore", invalid="ignore"):
+            rate = np.abs(found.theta_ratio[1] - found.theta_ratio[0]) * np.abs(values) / width
+        total += np.where(still, np.where(width == 0.0, 0.0, rate), np.nan)
+    return total
