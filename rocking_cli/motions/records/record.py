@@ -10,6 +10,8 @@ import numpy as np
 from ...documents.quantities import UNITS
 from ...errors import DocumentError
 
+LARGEST = 1e6  # m/s2, beyond which no ground shakes
+STEPS = (1e-7, 1e3)  # s, from the shortest to the longest
 _PEAK_AGREES = 0.01  # part of a header's peak by which the samples' own may differ without a word
 
 
@@ -30,8 +32,8 @@ class Record:
 
     name: of the file, without its extension; format: as `rocking records` prints it; component: as the file calls it, None where it
     does not; dt [s]; acceleration [m/s2], shape (npts,); header_pga [m/s2]: the peak that the file's header states; unit: the
-    file's own; source: path; sha256: of the file. Raises DocumentError when there are fewer than two samples, one is not finite,
-    or dt is not positive.
+    file's own; source: path; sha256: of the file. Raises DocumentError when there are fewer than two samples, one is not finite or
+    beyond 1e6 m/s2, or dt is not from 1e-7 to 1000 s.
     """
 
     name: str
@@ -46,12 +48,12 @@ class Record:
     remarks: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
-        if not (np.isfinite(self.dt) and self.dt > 0.0):
-            raise DocumentError(f"{self.source}: a time step of {self.dt:g} s; accepted is a positive one")
+        if not STEPS[0] <= self.dt <= STEPS[1]:
+            raise DocumentError(f"{self.source}: a time step of {self.dt:g} s; accepted is one from {STEPS[0]:g} to {STEPS[1]:g} s")
         if self.acceleration.ndim != 1 or self.acceleration.size < 2:
             raise DocumentError(f"{self.source}: {self.acceleration.size} samples; a record has at least two")
-        if not np.all(np.isfinite(self.acceleration)):
-            raise DocumentError(f"{self.source}: an acceleration that is not finite")
+        if not np.all(np.abs(self.acceleration) <= LARGEST):
+            raise DocumentError(f"{self.source}: an acceleration that is not finite or beyond {LARGEST:g} m/s2")
         self.acceleration.flags.writeable = False
 
     @property

@@ -10,9 +10,11 @@ import tracemalloc
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from recorded import rows, wave
 
-from rocking_cli.errors import DocumentError, UsageError
+from rocking_cli.errors import DocumentError, RockingError, UsageError
 from rocking_cli.motions import records
 from rocking_cli.motions.records import read_record, read_records, record_files
 
@@ -88,6 +90,22 @@ def test_a_file_too_large_is_refused_before_it_is_read(tmp_path, monkeypatch):
     monkeypatch.setattr(records, "LARGEST", 3999)
     with pytest.raises(DocumentError, match="when unpacked"):
         read_records(tmp_path / "packed.gz")
+
+
+SPOILT = st.sampled_from([b"", b" ", b"-", b".", b"9", b"x", b"\n", b"*", b"\0", b"\xff", b"E", b"nan", b"1e400", b"\r"])
+
+
+@given(at=st.integers(0, len(AT2)), length=st.integers(0, 200), put=SPOILT)
+@settings(max_examples=300, deadline=None)
+def test_a_spoilt_file_is_a_record_or_one_sentence(at, length, put):
+    raw = AT2.encode()
+    refused, found = "", None
+    try:
+        found = records.records_of("a", raw[:at] + put + raw[at + length :])
+    except RockingError as error:
+        refused = str(error)
+    assert found is None or 2 <= found[0].npts <= 5000
+    assert not refused or (refused.startswith("a:") and "\n" not in refused)
 
 
 def test_a_unit_is_for_plain_numbers(tmp_path):
