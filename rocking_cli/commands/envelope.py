@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -46,12 +47,25 @@ def envelope(
     and a_to [m/s2] are printed as well.
     """
     from ..dynamics.method import Method
-    from ..spectra.envelope import CURVE_COLUMNS, INTERVAL_COLUMNS, frequency_axis, structure_curves, structure_intervals
+    from ..spectra.envelope import (
+        CURVE_COLUMNS,
+        INTERVAL_COLUMNS,
+        check_curves,
+        check_intervals,
+        frequency_axis,
+        structure_curves,
+        structure_intervals,
+    )
 
     method = Method(model, tolerance)
     workers = options.at_most_the_cpus(workers, quiet)
     axis = frequency_axis(axes, own_time=motion.acceleration is not None)
     structures = options.structures_of(files, etas)
+    for structure in structures:  # all of them, before the first row is printed
+        if closed_form:
+            check_curves(structure, axis, motion)
+        else:
+            check_intervals(structure, axis, motion, method=method, a_max=a_max, tell=partial(options.note, quiet=quiet))
     failed = 0
     silent: list[str] = []
 

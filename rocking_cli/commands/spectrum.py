@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import shlex
 import sys
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -93,6 +94,7 @@ def spectrum(
         documents=texts,
         history=streams.printable(shlex.join(["rocking", *sys.argv[1:]])),
         progress=options.ProgressLine("spectrum", quiet),
+        tell=partial(options.note, quiet=quiet),
     )
     for line in summary_lines(summary, str(output)):
         options.note(line, quiet)

@@ -2,51 +2,113 @@
 
 from __future__ import annotations
 
+import logging
+import re
+import socket
+import time
 from collections import deque
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from typing import Any
 
-from ..errors import OutputError
+from ..errors import OutputError, UsageError
+from .cost import Tell
 from .scene import Unit
 from .units import Job, Report
 
 # The job travels with every batch: data scattered before could be lost with the worker that holds them.
 _AHEAD = 3  # batches in flight for each of the cluster's threads
+_TO_ANSWER = 4.0  # s that a scheduler may take to accept a connection, and to begin to speak
+_TO_GREET = 15.0  # s that it may take until it knows its client
+_PATIENCE = 4.0  # s without a worker after which that is said, again and again
 
 
-def cluster_reports(job: Job, units: Sequence[Unit], address: str) -> Iterator[tuple[Unit, Report]]:
+def cluster_reports(job: Job, units: Sequence[Unit], address: str, tell: Tell | None = None) -> Iterator[tuple[Unit, Report]]:
     """The reports of the units, in order, from the cluster whose scheduler is at `address`; a lost worker's batches run anew.
 
-    Raises OutputError without the extra `distributed`, without a scheduler there, or when a batch fails for good.
+    Where the cluster has no worker, that is told, and waited for. Raises UsageError for an address that is none, OutputError without
+    the extra `distributed`, without a scheduler there, or when a batch fails for good.
     """
+    host, port = _host_and_port(address)
     try:
         from distributed import Client
     except ImportError:
         raise OutputError("--scheduler needs dask.distributed: pip install 'rocking[distributed]'") from None
+    with _silent_library():
+        try:
+            with socket.create_connection((host, port), timeout=_TO_ANSWER) as connection:
+                if not address.startswith("tls:") and not connection.recv(1):  # a scheduler speaks first; the client waits for ever
+                    raise ConnectionError("the connection was closed")
+            client = Client(address, timeout=_TO_GREET, set_as_default=False)
+        except (OSError, ValueError) as error:
+            raise OutputError(f"--scheduler: no dask scheduler answers at {address}: {str(error) or type(error).__name__}") from None
+        with client:
+            threads = _wait(lambda: sum(dict(client.ncores()).values()), _saying(tell, address))
+            size = max(1, min(job.together, -(-len(units) // threads)))
+            batches = [list(units[i : i + size]) for i in range(0, len(units), size)]
+            waiting: deque[tuple[list[Unit], Any]] = deque()
+            for batch in batches:
+                waiting.append((batch, client.submit(_run, job, batch, pure=False, retries=3)))
+                if len(waiting) > _AHEAD * threads:
+                    yield from _collect(client, *waiting.popleft(), _saying(tell, address))
+            while waiting:
+                yield from _collect(client, *waiting.popleft(), _saying(tell, address))
+
+
+def _host_and_port(address: str) -> tuple[str, int]:
+    found = re.fullmatch(r"(?:(?:tcp|tls)://)?(?:\[([0-9A-Fa-f:.]+)\]|([^\s:/\[\]]+)):(\d{1,5})", address)
+    if found is None or not 0 < int(found[3]) < 65536:
+        raise UsageError(f"--scheduler: found {address!r}; accepted is HOST:PORT or tcp://HOST:PORT, such as tcp://localhost:8786")
+    return found[1] or found[2], int(found[3])
+
+
+@contextmanager
+def _silent_library() -> Iterator[None]:
+    """What the library logs is told here in one sentence, or is its own matter, as when it connects anew."""
+    names = [n for n in logging.root.manager.loggerDict if n.partition(".")[0] in ("distributed", "tornado", "asyncio")]
+    before = {name: logging.getLogger(name).level for name in {"distributed", "tornado", "asyncio", *names}}
+    for name in before:
+        logging.getLogger(name).setLevel(logging.CRITICAL + 1)
     try:
-        client = Client(address, timeout="15s", set_as_default=False)
-    except (OSError, ValueError) as error:
-        raise OutputError(f"--scheduler: no dask scheduler answers at {address}: {error}") from None
-    with client:
-        threads = max(1, sum(dict(client.ncores()).values()))
-        size = max(1, min(job.together, -(-len(units) // threads)))
-        batches = [list(units[i : i + size]) for i in range(0, len(units), size)]
-        waiting: deque[tuple[list[Unit], Any]] = deque()
-        for batch in batches:
-            waiting.append((batch, client.submit(_run, job, batch, pure=False, retries=3)))
-            if len(waiting) > _AHEAD * threads:
-                yield from _collect(*waiting.popleft())
-        while waiting:
-            yield from _collect(*waiting.popleft())
+        yield
+    finally:
+        for name, level in before.items():
+            logging.getLogger(name).setLevel(level)
+
+
+def _saying(tell: Tell | None, address: str) -> Callable[[float], None]:
+    def say(seconds: float) -> None:
+        if tell is not None:
+            tell(f"--scheduler: the cluster at {address} has no worker; waiting for one since {seconds:.0f} s")
+
+    return say
+
+
+def _wait(threads: Callable[[], int], say: Callable[[float], None]) -> int:
+    """The cluster's threads as soon as it has any; says how long that has been waited for."""
+    began = said = time.monotonic()
+    while not (found := threads()):
+        time.sleep(0.1)
+        if time.monotonic() - said > _PATIENCE:
+            said = time.monotonic()
+            say(said - began)
+    return found
 
 
 def _run(job: Job, units: Sequence[Unit]) -> list[Report]:
     return job.run(units)
 
 
-def _collect(units: Sequence[Unit], future: Any) -> Iterator[tuple[Unit, Report]]:
+def _collect(client: Any, units: Sequence[Unit], future: Any, say: Callable[[float], None]) -> Iterator[tuple[Unit, Report]]:
     try:
-        reports = future.result()
+        while True:
+            try:
+                reports = future.result(timeout=_PATIENCE)
+                break
+            except TimeoutError:
+                if future.done():  # the task's own
+                    raise
+                _wait(lambda: sum(dict(client.ncores()).values()), say)
     except KeyboardInterrupt:
         raise
     except Exception as error:  # whatever a cluster may fail with, what was done stays

@@ -20,6 +20,7 @@ from ..errors import UsageError
 from ..motions import Motion, pulse
 from ..structures.parameters import RockingParameters
 from .boundaries import SCAN_STEP, Row, Search
+from .cost import Tell, announce, expected_seconds
 from .grid import OWN_TIME, Axis, parse_axes
 from .processes import available_cpus, processes
 
@@ -57,15 +58,10 @@ def trace_envelope(
     processes, None for all cores where that saves time. Raises UsageError when a_max is not above the initiation or the model
     does not hold for the structure, OutputError when a worker process dies.
     """
-    search = Search(method.system_of(structure), motion, structure.eta, a_max)
     omegas = np.atleast_1d(np.asarray(omegas, dtype=float))
-    if not (np.isfinite(a_max) and a_max > search.lowest):
-        raise UsageError(f"a-max is {a_max:g}, accepted is a finite amplitude above the uplift at A = {search.lowest:g}")
-    if a_max > 1e5:
-        raise UsageError(f"a-max is {a_max:g}, accepted is up to 1e5")
+    search, amplitudes = _scan_of(motion, omegas.size, structure, method, a_max)
     if workers is not None and workers < 1:
         raise UsageError(f"workers is {workers}, accepted is a whole number from 1")
-    amplitudes = omegas.size * (a_max - search.lowest) / SCAN_STEP
     if workers is None:
         workers = 1 if amplitudes < _SMALL else available_cpus()
     # Neighbouring frequencies cost alike, so each share takes some from everywhere.
@@ -76,6 +72,29 @@ def trace_envelope(
         if progress:
             progress(len(rows), omegas.size)
     return [interval for i, omega in enumerate(omegas) for interval in _intervals(float(omega), search.lowest, rows[i])]
+
+
+def _scan_of(
+    motion: Motion, frequencies: int, structure: RockingParameters, method: Method, a_max: float, tell: Tell | None = None
+) -> tuple[Search, float]:
+    """What is searched and how many amplitudes that is, at most. Raises UsageError."""
+    search = Search(method.system_of(structure), motion, structure.eta, a_max)
+    if not (np.isfinite(a_max) and a_max > search.lowest):
+        raise UsageError(f"a-max is {a_max:g}, accepted is a finite amplitude above the uplift at A = {search.lowest:g}")
+    if a_max > 1e5:
+        raise UsageError(f"a-max is {a_max:g}, accepted is up to 1e5")
+    amplitudes = frequencies * (a_max - search.lowest) / SCAN_STEP
+    segments = len(motion.segments)
+    seconds = expected_seconds(method, structure, segments, cells=int(amplitudes), batches=1)
+    announce(seconds, f"{structure.name}: {amplitudes:.3g} amplitudes under {segments} segments of shaking", 1, tell)
+    return search, amplitudes
+
+
+def check_intervals(
+    structure: RockingParameters, axis: Axis, motion: Motion, *, method: Method = LINEAR, a_max: float = A_MAX, tell: Tell | None = None
+) -> None:
+    """Raise what `structure_intervals` would, before it begins; tell where its scan will take long."""
+    _scan_of(motion, _scaled(structure, axis).size, structure, method, a_max, tell)
 
 
 def _in_turn(search: Search, shares: list[np.ndarray], workers: int) -> Iterator[list[Row]]:
@@ -139,12 +158,24 @@ def structure_intervals(
         yield record
 
 
-def structure_curves(structure: RockingParameters, axis: Axis, motion: Motion) -> Iterator[dict[str, Any]]:
-    """Records of the closed-form curves for a structure. Raises UsageError where there is no closed form."""
-    from .closed_form import PULSES, closed_form_curves
+def check_curves(structure: RockingParameters, axis: Axis, motion: Motion) -> None:
+    """Raise what `structure_curves` would, before it begins."""
+    _scaled(structure, axis)
+    _closed_form_of(motion)
+
+
+def _closed_form_of(motion: Motion) -> str:
+    from .closed_form import PULSES
 
     forms = {pulse(name).pieces: name for name in PULSES}
     if motion.pieces not in forms:
         raise UsageError(f"--closed-form: found {motion.name}; accepted are a sine of 1 cycle, a half sine and a rectangular pulse")
-    for point in closed_form_curves(_scaled(structure, axis), structure.eta, forms[motion.pieces]):
+    return forms[motion.pieces]
+
+
+def structure_curves(structure: RockingParameters, axis: Axis, motion: Motion) -> Iterator[dict[str, Any]]:
+    """Records of the closed-form curves for a structure. Raises UsageError where there is no closed form."""
+    from .closed_form import closed_form_curves
+
+    for point in closed_form_curves(_scaled(structure, axis), structure.eta, _closed_form_of(motion)):
         yield {"structure": structure.name, "curve": point.curve, "Omega": point.omega, "A": point.amplitude}

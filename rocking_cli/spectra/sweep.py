@@ -17,6 +17,7 @@ from ..dynamics.outcome import Outcome
 from ..errors import Interrupted, UsageError
 from ..motions import Motion
 from ..structures.parameters import RockingParameters
+from .cost import Tell, announce_sweep
 from .grid import Grid
 from .processes import available_cpus
 from .scene import Scene, Unit, chunk_shape, cut_into_units, default_check, known_quantities, sampled_cells
@@ -118,6 +119,7 @@ def spectrum(
     theta, outcome, impacts = np.full(shape, np.nan), np.zeros(shape, dtype=np.uint8), np.zeros(shape, dtype=np.int32)
     condition = np.full(shape, np.nan) if "condition" in quantities else None
     chunk = chunk_shape(grid.shape, CHUNK_CELLS)
+    announce_sweep(scene, chunk, _processes(scene, workers), check)
 
     def keep(unit: Unit, response: Block) -> None:
         rows, columns = response.outcome.shape
@@ -151,19 +153,22 @@ def write_spectrum(
     documents: str = "",
     history: str = "",
     progress: Progress | None = None,
+    tell: Tell | None = None,
 ) -> Summary:
     """Compute a spectrum and stream it, chunk by chunk, into an HDF5 file (layout: README).
 
     quantities: names of `QUANTITIES`, stored as well. scheduler: address of a dask.distributed cluster to compute on. shard: (i, n)
     computes the i-th of n parts, for `merge`. resume: go on with what an interrupted sweep of the same scene left in PATH.part,
     strict: unless it was begun on a machine whose results may differ in the last digits. documents, history: texts kept in the
-    file. progress: called with (units done, units). Raises UsageError for a scene or an output that is refused, OutputError when
-    the file cannot be written or a worker process dies, Interrupted on Ctrl-C.
+    file. progress: called with (units done, units). tell: called with a line where the sweep will take long, or waits for its
+    cluster. Raises UsageError for a scene or an output that is refused, OutputError when the file cannot be written or a worker
+    process dies, Interrupted on Ctrl-C.
     """
     from .store import SpectraWriter
 
     scene = Scene(tuple(structures), grid, motion, method)
     chunk = chunk_shape(grid.shape, chunk_cells)
+    announce_sweep(scene, chunk, _processes(scene, workers), check, 1 if shard is None else shard[1], tell)
     attributes: dict[str, Any] = {"history": history, "documents": documents, "motion": motion.name, "model": method.model}
     if method.stated_tolerance is not None:
         attributes["tolerance"] = method.stated_tolerance
@@ -187,7 +192,7 @@ def write_spectrum(
 
         try:
             packing = _Packing(names, chunk)
-            summary = _sweep(scene, chunk, workers, check, progress, packing, keep, todo, writer.outcomes, scheduler, quantities)
+            summary = _sweep(scene, chunk, workers, check, progress, packing, keep, todo, writer.outcomes, scheduler, quantities, tell)
         except KeyboardInterrupt:
             kept = writer.written + writer.resumed
             if not kept:
@@ -220,6 +225,12 @@ def _padded(block: np.ndarray, shape: tuple[int, int]) -> np.ndarray:
     return full
 
 
+def _processes(scene: Scene, workers: int | None) -> int:
+    if workers is not None and workers < 1:
+        raise UsageError(f"workers is {workers}, accepted is a whole number from 1")
+    return workers or (1 if scene.cells < SMALL_SWEEP else available_cpus())
+
+
 def _sweep(
     scene: Scene,
     chunk: tuple[int, int],
@@ -232,16 +243,13 @@ def _sweep(
     before: Mapping[int, np.ndarray] | None = None,
     scheduler: str | None = None,
     quantities: tuple[str, ...] = (),
+    tell: Tell | None = None,
 ) -> Summary:
     """Compute all units, or those `todo`, hand each result to `keep` in order, and sum up with the outcomes from before."""
     began = time.perf_counter()
-    if workers is not None and workers < 1:
-        raise UsageError(f"workers is {workers}, accepted is a whole number from 1")
     every = list(cut_into_units(scene, chunk))
     units = [unit for unit in every if todo is None or todo(unit)]
-    wanted = max(1, min(workers or available_cpus(), len(units)))
-    if workers is None and scene.cells < SMALL_SWEEP:
-        wanted = 1
+    wanted = max(1, min(_processes(scene, workers), len(units)))
     job = Job(scene, chunk, sampled_cells(scene, default_check(scene) if check is None else check), convert, quantities)
     total, outcomes, shared, worst, misjudged, checked = Work(), np.zeros(len(Outcome), dtype=np.int64), 0, 0.0, 0, 0
     outcomes += sum((before or {}).values(), np.zeros_like(outcomes))
@@ -250,7 +258,7 @@ def _sweep(
     else:
         from .cluster import cluster_reports
 
-        reports = cluster_reports(job, units, scheduler)
+        reports = cluster_reports(job, units, scheduler, tell)
     for done, (unit, report) in enumerate(reports, 1 + len(every) - len(units)):
         with interruption.deferred():
             keep(unit, report.data)

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import os
+import re
 import signal
+import socket
 import subprocess
 import sys
 
@@ -11,6 +13,9 @@ import h5py
 import numpy as np
 import pytest
 from watching import PATIENCE, PROGRAM, grows
+
+from rocking_cli import dimensionless_oscillator, parse_grid, sine, write_spectrum
+from rocking_cli.spectra import cluster as room
 
 CLUSTER = """
 import sys
@@ -50,19 +55,55 @@ def test_a_cluster_computes_the_same_file_though_a_worker_dies(rocking, cluster,
         assert np.array_equal(a["outcome"][...], b["outcome"][...])
 
 
-IMPATIENT = """
-import sys
-import distributed
-from rocking_cli.commands import main
-client = distributed.Client
-distributed.Client = lambda address, **options: client(address, **{**options, "timeout": "0.2s"})
-main(sys.argv[1:])
-"""
+SMALL = ["spectrum", "--eta", "0.9", "--grid", "A=1:2:3,Omega=1:2:3", "-q"]
 
 
-def test_no_scheduler_is_a_sentence(tmp_path):
-    call = ["spectrum", "--eta", "0.9", "--grid", "A=1:2:3,Omega=1:2:3", "-o", str(tmp_path / "s.h5"), "--scheduler", "tcp://127.0.0.1:9"]
-    done = subprocess.run([sys.executable, "-c", IMPATIENT, *call], capture_output=True, text=True, timeout=PATIENCE, check=False)
-    assert done.returncode == 1
-    assert "no dask scheduler answers at tcp://127.0.0.1:9" in done.stderr
-    assert "Traceback" not in done.stderr
+@pytest.mark.parametrize("address", ["bogus", "tcp://", "tcp://host", "tcp://host:99999", "host:0", "ftp://host:8786", "tcp://a b:1", ""])
+def test_an_address_that_is_none_is_refused_at_once(address, refused):
+    assert "accepted is HOST:PORT" in refused(2, *SMALL, "-o", "s.h5", "--scheduler", address)
+
+
+@pytest.mark.parametrize(
+    ("address", "found"),
+    [
+        ("localhost:8786", ("localhost", 8786)),
+        ("tcp://10.0.0.7:1", ("10.0.0.7", 1)),
+        ("tls://a.b-c.org:65535", ("a.b-c.org", 65535)),
+        ("tcp://[::1]:8786", ("::1", 8786)),
+    ],
+)
+def test_addresses(address, found):
+    assert room._host_and_port(address) == found
+
+
+def test_no_scheduler_is_a_sentence(refused):
+    said = refused(1, *SMALL, "-o", "s.h5", "--scheduler", "tcp://127.0.0.1:9")
+    assert "no dask scheduler answers at tcp://127.0.0.1:9: " in said
+
+
+def test_a_server_that_is_no_scheduler_is_a_sentence_too(refused, monkeypatch):
+    monkeypatch.setattr(room, "_TO_ANSWER", 0.3)
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        address = f"127.0.0.1:{server.getsockname()[1]}"
+        assert f"no dask scheduler answers at {address}: " in refused(1, *SMALL, "-o", "s.h5", "--scheduler", address)
+
+
+def test_a_cluster_without_workers_is_told_and_waited_for(tmp_path, monkeypatch):
+    from distributed import LocalCluster
+
+    monkeypatch.setattr(room, "_PATIENCE", 0.2)
+    said: list[str] = []
+    with LocalCluster(n_workers=0, threads_per_worker=1, processes=False, protocol="tcp", dashboard_address=None) as cluster:
+
+        def tell(line: str) -> None:
+            said.append(line)
+            if len(said) == 2:
+                cluster.scale(1)
+
+        address = cluster.scheduler_address
+        summary = write_spectrum(
+            [dimensionless_oscillator(0.9)], parse_grid("A=1:2:3,Omega=1:2:3"), sine(), tmp_path / "s.h5", scheduler=address, tell=tell
+        )
+    assert summary.cells == 9
+    assert len(said) >= 2
+    assert all(re.fullmatch(rf"--scheduler: the cluster at {address} has no worker; waiting for one since \d+ s", line) for line in said)

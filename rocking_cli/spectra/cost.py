@@ -1,0 +1,67 @@
+"""What a sweep or the scan of an envelope takes, roughly, before it begins: said where that is long, refused where it has no end."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+from ..dynamics.method import Method
+from ..errors import UsageError
+from ..structures.parameters import RockingParameters
+from .scene import Scene, default_check
+from .units import TOGETHER
+
+Tell = Callable[[str], None]
+
+
+class Rates(NamedTuple):
+    """Seconds of a processor for one segment of the motion: a batch whatever its size, each cell in it, each checked cell."""
+
+    batch: float
+    cell: float
+    checked: float
+
+
+# Measured on one processor; a cell that overturns early or never uplifts costs less, many impacts between two segments more.
+_LINEAR, _BODY, _LINKAGE = Rates(1e-3, 1e-6, 3e-3), Rates(5e-3, 1e-5, 2e-2), Rates(2e-2, 3e-5, 0.35)
+_MOST_UNITS = 1_000_000
+_LONG = 60.0  # s from which on the time is said beforehand
+_ENDLESS = 10 * 365.25 * 86400.0  # s of all processors together
+_UNITS = {"s": 1.0, "min": 60.0, "h": 3600.0, "days": 86400.0, "years": 365.25 * 86400.0}
+
+
+def expected_seconds(method: Method, structure: RockingParameters, segments: int, *, cells: int, batches: int, checked: int = 0) -> float:
+    """Seconds of a processor, to within a factor of a few, for cells in batches under a motion of so many segments."""
+    rates = _LINEAR if method.exact else _BODY if structure.mechanism is None else _LINKAGE
+    return segments * (batches * rates.batch + cells * rates.cell + checked * rates.checked)
+
+
+def announce_sweep(
+    scene: Scene, chunk: tuple[int, int], workers: int, check: int | None = None, parts: int = 1, tell: Tell | None = None
+) -> None:
+    """`announce` one of the parts of a sweep in units of work of so many rows and columns. Raises UsageError, for too many of them too."""
+    rows, columns = (-(-n // size) for n, size in zip(scene.grid.shape, chunk, strict=True))
+    systems = len(scene.sharing())
+    units, cells = rows * columns * systems, scene.grid.shape[0] * scene.grid.shape[1] * systems
+    if units > _MOST_UNITS:
+        raise UsageError(f"{units} units of work of {chunk[0] * chunk[1]} cells, accepted are up to {_MOST_UNITS}; make them larger")
+    checked = min(cells, default_check(scene) if check is None else check)
+    batches = max(cells // TOGETHER, 1) if scene.method.exact else units
+    segments = len(scene.motion.segments)
+    seconds = max(expected_seconds(scene.method, s, segments, cells=cells, batches=batches, checked=checked) for s in scene.structures)
+    what = f"{cells // parts} cells under {segments} segments of shaking" + (f", {checked} of them checked" if checked else "")
+    announce(seconds / parts, what, min(workers, units), tell)
+
+
+def announce(seconds: float, what: str, workers: int, tell: Tell | None) -> None:
+    """Tell the time of what takes more than a minute. Raises UsageError, with that time, for what takes ten years of a processor."""
+    if seconds > _ENDLESS:
+        raise UsageError(f"{what} take about {_in_words(seconds)} of a processor, accepted are up to {_in_words(_ENDLESS)}")
+    if seconds > _LONG * workers and tell is not None:
+        on = f" on {workers} processes" if workers > 1 else ""
+        tell(f"{what}: at most about {_in_words(seconds / workers)}{on}")
+
+
+def _in_words(seconds: float) -> str:
+    unit = max((u for u, length in _UNITS.items() if seconds >= 2.0 * length), key=_UNITS.__getitem__, default="s")
+    return f"{float(f'{seconds / _UNITS[unit]:.2g}'):g} {unit}"
