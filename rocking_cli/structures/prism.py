@@ -42,6 +42,7 @@ def build(document: Document, name: str) -> RockingParameters:
         raise document.fault("corners", "a section that rests on one point", "a base of two lowest corners or more")
     middle = 0.5 * (left + right)
     placed = [(x - middle, z - lowest) for x, z in corners]
+    highest = max(z for _, z in placed)
     return body_on_edges(
         document,
         "prism",
@@ -49,7 +50,7 @@ def build(document: Document, name: str) -> RockingParameters:
         polygon_moments(placed),
         0.5 * (right - left),
         limit="a section more slender than this one",
-        top=max(placed, key=lambda corner: (corner[1], -corner[0])),
+        top=min(corner for corner in placed if highest - corner[1] <= 1e-9 * size),
     )
 
 
