@@ -16,7 +16,8 @@ from ..dynamics.references.general_solver import Solver, solve_cell
 from ..dynamics.response import response
 from ..errors import UsageError
 from ..spectra.grid import Grid
-from ..spectra.scene import Scene, sampled_cells
+from ..spectra.sampling import sampled_cells
+from ..spectra.scene import Scene
 
 TOLERANCES = (1e-4, 1e-6, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12)
 SCIPY_METHODS = ("RK45", "LSODA", "DOP853")

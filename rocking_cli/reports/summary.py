@@ -20,7 +20,9 @@ def summary_lines(summary: Summary, output: str) -> Iterator[str]:
         yield f"computed on machines that differ: {s.elsewhere}; the last digits of cells may differ from those of one machine"
     if s.checked_cells:
         agree = "every outcome equal" if not s.misjudged else f"{s.misjudged} OUTCOMES DIFFER"
-        yield f"estimated error: {s.estimated_error:.1e} in theta/alpha, {s.checked_cells} cells computed again by {s.checked_by}, {agree}"
+        sensitive = f" ({s.sensitive_cells} for their sensitivity)" if s.sensitive_cells else ""
+        many = f"{s.checked_cells} cell{'s' if s.checked_cells != 1 else ''}{sensitive} computed again by {s.checked_by}"
+        yield f"estimated error: {s.estimated_error:.1e} in theta/alpha at {many}, {agree}"
         if s.misjudged or s.estimated_error > SENSITIVE:
             yield "warning: the two paths differ, as where cells depend on the last digits of their input; do not rely on single cells"
     else:

@@ -8,7 +8,8 @@ from typing import NamedTuple
 from ..dynamics.method import Method
 from ..errors import UsageError
 from ..structures.parameters import RockingParameters
-from .scene import Scene, default_check
+from .sampling import default_check
+from .scene import Scene
 from .units import TOGETHER
 
 Tell = Callable[[str], None]

@@ -16,7 +16,6 @@ from ..motions import Motion
 from ..structures.parameters import RockingParameters
 from .grid import Grid
 
-_SEED = 20120924
 QUANTITIES = ("condition",)  # what may be computed beside theta_ratio, outcome and impacts
 
 
@@ -107,27 +106,3 @@ def cut_into_units(scene: Scene, chunk: tuple[int, int]) -> Iterator[Unit]:
         for row in range(0, rows, chunk[0]):
             for column in range(0, columns, chunk[1]):
                 yield Unit(group, row, column)
-
-
-def default_check(scene: Scene) -> int:
-    """Cells to compute again where the user does not say: so few that large sweeps spend under 3 % of their time on them."""
-    return 4 if not scene.method.exact else max(4, min(64, scene.cells // 250_000))
-
-
-def sampled_cells(scene: Scene, check: int, seed: int = _SEED) -> np.ndarray:
-    """(structure, row, column) of the cells to check: drawn without regard to units, among the cells that uplift."""
-    if check < 1:
-        return np.zeros((0, 3), dtype=np.int64)
-    random = np.random.default_rng(seed)
-    rows, columns = scene.grid.shape
-    found: list[tuple[int, int, int]] = []
-    owners = [group[0] for group in scene.sharing()]
-    lifts = [float(np.min(scene.method.system_of(s).equation.uplift_amplitude)) for s in scene.structures]
-    for _ in range(20 * check):
-        i, r, c = owners[int(random.integers(len(owners)))], int(random.integers(rows)), int(random.integers(columns))
-        amplitude = scene.grid.scaled(scene.structures[i])[0][c]
-        if amplitude * scene.motion.peak > lifts[i] and (i, r, c) not in found:
-            found.append((i, r, c))
-        if len(found) == check:
-            break
-    return np.array(found, dtype=np.int64).reshape(-1, 3)

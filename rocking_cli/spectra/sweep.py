@@ -20,7 +20,8 @@ from ..structures.parameters import RockingParameters
 from .cost import Tell, announce_sweep
 from .grid import Grid
 from .processes import available_cpus
-from .scene import Scene, Unit, chunk_shape, cut_into_units, default_check, known_quantities, sampled_cells
+from .sampling import checked_cells, default_check
+from .scene import Scene, Unit, chunk_shape, cut_into_units, known_quantities
 from .units import Block, Job, unit_reports
 
 CHUNK_CELLS = 131072
@@ -33,8 +34,9 @@ Progress = Callable[[int, int], None]
 class Summary:
     """What a sweep took and left out.
 
-    run_time [s]; estimated_error: largest difference of theta/alpha from another path on the checked cells; misjudged:
-    checked cells whose outcome differs; shared_cells: cells taken from another structure of equal restitution; resumed_cells:
+    run_time [s]; estimated_error: largest difference of theta/alpha from another path on the checked cells; sensitive_cells: checked
+    cells that were not drawn but chosen for their sensitivity; misjudged: checked cells whose outcome differs; shared_cells: cells
+    taken from another structure of equal restitution; resumed_cells:
     cells that were there before; elsewhere: how the machine differs on which those were computed. Times, checks and counters are
     those of this run.
     """
@@ -48,6 +50,7 @@ class Summary:
     shared_cells: int
     checked_by: str
     checked_cells: int
+    sensitive_cells: int
     estimated_error: float
     misjudged: int
     resumed_cells: int = 0
@@ -76,6 +79,7 @@ class Summary:
             "estimated_error": self.estimated_error,
             "checked_by": self.checked_by,
             "checked_cells": self.checked_cells,
+            "sensitive_cells": self.sensitive_cells,
             "misjudged_cells": self.misjudged,
             **{f"cells_{k}": v for k, v in self.outcomes.items()},
             "shared_cells": self.shared_cells,
@@ -250,8 +254,9 @@ def _sweep(
     every = list(cut_into_units(scene, chunk))
     units = [unit for unit in every if todo is None or todo(unit)]
     wanted = max(1, min(_processes(scene, workers), len(units)))
-    job = Job(scene, chunk, sampled_cells(scene, default_check(scene) if check is None else check), convert, quantities)
-    total, outcomes, shared, worst, misjudged, checked = Work(), np.zeros(len(Outcome), dtype=np.int64), 0, 0.0, 0, 0
+    job = Job(scene, chunk, checked_cells(scene, default_check(scene) if check is None else check), convert, quantities)
+    total, outcomes, shared = Work(), np.zeros(len(Outcome), dtype=np.int64), 0
+    worst, misjudged, checked, sensitive = 0.0, 0, 0, 0
     outcomes += sum((before or {}).values(), np.zeros_like(outcomes))
     if scheduler is None:
         reports = unit_reports(job, units, wanted)
@@ -266,7 +271,8 @@ def _sweep(
         total += report.work
         outcomes += times * report.outcomes
         shared += (times - 1) * report.cells
-        worst, misjudged, checked = max(worst, report.worst), misjudged + report.misjudged, checked + report.checked
+        worst, misjudged = max(worst, report.worst), misjudged + report.misjudged
+        checked, sensitive = checked + report.checked, sensitive + report.sensitive
         if progress:
             progress(done, len(every))
     interruption.check()
@@ -280,6 +286,7 @@ def _sweep(
         shared_cells=shared,
         checked_by=" and ".join(sorted({scene.method.checked_by(s) for s in scene.structures})),
         checked_cells=checked,
+        sensitive_cells=sensitive,
         estimated_error=worst,
         misjudged=misjudged,
         resumed_cells=int(sum(int(counts.sum()) for counts in (before or {}).values())),

@@ -36,6 +36,7 @@ class Report:
     worst: float
     misjudged: int
     checked: int
+    sensitive: int
 
 
 @dataclass(frozen=True)
@@ -89,18 +90,18 @@ class Job:
             work = found.work if not reports else Work()
             theta_ratio, outcome, impacts = (x[mine].reshape(size) for x in (found.theta_ratio, found.outcome, found.impacts))
             part = Block(theta_ratio, outcome, impacts, work, None if condition is None else condition[mine].reshape(size))
-            worst, misjudged, checked = self.compare(unit, part)
+            compared = self.compare(unit, part)
             outcomes = np.bincount(part.outcome.ravel(), minlength=len(Outcome))
             data = self.convert(part) if self.convert else part
-            reports.append(Report(data, work, part.outcome.size, outcomes, worst, misjudged, checked))
+            reports.append(Report(data, work, part.outcome.size, outcomes, *compared))
         return reports
 
-    def compare(self, unit: Unit, response: Response) -> tuple[float, int, int]:
-        """(largest difference, outcomes that differ, cells) of this unit's sampled cells against the reference."""
+    def compare(self, unit: Unit, response: Response) -> tuple[float, int, int, int]:
+        """(largest difference, outcomes that differ, cells, of them sensitive ones) of this unit's checked cells against the reference."""
         structure = self.scene.structures[unit.structures[0]]
         amplitude, omega = self.scene.grid.scaled(structure)
-        worst, misjudged, checked = 0.0, 0, 0
-        for i, row, column in self.samples:
+        worst, misjudged, checked, sensitive = 0.0, 0, 0, 0
+        for i, row, column, chosen in self.samples:
             r, c = row - unit.row, column - unit.column
             if i != unit.structures[0] or not (0 <= r < self.chunk[0] and 0 <= c < self.chunk[1]):
                 continue
@@ -108,11 +109,11 @@ class Job:
             outcome, theta = self.scene.method.reference_of(structure)(*cell)
             if outcome == Outcome.FAILED:
                 continue
-            checked += 1
+            checked, sensitive = checked + 1, sensitive + int(chosen)
             misjudged += int(outcome != response.outcome[r, c])
             if outcome == response.outcome[r, c] and np.isfinite(theta):
                 worst = max(worst, abs(theta - float(response.theta_ratio[r, c])))
-        return worst, misjudged, checked
+        return worst, misjudged, checked, sensitive
 
 
 TOGETHER = 1 << 19  # cells of an exact equation that a worker computes in one batch

@@ -1,0 +1,74 @@
+"""Which cells a sweep computes again by the slower path: some at random, some where an error would show most.
+
+They follow from the scene alone: neither the number of workers, the size of a unit nor a resumed sweep changes them.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..dynamics.outcome import Outcome
+from ..dynamics.response import response
+from .condition import STEP
+from .scene import Scene
+
+Array = np.ndarray
+
+_SEED = 20120924
+_CANDIDATES = 128  # among which the most sensitive are sought
+_LONGEST = 1000  # segments of a motion beyond which the search takes as long as a sweep: all cells are drawn then
+
+
+def default_check(scene: Scene) -> int:
+    """Cells to compute again where the user does not say: so few that large sweeps spend under 3 % of their time on them."""
+    return 4 if not scene.method.exact else max(4, min(64, scene.cells // 250_000))
+
+
+def checked_cells(scene: Scene, check: int) -> Array:
+    """(structure, row, column, whether chosen as sensitive) of the cells to check: half of them drawn, half the most sensitive of 128."""
+    if len(scene.motion.segments) > _LONGEST:
+        drawn = sampled_cells(scene, check)
+        return np.column_stack([drawn, np.zeros(len(drawn), dtype=np.int64)])
+    chosen = sensitive_cells(scene, check // 2)
+    drawn = sampled_cells(scene, check)
+    drawn = drawn[~(drawn[:, None] == chosen[None]).all(axis=2).any(axis=1)][: check - len(chosen)]
+    flag = np.repeat([0, 1], [len(drawn), len(chosen)])
+    return np.column_stack([np.concatenate([drawn, chosen]), flag])
+
+
+def sampled_cells(scene: Scene, check: int, seed: int = _SEED) -> Array:
+    """(structure, row, column) of cells drawn without regard to units, among those that uplift."""
+    if check < 1:
+        return np.zeros((0, 3), dtype=np.int64)
+    random = np.random.default_rng(seed)
+    rows, columns = scene.grid.shape
+    found: list[tuple[int, int, int]] = []
+    owners = [group[0] for group in scene.sharing()]
+    lifts = [float(np.min(scene.method.system_of(s).equation.uplift_amplitude)) for s in scene.structures]
+    for _ in range(20 * check):
+        i, r, c = owners[int(random.integers(len(owners)))], int(random.integers(rows)), int(random.integers(columns))
+        amplitude = scene.grid.scaled(scene.structures[i])[0][c]
+        if amplitude * scene.motion.peak > lifts[i] and (i, r, c) not in found:
+            found.append((i, r, c))
+        if len(found) == check:
+            break
+    return np.array(found, dtype=np.int64).reshape(-1, 3)
+
+
+def sensitive_cells(scene: Scene, count: int) -> Array:
+    """(structure, row, column) of the cells whose rotation changes most with A, among 128 drawn of the least damped structure."""
+    liveliest = max((group[0] for group in scene.sharing()), key=lambda i: abs(scene.structures[i].eta))
+    structure = scene.structures[liveliest]
+    alone = Scene((structure,), scene.grid, scene.motion, scene.method)
+    drawn = sampled_cells(alone, _CANDIDATES if count else 0, _SEED + 1)
+    if not len(drawn):
+        return drawn
+    amplitude, omega = scene.grid.scaled(structure)
+    step = max(STEP, 100.0 * (scene.method.stated_tolerance or 0.0))
+    beside = amplitude[drawn[:, 2]] * np.array([[1.0 - step], [1.0 + step]])
+    found = response(scene.method.system_of(structure), scene.motion, beside, omega[drawn[:, 1]], structure.eta)
+    change = np.abs(found.theta_ratio[1] - found.theta_ratio[0])
+    change[(found.outcome != Outcome.ROCKED).any(axis=0)] = -1.0
+    order = np.argsort(-change, kind="stable")[:count]
+    drawn[:, 0] = liveliest
+    return drawn[order[change[order] >= 0.0]]

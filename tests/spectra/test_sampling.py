@@ -1,0 +1,65 @@
+"""Which cells are checked: always the same ones, and those among them that would show an error."""
+
+from __future__ import annotations
+
+from functools import partial
+
+import numpy as np
+import pytest
+
+from rocking_cli import dimensionless_oscillator, linear_response, parse_grid, sine, spectrum
+from rocking_cli.motions import Motion, Piece
+from rocking_cli.reports.summary import summary_lines
+from rocking_cli.spectra import sampling
+from rocking_cli.spectra.condition import condition_of
+from rocking_cli.spectra.sampling import checked_cells
+from rocking_cli.spectra.scene import Scene, cut_into_units
+from rocking_cli.spectra.units import Job
+
+GRID = parse_grid("A=0.5:4:60,Omega=0.5:6:50")
+OSCILLATORS = (dimensionless_oscillator(0.5), dimensionless_oscillator(0.9))
+
+
+def conditions(scene, cells):
+    eta = np.array([scene.structures[i].eta for i in cells[:, 0]])
+    amplitude, omega = scene.grid.amplitude.values[cells[:, 2]], scene.grid.frequency.values[cells[:, 1]]
+    return condition_of(partial(linear_response, scene.motion), amplitude, omega, eta, 0.0)
+
+
+def test_half_of_the_checked_cells_are_the_most_sensitive():
+    scene = Scene(OSCILLATORS, GRID, sine(2))
+    cells = checked_cells(scene, 8)
+    assert len(cells) == len({tuple(cell[:3]) for cell in cells.tolist()}) == 8
+    assert cells[:, 3].tolist() == [0] * 4 + [1] * 4
+    chosen = conditions(scene, cells[4:])
+    drawn = conditions(scene, sampling.sampled_cells(scene, 200, seed=3))
+    assert chosen.min() > np.nanquantile(drawn, 0.8)
+
+
+@pytest.mark.parametrize("chunk", [(50, 60), (7, 60), (1, 13)])
+def test_the_same_cells_are_checked_however_a_sweep_is_cut(chunk):
+    scene = Scene(OSCILLATORS, GRID, sine())
+    job = Job(scene, chunk, checked_cells(scene, 6), None)
+    whole = spectrum(OSCILLATORS, GRID, sine(), check=6).summary
+    reports = job.run(list(cut_into_units(scene, chunk)))
+    assert sum(r.checked for r in reports) == whole.checked_cells == 6
+    assert sum(r.sensitive for r in reports) == whole.sensitive_cells == 3
+    assert max(r.worst for r in reports) == whole.estimated_error
+
+
+@pytest.mark.parametrize(("check", "sensitive"), [(0, 0), (1, 0), (2, 1), (5, 2)])
+def test_the_summary_tells_how_many_cells_its_error_rests_on(check, sensitive):
+    found = spectrum(OSCILLATORS[1:], GRID, sine(), check=check)
+    assert (found.summary.checked_cells, found.summary.sensitive_cells) == (check, sensitive)
+    line = next(line for line in summary_lines(found.summary, "s.h5") if "estimated error" in line)
+    many = f"{check} cell{'s' if check != 1 else ''}"
+    assert (f"at {many}{f' ({sensitive} for their sensitivity)' if sensitive else ''} computed" if check else "not checked") in line
+
+
+def test_cells_of_a_long_record_are_drawn():
+    pieces = tuple(Piece(float(i), i + 1.0, (), float((-1) ** i), float(-2 * (-1) ** i)) for i in range(sampling._LONGEST + 1))
+    assert checked_cells(Scene(OSCILLATORS, GRID, Motion("long", pieces)), 4)[:, 3].tolist() == [0, 0, 0, 0]
+
+
+def test_a_grid_below_uplift_has_nothing_to_check():
+    assert checked_cells(Scene(OSCILLATORS, parse_grid("A=0.1:0.9:5,Omega=1:2:3"), sine()), 4).shape == (0, 4)
