@@ -1,0 +1,51 @@
+"""How a structure answers a motion: an equation of motion on a contact with the ground, marched from event to event.
+
+    equations/   the forms of y'' = f - 2 zeta y': linear, rigid body, mechanism; their exact flows and Taylor series
+    contacts/    where a body lifts off, what an impact does, when bouncing ends: two sides alike, two sides unequal, one side
+    march/       the engine: lanes, windows of the drive, steps, roots
+    references/  slower paths to the same answer that share nothing with the march
+    method       which equation answers for which structure; system: an equation on a contact; response: the front door
+
+**Words.** A motion is made of *pieces* (one closed form each) and cut into *segments* (s monotone). A *window* is a stretch of the
+drive on which one sign test holds, a *valley* (a < 1) or a *ridge* (a >= 1). A *step* is what a round of the march covers with one
+proof: a window, or a ridge left outwards and the valley after it. An *arc* is the motion of a lane along one *flow*; a *passage* is
+what a step comes to; a *crest* is a turning point outwards. *Uplift*: a body at rest leaves the ground; lambda is the acceleration
+(over g) at which it does, and the uplift amplitude the A. *Bouncing* (chatter) is a series of ever smaller arcs that ends in rest.
+
+**The setting.** On a side, y >= 0 is the displacement in the unit in which the body at rest falls back with acceleration 1, tau = p t,
+a the outward drive over its value at uplift, f = -l(y) + a m(y), l(0) = m(0) = 1, l/m > 1 below the ground, zeta >= 0. For the linear
+oscillator f = y - 1 + a. With damping, Y = exp(zeta tau) y and V = exp(zeta tau) y' have the signs of y and y' and, for the linear
+oscillator, Y'' - (1 + zeta^2) Y = exp(zeta tau) (a - 1) and V'' - (1 + zeta^2) V = exp(zeta tau) a': each lemma is proved on them as on
+y and y' without damping.
+
+Lemma 1 (valley). While a < 1 a body that has crossed y = 0 downwards does not come back: f < 0 for y <= 0, and at y' = 0 it only falls.
+    So y > 0 at the end of a valley proves that there was no impact, y <= 0 that there was exactly one.
+Lemma 2 (ridge). While a >= 1 and y >= 0, y' = 0 implies y'' >= 0: with y' >= 0 at the start nothing happens; with y' < 0 there is at
+    most one minimum, and its sign decides. Undamped, y is convex there, so it lies above the point where the tangents at its ends meet.
+Lemma 3 (one crest). In a valley, or a ridge left outwards and its valley, where a falls and then rises at most once, y' goes from
+    positive to negative at most once: where a' < 0, V is concave while negative, and where a' > 0, convex while positive.
+Lemma 4 (hidden turn). The same convexity finds a pair of turns that hide between two ends of one sign: the slope of V says on which
+    side its extremum lies, and its tangents prove that there is none. For Eqs. 2.3 and 3.4 this needs f to grow with y; on stocky
+    bodies under strong inward drives (a tan(alpha) tan(z) < -1) it may not, and there a pair of turns within one window can be missed: it
+    changes no outcome, only a lower crest's height.
+Lemma 5 (low bounce). A bounce from impact to impact in a valley, undamped, with g v h < 1 - max a (g the gain, v its first speed, h its
+    length) is concave, and so below the point where the tangents at its ends meet.
+Lemma 6 (certain overturning). Linear: beyond z = y - 1 + g v = e, g the rate of the unstable mode and e the strongest inward drive to
+    come, z' = g (z + a) > 0 for good. Eqs. 2.3 and 3.4, undamped: moving outwards beyond the barrier of the constant inward drive e,
+    or with the energy to pass it, since a weaker drive pushes back less and the energy over that barrier does not fall; damped: beyond
+    its equilibrium only. theta = pi/2, or a collapsed linkage, is overturning whatever comes.
+Lemma 7 (end of bouncing). See `contacts.contact.bouncing_ends`: bounds on the sum of the series, inside one monotone segment.
+Lemma 8 (fate). On still ground, undamped, the energy between impacts is constant; on a body with equal sides only the next crest and the
+    next impact matter, on an unequal one the next two. Damped bodies are marched on until as many impacts are over.
+Lemma 9 (nothing overturns below). Linear, undamped, equal sides: with E = v^2 + y (2 - y), dE/dtau = 2 v a and v^2 <= E below y = 1, so
+    sqrt(E) grows by at most int |a| dtau and impacts lower it; a body that overturns has had
+    E >= 1. So none does while A int |s| dphi <= Omega.
+Lemma 10 (nothing returns above). The same oscillator, lifted on the motion's first segment at any amplitude: at a fixed time
+    y = A J - K with K > 0 and dy/dA = J before the first impact, so where y > 0 it grows with A, and above an amplitude that overturns
+    without impact every other does.
+
+**Events.** Uplift is found as the first instant with -A_right s > 1 or A_left s > 1 on monotone segments, impacts by Lemmas 1 and 2,
+crests by Lemmas 3 and 4, each as a root in a bracket that holds exactly one. What falls on one instant is taken in the order impact, jump
+of the drive, uplift. Nothing is sampled. What can be missed: the pair of turns of Lemma 4; impacts inside bouncing that is summed are not
+counted one by one; a body slower than 1e-12 of its margin with eta = 1, and slower than 1e-100 in any case, is at rest.
+"""

@@ -1,6 +1,6 @@
 """Where the outcome changes along the amplitude, for many frequencies: a scan that bounds what can be missed, then sections.
 
-Two bounds of the linear model spare most of the scan:
+Two bounds of the linear oscillator spare most of the scan (Lemmas 9 and 10 of `dynamics`):
 
 - Nothing overturns while A int |s| dphi <= Omega. With E = v^2 + y (2 - y), dE/dtau = 2 v a, and v^2 <= E below y = 1: the root of
   E grows by at most int |a| dtau, impacts lower it, and a body that overturns has had E >= 1.

@@ -41,7 +41,7 @@ class Symmetric:
         """The side flips, and with it the sign of the drive."""
         lanes.side = -lanes.side
         lanes.v = -lanes.eta * v
-        lanes.b = -2.0 - b
+        lanes.b = -2.0 - b  # b = -1 + a at y = 0, and a changes sign
 
     def bouncing_ends(self, segments: Segments, lanes: Lanes, equation: Equation) -> Array:
         """The other side of a bounce is like this one."""

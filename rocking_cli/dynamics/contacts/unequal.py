@@ -66,6 +66,7 @@ class Unequal:
     def strike(self, cells: Cells, lanes: Lanes, v: Array, b: Array) -> None:
         """The side flips; drive, time and unit become those of the other edge."""
         lanes.v = -lanes.eta * v
+        # b = -1 + a at y = 0; a changes sign, and is measured by the other edge's uplift
         lanes.b = -1.0 - (1.0 + b) * (self._of(self.drive, -lanes.side) / self._of(self.drive, lanes.side))
         self.turn(cells, lanes, np.arange(lanes.side.size), -lanes.side)
 

@@ -17,7 +17,7 @@ from .windows import window_end
 
 Array = np.ndarray
 
-_SURELY = 1.0 - 1e-9  # bounds are trusted up to this part of what they bound: rounding is far below the rest
+_SURELY = 1.0 - 1e-9  # a bound settles a question if it does so with this much room, which rounding never needs
 
 
 # What a step covers: one window of the drive, or a ridge that is left outwards together with the valley after it.

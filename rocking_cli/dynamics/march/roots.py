@@ -102,7 +102,7 @@ def turning_point(arc: Flow, low: Array, high: Array, guess: Array, sense: float
 def hidden_turn(arc: Flow, low: Array, high: Array, sense: float) -> Array:
     """A point with sense * v < 0 between two ends with sense * v >= 0, NaN where there is none.
 
-    sense = +1: a dip of v while the drive rises: v'' = v + a' > 0 while v > 0, so v is convex there and the sign of its slope b
+    Lemma 4. sense = +1: a dip of v while the drive rises: v'' = v + a' > 0 while v > 0, so v is convex there and the sign of its slope b
     says on which side its minimum lies. sense = -1: a rise of v while the drive falls, its mirror image.
     """
     found = np.full(low.shape, np.nan)

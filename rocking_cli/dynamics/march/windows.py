@@ -2,10 +2,10 @@
 
 On one side y'' - y = a - 1, and the sign of a - 1 decides what y can do:
 
-- **valley**, a < 1: once y has crossed zero downwards y'' = y - (1 - a) stays negative, so y never comes back inside the
+- **valley**, a < 1 (Lemma 1): once y has crossed zero downwards y'' = y - (1 - a) stays negative, so y never comes back inside the
   window. Hence y(end) > 0 proves that there was no impact, and y(end) <= 0 that there was exactly one. Where a falls and
   then rises once (a valley ends at any inner maximum of a), y' has at most one zero downwards: at most one peak.
-- **ridge**, a >= 1: y is convex while y >= 0. With y' >= 0 at the start nothing can happen; with y' < 0 y has a single
+- **ridge**, a >= 1 (Lemma 2): y is convex while y >= 0. With y' >= 0 at the start nothing can happen; with y' < 0 y has a single
   minimum, and its sign decides.
 
 A position in the motion is a segment k and the phase u since that segment's start. The boundaries are the crossings of
@@ -23,7 +23,7 @@ from ...motions.motion import Segments
 Array = np.ndarray
 
 
-_NO_SIDE = 1e-300  # stands for the square of a triangle's side of no length
+_LEAST_SQUARE = 1e-300  # R^2 - x^2 at an extremum of the sinusoid, where rounding may leave 0 or less
 
 
 class Windows(NamedTuple):
@@ -46,7 +46,7 @@ def crossing(segments: Segments, k: Array, level: Array) -> Array:
     x *= wave.sign[k]
     beside = x * x
     np.subtract(wave.radius2[k], beside, out=beside)
-    np.maximum(beside, _NO_SIDE, out=beside)
+    np.maximum(beside, _LEAST_SQUARE, out=beside)
     x /= np.sqrt(beside, out=beside)
     np.arctan(x, out=x)
     x -= wave.angle[k]
@@ -110,22 +110,22 @@ def window_end(segments: Segments, k: Array, u: Array, side: Array, amplitude: A
     to_s *= -side
     start, end = from_s > inverse, to_s > inverse
     length = segments.length[k]
-    at = length.copy()
+    cut = length.copy()
     cuts = np.flatnonzero(start != end)
-    at[cuts] = crossing(segments, k[cuts], -side[cuts] * inverse[cuts])  # s where a = 1
-    here = u < at
+    cut[cuts] = crossing(segments, k[cuts], -side[cuts] * inverse[cuts])  # s where a = 1
+    here = u < cut
     ridge = np.where(here, start, end)
     here &= start != end
     # Past the crossing (or with none) the window runs to the segment's end, and on into the next segment where that one
     # continues the closed form and turns the other way.
     falling = to_s < from_s
-    to_k, to_u = k, np.where(here, at, length)
+    to_k, to_u = k, np.where(here, cut, length)
     lanes = np.flatnonzero(~here & segments.joins[k] & (ridge != falling))
     if lanes.size:
         to_k = k.copy()
         to_k[lanes] = nk = k[lanes] + 1
-        n_at = segments.length[nk]
+        n_cut = segments.length[nk]
         n_cuts = np.flatnonzero(ridge[lanes] != (-side[lanes] * segments.s_end[nk] > inverse[lanes]))
-        n_at[n_cuts] = crossing(segments, nk[n_cuts], -side[lanes[n_cuts]] * inverse[lanes[n_cuts]])
-        to_u[lanes] = n_at
+        n_cut[n_cuts] = crossing(segments, nk[n_cuts], -side[lanes[n_cuts]] * inverse[lanes[n_cuts]])
+        to_u[lanes] = n_cut
     return Windows(to_k, to_u, ridge)

@@ -1,0 +1,171 @@
+"""The lemmas on which the march rests (numbered in `rocking_cli.dynamics`), each with what tries to break it.
+
+Lemmas 5 and the tangents of 2 stand in march/test_advance, 8 in contacts/test_contact, 9 and 10 in spectra/test_boundaries.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from rocking_cli import LinearEquation, RigidBodyEquation, System, response
+from rocking_cli.dynamics.contacts.one_sided import OneSided
+from rocking_cli.dynamics.contacts.symmetric import Symmetric
+from rocking_cli.dynamics.contacts.unequal import Unequal
+from rocking_cli.dynamics.equations.damped_flow import DampedFlow
+from rocking_cli.dynamics.equations.flow import LinearFlow
+from rocking_cli.dynamics.march.engine import Run, Watch
+from rocking_cli.dynamics.march.roots import hidden_turn
+from rocking_cli.motions import Motion, Piece, pulse, sine
+
+RIGHT_UNEQUAL = Unequal(drive=(1.0, 0.8), omega=(1.0, 1.15), eta=(1.05, 0.6), rotation=(1.0, 1.0))
+CONTACTS = {"equal": (Symmetric(), 0.9), "unequal": (RIGHT_UNEQUAL, 0.9), "one side": (OneSided(), -0.6)}
+LINEAR = {"undamped": LinearEquation(), "damped": LinearEquation(0.3)}
+
+
+def flow(damping, y, v, a, rate, w):
+    """The linear arc from (y, v) under the outward drive a cos(w tau) + rate sin(w tau), one lane for each number."""
+    y, v, a, rate, w = np.broadcast_arrays(*(np.asarray(x, dtype=float) for x in (y, v, a, rate, w)))
+    state = (y + 0.0, v + 0.0, y - 1.0 + a, rate[None], a[None], w[None], None)
+    return DampedFlow(*state, damping) if damping else LinearFlow(*state)
+
+
+def watched(damping, cells, low, high, seed):
+    """Random linear arcs sampled finely: (y, v, drive) of shape (samples, cells), for as long as the drive stays within (low, high)."""
+    random = np.random.default_rng(seed)
+    y, v = random.uniform(0.0, 1.5, cells), random.uniform(-2.0, 1.5, cells)
+    w = random.uniform(0.1, 6.0, cells)
+    size, phase = random.uniform(0.0, 4.0, cells), random.uniform(0.0, 2.0 * math.pi, cells)
+    arc = flow(damping, y, v, size * np.cos(phase), size * np.sin(phase), w)
+    times = np.linspace(0.0, 4.0, 801)
+    drive = size * np.cos(w * times[:, None] - phase)
+    inside = np.logical_and.accumulate((drive > low) & (drive < high))
+    points = [arc.at(np.full(cells, t)) for t in times]
+    y, v = (np.where(inside, np.array([getattr(p, name) for p in points]), np.nan) for name in ("y", "v"))
+    return y, v, np.where(inside, drive, np.nan)
+
+
+@pytest.mark.parametrize("damping", [0.0, 0.05, 0.8])
+def test_lemma_1_what_falls_below_the_ground_in_a_valley_stays_there(damping):
+    y, _, _ = watched(damping, 3000, -np.inf, 1.0, 1)
+    below = np.logical_or.accumulate(y < 0.0)
+    assert np.any(below, axis=0).sum() > 500
+    assert not np.any(below & (y > 0.0))
+
+
+@pytest.mark.parametrize("damping", [0.0, 0.05, 0.8])
+def test_lemma_2_a_ridge_holds_one_minimum_above_ground_and_nothing_where_it_is_entered_outwards(damping):
+    y, v, _ = watched(damping, 6000, 1.0, np.inf, 2)
+    above = np.logical_and.accumulate(~(y <= 0.0))
+    rises = np.logical_or.accumulate(above & (v > 0.0))
+    assert np.any(rises & above, axis=0).sum() > 500
+    assert not np.any(rises & above & (v < 0.0))
+    outwards = v[0] > 0.0
+    assert np.nanmin(np.where(outwards, y - y[0], np.inf)) > -1e-12
+
+
+@pytest.mark.parametrize("damping", [0.0, 0.05, 0.8])
+def test_lemma_3_a_drive_that_falls_and_then_rises_lets_the_body_turn_back_once(damping):
+    y, v, drive = watched(damping, 6000, -np.inf, 1.0, 3)
+    change = np.sign(np.diff(drive, axis=0))
+    rises_once = np.logical_or.accumulate(change > 0.0)
+    usable = np.vstack([np.ones(v.shape[1], dtype=bool), np.logical_and.accumulate(~(rises_once & (change < 0.0)))])
+    crests = (v[:-1] > 0.0) & (v[1:] <= 0.0) & usable[1:] & (y[1:] > 0.0)
+    assert (crests.sum(axis=0) == 1).sum() > 500
+    assert crests.sum(axis=0).max() == 1
+
+
+@pytest.mark.parametrize("damping", [0.0, 0.05, 0.8])
+@pytest.mark.parametrize("depth", [1e-2, 1e-4, 1e-7])
+def test_lemma_4_finds_a_pair_of_turns_that_hides_between_two_ends(damping, depth):
+    """y' is made to dip to -depth (and, for the other answer, to +depth) inside a window whose drive rises all the way."""
+    random = np.random.default_rng(4)
+    for sign in (-1.0, 1.0):
+        w = random.uniform(0.5, 2.0, 60)
+        middle = random.uniform(0.2, 0.4, 60) / w
+        # From the bottom of the dip, v = sign depth and v' = 0, the flow runs both ways; backwards is forwards with -v, -zeta.
+        y, rate = random.uniform(0.3, 0.9, 60), random.uniform(2.0, 4.0, 60)
+        a = 1.0 - y + 2.0 * damping * sign * depth
+        back = flow(-damping, y, -sign * depth, a, -rate, w).at(middle)
+        start = flow(damping, back.y, -back.v, a * np.cos(w * middle) - rate * np.sin(w * middle),
+                     rate * np.cos(w * middle) + a * np.sin(w * middle), w)  # fmt: skip
+        assert np.all(-back.v > 0.0)
+        found = hidden_turn(start, np.zeros(60), 2.0 * middle, 1.0)
+        assert np.all(np.isfinite(found)) if sign < 0.0 else np.all(np.isnan(found))
+
+
+@pytest.mark.parametrize("equation", [*LINEAR.values(), RigidBodyEquation(0.3), RigidBodyEquation(0.5, damping=0.2)])
+def test_lemma_6_no_drive_up_to_the_strongest_brings_back_what_is_lost(equation):
+    """States on the very edge of what the lemma calls lost, then the worst drive, and random ones, in small Runge-Kutta steps."""
+    random = np.random.default_rng(6)
+    cells = 4000
+    e = random.uniform(0.0, 3.0, cells)
+    y, v = random.uniform(0.0, 3.0, cells), random.uniform(0.0, 4.0, cells)
+    low = np.zeros(cells)
+    lost = equation.certainly_overturns(y, v, e)
+    for _ in range(40):  # down to the least speed that is called lost
+        middle = 0.5 * (low + v)
+        still = equation.certainly_overturns(y, middle, e)
+        low, v = np.where(lost & ~still, middle, low), np.where(lost & still, middle, v)
+    at = np.flatnonzero(lost & (y > 0.0))
+    assert at.size > 500
+    for inward in (e, e * random.uniform(0.0, 1.0, cells)):
+        here, speed, edge = y[at].copy(), v[at].copy(), -inward[at]
+        start = here.copy()
+        for step in range(3000):
+            push = edge if step % 7 else random.uniform(-1.0, 3.0, at.size) * e[at]
+            here, speed = _step(equation, here, speed, np.maximum(push, -e[at]), 2e-3)
+            over = here > np.minimum(equation.limit, 10.0)
+            here, speed = np.where(over, 20.0, here), np.where(over, 0.0, speed)
+        assert np.all(here > start - 1e-9)
+
+
+def _step(equation, y, v, a, h):
+    def rate(y, v):
+        return v, equation.force(y, a) - 2.0 * equation.damping * v
+
+    k1 = rate(y, v)
+    k2 = rate(y + 0.5 * h * k1[0], v + 0.5 * h * k1[1])
+    k3 = rate(y + 0.5 * h * k2[0], v + 0.5 * h * k2[1])
+    k4 = rate(y + h * k3[0], v + h * k3[1])
+    return (x + h / 6.0 * (p + 2.0 * q + 2.0 * r + s) for x, p, q, r, s in zip((y, v), k1, k2, k3, k4, strict=True))
+
+
+def ramp(rng):
+    """A monotone motion that passes from inside the uplift to beyond it, on either side."""
+    ends, sign = rng.uniform(-1.6, 1.6, 2), -1.0
+    return Motion("ramp", (Piece(0.0, 6.0, (), sign * 1.3, -0.2 * sign), Piece(6.0, 30.0, (), ends[0], (ends[1] - ends[0]) / 24.0)))
+
+
+@pytest.mark.parametrize("name", list(CONTACTS))
+@pytest.mark.parametrize("equation", [*LINEAR.values(), RigidBodyEquation(0.3, 1e-11)], ids=["linear", "damped", "rigid"])
+def test_lemma_7_bouncing_that_is_summed_ends_before_anything_else_happens(name, equation):
+    """The same cells with every bounce marched through, down to speeds of 1e-9: the same outcome, and the same largest rotation."""
+    contact, eta = CONTACTS[name]
+    random = np.random.default_rng(7)
+    closed = marched = 0
+    for _ in range(10):
+        motion = ramp(random)
+        amplitude, omega = random.uniform(0.85, 1.5, 25), random.uniform(0.5, 6.0, 25)
+        summed = response(System(equation, contact), motion, amplitude, omega, eta)
+        closed += summed.work.chatters_closed
+        watch = Watch((0.0, 0.0), 1e-9)
+        run = Run(System(equation, contact), motion.segments, amplitude, omega, np.full(25, eta), True, 25, watch)
+        run.all()
+        assert run.outcome.tolist() == summed.outcome.tolist()
+        assert run.theta_ratio == pytest.approx(summed.theta_ratio, rel=1e-9, abs=1e-12, nan_ok=True)
+        marched += run.work.impacts - summed.work.impacts
+    assert closed > 30
+    assert marched > 30
+
+
+@pytest.mark.parametrize("motion", [sine(2), pulse("rectangular-impulse"), pulse("mavroeidis-papageorgiou")], ids=lambda m: m.name)
+def test_zero_damping_changes_no_bit_and_little_damping_little(motion):
+    random = np.random.default_rng(8)
+    cells = random.uniform(1.0, 4.0, 200), random.uniform(1.0, 8.0, 200), random.uniform(0.3, 0.95, 200)
+    plain, none, little = (response(System(LinearEquation(*d)), motion, *cells) for d in ((), (0.0,), (1e-9,)))
+    assert none.theta_ratio.tobytes() == plain.theta_ratio.tobytes()
+    assert little.outcome.tolist() == plain.outcome.tolist()
+    assert little.theta_ratio == pytest.approx(plain.theta_ratio, abs=1e-5, nan_ok=True)
