@@ -46,8 +46,8 @@ class ChunkGrid:
     def within(self, cells: Sequence[slice]) -> Iterator[int]:
         """The chunks that hold any of these cells (slices with start and stop)."""
         lows = [s.start // c for s, c in zip(cells, self.chunk, strict=True)]
-        spans = [-(-s.stop // c) - low for s, c, low in zip(cells, self.chunk, lows, strict=True)]
-        for place in np.ndindex(*(max(0, span) for span in spans)):
+        spans = [-(-s.stop // c) - low if s.stop > s.start else 0 for s, c, low in zip(cells, self.chunk, lows, strict=True)]
+        for place in np.ndindex(*spans):
             yield int(np.ravel_multi_index([low + i for low, i in zip(lows, place, strict=True)], self.counts))
 
 

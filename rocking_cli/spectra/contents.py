@@ -52,9 +52,17 @@ FAULTS = (OSError, LookupError, ValueError, RuntimeError, TypeError, AttributeEr
 """What HDF5 and this module raise where a file is not a whole spectra file; a UsageError of a grid is one too."""
 
 
+def reason(error: BaseException) -> str:
+    """What a fault says, in words."""
+    text = str(error.args[0]) if isinstance(error, KeyError) and error.args else str(error)
+    return text if " " in text else f"it has no {text!r}"
+
+
 def contents_of(file: h5py.File, size: int) -> Contents:
     """Check a file of `size` bytes and read what it says of itself. Raises one of FAULTS, or UsageError."""
     frequency, amplitude = _form(file, size)
+    if DIGEST not in file.attrs:
+        raise ValueError(f"it has no {DIGEST}")
     if plain(file.attrs[DIGEST]) != digest_of(file):
         raise ValueError("what it says of itself does not fit its digest")
     attributes = {key: plain(value) for key, value in file.attrs.items()}

@@ -16,9 +16,9 @@ from ..dynamics.outcome import Outcome
 from ..errors import OutputError, UsageError
 from ..motions import Harmonic, Motion, Piece
 from .chunks import stored_chunk, unpack
-from .contents import FAULTS, contents_of
+from .contents import FAULTS, contents_of, reason
 from .layout import VARIABLES
-from .part import SIGNATURE, RawFile, lock, open_regular
+from .raw_file import SIGNATURE, RawFile, lock, open_regular
 from .seal import read, sealed
 from .trial import trial
 
@@ -40,15 +40,15 @@ class SpectraFile:
         try:
             descriptor = open_regular(self.path)
         except OSError as error:
-            reason = "no such file" if isinstance(error, FileNotFoundError | IsADirectoryError) else error.strerror
-            raise UsageError(f"{path}: cannot be read: {reason}") from None
+            what = "no such file" if isinstance(error, FileNotFoundError | IsADirectoryError) else error.strerror
+            raise UsageError(f"{path}: cannot be read: {what}") from None
         self._raw = RawFile(descriptor)
         try:
             self._open(descriptor)
         except BaseException as error:
             os.close(descriptor)
             if isinstance(error, _FAULTS):
-                raise OutputError(f"{path}: is not a spectra file of this program, or is damaged ({error})") from None
+                raise OutputError(f"{path}: is not a spectra file of this program, or is damaged ({reason(error)})") from None
             raise
         self._arrays = lru_cache(UNPACKED)(self._unpacked)
 
@@ -98,7 +98,7 @@ class SpectraFile:
         try:
             return stored_chunk(self.file, self.names, self.cut.offset(index), int(self.sums[index]))
         except _FAULTS as error:
-            raise OutputError(f"{self.path}: chunk {index} is damaged: {error}") from None
+            raise OutputError(f"{self.path}: chunk {index} is damaged: {reason(error)}") from None
 
     def intact(self, index: int) -> bool:
         """Whether a chunk is what was written."""
@@ -113,7 +113,9 @@ class SpectraFile:
         packed = self.packed(index)
         cells = tuple(slice(0, s.stop - s.start) for s in self.cut.extent(index))
         try:
-            return {name: unpack(packed[name], VARIABLES[name][0], self.cut.chunk)[cells] for name in self.names}
+            arrays = {name: unpack(packed[name], VARIABLES[name][0], self.cut.chunk)[cells] for name in self.names}
+            Outcome(int(arrays["outcome"].max()))
+            return arrays
         except ValueError as error:
             raise OutputError(f"{self.path}: chunk {index} is damaged: {error}") from None
 

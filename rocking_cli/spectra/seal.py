@@ -45,7 +45,7 @@ def sealed(descriptor: int) -> bool:
         body, metadata, digest = stated["size"], [(int(o), int(n)) for o, n in stated["metadata"]], stated["digest"]
     except (ValueError, LookupError, TypeError, RecursionError):
         raise ValueError("its seal is damaged") from None
-    if body != begins - 1 or any(o < 0 or n < 0 or o + n > body for o, n in metadata):
+    if body != begins - 1 or read(descriptor, body, 1) != b"\n" or any(o < 0 or n < 0 or o + n > body for o, n in metadata):
         raise ValueError("its seal is damaged")
     if digest != _digest(descriptor, body, metadata):
         raise ValueError("it is not what was sealed when it was finished")

@@ -19,11 +19,12 @@ import numpy as np
 from ..errors import OutputError, UsageError
 from ..structures.parameters import RockingParameters
 from .chunks import ChunkGrid, checksum, stored_chunk, stored_outcomes
-from .contents import FAULTS, Contents, chunk_places, contents_of
+from .contents import FAULTS, Contents, chunk_places, contents_of, reason
 from .grid import Grid
 from .layout import image
 from .machine import machine, machines_of, together, unlike
-from .part import Part, RawFile
+from .part import Part
+from .raw_file import RawFile
 from .seal import seal
 from .trial import trial
 
@@ -86,13 +87,12 @@ class SpectraWriter:
         self.machines = together([machines or [machine()]])
         settled = {**attributes, "computed_on": json.dumps(self.machines), **({} if shard is None else {"shard": shard})}
         fresh = image(structures, grid, chunk, names, scene, settled)
-        self._part = Part(path, overwrite, resume)
+        self._part = Part(path, fresh, overwrite=overwrite, resume=resume)
         self.part = self._part.part
         try:
-            if resume and self._part.begun(len(fresh)):
+            if self._part.resumes:
                 self._resume(scene, shard, strict)
             else:
-                self._part.begin(fresh)
                 self.raw = RawFile(self._part.descriptor)
                 self.file = h5py.File(self.raw, "r+")
         except BaseException as error:
@@ -113,10 +113,12 @@ class SpectraWriter:
             trial(self.part)
             self.raw = RawFile(self._part.descriptor)
             self.file = h5py.File(self.raw, "r+")
-        except FAULTS as error:
-            raise OutputError(f"{self.part}: is not a sweep that can go on ({error}); it is kept, --overwrite begins anew") from None
-        try:
             contents = contents_of(self.file, self.raw.end)
+        except (*FAULTS, UsageError) as error:
+            raise OutputError(
+                f"{self.part}: is not a sweep that can go on ({reason(error)}); it is kept, --overwrite begins anew"
+            ) from None
+        try:
             self._demand_same(contents, scene, shard, strict)
             sums = contents.sums
             for index in np.flatnonzero(contents.done):
@@ -203,7 +205,7 @@ class SpectraWriter:
             if not np.array_equal(contents.done, self.done):
                 raise ValueError("chunks that were written are missing")
         except (ValueError, LookupError, TypeError, UsageError) as error:
-            raise OutputError(f"{self.part}: is not what was written ({error}); it is kept as it is") from None
+            raise OutputError(f"{self.part}: is not what was written ({reason(error)}); it is kept as it is") from None
         raw.reserve(len(end))
         raw.seek(size)
         raw.write(end)

@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 
 from written import SMALL_SCENE
+
+from rocking_cli import dimensionless_oscillator, parse_grid, sine, write_spectrum
 
 
 def test_a_complete_file_is_told_and_verified(rocking):
@@ -12,3 +15,15 @@ def test_a_complete_file_is_told_and_verified(rocking):
     (record,) = [json.loads(x) for x in rocking("info", "s.h5", "--verify", "--json").stdout.splitlines()]
     assert record["complete"] == "yes"
     assert record["damaged_chunks"] == 0
+
+
+def test_names_do_not_steer_the_terminal(rocking, tmp_path):
+    structure = replace(dimensionless_oscillator(0.9), name="a\x1b[31mb")
+    write_spectrum([structure], parse_grid("A=1:2:3,Omega=1:2:3"), sine(), tmp_path / "s\x1b[2J.h5")
+    for call in (("info",), ("info", "--json"), ("convert",), ("convert", "--json")):
+        done = rocking(*call, "s\x1b[2J.h5")
+        assert done.returncode == 0
+        assert "31mb" in done.stdout
+        assert "\x1b" not in done.stdout + done.stderr
+    (tmp_path / "t\x1b[2J.h5").write_text("nothing")
+    assert "\x1b" not in rocking("info", "t\x1b[2J.h5").stderr

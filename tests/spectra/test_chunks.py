@@ -1,0 +1,63 @@
+"""Chunks as the file stores them: what HDF5 itself makes of them, and where they lie."""
+
+from __future__ import annotations
+
+import io
+
+import h5py
+import numpy as np
+import pytest
+
+from rocking_cli.spectra.chunks import GZIP_LEVEL, ChunkGrid, pack, stored_outcomes, unpack
+
+
+@pytest.mark.parametrize("dtype", ["<f8", "<i4", "u1"])
+def test_packed_chunks_are_what_hdf5_reads_and_writes(dtype):
+    block = np.random.default_rng(1).integers(0, 200, (1, 7, 11)).astype(dtype)
+    with h5py.File(io.BytesIO(), "w") as file:
+        data = file.create_dataset(
+            "x", (1, 7, 11), dtype, chunks=True, shuffle=block.itemsize > 1, compression="gzip", compression_opts=GZIP_LEVEL
+        )
+        data[...] = block
+        file.flush()
+        assert np.array_equal(unpack(data.id.read_direct_chunk((0, 0, 0))[1], block.dtype, block.shape), block)
+        data.id.write_direct_chunk((0, 0, 0), pack(block + 1), 0)
+        assert np.array_equal(data[...], block + 1)
+
+
+def test_unpacking_stops_at_the_size_of_a_chunk():
+    packed = pack(np.zeros(10**7, dtype="u1"))
+    with pytest.raises(ValueError, match="more bytes, expected 100"):
+        unpack(packed, np.dtype("u1"), (10, 10))
+    with pytest.raises(ValueError, match="90 bytes, expected 100"):
+        unpack(pack(np.zeros(90, dtype="u1")), np.dtype("u1"), (10, 10))
+    with pytest.raises(ValueError, match="incorrect header"):
+        unpack(b"no gzip", np.dtype("u1"), (10, 10))
+
+
+def test_every_cell_lies_in_the_chunk_that_is_named():
+    cut = ChunkGrid((2, 7, 5), (1, 3, 2))
+    assert cut.counts == (2, 3, 3)
+    assert cut.size == 18
+    count = np.zeros(cut.shape, dtype=int)
+    for index in range(cut.size):
+        assert cut.index(cut.offset(index)) == index
+        count[cut.extent(index)] += 1
+        cells = np.argwhere(np.arange(70).reshape(cut.shape) >= 0)
+        inside = [tuple(c) for c in cells if all(s.start <= i < s.stop for i, s in zip(c, cut.extent(index), strict=True))]
+        assert {cut.index(c) for c in inside} == {index}
+    assert np.all(count == 1)
+    assert list(cut.within((slice(0, 1), slice(2, 4), slice(4, 5)))) == [2, 5]
+    assert list(cut.within((slice(0, 1), slice(2, 2), slice(4, 5)))) == []
+
+
+def test_outcomes_are_counted_without_what_fills_a_chunk_up():
+    block = np.zeros((1, 3, 2), dtype="u1")
+    block[0, 0, 0] = 4
+    packed = {"outcome": pack(block)}
+    cut = ChunkGrid((1, 4, 3), (1, 3, 2))
+    assert stored_outcomes(packed, cut, 0).tolist() == [5, 0, 0, 0, 1, 0]
+    assert stored_outcomes(packed, cut, 3).tolist() == [0, 0, 0, 0, 1, 0]
+    block[...] = 6
+    with pytest.raises(ValueError, match="outcome 6 is none"):
+        stored_outcomes({"outcome": pack(block)}, cut, 0)

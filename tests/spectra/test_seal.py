@@ -1,0 +1,103 @@
+"""A finished file is refused where any byte of it but the chunks' is another, before HDF5 reads it."""
+
+from __future__ import annotations
+
+import os
+import random
+from contextlib import suppress
+
+import numpy as np
+import pytest
+
+from rocking_cli import RockingError
+from rocking_cli.spectra.reader import SpectraFile
+from rocking_cli.spectra.seal import seal, sealed
+
+
+@pytest.fixture
+def raw(tmp_path):
+    path = tmp_path / "x"
+    path.write_bytes(bytes(range(200)))
+    descriptor = os.open(path, os.O_RDWR)
+    yield path, descriptor
+    os.close(descriptor)
+
+
+def test_every_bit_but_the_chunks_is_sealed(raw):
+    path, descriptor = raw
+    end = seal(descriptor, [(50, 30), (20, 10), (80, 5)])
+    whole = path.read_bytes() + end
+    for at in range(len(whole)):
+        data = bytearray(whole)
+        data[at] ^= 1 << at % 8
+        path.write_bytes(data)
+        if 20 <= at < 30 or 50 <= at < 85:
+            assert sealed(descriptor)
+        elif at < 200:
+            with pytest.raises(ValueError, match="not what was sealed"):
+                sealed(descriptor)
+        else:
+            with suppress(ValueError):
+                assert not sealed(descriptor)
+    path.write_bytes(whole)
+    assert sealed(descriptor)
+    assert whole[: -len(end)] == bytes(range(200))
+
+
+def test_chunks_that_overlap_are_never_sealed(raw):
+    with pytest.raises(ValueError, match="two chunks lie at byte 25"):
+        seal(raw[1], [(20, 10), (25, 10)])
+
+
+def test_a_seal_that_is_not_one_is_a_sentence(raw):
+    path, descriptor = raw
+    for line in (
+        b"[]",
+        b"{}",
+        b"[" * 10_000,
+        b'{"size": 199, "metadata": [[0, 999]], "digest": ""}',
+        b'{"size": 1, "metadata": 3, "digest": 3}',
+    ):
+        path.write_bytes(bytes(200) + b"\n" + line + b"\nrocking seal 1 %010d\n" % len(line))
+        with pytest.raises(ValueError, match="its seal is damaged"):
+            sealed(descriptor)
+    path.write_bytes(b"\nrocking seal 1 9999999999\n")
+    assert not sealed(descriptor)
+
+
+def test_a_flipped_bit_never_gives_another_number(spectrum_file, tmp_path):
+    """A sample of what the soak tries: of bits anywhere, and of those in the index and the layout."""
+
+    def numbers(path):
+        with SpectraFile(path) as file:
+            cells = {name: x.tobytes() for name, x in file.block(0, slice(None)).items()}
+            return file.attributes, file.scene, file.structures, file.grid.amplitude.values.tobytes(), cells
+
+    whole, before, chance = spectrum_file.read_bytes(), numbers(spectrum_file), random.Random(3)
+    damaged, refused = tmp_path / "flipped.h5", 0
+    for i in range(120):
+        data = bytearray(whole)
+        data[chance.randrange(len(whole) if i % 2 else 25_000)] ^= 1 << chance.randrange(8)
+        damaged.write_bytes(data)
+        try:
+            assert numbers(damaged) == before
+        except RockingError:
+            refused += 1
+    assert refused > 110
+
+
+def test_a_chunk_is_checked_whenever_it_is_read(spectrum_file, tmp_path):
+    with SpectraFile(spectrum_file) as file:
+        at = file.file["theta_ratio"].id.get_chunk_info(3).byte_offset + 40
+        rows = file.cut.chunk[1]
+    data = bytearray(spectrum_file.read_bytes())
+    data[at] ^= 4
+    (tmp_path / "d.h5").write_bytes(data)
+    with SpectraFile(tmp_path / "d.h5") as file:
+        assert file.sealed
+        assert file.damaged_chunks() == [3]
+        assert np.isfinite(file.block(0, slice(0, 3 * rows))["theta_ratio"]).any()
+        with pytest.raises(RockingError, match="chunk 3 is damaged: its checksum does not fit"):
+            file.block(0, slice(3 * rows, 3 * rows + 1), slice(5, 6))
+        with pytest.raises(RockingError, match="chunk 3 is damaged"):
+            list(file.cells())

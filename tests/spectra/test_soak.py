@@ -1,0 +1,228 @@
+"""The attack on spectra files, seeded and bounded: `make soak` runs it and prints how much was tried and what was bad."""
+
+from __future__ import annotations
+
+import collections
+import random
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+from typing import NamedTuple
+
+import pytest
+
+from rocking_cli import dimensionless_oscillator, parse_grid, sine, write_spectrum
+from rocking_cli.errors import Interrupted, RockingError
+from rocking_cli.spectra.reader import SpectraFile
+
+pytestmark = pytest.mark.soak
+SWEEP = [sys.executable, "-m", "rocking_cli", "spectrum", "--eta", "0.9", "--workers", "1", "-q"]
+SCENE = ["--grid", "A=0.5:12:100,Omega=0.5:12:100", "--chunk", "1500"]
+
+
+@pytest.fixture
+def table(capsys):
+    """Print a row of the table: what was tried how often, and how it ended."""
+
+    def row(what: str, counts: collections.Counter) -> None:
+        with capsys.disabled():
+            ends = ", ".join(f"{n} {end}" for end, n in sorted(counts.items()) if end != "BAD")
+            print(f"\n{what:<40} {counts.total():>5} tried {counts['BAD']:>3} bad: {ends}", end="", flush=True)
+        assert not counts["BAD"], counts
+
+    return row
+
+
+class Numbers(NamedTuple):
+    """All that is read from a spectra file: what it says of itself, its closing attributes, and the cells of each chunk."""
+
+    itself: tuple
+    closing: dict
+    chunks: dict[int, dict[str, bytes]]
+
+
+def numbers(path: Path) -> Numbers:
+    """Read a file to its last cell. Raises RockingError."""
+    with SpectraFile(path) as f:
+        blocks = {int(i): f.block(f.cut.offset(i)[0], *f.cut.extent(i)[1:]) for i in f.done.nonzero()[0]}
+        chunks = {i: {name: x.tobytes() for name, x in block.items()} for i, block in blocks.items()}
+        return Numbers((f.scene, f.structures, *(a.values.tobytes() for a in (f.grid.frequency, f.grid.amplitude))), f.attributes, chunks)
+
+
+def judged(path: Path, before: Numbers, sealed: bool) -> str:
+    """How reading a damaged copy ended; of a part a chunk may be missing, which is computed again."""
+    try:
+        now = numbers(path)
+    except RockingError:
+        return "refused"
+    if now.itself != before.itself or any(now.chunks[i] != before.chunks[i] for i in now.chunks):
+        return "BAD"
+    if sealed:
+        return "the same read" if now == before else "BAD"
+    return "the same read" if len(now.chunks) == len(before.chunks) else "less is there"
+
+
+def sweep(path: Path, **options):
+    structures = [dimensionless_oscillator(0.9), dimensionless_oscillator(0.7)]
+    grid = parse_grid("A=0.5:12:100,Omega=0.5:12:100")
+    return write_spectrum(structures, grid, sine(), path, workers=1, chunk_cells=1500, impacts=True, **options)
+
+
+@pytest.fixture
+def finished(tmp_path):
+    sweep(tmp_path / "whole.h5")
+    return tmp_path / "whole.h5"
+
+
+@pytest.fixture
+def left(tmp_path):
+    """The part that a sweep of 14 chunks leaves after ten."""
+
+    def stop(done, total):
+        if done == 10:
+            raise KeyboardInterrupt
+
+    with pytest.raises(Interrupted):
+        sweep(tmp_path / "cut.h5", progress=stop)
+    return tmp_path / "cut.h5.part"
+
+
+def test_single_bit_flips_in_a_finished_file(finished, table):
+    raw, before, counts, chance = finished.read_bytes(), numbers(finished), collections.Counter(), random.Random(12)
+    for _ in range(2000):
+        data = bytearray(raw)
+        data[chance.randrange(len(raw))] ^= 1 << chance.randrange(8)
+        finished.write_bytes(data)
+        counts[judged(finished, before, True)] += 1
+    table("bit flips, finished file", counts)
+
+
+def test_single_bit_flips_in_a_part(left, table):
+    """Half of them in the first 25 kB, where layout and index are."""
+    raw, before, counts, chance = left.read_bytes(), numbers(left), collections.Counter(), random.Random(13)
+    for i in range(150):
+        data = bytearray(raw)
+        data[chance.randrange(len(raw) if i % 2 else 25_000)] ^= 1 << chance.randrange(8)
+        left.write_bytes(data)
+        counts[judged(left, before, False)] += 1
+    table("bit flips, part", counts)
+
+
+def test_runs_of_foreign_bytes(finished, left, table):
+    counts, chance = collections.Counter(), random.Random(18)
+    originals = [(path, path.read_bytes(), numbers(path)) for path in (finished, left)]
+    for i in range(300):
+        path, raw, before = originals[i % 4 == 0]
+        data = bytearray(raw)
+        for _ in range(chance.randint(1, 4)):
+            at, other, length = chance.randrange(len(data)), chance.randrange(len(data)), chance.choice((1, 2, 4, 8, 64, 512))
+            foreign = (chance.randbytes(length), bytes(length), b"\xff" * length, data[other : other + length])
+            data[at : at + length] = chance.choice(foreign)
+        path.write_bytes(data)
+        counts[judged(path, before, path is finished)] += 1
+    table("runs of foreign bytes", counts)
+
+
+def test_truncated_parts(left, finished, table):
+    """Every 200 bytes of the first 6 kB, and anywhere: it goes on to the same file, or is refused and kept to the last byte."""
+    raw, chance, counts, whole = left.read_bytes(), random.Random(14), collections.Counter(), numbers(finished)
+    output = left.with_name("cut.h5")
+    for length in [*range(200, 6000, 200), *(chance.randrange(len(raw)) for _ in range(30))]:
+        left.write_bytes(raw[:length])
+        try:
+            sweep(output, resume=True)
+        except RockingError as error:
+            counts["refused and kept" if left.read_bytes() == raw[:length] and "it is kept" in str(error) else "BAD"] += 1
+        else:
+            counts["went on to the same" if numbers(output).chunks == whole.chunks else "BAD"] += 1
+            output.unlink()
+    table("truncated parts, resumed", counts)
+
+
+def started(folder: Path, calls: list[list[str]], delays: list[float]) -> list[tuple[int, str]]:
+    """Exit code and standard error of calls begun one after the other, each after a delay [s]."""
+    processes = []
+    for call, delay in zip(calls, delays, strict=True):
+        time.sleep(delay)
+        processes.append(subprocess.Popen(call, cwd=folder, stderr=subprocess.PIPE, text=True))
+    return [(p.returncode, said) for p in processes for said in [p.communicate(timeout=300)[1]]]
+
+
+def told(ends: list[tuple[int, str]]) -> bool:
+    """Whether every refusal is one sentence with the code of one."""
+    return all(code in (0, 1, 2) and len(said.splitlines()) == (code != 0) for code, said in ends)
+
+
+@pytest.mark.parametrize("option", ["--overwrite", "--resume", "-q"])
+def test_races_of_four_sweeps_on_one_output(tmp_path, table, option):
+    chance, counts = random.Random(15), collections.Counter()
+    subprocess.run([*SWEEP, *SCENE, "-o", "whole.h5"], cwd=tmp_path, check=True)
+    whole, output = numbers(tmp_path / "whole.h5"), tmp_path / "z.h5"
+    for _ in range(20):
+        delays = [0.0, *(chance.choice((0.0, 0.02, 0.3)) for _ in range(3))]
+        ends = started(tmp_path, [[*SWEEP, *SCENE, "-o", "z.h5", option]] * 4, delays)
+        alone = [p.name for p in tmp_path.glob("z.h5*")] == ["z.h5"]
+        good = told(ends) and alone and 0 in [code for code, _ in ends] and numbers(output).chunks == whole.chunks
+        winners = sum(code == 0 for code, _ in ends)
+        counts[f"whole by {winners} of four" if good else "BAD"] += 1
+        output.unlink(missing_ok=True)
+    table(f"races of four sweeps {option.replace('-q', '')}", counts)
+
+
+def test_overwriting_an_output_that_another_scene_is_written_to(tmp_path, table):
+    chance, counts = random.Random(16), collections.Counter()
+    scenes = [["--grid", f"A=0.5:12:{n},Omega=0.5:12:100", "--chunk", "1500"] for n in (200, 100)]
+    for i, scene in enumerate(scenes):
+        subprocess.run([*SWEEP, *scene, "-o", f"{i}.h5"], cwd=tmp_path, check=True)
+    wholes = [numbers(tmp_path / f"{i}.h5").chunks for i in range(2)]
+    for _ in range(20):
+        ends = started(tmp_path, [[*SWEEP, *scene, "-o", "z.h5", "--overwrite"] for scene in scenes], [0.0, chance.uniform(0.0, 0.6)])
+        winners = [i for i in range(2) if ends[i][0] == 0]
+        good = told(ends) and winners and numbers(tmp_path / "z.h5").chunks in [wholes[i] for i in winners]
+        counts[f"whole, {len(winners)} of two done" if good else "BAD"] += 1
+        (tmp_path / "z.h5").unlink(missing_ok=True)
+    table("another scene with --overwrite", counts)
+
+
+def test_kills_and_resumes(tmp_path, table):
+    chance, counts = random.Random(17), collections.Counter()
+    call = [*SWEEP, "--grid", "A=0.5:12:800,Omega=0.5:12:800", "--chunk", "5000", "--resume"]
+    began = time.perf_counter()
+    subprocess.run([*call, "-o", "whole.h5"], cwd=tmp_path, check=True)
+    usual, whole = time.perf_counter() - began, numbers(tmp_path / "whole.h5")
+    for _ in range(50):
+        process = subprocess.Popen([*call, "-o", "cut.h5"], cwd=tmp_path, stderr=subprocess.PIPE, text=True)
+        time.sleep(chance.uniform(0.1, 1.0) * usual)
+        process.send_signal(signal.SIGKILL)
+        said = process.communicate()[1]
+        if (tmp_path / "cut.h5").exists():
+            counts["finished, the same" if numbers(tmp_path / "cut.h5").chunks == whole.chunks else "BAD"] += 1
+            for name in ("cut.h5", "cut.h5.part"):
+                (tmp_path / name).unlink(missing_ok=True)
+        else:
+            counts["killed" if process.returncode == -signal.SIGKILL and not said else "BAD"] += 1
+    table("kills and resumes", counts)
+
+
+def test_full_disks(tmp_path, table):
+    """A limit on the length of files, at every place: in the layout nothing is left, behind it the part goes on to the same."""
+    counts = collections.Counter()
+    subprocess.run([*SWEEP, *SCENE, "-o", "whole.h5"], cwd=tmp_path, check=True)
+    whole, size = numbers(tmp_path / "whole.h5"), (tmp_path / "whole.h5").stat().st_size // 1024
+    part, output = tmp_path / "cut.h5.part", tmp_path / "cut.h5"
+    for limit in [*range(1, 30, 5), *range(30, size + 100, 8)]:
+        call = ["bash", "-c", f'ulimit -f {limit}; exec "$@"', "-", *SWEEP, *SCENE, "-o", "cut.h5"]
+        done = subprocess.run(call, cwd=tmp_path, capture_output=True, text=True, check=False)
+        full = done.returncode == 1 and len(done.stderr.splitlines()) == 1 and "cannot be written: File too large" in done.stderr
+        if full and not part.exists():
+            counts["nothing left"] += 1
+            continue
+        if full:
+            subprocess.run([*SWEEP, *SCENE, "-o", "cut.h5", "--resume"], cwd=tmp_path, check=False)
+        same = (full or done.returncode == 0) and output.exists() and numbers(output).chunks == whole.chunks
+        counts["BAD" if not same else "kept and went on to the same" if full else "fits"] += 1
+        output.unlink(missing_ok=True)
+        part.unlink(missing_ok=True)
+    table("full disks", counts)
