@@ -28,19 +28,25 @@ def part_of(path: Path) -> Path:
     return path.with_name(path.name + ".part")
 
 
+def _target(path: Path) -> Path:
+    """What a path leads to: a link stays, and the file that it names is replaced."""
+    return Path(os.path.realpath(path)) if os.path.islink(path) and os.path.exists(path) else path
+
+
 def check_output(path: Path, overwrite: bool, resume: bool = False) -> None:
     """Refuse an output that cannot or must not be written, before any work is done. Raises UsageError, OutputError if in use."""
     if str(path) in ("-", ".", ""):
         raise UsageError(f"{str(path)!r} is not the name of a file; an HDF5 file cannot be written to standard output")
     if resume and overwrite:
         raise UsageError("--resume does not go with --overwrite")
+    path = _target(path)
     part = part_of(path)
     try:
         if not path.parent.is_dir():
             raise UsageError(f"{path}: the folder {path.parent} does not exist")
         if kind := _kind(path):
-            raise UsageError(f"{path}: is {kind}, accepted is the name of a file")
-        if kind := _kind(part, links=False):
+            raise UsageError(f"{path}: is {kind}{' that leads nowhere' if os.path.islink(path) else ''}, accepted is the name of a file")
+        if kind := _kind(part):
             raise UsageError(f"{part}: is {kind}, where a sweep would keep what is done; give another output")
         if os.path.exists(part) and not (overwrite or resume) and _locked(part):
             raise OutputError(f"{part}: is in use by another process")
@@ -57,19 +63,21 @@ def _refuse_existing(path: Path, overwrite: bool, resume: bool, own_part: bool =
         raise UsageError(f"{part}: exists, left by a sweep that did not finish; --resume goes on with it, --overwrite begins anew")
 
 
-_KINDS = {stat.S_IFDIR: "a folder", stat.S_IFIFO: "a pipe", stat.S_IFCHR: "a device", stat.S_IFBLK: "a device", stat.S_IFLNK: "a link"}
+_KINDS = {
+    stat.S_IFDIR: "a folder",
+    stat.S_IFIFO: "a pipe",
+    stat.S_IFCHR: "a device",
+    stat.S_IFBLK: "a device",
+    stat.S_IFLNK: "a link",
+}
 
 
-def _kind(path: Path, links: bool = True) -> str:
-    """What a path is that is neither free nor a regular file (with `links`, nor a link to one); empty otherwise. Raises OSError."""
+def _kind(path: Path) -> str:
+    """What a path is that is neither free nor a regular file; empty otherwise. Raises OSError."""
     try:
         mode = os.lstat(path).st_mode
-        if stat.S_ISLNK(mode) and links:
-            mode = os.stat(path).st_mode if os.path.exists(path) else mode
     except FileNotFoundError:
         return ""
-    if stat.S_ISLNK(mode) and links:
-        return "a link that leads nowhere"
     return "" if stat.S_ISREG(mode) else _KINDS.get(stat.S_IFMT(mode), "not a regular file")
 
 
@@ -89,7 +97,7 @@ class Part:
 
     def __init__(self, output: Path, image: bytes, *, overwrite: bool, resume: bool) -> None:
         check_output(output, overwrite, resume)
-        self.output = Path(os.path.realpath(output)) if output.is_symlink() else output
+        self.output = _target(output)
         self.part, self.overwrite, self.descriptor, self.created = part_of(self.output), overwrite, -1, False
         _open_parts.add(self)
         try:

@@ -28,7 +28,7 @@ from .raw_file import RawFile
 from .seal import seal
 from .trial import trial
 
-SLACK = 1 << 15  # bytes beside its chunks that HDF5 may take for one write, at most: nodes of its index, blocks of headers
+SLACK = 1 << 16  # bytes beside its chunks that HDF5 may take for one write, at most: nodes of its index, blocks of headers
 WHOLE = "1/1"
 
 
@@ -37,8 +37,9 @@ def difference(one: Any, other: Any, place: str = "") -> tuple[str, Any, Any] | 
     if one == other:
         return None
     if isinstance(one, Mapping) and isinstance(other, Mapping):
-        keys = list(dict.fromkeys([*one, *other]))
-        return next(d for k in keys if (d := difference(one.get(k), other.get(k), f"{place}.{k}" if place else k)))
+        key = next(k for k in [*one, *other] if k not in one or k not in other or one[k] != other[k])
+        place = f"{place}.{key}" if place else key
+        return difference(one[key], other[key], place) if key in one and key in other else (place, one.get(key), other.get(key))
     if isinstance(one, list) and isinstance(other, list) and any(isinstance(x, list | Mapping) for x in [*one, *other]):
         if len(one) != len(other):
             return f"number of {place}", len(one), len(other)
