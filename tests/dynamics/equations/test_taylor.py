@@ -1,0 +1,97 @@
+"""Taylor series as the flow of an equation: their sums, their derivatives, and the step that a tolerance allows."""
+
+from __future__ import annotations
+
+import math
+
+import mpmath
+import numpy as np
+import pytest
+from oracle import LADDER
+
+from rocking_cli import cosine, sine
+from rocking_cli.dynamics.equations import taylor
+from rocking_cli.dynamics.march.lanes import Lanes
+from rocking_cli.motions import Harmonic, Motion, Piece
+
+MIXED = Motion("mixed", (Piece(0, 12, (Harmonic(0.5, 1, 0.3), Harmonic(0.3, 1.7, 1.0), Harmonic(-0.4, 0.6, 0.2)), 0.1, 0.02),))
+EPS = np.finfo(float).eps
+
+
+def exponentials(order, unit, growth=1.0):
+    """growth exp(h) of each lane, in powers of h / unit."""
+    unit = np.asarray(unit, dtype=float)
+    terms = np.array([growth * unit**n / math.factorial(n) for n in range(order + 1)])
+    return taylor.TaylorSeries(terms, unit, np.ones(unit.size), 1.0 / unit)
+
+
+def test_powers_are_powers():
+    x = np.array([1e-3, 0.3, 1.0, 1.9])
+    rows = taylor.powers(x, 30)
+    assert rows.shape == (30, 4)
+    assert rows == pytest.approx(np.array([x**n for n in range(30)]), rel=40 * EPS, abs=0)
+
+
+def test_a_series_has_the_derivatives_of_its_function():
+    """exp is its own derivative, whatever the unit; at the start as well."""
+    arc = exponentials(30, [0.1, 0.5, 2.0])
+    for h in (0.0, 1e-6, 0.3, 1.0):
+        point = arc.at(np.full(3, h))
+        for value in point:
+            assert value == pytest.approx(np.full(3, math.exp(h)), rel=1e-13)
+    assert (arc.y, arc.v, arc.b) == tuple(pytest.approx(np.ones(3), rel=4 * EPS) for _ in range(3))
+
+
+def test_one_lane_is_the_same_lane_among_others():
+    arc, h = exponentials(25, np.linspace(0.1, 2.0, 7)), np.linspace(0.05, 0.9, 7)
+    together = arc.at(h)
+    for i in range(7):
+        alone = arc.take(np.array([i])).at(h[i : i + 1])
+        assert [x[0] for x in alone] == [x[i] for x in together]
+
+
+@pytest.mark.parametrize("motion", [sine(), cosine(1.5), LADDER, MIXED], ids=lambda m: m.name)
+def test_the_series_of_the_drive_is_the_drive(motion):
+    """Term by term against 40-digit derivatives of -side A s(phi + omega h), from positions inside the motion's segments."""
+    segments, random = motion.segments, np.random.default_rng(1)
+    n, order = 12, 14
+    k = random.integers(0, len(segments), n)
+    u = random.uniform(0.05, 0.95, n) * segments.length[k]
+    side, amplitude, omega = random.choice([-1.0, 1.0], n), random.uniform(0.5, 8.0, n), random.uniform(0.2, 15.0, n)
+    lanes = Lanes(k, amplitude, omega, np.ones(n), k, u, side, *(np.zeros(n) for _ in range(4)), k, k)
+    drive = taylor.drive_series(segments, lanes, order)
+    mpmath.mp.dps = 40
+    for i in range(n):
+        phase = float(segments.start[k[i]] + u[i])
+        (piece,) = (p for p in motion.pieces if p.start <= phase < p.stop)
+        scale = sum(abs(h.amplitude) * amplitude[i] for h in piece.harmonics) + abs(piece.slope) * amplitude[i] * omega[i]
+        for m in range(1, order + 1):
+            exact = mpmath.mpf(piece.slope) * omega[i] if m == 1 else mpmath.mpf(0)
+            for h in piece.harmonics:
+                rate = mpmath.mpf(h.frequency) * omega[i]
+                turned = mpmath.mpf(h.frequency) * mpmath.mpf(phase) + h.phase + m * mpmath.pi / 2
+                exact += h.amplitude * rate**m * mpmath.sin(turned) / mpmath.factorial(m)
+            exact *= -side[i] * amplitude[i] * mpmath.mpf(float(drive.unit[i])) ** m
+            largest = scale * max(1.0, phase) / math.factorial(m)
+            assert abs(float(drive.terms[m, i] - exact)) <= 40 * EPS * largest + 1e-300
+
+
+@pytest.mark.parametrize("tolerance", [1e-4, 1e-8, 1e-12])
+def test_a_step_keeps_the_tolerance_and_does_not_waste_it(tolerance):
+    """Of exp(h), whose terms decay like those of any flow: the velocity after the longest step is off by a part of the tolerance."""
+    order = taylor.order_for(tolerance)
+    base = exponentials(order, [1.0])
+    arc = taylor.series(base.terms, taylor.Drive(base.terms, base.unit, base.fastest), tolerance)
+    h = float(arc.longest[0])
+    terms = np.array([math.factorial(n) for n in range(order + 1)], dtype=float)
+    missing = math.exp(h) - sum(h**n / terms[n] for n in range(order))  # of the velocity: one term fewer
+    assert missing + 4 * EPS * math.exp(h) < tolerance or tolerance < 1e-11
+    assert missing < tolerance + 8 * EPS * math.exp(h)
+    longer = 3.0 * h
+    assert math.exp(longer) - sum(longer**n / terms[n] for n in range(order)) > 0.1 * tolerance
+
+
+@pytest.mark.parametrize("tolerance", [0.0, 1e-14, 0.5, math.nan])
+def test_tolerances_without_sense_are_refused(tolerance):
+    with pytest.raises(ValueError, match=r"accepted is a number from 1e-13 to 0\.01"):
+        taylor.order_for(tolerance)

@@ -1,0 +1,93 @@
+"""Impact times and turning points on arcs whose roots are known: polynomials in time."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from rocking_cli.dynamics.equations.equation import Point
+from rocking_cli.dynamics.march.roots import impact_root, turning_point
+
+EPS = np.finfo(float).eps
+
+
+class Polynomial:
+    """An arc that is a polynomial of the time, one a lane: coefficients (terms, lanes), the constant one first."""
+
+    damping = 0.0
+
+    def __init__(self, terms):
+        self.terms = np.asarray(terms, dtype=float)
+        self.fastest = np.ones(self.terms.shape[1])
+        self.longest = np.full(self.terms.shape[1], 10.0)
+
+    def take(self, lanes):
+        return Polynomial(self.terms[:, lanes])
+
+    def at(self, h):
+        rows = [np.polynomial.polynomial.polyder(self.terms, d) for d in range(4)]
+        return Point(*(np.polynomial.polynomial.polyval(h, r, tensor=False) for r in rows))
+
+
+def falling(root, other, count):
+    """-(h - root)(h - other)(h + 1.7) of `count` lanes, other > root: positive before, falling through the root."""
+    terms = np.array([np.polynomial.polynomial.polyfromroots([r, s, -1.7]) for r, s in zip(root, other, strict=True)]).T
+    return Polynomial(terms) if count else Polynomial(terms[:, :0])
+
+
+def test_impacts_are_found_to_rounding_with_their_velocity():
+    random = np.random.default_rng(1)
+    root = random.uniform(0.01, 2.0, 500)
+    other = root + random.uniform(1e-3, 3.0, 500)
+    arc = falling(root, other, 500)
+    low, high = np.zeros(500), root + random.uniform(0.0, 1.0, 500) * (other - root)
+    h, v = impact_root(arc, low, high, low + random.uniform(0.0, 1.0, 500) * (high - low))
+    slope = -(root - other) * (root + 1.7)
+    assert np.all(slope > 0.0)
+    flat = 10.0 * EPS * (1.0 + root) * (2.0 + other) * (3.0 + root) / np.abs(slope)  # the polynomial's own rounding over its slope
+    assert np.all(np.abs(h - root) <= flat + 4.0 * EPS * root)
+    assert v == pytest.approx(-slope, rel=1e-9, abs=1e-12)
+    assert np.all(v <= 0.0)
+
+
+def test_a_root_at_the_very_end_of_its_bracket_is_found():
+    arc = Polynomial([[1.0], [0.0], [-1.0], [0.0]])  # 1 - h^2
+    for high in (1.0, np.nextafter(1.0, 2.0)):
+        h, v = impact_root(arc, np.zeros(1), np.array([high]), np.array([0.5]))
+        assert h[0] == pytest.approx(1.0, abs=2 * EPS)
+        assert v[0] == pytest.approx(-2.0, rel=1e-14)
+
+
+def test_a_body_that_starts_on_the_ground_strikes_where_it_returns():
+    arc = Polynomial([[0.0], [1e-9], [-1.0], [0.0]])  # h (1e-9 - h)
+    h, v = impact_root(arc, np.zeros(1), np.ones(1), np.array([0.7]))
+    assert (h[0], v[0]) == (pytest.approx(1e-9, rel=4 * EPS, abs=0), pytest.approx(-1e-9, rel=1e-12, abs=0))
+
+
+@pytest.mark.parametrize("sense", [1.0, -1.0])
+def test_turning_points_are_found_with_the_height_there(sense):
+    """y' = -sense (h - t)(h + 1)(1 + h^2/9): the only turn is at t; y there is exact to the second order of what is left."""
+    random = np.random.default_rng(2)
+    turn = random.uniform(0.05, 3.0, 300)
+    slope = np.array([-sense * np.polynomial.polynomial.polymul([-t, 1.0 - t, 1.0], [1.0, 0.0, 1.0 / 9.0]) for t in turn]).T
+    arc = Polynomial(np.vstack([random.uniform(0.0, 1.0, 300), slope / np.arange(1, 6)[:, None]]))
+    low, high = np.zeros(300), turn + random.uniform(0.0, 1.0, 300)
+    h, y = turning_point(arc, low, high, 0.5 * (low + high), sense)
+    expected = arc.at(turn).y
+    assert np.abs(h - turn).max() < 1e-8
+    assert np.abs(y - expected).max() < 4.0 * EPS * np.abs(arc.terms).sum(axis=0).max() * 4.0**5
+
+
+def test_no_digit_depends_on_the_neighbours():
+    random = np.random.default_rng(3)
+    root = random.uniform(0.01, 2.0, 60)
+    arc = falling(root, root + 0.7, 60)
+    low, high = np.zeros(60), root + 0.5
+    together = impact_root(arc, low, high, 0.3 * high)
+    turns = turning_point(arc, root + 0.01, root + 0.69, root + 0.2, -1.0)
+    for i in range(60):
+        one = slice(i, i + 1)
+        alone = impact_root(arc.take(np.array([i])), low[one], high[one], 0.3 * high[one])
+        assert [x[0] for x in alone] == [x[i] for x in together]
+        alone = turning_point(arc.take(np.array([i])), root[one] + 0.01, root[one] + 0.69, root[one] + 0.2, -1.0)
+        assert [x[0] for x in alone] == [x[i] for x in turns]
