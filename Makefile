@@ -5,7 +5,7 @@ CODE := $(shell find rocking_cli -name '*.py')
 CONFIGS := $(shell find configs -type f)
 TESTS := $(shell find tests -type f -not -path '*/__pycache__/*')
 
-.PHONY: demo test lint figures bench soak clean
+.PHONY: demo test lint figures bench soak ladder mutants clean
 
 demo: out/demo.h5
 test: $(STAMPS)/test
@@ -66,6 +66,14 @@ bench: $(STAMPS)/dev
 
 soak: $(STAMPS)/dev
 	.venv/bin/python -m pytest -m soak
+
+# The numeric tests with other processors' kernels of OpenBLAS, NumPy and the C library.
+ladder: $(STAMPS)/dev
+	.venv/bin/python tests/bench/ladder.py
+
+# Which of the tests of dynamics/ notice that a sign, a comparison or a constant there is another.
+mutants: $(STAMPS)/dev
+	.venv/bin/python tests/bench/mutants.py
 
 clean:
 	rm -rf .venv out dist .mypy_cache .ruff_cache .pytest_cache .hypothesis
