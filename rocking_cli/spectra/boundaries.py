@@ -26,6 +26,7 @@ Array = np.ndarray
 
 SCAN_STEP = 0.999e-3  # no interval wider than 1e-3 in A escapes
 _BATCH = 1 << 20  # cells of the scan computed together
+_MOST_CHANGES = 500  # at one frequency; beyond it the outcome is noise between the amplitudes of the scan, of which there is no end
 _SECTIONS = 32  # parts that a bracket is cut into: five bits for one run of the engine
 
 
@@ -159,9 +160,12 @@ class Search:
         return first, last
 
     def _sections(self, omegas: Array, brackets: Brackets) -> Brackets:
-        """Each change to the last digits. The first cut follows every change that it uncovers, the later ones one way through."""
+        """Each change to the last digits.
+
+        The first cut follows every change that it uncovers, where these are not too many; the later ones go one way through.
+        """
         done = []
-        follow = _all_changes
+        first = True
         while True:
             low, high = brackets.low, brackets.high
             middle = 0.5 * (low + high)
@@ -175,15 +179,19 @@ class Search:
             label = self.outcome(inner, omegas[brackets.row, None])
             points = np.column_stack([brackets.low, inner, brackets.high])
             labels = np.column_stack([brackets.below, label, brackets.above])
-            lane, at = follow(labels)
+            lane, at = _changes(labels, brackets.row) if first else _one_way(labels)
             brackets = Brackets(brackets.row[lane], points[lane, at], points[lane, at + 1], labels[lane, at], labels[lane, at + 1])
-            follow = _one_way
+            first = False
 
 
-def _all_changes(labels: Array) -> tuple[Array, Array]:
-    """(lane, index) of every change from an index to the next."""
+def _changes(labels: Array, row: Array) -> tuple[Array, Array]:
+    """(lane, index) of every change from an index to the next; one way through in lanes of a row with more than `_MOST_CHANGES`."""
     lane, at = np.nonzero(labels[:, 1:] != labels[:, :-1])
-    return lane, at
+    many = (np.bincount(row[lane], minlength=row.max() + 1) > _MOST_CHANGES)[row]
+    if not many.any():
+        return lane, at
+    through, place = _one_way(labels[many])
+    return np.concatenate([lane[~many[lane]], np.flatnonzero(many)[through]]), np.concatenate([at[~many[lane]], place])
 
 
 def _one_way(labels: Array) -> tuple[Array, Array]:

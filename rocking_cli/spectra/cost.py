@@ -57,10 +57,10 @@ def announce_sweep(
 def announce(seconds: float, what: str, workers: int, tell: Tell | None) -> None:
     """Tell the time of what takes more than a minute. Raises UsageError, with that time, for what takes ten years of a processor."""
     if seconds > _ENDLESS:
-        raise UsageError(f"{what} take about {_in_words(seconds)} of a processor, accepted are up to {_in_words(_ENDLESS)}")
+        raise UsageError(f"{what} take roughly {_in_words(seconds)} of a processor, accepted are up to {_in_words(_ENDLESS)}")
     if seconds > _LONG * workers and tell is not None:
         on = f" on {workers} processes" if workers > 1 else ""
-        tell(f"{what}: at most about {_in_words(seconds / workers)}{on}")
+        tell(f"{what}: roughly {_in_words(seconds / workers)}{on}")
 
 
 def _in_words(seconds: float) -> str:

@@ -172,7 +172,8 @@ def write_spectrum(
 
     scene = Scene(tuple(structures), grid, motion, method)
     chunk = chunk_shape(grid.shape, chunk_cells)
-    announce_sweep(scene, chunk, _processes(scene, workers), check, 1 if shard is None else shard[1], tell)
+    processes = 1 if scheduler else _processes(scene, workers)  # a cluster's are not known yet
+    announce_sweep(scene, chunk, processes, check, 1 if shard is None else shard[1], tell)
     attributes: dict[str, Any] = {"history": history, "documents": documents, "motion": motion.name, "model": method.model}
     if method.stated_tolerance is not None:
         attributes["tolerance"] = method.stated_tolerance

@@ -17,6 +17,7 @@ from rocking_cli import (
     trace_envelope,
 )
 from rocking_cli.dynamics.equations.linear import LinearEquation
+from rocking_cli.spectra import boundaries
 from rocking_cli.spectra.boundaries import Search
 
 MOTIONS = [sine(), sine(0.5), sine(2), cosine(1.5), pulse("rectangular"), pulse("rectangular-impulse"), pulse("ricker-symmetric")]
@@ -68,3 +69,17 @@ def test_what_the_scan_leaves_out_changes_nothing(motion):
     spared = Search(System(LinearEquation()), motion, 0.9, 16.0).rows(omegas)
     assert spared == Search(System(Plain()), motion, 0.9, 16.0).rows(omegas)
     assert sum(len(row.changes) for row in spared) > 3
+
+
+def test_where_changes_have_no_end_only_those_that_the_scan_sees_are_traced(monkeypatch):
+    def traced() -> list:
+        return trace_envelope(sine(3), [1.0], dimensionless_oscillator(0.9), a_max=1.2, workers=1)
+
+    every = traced()
+    monkeypatch.setattr(boundaries, "_MOST_CHANGES", 10)
+    some = traced()
+    ends = [{x for i in found for x in (i.a_from, i.a_to)} for found in (every, some)]
+    assert ends[1] < ends[0]
+    for wide in (i for i in every if (i.a_to or 1.2) - i.a_from > 1e-3):
+        middle = 0.5 * (wide.a_from + (wide.a_to or 1.2))
+        assert [i.mode for i in some if i.a_from < middle < (i.a_to or 1.2)] == [wide.mode]

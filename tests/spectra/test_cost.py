@@ -17,11 +17,11 @@ ARCH = "kind: arch\nradius: 10 m\nthickness: 1.5 m\nangle: 157.5 deg\nrestitutio
 @pytest.mark.parametrize(
     ("seconds", "workers", "words"),
     [
-        (61.0, 1, "it: at most about 61 s"),
-        (600.0, 2, "it: at most about 5 min on 2 processes"),
-        (7200.0, 1, "it: at most about 2 h"),
-        (86400.0 * 3.14, 1, "it: at most about 3.1 days"),
-        (86400.0 * 365.25 * 8, 2, "it: at most about 4 years on 2 processes"),
+        (61.0, 1, "it: roughly 61 s"),
+        (600.0, 2, "it: roughly 5 min on 2 processes"),
+        (7200.0, 1, "it: roughly 2 h"),
+        (86400.0 * 3.14, 1, "it: roughly 3.1 days"),
+        (86400.0 * 365.25 * 8, 2, "it: roughly 4 years on 2 processes"),
     ],
 )
 def test_a_long_run_is_told_in_words(seconds, workers, words):
@@ -39,7 +39,7 @@ def test_a_minute_is_not_worth_a_line():
 
 
 def test_ten_years_are_refused_with_the_number():
-    with pytest.raises(UsageError, match=r"^they take about 63 years of a processor, accepted are up to 10 years$"):
+    with pytest.raises(UsageError, match=r"^they take roughly 63 years of a processor, accepted are up to 10 years$"):
         announce(2e9, "they", 1, None)
 
 
@@ -64,7 +64,7 @@ def test_a_sweep_says_what_it_will_take(tmp_path, monkeypatch):
 
     with pytest.raises(KeyboardInterrupt):
         write_spectrum([dimensionless_oscillator(0.9)], parse_grid("A=1:2:2,Omega=1:2:2"), sine(1e5), tmp_path / "s.h5", tell=tell)
-    assert said == ["4 cells under 200001 segments of shaking, 4 of them checked: at most about 43 min"]
+    assert said == ["4 cells under 200001 segments of shaking, 4 of them checked: roughly 43 min"]
     assert list(tmp_path.iterdir()) == []
 
 
