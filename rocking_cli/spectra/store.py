@@ -184,7 +184,7 @@ class SpectraWriter:
         if self.whole and not self.done.all():
             raise OutputError(f"{self.part}: {int((~self.done).sum())} of {self.done.size} chunks are missing; it is kept for --resume")
         try:
-            self.raw.reserve(2 * SLACK + len(json.dumps(self.machines)))
+            self.raw.reserve(SLACK + len(json.dumps(self.machines)))
             for key, value in {**attributes, "computed_on": json.dumps(self.machines)}.items():
                 self.file.attrs[key] = value
             self.file.close()

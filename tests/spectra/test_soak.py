@@ -212,7 +212,7 @@ def test_full_disks(tmp_path, table):
     subprocess.run([*SWEEP, *SCENE, "-o", "whole.h5"], cwd=tmp_path, check=True)
     whole, size = numbers(tmp_path / "whole.h5"), (tmp_path / "whole.h5").stat().st_size // 1024
     part, output = tmp_path / "cut.h5.part", tmp_path / "cut.h5"
-    for limit in [*range(1, 30, 5), *range(30, size + 100, 8)]:
+    for limit in [*range(1, 30, 5), *range(30, size + 150, 12)]:
         call = ["bash", "-c", f'ulimit -f {limit}; exec "$@"', "-", *SWEEP, *SCENE, "-o", "cut.h5"]
         done = subprocess.run(call, cwd=tmp_path, capture_output=True, text=True, check=False)
         full = done.returncode == 1 and len(done.stderr.splitlines()) == 1 and "cannot be written: File too large" in done.stderr
