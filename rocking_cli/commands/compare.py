@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import click
@@ -49,7 +48,10 @@ def compare(
     if shaking is None:
         raise click.UsageError("no shaking: give --A and --Omega, or --a-g and --omega-g (or --f-g, --T-g) of the first structure")
     if eta is not None:
-        structures = [replace(s, eta=eta, eta_source="given") for s in structures]
+        try:
+            structures = [s.with_restitution(eta) for s in structures]
+        except ValueError as error:
+            raise click.UsageError(f"--eta: {error}") from None
     methods = [Method(model, tolerance) for model in models]
     responses = comparison.compare(structures, motion, shaking, methods)
     options.emit((comparison.curve_records if curves else comparison.comparison_records)(responses, methods), form)

@@ -21,6 +21,10 @@ if TYPE_CHECKING:
 @options.motion
 @options.method
 @click.option("--a-max", type=float, default=20.0, show_default=True, help="Largest dimensionless amplitude A that is searched.")
+@click.option(
+    "--sign", type=click.Choice(["worse", "+", "-", "both"]), default="worse", show_default=True,
+    help="Of the ground acceleration, where a body's sides differ: + or - alone, what overturns under either, or both apart.",
+)  # fmt: skip
 @click.option("--closed-form", is_flag=True, help="The closed-form curves of a sine, half-sine or rectangular pulse instead.")
 @options.workers
 @options.output_form
@@ -35,6 +39,7 @@ def envelope(
     model: str,
     tolerance: float,
     a_max: float,
+    sign: str,
     closed_form: bool,
     workers: int | None,
     form: str | None,
@@ -65,7 +70,7 @@ def envelope(
         if closed_form:
             check_curves(structure, axis, motion)
         else:
-            check_intervals(structure, axis, motion, method=method, a_max=a_max, tell=partial(options.note, quiet=quiet))
+            check_intervals(structure, axis, motion, method=method, a_max=a_max, sign=sign, tell=partial(options.note, quiet=quiet))
     failed = 0
     silent: list[str] = []
 
@@ -77,7 +82,7 @@ def envelope(
                 continue
             progress = options.ProgressLine(structure.name, quiet)
             found = set()
-            traced = structure_intervals(structure, axis, motion, method=method, a_max=a_max, workers=workers, progress=progress)
+            traced = structure_intervals(structure, axis, motion, method=method, a_max=a_max, sign=sign, workers=workers, progress=progress)
             for record in traced:
                 failed += record["mode"] == "failed"
                 found.add(record["Omega"])

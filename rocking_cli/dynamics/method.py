@@ -161,7 +161,7 @@ class Method:
 
     def _has_series(self, structure: RockingParameters) -> bool:
         """The series in small steps know the symmetric linear oscillator; the engine of other equations is a Taylor series itself."""
-        return self.exact and not (structure.damping or structure.sides or structure.one_sided)
+        return self.exact and structure.plain
 
     def problem_of(self, structure: RockingParameters) -> Problem:
         """The structure as general solvers take it."""

@@ -17,7 +17,7 @@ from ..structures.parameters import RockingParameters
 from .chunks import GZIP_LEVEL, ChunkGrid
 from .digest import DIGEST, digest_of, filters_of, plain
 from .grid import Axis, Grid
-from .layout import CHUNK_TABLES, PARAMETERS, REQUIRED, VARIABLES
+from .layout import CHUNK_TABLES, EDGE_PARAMETERS, PARAMETERS, REQUIRED, VARIABLES, parameters_of
 
 AXES = (("Omega", "A"), ("omega_g", "a_g"), ("omega_g", "A"))
 
@@ -109,7 +109,8 @@ def _form(file: h5py.File, size: int) -> tuple[str, str]:
     found = [pair for pair in AXES if names >= set(pair)]
     if len(found) != 1:
         raise ValueError("it has no axes Omega and A, or omega_g and a_g or A")
-    required = {"structure", *found[0], *PARAMETERS, *CHUNK_TABLES, *REQUIRED}
+    parameters = [*PARAMETERS, *(EDGE_PARAMETERS if names & set(EDGE_PARAMETERS) else ())]
+    required = {"structure", *found[0], *parameters, *CHUNK_TABLES, *REQUIRED}
     if missing := sorted(required - names):
         raise ValueError(f"it has no dataset {missing[0]!r}")
     if foreign := sorted(names - required - set(VARIABLES)):
@@ -117,7 +118,7 @@ def _form(file: h5py.File, size: int) -> tuple[str, str]:
     for name in sorted(names):
         if not isinstance(file.get(name, getlink=True), h5py.HardLink) or file.get(name, getclass=True) is not h5py.Dataset:
             raise ValueError(f"its {name} is not a dataset of its own")
-    for name in ("structure", *found[0], *PARAMETERS):
+    for name in ("structure", *found[0], *parameters):
         _demand(file[name], size, None if name == "structure" else np.dtype("<f8"))
     shape = (file["structure"].size, file[found[0][0]].size, file[found[0][1]].size)
     cut = None
@@ -129,7 +130,7 @@ def _form(file: h5py.File, size: int) -> tuple[str, str]:
     assert cut is not None
     for name, (dtype, _) in CHUNK_TABLES.items():
         _demand(file[name], size, dtype, ChunkGrid(shape, cut).size)
-    if any(file[name].size != shape[0] for name in PARAMETERS):
+    if any(file[name].size != shape[0] for name in parameters):
         raise ValueError("it has not as many parameters as structures")
     for place in (file, *(file[name] for name in names)):
         if any(place.attrs.get_id(key).get_storage_size() > size for key in place.attrs):
@@ -168,12 +169,12 @@ def _chunked(data: h5py.Dataset, shape: tuple[int, ...]) -> tuple[int, ...]:
 
 
 def _structures(file: h5py.File, scene: dict[str, Any]) -> Iterator[RockingParameters]:
-    """The structures, whose parameters must be those of the scene."""
-    columns = {key: file[key][...] for key in PARAMETERS}
+    """The structures of the scene, whose parameters must be those of the file."""
+    stated = [RockingParameters.from_record(record) for record in scene["structures"]]
     names = [name.decode() for name in file["structure"][...]]
-    for i, (name, stated) in enumerate(zip(names, scene["structures"], strict=True)):
-        values = {key: float(column[i]) for key, column in columns.items()}
-        if name != stated["name"] or any(values[key] != stated[key] for key in values):
-            raise ValueError(f"the parameters of structure {i} are not those of its scene")
-        p, alpha, eta, uplift, scale, gravity = values.values()
-        yield RockingParameters(name, stated["structure"], p, alpha, eta, uplift, scale, "stored", gravity)
+    if names != [s.name for s in stated]:
+        raise ValueError("its structures are not those of its scene")
+    for key, (_, _, get) in parameters_of(stated).items():
+        if not np.array_equal(file[key][...], [get(s) for s in stated], equal_nan=True):
+            raise ValueError(f"its {key} is not that of its scene")
+    yield from stated

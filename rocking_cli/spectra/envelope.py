@@ -25,6 +25,9 @@ from .grid import OWN_TIME, Axis, parse_axes
 from .processes import available_cpus, processes
 
 A_MAX = 20.0
+SIGNS = {"+": (1.0,), "-": (-1.0,), "worse": (1.0, -1.0)}  # of the ground acceleration, for bodies whose sides differ
+BOTH = "both"  # each sign by itself
+Steps = list[tuple[float, int]]  # amplitudes, rising, and the outcome from each on
 INTERVAL_COLUMNS = ("structure", "Omega", "A_from", "A_to", "mode")
 CURVE_COLUMNS = ("structure", "curve", "Omega", "A")
 _SMALL = 1_000_000  # amplitudes in all below which starting processes takes longer than they save
@@ -48,53 +51,83 @@ def trace_envelope(
     *,
     method: Method = LINEAR,
     a_max: float = A_MAX,
+    sign: str = "worse",
     workers: int | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> list[Interval]:
     """Every overturning interval with A up to `a_max`, wider than 1e-3, for each Omega [-] of a structure.
 
     For a linear oscillator of which only the restitution is known give `dimensionless_oscillator(eta)`. Boundaries are
-    traced to the last digits of the model's outcome. Intervals that touch but differ in mode are listed apart. workers:
+    traced to the last digits of the model's outcome. Intervals that touch but differ in mode are listed apart. sign: of the
+    ground acceleration, where a body's sides differ: "+", "-", or "worse", which lists what overturns under either. workers:
     processes, None for all cores where that saves time. Raises UsageError when a_max is not above the initiation or the model
     does not hold for the structure, OutputError when a worker process dies.
     """
     omegas = np.atleast_1d(np.asarray(omegas, dtype=float))
-    search, amplitudes = _scan_of(motion, omegas.size, structure, method, a_max)
+    searches, amplitudes = _scan_of(motion, omegas.size, structure, method, a_max, sign)
     if workers is not None and workers < 1:
         raise UsageError(f"workers is {workers}, accepted is a whole number from 1")
     if workers is None:
         workers = 1 if amplitudes < _SMALL else available_cpus()
     # Neighbouring frequencies cost alike, so each share takes some from everywhere.
     shares = int(min(omegas.size, max(workers, np.ceil(amplitudes / _SHARE))))
-    rows: dict[int, Row] = {}
-    for i, found in enumerate(_in_turn(search, [omegas[i::shares] for i in range(shares)], min(workers, shares))):
-        rows.update(zip(range(i, omegas.size, shares), found, strict=True))
-        if progress:
-            progress(len(rows), omegas.size)
-    return [interval for i, omega in enumerate(omegas) for interval in _intervals(float(omega), search.lowest, rows[i])]
+    rows: dict[int, Steps] = {}
+    for n, search in enumerate(searches):
+        for i, found in enumerate(_in_turn(search, [omegas[i::shares] for i in range(shares)], min(workers, shares))):
+            for at, row in zip(range(i, omegas.size, shares), found, strict=True):
+                steps = [(search.lowest, row.begins), *row.changes]
+                rows[at] = worse(rows[at], steps) if at in rows else steps
+            if progress:
+                progress((n * shares + i + 1) * omegas.size // (len(searches) * shares), omegas.size)
+    return [interval for i, omega in enumerate(omegas) for interval in _intervals(float(omega), rows.get(i, []))]
+
+
+def worse(one: Steps, other: Steps) -> Steps:
+    """The outcomes of two motions taken together: safe where both are, failed where one is and the other is safe."""
+    order = [o.value for o in sorted(Outcome, key=lambda o: (not o.safe, o.overturned, o))]
+    merged: Steps = []
+    for amplitude in sorted({a for a, _ in (*one, *other)}):
+        labels = [next((label for a, label in reversed(steps) if a <= amplitude), int(Outcome.NO_UPLIFT)) for steps in (one, other)]
+        label = max(labels, key=order.index)
+        if not merged or merged[-1][1] != label:
+            merged.append((amplitude, label))
+    return merged
 
 
 def _scan_of(
-    motion: Motion, frequencies: int, structure: RockingParameters, method: Method, a_max: float, tell: Tell | None = None
-) -> tuple[Search, float]:
-    """What is searched and how many amplitudes that is, at most. Raises UsageError."""
-    search = Search(method.system_of(structure), motion, structure.eta, a_max)
-    if not (np.isfinite(a_max) and a_max > search.lowest):
-        raise UsageError(f"a-max is {a_max:g}, accepted is a finite amplitude above the uplift at A = {search.lowest:g}")
+    motion: Motion, frequencies: int, structure: RockingParameters, method: Method, a_max: float, sign: str, tell: Tell | None = None
+) -> tuple[list[Search], float]:
+    """What is searched, for each sign of the motion, and how many amplitudes that is, at most. Raises UsageError."""
+    if sign not in SIGNS:
+        raise UsageError(f"sign is {sign!r}, accepted are {', '.join(SIGNS)}")
+    system = method.system_of(structure)
+    factors = (1.0,) if system.contact.alike else SIGNS[sign]
+    searches = [Search(system, motion.scaled(f) if f < 0.0 else motion, structure.eta, a_max) for f in factors]
+    lowest = min(search.lowest for search in searches)
+    if not np.isfinite(a_max) or a_max <= lowest < np.inf:
+        raise UsageError(f"a-max is {a_max:g}, accepted is a finite amplitude above the uplift at A = {lowest:g}")
     if a_max > 1e5:
         raise UsageError(f"a-max is {a_max:g}, accepted is up to 1e5")
-    amplitudes = frequencies * (a_max - search.lowest) / SCAN_STEP
+    searches = [search for search in searches if search.lowest < a_max]
+    amplitudes = frequencies * sum((a_max - search.lowest) / SCAN_STEP for search in searches)
     segments = len(motion.segments)
     seconds = expected_seconds(method, structure, segments, cells=int(amplitudes), batches=1)
     announce(seconds, f"{structure.name}: {amplitudes:.3g} amplitudes under {segments} segments of shaking", 1, tell)
-    return search, amplitudes
+    return searches, amplitudes
 
 
 def check_intervals(
-    structure: RockingParameters, axis: Axis, motion: Motion, *, method: Method = LINEAR, a_max: float = A_MAX, tell: Tell | None = None
+    structure: RockingParameters,
+    axis: Axis,
+    motion: Motion,
+    *,
+    method: Method = LINEAR,
+    a_max: float = A_MAX,
+    sign: str = "worse",
+    tell: Tell | None = None,
 ) -> None:
     """Raise what `structure_intervals` would, before it begins; tell where its scan will take long."""
-    _scan_of(motion, _scaled(structure, axis).size, structure, method, a_max, tell)
+    _scan_of(motion, _scaled(structure, axis).size, structure, method, a_max, "worse" if sign == BOTH else sign, tell)
 
 
 def _in_turn(search: Search, shares: list[np.ndarray], workers: int) -> Iterator[list[Row]]:
@@ -106,13 +139,11 @@ def _in_turn(search: Search, shares: list[np.ndarray], workers: int) -> Iterator
         yield from run(shares)
 
 
-def _intervals(omega: float, lowest: float, row: Row) -> Iterator[Interval]:
-    label, begin = row.begins, lowest
-    for amplitude, above in [*row.changes, (None, 0)]:
+def _intervals(omega: float, steps: Steps) -> Iterator[Interval]:
+    for n, (begin, label) in enumerate(steps):
+        end = steps[n + 1][0] if n + 1 < len(steps) else None
         if not Outcome(label).safe:
-            yield Interval(omega, begin, amplitude, Outcome(label).mode)
-        if amplitude is not None:
-            label, begin = above, amplitude
+            yield Interval(omega, begin, end, Outcome(label).mode)
 
 
 def frequency_axis(text: str | None, *, own_time: bool = False) -> Axis:
@@ -144,24 +175,36 @@ def structure_intervals(
     *,
     method: Method = LINEAR,
     a_max: float = A_MAX,
+    sign: str = "worse",
     workers: int | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> Iterator[dict[str, Any]]:
-    """Records of a structure's overturning intervals, with units where it has any. Raises as `trace_envelope`."""
+    """Records of a structure's overturning intervals, with units where it has any; with sign "both" each with its
+    sign, 1 or -1, and None where the sides are alike.
+
+    Raises as `trace_envelope`.
+    """
     omegas = _scaled(structure, axis)
-    for found in trace_envelope(motion, omegas, structure, method=method, a_max=a_max, workers=workers, progress=progress):
-        record = {"structure": structure.name, "Omega": found.omega, "A_from": found.a_from, "A_to": found.a_to, "mode": found.mode}
-        if not structure.dimensionless:
-            record["omega_g"] = found.omega * structure.p
-            record["a_from"] = structure.ground_acceleration(found.a_from)
-            record["a_to"] = None if found.a_to is None else structure.ground_acceleration(found.a_to)
-        yield record
+    apart = sign == BOTH and not method.system_of(structure).contact.alike
+    for one in ("+", "-") if apart else ("worse" if sign == BOTH else sign,):
+        traced = trace_envelope(motion, omegas, structure, method=method, a_max=a_max, sign=one, workers=workers, progress=progress)
+        for found in traced:
+            record = {"structure": structure.name, "Omega": found.omega, "A_from": found.a_from, "A_to": found.a_to, "mode": found.mode}
+            if sign == BOTH:
+                record["sign"] = int(SIGNS[one][0]) if apart else None
+            if not structure.dimensionless:
+                record["omega_g"] = found.omega * structure.p
+                record["a_from"] = structure.ground_acceleration(found.a_from)
+                record["a_to"] = None if found.a_to is None else structure.ground_acceleration(found.a_to)
+            yield record
 
 
 def check_curves(structure: RockingParameters, axis: Axis, motion: Motion) -> None:
     """Raise what `structure_curves` would, before it begins."""
     _scaled(structure, axis)
     _closed_form_of(motion)
+    if not structure.plain:
+        raise UsageError(f"{structure.name}: --closed-form: found damping, one side or unequal sides; accepted is a body without them")
 
 
 def _closed_form_of(motion: Motion) -> str:

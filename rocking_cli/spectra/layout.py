@@ -31,6 +31,26 @@ PARAMETERS: dict[str, tuple[str, str, Callable[[RockingParameters], float]]] = {
 }
 """Of each structure: units, long name, value."""
 
+
+def _edge(number: int, word: str, key: str) -> tuple[str, str, Callable[[RockingParameters], float]]:
+    units, long_name, _ = PARAMETERS[key]
+    name = {"lambda": "uplift"}.get(key, key)
+    return units, f"{long_name} on the {word} edge", lambda s: float(getattr(s.sides[number], name)) if s.sides else np.nan
+
+
+EDGE_PARAMETERS = {
+    f"{word}_{key}": _edge(number, word, key)
+    for number, word in enumerate(("left", "right"))
+    for key in ("p", "alpha", "eta", "lambda", "a_scale")
+}
+"""The same of each edge of a body whose edges differ, NaN for others; in files that hold such a body."""
+
+
+def parameters_of(structures: Sequence[RockingParameters]) -> dict[str, tuple[str, str, Callable[[RockingParameters], float]]]:
+    """The parameters that a file of these structures holds."""
+    return {**PARAMETERS, **EDGE_PARAMETERS} if any(s.sides for s in structures) else PARAMETERS
+
+
 VARIABLES: dict[str, tuple[np.dtype, dict[str, Any]]] = {
     "theta_ratio": (
         np.dtype("<f8"),
@@ -95,7 +115,7 @@ def image(
             _describe(file.create_dataset(name, data=values, dtype=dtype), about)
         for name in dimensions:
             file[name].make_scale(name)
-        for name, (units, long_name, get) in PARAMETERS.items():
+        for name, (units, long_name, get) in parameters_of(structures).items():
             data = file.create_dataset(name, data=np.array([get(s) for s in structures], dtype="<f8"))
             _describe(data, {"units": units, "long_name": long_name}, file["structure"])
         cut = ChunkGrid((len(structures), *grid.shape), (1, *chunk))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from ..documents.quantities import DEFAULT_GRAVITY
@@ -106,6 +106,27 @@ class RockingParameters:
         sides = () if left.numbers() == right.numbers() else (left, right)
         weaker = weaker_side((left, right))
         return cls(name, structure, weaker.p, weaker.alpha, weaker.eta, weaker.uplift, weaker.a_scale, sides=sides, **more)
+
+    @property
+    def plain(self) -> bool:
+        """Whether this is the paper's body: two edges alike, no damping."""
+        return not (self.sides or self.one_sided or self.damping)
+
+    @classmethod
+    def from_record(cls, record: Mapping[str, Any]) -> RockingParameters:
+        """The parameters that `record` states, as files keep them. Raises KeyError, TypeError or ValueError where it is none."""
+        sides = tuple(Side(s["side"], s["p"], s["alpha"], s["lambda"], s["a_scale"], s["eta"]) for s in record.get("sides", ()))
+        names = {"eta": "eta", "lambda": "uplift", "a_scale": "a_scale", "eta_source": "eta_source", "gravity": "gravity"}
+        more = {name: record[key] for key, name in names.items()}
+        more |= {key: record[key] for key in ("one_sided", "damping") if key in record}
+        return cls(record["name"], record["structure"], record["p"], record["alpha"], sides=sides, **more)
+
+    def with_restitution(self, eta: float) -> RockingParameters:
+        """The same body with another restitution, on both edges. Raises ValueError when it is out of range."""
+        if self.sides:
+            left, right = (replace(side, eta=eta) for side in self.sides)
+            return replace(self, eta=eta, eta_source="given", sides=(left, right))
+        return replace(self, eta=eta, eta_source="given")
 
     @property
     def dimensionless(self) -> bool:

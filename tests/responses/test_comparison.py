@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from rocking_cli import build_structure, parse_documents, parse_grid, sine
+from rocking_cli.dynamics.method import Method
 from rocking_cli.responses.comparison import collapse, compare
-from rocking_cli.spectra.scene import Method
 
 
 def test_three_structures_collapse_to_one_dimensionless_curve():

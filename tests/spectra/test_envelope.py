@@ -17,10 +17,11 @@ from rocking_cli import (
     overturned,
     parse_documents,
     pulse,
+    response,
     sine,
     trace_envelope,
 )
-from rocking_cli.spectra.scene import Method
+from rocking_cli.dynamics.method import Method
 
 
 def test_traced_intervals_are_those_of_the_reference_table():
@@ -81,3 +82,34 @@ def test_a_column_against_discrete_elements():
     assert collapse_at == [0.30, 0.26, 0.24, 0.22, 0.21]
     for ours, theirs in zip(collapse_at, series, strict=True):
         assert [ours] * 3 == pytest.approx(theirs, rel=0.05 + 1e-12, abs=0)
+
+
+UNEQUAL = build_structure(parse_documents("kind: prism\ncorners: [[0, 0], [1.2, 0], [0.9, 5], [0.2, 5]]")[0])
+WALL = build_structure(parse_documents("kind: block\nwidth: 1.2\nheight: 8\none_sided: true")[0])
+
+
+@pytest.mark.parametrize("structure", [UNEQUAL, WALL], ids=["unequal", "one side"])
+@pytest.mark.parametrize("model", ["linear", "nonlinear"])
+def test_the_worse_sign_lists_what_overturns_under_either(structure, model):
+    method, omega, top = Method(model), 4.0, 6.0
+    plus, minus, worse = (trace_envelope(sine(), [omega], structure, method=method, a_max=top, sign=s) for s in ("+", "-", "worse"))
+    assert plus != minus
+    for amplitude in np.linspace(1.01, top, 200):
+        inside = [any(i.a_from < amplitude < (i.a_to or np.inf) for i in found) for found in (plus, minus, worse)]
+        assert inside[2] == (inside[0] or inside[1])
+        mirrored = [
+            response(method.system_of(structure), m, amplitude, omega, structure.eta).outcome for m in (sine(), sine().scaled(-1.0))
+        ]
+        assert inside[:2] == [bool(overturned(int(o))) for o in mirrored]
+
+
+def test_signs_of_a_symmetric_body_are_alike_and_unknown_ones_refused():
+    block = dimensionless_oscillator(0.9)
+    assert trace_envelope(sine(), [4.0], block, sign="-") == trace_envelope(sine(), [4.0], block)
+    with pytest.raises(UsageError, match=r"sign is 'up', accepted are \+, -, worse"):
+        trace_envelope(sine(), [4.0], block, sign="up")
+
+
+def test_a_push_to_the_backing_never_overturns_a_wall():
+    assert trace_envelope(pulse("rectangular"), [1.0], WALL, sign="+") == []
+    assert trace_envelope(pulse("rectangular"), [1.0], WALL, sign="-")[0].mode == "no_impact"
