@@ -16,17 +16,23 @@ if TYPE_CHECKING:
 @click.argument("spectrum")
 @options.files
 @options.shaking
-@click.option("--exact", is_flag=True, help="Compute it for the spectrum's motion, also beyond its range or restitutions.")
+@click.option("--exact", is_flag=True, help="For the spectrum's motion, also beyond its range or restitutions; nothing is interpolated.")
 @options.output_form
 @options.quiet
-def predict(spectrum: str, files: tuple[str, ...], shaking: Grid | None, exact: bool, form: str | None, quiet: bool) -> None:
-    """Predict theta_max, outcome and margin of structures from the spectrum of any structure of equal restitution.
+@click.pass_context
+def predict(
+    context: click.Context, spectrum: str, files: tuple[str, ...], shaking: Grid | None, exact: bool, form: str | None, quiet: bool
+) -> None:
+    """Predict theta_max, outcome and margin of structures under the motion of a spectrum of equal restitution.
 
-    SPECTRUM holds a linear spectrum on axes A and Omega. theta_max in rad; margin is the relative distance in A to the nearest
-    overturning boundary, read off the grid a lower bound. interpolation_error is the distance from the computed value; the
-    outcome is `undecided` where a boundary runs through the grid's cell.
+    SPECTRUM holds a linear spectrum on axes A and Omega. theta_max [rad] and the outcome are computed. capacity_demand is the lowest
+    overturning amplitude over the demand: below 1 a body that falls would fall for less. margin is the relative distance in A to the
+    nearest amplitude at which falling begins or ends, traced as by rocking envelope; margin_side tells on which side of the demand.
+    They are empty where nothing overturns up to A = 20 and twice the demand. theta_ratio_interpolated
+    is what the spectrum itself says, empty next to cells that overturn; interpolation_error is its distance from the computed value.
     """
-    from ..spectra.prediction import predict as read_off
+    from ..dynamics.outcome import Outcome
+    from ..spectra.prediction import predict as beside_spectrum
     from ..spectra.prediction import predict_exactly
     from ..spectra.reader import SpectraFile
 
@@ -34,11 +40,12 @@ def predict(spectrum: str, files: tuple[str, ...], shaking: Grid | None, exact: 
     if shaking is None:
         raise click.UsageError("no shaking: give --a-g and --omega-g (or --f-g, --T-g), or --A and --Omega")
     with SpectraFile(spectrum) as file:
-        reach = float(file.grid.amplitude.values[-1]) if file.grid.dimensionless else 0.0
         if exact:
-            records = [predict_exactly(s, file.motion(), shaking, reach) for s in structures]
+            records = [predict_exactly(s, file.motion(), shaking) for s in structures]
         else:
-            records = [read_off(file, s, shaking) for s in structures]
+            records = [beside_spectrum(file, s, shaking) for s in structures]
     options.emit(records, form)
-    if not exact and any(r["outcome"] == "undecided" for r in records):
-        options.note("undecided: a boundary runs through the spectrum's cell; --exact decides", quiet)
+    failed = sum(r["outcome"] == Outcome.FAILED.flag for r in records)
+    if failed:
+        options.note(f"{failed} structures could not be decided (outcome failed)", quiet)
+        context.exit(4)

@@ -1,0 +1,93 @@
+"""Predictions: computed, with a margin inside which the fate does not change."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from rocking_cli import (
+    Outcome,
+    closed_form_curves,
+    dimensionless_oscillator,
+    linear_response,
+    overturned,
+    parse_grid,
+    pulse,
+    safe,
+    sine,
+    write_spectrum,
+)
+from rocking_cli.spectra.prediction import predict, predict_exactly
+from rocking_cli.spectra.reader import SpectraFile
+
+
+def cell(amplitude, omega):
+    return parse_grid(f"A={amplitude!r},Omega={omega!r}")
+
+
+def fate(motion, amplitude, omega, eta):
+    return overturned(linear_response(motion, np.asarray(amplitude), omega, eta).outcome)
+
+
+@pytest.fixture(scope="module")
+def three_cycles(tmp_path_factory):
+    path = tmp_path_factory.mktemp("spectra") / "three.h5"
+    write_spectrum([dimensionless_oscillator(0.8)], parse_grid("A=1:8:71,Omega=1:8:71"), sine(3), path, workers=1)
+    with SpectraFile(path) as file:
+        yield file
+
+
+def test_a_narrow_tongue_between_the_rows_of_the_spectrum_bounds_the_margin(three_cycles):
+    amplitude, omega = 1.068082535563618, 2.656147572117443
+    found = predict(three_cycles, dimensionless_oscillator(0.8), cell(amplitude, omega))
+    assert (found["outcome"], found["margin_side"]) == ("rocked", "above")
+    raster = np.arange(amplitude, 1.1, 1e-6)
+    first = raster[fate(sine(3), raster, omega, 0.8).argmax()]
+    assert found["margin"] == pytest.approx((first - amplitude) / amplitude, abs=2e-6)
+    assert found["capacity_demand"] == pytest.approx(1.0 + found["margin"], rel=1e-12, abs=0)
+
+
+def test_the_fate_is_one_within_the_margin_and_another_beyond(three_cycles):
+    random = np.random.default_rng(3)
+    sides = set()
+    for _ in range(6):
+        amplitude, omega = float(random.uniform(1, 5)), float(random.uniform(4, 6))
+        found = predict(three_cycles, dimensionless_oscillator(0.8), cell(amplitude, omega))
+        if found["margin"] is None:
+            continue
+        sides.add((found["margin_side"], Outcome[found["outcome"].upper()].overturned))
+        inside = amplitude * (1.0 + found["margin"] * np.linspace(-1 + 1e-9, 1 - 1e-9, 4001))
+        assert set(fate(sine(3), inside[inside > 0], omega, 0.8).tolist()) == {Outcome[found["outcome"].upper()].overturned}
+        sign = 1 if found["margin_side"] == "above" else -1
+        edge = amplitude * (1.0 + sign * found["margin"])
+        assert fate(sine(3), edge * (1 - 1e-12), omega, 0.8) != fate(sine(3), edge * (1 + 1e-12), omega, 0.8)
+        demand = amplitude * found["capacity_demand"]
+        assert safe(linear_response(sine(3), demand * np.linspace(0.5, 1 - 1e-12, 4001), omega, 0.8).outcome).all()
+        assert fate(sine(3), demand * (1 + 1e-12), omega, 0.8)
+    assert {side for side, _ in sides} == {"above", "below"}
+    assert {fell for _, fell in sides} == {True, False}
+
+
+def test_capacity_is_that_of_the_closed_form():
+    points = {p.curve: p.amplitude for p in closed_form_curves(np.array([3.0]), 0.9)}
+    first, last = points["after_impact_lower"], points["after_impact_upper"]
+    for amplitude in (0.2, 1.5, 0.5 * (first + last), 6.0):
+        found = predict_exactly(dimensionless_oscillator(0.9), sine(), cell(amplitude, 3.0))
+        assert found["capacity_demand"] == pytest.approx(first / amplitude, rel=1e-10, abs=0)
+        assert (found["theta_ratio"] is None) == (amplitude > first)
+
+
+def test_two_ways_to_fall_that_meet_are_no_boundary():
+    """A rectangular pulse: where falling after an impact and without one touch, the margin reaches over that point."""
+    found = predict_exactly(dimensionless_oscillator(1.0), pulse("rectangular"), cell(3.0, 2.0))
+    assert found["margin_side"] == "below"
+    edge = 3.0 * (1.0 - found["margin"])
+    assert fate(pulse("rectangular"), np.linspace(edge * (1 + 1e-9), 6.0, 1001), 2.0, 1.0).all()
+    assert not fate(pulse("rectangular"), edge * (1 - 1e-9), 2.0, 1.0)
+
+
+def test_a_cell_that_the_spectrum_knows_is_interpolated_exactly(three_cycles):
+    found = predict(three_cycles, dimensionless_oscillator(0.8), cell(1.0, 4.0))
+    assert (found["theta_ratio"], found["theta_ratio_interpolated"], found["interpolation_error"]) == (0.0, 0.0, 0.0)
+    found = predict(three_cycles, dimensionless_oscillator(0.8), cell(float(np.linspace(1, 8, 71)[3]), 7.0))
+    assert found["interpolation_error"] == 0.0
