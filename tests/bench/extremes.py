@@ -1,7 +1,9 @@
 """Measured errors of the README's table of stiff and extreme cells, both equations, against paths that share no code with the engine.
 
 A row's cells are computed by the engine (nonlinear at tolerance 1e-11) and one by one by the references: Taylor series in small steps,
-DOP853. Cells that the reference gives up are counted apart.
+DOP853. A rigid body that rises by less than 1e-7 bounces through thousands of DOP853's steps; its reference is the linear one times
+sin(alpha)/alpha, from which it differs by a part of (4 sqrt(2 (A - 1))/Omega)^2, the square of its time in the air. Cells that a
+reference gives up are counted apart.
 """
 
 from __future__ import annotations
@@ -34,6 +36,14 @@ def cells(*axes):
     return (np.ravel(x) for x in np.meshgrid(*axes, indexing="ij"))
 
 
+def low(motion, amplitude, omega, eta, alpha):
+    """(outcome, theta/alpha) of a rigid body that hardly rises in short hops, None of others."""
+    if omega < 1.0 or amplitude > 1.01:
+        return None
+    outcome, theta = reference_cell(motion, amplitude, omega, eta)
+    return (outcome, theta * math.sin(alpha) / alpha) if outcome == Outcome.ROCKED and theta < 1e-7 else None
+
+
 def row(name, motion, amplitude, omega, eta, alpha=0.25, mechanism=None):
     """Engine against references; amplitudes are over that of uplift."""
     amplitude, omega, eta = (np.ravel(x) for x in np.broadcast_arrays(amplitude, omega, eta))
@@ -46,14 +56,13 @@ def row(name, motion, amplitude, omega, eta, alpha=0.25, mechanism=None):
         (linear_response(motion, amplitude, omega, eta), lambda a, w, n: reference_cell(motion, a, w, n)),
         (
             response(System(model), motion, lift * amplitude, omega, eta),
-            lambda a, w, n: solve_cell(motion, lift * a, w, n, problem),
+            lambda a, w, n: low(motion, a, w, n, alpha) or solve_cell(motion, lift * a, w, n, problem),
         ),
     ):
         worst, differ, lost = 0.0, 0, 0
         for i, cell in enumerate(zip(amplitude, omega, eta, strict=True)):
             outcome, theta = reference(*(float(x) for x in cell))
-            overlooked = outcome == Outcome.NO_UPLIFT != found.outcome[i]  # an uplift shorter than the reference's samples
-            if outcome == Outcome.FAILED or overlooked:
+            if outcome == Outcome.FAILED:
                 lost += 1
                 continue
             differ += outcome != found.outcome[i]

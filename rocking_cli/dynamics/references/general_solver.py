@@ -174,6 +174,18 @@ class _Crest:
         return float(state[1])
 
 
+class _Fallen:
+    """Event: the body is beyond its limit; what a strong motion does with it from there on takes many steps and tells nothing."""
+
+    terminal, direction = True, 1
+
+    def __init__(self, limit: float) -> None:
+        self.limit = limit * (1.0 + 1e-9)  # surely beyond
+
+    def __call__(self, t: float, state: np.ndarray) -> float:
+        return float(state[0]) - self.limit
+
+
 def solve_cell(
     motion: Motion, amplitude: float, omega: float, eta: float, problem: Problem, solver: Solver = CAREFUL
 ) -> tuple[Outcome, float]:
@@ -210,7 +222,7 @@ class _Body:
         return self.problem.right if self.side > 0 or self.problem.left is None else self.problem.left
 
     def stride(self, piece: Piece) -> float:
-        return 0.5 / (1.0 + self.omega * max((h.frequency for h in piece.harmonics), default=1.0))
+        return 0.5 / (1.0 + self.omega * max((h.frequency for h in piece.harmonics), default=0.0))
 
     def excess(self, piece: Piece, time: float) -> float:
         """How far the ground acceleration exceeds what lifts the body on to the edge that it pushes it to [g]."""
@@ -240,14 +252,14 @@ class _Body:
             return np.asarray(self.solver(rate, (time, t), [self.theta, self.w], first_step=t - time).y[:, -1])
 
         limit = {"max_step": (stop - time) / 5} if careful else {}
-        path = self.solver(rate, (time, stop), [self.theta, self.w], events=(_Ground(), _Crest()), **limit)
+        path = self.solver(rate, (time, stop), [self.theta, self.w], events=(_Ground(), _Crest(), _Fallen(here.limit)), **limit)
         for i in np.flatnonzero(path.t_events[1] > time):
             t = path.t_events[1][i]
             there = at(t) if careful else path.y_events[1][i]
             speed, force = rate(t, there)
             self.peak = max(self.peak, float(there[0] - 0.5 * speed * there[1] / force) / here.alpha)
-        if path.status == 0:
-            self.time, (self.theta, self.w) = stop, (float(x) for x in path.y[:, -1])
+        if not path.t_events[0].size:
+            self.time, (self.theta, self.w) = float(path.t[-1]), (float(x) for x in path.y[:, -1])
             return
         t = max(float(path.t_events[0][0]), np.nextafter(time, math.inf))
         there = at(t) if careful else path.y_events[0][0]

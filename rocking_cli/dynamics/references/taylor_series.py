@@ -37,7 +37,7 @@ class _Body:
     def __init__(self, motion: Motion, amplitude: float, omega: float, eta: float) -> None:
         self.pieces, self.amplitude, self.omega, self.eta = motion.pieces, amplitude, omega, eta
         self.most_steps = _MAX_STEPS + _A_SEGMENT * len(motion.segments)
-        fastest = max((h.frequency for p in motion.pieces for h in p.harmonics), default=1.0)
+        fastest = max((h.frequency for p in motion.pieces for h in p.harmonics), default=0.0)
         self.stride = 0.25 / max(1.0, omega * fastest)
         self.y = self.v = self.peak = 0.0
         self.side = 0

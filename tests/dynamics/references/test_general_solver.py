@@ -7,7 +7,7 @@ import math
 import numpy as np
 from oracle import integrate_rigid_body
 
-from rocking_cli import sine
+from rocking_cli import Outcome, nonlinear_response, pulse, sine
 from rocking_cli.dynamics.references.general_solver import Problem, RigidBodyRates, solve_cell
 
 
@@ -22,3 +22,27 @@ def test_the_check_of_sweeps_is_itself_right():
         outcome, peak = solve_cell(sine(), *case[:3], Problem(RigidBodyRates(case[3]), RigidBodyRates(case[3]), case[3]))
         assert outcome.flag == flag
         assert math.isnan(theta) or abs(peak - theta) < 1e-9
+
+
+def test_a_body_that_lies_on_its_side_is_not_followed():
+    """Under 1e8 times its uplift it would turn over a million times within one stride."""
+    calls = 0
+
+    class Counted(RigidBodyRates):
+        def __call__(self, theta, w, push):
+            nonlocal calls
+            calls += 1
+            return super().__call__(theta, w, push)
+
+    outcome, _ = solve_cell(sine(), 1e8, 0.01, 0.9, Problem(Counted(0.25), Counted(0.25), 0.25))
+    assert outcome == Outcome.OVERTURNED_NO_IMPACT
+    assert calls < 20_000
+
+
+def test_still_ground_is_crossed_in_strides_of_the_body_itself():
+    """After an impulse of 3e-4 in tau the body rocks for several: the fate does not take 1e5 strides of the impulse."""
+    rates = RigidBodyRates(0.25)
+    outcome, theta = solve_cell(pulse("half-sine"), 3000.0, 1e4, 0.5, Problem(rates, rates, 0.25))
+    found = nonlinear_response(pulse("half-sine"), 3000.0, 1e4, 0.5, 0.25, tolerance=1e-12)
+    assert outcome == found.outcome == Outcome.ROCKED
+    assert abs(theta - float(found.theta_ratio)) < 1e-12
