@@ -112,7 +112,7 @@ def test_what_is_not_this_program_s_is_refused(altered, what):
 
 
 @pytest.mark.parametrize(
-    ("edit", "reason"), [(valued("A", 0.4999), "axis A is not that of its scene"), (valued("eta", 0.8), "structure 0 are not those")]
+    ("edit", "reason"), [(valued("A", 0.4999), "axis A is not that of its scene"), (valued("eta", 0.8), "eta is not that of its scene")]
 )
 def test_a_digest_stated_anew_does_not_hide_another_scene(altered, edit, reason):
     with pytest.raises(ValueError, match=reason):
