@@ -15,6 +15,7 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 from rocking_cli import linear_response
+from rocking_cli.dynamics.response import Response
 from rocking_cli.motions import Motion, Piece
 
 # One sine cycle, linear, eta = 0.9: overturning after impact from, to; without impact from (traced by two independent
@@ -38,21 +39,23 @@ def ladder(q: float) -> float:
 RTOL = 2.3e-14  # of the oracle's steps, the least that SciPy takes
 
 
-def condition(motion: Motion, amplitude: np.ndarray, omega: np.ndarray, eta: np.ndarray) -> np.ndarray:
-    """|theta| + |dtheta/dlog A| + |dtheta/dlog Omega| + |dtheta/dlog eta|, theta over alpha, of linear cells (arrays of one shape).
+def condition(
+    motion: Motion, amplitude: np.ndarray, omega: np.ndarray, eta: np.ndarray, respond: Callable[..., Response] = linear_response
+) -> np.ndarray:
+    """|theta| + |dtheta/dlog A| + |dtheta/dlog Omega| + |dtheta/dlog eta|, theta over alpha, of cells by `respond`.
 
     What relative errors of the size e, made anywhere on the way, may come to at the end is this times e: with it a tolerance
     follows from the cell. Central differences over 1e-7; NaN next to a boundary of outcome.
     """
     cell = np.broadcast_arrays(amplitude, omega, eta)
-    total = np.abs(linear_response(motion, *cell).theta_ratio)
+    total = np.abs(respond(motion, *cell).theta_ratio)
     for k in range(3):
         low, high = list(cell), list(cell)
         low[k], high[k] = cell[k] * (1.0 - 1e-7), cell[k] * (1.0 + 1e-7)
         if k == 2:
             high[k] = np.minimum(high[k], 1.0)
         with np.errstate(invalid="ignore", divide="ignore"):
-            slope = (linear_response(motion, *high).theta_ratio - linear_response(motion, *low).theta_ratio) / (high[k] - low[k])
+            slope = (respond(motion, *high).theta_ratio - respond(motion, *low).theta_ratio) / (high[k] - low[k])
         total = total + np.abs(np.where(cell[k] == 0.0, 0.0, slope * cell[k]))
     return total
 

@@ -143,7 +143,10 @@ def test_a_message_is_one_line_whatever_it_quotes(capsys, monkeypatch):
     assert ended.value.code == 2
     out, err = capsys.readouterr()
     assert out == ""
-    assert err == "rocking params: No such option '--\\x1b[31mx\\ny'. (see --help)\n"
+    assert err.startswith("rocking params: No such option")
+    assert r"--\x1b[31mx\ny" in err
+    assert err.endswith(" (see --help)\n")
+    assert err.count("\n") == 1
 
 
 def test_more_workers_than_cpus_are_reduced_with_a_line(capsys, monkeypatch):

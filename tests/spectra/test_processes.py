@@ -52,6 +52,9 @@ class Untold(Exception):
     def __init__(self, one: int, two: int) -> None:
         super().__init__(f"{one} and {two}")
 
+    def __reduce__(self) -> tuple[type[Untold], tuple[int]]:  # in as many words, since some packages teach exceptions to travel
+        return Untold, (1,)
+
 
 def refuse_untold(n: int) -> int:
     raise Untold(n, n)
