@@ -36,7 +36,8 @@ Lemma 6 (certain overturning). Linear: beyond z = y - 1 + g v = e, g the rate of
     its equilibrium only. theta = pi/2, or a collapsed linkage, is overturning whatever comes.
 Lemma 7 (end of bouncing). See `contacts.contact.bouncing_ends`: bounds on the sum of the series, inside one monotone segment.
 Lemma 8 (fate). On still ground, undamped, the energy between impacts is constant; on a body with equal sides only the next crest and the
-    next impact matter, on an unequal one the next two. Damped bodies are marched on until as many impacts are over.
+    next impact matter, on an unequal one the next two. Damped bodies are marched on until these, which damping only lowers, come to no
+    more than the peak so far.
 Lemma 9 (nothing overturns below). Linear, undamped, equal sides: with E = v^2 + y (2 - y), dE/dtau = 2 v a and v^2 <= E below y = 1, so
     sqrt(E) grows by at most int |a| dtau and impacts lower it; a body that overturns has had
     E >= 1. So none does while A int |s| dphi <= Omega.

@@ -42,10 +42,6 @@ class Contact(Protocol):
     def alike(self) -> bool:
         """Whether both edges are free and alike, which the bounds of an envelope ask for."""
 
-    @property
-    def settles(self) -> int:
-        """Impacts on still ground after which nothing larger can come."""
-
     def cells(self, equation: Equation, amplitude: Array, omega: Array, eta: Array) -> Cells:
         """What drives each cell on its sides, from A, Omega and eta (each (cells,)). Raises ValueError when an eta is out of range."""
 
@@ -67,8 +63,8 @@ class Contact(Protocol):
     def bouncing_time(self, lanes: Lanes) -> Array:
         """How long [tau of their side] lanes just after an impact go on bouncing under the drive of now; 0 where they do not end."""
 
-    def fate(self, equation: Equation, lanes: Lanes, y: Array, v: Array, cells: Cells) -> Fate:
-        """What becomes of lanes at y, v when the shaking is over, undamped, in closed form (Lemma 8)."""
+    def fate(self, equation: Equation, lanes: Lanes, at: Array, y: Array, v: Array) -> Fate:
+        """What becomes of the lanes of these indices, which are at y, v when the shaking is over, undamped (Lemma 8)."""
 
 
 def first_uplift(segments: Segments, k: Array, u: Array, right: Array, left: Array) -> Uplift:
@@ -148,16 +144,18 @@ def bouncing_ends(segments: Segments, lanes: Lanes, equation: Equation, there: B
     trial = 1.5 * scale * (1.0 / (1.0 - a0) + n * r / (1.0 + d * a0))
     a1, inside = _drive_after(segments, lanes, maybe, k, u, a0, trial)
     lowest, highest = np.minimum(a0, a1), np.maximum(a0, a1)
-    margin = np.minimum(1.0 - highest, 1.0 + d * lowest)
+    here, beyond = 1.0 - highest, 1.0 + d * lowest  # the least forces on either side
     rises = a1 > a0
     growth = np.sqrt(np.where(rises, (1.0 + d * a1) / (1.0 + d * a0), (1.0 - a1) / (1.0 - a0)))
-    fastest = growth * v * np.maximum(1.0, n)
-    height = equation.gain * fastest * fastest / margin  # bounds what y adds to the force
-    extra = height + 2.0 * equation.damping * fastest if equation.damping else height
-    up, down = 1.0 - highest - extra, 1.0 + d * lowest - extra
-    ends = inside & (margin > 0.0) & (extra < 0.5 * margin) & (up > 0.0) & (down > 0.0)
-    lasts = scale * (np.where(rises, growth, 1.0) / up + n * r * np.where(rises, 1.0, growth) / down)
-    ends &= (lasts <= trial) & (higher * height <= equation.gain * lanes.peak[maybe])
+    gains, gained = np.where(rises, growth, 1.0), np.where(rises, 1.0, growth)  # of the arcs here, which lose force, and there
+    height = v * v * np.maximum(gains * gains / here, (n * gained) ** 2 / beyond)  # while y and damping take less than half the force
+    extra = equation.gain * height
+    if equation.damping:
+        extra += 2.0 * equation.damping * growth * v * np.maximum(1.0, n)
+    up, down = here - extra, beyond - extra
+    ends = inside & (here > 0.0) & (beyond > 0.0) & (extra < 0.5 * np.minimum(here, beyond))
+    lasts = scale * (gains / up + n * r * gained / down)
+    ends &= (lasts <= trial) & (higher * height <= lanes.peak[maybe])
     proved[maybe[ends]] = True
     return proved
 

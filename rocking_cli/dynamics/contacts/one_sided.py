@@ -20,7 +20,6 @@ class OneSided:
     """eta is e, within (-1, 0], of each cell."""
 
     alike = False
-    settles = 2
 
     def cells(self, equation: Equation, amplitude: Array, omega: Array, eta: Array) -> Cells:
         """One row, of the right edge; the lanes' eta is -e."""
@@ -53,6 +52,6 @@ class OneSided:
         """2 v / (1 - eta) / (1 - a)."""
         return 2.0 * lanes.v / (1.0 - lanes.eta) / -lanes.b
 
-    def fate(self, equation: Equation, lanes: Lanes, y: Array, v: Array, cells: Cells) -> Fate:
+    def fate(self, equation: Equation, lanes: Lanes, at: Array, y: Array, v: Array) -> Fate:
         """The next arc is on this side too."""
-        return free_motion(equation, y, v, lanes.eta)
+        return free_motion(equation, y, v, lanes.eta[at])

@@ -16,7 +16,6 @@ class Symmetric:
     """eta within [0, 1], of each cell."""
 
     alike = True
-    settles = 2
 
     def cells(self, equation: Equation, amplitude: Array, omega: Array, eta: Array) -> Cells:
         """One row for both sides."""
@@ -54,6 +53,6 @@ class Symmetric:
     def _bounce(self, lanes: Lanes) -> Bounce:
         return Bounce(1.0, 1.0, lanes.eta, lanes.eta, 1.0)
 
-    def fate(self, equation: Equation, lanes: Lanes, y: Array, v: Array, cells: Cells) -> Fate:
+    def fate(self, equation: Equation, lanes: Lanes, at: Array, y: Array, v: Array) -> Fate:
         """Eq. 2.7."""
-        return free_motion(equation, y, v, lanes.eta)
+        return free_motion(equation, y, v, lanes.eta[at])

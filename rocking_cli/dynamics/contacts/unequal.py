@@ -32,7 +32,6 @@ class Unequal:
     rotation: tuple[float, float]
 
     alike = False
-    settles = 3
 
     def __post_init__(self) -> None:
         if not all(x > 0.0 for x in (*self.drive, *self.omega, *self.rotation)):
@@ -83,15 +82,16 @@ class Unequal:
         drive, omega, rotation = (self._of(pair, there) / self._of(pair, here) for pair in (self.drive, self.omega, self.rotation))
         return Bounce(drive, omega, lanes.eta, self._of(self.eta, there), np.maximum(1.0, rotation))
 
-    def fate(self, equation: Equation, lanes: Lanes, y: Array, v: Array, cells: Cells) -> Fate:
+    def fate(self, equation: Equation, lanes: Lanes, at: Array, y: Array, v: Array) -> Fate:
         """Two impacts decide: the arc on the other edge, then one on this edge again; after them each is lower than the one before
         on its own edge, since eta_12 eta_21 <= 1."""
-        here, there = equation.on(lanes.side), equation.on(-lanes.side)
+        side = lanes.side[at]
+        here, there = equation.on(side), equation.on(-side)
         overturns, energy = here.fall(y, v)
-        across = lanes.eta**2 * energy
-        again = self._of(self.eta, -lanes.side) ** 2 * across
+        across = lanes.eta[at] ** 2 * energy
+        again = self._of(self.eta, -side) ** 2 * across
         after = ~overturns & ((across > there.barrier) | (again > here.barrier))
         outward = np.where(v > 0.0, here.crest(energy), y)
-        unit = self._of(self.rotation, -lanes.side) / self._of(self.rotation, lanes.side)
+        unit = self._of(self.rotation, -side) / self._of(self.rotation, side)
         peak = np.maximum(np.maximum(outward, here.crest(again)), there.crest(across) * unit)
         return Fate(overturns, after, np.where(overturns | after, np.nan, peak))

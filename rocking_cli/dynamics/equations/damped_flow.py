@@ -15,6 +15,7 @@ As in `flow`, increments of small arguments come from their series.
 from __future__ import annotations
 
 import math
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -24,7 +25,7 @@ from .flow import SMALL
 
 Array = np.ndarray
 
-_TERMS = 18  # of a series at SMALL: what is left out is below 1e-17 of its sum for zeta up to 1
+_TERMS = 17  # powers of h in a series: what is left out at SMALL is below 1e-17 of its sum for zeta up to 1
 
 
 class DampedFlow(NamedTuple):
@@ -57,41 +58,93 @@ class DampedFlow(NamedTuple):
 
     def at(self, h: Array) -> Point:
         """The state after h >= 0 [-], exact up to rounding."""
+        # In place where it can be, as in `flow`.
         zeta = self.damping
         k = math.sqrt(1.0 + zeta * zeta)
-        decay, sinh, cosh = np.exp(-zeta * h), np.sinh(k * h) / k, np.cosh(k * h)
-        s, rate_s = decay * sinh, decay * (cosh - zeta * sinh)
-        c = decay * (cosh + zeta * sinh) - 1.0
+        half = np.multiply(h, 0.5 * k)
+        np.sinh(half, out=half)
+        cosh1 = half * half
+        s = cosh1 + 1.0
+        np.sqrt(s, out=s)
+        s *= half
+        s *= 2.0 / k  # sinh(k h)/k
+        cosh1 += cosh1  # cosh(k h) - 1
+        lost = np.multiply(h, -zeta)
+        decay = np.exp(lost)
+        np.expm1(lost, out=lost)
+        c = cosh1
+        c += np.multiply(s, zeta, out=half)
+        c *= decay
+        c += lost
+        s *= decay
         tiny = np.flatnonzero(h < SMALL)
-        if tiny.size:
-            c[tiny] = _increment(h[tiny], zeta, [1.0])
-        y, v = self.y + (self.v * s + self.b * c), self.v * rate_s + self.b * s
+        powers = _Powers.of(h[tiny], zeta)
+        c[tiny] = powers.c()
+        rate_s = np.multiply(s, -2.0 * zeta, out=decay)
+        rate_s += c
+        rate_s += 1.0
+        y, v = self.v * s, rate_s
+        v *= self.v
+        v += np.multiply(self.b, s, out=lost)
+        y += np.multiply(self.b, c, out=lost)
         drive, drive_rate = np.zeros(h.shape), np.zeros(h.shape)
         for sin, cos, w in zip(self.sin, self.cos, self.w, strict=True):
-            wh, w2 = w * h, w * w
-            t = np.tan(0.5 * wh)
-            cosm = 2.0 * t * t / (1.0 + t * t)
-            sinw = 2.0 * t / (1.0 + t * t)
-            d = (1.0 + w2) ** 2 + (2.0 * zeta * w) ** 2
-            lag, cross = w * s - sinw, 2.0 * zeta * w
-            g3 = ((1.0 + w2) * lag + cross * (c + cosm)) / d
-            g4 = ((d - 1.0 - w2) * c - (1.0 + w2) * cosm + cross * lag) / d
-            small = np.flatnonzero(np.maximum(h, wh) < SMALL)
+            t = np.multiply(w, h)
+            t *= 0.5
+            np.tan(t, out=t)
+            cosm = t * t
+            over = cosm + 1.0
+            np.divide(2.0, over, out=over)
+            cosm *= over
+            sinw = t
+            sinw *= over
+            w1 = w * w
+            w1 += 1.0
+            cross = np.multiply(w, 2.0 * zeta)
+            d = w1 * w1
+            d += np.multiply(cross, cross, out=over)
+            lag = w * s
+            lag -= sinw
+            g3 = c + cosm
+            g3 *= cross
+            g3 += np.multiply(w1, lag, out=over)
+            g3 /= d
+            g4 = d - w1
+            g4 *= c
+            g4 -= np.multiply(w1, cosm, out=over)
+            g4 += np.multiply(cross, lag, out=over)
+            g4 /= d
+            small = np.flatnonzero(w[tiny] * h[tiny] < SMALL)
             if small.size:
-                g3[small] = _increment(h[small], zeta, _wave(wh[small], 1))
-                g4[small] = _increment(h[small], zeta, _wave(wh[small], 2))
-            y += sin * g3 - cos * g4
-            v += w * (sin * (c - g4) - cos * g3)
-            drive += sin * sinw - cos * cosm
-            drive_rate += w * (sin * (1.0 - cosm) - cos * sinw)
+                at = tiny[small]
+                g3[at], g4[at] = powers.take(small).responses(w[at])
+            y += np.multiply(sin, g3, out=over)
+            y -= np.multiply(cos, g4, out=over)
+            g3 *= cos
+            np.subtract(c, g4, out=g4)
+            g4 *= sin
+            g4 -= g3
+            g4 *= w
+            v += g4
+            drive += np.multiply(sin, sinw, out=over)
+            drive -= np.multiply(cos, cosm, out=over)
+            np.subtract(1.0, cosm, out=cosm)
+            cosm *= sin
+            cosm -= np.multiply(cos, sinw, out=sinw)
+            cosm *= w
+            drive_rate += cosm
         if self.ramp is not None:
             ramp = s - h + 2.0 * zeta * c
-            if tiny.size:
-                ramp[tiny] = _increment(h[tiny], zeta, [0.0, h[tiny]])
+            ramp[tiny] = powers.ramp()
             y, v = y + self.ramp * ramp, v + self.ramp * c
             drive, drive_rate = drive + self.ramp * h, drive_rate + self.ramp
-        b = self.b + (y - self.y) + drive - 2.0 * zeta * v
-        return Point(y, v, b, v + drive_rate - 2.0 * zeta * b)
+        drive += self.b
+        drive += y
+        drive -= np.multiply(v, 2.0 * zeta, out=lost)
+        drive_rate += v
+        drive_rate -= np.multiply(drive, 2.0 * zeta, out=lost)
+        y += self.y
+        return Point(y, v, drive, drive_rate)
 
     def at_ground(self, h: Array) -> Array:
         """The force at an impact, where y = 0, from the change of the drive since the start."""
@@ -102,21 +155,68 @@ class DampedFlow(NamedTuple):
         return total
 
 
-def _wave(x: Array, first: int) -> list[Array | float]:
-    """Terms of sin x (first = 1) or of 1 - cos x (first = 2), by their power."""
-    terms: list[Array | float] = [0.0] * (_TERMS + 1)
-    terms[first] = x if first == 1 else 0.5 * x * x
-    for n in range(first, _TERMS - 1, 2):
-        terms[n + 2] = terms[n] * x * x * (-1.0 / ((n + 1) * (n + 2)))
-    return terms
+class _Powers(NamedTuple):
+    """S and C for small h without their first terms: s4 = S - h + zeta h^2 - (1 + 4 zeta^2) h^3/6, c4 = C - h^2/2 + zeta h^3/3."""
+
+    h: Array
+    zeta: float
+    s4: Array
+    c4: Array
+
+    @classmethod
+    def of(cls, h: Array, zeta: float) -> _Powers:
+        """From their series."""
+        s, c = np.zeros_like(h), np.zeros_like(h)
+        for s_n, c_n in zip(*_coefficients(zeta), strict=True):
+            s *= h
+            s += s_n
+            c *= h
+            c += c_n
+        h4 = (h * h) ** 2
+        return cls(h, zeta, s * h4, c * h4)
+
+    def take(self, lanes: Array) -> _Powers:
+        """Of some lanes."""
+        return _Powers(self.h[lanes], self.zeta, self.s4[lanes], self.c4[lanes])
+
+    def c(self) -> Array:
+        """C."""
+        return self.h * self.h * (0.5 - self.zeta * self.h / 3.0) + self.c4
+
+    def ramp(self) -> Array:
+        """S - h + 2 zeta C, whose terms in h^2 cancel."""
+        return self.h**3 / 6.0 + (self.s4 + 2.0 * self.zeta * self.c4)
+
+    def responses(self, w: Array) -> tuple[Array, Array]:
+        """G3 and G4: what cancels, all below h^3 in the one and below h^4 in the other, is left out of each of their terms."""
+        h, zeta = self.h, self.zeta
+        x2 = (w * h) ** 2
+        odd, even = np.full_like(h, _ODD[-1]), np.full_like(h, _EVEN[-1])
+        for odd_n, even_n in zip(_ODD[-2::-1], _EVEN[-2::-1], strict=True):
+            odd *= -x2
+            odd += odd_n
+            even *= -x2
+            even += even_n
+        h3, cube = h**3 / 6.0, w * h * x2 / 6.0
+        sine5 = -cube * x2 * odd / 20.0  # x - sin x - x^3/6
+        cosine4 = x2 * x2 * even / 24.0  # cos x - 1 + x^2/2
+        w1, cross = 1.0 + w * w, 2.0 * zeta * w
+        d = w1 * w1 + cross * cross
+        lag3 = w * (h3 * (1.0 + 4.0 * zeta * zeta) + self.s4) + (cube + sine5)
+        g3 = (w1 * lag3 + cross * (self.c4 - 2.0 * zeta * h3 - cosine4)) / d
+        g4 = ((d - w1) * self.c4 + w1 * cosine4 + cross * (w * self.s4 + sine5)) / d
+        return g3, g4
 
 
-def _increment(h: Array, zeta: float, drive: list[Array | float]) -> Array:
-    """y(h) from rest, y'' + 2 zeta y' - y = a, by the recurrence of its series; drive: terms of a, each with its power of h."""
-    before, last = np.zeros_like(h), np.zeros_like(h)
-    total = np.zeros_like(h)
-    for n in range(_TERMS):
-        push = before + drive[n] if n < len(drive) else before
-        before, last = last, (h * h * push / (n + 1) - 2.0 * zeta * h * last) / (n + 2)
-        total = total + last
-    return total
+# Of 20 (x^3/6 - x + sin x)/(x^5/6) and 24 (cos x - 1 + x^2/2)/x^4 in powers of -x^2.
+_ODD, _EVEN = ([math.factorial(k) / math.factorial(2 * n + k) for n in range(7)] for k in (5, 4))
+
+
+@lru_cache(maxsize=64)
+def _coefficients(zeta: float) -> tuple[list[float], list[float]]:
+    """Coefficients of S and C from h^4 on, the last first: (n + 1)(n + 2) s_(n+2) = s_n - 2 zeta (n + 1) s_(n+1), c_n = s_(n-1)/n."""
+    s = [0.0, 1.0]
+    for n in range(_TERMS - 1):
+        s.append((s[n] - 2.0 * zeta * (n + 1) * s[n + 1]) / ((n + 1) * (n + 2)))
+    c = [0.0, *(s[n - 1] / n for n in range(1, len(s)))]
+    return s[:3:-1], c[:3:-1]

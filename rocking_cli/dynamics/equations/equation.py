@@ -126,5 +126,9 @@ class Equation(Protocol):
     def crest(self, energy: Array) -> Array:
         """Largest y of a body that has this energy and does not pass the barrier."""
 
+    def damped_crest(self, y: Array, v: Array) -> Array:
+        """Largest y of bodies that move outwards on still ground, with damping; NaN where they overturn, move inwards, or it has no
+        closed form."""
+
     def certainly_overturns(self, y: Array, v: Array, inward: Array) -> Array:
         """Whether no drive up to `inward` >= 0 (over the uplift's) can bring the body back; see Lemma 6."""

@@ -73,6 +73,14 @@ class LinearEquation:
         """1 - sqrt(1 - v^2) (Eq. 2.7), without cancellation where v is small; at most 1."""
         return energy / (1.0 + np.sqrt(np.maximum(0.0, 1.0 - energy)))
 
+    def damped_crest(self, y: Array, v: Array) -> Array:
+        """The two modes of y - 1 have grown alike where y' = 0."""
+        up, down = self.growth, -1.0 / self.growth
+        rising = (v > 0.0) & (y - 1.0 + up * v < 0.0)
+        grows, decays = (v - down * (y - 1.0)) / (up - down), (up * (y - 1.0) - v) / (up - down)
+        when = np.log(-decays * down / (grows * up)) / (up - down)
+        return np.where(rising, y + grows * np.expm1(up * when) + decays * np.expm1(down * when), np.nan)
+
     def certainly_overturns(self, y: Array, v: Array, inward: Array) -> Array:
         """The unstable mode z = y - 1 + g v, whose rate is g, exceeds all the inward drive still to come: z' = g (z + a) > 0."""
         return y - 1.0 + (self.growth * v if self.damping else v) > inward

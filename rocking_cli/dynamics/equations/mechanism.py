@@ -172,6 +172,10 @@ class MechanismEquation:
         """y where the work of the weight has used up the energy."""
         return _inverse(self.table, self.table.work, np.minimum(energy, self.barrier), self.top)
 
+    def damped_crest(self, y: Array, v: Array) -> Array:
+        """It has no closed form."""
+        return np.full(y.shape, np.nan)
+
     def certainly_overturns(self, y: Array, v: Array, inward: Array) -> Array:
         """Beyond the barrier of the strongest inward drive still to come, or with the speed to pass it; or collapsed.
 

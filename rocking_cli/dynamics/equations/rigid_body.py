@@ -124,6 +124,10 @@ class RigidBodyEquation:
         left = np.maximum(0.0, self.bottom - self.sin**2 * energy)
         return (self.alpha - 2.0 * np.arcsin(np.sqrt(0.5 * left))) / self.sin
 
+    def damped_crest(self, y: Array, v: Array) -> Array:
+        """It has no closed form."""
+        return np.full(y.shape, np.nan)
+
     def certainly_overturns(self, y: Array, v: Array, inward: Array) -> Array:
         """Beyond the barrier of the strongest inward drive that is still to come, or with the speed to pass it.
 

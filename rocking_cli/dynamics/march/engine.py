@@ -97,7 +97,7 @@ class Run:
         self.segments, self.shaken = segments, len(segments)
         if self.equation.damping and omega.size:  # no closed form of the free motion: march on over still ground
             self.segments = segments.followed_by_rest(_SETTLING * (1.0 + 3.0 * self.equation.damping) * float(self.cells.omega.max()))
-            self.settling = np.zeros(omega.size, dtype=np.int8)
+            self.bounced = np.zeros(omega.size, dtype=bool)  # on still ground, which counts as no impact during the shaking
         self.theta_ratio = np.full(amplitude.size, 0.0 if peaks else np.nan)
         self.outcome = np.full(amplitude.size, Outcome.NO_UPLIFT, dtype=np.uint8)
         self.impacts = np.zeros(amplitude.size, dtype=np.int32)
@@ -143,16 +143,15 @@ class Run:
             bad, shaken = bad | shaken, np.zeros(hit.shape, dtype=bool)  # it should have settled
         over = ~hit & ~bad & ~shaken & self._certainly_overturns(lanes, k, passage)
         last = np.flatnonzero(shaken)
-        ending = lanes.take(last)
-        fate = self.contact.fate(self.equation, ending, end.y[last], end.v[last], self.cells)
+        fate = self.contact.fate(self.equation, lanes, last, end.y[last], end.v[last])
         wanted = ~(bad | over)
         wanted[last[np.isnan(fate.peak)]] = False
         found = self._crests(lanes, passage, wanted)
         if self.peaks:
             lanes.peak[found.lanes] = np.maximum(lanes.peak[found.lanes], found.y)
-            limit = np.broadcast_to(equation.limit, hit.shape)
-            over[found.lanes[found.y >= limit[found.lanes]]] = True  # beyond it and back within one step
-            over &= ~bad
+            limit = np.broadcast_to(equation.limit, hit.shape)[found.lanes]
+            past = found.lanes[found.y >= limit]  # beyond it and back within one step
+            over[past] = ~bad[past]
 
         self.work += Work(certain_overturning=int(over.sum()), free_phase=last.size, impacts=int(hit.sum()), steps=hit.size)
         self._finish(lanes, np.flatnonzero(bad), Outcome.FAILED, np.nan)
@@ -189,7 +188,7 @@ class Run:
         lanes.k, lanes.u = k[at], u[at]
         lanes.y, lanes.v, lanes.b = passage.end.y[at], passage.end.v[at], passage.force[at]
         self._renew_drive(lanes)
-        return lanes
+        return self._settle(lanes) if self.equation.damping else lanes
 
     def _impact(self, lanes: Lanes, passage: Passage, at: Array) -> tuple[Lanes, Rests | None]:
         """Impact, by the rule of the contact; a body without speed comes to rest."""
@@ -204,25 +203,34 @@ class Run:
         over = lanes.k >= len(seg)  # the impact fell on the very end of the shaking
         last = np.flatnonzero(over)
         if last.size:
-            ending = lanes.take(last)
-            fate = self.contact.fate(self.equation, ending, ending.y, ending.v, self.cells)
+            fate = self.contact.fate(self.equation, lanes, last, lanes.y[last], lanes.v[last])
             lost = fate.overturns | fate.overturns_after_impact
             self._overturn(lanes, last[lost])
             self._finish(lanes, last[~lost], Outcome.ROCKED, np.maximum(lanes.peak[last], fate.peak)[~lost])
             lanes = lanes.take(np.flatnonzero(~over))
         if self.equation.damping:
+            self.bounced[lanes.cell[lanes.k >= self.shaken]] = True
             lanes = self._settle(lanes)
         return self._rest(lanes)
 
     def _settle(self, lanes: Lanes) -> Lanes:
-        """Lanes whose last impact that matters was this one, on still ground after the shaking, are done."""
-        still = np.flatnonzero(lanes.k >= self.shaken)
-        self.settling[lanes.cell[still]] += 1
-        done = lanes.k >= self.shaken
-        done[still] = self.settling[lanes.cell[still]] >= self.contact.settles
-        at = np.flatnonzero(done)
-        self._finish(lanes, at, Outcome.ROCKED, lanes.peak[at])
-        return lanes.take(np.flatnonzero(~done)) if at.size else lanes
+        """Damped lanes on still ground of which nothing larger can come are done: without damping they would have more energy, and
+        even so neither pass the barrier nor rise above their peak."""
+        at = np.flatnonzero(lanes.k >= self.shaken)
+        if not at.size or self.watch is not None:
+            return lanes
+        y, v = lanes.y[at], lanes.v[at]
+        crest = self.equation.damped_crest(y, v)
+        known = np.flatnonzero(np.isfinite(crest))
+        y[known], v[known] = crest[known], 0.0
+        lanes.peak[at] = np.fmax(lanes.peak[at], crest)
+        most = self.contact.fate(self.equation, lanes, at, y, v)
+        below = self.equation.on(lanes.side[at]).rotation(y) < 1.0  # from above the barrier damping may keep it there
+        settled = at[below & ~(most.overturns | most.overturns_after_impact) & (most.peak <= lanes.peak[at])]
+        self._finish(lanes, settled, Outcome.ROCKED, lanes.peak[settled])
+        going = np.ones(lanes.k.size, dtype=bool)
+        going[settled] = False
+        return lanes.take(np.flatnonzero(going))
 
     def _rest(self, lanes: Lanes) -> tuple[Lanes, Rests | None]:
         """Bodies whose bouncing is over skip to their next uplift, or finish."""
@@ -254,7 +262,7 @@ class Run:
     def _overturn(self, lanes: Lanes, at: Array) -> None:
         bounced = lanes.impacts[at] > 0
         if self.equation.damping:
-            bounced |= self.settling[lanes.cell[at]] > 0
+            bounced |= self.bounced[lanes.cell[at]]
         self._finish(lanes, at[bounced], Outcome.OVERTURNED_AFTER_IMPACT, np.nan)
         self._finish(lanes, at[~bounced], Outcome.OVERTURNED_NO_IMPACT, np.nan)
 
