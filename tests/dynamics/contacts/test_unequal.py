@@ -1,0 +1,86 @@
+"""The contact of a body whose two edges differ."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from rocking_cli import LinearEquation, Method, Motion, response, sine
+from rocking_cli.dynamics.contacts.unequal import Unequal
+from rocking_cli.motions import Piece
+from rocking_cli.structures.parameters import RockingParameters, Side
+
+LEFT, RIGHT = Side("left", 2.0, 0.2, math.tan(0.2), 1.0, 0.9), Side("right", 1.6, 0.3, math.tan(0.3), 1.0, 0.7)
+BODY = RockingParameters.of_sides("body", "prism", LEFT, RIGHT)
+
+
+@pytest.mark.parametrize("model", ["linear", "nonlinear"])
+def test_units_of_the_edges_come_from_their_geometry(model):
+    """A and Omega are those of the left edge, which lifts first; speeds change by eta alpha_1 p_1/(alpha_2 p_2), sines where nonlinear."""
+    system = Method(model).system_of(BODY)
+    contact = system.contact
+    unit = (lambda x: x) if model == "linear" else math.sin
+    lift = (lambda x: x) if model == "linear" else math.tan
+    assert contact.drive == pytest.approx((0.2 / lift(0.3), 0.2 / lift(0.2)), rel=1e-14, abs=0)
+    assert contact.omega == pytest.approx((2.0 / 1.6, 1.0), rel=1e-14, abs=0)
+    ratio = unit(0.3) * 1.6 / (unit(0.2) * 2.0)
+    assert contact.eta == pytest.approx((0.7 * ratio, 0.9 / ratio), rel=1e-14, abs=0)
+    assert contact.eta[0] * contact.eta[1] == pytest.approx(0.63, rel=1e-14, abs=0)
+
+
+def test_the_weaker_edge_lifts_first_whichever_way_the_ground_moves_first():
+    system = Method().system_of(BODY)
+    cells = system.contact.cells(system.equation, np.array([1.2]), np.array([4.0]), np.array([0.9]))
+    pushed = [system.contact.uplift(cells, m.segments, np.array([0]), np.array([0]), np.zeros(1)) for m in (sine(), sine().scaled(-1.0))]
+    # The stronger edge would need A = 1.5: mirrored, the first half cycle passes without uplift.
+    assert [p.side[0] for p in pushed] == [-1.0, -1.0]
+    assert pushed[0].u[0] == pytest.approx(math.asin(1.0 / 1.2), rel=1e-14, abs=0)
+    assert pushed[1].k[0] > 0
+
+
+def test_an_impact_carries_energy_over_to_the_units_of_the_other_edge(lanes):
+    """|theta'| in rad/s: eta times as fast after as before; theta of the peak is the same angle over its own alpha."""
+    contact = Method().system_of(BODY).contact
+    body = lanes(-1.0, eta=contact.eta[1], amplitude=2.0 * contact.drive[1], omega=4.0)
+    cells = contact.cells(None, np.array([2.0]), np.array([4.0]), np.array([0.5]))
+    contact.strike(cells, body, np.array([-0.6]), np.array([-1.2]))
+    assert body.side[0] == 1.0
+    assert body.v[0] * 0.3 * 1.6 == pytest.approx(0.9 * 0.6 * 0.2 * 2.0, rel=1e-14, abs=0)
+    assert (body.amplitude[0], body.omega[0], body.eta[0]) == (cells.amplitude[0, 0], cells.omega[0, 0], contact.eta[0])
+    assert body.b[0] + 1.0 == pytest.approx(0.2 * 0.2 / 0.3, rel=1e-13, abs=0)  # the drive -0.2 of the left edge, the other way round
+
+
+def test_a_second_impact_after_the_shaking_may_be_the_one_that_overturns():
+    """A push that ends with the body coming down fast: it fails to pass the strong edge, returns, and falls over the weak one."""
+    contact = Unequal(drive=(1.0, 1.0), omega=(1.0, 1.0), eta=(0.5, 1.9), rotation=(1.0, 1.0))
+    equation = LinearEquation()
+    fate = contact.fate(equation, _Lanes(1.0, 0.5), np.array([0]), np.array([0.5]), np.array([-1.6]))
+    energy = 1.6**2 + 0.5 * 1.5
+    assert 0.5**2 * energy < 1.0 < (0.5 * 1.9) ** 2 * energy
+    assert (bool(fate.overturns[0]), bool(fate.overturns_after_impact[0])) == (False, True)
+
+
+class _Lanes:
+    """What `fate` reads of lanes."""
+
+    def __init__(self, side, eta):
+        self.side, self.eta = np.array([side]), np.array([eta])
+
+
+def test_rectangular_push_overturns_each_edge_at_its_own_closed_form():
+    """A = 1/(1 - exp(-p t_d)) of the edge that the ground throws the body on to."""
+    t_d = 0.9
+    system = Method().system_of(BODY)
+    for side, sign in ((LEFT, 1.0), (RIGHT, -1.0)):
+        push = Motion("push", (Piece(0.0, t_d * BODY.p, (), sign),))
+        edge = side.alpha / BODY.alpha / (1.0 - math.exp(-side.p * t_d))
+        below, above = (int(response(system, push, f * edge, 1.0, 0.9).outcome) for f in (1.0 - 1e-9, 1.0 + 1e-9))
+        assert (below, above) == (2, 3)
+
+
+@pytest.mark.parametrize("bad", [{"drive": (0.0, 1.0)}, {"omega": (1.0, -1.0)}, {"eta": (1.2, 0.9)}, {"eta": (-0.1, 0.9)}])
+def test_numbers_out_of_range_are_refused(bad):
+    with pytest.raises(ValueError, match="of both edges"):
+        Unequal(**{"drive": (1.0, 1.0), "omega": (1.0, 1.0), "eta": (0.9, 0.9), "rotation": (1.0, 1.0), **bad})
