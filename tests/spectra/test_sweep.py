@@ -102,7 +102,7 @@ def test_an_interruption_names_the_part_that_it_leaves(tmp_path, monkeypatch):
 def test_memory_does_not_grow_with_the_number_of_cells(tmp_path):
     peaks = []
     for frequencies in (1000, 2000):
-        grid = parse_grid(f"A=0.1:2:500,Omega=8:12:{frequencies}")
+        grid = parse_grid(f"A=0.1:0.95:500,Omega=8:12:{frequencies}")  # nothing lifts off: quick
         tracemalloc.start()
         write_spectrum(TWO[:1], grid, sine(), tmp_path / f"{frequencies}.h5", workers=1, chunk_cells=10_000)
         peaks.append(tracemalloc.get_traced_memory()[1])

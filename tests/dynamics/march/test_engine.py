@@ -65,7 +65,7 @@ def mixed(q):
 )
 def test_other_motions_equal_an_independent_integration(motion, s, largest):
     random = np.random.default_rng(2)
-    n = 40
+    n = 24
     compare(motion, s, random.uniform(0.9, largest, n), random.uniform(0.5, 12, n), random.uniform(0.5, 1, n))
 
 

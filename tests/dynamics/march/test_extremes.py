@@ -83,8 +83,8 @@ def test_critical_angles_from_1e_6_to_1_2(alpha):
         assert rigid.theta_ratio[rocked] == pytest.approx(linear.theta_ratio[rocked], abs=10 * alpha**2 + 1e-8)
 
 
-@pytest.mark.parametrize("cycles", [500, pytest.param(10_000, marks=pytest.mark.soak)])
-def test_thousands_of_cycles(cycles):
+@pytest.mark.parametrize("cycles", [150, pytest.param(10_000, marks=pytest.mark.soak)])
+def test_many_cycles(cycles):
     found = linear_response(sine(cycles), np.array([1.0005, 1.2]), np.array([30.0, 400.0]), 0.2)
     assert set(found.outcome.tolist()) <= set(DECIDED)
     outcome, theta = reference_cell(sine(2), 1.0005, 30.0, 0.5)
@@ -96,10 +96,10 @@ def test_a_hundred_thousand_impacts_end_in_an_outcome(monkeypatch):
     """Without loss a body just above uplift never stops bouncing: the cell is given up as failed after a bounded number of steps."""
     from rocking_cli.dynamics.march import engine
 
-    monkeypatch.setattr(engine, "MAX_STEPS", 3000)
+    monkeypatch.setattr(engine, "MAX_STEPS", 1000)
     found = linear_response(sine(), 1 + 1e-6, 1.0, 1.0)
     assert found.outcome == Outcome.FAILED
-    assert 2900 < int(found.impacts) < 2 * 3000
+    assert 900 < int(found.impacts) < 2 * 1000
 
 
 @pytest.mark.parametrize("omega", [2.0, 5.0])
