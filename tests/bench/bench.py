@@ -9,10 +9,12 @@ from __future__ import annotations
 
 import argparse
 import json
+import math
 import os
 import subprocess
 import sys
 import time
+from dataclasses import replace
 from pathlib import Path
 
 import compiled
@@ -21,7 +23,16 @@ import numba
 import numpy as np
 import peers
 
-from rocking_cli import dimensionless_oscillator, linear_response, nonlinear_response, sine, trace_envelope
+from rocking_cli import (
+    Method,
+    RockingParameters,
+    dimensionless_oscillator,
+    linear_response,
+    nonlinear_response,
+    response,
+    sine,
+    trace_envelope,
+)
 from rocking_cli.spectra.chunks import pack
 
 ETA, ALPHA = 0.9, 0.25
@@ -89,6 +100,29 @@ def scene_l(axis, cores, rounds=6):
             note(f"rocking spectrum, {workers} worker{'s' if workers > 1 else ''}, with file", sweep)
             note(f"the same, whole process, {workers} worker{'s' if workers > 1 else ''}", whole)
     return least
+
+
+def systems(values):
+    """Bodies with unequal edges, one side, or damping, over the symmetric one; `values` a side of the grid, least of five turns."""
+    alpha = 0.2
+    left, right = Side("left", 2.0, alpha, math.tan(alpha), 1.0, ETA), Side("right", 2.1, 0.22, math.tan(0.22), 1.0, ETA)
+    plain = RockingParameters("symmetric", "block", 2.0, alpha, ETA, math.tan(alpha), 1.0)
+    bodies = {
+        "symmetric": plain,
+        "unequal edges": RockingParameters.of_sides("unequal", "prism", left, right),
+        "one-sided": replace(plain, eta=-0.45, one_sided=True),
+        "damped, zeta 0.05": replace(plain, damping=0.05),
+    }
+    for model, count in (("linear", values), ("nonlinear", values // 3)):
+        axis, best = np.linspace(0.5, 12.0, count), dict.fromkeys(bodies, math.inf)
+        for _ in range(5):
+            for name, body in bodies.items():
+                system = Method(model).system_of(body)
+                seconds, _ = clock(lambda s=system, e=body.eta: response(s, sine(), axis[None, :], axis[:, None], e), 1)
+                best[name] = min(best[name], seconds)
+        print(f"Systems, {model}, {count} x {count}")
+        for name, seconds in best.items():
+            line(name, seconds, count * count, f"{seconds / best['symmetric']:.2f} x")
 
 
 def main() -> None:
@@ -159,6 +193,8 @@ def main() -> None:
         "engine against tolerance 1e-13", engine, half.size**2, agreement(mine.theta_ratio, mine.outcome, exact.theta_ratio, exact.outcome)
     )
     print(f"  heyoka / engine                    {with_one / (len(cells) // 4) / (engine / half.size**2):8.2f}")
+
+    systems(n // 2)
 
     print("Envelope, 400 frequencies 0.5 ... 12, every boundary to the last digits")
     seconds, intervals = clock(lambda: trace_envelope(sine(), np.linspace(0.5, 12.0, 400), dimensionless_oscillator(ETA)))
