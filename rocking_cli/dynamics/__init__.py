@@ -4,6 +4,7 @@
     contacts/    where a body lifts off, what an impact does, when bouncing ends: two sides alike, two sides unequal, one side
     march/       the engine: lanes, windows of the drive, steps, roots
     references/  slower paths to the same answer that share nothing with the march
+    lanes        the state of many bodies; drive: its value along a motion; on these all the rooms rest
     method       which equation answers for which structure; system: an equation on a contact; response: the front door
 
 **Words.** A motion is made of *pieces* (one closed form each) and cut into *segments* (s monotone). A *window* is a stretch of the

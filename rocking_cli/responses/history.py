@@ -13,8 +13,8 @@ from typing import NamedTuple
 import numpy as np
 
 from ..dynamics.equations.equation import Equation, Flow
+from ..dynamics.lanes import Lanes
 from ..dynamics.march.engine import Rests, Round, Run, Watch
-from ..dynamics.march.lanes import Lanes
 from ..dynamics.outcome import Outcome
 from ..dynamics.system import System
 from ..motions.motion import Motion, Piece, Segments

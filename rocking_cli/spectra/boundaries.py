@@ -15,7 +15,7 @@ from typing import NamedTuple, Self
 
 import numpy as np
 
-from ..dynamics.march.windows import segment_value
+from ..dynamics.drive import segment_value
 from ..dynamics.outcome import Outcome
 from ..dynamics.response import response
 from ..dynamics.system import System

@@ -15,6 +15,7 @@ import subprocess
 import sys
 import time
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import compiled
@@ -34,6 +35,7 @@ from rocking_cli import (
     trace_envelope,
 )
 from rocking_cli.spectra.chunks import pack
+from rocking_cli.structures.parameters import Side
 
 ETA, ALPHA = 0.9, 0.25
 
@@ -118,7 +120,7 @@ def systems(values):
         for _ in range(5):
             for name, body in bodies.items():
                 system = Method(model).system_of(body)
-                seconds, _ = clock(lambda s=system, e=body.eta: response(s, sine(), axis[None, :], axis[:, None], e), 1)
+                seconds, _ = clock(partial(response, system, sine(), axis[None, :], axis[:, None], body.eta), 1)
                 best[name] = min(best[name], seconds)
         print(f"Systems, {model}, {count} x {count}")
         for name, seconds in best.items():

@@ -8,9 +8,9 @@ from typing import NamedTuple, Protocol
 import numpy as np
 
 from ...motions.motion import Segments
+from ..drive import crossing, segment_value
 from ..equations.equation import Equation
-from ..march.lanes import Cells, Lanes
-from ..march.windows import crossing, segment_value
+from ..lanes import Cells, Lanes
 
 Array = np.ndarray
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from ...motions.motion import Segments
 from ..equations.equation import Equation
-from ..march.lanes import Cells, Lanes
+from ..lanes import Cells, Lanes
 from .contact import Fate, Uplift, first_uplift, free_motion, settled_on_one_side
 
 Array = np.ndarray

@@ -6,7 +6,7 @@ import numpy as np
 
 from ...motions.motion import Segments
 from ..equations.equation import Equation
-from ..march.lanes import Cells, Lanes
+from ..lanes import Cells, Lanes
 from .contact import Bounce, Fate, Uplift, bouncing_ends, bouncing_time, first_uplift, free_motion
 
 Array = np.ndarray

@@ -17,7 +17,7 @@ from typing import Any, NamedTuple, Protocol, Self
 import numpy as np
 
 from ...motions.motion import Segments
-from ..march.lanes import Lanes
+from ..lanes import Lanes
 
 Array = np.ndarray
 

@@ -11,8 +11,8 @@ from typing import Self
 import numpy as np
 
 from ...motions.motion import Segments
-from ..march.lanes import Lanes
-from ..march.windows import segment_value
+from ..drive import segment_value
+from ..lanes import Lanes
 from .damped_flow import DampedFlow
 from .flow import LinearFlow
 

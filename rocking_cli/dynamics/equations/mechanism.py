@@ -20,7 +20,7 @@ import numpy as np
 
 from ...motions.motion import Segments
 from ...structures.kinematics import Mechanism, linearise
-from ..march.lanes import Lanes
+from ..lanes import Lanes
 from .energy import falls_by_energy
 from .taylor import TaylorSeries, drive_series, order_for, series
 

@@ -18,7 +18,7 @@ from typing import Any, Self
 import numpy as np
 
 from ...motions.motion import Segments
-from ..march.lanes import Lanes
+from ..lanes import Lanes
 from .energy import falls_by_energy
 from .taylor import TaylorSeries, drive_series, order_for, series
 

@@ -13,8 +13,8 @@ from typing import NamedTuple, Self
 import numpy as np
 
 from ...motions.motion import Segments
-from ..march.lanes import Lanes
-from ..march.windows import segment_value
+from ..drive import segment_value
+from ..lanes import Lanes
 from .equation import Point
 
 Array = np.ndarray

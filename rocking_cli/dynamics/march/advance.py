@@ -10,8 +10,9 @@ from typing import NamedTuple
 import numpy as np
 
 from ...motions.motion import Segments
+from ..drive import phase_between
 from ..equations.equation import Equation, Flow, Point
-from .lanes import Lanes, phase_between
+from ..lanes import Lanes
 from .roots import hidden_turn, impact_root, turning_point
 from .windows import window_end
 

@@ -14,10 +14,11 @@ from typing import NamedTuple
 import numpy as np
 
 from ...motions.motion import Segments
+from ..drive import place
+from ..lanes import Lanes
 from ..outcome import Outcome
 from ..system import System
 from .advance import Crests, Passage, advance, crests, low_bounces
-from .lanes import Lanes, place
 
 Array = np.ndarray
 

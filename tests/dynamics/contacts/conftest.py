@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from rocking_cli.dynamics.march.lanes import Lanes
+from rocking_cli.dynamics.lanes import Lanes
 
 
 @pytest.fixture

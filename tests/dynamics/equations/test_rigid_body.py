@@ -13,7 +13,7 @@ from scipy.optimize import brentq
 from rocking_cli import Method, Outcome, cosine, linear_response, nonlinear_response, parse_documents, sine, trace_envelope
 from rocking_cli import build_structure as build
 from rocking_cli.dynamics.equations.rigid_body import RigidBodyEquation
-from rocking_cli.dynamics.march.lanes import Lanes
+from rocking_cli.dynamics.lanes import Lanes
 from rocking_cli.dynamics.response import response
 from rocking_cli.dynamics.system import System
 from rocking_cli.motions import Motion, Piece

@@ -11,7 +11,7 @@ from oracle import LADDER
 
 from rocking_cli import cosine, sine
 from rocking_cli.dynamics.equations import taylor
-from rocking_cli.dynamics.march.lanes import Lanes
+from rocking_cli.dynamics.lanes import Lanes
 from rocking_cli.motions import Harmonic, Motion, Piece
 
 MIXED = Motion("mixed", (Piece(0, 12, (Harmonic(0.5, 1, 0.3), Harmonic(0.3, 1.7, 1.0), Harmonic(-0.4, 0.6, 0.2)), 0.1, 0.02),))

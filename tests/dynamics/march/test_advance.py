@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from rocking_cli import LinearEquation, Motion, RigidBodyEquation, System, response, sine
+from rocking_cli.dynamics.lanes import Lanes
 from rocking_cli.dynamics.march import advance, engine
-from rocking_cli.dynamics.march.lanes import Lanes
 from rocking_cli.motions import Piece
 
 

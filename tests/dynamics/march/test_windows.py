@@ -7,8 +7,8 @@ import pytest
 from oracle import LADDER
 
 from rocking_cli import cosine, pulse, sine
-from rocking_cli.dynamics.march.lanes import place
-from rocking_cli.dynamics.march.windows import crossing, segment_value, window_end
+from rocking_cli.dynamics.drive import crossing, place, segment_value
+from rocking_cli.dynamics.march.windows import window_end
 from rocking_cli.motions import Harmonic, Motion, Piece
 
 MIXED = Motion("mixed", (Piece(0, 12, (Harmonic(0.5, 1, 0.3), Harmonic(0.3, 1.7, 1.0), Harmonic(-0.4, 0.6, 0.2)), 0.1, 0.02),))

@@ -7,8 +7,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...motions.motion import Segments
-
 Array = np.ndarray
 
 
@@ -59,32 +57,3 @@ class Lanes:
     def join(self, other: Lanes) -> Lanes:
         """These lanes followed by others."""
         return Lanes(*(np.concatenate([getattr(self, f.name), getattr(other, f.name)]) for f in fields(self)))
-
-
-def place(segments: Segments, k: Array, u: Array) -> tuple[Array, Array]:
-    """The same position with the phase inside its segment; k is the number of segments at the end of the motion."""
-    last = len(segments)
-    over = np.flatnonzero((k < last) & (u >= segments.length[np.minimum(k, last - 1)]))
-    if over.size:
-        k, u = k.copy(), u.copy()
-    while over.size:
-        u[over] -= segments.length[k[over]]
-        k[over] += 1
-        u[over[k[over] >= last]] = 0.0
-        over = over[(k[over] < last)]
-        over = over[u[over] >= segments.length[k[over]]]
-    return k, u
-
-
-def phase_between(segments: Segments, k: Array, u: Array, to_k: Array, to_u: Array) -> Array:
-    """Phase from one position to a later one, summed over whole segments so that 10^4 cycles lose no digits."""
-    phase = to_u - u
-    at = k
-    behind = np.flatnonzero(at < to_k)
-    if behind.size:
-        at = at.copy()
-    while behind.size:
-        phase[behind] += segments.length[at[behind]]
-        at[behind] += 1
-        behind = behind[at[behind] < to_k[behind]]
-    return phase
