@@ -54,18 +54,19 @@ def predict_exactly(structure: RockingParameters, motion: Motion, shaking: Grid)
 
     capacity_demand: the lowest overturning amplitude over A, below 1 where a body that falls would fall for less; margin: relative
     distance in A to the nearest amplitude at which falling begins or ends, and margin_side, on which side of A that is. They are
-    None where there is no such amplitude up to A_MAX and 2 A, and at A = 0.
+    None where there is no such amplitude up to A_MAX and 2 A, and at A = 0. theta_max is None where the edges differ, since the
+    largest theta/alpha does not tell on which of them.
     """
     amplitude, omega = (float(x[0]) for x in shaking.scaled(structure))
     found = response(LINEAR.system_of(structure), motion, np.array([amplitude]), np.array([omega]), structure.eta)
-    falls = trace_envelope(motion, [omega], structure, a_max=max(A_MAX, 2.0 * amplitude, 2.0 / motion.peak))
+    falls = trace_envelope(motion, [omega], structure, a_max=max(A_MAX, 2.0 * amplitude, 2.0 / motion.peak), sign="+")  # as it is
     ends = [edge for i in falls for edge in (i.a_from, i.a_to) if edge is not None]
     edges = [edge for edge in ends if ends.count(edge) == 1]  # two ways to fall that meet are no boundary of falling
     nearest = min(edges, key=lambda edge: abs(edge - amplitude), default=None) if amplitude > 0.0 else None
     ratio = float(found.theta_ratio[0]) if np.isfinite(found.theta_ratio[0]) else None
     return {
         **_record(structure, amplitude, omega),
-        "theta_max": None if ratio is None else ratio * structure.alpha,
+        "theta_max": None if ratio is None or structure.sides else ratio * structure.alpha,
         "theta_ratio": ratio,
         "outcome": Outcome(int(found.outcome[0])).flag,
         "capacity_demand": falls[0].a_from / amplitude if falls and amplitude > 0.0 else None,

@@ -20,7 +20,7 @@ def test_a_triangle_exactly():
     """a rises from 0 to 3 m/s2 in 2 s and falls back in 2 s: v = 6 m/s and d = 12 m at the end, the integral of a^2 is 12 m2/s3."""
     found = intensity(record([0.0, 3.0, 0.0], 2.0))
     assert (found.pga, found.pga_time, found.pgv, found.pgd, found.cav) == (3.0, 2.0, 6.0, 12.0, 6.0)
-    assert found.arias == pytest.approx(math.pi / (2 * 9.81) * 12.0, rel=1e-15, abs=0)
+    assert found.arias == pytest.approx(math.pi / (2 * 9.81) * 12.0, rel=1e-14, abs=0)
     # 6 (t/2)^3 = 5 % of 12 on the way up, and by symmetry 95 % on the way down
     at_5 = 2.0 * 0.1 ** (1 / 3)
     assert found.d5_95 == pytest.approx(4.0 - 2.0 * at_5, rel=1e-14, abs=0)
@@ -31,10 +31,10 @@ def test_extremes_between_the_samples():
     """a = 1 - t from 0 to 2 s: v = t - t^2/2 is largest at t = 1, between the samples, and 0 at the end; then a pulse brings it back."""
     found = intensity(record([1.0, -1.0], 2.0))
     assert (found.pgv, found.cav) == (0.5, 1.0)
-    assert found.pgd == pytest.approx(4.0 / 2.0 - 8.0 / 6.0, rel=1e-15, abs=0)
+    assert found.pgd == pytest.approx(4.0 / 2.0 - 8.0 / 6.0, rel=1e-14, abs=0)
     # a = 1 - t to 4 s: v = t - t^2/2 = 0 at 2 s, d = t^2/2 - t^3/6 is 2/3 m there and -8/3 m at the end
     found = intensity(record([1.0, -3.0], 4.0))
-    assert found.pgd == pytest.approx(8.0 / 3.0, rel=1e-15, abs=0)
+    assert found.pgd == pytest.approx(8.0 / 3.0, rel=1e-14, abs=0)
     # and with the sign turned at the end, 1 - t to 2.2 s: the largest is the 2/3 m at t = 2 s, between the samples
     found = intensity(record([1.0, -1.2], 2.2))
     assert found.pgd == pytest.approx(2.0 / 3.0, rel=1e-14, abs=0)

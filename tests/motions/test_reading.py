@@ -39,7 +39,7 @@ def test_a_record_is_scaled_to_a_measure(plain, text):
     assert getattr(intensity(scaled), name.lower()) == pytest.approx(abs(float(number)) * units[value[len(number) :].strip()], rel=1e-12)
     assert (factor < 0.0) == ("-" in text)
     motion = read_motion(plain, unit="m/s2", dt=0.02, scale_to=text)
-    assert motion.acceleration == pytest.approx(abs(factor) * 2.5, rel=1e-15)
+    assert motion.acceleration == pytest.approx(abs(factor) * 2.5, rel=1e-14)
     peak = int(np.argmax(np.abs(SAMPLES)))
     assert float(motion.value(0.02 * peak)) == pytest.approx(np.sign(factor * SAMPLES[peak]), rel=1e-12)
 

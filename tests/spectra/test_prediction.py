@@ -7,14 +7,17 @@ import pytest
 
 from rocking_cli import (
     Outcome,
+    build_structure,
     closed_form_curves,
     dimensionless_oscillator,
     linear_response,
     overturned,
+    parse_documents,
     parse_grid,
     pulse,
     safe,
     sine,
+    trace_envelope,
     write_spectrum,
 )
 from rocking_cli.spectra.prediction import predict, predict_exactly
@@ -91,3 +94,16 @@ def test_a_cell_that_the_spectrum_knows_is_interpolated_exactly(three_cycles):
     assert (found["theta_ratio"], found["theta_ratio_interpolated"], found["interpolation_error"]) == (0.0, 0.0, 0.0)
     found = predict(three_cycles, dimensionless_oscillator(0.8), cell(float(np.linspace(1, 8, 71)[3]), 7.0))
     assert found["interpolation_error"] == 0.0
+
+
+def test_a_body_of_unequal_edges_is_judged_under_the_motion_as_it_is():
+    """Its capacity is that of the sign it is shaken with, which the outcome is of too, not of the worse one."""
+    (document,) = parse_documents("kind: prism\ncorners: [[0, 0], [1.2, 0], [0.9, 5], [0.2, 5]]")
+    body = build_structure(document)
+    for motion in (sine(), sine().scaled(-1.0)):
+        for amplitude in (1.3, 2.0, 2.6, 4.0):
+            found = predict_exactly(body, motion, parse_grid(f"A={amplitude},Omega=3"))
+            falls = [i for i in trace_envelope(motion, [3.0], body, sign="+") if i.a_from < amplitude < (i.a_to or np.inf)]
+            assert (found["outcome"] == "rocked") == (not falls)
+            assert found["capacity_demand"] == trace_envelope(motion, [3.0], body, sign="+")[0].a_from / amplitude
+            assert found["theta_max"] is None
