@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import NamedTuple
 
 from ..dynamics.method import Method
 from ..errors import UsageError
@@ -15,16 +14,6 @@ from .units import TOGETHER
 Tell = Callable[[str], None]
 
 
-class Rates(NamedTuple):
-    """Seconds of a processor for one segment of the motion: a batch whatever its size, each cell in it, each checked cell."""
-
-    batch: float
-    cell: float
-    checked: float
-
-
-# Measured on one processor; a cell that overturns early or never uplifts costs less, many impacts between two segments more.
-_LINEAR, _BODY, _LINKAGE = Rates(1e-3, 1e-6, 3e-3), Rates(5e-3, 1e-5, 2e-2), Rates(2e-2, 3e-5, 0.35)
 _MOST_UNITS = 1_000_000
 _LONG = 60.0  # s from which on the time is said beforehand
 _ENDLESS = 10 * 365.25 * 86400.0  # s of all processors together
@@ -33,7 +22,7 @@ _UNITS = {"s": 1.0, "min": 60.0, "h": 3600.0, "days": 86400.0, "years": 365.25 *
 
 def expected_seconds(method: Method, structure: RockingParameters, segments: int, *, cells: int, batches: int, checked: int = 0) -> float:
     """Seconds of a processor, to within a factor of a few, for cells in batches under a motion of so many segments."""
-    rates = _LINEAR if method.exact else _BODY if structure.mechanism is None else _LINKAGE
+    rates = method.kind_of(structure).cost
     return segments * (batches * rates.batch + cells * rates.cell + checked * rates.checked)
 
 

@@ -90,7 +90,7 @@ def _interpolated(spectrum: SpectraFile, index: int, amplitude: float, omega: fl
 
 def _record(structure: RockingParameters, amplitude: float, omega: float) -> dict[str, Any]:
     units = {}
-    if structure.structure != "dimensionless":
+    if not structure.dimensionless:
         units = {"a_g": float(structure.ground_acceleration(amplitude)), "omega_g": omega * structure.p}
     return {"structure": structure.name, "eta": structure.eta, "A": amplitude, "Omega": omega, **units}
 
