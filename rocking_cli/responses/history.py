@@ -182,7 +182,7 @@ class _Listener:
         """Write down the arc of a round, its crest, and how it ended."""
         before, passage = heard.lanes, heard.passage
         side, reach, start = float(before.side[0]), float(passage.reach[0]), self._tau(heard.lanes)
-        pace = self.omega / float(before.omega[0])  # tau of the history over tau of the side
+        pace = float(before.omega[0]) / self.omega  # tau of the history over tau of the side: omega is omega_g over p
         stop = summit = start + reach * pace
         self.arcs.append(Arc(start, stop, side, passage.arc, 1.0 / pace))
         limit = float(np.min(self.equation.on(np.array([side])).limit))
@@ -214,7 +214,7 @@ class _Listener:
         """The end of the bouncing, by the sum of its series, and the uplift after it."""
         before, after = rests
         start = self._tau(before)
-        wait = float(self.run.contact.bouncing_time(before)[0]) * self.omega / float(before.omega[0])
+        wait = float(self.run.contact.bouncing_time(before)[0]) * float(before.omega[0]) / self.omega
         lifts = after.k[0] < len(self.segments)
         if not lifts or self._tau(after) > start + wait:
             self._note(start + wait, "rest", 1.0, 0.0, 0.0)

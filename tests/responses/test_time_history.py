@@ -1,0 +1,48 @@
+"""Time histories in units, against closed forms."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from rocking_cli import build_structure, parse_documents
+from rocking_cli.dynamics.method import LINEAR
+from rocking_cli.responses.time_history import time_history
+
+STATUE = "kind: rigid\nleft: {left}\nright: {right}\nheight: 1.0\ngyration: 0.6\n"
+
+
+@pytest.mark.parametrize(
+    ("left", "right", "release"), [(0.6, 0.25, 0.5), (0.25, 0.6, 0.1)], ids=["released over the weaker edge", "over the stronger edge"]
+)
+def test_each_edge_keeps_its_own_time_in_free_rocking(left, right, release):
+    """On an edge x = 1 - cosh p t + v sinh p t: back at p t = 2 artanh v, by way of the crest 1 - sqrt(1 - v^2)."""
+    body = build_structure(parse_documents(STATUE.format(left=left, right=right))[0])
+    found = time_history(body, None, None, [LINEAR], release=release, duration=60.0)
+    edges = {side.side: side for side in body.sides}
+    here, there, sign = edges["right"], edges["left"], 1.0
+    t, v = math.acosh(1.0 / (1.0 - release)) / here.p, math.sqrt(release * (2.0 - release))
+    wanted, impacts = [("release", 0.0, release * here.alpha, 0.0)], 0
+    while v > 1e-3:
+        wanted.append(("impact", t, 0.0, -sign * v * here.alpha * here.p))
+        v *= here.eta * here.alpha * here.p / (there.alpha * there.p)
+        here, there, sign = there, here, -sign
+        crest = 1.0 - math.sqrt(1.0 - v * v)
+        wanted.append(("peak", t + math.atanh(v) / here.p, sign * crest * here.alpha, 0.0))
+        t += 2.0 * math.atanh(v) / here.p
+        impacts += 1
+    assert impacts > 20
+    events = list(found.events())
+    for event, (name, *numbers) in zip(events, wanted, strict=False):
+        assert event["event"] == name
+        assert (event["t"], event["theta"], event["theta_dot"]) == pytest.approx(tuple(numbers), abs=1e-11)
+    while v > 1e-12:
+        v *= here.eta * here.alpha * here.p / (there.alpha * there.p)
+        here, there = there, here
+        t += 2.0 * math.atanh(v) / here.p
+    assert [e["t"] for e in events if e["event"] == "rest"] == [pytest.approx(t, abs=1e-6)]
+    crests = [(at, theta) for name, at, theta, _ in wanted if name == "peak"][:4]
+    rotation, _ = found.histories["linear"].at(np.array([at for at, _ in crests]) * body.p)
+    assert rotation * body.alpha_on(np.sign(rotation)) == pytest.approx([theta for _, theta in crests], abs=1e-11)
