@@ -47,9 +47,9 @@ def envelope(
 ) -> None:
     """Trace every interval of amplitude that overturns, for each frequency.
 
-    A_to is empty where the interval goes on beyond --a-max. No interval wider than 1e-3 in A is missed; at low Omega
-    there may be narrower ones, overturning or safe, just above uplift. For structures with units omega_g [rad/s], a_from
-    and a_to [m/s2] are printed as well.
+    A_to is empty where the interval goes on beyond --a-max. No interval wider than 1e-3 in A is missed; narrower ones,
+    overturning or safe, can be: at low Omega just above uplift, and after many impacts (several cycles) anywhere. For
+    structures with units omega_g [rad/s], a_from and a_to [m/s2] are printed as well.
     """
     from ..dynamics.method import Method
     from ..spectra.envelope import (

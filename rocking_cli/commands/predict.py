@@ -25,11 +25,12 @@ def predict(
 ) -> None:
     """Predict theta_max, outcome and margin of structures under the motion of a spectrum of equal restitution.
 
-    SPECTRUM holds a linear spectrum on axes A and Omega. theta_max [rad] and the outcome are computed. capacity_demand is the lowest
-    overturning amplitude over the demand: below 1 a body that falls would fall for less. margin is the relative distance in A to the
-    nearest amplitude at which falling begins or ends, traced as by rocking envelope; margin_side tells on which side of the demand.
-    They are empty where nothing overturns up to A = 20 and twice the demand. theta_ratio_interpolated
-    is what the spectrum itself says, empty next to cells that overturn; interpolation_error is its distance from the computed value.
+    SPECTRUM holds a linear spectrum on axes A and Omega. theta_max [rad] and the outcome are computed. capacity_demand is the
+    lowest overturning amplitude over the demand: below 1 a body that falls would fall for less. margin is the relative distance in
+    A to the nearest amplitude at which falling begins or ends, traced as by rocking envelope, which can miss what is narrower than
+    1e-3 in A; margin_side tells on which side of the demand. They are empty where nothing overturns up to A = 20 and twice the
+    demand. theta_ratio_interpolated is what the spectrum itself says, empty next to cells that overturn; interpolation_error is its
+    distance from the computed value.
     """
     from ..dynamics.outcome import Outcome
     from ..spectra.prediction import predict as beside_spectrum

@@ -3,7 +3,8 @@
 Between the interval that overturns after an impact and the one that overturns without lies a safe window, so a threshold
 is not enough. The outcome is computed on amplitudes 1e-3 apart, which no wider interval escapes, and closer just above
 uplift; every change between neighbours is traced down to the last digits (`boundaries`). Slow pulses (Omega below 1) have
-intervals narrower than the scan, and more of them the closer one looks: those can be missed, safe ones and overturning ones.
+intervals narrower than the scan, and more of them the closer one looks; so have motions of several cycles, at any amplitude
+that leads to many impacts. Those can be missed, safe ones and overturning ones.
 """
 
 from __future__ import annotations
