@@ -78,7 +78,8 @@ class Ladder:
     def below(self, amplitude: Array) -> Array:
         """The last rung that is surely not above each amplitude, the first one if there is none."""
         there = np.searchsorted(self.near, amplitude, side="right") - 1
-        beyond = np.floor((amplitude - self.start) / self.step).astype(np.int64) - 1 + self.near.size
+        top = self.start + self.step * (self.size - self.near.size + 1)  # a whole number holds no more of some amplitudes
+        beyond = np.floor((np.minimum(amplitude, top) - self.start) / self.step).astype(np.int64) - 1 + self.near.size
         return np.clip(np.where(beyond >= self.near.size, beyond, there), 0, self.size - 1)
 
 

@@ -26,6 +26,7 @@ from .grid import OWN_TIME, Axis, parse_axes
 from .processes import available_cpus, processes
 
 A_MAX = 20.0
+HIGHEST = 100_000.0  # that a_max may be: so many amplitudes a scan can look at
 SIGNS = {"+": (1.0,), "-": (-1.0,), "worse": (1.0, -1.0)}  # of the ground acceleration, for bodies whose sides differ
 BOTH = "both"  # each sign by itself
 Steps = list[tuple[float, int]]  # amplitudes, rising, and the outcome from each on
@@ -107,8 +108,8 @@ def _scan_of(
     lowest = min(search.lowest for search in searches)
     if not np.isfinite(a_max) or a_max <= lowest < np.inf:
         raise UsageError(f"a-max is {a_max:g}, accepted is a finite amplitude above the uplift at A = {lowest:g}")
-    if a_max > 1e5:
-        raise UsageError(f"a-max is {a_max:g}, accepted is up to 1e5")
+    if a_max > HIGHEST:
+        raise UsageError(f"a-max is {a_max:g}, accepted is up to {HIGHEST:g}")
     searches = [search for search in searches if search.lowest < a_max]
     amplitudes = frequencies * sum((a_max - search.lowest) / SCAN_STEP for search in searches)
     segments = len(motion.segments)

@@ -12,7 +12,7 @@ from ..dynamics.response import response
 from ..errors import UsageError
 from ..motions import Motion
 from ..structures.parameters import RockingParameters
-from .envelope import A_MAX, trace_envelope
+from .envelope import A_MAX, HIGHEST, trace_envelope
 from .grid import Grid
 from .reader import SpectraFile
 
@@ -55,9 +55,12 @@ def predict_exactly(structure: RockingParameters, motion: Motion, shaking: Grid)
     capacity_demand: the lowest overturning amplitude over A, below 1 where a body that falls would fall for less; margin: relative
     distance in A to the nearest amplitude at which falling begins or ends, and margin_side, on which side of A that is. They are
     None where there is no such amplitude up to A_MAX and 2 A, and at A = 0. theta_max is None where the edges differ, since the
-    largest theta/alpha does not tell on which of them.
+    largest theta/alpha does not tell on which of them. Raises UsageError for a
+    demand beyond what a scan reaches.
     """
     amplitude, omega = (float(x[0]) for x in shaking.scaled(structure))
+    if 2.0 * amplitude > HIGHEST:
+        raise UsageError(f"{structure.name}: A = {amplitude:.6g} is beyond what a prediction looks at; accepted is up to {HIGHEST / 2.0:g}")
     found = response(LINEAR.system_of(structure), motion, np.array([amplitude]), np.array([omega]), structure.eta)
     falls = trace_envelope(motion, [omega], structure, a_max=max(A_MAX, 2.0 * amplitude, 2.0 / motion.peak), sign="+")  # as it is
     ends = [edge for i in falls for edge in (i.a_from, i.a_to) if edge is not None]

@@ -174,7 +174,8 @@ class SpectraWriter:
             self.file.flush()
         except (OSError, RuntimeError) as error:
             self._abandon()
-            raise OutputError(f"{self.part}: cannot be written: {_reason(error)}; what was done is kept there for --resume") from None
+            kept = "; what was done is kept there for --resume" if self.written or self.resumed else ""
+            raise OutputError(f"{self.part}: cannot be written: {_reason(error)}{kept}") from None
         self.done[index] = True
         self.written += 1
 

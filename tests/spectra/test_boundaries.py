@@ -18,7 +18,7 @@ from rocking_cli import (
 )
 from rocking_cli.dynamics.equations.linear import LinearEquation
 from rocking_cli.spectra import boundaries
-from rocking_cli.spectra.boundaries import Search
+from rocking_cli.spectra.boundaries import Ladder, Search
 
 MOTIONS = [sine(), sine(0.5), sine(2), cosine(1.5), pulse("rectangular"), pulse("rectangular-impulse"), pulse("ricker-symmetric")]
 
@@ -83,3 +83,8 @@ def test_where_changes_have_no_end_only_those_that_the_scan_sees_are_traced(monk
     for wide in (i for i in every if (i.a_to or 1.2) - i.a_from > 1e-3):
         middle = 0.5 * (wide.a_from + (wide.a_to or 1.2))
         assert [i.mode for i in some if i.a_from < middle < (i.a_to or 1.2)] == [wide.mode]
+
+
+def test_amplitudes_beyond_any_whole_number_lie_above_the_last_rung():
+    ladder = Ladder.between(1.0, 20.0)
+    assert ladder.below(np.array([1e25, 1e308])).tolist() == [ladder.size - 1] * 2

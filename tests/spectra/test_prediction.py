@@ -7,6 +7,7 @@ import pytest
 
 from rocking_cli import (
     Outcome,
+    UsageError,
     build_structure,
     closed_form_curves,
     dimensionless_oscillator,
@@ -48,6 +49,11 @@ def test_a_narrow_tongue_between_the_rows_of_the_spectrum_bounds_the_margin(thre
     first = raster[fate(sine(3), raster, omega, 0.8).argmax()]
     assert found["margin"] == pytest.approx((first - amplitude) / amplitude, abs=2e-6)
     assert found["capacity_demand"] == pytest.approx(1.0 + found["margin"], rel=1e-12, abs=0)
+
+
+def test_a_demand_beyond_the_scan_is_refused_by_its_own_name():
+    with pytest.raises(UsageError, match=r"^eta=0.8: A = 60000 is beyond what a prediction looks at; accepted is up to 50000$"):
+        predict_exactly(dimensionless_oscillator(0.8), sine(1), cell(6e4, 2.0))
 
 
 def test_the_fate_is_one_within_the_margin_and_another_beyond(three_cycles):

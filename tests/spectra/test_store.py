@@ -147,6 +147,14 @@ def test_a_full_disk_keeps_what_was_done(rocking, tmp_path):
     same_file(tmp_path / "cut.h5", tmp_path / "whole.h5")
 
 
+def test_a_disk_full_before_the_first_chunk_claims_to_keep_nothing(rocking, tmp_path):
+    call = f"ulimit -f 32; exec {sys.executable} -m rocking_cli spectrum {' '.join(SMALL_SCENE)} -o cut.h5"
+    done = subprocess.run(["bash", "-c", call], cwd=tmp_path, capture_output=True, text=True, timeout=PATIENCE, check=False)
+    assert done.returncode == 1
+    assert done.stderr == "rocking: cut.h5.part: cannot be written: File too large\n"
+    assert not list(tmp_path.glob("cut.h5*"))
+
+
 def test_a_folder_that_vanishes_is_a_sentence(tmp_path):
     folder = tmp_path / "gone"
     folder.mkdir()
