@@ -9,6 +9,7 @@ from .kinematics import Moments
 from .parameters import RockingParameters
 from .single_body import body_on_edges
 
+_WIDEST = 1000.0  # the moments are taken from the middle between the edges: this cancels six digits of sixteen
 REPORTS = ("mass", "direction")
 
 
@@ -21,6 +22,9 @@ def build(document: Document, name: str) -> RockingParameters:
     mass = document.quantity("mass", "mass", above=0.0, where="a positive mass") if document.has("mass") else None
     half, x = 0.5 * (left + right), 0.5 * (left - right)
     square = _gyration(document, mass) ** 2
+    near, far = sorted(("left", "right"), key=document.length)
+    if (distance := document.length(far)) > _WIDEST * (reach := math.hypot(document.length(near), height)):
+        raise document.fault(far, f"{distance:g} m", f"up to {_WIDEST:g} times the {reach:g} m from the other edge to the mass centre")
     body = Moments(1.0, x, height, square + x * x + height * height)
     details = {} if mass is None else {"mass": mass}
     return body_on_edges(document, "rigid", name, body, half, limit="a body more slender than this one", details=details)

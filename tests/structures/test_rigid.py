@@ -49,6 +49,10 @@ def test_momentum_of_both_edges():
     [
         (STATUE, "no key 'gyration'; accepted is gyration: a length"),
         (STATUE + "gyration: 0", "gyration: found 0; accepted is a positive length"),
+        (
+            "kind: rigid\nleft: 1e9\nright: 0.3\nheight: 0.4\ngyration: 1",
+            "left: found 1e.09 m; accepted is up to 1000 times the 0.5 m from",
+        ),
         (STATUE + "gyration: 1\ninertia: 3", "inertia: found inertia beside gyration; accepted is gyration, or inertia and mass"),
         (STATUE + "inertia: 3", "no key 'mass'; accepted is mass: the mass .kg. that goes with inertia"),
         (STATUE + "inertia: 3 kg\nmass: 2", "inertia: found 3 kg; accepted is a moment of inertia"),
