@@ -60,6 +60,7 @@ def compare(
             distance = comparison.collapse(responses, method.model)
             options.note(f"collapse, {method.model}: the dimensionless curves lie up to {distance:.2g} apart in theta/alpha", quiet)
     if len({s.eta for s in structures}) > 1:
-        options.note("the structures differ in restitution, so their curves part at the first impact; --eta gives all the same", quiet)
+        hint = "" if any(s.one_sided for s in structures) else "; --eta gives all the same"
+        options.note(f"the structures differ in restitution, so their curves part at the first impact{hint}", quiet)
     if any(r.failed for r in responses):
         context.exit(4)

@@ -45,6 +45,9 @@ class Cost(NamedTuple):
     checked: float
 
 
+BY_GENERAL_SOLVER = 2e-2  # s a segment of a cell that is checked by a Runge-Kutta method
+
+
 @dataclass(frozen=True)
 class EquationKind:
     """An equation of motion and everything that belongs to it.
@@ -104,7 +107,7 @@ EQUATIONS = (
         build=_rigid,
         shares=lambda s: (s.damping, s.alpha),
         rates="rigid_body_rates",
-        cost=Cost(5e-3, 1e-5, 2e-2),
+        cost=Cost(5e-3, 1e-5, BY_GENERAL_SOLVER),
     ),
 )  # fmt: skip
 MODELS = tuple(dict.fromkeys(kind.model for kind in EQUATIONS))

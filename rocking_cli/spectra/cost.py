@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 
-from ..dynamics.method import Method
+from ..dynamics.march.engine import MAX_STEPS
+from ..dynamics.method import BY_GENERAL_SOLVER, Method
 from ..errors import UsageError
 from ..structures.parameters import RockingParameters
 from .sampling import default_check
@@ -17,13 +19,23 @@ Tell = Callable[[str], None]
 _MOST_UNITS = 1_000_000
 _LONG = 60.0  # s from which on the time is said beforehand
 _ENDLESS = 10 * 365.25 * 86400.0  # s of all processors together
+_CALLS = 5  # of the march in which the scan of an envelope meets such bodies
 _UNITS = {"s": 1.0, "min": 60.0, "h": 3600.0, "days": 86400.0, "years": 365.25 * 86400.0}
 
 
 def expected_seconds(method: Method, structure: RockingParameters, segments: int, *, cells: int, batches: int, checked: int = 0) -> float:
     """Seconds of a processor, to within a factor of a few, for cells in batches under a motion of so many segments."""
     rates = method.kind_of(structure).cost
-    return segments * (batches * rates.batch + cells * rates.cell + checked * rates.checked)
+    checking = rates.checked if structure.plain or not method.exact else BY_GENERAL_SOLVER
+    return segments * (batches * rates.batch + cells * rates.cell + checked * checking)
+
+
+def bouncing_seconds(method: Method, structure: RockingParameters) -> float:
+    """Seconds of a processor, as roughly, that a scan spends on bodies that lose next to nothing at an impact: their bounces are
+    marched one by one until their speed has fallen by twelve orders, or they are given up."""
+    keeps = abs(structure.eta)
+    bounces = MAX_STEPS if keeps >= 1.0 else min(MAX_STEPS, 28.0 / -math.log(max(keeps, 1e-12)))
+    return _CALLS * bounces * method.kind_of(structure).cost.batch
 
 
 def announce_sweep(
@@ -49,7 +61,7 @@ def announce(seconds: float, what: str, workers: int, tell: Tell | None) -> None
         raise UsageError(f"{what} take roughly {_in_words(seconds)} of a processor, accepted are up to {_in_words(_ENDLESS)}")
     if seconds > _LONG * workers and tell is not None:
         on = f" on {workers} processes" if workers > 1 else ""
-        tell(f"{what}: roughly {_in_words(seconds / workers)}{on}")
+        tell(f"{what}: up to roughly {_in_words(seconds / workers)}{on}")
 
 
 def _in_words(seconds: float) -> str:

@@ -21,7 +21,7 @@ from ..errors import UsageError
 from ..motions import Motion, pulse
 from ..structures.parameters import RockingParameters
 from .boundaries import SCAN_STEP, Row, Search
-from .cost import Tell, announce, expected_seconds
+from .cost import Tell, announce, bouncing_seconds, expected_seconds
 from .grid import OWN_TIME, Axis, parse_axes
 from .processes import available_cpus, processes
 
@@ -113,7 +113,7 @@ def _scan_of(
     searches = [search for search in searches if search.lowest < a_max]
     amplitudes = frequencies * sum((a_max - search.lowest) / SCAN_STEP for search in searches)
     segments = len(motion.segments)
-    seconds = expected_seconds(method, structure, segments, cells=int(amplitudes), batches=1)
+    seconds = expected_seconds(method, structure, segments, cells=int(amplitudes), batches=1) + bouncing_seconds(method, structure)
     announce(seconds, f"{structure.name}: {amplitudes:.3g} amplitudes under {segments} segments of shaking", 1, tell)
     return searches, amplitudes
 
