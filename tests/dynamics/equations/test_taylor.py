@@ -21,7 +21,7 @@ EPS = np.finfo(float).eps
 def exponentials(order, unit, growth=1.0):
     """growth exp(h) of each lane, in powers of h / unit."""
     unit = np.asarray(unit, dtype=float)
-    terms = np.array([growth * unit**n / math.factorial(n) for n in range(order + 1)])
+    terms = np.array([growth * unit**n / float(math.factorial(n)) for n in range(order + 1)])
     return taylor.TaylorSeries(terms, unit, np.ones(unit.size), 1.0 / unit)
 
 
@@ -83,7 +83,7 @@ def test_a_step_keeps_the_tolerance_and_does_not_waste_it(tolerance):
     base = exponentials(order, [1.0])
     arc = taylor.series(base.terms, taylor.Drive(base.terms, base.unit, base.fastest), tolerance)
     h = float(arc.longest[0])
-    terms = np.array([math.factorial(n) for n in range(order + 1)], dtype=float)
+    terms = np.array([float(math.factorial(n)) for n in range(order + 1)])
     missing = math.exp(h) - sum(h**n / terms[n] for n in range(order))  # of the velocity: one term fewer
     assert missing + 4 * EPS * math.exp(h) < tolerance or tolerance < 1e-11
     assert missing < tolerance + 8 * EPS * math.exp(h)
