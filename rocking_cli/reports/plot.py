@@ -99,19 +99,19 @@ def _map(figure: Figure, file: SpectraFile, name: str | None) -> Axes:
 
 
 def _closed_form(axes: Axes, file: SpectraFile, index: int) -> list[Any]:
-    """Curves i-iv of Fig. 2 over the map of a linear spectrum."""
+    """Curves i-iv of Fig. 2 over the map of a linear spectrum, of a body that they hold for."""
     from ..motions import pulse
     from ..spectra.closed_form import PULSES, closed_form_curves
 
     s, pieces = file.structures[index], file.motion().pieces
     name = next((p for p in PULSES if pulse(p).pieces == pieces), None)
-    if name is None or file.scene["model"] != LINEAR.model:
+    if name is None or file.scene["model"] != LINEAR.model or not s.plain:
         return []
-    plain = file.grid.dimensionless
-    omega = np.linspace(file.grid.frequency.values[0], file.grid.frequency.values[-1], 80) / (1.0 if plain else s.p)
+    dimensionless = file.grid.dimensionless
+    omega = np.linspace(file.grid.frequency.values[0], file.grid.frequency.values[-1], 80) / (1.0 if dimensionless else s.p)
     lines: dict[str, list[tuple[float, float]]] = {}
     for point in closed_form_curves(omega, s.eta, name):
-        x, y = (point.omega, point.amplitude) if plain else (point.omega * s.p, float(s.ground_acceleration(point.amplitude)))
+        x, y = (point.omega, point.amplitude) if dimensionless else (point.omega * s.p, float(s.ground_acceleration(point.amplitude)))
         lines.setdefault(point.curve, []).append((x, y))
     drawn = []
     for (curve, points), dash in zip(lines.items(), DASHES, strict=False):

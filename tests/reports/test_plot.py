@@ -79,6 +79,12 @@ def test_a_map_carries_the_closed_form_curves_of_its_motion(drawn, spectrum_file
         np.testing.assert_allclose(np.array([x[::20], y[::20]]).T, expected, rtol=1e-12)
 
 
+@pytest.mark.parametrize("more", ["one_sided: true", "damping: 0.05"])
+def test_a_map_of_another_body_carries_none(drawn, rocking, tmp_path, more):
+    rocking("spectrum", "-", "--grid", "A=1:4:4,Omega=2:5:4", "-o", "other.h5", "-q", stdin=f"kind: block\nwidth: 1\nheight: 5\n{more}\n")
+    assert lines(drawn(tmp_path / "other.h5").axes[0]) == {}
+
+
 def test_a_slice_is_a_row_of_the_file_with_gaps_where_it_overturns(drawn, spectrum_file):
     with SpectraFile(spectrum_file) as file:
         frequency, amplitude = file.grid.frequency.values, file.grid.amplitude.values
