@@ -48,7 +48,8 @@ def envelope(
     """Trace every interval of amplitude that overturns, for each frequency.
 
     A_to is empty where the interval goes on beyond --a-max. No interval wider than 1e-3 in A is missed; narrower ones,
-    overturning or safe, can be: at low Omega just above uplift, and after many impacts (several cycles) anywhere. For
+    overturning or safe, can be: at low Omega just above uplift, and after many impacts (several cycles) anywhere. Under
+    motions that push more than twice none wider than 1e-4 was missed in 300 random cases, which is no proof. For
     structures with units omega_g [rad/s], a_from and a_to [m/s2] are printed as well.
     """
     from ..dynamics.method import Method

@@ -25,9 +25,21 @@ from ..motions.motion import Segments
 Array = np.ndarray
 
 SCAN_STEP = 0.999e-3  # no interval wider than 1e-3 in A escapes
+FINE_STEP = 0.999e-4  # the closer look where the outcome or the number of impacts changes: narrow intervals are found around there
+_AROUND = 12  # rungs on either side of such a change that are looked at closer too
+_SIMPLE = 2  # lobes of a motion that needs no closer look
 _BATCH = 1 << 20  # cells of the scan computed together
 _MOST_CHANGES = 500  # at one frequency; beyond it the outcome is noise between the amplitudes of the scan, of which there is no end
-_SECTIONS = 32  # parts that a bracket is cut into: five bits for one run of the engine
+_SECTIONS = 8  # parts that a bracket is cut into: three bits for one run of the engine
+
+
+class Look(NamedTuple):
+    """Cells in the order of their row and amplitude: outcomes, and impacts until these were clear."""
+
+    row: Array
+    amplitude: Array
+    label: Array
+    impacts: Array
 
 
 class Brackets(NamedTuple):
@@ -106,8 +118,12 @@ class Search:
 
     def outcome(self, amplitude: Array, omega: Array) -> Array:
         """Codes of `Outcome`; safe is safe, with uplift and without."""
-        found = response(self.system, self.motion, amplitude, omega, self.eta, peaks=False).outcome
-        return np.where(found == Outcome.NO_UPLIFT, np.uint8(Outcome.ROCKED), found)
+        return self._respond(amplitude, omega)[0]
+
+    def _respond(self, amplitude: Array, omega: Array) -> tuple[Array, Array]:
+        """These codes, and the number of impacts until they were clear."""
+        found = response(self.system, self.motion, amplitude, omega, self.eta, peaks=False)
+        return np.where(found.outcome == Outcome.NO_UPLIFT, np.uint8(Outcome.ROCKED), found.outcome), found.impacts
 
     def rows(self, omegas: Array) -> list[Row]:
         """Every change of the outcome for each Omega, to the last digits; what is narrower than SCAN_STEP may be missed."""
@@ -128,17 +144,42 @@ class Search:
         starts = np.concatenate([[0], np.cumsum(last - first + 1)])
         begins, parts = np.empty(omegas.size, dtype=np.uint8), []
         for begin in range(0, int(starts[-1]), _BATCH):
-            a, b = max(0, begin - 1), min(begin + _BATCH, int(starts[-1]))  # from the last cell of the batch before
+            end = min(begin + _BATCH, int(starts[-1]))
+            a, b = max(0, begin - 1 - _AROUND), min(end + _AROUND, int(starts[-1]))  # what is around the gaps of this batch
             top, bottom = np.searchsorted(starts, [a, b - 1], side="right")
             row = np.repeat(np.arange(top - 1, bottom), np.diff(np.clip(starts[top - 1 : bottom + 1], a, b)))
             place = np.arange(a, b)
-            amplitude = ladder.rung(place - starts[row] + first[row])
-            label = self.outcome(amplitude, omegas[row])
+            rungs = self._look(row, ladder.rung(place - starts[row] + first[row]), omegas)
             new = np.flatnonzero(place == starts[row])
-            begins[row[new]] = label[new]
-            at = np.flatnonzero((label[1:] != label[:-1]) & (row[1:] == row[:-1]))
-            parts.append(Brackets(row[at], amplitude[at], amplitude[at + 1], label[at], label[at + 1]))
+            begins[row[new]] = rungs.label[new]
+            mine = (place[:-1] >= begin - 1) & (place[:-1] < end - 1) & (row[1:] == row[:-1])
+            parts.append(self._changes(rungs, mine, omegas))
         return begins, Brackets.join(parts)
+
+    def _look(self, row: Array, amplitude: Array, omegas: Array) -> Look:
+        """The outcomes there, a batch at a time."""
+        label, impacts = np.empty(row.size, dtype=np.uint8), np.empty(row.size, dtype=np.int32)
+        for begin in range(0, row.size, _BATCH):
+            batch = slice(begin, begin + _BATCH)
+            label[batch], impacts[batch] = self._respond(amplitude[batch], omegas[row[batch]])
+        return Look(row, amplitude, label, impacts)
+
+    def _changes(self, rungs: Look, mine: Array, omegas: Array) -> Brackets:
+        """The changes in gaps between rungs, with a closer look around those where the motion changes its course."""
+        width = np.diff(rungs.amplitude)
+        turns = (rungs.label[1:] != rungs.label[:-1]) | (rungs.impacts[1:] != rungs.impacts[:-1])
+        turns &= _lobes(self.motion.segments) > _SIMPLE
+        gap = np.flatnonzero(mine & _around(turns) & (width > FINE_STEP))
+        cuts = np.ceil(width[gap] / FINE_STEP).astype(np.int64) - 1
+        share = (np.arange(cuts.sum()) - np.repeat(np.cumsum(cuts) - cuts, cuts) + 1.0) / np.repeat(cuts + 1, cuts)
+        gap = np.repeat(gap, cuts)
+        inner = self._look(rungs.row[gap], rungs.amplitude[gap] + share * width[gap], omegas)
+        place = np.concatenate([np.arange(rungs.row.size), gap + share])
+        order = np.argsort(place, kind="stable")
+        row, amplitude, label = (np.concatenate([x, y])[order] for x, y in zip(rungs[:3], inner[:3], strict=True))
+        at = np.flatnonzero(label[1:] != label[:-1])
+        at = at[mine[place[order[at]].astype(np.int64)]]
+        return Brackets(row[at], amplitude[at], amplitude[at + 1], label[at], label[at + 1])
 
     def _doubtful(self, omegas: Array, ladder: Ladder) -> tuple[Array, Array]:
         """First and last rung that must be looked at: below them nothing changes, nor above."""
@@ -195,6 +236,12 @@ def _changes(labels: Array, row: Array) -> tuple[Array, Array]:
     return np.concatenate([lane[~many[lane]], np.flatnonzero(many)[through]]), np.concatenate([at[~many[lane]], place])
 
 
+def _around(flags: Array) -> Array:
+    """Whether one of these flags is set up to _AROUND places away."""
+    sums, at = np.concatenate([[0], np.cumsum(flags)]), np.arange(flags.size)
+    return sums[np.minimum(at + _AROUND + 1, flags.size)] > sums[np.maximum(at - _AROUND, 0)]
+
+
 def _one_way(labels: Array) -> tuple[Array, Array]:
     """(lane, index) of changes that lead from the first label to the last, each kind left where it is seen last.
 
@@ -210,6 +257,13 @@ def _one_way(labels: Array) -> tuple[Array, Array]:
         going = np.flatnonzero(now != labels[lane, -1])
         lane, now = lane[going], now[going]
     return np.concatenate(lanes), np.concatenate(places)
+
+
+def _lobes(segments: Segments) -> int:
+    """Stretches of the shaking that push one way."""
+    pushes = np.sign(np.column_stack([segments.s_start, segments.s_end]).ravel())
+    pushes = pushes[pushes != 0.0]
+    return 1 + int(np.count_nonzero(pushes[1:] != pushes[:-1]))
 
 
 def _path(segments: Segments) -> float:

@@ -4,7 +4,8 @@ Between the interval that overturns after an impact and the one that overturns w
 is not enough. The outcome is computed on amplitudes 1e-3 apart, which no wider interval escapes, and closer just above
 uplift; every change between neighbours is traced down to the last digits (`boundaries`). Slow pulses (Omega below 1) have
 intervals narrower than the scan, and more of them the closer one looks; so have motions of several cycles, at any amplitude
-that leads to many impacts. Those can be missed, safe ones and overturning ones.
+that leads to many impacts. There the scan looks at amplitudes 1e-4 apart around every change of the outcome or of the number
+of impacts, where narrow intervals gather. That is no proof: below 1e-3 an interval, safe or overturning, can be missed.
 """
 
 from __future__ import annotations

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from bench.intervals import misjudged
 from scipy.integrate import trapezoid
 
 from rocking_cli import (
@@ -88,3 +89,26 @@ def test_where_changes_have_no_end_only_those_that_the_scan_sees_are_traced(monk
 def test_amplitudes_beyond_any_whole_number_lie_above_the_last_rung():
     ladder = Ladder.between(1.0, 20.0)
     assert ladder.below(np.array([1e25, 1e308])).tolist() == [ladder.size - 1] * 2
+
+
+def test_a_narrow_interval_under_several_cycles_is_found():
+    """Overturning from 3.029878 to 3.030776 lies between two amplitudes of the scan, with equal outcomes."""
+    traced = trace_envelope(sine(5), [3.0], dimensionless_oscillator(0.9), a_max=3.1)
+    (found,) = [i for i in traced if i.a_from < 3.0303 < (i.a_to or np.inf)]
+    assert (found.a_from, found.a_to) == pytest.approx((3.029878, 3.030776), abs=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("motion", "eta", "omega", "a_max", "least"),
+    [(sine(5), 0.84645, 2.76515, 2.2, 30), (sine(2.5), 0.93413, 1.9, 1.5, 10), (cosine(2.5), 0.7, 2.5, 2.0, 4)],
+    ids=lambda x: getattr(x, "name", x),
+)
+def test_no_interval_wider_than_1e_4_is_missed_under_several_cycles(motion, eta, omega, a_max, least):
+    wide, missed, _ = misjudged(motion, eta, omega, a_max)
+    assert wide >= least
+    assert missed == []
+
+
+def test_a_closer_look_is_for_motions_that_push_more_than_twice():
+    for motion, lobes in ((sine(0.5), 1), (sine(), 2), (cosine(1), 3), (sine(1.5), 3), (sine(5), 10), (pulse("rectangular-impulse"), 2)):
+        assert boundaries._lobes(motion.segments) == lobes
