@@ -49,13 +49,15 @@ def envelope(
 
     A_to is empty where the interval goes on beyond --a-max. No interval wider than 1e-3 in A is missed; narrower ones,
     overturning or safe, can be: at low Omega just above uplift, and after many impacts (several cycles) anywhere. Under
-    motions that push more than twice none wider than 1e-4 was missed in 300 random cases, which is no proof. For
+    motions that push more than twice the scan is ten times as fine around every change, which finds most of those wider
+    than 1e-4 and is no proof. For
     structures with units omega_g [rad/s], a_from and a_to [m/s2] are printed as well.
     """
     from ..dynamics.method import Method
     from ..spectra.envelope import (
         CURVE_COLUMNS,
         INTERVAL_COLUMNS,
+        NARROWEST,
         check_curves,
         check_intervals,
         frequency_axis,
@@ -95,6 +97,8 @@ def envelope(
     options.emit(records(), form, columns=CURVE_COLUMNS if closed_form else INTERVAL_COLUMNS)
     for line in silent:
         options.note(line, quiet)
+    if not closed_form:
+        options.note(f"nothing is claimed of intervals narrower than {NARROWEST:g} in A, safe or overturning", quiet)
     if failed:
         options.note(f"{failed} intervals could not be decided (mode failed)", quiet)
         context.exit(4)

@@ -25,9 +25,9 @@ from ..motions.motion import Segments
 Array = np.ndarray
 
 SCAN_STEP = 0.999e-3  # no interval wider than 1e-3 in A escapes
-FINE_STEP = 0.999e-4  # the closer look where the outcome or the number of impacts changes: narrow intervals are found around there
+FINE_STEP = 0.999e-4  # of the closer look around changes of the outcome or of the number of impacts, where narrow intervals gather
 _AROUND = 12  # rungs on either side of such a change that are looked at closer too
-_SIMPLE = 2  # lobes of a motion that needs no closer look
+_SIMPLE = 2  # pushes of a motion that is not looked at closer: nothing lifts the body again that bounces after the second
 _BATCH = 1 << 20  # cells of the scan computed together
 _MOST_CHANGES = 500  # at one frequency; beyond it the outcome is noise between the amplitudes of the scan, of which there is no end
 _SECTIONS = 8  # parts that a bracket is cut into: three bits for one run of the engine

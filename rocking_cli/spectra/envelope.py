@@ -27,6 +27,7 @@ from .grid import OWN_TIME, Axis, parse_axes
 from .processes import available_cpus, processes
 
 A_MAX = 20.0
+NARROWEST = 1e-3  # width in A from which no interval is missed
 HIGHEST = 100_000.0  # that a_max may be: so many amplitudes a scan can look at
 SIGNS = {"+": (1.0,), "-": (-1.0,), "worse": (1.0, -1.0)}  # of the ground acceleration, for bodies whose sides differ
 BOTH = "both"  # each sign by itself

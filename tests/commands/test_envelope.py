@@ -65,3 +65,9 @@ def test_eta_must_be_a_number(refused):
 )
 def test_wrong_calls(refused, arguments, words):
     assert words in refused(2, "envelope", "--eta", "0.9", *arguments)
+
+
+def test_what_is_not_claimed_is_said_beside_the_intervals(rocking):
+    said = rocking("envelope", "--eta", "0.9", "--grid", "Omega=3:4:2").stderr
+    assert "nothing is claimed of intervals narrower than 0.001 in A" in said
+    assert rocking("envelope", "--eta", "0.9", "--grid", "Omega=3:4:2", "-q").stderr == ""
