@@ -106,7 +106,7 @@ def test_large_items_and_results_travel():
         (refuse, UsageError, "not 1"),
         (file_error, FileNotFoundError, "No such file"),
         (refuse_untold, RuntimeError, "two"),
-        (unpicklable, RuntimeError, "pickle"),
+        (unpicklable, RuntimeError, "lambda"),
     ],
 )
 def test_what_a_task_raises_is_raised_here(task, error, words):
