@@ -5,7 +5,7 @@ series of the drive and of y'' = y - 1 + a by its recurrence, looks for impacts 
 the step, and polishes them on the polynomial. Steps are a quarter radian of the fastest motion, or four bounces, 18 terms: the
 truncation error is below rounding. A dip narrower than an eighth of a step that grazes the ground would be missed; the engine's own
 proofs are what excludes that, and a disagreement shows in the check. The nonlinear equations, whose engine is a Taylor series itself,
-are checked by a Runge-Kutta method instead (`reference_nonlinear`).
+and bodies with damping or unlike sides are checked by a Runge-Kutta method instead (`general_solver`).
 """
 
 from __future__ import annotations
