@@ -72,7 +72,7 @@ def _rows(record: dict[str, Any], form: str | None, family: bool = False) -> Ite
         columns = {f"{side['side']}_{key}": value for side in sides for key, value in side.items() if key != "side"}
         if family:  # the header is written with the first member, and others may have more to tell
             columns = {column: columns.get(column) for column in SIDES_COLUMNS}
-            more = {key: record.get(key) for key in reports_of(record["structure"])}
+            more = {key: record.get(key) for key in reports_of(record["structure_kind"])}
             record = {**record, "one_sided": record.get("one_sided", False), "damping": record.get("damping", 0.0), **more}
         record = {**record, **columns}
     # A varied key that is also a parameter, as alpha of a block, says so.

@@ -119,7 +119,8 @@ class RockingParameters:
         names = {"eta": "eta", "lambda": "uplift", "a_scale": "a_scale", "eta_source": "eta_source", "gravity": "gravity"}
         more = {name: record[key] for key, name in names.items()}
         more |= {key: record[key] for key in ("one_sided", "damping") if key in record}
-        return cls(record["name"], record["structure"], record["p"], record["alpha"], sides=sides, **more)
+        kind = record["structure_kind"] if "structure_kind" in record else record["structure"]  # its name in files of earlier versions
+        return cls(record["name"], kind, record["p"], record["alpha"], sides=sides, **more)
 
     def with_restitution(self, eta: float) -> RockingParameters:
         """The same body with another restitution, on both edges. Raises ValueError when it is out of range."""
@@ -138,7 +139,7 @@ class RockingParameters:
         return {
             "name": self.name,
             "kind": "parameters",
-            "structure": self.structure,
+            "structure_kind": self.structure,
             "p": self.p,
             "alpha": self.alpha,
             "eta": self.eta,

@@ -16,9 +16,9 @@ def build(document: Document, name: str) -> RockingParameters:
     """The parameters as a document of kind `parameters` states them; lambda and a_scale give each other (Eq. 3.9)."""
     from .kinds import reports_of
 
-    structure = document.word("structure", "parameters")
+    structure = document.word("structure_kind", "parameters")
     if structure == DIMENSIONLESS:
-        raise document.fault("structure", structure, "the kind of a structure, which has units")
+        raise document.fault("structure_kind", structure, "the kind of a structure, which has units")
     reported = (*reports_of(structure), "varied")
     more: dict[str, Any] = {
         "eta_source": document.word("eta_source", "given"),

@@ -12,7 +12,11 @@ import pytest
 def test_json_lines_are_documents_again(rocking):
     first = rocking("params", "configs/block.yaml", "configs/spire.yaml", "--json")
     records = [json.loads(line) for line in first.stdout.splitlines()]
-    assert [r["name"] for r in records] == ["Column", "Spire"]
+    assert [(r["name"], r["kind"], r["structure_kind"]) for r in records] == [
+        ("Column", "parameters", "block"),
+        ("Spire", "parameters", "spire"),
+    ]
+    assert not any("structure" in r for r in records)  # which is a name, in every other output
     assert records[0]["p"] == pytest.approx(2.6716705, abs=1e-6)
     assert rocking("params", "-", "--json", stdin=first.stdout).stdout == first.stdout
 

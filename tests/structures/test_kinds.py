@@ -122,13 +122,13 @@ def test_an_installed_package_adds_a_kind(install):
 
 
 def test_details_are_carried_along_only_for_the_kind_that_reports_them(install):
-    record = {"kind": "parameters", "structure": "tower", "p": 1, "alpha": 0.2, "eta": 0.9, "lambda": 0.2, "storeys": 7}
+    record = {"kind": "parameters", "structure_kind": "tower", "p": 1, "alpha": 0.2, "eta": 0.9, "lambda": 0.2, "storeys": 7}
     with pytest.raises(DocumentError, match="unknown key 'storeys'"):
         parameters_of(json.dumps(record))
     install("tower", TOWER)
     assert parameters_of(json.dumps(record)).details == {"storeys": 7}
     with pytest.raises(DocumentError, match="unknown key 'storeys'"):
-        parameters_of(json.dumps({**record, "structure": "arch"}))
+        parameters_of(json.dumps({**record, "structure_kind": "arch"}))
 
 
 @pytest.mark.parametrize(

@@ -71,3 +71,10 @@ def test_dimensionless_oscillator_scales_nothing():
     o = dimensionless_oscillator(0.9)
     assert o.dimensionless_amplitude(3.0) == 3.0
     assert (o.p, o.name) == (1.0, "eta=0.9")
+
+
+def test_a_record_of_an_earlier_file_is_read():
+    one = RockingParameters("x", "block", 1.0, 0.2, 0.9, 0.2, 1.0)
+    now = one.record()
+    before = {("structure" if key == "structure_kind" else key): value for key, value in now.items()}
+    assert RockingParameters.from_record(now) == RockingParameters.from_record(before) == one

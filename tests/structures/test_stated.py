@@ -46,7 +46,10 @@ def test_sides_are_read_with_lambda_or_a_scale():
         (SIDES + OTHER + "alpha: 0.3", "alpha: found 0.3; accepted is 0.2 as in sides, where the left edge lifts first"),
         (SIDES + OTHER + "one_sided: true", "one_sided: found a one-sided body of two sides"),
         (ONE_SIDED + "eta: -0.4\ndamping: 1", "damping: found 1; accepted is a number from 0 to below 1"),
-        (ONE_SIDED + "eta: -0.4\nstructure: dimensionless", "structure: found dimensionless; accepted is the kind of a structure"),
+        (
+            ONE_SIDED + "eta: -0.4\nstructure_kind: dimensionless",
+            "structure_kind: found dimensionless; accepted is the kind of a structure",
+        ),
     ],
 )
 def test_refusals(text, words):
