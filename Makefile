@@ -1,7 +1,7 @@
 # Each target sets up its own .venv from nothing; a target whose inputs have not changed since it last passed does nothing.
 PYTHON ?= python3
 STAMPS := .venv/stamps
-CODE := $(shell find rocking_cli -name '*.py')
+CODE := $(shell find rocking_cli -name '*.py' -o -name '*.txt')
 CONFIGS := $(shell find configs -type f)
 TESTS := $(shell find tests -type f -not -path '*/__pycache__/*')
 
@@ -61,6 +61,7 @@ figures: $(STAMPS)/dev
 bench: $(STAMPS)/dev
 	.venv/bin/python -m pip install --quiet --disable-pip-version-check --editable '.[bench]'
 	.venv/bin/python tests/bench/bench.py
+	.venv/bin/python tests/shown.py
 	.venv/bin/python tests/bench/left_out.py
 	.venv/bin/python tests/bench/extremes.py
 

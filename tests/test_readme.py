@@ -3,66 +3,48 @@
 from __future__ import annotations
 
 import re
-import shlex
-from pathlib import Path
 
-from readme_help import blocks, section
+from bench.speed import in_readme
+from shown import README, ROOT, written
 
-ROOT = Path(__file__).resolve().parent.parent
-README = (ROOT / "README.md").read_text(encoding="utf-8")
-COMMANDS = [line for block in re.findall(r"```sh\n(.*?)```", README, re.DOTALL) for line in block.splitlines() if line]
+TEXT = README.read_text(encoding="utf-8")
+ANEW = "python tests/shown.py writes it anew"
 
 
-def shell(rocking, line: str, folder: Path) -> str:
-    """What a line of the README prints, pipes into `rocking` and `head` and redirections included; it must succeed."""
-    line, _, target = line.partition(" > ")
-    said, out = "", ""
-    for stage in line.split(" | "):
-        name, *arguments = shlex.split(stage)
-        if name == "head":
-            assert arguments[0] == "-n"
-            out = "".join(out.splitlines(keepends=True)[: int(arguments[1])])
-            continue
-        assert name == "rocking", stage
-        done = rocking(*arguments, stdin=out)
-        assert done.returncode == 0, f"{stage}\n{done.stderr}"
-        out, said = done.stdout, said + done.stderr
-    if target:
-        (folder / target).write_text(out)
-    assert out or said or ".png" in line, line
-    return out
+def test_every_command_runs_in_order_and_prints_what_is_shown(rocking, tmp_path):
+    assert written(TEXT, rocking, tmp_path) == TEXT, ANEW
 
 
-def test_every_command_runs_in_order(rocking, tmp_path):
-    for line in COMMANDS:
-        shell(rocking, line, tmp_path)
+def test_the_table_of_speed_is_what_was_measured():
+    assert in_readme(TEXT) == TEXT, ANEW
 
 
-def test_the_result_shown_is_the_result_printed(rocking, tmp_path):
-    shown = re.search(r"```\n(structure .*?)```", README, re.DOTALL)
-    assert shown is not None
-    assert shell(rocking, COMMANDS[0], tmp_path) == shown[1]
+def test_it_is_short():
+    assert len(TEXT.encode()) <= 12_000
 
 
 def test_the_python_example_runs(tmp_path, monkeypatch, capsys):
     (tmp_path / "configs").symlink_to(ROOT / "configs")
     monkeypatch.chdir(tmp_path)
-    example = re.search(r"```python\n(.*?)```", README, re.DOTALL)
+    example = re.search(r"```python\n(.*?)```", TEXT, re.DOTALL)
     assert example is not None
     exec(compile(example[1], "README.md", "exec"), {"__name__": "__main__"})
     assert "p = 2.672 rad/s" in capsys.readouterr().out
 
 
-def test_the_help_shown_is_the_help_printed():
-    assert section(README) == blocks(), "python tests/readme_help.py writes the blocks anew"
-
-
-def test_every_command_and_kind_is_documented():
-    from rocking_cli.commands import COMMANDS as commands
+def test_every_command_and_kind_is_named():
+    from rocking_cli.commands import COMMANDS
     from rocking_cli.structures import KINDS
 
-    for name in commands:
-        assert f"rocking {name}" in README
+    for name in COMMANDS:
+        assert f"`rocking {name}" in TEXT
     for kind in KINDS:
-        assert f"| {kind} |" in README
+        assert re.search(rf"^\| .*\b{kind}\b.* \| ", TEXT, re.MULTILINE), kind
         assert (ROOT / "configs" / f"{kind}.yaml").exists()
+
+
+def test_every_topic_it_points_to_is_there():
+    from rocking_cli.commands import COMMANDS
+    from rocking_cli.commands.help import TOPICS
+
+    assert set(re.findall(r"rocking help ([a-z]+)", TEXT)) <= {*COMMANDS, *TOPICS}

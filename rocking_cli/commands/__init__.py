@@ -13,20 +13,34 @@ from .. import __version__, interruption
 from ..errors import RockingError
 from . import streams
 
-COMMANDS = {
-    "params": "Derive p, alpha, eta, lambda and a_scale of each structure.",
-    "spectrum": "Sweep every structure over a grid and write its rocking spectrum.",
-    "envelope": "Trace every interval of amplitude that overturns.",
-    "records": "Tell what recorded ground motions hold, and measure them.",
-    "response": "Time history of one structure under one motion.",
-    "accuracy": "Error against run time for a scene.",
-    "predict": "Predict structures' responses from a spectrum.",
-    "plot": "Draw spectra, envelopes, responses, families.",
-    "info": "Tell what a spectra file holds, and verify it.",
-    "convert": "Stream the cells of a spectra file.",
-    "merge": "Put together the shards of a sweep.",
-    "compare": "Compare structures under motions scaled alike, and the linear with the nonlinear equation.",
+SECTIONS = {
+    "What stands there": {
+        "params": "Derive p, alpha, eta, lambda and a_scale of each structure.",
+    },
+    "What shakes it": {
+        "records": "Tell what recorded ground motions hold, and measure them.",
+    },
+    "One structure, one motion": {
+        "response": "Time history of one structure under one motion.",
+        "compare": "Compare structures under one motion scaled alike, and the two equations.",
+    },
+    "All amplitudes and frequencies": {
+        "envelope": "Trace every interval of amplitude that overturns.",
+        "spectrum": "Sweep structures over a grid and write their rocking spectrum.",
+        "predict": "Predict the response of structures from a spectrum.",
+    },
+    "What came out": {
+        "plot": "Draw spectra, envelopes, responses, families.",
+        "info": "Tell what a spectra file holds, and verify it.",
+        "convert": "Stream the cells of a spectra file.",
+        "merge": "Put together the shards of a sweep.",
+    },
+    "How far to trust it": {
+        "accuracy": "Error against run time for a scene.",
+        "help": "The reference of a command or a topic, with examples.",
+    },
 }
+COMMANDS = {name: summary for section in SECTIONS.values() for name, summary in section.items()}
 
 
 class _Commands(click.Group):
@@ -48,8 +62,10 @@ class _Commands(click.Group):
         return name, command, rest
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
-        with formatter.section("Commands"):
-            formatter.write_dl(list(COMMANDS.items()))
+        widest = max(map(len, COMMANDS))
+        for title, commands in SECTIONS.items():
+            with formatter.section(title):
+                formatter.write_dl([(name.ljust(widest), summary) for name, summary in commands.items()])
 
 
 def _refuse_repetitions(context: click.Context, arguments: list[str]) -> None:

@@ -40,7 +40,7 @@ output = click.option("-o", "--output", required=True, type=OutputPath(), help="
 overwrite = click.option("--overwrite", is_flag=True, help="Replace an output that exists.")
 strict = click.option("--strict", is_flag=True, help="Refuse data of a machine or of libraries that may differ in the last digits.")
 workers = click.option("--workers", type=click.IntRange(1), help="Processes to use (default: all cores).")
-pulse = click.option("--pulse", metavar="NAME", help="Ground motion: sine (default), or one of the pulses listed in the README.")
+pulse = click.option("--pulse", metavar="NAME", help="Ground motion: sine (default), or one of the pulses of `rocking help motions`.")
 cycles = click.option("--cycles", type=float, help="Cycles of a sine or cosine, in half cycles (default 1).")
 gamma = click.option("--gamma", type=float, help="Duration over period of a mavroeidis-papageorgiou pulse (default 2).")
 phase = click.option("--phase", metavar="ANGLE", help="Phase of a mavroeidis-papageorgiou pulse, in rad or with a unit (default 0).")

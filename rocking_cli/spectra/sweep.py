@@ -159,7 +159,7 @@ def write_spectrum(
     progress: Progress | None = None,
     tell: Tell | None = None,
 ) -> Summary:
-    """Compute a spectrum and stream it, chunk by chunk, into an HDF5 file (layout: README).
+    """Compute a spectrum and stream it, chunk by chunk, into an HDF5 file (layout: `rocking help files`).
 
     quantities: names of `QUANTITIES`, stored as well. scheduler: address of a dask.distributed cluster to compute on. shard: (i, n)
     computes the i-th of n parts, for `merge`. resume: go on with what an interrupted sweep of the same scene left in PATH.part,

@@ -1,8 +1,8 @@
-"""Side by side in one run: the engine, a compiled lower bound, heyoka and SciPy. Prints a table and the ratios the README quotes.
+"""Side by side in one run: the engine, a compiled lower bound, heyoka and SciPy. Prints a table and its ratios.
 
 Scene L: linear, one sine cycle, eta 0.9, A and Omega 0.5 ... 12. Scene N: nonlinear, alpha 0.25, tolerance 1e-9, the same grid.
 The faster of two or more runs counts; what peers compile, they compile before the clock starts. `--values` sets the values of each
-axis (1000), `--sample` the cells given to heyoka.
+axis (1000), `--sample` the cells given to heyoka. With 1000 values the README's figures are kept in speed.json.
 """
 
 from __future__ import annotations
@@ -23,6 +23,7 @@ import h5py
 import numba
 import numpy as np
 import peers
+import speed
 
 from rocking_cli import (
     Method,
@@ -166,6 +167,8 @@ def main() -> None:
         agreement(answer[:, 1], answer[:, 0], found.theta_ratio[some], found.outcome[some]),
     )
     ours = all_workers / n**2
+    cells_of = {"linear": engine / n**2, "sweep": ours, "linear_compiled": kernels / n**2}
+    cells_of |= {"linear_heyoka": heyoka / len(cells), "linear_scipy": scipy / 400}
     print(f"  engine / compiled, one thread      {engine / kernel:8.2f}")
     print(f"  {cores} workers with file / compiled    {all_workers / kernels:8.2f}")
     print(f"  heyoka / {cores} workers with file      {heyoka / len(cells) / ours:8.1f}")
@@ -194,6 +197,7 @@ def main() -> None:
     line(
         "engine against tolerance 1e-13", engine, half.size**2, agreement(mine.theta_ratio, mine.outcome, exact.theta_ratio, exact.outcome)
     )
+    cells_of |= {"nonlinear": engine / half.size**2, "nonlinear_heyoka": with_one / len(some)}
     print(f"  heyoka / engine                    {with_one / (len(cells) // 4) / (engine / half.size**2):8.2f}")
 
     systems(n // 2)
@@ -201,6 +205,8 @@ def main() -> None:
     print("Envelope, 400 frequencies 0.5 ... 12, every boundary to the last digits")
     seconds, intervals = clock(lambda: trace_envelope(sine(), np.linspace(0.5, 12.0, 400), dimensionless_oscillator(ETA)))
     print(f"  {seconds:.2f} s, {len(intervals)} intervals")
+    if n == 1000:
+        speed.write({key: 1e6 * value for key, value in cells_of.items()} | {"envelope": seconds})
 
     print("Time a cell against the number of cells (linear, one process)")
     for size in (100, 300, 1000, 2000):

@@ -1,4 +1,4 @@
-"""Measured errors of the README's table of stiff and extreme cells, both equations, against paths that share no code with the engine.
+"""Measured errors of the table of stiff and extreme cells, both equations, against paths that share no code with the engine.
 
 A row's cells are computed by the engine (nonlinear at tolerance 1e-11) and one by one by the references: Taylor series in small steps,
 DOP853. A rigid body that rises by less than 1e-7 bounces through thousands of DOP853's steps; its reference is the linear one times

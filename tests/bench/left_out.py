@@ -1,6 +1,6 @@
 """What leaving things out saves: each shortcut of the engine taken away from a scene, one at a time, in the same run.
 
-The engine has no switch for this; here its parts are replaced from outside. Prints the README's table of what is left out.
+The engine has no switch for this; here its parts are replaced from outside. Prints the table of `rocking help accuracy`.
 """
 
 from __future__ import annotations

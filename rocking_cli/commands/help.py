@@ -1,0 +1,53 @@
+"""`rocking help`: the reference of a command or a topic, from the pages beside the commands."""
+
+from __future__ import annotations
+
+from importlib.resources import files
+
+import click
+
+from . import COMMANDS, streams
+
+TOPICS = {
+    "documents": "Structure documents: every kind and every key.",
+    "motions": "Pulses, motion documents and records as motions.",
+    "files": "What a spectra file holds, and what guards it.",
+    "output": "Streams, tables, JSON and CSV, exit codes, completion.",
+    "python": "The same from Python.",
+}
+
+
+@click.command(name="help", epilog="Example: rocking help documents")
+@click.argument("name", required=False, type=click.Choice([*COMMANDS, *TOPICS]), metavar="[COMMAND|TOPIC]")
+@click.pass_context
+def help(context: click.Context, name: str | None) -> None:
+    """Print the reference of a command, its options and examples, or of a topic.
+
+    Without a name, list the commands and the topics.
+    """
+    group = context.find_root()
+    if name is None:
+        formatter = group.make_formatter()
+        with formatter.section("Topics"):
+            formatter.write_dl([(topic.ljust(max(map(len, COMMANDS))), summary) for topic, summary in TOPICS.items()])
+        text = f"{group.get_help()}\n\n{formatter.getvalue()}"
+    else:
+        text = "\n\n".join(part for part in (_options(group, name), page(name)) if part)
+    for line in text.rstrip().splitlines():
+        streams.put(line)
+
+
+def page(name: str) -> str:
+    """The page of a command or a topic; empty for a command whose --help says everything."""
+    found = files(__package__) / "pages" / f"{name}.txt"
+    return found.read_text(encoding="utf-8") if found.is_file() else ""
+
+
+def _options(group: click.Context, name: str) -> str:
+    """What --help prints for a command; empty for a topic."""
+    if name not in COMMANDS:
+        return ""
+    assert isinstance(group.command, click.Group)
+    command = group.command.get_command(group, name)
+    assert command is not None
+    return command.get_help(click.Context(command, parent=group, info_name=name))

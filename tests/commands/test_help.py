@@ -1,0 +1,66 @@
+"""`rocking help`: every command and topic has its reference, and what a page shows runs."""
+
+from __future__ import annotations
+
+import re
+
+import click
+import pytest
+from shown import shell
+
+from rocking_cli.commands import COMMANDS, cli
+from rocking_cli.commands.help import TOPICS, page
+from rocking_cli.motions import PULSES
+from rocking_cli.structures import KINDS
+
+PAGES = [name for name in (*COMMANDS, *TOPICS) if page(name)]
+
+
+def test_all_are_listed(rocking):
+    done = rocking("help")
+    assert done.returncode == 0
+    for name, summary in (COMMANDS | TOPICS).items():
+        assert re.search(rf"^  {name} +{summary[:40]}", done.stdout, re.MULTILINE), name
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_a_command_has_its_options_and_then_its_page(rocking, command):
+    done = rocking("help", command)
+    options = rocking(command, "--help").stdout
+    assert done.stdout.startswith(options.rstrip())
+    assert done.stdout.endswith(page(command))
+    found = cli.get_command(click.Context(cli), command)
+    assert found is not None
+    for parameter in found.params:
+        if isinstance(parameter, click.Option):
+            assert parameter.opts[-1] in done.stdout
+            assert parameter.help, f"{parameter.opts[-1]} says nothing"
+
+
+@pytest.mark.parametrize("topic", TOPICS)
+def test_a_topic_is_its_page(rocking, topic):
+    assert page(topic)
+    assert rocking("help", topic).stdout == page(topic)
+
+
+@pytest.mark.parametrize("name", PAGES)
+def test_what_a_page_shows_runs_in_order(rocking, tmp_path, name):
+    for line in re.findall(r"^    (rocking .*)$", page(name), re.MULTILINE):
+        shell(rocking, line, tmp_path)
+
+
+@pytest.mark.parametrize("name", PAGES)
+def test_a_page_fits_a_terminal_and_points_to_what_is_there(name):
+    prose = [line for line in page(name).splitlines() if not line.startswith("    rocking ")]
+    assert max(map(len, prose)) <= 80
+    assert set(re.findall(r"`rocking help ([a-z]+)`", page(name))) <= COMMANDS.keys() | TOPICS.keys()
+
+
+def test_every_kind_and_every_pulse_stands_in_a_page():
+    for words, name in ((KINDS, "documents"), (PULSES, "motions")):
+        for word in words:
+            assert re.search(rf"^  {word}  ", page(name), re.MULTILINE), word
+
+
+def test_an_unknown_name_is_refused(refused):
+    assert "'document' is not one of" in refused(2, "help", "document")
