@@ -97,7 +97,10 @@ def test_json_is_json_in_every_encoding(encoding, rocking, tmp_path):
     assert json.loads(done.stdout.decode(encoding))["name"] == "Säule β \U0001f5fc"
 
 
-@pytest.mark.parametrize("call", ["--help", "--version", "params --help", "params b.yaml", "info s.h5", "plot s.h5 --text", "convert s.h5"])
+MORE = [pytest.param(call, marks=pytest.mark.soak) for call in ("--version", "params --help", "info s.h5", "plot s.h5 --text")]
+
+
+@pytest.mark.parametrize("call", ["--help", "params b.yaml", "convert s.h5", *MORE])
 def test_every_output_ends_alike(call, tmp_path, spectrum_file):
     (tmp_path / "b.yaml").write_text("kind: block\nwidth: 1\nheight: 5\n")
     (tmp_path / "s.h5").symlink_to(spectrum_file)

@@ -35,7 +35,7 @@ def model(request):
 def test_history_comes_to_what_the_engine_says(model, motion):
     random = np.random.default_rng(4)
     rocked = 0
-    for _ in range(6 if model is not MODELS["arch"] else 3):
+    for _ in range(20):
         cell = random.uniform(0.9, 2.5), random.uniform(6, 14), random.uniform(0.3, 0.9)
         expected = response(model, motion, *cell)
         found = history(model, motion, *cell, duration=motion.duration / cell[1] + 40.0)
@@ -46,7 +46,9 @@ def test_history_comes_to_what_the_engine_says(model, motion):
             times = np.linspace(0.0, found.end, 4001)
             assert np.abs(found.at(times)[0]).max() <= abs(found.peak.theta_ratio) + 1e-12
             assert found.at(np.array([found.peak.tau]))[0][0] == pytest.approx(found.peak.theta_ratio, abs=1e-12)
-    assert rocked
+        if rocked == 2:
+            break
+    assert rocked == 2
 
 
 def test_linear_history_is_the_equation_in_si_units():

@@ -100,7 +100,11 @@ def test_a_narrow_interval_under_several_cycles_is_found():
 
 @pytest.mark.parametrize(
     ("motion", "eta", "omega", "a_max", "least"),
-    [(sine(5), 0.84645, 2.76515, 2.2, 30), (sine(2.5), 0.93413, 1.9, 1.5, 10), (cosine(2.5), 0.7, 2.5, 2.0, 4)],
+    [
+        pytest.param(sine(5), 0.84645, 2.76515, 2.2, 30, marks=pytest.mark.soak),
+        (sine(2.5), 0.93413, 1.9, 1.5, 10),
+        (cosine(2.5), 0.7, 2.5, 2.0, 4),
+    ],
     ids=lambda x: getattr(x, "name", x),
 )
 def test_no_interval_wider_than_1e_4_is_missed_under_several_cycles(motion, eta, omega, a_max, least):

