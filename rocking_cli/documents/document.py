@@ -61,6 +61,7 @@ class Document:
     index: int = 0
     text: str = ""
     asked: set[str] = field(default_factory=set)
+    inner: list[Document] = field(default_factory=list)
 
     def has(self, key: str) -> bool:
         """Whether the key is there (and not null)."""
@@ -153,8 +154,21 @@ class Document:
             raise DocumentError(f"{value.place}: {key}: found {value}; accepted is a mapping of keys to values")
         return Document(self.source, value.place, value.content, {k: v.place for k, v in value.content.items()})
 
+    def parts(self, key: str, wanted: str) -> list[Document]:
+        """The mappings of a list that is not empty, each as a document that shares nothing; `finish` of this one finishes them."""
+        value = self.values[key] if self.has(key) else None
+        if value is None:
+            raise self.missing(key, wanted)
+        if not isinstance(value.content, list) or not value.content:
+            raise self.fault(key, str(value), wanted)
+        found = [self.part(key, child) for child in value.content]
+        self.inner += found
+        return found
+
     def finish(self) -> None:
         """Refuse the keys that no reader asked for."""
+        for part in self.inner:
+            part.finish()
         for key, place in self.keys.items():
             if key not in self.asked:
                 known = sorted(self.asked)
@@ -166,7 +180,7 @@ class Document:
         """The same document with one value replaced or added."""
         place = Place(source, 0, 0)
         values = {**self.values, key: Value(text, place)}
-        return replace(self, values=values, keys={**self.keys, key: place}, asked=set())
+        return replace(self, values=values, keys={**self.keys, key: place}, asked=set(), inner=[])
 
 
 def _range_text(above: float, below: float, least: float, most: float) -> str:

@@ -23,6 +23,7 @@ UNITS: dict[str, dict[str, float]] = {
     "time": {"s": 1.0, "ms": 1e-3},
     "velocity": {"m/s": 1.0, "cm/s": 1e-2, "mm/s": 1e-3},
     "mass": {"kg": 1.0, "t": 1e3},
+    "density": {**dict.fromkeys(("kg/m3", "kg/m^3", "kg/m³"), 1.0), **dict.fromkeys(("t/m3", "t/m^3", "t/m³"), 1e3)},
     "moment of inertia": {**dict.fromkeys(("kg m2", "kg m^2", "kg m²"), 1.0), **dict.fromkeys(("t m2", "t m^2", "t m²"), 1e3)},
     "number": {},
 }

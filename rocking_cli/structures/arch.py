@@ -22,11 +22,16 @@ if TYPE_CHECKING:
 REPORTS = ("a_scale_3_7", "hinges", "direction", "lambda_governing")
 MOST_VOUSSOIRS = 200
 DIRECTION = "sways towards +x, away from springing A; the mirror image has the same parameters"
+MEASURED = {"centre-line": 0.0, "intrados": 0.5, "extrados": -0.5}  # thicknesses from there out to the centre line
+PAIRS = (("radius", "angle"), ("span", "rise"))
 _HINGES = "four angles from springing A, rising, or four of {angle, face} with faces intrados and extrados in turn"
 
 
 def build(document: Document, name: str) -> RockingParameters:
-    """radius (centre line), thickness, angle (inclusion), voussoirs (absent: continuous), hinges (absent: searched)."""
+    """thickness; radius and angle (inclusion), or span and rise; measured: centre-line (default), intrados or extrados.
+
+    voussoirs (absent: continuous); hinges (absent: searched).
+    """
     from .fourbar import FACES
 
     if one_sided_of(document):
@@ -47,7 +52,10 @@ def build(document: Document, name: str) -> RockingParameters:
         gravity=gravity,
         details={
             "a_scale_3_7": found.a_scale_3_7,
-            "hinges": [{"angle": s, "face": face} for s, face in zip(mechanism.hinges, FACES, strict=True)],
+            "hinges": [
+                {"angle": s, "face": face, "x": float(x), "z": float(z)}  # from the centre of the ring
+                for s, face, (x, z) in zip(mechanism.hinges, FACES, mechanism.points, strict=True)
+            ],
             "direction": DIRECTION,
             **({"lambda_governing": governing} if document.has("hinges") else {}),
         },
@@ -62,15 +70,12 @@ def find_mechanism(document: Document) -> tuple[FourBar, float | None]:
     """
     import numpy as np
 
-    from .fourbar import FourBar, Ring
+    from .fourbar import FourBar
     from .hinges import search_continuous, search_joints
     from .statics import static_uplift
 
-    radius = document.length("radius")
-    where = f"a length between {SMALLEST_LENGTH:g} m and {2 * radius:g} m (2 radius)"
-    thickness = document.quantity("thickness", "length", above=SMALLEST_LENGTH, below=2.0 * radius, where=where)
-    angle = document.quantity("angle", "angle", above=0.0, below=2.0 * math.pi, where="an angle between 0 and 360 deg")
-    ring = Ring(radius, thickness, angle)
+    ring = ring_of(document)
+    angle = ring.angle
     voussoirs = document.integer("voussoirs", 4, MOST_VOUSSOIRS) if document.has("voussoirs") else None
     joints = None if voussoirs is None else np.linspace(0.0, angle, voussoirs + 1)
     found = search_continuous(ring) if joints is None else search_joints(ring, joints)
@@ -84,6 +89,31 @@ def find_mechanism(document: Document) -> tuple[FourBar, float | None]:
         wanted = "an arch longer or thinner, which rocks before its joints part"
         raise document.fault(None, "no linkage of four hinges that governs", wanted)
     return FourBar(ring, found[0]), found[1]
+
+
+def ring_of(document: Document) -> Ring:
+    """The ring from radius and angle, or from span and rise: R = (span^2/4 + rise^2)/(2 rise), angle = 4 atan(2 rise/span).
+
+    `measured` tells where radius, span and rise are taken; faces are half a thickness off the centre line, springings radial.
+    """
+    from .fourbar import Ring
+
+    line = document.choice("measured", list(MEASURED), "centre-line")
+    pairs = [pair for pair in PAIRS if any(document.has(key) for key in pair)]
+    if len(pairs) > 1 or not all(document.has(key) for key in (pairs or [PAIRS[0]])[0]):
+        found = " and ".join(key for pair in pairs for key in pair if document.has(key)) or "none of them"
+        raise document.fault(None, found, ", or ".join(" and ".join(pair) for pair in PAIRS))
+    if pairs == [PAIRS[1]]:
+        span, rise = document.length("span"), document.length("rise")
+        radius, angle = 0.5 * (0.25 * span * span / rise + rise), 4.0 * math.atan2(2.0 * rise, span)
+    else:
+        radius = document.length("radius")
+        angle = document.quantity("angle", "angle", above=0.0, below=2.0 * math.pi, where="an angle between 0 and 360 deg")
+    outward = MEASURED[line]  # centre line = what is measured + outward thickness, and its radius is above half the thickness
+    most = radius / (0.5 - outward) if outward < 0.5 else math.inf
+    where = f"a length between {SMALLEST_LENGTH:g} m and {most:g} m, where the intrados has no radius left"
+    thickness = document.quantity("thickness", "length", above=SMALLEST_LENGTH, below=most, where=where)
+    return Ring(radius + outward * thickness, thickness, angle)
 
 
 def _given(document: Document, ring: Ring, joints: Any) -> FourBar:

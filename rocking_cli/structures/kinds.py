@@ -14,7 +14,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Protocol
 
 from ..documents.document import Document
-from . import arch, block, drum, frame, point_mass, prism, rigid, spire, stated
+from . import arch, block, drum, frame, point_mass, prism, rigid, spire, stack, stated, wall
 from .parameters import RockingParameters
 
 if TYPE_CHECKING:
@@ -47,6 +47,8 @@ KINDS: dict[str, Kind] = {
     "prism": prism,
     "drum": drum,
     "rigid": rigid,
+    "stack": stack,
+    "wall": wall,
     "parameters": stated,
 }
 

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, NamedTuple
 
 from ..documents.document import Document
 from .kinematics import Moments, spin_about
@@ -106,27 +106,48 @@ def body_on_edges(
     """The same for a body that rocks as a whole on both edges, (half, 0) and (-half, 0), which need not be alike."""
     if abs(body.x) <= 1e-13 * math.sqrt(body.mass * body.polar):  # within rounding of the middle is in the middle
         body = body._replace(x=0.0)
-    inertia = {"left": body.about(-half, 0.0), "right": body.about(half, 0.0)}
-    shared = spin_about(half, 0.0).product(spin_about(-half, 0.0), body)  # I_G + m (z^2 - l r)
-    from_left, from_right = shared / inertia["right"], shared / inertia["left"]
+    left, right, _ = _distances(document, kind, body, half)
+    gravity, more = gravity_of(document), dict(details or {})
+    edges = edges_of(body, half, gravity)
+    from_left, from_right = edges["left"].eta, edges["right"].eta
     if body.x == 0.0:
         return symmetric_body(document, kind, name, body, half, limit=limit, eta=from_right, top=top, details=details)
-    left, right, z = _distances(document, kind, body, half)
-    gravity, more = gravity_of(document), dict(details or {})
 
-    def on(side: str, distance: float, eta: float) -> Side:
-        p = math.sqrt(gravity * math.hypot(distance, z) * body.mass / inertia[side])
-        return Side(side, p, math.atan2(distance, z), distance / z, 1.0, eta)
+    def on(side: str, eta: float) -> Side:
+        edge = edges[side]
+        return Side(side, edge.p, edge.alpha, edge.uplift, 1.0, eta)
 
     if one_sided_of(document):
         e, source = one_sided_restitution_of(document, (from_right, from_left), _against_backing(body, half, top))
-        s = on("right", right, 0.0)
+        s = on("right", 0.0)
         return RockingParameters(name, kind, s.p, s.alpha, e, s.uplift, s.a_scale, source, gravity, more, one_sided=True)
     eta_left, source = restitution_of(document, from_left, limit)
     eta_right, _ = restitution_of(document, from_right, limit)
     more["direction"] = "over the left edge" if left < right else "over the right edge"
-    sides = on("left", left, eta_left), on("right", right, eta_right)
+    sides = on("left", eta_left), on("right", eta_right)
     return RockingParameters.of_sides(name, kind, *sides, eta_source=source, gravity=gravity, details=more)
+
+
+class Edge(NamedTuple):
+    """A body on one of its edges: p [rad/s], alpha [rad], lambda [-], and eta from momentum on leaving it for the other, negative where
+    the body is too squat."""
+
+    p: float
+    alpha: float
+    uplift: float
+    eta: float
+
+
+def edges_of(body: Moments, half: float, gravity: float) -> dict[str, Edge]:
+    """A body whose mass centre is above its base, on its edges (-half, 0) and (half, 0) [m]; the formulas of this module."""
+    z = body.z / body.mass
+    shared = spin_about(half, 0.0).product(spin_about(-half, 0.0), body)  # I_G + m (z^2 - l r)
+    found = {}
+    for side, edge in (("left", -half), ("right", half)):
+        distance = abs(edge - body.x / body.mass)
+        p = math.sqrt(gravity * math.hypot(distance, z) * body.mass / body.about(edge, 0.0))
+        found[side] = Edge(p, math.atan2(distance, z), distance / z, shared / body.about(-edge, 0.0))
+    return found
 
 
 def _distances(document: Document, kind: str, body: Moments, half: float) -> tuple[float, float, float]:

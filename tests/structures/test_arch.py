@@ -14,7 +14,7 @@ from thrust import largest_tilt
 from written import built
 
 from rocking_cli import DocumentError, build_structure, parse_documents
-from rocking_cli.structures.arch import find_mechanism
+from rocking_cli.structures.arch import find_mechanism, ring_of
 from rocking_cli.structures.fourbar import Ring
 
 OPPENHEIM = "kind: arch\nradius: 10\nthickness: 1.5\nangle: 157.5 deg\n"
@@ -159,3 +159,39 @@ def test_refusals(text, words):
     (document,) = parse_documents(text, "f.yaml")
     with pytest.raises(DocumentError, match=words):
         build_structure(document)
+
+
+@pytest.mark.parametrize(("line", "outward"), [("centre-line", 0.0), ("intrados", 0.5), ("extrados", -0.5)])
+@pytest.mark.parametrize("angle", [100.0, 157.5, 180.0, 200.0])
+def test_span_and_rise_are_radius_and_angle_of_the_face_they_are_measured_on(line, outward, angle):
+    thickness, half = 1.5, math.radians(0.5 * angle)
+    measured = 10.0 - outward * thickness  # radius of that face, of a centre line of 10 m
+    span, rise = 2.0 * measured * math.sin(half), measured * (1.0 - math.cos(half))
+    for pair in (f"span: {span!r}\nrise: {rise!r}", f"radius: {measured!r}\nangle: {angle} deg"):
+        (document,) = parse_documents(f"kind: arch\nmeasured: {line}\nthickness: {thickness}\n{pair}")
+        assert ring_of(document) == pytest.approx((10.0, thickness, 2.0 * half), rel=1e-14, abs=0)
+
+
+@pytest.mark.parametrize(
+    ("keys", "words"),
+    [
+        ("span: 8", "found span; accepted is radius and angle, or span and rise"),
+        ("radius: 5\nrise: 2", "found radius and rise; accepted is radius and angle, or span and rise"),
+        ("span: 8\nrise: 3\nangle: 2", "found angle and span and rise; accepted is radius and angle, or span and rise"),
+        ("", "found none of them; accepted is radius and angle, or span and rise"),
+        ("span: 8\nrise: 3\nmeasured: crown", "measured: found crown; accepted is one of centre-line, intrados, extrados"),
+        ("radius: 5\nangle: 2\nthickness: 5\nmeasured: extrados", "thickness: found 5; accepted is a length between 1e-09 m and 5 m"),
+        ("radius: 5\nangle: 2\nthickness: 10", "thickness: found 10; accepted is a length between 1e-09 m and 10 m"),
+    ],
+)
+def test_other_pairs_name_the_accepted_ones(keys, words):
+    text = f"kind: arch\n{keys}" if "thickness" in keys else f"kind: arch\nthickness: 0.5\n{keys}"
+    with pytest.raises(DocumentError, match=words):
+        built(text)
+
+
+def test_hinges_stand_where_they_are():
+    a = built(OPPENHEIM + "voussoirs: 7")
+    for hinge, (rho, degrees) in zip(a.details["hinges"], [(9.25, 168.75), (10.75, 101.25), (9.25, 56.25), (10.75, 11.25)], strict=True):
+        x, z = rho * math.cos(math.radians(degrees)), rho * math.sin(math.radians(degrees))
+        assert (hinge["x"], hinge["z"]) == pytest.approx((x, z), rel=1e-13, abs=0)

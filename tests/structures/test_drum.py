@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from written import built
 
 from rocking_cli import DocumentError, build_structure, parse_documents
-from rocking_cli.structures.drum import frustum_moments
+from rocking_cli.structures.pieces import frustum_moments
 
 
 def test_drum_is_the_cylinder_and_the_cone():

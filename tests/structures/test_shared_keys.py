@@ -8,9 +8,20 @@ from rocking_cli import DocumentError, build_structure
 from rocking_cli.structures import KINDS, read_documents
 
 
+@pytest.fixture
+def plain(pytestconfig):
+    """The shipped document of a kind, without what it says of damping and of sides."""
+
+    def read(kind):
+        (document,) = read_documents(pytestconfig.rootpath / "configs" / f"{kind}.yaml")
+        return document.with_value("damping", "null", "f.yaml").with_value("one_sided", "null", "f.yaml")
+
+    return read
+
+
 @pytest.mark.parametrize("kind", KINDS)
-def test_every_kind_takes_damping_and_gravity(kind, pytestconfig):
-    (document,) = read_documents(pytestconfig.rootpath / "configs" / f"{kind}.yaml")
+def test_every_kind_takes_damping_and_gravity(kind, plain):
+    document = plain(kind)
     here = build_structure(document)
     assert here.damping == 0.0
     damped = build_structure(document.with_value("damping", "0.05", "f.yaml"))
@@ -26,8 +37,8 @@ def test_every_kind_takes_damping_and_gravity(kind, pytestconfig):
 
 
 @pytest.mark.parametrize("kind", [kind for kind in KINDS if kind not in ("arch", "parameters")])
-def test_every_rigid_kind_may_stand_against_a_backing(kind, pytestconfig):
-    (document,) = read_documents(pytestconfig.rootpath / "configs" / f"{kind}.yaml")
+def test_every_rigid_kind_may_stand_against_a_backing(kind, plain):
+    document = plain(kind)
     wall = build_structure(document.with_value("one_sided", "true", "f.yaml").with_value("restitution", "-0.3", "f.yaml"))
     free = build_structure(document)
     right = free.sides[1] if free.sides else free
