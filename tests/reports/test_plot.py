@@ -184,8 +184,8 @@ def test_accuracy_is_error_over_time(drawn, table):
 def test_a_map_in_characters_has_the_sign_of_each_cell(spectrum_file):
     with SpectraFile(spectrum_file) as file:
         outcome = file.block(0, slice(None))["outcome"]
-        told = text_map(file, None, None, width=400, height=400)
-    assert [line.partition("|")[2] for line in told[1:401]] == ["".join(Outcome(int(o)).sign for o in row) for row in outcome.T[::-1]]
+        told = text_map(file, None, None, width=200, height=200)
+    assert [line.partition("|")[2] for line in told[1:201]] == ["".join(Outcome(int(o)).sign for o in row) for row in outcome.T[::-1]]
 
 
 @pytest.mark.parametrize(

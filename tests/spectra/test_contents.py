@@ -53,7 +53,7 @@ def valued(name, value):
 
 
 PASSWD = [("/etc/passwd", 0, 8)]
-CELLS = {"shape": (1, 400, 400), "dtype": "<f8", "chunks": (1, 50, 400)}
+CELLS = {"shape": (1, 200, 200), "dtype": "<f8", "chunks": (1, 25, 200)}
 HOSTILE = {
     "values of another file": (replaced("p", shape=(1,), dtype="<f8", external=PASSWD), "not stored in one piece in the file"),
     "names of another file": (replaced("structure", shape=(1,), dtype="S8", external=PASSWD), "not stored in one piece"),
@@ -66,9 +66,9 @@ HOSTILE = {
     "chunks of no filter": (replaced("theta_ratio", **CELLS), "not filtered"),
     "chunks of another filter": (replaced("theta_ratio", **CELLS, shuffle=True, compression="gzip", compression_opts=2), "not filtered"),
     "chunks of another type": (replaced("theta_ratio", **{**CELLS, "dtype": "<f4"}), "does not fit its axes"),
-    "chunks of another shape": (replaced("outcome", shape=(1, 400, 401), dtype="u1", chunks=(1, 50, 400)), "does not fit its axes"),
+    "chunks of another shape": (replaced("outcome", shape=(1, 200, 201), dtype="u1", chunks=(1, 25, 200)), "does not fit its axes"),
     "chunks cut otherwise": (
-        replaced("outcome", shape=(1, 400, 400), dtype="u1", chunks=(1, 40, 400), compression="gzip", compression_opts=1),
+        replaced("outcome", shape=(1, 200, 200), dtype="u1", chunks=(1, 20, 200), compression="gzip", compression_opts=1),
         "different chunks",
     ),
     "one more dataset": (lambda file: file.create_dataset("more", data=[1.0]), "'more' is none of a spectra file"),

@@ -158,7 +158,7 @@ def test_a_disk_full_before_the_first_chunk_claims_to_keep_nothing(rocking, tmp_
 def test_a_folder_that_vanishes_is_a_sentence(tmp_path):
     folder = tmp_path / "gone"
     folder.mkdir()
-    call = [*PROGRAM, "spectrum", "--eta", "0.9", "--grid", "A=0.5:12:1500,Omega=0.5:12:1500", "-q"]
+    call = [*PROGRAM, "spectrum", "--eta", "0.9", "--grid", "A=0.5:12:1000,Omega=0.5:12:1000", "-q"]
     process = subprocess.Popen([*call, "-o", str(folder / "s.h5")], stderr=subprocess.PIPE, text=True)
     assert grows(folder / "s.h5.part", 0, process)
     shutil.rmtree(folder)
