@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Mapping
+from difflib import get_close_matches
+
 
 class RockingError(Exception):
     """Base of every error that is told to the user in one sentence."""
@@ -39,3 +42,23 @@ class Interrupted(RockingError):
     """Stopped by the user; what was done is kept."""
 
     exit_code = 130
+
+
+def did_you_mean(word: str, known: Iterable[str], meant: Mapping[str, str] | None = None, cutoff: float = 0.6) -> str:
+    """` (did you mean 'x'?)` behind a word that is unknown, or nothing.
+
+    Looked for are the same word in other letters (a_g for a-g), what `meant` says that people mean by it, what begins with it,
+    and what is spelt like it, down to a similarity of `cutoff`.
+    """
+
+    def plain(text: str) -> str:
+        return text.casefold().replace("_", "-")
+
+    words = {plain(other): other for other in known}
+    mine = plain(word)
+    if meant and plain(meant.get(mine, "")) in words:
+        found = [plain(meant[mine])]
+    else:
+        found = [other for other in words if other == mine or (len(mine) > 2 and other.startswith(mine))][:3]
+        found = found or get_close_matches(mine, words, n=1, cutoff=cutoff)
+    return f" (did you mean {' or '.join(repr(words[other]) for other in found)}?)" if found else ""

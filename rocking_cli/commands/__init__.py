@@ -10,7 +10,7 @@ from typing import Any
 import click
 
 from .. import __version__, interruption
-from ..errors import RockingError
+from ..errors import RockingError, did_you_mean
 from . import streams
 
 SECTIONS = {
@@ -41,6 +41,7 @@ SECTIONS = {
     },
 }
 COMMANDS = {name: summary for section in SECTIONS.values() for name, summary in section.items()}
+MEANT = {"--pga": "--a-g", "--amplitude": "--a-g", "--frequency": "--f-g", "--period": "--T-g", "--record": "--motion"}
 
 
 class _Commands(click.Group):
@@ -56,6 +57,8 @@ class _Commands(click.Group):
         return command
 
     def resolve_command(self, ctx: click.Context, args: list[str]) -> tuple[str | None, click.Command | None, list[str]]:
+        if args[0] not in COMMANDS and not args[0].startswith("-") and not ctx.resilient_parsing:
+            raise click.UsageError(f"No such command {args[0]!r}{did_you_mean(args[0], COMMANDS)}", ctx)
         name, command, rest = super().resolve_command(ctx, args)
         if command is not None and not ctx.resilient_parsing:
             _refuse_repetitions(click.Context(command, ctx, name), rest)
@@ -83,6 +86,15 @@ def _refuse_repetitions(context: click.Context, arguments: list[str]) -> None:
             raise click.UsageError(f"{option.opts[-1]} is given twice; accepted is one value", context)
 
 
+def _no_such_option(error: click.NoSuchOption, arguments: list[str]) -> str:
+    """The sentence for an option that is not there, with the long one that was meant."""
+    name = error.option_name
+    if not name.startswith("--"):  # of -pulse click sees -p
+        name = next((a.partition("=")[0] for a in arguments if a.startswith(name) and not a.startswith("--")), name)
+    long = [o for p in error.ctx.command.params for o in p.opts if o.startswith("--")] if error.ctx is not None else []
+    return f"No such option {name}{did_you_mean('--' + name.lstrip('-'), [*long, '--help'], MEANT)}"
+
+
 @click.group(
     cls=_Commands,
     context_settings={"help_option_names": ["-h", "--help"]},
@@ -108,7 +120,10 @@ def main(arguments: list[str] | None = None) -> Any:
             sys.exit(2)
         except click.ClickException as error:
             if isinstance(error, click.UsageError) and error.ctx is not None:
-                streams.say(f"{error.ctx.command_path}: {error.format_message()} (see --help)")
+                said = error.format_message()
+                if isinstance(error, click.NoSuchOption):
+                    said = _no_such_option(error, sys.argv if arguments is None else arguments)
+                streams.say(f"{error.ctx.command_path}: {said} (see --help)")
             else:
                 streams.say(f"rocking: {error.format_message()}")
             sys.exit(2 if isinstance(error, click.UsageError) else error.exit_code)

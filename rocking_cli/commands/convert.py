@@ -8,7 +8,7 @@ from . import options
 
 
 @click.command(epilog="Example: rocking convert slice.h5 --csv | head")
-@click.argument("file")
+@click.argument("file", type=options.InputPath())
 @options.output_form
 def convert(file: str, form: str | None) -> None:
     """Stream the computed cells of a spectra file, one a row (CSV unless --json)."""

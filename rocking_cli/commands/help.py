@@ -6,7 +6,8 @@ from importlib.resources import files
 
 import click
 
-from . import COMMANDS, streams
+from ..errors import did_you_mean
+from . import COMMANDS, options, streams
 
 TOPICS = {
     "documents": "Structure documents: every kind and every key.",
@@ -18,13 +19,15 @@ TOPICS = {
 
 
 @click.command(name="help", epilog="Example: rocking help documents")
-@click.argument("name", required=False, type=click.Choice([*COMMANDS, *TOPICS]), metavar="[COMMAND|TOPIC]")
+@click.argument("name", required=False, type=options.Registered(lambda: [*COMMANDS, *TOPICS]), metavar="[COMMAND|TOPIC]")
 @click.pass_context
 def help(context: click.Context, name: str | None) -> None:
     """Print the reference of a command, its options and examples, or of a topic.
 
     Without a name, list the commands and the topics.
     """
+    if name is not None and name not in COMMANDS | TOPICS:
+        raise click.UsageError(f"No such command or topic {name!r}{did_you_mean(name, COMMANDS | TOPICS)}")
     group = context.find_root()
     if name is None:
         formatter = group.make_formatter()

@@ -10,7 +10,7 @@ from . import options, streams
 
 
 @click.command(epilog="Example: rocking info towers.h5 --verify")
-@click.argument("files", nargs=-1, required=True, metavar="FILE...")
+@click.argument("files", nargs=-1, type=options.InputPath(), required=True, metavar="FILE...")
 @click.option("--verify", is_flag=True, help="Check every chunk against its checksum.")
 @options.output_form
 @click.pass_context

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
+from click.shell_completion import CompletionItem
 
 from ..errors import UsageError
 from . import streams
@@ -32,7 +33,41 @@ class OutputPath(click.Path):
         return super().convert(value, param, ctx)
 
 
-files = click.argument("files", nargs=-1, metavar="[FILE]...")
+class InputPath(click.Path):
+    """The name of a file to read, or - for standard input; every shell completes it, and the library tells what is wrong with it."""
+
+    def __init__(self) -> None:
+        super().__init__(readable=False, allow_dash=True)
+
+
+class Registered(click.ParamType):
+    """A word of a registry, which is imported where its words are listed or completed; the library refuses another."""
+
+    name = "choice"
+
+    def __init__(self, registry: Callable[[], Iterable[str]]) -> None:
+        self.registry = registry
+
+    def get_metavar(self, param: click.Parameter, ctx: click.Context) -> str:
+        return f"[{'|'.join(self.registry())}]"
+
+    def shell_complete(self, ctx: click.Context, param: click.Parameter, incomplete: str) -> list[CompletionItem]:
+        return [CompletionItem(word) for word in self.registry() if word.startswith(incomplete)]
+
+
+def _pulses() -> Iterable[str]:
+    from ..motions.pulses import PULSES
+
+    return PULSES
+
+
+def _models() -> tuple[str, ...]:
+    from ..dynamics.method import MODELS
+
+    return MODELS
+
+
+files = click.argument("files", nargs=-1, type=InputPath(), metavar="[FILE]...")
 json_output = click.option("--json", "form", flag_value="json", help="JSON Lines on standard output.")
 csv_output = click.option("--csv", "form", flag_value="csv", help="CSV on standard output.")
 quiet = click.option("-q", "--quiet", is_flag=True, help="No progress and no summary on standard error.")
@@ -40,11 +75,13 @@ output = click.option("-o", "--output", required=True, type=OutputPath(), help="
 overwrite = click.option("--overwrite", is_flag=True, help="Replace an output that exists.")
 strict = click.option("--strict", is_flag=True, help="Refuse data of a machine or of libraries that may differ in the last digits.")
 workers = click.option("--workers", type=click.IntRange(1), help="Processes to use (default: all cores).")
-pulse = click.option("--pulse", metavar="NAME", help="Ground motion: sine (default), or one of the pulses of `rocking help motions`.")
+pulse = click.option("--pulse", type=Registered(_pulses), help="Ground motion (default: sine); see `rocking help motions`.")
 cycles = click.option("--cycles", type=float, help="Cycles of a sine or cosine, in half cycles (default 1).")
 gamma = click.option("--gamma", type=float, help="Duration over period of a mavroeidis-papageorgiou pulse (default 2).")
 phase = click.option("--phase", metavar="ANGLE", help="Phase of a mavroeidis-papageorgiou pulse, in rad or with a unit (default 0).")
-motion_file = click.option("--motion", "motion_file", metavar="FILE", help="A record, or a motion document, instead of a pulse.")
+motion_file = click.option(
+    "--motion", "motion_file", type=InputPath(), metavar="FILE", help="A record, or a motion document, instead of a pulse."
+)
 scale = click.option("--scale", type=float, metavar="FACTOR", help="Factor of the motion; a negative one turns it over.")
 scale_to = click.option("--scale-to", metavar="IM=VALUE", help="Scale a record to an intensity measure, such as PGA=0.35g.")
 component = click.option("--component", metavar="NAME", help="The component of a record that holds several, by name or number.")
@@ -58,7 +95,7 @@ eta = click.option(
 
 def method(command: F) -> F:
     """--model and --tolerance."""
-    model = click.option("--model", default="linear", show_default=True, help="Equation of motion: linear or nonlinear.")
+    model = click.option("--model", type=Registered(_models), default="linear", show_default=True, help="Equation of motion.")
     tolerance = click.option("--tolerance", type=float, default=1e-9, show_default=True, help="Error of theta/alpha aimed at (nonlinear).")
     return model(tolerance(command))
 
@@ -72,7 +109,8 @@ def methods(command: F) -> F:
 
         return command(*arguments, models=MODELS if model == "both" else (model,), **others)
 
-    model = click.option("--model", default="linear", show_default=True, help="Equation of motion: linear, nonlinear or both.")
+    words = Registered(lambda: (*_models(), "both"))
+    model = click.option("--model", type=words, default="linear", show_default=True, help="Equation of motion, or both.")
     tolerance = click.option("--tolerance", type=float, default=1e-9, show_default=True, help="Error of theta/alpha aimed at (nonlinear).")
     return model(tolerance(with_models))
 

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 
 @click.command(epilog="Example: rocking predict shared.h5 configs/block.yaml --a-g 0.35g --f-g 1.5")
-@click.argument("spectrum")
+@click.argument("spectrum", type=options.InputPath())
 @options.files
 @options.shaking
 @click.option("--exact", is_flag=True, help="For the spectrum's motion, also beyond its range or restitutions; nothing is interpolated.")

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 @click.command(epilog="Example: rocking response configs/arch.yaml --pulse rectangular-impulse --a-g 0.9g --T-g 0.4 --model both --events")
-@click.argument("file")
+@click.argument("file", type=options.InputPath())
 @options.motion(dt_flag="--motion-dt")
 @options.shaking
 @options.methods

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from difflib import get_close_matches
 from pathlib import Path
@@ -16,9 +16,11 @@ from typing import Any
 
 import yaml
 
-from ..errors import DocumentError
+from ..errors import DocumentError, did_you_mean
 from .composition import DEEPEST, MOST_VALUES, Place, compose, read_text, text_of
 from .quantities import SMALLEST_LENGTH, accepted, parse_quantity, split_quantity
+
+MEANT = {"eta": "restitution", "e": "restitution", "zeta": "damping", "g": "gravity", "r": "radius", "h": "height", "b": "width"}
 
 
 @dataclass(frozen=True)
@@ -120,7 +122,7 @@ class Document:
             return default
         value = self.values[key]
         if value.content not in options:
-            raise self.fault(key, str(value), f"one of {', '.join(options)}{_did_you_mean(str(value.content), options)}")
+            raise self.fault(key, str(value), f"one of {', '.join(options)}{did_you_mean(str(value.content), options)}")
         return str(value.content)
 
     def flag(self, key: str) -> bool:
@@ -173,7 +175,7 @@ class Document:
             if key not in self.asked:
                 known = sorted(self.asked)
                 raise DocumentError(
-                    f"{place}: unknown key {key!r}{_did_you_mean(key, known)}; accepted for this kind are {', '.join(known)}"
+                    f"{place}: unknown key {key!r}{did_you_mean(key, known, MEANT)}; accepted for this kind are {', '.join(known)}"
                 )
 
     def with_value(self, key: str, text: str, source: str) -> Document:
@@ -187,11 +189,6 @@ def _range_text(above: float, below: float, least: float, most: float) -> str:
     low = f"above {above:g}" if above > -math.inf else f"at least {least:g}" if least > -math.inf else ""
     high = f"below {below:g}" if below < math.inf else f"at most {most:g}" if most < math.inf else ""
     return "a value " + " and ".join(x for x in (low, high) if x)
-
-
-def _did_you_mean(word: str, known: Iterable[str]) -> str:
-    close = get_close_matches(word, list(known), n=1, cutoff=0.6)
-    return f" (did you mean {close[0]!r}?)" if close else ""
 
 
 def read_documents(path: str | Path) -> list[Document]:

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from ..errors import UsageError
+from ..errors import UsageError, did_you_mean
 from ..structures.parameters import RockingParameters
 from .contacts.contact import Contact
 from .contacts.one_sided import OneSided
@@ -122,7 +122,7 @@ class Method:
 
     def __post_init__(self) -> None:
         if self.model not in MODELS:
-            raise UsageError(f"unknown model {self.model!r}, accepted are {', '.join(MODELS)}")
+            raise UsageError(f"unknown model {self.model!r}, accepted are {', '.join(MODELS)}{did_you_mean(self.model, MODELS)}")
         try:
             order_for(self.tolerance)
         except ValueError as error:

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import MotionError
+from ..errors import MotionError, did_you_mean
 from .motion import Harmonic, Motion, Piece
 
 MOST_CYCLES = 100_000
@@ -121,7 +121,7 @@ def pulse(name: str, **parameters: Any) -> Motion:
     try:
         make = PULSES[name]
     except KeyError:
-        raise MotionError(f"unknown pulse {name!r}, accepted are {', '.join(PULSES)}") from None
+        raise MotionError(f"unknown pulse {name!r}, accepted are {', '.join(PULSES)}{did_you_mean(name, PULSES)}") from None
     known = list(signature(make).parameters)
     for key in parameters:
         if key not in known:

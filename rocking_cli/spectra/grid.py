@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..documents.quantities import parse_quantity, parse_whole
-from ..errors import UsageError
+from ..errors import UsageError, did_you_mean
 from ..structures.parameters import RockingParameters
 
 MAX_CELLS = 10**10
@@ -23,6 +23,7 @@ _AXES = {
     "f_g": ("omega_g", "frequency"),
     "T_g": ("omega_g", "time"),
 }
+MEANT = {"pga": "a_g", "a": "A", "w": "omega_g", "f": "f_g", "frequency": "f_g", "period": "T_g", "t": "T_g"}
 _FORM = "NAME=START:STOP:N[:log] or NAME=VALUE"
 UNITS = {"A": "1", "Omega": "1", "a_g": "m s-2", "omega_g": "rad s-1"}
 LONG_NAMES = {
@@ -97,7 +98,7 @@ def parse_axes(text: str) -> dict[str, Axis]:
         if not equals or not span:
             raise UsageError(f"--grid: found {part.strip()!r}; accepted is {_FORM}, axes parted by commas")
         if key not in _AXES:
-            raise UsageError(f"--grid: unknown axis {key!r}; accepted are {', '.join(_AXES)}")
+            raise UsageError(f"--grid: unknown axis {key!r}; accepted are {', '.join(_AXES)}{did_you_mean(key, _AXES, MEANT)}")
         name, dimension = _AXES[key]
         values = _span(key, span, dimension)
         if key == "f_g":

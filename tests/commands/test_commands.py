@@ -8,14 +8,41 @@ import sys
 
 import click
 import pytest
+from click.shell_completion import ShellComplete
 from watching import PROGRAM
 
 from rocking_cli.commands import COMMANDS, cli
 
 
-def test_unknown_command_and_option(refused):
-    assert "No such command" in refused(2, "parms")
-    assert "No such option" in refused(2, "params", "--jsn")
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["parms"], "rocking: No such command 'parms' (did you mean 'params'?) (see --help)"),
+        (["params", "--jsn"], "rocking params: No such option --jsn (did you mean '--json'?) (see --help)"),
+        (["response", "x", "--pga=0.3g"], "rocking response: No such option --pga (did you mean '--a-g'?) (see --help)"),
+        (["response", "x", "--a_g", "0.3g"], "rocking response: No such option --a_g (did you mean '--a-g'?) (see --help)"),
+        (["response", "x", "-pulse", "sine"], "rocking response: No such option -pulse (did you mean '--pulse'?) (see --help)"),
+        (["convert", "--frobnicate"], "rocking convert: No such option --frobnicate (see --help)"),
+    ],
+    ids=lambda x: x if isinstance(x, str) else " ".join(x),
+)
+def test_an_unknown_command_or_option_names_the_one_that_was_meant(refused, arguments, said):
+    assert refused(2, *arguments) == f"{said}\n"
+
+
+@pytest.mark.parametrize(
+    ("code", "arguments", "said"),
+    [
+        (2, ["envelope", "--eta", "0.9", "--grid", "Omega=5", "--pulse", "Ricker"], "did you mean 'ricker-symmetric' or 'ricker-antisym"),
+        (2, ["envelope", "--eta", "0.9", "--grid", "Omega=5", "--model", "nonlin"], "did you mean 'nonlinear'"),
+        (2, ["envelope", "--eta", "0.9", "--grid", "omega=5"], "did you mean 'Omega' or 'omega_g'"),
+        (2, ["spectrum", "--eta", "0.9", "-o", "x.h5", "--grid", "pga=5"], "did you mean 'a_g'"),
+        (3, ["params", "-"], "did you mean 'restitution'"),
+    ],
+    ids=lambda x: x[-1] if isinstance(x, list) else "",
+)
+def test_an_unknown_word_names_the_one_that_was_meant(refused, code, arguments, said):
+    assert said in refused(code, *arguments, stdin="{kind: block, width: 1, height: 4, eta: 0.9}")
 
 
 SINGLE = [
@@ -90,6 +117,36 @@ def test_commands_import_only_what_they_use(arguments, unwanted, pytestconfig):
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=pytestconfig.rootpath)
     assert not set(unwanted) & set(done.stderr.split())
+
+
+@pytest.mark.parametrize(
+    ("words", "completed"),
+    [
+        (["sp"], ["spectrum"]),
+        (["help", "do"], ["documents"]),
+        (["envelope", "--pulse", "ric"], ["ricker-symmetric", "ricker-antisymmetric"]),
+        (["compare", "--model", ""], ["linear", "nonlinear", "both"]),
+    ],
+    ids=lambda x: " ".join(x),
+)
+def test_words_are_completed(words, completed):
+    found = ShellComplete(cli, {}, "rocking", "_ROCKING_COMPLETE").get_completions(words[:-1], words[-1])
+    assert [item.value for item in found] == completed
+
+
+FILES = [
+    (name, parameter.name)
+    for name in COMMANDS
+    for parameter in cli.get_command(click.Context(cli), name).params
+    if parameter.name in ("file", "files", "spectrum", "motion_file", "output")
+]
+
+
+@pytest.mark.parametrize(("command", "parameter"), FILES, ids=" ".join)
+def test_every_shell_completes_files(command, parameter):
+    context = click.Context(cli.get_command(click.Context(cli), command))
+    (found,) = (p for p in context.command.params if p.name == parameter)
+    assert [item.type for item in found.shell_complete(context, "con")] == ["file"]
 
 
 def test_shell_completion(tmp_path):

@@ -63,4 +63,4 @@ def test_every_kind_and_every_pulse_stands_in_a_page():
 
 
 def test_an_unknown_name_is_refused(refused):
-    assert "'document' is not one of" in refused(2, "help", "document")
+    assert "No such command or topic 'document' (did you mean 'documents'?)" in refused(2, "help", "document")
