@@ -45,12 +45,12 @@ def accuracy(
     from ..dynamics.method import Method
     from ..reports.accuracy import work_precision
     from ..spectra.grid import parse_grid
-    from ..spectra.scene import Scene
+    from ..spectra.scene import PulseScene
 
     grid = parse_grid(axes, own_time=motion.acceleration is not None)
     structures = options.structures_of(files, etas)
     if len(structures) > 1:
         raise click.UsageError(f"found {len(structures)} structures, accepted is one")
-    scene = Scene(tuple(structures), grid, motion, Method(model, tolerance))
+    scene = PulseScene(tuple(structures), grid, motion, Method(model, tolerance))
     options.note(f"{structures[0].name}, {motion.name}, {model}; {sample} cells, seed {seed}; times in s a cell", quiet)
     options.emit((line.record() for line in work_precision(scene, sample=sample, scipy=scipy, seed=seed)), form)

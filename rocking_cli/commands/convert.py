@@ -18,5 +18,5 @@ def convert(file: str, form: str | None) -> None:
         options.emit(
             spectrum.cells(),
             form or "csv",
-            ("structure", spectrum.grid.frequency.name, spectrum.grid.amplitude.name, "outcome", "theta_ratio"),
+            (*spectrum.frame.dimensions, "outcome", "theta_ratio"),
         )

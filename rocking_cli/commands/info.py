@@ -8,6 +8,8 @@ import click
 
 from . import options, streams
 
+_MOST_NAMES = 12
+
 
 @click.command(epilog="Example: rocking info towers.h5 --verify")
 @click.argument("files", nargs=-1, type=options.InputPath(), required=True, metavar="FILE...")
@@ -26,16 +28,17 @@ def info(context: click.Context, files: tuple[str, ...], verify: bool, form: str
     records: list[dict[str, Any]] = []
     for path in files:
         with SpectraFile(path) as file:
-            grid, attributes = file.grid, file.attributes
+            attributes, dimensions = file.attributes, file.frame.dimensions
             records.append(
                 {
                     "file": path,
-                    "structures": ", ".join(s.name for s in file.structures),
+                    **{f"{name}s": _names(values) for name, values in dimensions.items() if isinstance(values, list)},
                     "model": file.scene["model"],
-                    "motion": file.scene["motion"][0],
+                    "motion": attributes["motion"],
                     **{
-                        axis.name: f"{axis.values[0]:g} to {axis.values[-1]:g}, {axis.values.size}"
-                        for axis in (grid.frequency, grid.amplitude)
+                        name: f"{values[0]:g} to {values[-1]:g}, {len(values)}"
+                        for name, values in dimensions.items()
+                        if not isinstance(values, list)
                     },
                     "chunks": f"{int(file.done.sum())} of {file.done.size}",
                     "complete": "yes" if file.complete else "no",
@@ -62,3 +65,8 @@ def info(context: click.Context, files: tuple[str, ...], verify: bool, form: str
         streams.say(f"rocking: {line}")
     if damaged:
         context.exit(1)
+
+
+def _names(values: list[str]) -> str:
+    """Names, or how many where they are too many to read."""
+    return ", ".join(values) if len(values) <= _MOST_NAMES else f"{len(values)}, {values[0]} to {values[-1]}"

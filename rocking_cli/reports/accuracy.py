@@ -17,7 +17,7 @@ from ..dynamics.response import response
 from ..errors import UsageError
 from ..spectra.grid import Grid
 from ..spectra.sampling import sampled_cells
-from ..spectra.scene import Scene
+from ..spectra.scene import PulseScene
 
 TOLERANCES = (1e-4, 1e-6, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12)
 SCIPY_METHODS = ("RK45", "LSODA", "DOP853")
@@ -46,13 +46,13 @@ class WorkPrecision:
         return dict(vars(self))
 
 
-def work_precision(scene: Scene, *, sample: int = 40, scipy: int = 10, seed: int = 0) -> Iterator[WorkPrecision]:
+def work_precision(scene: PulseScene, *, sample: int = 40, scipy: int = 10, seed: int = 0) -> Iterator[WorkPrecision]:
     """The table of a scene's first structure; sample, scipy: cells for the engine's error and for each of SciPy's solvers.
 
     Raises UsageError when no cell of the grid leaves the ground.
     """
     structure = scene.structures[0]
-    one = Scene((structure,), scene.grid, scene.motion, scene.method)
+    one = PulseScene((structure,), scene.grid, scene.motion, scene.method)
     amplitude, omega = one.grid.scaled(structure)
     at = sampled_cells(one, sample, seed)
     if not at.size:

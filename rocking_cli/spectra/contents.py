@@ -16,10 +16,9 @@ import numpy as np
 from ..structures.parameters import RockingParameters
 from .chunks import GZIP_LEVEL, ChunkGrid
 from .digest import DIGEST, digest_of, filters_of, plain
-from .grid import Axis, Grid
-from .layout import CHUNK_TABLES, EDGE_PARAMETERS, PARAMETERS, REQUIRED, VARIABLES, parameters_of
-
-AXES = (("Omega", "A"), ("omega_g", "a_g"), ("omega_g", "A"))
+from .frame import ABOUT, EDGE_PARAMETERS, Form, Frame, Values, beside_structures, form_among
+from .grid import Axis
+from .layout import CHUNK_TABLES, REQUIRED, VARIABLES
 
 _FILTERS = {
     True: [(h5py.h5z.FILTER_SHUFFLE, 1), (h5py.h5z.FILTER_DEFLATE, 1)],
@@ -34,13 +33,13 @@ NAME_BYTES = 16  # of a text of any length in a dataset: its length, and where i
 class Contents:
     """What a spectra file holds, beside its cells.
 
-    names: of its variables; cut: into which chunks; scene: what it was computed from; attributes: of the root; done: the chunks
-    that are written; sums: their checksums.
+    names: of its variables; structures: none where the frame has alpha and T instead; cut: into which chunks; scene: what it was
+    computed from; attributes: of the root; done: the chunks that are written; sums: their checksums.
     """
 
     names: tuple[str, ...]
     structures: tuple[RockingParameters, ...]
-    grid: Grid
+    frame: Frame
     cut: ChunkGrid
     scene: dict[str, Any]
     attributes: dict[str, Any]
@@ -60,22 +59,26 @@ def reason(error: BaseException) -> str:
 
 def contents_of(file: h5py.File, size: int) -> Contents:
     """Check a file of `size` bytes and read what it says of itself. Raises one of FAULTS, or UsageError."""
-    frequency, amplitude = _form(file, size)
+    form = _form(file, size)
     if DIGEST not in file.attrs:
         raise ValueError(f"it has no {DIGEST}")
     if plain(file.attrs[DIGEST]) != digest_of(file):
         raise ValueError("what it says of itself does not fit its digest")
     attributes = {key: plain(value) for key, value in file.attrs.items()}
     scene = json.loads(attributes["scene"])
-    grid = Grid(Axis(amplitude, file[amplitude][...]), Axis(frequency, file[frequency][...]))
-    structures = tuple(_structures(file, scene))
-    for axis in (grid.frequency, grid.amplitude):
-        if scene[f"axis {axis.name}"] != axis.stated():
-            raise ValueError(f"its axis {axis.name} is not that of its scene")
+    structures = tuple(_structures(file, scene)) if "structure" in form.dimensions else ()
+    frame = Frame(
+        {name: _values(file[name]) for name in form.dimensions},
+        {name: (dimension, _values(file[name])) for name, dimension in form.beside.items()},
+    )
+    for name, values in frame.dimensions.items():
+        if isinstance(values, np.ndarray) and scene[f"axis {name}"] != Axis(name, values).stated():
+            raise ValueError(f"its axis {name} is not that of its scene")
+    _demand_the_records(frame, scene)
     names = tuple(name for name in VARIABLES if name in file)
     cut = ChunkGrid(file["outcome"].shape, file["outcome"].chunks)
     return Contents(
-        names, structures, grid, cut, scene, attributes, file["chunk_done"][...] == 1, file["chunk_checksum"][...]
+        names, structures, frame, cut, scene, attributes, file["chunk_done"][...] == 1, file["chunk_checksum"][...]
     )  # fmt: skip
 
 
@@ -103,14 +106,14 @@ def chunk_places(file: h5py.File, contents: Contents, size: int) -> list[tuple[i
     return places
 
 
-def _form(file: h5py.File, size: int) -> tuple[str, str]:
-    """Demand the datasets of the layout, each as this program stores it; the names of the axes."""
+def _form(file: h5py.File, size: int) -> Form:
+    """Demand the datasets of the layout, each as this program stores it."""
     names = set(file)
-    found = [pair for pair in AXES if names >= set(pair)]
-    if len(found) != 1:
-        raise ValueError("it has no axes Omega and A, or omega_g and a_g or A")
-    parameters = [*PARAMETERS, *(EDGE_PARAMETERS if names & set(EDGE_PARAMETERS) else ())]
-    required = {"structure", *found[0], *parameters, *CHUNK_TABLES, *REQUIRED}
+    form = form_among(names)
+    if "structure" in form.dimensions and names & set(EDGE_PARAMETERS):
+        form = Form(form.dimensions, {**form.beside, **dict.fromkeys(EDGE_PARAMETERS, "structure")})
+    lists = [*form.dimensions, *form.beside]
+    required = {*lists, *CHUNK_TABLES, *REQUIRED}
     if missing := sorted(required - names):
         raise ValueError(f"it has no dataset {missing[0]!r}")
     if foreign := sorted(names - required - set(VARIABLES)):
@@ -118,9 +121,9 @@ def _form(file: h5py.File, size: int) -> tuple[str, str]:
     for name in sorted(names):
         if not isinstance(file.get(name, getlink=True), h5py.HardLink) or file.get(name, getclass=True) is not h5py.Dataset:
             raise ValueError(f"its {name} is not a dataset of its own")
-    for name in ("structure", *found[0], *parameters):
-        _demand(file[name], size, None if name == "structure" else np.dtype("<f8"))
-    shape = (file["structure"].size, file[found[0][0]].size, file[found[0][1]].size)
+    for name in lists:
+        _demand(file[name], size, ABOUT[name].dtype)
+    shape = tuple(file[name].size for name in form.dimensions)
     cut = None
     for name in (name for name in VARIABLES if name in names):
         chunk = _chunked(file[name], shape)
@@ -130,12 +133,19 @@ def _form(file: h5py.File, size: int) -> tuple[str, str]:
     assert cut is not None
     for name, (dtype, _) in CHUNK_TABLES.items():
         _demand(file[name], size, dtype, ChunkGrid(shape, cut).size)
-    if any(file[name].size != shape[0] for name in parameters):
-        raise ValueError("it has not as many parameters as structures")
+    for name, dimension in form.beside.items():
+        if file[name].size != file[dimension].size:
+            raise ValueError(f"it has not one {name} for each {dimension}")
     for place in (file, *(file[name] for name in names)):
         if any(place.attrs.get_id(key).get_storage_size() > size for key in place.attrs):
             raise ValueError("an attribute is larger than the file")
-    return found[0]
+    return form
+
+
+def _values(data: h5py.Dataset) -> Values:
+    """A list of numbers or of texts."""
+    values = data[...]
+    return [text.decode() for text in values] if data.dtype.hasobject else values
 
 
 def _demand(data: h5py.Dataset, size: int, dtype: np.dtype | None, count: int | None = None) -> None:
@@ -174,7 +184,18 @@ def _structures(file: h5py.File, scene: dict[str, Any]) -> Iterator[RockingParam
     names = [name.decode() for name in file["structure"][...]]
     if names != [s.name for s in stated]:
         raise ValueError("its structures are not those of its scene")
-    for key, (_, _, get) in parameters_of(stated).items():
-        if not np.array_equal(file[key][...], [get(s) for s in stated], equal_nan=True):
+    for key, (_, values) in beside_structures(stated).items():
+        if not np.array_equal(file[key][...], values, equal_nan=True):
             raise ValueError(f"its {key} is not that of its scene")
     yield from stated
+
+
+def _demand_the_records(frame: Frame, scene: dict[str, Any]) -> None:
+    """Raise ValueError where the records, or the restitutions of a spectrum over alpha, are not those of the scene."""
+    if frame.of_records:
+        stated = [[r[0], r[1], r[5]] for r in scene["records"]]
+        there = (frame.dimensions["record"], frame.beside["sha256"][1], frame.beside["factor"][1])
+        if stated != [[name, sha256, factor] for name, sha256, factor in zip(*there, strict=True)]:
+            raise ValueError("its records are not those of its scene")
+    if "alpha" in frame.dimensions and scene["eta"] != list(frame.beside["eta"][1]):
+        raise ValueError("its eta is not that of its scene")

@@ -42,14 +42,14 @@ def announce_sweep(
     scene: Scene, chunk: tuple[int, int], workers: int, check: int | None = None, parts: int = 1, tell: Tell | None = None
 ) -> None:
     """`announce` one of the parts of a sweep in units of work of so many rows and columns. Raises UsageError, for too many of them too."""
-    rows, columns = (-(-n // size) for n, size in zip(scene.grid.shape, chunk, strict=True))
+    rows, columns = (-(-n // size) for n, size in zip(scene.shape[1:], chunk, strict=True))
     systems = len(scene.sharing())
-    units, cells = rows * columns * systems, scene.grid.shape[0] * scene.grid.shape[1] * systems
+    units, cells = rows * columns * systems, scene.shape[1] * scene.shape[2] * systems
     if units > _MOST_UNITS:
         raise UsageError(f"{units} units of work of {chunk[0] * chunk[1]} cells, accepted are up to {_MOST_UNITS}; make them larger")
     checked = min(cells, default_check(scene) if check is None else check)
-    batches = max(cells // TOGETHER, 1) if scene.method.exact else units
-    segments = len(scene.motion.segments)
+    batches = max(cells // TOGETHER, 1) if scene.method.exact and not scene.of_records else scene.batches(units)
+    segments = scene.segments
     seconds = max(expected_seconds(scene.method, s, segments, cells=cells, batches=batches, checked=checked) for s in scene.structures)
     what = f"{cells // parts} cells under {segments} segments of shaking" + (f", {checked} of them checked" if checked else "")
     announce(seconds / parts, what, min(workers, units), tell)

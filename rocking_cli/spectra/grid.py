@@ -24,19 +24,33 @@ _AXES = {
     "T_g": ("omega_g", "time"),
 }
 MEANT = {"pga": "a_g", "a": "A", "w": "omega_g", "f": "f_g", "frequency": "f_g", "period": "T_g", "t": "T_g"}
+_RECORD_AXES = {
+    "scale": ("scale", "number"),
+    "A": ("A", "number"),
+    "a_g": ("a_g", "acceleration"),
+    "T": ("T", "time"),
+    "p": ("T", "angular frequency"),
+    "alpha": ("alpha", "angle"),
+    "tan_alpha": ("alpha", "number"),
+}
 _FORM = "NAME=START:STOP:N[:log] or NAME=VALUE"
-UNITS = {"A": "1", "Omega": "1", "a_g": "m s-2", "omega_g": "rad s-1"}
+UNITS = {"A": "1", "Omega": "1", "a_g": "m s-2", "omega_g": "rad s-1", "scale": "1", "T": "s", "alpha": "rad"}
 LONG_NAMES = {
     "A": "dimensionless amplitude a_scale a_g / (alpha g)",
     "Omega": "dimensionless frequency omega_g / p",
     "a_g": "amplitude of ground acceleration",
     "omega_g": "angular frequency of ground motion",
+    "scale": "factor of the records",
+    "T": "2 pi / p, a measure of size and no period",
+    "alpha": "critical angle",
 }
+_FROM_ZERO = ("A", "a_g", "scale")
 
 
 @dataclass(frozen=True, eq=False)
 class Axis:
-    """One axis: its name in the file (`A`, `a_g`, `Omega`, `omega_g`) and its values in SI units, rising."""
+    """One axis: its name in the file (`A`, `a_g`, `Omega`, `omega_g`, of records `scale`, `T`, `alpha`) and its values in SI units,
+    rising."""
 
     name: str
     values: np.ndarray
@@ -47,9 +61,11 @@ class Axis:
             raise UsageError(f"axis {self.name!r} is not one of {', '.join(UNITS)}")
         if v.ndim != 1 or not v.size or not np.all(np.isfinite(v)) or np.any(np.diff(v) <= 0.0):
             raise UsageError(f"axis {self.name}: its values must be finite and rise")
-        lowest_fits = v[0] >= 0.0 if self.name in ("A", "a_g") else v[0] > 0.0
+        lowest_fits = v[0] >= 0.0 if self.name in _FROM_ZERO else v[0] > 0.0
         if not lowest_fits:
-            raise UsageError(f"axis {self.name}: its values must be positive{', or zero' if self.name in ('A', 'a_g') else ''}")
+            raise UsageError(f"axis {self.name}: its values must be positive{', or zero' if self.name in _FROM_ZERO else ''}")
+        if self.name == "alpha" and v[-1] >= 0.5 * math.pi:
+            raise UsageError(f"axis alpha: found {v[-1]:g} rad, accepted are angles below a right one")
 
     def stated(self) -> list[float | int]:
         """First and last value, their number and CRC-32: what tells this axis from another one."""
@@ -90,22 +106,26 @@ class Grid:
         )
 
 
-def parse_axes(text: str) -> dict[str, Axis]:
-    """Axes by name from `a_g=0.1g:1g:50,omega_g=1:20:40:log` and the like. Raises UsageError."""
+def parse_axes(text: str, *, records: bool = False) -> dict[str, Axis]:
+    """Axes by name from `a_g=0.1g:1g:50,omega_g=1:20:40:log` and the like; records: those of records. Raises UsageError."""
     axes: dict[str, Axis] = {}
+    known = _RECORD_AXES if records else _AXES
     for part in text.split(","):
         key, equals, span = (x.strip() for x in part.partition("="))
         if not equals or not span:
             raise UsageError(f"--grid: found {part.strip()!r}; accepted is {_FORM}, axes parted by commas")
-        if key not in _AXES:
-            raise UsageError(f"--grid: unknown axis {key!r}; accepted are {', '.join(_AXES)}{did_you_mean(key, _AXES, MEANT)}")
-        name, dimension = _AXES[key]
+        if key not in known:
+            of = " of records" if records else ""
+            raise UsageError(f"--grid: unknown axis {key!r}{of}; accepted are {', '.join(known)}{did_you_mean(key, known, MEANT)}")
+        name, dimension = known[key]
         values = _span(key, span, dimension)
         if key == "f_g":
             values = 2.0 * math.pi * values
-        elif key == "T_g":
+        elif key in ("T_g", "p"):
             with np.errstate(divide="ignore"):
                 values = (2.0 * math.pi / values)[::-1]
+        elif key == "tan_alpha":
+            values = np.arctan(values)
         if name in axes:
             raise UsageError(f"--grid: axis {name} is given twice")
         axes[name] = Axis(name, values)
@@ -171,6 +191,6 @@ def parse_span(key: str, span: str, dimension: str) -> np.ndarray:
 
 def _span(key: str, span: str, dimension: str) -> np.ndarray:
     values = parse_span(f"--grid {key}", span, dimension)
-    if values[0] < 0.0 or (values[0] == 0.0 and key not in ("A", "a_g")):
-        raise UsageError(f"--grid {key}: found {span!r}; accepted are positive values{' or zero' if key in ('A', 'a_g') else ''}")
+    if values[0] < 0.0 or (values[0] == 0.0 and key not in _FROM_ZERO):
+        raise UsageError(f"--grid {key}: found {span!r}; accepted are positive values{' or zero' if key in _FROM_ZERO else ''}")
     return values

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import io
 import json
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import h5py
@@ -16,40 +16,9 @@ import numpy as np
 
 from .. import __version__
 from ..dynamics.outcome import Outcome
-from ..structures.parameters import RockingParameters
 from .chunks import GZIP_LEVEL, ChunkGrid
 from .digest import DIGEST, digest_of
-from .grid import LONG_NAMES, UNITS, Grid
-
-PARAMETERS: dict[str, tuple[str, str, Callable[[RockingParameters], float]]] = {
-    "p": ("rad s-1", "frequency parameter", lambda s: s.p),
-    "alpha": ("rad", "critical angle", lambda s: s.alpha),
-    "eta": ("1", "coefficient of restitution", lambda s: s.eta),
-    "lambda": ("1", "static uplift acceleration over gravity", lambda s: s.uplift),
-    "a_scale": ("1", "scale of the ground acceleration", lambda s: s.a_scale),
-    "gravity": ("m s-2", "acceleration of gravity", lambda s: s.gravity),
-}
-"""Of each structure: units, long name, value."""
-
-
-def _edge(number: int, word: str, key: str) -> tuple[str, str, Callable[[RockingParameters], float]]:
-    units, long_name, _ = PARAMETERS[key]
-    name = {"lambda": "uplift"}.get(key, key)
-    return units, f"{long_name} on the {word} edge", lambda s: float(getattr(s.sides[number], name)) if s.sides else np.nan
-
-
-EDGE_PARAMETERS = {
-    f"{word}_{key}": _edge(number, word, key)
-    for number, word in enumerate(("left", "right"))
-    for key in ("p", "alpha", "eta", "lambda", "a_scale")
-}
-"""The same of each edge of a body whose edges differ, NaN for others; in files that hold such a body."""
-
-
-def parameters_of(structures: Sequence[RockingParameters]) -> dict[str, tuple[str, str, Callable[[RockingParameters], float]]]:
-    """The parameters that a file of these structures holds."""
-    return {**PARAMETERS, **EDGE_PARAMETERS} if any(s.sides for s in structures) else PARAMETERS
-
+from .frame import ABOUT, Frame, Values
 
 VARIABLES: dict[str, tuple[np.dtype, dict[str, Any]]] = {
     "theta_ratio": (
@@ -86,46 +55,28 @@ CHUNK_TABLES: dict[str, tuple[np.dtype, dict[str, Any]]] = {
 """Of each chunk: type and attributes."""
 
 
-def coordinates(structures: Sequence[RockingParameters], grid: Grid) -> dict[str, tuple[Any, np.dtype, dict[str, str]]]:
-    """The dimensions of the variables, in their order: values, type, attributes."""
-    names = ([s.name for s in structures], h5py.string_dtype(), {"long_name": "name of the structure", "units": "1"})
-    axes = (grid.frequency, grid.amplitude)
-    return {
-        "structure": names,
-        **{a.name: (a.values, np.dtype("<f8"), {"units": UNITS[a.name], "long_name": LONG_NAMES[a.name]}) for a in axes},
-    }
-
-
-def image(
-    structures: Sequence[RockingParameters],
-    grid: Grid,
-    chunk: tuple[int, ...],
-    names: Sequence[str],
-    scene: Mapping[str, Any],
-    attributes: Mapping[str, Any],
-) -> bytes:
+def image(frame: Frame, chunk: tuple[int, ...], names: Sequence[str], scene: Mapping[str, Any], attributes: Mapping[str, Any]) -> bytes:
     """The bytes of a spectra file that has no chunk yet; names: of its variables, attributes: of its root."""
     buffer = io.BytesIO()
     with h5py.File(buffer, "w", track_order=True) as file:
         root = {"Conventions": "CF-1.11", "title": "Rocking spectra", "source": f"rocking {__version__}", "scene": json.dumps(scene)}
         for key, value in {**root, **attributes}.items():
             file.attrs[key] = _encodable(value)
-        dimensions = coordinates(structures, grid)
-        for name, (values, dtype, about) in dimensions.items():
-            _describe(file.create_dataset(name, data=values, dtype=dtype), about)
-        for name in dimensions:
+        for name, values in frame.dimensions.items():
+            _list(file, name, values)
+        for name in frame.dimensions:
             file[name].make_scale(name)
-        for name, (units, long_name, get) in parameters_of(structures).items():
-            data = file.create_dataset(name, data=np.array([get(s) for s in structures], dtype="<f8"))
-            _describe(data, {"units": units, "long_name": long_name}, file["structure"])
-        cut = ChunkGrid((len(structures), *grid.shape), (1, *chunk))
+        for name, (dimension, values) in frame.beside.items():
+            _list(file, name, values, file[dimension])
+        cut = ChunkGrid(frame.shape, (1, *chunk))
+        labels = {"coordinates": " ".join(frame.beside)} if frame.of_records else {}
         for name in names:
             dtype, about = VARIABLES[name]
             data = file.create_dataset(
                 name, cut.shape, dtype, chunks=cut.chunk, shuffle=dtype.itemsize > 1,
                 compression="gzip", compression_opts=GZIP_LEVEL, fillvalue=about.get("_FillValue", 0),
             )  # fmt: skip
-            _describe(data, about, *(file[dimension] for dimension in dimensions))
+            _describe(data, {**about, **labels}, *(file[dimension] for dimension in frame.dimensions))
         for name, (dtype, _) in CHUNK_TABLES.items():
             values = np.arange(cut.size, dtype=dtype) if name == "chunk" else np.zeros(cut.size, dtype=dtype)
             file.create_dataset(name, data=values)
@@ -134,6 +85,13 @@ def image(
             _describe(file[name], about, *([] if name == "chunk" else [file["chunk"]]))
         file.attrs[DIGEST] = digest_of(file)
     return buffer.getvalue()
+
+
+def _list(file: h5py.File, name: str, values: Values, *scales: h5py.Dataset) -> None:
+    """A list of values along one dimension, with what it says of itself."""
+    about = ABOUT[name]
+    data = file.create_dataset(name, data=values, dtype=about.dtype or h5py.string_dtype())
+    _describe(data, {"units": about.units, "long_name": about.long_name}, *scales)
 
 
 def _describe(data: h5py.Dataset, about: Mapping[str, Any], *scales: h5py.Dataset) -> None:

@@ -46,9 +46,7 @@ def merge(paths: Sequence[str | Path], output: str | Path, *, overwrite: bool = 
         kept = {key: value for key, value in first.attributes.items() if key in KEPT}
         options: dict[str, Any] = {"names": first.names, "scene": first.scene, "attributes": kept, "shard": None, "machines": machines}
         chunk, target = first.cut.chunk[1:], Path(output)
-        writer = stack.enter_context(
-            SpectraWriter(target, first.structures, first.grid, chunk, overwrite=overwrite, resume=False, **options)
-        )
+        writer = stack.enter_context(SpectraWriter(target, first.frame, chunk, overwrite=overwrite, resume=False, **options))
         try:
             outcomes = np.zeros(len(Outcome), dtype=np.int64)
             for index in range(writer.chunks):

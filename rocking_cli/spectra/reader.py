@@ -17,6 +17,7 @@ from ..errors import OutputError, UsageError
 from ..motions import Harmonic, Motion, Piece
 from .chunks import stored_chunk, unpack
 from .contents import FAULTS, contents_of, reason
+from .grid import Axis, Grid
 from .layout import VARIABLES
 from .raw_file import SIGNATURE, RawFile, lock, open_regular
 from .seal import read, sealed
@@ -29,10 +30,10 @@ UNPACKED = 8  # chunks that are kept as arrays
 class SpectraFile:
     """A spectra file, open for reading; a context manager.
 
-    grid; structures: parameters as stored; names: of the variables; cut, done, sums: how it is cut, which chunks are there, and
-    their checksums; attributes: of the root; sealed: it came to its end and is as it was then. Nothing is read from it that its
-    seal, its digest or a checksum does not vouch for. Raises UsageError when the file cannot be opened and OutputError when it is not
-    a whole spectra file, or is being written.
+    frame: what its cells lie on; structures: parameters as stored; names: of the variables; cut, done, sums: how it is cut, which
+    chunks are there, and their checksums; attributes: of the root; sealed: it came to its end and is as it was then. Nothing is read
+    from it that its seal, its digest or a checksum does not vouch for. Raises UsageError when the file cannot be opened and
+    OutputError when it is not a whole spectra file, or is being written.
     """
 
     def __init__(self, path: str | Path) -> None:
@@ -66,7 +67,7 @@ class SpectraFile:
         except BaseException:
             self.file.close()
             raise
-        self.names, self.structures, self.grid, self.cut = found.names, found.structures, found.grid, found.cut
+        self.names, self.structures, self.frame, self.cut = found.names, found.structures, found.frame, found.cut
         self.scene, self.attributes, self.done, self.sums = found.scene, found.attributes, found.done, found.sums
 
     def close(self) -> None:
@@ -81,8 +82,18 @@ class SpectraFile:
         """Whether every chunk is there and the sweep came to its end."""
         return bool(self.done.all()) and self.path.suffix != ".part"
 
+    @property
+    def grid(self) -> Grid:
+        """The grid of a spectrum of a pulse. Raises UsageError for one of records."""
+        (frequency, omega), (amplitude, a) = list(self.frame.dimensions.items())[1:]
+        if self.frame.of_records:
+            raise UsageError(f"{self.path}: holds spectra of records over {frequency} and {amplitude}; accepted is that of a pulse")
+        return Grid(Axis(amplitude, np.asarray(a)), Axis(frequency, np.asarray(omega)))
+
     def motion(self) -> Motion:
-        """The ground motion of the spectrum. Raises OutputError."""
+        """The ground motion of a spectrum of a pulse. Raises OutputError, UsageError for one of records."""
+        if self.frame.of_records:
+            raise UsageError(f"{self.path}: holds spectra of records; accepted is that of a pulse")
         try:
             name, pieces = self.scene["motion"]
             return Motion(name, tuple(Piece(**{**p, "harmonics": tuple(Harmonic(**h) for h in p["harmonics"])}) for p in pieces))
@@ -119,11 +130,12 @@ class SpectraFile:
         except ValueError as error:
             raise OutputError(f"{self.path}: chunk {index} is damaged: {error}") from None
 
-    def block(self, structure: int, rows: slice, columns: slice = slice(None)) -> dict[str, np.ndarray]:
-        """The variables of a part of the grid, (frequencies, amplitudes); every chunk is checked. Raises OutputError."""
+    def block(self, place: int, rows: slice, columns: slice = slice(None)) -> dict[str, np.ndarray]:
+        """The variables at one place of the first dimension, over a part of the other two; every chunk is checked. Raises
+        OutputError."""
         wanted = (
-            slice(structure, structure + 1),
-            *(slice(*s.indices(n)[:2]) for s, n in zip((rows, columns), self.grid.shape, strict=True)),
+            slice(place, place + 1),
+            *(slice(*s.indices(n)[:2]) for s, n in zip((rows, columns), self.frame.shape[1:], strict=True)),
         )
         shape = tuple(max(0, s.stop - s.start) for s in wanted[1:])
         found = {name: np.full(shape, VARIABLES[name][1].get("_FillValue", 0), VARIABLES[name][0]) for name in self.names}
@@ -148,32 +160,34 @@ class SpectraFile:
             raise UsageError(f"{self.path}: {found}; accepted are {', '.join(names)}")
         return names.index(name)
 
+    def array(self, name: str) -> np.ndarray:
+        """One variable over all three dimensions, NaN or 0 where it is not computed. Raises OutputError, UsageError."""
+        if name not in self.names:
+            raise UsageError(f"{self.path}: has no variable {name!r}; accepted are {', '.join(self.names)}")
+        return np.stack([self.block(i, slice(None))[name] for i in range(self.frame.shape[0])])
+
     def cells(self) -> Iterator[dict[str, Any]]:
-        """Every computed cell as a record, with units where the axes have them."""
-        frequency, amplitude = self.grid.frequency, self.grid.amplitude
+        """Every computed cell as a record: its place on each dimension, in SI units, and the variables."""
+        (first, places), (second, rows), (third, columns) = (
+            (name, values if isinstance(values, list) else values.tolist()) for name, values in self.frame.dimensions.items()
+        )
         height = self.cut.chunk[1]
-        for i, s in enumerate(self.structures):
-            for first in range(0, frequency.values.size, height):
-                block = self.block(i, slice(first, first + height))
+        for i, place in enumerate(places):
+            for begin in range(0, len(rows), height):
+                block = self.block(i, slice(begin, begin + height))
                 for r, row in enumerate(block["outcome"]):
                     for c in np.flatnonzero(row != Outcome.NOT_COMPUTED):
-                        theta = float(block["theta_ratio"][r, c])
-                        record = {
-                            "structure": s.name,
-                            frequency.name: float(frequency.values[first + r]),
-                            amplitude.name: float(amplitude.values[c]),
-                            "outcome": Outcome(int(row[c])).flag,
-                            "theta_ratio": theta if np.isfinite(theta) else None,
-                        }
-                        if "impacts" in block:
-                            record["impacts"] = int(block["impacts"][r, c])
-                        if "condition" in block:
-                            condition = float(block["condition"][r, c])
-                            record["condition"] = condition if np.isfinite(condition) else None
-                        yield record
+                        record = {first: place, second: rows[begin + r], third: columns[c], "outcome": Outcome(int(row[c])).flag}
+                        yield record | {name: _told(block[name][r, c]) for name in self.names if name != "outcome"}
 
     def __enter__(self) -> SpectraFile:
         return self
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
         self.close()
+
+
+def _told(value: np.generic) -> float | int | None:
+    """A cell's number as programs read it: None for NaN."""
+    number: float | int = value.item()
+    return number if np.isfinite(number) else None

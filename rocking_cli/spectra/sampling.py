@@ -10,7 +10,7 @@ import numpy as np
 from ..dynamics.outcome import Outcome
 from ..dynamics.response import response
 from .condition import STEP
-from .scene import Scene
+from .scene import PulseScene, Scene
 
 Array = np.ndarray
 
@@ -26,7 +26,7 @@ def default_check(scene: Scene) -> int:
 
 def checked_cells(scene: Scene, check: int) -> Array:
     """(structure, row, column, whether chosen as sensitive) of the cells to check: half of them drawn, half the most sensitive of 128."""
-    if len(scene.motion.segments) > _LONGEST:
+    if scene.segments > _LONGEST or not isinstance(scene, PulseScene):
         drawn = sampled_cells(scene, check)
         return np.column_stack([drawn, np.zeros(len(drawn), dtype=np.int64)])
     chosen = sensitive_cells(scene, check // 2)
@@ -41,25 +41,28 @@ def sampled_cells(scene: Scene, check: int, seed: int = _SEED) -> Array:
     if check < 1:
         return np.zeros((0, 3), dtype=np.int64)
     random = np.random.default_rng(seed)
-    rows, columns = scene.grid.shape
+    _, rows, columns = scene.shape
     found: list[tuple[int, int, int]] = []
     owners = [group[0] for group in scene.sharing()]
-    lifts = [float(np.min(scene.method.system_of(s).equation.uplift_amplitude)) for s in scene.structures]
+    lifts: dict[int, float] = {}
     for _ in range(20 * check):
         i, r, c = owners[int(random.integers(len(owners)))], int(random.integers(rows)), int(random.integers(columns))
-        amplitude = scene.grid.scaled(scene.structures[i])[0][c]
-        if amplitude * scene.motion.peak > lifts[i] and (i, r, c) not in found:
+        cell = scene.cell(i, r, c)
+        kind = id(cell.structure)
+        if kind not in lifts:
+            lifts[kind] = float(np.min(scene.method.system_of(cell.structure).equation.uplift_amplitude))
+        if cell.amplitude * cell.motion.peak > lifts[kind] and (i, r, c) not in found:
             found.append((i, r, c))
         if len(found) == check:
             break
     return np.array(found, dtype=np.int64).reshape(-1, 3)
 
 
-def sensitive_cells(scene: Scene, count: int) -> Array:
+def sensitive_cells(scene: PulseScene, count: int) -> Array:
     """(structure, row, column) of the cells whose rotation changes most with A, among 128 drawn of the least damped structure."""
     liveliest = max((group[0] for group in scene.sharing()), key=lambda i: abs(scene.structures[i].eta))
     structure = scene.structures[liveliest]
-    alone = Scene((structure,), scene.grid, scene.motion, scene.method)
+    alone = PulseScene((structure,), scene.grid, scene.motion, scene.method)
     drawn = sampled_cells(alone, _CANDIDATES if count else 0, _SEED + 1)
     if not len(drawn):
         return drawn

@@ -1,11 +1,16 @@
-"""What a sweep computes, and how it is cut into units of work. A unit is one chunk of the file."""
+"""What a sweep computes, and how it is cut into units of work. A unit is one chunk of the file.
+
+Every result has three dimensions, the first of which is cut into single places: structures under one pulse have (structure, frequency,
+amplitude); the spectra of records are scenes of their own (`record_scene`).
+"""
 
 from __future__ import annotations
 
 import json
+from abc import ABC, abstractmethod
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -14,14 +19,103 @@ from ..dynamics.method import LINEAR, Method
 from ..errors import UsageError
 from ..motions import Motion
 from ..structures.parameters import RockingParameters
+from .frame import Frame, pulse_frame
 from .grid import Grid
+
+Array = np.ndarray
 
 QUANTITIES = ("condition",)  # what may be computed beside theta_ratio, outcome and impacts
 
 
+@dataclass(frozen=True)
+class Unit:
+    """One unit of work: the places of the first dimension that it serves, and the first cell of its block of the other two."""
+
+    places: tuple[int, ...]
+    row: int
+    column: int
+
+
+class Band(NamedTuple):
+    """Rows of a unit that are one structure under one motion: A and Omega broadcast to (rows, columns)."""
+
+    structure: RockingParameters
+    motion: Motion
+    rows: int
+    amplitude: Array
+    omega: Array
+
+
+class Cell(NamedTuple):
+    """One cell: A and Omega [-] of a structure under a motion."""
+
+    structure: RockingParameters
+    motion: Motion
+    amplitude: float
+    omega: float
+
+
+class Scene(ABC):
+    """What a sweep computes; what it needs of every kind of scene."""
+
+    structures: tuple[RockingParameters, ...]
+    method: Method
+    of_records = False
+
+    @property
+    @abstractmethod
+    def shape(self) -> tuple[int, int, int]:
+        """Places on each of the three dimensions."""
+
+    @property
+    @abstractmethod
+    def segments(self) -> int:
+        """Segments of the motion, of the longest one of several."""
+
+    @property
+    @abstractmethod
+    def title(self) -> str:
+        """The motion in a few words."""
+
+    @abstractmethod
+    def identity(self) -> dict[str, Any]:
+        """What the result depends on, by name, as JSON values; two scenes of equal identity have equal spectra."""
+
+    @abstractmethod
+    def sharing(self) -> list[tuple[int, ...]]:
+        """Places of the first dimension that share one computation."""
+
+    @abstractmethod
+    def bands(self, unit: Unit, size: tuple[int, int]) -> Iterator[Band]:
+        """The rows of a unit of (rows, columns), in their order."""
+
+    @abstractmethod
+    def cell(self, place: int, row: int, column: int) -> Cell:
+        """One cell."""
+
+    @abstractmethod
+    def frame(self) -> Frame:
+        """What the cells lie on, as a file has it."""
+
+    @abstractmethod
+    def batches(self, units: int) -> int:
+        """Runs of the engine that so many units of work take, at least."""
+
+    @property
+    def cells(self) -> int:
+        """Cells of the result."""
+        first, second, third = self.shape
+        return first * second * third
+
+    @property
+    def one_system(self) -> bool:
+        """Whether all structures are one system, but for their restitution."""
+        return len({self.method.shares(s) for s in self.structures}) == 1
+
+
 @dataclass(frozen=True, eq=False)
-class Scene:
-    """What a sweep computes: structures, grid, motion, and the equation of motion.
+class PulseScene(Scene):
+    """Structures over a grid of amplitude and frequency, under one motion.
 
     Structures of equal restitution share one dimensionless linear spectrum, which is computed once (section 3.3 of the paper).
     Raises UsageError when a structure has no units but the grid does, or the scene holds no structure.
@@ -45,9 +139,40 @@ class Scene:
                 raise UsageError(f"{s.name}: the grid in units of this structure (A, Omega) leaves the range of double precision")
 
     @property
-    def cells(self) -> int:
-        """Cells of the result."""
-        return len(self.structures) * self.grid.shape[0] * self.grid.shape[1]
+    def shape(self) -> tuple[int, int, int]:
+        """(structures, frequencies, amplitudes)."""
+        return (len(self.structures), *self.grid.shape)
+
+    @property
+    def segments(self) -> int:
+        """Segments of the motion."""
+        return len(self.motion.segments)
+
+    @property
+    def title(self) -> str:
+        """The motion's name."""
+        return self.motion.name
+
+    def bands(self, unit: Unit, size: tuple[int, int]) -> Iterator[Band]:
+        """The one band of a unit."""
+        structure = self.structures[unit.places[0]]
+        amplitude, omega = self.grid.scaled(structure)
+        columns = amplitude[unit.column : unit.column + size[1]]
+        yield Band(structure, self.motion, size[0], columns, omega[unit.row : unit.row + size[0], None])
+
+    def cell(self, place: int, row: int, column: int) -> Cell:
+        """One cell."""
+        structure = self.structures[place]
+        amplitude, omega = self.grid.scaled(structure)
+        return Cell(structure, self.motion, float(amplitude[column]), float(omega[row]))
+
+    def frame(self) -> Frame:
+        """What the cells lie on."""
+        return pulse_frame(self.structures, self.grid)
+
+    def batches(self, units: int) -> int:
+        """Runs of the engine that so many units of work take."""
+        return units
 
     def identity(self) -> dict[str, Any]:
         """What the result depends on, by name, as JSON values; two scenes of equal identity have equal spectra."""
@@ -59,11 +184,6 @@ class Scene:
             "model": self.method.model,
             "tolerance": self.method.stated_tolerance,
         }
-
-    @property
-    def one_system(self) -> bool:
-        """Whether all structures are one system, but for their restitution."""
-        return len({self.method.shares(s) for s in self.structures}) == 1
 
     def sharing(self) -> list[tuple[int, ...]]:
         """Structures, by index, that share one computation."""
@@ -83,15 +203,6 @@ def known_quantities(names: Sequence[str]) -> tuple[str, ...]:
     return tuple(name for name in QUANTITIES if name in names)
 
 
-@dataclass(frozen=True)
-class Unit:
-    """One unit of work: the structures it serves and its block of the grid."""
-
-    structures: tuple[int, ...]
-    row: int
-    column: int
-
-
 def chunk_shape(shape: tuple[int, int], cells: int) -> tuple[int, int]:
     """(rows, columns) of a unit of work of about `cells` cells: whole rows where they fit. Raises UsageError if cells < 1."""
     if cells < 1:
@@ -101,7 +212,7 @@ def chunk_shape(shape: tuple[int, int], cells: int) -> tuple[int, int]:
 
 
 def cut_into_units(scene: Scene, chunk: tuple[int, int]) -> Iterator[Unit]:
-    rows, columns = scene.grid.shape
+    _, rows, columns = scene.shape
     for group in scene.sharing():
         for row in range(0, rows, chunk[0]):
             for column in range(0, columns, chunk[1]):

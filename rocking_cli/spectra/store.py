@@ -17,10 +17,9 @@ import h5py
 import numpy as np
 
 from ..errors import OutputError, UsageError
-from ..structures.parameters import RockingParameters
 from .chunks import ChunkGrid, checksum, stored_chunk, stored_outcomes
 from .contents import FAULTS, Contents, chunk_places, contents_of, reason
-from .grid import Grid
+from .frame import Frame
 from .layout import image
 from .machine import machine, machines_of, together, unlike
 from .part import Part
@@ -65,8 +64,7 @@ class SpectraWriter:
     def __init__(
         self,
         path: Path,
-        structures: Sequence[RockingParameters],
-        grid: Grid,
+        frame: Frame,
         chunk: tuple[int, ...],
         *,
         names: Sequence[str],
@@ -79,7 +77,7 @@ class SpectraWriter:
         machines: Sequence[Mapping[str, Any]] = (),
     ) -> None:
         self.path, self.names, self.whole = path, list(names), shard == WHOLE
-        self.cut = ChunkGrid((len(structures), *grid.shape), (1, *chunk))
+        self.cut = ChunkGrid(frame.shape, (1, *chunk))
         self.chunks = self.cut.size
         self.written = self.resumed = 0
         self.kept = False
@@ -87,7 +85,7 @@ class SpectraWriter:
         self.done = np.zeros(self.chunks, dtype=bool)
         self.machines = together([machines or [machine()]])
         settled = {**attributes, "computed_on": json.dumps(self.machines), **({} if shard is None else {"shard": shard})}
-        fresh = image(structures, grid, chunk, names, scene, settled)
+        fresh = image(frame, chunk, names, scene, settled)
         self._part = Part(path, fresh, overwrite=overwrite, resume=resume)
         self.part = self._part.part
         try:
@@ -152,9 +150,10 @@ class SpectraWriter:
             raise UsageError(f"{self.part}: was begun on a machine that computes otherwise ({unlike(machines)}); it is kept")
         self.machines = machines
 
-    def has(self, structures: Sequence[int], row: int, column: int) -> bool:
-        """Whether the chunks of these structures whose first cell is (row, column) are all there; if not, none counts."""
-        indices = [self.cut.index((i, row, column)) for i in structures]
+    def has(self, places: Sequence[int], row: int, column: int) -> bool:
+        """Whether the chunks at these places of the first dimension whose first cell is (row, column) are all there; if not, none
+        counts."""
+        indices = [self.cut.index((i, row, column)) for i in places]
         if all(self.done[indices]):
             return True
         for index in indices:
@@ -162,7 +161,7 @@ class SpectraWriter:
         return False
 
     def write(self, offset: tuple[int, ...], packed: Mapping[str, bytes]) -> None:
-        """Write the packed chunk whose first cell is (structure, row, column), and mark it done."""
+        """Write the packed chunk whose first cell is (place, row, column), and mark it done."""
         index = self.cut.index(offset)
         try:
             self.raw.reserve(SLACK + sum(len(packed[name]) for name in self.names))

@@ -21,7 +21,7 @@ from .cost import Tell, announce_sweep
 from .grid import Grid
 from .processes import available_cpus
 from .sampling import checked_cells, default_check
-from .scene import Scene, Unit, chunk_shape, cut_into_units, known_quantities
+from .scene import PulseScene, Scene, Unit, chunk_shape, cut_into_units, known_quantities
 from .units import Block, Job, unit_reports
 
 CHUNK_CELLS = 131072
@@ -91,8 +91,8 @@ class Summary:
 
 @dataclass(frozen=True, eq=False)
 class Spectrum:
-    """A spectrum in memory: theta_ratio, outcome, impacts and condition (None unless asked for) have dimensions (structure,
-    frequency, amplitude)."""
+    """A spectrum in memory: theta_ratio, outcome, impacts and condition (None unless asked for) have the dimensions of the scene:
+    (structure, frequency, amplitude), of records (record, structure, scale) and the like."""
 
     scene: Scene
     theta_ratio: np.ndarray
@@ -117,23 +117,31 @@ def spectrum(
     method: the equation of motion; workers: processes, None for all cores; check: cells computed again by the reference,
     None for a few; quantities: names of `QUANTITIES` to compute as well. Raises UsageError.
     """
-    scene = Scene(tuple(structures), grid, motion, method)
-    quantities = known_quantities(quantities)
-    shape = (len(scene.structures), *grid.shape)
+    return spectrum_of(PulseScene(tuple(structures), grid, motion, method), workers=workers, check=check, quantities=quantities)
+
+
+def spectrum_of(
+    scene: Scene, *, workers: int | None = None, check: int | None = None, quantities: Sequence[str] = (), progress: Progress | None = None
+) -> Spectrum:
+    """What a scene comes to, in memory; the options are those of `spectrum`, and progress is called with (units done, units).
+
+    Raises UsageError.
+    """
+    quantities, shape = known_quantities(quantities), scene.shape
     theta, outcome, impacts = np.full(shape, np.nan), np.zeros(shape, dtype=np.uint8), np.zeros(shape, dtype=np.int32)
     condition = np.full(shape, np.nan) if "condition" in quantities else None
-    chunk = chunk_shape(grid.shape, CHUNK_CELLS)
+    chunk = chunk_shape(shape[1:], CHUNK_CELLS)
     announce_sweep(scene, chunk, _processes(scene, workers), check)
 
     def keep(unit: Unit, response: Block) -> None:
         rows, columns = response.outcome.shape
-        for i in unit.structures:
+        for i in unit.places:
             block = (i, slice(unit.row, unit.row + rows), slice(unit.column, unit.column + columns))
             theta[block], outcome[block], impacts[block] = response.theta_ratio, response.outcome, response.impacts
             if condition is not None:
                 condition[block] = response.condition
 
-    summary = _sweep(scene, chunk, workers, check, None, None, keep, quantities=quantities)
+    summary = _sweep(scene, chunk, workers, check, progress, None, keep, quantities=quantities)
     return Spectrum(scene, theta, outcome, impacts, summary, condition)
 
 
@@ -159,7 +167,34 @@ def write_spectrum(
     progress: Progress | None = None,
     tell: Tell | None = None,
 ) -> Summary:
-    """Compute a spectrum and stream it, chunk by chunk, into an HDF5 file (layout: `rocking help files`).
+    """Compute a spectrum of structures under a pulse and stream it into an HDF5 file; the options are those of `write_scene`."""
+    scene = PulseScene(tuple(structures), grid, motion, method)
+    return write_scene(
+        scene, path, workers=workers, chunk_cells=chunk_cells, check=check, impacts=impacts, quantities=quantities, overwrite=overwrite,
+        resume=resume, strict=strict, shard=shard, scheduler=scheduler, documents=documents, history=history, progress=progress, tell=tell,
+    )  # fmt: skip
+
+
+def write_scene(
+    scene: Scene,
+    path: str | Path,
+    *,
+    workers: int | None = None,
+    chunk_cells: int = CHUNK_CELLS,
+    check: int | None = None,
+    impacts: bool = False,
+    quantities: Sequence[str] = (),
+    overwrite: bool = False,
+    resume: bool = False,
+    strict: bool = False,
+    shard: tuple[int, int] | None = None,
+    scheduler: str | None = None,
+    documents: str = "",
+    history: str = "",
+    progress: Progress | None = None,
+    tell: Tell | None = None,
+) -> Summary:
+    """Compute a scene and stream it, chunk by chunk, into an HDF5 file (layout: `rocking help files`).
 
     quantities: names of `QUANTITIES`, stored as well. scheduler: address of a dask.distributed cluster to compute on. shard: (i, n)
     computes the i-th of n parts, for `merge`. resume: go on with what an interrupted sweep of the same scene left in PATH.part,
@@ -170,11 +205,10 @@ def write_spectrum(
     """
     from .store import SpectraWriter
 
-    scene = Scene(tuple(structures), grid, motion, method)
-    chunk = chunk_shape(grid.shape, chunk_cells)
+    method, chunk = scene.method, chunk_shape(scene.shape[1:], chunk_cells)
     processes = 1 if scheduler else _processes(scene, workers)  # a cluster's are not known yet
     announce_sweep(scene, chunk, processes, check, 1 if shard is None else shard[1], tell)
-    attributes: dict[str, Any] = {"history": history, "documents": documents, "motion": motion.name, "model": method.model}
+    attributes: dict[str, Any] = {"history": history, "documents": documents, "motion": scene.title, "model": method.model}
     if method.stated_tolerance is not None:
         attributes["tolerance"] = method.stated_tolerance
     quantities = known_quantities(quantities)
@@ -185,14 +219,14 @@ def write_spectrum(
         "names": names, "overwrite": overwrite, "resume": resume, "strict": strict, "scene": identity, "attributes": attributes,
         "shard": "{}/{}".format(*(shard or (1, 1))),
     }  # fmt: skip
-    with SpectraWriter(Path(path), scene.structures, grid, chunk, **options) as writer:
+    with SpectraWriter(Path(path), scene.frame(), chunk, **options) as writer:
         mine = {u for i, u in enumerate(cut_into_units(scene, chunk)) if shard is None or i % shard[1] == shard[0] - 1}
 
         def todo(unit: Unit) -> bool:
-            return unit in mine and not writer.has(unit.structures, unit.row, unit.column)
+            return unit in mine and not writer.has(unit.places, unit.row, unit.column)
 
         def keep(unit: Unit, data: dict[str, bytes]) -> None:
-            for i in unit.structures:
+            for i in unit.places:
                 writer.write((i, unit.row, unit.column), data)
 
         try:
@@ -268,7 +302,7 @@ def _sweep(
     for done, (unit, report) in enumerate(reports, 1 + len(every) - len(units)):
         with interruption.deferred():
             keep(unit, report.data)
-        times = len(unit.structures)
+        times = len(unit.places)
         total += report.work
         outcomes += times * report.outcomes
         shared += (times - 1) * report.cells

@@ -19,7 +19,7 @@ from ..dynamics.outcome import Outcome
 from ..dynamics.response import Response, response
 from .condition import condition_of
 from .processes import processes
-from .scene import Scene, Unit
+from .scene import Band, Scene, Unit
 
 
 @dataclass(frozen=True)
@@ -64,49 +64,57 @@ class Job:
         return max(1, TOGETHER // (self.chunk[0] * self.chunk[1]))
 
     def run(self, units: Sequence[Unit]) -> list[Report]:
-        """Compute some units in one batch."""
+        """Compute some units; those of their bands that are one system under one motion in one batch."""
         scene = self.scene
-        rows, columns = scene.grid.shape
+        _, rows, columns = scene.shape
         sizes = [(min(self.chunk[0], rows - unit.row), min(self.chunk[1], columns - unit.column)) for unit in units]
-        cells, first = np.empty((3, sum(a * b for a, b in sizes))), 0
-        for unit, size in zip(units, sizes, strict=True):
-            structure = scene.structures[unit.structures[0]]
-            amplitude, omega = scene.grid.scaled(structure)
-            block = cells[:, first : first + size[0] * size[1]].reshape(3, *size)
-            block[0], block[1] = amplitude[unit.column : unit.column + size[1]], omega[unit.row : unit.row + size[0], None]
-            block[2] = structure.eta
-            first += size[0] * size[1]
-        system = scene.method.system_of(scene.structures[units[0].structures[0]])
-        found, condition = response(system, scene.motion, *cells), None
+        bands = [(n, band) for n, unit in enumerate(units) for band in scene.bands(unit, sizes[n])]
+        batches: dict[Any, list[int]] = {}
+        for i, (_, band) in enumerate(bands):
+            batches.setdefault((id(band.motion), scene.method.shares(band.structure)), []).append(i)
+        found: dict[int, Block] = {}
+        for batch in batches.values():
+            found |= zip(batch, self.blocks([bands[i][1] for i in batch], [sizes[bands[i][0]][1] for i in batch]), strict=True)
+        return [self.report(unit, [found[i] for i, (m, _) in enumerate(bands) if m == n]) for n, unit in enumerate(units)]
+
+    def blocks(self, bands: Sequence[Band], columns: Sequence[int]) -> Iterator[Block]:
+        """The response of bands of one system under one motion, of so many columns; all of the work is counted with the first."""
+        scene, motion = self.scene, bands[0].motion
+        sizes = [(band.rows, width) for band, width in zip(bands, columns, strict=True)]
+        ends = np.cumsum([0, *(a * b for a, b in sizes)])
+        cells = np.empty((3, int(ends[-1])))
+        for band, size, first, last in zip(bands, sizes, ends[:-1], ends[1:], strict=True):
+            block = cells[:, first:last].reshape(3, *size)
+            block[0], block[1], block[2] = band.amplitude, band.omega, band.structure.eta
+        system = scene.method.system_of(bands[0].structure)
+        got, condition = response(system, motion, *cells), None
         if "condition" in self.quantities:
-            respond, tolerance = partial(response, system, scene.motion), scene.method.stated_tolerance or 0.0
+            respond, tolerance = partial(response, system, motion), scene.method.stated_tolerance or 0.0
             condition = condition_of(respond, cells[0], cells[1], cells[2], tolerance)
         del cells
-        reports: list[Report] = []
-        first = 0
-        for unit, size in zip(units, sizes, strict=True):
-            mine = slice(first, first + size[0] * size[1])
-            first = mine.stop
-            work = found.work if not reports else Work()
-            theta_ratio, outcome, impacts = (x[mine].reshape(size) for x in (found.theta_ratio, found.outcome, found.impacts))
-            part = Block(theta_ratio, outcome, impacts, work, None if condition is None else condition[mine].reshape(size))
-            compared = self.compare(unit, part)
-            outcomes = np.bincount(part.outcome.ravel(), minlength=len(Outcome))
-            data = self.convert(part) if self.convert else part
-            reports.append(Report(data, work, part.outcome.size, outcomes, *compared))
-        return reports
+        work = got.work
+        for size, first, last in zip(sizes, ends[:-1], ends[1:], strict=True):
+            theta_ratio, outcome, impacts = (x[first:last].reshape(size) for x in (got.theta_ratio, got.outcome, got.impacts))
+            yield Block(theta_ratio, outcome, impacts, work, None if condition is None else condition[first:last].reshape(size))
+            work = Work()
+
+    def report(self, unit: Unit, blocks: Sequence[Block]) -> Report:
+        """What comes back from a unit whose rows are these blocks."""
+        part = blocks[0] if len(blocks) == 1 else joined(blocks)
+        compared = self.compare(unit, part)
+        outcomes = np.bincount(part.outcome.ravel(), minlength=len(Outcome))
+        data = self.convert(part) if self.convert else part
+        return Report(data, part.work, part.outcome.size, outcomes, *compared)
 
     def compare(self, unit: Unit, response: Response) -> tuple[float, int, int, int]:
         """(largest difference, outcomes that differ, cells, of them sensitive ones) of this unit's checked cells against the reference."""
-        structure = self.scene.structures[unit.structures[0]]
-        amplitude, omega = self.scene.grid.scaled(structure)
         worst, misjudged, checked, sensitive = 0.0, 0, 0, 0
         for i, row, column, chosen in self.samples:
             r, c = row - unit.row, column - unit.column
-            if i != unit.structures[0] or not (0 <= r < self.chunk[0] and 0 <= c < self.chunk[1]):
+            if i != unit.places[0] or not (0 <= r < self.chunk[0] and 0 <= c < self.chunk[1]):
                 continue
-            cell = (self.scene.motion, float(amplitude[column]), float(omega[row]), structure.eta)
-            outcome, theta = self.scene.method.reference_of(structure)(*cell)
+            cell = self.scene.cell(i, row, column)
+            outcome, theta = self.scene.method.reference_of(cell.structure)(*cell[1:], cell.structure.eta)
             if outcome == Outcome.FAILED:
                 continue
             checked, sensitive = checked + 1, sensitive + int(chosen)
@@ -114,6 +122,13 @@ class Job:
             if outcome == response.outcome[r, c] and np.isfinite(theta):
                 worst = max(worst, abs(theta - float(response.theta_ratio[r, c])))
         return worst, misjudged, checked, sensitive
+
+
+def joined(blocks: Sequence[Block]) -> Block:
+    """The rows of blocks, one below the other."""
+    theta_ratio, outcome, impacts = (np.concatenate([getattr(b, name) for b in blocks]) for name in ("theta_ratio", "outcome", "impacts"))
+    condition = None if blocks[0].condition is None else np.concatenate([b.condition for b in blocks if b.condition is not None])
+    return Block(theta_ratio, outcome, impacts, sum((b.work for b in blocks), Work()), condition)
 
 
 TOGETHER = 1 << 19  # cells of an exact equation that a worker computes in one batch

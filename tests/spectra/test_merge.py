@@ -29,7 +29,7 @@ def altered(path, index, change):
     with SpectraFile(path) as f:
         attributes = {k: f.attributes[k] for k in ("history", "documents", "motion", "model")}
         options = {"names": f.names, "scene": f.scene, "attributes": attributes, "shard": f.attributes["shard"]}
-        writer = SpectraWriter(other, f.structures, f.grid, f.cut.chunk[1:], overwrite=False, resume=False, **options)
+        writer = SpectraWriter(other, f.frame, f.cut.chunk[1:], overwrite=False, resume=False, **options)
         with writer:
             for i in (int(i) for i in f.done.nonzero()[0]):
                 packed = f.packed(i)

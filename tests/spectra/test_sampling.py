@@ -13,7 +13,7 @@ from rocking_cli.reports.summary import summary_lines
 from rocking_cli.spectra import sampling
 from rocking_cli.spectra.condition import condition_of
 from rocking_cli.spectra.sampling import checked_cells
-from rocking_cli.spectra.scene import Scene, cut_into_units
+from rocking_cli.spectra.scene import PulseScene, cut_into_units
 from rocking_cli.spectra.units import Job
 
 GRID = parse_grid("A=0.5:4:60,Omega=0.5:6:50")
@@ -27,7 +27,7 @@ def conditions(scene, cells):
 
 
 def test_half_of_the_checked_cells_are_the_most_sensitive():
-    scene = Scene(OSCILLATORS, GRID, sine(2))
+    scene = PulseScene(OSCILLATORS, GRID, sine(2))
     cells = checked_cells(scene, 8)
     assert len(cells) == len({tuple(cell[:3]) for cell in cells.tolist()}) == 8
     assert cells[:, 3].tolist() == [0] * 4 + [1] * 4
@@ -38,7 +38,7 @@ def test_half_of_the_checked_cells_are_the_most_sensitive():
 
 @pytest.mark.parametrize("chunk", [(50, 60), (7, 60), (1, 13)])
 def test_the_same_cells_are_checked_however_a_sweep_is_cut(chunk):
-    scene = Scene(OSCILLATORS, GRID, sine())
+    scene = PulseScene(OSCILLATORS, GRID, sine())
     job = Job(scene, chunk, checked_cells(scene, 6), None)
     whole = spectrum(OSCILLATORS, GRID, sine(), check=6).summary
     reports = job.run(list(cut_into_units(scene, chunk)))
@@ -58,8 +58,8 @@ def test_the_summary_tells_how_many_cells_its_error_rests_on(check, sensitive):
 
 def test_cells_of_a_long_record_are_drawn():
     pieces = tuple(Piece(float(i), i + 1.0, (), float((-1) ** i), float(-2 * (-1) ** i)) for i in range(sampling._LONGEST + 1))
-    assert checked_cells(Scene(OSCILLATORS, GRID, Motion("long", pieces)), 4)[:, 3].tolist() == [0, 0, 0, 0]
+    assert checked_cells(PulseScene(OSCILLATORS, GRID, Motion("long", pieces)), 4)[:, 3].tolist() == [0, 0, 0, 0]
 
 
 def test_a_grid_below_uplift_has_nothing_to_check():
-    assert checked_cells(Scene(OSCILLATORS, parse_grid("A=0.1:0.9:5,Omega=1:2:3"), sine()), 4).shape == (0, 4)
+    assert checked_cells(PulseScene(OSCILLATORS, parse_grid("A=0.1:0.9:5,Omega=1:2:3"), sine()), 4).shape == (0, 4)

@@ -33,6 +33,7 @@ from rocking_cli.errors import Interrupted
 from rocking_cli.reports.summary import summary_lines
 from rocking_cli.spectra import store
 from rocking_cli.spectra.chunks import pack
+from rocking_cli.spectra.frame import pulse_frame
 from rocking_cli.spectra.reader import SpectraFile
 from rocking_cli.spectra.store import SpectraWriter, difference
 
@@ -247,7 +248,7 @@ def test_an_incomplete_file_is_never_published(tmp_path):
 def with_one_chunk(path):
     grid = parse_grid("A=0.5:12:40,Omega=0.5:12:30")
     options = {"names": ("theta_ratio", "outcome"), "overwrite": False, "resume": False, "scene": {}, "attributes": {}}
-    with SpectraWriter(path, [dimensionless_oscillator(0.9)], grid, (5, 40), **options) as writer:
+    with SpectraWriter(path, pulse_frame([dimensionless_oscillator(0.9)], grid), (5, 40), **options) as writer:
         writer.write((0, 0, 0), {"theta_ratio": pack(np.zeros((5, 40))), "outcome": pack(np.ones((5, 40), "u1"))})
         writer.finish({})
 

@@ -1,0 +1,108 @@
+"""A record as it shakes: times a factor, in its own time. A set of records is a tuple of them."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property, lru_cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..errors import DocumentError, UsageError
+from .intensity import Intensity, intensity
+from .motion import checked_scale
+from .polyline import Polyline, record_motion
+from .reading import factor_to
+from .records import Record, pick, read_bytes, record_files, records_of, unknown
+
+
+@dataclass(frozen=True, eq=False)
+class Recording:
+    """A record times a factor, which may be negative.
+
+    label: its name in a set. Raises MotionError for a record that is zero throughout and for a factor that is zero or not finite.
+    """
+
+    record: Record
+    factor: float = 1.0
+    label: str = ""
+
+    def __post_init__(self) -> None:
+        label = (self.label or self.record.label).encode("utf-8", "backslashreplace").decode()  # a name may hold bytes that are no text
+        object.__setattr__(self, "label", label)
+        checked_scale(self.record.label, self.factor)
+        if not np.any(self.record.acceleration):
+            record_motion(self.record)  # which says what is wrong with it
+
+    @property
+    def acceleration(self) -> float:
+        """The peak with which it shakes [m/s2]."""
+        return abs(self.factor) * float(np.abs(self.record.acceleration).max())
+
+    @cached_property
+    def intensity(self) -> Intensity:
+        """The measures of the record itself, before the factor."""
+        return intensity(self.record)
+
+    @property
+    def motion(self) -> Polyline:
+        """The motion in its own time (omega_g = 1 rad/s); made anew when it was not among the last two that were asked for."""
+        return _motion(self)
+
+    def identity(self) -> list[Any]:
+        """What a result depends on: label, hash of the file, component, dt [s], unit as it was read, factor."""
+        r = self.record
+        return [self.label, r.sha256, r.component, r.dt, r.unit, self.factor]
+
+
+@lru_cache(maxsize=2)
+def _motion(recording: Recording) -> Polyline:
+    return record_motion(recording.record, recording.factor)
+
+
+def with_distinct_labels(recordings: Sequence[Recording]) -> tuple[Recording, ...]:
+    """The same, those of equal labels told apart by their number among them."""
+    times, seen, found = Counter(r.label for r in recordings), Counter[str](), []
+    for r in recordings:
+        seen[r.label] += 1
+        found.append(r if times[r.label] == 1 else replace(r, label=f"{r.label} ({seen[r.label]})"))
+    return tuple(found)
+
+
+def read_recordings(
+    paths: Sequence[str],
+    *,
+    component: str | None = None,
+    unit: str | None = None,
+    dt: float | None = None,
+    scale: float | None = None,
+    scale_to: str | None = None,
+    tell: Callable[[str], None] | None = None,
+) -> tuple[Recording, ...]:
+    """The records of files, of directories, and of lists of files, each scaled as `read_motion` does.
+
+    Of a directory only those files that are records. tell: called with what is odd about one, in a sentence. Raises UsageError and
+    DocumentError as `read_motion` does, and where there is no record at all.
+    """
+    say = tell or (lambda text: None)
+    if scale is not None and scale_to is not None:
+        raise UsageError("scale and scale-to do not go together: give one of them")
+    found: list[Recording] = []
+    for path, named in record_files(paths):
+        source, raw = read_bytes(path)
+        records = records_of(source, raw, unit=unit, dt=dt)
+        if records is None and named:
+            raise DocumentError(f"{unknown(source, raw)}; a set holds records only")
+        if records is None:
+            say(f"{source}: left out, no record format")
+            continue
+        record = pick(records, component)
+        for remark in record.remarks:
+            say(f"{source}: {remark}")
+        found.append(Recording(record, factor_to(record, scale_to) if scale_to is not None else 1.0 if scale is None else scale))
+    if not found:
+        raise UsageError(f"{', '.join(map(str, map(Path, paths)))}: no record among the files")
+    return with_distinct_labels(found)

@@ -1,0 +1,140 @@
+"""Spectra of records: what the axes mean, against single responses; and that a set is swept, resumed, cut and merged like a pulse."""
+
+from __future__ import annotations
+
+import math
+
+import h5py
+import numpy as np
+import pytest
+import xarray
+from recorded import wave
+from written import built, same_file
+
+from rocking_cli import Axis, Method, UsageError, dimensionless_oscillator, response
+from rocking_cli.motions import Record, intensity, record_motion
+from rocking_cli.motions.recording import Recording, with_distinct_labels
+from rocking_cli.spectra.merge import merge
+from rocking_cli.spectra.reader import SpectraFile
+from rocking_cli.spectra.record_scene import angles_scene, block_of, structures_scene
+from rocking_cli.spectra.sweep import spectrum_of, write_scene
+
+NONLINEAR = Method("nonlinear", 1e-8)
+ALPHAS, PERIODS = Axis("alpha", np.radians([10.0, 15.0])), Axis("T", np.array([1.0, 2.5, 6.0]))
+BLOCK = built("kind: block\nwidth: 0.4 m\nheight: 2 m")
+SPIRE = built("kind: parameters\np: 2\nalpha: 0.15\neta: 0.9\nlambda: 0.2")
+
+
+def record(name: str, count: int, peak: float) -> Record:
+    return Record(name, "text", None, 0.02, wave(count, peak), None, "m/s2", name, name * 64)
+
+
+@pytest.fixture(scope="module")
+def records() -> tuple[Recording, ...]:
+    return Recording(record("a", 70, 3.0)), Recording(record("b", 50, -4.0), -1.5)
+
+
+def alone(structure, motion, acceleration, method):
+    """The response of one structure to a record scaled to these peaks [m/s2]."""
+    amplitude = structure.dimensionless_amplitude(np.atleast_1d(acceleration))
+    return response(method.system_of(structure), motion, amplitude, np.array([1.0 / structure.p]), structure.eta)
+
+
+@pytest.mark.parametrize("name", ["scale", "a_g", "A"])
+def test_columns_scale_each_record_under_each_structure(records, name):
+    values = np.array([0.6, 1.0, 2.2])
+    found = spectrum_of(structures_scene([BLOCK, SPIRE], records, Axis(name, values)), workers=1, check=0)
+    assert found.outcome.shape == (2, 2, 3)
+    for i, recording in enumerate(records):
+        for j, structure in enumerate((BLOCK, SPIRE)):
+            own = {"scale": recording.acceleration * values, "a_g": values, "A": structure.ground_acceleration(values)}[name]
+            expected = alone(structure, recording.motion, own, Method())
+            assert np.array_equal(found.outcome[i, j], expected.outcome)
+            assert found.theta_ratio[i, j] == pytest.approx(expected.theta_ratio, rel=1e-12, nan_ok=True)
+
+
+def test_a_factor_is_part_of_the_record(records):
+    """Its sign turns it over; its size is what a column `scale` multiplies."""
+    turned = record("b", 50, 4.0)
+    there, here = records[1].motion, record_motion(turned, 1.5)
+    assert records[1].acceleration == pytest.approx(6.0, rel=1e-15)
+    assert there.acceleration == here.acceleration
+    times = 0.02 * np.arange(49) + 0.007
+    assert there.value(times) == pytest.approx(here.value(times), abs=1e-15)
+
+
+@pytest.mark.parametrize("eta", [0.8, None])
+def test_rocking_spectra_over_alpha_and_size(records, eta):
+    found = spectrum_of(angles_scene(ALPHAS, PERIODS, records, eta, NONLINEAR), workers=1, check=0)
+    for j, alpha in enumerate(ALPHAS.values.tolist()):
+        expected = 1.0 - 1.5 * math.sin(alpha) ** 2 if eta is None else eta
+        for k, period in enumerate(PERIODS.values.tolist()):
+            p = 2.0 * math.pi / period
+            radius = 0.75 * 9.81 / p**2  # of a block, from p^2 = 3g/(4R)
+            block = built(f"kind: block\nradius: {radius!r}\nalpha: {alpha!r}\nrestitution: {expected!r}")
+            by_itself = alone(block, records[0].motion, records[0].acceleration, NONLINEAR)
+            assert found.outcome[0, j, k] == by_itself.outcome[0]
+            assert found.theta_ratio[0, j, k] == pytest.approx(by_itself.theta_ratio[0], abs=1e-7, nan_ok=True)
+
+
+def test_a_file_of_records_is_labelled(records, tmp_path):
+    scene = angles_scene(ALPHAS, PERIODS, records, 0.9)
+    write_scene(scene, tmp_path / "s.h5", workers=1, check=0)
+    with xarray.open_dataset(tmp_path / "s.h5") as data:
+        assert data.theta_ratio.dims == ("record", "alpha", "T")
+        assert data.record.values.tolist() == ["a", "b"]
+        measured = intensity(records[1].record)
+        second = data.theta_ratio.sel(record="b")
+        assert float(second.factor) == -1.5
+        for name in ("pga", "pgv", "pgd", "arias", "cav", "d5_75", "d5_95"):
+            assert float(second[name]) == getattr(measured, name)
+            assert "units" in data[name].attrs
+        assert (int(second.npts), float(second.dt), str(second.sha256.values)) == (50, 0.02, "b" * 64)
+        assert data.p.values == pytest.approx(2.0 * np.pi / PERIODS.values, rel=1e-15)
+        assert data.tan_alpha.dims == data.eta.dims == ("alpha",)
+    with SpectraFile(tmp_path / "s.h5") as file:
+        assert file.array("outcome").shape == scene.shape
+        assert next(file.cells())["record"] == "a"
+        with pytest.raises(UsageError, match="accepted is that of a pulse"):
+            file.motion()
+
+
+def test_shards_and_workers_change_no_bit(records, tmp_path):
+    scene = structures_scene([BLOCK, SPIRE], records, Axis("scale", np.linspace(0.5, 2.0, 7)))
+    write_scene(scene, tmp_path / "whole.h5", workers=2, chunk_cells=3, check=2)
+    parts = [tmp_path / f"{i}.h5" for i in (1, 2)]
+    for i, path in enumerate(parts, 1):
+        write_scene(scene, path, workers=1, chunk_cells=3, check=2, shard=(i, 2))
+    assert merge(parts, tmp_path / "merged.h5").there == 2 * 2 * 3
+    same_file(tmp_path / "merged.h5", tmp_path / "whole.h5")
+
+
+def test_a_sweep_of_other_records_does_not_go_on(records, tmp_path):
+    columns = Axis("scale", np.array([1.0]))
+    write_scene(structures_scene([BLOCK], records, columns), tmp_path / "s.h5", workers=1, check=0, shard=(1, 2))
+    (tmp_path / "s.h5").rename(tmp_path / "s.h5.part")
+    others = (records[0], Recording(records[1].record, 2.0))
+    with pytest.raises(UsageError, match=r"is of another scene: its records\[1\] is"):
+        write_scene(structures_scene([BLOCK], others, columns), tmp_path / "s.h5", workers=1, check=0, shard=(1, 2), resume=True)
+
+
+def test_the_scene_states_a_hash_and_no_sample(records, tmp_path):
+    write_scene(structures_scene([BLOCK], records), tmp_path / "s.h5", workers=1, check=0)
+    with h5py.File(tmp_path / "s.h5") as file:
+        assert len(file.attrs["scene"]) < 1500
+
+
+def test_equal_names_are_told_apart_and_bad_scenes_refused(records):
+    assert [r.label for r in with_distinct_labels([records[0], records[1], Recording(records[0].record)])] == ["a (1)", "b", "a (2)"]
+    for arguments, words in (
+        (([], records), "no structure"),
+        (([BLOCK], []), "no record"),
+        (([dimensionless_oscillator(0.9)], records), "has no units"),
+        (([BLOCK], records, PERIODS), "have a size of their own"),
+    ):
+        with pytest.raises(UsageError, match=words):
+            structures_scene(*arguments)
+    with pytest.raises(UsageError, match="below a right one"):
+        Axis("alpha", np.array([1.0, 1.6]))
+    with pytest.raises(ValueError, match="eta"):
+        block_of(1.3, None)
