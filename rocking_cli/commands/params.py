@@ -10,7 +10,8 @@ import click
 
 from . import options
 
-SIDES_COLUMNS = [f"{side}_{key}" for side in ("left", "right") for key in ("p", "alpha", "lambda", "a_scale", "eta")]
+SIDES_COLUMNS = [f"{side}_{key}" for side in ("left", "right") for key in ("p", "alpha", "lambda", "a_scale", "eta", "arm")]
+SHARED = {"one_sided": False, "damping": 0.0, "friction": None, "arm": None}  # keys that some members have, and what stands for none
 
 
 @click.command(epilog="Example: rocking params configs/block.yaml --json | jq .p")
@@ -73,7 +74,8 @@ def _rows(record: dict[str, Any], form: str | None, family: bool = False) -> Ite
         if family:  # the header is written with the first member, and others may have more to tell
             columns = {column: columns.get(column) for column in SIDES_COLUMNS}
             more = {key: record.get(key) for key in reports_of(record["structure_kind"])}
-            record = {**record, "one_sided": record.get("one_sided", False), "damping": record.get("damping", 0.0), **more}
+            shared = {key: record.get(key, absent) for key, absent in SHARED.items()}
+            record = {**record, **shared, **more}
         record = {**record, **columns}
     # A varied key that is also a parameter, as alpha of a block, says so.
     yield {**{f"{key}_varied" if key in record else key: value for key, value in varied.items()}, **record}

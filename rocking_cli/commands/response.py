@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import chain
 from typing import TYPE_CHECKING
 
 import click
@@ -24,6 +25,7 @@ if TYPE_CHECKING:
 @click.option("--dt", metavar="TIME", help="Time between two rows (default: 500 rows).")
 @click.option("--steps", is_flag=True, help="Rows at the solver's own steps instead.")
 @click.option("--events", is_flag=True, help="Uplifts, impacts, peaks, rest and overturning instead of the time history.")
+@click.option("--forces", is_flag=True, help="Also the forces on the ground of a rigid body over m g, and the friction they need.")
 @click.option("--dimensionless", is_flag=True, help="theta/alpha against p t; --dt in p t too.")
 @options.output_form
 @options.quiet
@@ -40,6 +42,7 @@ def response(
     dt: str | None,
     steps: bool,
     events: bool,
+    forces: bool,
     dimensionless: bool,
     form: str | None,
     quiet: bool,
@@ -47,7 +50,10 @@ def response(
     """Time history of one structure: t [s], theta [rad], theta_dot [rad/s], ground_acceleration [m/s2].
 
     FILE holds one structure. An overturning body is followed to 3 alpha, or until it lies on its side or its linkage has
-    collapsed. In the events the speed at an impact is that before it.
+    collapsed. In the events the speed at an impact is that before it; with --json a summary of each model is the last record.
+    With --forces: fx_ratio, fz_ratio, the horizontal and vertical force over m g, after an impact where a row falls on one; in the
+    events before and after, and an impact's impulses over m g (s). Required friction is max |Fx|/Fz; a document's `friction: 0.6`
+    is held against it.
     """
     from ..dynamics.method import Method
     from ..responses.time_history import time_history
@@ -72,9 +78,11 @@ def response(
         release=release,
         duration=None if duration is None else options.time("--duration", duration),
     )
-    records = found.events(dimensionless=dimensionless) if events else found.records(dt=step, steps=steps, dimensionless=dimensionless)
-    options.emit(records, form, ("model", "event") if events else ())
-    for line in found.summary():
+    shown = {"dimensionless": dimensionless, "forces": forces}
+    records = found.events(**shown) if events else found.records(dt=step, steps=steps, **shown)
+    closing = found.summaries(**shown) if events and form == "json" else ()
+    options.emit(chain(records, closing), form, ("model", "event") if events else ())
+    for line in found.summary(forces=forces):
         options.note(line, quiet)
     if found.failed:
         context.exit(4)

@@ -86,6 +86,13 @@ class History:
         return np.array(sorted(marks))
 
     @property
+    def theta_ratio(self) -> float | None:
+        """max |theta|/alpha [-]: 0 where the body never left the ground, None where it overturned or was given up."""
+        if self.outcome == Outcome.NO_UPLIFT:
+            return 0.0
+        return None if self.peak is None else abs(self.peak.theta_ratio)
+
+    @property
     def peak(self) -> Event | None:
         """The event of the largest |theta|/alpha; None where the body never left the ground, or overturned."""
         if self.outcome != Outcome.ROCKED:

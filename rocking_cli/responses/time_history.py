@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -15,7 +16,8 @@ from ..errors import UsageError
 from ..motions import Motion, Piece
 from ..spectra.grid import Grid
 from ..structures.parameters import RockingParameters
-from .history import History, history
+from .forces import Body, Demands, ForceHistory, Ground
+from .history import Event, History, history
 
 FREE = 30.0  # tau for which a response is followed after the shaking, unless the user says
 POINTS = 500  # times of a history over its whole length, unless the user says
@@ -53,8 +55,19 @@ class TimeHistory:
             raise UsageError(f"--dt: found {dt / self.structure.p:g} s, accepted is a positive time that gives up to {MOST_POINTS} points")
         return dt * np.arange(math.floor(self.end / dt * (1.0 + 1e-12)) + 1)
 
-    def records(self, *, dt: float | None = None, steps: bool = False, dimensionless: bool = False) -> Iterator[dict[str, Any]]:
-        """One record a time; dt in s, or in tau with `dimensionless`. Columns carry the model's name where there are two."""
+    @cached_property
+    def forces(self) -> dict[str, ForceHistory]:
+        """The forces on the ground by each equation of motion, of a rigid body. Raises UsageError."""
+        s = self.structure
+        ground = Ground(self.motion, float(s.ground_acceleration(self.amplitude)) / s.gravity, self.omega)
+        body = Body.of(s)
+        return {model: ForceHistory(body, ground, found) for model, found in self.histories.items()}
+
+    def records(
+        self, *, dt: float | None = None, steps: bool = False, dimensionless: bool = False, forces: bool = False
+    ) -> Iterator[dict[str, Any]]:
+        """One record a time; dt in s, or in tau with `dimensionless`; forces: with those on the ground, over m g, too. Columns carry
+        the model's name where there are two."""
         s = self.structure
         time = 1.0 if dimensionless else 1.0 / s.p
         tau = self.times(None if dt is None else dt / time, steps)
@@ -66,13 +79,18 @@ class TimeHistory:
             ratio, rate = found.at(tau)
             angle = 1.0 if dimensionless else s.alpha_on(found.sides(tau))
             columns[names[1] + suffix], columns[names[2] + suffix] = ratio * angle, rate * angle / time
+            if forces:
+                columns["fx_ratio" + suffix], columns["fz_ratio" + suffix] = self.forces[model].at(tau)
         columns[names[3]] = ground if dimensionless else s.ground_acceleration(ground)
         keys = list(columns)
         for row in zip(*columns.values(), strict=True):
             yield {k: None if math.isnan(x) else float(x) for k, x in zip(keys, row, strict=True)}
 
-    def events(self, *, dimensionless: bool = False) -> Iterator[dict[str, Any]]:
-        """One record for each uplift, impact, peak, rest and overturning; the rate is that before an impact."""
+    def events(self, *, dimensionless: bool = False, forces: bool = False) -> Iterator[dict[str, Any]]:
+        """One record for each uplift, impact, peak, rest and overturning; the rate is that before an impact.
+
+        forces: with those on the ground before and after it, over m g, and an impact's impulses over m g [s].
+        """
         s = self.structure
         for model, found in self.histories.items():
             for m in found.events:
@@ -81,9 +99,31 @@ class TimeHistory:
                 else:
                     alpha = float(s.alpha_on(m.side))
                     row = {"t": m.tau / s.p, "theta": alpha * m.theta_ratio, "theta_dot": alpha * s.p * m.rate}
-                yield {"model": model, "event": m.event, **row}
+                pushes = _forces_at(self.forces[model], m, 1.0 if dimensionless else 1.0 / s.p) if forces else {}
+                yield {"model": model, "event": m.event, **row, **pushes}
 
-    def summary(self) -> Iterator[str]:
+    def summaries(self, *, dimensionless: bool = False, forces: bool = False) -> Iterator[dict[str, Any]]:
+        """What became of the structure, one record a model: theta_ratio (None where it overturned) and outcome.
+
+        forces: also the required friction and when, that of the impacts, the least Fz over m g and when, and where the document
+        states a friction, when the base slides (None where it does not).
+        """
+        s, when, time = self.structure, "tau" if dimensionless else "t", 1.0 if dimensionless else 1.0 / self.structure.p
+        for model, found in self.histories.items():
+            demanded: dict[str, Any] = {}
+            if forces:
+                asked = self.forces[model].demands
+                demanded = {
+                    "friction": _finite(asked.friction.friction),
+                    f"friction_{when}": asked.friction.tau * time,
+                    "friction_impact": None if asked.impact is None else _finite(asked.impact.friction),
+                    "fz_min": asked.fz_min,
+                    f"fz_min_{when}": asked.fz_min_tau * time,
+                    **({} if s.friction is None else {"slides": asked.slides(s.friction)}),
+                }
+            yield {"model": model, "event": "summary", **demanded, "theta_ratio": found.theta_ratio, "outcome": found.outcome.flag}
+
+    def summary(self, *, forces: bool = False) -> Iterator[str]:
         """What became of the structure, in a sentence for each model."""
         s = self.structure
         for model, found in self.histories.items():
@@ -94,7 +134,37 @@ class TimeHistory:
                 text += f", largest theta {ratio * float(s.alpha_on(peak.side)):.6g} rad ({ratio:.6g} alpha) at {peak.tau / s.p:.4g} s"
             if not any(m.event in ("rest", "overturning") for m in found.events) and found.outcome == Outcome.ROCKED:
                 text += f"; still rocking at {found.end / s.p:.4g} s"
+            if forces:
+                text += "; " + _in_words(self.forces[model].demands, s)
             yield f"{s.name}, {model}: {text}"
+
+
+def _forces_at(forces: ForceHistory, event: Event, time: float) -> dict[str, Any]:
+    before, after = forces.around(event.tau)
+    impulses = forces.body.impulses(event) if event.event == "impact" else None
+    return {
+        "fx_ratio": before.fx, "fz_ratio": before.fz, "fx_ratio_after": after.fx, "fz_ratio_after": after.fz,
+        "impulse_x": None if impulses is None else impulses.jx * time, "impulse_z": None if impulses is None else impulses.jz * time,
+    }  # fmt: skip
+
+
+def _finite(x: float) -> float | None:
+    return x if math.isfinite(x) else None
+
+
+def _in_words(asked: Demands, s: RockingParameters) -> str:
+    friction, tau = asked.friction
+    text = f"least Fz {asked.fz_min:.6g} m g at {asked.fz_min_tau / s.p:.4g} s"
+    if not math.isfinite(friction):
+        return f"{text}, so no friction holds the base"
+    text += f", required friction {friction:.6g} at {tau / s.p:.4g} s"
+    if asked.impact is not None:
+        text += f" ({asked.impact.friction:.6g} in impacts)"
+    if s.friction is None:
+        return text
+    when = {None: "does not slide", "impact": "would slide at an impact", "rocking": "would slide while rocking"}
+    words = when.get(asked.slides(s.friction), "would slide before it rocks")
+    return f"{text}: with the friction {s.friction:g} of the document the base {words}"
 
 
 def time_history(

@@ -10,7 +10,7 @@ from ..documents.document import Document, parse_documents, read_documents
 from ..errors import DocumentError, StructureError
 from .kinds import KINDS, kind_of
 from .parameters import RockingParameters, Side
-from .shared_keys import damping_of
+from .shared_keys import damping_of, friction_of
 
 
 def build_structure(document: Document) -> RockingParameters:
@@ -19,7 +19,7 @@ def build_structure(document: Document) -> RockingParameters:
     stem = "structure" if document.source.startswith("<") else Path(document.source).stem
     name = document.word("name", stem if document.index == 0 else f"{stem}-{document.index + 1}")
     try:
-        built = replace(kind.build(document, name), damping=damping_of(document))
+        built = replace(kind.build(document, name), damping=damping_of(document), friction=friction_of(document))
     except StructureError as error:
         raise DocumentError(f"{document.place}: {word}: {error}") from None
     document.finish()

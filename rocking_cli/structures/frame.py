@@ -28,5 +28,5 @@ def build(document: Document, name: str) -> RockingParameters:
     eta = (1.0 - 1.5 * math.sin(alpha) ** 2 + 3.0 * gamma * math.cos(2.0 * alpha)) / (1.0 + 3.0 * gamma)
     return rigid_body(
         document, "frame", name, radius=radius, alpha=alpha, inertia=inertia, eta=eta, limit="more slender columns",
-        details={"cap_ratio": gamma},
+        whole=False, details={"cap_ratio": gamma},
     )  # fmt: skip

@@ -15,6 +15,11 @@ DIMENSIONLESS = "dimensionless"  # the structure word of an oscillator without u
 MOST_DAMPING = 1.0  # zeta below this; motions of masonry are damped by a few per cent
 
 
+def _check_arm(arm: float | None) -> None:
+    if arm is not None and not (math.isfinite(arm) and arm > 0.0):
+        raise StructureError(f"arm is {arm:g}, accepted is a positive finite length")
+
+
 def _check_numbers(p: float, alpha: float, uplift: float, a_scale: float) -> None:
     for label, x in (("p", p), ("alpha", alpha), ("lambda", uplift), ("a_scale", a_scale)):
         if not (math.isfinite(x) and x > 0.0):
@@ -26,8 +31,8 @@ class Side:
     """What an unequal body is while it stands on one of its edges.
 
     side: that edge, "right" for theta > 0 and "left" for theta < 0; p frequency parameter [rad/s]; alpha critical angle
-    [rad]; uplift lambda [-]; a_scale [-]; eta: angular speed after over before, on leaving this edge for the other [-].
-    Raises StructureError when a number is not finite or out of range.
+    [rad]; uplift lambda [-]; a_scale [-]; eta: angular speed after over before, on leaving this edge for the other [-];
+    arm: as in `RockingParameters`. Raises StructureError when a number is not finite or out of range.
     """
 
     side: str
@@ -36,6 +41,7 @@ class Side:
     uplift: float
     a_scale: float
     eta: float
+    arm: float | None = None
 
     def __post_init__(self) -> None:
         if self.side not in ("left", "right"):
@@ -43,10 +49,11 @@ class Side:
         _check_numbers(self.p, self.alpha, self.uplift, self.a_scale)
         if not 0.0 <= self.eta <= 1.0:
             raise StructureError(f"eta is {self.eta:g}, accepted is a number from 0 to 1")
+        _check_arm(self.arm)
 
     def record(self) -> dict[str, Any]:
         """As `rocking params --json` prints it."""
-        return {"side": self.side, **self.numbers()}
+        return {"side": self.side, **self.numbers(), **({} if self.arm is None else {"arm": self.arm})}
 
     def numbers(self) -> dict[str, float]:
         """The parameters by the names under which they are printed."""
@@ -63,7 +70,9 @@ class RockingParameters:
 
     sides: (left, right) of a body whose edges differ, and then the numbers above are those of the edge with the least
     lambda; one_sided: free for theta > 0 only, on its right edge, and then eta is the restitution against what stands
-    behind it, from above -1 to 0, negative as the literature prints it; damping: zeta of the moment -2 zeta p theta' [-].
+    behind it, from above -1 to 0, negative as the literature prints it; damping: zeta of the moment -2 zeta p theta' [-];
+    friction: coefficient of the base or of the joints [-], None where it is not stated; arm: R, the distance of the mass centre from
+    the edge [m] of what rocks as one rigid body, None of everything else (its forces on the ground then are not known).
     Raises StructureError when a number is not finite or out of range, or the sides do not fit the rest.
     """
 
@@ -81,6 +90,8 @@ class RockingParameters:
     sides: tuple[Side, ...] = ()
     one_sided: bool = False
     damping: float = 0.0
+    friction: float | None = None
+    arm: float | None = None
 
     def __post_init__(self) -> None:
         _check_numbers(self.p, self.alpha, self.uplift, self.a_scale)
@@ -90,6 +101,9 @@ class RockingParameters:
             raise StructureError(f"eta is {self.eta:g}, accepted is a number from 0 to 1")
         if not 0.0 <= self.damping < MOST_DAMPING:
             raise StructureError(f"damping is {self.damping:g}, accepted is a number from 0 to below {MOST_DAMPING:g}")
+        if self.friction is not None and not (math.isfinite(self.friction) and self.friction > 0.0):
+            raise StructureError(f"friction is {self.friction:g}, accepted is a positive finite number")
+        _check_arm(self.arm)
         if not self.sides:
             return
         if [side.side for side in self.sides] != ["left", "right"]:
@@ -105,7 +119,8 @@ class RockingParameters:
         """A body of two edges; where their numbers are equal it is a symmetric one, without sides. `more`: the other fields."""
         sides = () if left.numbers() == right.numbers() else (left, right)
         weaker = weaker_side((left, right))
-        return cls(name, structure, weaker.p, weaker.alpha, weaker.eta, weaker.uplift, weaker.a_scale, sides=sides, **more)
+        numbers = (weaker.p, weaker.alpha, weaker.eta, weaker.uplift, weaker.a_scale)
+        return cls(name, structure, *numbers, sides=sides, arm=weaker.arm, **more)
 
     @property
     def plain(self) -> bool:
@@ -115,10 +130,12 @@ class RockingParameters:
     @classmethod
     def from_record(cls, record: Mapping[str, Any]) -> RockingParameters:
         """The parameters that `record` states, as files keep them. Raises KeyError, TypeError or ValueError where it is none."""
-        sides = tuple(Side(s["side"], s["p"], s["alpha"], s["lambda"], s["a_scale"], s["eta"]) for s in record.get("sides", ()))
+        sides = tuple(
+            Side(s["side"], s["p"], s["alpha"], s["lambda"], s["a_scale"], s["eta"], s.get("arm")) for s in record.get("sides", ())
+        )
         names = {"eta": "eta", "lambda": "uplift", "a_scale": "a_scale", "eta_source": "eta_source", "gravity": "gravity"}
         more = {name: record[key] for key, name in names.items()}
-        more |= {key: record[key] for key in ("one_sided", "damping") if key in record}
+        more |= {key: record[key] for key in ("one_sided", "damping", "friction", "arm") if key in record}
         kind = record["structure_kind"] if "structure_kind" in record else record["structure"]  # its name in files of earlier versions
         return cls(record["name"], kind, record["p"], record["alpha"], sides=sides, **more)
 
@@ -150,6 +167,8 @@ class RockingParameters:
             **({"sides": [side.record() for side in self.sides]} if self.sides else {}),
             **({"one_sided": True} if self.one_sided else {}),
             **({"damping": self.damping} if self.damping else {}),
+            **({} if self.friction is None else {"friction": self.friction}),
+            **({} if self.arm is None else {"arm": self.arm}),
             **self.details,
         }
 

@@ -152,5 +152,5 @@ def stacked(document: Document, kind: str, name: str, key: str, word: str, piece
 
 def _numbers(bed: Bed, gravity: float) -> dict[str, float | None]:
     """Parameters of an interface, on the edge that lifts first; eta None where the body is too squat to rock on it."""
-    p, alpha, uplift, eta = min(edges_of(bed.centred, bed.half, gravity).values(), key=lambda edge: edge[2])
+    p, alpha, uplift, eta, _ = min(edges_of(bed.centred, bed.half, gravity).values(), key=lambda edge: edge[2])
     return {"p": p, "alpha": alpha, "eta": eta if eta >= 0.0 else None, "lambda": uplift}

@@ -1,4 +1,4 @@
-"""Keys that documents of several kinds share: gravity, restitution, one_sided, damping."""
+"""Keys that documents of several kinds share: gravity, restitution, one_sided, damping, friction."""
 
 from __future__ import annotations
 
@@ -66,3 +66,10 @@ def damping_of(document: Document) -> float:
         return 0.0
     where = f"a number from 0 to below {MOST_DAMPING:g} (zeta)"
     return document.quantity("damping", "number", least=0.0, below=MOST_DAMPING, where=where)
+
+
+def friction_of(document: Document) -> float | None:
+    """The document's coefficient of friction [-], None unless given."""
+    if not document.has("friction"):
+        return None
+    return document.quantity("friction", "number", above=0.0, where="a positive number (a coefficient of friction)")

@@ -35,13 +35,15 @@ def rigid_body(
     limit: str,
     eta: float | None = None,
     backing: float | None = None,
+    whole: bool = True,
     details: Mapping[str, Any] | None = None,
 ) -> RockingParameters:
     """Parameters of one rigid body of equal edges from its distance R to the centroid, critical angle and inertia about the pivot.
 
     radius R [m]; alpha [rad]; inertia I_P / (M R^2) [-]; limit: the words for where eta < 0; eta: from momentum, where it
     is not that of a body which rocks as a whole on two edges, 1 - (M R^2/I_P)(1 - cos 2 alpha) (Eqs. 2.6, 3.3); backing:
-    the factor of the impact on a backing, None where the geometry does not say.
+    the factor of the impact on a backing, None where the geometry does not say; whole: whether it is one body that rocks as a whole
+    on both edges, whose forces on the ground follow from its mass centre.
     p^2 = M g R / I_P, lambda = tan alpha (Eq. 2.2), a_scale = 1 (Eq. 2.4).
     """
     gravity = gravity_of(document)
@@ -63,6 +65,7 @@ def rigid_body(
         gravity=gravity,
         details=details or {},
         one_sided=one_sided,
+        arm=radius if whole else None,
     )
 
 
@@ -76,6 +79,7 @@ def symmetric_body(
     limit: str,
     eta: float | None = None,
     top: Point | None = None,
+    whole: bool = True,
     details: Mapping[str, Any] | None = None,
 ) -> RockingParameters:
     """The same from the moments of a body on its right edge (half, 0) [m]; what rocks on the left one is its mirror image.
@@ -88,8 +92,9 @@ def symmetric_body(
     inertia, alpha = body.about(half, 0.0) / (body.mass * radius**2), math.atan2(right, z)
     backing = _against_backing(body, half, top)
     return rigid_body(
-        document, kind, name, radius=radius, alpha=alpha, inertia=inertia, limit=limit, eta=eta, backing=backing, details=details
-    )
+        document, kind, name, radius=radius, alpha=alpha, inertia=inertia, limit=limit, eta=eta, backing=backing, whole=whole,
+        details=details,
+    )  # fmt: skip
 
 
 def body_on_edges(
@@ -115,12 +120,12 @@ def body_on_edges(
 
     def on(side: str, eta: float) -> Side:
         edge = edges[side]
-        return Side(side, edge.p, edge.alpha, edge.uplift, 1.0, eta)
+        return Side(side, edge.p, edge.alpha, edge.uplift, 1.0, eta, edge.arm)
 
     if one_sided_of(document):
         e, source = one_sided_restitution_of(document, (from_right, from_left), _against_backing(body, half, top))
         s = on("right", 0.0)
-        return RockingParameters(name, kind, s.p, s.alpha, e, s.uplift, s.a_scale, source, gravity, more, one_sided=True)
+        return RockingParameters(name, kind, s.p, s.alpha, e, s.uplift, s.a_scale, source, gravity, more, one_sided=True, arm=s.arm)
     eta_left, source = restitution_of(document, from_left, limit)
     eta_right, _ = restitution_of(document, from_right, limit)
     more["direction"] = "over the left edge" if left < right else "over the right edge"
@@ -129,13 +134,14 @@ def body_on_edges(
 
 
 class Edge(NamedTuple):
-    """A body on one of its edges: p [rad/s], alpha [rad], lambda [-], and eta from momentum on leaving it for the other, negative where
-    the body is too squat."""
+    """A body on one of its edges: p [rad/s], alpha [rad], lambda [-], eta from momentum on leaving it for the other, negative where
+    the body is too squat, and the distance R of its mass centre [m]."""
 
     p: float
     alpha: float
     uplift: float
     eta: float
+    arm: float
 
 
 def edges_of(body: Moments, half: float, gravity: float) -> dict[str, Edge]:
@@ -145,8 +151,9 @@ def edges_of(body: Moments, half: float, gravity: float) -> dict[str, Edge]:
     found = {}
     for side, edge in (("left", -half), ("right", half)):
         distance = abs(edge - body.x / body.mass)
-        p = math.sqrt(gravity * math.hypot(distance, z) * body.mass / body.about(edge, 0.0))
-        found[side] = Edge(p, math.atan2(distance, z), distance / z, shared / body.about(-edge, 0.0))
+        arm = math.hypot(distance, z)
+        p = math.sqrt(gravity * arm * body.mass / body.about(edge, 0.0))
+        found[side] = Edge(p, math.atan2(distance, z), distance / z, shared / body.about(-edge, 0.0), arm)
     return found
 
 

@@ -122,8 +122,9 @@ def build(document: Document, name: str) -> RockingParameters:
     limit = "a spire more slender, or cracked lower"
     top = None if spire.crack_height else (0.0, spire.height)
     return symmetric_body(
-        document, "spire", name, mechanism.body, spire.base_radius, limit=limit, eta=shared / own, top=top, details=details
-    )
+        document, "spire", name, mechanism.body, spire.base_radius, limit=limit, eta=shared / own, top=top,
+        whole=not spire.crack_height, details=details,
+    )  # fmt: skip
 
 
 def _read(document: Document) -> Spire:

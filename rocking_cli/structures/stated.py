@@ -27,15 +27,19 @@ def build(document: Document, name: str) -> RockingParameters:
     }
     one_sided = one_sided_of(document)
     if not document.has("sides"):
-        return RockingParameters(name, structure, **_numbers(document, one_sided), one_sided=one_sided, **more)
+        numbers = _numbers(document, one_sided)
+        arm = _arm(document, numbers["p"], more["gravity"])
+        return RockingParameters(name, structure, **numbers, one_sided=one_sided, arm=arm, **more)
     if one_sided:
         raise document.fault("one_sided", "a one-sided body of two sides", "sides, or one_sided: true, not both")
-    left, right = _sides(document)
+    left, right = _sides(document, more["gravity"])
     weaker = weaker_side((left, right))
     for key, number in weaker.numbers().items():
         dimension = {"p": "frequency parameter", "alpha": "angle"}.get(key, "number")
         if document.has(key) and document.quantity(key, dimension) != number:
             raise document.fault(key, str(document.values[key]), f"{number!r} as in sides, where the {weaker.side} edge lifts first")
+    if document.has("arm") and document.quantity("arm", "length") != weaker.arm:
+        raise document.fault("arm", str(document.values["arm"]), f"that of the {weaker.side} edge in sides, which lifts first")
     return RockingParameters.of_sides(name, structure, left, right, **more)
 
 
@@ -60,7 +64,16 @@ def _numbers(document: Document, one_sided: bool = False) -> dict[str, Any]:
     }
 
 
-def _sides(document: Document) -> tuple[Side, Side]:
+def _arm(document: Document, p: float, gravity: float) -> float | None:
+    """R [m], at most the g/p^2 of a point mass, since R p^2/g = m R^2/I; None unless given."""
+    if not document.has("arm"):
+        return None
+    most = gravity / p**2
+    where = f"a positive length up to g/p^2, {most:g} m (the mass centre's distance from the edge)"
+    return document.quantity("arm", "length", above=0.0, most=most * (1.0 + 1e-9), where=where)
+
+
+def _sides(document: Document, gravity: float) -> tuple[Side, Side]:
     wanted = "a list of two, one with side: left and one with side: right, each with p, alpha, eta, and lambda or a_scale"
     value = document.values["sides"]
     if not isinstance(value.content, list) or len(value.content) != 2:
@@ -69,7 +82,8 @@ def _sides(document: Document) -> tuple[Side, Side]:
     for child in value.content:
         part = document.part("sides", child)
         side = part.choice("side", ["left", "right"])
-        found[side] = Side(side, **_numbers(part))
+        numbers = _numbers(part)
+        found[side] = Side(side, **numbers, arm=_arm(part, numbers["p"], gravity))
         part.finish()
     if len(found) < 2:
         raise document.fault("sides", f"the {next(iter(found))} side twice", wanted)

@@ -35,8 +35,9 @@ def test_both_models_side_by_side_and_their_events(rocking):
     for model in ("linear", "nonlinear"):
         mine = [e for e in events if e["model"] == model]
         assert [e["event"] for e in mine][:3] == ["uplift", "peak", "impact"]
-        assert mine[-1]["event"] == "rest"
-        assert [e["t"] for e in mine] == sorted(e["t"] for e in mine)
+        assert [e["event"] for e in mine][-2:] == ["rest", "summary"]
+        times = [e["t"] for e in mine[:-1]]
+        assert times == sorted(times)
 
 
 def test_dimensionless_history_is_the_same_curve(rocking):
@@ -102,3 +103,36 @@ BLOCK = ("response", "configs/block.yaml")
 )
 def test_bad_input_is_one_sentence(refused, arguments, code, words):
     assert words in refused(code, *arguments)
+
+
+def test_forces_in_the_history_and_in_the_closing_record(rocking, tmp_path):
+    (tmp_path / "b.yaml").write_text("kind: block\nwidth: 0.6\nheight: 3\nfriction: 0.19\n")
+    call = ("response", "b.yaml", "--a-g", "0.3g", "--f-g", "2", "--model", "nonlinear")
+    done = rocking(*call, "--forces", "--csv")
+    assert list(rows(done.stdout)[0]) == ["t", "theta", "theta_dot", "fx_ratio", "fz_ratio", "ground_acceleration"]
+    assert "with the friction 0.19 of the document the base would slide before it rocks" in done.stderr
+    *events, last = [json.loads(x) for x in rocking(*call, "--forces", "--events", "--json").stdout.splitlines()]
+    assert list(last)[:2] == ["model", "event"]
+    assert (last["event"], last["outcome"], last["slides"]) == ("summary", "rocked", "before rocking")
+    assert last["fz_min"] < 1.0 < last["friction"] / 0.19
+    impact = next(e for e in events if e["event"] == "impact")
+    assert abs(impact["impulse_x"]) / impact["impulse_z"] == pytest.approx(last["friction_impact"], rel=1e-12)
+    bare = [json.loads(x) for x in rocking(*call, "--events", "--json").stdout.splitlines()][-1]
+    assert bare == {key: last[key] for key in ("model", "event", "theta_ratio", "outcome")}
+    again = rocking("params", "b.yaml", "--json").stdout
+    assert json.loads(rocking("response", "-", *call[2:], "--forces", "--events", "--json", stdin=again).stdout.splitlines()[-1]) == last
+
+
+def test_forces_of_an_arch_are_refused(refused):
+    assert "forces need one rigid body" in refused(2, "response", "configs/arch.yaml", "--a-g", "3", "--f-g", "1", "--forces")
+
+
+@pytest.mark.parametrize(("key", "words"), [("friction: 0", "a coefficient of friction"), ("friction: 5 m", "friction: found 5 m")])
+def test_frictions_that_are_none(refused, tmp_path, key, words):
+    (tmp_path / "b.yaml").write_text(f"kind: block\nwidth: 0.6\nheight: 3\n{key}\n")
+    assert words in refused(3, "params", "b.yaml")
+
+
+def test_an_arm_longer_than_that_of_a_point_mass_is_refused(refused, tmp_path):
+    (tmp_path / "p.yaml").write_text("kind: parameters\np: 2\nalpha: 0.2\neta: 0.9\na_scale: 1\narm: 2.5\n")
+    assert "arm: found 2.5; accepted is a positive length up to g/p^2, 2.4525 m" in refused(3, "params", "p.yaml")

@@ -1,0 +1,67 @@
+"""The extremes of a smooth function on a stretch of time: roots of the derivative of its Chebyshev series, not samples."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cache
+from typing import NamedTuple
+
+import numpy as np
+from numpy.polynomial import chebyshev
+
+Array = np.ndarray
+
+_DEGREE = 24
+_ENDED = 1e-10  # last coefficients over the largest: the place of an extremum is then good to 1e-5 of the stretch, its value to rounding
+_SMALL = 1e-14  # coefficients that are rounding
+_DEEPEST = 12  # halvings of a stretch whose series does not end
+
+
+class Extent(NamedTuple):
+    """Least and largest value, and where."""
+
+    least: float
+    at_least: float
+    largest: float
+    at_largest: float
+
+    def join(self, other: Extent) -> Extent:
+        """Over both stretches."""
+        low, high = min(self, other, key=lambda e: e.least), max(self, other, key=lambda e: e.largest)
+        return Extent(low.least, low.at_least, high.largest, high.at_largest)
+
+
+def extent(f: Callable[[Array], Array], low: float, high: float, depth: int = 0) -> Extent:
+    """Least and largest value of f, analytic and vectorised, on [low, high]: of its ends and of every extremum between them.
+
+    The stretch is halved until the Chebyshev series of f ends in it; the roots of the series' derivative are the extrema, where
+    f itself is then taken.
+    """
+    x, analyse = _nodes()
+    half, middle = 0.5 * (high - low), 0.5 * (high + low)
+    t = middle + half * x
+    t[0], t[-1] = low, high
+    values = f(t)
+    terms = analyse @ values
+    scale = float(np.abs(terms).max())
+    if not np.isfinite(scale):
+        return Extent(-np.inf, low, np.inf, low)
+    if np.abs(terms[-3:]).max() > _ENDED * scale and depth < _DEEPEST:
+        return extent(f, low, middle, depth + 1).join(extent(f, middle, high, depth + 1))
+    slope = chebyshev.chebder(np.where(np.abs(terms) > _SMALL * scale, terms, 0.0))
+    if np.abs(slope[0]) <= np.abs(slope[1:]).sum() and (slope := np.trim_zeros(slope, "b")).size > 1:
+        roots = chebyshev.chebroots(slope)
+        inner = roots.real[(np.abs(roots.imag) < 1e-6) & (np.abs(roots.real) < 1.0)]
+        if inner.size:
+            turns = middle + half * inner
+            t, values = np.append(t, turns), np.append(values, f(turns))
+    i, j = int(np.argmin(values)), int(np.argmax(values))
+    return Extent(float(values[i]), float(t[i]), float(values[j]), float(t[j]))
+
+
+@cache
+def _nodes() -> tuple[Array, Array]:
+    """Chebyshev points of the second kind, from -1 to 1, and the matrix from values there to the coefficients."""
+    k = np.arange(_DEGREE + 1)
+    x = -np.cos(np.pi * k / _DEGREE)
+    return x, np.linalg.inv(chebyshev.chebvander(x, _DEGREE))

@@ -1,0 +1,293 @@
+"""The forces between a rigid body and the ground: along a history, at their extremes, and as impulses at impacts.
+
+With s = sgn theta, phi = alpha - |theta|, R from the edge to the mass centre and kappa = R p^2/g = m R^2/I,
+
+    Fx/(m g) = xg''/g + kappa (s u'' cos phi + s u'^2 sin phi)
+    Fz/(m g) = 1 + zg''/g + kappa (u'' sin phi - u'^2 cos phi),   u = |theta| [rad], ' = d/d(p t)
+
+whatever the equation of motion: they are what moves the mass centre as the response says. At rest they are xg''/g and 1 + zg''/g. The
+base needs a coefficient of friction of max |Fx|/Fz, and Fz > 0 throughout. On passing from edge to edge the ground gives the impulses
+
+    Jx = s m R cos(alpha) w (1 - eta),   Jz = m w (R sin(alpha) + eta R' sin(alpha')),   w = |theta'| before
+
+the primes those of the other edge; their ratio is what friction the impact needs.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..errors import UsageError
+from ..motions.motion import Motion
+from ..structures.parameters import RockingParameters, Side
+from .extremes import extent
+from .history import Arc, Event, History
+
+Array = np.ndarray
+
+
+class Forces(NamedTuple):
+    """Horizontal (towards +x) and vertical force of the ground on the body, over its weight m g [-]."""
+
+    fx: Any
+    fz: Any
+
+
+class Impulses(NamedTuple):
+    """Impulses of the ground on the body at an impact over m g, times p [-]: divided by p they are in s."""
+
+    jx: float
+    jz: float
+
+    @property
+    def friction(self) -> float:
+        """|Jx|/Jz: the coefficient of friction with which the base does not slide in the impact."""
+        return abs(self.jx) / self.jz if self.jz > 0.0 else math.inf
+
+
+class Demand(NamedTuple):
+    """A required coefficient of friction [-] and when [tau]."""
+
+    friction: float
+    tau: float
+
+
+@dataclass(frozen=True)
+class Demands:
+    """What a response asks of the ground under a body.
+
+    resting: the largest demand while at rest, up to the uplift; lifting: that in the first instant after the first uplift, which where the
+    drive jumps is Shenton's boundary; rocking: the largest while it rocks, impact: of the impulses. Each is None where there was none.
+    fz_min: least Fz over m g [-], and fz_min_tau when. A demand is infinite where Fz <= 0.
+    """
+
+    resting: Demand | None
+    lifting: Demand | None
+    rocking: Demand | None
+    impact: Demand | None
+    fz_min: float
+    fz_min_tau: float
+
+    @property
+    def friction(self) -> Demand:
+        """The largest demand of the forces, impulses apart."""
+        return max((d for d in (self.resting, self.rocking) if d is not None), key=lambda d: d.friction, default=Demand(0.0, 0.0))
+
+    def slides(self, friction: float) -> str | None:
+        """When a base of this coefficient of friction first cannot hold: "before rocking" (at rest, or at the instant of the first
+        uplift), "rocking" or "impact"; None where it holds throughout."""
+        for word, demand in (("before rocking", self.resting), ("before rocking", self.lifting), ("rocking", self.rocking)):
+            if demand is not None and demand.friction > friction:
+                return word
+        return "impact" if self.impact is not None and self.impact.friction > friction else None
+
+
+def kappa(p: float, arm: float, gravity: float) -> float:
+    """R p^2/g = m R^2/I [-] from p [rad/s], R [m] and g [m/s2]: 3/4 for a rectangular block, 1 for a point mass."""
+    return arm * p * p / gravity
+
+
+def body_forces(kappa: float, alpha: float, side: float, u: Array, rate: Array, bend: Array, ground: Array, vertical: Array) -> Forces:
+    """Forces over m g on one side, +1 or -1.
+
+    u = |theta| [rad], its first and second derivative by tau = p t of the side, and the ground acceleration xg''/g and zg''/g [-],
+    arrays of one shape.
+
+    >>> at_uplift = body_forces(0.75, math.atan(0.2), -1.0, 0.0, 0.0, 0.0, 0.2, 0.0)
+    >>> round(at_uplift.fx / at_uplift.fz, 12)  # tan(alpha)
+    0.2
+    """
+    sin, cos = np.sin(alpha - u), np.cos(alpha - u)
+    return Forces(
+        ground + kappa * side * (bend * cos + rate * rate * sin),
+        1.0 + vertical + kappa * (bend * sin - rate * rate * cos),
+    )
+
+
+def shenton(a: float, slenderness: float) -> float:
+    """Shenton's boundary between rocking and slide-rocking of a block of height over width H that a = xg''/g sets off [-].
+
+    [a (4 + H^2) + 3 H]/(3 a H + 4 H^2 + 1) (Shenton 1996); at a = 1/H, where it just lifts, it is 1/H.
+
+    >>> round(shenton(0.5, 4.0), 12)
+    0.309859154930
+    """
+    h = slenderness
+    return (a * (4.0 + h * h) + 3.0 * h) / (3.0 * a * h + 4.0 * h * h + 1.0)
+
+
+class Edge(NamedTuple):
+    """What the forces ask of an edge: alpha [rad], kappa [-], R [m], p [rad/s], eta on leaving it [-]."""
+
+    alpha: float
+    kappa: float
+    arm: float
+    p: float
+    eta: float
+
+
+@dataclass(frozen=True)
+class Body:
+    """A rigid body on its edges, as its forces need it; p of the edge that lifts first, whose tau a history runs in."""
+
+    right: Edge
+    left: Edge
+    p: float
+    one_sided: bool
+
+    @classmethod
+    def of(cls, structure: RockingParameters) -> Body:
+        """Raises UsageError for what is no rigid body, or one whose mass centre is not known."""
+        if structure.arm is None:
+            raise UsageError(
+                f"{structure.name}: forces need one rigid body on its edges, and arm, the distance of its mass centre from them"
+            )
+        sides: list[Side | RockingParameters] = [*reversed(structure.sides)] or [structure, structure]
+        edges = []
+        for side in sides:
+            if side.arm is None:
+                raise UsageError(f"{structure.name}: forces need arm, the distance of the mass centre, of both edges")
+            edges.append(Edge(side.alpha, kappa(side.p, side.arm, structure.gravity), side.arm, side.p, side.eta))
+        return cls(edges[0], edges[1], structure.p, structure.one_sided)
+
+    def on(self, side: float) -> Edge:
+        """The edge of a side, +1 right or -1 left."""
+        return self.right if side > 0.0 else self.left
+
+    def impulses(self, event: Event) -> Impulses | None:
+        """The impulses of an impact; None of a one-sided body, whose backing bears a part that nobody knows."""
+        if self.one_sided:
+            return None
+        here, there = self.on(event.side), self.on(-event.side)
+        w = abs(event.rate) * here.alpha  # by tau of the history
+        scale = w * here.kappa * (self.p / here.p) ** 2 / here.arm
+        across = here.arm * math.cos(here.alpha) * (1.0 - here.eta)
+        return Impulses(
+            event.side * scale * across, scale * (here.arm * math.sin(here.alpha) + here.eta * there.arm * math.sin(there.alpha))
+        )
+
+
+@dataclass(frozen=True)
+class Ground:
+    """What shakes: a motion, its amplitude over g [-] and its omega, radians of its phase by tau."""
+
+    motion: Motion
+    amplitude: float
+    omega: float
+
+    @cached_property
+    def stops(self) -> Array:
+        """Where pieces end [tau]."""
+        return np.array([piece.stop for piece in self.motion.pieces]) / self.omega
+
+    def along(self, low: float, high: float) -> Callable[[Array], Array]:
+        """xg''/g as a function of tau on a stretch in which no piece ends: one closed form, from end to end."""
+        at = int(np.searchsorted(self.stops, 0.5 * (low + high)))
+        if at >= self.stops.size:
+            return np.zeros_like
+        piece = self.motion.pieces[at]
+        return lambda tau: self.amplitude * piece.value(tau * self.omega)
+
+    def cut(self, low: float, high: float) -> Iterator[tuple[float, float]]:
+        """A stretch of time cut where pieces end."""
+        marks = [low, *self.stops[(self.stops > low) & (self.stops < high)].tolist(), high]
+        yield from pairwise(marks)
+
+
+@dataclass(frozen=True)
+class ForceHistory:
+    """The forces of one response of a rigid body."""
+
+    body: Body
+    ground: Ground
+    found: History
+
+    def at(self, tau: Array) -> Forces:
+        """Forces at times tau, arrays of one shape: after an impact or a jump where there is one; NaN after the end."""
+        tau = np.asarray(tau, dtype=float)
+        fx, fz = self.ground.amplitude * self.ground.motion.value(tau * self.ground.omega), np.ones(tau.shape)
+        for arc in self.found.arcs:
+            inside = np.flatnonzero((tau >= arc.start) & (tau <= arc.stop * (1.0 + 1e-14)))
+            if inside.size:
+                fx[inside], fz[inside] = self.on(arc)(np.minimum(tau[inside], arc.stop))
+        fx[tau > self.found.end] = fz[tau > self.found.end] = np.nan
+        return Forces(fx, fz)
+
+    def around(self, tau: float) -> tuple[Forces, Forces]:
+        """The forces just before and just after an instant; they differ at impacts and where the ground acceleration jumps."""
+        arcs = self.found.arcs
+        before = next((arc for arc in arcs if arc.start < tau <= arc.stop * (1.0 + 1e-14)), None)
+        after = next((arc for arc in arcs if arc.start <= tau * (1.0 + 1e-14) and tau < arc.stop), None)
+        there = self.at(np.array([tau]))
+        found = [there if arc is None else self.on(arc)(np.array([min(tau, arc.stop)])) for arc in (before, after)]
+        first, then = (Forces(float(f.fx[0]), float(f.fz[0])) for f in found)
+        return first, then
+
+    def on(self, arc: Arc) -> Callable[[Array], Forces]:
+        """The forces along an arc, from end to end, as a function of tau."""
+        edge, ground = self.body.on(arc.side), self.ground.along(arc.start, arc.stop)
+
+        def forces(tau: Array) -> Forces:
+            side = np.full(tau.size, arc.side)
+            point = arc.flow.take(np.zeros(tau.size, dtype=np.int64)).at((tau - arc.start) * arc.pace)
+            equation = self.found.equation.on(side)  # of which the rotation is linear in y
+            u, rate, bend = equation.rotation(point.y), equation.rotation(point.v), equation.rotation(point.b)
+            a = edge.alpha
+            return body_forces(edge.kappa, a, arc.side, a * u, a * rate, a * bend, ground(tau), np.zeros_like(tau))
+
+        return forces
+
+    def rests(self) -> Iterator[tuple[float, float]]:
+        """The stretches [tau] in which the body stands still, or bounces too low to be seen."""
+        marks = [0.0, *(x for arc in self.found.arcs for x in (arc.start, arc.stop)), self.found.end]
+        yield from ((a, b) for a, b in zip(marks[::2], marks[1::2], strict=True) if b > a * (1.0 + 1e-12))
+
+    @cached_property
+    def demands(self) -> Demands:
+        """What the response asks of the ground; of a one-sided body at rest as far as it leans on no backing."""
+        resting = [d for low, high in self.rests() for d in self._resting(low, high)]
+        rocking: list[Demand] = []
+        least = Demand(1.0, 0.0)
+        for arc in self.found.arcs:
+            if not arc.stop > arc.start:
+                continue
+            forces = self.on(arc)
+            low, at_low, *_ = extent(_vertical(forces), arc.start, arc.stop)
+            least = min(least, Demand(low, at_low))
+            if low <= 0.0:
+                rocking.append(Demand(math.inf, at_low))
+                continue
+            ratio = extent(_ratio(forces), arc.start, arc.stop)
+            rocking.append(max(Demand(-ratio.least, ratio.at_least), Demand(ratio.largest, ratio.at_largest)))
+        lifting = [self._after(event) for event in self.found.events if event.event == "uplift"][:1]
+        impacts = [Demand(j.friction, e.tau) for e in self.found.events if e.event == "impact" and (j := self.body.impulses(e))]
+        worst = [max(group, default=None) for group in (resting, lifting, rocking, impacts)]
+        return Demands(worst[0], worst[1], worst[2], worst[3], least.friction, least.tau)
+
+    def _resting(self, low: float, high: float) -> Iterator[Demand]:
+        for start, stop in self.ground.cut(low, high):
+            found = extent(self.ground.along(start, stop), start, stop)
+            yield Demand(max(0.0, -found.least), found.at_least)
+            if not self.body.one_sided:
+                yield Demand(max(0.0, found.largest), found.at_largest)
+
+    def _after(self, uplift: Event) -> Demand:
+        """The demand in the first instant after an uplift."""
+        arc = next(arc for arc in self.found.arcs if arc.stop > uplift.tau)
+        fx, fz = (float(x[0]) for x in self.on(arc)(np.array([arc.start])))
+        return Demand(abs(fx) / fz if fz > 0.0 else math.inf, uplift.tau)
+
+
+def _vertical(forces: Callable[[Array], Forces]) -> Callable[[Array], Array]:
+    return lambda tau: forces(tau).fz
+
+
+def _ratio(forces: Callable[[Array], Forces]) -> Callable[[Array], Array]:
+    return lambda tau: np.divide(*forces(tau))

@@ -1,0 +1,159 @@
+"""Forces of a rigid body on the ground, against closed forms, the balance of momentum, and an integration of another kind."""
+
+from __future__ import annotations
+
+import math
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+from scipy.optimize import minimize_scalar
+
+from rocking_cli import build_structure, parse_documents, parse_grid, pulse, sine
+from rocking_cli.dynamics.method import Method
+from rocking_cli.errors import UsageError
+from rocking_cli.responses.forces import shenton
+from rocking_cli.responses.time_history import time_history
+
+BLOCK = "kind: block\nwidth: 0.6\nheight: 3\n"
+STATUE = "kind: rigid\nleft: 0.6\nright: 0.4\nheight: 2.0\ngyration: 0.9\n"
+NODES, WEIGHTS = np.polynomial.legendre.leggauss(20)
+
+
+def answer(text, motion=None, grid=None, model="nonlinear", **more):
+    body = build_structure(parse_documents(text)[0])
+    found = time_history(body, motion, None if grid is None else parse_grid(grid), [Method(model, 1e-12)], **more)
+    return body, found, found.forces[model]
+
+
+@pytest.mark.parametrize(("alpha", "least", "friction"), [(0.2, 0.9413877617, 0.1488772676), (0.4, 0.7783086828, 0.2869880979)])
+def test_free_release_has_the_extremes_of_its_energy(alpha, least, friction):
+    """u'^2 = 2 [cos(alpha - u0) - cos(alpha - u)], u'' = -sin(alpha - u): forces as functions of u alone."""
+    body, found, _ = answer(f"kind: block\nradius: 2\nalpha: {alpha}", release=0.9)
+    impact = next(e.tau for e in found.histories["nonlinear"].events if e.event == "impact")
+    first_swing = time_history(body, None, None, [Method("nonlinear", 1e-12)], release=0.9, duration=impact * (1 - 1e-15) / body.p)
+    asked = first_swing.forces["nonlinear"].demands
+
+    def at(u):
+        square, bend = 2 * (math.cos(0.1 * alpha) - math.cos(alpha - u)), -math.sin(alpha - u)
+        fx = 0.75 * (bend * math.cos(alpha - u) + square * math.sin(alpha - u))
+        return fx, 1.0 + 0.75 * (bend * math.sin(alpha - u) - square * math.cos(alpha - u))
+
+    lowest = minimize_scalar(lambda u: at(u)[1], bounds=(0, 0.9 * alpha), method="bounded", options={"xatol": 1e-12})
+    worst = minimize_scalar(lambda u: -abs(at(u)[0]) / at(u)[1], bounds=(0, 0.9 * alpha), method="bounded", options={"xatol": 1e-12})
+    fx, fz = at(0.0)
+    wanted = min(lowest.fun, fz), max(-worst.fun, abs(fx) / fz)
+    assert (asked.fz_min, asked.friction.friction) == pytest.approx(wanted, abs=1e-11)
+    assert (asked.fz_min, asked.friction.friction) == pytest.approx((least, friction), abs=1e-10)
+
+
+@pytest.mark.parametrize("a", [0.21, 0.3, 0.8])
+def test_a_jump_beyond_uplift_asks_for_shentons_friction(a):
+    _, _, forces = answer(BLOCK, pulse("rectangular"), f"a_g={a}g,T_g=0.2")
+    assert forces.demands.lifting.friction == pytest.approx(shenton(a, 5.0), rel=1e-12)
+    assert forces.demands.slides(shenton(a, 5.0) * (1 - 1e-9)) == "before rocking"
+    assert forces.demands.resting is None or forces.demands.resting.friction <= 0.2
+
+
+def test_a_smooth_drive_asks_for_tan_alpha_when_it_lifts():
+    assert shenton(0.2, 5.0) == pytest.approx(0.2, rel=1e-15)
+    _, _, forces = answer(BLOCK, sine(1), "a_g=0.4g,f_g=2")
+    assert forces.demands.resting.friction == pytest.approx(0.2, rel=1e-12)
+    assert forces.demands.lifting.friction == pytest.approx(0.2, rel=1e-12)
+    _, found, still = answer(BLOCK, sine(1), "a_g=0.1g,f_g=2", model="linear")
+    assert still.demands.friction.friction == pytest.approx(0.1, rel=1e-14)
+    assert (still.demands.fz_min, still.demands.rocking, still.demands.impact) == (1.0, None, None)
+    assert next(found.summaries(forces=True))["theta_ratio"] == 0.0
+
+
+def velocity(found, body, tau):
+    """Of the mass centre relative to the ground over g/p, by tau of the history."""
+    ratio, rate = found.at(np.array([tau]))
+    side = float(found.sides(np.array([tau]))[0])
+    edge = body.on(side)
+    u, w = edge.alpha * abs(float(ratio[0])), edge.alpha * side * float(rate[0])
+    scale = edge.kappa * (body.p / edge.p) ** 2 * w
+    return scale * side * math.cos(edge.alpha - u), scale * math.sin(edge.alpha - u)
+
+
+@pytest.mark.parametrize("model", ["linear", "nonlinear"])
+@pytest.mark.parametrize(
+    ("text", "grid"), [(BLOCK, "a_g=0.45g,f_g=2.5"), (BLOCK + "damping: 0.04\n", "a_g=0.45g,f_g=2.5"), (STATUE, "a_g=0.5g,f_g=2.5")],
+    ids=["block", "damped", "unequal"],
+)  # fmt: skip
+def test_the_impulse_of_the_ground_is_the_change_of_momentum(text, grid, model):
+    """int F dt over arcs and rests and the impulses at impacts, against the velocity of the mass centre and of the ground."""
+    _, found, forces = answer(text, sine(1), grid, model=model, duration=3.0)
+    history, ground = found.histories[model], forces.ground
+    total = np.zeros(2)
+    marks = np.unique(np.concatenate([history.steps(), ground.stops[ground.stops < history.end]]))
+    for a, b in pairwise(marks):
+        at = forces.at(0.5 * (a + b) + 0.5 * (b - a) * NODES)
+        total += 0.5 * (b - a) * np.array([WEIGHTS @ at.fx, WEIGHTS @ (at.fz - 1.0)])
+    impacts = [forces.body.impulses(e) for e in history.events if e.event == "impact"]
+    assert len(impacts) > 3
+    total += np.sum([(j.jx, j.jz) for j in impacts], axis=0)
+    moved = np.array(velocity(history, forces.body, history.end))
+    a_g, omega = ground.amplitude, ground.omega
+    shaken = min(history.end, 2 * math.pi / omega)
+    moved[0] += a_g * (1 - math.cos(omega * shaken)) / omega
+    assert total == pytest.approx(moved, abs=1e-9)
+
+
+def test_forces_are_those_of_an_integration_of_another_kind():
+    """DOP853 from uplift to the first impact; forces from differences of the momentum that it finds."""
+    structure, found, forces = answer(BLOCK, sine(1), "a_g=0.45g,f_g=1.5")
+    uplift, impact = (next(e.tau for e in found.histories["nonlinear"].events if e.event == word) for word in ("uplift", "impact"))
+    g, p, alpha, arm, omega = 9.81, structure.p, structure.alpha, math.hypot(0.3, 1.5), 3 * math.pi
+
+    def push(t):
+        return 0.45 * math.sin(omega * t)
+
+    def rate(t, state):  # |theta| on the left edge: a positive push lifts it
+        z = alpha - state[0]
+        return [state[1], p * p * (-math.sin(z) + push(t) * math.cos(z))]
+
+    path = solve_ivp(rate, (uplift / p, impact / p), [0.0, 0.0], method="DOP853", rtol=1e-13, atol=1e-15, max_step=1e-3, dense_output=True)
+
+    def momentum(t):
+        u, w = path.sol(t)
+        return np.array([-arm * w * np.cos(alpha - u), arm * w * np.sin(alpha - u)])
+
+    times = np.linspace(uplift / p + 0.01, impact / p - 0.01, 7)
+    h = 2e-3
+    change = (8 * (momentum(times + h) - momentum(times - h)) - (momentum(times + 2 * h) - momentum(times - 2 * h))) / (12 * h * g)
+    fx, fz = forces.at(times * p)
+    assert fx == pytest.approx(change[0] + [push(t) for t in times], abs=1e-8)
+    assert fz == pytest.approx(change[1] + 1.0, abs=1e-8)
+
+
+def test_extremes_are_no_samples():
+    """The demand and the least Fz lie beyond every one of 20,000 samples, by no more than those are apart."""
+    _, found, forces = answer(BLOCK, sine(1), "a_g=0.45g,f_g=2.5")
+    at = forces.at(np.linspace(0.0, found.end, 20_001))
+    asked = forces.demands
+    assert 0.0 <= np.nanmin(at.fz) - asked.fz_min < 1e-5
+    assert 0.0 <= asked.friction.friction - np.nanmax(np.abs(at.fx) / at.fz) < 1e-3
+
+
+def test_an_impact_of_a_block_asks_for_less_than_its_slenderness():
+    """(1 - eta)/((1 + eta) tan(alpha)), eta = 1 - 3/2 sin^2(alpha)."""
+    structure, _, forces = answer(BLOCK, release=0.5)
+    ratio = (1 - structure.eta) / (1 + structure.eta) / 0.2
+    assert forces.demands.impact.friction == pytest.approx(ratio, rel=1e-12)
+    assert forces.demands.slides(0.5 * ratio) == "rocking"
+
+
+def test_a_backing_bears_what_nobody_knows():
+    _, _, forces = answer(BLOCK + "one_sided: true\n", sine(1).scaled(-1), "a_g=0.4g,f_g=2")
+    assert forces.demands.impact is None
+    assert forces.demands.rocking.friction > 0.0
+
+
+@pytest.mark.parametrize(
+    "text", ["kind: frame\ncolumns: 2\nwidth: 1\nheight: 6\ncap_ratio: 0.5\n", "kind: parameters\np: 2\nalpha: 0.2\neta: 0.9\na_scale: 1\n"]
+)
+def test_what_is_not_one_rigid_body_has_no_forces(text):
+    with pytest.raises(UsageError, match="arm, the distance of its mass centre"):
+        answer(text, release=0.5)
