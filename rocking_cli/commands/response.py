@@ -51,9 +51,7 @@ def response(
 
     FILE holds one structure. An overturning body is followed to 3 alpha, or until it lies on its side or its linkage has
     collapsed. In the events the speed at an impact is that before it; with --json a summary of each model is the last record.
-    With --forces: fx_ratio, fz_ratio, the horizontal and vertical force over m g, after an impact where a row falls on one; in the
-    events before and after, and an impact's impulses over m g (s). Required friction is max |Fx|/Fz; a document's `friction: 0.6`
-    is held against it.
+    --forces: fx_ratio and fz_ratio, the horizontal and vertical force over m g, and the friction that they need.
     """
     from ..dynamics.method import Method
     from ..responses.time_history import time_history
