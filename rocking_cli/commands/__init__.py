@@ -21,6 +21,7 @@ SECTIONS = {
         "records": "Tell what recorded ground motions hold, and measure them.",
     },
     "One structure, one motion": {
+        "check": "Tell which structures stand, and how much more it takes.",
         "response": "Time history of one structure under one motion.",
         "compare": "Compare structures under one motion scaled alike, and the two equations.",
     },
@@ -104,7 +105,7 @@ def _no_such_option(error: click.NoSuchOption, arguments: list[str]) -> str:
 def cli() -> None:
     """Rocking parameters and rocking spectra of masonry structures.
 
-    Exit codes: 0 done, 1 failed, 2 usage, 3 invalid document, 4 finished with some cells failed, 130 interrupted.
+    Exit codes: 0 done, 1 failed, 2 usage, 3 invalid document, 4 finished with some cells failed, 5 check --fail-on, 130 interrupted.
     """
 
 

@@ -260,6 +260,16 @@ def structures_and_texts(files: tuple[str, ...], etas: tuple[float, ...] = ()) -
     return with_distinct_names([*structures, *oscillators]), "\n---\n".join(d.text for d in documents)
 
 
+def refuse_figure(output: Path, overwrite: bool) -> None:
+    """Refuse a figure that cannot or must not be written, before any work is done. Raises UsageError."""
+    if output.suffix.lower() not in (".png", ".svg", ".pdf"):
+        raise click.UsageError(f"{output}: accepted is a name that ends in .png, .svg or .pdf")
+    if not output.parent.is_dir():
+        raise click.UsageError(f"{output}: the folder {output.parent} does not exist")
+    if output.exists() and not overwrite:
+        raise click.UsageError(f"{output}: exists; --overwrite replaces it")
+
+
 class ProgressLine:
     """One line on standard error, rewritten; only on a terminal and not with --quiet."""
 

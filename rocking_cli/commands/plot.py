@@ -36,10 +36,5 @@ def plot(file: Path, output: Path | None, structure: str | None, cut: str | None
         return
     if output is None:
         raise click.UsageError("no output: give -o FIGURE.png (or .svg, .pdf), or --text")
-    if output.suffix.lower() not in (".png", ".svg", ".pdf"):
-        raise click.UsageError(f"{output}: accepted is a name that ends in .png, .svg or .pdf")
-    if not output.parent.is_dir():
-        raise click.UsageError(f"{output}: the folder {output.parent} does not exist")
-    if output.exists() and not overwrite:
-        raise click.UsageError(f"{output}: exists; --overwrite replaces it")
+    options.refuse_figure(output, overwrite)
     draw(file, output, structure=structure, cut=cut, log=log or "")

@@ -7,7 +7,8 @@ needed. matplotlib is the extra `plot`.
 from __future__ import annotations
 
 import csv
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -42,13 +43,7 @@ def draw(source: Path, target: Path, *, structure: str | None = None, cut: str |
 
     Raises UsageError for a file that is none of those, OutputError without matplotlib or where the figure cannot be written.
     """
-    try:
-        import matplotlib as mpl
-        from matplotlib.figure import Figure
-    except ImportError:
-        raise OutputError("figures need matplotlib: pip install 'rocking[plot]'; --text needs nothing") from None
-    with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(5.6, 4.0))
+    with canvas(target) as figure:
         if is_spectra_file(source):
             with SpectraFile(source) as file:
                 axes = [_slice(figure, file, cut) if cut else _map(figure, file, structure)]
@@ -59,6 +54,20 @@ def draw(source: Path, target: Path, *, structure: str | None = None, cut: str |
                 one.set_xscale("log")
             if "y" in log:
                 one.set_yscale("log")
+
+
+@contextmanager
+def canvas(target: Path) -> Iterator[Figure]:
+    """An empty figure in the house's style, which is written to `target` at the end. Raises OutputError without matplotlib or where the
+    figure cannot be written."""
+    try:
+        import matplotlib as mpl
+        from matplotlib.figure import Figure
+    except ImportError:
+        raise OutputError("figures need matplotlib: pip install 'rocking[plot]'; --text needs nothing") from None
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(5.6, 4.0))
+        yield figure
         try:
             figure.savefig(target)
         except (OSError, ValueError) as error:

@@ -15,7 +15,7 @@ UNITS = {
     "p": "rad/s", "alpha": "rad", "gravity": "m/s2", "omega_g": "rad/s", "a_g": "m/s2", "a_from": "m/s2", "a_to": "m/s2",
     "t": "s", "theta": "rad", "theta_dot": "rad/s", "ground_acceleration": "m/s2", "theta_max": "rad", "t_max": "s",
     "dt": "s", "duration": "s", "pga": "m/s2", "pga_time": "s", "pgv": "m/s", "pgd": "m", "arias": "m/s", "cav": "m/s", "d5_75": "s",
-    "d5_95": "s", "header_pga": "m/s2", "arm": "m",
+    "d5_95": "s", "header_pga": "m/s2", "arm": "m", "uplift_a": "m/s2", "first_overturning_a": "m/s2", "safe_to": "m/s2",
 }  # fmt: skip
 
 

@@ -11,12 +11,13 @@ Two bounds of the linear oscillator spare most of the scan (Lemmas 9 and 10 of `
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple, Self
 
 import numpy as np
 
 from ..dynamics.drive import segment_value
-from ..dynamics.outcome import Outcome
+from ..dynamics.outcome import Outcome, safe
 from ..dynamics.response import response
 from ..dynamics.system import System
 from ..motions import Motion
@@ -74,13 +75,18 @@ class Ladder:
     size: int
 
     @classmethod
-    def between(cls, lowest: float, highest: float) -> Self:
-        """From the first uplift to the highest amplitude, both included."""
+    def between(cls, lowest: float, highest: float, *, uplift: float = 0.0, ratio: float = 0.0) -> Self:
+        """From one amplitude to another, both included; uplift: the first one that lifts the body, the lowest unless given; ratio: of
+        neighbouring rungs less 1, where these are wanted instead."""
+        if ratio:
+            near = np.geomspace(lowest, highest, 2 + int(np.log(highest / lowest) / np.log1p(ratio)))
+            near[0], near[-1] = lowest, highest
+            return cls(near, highest, highest - lowest, near.size)
         count = int(np.ceil((highest - lowest) / SCAN_STEP))
         step = (highest - lowest) / count
-        close = lowest * (1.0 + np.geomspace(1e-3, 0.1, 460))
-        even = min(count, int(np.ceil((close[-1] - lowest) / step)))
-        near = np.unique(np.concatenate([lowest + step * np.arange(even + 1), close[close < highest]]))
+        close = (uplift or lowest) * (1.0 + np.geomspace(1e-3, 0.1, 460))
+        even = max(0, min(count, int(np.ceil((close[-1] - lowest) / step))))
+        near = np.unique(np.concatenate([lowest + step * np.arange(even + 1), close[(close > lowest) & (close < highest)]]))
         return cls(near, lowest + step * (even + 1), step, near.size + count - even)
 
     def rung(self, n: Array) -> Array:
@@ -104,15 +110,28 @@ class Row(NamedTuple):
 
 @dataclass(frozen=True)
 class Search:
-    """The outcomes of a model with one restitution under one motion, up to an amplitude."""
+    """The outcomes of a model with one restitution under one motion, up to an amplitude.
+
+    a_min: where the search begins, unless uplift is above it; ratio: of neighbouring amplitudes of the scan, less 1, in place of
+    SCAN_STEP and of the closer look; digits: relative width to which changes are traced; parts: that a bracket is cut into at once.
+    """
 
     system: System
     motion: Motion
     eta: float
     a_max: float
+    a_min: float = 0.0
+    ratio: float = 0.0
+    digits: float = 4e-16
+    parts: int = _SECTIONS
 
     @property
     def lowest(self) -> float:
+        """The amplitude at which the search begins."""
+        return max(self.a_min, self.uplift)
+
+    @cached_property
+    def uplift(self) -> float:
         """The amplitude of the first uplift."""
         return self.system.least_uplift(self.motion)
 
@@ -126,7 +145,7 @@ class Search:
         return np.where(found.outcome == Outcome.NO_UPLIFT, np.uint8(Outcome.ROCKED), found.outcome), found.impacts
 
     def rows(self, omegas: Array) -> list[Row]:
-        """Every change of the outcome for each Omega, to the last digits; what is narrower than SCAN_STEP may be missed."""
+        """Every change of the outcome for each Omega, traced to `digits`; what is narrower than the scan's step may be missed."""
         begins, brackets = self._scan(omegas)
         found = self._sections(omegas, brackets)
         order = np.lexsort((found.high, found.row))
@@ -137,9 +156,22 @@ class Search:
             rows.append(Row(int(begins[i]), list(zip(found.high[mine].tolist(), found.above[mine].tolist(), strict=True))))
         return rows
 
+    def first_fall(self, omega: float) -> tuple[float | None, int]:
+        """(the lowest amplitude that is not safe at one Omega, None where all are, and the outcome at `a_max`)."""
+        omegas = np.array([omega])
+        begins, brackets = self._scan(omegas)
+        last = int(brackets.above[brackets.high.argmax()]) if brackets.row.size else int(begins[0])
+        if not Outcome(int(begins[0])).safe:
+            return self.lowest, last
+        falls = np.flatnonzero(~safe(brackets.above))
+        if not falls.size:
+            return None, last
+        found = self._sections(omegas, brackets.take(falls[[brackets.high[falls].argmin()]]))
+        return float(found.high[~safe(found.above)].min()), last
+
     def _scan(self, omegas: Array) -> tuple[Array, Brackets]:
         """(outcome of each row's first amplitude, the changes between neighbours)."""
-        ladder = Ladder.between(self.lowest, self.a_max)
+        ladder = Ladder.between(self.lowest, self.a_max, uplift=self.uplift, ratio=self.ratio)
         first, last = self._doubtful(omegas, ladder)
         starts = np.concatenate([[0], np.cumsum(last - first + 1)])
         begins, parts = np.empty(omegas.size, dtype=np.uint8), []
@@ -168,7 +200,7 @@ class Search:
         """The changes in gaps between rungs, with a closer look around those where the motion changes its course."""
         width = np.diff(rungs.amplitude)
         turns = (rungs.label[1:] != rungs.label[:-1]) | (rungs.impacts[1:] != rungs.impacts[:-1])
-        turns &= _lobes(self.motion.segments) > _SIMPLE
+        turns &= not self.ratio and _lobes(self.motion.segments) > _SIMPLE
         gap = np.flatnonzero(mine & _around(turns) & (width > FINE_STEP))
         cuts = np.ceil(width[gap] / FINE_STEP).astype(np.int64) - 1
         share = (np.arange(cuts.sum()) - np.repeat(np.cumsum(cuts) - cuts, cuts) + 1.0) / np.repeat(cuts + 1, cuts)
@@ -202,7 +234,7 @@ class Search:
         return first, last
 
     def _sections(self, omegas: Array, brackets: Brackets) -> Brackets:
-        """Each change to the last digits.
+        """Each change, to `digits`.
 
         The first cut follows every change that it uncovers, where these are not too many; the later ones go one way through.
         """
@@ -211,12 +243,12 @@ class Search:
         while True:
             low, high = brackets.low, brackets.high
             middle = 0.5 * (low + high)
-            closed = (high - low <= 4e-16 * high) | (middle <= low) | (middle >= high)
+            closed = (high - low <= self.digits * high) | (middle <= low) | (middle >= high)
             done.append(brackets.take(np.flatnonzero(closed)))
             brackets = brackets.take(np.flatnonzero(~closed))
             if not brackets.row.size:
                 return Brackets.join(done)
-            share = np.arange(1, _SECTIONS) / _SECTIONS
+            share = np.arange(1, self.parts) / self.parts
             inner = brackets.low[:, None] + (brackets.high - brackets.low)[:, None] * share
             label = self.outcome(inner, omegas[brackets.row, None])
             points = np.column_stack([brackets.low, inner, brackets.high])

@@ -1,0 +1,108 @@
+"""`rocking check`: does each structure stand, and how much more would it take."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from . import options
+
+if TYPE_CHECKING:
+    from ..motions import Motion
+    from ..responses.check import Verdict
+    from ..spectra.grid import Grid
+
+_ACCELERATIONS = ("uplift_a", "first_overturning_a", "safe_to")
+
+
+@click.command(epilog="Example: rocking check configs/block.yaml configs/arch.yaml --a-g 0.35g --f-g 1.5 --sort capacity")
+@options.files
+@options.motion
+@options.shaking
+@click.option("--a-max", type=float, default=20.0, show_default=True, help="Dimensionless amplitude A up to which falling is looked for.")
+@click.option("--sort", type=click.Choice(["capacity"]), help="The weakest first, those that never overturn last.")
+@click.option("--fail-on", type=click.Choice(["overturning"]), help="Exit code 5 where a structure falls.")
+@click.option("-o", "--output", type=options.OutputPath(), help="A figure of the capacities: .png, .svg or .pdf.")
+@options.overwrite
+@options.output_form
+@options.quiet
+@click.pass_context
+def check(
+    context: click.Context,
+    files: tuple[str, ...],
+    motion: Motion,
+    shaking: Grid | None,
+    a_max: float,
+    sort: str | None,
+    fail_on: str | None,
+    output: Path | None,
+    overwrite: bool,
+    form: str | None,
+    quiet: bool,
+) -> None:
+    """Check which structures stand under a motion, and how much more it would take to overturn them.
+
+    A row a structure: the outcome and theta_max/alpha by the equation that governs (nonlinear where the geometry is known, linear for
+    stated parameters); uplift_a and first_overturning_a, the least amplitudes that lift and overturn it; capacity_demand, the
+    latter over the demand, below 1 where the body falls or would for less, empty where nothing overturns up to --a-max and twice
+    the demand; safe_to, where the stretch around the demand that stands ends; outcome_linear, the linear verdict. Accelerations are
+    in m/s2 (JSON, CSV) or in the unit of the request (table).
+    """
+    from ..dynamics.outcome import Outcome
+    from ..responses.check import CHECK_COLUMNS
+    from ..responses.check import check as verdict_of
+    from ..spectra.capacity import narrowest
+
+    structures = options.structures_of(files)
+    if shaking is None:
+        raise click.UsageError("no shaking: give --a-g and --omega-g (or --f-g, --T-g), or --motion FILE")
+    if output is not None:
+        options.refuse_figure(output, overwrite)
+    verdicts = [verdict_of(structure, motion, shaking, a_max=a_max) for structure in structures]
+    if sort:
+        verdicts.sort(key=lambda v: float("inf") if v.capacity_demand is None else v.capacity_demand)
+    in_g = _in_g(context.params)
+    if output is not None:
+        from ..reports.capacity import draw_capacities
+
+        draw_capacities(verdicts, output, in_g=in_g)
+    records = [v.record() for v in verdicts]
+    options.emit([_with_g(r) for r in records] if form is None and in_g else records, form, CHECK_COLUMNS)
+    for line in _remarks(verdicts):
+        options.note(line, quiet)
+    options.note(f"nothing is claimed of intervals narrower than {narrowest(motion)}, safe or overturning, away from the demand", quiet)
+    if fail_on and any(v.outcome.overturned for v in verdicts):
+        context.exit(5)
+    if any(v.outcome == Outcome.FAILED for v in verdicts):
+        context.exit(4)
+
+
+def _in_g(given: dict[str, Any]) -> bool:
+    """Whether the request speaks of g; of a record it does unless it says otherwise."""
+    text = given["a_g"] or given["scale_to"] or ("g" if given["motion_file"] else "")
+    return bool(text.rstrip().endswith("g"))
+
+
+def _with_g(record: dict[str, Any]) -> dict[str, Any]:
+    """The record with its accelerations in g, which their names say."""
+    from ..documents.quantities import DEFAULT_GRAVITY
+
+    def shown(key: str, value: Any) -> tuple[str, Any]:
+        return (f"{key} [g]", None if value is None else value / DEFAULT_GRAVITY) if key in _ACCELERATIONS else (key, value)
+
+    return dict(shown(key, value) for key, value in record.items())
+
+
+def _remarks(verdicts: list[Verdict]) -> list[str]:
+    """What the table's columns do not say aloud."""
+    falls = [v.name for v in verdicts if v.outcome.overturned]
+    window = [v.name for v in verdicts if v.outcome.safe and v.capacity_demand is not None and v.capacity_demand < 1.0]
+    unsafe = [v.name for v in verdicts if v.outcome.overturned and v.outcome_linear.safe]
+    lines = [f"{len(falls)} of {len(verdicts)} overturn{': ' if falls else ''}{', '.join(falls)}"]
+    if window:
+        lines.append(f"stand in a safe window, and would fall for less: {', '.join(window)}")
+    if unsafe:
+        lines.append(f"the linear equation says they stand, and is wrong: {', '.join(unsafe)}")
+    return lines

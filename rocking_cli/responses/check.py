@@ -1,0 +1,106 @@
+"""The decision on a structure under one motion: whether it stands, how much more it takes to overturn it, and what linear says of it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ..dynamics.method import EQUATIONS, LINEAR, MODELS, Method
+from ..dynamics.outcome import Outcome
+from ..dynamics.response import response
+from ..errors import UsageError
+from ..motions import Motion
+from ..spectra.capacity import capacity
+from ..spectra.envelope import A_MAX
+from ..spectra.grid import Grid
+from ..structures.parameters import RockingParameters
+
+CHECK_COLUMNS = (
+    "name", "motion", "model", "outcome", "theta_ratio", "uplift_a", "first_overturning_a", "capacity_demand", "safe_to",
+    "outcome_linear", "friction", "fz_min",
+)  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """A structure under a motion by the equation that governs it; accelerations are amplitudes a_g of the motion [m/s2].
+
+    demand_a: the one asked for; uplift_a, first_overturning_a: the least that lift and overturn the body, None where none does;
+    safe_to: upper end of the stretch around the demand that stands, None where the body falls or nothing above overturns;
+    theta_ratio: max |theta|/alpha, None where it falls; outcome_linear: by the linear equation; friction, fz_min: the friction that
+    the motion asks of the ground, and the least vertical force over the weight, None where the body is not rigid or falls.
+    """
+
+    name: str
+    motion: str
+    model: str
+    outcome: Outcome
+    theta_ratio: float | None
+    demand_a: float
+    uplift_a: float | None
+    first_overturning_a: float | None
+    safe_to: float | None
+    outcome_linear: Outcome
+    friction: float | None = None
+    fz_min: float | None = None
+
+    @property
+    def capacity_demand(self) -> float | None:
+        """The lowest overturning amplitude over the demand: below 1 the body falls, or it would for less; None where it never does."""
+        return None if self.first_overturning_a is None else self.first_overturning_a / self.demand_a
+
+    def record(self) -> dict[str, Any]:
+        """As `rocking check --json` prints it."""
+        own = {
+            **vars(self),
+            "capacity_demand": self.capacity_demand,
+            "outcome": self.outcome.flag,
+            "outcome_linear": self.outcome_linear.flag,
+        }
+        return {key: own[key] for key in CHECK_COLUMNS}
+
+
+def governing_method(structure: RockingParameters) -> Method:
+    """The equation that decides: nonlinear where the geometry is known, linear for stated parameters."""
+    known = structure.structure != "parameters" and any(not kind.exact and kind.serves(structure) for kind in EQUATIONS)
+    return Method(MODELS[-1]) if known else LINEAR
+
+
+def check(structure: RockingParameters, motion: Motion, shaking: Grid, *, a_max: float = A_MAX) -> Verdict:
+    """Whether a structure stands under a motion, and the capacity it has left; shaking: a grid of one cell, the demand.
+
+    a_max: dimensionless amplitude up to which overturning is looked for (and twice the demand). Raises UsageError for a demand of
+    zero, one that is beyond what a search reaches, or a structure without units.
+    """
+    if structure.dimensionless:
+        raise UsageError("a restitution alone has no units: give a structure document")
+    amplitude, omega = (float(x[0]) for x in shaking.scaled(structure))
+    if not amplitude > 0.0:
+        raise UsageError("the amplitude is 0, accepted is a positive one")
+    method = governing_method(structure)
+    governs, linear = (_respond(m, structure, motion, amplitude, omega) for m in (method, LINEAR))
+    found = capacity(structure, motion, amplitude, omega, method=method, a_max=a_max)
+
+    def acceleration(a: float | None) -> float | None:
+        return None if a is None else float(structure.ground_acceleration(a))
+
+    return Verdict(
+        name=structure.name,
+        motion=motion.name,
+        model=method.model,
+        outcome=governs[0],
+        theta_ratio=governs[1],
+        demand_a=float(structure.ground_acceleration(amplitude)),
+        uplift_a=acceleration(found.uplift),
+        first_overturning_a=acceleration(found.first),
+        safe_to=acceleration(found.safe_to),
+        outcome_linear=linear[0],
+    )
+
+
+def _respond(method: Method, structure: RockingParameters, motion: Motion, amplitude: float, omega: float) -> tuple[Outcome, float | None]:
+    found = response(method.system_of(structure), motion, np.array([amplitude]), np.array([omega]), structure.eta)
+    ratio = float(found.theta_ratio[0])
+    return Outcome(int(found.outcome[0])), ratio if np.isfinite(ratio) else None

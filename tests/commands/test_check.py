@@ -1,0 +1,78 @@
+"""`rocking check` at the shell."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+
+THREE = """
+{kind: block, name: Slender, width: 0.4, height: 2}
+---
+{kind: block, name: Stocky, width: 1, height: 2}
+---
+{kind: parameters, name: Stated, p: 2.1, alpha: 0.2, eta: 0.8, lambda: 0.25}
+"""
+SHAKING = ("--a-g", "0.35g", "--f-g", "1.2")
+
+
+@pytest.fixture
+def three(tmp_path):
+    (tmp_path / "three.yaml").write_text(THREE)
+    return "three.yaml"
+
+
+@pytest.fixture
+def stated(tmp_path):
+    """A body that the linear equation governs, which is quicker."""
+    (tmp_path / "stated.yaml").write_text("{kind: parameters, p: 2.1, alpha: 0.2, eta: 0.8, lambda: 0.2}")
+    return "stated.yaml"
+
+
+def test_a_row_a_structure_the_weakest_first(rocking, three):
+    done = rocking("check", three, *SHAKING, "--json", "--sort", "capacity")
+    rows = [json.loads(line) for line in done.stdout.splitlines()]
+    assert [(r["name"], r["model"], r["outcome"]) for r in rows] == [
+        ("Slender", "nonlinear", "overturned_after_impact"), ("Stated", "linear", "rocked"), ("Stocky", "nonlinear", "no_uplift"),
+    ]  # fmt: skip
+    assert [r["capacity_demand"] < 1.0 for r in rows] == [True, False, False]
+    for r in rows:
+        assert r["capacity_demand"] == pytest.approx(r["first_overturning_a"] / (0.35 * 9.81), rel=1e-12, abs=0)
+        assert r["friction"] is r["fz_min"] is None
+    assert done.stderr.splitlines()[0] == "1 of 3 overturn: Slender"
+
+
+def test_the_table_speaks_the_unit_of_the_request(rocking, stated):
+    in_g, in_si = (rocking("check", stated, "--a-g", a, "--f-g", "1.2").stdout.splitlines() for a in ("0.35g", "3.4335"))
+    assert "uplift_a [g]" in in_g[0]
+    assert "uplift_a [m/s2]" in in_si[0]
+    assert (float(in_g[1].split()[7]), float(in_si[1].split()[7])) == pytest.approx((0.2, 1.962), abs=1e-9)
+    assert rocking("check", stated, *SHAKING, "--csv").stdout.splitlines()[0] == (
+        "name,motion,model,outcome,theta_ratio,uplift_a,first_overturning_a,capacity_demand,safe_to,outcome_linear,friction,fz_min"
+    )
+
+
+def test_pipelines_can_fail_on_overturning(rocking, stated):
+    assert rocking("check", stated, *SHAKING, "-q").returncode == 0
+    assert rocking("check", stated, *SHAKING, "-q", "--fail-on", "overturning").returncode == 5
+    assert rocking("check", stated, "--a-g", "0.1g", "--f-g", "1.2", "-q", "--fail-on", "overturning").returncode == 0
+
+
+def test_a_figure_of_the_capacities(rocking, refused, stated, tmp_path):
+    assert rocking("check", stated, *SHAKING, "-q", "-o", "check.svg").returncode == 0
+    assert (tmp_path / "check.svg").stat().st_size > 5000
+    assert "exists; --overwrite" in refused(2, "check", stated, *SHAKING, "-o", "check.svg")
+    assert "ends in .png" in refused(2, "check", stated, *SHAKING, "-o", "check.txt")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        ([], "no shaking"),
+        (["--a-g", "0", "--f-g", "1"], "the amplitude is 0"),
+        (["--a-g", "1:2:3", "--f-g", "1"], "one value of each"),
+        ([*SHAKING, "--a-max", "nan"], "accepted is up to 100000"),
+    ],
+)
+def test_wrong_calls(refused, stated, arguments, words):
+    assert words in refused(2, "check", stated, *arguments)

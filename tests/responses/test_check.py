@@ -1,0 +1,119 @@
+"""Verdicts against the envelope, the time history and an independent solver, for structures and pulses at random."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from rocking_cli import Axis, Grid, Outcome, UsageError, build_structure, parse_documents, parse_grid, pulse, sine, trace_envelope
+from rocking_cli.responses.check import CHECK_COLUMNS, check, governing_method
+from rocking_cli.responses.time_history import time_history
+from rocking_cli.spectra.envelope import A_MAX
+
+PULSES = (sine(), sine(0.5), pulse("cosine"), pulse("rectangular"), pulse("rectangular-impulse"))
+
+
+def structure_of(text):
+    return build_structure(parse_documents(text)[0])
+
+
+def at_random(random, linear):
+    """A structure, a pulse and a demand around its uplift."""
+    if linear:
+        p, alpha, lam = random.uniform(1.0, 4.0), random.uniform(0.05, 0.5), random.uniform(0.1, 0.5)
+        text = f"kind: parameters\np: {p}\nalpha: {alpha}\neta: {random.uniform(0.3, 1.0)}\nlambda: {lam}"
+    else:
+        slenderness = random.uniform(0.1, 0.45)
+        height = random.uniform(0.8, 8.0)
+        kind = random.choice(["block", "point_mass", "prism"])
+        text = f"kind: {kind}\nwidth: {slenderness * height}\nheight: {height}"
+        if kind == "prism":
+            half = 0.5 * slenderness * height
+            text = f"kind: prism\ncorners: [[0, 0], [{2 * half}, 0], [{half * random.uniform(0.8, 1.4)}, {height}]]"
+    structure = structure_of(text)
+    motion = PULSES[random.integers(len(PULSES))]
+    a_g = structure.uplift * 9.81 * float(np.exp(random.uniform(-0.3, 1.8)))
+    omega_g = structure.p * random.uniform(1.2, 7.0)
+    return structure, motion, Grid(Axis("a_g", np.array([a_g])), Axis("omega_g", np.array([omega_g])))
+
+
+def judged(structure, motion, demand):
+    """Check a verdict against every interval that overturns, and against the history; whether the body fell, or stood above a fall."""
+    verdict, method = check(structure, motion, demand), governing_method(structure)
+    amplitude, omega = (float(x[0]) for x in demand.scaled(structure))
+    top = max(A_MAX, 2.0 * amplitude)
+    traced = trace_envelope(motion, [omega], structure, method=method, a_max=top, sign="+", workers=1)
+    falls = [(structure.ground_acceleration(i.a_from), structure.ground_acceleration(i.a_to or np.inf)) for i in traced]
+    inside = any(low < verdict.demand_a < high for low, high in falls)
+    assert verdict.outcome.overturned == inside
+    history = time_history(structure, motion, demand, [method]).histories[method.model]
+    assert history.outcome == verdict.outcome
+    if history.peak is not None:
+        assert verdict.theta_ratio == pytest.approx(abs(history.peak.theta_ratio), rel=1e-7, abs=1e-12)
+    first = falls[0][0] if falls else None
+    assert verdict.first_overturning_a == (None if first is None else pytest.approx(first, rel=2e-9, abs=0))
+    above = [low for low, _ in falls if low > verdict.demand_a]
+    assert verdict.safe_to == (None if inside or not above else pytest.approx(above[0], rel=2e-9, abs=0))
+    if inside:
+        assert verdict.capacity_demand < 1.0
+    elif first is not None:
+        assert (verdict.capacity_demand > 1.0) == all(low > verdict.demand_a for low, _ in falls)
+    return inside, not inside and first is not None and first < verdict.demand_a
+
+
+def test_verdicts_agree_with_envelope_and_history():
+    random = np.random.default_rng(16)
+    fell = [judged(*at_random(random, linear=n >= 5)) for n in range(40)]
+    assert 8 < sum(x for x, _ in fell) < 32
+    assert any(window for _, window in fell)
+
+
+@pytest.mark.soak
+def test_verdicts_agree_with_envelope_and_history_for_500():
+    random = np.random.default_rng(1616)
+    fell = [judged(*at_random(random, linear=n % 2 == 0)) for n in range(500)]
+    assert 100 < sum(x for x, _ in fell) < 400
+    assert sum(window for _, window in fell) > 5
+
+
+@pytest.mark.parametrize("text", ["kind: block\nwidth: 0.5\nheight: 2", "kind: parameters\np: 2.1\nalpha: 0.2\neta: 0.8\nlambda: 0.25"])
+@pytest.mark.parametrize("a_g", [2.0, 4.2])
+def test_an_independent_solver_agrees_just_below_and_above_the_first_overturning(text, a_g):
+    structure = structure_of(text)
+    first = check(structure, sine(), parse_grid(f"a_g={a_g},f_g=1.2")).first_overturning_a
+    method = governing_method(structure)
+    for factor, falls in ((1.0 - 1e-6, False), (1.0 + 1e-6, True)):
+        amplitude = float(structure.dimensionless_amplitude(first * factor))
+        outcome, _ = method.reference_of(structure)(sine(), amplitude, 2.0 * np.pi * 1.2 / structure.p, structure.eta)
+        assert outcome.overturned == falls
+
+
+def test_the_geometry_decides_which_equation_governs():
+    block = structure_of("kind: block\nwidth: 0.5\nheight: 2")
+    assert governing_method(block).model == "nonlinear"
+    assert governing_method(structure_of("kind: arch\nradius: 10\nthickness: 1.5\nangle: 157.5 deg")).model == "nonlinear"
+    assert governing_method(structure_of("kind: parameters\np: 2\nalpha: 0.2\neta: 0.9\na_scale: 1")).model == "linear"
+
+
+def test_a_fallen_statue_says_how_little_it_takes():
+    """The upper end of the interval that fells it is the nearer boundary; its capacity is the lower one."""
+    block = structure_of("kind: block\nwidth: 0.5\nheight: 1.8\nrestitution: 0.9")
+    nearly = trace_envelope(sine(), [3.0], block, method=governing_method(block), sign="+")[0]
+    verdict = check(block, sine(), Grid(Axis("A", np.array([0.99 * nearly.a_to])), Axis("Omega", np.array([3.0]))))
+    assert verdict.outcome == Outcome.OVERTURNED_AFTER_IMPACT
+    assert verdict.capacity_demand == pytest.approx(nearly.a_from / (0.99 * nearly.a_to), rel=1e-8, abs=0)
+    assert verdict.capacity_demand < 0.6
+
+
+def test_the_record_has_the_documented_columns():
+    record = check(structure_of("kind: block\nwidth: 0.5\nheight: 2"), sine(), parse_grid("a_g=0.3g,f_g=1")).record()
+    assert tuple(record) == CHECK_COLUMNS == (
+        "name", "motion", "model", "outcome", "theta_ratio", "uplift_a", "first_overturning_a", "capacity_demand", "safe_to",
+        "outcome_linear", "friction", "fz_min",
+    )  # fmt: skip
+    assert record["uplift_a"] == pytest.approx(0.25 * 9.81, rel=1e-12, abs=0)
+
+
+def test_no_demand_is_refused():
+    with pytest.raises(UsageError, match="the amplitude is 0"):
+        check(structure_of("kind: block\nwidth: 0.5\nheight: 2"), sine(), parse_grid("a_g=0,f_g=1"))

@@ -1,0 +1,65 @@
+"""Capacity against a demand: the closed form's boundaries, on whichever side of them the demand lies."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from rocking_cli import UsageError, build_structure, dimensionless_oscillator, parse_documents, pulse, sine
+from rocking_cli.dynamics.method import LINEAR, Method
+from rocking_cli.spectra.capacity import capacity
+
+BLOCK = build_structure(parse_documents("kind: block\nradius: 1.6065856\nalpha: 0.25\nrestitution: 0.9")[0])  # p = 2.14 rad/s
+
+
+@pytest.mark.parametrize(
+    ("structure", "method", "edges"),
+    [
+        (dimensionless_oscillator(0.9), LINEAR, (3.01860, 6.31807, 7.16813)),
+        (BLOCK, Method("nonlinear"), (3.03234, 6.74302, 7.49300)),
+    ],
+    ids=["linear", "nonlinear"],
+)
+def test_reference_values_at_omega_5(structure, method, edges):
+    first, until, again = edges
+    for demand, safe_to in ((0.5, first), (2.0, first), (4.0, None), (0.5 * (until + again), again), (8.0, None)):
+        found = capacity(structure, sine(), demand, 5.0, method=method, a_max=20.0)
+        assert found.first == pytest.approx(first, abs=5.1e-6)
+        assert found.safe_to == (None if safe_to is None else pytest.approx(safe_to, abs=5.1e-6))
+
+
+def test_a_demand_on_either_side_of_a_boundary_is_told_apart_to_the_last_digits():
+    edge = capacity(dimensionless_oscillator(0.9), sine(), 2.0, 5.0, method=LINEAR, a_max=20.0).first
+    below, above = (
+        capacity(dimensionless_oscillator(0.9), sine(), edge * (1.0 + s * 1e-14), 5.0, method=LINEAR, a_max=20.0) for s in (-1, 1)
+    )
+    assert below.safe_to == pytest.approx(edge, rel=1e-14, abs=0)
+    assert above.safe_to is None
+    assert below.first == pytest.approx(edge, rel=1e-14, abs=0)
+    assert above.first == pytest.approx(edge, rel=1e-14, abs=0)
+
+
+def test_rectangular_pulse():
+    """A = 1/(1 - exp(-p t_d)), with Omega = 2 pi / (p t_d)."""
+    for duration, first in ((0.5, 2.54149), (1.0, 1.58198), (2.0, 1.15652)):
+        found = capacity(dimensionless_oscillator(0.0), pulse("rectangular"), 1.05, 2.0 * np.pi / duration, method=LINEAR, a_max=20.0)
+        assert (found.uplift, found.first) == (1.0, pytest.approx(first, abs=5.1e-6))
+
+
+def test_nothing_overturns_up_to_the_limit():
+    found = capacity(dimensionless_oscillator(0.9), sine(), 1.5, 30.0, method=LINEAR, a_max=5.0)
+    assert (found.first, found.safe_to, found.uplift) == (None, None, 1.0)
+    assert capacity(dimensionless_oscillator(0.9), sine(), 0.1, 5.0, method=LINEAR, a_max=0.5).first is None
+
+
+def test_a_body_against_its_backing_is_not_lifted_by_a_push_inwards():
+    (document,) = parse_documents("kind: block\nwidth: 1.2\nheight: 8\none_sided: true")
+    push = pulse("rectangular")
+    assert capacity(build_structure(document), push, 3.0, 1.0, method=LINEAR, a_max=20.0).uplift is None
+    assert capacity(build_structure(document), push.scaled(-1.0), 3.0, 1.0, method=LINEAR, a_max=20.0).uplift == 1.0
+
+
+@pytest.mark.parametrize("demand", [6e4, 1e300])
+def test_a_demand_beyond_the_scan_is_refused(demand):
+    with pytest.raises(UsageError, match="accepted is up to 100000"):
+        capacity(dimensionless_oscillator(0.9), sine(), demand, 5.0, method=LINEAR, a_max=20.0)
