@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import csv
+import io
 from pathlib import Path
 
 import h5py
@@ -15,6 +17,11 @@ def built(text: str) -> RockingParameters:
     """The structure of the only document in a text."""
     (document,) = parse_documents(text, "f.yaml")
     return build_structure(document)
+
+
+def csv_rows(text: str) -> list[dict[str, str]]:
+    """The rows of a CSV that a command printed, by the names of its columns without their units."""
+    return [{heading.partition(" [")[0]: cell for heading, cell in row.items()} for row in csv.DictReader(io.StringIO(text))]
 
 
 def same_file(one: Path, other: Path) -> None:

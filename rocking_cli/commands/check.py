@@ -14,8 +14,6 @@ if TYPE_CHECKING:
     from ..responses.check import Verdict
     from ..spectra.grid import Grid
 
-_ACCELERATIONS = ("uplift_a", "first_overturning_a", "safe_to")
-
 
 @click.command(epilog="Example: rocking check configs/block.yaml configs/arch.yaml --a-g 0.35g --f-g 1.5 --sort capacity")
 @options.files
@@ -48,7 +46,7 @@ def check(
     stated parameters); uplift_a and first_overturning_a, the least amplitudes that lift and overturn it; capacity_demand, the
     latter over the demand, below 1 where the body falls or would for less, empty where nothing overturns up to --a-max and twice
     the demand; safe_to, where the stretch around the demand that stands ends; outcome_linear, the linear verdict. Accelerations are
-    in m/s2 (JSON, CSV) or in the unit of the request (table).
+    in m/s2 (JSON, CSV) or in the unit of the request (table), unless --units says otherwise.
     """
     from ..dynamics.outcome import Outcome
     from ..responses.check import CHECK_COLUMNS
@@ -68,8 +66,7 @@ def check(
         from ..reports.capacity import draw_capacities
 
         draw_capacities(verdicts, output, in_g=in_g)
-    records = [v.record() for v in verdicts]
-    options.emit([_with_g(r) for r in records] if form is None and in_g else records, form, CHECK_COLUMNS)
+    options.emit([v.record() for v in verdicts], form, CHECK_COLUMNS, table_units="g" if in_g else None)
     for line in _remarks(verdicts):
         options.note(line, quiet)
     options.note(f"nothing is claimed of intervals narrower than {narrowest(motion)}, safe or overturning, away from the demand", quiet)
@@ -81,18 +78,11 @@ def check(
 
 def _in_g(given: dict[str, Any]) -> bool:
     """Whether the request speaks of g; of a record it does unless it says otherwise."""
+    units = options.units_of()
+    if units is not None and "acceleration" in units.chosen:
+        return units.of("acceleration")[0] == "g"
     text = given["a_g"] or given["scale_to"] or ("g" if given["motion_file"] else "")
     return bool(text.rstrip().endswith("g"))
-
-
-def _with_g(record: dict[str, Any]) -> dict[str, Any]:
-    """The record with its accelerations in g, which their names say."""
-    from ..documents.quantities import DEFAULT_GRAVITY
-
-    def shown(key: str, value: Any) -> tuple[str, Any]:
-        return (f"{key} [g]", None if value is None else value / DEFAULT_GRAVITY) if key in _ACCELERATIONS else (key, value)
-
-    return dict(shown(key, value) for key, value in record.items())
 
 
 def _remarks(verdicts: list[Verdict]) -> list[str]:

@@ -16,6 +16,7 @@ from . import streams
 
 if TYPE_CHECKING:
     from ..motions import Motion
+    from ..reports.units import Units
     from ..structures import RockingParameters
 
 F = Callable[..., Any]
@@ -169,9 +170,28 @@ def time(flag: str, text: str) -> float:
         raise UsageError(f"{flag}: found {text!r}; accepted is {error}") from None
 
 
+def _keep_units(context: click.Context, _: click.Parameter, text: str | None) -> None:
+    if text is not None:
+        from ..reports.units import parse_units
+
+        context.meta[_UNITS] = parse_units(text)
+
+
+def units_of() -> Units | None:
+    """What --units of this call says, None without it."""
+    return click.get_current_context().meta.get(_UNITS)
+
+
+_UNITS = f"{__name__}.units"
+units = click.option(
+    "--units", metavar="UNIT,…", expose_value=False, callback=_keep_units,
+    help="Units of tables, CSV and figures, such as g,Hz,deg or cm (JSON and HDF5 are in SI).",
+)  # fmt: skip
+
+
 def output_form(command: F) -> F:
-    """--json and --csv; without either a table for people."""
-    return json_output(csv_output(command))
+    """--json and --csv, without either a table for people; --units of the latter two."""
+    return json_output(csv_output(units(command)))
 
 
 def motion(command: F | None = None, *, dt_flag: str = "--dt") -> F:
@@ -220,11 +240,16 @@ def _motion_of(given: dict[str, Any], dt_flag: str, quiet: bool) -> Motion:
     return found if factor is None else found.scaled(factor)
 
 
-def emit(records: Iterable[Mapping[str, Any]], form: str | None, columns: Sequence[str] = ()) -> None:
-    """Records on standard output, each as soon as it is there; columns: the CSV header where there is no record."""
+def emit(records: Iterable[Mapping[str, Any]], form: str | None, columns: Sequence[str] = (), *, table_units: str | None = None) -> None:
+    """Records on standard output, each as soon as it is there; columns: the CSV header where there is no record; table_units: of a table
+    where --units does not say."""
     from ..reports.tables import lines
+    from ..reports.units import parse_units
 
-    for line in lines(records, form or "table", columns, encoding=sys.stdout.encoding):
+    units = units_of()
+    if units is None and form is None and table_units is not None:
+        units = parse_units(table_units)
+    for line in lines(records, form or "table", columns, encoding=sys.stdout.encoding, units=units):
         streams.put(line)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import sys
 from collections.abc import Iterator
 from typing import Any
@@ -27,6 +28,7 @@ def params(context: click.Context, files: tuple[str, ...], vary: tuple[str, ...]
     the document uses for that key. A body with two unequal sides has the parameters of the edge that lifts first, and those
     of both besides. Members of a family without a solution are reported and the rest kept (exit code 4).
     """
+    from ..reports.tables import flat
     from ..structures import build_structure, read_documents, with_distinct_names
     from ..structures.family import family, members, parse_variation
 
@@ -41,6 +43,8 @@ def params(context: click.Context, files: tuple[str, ...], vary: tuple[str, ...]
         if not variations:
             plain = [built.record() for built in with_distinct_names([build_structure(document) for document in documents])]
             rows = [row for record in plain for row in _rows(record, form)]
+            if form == "csv":
+                rows = [flat(row) for row in rows]
             every = dict.fromkeys(key for row in rows for key in row)
             yield from rows if form != "csv" else ({key: row.get(key) for key in every} for row in rows)
             return
@@ -51,33 +55,45 @@ def params(context: click.Context, files: tuple[str, ...], vary: tuple[str, ...]
                 progress(i * total + j, len(documents) * total)
                 if member.parameters is None:
                     faults.append(str(member.fault))
-                    varied = ", ".join(f"{key}={value:g}" for key, value in member.varied.items())
+                    varied = ", ".join(f"{key} = {value:g}" for key, value in member.shown.items())
                     options.note(f"no solution for {varied}: {member.fault}", quiet)
                 else:
-                    yield from _rows(member.parameters.record(), form, family=True)
+                    yield from _rows(member.parameters.record(), form, member.shown)
 
     options.emit(records(), form)
     if faults:
         context.exit(4)
 
 
-def _rows(record: dict[str, Any], form: str | None, family: bool = False) -> Iterator[dict[str, Any]]:
-    """A record as it is for JSON; without lists of numbers and mappings for CSV (left_p ...), and for a table a row a side."""
+def _rows(record: dict[str, Any], form: str | None, varied: dict[str, float] | None = None) -> Iterator[dict[str, Any]]:
+    """A record as it is for JSON; for CSV with the columns of every member of a family, and for a table a row a side and an interface."""
     from ..structures.kinds import reports_of
 
     if form == "json":
         yield record
         return
-    varied, sides = record.pop("varied", {}) if family else {}, record.pop("sides", [])
+    if varied is not None:
+        record.pop("varied")
+    sides = record.pop("sides", [])
     if form == "csv":
         columns = {f"{side['side']}_{key}": value for side in sides for key, value in side.items() if key != "side"}
-        if family:  # the header is written with the first member, and others may have more to tell
+        if varied is not None:  # the header is written with the first member, and others may have more to tell
             columns = {column: columns.get(column) for column in SIDES_COLUMNS}
             more = {key: record.get(key) for key in reports_of(record["structure_kind"])}
             shared = {key: record.get(key, absent) for key, absent in SHARED.items()}
             record = {**record, **shared, **more}
         record = {**record, **columns}
-    # A varied key that is also a parameter, as alpha of a block, says so.
-    yield {**{f"{key}_varied" if key in record else key: value for key, value in varied.items()}, **record}
+    below = [{"name": f"  {side.pop('side')} edge", **side} for side in sides]
     if form is None:
-        yield from ({"name": f"  {side['side']} edge", **{key: value for key, value in side.items() if key != "side"}} for side in sides)
+        below += [{"name": f"  on {one.pop('on')}", **one} for one in record.pop("interfaces", [])]
+        if "hinges" in record:
+            record["hinges [deg]"] = ", ".join(f"{math.degrees(hinge['angle']):.6g}" for hinge in record.pop("hinges"))
+    # A varied key that is also a parameter, as alpha of a block, says so.
+    yield {**{_apart(heading, record): value for heading, value in (varied or {}).items()}, **record}
+    if form is None:
+        yield from below
+
+
+def _apart(heading: str, record: dict[str, Any]) -> str:
+    key, bracket, unit = heading.partition(" [")
+    return f"{key}_varied{bracket}{unit}" if key in record else heading

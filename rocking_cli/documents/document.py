@@ -54,7 +54,10 @@ class Value:
 
 @dataclass
 class Document:
-    """One structure document: values by key, read once each; `finish` refuses the keys that nobody asked for."""
+    """One structure document: values by key, read once each; `finish` refuses the keys that nobody asked for.
+
+    asked: the keys that were; inner: documents in its lists; dimensions: of the quantities that were read.
+    """
 
     source: str
     place: Place
@@ -64,6 +67,7 @@ class Document:
     text: str = ""
     asked: set[str] = field(default_factory=set)
     inner: list[Document] = field(default_factory=list)
+    dimensions: dict[str, str] = field(default_factory=dict)
 
     def has(self, key: str) -> bool:
         """Whether the key is there (and not null)."""
@@ -96,6 +100,7 @@ class Document:
         where: str = "",
     ) -> float:
         """The SI value of a required key; DocumentError when it is absent, has the wrong unit or is out of range."""
+        self.dimensions[key] = dimension
         if not self.has(key):
             raise self.missing(key, accepted(dimension))
         value = self.values[key]
@@ -182,7 +187,7 @@ class Document:
         """The same document with one value replaced or added."""
         place = Place(source, 0, 0)
         values = {**self.values, key: Value(text, place)}
-        return replace(self, values=values, keys={**self.keys, key: place}, asked=set(), inner=[])
+        return replace(self, values=values, keys={**self.keys, key: place}, asked=set(), inner=[], dimensions={})
 
 
 def _range_text(above: float, below: float, least: float, most: float) -> str:

@@ -61,6 +61,16 @@ def parse_whole(text: str) -> int | None:
     return int(text) if text.isascii() and text.isdecimal() and len(text) <= 18 else None
 
 
+def si_unit(dimension: str | None) -> str:
+    """The name of the SI unit of a dimension, empty for a number."""
+    return next(iter(UNITS.get(dimension or "number", {})), "")
+
+
+def headed(name: str, unit: str) -> str:
+    """What stands above a column: its name, and its unit where it has one."""
+    return f"{name} [{unit}]" if unit else name
+
+
 def accepted(dimension: str) -> str:
     """What a quantity of this dimension may look like, in words."""
     if dimension == "number":

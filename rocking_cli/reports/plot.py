@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import csv
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -19,6 +19,7 @@ from ..dynamics.outcome import Outcome
 from ..errors import OutputError, UsageError
 from ..spectra.grid import LONG_NAMES, UNITS
 from ..spectra.reader import SpectraFile
+from .units import si_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -161,7 +162,7 @@ def _slice(figure: Figure, file: SpectraFile, cut: str) -> Axes:
 def _rows(source: Path) -> Rows:
     try:
         with open(source, encoding="utf-8", newline="") as handle:
-            rows = list(csv.DictReader(handle, strict=True))
+            rows = [_in_si(row) for row in csv.DictReader(handle, strict=True)]
     except OSError as error:
         raise UsageError(f"{source}: cannot be read: {error.strerror or error}") from None
     except (UnicodeDecodeError, csv.Error) as error:
@@ -169,6 +170,18 @@ def _rows(source: Path) -> Rows:
     if not rows:
         raise UsageError(f"{source}: holds no rows")
     return rows
+
+
+def _in_si(row: dict[str, str]) -> dict[str, str]:
+    """A row as `rocking` prints it without --units, under plain names; what is no number stays as it is."""
+    found = {}
+    for heading, text in row.items():
+        column, factor = si_of(heading or "")
+        if factor != 1.0 and text:
+            with suppress(ValueError):
+                text = repr(float(text) * factor)
+        found[column] = text
+    return found
 
 
 def _table(figure: Figure, source: Path, rows: Rows) -> list[Axes]:
@@ -265,14 +278,20 @@ def _family(figure: Figure, rows: Rows) -> list[Axes]:
     axes = list(figure.subplots(2, 2, sharex=True).ravel())
     for one, key in zip(axes, ("p", "alpha", "eta", "lambda"), strict=True):
         for i, (group, some) in enumerate(_groups(rows, *varied[1:]).items()):
-            label = ", ".join(f"{k} = {float(v):.4g}" for k, v in zip(varied[1:], group, strict=True))
+            label = ", ".join(_valued(k, v) for k, v in zip(varied[1:], group, strict=True))
             one.plot(_column(some, varied[0]), _column(some, key), color=COLOURS[i % 7], ls=DASHES[i % 5], label=label)
         one.set_ylabel(_LABELS[key])
     for one in axes[2:]:
-        one.set_xlabel(f"{varied[0].replace('_', ' ')} [unit of the document]")
+        one.set_xlabel(varied[0].replace("_", " "))
     if len(varied) > 1:
         axes[0].legend()
     return axes
+
+
+def _valued(heading: str, value: str) -> str:
+    """`height = 8 m` of a column `height [m]`."""
+    key, _, unit = heading.partition(" [")
+    return f"{key.replace('_', ' ')} = {float(value):.4g} {unit.removesuffix(']')}".rstrip()
 
 
 def _accuracy(figure: Figure, rows: Rows) -> list[Axes]:

@@ -9,15 +9,9 @@ import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
+from .units import Units
+
 Record = Mapping[str, Any]
-
-UNITS = {
-    "p": "rad/s", "alpha": "rad", "gravity": "m/s2", "omega_g": "rad/s", "a_g": "m/s2", "a_from": "m/s2", "a_to": "m/s2",
-    "t": "s", "theta": "rad", "theta_dot": "rad/s", "ground_acceleration": "m/s2", "theta_max": "rad", "t_max": "s",
-    "dt": "s", "duration": "s", "pga": "m/s2", "pga_time": "s", "pgv": "m/s", "pgd": "m", "arias": "m/s", "cav": "m/s", "d5_75": "s",
-    "d5_95": "s", "header_pga": "m/s2", "arm": "m", "uplift_a": "m/s2", "first_overturning_a": "m/s2", "safe_to": "m/s2",
-}  # fmt: skip
-
 
 _FORMULA = ("=", "+", "-", "@")  # a spreadsheet computes a text that begins with one of them
 
@@ -38,7 +32,7 @@ def json_line(record: Record, encoding: str = "utf-8") -> str:
 
 
 def csv_lines(records: Iterable[Record], columns: Sequence[str] = ()) -> Iterator[str]:
-    """A header and one row a record, columns in order of the first record (or given); lists are written as JSON.
+    """A header and one row a record, columns in order of the first record (or given).
 
     A text that a spreadsheet would take for a formula begins with an apostrophe instead.
     """
@@ -53,25 +47,39 @@ def csv_lines(records: Iterable[Record], columns: Sequence[str] = ()) -> Iterato
 
 
 def table_lines(records: Iterable[Record], digits: int = 6) -> Iterator[str]:
-    """An aligned table; numbers to `digits` significant digits, to the right; units in the heading."""
+    """An aligned table; numbers to `digits` significant digits, to the right."""
     rows = list(records)
     if not rows:
         return
     columns = [key for key in dict.fromkeys(key for row in rows for key in row) if key != "kind"]
-    heads = [f"{c} [{UNITS[c]}]" if c in UNITS else c for c in columns]
     cells = [[_text(row.get(c), digits) for c in columns] for row in rows]
     numeric = [all(isinstance(row.get(c), int | float | None) for row in rows) for c in columns]
-    widths = [max(len(c), *(len(row[i]) for row in cells)) for i, c in enumerate(heads)]
-    for line in [heads, *cells]:
+    widths = [max(len(c), *(len(row[i]) for row in cells)) for i, c in enumerate(columns)]
+    for line in [columns, *cells]:
         parts = [x.rjust(w) if right else x.ljust(w) for x, w, right in zip(line, widths, numeric, strict=True)]
         yield "  ".join(parts).rstrip()
 
 
-def lines(records: Iterable[Record], form: str, columns: Sequence[str] = (), *, encoding: str = "utf-8") -> Iterator[str]:
-    """Records in the form `json`, `csv` or `table`; columns: the header of a CSV without records; encoding: of the output."""
+def flat(record: Record) -> dict[str, Any]:
+    """The record with a column for each item of its lists and mappings: hinges_1_angle, sides_2_p."""
+    out: dict[str, Any] = {}
+    for key, value in record.items():
+        items = value.items() if isinstance(value, Mapping) else enumerate(value, 1) if isinstance(value, list | tuple) else None
+        out |= {key: value} if items is None else flat({f"{key}_{name}": item for name, item in items})
+    return out
+
+
+def lines(
+    records: Iterable[Record], form: str, columns: Sequence[str] = (), *, encoding: str = "utf-8", units: Units | None = None
+) -> Iterator[str]:
+    """Records in the form `json`, `csv` or `table`; columns: the header of a CSV without records; encoding: of the output; units: of
+    a table and of CSV (None: SI), where headings tell them."""
     if form == "json":
         return (json_line(r, encoding) for r in records)
-    return csv_lines(records, columns) if form == "csv" else table_lines(records)
+    units = units or Units()
+    if form == "csv":
+        return csv_lines(units.shown(map(flat, records)), [headed for headed, _ in map(units.heading, columns)])
+    return table_lines(units.shown(records))
 
 
 def _plain(value: Any) -> Any:
@@ -92,8 +100,6 @@ def _csv_row(cells: list[Any]) -> str:
 
 def _csv_cell(value: Any) -> Any:
     value = _plain(value)
-    if isinstance(value, list | dict):
-        return json.dumps(value, ensure_ascii=False)
     if isinstance(value, str) and value.startswith(_FORMULA):
         return f"'{value}"
     return "" if value is None else value

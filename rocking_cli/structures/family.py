@@ -6,10 +6,10 @@ import itertools
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from ..documents.document import Document
-from ..documents.quantities import parse_whole, split_quantity
+from ..documents.quantities import headed, parse_quantity, parse_whole, si_unit, split_quantity
 from ..errors import DocumentError, UsageError
 from .parameters import RockingParameters
 
@@ -25,9 +25,11 @@ class Variation(NamedTuple):
 
 
 class Member(NamedTuple):
-    """One member of a family: the varied values, and its parameters or the reason why it has none."""
+    """One member of a family: the varied values in SI, the same under headings that tell the unit of the option, and its parameters;
+    or no values, and the reason why it has no parameters."""
 
     varied: dict[str, float]
+    shown: dict[str, float]
     parameters: RockingParameters | None
     fault: str | None
 
@@ -85,15 +87,18 @@ def family(document: Document, variations: Sequence[Variation]) -> Iterator[Memb
         for variation, value, unit in zip(variations, values, units, strict=True):
             text = f"{value!r} {unit}".strip()
             varied = varied.with_value(variation.key, text, f"{document.source} with {variation.key}={text}")
-        labels: dict[str, Any] = dict(zip(keys, values, strict=True))
         try:
-            built = build_structure(varied)
-            name = ", ".join([built.name, *(f"{key}={value:g}" for key, value in labels.items())])
-            yield Member(labels, replace(built, name=name, details={**built.details, "varied": labels}), None)
+            built, fault = build_structure(varied), None
         except DocumentError as error:
             if any(key not in varied.asked for key in keys):
                 raise
-            yield Member(labels, None, str(error))
+            built, fault = None, str(error)
+        shown = {headed(key, units[i] or si_unit(varied.dimensions.get(key))): values[i] for i, key in enumerate(keys)}
+        si = {key: parse_quantity(f"{values[i]!r} {units[i]}", varied.dimensions[key]) for i, key in enumerate(keys)} if built else {}
+        if built:
+            name = " ".join([built.name, *(f"{key}={value:g}{unit}" for key, value, unit in zip(keys, values, units, strict=True))])
+            built = replace(built, name=name, details={**built.details, "varied": si})
+        yield Member(si, shown, built, fault)
 
 
 def _own_unit(document: Document, key: str) -> str:

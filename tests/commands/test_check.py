@@ -48,7 +48,8 @@ def test_the_table_speaks_the_unit_of_the_request(rocking, stated):
     assert "uplift_a [m/s2]" in in_si[0]
     assert (float(in_g[1].split()[7]), float(in_si[1].split()[7])) == pytest.approx((0.2, 1.962), abs=1e-9)
     assert rocking("check", stated, *SHAKING, "--csv").stdout.splitlines()[0] == (
-        "name,motion,model,outcome,theta_ratio,uplift_a,first_overturning_a,capacity_demand,safe_to,outcome_linear,friction,fz_min"
+        "name,motion,model,outcome,theta_ratio,uplift_a [m/s2],first_overturning_a [m/s2],capacity_demand,safe_to [m/s2],outcome_linear,"
+        "friction,fz_min"
     )
 
 

@@ -153,3 +153,8 @@ def test_shell_completion(tmp_path):
     program = [sys.executable, "-c", "from rocking_cli.commands import main; main()"]
     env = {**os.environ, "_ROCKING_COMPLETE": "bash_complete", "COMP_WORDS": "rocking sp", "COMP_CWORD": "1"}
     assert "plain,spectrum" in subprocess.run(program, env=env, capture_output=True, text=True, check=False).stdout
+
+
+def test_every_command_with_a_table_takes_units(refused):
+    for command in ("params", "envelope", "records", "response", "compare", "predict", "accuracy", "convert", "info"):
+        assert "--units: found 'x'" in refused(2, command, "--units", "x", "none.yaml")

@@ -2,15 +2,10 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import json
 
 import pytest
-
-
-def rows(text):
-    return list(csv.DictReader(io.StringIO(text)))
+from written import csv_rows
 
 
 def test_comparison_collapses_and_tells_the_models_apart(rocking):
@@ -31,6 +26,6 @@ def test_comparison_collapses_and_tells_the_models_apart(rocking):
 
 def test_curves_of_a_comparison(rocking):
     done = rocking("compare", "configs/block.yaml", "configs/spire.yaml", "--A", "2", "--Omega", "4", "--curves", "--csv")
-    found = rows(done.stdout)
+    found = csv_rows(done.stdout)
     assert list(found[0]) == ["structure", "model", "t", "theta", "tau", "theta_ratio"]
     assert {r["structure"] for r in found} == {"Column", "Spire"}

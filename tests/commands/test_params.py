@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import json
+import math
 
 import pytest
+from written import csv_rows
 
 
 def test_json_lines_are_documents_again(rocking):
@@ -47,7 +47,7 @@ def test_a_table_has_a_row_for_each_side(rocking):
 
 
 def test_csv_has_columns_for_both_sides(rocking):
-    rows = list(csv.DictReader(io.StringIO(rocking("params", "configs/block.yaml", "-", "--csv", stdin=LEANING).stdout)))
+    rows = csv_rows(rocking("params", "configs/block.yaml", "-", "--csv", stdin=LEANING).stdout)
     record = json.loads(rocking("params", "-", "--json", stdin=LEANING).stdout)
     assert rows[0]["left_p"] == ""
     for side in record["sides"]:
@@ -58,7 +58,7 @@ def test_csv_has_columns_for_both_sides(rocking):
 
 def test_a_family_has_both_sides_even_if_its_first_member_is_symmetric(rocking):
     done = rocking("params", "-", "--vary", "left=0.3:0.2:2", "--vary", "damping=0:0.05:2", "--csv", stdin=LEANING)
-    rows = list(csv.DictReader(io.StringIO(done.stdout)))
+    rows = csv_rows(done.stdout)
     assert [row["left_lambda"] for row in rows] == ["", "", *2 * [repr(0.2 / 1.2)]]
     assert [row["direction"] for row in rows] == ["", "", *2 * ["over the left edge"]]
     assert [float(row["damping"]) for row in rows] == [0.0, 0.05, 0.0, 0.05]
@@ -70,13 +70,13 @@ def test_a_wall_against_its_backing(rocking):
     assert wall["eta"] == pytest.approx(-0.43667308, abs=5e-9)
     assert (wall["one_sided"], wall["damping"]) == (True, 0.02)
     assert rocking("params", "-", "--json", stdin=first).stdout == first
-    rows = list(csv.DictReader(io.StringIO(rocking("params", "configs/wall.yaml", "--csv").stdout)))
+    rows = csv_rows(rocking("params", "configs/wall.yaml", "--csv").stdout)
     assert rows[0]["one_sided"] == "True"
 
 
 def test_families(rocking):
     done = rocking("params", "configs/block.yaml", "--vary", "height=1:3:3", "--vary", "width=20cm:30cm:2", "--csv")
-    rows = list(csv.DictReader(io.StringIO(done.stdout)))
+    rows = csv_rows(done.stdout)
     assert [(float(r["height"]), float(r["width"])) for r in rows] == [(h, w) for h in (1, 2, 3) for w in (20, 30)]
     assert float(rows[1]["lambda"]) == pytest.approx(0.3)
 
@@ -123,15 +123,35 @@ def test_no_partial_output_when_one_of_several_is_wrong(refused):
 def test_a_family_in_json_is_a_stream_of_documents(rocking):
     family = rocking("params", "configs/arch.yaml", "--vary", "thickness=1.6:1.8:2", "--json")
     records = [json.loads(line) for line in family.stdout.splitlines()]
-    assert [r["name"] for r in records] == ["Oppenheim, thickness=1.6", "Oppenheim, thickness=1.8"]
+    assert [r["name"] for r in records] == ["Oppenheim thickness=1.6m", "Oppenheim thickness=1.8m"]
     assert records[0]["varied"] == {"thickness": 1.6}
     assert rocking("params", "-", "--json", stdin=family.stdout).stdout == family.stdout
 
 
 def test_csv_of_different_kinds_has_every_column(rocking):
-    rows = list(csv.DictReader(io.StringIO(rocking("params", "configs/block.yaml", "configs/arch.yaml", "--csv").stdout)))
-    assert rows[0]["hinges"] == ""
-    assert json.loads(rows[1]["hinges"])[1]["face"] == "extrados"
+    rows = csv_rows(rocking("params", "configs/block.yaml", "configs/arch.yaml", "--csv").stdout)
+    assert (rows[0]["hinges_2_face"], rows[1]["hinges_2_face"]) == ("", "extrados")
+    record = json.loads(rocking("params", "configs/arch.yaml", "--json").stdout)
+    for i, hinge in enumerate(record["hinges"], 1):
+        assert [float(rows[1][f"hinges_{i}_{key}"]) for key in ("angle", "x", "z")] == [hinge[key] for key in ("angle", "x", "z")]
+
+
+def test_a_table_has_the_interfaces_of_a_stack_and_hinges_in_degrees(rocking):
+    lines = rocking("params", "configs/stack.yaml", "configs/arch.yaml").stdout.splitlines()
+    assert [line.split("  ")[0] or line.split("  ")[1] for line in lines[1:]] == [
+        "Statue on a plinth", "on its base", "on piece 1 from below", "on piece 2 from below", "Oppenheim",
+    ]  # fmt: skip
+    assert "hinges [deg]" in lines[0]
+    assert "0, 67.5, 112.5, 157.5" in lines[-1]
+
+
+def test_csv_tells_the_units_asked_for_and_json_stays_in_si(rocking):
+    plain, shown = (rocking("params", "configs/block.yaml", "--csv", *more).stdout.splitlines() for more in ((), ("--units", "deg")))
+    assert plain[0].split(",")[3:5] == ["p [rad/s]", "alpha [rad]"]
+    assert shown[0].split(",")[3:5] == ["p [rad/s]", "alpha [deg]"]
+    assert float(shown[1].split(",")[4]) == pytest.approx(math.degrees(math.atan(0.25)), rel=1e-14, abs=0)
+    both = [rocking("params", "configs/block.yaml", "--json", *more).stdout for more in ((), ("--units", "deg"))]
+    assert both[0] == both[1]
 
 
 def test_equal_names_are_numbered(rocking):

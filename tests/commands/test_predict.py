@@ -34,7 +34,7 @@ def test_columns_of_a_prediction(rocking, spectrum_file, tmp_path):
     (tmp_path / "two.yaml").write_text(STRUCTURE)
     lines = rocking("predict", str(spectrum_file), "two.yaml", "--A", "1.7", "--Omega", "3.3", "--csv").stdout.splitlines()
     assert lines[0] == (
-        "structure,eta,A,Omega,a_g,omega_g,theta_max,theta_ratio,outcome,capacity_demand,margin,margin_side,"
+        "structure,eta,A,Omega,a_g [m/s2],omega_g [rad/s],theta_max [rad],theta_ratio,outcome,capacity_demand,margin,margin_side,"
         "theta_ratio_interpolated,interpolation_error"
     )
     assert len(lines) == 3

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import csv
 import gzip
-import io
 import json
 
 import numpy as np
 import pytest
 from recorded import rows, wave
+from written import csv_rows
 
 COLUMNS = ["name", "format", "component", "npts", "dt", "duration", "pga", "pga_time", "pgv", "pgd", "arias", "cav", "d5_75", "d5_95"]
 COLUMNS += ["header_pga"]
@@ -25,7 +24,7 @@ def test_a_row_a_component_in_si_units(rocking, tmp_path):
     assert first["pga"] == pytest.approx(0.2 * 9.81, rel=1e-6, abs=0)
     assert (first["dt"], first["duration"]) == (0.01, pytest.approx(4.99))
     assert (second["name"], second["npts"]) == ("synthetic", 1600)
-    (row,) = csv.DictReader(io.StringIO(rocking("records", "a.AT2.gz", "--csv").stdout))
+    (row,) = csv_rows(rocking("records", "a.AT2.gz", "--csv").stdout)
     assert float(row["pga"]) == first["pga"]
     assert "pga [m/s2]" in rocking("records", "a.AT2.gz").stdout
 
@@ -121,12 +120,13 @@ def test_a_response_runs_as_recorded_and_scaled(rocking):
         other = [json.loads(x) for x in rocking(*call, *same).stdout.splitlines()]
         for a, b in zip(other, (json.loads(x) for x in more.stdout.splitlines()), strict=True):
             assert a["event"] == b["event"]
-            assert a["t"] == pytest.approx(b["t"], rel=1e-9)
+            if a["event"] != "summary":
+                assert a["t"] == pytest.approx(b["t"], rel=1e-9)
 
 
 def test_a_record_turned_over_turns_the_response_over(rocking):
     call = ("response", "configs/block.yaml", *RECORD, "--model", "nonlinear", "--csv")
-    rows_ = [list(csv.DictReader(io.StringIO(rocking(*call, *scale).stdout))) for scale in ((), ("--scale", "-1"))]
+    rows_ = [csv_rows(rocking(*call, *scale).stdout) for scale in ((), ("--scale", "-1"))]
     for a, b in zip(*rows_, strict=True):
         assert float(a["theta"]) == -float(b["theta"])
         assert float(a["ground_acceleration"]) == -float(b["ground_acceleration"])
@@ -136,7 +136,7 @@ def test_a_spectrum_and_an_envelope_need_no_frequency(rocking):
     done = rocking("spectrum", "configs/block.yaml", *RECORD, "--grid", "a_g=0.3g:0.5g:5", "-o", "r.h5", "--json")
     assert summary(done)
     done = rocking("convert", "r.h5", "--csv")
-    ratios = [row["theta_ratio"] for row in csv.DictReader(io.StringIO(done.stdout))]
+    ratios = [row["theta_ratio"] for row in csv_rows(done.stdout)]
     assert float(ratios[0]) > 0.0
     assert ratios[2] == "", "at 0.4 g the linear equation overturns"
     done = rocking("spectrum", "configs/block.yaml", "configs/spire.yaml", *RECORD, "--grid", "A=1.1:2:4", "-o", "A.h5", "-q")

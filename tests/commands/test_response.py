@@ -2,23 +2,18 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import json
 import math
 
 import pytest
+from written import csv_rows
 
 IMPULSE = ("--pulse", "rectangular-impulse", "--a-g", "0.5g", "--T-g", "0.4")
 
 
-def rows(text):
-    return list(csv.DictReader(io.StringIO(text)))
-
-
 def test_time_history_has_the_documented_columns(rocking):
     done = rocking("response", "configs/block.yaml", "--a-g", "3.5", "--f-g", "1.5", "--dt", "0.01", "--csv")
-    found = rows(done.stdout)
+    found = csv_rows(done.stdout)
     assert list(found[0]) == ["t", "theta", "theta_dot", "ground_acceleration"]
     assert [float(r["t"]) for r in found[:3]] == pytest.approx([0.0, 0.01, 0.02])
     assert float(found[10]["ground_acceleration"]) == pytest.approx(3.5 * math.sin(2 * math.pi * 1.5 * 0.1))
@@ -27,7 +22,7 @@ def test_time_history_has_the_documented_columns(rocking):
 
 def test_both_models_side_by_side_and_their_events(rocking):
     done = rocking("response", "configs/arch.yaml", *IMPULSE, "--model", "both", "--csv")
-    assert list(rows(done.stdout)[0])[:5] == ["t", "theta_linear", "theta_dot_linear", "theta_nonlinear", "theta_dot_nonlinear"]
+    assert list(csv_rows(done.stdout)[0])[:5] == ["t", "theta_linear", "theta_dot_linear", "theta_nonlinear", "theta_dot_nonlinear"]
     events = [
         json.loads(x)
         for x in rocking("response", "configs/arch.yaml", *IMPULSE, "--model", "both", "--events", "--json").stdout.splitlines()
@@ -109,7 +104,7 @@ def test_forces_in_the_history_and_in_the_closing_record(rocking, tmp_path):
     (tmp_path / "b.yaml").write_text("kind: block\nwidth: 0.6\nheight: 3\nfriction: 0.19\n")
     call = ("response", "b.yaml", "--a-g", "0.3g", "--f-g", "2", "--model", "nonlinear")
     done = rocking(*call, "--forces", "--csv")
-    assert list(rows(done.stdout)[0]) == ["t", "theta", "theta_dot", "fx_ratio", "fz_ratio", "ground_acceleration"]
+    assert list(csv_rows(done.stdout)[0]) == ["t", "theta", "theta_dot", "fx_ratio", "fz_ratio", "ground_acceleration"]
     assert "with the friction 0.19 of the document the base would slide before it rocks" in done.stderr
     *events, last = [json.loads(x) for x in rocking(*call, "--forces", "--events", "--json").stdout.splitlines()]
     assert list(last)[:2] == ["model", "event"]

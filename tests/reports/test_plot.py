@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import csv
-import io
-
 import numpy as np
 import pytest
 from matplotlib import colors
 from matplotlib.figure import Figure
+from written import csv_rows
 
 from rocking_cli import Outcome, UsageError, closed_form_curves
 from rocking_cli.reports.plot import draw, text_map
@@ -35,7 +33,7 @@ def table(rocking, tmp_path):
     def run(*call):
         text = rocking(*call, "--csv").stdout
         (tmp_path / "table.csv").write_text(text)
-        return tmp_path / "table.csv", list(csv.DictReader(io.StringIO(text)))
+        return tmp_path / "table.csv", csv_rows(text)
 
     return run
 
@@ -161,12 +159,13 @@ def test_a_comparison_collapses_from_left_to_right(drawn, table):
 def test_a_family_is_four_parameters_over_the_first_key_and_a_line_for_each_value_of_the_second(drawn, table):
     source, rows = table("params", "configs/spire.yaml", "--vary", "base_radius=1:2:4", "--vary", "height=8:16:3")
     figure = drawn(source)
+    assert [a.get_xlabel() for a in figure.axes] == ["", "", "base radius [m]", "base radius [m]"]
     assert [a.get_ylabel() for a in figure.axes] == ["p [rad/s]", "α [rad]", "η [-]", "λ [-]"]
     for axes, key in zip(figure.axes, ("p", "alpha", "eta", "lambda"), strict=True):
         found = lines(axes)
-        assert list(found) == ["height = 8", "height = 12", "height = 16"]
+        assert list(found) == ["height = 8 m", "height = 12 m", "height = 16 m"]
         for label, line in found.items():
-            mine = [r for r in rows if float(r["height"]) == float(label.split()[-1])]
+            mine = [r for r in rows if float(r["height"]) == float(label.split()[2])]
             same(line, numbers(mine, "base_radius"), numbers(mine, key))
 
 

@@ -19,8 +19,15 @@ def test_a_name_is_no_formula_in_a_spreadsheet(name):
 
 
 def test_other_names_stay_as_they_are():
-    rows = list(csv.reader(csv_lines([{"a": "Column -1", "b": "", "c": None, "d": ["-1"], "e": "1=2"}])))
-    assert rows[1] == ["Column -1", "", "", '["-1"]', "1=2"]
+    rows = list(csv.reader(csv_lines([{"a": "Column -1", "b": "", "c": None, "e": "1=2"}])))
+    assert rows[1] == ["Column -1", "", "", "1=2"]
+
+
+def test_nothing_is_json_inside_csv():
+    record = {"name": "x", "hinges": [{"angle": 0.5, "face": "intrados"}, {"angle": 1.0, "face": "extrados"}], "varied": {"a": [1, 2]}}
+    header, row = csv.reader(lines([record], "csv"))
+    assert header == ["name", "hinges_1_angle [rad]", "hinges_1_face", "hinges_2_angle [rad]", "hinges_2_face", "varied_a_1", "varied_a_2"]
+    assert row == ["x", "0.5", "intrados", "1.0", "extrados", "1", "2"]
 
 
 @pytest.mark.parametrize("name", [*FORMULAS, "Säule", "\x1b[31m\x7f\x9b", "\u202e", "\udcff", "\U0001f5fc"])

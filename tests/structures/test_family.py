@@ -49,9 +49,10 @@ def test_variations_that_cannot_be_read(text, words):
 
 def test_a_family_is_every_combination_and_the_last_key_varies_fastest():
     found = of(BLOCK, "height=2:3:2", "width=40:60:3")
-    assert [m.varied for m in found] == [{"height": h, "width": w} for h in (2.0, 3.0) for w in (40.0, 50.0, 60.0)]
-    assert found[1].parameters.name == "Column, height=2, width=50"
-    assert found[1].parameters.details["varied"] == {"height": 2.0, "width": 50.0}
+    assert [m.shown for m in found] == [{"height [m]": h, "width [cm]": w} for h in (2.0, 3.0) for w in (40.0, 50.0, 60.0)]
+    assert [m.varied for m in found] == [{"height": h, "width": w} for h in (2.0, 3.0) for w in (0.4, 0.5, 0.6)]
+    assert found[1].parameters.name == "Column height=2 width=50cm"
+    assert found[1].parameters.details["varied"] == {"height": 2.0, "width": 0.5}
     original = built(BLOCK)
     assert (found[1].parameters.p, found[1].parameters.alpha) == (original.p, original.alpha)
 

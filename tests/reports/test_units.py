@@ -1,0 +1,69 @@
+"""Units of what is shown: headings, values, and what is asked for."""
+
+from __future__ import annotations
+
+import csv
+import json
+import math
+
+import pytest
+
+from rocking_cli import UsageError
+from rocking_cli.reports.tables import lines
+from rocking_cli.reports.units import COLUMNS, Units, dimension_of, parse_units, si_of
+
+RECORD = {"structure": "x", "omega_g": 2 * math.pi, "a_from": 9.81, "theta_linear": math.pi, "theta_dot": math.pi, "left_p": 2.0, "A": 3.0}
+
+
+def shown(units, form="csv"):
+    header, row = csv.reader(lines([RECORD], form, units=units))
+    return dict(zip(header, row, strict=True))
+
+
+def test_headings_tell_si_units_and_those_asked_for():
+    assert list(shown(None)) == [
+        "structure", "omega_g [rad/s]", "a_from [m/s2]", "theta_linear [rad]", "theta_dot [rad/s]", "left_p [rad/s]", "A",
+    ]  # fmt: skip
+    found = shown(parse_units("g,Hz,deg"))
+    assert list(found) == ["structure", "f_g [Hz]", "a_from [g]", "theta_linear [deg]", "theta_dot [deg/s]", "left_p [rad/s]", "A"]
+    assert [float(x) for x in list(found.values())[1:]] == pytest.approx([1, 1, 180, 180, 2, 3], rel=1e-14, abs=0)
+
+
+def test_a_table_says_the_same_and_json_does_not_change():
+    head, row = lines([RECORD], "table", units=parse_units("g,deg"))
+    assert "a_from [g]" in head
+    assert "180" in row.split()
+    (line,) = lines([RECORD], "json", units=parse_units("g,deg"))
+    assert json.loads(line) == RECORD
+
+
+def test_the_header_of_no_rows_tells_units_too():
+    assert list(lines([], "csv", ["structure", "a_from"], units=parse_units("g"))) == ["structure,a_from [g]"]
+
+
+@pytest.mark.parametrize("column", COLUMNS)
+@pytest.mark.parametrize("text", [None, "g,Hz,deg,cm,cm/s", "gal,mrad,mm", "cm/s2"])
+def test_a_heading_is_read_back_as_what_was_meant(column, text):
+    units = parse_units(text) if text else Units()
+    heading, factor = units.heading(column)
+    assert si_of(heading) == (column, factor)
+
+
+def test_the_dimension_of_a_side_an_item_and_a_model_is_that_of_the_column():
+    assert [dimension_of(x) for x in ("right_alpha", "hinges_3_angle", "interfaces_2_p", "theta_max_nonlinear", "theta_ratio", "name")] == [
+        "angle", "angle", "frequency parameter", "angle", None, None,
+    ]  # fmt: skip
+    assert si_of("base_radius [cm]") == ("base_radius [cm]", 1.0)
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("furlong", "--units: found 'furlong'; accepted are g, "),
+        ("g,", "--units: found ''"),
+        ("g,gal", "found g and gal; accepted is one unit of acceleration"),
+    ],
+)
+def test_units_that_cannot_be_used(text, words):
+    with pytest.raises(UsageError, match=words):
+        parse_units(text)
