@@ -5,7 +5,7 @@ CODE := $(shell find rocking_cli -name '*.py' -o -name '*.txt')
 CONFIGS := $(shell find configs -type f)
 TESTS := $(shell find tests -type f -not -path '*/__pycache__/*')
 
-.PHONY: demo test lint figures bench soak ladder mutants clean
+.PHONY: demo test lint figures bench trace soak ladder mutants clean
 
 demo: out/demo.h5
 test: $(STAMPS)/test
@@ -64,6 +64,10 @@ bench: $(STAMPS)/dev
 	.venv/bin/python tests/shown.py
 	.venv/bin/python tests/bench/left_out.py
 	.venv/bin/python tests/bench/extremes.py
+
+# Where the time of a scene goes, stage by stage: make trace SCENE="linear arch", all scenes without.
+trace: $(STAMPS)/dev
+	.venv/bin/python tests/bench/trace.py $(SCENE)
 
 soak: $(STAMPS)/dev
 	.venv/bin/python -m pytest -m soak
