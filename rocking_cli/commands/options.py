@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import partial, wraps
@@ -16,6 +17,7 @@ from . import streams
 
 if TYPE_CHECKING:
     from ..motions import Motion
+    from ..motions.recording import Recording
     from ..reports.units import Units
     from ..structures import RockingParameters
 
@@ -56,6 +58,16 @@ class Registered(click.ParamType):
         return [CompletionItem(word) for word in self.registry() if word.startswith(incomplete)]
 
 
+class Restitution(click.FloatRange):
+    """A number from 0 to 1, or `block`, which is None: 1 - 3/2 sin^2 alpha."""
+
+    def __init__(self) -> None:
+        super().__init__(0.0, 1.0)
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        return None if value == "block" else super().convert(value, param, ctx)
+
+
 def _pulses() -> Iterable[str]:
     from ..motions.pulses import PULSES
 
@@ -83,15 +95,22 @@ phase = click.option("--phase", metavar="ANGLE", help="Phase of a mavroeidis-pap
 motion_file = click.option(
     "--motion", "motion_file", type=InputPath(), metavar="FILE", help="A record, or a motion document, instead of a pulse."
 )
+motion_files = click.option(
+    "--motion", "motion_files", multiple=True, type=InputPath(), metavar="FILE...",
+    help="Records, a directory or a list of them, or one motion document, instead of a pulse; repeatable.",
+)  # fmt: skip
 scale = click.option("--scale", type=float, metavar="FACTOR", help="Factor of the motion; a negative one turns it over.")
 scale_to = click.option("--scale-to", metavar="IM=VALUE", help="Scale a record to an intensity measure, such as PGA=0.35g.")
 component = click.option("--component", metavar="NAME", help="The component of a record that holds several, by name or number.")
 unit = click.option("--unit", metavar="UNIT", help="Unit of a record in plain columns of numbers, such as g or m/s2.")
 dt = click.option("--dt", metavar="TIME", help="Time between the values of a record in a single column.")
 eta = click.option(
-    "--eta", "etas", multiple=True, type=click.FloatRange(0.0, 1.0), metavar="ETA",
-    help="A dimensionless oscillator of this restitution instead of FILE; repeatable.",
+    "--eta", "etas", multiple=True, type=Restitution(), metavar="ETA",
+    help="A dimensionless oscillator of this restitution instead of FILE; repeatable. Over --alpha that of the blocks, or `block`.",
 )  # fmt: skip
+alpha = click.option(
+    "--alpha", "alphas", metavar="ANGLES", help="Rigid blocks of these critical angles instead of FILE, such as 10,15,20deg (records)."
+)
 
 
 def method(command: F) -> F:
@@ -203,6 +222,8 @@ def motion(command: F | None = None, *, dt_flag: str = "--dt") -> F:
     def with_motion(*arguments: Any, **given: Any) -> Any:
         mine = {key: given.pop(key) for key in (*_PULSE, *_FILE)}
         there = {k: v for k, v in mine.items() if v is not None}
+        if os.path.isdir(there.get("motion_file", "")):
+            raise click.UsageError(f"--motion: {there['motion_file']} is a directory; accepted here is one motion")
         return command(*arguments, motion=_motion_of(there, dt_flag, given.get("quiet", False)), **given)
 
     record_dt = click.option(dt_flag, "motion_dt", metavar="TIME", help="Time between the values of a record in a single column.")
@@ -211,14 +232,45 @@ def motion(command: F | None = None, *, dt_flag: str = "--dt") -> F:
     return with_motion
 
 
+def motions(command: F) -> F:
+    """The options of the ground motion, which may be a set of records; the command gets `motion`, None where there are records, and
+    `recordings`.
+
+    Records among the command's `files` belong to the set, so that a shell's pattern after --motion does.
+    """
+
+    @wraps(command)
+    def with_motions(*arguments: Any, **given: Any) -> Any:
+        mine = {key: given.pop(key) for key in (*_PULSE, "motion_files", *_FILE[1:])}
+        there = {k: v for k, v in mine.items() if v is not None and v != ()}
+        if "motion_files" in there:
+            from ..motions.recording import holds_records
+
+            own = {path: holds_records(path) for path in given["files"]}
+            there["motion_files"] += tuple(path for path in given["files"] if own[path])
+            given["files"] = tuple(path for path in given["files"] if not own[path])
+            if "-" in there["motion_files"] and "-" in given["files"]:
+                raise click.UsageError("standard input is given as structure and as motion; accepted is one of them")
+        found = _motion_of(there, "--dt", given.get("quiet", False))
+        is_set = isinstance(found, tuple)
+        return command(*arguments, motion=None if is_set else found, recordings=found if is_set else (), **given)
+
+    record_dt = click.option("--dt", "motion_dt", metavar="TIME", help="Time between the values of a record in a single column.")
+    for option in (scale_to, scale, record_dt, unit, component, motion_files, phase, gamma, cycles, pulse):
+        with_motions = option(with_motions)
+    return with_motions
+
+
 _PULSE = ("pulse", "cycles", "gamma", "phase")
 _FILE = ("motion_file", "component", "unit", "motion_dt", "scale", "scale_to")
 
 
-def _motion_of(given: dict[str, Any], dt_flag: str, quiet: bool) -> Motion:
+def _motion_of(given: dict[str, Any], dt_flag: str, quiet: bool) -> Motion | tuple[Recording, ...]:
+    """The motion that the options describe; the records of a set where they are `motion_files`."""
     from ..documents.quantities import parse_quantity
     from ..motions import pulse as named_pulse
     from ..motions import read_motion
+    from ..motions.recording import read_motions
 
     if "phase" in given:
         try:
@@ -227,11 +279,14 @@ def _motion_of(given: dict[str, Any], dt_flag: str, quiet: bool) -> Motion:
             raise click.UsageError(f"--phase: found {given['phase']!r}; accepted is {error}") from None
     if "motion_dt" in given:
         given["dt"] = time(dt_flag, given.pop("motion_dt"))
-    if "motion_file" in given:
+    if "motion_file" in given or "motion_files" in given:
         for key in _PULSE:
             if key in given:
                 raise click.UsageError(f"--motion does not go with --{key}")
-        return read_motion(given.pop("motion_file"), tell=lambda text: note(text, quiet), **given)
+        tell = partial(note, quiet=quiet)
+        if "motion_file" in given:
+            return read_motion(given.pop("motion_file"), tell=tell, **given)
+        return read_motions(given.pop("motion_files"), tell=tell, **given)
     for key, flag in (("component", "--component"), ("unit", "--unit"), ("dt", dt_flag), ("scale_to", "--scale-to")):
         if key in given:
             raise click.UsageError(f"{flag} goes with a record: give --motion")
@@ -264,22 +319,24 @@ def at_most_the_cpus(workers: int | None, quiet: bool) -> int | None:
     return cpus
 
 
-def structures_of(files: tuple[str, ...], etas: tuple[float, ...] = ()) -> list[RockingParameters]:
+def structures_of(files: tuple[str, ...], etas: tuple[float | None, ...] = ()) -> list[RockingParameters]:
     """The structures of the given documents and the dimensionless oscillators of the given restitutions."""
     return structures_and_texts(files, etas)[0]
 
 
-def structures_and_texts(files: tuple[str, ...], etas: tuple[float, ...] = ()) -> tuple[list[RockingParameters], str]:
+def structures_and_texts(files: tuple[str, ...], etas: tuple[float | None, ...] = ()) -> tuple[list[RockingParameters], str]:
     """The structures, and the text of their documents."""
     from ..structures import build_structure, read_documents, with_distinct_names
     from ..structures.parameters import dimensionless_oscillator
 
     if not files and not etas:
         raise click.UsageError("no structure: give FILE (- for standard input), or --eta with a dimensionless grid")
+    if None in etas:
+        raise click.UsageError("--eta block goes with --alpha")
     documents = [document for path in files for document in read_documents(path)]
     structures = [build_structure(document) for document in documents]
     try:
-        oscillators = [dimensionless_oscillator(eta) for eta in etas]
+        oscillators = [dimensionless_oscillator(eta) for eta in etas if eta is not None]
     except ValueError as error:
         raise click.UsageError(f"--eta: {error}") from None
     return with_distinct_names([*structures, *oscillators]), "\n---\n".join(d.text for d in documents)

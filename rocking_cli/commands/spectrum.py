@@ -14,14 +14,18 @@ from . import options, streams
 
 if TYPE_CHECKING:
     from ..motions import Motion
+    from ..motions.recording import Recording
 
 
 @click.command(epilog="Example: rocking spectrum configs/block.yaml --grid a_g=0.1g:1g:50,f_g=0.5:5:40 -o block.h5")
 @options.files
-@click.option("--grid", "axes", required=True, metavar="AXES", help="a_g=START:STOP:N[:log],omega_g=… (or f_g, T_g), or A=…,Omega=….")
+@click.option(
+    "--grid", "axes", metavar="AXES", help="a_g=START:STOP:N[:log],omega_g=… (or f_g, T_g), or A=…,Omega=…; of records see below."
+)
 @options.output
 @options.eta
-@options.motion
+@options.alpha
+@options.motions
 @options.method
 @click.option("--impacts", is_flag=True, help="Also store the number of impacts during the shaking.")
 @click.option("--quantity", "quantities", metavar="NAME,…", help="Also store these: condition (sensitivity of each cell to its input).")
@@ -39,10 +43,12 @@ if TYPE_CHECKING:
 def spectrum(
     context: click.Context,
     files: tuple[str, ...],
-    axes: str,
+    axes: str | None,
     output: Path,
-    etas: tuple[float, ...],
-    motion: Motion,
+    etas: tuple[float | None, ...],
+    alphas: str | None,
+    motion: Motion | None,
+    recordings: tuple[Recording, ...],
     model: str,
     tolerance: float,
     impacts: bool,
@@ -62,25 +68,45 @@ def spectrum(
 
     Units: bounds of a_g in m/s2, or with g; omega_g in rad/s, f_g in Hz, T_g in s. A = a_scale a_g/(alpha g) and
     Omega = omega_g/p are dimensionless. NAME=VALUE gives an axis of one value. The file is OUTPUT.part until complete.
+
+    Records shake in their own time. Structures under them have an axis scale=START:STOP:N (factor of each record; 1 if there is no
+    --grid), A or a_g (its peak). Without structures --alpha gives the critical angles of blocks and the axis T=START:STOP:N their
+    sizes as 2 pi/p in s (no period), or p in rad/s; alpha and tan_alpha may stand in --grid too. The file has the dimensions
+    record, structure and scale (A, a_g), or record, alpha and T. The equation is the nonlinear one where it holds, unless --model
+    is given.
     """
     from ..dynamics.method import Method
     from ..reports.summary import summary_lines
     from ..spectra.grid import parse_grid
     from ..spectra.part import check_output
-    from ..spectra.sweep import CHUNK_CELLS, write_spectrum
+    from ..spectra.record_scene import scene_of_words
+    from ..spectra.scene import PulseScene, Scene
+    from ..spectra.sweep import CHUNK_CELLS, write_scene
 
     method = Method(model, tolerance)
-    grid = parse_grid(axes, own_time=motion.acceleration is not None)
+    if motion is not None and axes is None:
+        raise click.UsageError("no --grid; accepted are two axes, such as a_g=0.1g:1g:50,f_g=0.5:5:40, or records as --motion")
+    if motion is not None and alphas is not None:
+        raise click.UsageError("--alpha goes with records: give --motion")
+    grid = None if motion is None else parse_grid(axes or "")
     check_output(output, overwrite, resume)
     if any(file != "-" and Path(file).resolve() == output.resolve() for file in files):
         raise click.UsageError(f"{output} is a structure document of this very call; give another output")
-    structures, texts = options.structures_and_texts(files, etas)
-    summary = write_spectrum(
-        structures,
-        grid,
-        motion,
+    scene: Scene
+    texts = ""
+    if grid is not None and motion is not None:
+        structures, texts = options.structures_and_texts(files, etas)
+        scene = PulseScene(tuple(structures), grid, motion, method)
+    else:
+        structures, texts = options.structures_and_texts(files, etas) if files else ([], "")
+        asked = context.get_parameter_source("model") is not click.core.ParameterSource.DEFAULT
+        scene = scene_of_words(
+            structures, recordings, axes=axes, alphas=alphas, etas=etas,
+            method=method if asked else None, tolerance=tolerance,
+        )  # fmt: skip
+    summary = write_scene(
+        scene,
         output,
-        method=method,
         workers=options.at_most_the_cpus(workers, quiet),
         chunk_cells=chunk or CHUNK_CELLS,
         check=check,

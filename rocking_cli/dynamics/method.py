@@ -150,6 +150,10 @@ class Method:
             f"found parameters with a_scale {structure.a_scale:.6g}"
         )
 
+    def serves(self, structure: RockingParameters) -> bool:
+        """Whether the model has an equation for a structure."""
+        return any(kind.model == self.model and kind.serves(structure) for kind in EQUATIONS)
+
     def system_of(self, structure: RockingParameters) -> System:
         """A structure as the march takes it. Raises UsageError when the model does not hold for it."""
         kind = self.kind_of(structure)

@@ -5,9 +5,10 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 from ..documents.document import documents_of
-from ..documents.quantities import UNITS, parse_quantity
+from ..documents.quantities import parse_quantity
 from ..errors import DocumentError, UsageError
 from .intensity import intensity
 from .motion import Motion
@@ -41,23 +42,34 @@ def read_motion(
         if tell is not None:
             for remark in record.remarks:
                 tell(f"{source}: {remark}")
-        if scale_to is not None:
-            if scale is not None:
-                raise UsageError("scale and scale-to do not go together: give one of them")
-            scale = factor_to(record, scale_to)
-        return record_motion(record, 1.0 if scale is None else scale)
+        return record_motion(record, factor_of(record, scale, scale_to))
+    return motion_of(source, raw, component=component, unit=unit, dt=dt, scale=scale, scale_to=scale_to)
+
+
+def motion_of(source: str, raw: bytes, *, scale: float | None = None, **of_records: Any) -> Motion:
+    """The motion of a document's bytes, times `scale`. Raises DocumentError, and UsageError where an option of records is given."""
     documents = documents_of(raw, source)
     if len(documents) > 1:
         raise DocumentError(f"{documents[1].place}: a second document; a motion file holds one")
     motion = build_motion(documents[0])
-    for name, given in {"component": component, "unit": unit, "dt": dt, "scale-to": scale_to}.items():
+    for name, given in of_records.items():
         if given is not None:
-            raise UsageError(f"{source}: a motion document, which has no amplitude and time of its own; {name} goes with a record")
+            flag = name.replace("_", "-")
+            raise UsageError(f"{source}: a motion document, which has no amplitude and time of its own; {flag} goes with a record")
     return motion if scale is None else motion.scaled(scale)
 
 
+def factor_of(record: Record, scale: float | None, scale_to: str | None) -> float:
+    """The factor that `--scale` and `--scale-to` come to: one of them, or both where the scale is -1. Raises UsageError."""
+    if scale_to is None:
+        return 1.0 if scale is None else scale
+    if scale not in (None, -1.0):
+        raise UsageError("scale and scale-to do not go together, but for a scale of -1, which turns a record over: give one of them")
+    return factor_to(record, scale_to) * (scale or 1.0)
+
+
 def factor_to(record: Record, text: str) -> float:
-    """The factor by which a record is scaled to an intensity measure, such as PGA=0.35g; a negative value turns it over.
+    """The factor by which a record is scaled to an intensity measure, such as PGA=0.35g.
 
     Raises UsageError.
     """
@@ -70,9 +82,9 @@ def factor_to(record: Record, text: str) -> float:
     except ValueError as error:
         raise UsageError(f"scale-to {measure}: found {value!r}; accepted is {error}") from None
     own = float(getattr(intensity(record), measure.casefold()))
-    if not (wanted != 0.0 and own > 0.0):
-        raise UsageError(
-            f"scale-to: found {text!r} for a record of {own:g} {next(iter(UNITS[MEASURES[measure]]))}; accepted is one that is not zero"
-        )
-    ratio = abs(wanted) / own
-    return math.copysign(math.sqrt(ratio) if measure == "Arias" else ratio, wanted)
+    if not own > 0.0:
+        raise UsageError(f"scale-to: the record has a {measure} of {own:g}; accepted is one that is not zero")
+    if not wanted > 0.0:
+        raise UsageError(f"scale-to: found {text!r}; accepted is a positive intensity; a scale of -1 turns a record over")
+    ratio = wanted / own
+    return math.sqrt(ratio) if measure == "Arias" else ratio

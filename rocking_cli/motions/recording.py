@@ -2,21 +2,21 @@
 
 from __future__ import annotations
 
+import os
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from ..errors import DocumentError, UsageError
 from .intensity import Intensity, intensity
-from .motion import checked_scale
+from .motion import Motion, checked_scale
 from .polyline import Polyline, record_motion
-from .reading import factor_to
-from .records import Record, pick, read_bytes, record_files, records_of, unknown
+from .reading import factor_of, motion_of
+from .records import Record, is_record, listed_in, pick, read_bytes, record_files, records_of, unknown
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,7 +72,7 @@ def with_distinct_labels(recordings: Sequence[Recording]) -> tuple[Recording, ..
     return tuple(found)
 
 
-def read_recordings(
+def read_motions(
     paths: Sequence[str],
     *,
     component: str | None = None,
@@ -81,28 +81,44 @@ def read_recordings(
     scale: float | None = None,
     scale_to: str | None = None,
     tell: Callable[[str], None] | None = None,
-) -> tuple[Recording, ...]:
-    """The records of files, of directories, and of lists of files, each scaled as `read_motion` does.
+) -> Motion | tuple[Recording, ...]:
+    """The motion of the one document that a path names, or the records of files, directories and lists of files (`record_files`),
+    also of a list on standard input.
 
-    Of a directory only those files that are records. tell: called with what is odd about one, in a sentence. Raises UsageError and
-    DocumentError as `read_motion` does, and where there is no record at all.
+    The other arguments are those of `read_motion`, for each record. tell: called with what is odd about one, in a sentence; of a
+    directory only those files are taken that are records, which it tells too. Raises UsageError and DocumentError as `read_motion`
+    does, and where there is no record at all.
     """
     say = tell or (lambda text: None)
-    if scale is not None and scale_to is not None:
-        raise UsageError("scale and scale-to do not go together: give one of them")
     found: list[Recording] = []
-    for path, named in record_files(paths):
-        source, raw = read_bytes(path)
+    for source, raw in _files(paths, say):
         records = records_of(source, raw, unit=unit, dt=dt)
-        if records is None and named:
-            raise DocumentError(f"{unknown(source, raw)}; a set holds records only")
+        if records is None and len(paths) == 1 and not found:
+            return motion_of(source, raw, component=component, unit=unit, dt=dt, scale=scale, scale_to=scale_to)
         if records is None:
-            say(f"{source}: left out, no record format")
-            continue
+            raise DocumentError(f"{unknown(source, raw)}; a set holds records only")
         record = pick(records, component)
         for remark in record.remarks:
             say(f"{source}: {remark}")
-        found.append(Recording(record, factor_to(record, scale_to) if scale_to is not None else 1.0 if scale is None else scale))
+        found.append(Recording(record, factor_of(record, scale, scale_to)))
     if not found:
-        raise UsageError(f"{', '.join(map(str, map(Path, paths)))}: no record among the files")
+        raise UsageError(f"{', '.join(paths)}: no record among the files")
     return with_distinct_labels(found)
+
+
+def _files(paths: Sequence[str], say: Callable[[str], None]) -> Iterator[tuple[str, bytes]]:
+    """(source, bytes) of every file; what lies in a directory and is no record is left out."""
+    for path, named in record_files(paths):
+        if not named and not is_record(path):
+            say(f"{path}: left out, no record format")
+            continue
+        source, raw = read_bytes(path)
+        names = listed_in(raw) if path == "-" else []
+        yield from map(read_bytes, names) if names else [(source, raw)]
+
+
+def holds_records(path: str) -> bool:
+    """Whether a path names records by what it holds: a record, a directory, or a list of files; standard input does not."""
+    if path == "-" or not os.path.exists(path):
+        return False
+    return os.path.isdir(path) or (os.path.isfile(path) and (is_record(path) or next(record_files([path]))[0] != path))

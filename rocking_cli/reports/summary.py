@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from ..dynamics.method import LINEAR
 from ..spectra.sweep import Summary
 
 SENSITIVE = 1e-6  # a larger difference between two accurate paths is the scene's own sensitivity
@@ -12,7 +13,10 @@ SENSITIVE = 1e-6  # a larger difference between two accurate paths is the scene'
 def summary_lines(summary: Summary, output: str) -> Iterator[str]:
     """What was computed, how long it took, how far it can be trusted, and what was left out."""
     s, w = summary, summary.work
-    yield f"{output}: {s.cells} cells, {s.structures} structure{'s' if s.structures != 1 else ''}"
+    records = f" under {s.records} record{'s' if s.records != 1 else ''}" if s.records else ""
+    yield f"{output}: {s.cells} cells, {s.structures} structure{'s' if s.structures != 1 else ''}{records}"
+    if s.records:
+        yield f"model: {s.model}{'' if s.model != LINEAR.model else ', which is not safe under records; --model nonlinear decides'}"
     yield f"run time: {s.run_time:.3g} s, {1e6 * s.time_per_cell:.3g} us a cell, {s.workers} worker{'s' if s.workers != 1 else ''}"
     if s.resumed_cells:
         yield f"resumed: {s.resumed_cells} cells were there before; times, checks and what was left out are those of this run"
@@ -27,6 +31,8 @@ def summary_lines(summary: Summary, output: str) -> Iterator[str]:
             yield "warning: the two paths differ, as where cells depend on the last digits of their input; do not rely on single cells"
     else:
         yield "estimated error: not checked"
+    if s.compared:
+        yield f"the nonlinear equation ends {s.otherwise} of {s.compared} checked cells otherwise"
     yield "outcomes: " + ", ".join(f"{n} {flag}" for flag, n in s.outcomes.items() if n)
     yield (
         f"left out: {w.no_uplift} cells below uplift not integrated, {w.free_phase} free phases and "

@@ -9,6 +9,7 @@ import time
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import replace
 from typing import Any
 
 from ..errors import OutputError, UsageError
@@ -48,7 +49,7 @@ def cluster_reports(job: Job, units: Sequence[Unit], address: str, tell: Tell | 
             batches = [list(units[i : i + size]) for i in range(0, len(units), size)]
             waiting: deque[tuple[list[Unit], Any]] = deque()
             for batch in batches:
-                waiting.append((batch, client.submit(_run, job, batch, pure=False, retries=3)))
+                waiting.append((batch, client.submit(_run, replace(job, scene=job.scene.only(batch)), batch, pure=False, retries=3)))
                 if len(waiting) > _AHEAD * threads:
                     yield from _collect(client, *waiting.popleft(), _saying(tell, address))
             while waiting:

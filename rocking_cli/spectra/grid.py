@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..documents.quantities import parse_quantity, parse_whole
+from ..documents.quantities import parse_quantity, parse_whole, split_quantity
 from ..errors import UsageError, did_you_mean
 from ..structures.parameters import RockingParameters
 
@@ -114,6 +114,8 @@ def parse_axes(text: str, *, records: bool = False) -> dict[str, Axis]:
         key, equals, span = (x.strip() for x in part.partition("="))
         if not equals or not span:
             raise UsageError(f"--grid: found {part.strip()!r}; accepted is {_FORM}, axes parted by commas")
+        if key in _AXES and key not in known:
+            raise UsageError(f"--grid: found {key}; accepted are {', '.join(known)}, since a record runs in its own time")
         if key not in known:
             of = " of records" if records else ""
             raise UsageError(f"--grid: unknown axis {key!r}{of}; accepted are {', '.join(known)}{did_you_mean(key, known, MEANT)}")
@@ -157,6 +159,27 @@ def parse_grid(text: str, structures: int = 1, *, own_time: bool = False) -> Gri
             f"--grid: {cells:.3g} cells ({9e-9 * cells:.3g} GB) are more than the {MAX_CELLS:.0e} accepted in one file; split the grid"
         )
     return grid
+
+
+def parse_angles(text: str) -> Axis:
+    """The critical angles of `--alpha`: `10,15,20deg`, where a bare number takes the unit of the next that has one, or
+    START:STOP:N. Raises UsageError."""
+    if ":" in text:
+        return Axis("alpha", parse_span("--alpha", text, "angle"))
+    unit, found = "", []
+    for part in reversed(text.split(",")):
+        parts = split_quantity(part)
+        unit = parts[1] if parts is not None and parts[1] else unit
+        try:
+            found.append(parse_quantity(f"{parts[0]!r} {unit}" if parts is not None else part, "angle"))
+        except ValueError as error:
+            raise UsageError(f"--alpha: found {part.strip()!r}; accepted is {error}, or several parted by commas") from None
+    values = np.unique(found)
+    if values.size < len(found):
+        raise UsageError(f"--alpha: found {text!r}, an angle twice; accepted is each once")
+    if values[0] <= 0.0:
+        raise UsageError(f"--alpha: found {text!r}; accepted are positive angles")
+    return Axis("alpha", values)
 
 
 def parse_span(key: str, span: str, dimension: str) -> np.ndarray:

@@ -9,18 +9,20 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from .. import __version__
-from ..dynamics.method import LINEAR, Method
+from ..dynamics.method import LINEAR, TOLERANCE, Method
+from ..dynamics.outcome import Outcome
+from ..dynamics.response import response
 from ..errors import UsageError
 from ..motions.recording import Recording
 from ..structures.parameters import RockingParameters
 from .frame import Frame, beside_records, beside_structures
-from .grid import MAX_CELLS, Axis
+from .grid import MAX_CELLS, Axis, parse_angles, parse_axes
 from .scene import Array, Band, Cell, Scene, Unit
 
 COLUMNS = ("scale", "A", "a_g", "T")
@@ -60,10 +62,10 @@ class RecordScene(Scene):
         if not self.recordings:
             raise UsageError("no record")
         if not self.structures:
-            raise UsageError("no structure: give a structure document, or the critical angles as --alpha")
+            raise UsageError("no structure, and a restitution alone has no units: give a structure document, or critical angles as --alpha")
         for s in self.structures:
             if s.dimensionless:
-                raise UsageError("a restitution alone has no units: give a structure document, or the critical angles as --alpha")
+                raise UsageError("a restitution alone has no units: give a structure document, or critical angles as --alpha")
             self.method.system_of(s)
             amplitude, omega = self._scaled(s, max(r.acceleration for r in self.recordings))
             if not (np.all(np.isfinite(amplitude)) and np.all(np.isfinite(omega)) and np.all(omega > 0.0)):
@@ -122,6 +124,21 @@ class RecordScene(Scene):
         """Runs of the engine that so many units of work take: one for each system in each."""
         return units * len({self.method.shares(s) for s in self.structures})
 
+    def only(self, units: Sequence[Unit]) -> RecordScene:
+        """The scene with the samples of no other records than these units need, so that little travels with them."""
+        wanted = {place for unit in units for place in unit.places}
+        some = self.recordings[min(wanted)]
+        return replace(self, recordings=tuple(r if i in wanted else some for i, r in enumerate(self.recordings)))
+
+    def judge_of(self, cell: Cell) -> Outcome | None:
+        """What the nonlinear equation says of a cell of a linear scene, where it holds for the structure."""
+        nonlinear = Method("nonlinear")
+        if not self.method.exact or not nonlinear.serves(cell.structure):
+            return None
+        at = (np.array([cell.amplitude]), np.array([cell.omega]), cell.structure.eta)
+        found = response(nonlinear.system_of(cell.structure), cell.motion, *at, peaks=False)
+        return Outcome(int(found.outcome[0]))
+
     def identity(self) -> dict[str, Any]:
         """What the result depends on, by name, as JSON values; two scenes of equal identity have equal spectra."""
         if self.over_angles:
@@ -165,3 +182,45 @@ def angles_scene(
 ) -> RecordScene:
     """Rigid blocks over alpha and T = 2 pi/p under records; eta: None for that of a block. Raises UsageError, StructureError."""
     return RecordScene(tuple(block_of(a, eta) for a in alphas.values.tolist()), tuple(recordings), periods, method)
+
+
+def scene_of_words(
+    structures: Sequence[RockingParameters],
+    recordings: Sequence[Recording],
+    *,
+    axes: str | None = None,
+    alphas: str | None = None,
+    etas: Sequence[float | None] = (),
+    method: Method | None = None,
+    tolerance: float = TOLERANCE,
+) -> RecordScene:
+    """The scene of what a user says: `--grid` (None: as recorded), `--alpha` and `--eta` (None: of a block).
+
+    method: None for `default_method` at this tolerance. Raises UsageError, StructureError.
+    """
+    found = parse_axes(axes, records=True) if axes is not None else {}
+    if alphas is not None and "alpha" in found:
+        raise UsageError("--alpha does not go with alpha in --grid")
+    if alphas is not None:
+        found["alpha"] = parse_angles(alphas)
+    if "alpha" in found or "T" in found:
+        if structures:
+            raise UsageError(
+                "structures have angles and a size of their own; accepted without them are alpha and T, with them scale, A or a_g"
+            )
+        if set(found) != {"alpha", "T"}:
+            raise UsageError(f"found {' and '.join(found)}; accepted are --alpha and --grid T=START:STOP:N together")
+        if len(etas) > 1:
+            raise UsageError(f"--eta is given {len(etas)} times; accepted over alpha and T is one")
+        return angles_scene(found["alpha"], found["T"], recordings, etas[0] if etas else None, method or Method("nonlinear", tolerance))
+    if len(found) > 1:
+        raise UsageError(f"--grid: found {' and '.join(found)}; accepted is one of scale, A and a_g")
+    columns = next(iter(found.values()), AS_RECORDED)
+    return structures_scene(structures, recordings, columns, method or default_method(structures, tolerance))
+
+
+def default_method(structures: Sequence[RockingParameters], tolerance: float = TOLERANCE) -> Method:
+    """The equation under records: the nonlinear one where it holds for all structures, since the linear one is not safe there: it may
+    spare a body that Eq. 2.3 overturns, and the other way round."""
+    nonlinear = Method("nonlinear", tolerance)
+    return nonlinear if all(map(nonlinear.serves, structures)) else LINEAR

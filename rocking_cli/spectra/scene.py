@@ -16,6 +16,7 @@ import numpy as np
 
 from .. import __version__
 from ..dynamics.method import LINEAR, Method
+from ..dynamics.outcome import Outcome
 from ..errors import UsageError
 from ..motions import Motion
 from ..structures.parameters import RockingParameters
@@ -100,6 +101,14 @@ class Scene(ABC):
     @abstractmethod
     def batches(self, units: int) -> int:
         """Runs of the engine that so many units of work take, at least."""
+
+    def only(self, units: Sequence[Unit]) -> Scene:
+        """The scene with no more than these units need."""
+        return self
+
+    def judge_of(self, cell: Cell) -> Outcome | None:
+        """What the nonlinear equation says of a cell, where the scene asks for it."""
+        return None
 
     @property
     def cells(self) -> int:

@@ -37,8 +37,9 @@ class Summary:
     run_time [s]; estimated_error: largest difference of theta/alpha from another path on the checked cells; sensitive_cells: checked
     cells that were not drawn but chosen for their sensitivity; misjudged: checked cells whose outcome differs; shared_cells: cells
     taken from another structure of equal restitution; resumed_cells:
-    cells that were there before; elsewhere: how the machine differs on which those were computed. Times, checks and counters are
-    those of this run.
+    cells that were there before; elsewhere: how the machine differs on which those were computed; records: how many shake, 0 for a
+    pulse; compared, otherwise: checked cells of a linear sweep of records that the nonlinear equation judged too, and how many of
+    them it ends otherwise (overturned or not). Times, checks and counters are those of this run.
     """
 
     structures: int
@@ -55,6 +56,10 @@ class Summary:
     misjudged: int
     resumed_cells: int = 0
     elsewhere: str = ""
+    model: str = LINEAR.model
+    records: int = 0
+    compared: int = 0
+    otherwise: int = 0
 
     @property
     def time_per_cell(self) -> float:
@@ -72,7 +77,9 @@ class Summary:
         work.pop("cells")
         return {
             "structures": self.structures,
+            **({"records": self.records} if self.records else {}),
             "cells": self.cells,
+            "model": self.model,
             "run_time": self.run_time,
             "time_per_cell": self.time_per_cell,
             "workers": self.workers,
@@ -81,6 +88,7 @@ class Summary:
             "checked_cells": self.checked_cells,
             "sensitive_cells": self.sensitive_cells,
             "misjudged_cells": self.misjudged,
+            **({"compared_cells": self.compared, "otherwise_cells": self.otherwise} if self.compared else {}),
             **{f"cells_{k}": v for k, v in self.outcomes.items()},
             "shared_cells": self.shared_cells,
             "resumed_cells": self.resumed_cells,
@@ -291,7 +299,7 @@ def _sweep(
     wanted = max(1, min(_processes(scene, workers), len(units)))
     job = Job(scene, chunk, checked_cells(scene, default_check(scene) if check is None else check), convert, quantities)
     total, outcomes, shared = Work(), np.zeros(len(Outcome), dtype=np.int64), 0
-    worst, misjudged, checked, sensitive = 0.0, 0, 0, 0
+    worst, misjudged, checked, sensitive, compared, otherwise = 0.0, 0, 0, 0, 0, 0
     outcomes += sum((before or {}).values(), np.zeros_like(outcomes))
     if scheduler is None:
         reports = unit_reports(job, units, wanted)
@@ -308,6 +316,7 @@ def _sweep(
         shared += (times - 1) * report.cells
         worst, misjudged = max(worst, report.worst), misjudged + report.misjudged
         checked, sensitive = checked + report.checked, sensitive + report.sensitive
+        compared, otherwise = compared + report.compared, otherwise + report.otherwise
         if progress:
             progress(done, len(every))
     interruption.check()
@@ -324,5 +333,9 @@ def _sweep(
         sensitive_cells=sensitive,
         estimated_error=worst,
         misjudged=misjudged,
+        model=scene.method.model,
+        records=scene.shape[0] if scene.of_records else 0,
+        compared=compared,
+        otherwise=otherwise,
         resumed_cells=int(sum(int(counts.sum()) for counts in (before or {}).values())),
     )

@@ -24,7 +24,7 @@ from .scene import Band, Scene, Unit
 
 @dataclass(frozen=True)
 class Report:
-    """What comes back from a unit: its data (converted), its counters, and how its checked cells compare.
+    """What comes back from a unit: its data (converted), its counters, and how its checked cells compare (see `Summary`).
 
     Units that ran together have their work counted with the first of them.
     """
@@ -37,6 +37,8 @@ class Report:
     misjudged: int
     checked: int
     sensitive: int
+    compared: int
+    otherwise: int
 
 
 @dataclass(frozen=True)
@@ -106,9 +108,10 @@ class Job:
         data = self.convert(part) if self.convert else part
         return Report(data, part.work, part.outcome.size, outcomes, *compared)
 
-    def compare(self, unit: Unit, response: Response) -> tuple[float, int, int, int]:
-        """(largest difference, outcomes that differ, cells, of them sensitive ones) of this unit's checked cells against the reference."""
-        worst, misjudged, checked, sensitive = 0.0, 0, 0, 0
+    def compare(self, unit: Unit, response: Response) -> tuple[float, int, int, int, int, int]:
+        """(largest difference, outcomes that differ, cells, of them sensitive ones) of this unit's checked cells against the reference,
+        and (cells, outcomes that differ) of those that the nonlinear equation judges too."""
+        worst, misjudged, checked, sensitive, compared, otherwise = 0.0, 0, 0, 0, 0, 0
         for i, row, column, chosen in self.samples:
             r, c = row - unit.row, column - unit.column
             if i != unit.places[0] or not (0 <= r < self.chunk[0] and 0 <= c < self.chunk[1]):
@@ -117,11 +120,14 @@ class Job:
             outcome, theta = self.scene.method.reference_of(cell.structure)(*cell[1:], cell.structure.eta)
             if outcome == Outcome.FAILED:
                 continue
+            nonlinear = self.scene.judge_of(cell)
+            if nonlinear is not None:
+                compared, otherwise = compared + 1, otherwise + int(nonlinear.overturned != outcome.overturned)
             checked, sensitive = checked + 1, sensitive + int(chosen)
             misjudged += int(outcome != response.outcome[r, c])
             if outcome == response.outcome[r, c] and np.isfinite(theta):
                 worst = max(worst, abs(theta - float(response.theta_ratio[r, c])))
-        return worst, misjudged, checked, sensitive
+        return worst, misjudged, checked, sensitive, compared, otherwise
 
 
 def joined(blocks: Sequence[Block]) -> Block:

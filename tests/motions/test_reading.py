@@ -28,7 +28,7 @@ def test_a_record_runs_as_it_is(plain):
     np.testing.assert_allclose(motion.acceleration * motion.value(0.02 * np.arange(399)), SAMPLES[:-1], rtol=1e-13, atol=1e-15)
 
 
-@pytest.mark.parametrize("text", ["PGA=0.35g", "pgv=12 cm/s", "PGD=30 mm", "Arias=0.4", "CAV=3 m/s", "PGA=-0.1g"])
+@pytest.mark.parametrize("text", ["PGA=0.35g", "pgv=12 cm/s", "PGD=30 mm", "Arias=0.4", "CAV=3 m/s"])
 def test_a_record_is_scaled_to_a_measure(plain, text):
     record = read_record(plain, unit="m/s2", dt=0.02)
     factor = factor_to(record, text)
@@ -36,12 +36,13 @@ def test_a_record_is_scaled_to_a_measure(plain, text):
     name, _, value = text.partition("=")
     units = {"g": 9.81, "cm/s": 1e-2, "mm": 1e-3, "m/s": 1.0, "": 1.0}
     number = value.rstrip("gmcs/ ")
-    assert getattr(intensity(scaled), name.lower()) == pytest.approx(abs(float(number)) * units[value[len(number) :].strip()], rel=1e-12)
-    assert (factor < 0.0) == ("-" in text)
-    motion = read_motion(plain, unit="m/s2", dt=0.02, scale_to=text)
-    assert motion.acceleration == pytest.approx(abs(factor) * 2.5, rel=1e-14)
+    assert getattr(intensity(scaled), name.lower()) == pytest.approx(float(number) * units[value[len(number) :].strip()], rel=1e-12)
+    assert factor > 0.0
     peak = int(np.argmax(np.abs(SAMPLES)))
-    assert float(motion.value(0.02 * peak)) == pytest.approx(np.sign(factor * SAMPLES[peak]), rel=1e-12)
+    for turned, more in ((1.0, {}), (-1.0, {"scale": -1.0})):
+        motion = read_motion(plain, unit="m/s2", dt=0.02, scale_to=text, **more)
+        assert motion.acceleration == pytest.approx(factor * 2.5, rel=1e-14)
+        assert float(motion.value(0.02 * peak)) == pytest.approx(turned * np.sign(SAMPLES[peak]), rel=1e-12)
 
 
 def test_documents_and_pulses_are_turned_over(tmp_path):
@@ -63,10 +64,12 @@ def test_documents_and_pulses_are_turned_over(tmp_path):
         ({"scale_to": "PGA"}, "scale-to: found 'PGA'; accepted is such as PGA=0.35g, of PGA, PGV, PGD, Arias, CAV"),
         ({"scale_to": "SA=1g"}, "scale-to: found 'SA=1g'"),
         ({"scale_to": "PGA=1 m"}, "scale-to PGA: found '1 m'; accepted is an acceleration"),
-        ({"scale_to": "PGA=0"}, "accepted is one that is not zero"),
+        ({"scale_to": "PGA=0"}, "accepted is a positive intensity"),
+        ({"scale_to": "PGA=-0.1g"}, "accepted is a positive intensity"),
         ({"scale_to": "PGA=1", "scale": 2.0}, "do not go together"),
         ({"scale": 0.0}, "a scale of 0"),
-        ({"component": "2"}, None),
+        ({"component": "2"}, "accepted is 1, the only one"),
+        ({"component": "1"}, None),
     ],
 )
 def test_choices_that_do_not_fit(plain, given, words):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import pickle
 
 import h5py
 import numpy as np
@@ -11,12 +12,14 @@ import xarray
 from recorded import wave
 from written import built, same_file
 
-from rocking_cli import Axis, Method, UsageError, dimensionless_oscillator, response
+from rocking_cli import Axis, Method, UsageError, dimensionless_oscillator, overturned, response
 from rocking_cli.motions import Record, intensity, record_motion
 from rocking_cli.motions.recording import Recording, with_distinct_labels
+from rocking_cli.reports.summary import summary_lines
 from rocking_cli.spectra.merge import merge
 from rocking_cli.spectra.reader import SpectraFile
-from rocking_cli.spectra.record_scene import angles_scene, block_of, structures_scene
+from rocking_cli.spectra.record_scene import angles_scene, block_of, scene_of_words, structures_scene
+from rocking_cli.spectra.scene import cut_into_units
 from rocking_cli.spectra.sweep import spectrum_of, write_scene
 
 NONLINEAR = Method("nonlinear", 1e-8)
@@ -138,3 +141,72 @@ def test_equal_names_are_told_apart_and_bad_scenes_refused(records):
         Axis("alpha", np.array([1.0, 1.6]))
     with pytest.raises(ValueError, match="eta"):
         block_of(1.3, None)
+
+
+def test_what_travels_with_a_unit_is_its_own_records(records):
+    many = [Recording(record(chr(97 + i), 400, 3.0)) for i in range(20)]
+    scene = structures_scene([BLOCK], many)
+    units = list(cut_into_units(scene, (1, 1)))[3:5]
+    some = scene.only(units)
+    assert len(pickle.dumps(some)) < len(pickle.dumps(scene)) / 8
+    for unit in units:
+        assert next(some.bands(unit, (1, 1)))[1].value(1.0) == next(scene.bands(unit, (1, 1)))[1].value(1.0)
+
+
+@pytest.mark.parametrize(
+    ("words", "dimensions", "model"),
+    [
+        ({"axes": "scale=1:2:3"}, {"record": 2, "structure": 1, "scale": 3}, "nonlinear"),
+        ({"method": Method()}, {"record": 2, "structure": 1, "scale": 1}, "linear"),
+        ({"axes": "T=1:8:4", "alphas": "10deg,0.2rad,20deg"}, {"record": 2, "alpha": 3, "T": 4}, "nonlinear"),
+        ({"axes": "p=1:4:3,tan_alpha=0.1:0.3:2"}, {"record": 2, "alpha": 2, "T": 3}, "nonlinear"),
+    ],
+)
+def test_scenes_in_words(records, words, dimensions, model):
+    scene = scene_of_words([] if "alpha" in dimensions else [BLOCK], records, **words)
+    frame = scene.frame()
+    assert {name: len(values) for name, values in frame.dimensions.items()} == dimensions
+    assert scene.method.model == model
+    if "alphas" in words:
+        assert frame.dimensions["alpha"] == pytest.approx([math.radians(10.0), 0.2, math.radians(20.0)])
+    if "p=" in words.get("axes", ""):
+        assert frame.beside["p"][1] == pytest.approx([4.0, 2.5, 1.0], rel=1e-15)
+        assert frame.beside["tan_alpha"][1] == pytest.approx([0.1, 0.3], rel=1e-15)
+
+
+def test_without_geometry_the_default_is_linear(records):
+    assert scene_of_words([BLOCK, SPIRE], records).method.model == "linear"
+
+
+@pytest.mark.parametrize(
+    ("structures", "words", "said"),
+    [
+        ([BLOCK], {"axes": "scale=1,A=2"}, "accepted is one of scale, A and a_g"),
+        ([BLOCK], {"axes": "T=1:2:2"}, "a size of their own"),
+        ([BLOCK], {"alphas": "10deg"}, "a size of their own"),
+        ([], {"alphas": "10deg"}, "together"),
+        ([], {"axes": "T=1:2:2"}, "together"),
+        ([], {"axes": "T=1:2:2", "alphas": "10deg", "etas": (0.9, 0.8)}, "2 times"),
+        ([], {"axes": "T=1:2:2", "alphas": "10deg,10deg"}, "an angle twice"),
+        ([], {"axes": "T=1:2:2", "alphas": "10 kg"}, "--alpha: found '10 kg'; accepted is an angle"),
+        ([], {"axes": "T=1:2:2", "alphas": "95deg"}, "below a right one"),
+        ([], {"axes": "T=1:2:2,alpha=0.1", "alphas": "5deg"}, "does not go with alpha"),
+        ([BLOCK], {"axes": "f_g=1"}, "a record runs in its own time"),
+        ([BLOCK], {"axes": "q=1"}, "unknown axis 'q'"),
+    ],
+)
+def test_words_that_make_no_scene(records, structures, words, said):
+    with pytest.raises(UsageError, match=said):
+        scene_of_words(structures, records, **words)
+
+
+def test_a_linear_sweep_tells_where_the_nonlinear_equation_ends_otherwise(records):
+    scene = structures_scene([BLOCK, SPIRE], records, Axis("scale", np.array([0.8, 1.6])))
+    summary = spectrum_of(scene, workers=1, check=8).summary
+    by_hand = 0
+    for recording in records:
+        for scale in (0.8, 1.6):
+            ends = [alone(BLOCK, recording.motion, scale * recording.acceleration, m).outcome[0] for m in (Method(), Method("nonlinear"))]
+            by_hand += int(overturned(ends[0]) != overturned(ends[1]))
+    assert (summary.checked_cells, summary.compared, summary.otherwise) == (8, 4, by_hand)
+    assert any(f"ends {by_hand} of 4 checked cells otherwise" in line for line in summary_lines(summary, "s.h5"))

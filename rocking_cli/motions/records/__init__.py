@@ -9,6 +9,9 @@ import gzip
 import hashlib
 import io
 import os
+import re
+import select
+import stat
 import sys
 import zlib
 from collections.abc import Iterator, Sequence
@@ -21,11 +24,25 @@ from . import afad, cosmos, csmip, esm, geonet, knet, peer, plain, smc
 from .record import Record, Series, record_of
 from .text import HEAD, RecordText
 
-__all__ = ["FORMATS", "Record", "pick", "read_bytes", "read_record", "read_records", "record_files", "records_of", "unknown"]
+__all__ = [
+    "FORMATS",
+    "Record",
+    "is_record",
+    "listed_in",
+    "pick",
+    "read_bytes",
+    "read_record",
+    "read_records",
+    "record_files",
+    "records_of",
+    "unknown",
+]
 
 FORMATS: tuple[ModuleType, ...] = (esm, cosmos, geonet, smc, csmip, knet, afad, peer)
 LARGEST = 256 << 20  # bytes of a file, unpacked
 _STDIN = "<stdin>"
+_PATIENCE = 2.0  # s that a pipe may be without a writer
+_DOCUMENT = re.compile(r"^[\s{\"']*kind[\"']?\s*:", re.MULTILINE)
 _COUNTS = "counts of an instrument and no unit; convert it to an acceleration with the station's response first"
 
 
@@ -38,7 +55,7 @@ def read_bytes(path: str | Path) -> tuple[str, bytes]:
                 raise UsageError("standard input is closed")
             source, raw = _STDIN, sys.stdin.buffer.read(LARGEST + 1)
         else:
-            with open(path, "rb") as file:
+            with open(path, "rb", opener=_with_a_writer) as file:
                 size = os.fstat(file.fileno()).st_size
                 raw = b"" if size > LARGEST else file.read(LARGEST + 1)
     except OSError as error:
@@ -46,6 +63,23 @@ def read_bytes(path: str | Path) -> tuple[str, bytes]:
     if len(raw) > LARGEST or (source != _STDIN and size > LARGEST):
         raise DocumentError(f"{source}: larger than {LARGEST >> 20} MiB, which no record is")
     return source, raw
+
+
+def _with_a_writer(path: str, flags: int) -> int:
+    """Open a file; of a pipe only one that somebody writes to, since it would be waited for without end. Raises UsageError."""
+    if not stat.S_ISFIFO(os.stat(path).st_mode):
+        return os.open(path, flags)
+    descriptor = os.open(path, flags | os.O_NONBLOCK)
+    ready = select.select([descriptor], [], [], _PATIENCE)[0]
+    try:
+        nobody = not ready and os.read(descriptor, 1) == b""
+    except BlockingIOError:  # there is a writer, who has not begun
+        nobody = False
+    if nobody:
+        os.close(descriptor)
+        raise UsageError(f"{path}: a pipe that nobody writes to")
+    os.set_blocking(descriptor, True)
+    return descriptor
 
 
 def records_of(source: str, raw: bytes, *, unit: str | None = None, dt: float | None = None) -> list[Record] | None:
@@ -108,7 +142,7 @@ def pick(records: Sequence[Record], component: str | None) -> Record:
     if component.strip().isdigit() and 1 <= int(component) <= len(records):
         return records[int(component) - 1]
     if len(records) == 1 and records[0].component is None:
-        return records[0]
+        raise UsageError(f"{records[0].source}: component: found {component!r}; accepted is 1, the only one, which has no name")
     raise UsageError(f"{records[0].source}: component: found {component!r}; accepted are {', '.join(names)}")
 
 
@@ -132,15 +166,33 @@ def _listed(path: str) -> list[str]:
         return []
     with open(path, "rb") as file:
         head = file.read(HEAD)
-    if b"\0" in head:
+        folder = os.path.dirname(path)
+        return listed_in(head + file.read(), folder) if listed_in(head, folder) else []
+
+
+def listed_in(raw: bytes, folder: str = "") -> list[str]:
+    """The files that the text of a list names, one a line, from a folder on; none where it is not a list of files."""
+    if b"\0" in raw[:HEAD]:
         return []
-    folder = os.path.dirname(path)
-    names = [line.strip() for line in head.decode("utf-8", "replace").splitlines()]
-    first = next((name for name in names if name and not name.startswith("#")), "")
+    begin = [line.strip() for line in raw[:HEAD].decode("utf-8", "surrogateescape").splitlines()]
+    first = next((name for name in begin if name and not name.startswith("#")), "")
     if not first or not os.path.isfile(os.path.join(folder, first)):
         return []
-    with open(path, encoding="utf-8", errors="replace") as lines:
-        return [os.path.join(folder, x.strip()) for x in lines if x.strip() and not x.startswith("#")]
+    names = [line.strip() for line in raw.decode("utf-8", "surrogateescape").splitlines()]
+    return [os.path.join(folder, name) for name in names if name and not name.startswith("#")]
+
+
+def is_record(path: str) -> bool:
+    """Whether the head of a file is that of a record, which is not read further; structure documents and motion documents are none."""
+    with open(path, "rb") as file:
+        head = file.read(2)
+        file.seek(0)
+        try:
+            raw = gzip.GzipFile(fileobj=file).read(HEAD) if head == b"\x1f\x8b" else file.read(HEAD)
+        except (OSError, EOFError, zlib.error):
+            return False
+    text = RecordText(path, raw).head
+    return any(f.recognise(text) for f in FORMATS) or (plain.recognise(text) and not _DOCUMENT.search(text))
 
 
 def _unpacked(source: str, raw: bytes) -> bytes:

@@ -15,6 +15,7 @@ _UNIT = re.compile(r"UNITS?\s*(?:OF|:|=)\s*([A-Z][A-Z0-9/^*]*)", re.IGNORECASE)
 _KIND = re.compile(
     r"\b(ACC|VELOC|DISPL)[A-Z.]*\b.*\b(?:UNITS?|IN)\b|\b(ACC|VELOC|DISPL)[A-Z.]*\s+TIME[ -](?:HISTORY|SERIES)", re.IGNORECASE
 )
+_SAID, _TRAILER = re.compile(r"\S.*"), re.compile(r"\W*(?:END|EOF)\b", re.IGNORECASE)
 _UNITS = {"G": "g", "CM/S/S": "cm/s2", "CM/S2": "cm/s2", "CM/S^2": "cm/s2", "CM/SEC/SEC": "cm/s2", "CM/SEC2": "cm/s2",
           "CM/SEC^2": "cm/s2", "GAL": "gal", "M/S/S": "m/s2", "M/S2": "m/s2", "M/S^2": "m/s2", "M/SEC2": "m/s2"}  # fmt: skip
 
@@ -44,4 +45,10 @@ def read(text: RecordText) -> list[Series]:
     count, dt = text.count(found[1]), text.step(found[2])
     first = (text.raw[text.at : text.at + 1000].lstrip().split(b"\n", 1)[0]).split()
     samples = text.numbers(count, Layout(max(1, len(first))))
-    return [Series(None, dt, samples, unit, remark=text.surplus(count))]
+    remark = text.surplus(count)
+    trailer = None if remark else text.find(_SAID)
+    if trailer is not None and not _TRAILER.match(trailer[0]):
+        raise text.fault(
+            f"found {trailer[0].strip()[:60]!r} after the {count} values declared; accepted is nothing, or a line that says end"
+        )
+    return [Series(None, dt, samples, unit, remark=remark)]

@@ -1,0 +1,112 @@
+"""Sets of records: which files a call names, and what becomes of those that are none."""
+
+from __future__ import annotations
+
+import gzip
+import io
+import os
+import sys
+import threading
+
+import numpy as np
+import pytest
+from recorded import rows, wave
+
+from rocking_cli import DocumentError, Motion, UsageError
+from rocking_cli.motions import intensity, read_motion
+from rocking_cli.motions.recording import holds_records, read_motions
+
+AT2 = "OF OUR OWN\n\nACCELERATION TIME SERIES IN UNITS OF G\nNPTS= 40, DT= .0200 SEC\n"
+PULSE = "points: [[0, 0], [1, 1], [2, 0]]\n"
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    for i, name in enumerate(("b.AT2", "a.AT2")):
+        (tmp_path / name).write_text(AT2 + rows(wave(40, 0.2 + 0.1 * i), 5, "{:15.7E}"))
+    (tmp_path / "c.txt.gz").write_bytes(gzip.compress(b"0 0\n0.1 1.0\n0.2 -2.0\n0.3 0\n"))
+    (tmp_path / "block.yaml").write_text("kind: block\nwidth: 1\nheight: 3\n")
+    (tmp_path / "pulse.yaml").write_text(PULSE)
+    (tmp_path / "binary.h5").write_bytes(b"\x89HDF\r\n\x1a\n" + bytes(500))
+    (tmp_path / "list").write_text("# ours\na.AT2\n\nb.AT2\n")
+    return tmp_path
+
+
+def labels(found):
+    return [r.label for r in found]
+
+
+def test_files_a_list_and_standard_input_name_the_same_set(folder, monkeypatch):
+    by_name = read_motions(["a.AT2", "b.AT2"])
+    assert labels(by_name) == ["a", "b"]
+    monkeypatch.setattr(sys, "stdin", io.TextIOWrapper(io.BytesIO(b"a.AT2\nb.AT2\n")))
+    for other in (read_motions(["list"]), read_motions(["-"])):
+        assert [r.identity() for r in other] == [r.identity() for r in by_name]
+    assert labels(read_motions(["a.AT2", "list"])) == ["a (1)", "a (2)", "b"]
+
+
+def test_a_record_on_standard_input_is_a_set_of_one(folder, monkeypatch):
+    monkeypatch.setattr(sys, "stdin", io.TextIOWrapper(io.BytesIO((folder / "a.AT2").read_bytes())))
+    (only,) = read_motions(["-"])
+    assert only.label == "record"
+    assert only.acceleration == pytest.approx(0.3 * 9.81, rel=1e-6)
+
+
+def test_of_a_directory_the_records_are_taken(folder):
+    said: list[str] = []
+    with pytest.raises(DocumentError, match="without a unit"):
+        read_motions(["."])
+    (folder / "c.txt.gz").unlink()
+    found = read_motions(["."], tell=said.append)
+    assert labels(found) == ["a", "b"]
+    assert sorted(line.partition(":")[0] for line in said) == ["./binary.h5", "./block.yaml", "./list", "./pulse.yaml"]
+
+
+def test_what_a_path_holds(folder):
+    held = {name: holds_records(name) for name in (*sorted(os.listdir()), ".", "-", "nowhere")}
+    assert {name for name, there in held.items() if there} == {"a.AT2", "b.AT2", "c.txt.gz", "list", "."}
+
+
+def test_one_document_is_a_motion_and_belongs_to_no_set(folder):
+    found = read_motions(["pulse.yaml"], scale=2.0)
+    assert isinstance(found, Motion)
+    assert found.peak == 2.0
+    with pytest.raises(DocumentError, match=r"pulse\.yaml: no record format .* a set holds records only"):
+        read_motions(["a.AT2", "pulse.yaml"])
+
+
+def test_a_set_is_scaled_record_by_record(folder):
+    for found in (read_motions(["a.AT2", "b.AT2"], scale_to="PGA=0.5g"), read_motions(["list"], scale_to="PGA=0.5g")):
+        assert [r.acceleration for r in found] == pytest.approx([0.5 * 9.81] * 2, rel=1e-12)
+    (one, _) = read_motions(["list"], scale_to="Arias=1")
+    assert intensity(one.record).arias * one.factor**2 == pytest.approx(1.0, rel=1e-12)
+    assert [r.factor for r in read_motions(["list"], scale=-1.5)] == [-1.5, -1.5]
+
+
+@pytest.mark.parametrize(
+    ("paths", "more", "words"),
+    [
+        (["a.AT2"], {"scale_to": "PGA=-1g"}, "found 'PGA=-1g'; accepted is a positive intensity"),
+        (["a.AT2"], {"scale_to": "PGA=0"}, "accepted is a positive intensity"),
+        (["a.AT2"], {"component": "99"}, "component: found '99'; accepted is 1, the only one"),
+        (["a.AT2"], {"scale": 2.0, "scale_to": "PGA=1"}, "do not go together"),
+        (["nowhere"], {}, "nowhere: cannot be read"),
+    ],
+)
+def test_what_does_not_fit_is_refused(folder, paths, more, words):
+    with pytest.raises(UsageError, match=words):
+        read_motions(paths, **more)
+    assert read_motions(["a.AT2"], component="1")
+
+
+def test_a_pipe_is_read_where_somebody_writes_to_it(folder, monkeypatch):
+    monkeypatch.setattr("rocking_cli.motions.records._PATIENCE", 0.01)
+    os.mkfifo("pipe")
+    with pytest.raises(UsageError, match="pipe: a pipe that nobody writes to"):
+        read_motion("pipe")
+    ends = os.open("pipe", os.O_RDWR)  # a writer who has not begun
+    begin = threading.Timer(0.1, lambda: (os.write(ends, (folder / "a.AT2").read_bytes()), os.close(ends)))
+    begin.start()
+    assert np.array_equal(read_motion("pipe").value([0.3]), read_motion("a.AT2").value([0.3]))
+    begin.join()
