@@ -15,6 +15,7 @@ from . import streams
 
 SECTIONS = {
     "What stands there": {
+        "init": "Print a commented document to begin with.",
         "params": "Derive p, alpha, eta, lambda and a_scale of each structure.",
     },
     "What shakes it": {

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from difflib import get_close_matches
@@ -19,8 +20,12 @@ import yaml
 from ..errors import DocumentError, did_you_mean
 from .composition import DEEPEST, MOST_VALUES, Place, compose, read_text, text_of
 from .quantities import SMALLEST_LENGTH, accepted, parse_quantity, split_quantity
+from .table import Cell, delimiter_of, rows_of
 
 MEANT = {"eta": "restitution", "e": "restitution", "zeta": "damping", "g": "gravity", "r": "radius", "h": "height", "b": "width"}
+
+
+_ITEM = re.compile(r"([a-z_]+)_(\d{1,4})_([a-z_]+)")  # the column of an item of a list
 
 
 @dataclass(frozen=True)
@@ -210,11 +215,48 @@ def documents_of(raw: bytes, source: str) -> list[Document]:
 
 
 def parse_documents(text: str, source: str = "<text>") -> list[Document]:
-    """All documents of a text: YAML documents, or JSON objects one after the other. Raises DocumentError."""
-    documents = [_document(node, source, i, first) for i, (node, first) in enumerate(compose(text, source))]
+    """All documents of a text: YAML documents, JSON objects one after the other, or CSV with a row a document. Raises DocumentError."""
+    if delimiter := delimiter_of(text):
+        documents = [document_of(cells, source, i) for i, cells in enumerate(rows_of(text, source, delimiter))]
+    else:
+        documents = [_document(node, source, i, first) for i, (node, first) in enumerate(compose(text, source))]
     if not documents:
         raise DocumentError(f"{Place(source, 1, 1)}: empty; accepted is a structure document, such as `kind: block` with width and height")
     return documents
+
+
+def document_of(cells: Sequence[Cell], source: str, index: int = 0) -> Document:
+    """The document of the cells of a row, or of whatever states keys and texts one by one. Raises DocumentError."""
+    values: dict[str, Value] = {}
+    keys: dict[str, Place] = {}
+    for key, text, place in cells:
+        value = Value(text, place)
+        if text.startswith(("[", "{")):
+            value = replace(_value(_only_node(text, place), place.source, place.line - 1, 1, [0]), place=place)
+        if item := _ITEM.fullmatch(key):
+            name, number, part = item.groups()
+            whole = values.setdefault(name, Value([], place))
+            keys.setdefault(name, place)
+            items = whole.content
+            if not isinstance(items, list) or not len(items) <= int(number) <= len(items) + 1 or number == "0":
+                raise DocumentError(f"{place}: {key}: found item {number}; accepted are items in turn, from {name}_1")
+            if int(number) > len(items):
+                items.append(Value({}, place))
+            content = items[-1].content
+            assert isinstance(content, dict)
+            content[part] = value
+        else:
+            values[key], keys[key] = value, place
+    text = "\n".join(f"{key}: {json.dumps(text) if key == 'name' else text}" for key, text, _ in cells)
+    return Document(source, cells[0].place, values, keys, index, text)
+
+
+def _only_node(text: str, place: Place) -> yaml.Node:
+    try:
+        ((node, _),) = compose(text, place.source)
+    except (DocumentError, ValueError):
+        raise DocumentError(f"{place}: found {text[:60]}; accepted is a list as YAML writes it, such as [[0, 0], [1, 0], [1, 3]]") from None
+    return node
 
 
 def _document(node: yaml.Node, source: str, index: int, first: int) -> Document:

@@ -6,8 +6,10 @@ from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
 
-from ..documents.document import Document, parse_documents, read_documents
+from ..documents.document import Document, parse_documents
+from ..documents.document import read_documents as _of_file
 from ..errors import DocumentError, StructureError
+from .inline import inline_document
 from .kinds import KINDS, kind_of
 from .parameters import RockingParameters, Side
 from .shared_keys import damping_of, friction_of
@@ -26,8 +28,17 @@ def build_structure(document: Document) -> RockingParameters:
     return built
 
 
+def read_documents(path: str | Path) -> list[Document]:
+    """All documents of a YAML, JSON or CSV file, `-` for standard input, or the one that `block:0.5x2` states.
+
+    Raises UsageError when the file cannot be read and DocumentError when it holds no valid document.
+    """
+    stated = inline_document(str(path))
+    return _of_file(path) if stated is None else [stated]
+
+
 def load_structures(paths: Iterable[str | Path]) -> list[RockingParameters]:
-    """The rocking parameters of every document in these files, in order; `-` is standard input.
+    """The rocking parameters of every document in these files, in order; `-` is standard input, `block:0.5x2` a document itself.
 
     Raises UsageError for a file that cannot be read and DocumentError for a document that is not valid.
     """

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from .fourbar import FourBar, Ring
 
 REPORTS = ("a_scale_3_7", "hinges", "direction", "lambda_governing")
+SIZES = ("radius", "thickness", "angle")
 MOST_VOUSSOIRS = 200
 DIRECTION = "sways towards +x, away from springing A; the mirror image has the same parameters"
 MEASURED = {"centre-line": 0.0, "intrados": 0.5, "extrados": -0.5}  # thicknesses from there out to the centre line

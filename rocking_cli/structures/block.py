@@ -9,6 +9,7 @@ from .parameters import RockingParameters
 from .single_body import radius_and_alpha, rigid_body
 
 REPORTS = ()
+SIZES = ("width", "height")
 
 
 def build(document: Document, name: str) -> RockingParameters:

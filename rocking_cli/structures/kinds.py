@@ -1,4 +1,5 @@
-"""The kinds of structure. A new one is one file with `build` and `REPORTS`, and one line in KINDS.
+"""The kinds of structure. A new one is one file with `build` and `REPORTS`, and one line in KINDS. SIZES, where a kind has it, are
+the keys that `block:0.5x2` states.
 
 An installed package adds a kind of its own by an entry point, which names a module (or object) of the same two:
 
@@ -78,6 +79,12 @@ def reports_of(word: str) -> Sequence[str]:
         return () if entry is None else _load(entry).REPORTS
     except Exception:  # its details are then refused by name, as those of a kind that is not installed
         return ()
+
+
+def sizes_of(word: str) -> Sequence[str]:
+    """The keys of the sizes that `KIND:AxB` states, none of a kind without such a form."""
+    sizes: Sequence[str] = getattr(KINDS.get(word), "SIZES", ())
+    return sizes
 
 
 def _installed() -> dict[str, EntryPoint]:

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     import numpy as np
 
 REPORTS = ("tip_height", "crack_height")
+SIZES = ("base_radius", "height")
 _NODES = 64  # Gauss points a stretch; with the square roots at the ends taken out, 32 already give 1e-13
 
 

@@ -1,0 +1,96 @@
+"""A list of structures as CSV: a row is a document, columns are its keys, and a heading tells the unit of its numbers.
+
+Columns `pieces_1_width`, `pieces_1_height`, `pieces_2_width` ... are a list of mappings; a cell that begins with a bracket is a
+list as YAML writes it. An empty cell is a key that is not there.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+import re
+from collections.abc import Iterator
+from typing import NamedTuple
+
+from ..errors import DocumentError
+from .composition import LONGEST, Place
+from .quantities import UNITS, split_quantity
+
+KIND = "kind"  # the column that tells such a table from everything else
+_DELIMITERS = (",", ";", "\t")
+_HEADING = re.compile(r"\s*(?P<key>.*?)\s*(?:[\[(]\s*(?P<unit>[^\])]*?)\s*[\])])?\s*", re.DOTALL)
+_FIRST_LINE = re.compile(r"\s*([^\r\n]{1,10000})")
+_FACTORS = {unit: factor for units in UNITS.values() for unit, factor in units.items()}
+_WORDS = {"True": "true", "TRUE": "true", "False": "false", "FALSE": "false"}  # as spreadsheets write them
+
+
+class Cell(NamedTuple):
+    """A cell that is not empty: its key, its text as YAML would have it, and where it stands, the column counted in cells."""
+
+    key: str
+    text: str
+    place: Place
+
+
+def delimiter_of(text: str) -> str | None:
+    """What separates the columns of a text whose first line names a column `kind` beside others; None of any other text."""
+    match = _FIRST_LINE.match(text)
+    first = match[1] if match else ""
+    for delimiter in _DELIMITERS if KIND in first else ():
+        try:
+            names = [_split(heading)[0] for heading in next(csv.reader([first], delimiter=delimiter), [])]
+        except csv.Error:
+            continue
+        if len(names) > 1 and KIND in names:
+            return delimiter
+    return None
+
+
+def rows_of(text: str, source: str, delimiter: str) -> Iterator[list[Cell]]:
+    """The cells of each row that is not blank. Raises DocumentError."""
+    if len(text) > LONGEST:
+        raise DocumentError(f"{source}: goes on beyond {LONGEST >> 20} MiB, which no list of structures does")
+    reader = csv.reader(io.StringIO(text, newline=""), delimiter=delimiter, strict=True)
+    columns: list[tuple[str, str]] | None = None
+    line = 1
+    try:
+        for row in reader:
+            line, first = reader.line_num + 1, line
+            if not any(cell.strip() for cell in row):
+                continue
+            if columns is None:
+                columns = _columns(row, source, first)
+                continue
+            if len(row) > len(columns):
+                raise DocumentError(f"{Place(source, first, len(columns) + 1)}: found {len(row)} cells; accepted are {len(columns)}")
+            yield [
+                Cell(key, _with_unit(cell.strip(), unit), Place(source, first, i))
+                for i, (cell, (key, unit)) in enumerate(zip(row, columns, strict=False), 1)
+                if cell.strip()
+            ]
+    except csv.Error as error:
+        raise DocumentError(f"{Place(source, line, 1)}: not valid CSV: {error}") from None
+
+
+def _split(heading: str) -> tuple[str, str]:
+    match = _HEADING.fullmatch(heading)
+    return (match["key"], match["unit"] or "") if match else (heading, "")
+
+
+def _columns(row: list[str], source: str, line: int) -> list[tuple[str, str]]:
+    columns = [_split(heading) for heading in row]
+    for i, (key, unit) in enumerate(columns, 1):
+        place = Place(source, line, i)
+        if not key:
+            raise DocumentError(f"{place}: a column without a name; accepted is a key, and a unit in brackets")
+        if key in (other for other, _ in columns[: i - 1]):
+            raise DocumentError(f"{place}: duplicate column {key!r}")
+        if unit not in ("", "-", "1") and unit not in _FACTORS:
+            raise DocumentError(f"{place}: {key}: found the unit {unit!r}; accepted is one of {', '.join(_FACTORS)}")
+    return columns
+
+
+def _with_unit(cell: str, unit: str) -> str:
+    parts = split_quantity(cell)
+    bare = parts is not None and not parts[1]
+    return f"{cell} {unit}" if bare and _FACTORS.get(unit, 1.0) != 1.0 else _WORDS.get(cell, cell)

@@ -1,0 +1,62 @@
+"""A structure on the command line itself: `block:0.5x2`, `spire:1.5x12,thickness=0.15,crack=diagonal`."""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Sequence
+
+from ..documents.composition import Place
+from ..documents.document import Document, document_of
+from ..documents.table import Cell
+from ..errors import DocumentError
+from .kinds import KINDS, sizes_of
+
+_KIND = re.compile(r"([A-Za-z_][A-Za-z0-9_]+):(.*)", re.DOTALL)
+
+
+def inline_document(text: str) -> Document | None:
+    """The document that `KIND:SIZES,KEY=VALUE,…` states, or None where this is the name of a file.
+
+    Sizes are those of SIZES of the kind, with an x between them. Raises DocumentError.
+    """
+    match = _KIND.fullmatch(text)
+    if match is None or os.path.exists(text):
+        return None
+    word, rest = match.groups()
+    place = Place(text, 0, 0)
+    cells = [Cell("kind", word, place)]
+    sizes = sizes_of(word)
+    for i, part in enumerate(_parts(rest)):
+        key, equals, value = (x.strip() for x in part.partition("="))
+        if equals:
+            cells.append(Cell(key, value, place))
+        elif word in KINDS:  # of another word the kind is at fault
+            given = [size.strip() for size in part.split("x")]
+            if i or not sizes or len(given) != len(sizes) or not all(given):
+                raise DocumentError(f"{text}: found {part.strip()!r}; accepted is {_form(word, sizes)}")
+            cells += [Cell(key, size, place) for key, size in zip(sizes, given, strict=True)]
+    keys = [cell.key for cell in cells]
+    for key in keys:
+        if keys.count(key) > 1:
+            raise DocumentError(f"{text}: {key} is given twice")
+    if "name" not in keys:
+        cells.append(Cell("name", text.replace(",", " "), place))
+    return document_of(cells, text)
+
+
+def _parts(text: str) -> list[str]:
+    """What stands between commas that no bracket encloses."""
+    parts, depth = [""], 0
+    for character in text:
+        depth += (character in "[{") - (character in "]}")
+        if character == "," and depth <= 0:
+            parts.append("")
+        else:
+            parts[-1] += character
+    return parts if text.strip() else []
+
+
+def _form(word: str, sizes: Sequence[str]) -> str:
+    short = f"{word}:{'x'.join(size.upper() for size in sizes)} or " if sizes else ""
+    return f"{short}{word}:KEY=VALUE,KEY=VALUE"

@@ -1,0 +1,24 @@
+"""`rocking init`: documents to begin with."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+
+from rocking_cli.structures import KINDS
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_it_prints_a_commented_document_that_is_valid(rocking, kind):
+    done = rocking("init", kind)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert done.stdout.startswith("# ")
+    record = json.loads(rocking("params", "-", "--json", stdin=done.stdout).stdout)
+    assert record["structure_kind"] == kind
+
+
+def test_an_unknown_kind_is_refused_and_its_help_names_all(rocking, refused):
+    assert "'tower' is not one of 'block'" in refused(2, "init", "tower")
+    told = " ".join(rocking("init", "--help").stdout.split())
+    assert all(kind in told for kind in KINDS)

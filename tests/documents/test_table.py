@@ -1,0 +1,96 @@
+"""Lists of structures as CSV."""
+
+from __future__ import annotations
+
+import csv
+import io
+from dataclasses import replace
+
+import pytest
+from written import built
+
+from rocking_cli import DocumentError, build_structure, parse_documents
+from rocking_cli.documents.table import delimiter_of
+
+HEAD = ["name", " kind ", "width [cm]", "height (m)", "one_sided", "pieces_1_width [mm]", "pieces_1_height", "pieces_2_radius",
+        "pieces_2_height", "corners"]  # fmt: skip
+ROWS = [
+    HEAD,
+    ["A", "block", "50", "2"],
+    ['B, the "second"', "block", "0.4 m", "3", "TRUE"],
+    [],
+    ["C", "stack", "", "", "", "1200", "0.9", "0.3", "2", ""],
+    ["D", "prism", *[""] * 7, "[[0, 0], [1, 0], [0.5, 3]]"],
+]
+AS_YAML = [
+    "name: A\nkind: block\nwidth: 0.5\nheight: 2",
+    "name: 'B, the \"second\"'\nkind: block\nwidth: 0.4\nheight: 3\none_sided: true",
+    "name: C\nkind: stack\npieces: [{width: 1.2, height: 0.9}, {radius: 0.3, height: 2}]",
+    "name: D\nkind: prism\ncorners: [[0, 0], [1, 0], [0.5, 3]]",
+]
+
+
+@pytest.mark.parametrize("delimiter", [",", ";", "\t"])
+@pytest.mark.parametrize("line", ["\n", "\r\n"])
+def test_a_row_is_the_document_that_it_states(delimiter, line):
+    text = io.StringIO()
+    csv.writer(text, delimiter=delimiter, lineterminator=line).writerows(ROWS)
+    found = [build_structure(d) for d in parse_documents(text.getvalue(), "f.csv")]
+    assert found == [built(text) for text in AS_YAML]
+
+
+def test_names_are_by_file_and_row_where_there_are_none():
+    documents = parse_documents("kind,width,height\nblock,1,5\nblock,1,6\n", "towers.csv")
+    assert [build_structure(d).name for d in documents] == ["towers", "towers-2"]
+
+
+def test_the_csv_of_parameters_is_a_list_of_structures(rocking, tmp_path):
+    kinds = ["arch", "block", "stack", "spire_cracked", "wall", "parameters"]
+    first = rocking("params", *(f"configs/{kind}.yaml" for kind in kinds), "--csv", "--units", "deg").stdout
+    (tmp_path / "p.csv").write_text(first)
+    again = rocking("params", "p.csv", "--json")
+    assert again.returncode == 0, again.stderr
+    whole = rocking("params", *(f"configs/{kind}.yaml" for kind in kinds), "--csv").stdout
+    direct = rocking("params", *(f"configs/{kind}.yaml" for kind in kinds), "--json").stdout
+    assert rocking("params", "-", "--json", stdin=whole).stdout == direct
+    assert '"alpha": 0.0690646' in again.stdout.splitlines()[0]
+
+
+def test_every_row_of_a_table_is_a_structure_of_a_command(rocking, tmp_path):
+    (tmp_path / "towers.csv").write_text("name,kind,width [m],height [m]\nA,block,0.5,2\nB,block,1,6\n")
+    lines = rocking("envelope", "towers.csv", "--grid", "Omega=5", "--csv", "-q").stdout.splitlines()
+    assert {line.split(",")[0] for line in lines[1:]} == {"A", "B"}
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("kind,width\nblock,1,2", "f.csv:2:3: found 3 cells; accepted are 2"),
+        ("kind,width [furlong]\nblock,1", "f.csv:1:2: width: found the unit 'furlong'; accepted is one of m, mm"),
+        ("kind,width,width\nblock,1,2", "f.csv:1:3: duplicate column 'width'"),
+        ("kind,\nblock,1", "f.csv:1:2: a column without a name"),
+        ("kind,width [cm],height\n\nblock,x,2", "f.csv:3:2: width: found x; accepted is a length"),
+        ("kind,width,height\nblock,-1,2", "f.csv:2:2: width: found -1; accepted is a positive length"),
+        ("kind,width,heigth\nblock,1,2", "f.csv:2:3: unknown key 'heigth' .did you mean 'height'"),
+        ('kind,width\n"block,1', "f.csv:2:1: not valid CSV"),
+        ("kind,name\n", "f.csv:1:1: empty"),
+        ("kind,pieces_2_width\nstack,1", "f.csv:2:2: pieces_2_width: found item 2; accepted are items in turn, from pieces_1"),
+        ("kind,corners\nprism,[[0", "f.csv:2:2: found ..0; accepted is a list as YAML writes it"),
+    ],
+)
+def test_refusals(text, words):
+    with pytest.raises(DocumentError, match=words):
+        [build_structure(d) for d in parse_documents(text, "f.csv")]
+
+
+OTHERS = ["kind: block\nwidth: 1\nheight: 5", '{"kind": "block", "width": 1}', "t,a\n0,1\n", "kind\nblock", "# kind, width"]
+
+
+@pytest.mark.parametrize("text", OTHERS)
+def test_other_texts_are_no_tables(text):
+    assert delimiter_of(text) is None
+
+
+def test_lengths_of_two_rows_do_not_mix():
+    one, two = parse_documents("kind,width [cm],height\nblock,50,2\nblock,0.5 m,2", "f.csv")
+    assert replace(build_structure(one), name="x") == replace(build_structure(two), name="x")

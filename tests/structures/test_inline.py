@@ -1,0 +1,59 @@
+"""Structures stated on the command line itself."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+from written import built
+
+from rocking_cli import DocumentError, load_structures
+
+STATED = [
+    ("block:0.5x2", "kind: block\nwidth: 0.5\nheight: 2"),
+    ("block: 50 cm x 2m ,restitution=0.9", "kind: block\nwidth: 0.5\nheight: 2\nrestitution: 0.9"),
+    ("block:radius=1,alpha=10 deg", "kind: block\nradius: 1\nalpha: 10 deg"),
+    ("point_mass:1.2x4", "kind: point_mass\nwidth: 1.2\nheight: 4"),
+    ("wall:0.6x5,one_sided=true", "kind: wall\nthickness: 0.6\nheight: 5\none_sided: true"),
+    ("drum:0.5x6", "kind: drum\nradius: 0.5\nheight: 6"),
+    ("spire:1.5x12", "kind: spire\nbase_radius: 1.5\nheight: 12"),
+    ("arch:10x1.5x157.5deg,voussoirs=7", "kind: arch\nradius: 10\nthickness: 1.5\nangle: 157.5 deg\nvoussoirs: 7"),
+    ("prism:corners=[[0,0],[1,0],[0.5,3]]", "kind: prism\ncorners: [[0, 0], [1, 0], [0.5, 3]]"),
+    ("parameters:p=2,alpha=0.2,eta=0.9,lambda=0.2", "kind: parameters\np: 2\nalpha: 0.2\neta: 0.9\nlambda: 0.2"),
+]
+
+
+@pytest.mark.parametrize(("stated", "text"), STATED)
+def test_it_is_the_document_that_a_file_would_hold(stated, text):
+    (found,) = load_structures([stated])
+    assert found.name == stated.replace(",", " ")
+    assert replace(found, name="x") == replace(built(text), name="x")
+
+
+def test_it_may_have_a_name_and_stands_beside_files(rocking):
+    lines = rocking("params", "configs/block.yaml", "block:0.5x2,name=Column B", "--csv").stdout.splitlines()
+    assert [line.split(",")[0] for line in lines[1:]] == ["Column", "Column B"]
+    assert lines[1].partition(",")[2] == lines[2].partition(",")[2]
+
+
+def test_a_file_of_that_name_comes_first(rocking, tmp_path):
+    (tmp_path / "block:1x2").write_text("kind: spire\nbase_radius: 1\nheight: 9\n")
+    assert '"structure_kind": "spire"' in rocking("params", "block:1x2", "--json").stdout
+
+
+@pytest.mark.parametrize(
+    ("stated", "words"),
+    [
+        ("block:5", "found '5'; accepted is block:WIDTHxHEIGHT or block:KEY=VALUE,KEY=VALUE"),
+        ("block:5x1x2", "found '5x1x2'; accepted is block:WIDTHxHEIGHT"),
+        ("block:restitution=1,5x9", "found '5x9'; accepted is block:WIDTHxHEIGHT"),
+        ("stack:1x2", "found '1x2'; accepted is stack:KEY=VALUE,KEY=VALUE"),
+        ("block:1x5,width=2", "width is given twice"),
+        ("block:1x5,widht=2", "unknown key 'widht' .did you mean 'width'"),
+        ("block:1kgx5", "block:1kgx5: width: found 1kg; accepted is a length"),
+        ("blokc:1x5", r"kind: found blokc; accepted is one of block, .*did you mean 'block'"),
+    ],
+)
+def test_refusals(stated, words):
+    with pytest.raises(DocumentError, match=words):
+        load_structures([stated])
