@@ -9,6 +9,8 @@ import math
 
 import numpy as np
 import pytest
+from scipy.integrate import quad
+from scipy.optimize import brentq
 
 from rocking_cli import LinearEquation, RigidBodyEquation, System, response
 from rocking_cli.dynamics.contacts.one_sided import OneSided
@@ -170,3 +172,18 @@ def test_zero_damping_changes_no_bit_and_little_damping_little(motion):
     assert none.theta_ratio.tobytes() == plain.theta_ratio.tobytes()
     assert little.outcome.tolist() == plain.outcome.tolist()
     assert little.theta_ratio == pytest.approx(plain.theta_ratio, abs=1e-5, nan_ok=True)
+
+
+@pytest.mark.parametrize("inward", [0.0, 0.4, 3.0, 12.0])
+@pytest.mark.parametrize("equation", [LinearEquation(), RigidBodyEquation(0.2), RigidBodyEquation(0.6)], ids=["linear", "0.2", "0.6"])
+def test_lemma_6_calls_lost_what_has_the_speed_to_pass_the_barrier_and_no_less(equation, inward):
+    """The work against the strongest inward drive up to where the force turns outwards, by quadrature."""
+
+    def force(y):
+        return float(equation.force(np.array([y]), np.array([-inward]))[0])
+
+    summit = brentq(force, 0.0, min(1.2 * (1.0 + inward), equation.limit + 1.0), xtol=1e-15)
+    for y in (0.0, 0.3, 0.9):
+        work = -quad(force, y, summit, epsabs=1e-14, epsrel=1e-13)[0]
+        speed = math.sqrt(2.0 * work) * np.array([1.0 - 1e-10, 1.0 + 1e-10])
+        assert equation.certainly_overturns(np.full(2, y), speed, np.full(2, inward)).tolist() == [False, True]
