@@ -17,6 +17,7 @@ SECTIONS = {
     "What stands there": {
         "init": "Print a commented document to begin with.",
         "params": "Derive p, alpha, eta, lambda and a_scale of each structure.",
+        "draw": "Draw structures to scale, with pivots, hinges and cracks.",
     },
     "What shakes it": {
         "records": "Tell what recorded ground motions hold, and measure them.",

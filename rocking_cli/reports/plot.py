@@ -75,6 +75,11 @@ def canvas(target: Path) -> Iterator[Figure]:
             raise OutputError(f"{target}: cannot be written: {error}") from None
 
 
+def literal(text: str) -> str:
+    """A name as it is: a dollar sign in it begins no formula."""
+    return text.replace("$", r"\$")
+
+
 def is_spectra_file(source: Path) -> bool:
     """By its name; anything else is read as CSV."""
     return source.suffix.lower() in (".h5", ".hdf5", ".nc", ".part")

@@ -15,6 +15,7 @@ from ..documents.quantities import SMALLEST_LENGTH, parse_quantity
 from .kinematics import linearise
 from .parameters import RockingParameters
 from .shared_keys import gravity_of, one_sided_of, restitution_of
+from .sketch import Outline, Sketch
 
 if TYPE_CHECKING:
     from .fourbar import FourBar, Ring
@@ -165,3 +166,39 @@ def _hinge(document: Document, value: Value, face: str) -> tuple[float, str]:
         except ValueError:
             pass
     raise document.fault("hinges", str(value), _HINGES)
+
+
+def sketch(document: Document, built: RockingParameters) -> Sketch:
+    """The voussoirs, the numbered hinges, and the linkage at alpha."""
+    from .fourbar import FourBar
+
+    mechanism = built.mechanism
+    assert isinstance(mechanism, FourBar)
+    ring = mechanism.ring
+    count = document.integer("voussoirs", 4, MOST_VOUSSOIRS) if document.has("voussoirs") else 0
+    joints = [ring.angle * i / count for i in range(count + 1)]
+    a, *_, d = mechanism.hinges
+    ends = sorted({0.0, ring.angle, *mechanism.hinges, *joints})
+    parts = [(s, e) for s, e in pairwise(ends) if e - s > 1e-9]
+    links = list(zip(mechanism.hinges[:-1], mechanism.hinges[1:], mechanism.displaced(built.alpha), strict=True))
+    bodies, still, moved = [], [], []
+    for s, e in parts:
+        outline = _sector(ring, s, e)
+        if not a - 1e-9 <= s < d - 1e-9:
+            still.append(outline)
+            continue
+        bodies.append(outline)
+        move = next(move for low, high, move in links if low - 1e-9 <= s < high - 1e-9)
+        moved.append(tuple(move(x, z) for x, z in outline))
+    pivots = tuple((str(i), (float(x), float(z))) for i, (x, z) in enumerate(mechanism.points, 1))
+    return Sketch(bodies=tuple(bodies), still=tuple(still), moved=tuple(moved), pivots=pivots)
+
+
+def _sector(ring: Ring, start: float, stop: float) -> Outline:
+    steps = max(2, math.ceil((stop - start) / 0.03))
+    along = [start + (stop - start) * i / steps for i in range(steps + 1)]
+    return tuple(
+        (float(x), float(z))
+        for face, angles in (("intrados", along), ("extrados", along[::-1]))
+        for x, z in (ring.point(s, face) for s in angles)
+    )

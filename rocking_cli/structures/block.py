@@ -7,6 +7,7 @@ import math
 from ..documents.document import Document
 from .parameters import RockingParameters
 from .single_body import radius_and_alpha, rigid_body
+from .sketch import Sketch, rectangle, rocker
 
 REPORTS = ()
 SIZES = ("width", "height")
@@ -21,3 +22,10 @@ def build(document: Document, name: str) -> RockingParameters:
     limit = "a block with alpha up to 54.7 deg (width/height up to 1.414)"
     backing = 1.0 - 1.5 * math.cos(alpha) ** 2
     return rigid_body(document, "block", name, radius=radius, alpha=alpha, inertia=4.0 / 3.0, limit=limit, backing=backing)
+
+
+def sketch(document: Document, _: RockingParameters) -> Sketch:
+    """The rectangle."""
+    radius, alpha = radius_and_alpha(document, 0.5, 0.5)
+    half, height = radius * math.sin(alpha), 2.0 * radius * math.cos(alpha)
+    return rocker([rectangle(-half, half, 0.0, height)], (-half, 0.0), (half, 0.0), (0.0, 0.5 * height))

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from ..documents.document import Document
 from .parameters import RockingParameters
-from .pieces import moved, round_piece, stacked
+from .pieces import moved, outline_of, round_piece, sketch_of_pieces, stacked
 from .single_body import body_on_edges, symmetric_body
+from .sketch import Sketch, rocker
 
 REPORTS = ("rocks_on", "interfaces", "direction")
 SIZES = ("radius", "height")
@@ -28,3 +29,12 @@ def build(document: Document, name: str) -> RockingParameters:
     body, top = moved(drum.body, drum.axis), (-drum.head, drum.height)
     rock = body_on_edges if drum.axis else symmetric_body
     return rock(document, "drum", name, body, drum.foot, limit="a drum more slender than this one", top=top)
+
+
+def sketch(document: Document, _: RockingParameters) -> Sketch:
+    """The drum in section, or the drums."""
+    if document.has("drums"):
+        return sketch_of_pieces(document, "drums", "drum", [round_piece(part) for part in document.parts("drums", "")])
+    drum = round_piece(document)
+    centre = (drum.axis, drum.body.z / drum.body.mass)
+    return rocker([outline_of(drum, 0.0, 0.0)], (-drum.foot, 0.0), (drum.foot, 0.0), centre)

@@ -7,6 +7,7 @@ A-B. What lies outside A and D stays on the ground. Everything is per unit width
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, NamedTuple
@@ -119,6 +120,21 @@ class FourBar:
         bcx, bcz = along * across + side * aside * up, along * up - side * aside * across
         cdx, cdz = across - bcx, up - bcz
         return _turned((c - b), bcx, bcz), _turned(cd, cdx, cdz)
+
+    def displaced(self, phi: float) -> list[Callable[[float, float], tuple[float, float]]]:
+        """Of each link the map from a point at rest to where it is when A-B has turned by phi."""
+        a, b, _, d = self.points
+        second, third = (float(turn) for turn in self._angles(phi))
+        b_now = a + _rotate(b - a, np.array([phi]))[:, 0]
+
+        def link(before: np.ndarray, after: np.ndarray, turn: float) -> Callable[[float, float], tuple[float, float]]:
+            def move(x: float, z: float) -> tuple[float, float]:
+                now = after + _rotate(np.array([x, z]) - before, np.array([turn]))[:, 0]
+                return float(now[0]), float(now[1])
+
+            return move
+
+        return [link(a, a, phi), link(b, b_now, second), link(d, d, third)]
 
     def coefficients(self, phi: Any) -> Coefficients:
         """M, V'/g and B of Eq. 3.4 at finite rotations, from the position of the links."""

@@ -13,6 +13,7 @@ import math
 from ..documents.document import Document
 from .parameters import RockingParameters
 from .single_body import radius_and_alpha, rigid_body
+from .sketch import Sketch, rectangle, turned
 
 REPORTS = ("cap_ratio",)
 
@@ -30,3 +31,19 @@ def build(document: Document, name: str) -> RockingParameters:
         document, "frame", name, radius=radius, alpha=alpha, inertia=inertia, eta=eta, limit="more slender columns",
         whole=False, details={"cap_ratio": gamma},
     )  # fmt: skip
+
+
+def sketch(document: Document, built: RockingParameters) -> Sketch:
+    """Up to six of the columns, a width and a half apart, under the beam."""
+    radius, alpha = radius_and_alpha(document, 0.5, 0.5)
+    half, height = radius * math.sin(alpha), 2.0 * radius * math.cos(alpha)
+    count = min(document.integer("columns", 1, 1_000_000), 6)
+    step = max(5.0 * half, 0.6 * height)
+    axes = [step * (i - 0.5 * (count - 1)) for i in range(count)]
+    columns = [rectangle(x - half, x + half, 0.0, height) for x in axes]
+    beam = rectangle(axes[0] - 2.0 * half, axes[-1] + 2.0 * half, height, height * 1.08)
+    leaning = [turned(column, (x + half, 0.0), alpha) for column, x in zip(columns, axes, strict=True)]
+    (corner,) = turned([(axes[0] - half, height)], (axes[0] + half, 0.0), alpha)  # on which the beam rests
+    lifted = tuple((x + corner[0] - axes[0] + half, z + corner[1] - height) for x, z in beam)
+    pivots = [(name, (x + side * half, 0.0)) for x in axes for name, side in (("left", -1.0), ("right", 1.0))]
+    return Sketch(bodies=(*columns, beam), moved=(*leaning, lifted), pivots=tuple(pivots))

@@ -1,5 +1,5 @@
 """The kinds of structure. A new one is one file with `build` and `REPORTS`, and one line in KINDS. SIZES, where a kind has it, are
-the keys that `block:0.5x2` states.
+the keys that `block:0.5x2` states, and `sketch(document, parameters)` is what `rocking draw` draws.
 
 An installed package adds a kind of its own by an entry point, which names a module (or object) of the same two:
 
@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Protocol
 from ..documents.document import Document
 from . import arch, block, drum, frame, point_mass, prism, rigid, spire, stack, stated, wall
 from .parameters import RockingParameters
+from .sketch import Sketch
 
 if TYPE_CHECKING:
     from importlib.metadata import EntryPoint
@@ -85,6 +86,17 @@ def sizes_of(word: str) -> Sequence[str]:
     """The keys of the sizes that `KIND:AxB` states, none of a kind without such a form."""
     sizes: Sequence[str] = getattr(KINDS.get(word), "SIZES", ())
     return sizes
+
+
+def sketch_of(document: Document, built: RockingParameters) -> Sketch:
+    """The structure as it is drawn. Raises DocumentError for a kind that has no geometry."""
+    word, kind = kind_of(document)
+    draw = getattr(kind, "sketch", None)
+    if draw is None:
+        drawn = [name for name, other in KINDS.items() if hasattr(other, "sketch")]
+        raise document.fault("kind", f"{word}, which states no geometry to draw", f"one of {', '.join(drawn)}")
+    found: Sketch = draw(document, built)
+    return found
 
 
 def _installed() -> dict[str, EntryPoint]:

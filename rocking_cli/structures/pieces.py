@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from itertools import accumulate
 from typing import Any, NamedTuple
 
 from ..documents.document import Document
@@ -16,6 +17,7 @@ from .kinematics import Moments
 from .parameters import RockingParameters
 from .shared_keys import gravity_of
 from .single_body import body_on_edges, edges_of, symmetric_body
+from .sketch import Outline, Sketch, rocker
 
 NOTHING = Moments(0.0, 0.0, 0.0, 0.0)
 
@@ -154,3 +156,20 @@ def _numbers(bed: Bed, gravity: float) -> dict[str, float | None]:
     """Parameters of an interface, on the edge that lifts first; eta None where the body is too squat to rock on it."""
     p, alpha, uplift, eta, _ = min(edges_of(bed.centred, bed.half, gravity).values(), key=lambda edge: edge[2])
     return {"p": p, "alpha": alpha, "eta": eta if eta >= 0.0 else None, "lambda": uplift}
+
+
+def sketch_of_pieces(document: Document, key: str, word: str, pieces: Sequence[Piece]) -> Sketch:
+    """What is above the weakest interface, and what it rocks on."""
+    levels = list(accumulate((piece.height for piece in pieces), initial=0.0))
+    outlines = [outline_of(piece, piece.axis, level) for piece, level in zip(pieces, levels, strict=False)]
+    beds = beds_of(document, key, word, pieces)
+    weakest = weakest_of(beds)
+    bed, base = beds[weakest], levels[weakest]
+    centre = (bed.body.x / bed.body.mass, base + bed.body.z / bed.body.mass)
+    return rocker(outlines[weakest:], (bed.left, base), (bed.right, base), centre, still=outlines[:weakest])
+
+
+def outline_of(piece: Piece, axis: float, level: float) -> Outline:
+    """The section of a piece."""
+    foot, head, top = piece.foot, piece.head, level + piece.height
+    return ((axis - foot, level), (axis + foot, level), (axis + head, top), (axis - head, top))

@@ -13,6 +13,7 @@ from ..documents.quantities import parse_quantity
 from .kinematics import Moments
 from .parameters import RockingParameters
 from .single_body import body_on_edges
+from .sketch import Sketch, rocker
 
 REPORTS = ("direction",)
 
@@ -34,10 +35,8 @@ def polygon_moments(corners: Sequence[Corner]) -> Moments:
 def build(document: Document, name: str) -> RockingParameters:
     """corners: the section's corners in order, [[x, z], ...]; it stands on its lowest points."""
     corners = _corners(document)
-    lowest = min(z for _, z in corners)
     size = max(math.dist(a, b) for a in corners for b in corners)
-    feet = [x for x, z in corners if z - lowest <= 1e-9 * size]
-    left, right = min(feet), max(feet)
+    lowest, left, right = _base(corners)
     if right - left <= 1e-9 * size:
         raise document.fault("corners", "a section that rests on one point", "a base of two lowest corners or more")
     middle = 0.5 * (left + right)
@@ -113,3 +112,19 @@ def _touch(a: Corner, b: Corner, c: Corner, d: Corner) -> bool:
         return True
     pairs = ((t[0], a, b, c), (t[1], a, b, d), (t[2], c, d, a), (t[3], c, d, b))
     return any(x == 0.0 and within(p, q, r) for x, p, q, r in pairs)
+
+
+def sketch(document: Document, _: RockingParameters) -> Sketch:
+    """The section."""
+    corners = _corners(document)
+    base, left, right = _base(corners)
+    body = polygon_moments(corners)
+    return rocker([tuple(corners)], (left, base), (right, base), (body.x / body.mass, body.z / body.mass))
+
+
+def _base(corners: Sequence[Corner]) -> tuple[float, float, float]:
+    """Level and ends of the lowest points [m]."""
+    lowest = min(z for _, z in corners)
+    size = max(math.dist(a, b) for a in corners for b in corners)
+    feet = [x for x, z in corners if z - lowest <= 1e-9 * size]
+    return lowest, min(feet), max(feet)

@@ -8,6 +8,7 @@ from ..documents.document import Document
 from .kinematics import Moments
 from .parameters import RockingParameters
 from .single_body import body_on_edges
+from .sketch import Sketch, circle, rocker
 
 _WIDEST = 1000.0  # the moments are taken from the middle between the edges: this cancels six digits of sixteen
 REPORTS = ("mass", "direction")
@@ -40,3 +41,11 @@ def _gyration(document: Document, mass: float | None) -> float:
     if mass is None:
         raise document.missing("mass", "the mass [kg] that goes with inertia")
     return math.sqrt(inertia / mass)
+
+
+def sketch(document: Document, built: RockingParameters) -> Sketch:
+    """Its base and, for want of an outline, the circle of its radius of gyration."""
+    left, right, height = (document.length(key) for key in ("left", "right", "height"))
+    mass = built.details.get("mass")
+    ring = circle((0.0, height), _gyration(document, mass))
+    return rocker([ring, ((-left, 0.0), (right, 0.0))], (-left, 0.0), (right, 0.0), (0.0, height))

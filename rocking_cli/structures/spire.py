@@ -16,6 +16,7 @@ from ..documents.document import Document
 from .kinematics import EdgeRocker, Moments
 from .parameters import RockingParameters
 from .single_body import symmetric_body
+from .sketch import Sketch, rocker
 
 if TYPE_CHECKING:
     import numpy as np
@@ -156,3 +157,26 @@ def _read(document: Document) -> Spire:
     if crack_height < 1e-16 * height:  # no digit of the result tells it from none
         crack_height = 0.0
     return Spire(base, height, thickness, tip, crack_height)
+
+
+def sketch(document: Document, _: RockingParameters) -> Sketch:
+    """Its section, and the crack it rocks on beside its mirror image."""
+    spire = _read(document)
+    r, h = spire.base_radius, spire.height
+    body = spire.rocking()
+    centre = (body.x / body.mass, body.z / body.mass)
+    void = ((-(r - spire.thickness), 0.0), (r - spire.thickness, 0.0), (0.0, spire.tip_height)) if spire.thickness else ()
+    hollows = [void] if void else []
+    if not spire.crack_height:
+        return rocker([((-r, 0.0), (r, 0.0), (0.0, h))], (-r, 0.0), (r, 0.0), centre, hollows=hollows)
+    windward = (-r * (1.0 - spire.crack_height / h), spire.crack_height)
+    crack = ((r, 0.0), windward)
+    return rocker(
+        [(windward, (r, 0.0), (0.0, h))],
+        (-r, 0.0),
+        (r, 0.0),
+        centre,
+        still=[((-r, 0.0), (r, 0.0), windward)],
+        hollows=hollows,
+        lines=[("crack", crack), ("its mirror image", tuple((-x, z) for x, z in crack))],
+    )

@@ -5,7 +5,8 @@ from __future__ import annotations
 from ..documents.document import Document
 from .kinematics import Moments
 from .parameters import RockingParameters
-from .pieces import Piece, cuboid_moments, offset_of, round_piece, stacked
+from .pieces import Piece, cuboid_moments, offset_of, round_piece, sketch_of_pieces, stacked
+from .sketch import Sketch
 
 REPORTS = ("rocks_on", "interfaces", "direction")
 _WANTED = "a list of pieces from below, each with height and width (and depth), or radius, or base_radius and top_radius"
@@ -42,3 +43,8 @@ def _cuboid(part: Document) -> Piece:
     width, height = part.length("width"), part.length("height")
     depth = part.length("depth") if part.has("depth") else width
     return Piece(0.5 * width, 0.5 * width, height, offset_of(part), cuboid_moments(width, depth, height))
+
+
+def sketch(document: Document, _: RockingParameters) -> Sketch:
+    """The pieces in section."""
+    return sketch_of_pieces(document, "pieces", "piece", pieces_of(document))

@@ -7,6 +7,7 @@ import math
 from ..documents.document import Document
 from .parameters import RockingParameters
 from .single_body import rigid_body
+from .sketch import Sketch, rectangle, rocker
 
 REPORTS = ("length",)
 SIZES = ("thickness", "height")
@@ -24,3 +25,9 @@ def build(document: Document, name: str) -> RockingParameters:
         document, "wall", name, radius=radius, alpha=alpha, inertia=4.0 / 3.0, limit="a wall thinner than 1.414 times its height",
         backing=1.0 - 1.5 * math.cos(alpha) ** 2, details=details,
     )  # fmt: skip
+
+
+def sketch(document: Document, _: RockingParameters) -> Sketch:
+    """Its section."""
+    half, height = 0.5 * document.length("thickness"), document.length("height")
+    return rocker([rectangle(-half, half, 0.0, height)], (-half, 0.0), (half, 0.0), (0.0, 0.5 * height))

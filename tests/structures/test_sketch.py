@@ -1,0 +1,137 @@
+"""What is drawn of a structure is its geometry: mass centre, pivots, cracks, hinges, and the shape at alpha."""
+
+from __future__ import annotations
+
+import math
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from rocking_cli import DocumentError, build_structure, parse_documents
+from rocking_cli.structures import KINDS, read_documents
+from rocking_cli.structures.kinds import sketch_of
+
+DRAWN = [kind for kind in KINDS if kind != "parameters"]
+
+
+def sketched(text):
+    (document,) = parse_documents(text, "f.yaml")
+    built = build_structure(document)
+    return sketch_of(document, built), built
+
+
+def area(outline):
+    x, z = np.array(outline).T
+    return 0.5 * float(np.sum(x * np.roll(z, -1) - np.roll(x, -1) * z))
+
+
+def centroid(outline):
+    """Of a polygon, by triangles from its first corner."""
+    first = np.array(outline[0])
+    parts = [(area((first, a, b)), (first + a + b) / 3) for a, b in zip(np.array(outline[1:-1]), np.array(outline[2:]), strict=True)]
+    return sum(weight * place for weight, place in parts) / sum(weight for weight, _ in parts)
+
+
+@pytest.mark.parametrize("kind", [*DRAWN, "spire_cracked"])
+def test_alpha_is_the_angle_from_the_edge_that_lifts_first_to_the_mass_centre(kind, pytestconfig):
+    (document,) = read_documents(pytestconfig.rootpath / "configs" / f"{kind}.yaml")
+    built = build_structure(document)
+    found = sketch_of(document, built)
+    assert len(found.moved) == len(found.bodies)
+    if found.centre is None:
+        assert kind in ("arch", "frame")
+        return
+    x, z = found.centre
+    angles = [math.atan2(abs(px - x), z - pz) for _, (px, pz) in found.pivots]
+    assert min(angles) == pytest.approx(built.alpha, rel=1e-12, abs=0)
+
+
+@pytest.mark.parametrize(
+    ("text", "corners"),
+    [
+        ("kind: block\nwidth: 0.5\nheight: 2", [(-0.25, 0), (0.25, 0), (0.25, 2), (-0.25, 2)]),
+        (f"kind: block\nradius: 5\nalpha: {math.atan(0.75)!r}", [(-3, 0), (3, 0), (3, 8), (-3, 8)]),
+        ("kind: wall\nthickness: 0.5\nheight: 2", [(-0.25, 0), (0.25, 0), (0.25, 2), (-0.25, 2)]),
+        ("kind: drum\nbase_radius: 1\ntop_radius: 0.5\nheight: 6\noffset: 0.1", [(-1, 0), (1, 0), (0.5, 6), (-0.5, 6)]),
+        ("kind: spire\nbase_radius: 1\nheight: 8", [(-1, 0), (1, 0), (0, 8)]),
+    ],
+)  # fmt: skip
+def test_an_outline_is_the_section_and_turns_rigidly_about_the_right_edge(text, corners):
+    found, _ = sketched(text)
+    assert np.array(found.bodies[0]) == pytest.approx(np.array(corners, dtype=float), abs=1e-14)
+    right = np.array(corners[1], dtype=float)
+    x, z = np.array(corners, dtype=float).T - right[:, None]
+    lean = math.atan2(right[0] - found.centre[0], found.centre[1])
+    turned = np.array([np.cos(lean) * x + np.sin(lean) * z, np.cos(lean) * z - np.sin(lean) * x]).T + right
+    assert np.array(found.moved[0]) == pytest.approx(turned, abs=1e-13)
+
+
+def test_a_homogeneous_section_has_its_mass_centre_where_it_is_marked():
+    found, _ = sketched("kind: prism\ncorners: [[0, 0], [1, 0], [0.9, 3], [0.3, 4]]")
+    assert np.array(found.centre) == pytest.approx(centroid(found.bodies[0]), rel=1e-13)
+
+
+def test_a_stack_stands_on_what_does_not_rock():
+    found, built = sketched("kind: stack\npieces: [{width: 2, height: 0.5}, {width: 0.4, height: 1}, {width: 0.4, height: 1}]")
+    assert [area(outline) for outline in found.still] == pytest.approx([1.0], rel=1e-14)
+    assert [area(outline) for outline in found.bodies] == pytest.approx([0.4, 0.4], rel=1e-14)
+    assert found.pivots == (("left", (-0.2, 0.5)), ("right", (0.2, 0.5)))
+    assert found.centre == pytest.approx((0.0, 1.5), abs=1e-14)
+    assert built.details["rocks_on"] == "piece 1 from below"
+
+
+def test_a_spire_shows_its_crack_and_the_mirror_image():
+    found, _ = sketched("kind: spire\nbase_radius: 1.5\nheight: 12\nthickness: 0.15\ncrack: diagonal\ncrack_height: 6")
+    (_, crack), (_, mirror) = found.lines
+    assert crack == ((1.5, 0.0), (-0.75, 6.0))
+    assert mirror == ((-1.5, 0.0), (0.75, 6.0))
+    assert area(found.bodies[0]) + area(found.still[0]) == pytest.approx(0.5 * 3 * 12, rel=1e-14)
+    assert found.hollows == (((-1.35, 0.0), (1.35, 0.0), (0.0, 12 * 0.9)),)
+
+
+OPPENHEIM = "kind: arch\nradius: 10\nthickness: 1.5\nangle: 157.5 deg\nvoussoirs: 7"
+
+
+def test_an_arch_is_its_voussoirs_and_its_linkage_holds_together_at_alpha():
+    found, _ = sketched(OPPENHEIM)
+    assert len(found.bodies) == 7
+    step = math.radians(157.5) / 7 / 14  # faces are drawn in chords of up to 0.03 rad
+    ring = 0.5 * (10.75**2 - 9.25**2) * 7 * 14 * math.sin(step)
+    assert abs(sum(area(outline) for outline in found.bodies)) == pytest.approx(ring, rel=1e-12)
+    assert [name for name, _ in found.pivots] == ["1", "2", "3", "4"]
+    points = [np.array(point) for _, point in found.pivots]
+    for point, rho, degrees in zip(points, (9.25, 10.75, 9.25, 10.75), (168.75, 101.25, 56.25, 11.25), strict=True):
+        assert point == pytest.approx(rho * np.array([math.cos(math.radians(degrees)), math.sin(math.radians(degrees))]), rel=1e-13)
+    for before, after in zip(found.bodies, found.moved, strict=True):
+        assert area(after) == pytest.approx(area(before), rel=1e-12)
+
+    # Where two links meet, at hinges 2 and 3, the corner of one is the corner of the other; 1 and 4 stay.
+    def corner_of(part, hinge):
+        at = int(np.argmin([np.hypot(*(np.array(p) - hinge)) for p in found.bodies[part]]))
+        return np.array(found.moved[part][at])
+
+    for hinge, (one, other) in zip(points[1:3], ((2, 3), (4, 5)), strict=True):
+        assert corner_of(one, hinge) == pytest.approx(corner_of(other, hinge), abs=1e-12)
+        assert np.hypot(*(corner_of(one, hinge) - hinge)) > 0.1
+    assert corner_of(0, points[0]) == pytest.approx(points[0], abs=1e-12)
+    assert corner_of(6, points[3]) == pytest.approx(points[3], abs=1e-12)
+
+
+def test_at_alpha_the_centre_of_mass_of_an_arch_is_as_high_as_it_comes():
+    """alpha is where V' = 0: the centroid of the drawn linkage rises until there."""
+    _, built = sketched(OPPENHEIM)
+
+    def height(phi):
+        links = [built.mechanism.ring.sector(a, b) for a, b in pairwise(built.mechanism.hinges)]
+        moves = built.mechanism.displaced(phi)
+        return sum(m.mass * move(float(m.x / m.mass), float(m.z / m.mass))[1] for m, move in zip(links, moves, strict=True))
+
+    step = 1e-3 * built.alpha
+    slope = (height(built.alpha + step) - height(built.alpha - step)) / (2 * step)
+    assert abs(slope) < 1e-5 * (height(step) - height(0.0)) / step
+
+
+def test_a_kind_without_geometry_is_refused():
+    with pytest.raises(DocumentError, match="kind: found parameters, which states no geometry to draw; accepted is one of block"):
+        sketched("kind: parameters\np: 1\nalpha: 0.2\neta: 0.9\nlambda: 0.2")
