@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from ..motions import Motion
     from ..motions.recording import Recording
     from ..reports.units import Units
+    from ..spectra.grid import Grid
     from ..structures import RockingParameters
 
 F = Callable[..., Any]
@@ -165,6 +166,7 @@ def shaking(command: F) -> F:
                 raise UsageError(text.replace("--grid: ", "")) from None
             if grid.shape != (1, 1):
                 raise UsageError(f"found {' '.join(f'{flags[k]} {v}' for k, v in there.items())}; accepted is one value of each")
+        remark_on(grid=grid)
         return command(*arguments, shaking=grid, **given)
 
     for name, meaning in (
@@ -339,7 +341,24 @@ def structures_and_texts(files: tuple[str, ...], etas: tuple[float | None, ...] 
         oscillators = [dimensionless_oscillator(eta) for eta in etas if eta is not None]
     except ValueError as error:
         raise click.UsageError(f"--eta: {error}") from None
-    return with_distinct_names([*structures, *oscillators]), "\n---\n".join(d.text for d in documents)
+    found = with_distinct_names([*structures, *oscillators])
+    remark_on(found)
+    return found, "\n---\n".join(d.text for d in documents)
+
+
+def remark_on(structures: Iterable[RockingParameters] = (), grid: Grid | None = None) -> None:
+    """Say on standard error what is odd about structures and amplitudes, up to three lines of it."""
+    from ..reports.plausibility import grid_remarks, structure_remarks
+
+    remarks = [remark for one in structures for remark in structure_remarks(one)] + ([] if grid is None else list(grid_remarks(grid)))
+    quiet = click.get_current_context().params.get("quiet", False)
+    for remark in remarks[:_REMARKS]:
+        note(remark, quiet)
+    if len(remarks) > _REMARKS:
+        note(f"and {len(remarks) - _REMARKS} more such remarks", quiet)
+
+
+_REMARKS = 3
 
 
 def refuse_figure(output: Path, overwrite: bool) -> None:
@@ -363,6 +382,13 @@ class ProgressLine:
             end = "\n" if done == total else ""
             sys.stderr.write(f"\r{self.label}: {done}/{total} ({100 * done // max(1, total)} %)\x1b[K{end}")
             sys.stderr.flush()
+
+
+def now() -> str:
+    """The time in UTC as the history of a file states it."""
+    from datetime import UTC, datetime
+
+    return datetime.now(UTC).strftime("%Y-%m-%dT%H:%M:%SZ")
 
 
 def note(text: str, quiet: bool) -> None:

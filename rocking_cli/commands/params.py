@@ -41,7 +41,9 @@ def params(context: click.Context, files: tuple[str, ...], vary: tuple[str, ...]
 
     def records() -> Iterator[dict[str, Any]]:
         if not variations:
-            plain = [built.record() for built in with_distinct_names([build_structure(document) for document in documents])]
+            built = with_distinct_names([build_structure(document) for document in documents])
+            options.remark_on(built)
+            plain = [structure.record() for structure in built]
             rows = [row for record in plain for row in _rows(record, form)]
             if form == "csv":
                 rows = [flat(row) for row in rows]

@@ -90,6 +90,7 @@ def spectrum(
         raise click.UsageError("--alpha goes with records: give --motion")
     grid = None if motion is None else parse_grid(axes or "")
     check_output(output, overwrite, resume)
+    options.remark_on(grid=grid)
     if any(file != "-" and Path(file).resolve() == output.resolve() for file in files):
         raise click.UsageError(f"{output} is a structure document of this very call; give another output")
     scene: Scene
@@ -118,7 +119,7 @@ def spectrum(
         scheduler=scheduler,
         shard=None if shard is None else _part(shard),
         documents=texts,
-        history=streams.printable(shlex.join(["rocking", *sys.argv[1:]])),
+        history=f"{options.now()}: {streams.printable(shlex.join(['rocking', *sys.argv[1:]]))}",
         progress=options.ProgressLine("spectrum", quiet),
         tell=partial(options.note, quiet=quiet),
     )

@@ -20,6 +20,8 @@ from .seal import read
 
 _NO_LINKS = (errno.EPERM, errno.EOPNOTSUPP, errno.ENOSYS, errno.EMLINK, errno.ENOTSUP)
 
+_OF_OTHERS = {".csv", ".json", ".jsonl", ".txt", ".tsv", ".xlsx", ".yaml", ".yml", ".png", ".svg", ".pdf", ".html"}
+
 _open_parts: weakref.WeakSet[Part] = weakref.WeakSet()
 
 
@@ -37,6 +39,8 @@ def check_output(path: Path, overwrite: bool, resume: bool = False) -> None:
     """Refuse an output that cannot or must not be written, before any work is done. Raises UsageError, OutputError if in use."""
     if str(path) in ("-", ".", ""):
         raise UsageError(f"{str(path)!r} is not the name of a file; an HDF5 file cannot be written to standard output")
+    if path.suffix.lower() in _OF_OTHERS:
+        raise UsageError(f"{path}: what is written is HDF5, which {path.suffix} does not say; accepted is a name such as {path.stem}.h5")
     if resume and overwrite:
         raise UsageError("--resume does not go with --overwrite")
     path = _target(path)

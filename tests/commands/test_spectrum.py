@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import signal
 import subprocess
 
@@ -31,7 +32,7 @@ def test_summary_and_file(rocking, tmp_path):
     assert "left out" in done.stderr
     with h5py.File(tmp_path / "s.h5") as f:
         assert f["structure"].asstr()[...].tolist() == ["Column", "Spire"]
-        assert f.attrs["history"].startswith("rocking spectrum configs/block.yaml")
+        assert re.match(r"\d{4}-\d\d-\d\dT\d\d:\d\d:\d\dZ: rocking spectrum configs/block.yaml", f.attrs["history"])
         assert f.attrs["cells"] == 2400
         assert "kind: spire" in f.attrs["documents"]
 
@@ -117,9 +118,9 @@ def test_wrong_outputs(refused, tmp_path):
 
 
 def test_an_input_is_never_the_output(refused, tmp_path):
-    (tmp_path / "mine.yaml").write_text("kind: block\nwidth: 1\nheight: 5")
-    assert "structure document" in refused(2, "spectrum", "mine.yaml", "--grid", SMALL, "-o", "mine.yaml", "--overwrite")
-    assert "standard output" in refused(2, "spectrum", "mine.yaml", "--grid", SMALL, "-o", "-")
+    (tmp_path / "mine.doc").write_text("kind: block\nwidth: 1\nheight: 5")
+    assert "structure document" in refused(2, "spectrum", "mine.doc", "--grid", SMALL, "-o", "mine.doc", "--overwrite")
+    assert "standard output" in refused(2, "spectrum", "mine.doc", "--grid", SMALL, "-o", "-")
 
 
 def test_numbers_beyond_double_precision_are_refused(refused):
@@ -172,3 +173,8 @@ def test_a_step_count_that_runs_away_is_a_failed_cell(monkeypatch, tmp_path):
     assert (tmp_path / "s.h5").exists()
     monkeypatch.setattr(engine, "MAX_STEPS", -158)
     assert history(System(LinearEquation()), sine(), 1.5, 4.0, 1.0, duration=30.0).outcome == Outcome.FAILED
+
+
+def test_an_output_whose_name_promises_another_format_is_refused(refused):
+    for name in ("x.csv", "x.JSON", "x.png"):
+        assert "what is written is HDF5" in refused(2, "spectrum", "--eta", "0.9", "--grid", "A=1:2:3,Omega=5", "-o", name)

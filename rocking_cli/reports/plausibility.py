@@ -1,0 +1,36 @@
+"""Remarks on numbers that can be right and mostly are not: a unit that was left out, a body that loses nearly all it has."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+from ..documents.quantities import DEFAULT_GRAVITY
+
+if TYPE_CHECKING:
+    from ..spectra.grid import Grid
+    from ..structures.parameters import RockingParameters
+
+LARGEST, SMALLEST = 100.0, 0.02  # m, half diagonals of blocks that anybody has built or shaken
+LEAST_RESTITUTION = 0.3
+MOST_ACCELERATION = 10.0 * DEFAULT_GRAVITY  # several times what was ever recorded
+
+
+def structure_remarks(structure: RockingParameters) -> Iterator[str]:
+    """What is odd about a structure, a sentence each; its size is that of the block of equal p, R = 3 g/(4 p^2)."""
+    if structure.dimensionless:
+        return
+    radius = 0.75 * structure.gravity / structure.p**2
+    if not SMALLEST <= radius <= LARGEST:
+        size = "large" if radius > LARGEST else "small"
+        yield f"{structure.name}: as {size} as a block of {2.0 * radius:.3g} m from corner to corner; a length without a unit is in m"
+    if not structure.one_sided and structure.eta < LEAST_RESTITUTION:
+        lost = 1.0 - structure.eta**2
+        yield f"{structure.name}: eta = {structure.eta:.3g}, so that every impact takes {lost:.0%} of the energy; tests mostly show less"
+
+
+def grid_remarks(grid: Grid) -> Iterator[str]:
+    """What is odd about amplitudes."""
+    highest = float(grid.amplitude.values[-1])
+    if grid.amplitude.name == "a_g" and highest > MOST_ACCELERATION:
+        yield f"a_g = {highest:.4g} m/s2 is {highest / DEFAULT_GRAVITY:.3g} g; a number without a unit is in m/s2"

@@ -1,0 +1,39 @@
+"""Remarks on what can be right and mostly is not."""
+
+from __future__ import annotations
+
+import pytest
+from written import built
+
+from rocking_cli.reports.plausibility import grid_remarks, structure_remarks
+from rocking_cli.spectra.grid import parse_grid
+
+
+def test_a_block_500_wide_is_said_to_be_large():
+    (said,) = structure_remarks(built("kind: block\nname: Column\nwidth: 500\nheight: 2000"))
+    # p^2 = 3 g/(4 R), so the block of equal p is itself, 2062 m from corner to corner.
+    assert said == "Column: as large as a block of 2.06e+03 m from corner to corner; a length without a unit is in m"
+    assert "as small as a block of 0.00206 m" in next(structure_remarks(built("kind: block\nwidth: 0.5 mm\nheight: 2 mm")))
+
+
+def test_an_eta_below_0_3_is_said_what_it_means():
+    text = "kind: block\nname: Column\nwidth: 0.5\nheight: 2\nrestitution: "
+    assert list(structure_remarks(built(text + "0.3"))) == []
+    assert list(structure_remarks(built(text + "0.1"))) == [
+        "Column: eta = 0.1, so that every impact takes 99% of the energy; tests mostly show less"
+    ]  # fmt: skip
+    assert list(structure_remarks(built(text + "-0.1\none_sided: true"))) == []
+
+
+@pytest.mark.parametrize(("axes", "said"), [("a_g=99,f_g=1", ["a_g = 99 m/s2 is 10.1 g; a number without a unit is in m/s2"]),
+    ("a_g=1:98:3,f_g=1", []), ("a_g=10g,f_g=1", []), ("A=200,Omega=1", [])])  # fmt: skip
+def test_an_amplitude_beyond_10_g_is_said_in_g(axes, said):
+    assert list(grid_remarks(parse_grid(axes))) == said
+
+
+def test_commands_say_it_once_and_go_on(rocking):
+    done = rocking("response", "block:500x2000", "--a-g", "350", "--f-g", "1", "--json")
+    assert done.returncode == 0
+    assert [line.partition(" ")[0] for line in done.stderr.splitlines()[:2]] == ["a_g", "block:500x2000:"]
+    assert len(rocking("params", *["block:500x2000"] * 5).stderr.splitlines()) == 4
+    assert rocking("params", "block:500x2000", "-q").stderr == ""
