@@ -12,6 +12,7 @@ import click
 from .. import __version__, interruption
 from ..errors import RockingError, did_you_mean
 from . import streams
+from .terms import in_options, no_such_option
 
 SECTIONS = {
     "What stands there": {
@@ -44,7 +45,6 @@ SECTIONS = {
     },
 }
 COMMANDS = {name: summary for section in SECTIONS.values() for name, summary in section.items()}
-MEANT = {"--pga": "--a-g", "--amplitude": "--a-g", "--frequency": "--f-g", "--period": "--T-g", "--record": "--motion"}
 
 
 class _Commands(click.Group):
@@ -67,6 +67,15 @@ class _Commands(click.Group):
             _refuse_repetitions(click.Context(command, ctx, name), rest)
         return name, command, rest
 
+    def invoke(self, ctx: click.Context) -> Any:
+        try:
+            return super().invoke(ctx)
+        except RockingError as error:
+            command = self.get_command(ctx, ctx.invoked_subcommand or "")
+            if command is not None:
+                error.args = (in_options(str(error), command),)
+            raise
+
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         widest = max(map(len, COMMANDS))
         for title, commands in SECTIONS.items():
@@ -87,15 +96,6 @@ def _refuse_repetitions(context: click.Context, arguments: list[str]) -> None:
             raise click.UsageError(f"{given[option.name].opts[-1]} does not go with {option.opts[-1]}", context)
         elif not option.is_flag:
             raise click.UsageError(f"{option.opts[-1]} is given twice; accepted is one value", context)
-
-
-def _no_such_option(error: click.NoSuchOption, arguments: list[str]) -> str:
-    """The sentence for an option that is not there, with the long one that was meant."""
-    name = error.option_name
-    if not name.startswith("--"):  # of -pulse click sees -p
-        name = next((a.partition("=")[0] for a in arguments if a.startswith(name) and not a.startswith("--")), name)
-    long = [o for p in error.ctx.command.params for o in p.opts if o.startswith("--")] if error.ctx is not None else []
-    return f"No such option {name}{did_you_mean('--' + name.lstrip('-'), [*long, '--help'], MEANT)}"
 
 
 @click.group(
@@ -125,7 +125,7 @@ def main(arguments: list[str] | None = None) -> Any:
             if isinstance(error, click.UsageError) and error.ctx is not None:
                 said = error.format_message()
                 if isinstance(error, click.NoSuchOption):
-                    said = _no_such_option(error, sys.argv if arguments is None else arguments)
+                    said = no_such_option(error, sys.argv if arguments is None else arguments)
                 streams.say(f"{error.ctx.command_path}: {said} (see --help)")
             else:
                 streams.say(f"rocking: {error.format_message()}")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import partial, wraps
@@ -12,8 +13,9 @@ from typing import TYPE_CHECKING, Any
 import click
 from click.shell_completion import CompletionItem
 
-from ..errors import UsageError
+from ..errors import RockingError, UsageError
 from . import streams
+from .terms import in_options
 
 if TYPE_CHECKING:
     from ..motions import Motion
@@ -160,10 +162,8 @@ def shaking(command: F) -> F:
             try:
                 grid = parse_grid(",".join(f"{key}={value}" for key, value in there.items()), own_time=own is not None)
             except UsageError as error:
-                text = str(error)
-                for key, flag in flags.items():
-                    text = text.replace(f"--grid {key}:", f"{flag}:")
-                raise UsageError(text.replace("--grid: ", "")) from None
+                text = str(error).replace("`grid`: ", "")  # the axes are options of their own here
+                raise UsageError(re.sub(r"`grid` (\w+):", r"`\1`:", text)) from None
             if grid.shape != (1, 1):
                 raise UsageError(f"found {' '.join(f'{flags[k]} {v}' for k, v in there.items())}; accepted is one value of each")
         remark_on(grid=grid)
@@ -286,9 +286,13 @@ def _motion_of(given: dict[str, Any], dt_flag: str, quiet: bool) -> Motion | tup
             if key in given:
                 raise click.UsageError(f"--motion does not go with --{key}")
         tell = partial(note, quiet=quiet)
-        if "motion_file" in given:
-            return read_motion(given.pop("motion_file"), tell=tell, **given)
-        return read_motions(given.pop("motion_files"), tell=tell, **given)
+        try:
+            if "motion_file" in given:
+                return read_motion(given.pop("motion_file"), tell=tell, **given)
+            return read_motions(given.pop("motion_files"), tell=tell, **given)
+        except RockingError as error:
+            error.args = (str(error).replace("`dt`", dt_flag),)
+            raise
     for key, flag in (("component", "--component"), ("unit", "--unit"), ("dt", dt_flag), ("scale_to", "--scale-to")):
         if key in given:
             raise click.UsageError(f"{flag} goes with a record: give --motion")
@@ -394,4 +398,5 @@ def now() -> str:
 def note(text: str, quiet: bool) -> None:
     """A line on standard error, unless --quiet."""
     if not quiet:
-        streams.say(text)
+        context = click.get_current_context(silent=True)
+        streams.say(text if context is None else in_options(text, context.command))

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 @click.option("--impacts", is_flag=True, help="Also store the number of impacts during the shaking.")
 @click.option("--quantity", "quantities", metavar="NAME,…", help="Also store these: condition (sensitivity of each cell to its input).")
 @options.workers
-@click.option("--chunk", type=click.IntRange(1), metavar="CELLS", help="Cells in one unit of work.")
+@click.option("--chunk", "chunk_cells", type=click.IntRange(1), metavar="CELLS", help="Cells in one unit of work.")
 @click.option("--check", type=click.IntRange(0), metavar="N", help="Cells computed again by the independent path.")
 @options.overwrite
 @click.option("--resume", is_flag=True, help="Go on with an interrupted sweep of the same scene (OUTPUT.part).")
@@ -54,7 +54,7 @@ def spectrum(
     impacts: bool,
     quantities: str | None,
     workers: int | None,
-    chunk: int | None,
+    chunk_cells: int | None,
     check: int | None,
     overwrite: bool,
     resume: bool,
@@ -109,7 +109,7 @@ def spectrum(
         scene,
         output,
         workers=options.at_most_the_cpus(workers, quiet),
-        chunk_cells=chunk or CHUNK_CELLS,
+        chunk_cells=chunk_cells or CHUNK_CELLS,
         check=check,
         impacts=impacts,
         quantities=[name.strip() for name in quantities.split(",")] if quantities is not None else (),

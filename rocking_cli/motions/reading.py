@@ -54,8 +54,7 @@ def motion_of(source: str, raw: bytes, *, scale: float | None = None, **of_recor
     motion = build_motion(documents[0])
     for name, given in of_records.items():
         if given is not None:
-            flag = name.replace("_", "-")
-            raise UsageError(f"{source}: a motion document, which has no amplitude and time of its own; {flag} goes with a record")
+            raise UsageError(f"{source}: a motion document, which has no amplitude and time of its own; `{name}` goes with a record")
     return motion if scale is None else motion.scaled(scale)
 
 
@@ -64,7 +63,7 @@ def factor_of(record: Record, scale: float | None, scale_to: str | None) -> floa
     if scale_to is None:
         return 1.0 if scale is None else scale
     if scale not in (None, -1.0):
-        raise UsageError("scale and scale-to do not go together, but for a scale of -1, which turns a record over: give one of them")
+        raise UsageError("`scale` and `scale_to` do not go together, but for a scale of -1, which turns a record over: give one of them")
     return factor_to(record, scale_to) * (scale or 1.0)
 
 
@@ -76,15 +75,15 @@ def factor_to(record: Record, text: str) -> float:
     name, equals, value = (x.strip() for x in text.partition("="))
     measure = next((m for m in MEASURES if m.casefold() == name.casefold()), None)
     if measure is None or not equals:
-        raise UsageError(f"scale-to: found {text!r}; accepted is such as PGA=0.35g, of {', '.join(MEASURES)}")
+        raise UsageError(f"`scale_to`: found {text!r}; accepted is such as PGA=0.35g, of {', '.join(MEASURES)}")
     try:
         wanted = parse_quantity(value, MEASURES[measure])
     except ValueError as error:
-        raise UsageError(f"scale-to {measure}: found {value!r}; accepted is {error}") from None
+        raise UsageError(f"`scale_to` {measure}: found {value!r}; accepted is {error}") from None
     own = float(getattr(intensity(record), measure.casefold()))
     if not own > 0.0:
-        raise UsageError(f"scale-to: the record has a {measure} of {own:g}; accepted is one that is not zero")
+        raise UsageError(f"`scale_to`: the record has a {measure} of {own:g}; accepted is one that is not zero")
     if not wanted > 0.0:
-        raise UsageError(f"scale-to: found {text!r}; accepted is a positive intensity; a scale of -1 turns a record over")
+        raise UsageError(f"`scale_to`: found {text!r}; accepted is a positive intensity; a scale of -1 turns a record over")
     ratio = wanted / own
     return math.sqrt(ratio) if measure == "Arias" else ratio

@@ -65,7 +65,7 @@ def canvas(target: Path) -> Iterator[Figure]:
         import matplotlib as mpl
         from matplotlib.figure import Figure
     except ImportError:
-        raise OutputError("figures need matplotlib: pip install 'rocking[plot]'; --text needs nothing") from None
+        raise OutputError("figures need matplotlib: pip install 'rocking[plot]'; `text` needs nothing") from None
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(5.6, 4.0))
         yield figure
@@ -145,7 +145,7 @@ def slice_of(file: SpectraFile, cut: str) -> tuple[str, float, str, np.ndarray, 
             raise ValueError
     except (KeyError, ValueError):
         wanted = " or ".join(f"{k}={v[0]:g} to {v[-1]:g}" for k, v in axes.items())
-        raise UsageError(f"--slice: found {cut!r}; accepted is {wanted}") from None
+        raise UsageError(f"`slice`: found {cut!r}; accepted is {wanted}") from None
     frequency = key == file.grid.frequency.name
     (other,) = (name for name in axes if name != key)
     rows, columns = (slice(at, at + 1), slice(None)) if frequency else (slice(None), slice(at, at + 1))
@@ -192,7 +192,7 @@ def _in_si(row: dict[str, str]) -> dict[str, str]:
 def _table(figure: Figure, source: Path, rows: Rows) -> list[Axes]:
     columns = set(rows[0])
     if "event" in columns:
-        raise UsageError(f"{source}: holds events; accepted is the time history, rocking response without --events")
+        raise UsageError(f"{source}: holds events; accepted is the time history, which rocking response prints without them")
     kinds: tuple[tuple[set[str], Callable[[Figure, Rows], list[Axes]]], ...] = (
         ({"Omega", "A_from", "A_to", "mode"}, _envelope),
         ({"curve", "Omega", "A"}, _curves),
@@ -278,7 +278,7 @@ def _family(figure: Figure, rows: Rows) -> list[Axes]:
     head = list(rows[0])
     varied = head[: head.index("name")] if "name" in head else []
     if not varied:
-        raise UsageError("a family is drawn over what --vary varied; this CSV holds no such column")
+        raise UsageError("a family is drawn over the keys that were varied; this CSV holds no column of one")
     figure.set_size_inches(7.2, 5.2)
     axes = list(figure.subplots(2, 2, sharex=True).ravel())
     for one, key in zip(axes, ("p", "alpha", "eta", "lambda"), strict=True):

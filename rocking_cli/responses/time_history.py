@@ -52,7 +52,7 @@ class TimeHistory:
         if dt is None:
             return np.linspace(0.0, self.end, POINTS + 1)
         if not (dt > 0.0 and self.end / dt <= MOST_POINTS):
-            raise UsageError(f"--dt: found {dt / self.structure.p:g} s, accepted is a positive time that gives up to {MOST_POINTS} points")
+            raise UsageError(f"`dt`: found {dt / self.structure.p:g} s, accepted is a positive time that gives up to {MOST_POINTS} points")
         return dt * np.arange(math.floor(self.end / dt * (1.0 + 1e-12)) + 1)
 
     @cached_property
@@ -183,12 +183,12 @@ def time_history(
     motion = motion or STILL
     amplitude, omega = (float(x[0]) for x in shaking.scaled(structure)) if shaking else (0.0, 1.0)
     if shaking and not amplitude > 0.0:
-        raise UsageError("the amplitude is 0, accepted is a positive one; free rocking is --release without a motion")
+        raise UsageError("the amplitude is 0, accepted is a positive one; free rocking is `release` without a motion")
     if not (0.0 <= release < 1.0):
-        raise UsageError(f"--release: found {release:g}, accepted is theta/alpha from 0 to below 1")
+        raise UsageError(f"`release`: found {release:g}, accepted is theta/alpha from 0 to below 1")
     tau = motion.duration / omega + FREE if duration is None else duration * structure.p
     if not (math.isfinite(tau) and tau > 0.0):
-        raise UsageError(f"--duration: found {duration if duration is not None else tau:g}, accepted is a positive time [s]")
+        raise UsageError(f"`duration`: found {duration if duration is not None else tau:g}, accepted is a positive time [s]")
     try:
         histories = {
             m.model: history(m.system_of(structure), motion, amplitude, omega, structure.eta, release=release, duration=tau)

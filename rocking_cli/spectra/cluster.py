@@ -34,7 +34,7 @@ def cluster_reports(job: Job, units: Sequence[Unit], address: str, tell: Tell | 
     try:
         from distributed import Client
     except ImportError:
-        raise OutputError("--scheduler needs dask.distributed: pip install 'rocking[distributed]'") from None
+        raise OutputError("`scheduler` needs dask.distributed: pip install 'rocking[distributed]'") from None
     with _silent_library():
         try:
             with socket.create_connection((host, port), timeout=_TO_ANSWER) as connection:
@@ -42,7 +42,7 @@ def cluster_reports(job: Job, units: Sequence[Unit], address: str, tell: Tell | 
                     raise ConnectionError("the connection was closed")
             client = Client(address, timeout=_TO_GREET, set_as_default=False)
         except (OSError, ValueError) as error:
-            raise OutputError(f"--scheduler: no dask scheduler answers at {address}: {str(error) or type(error).__name__}") from None
+            raise OutputError(f"`scheduler`: no dask scheduler answers at {address}: {str(error) or type(error).__name__}") from None
         with client:
             threads = _wait(lambda: sum(dict(client.ncores()).values()), _saying(tell, address))
             size = max(1, min(job.together, -(-len(units) // threads)))
@@ -59,7 +59,7 @@ def cluster_reports(job: Job, units: Sequence[Unit], address: str, tell: Tell | 
 def _host_and_port(address: str) -> tuple[str, int]:
     found = re.fullmatch(r"(?:(?:tcp|tls)://)?(?:\[([0-9A-Fa-f:.]+)\]|([^\s:/\[\]]+)):(\d{1,5})", address)
     if found is None or not 0 < int(found[3]) < 65536:
-        raise UsageError(f"--scheduler: found {address!r}; accepted is HOST:PORT or tcp://HOST:PORT, such as tcp://localhost:8786")
+        raise UsageError(f"`scheduler`: found {address!r}; accepted is HOST:PORT or tcp://HOST:PORT, such as tcp://localhost:8786")
     return found[1] or found[2], int(found[3])
 
 
@@ -80,7 +80,7 @@ def _silent_library() -> Iterator[None]:
 def _saying(tell: Tell | None, address: str) -> Callable[[float], None]:
     def say(seconds: float) -> None:
         if tell is not None:
-            tell(f"--scheduler: the cluster at {address} has no worker; waiting for one since {seconds:.0f} s")
+            tell(f"`scheduler`: the cluster at {address} has no worker; waiting for one since {seconds:.0f} s")
 
     return say
 

@@ -139,7 +139,7 @@ def _in_turn(search: Search, shares: list[np.ndarray], workers: int) -> Iterator
     if workers == 1:
         yield from map(search.rows, shares)
         return
-    with processes(workers, search.rows, "fewer --workers need less") as run:
+    with processes(workers, search.rows, "fewer `workers` need less") as run:
         yield from run(shares)
 
 
@@ -154,13 +154,13 @@ def frequency_axis(text: str | None, *, own_time: bool = False) -> Axis:
     """The single frequency axis of `--grid`: Omega, omega_g, f_g or T_g, and none with own_time. Raises UsageError."""
     if own_time:
         if text is not None:
-            raise UsageError(f"--grid: found {text}; accepted is none, since a record runs in its own time")
+            raise UsageError(f"`grid`: found {text}; accepted is none, since a record runs in its own time")
         return OWN_TIME
     if text is None:
-        raise UsageError("no --grid; accepted is one axis, Omega, omega_g, f_g or T_g")
+        raise UsageError("no `grid`; accepted is one axis, Omega, omega_g, f_g or T_g")
     axes = parse_axes(text)
     if len(axes) != 1 or next(iter(axes)) not in ("Omega", "omega_g"):
-        raise UsageError(f"--grid: found {' and '.join(axes)}; accepted is one axis, Omega, omega_g, f_g or T_g")
+        raise UsageError(f"`grid`: found {' and '.join(axes)}; accepted is one axis, Omega, omega_g, f_g or T_g")
     return next(iter(axes.values()))
 
 
@@ -208,7 +208,7 @@ def check_curves(structure: RockingParameters, axis: Axis, motion: Motion) -> No
     _scaled(structure, axis)
     _closed_form_of(motion)
     if not structure.plain:
-        raise UsageError(f"{structure.name}: --closed-form: found damping, one side or unequal sides; accepted is a body without them")
+        raise UsageError(f"{structure.name}: `closed_form`: found damping, one side or unequal sides; accepted is a body without them")
 
 
 def _closed_form_of(motion: Motion) -> str:
@@ -216,7 +216,7 @@ def _closed_form_of(motion: Motion) -> str:
 
     forms = {pulse(name).pieces: name for name in PULSES}
     if motion.pieces not in forms:
-        raise UsageError(f"--closed-form: found {motion.name}; accepted are a sine of 1 cycle, a half sine and a rectangular pulse")
+        raise UsageError(f"`closed_form`: found {motion.name}; accepted are a sine of 1 cycle, a half sine and a rectangular pulse")
     return forms[motion.pieces]
 
 

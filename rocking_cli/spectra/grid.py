@@ -113,12 +113,12 @@ def parse_axes(text: str, *, records: bool = False) -> dict[str, Axis]:
     for part in text.split(","):
         key, equals, span = (x.strip() for x in part.partition("="))
         if not equals or not span:
-            raise UsageError(f"--grid: found {part.strip()!r}; accepted is {_FORM}, axes parted by commas")
+            raise UsageError(f"`grid`: found {part.strip()!r}; accepted is {_FORM}, axes parted by commas")
         if key in _AXES and key not in known:
-            raise UsageError(f"--grid: found {key}; accepted are {', '.join(known)}, since a record runs in its own time")
+            raise UsageError(f"`grid`: found {key}; accepted are {', '.join(known)}, since a record runs in its own time")
         if key not in known:
             of = " of records" if records else ""
-            raise UsageError(f"--grid: unknown axis {key!r}{of}; accepted are {', '.join(known)}{did_you_mean(key, known, MEANT)}")
+            raise UsageError(f"`grid`: unknown axis {key!r}{of}; accepted are {', '.join(known)}{did_you_mean(key, known, MEANT)}")
         name, dimension = known[key]
         values = _span(key, span, dimension)
         if key == "f_g":
@@ -129,7 +129,7 @@ def parse_axes(text: str, *, records: bool = False) -> dict[str, Axis]:
         elif key == "tan_alpha":
             values = np.arctan(values)
         if name in axes:
-            raise UsageError(f"--grid: axis {name} is given twice")
+            raise UsageError(f"`grid`: axis {name} is given twice")
         axes[name] = Axis(name, values)
     return axes
 
@@ -145,18 +145,18 @@ def parse_grid(text: str, structures: int = 1, *, own_time: bool = False) -> Gri
     axes = parse_axes(text)
     if own_time:
         if len(axes) != 1 or next(iter(axes)) not in ("A", "a_g"):
-            raise UsageError(f"--grid: found {' and '.join(axes)}; accepted is A or a_g, since a record runs in its own time")
+            raise UsageError(f"`grid`: found {' and '.join(axes)}; accepted is A or a_g, since a record runs in its own time")
         axes["omega_g"] = OWN_TIME
     known = (("A", "Omega"), ("a_g", "omega_g"), ("A", "omega_g"))[: 3 if own_time else 2]
     pairs = [(a, f) for a, f in known if set(axes) == {a, f}]
     if not pairs:
         found = " and ".join(axes)
-        raise UsageError(f"--grid: found {found}; accepted are A and Omega, or a_g and one of omega_g, f_g, T_g")
+        raise UsageError(f"`grid`: found {found}; accepted are A and Omega, or a_g and one of omega_g, f_g, T_g")
     grid = Grid(axes[pairs[0][0]], axes[pairs[0][1]])
     cells = grid.shape[0] * grid.shape[1] * max(1, structures)
     if cells > MAX_CELLS:
         raise UsageError(
-            f"--grid: {cells:.3g} cells ({9e-9 * cells:.3g} GB) are more than the {MAX_CELLS:.0e} accepted in one file; split the grid"
+            f"`grid`: {cells:.3g} cells ({9e-9 * cells:.3g} GB) are more than the {MAX_CELLS:.0e} accepted in one file; split the grid"
         )
     return grid
 
@@ -165,7 +165,7 @@ def parse_angles(text: str) -> Axis:
     """The critical angles of `--alpha`: `10,15,20deg`, where a bare number takes the unit of the next that has one, or
     START:STOP:N. Raises UsageError."""
     if ":" in text:
-        return Axis("alpha", parse_span("--alpha", text, "angle"))
+        return Axis("alpha", parse_span("`alpha`", text, "angle"))
     unit, found = "", []
     for part in reversed(text.split(",")):
         parts = split_quantity(part)
@@ -173,12 +173,12 @@ def parse_angles(text: str) -> Axis:
         try:
             found.append(parse_quantity(f"{parts[0]!r} {unit}" if parts is not None else part, "angle"))
         except ValueError as error:
-            raise UsageError(f"--alpha: found {part.strip()!r}; accepted is {error}, or several parted by commas") from None
+            raise UsageError(f"`alpha`: found {part.strip()!r}; accepted is {error}, or several parted by commas") from None
     values = np.unique(found)
     if values.size < len(found):
-        raise UsageError(f"--alpha: found {text!r}, an angle twice; accepted is each once")
+        raise UsageError(f"`alpha`: found {text!r}, an angle twice; accepted is each once")
     if values[0] <= 0.0:
-        raise UsageError(f"--alpha: found {text!r}; accepted are positive angles")
+        raise UsageError(f"`alpha`: found {text!r}; accepted are positive angles")
     return Axis("alpha", values)
 
 
@@ -213,7 +213,7 @@ def parse_span(key: str, span: str, dimension: str) -> np.ndarray:
 
 
 def _span(key: str, span: str, dimension: str) -> np.ndarray:
-    values = parse_span(f"--grid {key}", span, dimension)
+    values = parse_span(f"`grid` {key}", span, dimension)
     if values[0] < 0.0 or (values[0] == 0.0 and key not in _FROM_ZERO):
-        raise UsageError(f"--grid {key}: found {span!r}; accepted are positive values{' or zero' if key in _FROM_ZERO else ''}")
+        raise UsageError(f"`grid` {key}: found {span!r}; accepted are positive values{' or zero' if key in _FROM_ZERO else ''}")
     return values

@@ -42,7 +42,7 @@ def check_output(path: Path, overwrite: bool, resume: bool = False) -> None:
     if path.suffix.lower() in _OF_OTHERS:
         raise UsageError(f"{path}: what is written is HDF5, which {path.suffix} does not say; accepted is a name such as {path.stem}.h5")
     if resume and overwrite:
-        raise UsageError("--resume does not go with --overwrite")
+        raise UsageError("`resume` does not go with `overwrite`")
     path = _target(path)
     part = part_of(path)
     try:
@@ -61,10 +61,10 @@ def check_output(path: Path, overwrite: bool, resume: bool = False) -> None:
 
 def _refuse_existing(path: Path, overwrite: bool, resume: bool, own_part: bool = False) -> None:
     if os.path.lexists(path) and not overwrite:
-        raise UsageError(f"{path}: exists{' and is complete' if resume else ''}; --overwrite replaces it")
+        raise UsageError(f"{path}: exists{' and is complete' if resume else ''}; `overwrite` replaces it")
     part = part_of(path)
     if os.path.lexists(part) and not (overwrite or resume or own_part):
-        raise UsageError(f"{part}: exists, left by a sweep that did not finish; --resume goes on with it, --overwrite begins anew")
+        raise UsageError(f"{part}: exists, left by a sweep that did not finish; `resume` goes on with it, `overwrite` begins anew")
 
 
 _KINDS = {

@@ -30,17 +30,17 @@ def predict(spectrum: SpectraFile, structure: RockingParameters, shaking: Grid) 
         raise UsageError(f"{spectrum.path}: accepted is a linear spectrum on axes A and Omega")
     etas = {i: s.eta for i, s in enumerate(spectrum.structures) if LINEAR.shares(s) == LINEAR.shares(structure)}
     if not etas:
-        raise UsageError(f"{structure.name}: the spectrum holds none with its edges and damping; --exact computes it")
+        raise UsageError(f"{structure.name}: the spectrum holds none with its edges and damping; `exact` computes it")
     nearest = min(etas, key=lambda i: abs(etas[i] - structure.eta))
     if abs(etas[nearest] - structure.eta) > ETA_TOLERANCE:
         held = ", ".join(f"{x:g}" for x in sorted(set(etas.values())))
-        raise UsageError(f"{structure.name}: its eta is {structure.eta:.6g}, the spectrum holds {held}; --exact computes it")
+        raise UsageError(f"{structure.name}: its eta is {structure.eta:.6g}, the spectrum holds {held}; `exact` computes it")
     amplitude, omega = (float(x[0]) for x in shaking.scaled(structure))
     a, w = spectrum.grid.amplitude.values, spectrum.grid.frequency.values
     if not (a[0] <= amplitude <= a[-1] and w[0] <= omega <= w[-1]):
         raise UsageError(
             f"{structure.name}: A = {amplitude:.6g}, Omega = {omega:.6g} is outside the spectrum "
-            f"(A {a[0]:g} to {a[-1]:g}, Omega {w[0]:g} to {w[-1]:g}); --exact computes it"
+            f"(A {a[0]:g} to {a[-1]:g}, Omega {w[0]:g} to {w[-1]:g}); `exact` computes it"
         )
     record = predict_exactly(structure, spectrum.motion(), shaking)
     read_off = _interpolated(spectrum, nearest, amplitude, omega)

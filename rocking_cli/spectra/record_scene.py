@@ -62,10 +62,10 @@ class RecordScene(Scene):
         if not self.recordings:
             raise UsageError("no record")
         if not self.structures:
-            raise UsageError("no structure, and a restitution alone has no units: give a structure document, or critical angles as --alpha")
+            raise UsageError("no structure, and a restitution alone has no units: give a structure document, or critical angles as `alpha`")
         for s in self.structures:
             if s.dimensionless:
-                raise UsageError("a restitution alone has no units: give a structure document, or critical angles as --alpha")
+                raise UsageError("a restitution alone has no units: give a structure document, or critical angles as `alpha`")
             self.method.system_of(s)
             amplitude, omega = self._scaled(s, max(r.acceleration for r in self.recordings))
             if not (np.all(np.isfinite(amplitude)) and np.all(np.isfinite(omega)) and np.all(omega > 0.0)):
@@ -200,7 +200,7 @@ def scene_of_words(
     """
     found = parse_axes(axes, records=True) if axes is not None else {}
     if alphas is not None and "alpha" in found:
-        raise UsageError("--alpha does not go with alpha in --grid")
+        raise UsageError("`alpha` does not go with alpha in `grid`")
     if alphas is not None:
         found["alpha"] = parse_angles(alphas)
     if "alpha" in found or "T" in found:
@@ -209,12 +209,12 @@ def scene_of_words(
                 "structures have angles and a size of their own; accepted without them are alpha and T, with them scale, A or a_g"
             )
         if set(found) != {"alpha", "T"}:
-            raise UsageError(f"found {' and '.join(found)}; accepted are --alpha and --grid T=START:STOP:N together")
+            raise UsageError(f"found {' and '.join(found)}; accepted are `alpha` and `grid` T=START:STOP:N together")
         if len(etas) > 1:
-            raise UsageError(f"--eta is given {len(etas)} times; accepted over alpha and T is one")
+            raise UsageError(f"`eta` is given {len(etas)} times; accepted over alpha and T is one")
         return angles_scene(found["alpha"], found["T"], recordings, etas[0] if etas else None, method or Method("nonlinear", tolerance))
     if len(found) > 1:
-        raise UsageError(f"--grid: found {' and '.join(found)}; accepted is one of scale, A and a_g")
+        raise UsageError(f"`grid`: found {' and '.join(found)}; accepted is one of scale, A and a_g")
     columns = next(iter(found.values()), AS_RECORDED)
     return structures_scene(structures, recordings, columns, method or default_method(structures, tolerance))
 

@@ -115,7 +115,7 @@ class SpectraWriter:
             contents = contents_of(self.file, self.raw.end)
         except (*FAULTS, UsageError) as error:
             raise OutputError(
-                f"{self.part}: is not a sweep that can go on ({reason(error)}); it is kept, --overwrite begins anew"
+                f"{self.part}: is not a sweep that can go on ({reason(error)}); it is kept, `overwrite` begins anew"
             ) from None
         try:
             self._demand_same(contents, scene, shard, strict)
@@ -140,7 +140,7 @@ class SpectraWriter:
         if found is not None:
             place, there, here = found
             raise UsageError(
-                f"{self.part}: is of another scene: its {place} is {brief(there)}, this one's {brief(here)}; --overwrite begins anew"
+                f"{self.part}: is of another scene: its {place} is {brief(there)}, this one's {brief(here)}; `overwrite` begins anew"
             )
         before = contents.attributes.get("shard")
         if before != shard:
@@ -173,7 +173,7 @@ class SpectraWriter:
             self.file.flush()
         except (OSError, RuntimeError) as error:
             self._abandon()
-            kept = "; what was done is kept there for --resume" if self.written or self.resumed else ""
+            kept = "; what was done is kept there for `resume`" if self.written or self.resumed else ""
             raise OutputError(f"{self.part}: cannot be written: {_reason(error)}{kept}") from None
         self.done[index] = True
         self.written += 1
@@ -182,7 +182,7 @@ class SpectraWriter:
         """Add the closing attributes, verify the file, seal it, make it durable and give it its final name."""
         self.kept = True
         if self.whole and not self.done.all():
-            raise OutputError(f"{self.part}: {int((~self.done).sum())} of {self.done.size} chunks are missing; it is kept for --resume")
+            raise OutputError(f"{self.part}: {int((~self.done).sum())} of {self.done.size} chunks are missing; it is kept for `resume`")
         try:
             self.raw.reserve(SLACK + len(json.dumps(self.machines)))
             for key, value in {**attributes, "computed_on": json.dumps(self.machines)}.items():

@@ -244,7 +244,7 @@ def write_scene(
             kept = writer.written + writer.resumed
             if not kept:
                 raise Interrupted("interrupted before the first chunk was done; nothing is kept") from None
-            raise Interrupted(f"interrupted; {kept} of {writer.chunks} chunks are kept in {writer.part}; --resume goes on") from None
+            raise Interrupted(f"interrupted; {kept} of {writer.chunks} chunks are kept in {writer.part}; `resume` goes on") from None
         summary = replace(summary, elsewhere=writer.elsewhere)
         writer.finish(summary.record())
     return summary

@@ -161,7 +161,7 @@ def unit_reports(job: Job, units: Sequence[Unit], workers: int) -> Iterator[tupl
             some = [units[i] for i in batch]
             yield from zip(some, job.run(some), strict=True)
         return
-    with processes(workers, job.run, "fewer --workers or a smaller --chunk need less") as run:
+    with processes(workers, job.run, "fewer `workers` or a smaller `chunk_cells` need less") as run:
         rounds, ahead = tee(_batches(job, units, workers))
         results = run([units[i] for i in batch] for batches in ahead for batch in batches)
         for batches in rounds:

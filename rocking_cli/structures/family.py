@@ -41,7 +41,7 @@ def parse_variation(text: str) -> Variation:
     """
     key, equals, span = text.partition("=")
     parts = span.split(":")
-    wrong = UsageError(f"--vary: found {text!r}; accepted is KEY=START:STOP:N, such as thickness=1.2:2.0:9 or angle=150deg:180deg:31")
+    wrong = UsageError(f"`vary`: found {text!r}; accepted is KEY=START:STOP:N, such as thickness=1.2:2.0:9 or angle=150deg:180deg:31")
     if not equals or not key.strip() or len(parts) != 3:
         raise wrong
     low, high = split_quantity(parts[0]), split_quantity(parts[1])
@@ -49,14 +49,14 @@ def parse_variation(text: str) -> Variation:
         raise wrong
     (start, unit), (stop, other) = low, high
     if unit != other and unit and other:
-        raise UsageError(f"--vary {key}: bounds in {unit} and {other}; accepted is one unit for both")
+        raise UsageError(f"`vary` {key}: bounds in {unit} and {other}; accepted is one unit for both")
     count = parse_whole(parts[2])
     if count is None or count < 1:
-        raise UsageError(f"--vary {key}: found N = {parts[2]!r}; accepted is a whole number from 1")
+        raise UsageError(f"`vary` {key}: found N = {parts[2]!r}; accepted is a whole number from 1")
     if count > MAX_MEMBERS:
-        raise UsageError(f"--vary {key}: {count} values, accepted are up to {MAX_MEMBERS}")
+        raise UsageError(f"`vary` {key}: {count} values, accepted are up to {MAX_MEMBERS}")
     if count == 1 and start != stop:
-        raise UsageError(f"--vary {key}: one value from {start:g} to {stop:g}; give N of 2 or more, or equal bounds")
+        raise UsageError(f"`vary` {key}: one value from {start:g} to {stop:g}; give N of 2 or more, or equal bounds")
     step = (stop - start) / max(1, count - 1)
     values = tuple(stop if i == count - 1 else start + i * step for i in range(count))
     return Variation(key.strip(), values, unit or other or None)
@@ -66,10 +66,10 @@ def members(variations: Sequence[Variation]) -> int:
     """How many structures a family has. Raises UsageError when a key is varied twice or they are too many."""
     keys = [v.key for v in variations]
     if len(set(keys)) < len(keys):
-        raise UsageError("--vary: a key is varied twice")
+        raise UsageError("`vary`: a key is varied twice")
     count = math.prod(len(v.values) for v in variations)
     if count > MAX_MEMBERS:
-        raise UsageError(f"--vary: {count} structures, accepted are up to {MAX_MEMBERS}")
+        raise UsageError(f"`vary`: {count} structures, accepted are up to {MAX_MEMBERS}")
     return count
 
 

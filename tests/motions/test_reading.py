@@ -61,9 +61,9 @@ def test_documents_and_pulses_are_turned_over(tmp_path):
 @pytest.mark.parametrize(
     ("given", "words"),
     [
-        ({"scale_to": "PGA"}, "scale-to: found 'PGA'; accepted is such as PGA=0.35g, of PGA, PGV, PGD, Arias, CAV"),
-        ({"scale_to": "SA=1g"}, "scale-to: found 'SA=1g'"),
-        ({"scale_to": "PGA=1 m"}, "scale-to PGA: found '1 m'; accepted is an acceleration"),
+        ({"scale_to": "PGA"}, "`scale_to`: found 'PGA'; accepted is such as PGA=0.35g, of PGA, PGV, PGD, Arias, CAV"),
+        ({"scale_to": "SA=1g"}, "`scale_to`: found 'SA=1g'"),
+        ({"scale_to": "PGA=1 m"}, "`scale_to` PGA: found '1 m'; accepted is an acceleration"),
         ({"scale_to": "PGA=0"}, "accepted is a positive intensity"),
         ({"scale_to": "PGA=-0.1g"}, "accepted is a positive intensity"),
         ({"scale_to": "PGA=1", "scale": 2.0}, "do not go together"),

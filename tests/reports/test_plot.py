@@ -194,7 +194,7 @@ def test_a_map_in_characters_has_the_sign_of_each_cell(spectrum_file):
         ("p,alpha\n", "holds no rows"),
         ("event,t\nuplift,1\n", "holds events"),
         ("t,theta,ground_acceleration\n0,x,1\n", "cannot be drawn"),
-        ("name,p,alpha,eta,lambda\nx,1,1,1,1\n", "a family is drawn over what --vary varied"),
+        ("name,p,alpha,eta,lambda\nx,1,1,1,1\n", "a family is drawn over the keys that were varied"),
     ],
 )
 def test_tables_that_cannot_be_drawn(drawn, tmp_path, text, words):

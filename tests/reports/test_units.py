@@ -59,8 +59,8 @@ def test_the_dimension_of_a_side_an_item_and_a_model_is_that_of_the_column():
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        ("furlong", "--units: found 'furlong'; accepted are g, "),
-        ("g,", "--units: found ''"),
+        ("furlong", "`units`: found 'furlong'; accepted are g, "),
+        ("g,", "`units`: found ''"),
         ("g,gal", "found g and gal; accepted is one unit of acceleration"),
     ],
 )

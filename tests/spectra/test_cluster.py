@@ -106,4 +106,4 @@ def test_a_cluster_without_workers_is_told_and_waited_for(tmp_path, monkeypatch)
         )
     assert summary.cells == 9
     assert len(said) >= 2
-    assert all(re.fullmatch(rf"--scheduler: the cluster at {address} has no worker; waiting for one since \d+ s", line) for line in said)
+    assert all(re.fullmatch(rf"`scheduler`: the cluster at {address} has no worker; waiting for one since \d+ s", line) for line in said)

@@ -52,9 +52,9 @@ def test_a_locked_part_is_in_use_before_anything_else_is_said_of_it(output):
     first = begun(output)
     with pytest.raises(OutputError, match="in use by another process") as refusal:
         check_output(output, overwrite=False)
-    assert "--overwrite" not in str(refusal.value)
+    assert "`overwrite`" not in str(refusal.value)
     first.close()
-    with pytest.raises(UsageError, match="--resume goes on with it, --overwrite begins anew"):
+    with pytest.raises(UsageError, match="`resume` goes on with it, `overwrite` begins anew"):
         check_output(output, overwrite=False)
 
 

@@ -240,7 +240,7 @@ def test_a_shard_does_not_go_on_with_the_part_of_another(tmp_path):
 
 
 def test_an_incomplete_file_is_never_published(tmp_path):
-    with pytest.raises(OutputError, match="5 of 6 chunks are missing; it is kept for --resume"):
+    with pytest.raises(OutputError, match="5 of 6 chunks are missing; it is kept for `resume`"):
         with_one_chunk(tmp_path / "s.h5")
     assert [p.name for p in tmp_path.iterdir()] == ["s.h5.part"]
 
@@ -357,7 +357,7 @@ def test_scenes_differ_by_a_field_with_both_its_values(one, other, found):
 def test_outputs_are_never_replaced_unasked(tmp_path):
     path = tmp_path / "s.h5"
     path.write_text("mine")
-    with pytest.raises(UsageError, match="exists; --overwrite"):
+    with pytest.raises(UsageError, match="exists; `overwrite`"):
         write_spectrum(TWO, GRID, sine(), path)
     assert path.read_text() == "mine"
     write_spectrum(TWO, GRID, sine(), path, overwrite=True)

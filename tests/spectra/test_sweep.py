@@ -90,7 +90,7 @@ def test_an_interruption_names_the_part_that_it_leaves(tmp_path, monkeypatch):
     def stopped(*_):
         raise KeyboardInterrupt
 
-    with pytest.raises(Interrupted, match=r"interrupted; 1 of 20 chunks are kept in .*s\.h5\.part; --resume goes on"):
+    with pytest.raises(Interrupted, match=r"interrupted; 1 of 20 chunks are kept in .*s\.h5\.part; `resume` goes on"):
         write_spectrum(TWO, GRID, sine(), tmp_path / "s.h5", chunk_cells=53 * 4, workers=1, progress=stopped)
     assert (tmp_path / "s.h5.part").exists()
     monkeypatch.setattr(sweep, "unit_reports", stopped)

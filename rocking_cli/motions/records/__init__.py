@@ -88,7 +88,7 @@ def records_of(source: str, raw: bytes, *, unit: str | None = None, dt: float | 
     Raises DocumentError where a file of a record format is not valid, or holds counts, and UsageError for an unknown unit.
     """
     if unit is not None and unit not in UNITS["acceleration"]:
-        raise UsageError(f"unit: found {unit!r}; accepted are {', '.join(UNITS['acceleration'])}")
+        raise UsageError(f"`unit`: found {unit!r}; accepted are {', '.join(UNITS['acceleration'])}")
     sha256 = hashlib.sha256(raw).hexdigest()
     raw = _unpacked(source, raw)
     _refuse_binary(source, raw)
@@ -96,7 +96,7 @@ def records_of(source: str, raw: bytes, *, unit: str | None = None, dt: float | 
     found = next((f for f in FORMATS if f.recognise(text.head)), None)
     if found is not None:
         if unit is not None or dt is not None:
-            raise UsageError(f"{source}: states its own unit and dt ({found.NAME}); they are given with plain numbers only")
+            raise UsageError(f"{source}: states its own `unit` and `dt` ({found.NAME}); they are given with plain numbers only")
         series = found.read(text)
     elif plain.recognise(text.head):
         found, series = plain, plain.read(text, unit, dt)

@@ -44,13 +44,13 @@ def read(text: RecordText, unit: str | None, dt: float | None) -> list[Series]:
     if columns > 2:
         raise text.fault(f"{columns} columns; accepted are one (acceleration) or two (time in s, acceleration)", line_number)
     if unit is None:
-        raise DocumentError(f"{text.source}: plain numbers without a unit; give it as unit, one of {', '.join(UNITS['acceleration'])}")
+        raise DocumentError(f"{text.source}: plain numbers without a unit; give it as `unit`, one of {', '.join(UNITS['acceleration'])}")
     if columns == 1:
         if dt is None:
-            raise DocumentError(f"{text.source}: one column of numbers without times; give their step as dt")
+            raise DocumentError(f"{text.source}: one column of numbers without times; give their step as `dt`")
         return [Series(None, dt, values, unit)]
     if dt is not None:
-        raise DocumentError(f"{text.source}: two columns, of which the first is the time; dt goes with one column")
+        raise DocumentError(f"{text.source}: two columns, of which the first is the time; `dt` goes with one column")
     time = values[0::2]
     step = float(f"{(time[-1] - time[0]) / max(1, time.size - 1):.10g}")
     off = np.abs(time - (time[0] + step * np.arange(time.size))) > _UNEVEN * abs(step)

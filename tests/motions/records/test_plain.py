@@ -52,9 +52,9 @@ def lines(**changed):
 @pytest.mark.parametrize(
     ("text", "given", "words"),
     [
-        (lines(), {}, "a: plain numbers without a unit; give it as unit, one of m/s2"),
-        ("1\n2\n3\n", {"unit": "g"}, "a: one column of numbers without times; give their step as dt"),
-        (lines(), {"unit": "g", "dt": 0.01}, "dt goes with one column"),
+        (lines(), {}, "a: plain numbers without a unit; give it as `unit`, one of m/s2"),
+        ("1\n2\n3\n", {"unit": "g"}, "a: one column of numbers without times; give their step as `dt`"),
+        (lines(), {"unit": "g", "dt": 0.01}, "`dt` goes with one column"),
         ("1 2 3\n4 5 6\n", {"unit": "g"}, "a:1: 3 columns"),
         (lines(_7="0.07"), {"unit": "g"}, "a:8: found 1 numbers, 2 on the lines before"),
         (lines(_7="0.07 0.1 0.2"), {"unit": "g"}, "a:8: found 3 numbers, 2 on the lines before"),
@@ -80,5 +80,5 @@ def test_bad_files_are_told_with_file_and_line(tmp_path, text, given, words):
 def test_a_unit_that_is_none_of_acceleration(tmp_path):
     path = tmp_path / "a"
     path.write_text(lines())
-    with pytest.raises(UsageError, match="unit: found 'cm/s'; accepted are m/s2"):
+    with pytest.raises(UsageError, match="`unit`: found 'cm/s'; accepted are m/s2"):
         read_record(path, unit="cm/s")

@@ -110,7 +110,7 @@ def test_a_spoilt_file_is_a_record_or_one_sentence(at, length, put):
 
 def test_a_unit_is_for_plain_numbers(tmp_path):
     (tmp_path / "a").write_text(AT2)
-    with pytest.raises(UsageError, match=r"states its own unit and dt \(PEER AT2\)"):
+    with pytest.raises(UsageError, match=r"states its own `unit` and `dt` \(PEER AT2\)"):
         read_record(tmp_path / "a", unit="g")
 
 

@@ -1,0 +1,30 @@
+"""Between the library's terms and the options of a command: the library says `a_g`, at the shell that is --a-g."""
+
+from __future__ import annotations
+
+import re
+
+import click
+
+from ..errors import did_you_mean
+
+MEANT = {"--pga": "--a-g", "--amplitude": "--a-g", "--frequency": "--f-g", "--period": "--T-g", "--record": "--motion"}
+
+
+def in_options(text: str, command: click.Command) -> str:
+    """A sentence of the library, its arguments in backticks, with the command's options in their place; others stay as they are."""
+    options: dict[str, str] = {}
+    for parameter in command.params:
+        if isinstance(parameter, click.Option):
+            long = parameter.opts[-1]
+            options |= {str(parameter.name): long, long.lstrip("-").replace("-", "_"): long}
+    return re.sub(r"`(\w+)`", lambda found: options.get(found[1], found[0]), text)
+
+
+def no_such_option(error: click.NoSuchOption, arguments: list[str]) -> str:
+    """The sentence for an option that is not there, with the long one that was meant."""
+    name = error.option_name
+    if not name.startswith("--"):  # of -pulse click sees -p
+        name = next((a.partition("=")[0] for a in arguments if a.startswith(name) and not a.startswith("--")), name)
+    long = [o for p in error.ctx.command.params for o in p.opts if o.startswith("--")] if error.ctx is not None else []
+    return f"No such option {name}{did_you_mean('--' + name.lstrip('-'), [*long, '--help'], MEANT)}"

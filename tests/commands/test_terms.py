@@ -1,0 +1,49 @@
+"""The library speaks of arguments, the commands of their options."""
+
+from __future__ import annotations
+
+import ast
+import re
+from pathlib import Path
+
+import click
+import pytest
+
+from rocking_cli.commands import cli
+from rocking_cli.commands.terms import in_options
+
+PACKAGE = Path(__file__).resolve().parents[2] / "rocking_cli"
+LIBRARY = sorted(path for path in PACKAGE.rglob("*.py") if "commands" not in path.parts)
+
+
+@pytest.mark.parametrize(
+    ("command", "text", "said"),
+    [
+        ("spectrum", "`grid` a_g: found 1", "--grid a_g: found 1"),
+        ("spectrum", "fewer `workers` or a smaller `chunk_cells`", "fewer --workers or a smaller --chunk"),
+        ("response", "`scale_to`: found x; `motion_dt` and `dt`", "--scale-to: found x; --motion-dt and --dt"),
+        ("info", "it is kept for `resume`; `a b` and ``", "it is kept for `resume`; `a b` and ``"),
+    ],
+)
+def test_arguments_become_the_options_of_the_command(command, text, said):
+    found = cli.get_command(click.Context(cli), command)
+    assert found is not None
+    assert in_options(text, found) == said
+
+
+def test_sentences_of_the_library_are_told_in_options(refused, tmp_path):
+    (tmp_path / "plain.txt").write_text("1\n2\n3\n4\n")
+    plain = ["configs/block.yaml", "--motion", "plain.txt", "--unit", "g"]
+    assert "give their step as --motion-dt\n" in refused(3, "response", *plain)
+    assert "give their step as --dt\n" in refused(3, "compare", *plain)
+    assert "rocking: --resume does not go with --overwrite\n" in refused(
+        2, "spectrum", "--eta", "0.9", "--grid", "A=2,Omega=5", "-o", "s.h5", "--resume", "--overwrite"
+    )
+
+
+@pytest.mark.parametrize("path", LIBRARY, ids=lambda path: str(path.relative_to(PACKAGE)))
+def test_no_sentence_of_the_library_names_an_option(path):
+    tree = ast.parse(path.read_text(encoding="utf-8"))
+    explained = {id(node.value) for node in ast.walk(tree) if isinstance(node, ast.Expr)}
+    said = [n.value for n in ast.walk(tree) if isinstance(n, ast.Constant) and isinstance(n.value, str) and id(n) not in explained]
+    assert [text for text in said if re.search(r"--[a-z]", text)] == []
