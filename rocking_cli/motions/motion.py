@@ -18,6 +18,7 @@ import numpy as np
 
 from ..errors import MotionError
 from .extremes import isolated_extremes
+from .table import Table, table_of
 
 
 @dataclass(frozen=True)
@@ -123,6 +124,20 @@ class Segments:
         s, c = self.sin[0], self.cos[0]
         sign = np.where(self.s_end > self.s_start, 1.0, -1.0)
         return Wave(sign, self.s_start - s, s * s + c * c, np.arctan2(sign * s, sign * c))
+
+    @cached_property
+    def spread(self) -> float:
+        """How far apart the sinusoids' frequencies w lie: w_max^2 sum |C|/w over sum |C| w, the most of all segments."""
+        size, w = np.hypot(self.sin, self.cos), self.frequency
+        weight = (size * w).sum(axis=0)
+        moving = weight > 0.0
+        fastest = np.where(size > 0.0, w, 0.0).max(axis=0, initial=0.0)
+        return float((fastest[moving] ** 2 * (size / w).sum(axis=0)[moving] / weight[moving]).max(initial=1.0))
+
+    @cached_property
+    def table(self) -> Table | None:
+        """The segments as polynomials where they are sums of sinusoids; see `table_of`."""
+        return table_of(self)
 
     @cached_property
     def sloped(self) -> bool:

@@ -23,6 +23,7 @@ from rocking_cli.dynamics.equations.flow import LinearFlow
 from rocking_cli.dynamics.equations.linear import LinearEquation
 from rocking_cli.dynamics.equations.mechanism import MechanismEquation
 from rocking_cli.dynamics.equations.rigid_body import RigidBodyEquation
+from rocking_cli.dynamics.equations.summed_flow import SummedFlow
 from rocking_cli.dynamics.equations.taylor import TaylorSeries
 from rocking_cli.dynamics.lanes import Lanes
 from rocking_cli.dynamics.march import advance, engine
@@ -32,9 +33,9 @@ STAGES: dict[str, list[tuple[Any, str]]] = {
     "windows": [(advance, "next_step")],
     "arcs": [
         *((x, "flow") for x in (LinearEquation, RigidBodyEquation, MechanismEquation)),
-        *((x, "take") for x in (LinearFlow, TaylorSeries)),
+        *((x, "take") for x in (LinearFlow, SummedFlow, TaylorSeries)),
     ],
-    "flow": [(x, name) for x in (LinearFlow, TaylorSeries) for name in ("at", "at_ground")],
+    "flow": [(x, name) for x in (LinearFlow, SummedFlow, TaylorSeries) for name in ("at", "at_ground")],
     "roots": [(advance, "impact_root"), (advance, "hidden_turn")],
     "crests": [(advance, "turning_point"), (engine, "crests"), (engine, "low_bounces")],
     "contact": [(Symmetric, name) for name in ("uplift", "strike", "turn", "bouncing_ends", "fate")],

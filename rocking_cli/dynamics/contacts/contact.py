@@ -8,7 +8,7 @@ from typing import NamedTuple, Protocol
 import numpy as np
 
 from ...motions.motion import Segments
-from ..drive import crossing, segment_value
+from ..drive import crossing, drive_change
 from ..equations.equation import Equation
 from ..lanes import Cells, Lanes
 
@@ -87,7 +87,7 @@ def first_uplift(segments: Segments, k: Array, u: Array, right: Array, left: Arr
         kk, uu = k[waiting], u[waiting]
         s_now = segments.s_start[kk]
         inside = np.flatnonzero(uu > 0.0)
-        s_now[inside] += segment_value(segments, kk[inside], uu[inside])[0]
+        s_now[inside] += drive_change(segments, kk[inside], uu[inside])
         s_end = segments.s_end[kk]
         push_now = np.where(s_now > 0.0, left[waiting], right[waiting]) * np.abs(s_now)
         a_end = np.where(s_end > 0.0, left[waiting], right[waiting])
@@ -172,7 +172,7 @@ def _drive_after(segments: Segments, lanes: Lanes, at: Array, k: Array, u: Array
     """(outward drive after `trial` [tau], whether that is inside the segment); in between the drive is monotone."""
     later = np.minimum(u + lanes.omega[at] * trial, segments.length[k])
     outward = -lanes.side[at] * lanes.amplitude[at]
-    a1 = a0 + outward * (segment_value(segments, k, later)[0] - segment_value(segments, k, u)[0])
+    a1 = a0 + outward * (drive_change(segments, k, later) - drive_change(segments, k, u))
     return a1, later < segments.length[k]
 
 

@@ -15,6 +15,7 @@ from ..drive import segment_value
 from ..lanes import Lanes
 from .damped_flow import DampedFlow
 from .flow import LinearFlow
+from .summed_flow import SummedFlow, can_be_summed
 
 Array = np.ndarray
 
@@ -39,14 +40,16 @@ class LinearEquation:
         """Both sides have the same equation in their own units."""
         return self
 
-    def flow(self, segments: Segments, lanes: Lanes) -> LinearFlow | DampedFlow:
+    def flow(self, segments: Segments, lanes: Lanes) -> LinearFlow | SummedFlow | DampedFlow:
         """The arc that each lane is about to follow: its state and the outward drive's coefficients."""
         _, sin, cos = segment_value(segments, lanes.k, lanes.u)
         outward = -lanes.side * lanes.amplitude
         ramp = outward * segments.slope[lanes.k] * lanes.omega if segments.sloped else None
-        w = segments.frequency[:, lanes.k] * lanes.omega
+        w = segments.frequency.take(lanes.k, axis=1) * lanes.omega
         if self.damping:
             return DampedFlow(lanes.y, lanes.v, lanes.b, outward * cos, outward * sin, w, ramp, self.damping)
+        if can_be_summed(segments):
+            return SummedFlow.of(lanes.y, lanes.v, lanes.b, outward * cos, outward * sin, w)
         return LinearFlow(lanes.y, lanes.v, lanes.b, outward * cos, outward * sin, w, ramp)
 
     def force(self, y: Array, a: Array) -> Array:

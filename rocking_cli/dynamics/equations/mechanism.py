@@ -141,7 +141,7 @@ class MechanismEquation:
 
     def _local(self, at: Array, x: Array, count: int) -> Array:
         """(2, count, lanes): the series of F and G in powers of (y - y0) / half, shifted from the patch's centre to y0."""
-        rows = np.stack([self.table.lift[:, at], self.table.push[:, at]])
+        rows = np.stack([self.table.lift.take(at, axis=1), self.table.push.take(at, axis=1)])
         for k in range(count):
             for j in range(rows.shape[1] - 2, k - 1, -1):
                 rows[:, j] += x * rows[:, j + 1]

@@ -80,8 +80,8 @@ _TINY = 1e-90  # stands for no time at all, where derivatives are taken as n (n 
 
 
 def powers(x: Array, count: int) -> Array:
-    """(count, lanes): 1, x, x^2 ..., each doubling of the rows in one product."""
-    rows = np.empty((count, x.size))
+    """(count, ...): 1, x, x^2 ..., each doubling of the rows in one product."""
+    rows = np.empty((count, *x.shape))
     rows[0], rows[1] = 1.0, x
     have = 2
     while have < count:
@@ -118,7 +118,7 @@ def drive_series(segments: Segments, lanes: Lanes, order: int) -> Drive:
     """Terms 1 ... order of the drive. The first, the drive now, follows from the force that a lane carries."""
     _, sin, cos = segment_value(segments, lanes.k, lanes.u)
     outward = -lanes.side * lanes.amplitude
-    w = segments.frequency[:, lanes.k] * lanes.omega
+    w = segments.frequency.take(lanes.k, axis=1) * lanes.omega
     fastest = 1.0 + w.max(axis=0, initial=0.0)
     unit = 1.0 / fastest
     terms = np.zeros((order + 1, unit.size))

@@ -1,0 +1,161 @@
+"""Exact flow of the linear rocking oscillator for drives of many sinusoids: the modes of y apart from the sums over the drive's terms.
+
+What `flow` states harmonic by harmonic comes, with D_j = S_j/(1 + w_j^2) and E_j = C_j/(1 + w_j^2), to
+
+    y(h) = y0 + (v0 + P) sinh h + (b - Q) (cosh h - 1) + Y(h),   Y = sum_j [E_j (1 - cos(w_j h)) - D_j sin(w_j h)]
+    P = sum_j w_j D_j,   Q = sum_j w_j^2 E_j
+
+so that an evaluation takes a sine and a cosine a harmonic and four sums, and no F3 and F4. These sums cancel where the arc is short:
+there the drive's derivatives d_n = a^(n)(0) take their place,
+
+    y(h) = y0 + v0 sinh h + b (cosh h - 1) + sum_{m>=3} G_m h^m/m!,   G_m = d_(m-2) + G_(m-2),   G_1 = G_2 = 0
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from ...motions.motion import Segments
+from .equation import Point
+from .taylor import powers
+
+Array = np.ndarray
+
+SHORT = 2.0  # below this, (1 + fastest w) h, an arc is taken from the drive's derivatives
+_PAIRS = 11  # of derivatives: the first power of h that is left out is below 1e-17 of the sum at SHORT
+_OVER = 1.0 / np.array([math.factorial(m) for m in range(2 * _PAIRS + 3)], dtype=float)[:, None]
+_MOST_LOST = 100.0  # roundings of what the drive adds to an arc, just above SHORT
+
+
+def can_be_summed(segments: Segments) -> bool:
+    """Whether the motion has many sinusoids, and they are near enough to each other for the sums to keep their digits.
+
+    The sums are of order sum |C| h/w, their result sum |C| w h^3/6 at small h, where h is at least SHORT over the fastest w.
+    """
+    return segments.harmonics > 1 and not segments.sloped and 6.0 * segments.spread / SHORT**2 <= _MOST_LOST
+
+
+class SummedFlow(NamedTuple):
+    """One arc a lane: state at its start, (lanes,), and the drive's coefficients, (harmonics, lanes)."""
+
+    y: Array
+    v: Array
+    b: Array
+    sin: Array  # D_j
+    cos: Array  # E_j
+    w: Array  # angular frequency over p
+    fastest: Array  # 1 + the fastest of them, (lanes,)
+    p: Array  # P, (lanes,)
+    q: Array  # Q, (lanes,)
+    rate: Array  # slope of the drive at the start, (lanes,)
+
+    @classmethod
+    def of(cls, y: Array, v: Array, b: Array, sin: Array, cos: Array, w: Array) -> SummedFlow:
+        """From the state and the drive's S_j and C_j."""
+        sin, cos, w = (np.ascontiguousarray(x) for x in (sin, cos, w))  # else the order of the sums would be another
+        w2 = w * w
+        over = 1.0 / (1.0 + w2)
+        sines, cosines = sin * over, cos * over
+        return cls(y, v, b, sines, cosines, w, 1.0 + w.max(axis=0), _dot(w, sines), _dot(w2, cosines), _dot(w, sin))
+
+    @property
+    def damping(self) -> float:
+        """None."""
+        return 0.0
+
+    @property
+    def longest(self) -> Array:
+        """Longest step [tau]: cosh stays below 2e10, so growth cannot bury the state in rounding."""
+        return np.full(self.y.shape, 24.0)
+
+    def take(self, lanes: Array) -> SummedFlow:
+        """The arcs of some lanes."""
+        return SummedFlow(*(x.take(lanes, axis=-1) for x in self))
+
+    def at(self, h: Array) -> Point:
+        """The state after h >= 0 [-]."""
+        (short,) = (self.fastest * h < SHORT).nonzero()
+        half = np.sinh(0.5 * h)
+        half2 = half * half
+        sinh, cosh1 = 2.0 * half * np.sqrt(1.0 + half2), 2.0 * half2
+        if short.size == h.size:
+            return self._short(h, sinh, cosh1)
+        turned, turned_rate, bent, bent_rate = self._sums(h)
+        out, up = self.v + self.p, self.b - self.q
+        rise = out * sinh + up * cosh1
+        found = Point(
+            self.y + rise + turned,
+            self.v + out * cosh1 + up * sinh + turned_rate,
+            self.b + rise - bent,
+            self.v + out * cosh1 + up * sinh + self.rate - bent_rate,
+        )
+        if short.size:
+            for x, there in zip(found, self.take(short)._short(h[short], sinh[short], cosh1[short]), strict=True):
+                x[short] = there
+        return found
+
+    def _sums(self, h: Array) -> tuple[Array, Array, Array, Array]:
+        """Y and Y', and the sums of their terms times w^2."""
+        sin = self.w * (0.5 * h)
+        np.tan(sin, out=sin)
+        cosm = sin * sin
+        over = cosm + 1.0
+        np.divide(2.0, over, out=over)
+        cosm *= over  # 1 - cos(w h) = 2 sin^2 of the half angle
+        sin *= over
+        turned, rate = self.cos * cosm, self.cos * sin
+        turned -= np.multiply(self.sin, sin, out=sin)
+        rate += np.multiply(self.sin, cosm, out=cosm)
+        rate *= self.w
+        w2 = np.multiply(self.w, self.w, out=over)
+        return _sum(turned), _sum(rate), _dot(turned, w2), _dot(rate, w2)
+
+    def _short(self, h: Array, sinh: Array, cosh1: Array) -> Point:
+        """The state after a short h, with d_n and G_m over powers of the fastest w, which no power of w exceeds."""
+        own = self.w / self.fastest
+        turns = powers(-own * own, _PAIRS)
+        scale = self.w * self.w
+        scale += 1.0
+        scale *= own
+        d: Array = np.empty((_PAIRS, 2, h.size))  # (d_1, d_2), (d_3, d_4) ...
+        g: Array = np.empty((_PAIRS, 2, h.size))  # (G_3, G_4), (G_5, G_6) ...
+        d[:, 0] = _dot(turns, self.sin * scale)
+        scale *= -own
+        d[:, 1] = _dot(turns, self.cos * scale)
+        over2 = 1.0 / (self.fastest * self.fastest)
+        np.multiply(d[0], over2, out=g[0])
+        for i in range(1, _PAIRS):
+            np.add(d[i], g[i - 1], out=g[i])
+            g[i] *= over2
+        x = powers(self.fastest * h, len(_OVER))
+        x *= _OVER
+        d, g = d.reshape(-1, h.size), g.reshape(-1, h.size)
+        y, v = _dot(g, x[3:]), _dot(g, x[2:-1])
+        drive, rate = _dot(d, x[1:-2]), _dot(d, x[:-3])
+        y += self.v * sinh + self.b * cosh1
+        v *= self.fastest
+        v += self.v * cosh1 + self.b * sinh
+        v += self.v
+        return Point(self.y + y, v, self.b + y + drive, v + rate * self.fastest)
+
+    def at_ground(self, h: Array) -> Array:
+        """The force at an impact, where y = 0, from the change of the drive since the start."""
+        turned, _, bent, _ = self._sums(h)
+        return self.b - self.y - turned - bent
+
+
+def _sum(rows: Array) -> Array:
+    """Sum of (terms, lanes) over the terms, for each lane by itself."""
+    if rows.shape[-1] == 1:  # NumPy sums a single lane in another order: no digit may depend on a lane's neighbours
+        return np.einsum("jl->l", np.repeat(rows, 2, axis=1))[:1]
+    return np.einsum("jl->l", rows)
+
+
+def _dot(one: Array, other: Array) -> Array:
+    """Sum of the products of two arrays (..., terms, lanes) over the terms, in the same way."""
+    if one.shape[-1] == 1:
+        return np.einsum("...jl,jl->...l", np.repeat(one, 2, axis=-1), np.repeat(other, 2, axis=-1))[..., :1]
+    return np.einsum("...jl,jl->...l", one, other)

@@ -1,0 +1,132 @@
+"""Segments of many sinusoids as Taylor polynomials, patch by patch: one short polynomial in place of a sine and a cosine a harmonic.
+
+A segment is cut into equal patches, so short that what a polynomial leaves out is below rounding: its remainder is at most
+sum_j |C_j| (w_j d)^(n+1)/(n+1)! on a patch of half width d. The inverse, the phase at which a monotone segment has a value, is
+looked up: with t the root of the value's share of the segment's rise, counted from the nearer end, the phase is a smooth function of t
+at an extremum (where the share grows as the square of the phase) as well as at an end that is none.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from .motion import Segments
+
+Array = np.ndarray
+
+DEGREE = 17
+_LEFT_OUT = 1e-17  # of a polynomial, over the peak of the motion
+_MOST_PATCHES = 50_000  # beyond them the sinusoids are summed one by one
+_NODES = 64  # of the inverse, from each end of a segment to the middle of its rise
+
+
+class Near(NamedTuple):
+    """s - s(segment start) and its first two derivatives by phase, (lanes,)."""
+
+    change: Array
+    rate: Array
+    bend: Array
+
+
+@dataclass(frozen=True)
+class Table:
+    """Of K segments and P patches. first: (K,) a segment's first patch; last: (K,) its last; half: (K,) half width of its patches
+    [rad]; terms: (DEGREE + 1, P) of powers of (u - centre)/half; phases: (K, 2, _NODES + 2) the inverse, from the start and from the
+    end."""
+
+    first: Array
+    last: Array
+    half: Array
+    terms: Array
+    phases: Array
+
+    def near(self, k: Array, u: Array) -> Near:
+        """The drive about phase u of segment k."""
+        half = self.half[k]
+        x = 0.5 * u / half
+        patch = x.astype(np.int64)
+        np.minimum(patch, self.last[k] - self.first[k], out=patch)
+        x -= patch
+        x += x
+        x -= 1.0
+        patch += self.first[k]
+        rows = self.terms.take(patch, axis=1)
+        value, rate, bend = rows[-1].copy(), np.zeros(x.shape), np.zeros(x.shape)
+        for row in rows[-2::-1]:  # Horner's rule for the value and both derivatives
+            bend *= x
+            bend += rate
+            rate *= x
+            rate += value
+            value *= x
+            value += row
+        rate /= half
+        bend *= 2.0
+        bend /= half
+        bend /= half
+        return Near(value, rate, bend)
+
+    def phase(self, k: Array, share: Array) -> Array:
+        """About where the drive has gone this share, from 0 to 1, of segment k; to a part of 1e-3 or so."""
+        late = share > 0.5
+        place = np.sqrt(np.where(late, 1.0 - share, share))
+        place *= _NODES / np.sqrt(0.5)
+        node = place.astype(np.int64)
+        place -= node
+        at = (2 * k + late) * (_NODES + 2) + node
+        low, high = self.phases.take(at), self.phases.take(at + 1)
+        high -= low
+        high *= place
+        low += high
+        return low
+
+
+def table_of(segments: Segments) -> Table | None:
+    """The table of a motion; None where one closed form does without it, or where it would be too large."""
+    if segments.harmonics == 0 or (segments.harmonics == 1 and not segments.sloped):
+        return None
+    size, w = np.hypot(segments.sin, segments.cos), segments.frequency  # (harmonics, K)
+    peak = max(segments.later_max[0], -segments.later_min[0])
+    counts = np.ones(len(segments), dtype=np.int64)
+    over = float(np.prod(np.arange(2.0, DEGREE + 2.0)))
+    for _ in range(64):
+        half = 0.5 * segments.length / counts
+        wide = (size * (w * half) ** (DEGREE + 1)).sum(axis=0) > _LEFT_OUT * peak * over
+        if not wide.any():
+            break
+        counts[wide] = counts[wide] * 5 // 4 + 1
+        if counts.sum() > _MOST_PATCHES:
+            return None
+    k = np.repeat(np.arange(len(segments)), counts)
+    last = np.cumsum(counts) - 1
+    first = last - counts + 1
+    centre = (2.0 * (np.arange(k.size) - first[k]) + 1.0) * half[k]
+    terms = np.zeros((DEGREE + 1, k.size))
+    for s, c, f in zip(segments.sin[:, k], segments.cos[:, k], w[:, k], strict=True):
+        sin, cos = np.sin(f * centre), np.cos(f * centre)
+        now, grows = s * cos + c * sin, c * cos - s * sin
+        factor = np.ones(k.size)
+        for n in range(DEGREE + 1):
+            terms[n] += factor * (now - s if n == 0 else (now, grows, -now, -grows)[n % 4])
+            factor *= f * half[k] / (n + 1)
+    terms[0] += segments.slope[k] * centre
+    terms[1] += segments.slope[k] * half[k]
+    table = Table(first, last, half, terms, np.zeros((len(segments), 2, _NODES + 2)))
+    return Table(first, last, half, terms, _inverse(segments, table))
+
+
+def _inverse(segments: Segments, table: Table) -> Array:
+    """(K, 2, _NODES + 2) phases at the nodes, by bisection."""
+    t = np.sqrt(0.5) / _NODES * np.arange(_NODES + 2.0)
+    share = np.minimum(1.0, np.stack([t * t, 1.0 - t * t]))[None] + np.zeros((len(segments), 1, 1))
+    k = np.broadcast_to(np.arange(len(segments))[:, None, None], share.shape).ravel()
+    low, high = np.zeros(k.size), segments.length[k]
+    rise, wanted = segments.s_end[k] - segments.s_start[k], share.ravel()
+    for _ in range(50):
+        middle = 0.5 * (low + high)
+        before = table.near(k, middle).change * np.sign(rise) < wanted * np.abs(rise)
+        low, high = np.where(before, middle, low), np.where(before, high, middle)
+    return (0.5 * (low + high)).reshape(share.shape)

@@ -1,0 +1,81 @@
+"""The flow under many sinusoids, by sums, against its definition in 40 digits."""
+
+import mpmath
+import numpy as np
+import pytest
+
+from rocking_cli.dynamics.equations.summed_flow import SHORT, SummedFlow, can_be_summed
+from rocking_cli.motions import Harmonic, Motion, Piece, pulse, sine
+
+
+def arcs(lanes, harmonics=5, seed=3):
+    """Random arcs of drives with frequencies from 1 to 4 times a slowest one, and times from 1e-3 to 10 over the fastest."""
+    random = np.random.default_rng(seed)
+    w = random.uniform(1.0, 4.0, (harmonics, lanes)) * 10.0 ** random.uniform(-1.0, 1.0, lanes)
+    sin, cos = random.uniform(-1.0, 1.0, (2, harmonics, lanes))
+    y = np.where(random.random(lanes) < 0.5, 0.0, random.uniform(0.0, 0.5, lanes))
+    v, b = random.uniform(-0.5, 0.5, (2, lanes))
+    h = 10.0 ** random.uniform(-3.0, 1.0, lanes) / (1.0 + w.max(axis=0))
+    return y, v, b, sin, cos, w, h
+
+
+def exact(y, v, b, sin, cos, w, h):
+    """y, v, b, j after h from the modes and the steady motion, in 40 digits."""
+    with mpmath.workdps(40):
+        y, v, b, h = (mpmath.mpf(float(x)) for x in (y, v, b, h))
+        terms = [tuple(mpmath.mpf(float(x)) for x in term) for term in zip(sin, cos, w, strict=True)]
+        # y'' = y - 1 + a with a = c + sum S sin + C cos and b = y - 1 + a at 0
+        level = b - y - sum(c for _, c, _ in terms)  # c - 1
+
+        def steady(t, n):
+            turned = [(s * mpmath.sin(x * t + n * mpmath.pi / 2) + c * mpmath.cos(x * t + n * mpmath.pi / 2)) * x**n for s, c, x in terms]
+            return -sum(z / (1 + x * x) for z, (_, _, x) in zip(turned, terms, strict=True)) - (level if n == 0 else 0)
+
+        up, out = y - steady(0, 0), v - steady(0, 1)
+        modes = up * mpmath.cosh(h) + out * mpmath.sinh(h), up * mpmath.sinh(h) + out * mpmath.cosh(h)
+        return [float(modes[n % 2] + steady(h, n)) for n in range(4)]
+
+
+def test_the_state_is_that_of_the_definition():
+    *state, h = arcs(70)
+    flow = SummedFlow.of(*state)
+    found = np.array(flow.at(h))
+    wanted = np.array([exact(*(x[..., i] for x in (*state, h))) for i in range(h.size)]).T
+    short = flow.fastest * h < SHORT
+    assert 10 < short.sum() < 60
+    scale = np.cosh(h) + np.abs(state[3]).sum(axis=0) + np.abs(state[4]).sum(axis=0)
+    for n, tolerance in enumerate((4e-16, 2e-15, 4e-15)):
+        assert (np.abs(found[n] - wanted[n]) / scale)[short].max() < tolerance
+    assert (np.abs(found[:3] - wanted[:3]) / scale)[:, ~short].max() < 4e-14
+    assert (np.abs(found[3] - wanted[3]) / (scale * flow.fastest)).max() < 4e-14
+    ground = found[2] - found[0]
+    assert np.abs(flow.at_ground(h) - ground).max() < 2e-14
+
+
+def test_a_short_arc_from_rest_keeps_its_digits():
+    _, _, _, sin, cos, w, h = arcs(20, seed=4)
+    zero = np.zeros(h.size)
+    h = np.minimum(h, 0.3 / (1.0 + w.max(axis=0)))
+    found = SummedFlow.of(zero, zero, zero, np.abs(sin), cos, w).at(h)
+    wanted = np.array([exact(0.0, 0.0, 0.0, np.abs(sin[:, i]), cos[:, i], w[:, i], h[i]) for i in range(h.size)]).T
+    assert np.abs(found.y / wanted[0] - 1.0).max() < 2e-14
+    assert np.abs(found.v / wanted[1] - 1.0).max() < 2e-14
+
+
+@pytest.mark.parametrize("lanes", [1, 2, 3, 7])
+def test_the_digits_of_a_lane_are_its_own(lanes):
+    *state, h = arcs(40, harmonics=22)
+    flow = SummedFlow.of(*state)
+    together = flow.at(h)
+    for first in range(0, 35, 5):
+        some = np.arange(first, first + lanes)
+        assert all(np.array_equal(x, z[some]) for x, z in zip(flow.take(some).at(h[some]), together, strict=True))
+        own = SummedFlow.of(*(x[..., some] for x in state))
+        assert all(np.array_equal(x, z[..., some]) for x, z in zip(own, flow, strict=True))
+
+
+def test_frequencies_far_apart_are_left_to_the_flow_that_keeps_them_apart():
+    assert can_be_summed(pulse("ricker-symmetric").segments)
+    assert can_be_summed(pulse("mavroeidis-papageorgiou").segments)
+    assert not can_be_summed(sine().segments)
+    assert not can_be_summed(Motion("far", (Piece(0.0, 3.0, (Harmonic(1.0), Harmonic(0.1, 90.0))),)).segments)
