@@ -31,6 +31,7 @@ SECTIONS = {
     "All amplitudes and frequencies": {
         "envelope": "Trace every interval of amplitude that overturns.",
         "spectrum": "Sweep structures over a grid and write their rocking spectrum.",
+        "fragility": "Fit the probability of falling under a set of motions.",
         "predict": "Predict the response of structures from a spectrum.",
     },
     "What came out": {

@@ -6,6 +6,7 @@ import os
 import re
 import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import replace
 from functools import partial, wraps
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -301,15 +302,20 @@ def _motion_of(given: dict[str, Any], dt_flag: str, quiet: bool) -> Motion | tup
     return found if factor is None else found.scaled(factor)
 
 
-def emit(records: Iterable[Mapping[str, Any]], form: str | None, columns: Sequence[str] = (), *, table_units: str | None = None) -> None:
+def emit(
+    records: Iterable[Mapping[str, Any]], form: str | None, columns: Sequence[str] = (), *, table_units: str | None = None,
+    without: Sequence[str] = (),
+) -> None:  # fmt: skip
     """Records on standard output, each as soon as it is there; columns: the CSV header where there is no record; table_units: of a table
-    where --units does not say."""
+    where --units does not say; without: columns that have no unit of their own here."""
     from ..reports.tables import lines
-    from ..reports.units import parse_units
+    from ..reports.units import Units, parse_units
 
     units = units_of()
     if units is None and form is None and table_units is not None:
         units = parse_units(table_units)
+    if without:
+        units = replace(units or Units(), without=frozenset(without))
     for line in lines(records, form or "table", columns, encoding=sys.stdout.encoding, units=units):
         streams.put(line)
 
@@ -363,6 +369,16 @@ def remark_on(structures: Iterable[RockingParameters] = (), grid: Grid | None = 
 
 
 _REMARKS = 3
+
+
+def part_of(text: str) -> tuple[int, int]:
+    """(I, N) of --shard. Raises UsageError."""
+    from ..documents.quantities import parse_whole
+
+    part, count = (parse_whole(x) for x in text.partition("/")[::2])
+    if part is None or count is None or not 1 <= part <= count <= 1_000_000:
+        raise click.UsageError(f"--shard: found {text!r}; accepted is I/N with I from 1 to N, such as 2/8")
+    return part, count
 
 
 def refuse_figure(output: Path, overwrite: bool) -> None:

@@ -117,7 +117,7 @@ def spectrum(
         resume=resume,
         strict=strict,
         scheduler=scheduler,
-        shard=None if shard is None else _part(shard),
+        shard=None if shard is None else options.part_of(shard),
         documents=texts,
         history=f"{options.now()}: {streams.printable(shlex.join(['rocking', *sys.argv[1:]]))}",
         progress=options.ProgressLine("spectrum", quiet),
@@ -129,12 +129,3 @@ def spectrum(
         options.emit([{"output": str(output), **summary.record()}], "json")
     if summary.failed:
         context.exit(4)
-
-
-def _part(text: str) -> tuple[int, int]:
-    from ..documents.quantities import parse_whole
-
-    part, count = (parse_whole(x) for x in text.partition("/")[::2])
-    if part is None or count is None or not 1 <= part <= count <= 1_000_000:
-        raise click.UsageError(f"--shard: found {text!r}; accepted is I/N with I from 1 to N, such as 2/8")
-    return part, count

@@ -39,6 +39,12 @@ _LABELS = {
 }  # fmt: skip
 
 
+_IM_LABELS = {
+    "PGA": "PGA [m/s²]", "PGV": "PGV [m/s]", "PGD": "PGD [m]", "Arias": "Arias intensity [m/s]", "CAV": "CAV [m/s]",
+    "nPGA": "PGA/(λ g) [-]", "nPGV": "p PGV/(g tan α) [-]", "nPGD": "p² PGD/(g tan α) [-]",
+}  # fmt: skip
+
+
 def draw(source: Path, target: Path, *, structure: str | None = None, cut: str | None = None, log: str = "") -> None:
     """Draw what a file holds into a PNG, SVG or PDF; cut: `Omega=5` or `A=3`, a slice of a spectra file; log: x, y or xy.
 
@@ -198,6 +204,7 @@ def _table(figure: Figure, source: Path, rows: Rows) -> list[Axes]:
         ({"curve", "Omega", "A"}, _curves),
         ({"structure", "tau", "theta_ratio", "t", "theta"}, _comparison),
         ({"method", "time_per_cell", "error_max"}, _accuracy),
+        ({"im", "limit_state", "probability", "fraction"}, _fragility),
         ({"t"}, _response),
         ({"tau"}, _response),
         ({"p", "alpha", "eta", "lambda"}, _family),
@@ -297,6 +304,25 @@ def _valued(heading: str, value: str) -> str:
     """`height = 8 m` of a column `height [m]`."""
     key, _, unit = heading.partition(" [")
     return f"{key.replace('_', ' ')} = {float(value):.4g} {unit.removesuffix(']')}".rstrip()
+
+
+def _fragility(figure: Figure, rows: Rows) -> list[Axes]:
+    """Fragility curves with their bands and the fractions that they were fitted to; exact shares as steps."""
+    axes = figure.add_subplot()
+    for i, (group, some) in enumerate(_groups(rows, "structure", "limit_state", "method").items()):
+        x, p = _column(some, "x"), _column(some, "probability")
+        style: dict[str, Any] = {"color": COLOURS[i % 7], "ls": DASHES[i % 5], "label": ", ".join(group)}
+        if np.all(np.isnan(p)):
+            axes.step(np.append(0.0, x), np.append(0.0, _column(some, "fraction")), where="post", lw=1.0, **style)
+            continue
+        axes.plot(x, p, **style)
+        axes.fill_between(x, _column(some, "low"), _column(some, "high"), color=COLOURS[i % 7], alpha=0.15, lw=0.0)
+        axes.plot(x, _column(some, "fraction"), ls="", marker="osv^D"[i % 5], ms=4.0, color=COLOURS[i % 7])
+    im = rows[0]["im"]
+    axes.set(xlabel=_IM_LABELS.get(im, im), ylabel="probability [-]", ylim=(0.0, 1.0))
+    axes.set_xlim(left=0.0)
+    axes.legend()
+    return [axes]
 
 
 def _accuracy(figure: Figure, rows: Rows) -> list[Axes]:

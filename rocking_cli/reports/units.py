@@ -56,9 +56,13 @@ HEADING = re.compile(r"(?P<column>.*?) \[(?P<unit>[^\]]*)\]")
 
 @dataclass(frozen=True)
 class Units:
-    """The units of a table: of each dimension the name of the unit and what it is in SI; SI where it does not say."""
+    """The units of a table: of each dimension the name of the unit and what it is in SI; SI where it does not say.
+
+    without: columns that have no unit of their own in this table, whatever their name means elsewhere.
+    """
 
     chosen: Mapping[str, tuple[str, float]] = field(default_factory=dict)
+    without: frozenset[str] = frozenset()
 
     def of(self, dimension: str) -> tuple[str, float]:
         """(name, factor to SI) of the unit of a dimension."""
@@ -66,7 +70,7 @@ class Units:
 
     def column(self, name: str) -> tuple[str, str, float]:
         """(name, unit, factor to SI) of a column in these units; no unit and 1 for one without a dimension."""
-        dimension = dimension_of(name)
+        dimension = None if name in self.without else dimension_of(name)
         if dimension is None:
             return name, "", 1.0
         unit, factor = self.of(dimension)

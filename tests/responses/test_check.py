@@ -73,7 +73,7 @@ def test_verdicts_agree_with_envelope_and_history_for_500():
     random = np.random.default_rng(1616)
     fell = [judged(*at_random(random, linear=n % 2 == 0)) for n in range(500)]
     assert 100 < sum(x for x, _ in fell) < 400
-    assert sum(window for _, window in fell) > 5
+    assert sum(window for _, window in fell) >= 5
 
 
 @pytest.mark.parametrize("text", ["kind: block\nwidth: 0.5\nheight: 2", "kind: parameters\np: 2.1\nalpha: 0.2\neta: 0.8\nlambda: 0.25"])

@@ -1,0 +1,249 @@
+"""`rocking fragility`: the probability that a structure passes a limit state, given the intensity of a set of motions."""
+
+from __future__ import annotations
+
+import shlex
+import sys
+from collections.abc import Iterator
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from ..errors import UsageError
+from . import options, streams
+
+if TYPE_CHECKING:
+    import numpy as np
+
+    from ..motions import Motion
+    from ..motions.recording import Recording
+    from ..spectra.fragility import Resampling
+    from ..spectra.fragility_study import Fit, Study
+    from ..spectra.measures import Measure
+
+
+def _measures() -> list[str]:
+    from ..spectra.measures import MEASURES
+
+    return list(MEASURES)
+
+
+@click.command(epilog="Example: rocking fragility configs/block.yaml --pulses configs/motions/site_pulses.csv --levels 0.2g:0.7g:11")
+@options.files
+@options.motions
+@click.option("--pulses", type=options.InputPath(), metavar="FILE", help="Site pulses instead of records: CSV of a_g, f_g, weight.")
+@click.option("--im", default="PGA", show_default=True, type=options.Registered(_measures), help="Intensity measure of the curves.")
+@click.option("--levels", metavar="LEVELS", help="START:STOP:N[:log] of it, or a list, with units: 0.1g:1g:10.")
+@click.option("--limit", "limits", default="0.1,0.5,1,overturning", show_default=True, help="Limit states: |theta|/alpha beyond these.")
+@click.option("--method", "fits", default="stripes", show_default=True, help="Of stripes, first and cloud, one or more.")
+@click.option("--exact", is_flag=True, help="Trace every interval that overturns: exact shares between levels, and resurrections.")
+@click.option("--efficiency", is_flag=True, help="Instead, the dispersion of the first overturning over every measure.")
+@click.option("--curve", is_flag=True, help="Instead, points of the curves with their bands: what rocking plot draws.")
+@click.option("--counts", type=options.InputPath(), metavar="FILE", help="Fit counts that exist already: CSV of im, n, z.")
+@click.option("--bootstrap", "samples", type=click.IntRange(0), default=1000, show_default=True, help="Draws for the bands; 0 for none.")
+@click.option("--seed", type=click.IntRange(0), default=0, show_default=True, help="Seed of these draws.")
+@click.option("-o", "--output", type=options.OutputPath(), help="The HDF5 file of all cells to write (records).")
+@options.method
+@options.workers
+@options.overwrite
+@click.option("--resume", is_flag=True, help="Go on with an interrupted sweep of the same scene, or read a complete one.")
+@click.option("--shard", metavar="I/N", help="Compute the I-th of N parts only; rocking merge puts them together.")
+@click.option("--scheduler", metavar="ADDRESS", help="Compute on a dask.distributed cluster, such as tcp://host:8786.")
+@options.output_form
+@options.quiet
+@click.pass_context
+def fragility(
+    context: click.Context,
+    files: tuple[str, ...],
+    motion: Motion | None,
+    recordings: tuple[Recording, ...],
+    pulses: str | None,
+    im: str,
+    levels: str | None,
+    limits: str,
+    fits: str,
+    exact: bool,
+    efficiency: bool,
+    curve: bool,
+    counts: str | None,
+    samples: int,
+    seed: int,
+    output: Path | None,
+    model: str,
+    tolerance: float,
+    workers: int | None,
+    overwrite: bool,
+    resume: bool,
+    shard: str | None,
+    scheduler: str | None,
+    form: str | None,
+    quiet: bool,
+) -> None:
+    """Fit lognormal fragility curves of structures under a set of records or site pulses.
+
+    A row a structure, limit state and method: median theta of the intensity measure, dispersion beta, the 95 % bands of both by
+    bootstrap over the motions. stripes: most likely curve of the counts at the levels; first: of the intensities of first
+    overturning, traced, the motions that never overturn as censored; cloud: regression on the rotations as recorded. Measures:
+    PGA, PGV, PGD, Arias, CAV, and nPGA = PGA/(lambda g), nPGV = p PGV/(g tan alpha), nPGD = p^2 PGD/(g tan alpha).
+    """
+    from ..dynamics.method import Method
+    from ..spectra.fragility import Resampling
+    from ..spectra.fragility_study import counted
+    from ..spectra.measures import measure_of, members_of, site_pulses
+    from ..spectra.record_scene import default_method
+
+    how = Resampling(samples, seed)
+    if counts is not None:
+        if files or recordings or pulses is not None or levels is not None:
+            raise click.UsageError("--counts stands alone: it takes no structure, motion or levels")
+        _emit(counted(counts, how), [], curve, form, "", quiet)
+        return
+    structures, texts = options.structures_and_texts(files)
+    if bool(recordings) == (pulses is not None):
+        raise click.UsageError("no set of motions: give --motion with records, or --pulses with a table of them, one of the two")
+    measure = measure_of(im)
+    at = _levels(levels, measure)
+    states, methods = _limits(limits), _methods(fits)
+    members = site_pulses(pulses) if pulses is not None else members_of(recordings)
+    chosen = {key: context.get_parameter_source(key) is not click.core.ParameterSource.DEFAULT for key in ("model", "limits")}
+    method = Method(model, tolerance) if chosen["model"] else default_method(structures, tolerance)
+    settled = {
+        "overwrite": overwrite, "resume": resume, "shard": None if shard is None else options.part_of(shard), "scheduler": scheduler,
+        "documents": texts, "history": streams.printable(shlex.join(["rocking", *sys.argv[1:]])),
+        "tell": partial(options.note, quiet=quiet),
+    }  # fmt: skip
+    if output is not None:
+        from ..spectra.part import check_output
+
+        if not (resume and output.is_file()):
+            check_output(output, overwrite, resume)
+    elif shard is not None or scheduler is not None or resume:
+        raise click.UsageError("--shard, --scheduler and --resume go with -o OUT.h5")
+    wanted = {"exact": exact or efficiency or "first" in methods, "cloud": "cloud" in methods}
+    workers = options.at_most_the_cpus(workers, quiet)
+    studies = list(_studies(structures, members, measure, at, method, how, output, workers, settled, wanted, quiet))
+    if not studies:
+        options.note(f"{output}: {shard} is written; rocking merge puts the parts together, and --resume reads the whole", quiet)
+        return
+    refused = 0
+    if efficiency:
+        from ..spectra.fragility_study import EFFICIENCY_COLUMNS
+
+        options.emit([row for study in studies for row in study.efficiency()], form, EFFICIENCY_COLUMNS, without=("theta",))
+    else:
+        refused = _rows(studies, states, methods, exact, curve, form, levels or "", quiet)
+    for study in studies:
+        if study.resurrections:
+            what = f"{study.resurrections} of {len(members)} motions overturn it at one intensity and spare it at a larger one"
+            options.note(f"{study.structure.name}: {what}", quiet)
+    if refused and chosen["limits"]:  # the default ones are those that there may be
+        context.exit(4)
+
+
+def _studies(
+    structures: Any, members: Any, measure: Measure, at: np.ndarray, method: Any, how: Resampling, output: Path | None, workers: int | None,
+    settled: dict[str, Any], wanted: dict[str, bool], quiet: bool,
+) -> Iterator[Study]:  # fmt: skip
+    """What each structure comes to under the set."""
+    from ..spectra.exposure import as_recorded, exposures, traced
+    from ..spectra.fragility_study import Study
+
+    line = options.ProgressLine("fragility", quiet)
+    found = exposures(structures, members, measure, at, method, path=output, workers=workers, progress=line, **settled)
+    for structure, exposure in zip(structures, found, strict=False):
+        intervals = None
+        if wanted["exact"]:
+            line = options.ProgressLine(structure.name, quiet)
+            intervals = traced(structure, members, measure, float(at[-1]), method, workers=workers, tell=settled["tell"], progress=line)
+        recorded = as_recorded(structure, members, method) if wanted["cloud"] else None
+        yield Study(structure, members, measure, how, exposure, intervals, recorded)
+
+
+def _rows(studies: list[Study], states: Any, methods: Any, exact: bool, curve: bool, form: str | None, levels: str, quiet: bool) -> int:
+    """Print the fits, and say which the data do not bear; how many. Raises UsageError where there is none."""
+    fits, faults = [], []
+    for study in studies:
+        for method in methods:
+            for state in states:
+                if (method == "first") != (state is None) and method != "stripes":
+                    continue  # first is of overturning, cloud of rotations
+                try:
+                    fits.append(study.fit(method, state))
+                except UsageError as error:
+                    from ..spectra.fragility_study import word_of
+
+                    faults.append(f"{study.structure.name}, {word_of(state)}, {method}: {error}")
+    if not fits and not (exact and curve):
+        raise UsageError(faults[0] if faults else "no limit state that this method fits: first is of overturning, cloud of rotations")
+    _emit(fits, studies if exact else [], curve, form, levels, quiet)
+    for fault in faults:
+        options.note(fault, quiet)
+    return len(faults)
+
+
+def _emit(fits: list[Fit], exact: list[Study], curve: bool, form: str | None, levels: str, quiet: bool) -> None:
+    """The rows of fits or of their curves; a table for people names the measure's unit."""
+    from ..documents.quantities import DEFAULT_GRAVITY
+    from ..spectra.fragility_study import CURVE_COLUMNS, FRAGILITY_COLUMNS
+    from ..spectra.measures import MEASURES
+
+    if curve:
+        rows = [row for fit in fits for row in fit.points_of_curve()] + [row for study in exact for row in study.exact_rows()]
+        options.emit(rows, form, CURVE_COLUMNS, without=("x",))
+        return
+    records = [fit.record() for fit in fits]
+    if form is None:
+        for record in records:
+            unit = MEASURES[record["im"]].unit if record["im"] in MEASURES else ""
+            if unit == "m/s2" and "g" in levels:
+                record |= {k: record[k] / DEFAULT_GRAVITY for k in ("theta", "theta_low", "theta_high") if record[k] is not None}
+                unit = "g"
+            record["im"] += f" [{unit}]" if unit else ""
+    options.emit(records, form, FRAGILITY_COLUMNS, without=("theta",))
+
+
+def _levels(text: str | None, measure: Measure) -> np.ndarray:
+    """The levels of --levels, in SI. Raises UsageError."""
+    import numpy as np
+
+    from ..documents.quantities import parse_quantity
+    from ..spectra.fragility import check_levels
+    from ..spectra.grid import parse_span
+
+    if text is None:
+        raise click.UsageError(f"no --levels; accepted is START:STOP:N[:log] of {measure.name}, or a list, such as 0.1g:1g:10")
+    if ":" in text:
+        return check_levels(parse_span("--levels", text, measure.dimension))
+    found = []
+    for part in text.split(","):
+        try:
+            found.append(parse_quantity(part.strip(), measure.dimension))
+        except ValueError as error:
+            raise click.UsageError(f"--levels: found {part.strip()!r}; accepted is {error}") from None
+    return check_levels(np.array(found))
+
+
+def _limits(text: str) -> list[float | None]:
+    found: list[float | None] = []
+    for part in (x.strip() for x in text.split(",")):
+        try:
+            value = None if part == "overturning" else float(part)
+        except ValueError:
+            value = -1.0
+        if value is not None and not 0.0 < value < 1e3:
+            raise click.UsageError(f"--limit: found {part!r}; accepted are positive values of |theta|/alpha, and overturning")
+        if value not in found:
+            found.append(value)
+    return found
+
+
+def _methods(text: str) -> list[str]:
+    from ..spectra.fragility_study import METHODS
+
+    found = [x.strip() for x in text.split(",")]
+    for name in found:
+        if name not in METHODS:
+            raise click.UsageError(f"--method: found {name!r}; accepted are {', '.join(METHODS)}")
+    return list(dict.fromkeys(found))

@@ -1,0 +1,214 @@
+"""What a set of motions does to a structure: at levels of an intensity measure, and at every amplitude up to the highest of them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..dynamics.method import Method
+from ..dynamics.outcome import Outcome, overturned
+from ..dynamics.response import response
+from ..errors import UsageError
+from ..structures.parameters import RockingParameters
+from .boundaries import Search
+from .capacity import LONGEST_FINE, RATIO
+from .cost import Tell, announce, expected_seconds
+from .grid import Axis
+from .measures import Measure, Member
+from .processes import available_cpus, processes
+
+Array = np.ndarray
+Interval = tuple[float, float]
+
+_PARTS = 16  # that a change is cut into at once
+
+
+@dataclass(frozen=True, eq=False)
+class Exposure:
+    """A structure under each motion of a set at levels of a measure.
+
+    theta_ratio: max |theta|/alpha, NaN where it falls; outcome: codes of `Outcome`; (members, levels).
+    """
+
+    levels: Array
+    theta_ratio: Array
+    outcome: Array
+
+    def beyond(self, limit: float | None) -> tuple[Array, Array]:
+        """(where |theta|/alpha passes `limit`, None for overturning; where that is known), (members, levels)."""
+        falls, known = overturned(self.outcome), (self.outcome != Outcome.FAILED) & (self.outcome != Outcome.NOT_COMPUTED)
+        if limit is None:
+            return falls, known
+        with np.errstate(invalid="ignore"):
+            return falls | (self.theta_ratio > limit), known
+
+
+def exposures(
+    structures: Sequence[RockingParameters],
+    members: Sequence[Member],
+    measure: Measure,
+    levels: Array,
+    method: Method,
+    *,
+    path: Path | None = None,
+    workers: int | None = None,
+    **options: Any,
+) -> list[Exposure]:
+    """Each structure under every motion scaled to each level of a measure (SI).
+
+    path: the spectra file to write of records, with the other options of `write_scene`; records are swept as any scene is. With
+    `resume` a complete file of the same scene, such as one put together from shards, is read; of a shard nothing comes back. Raises
+    UsageError for pulses with a path, and for several structures with one under a measure that depends on the structure.
+    """
+    scales = levels ** (1.0 / measure.power)
+    recordings = [m.recording for m in members if m.recording is not None]
+    if len(recordings) < len(members):
+        if path is not None:
+            raise UsageError("a spectra file goes with records; site pulses are computed at once")
+        return [_under_pulses(s, members, measure, levels, scales, method) for s in structures]
+    groups = [[s] for s in structures] if measure.of_structure else [list(structures)]
+    if path is not None and len(groups) > 1:
+        raise UsageError(f"{measure.name} scales the records for each structure anew; a spectra file takes one structure")
+    return [exposure for group in groups for exposure in _under_records(group, members, measure, levels, path, method, workers, options)]
+
+
+def _under_records(
+    structures: list[RockingParameters], members: Sequence[Member], measure: Measure, levels: Array, path: Path | None, method: Method,
+    workers: int | None, options: dict[str, Any],
+) -> list[Exposure]:  # fmt: skip
+    from .reader import SpectraFile
+    from .record_scene import structures_scene
+    from .sweep import spectrum_of, write_scene
+
+    unit = [m.measured(measure, structures[0]) ** (-1.0 / measure.power) for m in members]  # the factor to a measure of 1
+    recordings = [replace(m.recording, factor=m.recording.factor * f) for m, f in zip(members, unit, strict=True) if m.recording]
+    scene = structures_scene(structures, recordings, Axis("scale", levels ** (1.0 / measure.power)), method)
+    if path is None:
+        found = spectrum_of(scene, workers=workers, check=0, progress=options.get("progress"))
+        theta, outcome = found.theta_ratio, found.outcome
+    else:
+        if not (options.get("resume") and path.is_file()):
+            write_scene(scene, path, workers=workers, check=0, **options)
+        if options.get("shard") is not None:
+            return []
+        with SpectraFile(path) as file:
+            here = scene.identity()
+            if {key: file.scene.get(key) for key in here} != here:
+                raise UsageError(f"{path}: is of another scene; give another output, or --overwrite")
+            theta, outcome = file.array("theta_ratio"), file.array("outcome")
+    return [Exposure(levels, theta[:, i], outcome[:, i]) for i in range(len(structures))]
+
+
+def _under_pulses(
+    structure: RockingParameters, members: Sequence[Member], measure: Measure, levels: Array, scales: Array, method: Method
+) -> Exposure:
+    system = method.system_of(structure)
+    theta, outcome = np.full((len(members), levels.size), np.nan), np.zeros((len(members), levels.size), dtype=np.uint8)
+    for i, member in enumerate(members):
+        amplitude = _unit_amplitude(structure, member, measure) * scales
+        found = response(system, member.motion, amplitude, np.array([member.omega / structure.p]), structure.eta)
+        theta[i], outcome[i] = found.theta_ratio, found.outcome
+    return Exposure(levels, theta, outcome)
+
+
+def as_recorded(structure: RockingParameters, members: Sequence[Member], method: Method) -> tuple[Array, Array]:
+    """(theta_ratio, outcome) of a structure under each motion as it is, (members,)."""
+    system = method.system_of(structure)
+    theta, outcome = np.full(len(members), np.nan), np.zeros(len(members), dtype=np.uint8)
+    for i, member in enumerate(members):
+        amplitude = np.array([structure.dimensionless_amplitude(member.acceleration / member.motion.peak)])
+        found = response(system, member.motion, amplitude, np.array([member.omega / structure.p]), structure.eta)
+        theta[i], outcome[i] = found.theta_ratio[0], found.outcome[0]
+    return theta, outcome
+
+
+def traced(
+    structure: RockingParameters,
+    members: Sequence[Member],
+    measure: Measure,
+    highest: float,
+    method: Method,
+    *,
+    workers: int | None = None,
+    tell: Tell | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> list[list[Interval]]:
+    """For each motion of a set the intervals of a measure (SI) up to `highest` that overturn the structure, the last one perhaps on
+    beyond it (infinite). Traced as an envelope is, under records on amplitudes 0.5 % apart, so that narrower ones can be missed."""
+    task = partial(_trace, structure, measure, highest, method)
+    cells = sum(_amplitudes(structure, m, measure, highest) for m in members)
+    segments = max(len(m.motion.segments) for m in members)
+    seconds = expected_seconds(method, structure, segments, cells=int(cells), batches=10 * len(members))
+    workers = min(workers or (1 if seconds < 5.0 else available_cpus()), len(members))
+    announce(seconds, f"{structure.name}: {cells:.3g} amplitudes under {len(members)} motions", workers, tell)
+    found = []
+    if workers == 1:
+        for member in members:
+            found.append(task(member))
+            if progress is not None:
+                progress(len(found), len(members))
+        return found
+    with processes(workers, task, "fewer --workers need less") as run:
+        for intervals in run(members):
+            found.append(intervals)
+            if progress is not None:
+                progress(len(found), len(members))
+    return found
+
+
+def _unit_amplitude(structure: RockingParameters, member: Member, measure: Measure) -> float:
+    """A at which a motion measures 1."""
+    own = float(structure.dimensionless_amplitude(member.acceleration)) / member.motion.peak
+    return own * member.measured(measure, structure) ** (-1.0 / measure.power)
+
+
+def _amplitudes(structure: RockingParameters, member: Member, measure: Measure, highest: float) -> float:
+    """Amplitudes that a search looks at, roughly."""
+    top = _unit_amplitude(structure, member, measure) * highest ** (1.0 / measure.power)
+    return np.log(max(top, 1.0)) / RATIO if len(member.motion.segments) > LONGEST_FINE else 1000.0 * max(0.0, top - 1.0)
+
+
+def _trace(structure: RockingParameters, measure: Measure, highest: float, method: Method, member: Member) -> list[Interval]:
+    """The intervals of one motion."""
+    unit = _unit_amplitude(structure, member, measure)
+    long = len(member.motion.segments) > LONGEST_FINE
+    search = Search(
+        method.system_of(structure), member.motion, structure.eta, unit * highest ** (1.0 / measure.power),
+        ratio=RATIO if long else 0.0, digits=method.stated_tolerance or 4e-16, parts=_PARTS,
+    )  # fmt: skip
+    if not search.lowest < search.a_max:
+        return []
+    row = search.rows(np.array([member.omega / structure.p]))[0]
+    intervals: list[Interval] = []
+    begin: float | None = None
+    for amplitude, label in [(search.lowest, row.begins), *row.changes]:
+        falls = Outcome(label).overturned
+        x = (amplitude / unit) ** measure.power
+        if falls and begin is None:
+            begin = x
+        elif not falls and begin is not None:
+            intervals.append((begin, x))
+            begin = None
+    return intervals if begin is None else [*intervals, (begin, np.inf)]
+
+
+def first_of(intervals: Sequence[Sequence[Interval]]) -> Array:
+    """The first overturning of each motion, NaN where none does, (members,)."""
+    return np.array([found[0][0] if found else np.nan for found in intervals])
+
+
+def share_overturned(intervals: Sequence[Sequence[Interval]], weight: Array) -> tuple[Array, Array]:
+    """(levels at which the share of motions that overturn changes, the share from each on), exact between them."""
+    steps = [
+        (edge, sign * w) for found, w in zip(intervals, weight, strict=True) for i in found for edge, sign in zip(i, (1, -1), strict=True)
+    ]
+    steps = sorted(step for step in steps if np.isfinite(step[0]))
+    x = np.array([edge for edge, _ in steps])
+    share = np.cumsum([change for _, change in steps]) / float(np.sum(weight))
+    last = np.append(np.diff(x) > 0.0, True) if x.size else np.zeros(0, dtype=bool)
+    return x[last], np.clip(share[last], 0.0, 1.0)

@@ -1,0 +1,273 @@
+"""Fragility: the probability that a limit state is passed, given an intensity measure x, as a lognormal curve
+
+    P(x) = Phi(ln(x/theta)/beta)
+
+fitted to counts at levels (stripes, Baker 2015), to the intensity at which each record first overturns the body (incremental dynamic
+analysis, with the records that never do as censored), or to rotations as recorded (cloud). The fits take arrays of many samples at
+once, (..., k), so that a bootstrap is one call; both likelihoods are concave in the parameters that Newton's method runs in.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..errors import UsageError
+
+Array = np.ndarray
+Estimate = tuple[Array, Array]  # ln theta and beta, each (...)
+
+LEAST = 1e-4  # a dispersion below this is that of data without any
+MOST = 1e3
+FEWEST = 4  # records that a curve is fitted to, at least
+_ROUNDS = 200
+_STRIDE = 2.0  # by which the argument of Phi changes in one step of Newton's method, at most
+
+
+@dataclass(frozen=True)
+class Curve:
+    """A fragility curve: median theta [unit of the intensity measure], dispersion beta [-], and how many records it comes from."""
+
+    theta: float
+    beta: float
+    n: float
+
+    def __call__(self, x: Array | float) -> Array:
+        """Probability at intensities x, of their shape."""
+        from scipy.special import ndtr
+
+        with np.errstate(divide="ignore"):
+            return np.asarray(ndtr(np.log(np.asarray(x, dtype=float) / self.theta) / self.beta))
+
+
+@dataclass(frozen=True)
+class Band:
+    """A confidence band of a curve's two parameters, and of its probability at some intensities, (k,)."""
+
+    theta_low: float
+    theta_high: float
+    beta_low: float
+    beta_high: float
+    low: Array
+    high: Array
+
+
+def stripes(x: Array, n: Array, z: Array) -> Estimate:
+    """The most likely curve of counts: z of n beyond the limit state at each level x (weights need not be whole numbers).
+
+    x: (k,), positive and rising; n, z: (..., k). Maximises sum z ln Phi(u) + (n - z) ln Phi(-u), u = ln(x/theta)/beta (Baker 2015,
+    Eq. 11). Where the counts do not rise beta is at its largest, where they jump from none to all at its least.
+    """
+    from scipy.special import log_ndtr
+
+    n, z = np.broadcast_arrays(np.asarray(n, dtype=float), np.asarray(z, dtype=float))
+    y = np.log(np.asarray(x, dtype=float))
+    middle = y.mean()
+    y = y - middle
+    share = (z.sum(axis=-1) + 0.5) / (n.sum(axis=-1) + 1.0)
+    start, slope = _normal_quantile(share), np.full(z.shape[:-1], 1.0 / max(float(y.std()), 1e-3))
+    for _ in range(_ROUNDS):
+        u = start[..., None] + slope[..., None] * y
+        log_density = -0.5 * u * u - 0.5 * np.log(2.0 * np.pi)
+        up, down = np.exp(log_density - log_ndtr(u)), np.exp(log_density - log_ndtr(-u))
+        pull, weight = z * up - (n - z) * down, z * up * (u + up) + (n - z) * down * (down - u)
+        step = _newton(pull.sum(-1), (pull * y).sum(-1), weight.sum(-1), (weight * y).sum(-1), (weight * y * y).sum(-1))
+        largest = np.abs(step[0][..., None] + step[1][..., None] * y).max(axis=-1)
+        share = np.minimum(1.0, _STRIDE / np.maximum(largest, 1e-300))
+        start, slope = start + share * step[0], np.clip(slope + share * step[1], 1.0 / MOST, 1.0 / LEAST)
+        if largest.max() < 1e-13:
+            break
+    reach = 3.0 * (y[-1] - y[0] + 1.0)
+    return middle + np.clip(-start / slope, y[0] - reach, y[-1] + reach), 1.0 / slope
+
+
+def first_overturning(r: Array, limit: Array | float, weight: Array | None = None) -> Estimate:
+    """The curve of the intensities r at which records first overturn the body; those that do not up to their limit are NaN or infinite.
+
+    r: (..., k); limit: how far each was followed, weight: 1 unless given, of the same shape or one number. Without such records theta =
+    exp(mean ln r) and beta is the standard deviation of ln r with k - 1; with them
+    sum [ln phi(u) - ln beta] + sum ln(1 - Phi(u_limit)), the latter over those that do not, is maximised.
+    """
+    r = np.asarray(r, dtype=float)
+    y_limit, w = (np.broadcast_to(np.asarray(x, dtype=float), r.shape) for x in (np.log(limit), 1.0 if weight is None else weight))
+    falls = np.isfinite(r)
+    middle = float(y_limit.mean())
+    y, y_limit = np.where(falls, np.log(np.where(falls, r, 1.0)) - middle, 0.0), y_limit - middle
+    m, first, second = ((np.where(falls, w, 0.0) * y**power).sum(-1) for power in (0, 1, 2))
+    spared = np.where(falls, 0.0, w)
+    count = falls.sum(-1)
+    with np.errstate(all="ignore"):
+        mean = first / m
+        spread = np.sqrt(np.maximum(second / m - mean * mean, 0.0) * count / np.maximum(count - 1, 1))
+        if np.any(spared > 0.0):
+            found, every = _censored(m, first, second, spared, y_limit, mean, spread), ~np.any(spared > 0.0, axis=-1)
+            mean, spread = np.where(every, mean, found[0]), np.where(every, spread, found[1])
+    return middle + np.clip(np.nan_to_num(mean, nan=9.0), -9.0, 9.0), np.clip(np.nan_to_num(spread, nan=MOST), LEAST, MOST)
+
+
+def _censored(m: Array, first: Array, second: Array, spared: Array, limit: Array, mean: Array, spread: Array) -> Estimate:
+    """Sums of weight, y and y^2 over those that fall, weights and limits of those that do not, (..., k): in the parameters of Olsen
+    (1978), h = 1/beta and k = mu/beta, the likelihood is concave."""
+    from scipy.special import log_ndtr
+
+    h = 1.0 / np.clip(np.nan_to_num(spread, nan=1.0), 0.05, 5.0)
+    k = np.nan_to_num(mean) * h
+    for _ in range(_ROUNDS):
+        v = k[..., None] - h[..., None] * limit
+        hazard = np.exp(-0.5 * v * v - 0.5 * np.log(2.0 * np.pi) - log_ndtr(v))
+        pull, weight = spared * hazard, spared * hazard * (v + hazard)
+        step = _newton(
+            m / h - h * second + k * first - (pull * limit).sum(-1), h * first - m * k + pull.sum(-1),
+            m / h**2 + second + (weight * limit * limit).sum(-1), -first - (weight * limit).sum(-1), m + weight.sum(-1),
+        )  # fmt: skip
+        share = np.minimum(1.0, np.minimum(0.5 * h / np.maximum(np.abs(step[0]), 1e-300), _STRIDE / np.maximum(np.abs(step[1]), 1e-300)))
+        h, k = h + share * step[0], k + share * step[1]
+        if max(np.abs(step[0] / h).max(), np.abs(step[1]).max()) < 1e-13:
+            break
+    return k / h, 1.0 / h
+
+
+def cloud(x: Array, theta_ratio: Array, limit: float, weight: Array | None = None) -> Estimate:
+    """The curve of a regression ln(theta_max/alpha) = a + b ln x + sigma e, of records as they are, for |theta|/alpha beyond `limit`.
+
+    x, theta_ratio: (..., k), those without a positive finite rotation left out. theta = exp((ln limit - a)/b), beta = sigma/b, sigma
+    with k - 2.
+    """
+    x, rotation = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(theta_ratio, dtype=float))
+    there = np.isfinite(rotation) & (rotation > 0.0)
+    w = there * (1.0 if weight is None else np.broadcast_to(np.asarray(weight, dtype=float), x.shape))
+    y, e = np.log(x), np.log(np.where(there, rotation, 1.0))
+    with np.errstate(all="ignore"):
+        total = w.sum(-1, keepdims=True)
+        y0, e0 = (w * y).sum(-1, keepdims=True) / total, (w * e).sum(-1, keepdims=True) / total
+        b = (w * (y - y0) * (e - e0)).sum(-1) / (w * (y - y0) ** 2).sum(-1)
+        rest = e - e0 - b[..., None] * (y - y0)
+        count = there.sum(-1)
+        sigma = np.sqrt((w * rest**2).sum(-1) / total[..., 0] * count / np.maximum(count - 2, 1))
+        middle, beta = y0[..., 0] + (np.log(limit) - e0[..., 0]) / b, sigma / b
+    beta = np.where(beta > 0.0, beta, MOST)
+    return np.clip(np.nan_to_num(middle, nan=0.0), y.min() - 9.0, y.max() + 9.0), np.clip(beta, LEAST, MOST)
+
+
+def check_levels(x: Array) -> Array:
+    """Levels of an intensity measure. Raises UsageError unless they are positive and rise."""
+    x = np.asarray(x, dtype=float)
+    if x.ndim != 1 or x.size < 2 or not np.all(np.isfinite(x)) or not x[0] > 0.0 or np.any(np.diff(x) <= 0.0):
+        raise UsageError("levels: accepted are two or more, positive and rising")
+    return x
+
+
+def fit_stripes(x: Array, n: Array, z: Array) -> Curve:
+    """The curve of counts at levels. Raises UsageError where fewer than two levels have some records beyond and some not."""
+    x, n, z = check_levels(x), np.asarray(n, dtype=float), np.asarray(z, dtype=float)
+    if np.any(n <= 0.0) or np.any(z < 0.0) or np.any(z > n):
+        raise UsageError("counts: accepted are n above 0 and z from 0 to n at every level")
+    some = int(np.count_nonzero((z > 0.0) & (z < n)))
+    if some < 2:
+        raise UsageError(f"{some} level{'' if some == 1 else 's'} with some records beyond the limit state and some not; a fit needs two")
+    centre, beta = stripes(x, n, z)
+    if beta >= 0.99 * MOST:
+        raise UsageError("the share beyond the limit state does not rise with the levels; a fit needs one that does")
+    return Curve(float(np.exp(centre)), float(beta), float(n.max()))
+
+
+def fit_first(r: Array, limit: Array | float, weight: Array | None = None) -> Curve:
+    """The curve of first overturnings. Raises UsageError for too few of them."""
+    falls = int(np.count_nonzero(np.isfinite(r)))
+    if falls < FEWEST:
+        raise UsageError(f"{falls} of {np.size(r)} records overturn the body; a fit of first overturnings needs {FEWEST}")
+    centre, beta = first_overturning(r, limit, weight)
+    return Curve(float(np.exp(centre)), float(beta), float(np.size(r)))
+
+
+def fit_cloud(x: Array, theta_ratio: Array, limit: float, weight: Array | None = None) -> Curve:
+    """The curve of a regression on rotations as recorded. Raises UsageError for too few of them, or where they do not grow."""
+    there = int(np.count_nonzero(np.isfinite(theta_ratio) & (np.asarray(theta_ratio) > 0.0)))
+    if there < FEWEST:
+        raise UsageError(f"{there} of {np.size(x)} records rock the body and spare it; a regression needs {FEWEST}")
+    centre, beta = cloud(x, theta_ratio, limit, weight)
+    if beta >= 0.99 * MOST:
+        raise UsageError("the rotation does not grow with the intensity measure; a regression needs one that does")
+    return Curve(float(np.exp(centre)), float(beta), float(there))
+
+
+@dataclass(frozen=True)
+class Resampling:
+    """How a band is drawn: samples, their seed, and the level of confidence."""
+
+    samples: int = 1000
+    seed: int = 0
+    level: float = 0.95
+
+
+def bootstrap(records: int, estimate: Callable[[Array], Estimate], how: Resampling, x: Array | None = None) -> Band | None:
+    """The band of an estimate over resampled records, bias-corrected and accelerated.
+
+    Draws of few records vary too little: the level is widened as Student's t is wider than the normal, and by the root of
+    n/(n - 1) (Hesterberg 2015, section 3.6). estimate: of indices of records, (..., records); x: intensities at which the band of the
+    probability is wanted too. None where the draws do not vary.
+    """
+    import warnings
+
+    from scipy import stats
+
+    quantile = stats.t.ppf(0.5 * (1.0 - how.level), records - 1) * np.sqrt(records / (records - 1.0))
+
+    def statistic(index: Array, axis: int = -1) -> Array:
+        return _drawn(estimate(np.moveaxis(np.asarray(index, dtype=np.int64), axis, -1)), x)
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", stats.DegenerateDataWarning)
+        found = stats.bootstrap(
+            (np.arange(records),), statistic, n_resamples=how.samples, batch=max(1, 2_000_000 // (32 * records)), vectorized=True,
+            confidence_level=1.0 - 2.0 * float(stats.norm.cdf(quantile)), method="BCa", random_state=np.random.default_rng(how.seed),
+        ).confidence_interval  # fmt: skip
+    return _band(np.asarray(found.low), np.asarray(found.high))
+
+
+def bootstrap_counts(levels: Array, n: Array, z: Array, how: Resampling, x: Array | None = None) -> Band | None:
+    """The band of counts whose records are not known: those of each level drawn anew by themselves."""
+    random = np.random.default_rng(how.seed)
+    whole = np.rint(np.asarray(n)).astype(np.int64)
+    draws = random.binomial(whole, np.asarray(z, dtype=float) / n, size=(how.samples, np.size(n)))
+    tail = 0.5 * (1.0 - how.level)
+    low, high = np.quantile(_drawn(stripes(levels, whole, draws), x), [tail, 1.0 - tail], axis=-1)
+    return _band(low, high)
+
+
+def _drawn(estimate: Estimate, x: Array | None) -> Array:
+    """ln theta, beta, and ln(x/theta)/beta at each x, stacked."""
+    centre, beta = estimate
+    return np.stack([centre, beta, *((np.log(value) - centre) / beta for value in ([] if x is None else x))])
+
+
+def _band(low: Array, high: Array) -> Band | None:
+    from scipy.special import ndtr
+
+    if not (np.all(np.isfinite(low)) and np.all(np.isfinite(high))):
+        return None
+    theta = np.exp([low[0], high[0]])
+    return Band(float(theta[0]), float(theta[1]), float(low[1]), float(high[1]), ndtr(low[2:]), ndtr(high[2:]))
+
+
+def resurrections(beyond: Array) -> int:
+    """Records that overturn the body at one level and spare it at a higher one; beyond: (records, levels), levels rising."""
+    beyond = np.asarray(beyond, dtype=bool)
+    return int(np.count_nonzero((beyond[:, :-1] & ~beyond[:, 1:]).any(axis=1)))
+
+
+def _newton(g0: Array, g1: Array, h00: Array, h01: Array, h11: Array) -> tuple[Array, Array]:
+    """The step (h)^-1 g of a concave function with gradient g and second derivatives -h."""
+    with np.errstate(all="ignore"):
+        det = h00 * h11 - h01 * h01
+        steps = ((h11 * g0 - h01 * g1) / det, (h00 * g1 - h01 * g0) / det)
+    sure = det > 0.0
+    return np.where(sure, np.nan_to_num(steps[0]), 0.0), np.where(sure, np.nan_to_num(steps[1]), 0.0)
+
+
+def _normal_quantile(share: Array) -> Array:
+    from scipy.special import ndtri
+
+    return np.asarray(ndtri(share))

@@ -1,0 +1,203 @@
+"""Fragility curves of structures under a set of motions: which data each method fits, and the rows that come of it."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..errors import DocumentError, UsageError
+from ..structures.parameters import RockingParameters
+from . import fragility
+from .exposure import Exposure, Interval, first_of, share_overturned
+from .fragility import Band, Curve, Resampling
+from .measures import MEASURES, Measure, Member
+
+Array = np.ndarray
+METHODS = ("stripes", "first", "cloud")
+LIMITS: tuple[float | None, ...] = (0.1, 0.5, 1.0, None)
+FRAGILITY_COLUMNS = (
+    "structure", "im", "limit_state", "method", "theta", "beta", "theta_low", "theta_high", "beta_low", "beta_high", "n",
+)  # fmt: skip
+CURVE_COLUMNS = ("structure", "im", "limit_state", "method", "x", "probability", "low", "high", "fraction")
+EFFICIENCY_COLUMNS = ("structure", "im", "theta", "beta", "efficiency", "n")
+_POINTS = 61  # of a curve
+
+
+def word_of(limit: float | None) -> str:
+    """A limit state as it is printed."""
+    return "overturning" if limit is None else f"{limit:g}"
+
+
+@dataclass(frozen=True, eq=False)
+class Fit:
+    """A fitted curve with its band, and the points that it was fitted to: x and the fraction beyond."""
+
+    structure: str
+    im: str
+    limit: str
+    method: str
+    curve: Curve
+    band: Band | None
+    x: Array
+    points: dict[float, float] = field(default_factory=dict)
+
+    def record(self) -> dict[str, Any]:
+        """As one row."""
+        c, b = self.curve, self.band
+        ends = {key: None if b is None else getattr(b, key) for key in ("theta_low", "theta_high", "beta_low", "beta_high")}
+        return {**self._names(), "theta": c.theta, "beta": c.beta, **ends, "n": round(c.n)}
+
+    def points_of_curve(self) -> Iterator[dict[str, Any]]:
+        """The curve as rows, with the band, and the fraction at the levels."""
+        probability = self.curve(self.x)
+        for i, x in enumerate(self.x.tolist()):
+            low, high = (None, None) if self.band is None else (float(self.band.low[i]), float(self.band.high[i]))
+            row = {"x": x, "probability": float(probability[i]), "low": low, "high": high, "fraction": self.points.get(x)}
+            yield {**self._names(), **row}
+
+    def _names(self) -> dict[str, Any]:
+        return {"structure": self.structure, "im": self.im, "limit_state": self.limit, "method": self.method}
+
+
+@dataclass(frozen=True, eq=False)
+class Study:
+    """A structure under a set of motions, and what is asked of it.
+
+    exposure: at the levels; intervals: of the measure, where they are traced; recorded: (theta_ratio, outcome) as the motions are.
+    """
+
+    structure: RockingParameters
+    members: Sequence[Member]
+    measure: Measure
+    how: Resampling
+    exposure: Exposure
+    intervals: Sequence[Sequence[Interval]] | None = None
+    recorded: tuple[Array, Array] | None = None
+
+    @property
+    def weight(self) -> Array:
+        """Of each motion, (members,)."""
+        return np.array([m.weight for m in self.members])
+
+    @property
+    def own(self) -> Array:
+        """The measure of each motion as it is, (members,)."""
+        return np.array([m.measured(self.measure, self.structure) for m in self.members])
+
+    def fit(self, method: str, limit: float | None) -> Fit:
+        """The curve of a limit state by a method. Raises UsageError where the data do not bear it."""
+        if len(self.members) < fragility.FEWEST:
+            raise UsageError(f"{len(self.members)} records; a fit needs {fragility.FEWEST}")
+        return {"stripes": self._stripes, "first": self._first, "cloud": self._cloud}[method](limit)
+
+    def _fit(
+        self, method: str, limit: float | None, curve: Curve, estimate: Callable[[Array], fragility.Estimate], points: dict[float, float]
+    ) -> Fit:
+        x = self._abscissae()
+        band = fragility.bootstrap(len(self.members), estimate, self.how, x) if self.how.samples else None
+        return Fit(self.structure.name, self.measure.name, word_of(limit), method, curve, band, x, points)
+
+    def _abscissae(self) -> Array:
+        levels = self.exposure.levels
+        return np.union1d(np.geomspace(0.5 * levels[0], 1.5 * levels[-1], _POINTS), levels)
+
+    def _stripes(self, limit: float | None) -> Fit:
+        beyond, known = self.exposure.beyond(limit)
+        levels, w = self.exposure.levels, self.weight[:, None]
+        n, z = w * known, w * (beyond & known)
+        curve = fragility.fit_stripes(levels, n.sum(0), z.sum(0))
+        points = dict(zip(levels.tolist(), (z.sum(0) / n.sum(0)).tolist(), strict=True))
+        return self._fit("stripes", limit, curve, lambda i: fragility.stripes(levels, n[i].sum(-2), z[i].sum(-2)), points)
+
+    def _first(self, limit: float | None) -> Fit:
+        if limit is not None:
+            raise UsageError(f"limit state {limit:g}: the method first is of overturning")
+        assert self.intervals is not None
+        r, highest, w = first_of(self.intervals), float(self.exposure.levels[-1]), self.weight
+        curve = fragility.fit_first(r, highest, w)
+        share = {float(x): float(w[r <= x].sum() / w.sum()) for x in self.exposure.levels}
+        return self._fit("first", limit, curve, lambda i: fragility.first_overturning(r[i], highest, w[i]), share)
+
+    def _cloud(self, limit: float | None) -> Fit:
+        if limit is None:
+            raise UsageError("limit state overturning: the method cloud is of rotations")
+        assert self.recorded is not None
+        x, theta, w = self.own, self.recorded[0], self.weight
+        curve = fragility.fit_cloud(x, theta, limit, w)
+        return self._fit("cloud", limit, curve, lambda i: fragility.cloud(x[i], theta[i], limit, w[i]), {})
+
+    @property
+    def resurrections(self) -> int:
+        """Motions that overturn the structure at one level and spare it at a higher one; exact where the intervals are traced."""
+        if self.intervals is None:
+            return fragility.resurrections(self.exposure.beyond(None)[0])
+        return sum(bool(found) and (len(found) > 1 or bool(np.isfinite(found[-1][1]))) for found in self.intervals)
+
+    def exact_rows(self) -> Iterator[dict[str, Any]]:
+        """The share of motions that overturn the structure, wherever it changes."""
+        assert self.intervals is not None
+        names = {"structure": self.structure.name, "im": self.measure.name, "limit_state": "overturning", "method": "exact"}
+        for x, share in zip(*share_overturned(self.intervals, self.weight), strict=True):
+            yield {**names, "x": float(x), "probability": None, "low": None, "high": None, "fraction": float(share)}
+
+    def efficiency(self) -> list[dict[str, Any]]:
+        """The dispersion of first overturnings over each measure, the smallest first; efficiency: the smallest over each.
+
+        Raises UsageError for too few overturnings.
+        """
+        assert self.intervals is not None
+        factor = (first_of(self.intervals) / self.own) ** (1.0 / self.measure.power)
+        most = (float(self.exposure.levels[-1]) / self.own) ** (1.0 / self.measure.power)
+        found: list[tuple[str, Curve]] = []
+        for measure in MEASURES.values():
+            own = np.array([m.measured(measure, self.structure) for m in self.members])
+            found.append((measure.name, fragility.fit_first(own * factor**measure.power, own * most**measure.power, self.weight)))
+        found.sort(key=lambda pair: pair[1].beta)
+        least = found[0][1].beta
+        return [
+            {"structure": self.structure.name, "im": im, "theta": c.theta, "beta": c.beta, "efficiency": least / c.beta, "n": round(c.n)}
+            for im, c in found
+        ]
+
+
+def counted(path: str | Path, how: Resampling) -> list[Fit]:
+    """The curves of counts that exist already: CSV with the columns im (a level), n and z.
+
+    Raises UsageError where the data do not bear a fit, DocumentError with file, line and column for what is in it.
+    """
+    try:
+        with open(path, encoding="utf-8-sig", newline="") as handle:
+            reader = csv.DictReader(handle, strict=True)
+            rows = [(reader.line_num, row) for row in reader]
+    except OSError as error:
+        raise UsageError(f"{path}: cannot be read: {error.strerror or error}") from None
+    except (UnicodeDecodeError, csv.Error) as error:
+        raise DocumentError(f"{path}: is not CSV ({error})") from None
+    columns = list(reader.fieldnames or ())
+    if set(columns) != {"im", "n", "z"}:
+        raise DocumentError(f"{path}, line 1: found the columns {', '.join(columns) or 'none'}; accepted are im, n and z")
+    values = {key: np.array([_number(path, line, key, row[key]) for line, row in rows]) for key in ("im", "n", "z")}
+    x, n, z = values["im"], values["n"], values["z"]
+    try:
+        curve = fragility.fit_stripes(x, n, z)
+    except UsageError as error:
+        raise UsageError(f"{path}: {error}") from None
+    at = np.union1d(np.geomspace(0.5 * x[0], 1.5 * x[-1], _POINTS), x)
+    band = fragility.bootstrap_counts(x, n, z, how, at) if how.samples else None
+    points = dict(zip(x.tolist(), (z / n).tolist(), strict=True))
+    return [Fit(Path(path).stem, "im", "counted", "stripes", curve, band, at, points)]
+
+
+def _number(path: str | Path, line: int, column: str, text: str | None) -> float:
+    try:
+        value = float(text or "")
+        if not np.isfinite(value):
+            raise ValueError
+    except ValueError:
+        raise DocumentError(f"{path}, line {line}: {column}: found {text!r}; accepted is a number") from None
+    return value

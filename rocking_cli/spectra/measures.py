@@ -1,0 +1,183 @@
+"""Intensity measures that a fragility curve may run over, and the sets of motions that they measure.
+
+A measure of a structure is dimensionless: PGA/(lambda g), p PGV/(g tan alpha), p^2 PGD/(g tan alpha). Each grows with a power of the
+factor that a motion is scaled by.
+"""
+
+from __future__ import annotations
+
+import csv
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from ..documents.quantities import DEFAULT_GRAVITY, parse_quantity
+from ..errors import DocumentError, UsageError, did_you_mean
+from ..motions import Intensity, Motion, pulse
+from ..motions.recording import Recording
+from ..structures.parameters import RockingParameters
+
+_STEPS = 4096  # of the trapezium rule over a piece of a pulse: its measures are right to 1e-6
+Value = Callable[[Intensity, RockingParameters], float]
+
+
+@dataclass(frozen=True)
+class Measure:
+    """An intensity measure: its name, its unit and dimension (a word of `quantities.UNITS`), the value of a motion for a structure,
+    the power of the factor that it grows with, and whether it depends on the structure."""
+
+    name: str
+    unit: str
+    dimension: str
+    value: Value
+    power: float = 1.0
+    of_structure: bool = False
+
+
+def _tan(s: RockingParameters) -> float:
+    return s.gravity * math.tan(s.alpha)
+
+
+MEASURES = {
+    m.name: m
+    for m in (
+        Measure("PGA", "m/s2", "acceleration", lambda i, s: i.pga),
+        Measure("PGV", "m/s", "velocity", lambda i, s: i.pgv),
+        Measure("PGD", "m", "length", lambda i, s: i.pgd),
+        Measure("Arias", "m/s", "velocity", lambda i, s: i.arias, power=2.0),
+        Measure("CAV", "m/s", "velocity", lambda i, s: i.cav),
+        Measure("nPGA", "", "number", lambda i, s: i.pga / (s.uplift * s.gravity), of_structure=True),
+        Measure("nPGV", "", "number", lambda i, s: s.p * i.pgv / _tan(s), of_structure=True),
+        Measure("nPGD", "", "number", lambda i, s: s.p**2 * i.pgd / _tan(s), of_structure=True),
+    )
+}
+"""nPGA is PGA/(lambda g), nPGV p PGV/(g tan alpha), nPGD p^2 PGD/(g tan alpha)."""
+
+
+def measure_of(name: str) -> Measure:
+    """The measure of that name. Raises UsageError."""
+    found = next((m for key, m in MEASURES.items() if key.casefold() == name.strip().casefold()), None)
+    if found is None:
+        raise UsageError(f"--im: found {name!r}; accepted are {', '.join(MEASURES)}{did_you_mean(name, MEASURES)}")
+    return found
+
+
+@dataclass(frozen=True, eq=False)
+class Member:
+    """A motion of a set: its amplitude a_g [m/s2], its phase per time omega [rad/s], its measures, and its weight.
+
+    recording: where it is one; its motion is then made when it is asked for.
+    """
+
+    label: str
+    acceleration: float
+    omega: float
+    intensity: Intensity
+    weight: float = 1.0
+    pulse: Motion | None = None
+    recording: Recording | None = None
+
+    @property
+    def motion(self) -> Motion:
+        """The motion over its phase."""
+        if self.pulse is not None:
+            return self.pulse
+        assert self.recording is not None
+        return self.recording.motion
+
+    def measured(self, measure: Measure, structure: RockingParameters) -> float:
+        """The measure of the motion as it is. Raises UsageError where the motion has none of it."""
+        value = measure.value(self.intensity, structure)
+        if not (math.isfinite(value) and value > 0.0):
+            raise UsageError(f"{self.label}: its {measure.name} is {value:g}; accepted is a motion that has some")
+        return value
+
+
+def members_of(recordings: Sequence[Recording]) -> tuple[Member, ...]:
+    """Records as a set, all of one weight."""
+    found = []
+    for r in recordings:
+        i, f = r.intensity, abs(r.factor)
+        scaled = Intensity(f * i.pga, i.pga_time, f * i.pgv, f * i.pgd, f * f * i.arias, f * i.cav, i.d5_75, i.d5_95)
+        found.append(Member(r.label, r.acceleration, 1.0, scaled, recording=r))
+    return tuple(found)
+
+
+def site_pulses(path: str | Path) -> tuple[Member, ...]:
+    """The pulses of a site: CSV with the columns a_g, one of f_g, T_g, omega_g, and weight (1) and pulse (sine) if they differ.
+
+    Cells are numbers in SI, or with a unit. Weights come to a mean of 1. Raises UsageError for a file that cannot be read, DocumentError
+    with file, line and column for what is in it.
+    """
+    try:
+        with open(path, encoding="utf-8-sig", newline="") as handle:
+            reader = csv.DictReader(handle, strict=True)
+            rows = [(reader.line_num, row) for row in reader]
+    except OSError as error:
+        raise UsageError(f"{path}: cannot be read: {error.strerror or error}") from None
+    except (UnicodeDecodeError, csv.Error) as error:
+        raise DocumentError(f"{path}: is not CSV ({error})") from None
+    frequencies = {"f_g": "frequency", "T_g": "time", "omega_g": "angular frequency"}
+    columns = list(reader.fieldnames or ())
+    known = ("a_g", *frequencies, "weight", "pulse")
+    for name in columns:
+        if name not in known:
+            raise DocumentError(f"{path}, line 1: unknown column {name!r}; accepted are {', '.join(known)}{did_you_mean(name, known)}")
+    given = [name for name in columns if name in frequencies]
+    if "a_g" not in columns or len(given) != 1:
+        raise DocumentError(f"{path}, line 1: found the columns {', '.join(columns)}; accepted are a_g and one of {', '.join(frequencies)}")
+    found: list[Member] = []
+    for line, row in rows:
+
+        def number(column: str, dimension: str, line: int = line, row: dict[str, str] = row) -> float:
+            text = (row[column] or "").strip()
+            try:
+                value = parse_quantity(text, dimension)
+            except ValueError as error:
+                raise DocumentError(f"{path}, line {line}: {column}: found {text!r}; accepted is {error}") from None
+            if not value > 0.0:
+                raise DocumentError(f"{path}, line {line}: {column}: found {text!r}; accepted is a positive one")
+            return value
+
+        stated, key = number(given[0], frequencies[given[0]]), given[0]
+        omega = stated if key == "omega_g" else 2.0 * math.pi * stated if key == "f_g" else 2.0 * math.pi / stated
+        motion, a_g = pulse((row.get("pulse") or "sine").strip()), number("a_g", "acceleration")
+        weight = number("weight", "number") if "weight" in columns else 1.0
+        label = f"{motion.name}, {a_g:.4g} m/s2, {omega / (2.0 * math.pi):.4g} Hz"
+        found.append(Member(label, a_g * motion.peak, omega, pulse_intensity(motion, a_g, omega), weight, pulse=motion))
+    if not found:
+        raise DocumentError(f"{path}: holds no pulse")
+    mean = sum(m.weight for m in found) / len(found)
+    return tuple(Member(m.label, m.acceleration, m.omega, m.intensity, m.weight / mean, m.pulse) for m in found)
+
+
+def pulse_intensity(motion: Motion, a_g: float, omega: float) -> Intensity:
+    """The measures of a pulse of amplitude a_g [m/s2] and angular frequency omega [rad/s], by the trapezium rule over each piece."""
+    v0 = d0 = 0.0
+    pga, at, pgv, pgd, energy, cav = 0.0, 0.0, 0.0, 0.0, [np.zeros(1)], 0.0
+    times = [np.zeros(1)]
+    for piece in motion.pieces:
+        phase = np.linspace(piece.start, piece.stop, _STEPS + 1)
+        t, a = phase / omega, a_g * piece.value(phase)
+        v = v0 + _running(a, t)
+        d = d0 + _running(v, t)
+        largest = int(np.abs(a).argmax())
+        if abs(a[largest]) > pga:
+            pga, at = float(abs(a[largest])), float(t[largest])
+        pgv, pgd = max(pgv, float(np.abs(v).max())), max(pgd, float(np.abs(d).max()))
+        energy.append(float(energy[-1][-1]) + _running(a * a, t))
+        times.append(t)
+        cav += float(_running(np.abs(a), t)[-1])
+        v0, d0 = float(v[-1]), float(d[-1])
+    total, when = np.concatenate(energy), np.concatenate(times)
+    at_5, at_75, at_95 = (float(when[np.searchsorted(total, part * total[-1])]) for part in (0.05, 0.75, 0.95))
+    arias = math.pi / (2.0 * DEFAULT_GRAVITY) * float(total[-1])
+    return Intensity(pga, at, pgv, pgd, arias, cav, at_75 - at_5, at_95 - at_5)
+
+
+def _running(y: np.ndarray, t: np.ndarray) -> np.ndarray:
+    """Integral of y from the first t to each."""
+    return np.concatenate([[0.0], np.cumsum(0.5 * (y[1:] + y[:-1]) * np.diff(t))])

@@ -1,0 +1,95 @@
+"""`rocking fragility` at the shell."""
+
+from __future__ import annotations
+
+import csv
+import json
+
+import pytest
+
+SITE = ("--pulses", "configs/motions/site_pulses.csv", "--levels", "0.2g:0.45g:4", "--bootstrap", "50")
+COUNTS = "im,n,z\n0.2,40,0\n0.3,40,0\n0.4,40,0\n0.6,40,4\n0.7,40,6\n0.8,40,13\n0.9,40,12\n1,40,16\n"
+
+
+@pytest.fixture
+def stated(tmp_path):
+    """A body that only the linear equation knows, which is quicker."""
+    (tmp_path / "s.yaml").write_text("{kind: parameters, name: Stated, p: 2.67, alpha: 0.245, eta: 0.9, lambda: 0.25}")
+    return "s.yaml"
+
+
+def test_counts_that_exist_are_fitted(rocking, tmp_path):
+    (tmp_path / "c.csv").write_text(COUNTS)
+    (row,) = (json.loads(x) for x in rocking("fragility", "--counts", "c.csv", "--json").stdout.splitlines())
+    assert (row["theta"], row["beta"], row["n"]) == (pytest.approx(1.0761158, abs=5.1e-8), pytest.approx(0.4292372, abs=5.1e-8), 40)
+    assert list(row) == [
+        "structure", "im", "limit_state", "method", "theta", "beta", "theta_low", "theta_high", "beta_low", "beta_high", "n",
+    ]  # fmt: skip
+
+
+def test_limit_states_and_methods_are_rows(rocking, stated):
+    done = rocking("fragility", stated, *SITE, "--method", "stripes,first", "--limit", "0.5,overturning", "--csv")
+    rows = list(csv.DictReader(done.stdout.splitlines()))
+    assert [(r["limit_state"], r["method"]) for r in rows] == [("0.5", "stripes"), ("overturning", "stripes"), ("overturning", "first")]
+    assert all(float(r["theta_low"]) < float(r["theta"]) < float(r["theta_high"]) for r in rows)
+    assert float(rows[0]["theta"]) < float(rows[1]["theta"])
+    assert {r["n"] for r in rows} == {"9"}
+    table = rocking("fragility", stated, *SITE, "--limit", "overturning", "-q").stdout.splitlines()
+    assert table[1].split()[1:3] == ["PGA", "[g]"]
+    assert float(table[1].split()[5]) == pytest.approx(float(rows[1]["theta"]) / 9.81, rel=1e-5)
+
+
+def test_what_the_data_do_not_bear_is_said_and_the_rest_kept(rocking, refused, stated):
+    done = rocking("fragility", stated, *SITE[:2], "--levels", "0.05g,0.1g,0.35g,0.6g", "--limit", "0.001,overturning", "--bootstrap", "0")
+    assert done.returncode == 4
+    assert len(done.stdout.splitlines()) == 2
+    assert "Stated, 0.001, stripes: 0 levels with some records beyond" in done.stderr
+    none = refused(2, "fragility", stated, *SITE[:2], "--levels", "0.01g,0.02g,0.03g", "--limit", "overturning")
+    assert "Stated, overturning, stripes: 0 levels with some" in none
+
+
+def test_exact_shares_curves_and_their_figure(rocking, stated, tmp_path):
+    done = rocking("fragility", stated, *SITE, "--exact", "--curve", "--limit", "overturning", "--csv")
+    (tmp_path / "c.csv").write_text(done.stdout)
+    rows = list(csv.DictReader(done.stdout.splitlines()))
+    exact = [(float(r["x"]), float(r["fraction"])) for r in rows if r["method"] == "exact"]
+    at = {float(r["x"]): float(r["fraction"]) for r in rows if r["method"] == "stripes" and r["fraction"]}
+    assert len(at) == 4
+    for x, fraction in at.items():
+        assert fraction == pytest.approx(next((f for edge, f in reversed(exact) if edge <= x), 0.0), abs=1e-12)
+    assert rocking("plot", "c.csv", "-o", "c.svg").returncode == 0
+
+
+def test_the_measure_that_explains_most_comes_first(rocking, stated):
+    rows = [json.loads(x) for x in rocking("fragility", stated, *SITE, "--efficiency", "--json").stdout.splitlines()]
+    assert {r["im"] for r in rows} == {"PGA", "PGV", "PGD", "Arias", "CAV", "nPGA", "nPGV", "nPGD"}
+    assert [r["beta"] for r in rows] == sorted(r["beta"] for r in rows)
+    assert rows[0]["efficiency"] == 1.0
+    beta = {r["im"]: r["beta"] for r in rows}
+    for name in ("PGA", "PGV", "PGD"):  # of one structure a factor changes no dispersion
+        assert beta[f"n{name}"] == pytest.approx(beta[name], rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["--levels", "0.2g:0.45g:4"], "no set of motions"),
+        (SITE[:2], "no --levels"),
+        ([*SITE[:2], "--levels", "0.7g,0.2g"], "positive and rising"),
+        ([*SITE[:2], "--levels", "0.2 m/s,0.4"], "found '0.2 m/s'"),
+        ([*SITE, "--limit", "-1"], "--limit: found '-1'"),
+        ([*SITE, "--method", "ida"], "--method: found 'ida'"),
+        ([*SITE, "--im", "Sa"], "--im: found 'Sa'"),
+        ([*SITE, "--resume"], "go with -o"),
+        ([*SITE, "--counts", "configs/motions/site_pulses.csv"], "stands alone"),
+    ],
+)
+def test_wrong_calls(refused, stated, arguments, words):
+    assert words in refused(2, "fragility", stated, *arguments)
+
+
+def test_wrong_counts_are_told_with_their_place(refused, tmp_path):
+    (tmp_path / "c.csv").write_text("im,n,z\n0.2,40,x\n")
+    assert "c.csv, line 2: z: found 'x'; accepted is a number" in refused(3, "fragility", "--counts", "c.csv")
+    (tmp_path / "c.csv").write_text("im,n\n0.2,40\n")
+    assert "c.csv, line 1: found the columns im, n" in refused(3, "fragility", "--counts", "c.csv")

@@ -1,0 +1,91 @@
+"""What a set of motions does to a structure: cells, intervals and shares agree with each other and with single responses."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from rocking_cli import UsageError, build_structure, overturned, parse_documents, response, sine, trace_envelope
+from rocking_cli.dynamics.method import LINEAR
+from rocking_cli.motions.recording import Recording
+from rocking_cli.motions.records import Record
+from rocking_cli.spectra.exposure import as_recorded, exposures, first_of, share_overturned, traced
+from rocking_cli.spectra.measures import MEASURES, Member, members_of, pulse_intensity
+
+BLOCK = build_structure(parse_documents("kind: block\nwidth: 0.5\nheight: 2\nrestitution: 0.9")[0])
+PULSES = [Member(f"{f} Hz", 2.0, 2 * np.pi * f, pulse_intensity(sine(), 2.0, 2 * np.pi * f), pulse=sine()) for f in (0.8, 1.2, 1.9)]
+
+
+def record(seed):
+    random = np.random.default_rng(seed)
+    t = 0.01 * np.arange(210)
+    a = np.sin(np.pi * t / t[-1]) * sum(
+        random.uniform(0.3, 1.0) * np.sin(2 * np.pi * f * t + random.uniform(0, 6)) for f in (0.7, 1.3, 2.9)
+    )
+    return Record(f"R{seed}", "plain", None, 0.01, a, None, "m/s2", f"R{seed}.txt", "0" * 64)
+
+
+RECORDS = members_of([Recording(record(n)) for n in range(3)])
+
+
+def test_intervals_of_pulses_are_those_of_the_envelope():
+    found = traced(BLOCK, PULSES, MEASURES["PGA"], 12.0, LINEAR)
+    for member, intervals in zip(PULSES, found, strict=True):
+        top = float(BLOCK.dimensionless_amplitude(12.0))
+        wanted = trace_envelope(sine(), [member.omega / BLOCK.p], BLOCK, a_max=top)
+        edges = [BLOCK.ground_acceleration(x) for i in wanted for x in (i.a_from, i.a_to) if x is not None]
+        mine = [x for i in intervals for x in i if np.isfinite(x)]
+        assert mine == pytest.approx(edges, rel=1e-12, abs=0)
+
+
+@pytest.mark.parametrize(
+    ("name", "members"), [("PGA", PULSES), ("nPGV", PULSES), ("Arias", RECORDS[:2])], ids=["pulses, PGA", "pulses, nPGV", "records, Arias"]
+)
+def test_cells_lie_in_the_traced_intervals_and_shares_are_those_of_the_cells(name, members):
+    measure = MEASURES[name]
+    middle = np.median([m.measured(measure, BLOCK) for m in members]) * (2.4 / members[0].acceleration) ** measure.power
+    levels = np.geomspace(0.8, 2.2 if members is PULSES else 5.0, 9) ** measure.power * middle
+    (found,) = exposures([BLOCK], members, measure, levels, LINEAR)
+    intervals = traced(BLOCK, members, measure, float(levels[-1]), LINEAR)
+    falls, known = found.beyond(None)
+    assert known.all()
+    assert 0 < falls.sum() < falls.size
+    for row, mine in zip(falls, intervals, strict=True):
+        assert row.tolist() == [any(low <= x < high for low, high in mine) for x in levels]
+    x, share = share_overturned(intervals, np.ones(len(members)))
+    at = np.searchsorted(x, levels, side="right") - 1
+    assert np.where(at >= 0, share[np.maximum(at, 0)], 0.0) == pytest.approx(falls.mean(axis=0), abs=1e-12)
+    first = first_of(intervals)
+    assert [np.isfinite(r) for r in first] == [bool(mine) for mine in intervals]
+
+
+def test_a_record_at_a_level_is_the_record_scaled_to_it():
+    levels = np.array([2.0, 4.0])
+    (found,) = exposures([BLOCK], RECORDS, MEASURES["PGA"], levels, LINEAR)
+    for n, member in enumerate(RECORDS):
+        alone = response(LINEAR.system_of(BLOCK), member.motion, BLOCK.dimensionless_amplitude(levels), 1.0 / BLOCK.p, BLOCK.eta)
+        assert np.allclose(alone.theta_ratio, found.theta_ratio[n], rtol=1e-9, atol=1e-12, equal_nan=True)
+        assert alone.outcome.tolist() == found.outcome[n].tolist()
+    own, outcome = as_recorded(BLOCK, RECORDS, LINEAR)
+    (same,) = exposures([BLOCK], RECORDS[:1], MEASURES["PGA"], np.array([RECORDS[0].acceleration, 9.0]), LINEAR)
+    assert own[0] == pytest.approx(same.theta_ratio[0, 0], rel=1e-9)
+    assert overturned(outcome).tolist() == np.isnan(own).tolist()
+
+
+def test_a_file_of_cells_is_read_again_and_another_scene_refused(tmp_path):
+    path, levels = tmp_path / "cells.h5", np.array([2.0, 4.0, 6.0])
+    (fresh,) = exposures([BLOCK], RECORDS, MEASURES["PGA"], levels, LINEAR, path=path)
+    (again,) = exposures([BLOCK], RECORDS, MEASURES["PGA"], levels, LINEAR, path=path, resume=True)
+    assert again.outcome.tolist() == fresh.outcome.tolist()
+    with pytest.raises(UsageError, match="is of another scene"):
+        exposures([BLOCK], RECORDS, MEASURES["PGA"], 2 * levels, LINEAR, path=path, resume=True)
+    with pytest.raises(UsageError, match="takes one structure"):
+        exposures([BLOCK, BLOCK], RECORDS, MEASURES["nPGA"], levels, LINEAR, path=tmp_path / "two.h5")
+    with pytest.raises(UsageError, match="goes with records"):
+        exposures([BLOCK], PULSES, MEASURES["PGA"], levels, LINEAR, path=tmp_path / "pulses.h5")
+
+
+def test_shares_step_where_intervals_begin_and_end():
+    x, share = share_overturned([[(1.0, 2.0), (3.0, np.inf)], [(2.0, 4.0)], []], np.ones(3))
+    assert x.tolist() == [1.0, 2.0, 3.0, 4.0]
+    assert share == pytest.approx([1 / 3, 1 / 3, 2 / 3, 1 / 3])

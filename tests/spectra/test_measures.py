@@ -1,0 +1,68 @@
+"""Measures of pulses and structures: closed forms; site pulses and what is wrong with them."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from rocking_cli import DocumentError, UsageError, build_structure, parse_documents, pulse, sine
+from rocking_cli.spectra.measures import MEASURES, Member, measure_of, pulse_intensity, site_pulses
+
+BLOCK = build_structure(parse_documents("kind: block\nwidth: 0.5\nheight: 2")[0])
+
+
+def test_a_sine_measures_what_its_integrals_are():
+    a, w = 3.0, 8.0
+    found = pulse_intensity(sine(), a, w)
+    closed = (a, 2 * a / w, 2 * np.pi * a / w**2, np.pi / (2 * 9.81) * a * a * np.pi / w, 4 * a / w)
+    assert (found.pga, found.pgv, found.pgd, found.arias, found.cav) == pytest.approx(closed, rel=1e-6, abs=0)
+
+
+def test_a_rectangular_impulse_leaves_no_velocity():
+    a, w = 2.0, 5.0
+    found, t = pulse_intensity(pulse("rectangular-impulse"), a, w), 2 * np.pi / w
+    closed = (a, a * t, a * t * t / 2 + a * t * t, a * t + 0.5 * a * 2 * t)
+    assert (found.pga, found.pgv, found.pgd, found.cav) == pytest.approx(closed, rel=1e-6, abs=0)
+
+
+def test_measures_of_a_structure_are_dimensionless():
+    member = Member("p", 3.0, 8.0, pulse_intensity(sine(), 3.0, 8.0), pulse=sine())
+    values = {name: member.measured(m, BLOCK) for name, m in MEASURES.items()}
+    g, tan = 9.81, 0.25
+    assert values["nPGA"] == pytest.approx(3.0 / (tan * g), rel=1e-12)
+    assert values["nPGV"] == pytest.approx(BLOCK.p * (6.0 / 8.0) / (g * tan), rel=1e-6)
+    assert values["nPGD"] == pytest.approx(BLOCK.p**2 * (6.0 * np.pi / 64.0) / (g * tan), rel=1e-6)
+
+
+def test_site_pulses_have_units_weights_and_shapes(tmp_path):
+    (tmp_path / "p.csv").write_text("a_g,T_g,weight,pulse\n0.3 g,0.5 s,1,\n2.0,0.8,3,rectangular\n")
+    one, two = site_pulses(tmp_path / "p.csv")
+    assert (one.acceleration, two.acceleration) == pytest.approx((0.3 * 9.81, 2.0))
+    assert (one.omega, two.omega) == pytest.approx((4 * np.pi, 2.5 * np.pi))
+    assert (one.weight, two.weight) == (0.5, 1.5)
+    assert (one.motion.name, two.motion.name) == ("sine, 1 cycle", "rectangular")
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("a_g,f\n1,2\n", "line 1: unknown column 'f'; accepted are a_g"),
+        ("a_g,f_g,T_g\n1,2,3\n", "accepted are a_g and one of f_g, T_g, omega_g"),
+        ("a_g,f_g\n1,2\n0.3 m,2\n", "line 3: a_g: found '0.3 m'; accepted is an acceleration"),
+        ("a_g,f_g\n1,-2\n", "line 2: f_g: found '-2'; accepted is a positive one"),
+        ("a_g,f_g,weight\n1,2,\n", "line 2: weight: found ''"),
+        ("a_g,f_g\n", "holds no pulse"),
+    ],
+)
+def test_wrong_tables_are_refused_with_their_place(tmp_path, text, words):
+    (tmp_path / "p.csv").write_text(text)
+    with pytest.raises(DocumentError, match=words):
+        site_pulses(tmp_path / "p.csv")
+
+
+def test_unknown_measures_and_those_that_a_motion_lacks_are_refused():
+    with pytest.raises(UsageError, match=r"--im: found 'PGX'; accepted are PGA, PGV"):
+        measure_of("PGX")
+    still = Member("still", 1.0, 1.0, pulse_intensity(sine(), 0.0, 1.0), pulse=sine())
+    with pytest.raises(UsageError, match="still: its PGV is 0"):
+        still.measured(MEASURES["PGV"], BLOCK)
