@@ -23,7 +23,7 @@ from ..motions import Motion, pulse
 from ..structures.parameters import RockingParameters
 from .boundaries import SCAN_STEP, Row, Search
 from .cost import Tell, announce, bouncing_seconds, expected_seconds
-from .grid import OWN_TIME, Axis, parse_axes
+from .grid import Axis, parse_axes
 from .processes import available_cpus, processes
 
 A_MAX = 20.0
@@ -150,12 +150,8 @@ def _intervals(omega: float, steps: Steps) -> Iterator[Interval]:
             yield Interval(omega, begin, end, Outcome(label).mode)
 
 
-def frequency_axis(text: str | None, *, own_time: bool = False) -> Axis:
-    """The single frequency axis of `--grid`: Omega, omega_g, f_g or T_g, and none with own_time. Raises UsageError."""
-    if own_time:
-        if text is not None:
-            raise UsageError(f"`grid`: found {text}; accepted is none, since a record runs in its own time")
-        return OWN_TIME
+def frequency_axis(text: str | None) -> Axis:
+    """The single frequency axis of `--grid`: Omega, omega_g, f_g or T_g. Raises UsageError."""
     if text is None:
         raise UsageError("no `grid`; accepted is one axis, Omega, omega_g, f_g or T_g")
     axes = parse_axes(text)
