@@ -96,9 +96,9 @@ def envelope(
     structures = options.structures_of(files, etas)
     for structure in structures:  # all of them, before the first row is printed
         if closed_form:
-            check_curves(structure, axis, motion)
+            check_curves(structure, motion, axis)
         else:
-            check_intervals(structure, axis, motion, method=method, a_max=a_max, sign=sign, tell=partial(options.note, quiet=quiet))
+            check_intervals(structure, motion, axis, method=method, a_max=a_max, sign=sign, tell=partial(options.note, quiet=quiet))
     failed = 0
     silent: list[str] = []
 
@@ -106,11 +106,11 @@ def envelope(
         nonlocal failed
         for structure in structures:
             if closed_form:
-                yield from structure_curves(structure, axis, motion)
+                yield from structure_curves(structure, motion, axis)
                 continue
             progress = options.ProgressLine(structure.name, quiet)
             found = set()
-            traced = structure_intervals(structure, axis, motion, method=method, a_max=a_max, sign=sign, workers=workers, progress=progress)
+            traced = structure_intervals(structure, motion, axis, method=method, a_max=a_max, sign=sign, workers=workers, progress=progress)
             for record in traced:
                 failed += record["mode"] == "failed"
                 found.add(record["Omega"])

@@ -49,9 +49,9 @@ class Interval:
 
 
 def trace_envelope(
+    structure: RockingParameters,
     motion: Motion,
     omegas: Sequence[float] | np.ndarray,
-    structure: RockingParameters,
     *,
     method: Method = LINEAR,
     a_max: float = A_MAX,
@@ -122,8 +122,8 @@ def _scan_of(
 
 def check_intervals(
     structure: RockingParameters,
-    axis: Axis,
     motion: Motion,
+    axis: Axis,
     *,
     method: Method = LINEAR,
     a_max: float = A_MAX,
@@ -170,8 +170,8 @@ def _scaled(structure: RockingParameters, axis: Axis) -> np.ndarray:
 
 def structure_intervals(
     structure: RockingParameters,
-    axis: Axis,
     motion: Motion,
+    axis: Axis,
     *,
     method: Method = LINEAR,
     a_max: float = A_MAX,
@@ -187,7 +187,7 @@ def structure_intervals(
     omegas = _scaled(structure, axis)
     apart = sign == BOTH and not method.system_of(structure).contact.alike
     for one in ("+", "-") if apart else ("worse" if sign == BOTH else sign,):
-        traced = trace_envelope(motion, omegas, structure, method=method, a_max=a_max, sign=one, workers=workers, progress=progress)
+        traced = trace_envelope(structure, motion, omegas, method=method, a_max=a_max, sign=one, workers=workers, progress=progress)
         for found in traced:
             record = {"structure": structure.name, "Omega": found.omega, "A_from": found.a_from, "A_to": found.a_to, "mode": found.mode}
             if sign == BOTH:
@@ -199,7 +199,7 @@ def structure_intervals(
             yield record
 
 
-def check_curves(structure: RockingParameters, axis: Axis, motion: Motion) -> None:
+def check_curves(structure: RockingParameters, motion: Motion, axis: Axis) -> None:
     """Raise what `structure_curves` would, before it begins."""
     _scaled(structure, axis)
     _closed_form_of(motion)
@@ -216,7 +216,7 @@ def _closed_form_of(motion: Motion) -> str:
     return forms[motion.pieces]
 
 
-def structure_curves(structure: RockingParameters, axis: Axis, motion: Motion) -> Iterator[dict[str, Any]]:
+def structure_curves(structure: RockingParameters, motion: Motion, axis: Axis) -> Iterator[dict[str, Any]]:
     """Records of the closed-form curves for a structure. Raises UsageError where there is no closed form."""
     from .closed_form import closed_form_curves
 

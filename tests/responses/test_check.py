@@ -45,7 +45,7 @@ def judged(structure, motion, demand):
     verdict, method = check(structure, motion, demand), governing_method(structure)
     amplitude, omega = (float(x[0]) for x in demand.scaled(structure))
     top = max(A_MAX, 2.0 * amplitude)
-    traced = trace_envelope(motion, [omega], structure, method=method, a_max=top, sign="+", workers=1)
+    traced = trace_envelope(structure, motion, [omega], method=method, a_max=top, sign="+", workers=1)
     falls = [(structure.ground_acceleration(i.a_from), structure.ground_acceleration(i.a_to or np.inf)) for i in traced]
     inside = any(low < verdict.demand_a < high for low, high in falls)
     assert verdict.outcome.overturned == inside
@@ -100,7 +100,7 @@ def test_the_geometry_decides_which_equation_governs():
 def test_a_fallen_statue_says_how_little_it_takes():
     """The upper end of the interval that fells it is the nearer boundary; its capacity is the lower one."""
     block = structure_of("kind: block\nwidth: 0.5\nheight: 1.8\nrestitution: 0.9")
-    nearly = trace_envelope(sine(), [3.0], block, method=governing_method(block), sign="+")[0]
+    nearly = trace_envelope(block, sine(), [3.0], method=governing_method(block), sign="+")[0]
     verdict = check(block, sine(), Grid(Axis("A", np.array([0.99 * nearly.a_to])), Axis("Omega", np.array([3.0]))))
     assert verdict.outcome == Outcome.OVERTURNED_AFTER_IMPACT
     assert verdict.capacity_demand == pytest.approx(nearly.a_from / (0.99 * nearly.a_to), rel=1e-8, abs=0)
