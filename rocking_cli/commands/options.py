@@ -142,15 +142,14 @@ def methods(command: F) -> F:
 def shaking(command: F) -> F:
     """One amplitude and one frequency, with units or dimensionless; the command gets a grid of one cell, None without any.
 
-    A record has both; only its peak may be given anew. Of a set of records there is no grid unless it is.
+    A record has both; only its peak may be given anew.
     """
 
     @wraps(command)
     def with_shaking(*arguments: Any, **given: Any) -> Any:
         from ..spectra.grid import parse_grid
 
-        own = given["motion"].acceleration if given.get("motion") is not None else None
-        records = bool(given.get("recordings"))
+        own = given["motion"].acceleration if "motion" in given else None
         flags = {"a_g": "--a-g", "omega_g": "--omega-g", "f_g": "--f-g", "T_g": "--T-g", "A": "--A", "Omega": "--Omega"}
         axes = {key: given.pop(key.lower() if key in ("A", "Omega", "T_g") else key) for key in flags}
         there = {key: value for key, value in axes.items() if value is not None}
@@ -162,7 +161,7 @@ def shaking(command: F) -> F:
                 raise click.UsageError(f"{flags[key]}: found {value!r}; accepted is one value")
         if there:
             try:
-                grid = parse_grid(",".join(f"{key}={value}" for key, value in there.items()), own_time=own is not None or records)
+                grid = parse_grid(",".join(f"{key}={value}" for key, value in there.items()), own_time=own is not None)
             except UsageError as error:
                 text = str(error).replace("`grid`: ", "")  # the axes are options of their own here
                 raise UsageError(re.sub(r"`grid` (\w+):", r"`\1`:", text)) from None
@@ -234,6 +233,31 @@ def motion(command: F | None = None, *, dt_flag: str = "--dt") -> F:
     for option in (scale_to, scale, record_dt, unit, component, motion_file, phase, gamma, cycles, pulse):
         with_motion = option(with_motion)
     return with_motion
+
+
+def vertical(command: F) -> F:
+    """--vertical and --vertical-scale, below the options of the motion, which then has a vertical part."""
+
+    @wraps(command)
+    def with_vertical(*arguments: Any, vertical: str | None, vertical_scale: float | None, **given: Any) -> Any:
+        if vertical is None:
+            if vertical_scale is not None:
+                raise click.UsageError("--vertical-scale goes with --vertical")
+            return command(*arguments, **given)
+        if given["motion"] is None:
+            raise click.UsageError("--vertical goes with one pulse or motion document here, not with a set of records")
+        from ..motions import PULSES, pulse, read_motion
+        from ..motions.biaxial import with_vertical as biaxial
+
+        quiet = given.get("quiet", False)
+        up = pulse(vertical) if vertical in PULSES else read_motion(vertical, tell=partial(note, quiet=quiet))
+        given["motion"] = biaxial(given["motion"], up, 1.0 if vertical_scale is None else vertical_scale)
+        return command(*arguments, **given)
+
+    factor = click.option("--vertical-scale", type=float, metavar="FACTOR", help="Factor of the vertical motion (default 1).")
+    return click.option("--vertical", metavar="MOTION", help="Vertical motion, upwards: a pulse by name, a motion document or a record.")(
+        factor(with_vertical)
+    )
 
 
 def motions(command: F) -> F:

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 @click.command(epilog="Example: rocking response configs/arch.yaml --pulse rectangular-impulse --a-g 0.9g --T-g 0.4 --model both --events")
 @click.argument("file", type=options.InputPath())
 @options.motion(dt_flag="--motion-dt")
+@options.vertical
 @options.shaking
 @options.methods
 @click.option("--release", type=float, default=0.0, metavar="RATIO", help="Release from theta/alpha = RATIO; alone: free rocking.")

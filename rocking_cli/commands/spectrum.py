@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 @options.eta
 @options.alpha
 @options.motions
+@options.vertical
 @options.method
 @click.option("--impacts", is_flag=True, help="Also store the number of impacts during the shaking.")
 @click.option("--quantity", "quantities", metavar="NAME,…", help="Also store these: condition (sensitivity of each cell to its input).")

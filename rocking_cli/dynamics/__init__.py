@@ -46,6 +46,15 @@ Lemma 10 (nothing returns above). The same oscillator, lifted on the motion's fi
     y = A J - K with K > 0 and dy/dA = J before the first impact, so where y > 0 it grows with A, and above an amplitude that overturns
     without impact every other does.
 
+**A weight that varies.** Ground that moves upwards too makes the weight w = 1 + zg''/g of m g and f = -w l(y) + a m(y); bodies are followed
+while w > 0, and then have lost contact. With the *net drive* c = a + 1 - w in the place of a, on each side its own (`weight`):
+Lemmas 1 and 2 hold: f = m (a - w l/m), and below the ground w l/m > w > a where c < 1, above it w l/m <= w <= a where c >= 1.
+Lemmas 3 and 4 do not, since a' + w' (y - 1) has no sign to begin with: turns are isolated on the series itself (`march.turns`).
+Lemma 5 holds with w_+ g in the place of g, w_+ the largest weight: c is largest at an end of the valley, and f <= c - 1 + w_+ g y.
+Lemma 6: beyond the equilibrium of the constant inward drive e/w_- and moving outwards nothing returns, w_- the least weight to come:
+    there l < 0 and f >= w_- (-l - m e/w_-) >= 0. The bounds by energy are not used. Lemma 7 holds with both net drives
+    (`contacts.contact.bouncing_weighed`); 8 does, since the ground is still; 9 and 10 are not used.
+
 **Events.** Uplift is found as the first instant with -A_right s > 1 or A_left s > 1 on monotone segments, impacts by Lemmas 1 and 2,
 crests by Lemmas 3 and 4, each as a root in a bracket that holds exactly one. What falls on one instant is taken in the order impact, jump
 of the drive, uplift. Nothing is sampled. What can be missed: the pair of turns of Lemma 4; impacts inside bouncing that is summed are not

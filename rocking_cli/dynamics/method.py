@@ -159,7 +159,9 @@ class Method:
         kind = self.kind_of(structure)
         try:
             equation = kind.build(structure, self.tolerance)
-            return System(equation, contact_of(structure, equation))
+            return System(
+                equation, contact_of(structure, equation), None if structure.dimensionless else structure.alpha / structure.a_scale
+            )
         except ValueError as error:
             raise UsageError(f"{structure.name}: {error}") from None
 
@@ -168,9 +170,9 @@ class Method:
         as sections 3.3 and 4 of the paper have it."""
         return structure.one_sided, structure.sides, self.kind_of(structure).shares(structure)
 
-    def reference_of(self, structure: RockingParameters) -> Reference:
-        """The slower, independent path to (outcome, theta_ratio) of a single cell (motion, A, Omega, eta)."""
-        if self._has_series(structure):
+    def reference_of(self, structure: RockingParameters, weighed: bool = False) -> Reference:
+        """The slower, independent path to (outcome, theta_ratio) of a single cell (motion, A, Omega, eta); weighed: the weight varies."""
+        if self._has_series(structure) and not weighed:
             from .references.taylor_series import reference_cell
 
             return reference_cell
@@ -178,9 +180,9 @@ class Method:
 
         return partial(solve_cell, problem=self.problem_of(structure))
 
-    def checked_by(self, structure: RockingParameters) -> str:
+    def checked_by(self, structure: RockingParameters, weighed: bool = False) -> str:
         """What that path is, in words."""
-        return "Taylor series" if self._has_series(structure) else "a Runge-Kutta method"
+        return "Taylor series" if self._has_series(structure) and not weighed else "a Runge-Kutta method"
 
     def _has_series(self, structure: RockingParameters) -> bool:
         """The series in small steps know the symmetric linear oscillator; the engine of other equations is a Taylor series itself."""

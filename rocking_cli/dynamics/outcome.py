@@ -20,6 +20,7 @@ class Outcome(IntEnum):
     OVERTURNED_NO_IMPACT = 3, "overturns without impact", "#7A4A00", "#"
     OVERTURNED_AFTER_IMPACT = 4, "overturns after an impact", "#E69F00", "o"
     FAILED = 5, "failed", "#000000", "!"
+    LOST_CONTACT = 6, "loses contact with the ground", "#CC79A7", "^"
 
     sentence: str
     colour: str
@@ -56,7 +57,7 @@ _SAFE = np.array([o.safe for o in Outcome])
 
 
 def overturned(codes: Any) -> Any:
-    """Where codes of `Outcome`, of any shape, are `Outcome.overturned`; a failed cell is neither overturned nor safe."""
+    """Where codes of `Outcome`, of any shape, are `Outcome.overturned`; one that failed or lost contact is neither overturned nor safe."""
     return _OVERTURNED[codes]
 
 

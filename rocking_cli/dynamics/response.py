@@ -45,7 +45,7 @@ def response(
         raise ValueError("amplitude must be finite and not negative")
     if not (np.all(np.isfinite(omega)) and np.all(omega > 0.0)):
         raise ValueError("omega must be positive and finite")
-    run = Run(system, motion.segments, amplitude.ravel(), omega.ravel(), eta.ravel(), peaks, pool or system.equation.pool)
+    run = Run(system, system.segments(motion), amplitude.ravel(), omega.ravel(), eta.ravel(), peaks, pool or system.equation.pool)
     run.all()
     shape = amplitude.shape
     return Response(run.theta_ratio.reshape(shape), run.outcome.reshape(shape), run.impacts.reshape(shape), run.work)

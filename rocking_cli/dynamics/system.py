@@ -7,23 +7,34 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..motions.motion import Motion
+from ..motions.motion import Motion, Segments
 from .contacts.contact import Contact
 from .contacts.symmetric import Symmetric
 from .equations.equation import Equation
+from .weight import weighed
 
 _SYMMETRIC = Symmetric()
 
 
 @dataclass(frozen=True)
 class System:
-    """An equation of motion on a contact; `Symmetric` unless given."""
+    """An equation of motion on a contact; `Symmetric` unless given. scale: alpha/a_scale, the ground acceleration over g of A = 1 [-]."""
 
     equation: Equation
     contact: Contact = _SYMMETRIC
+    scale: float | None = None
+
+    def segments(self, motion: Motion) -> Segments:
+        """The segments of a motion; weighed for this body where it has a vertical part, for which the scale must be known (ValueError)."""
+        if motion.vertical is None:
+            return motion.segments
+        if self.scale is None:
+            raise ValueError("a vertical motion needs the scale of A: the ground acceleration over g of A = 1")
+        share = self.scale / self.contact.cells(self.equation, np.ones(1), np.ones(1), np.zeros(1)).amplitude[:, 0]
+        return weighed(motion, float(share[0]), float(share[-1]))
 
     def least_uplift(self, motion: Motion) -> float:
         """The amplitude A from which a motion lifts the body [-]; infinite where it never does."""
         one = self.contact.cells(self.equation, np.ones(1), np.ones(1), np.zeros(1))
-        strongest = float(self.contact.strongest(one, motion.segments)[0])
+        strongest = float(self.contact.strongest(one, self.segments(motion))[0])
         return 1.0 / strongest if strongest > 0.0 else math.inf

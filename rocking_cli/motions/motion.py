@@ -10,6 +10,7 @@ extremum, so that s is monotone on each segment: that is what lets the engine pr
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from itertools import pairwise
@@ -160,6 +161,11 @@ class Motion:
         """The amplitude a_g [m/s2] that the motion has of its own, in its own time (omega_g = 1 rad/s); None where it has none."""
         return None
 
+    @property
+    def vertical(self) -> Motion | None:
+        """The vertical acceleration of the ground that goes with it, upwards, over the same amplitude; None where there is none."""
+        return None
+
     def __post_init__(self) -> None:
         if not self.pieces:
             raise MotionError(f"motion {self.name!r}: no pieces; a motion needs at least one")
@@ -210,9 +216,13 @@ class Motion:
     @cached_property
     def segments(self) -> Segments:
         """The monotone segments of the motion."""
+        return self.cut([piece.extremes() for piece in self.pieces])
+
+    def cut(self, inner: Sequence[Sequence[float]]) -> Segments:
+        """The pieces cut into segments at these phases inside each of them, which are to hold its extremes."""
         cuts: list[tuple[int, float, float]] = []
-        for i, piece in enumerate(self.pieces):
-            marks = [piece.start, *piece.extremes(), piece.stop]
+        for i, (piece, within) in enumerate(zip(self.pieces, inner, strict=True)):
+            marks = [piece.start, *within, piece.stop]
             cuts += [(i, a, b) for a, b in pairwise(marks)]
         index = np.array([c[0] for c in cuts])
         start, stop = (np.array([c[j] for c in cuts]) for j in (1, 2))

@@ -78,6 +78,18 @@ class Polyline(Motion):
         name = f"{self.name}, times {checked_scale(self.name, factor):g}"
         return Polyline(name, self.start, self.stop, factor * self.constant, factor * self.slope)
 
+    def on(self, marks: Array) -> Polyline:
+        """The same motion with an interval from each of these phases to the next, still after its end; they hold all of its own."""
+        start, stop = marks[:-1], marks[1:]
+        i = np.clip(np.searchsorted(self.start, 0.5 * (start + stop), side="right") - 1, 0, self.start.size - 1)
+        moves = start < self.stop[-1]
+        constant = np.where(moves, self.constant[i] + self.slope[i] * (start - self.start[i]), 0.0)
+        return Polyline(self.name, start, stop, constant, np.where(moves, self.slope[i], 0.0), self.acceleration)
+
+    def plus(self, other: Polyline, factor: float) -> Polyline:
+        """This and `factor` times another motion over the same intervals."""
+        return Polyline(self.name, self.start, self.stop, self.constant + factor * other.constant, self.slope + factor * other.slope)
+
     @cached_property
     def segments(self) -> Segments:
         """The monotone segments of the motion: its intervals, none of which is known to go on in the next."""

@@ -189,11 +189,24 @@ class Ground:
 
     def along(self, low: float, high: float) -> Callable[[Array], Array]:
         """xg''/g as a function of tau on a stretch in which no piece ends: one closed form, from end to end."""
+        return self._of(self.motion, low, high)
+
+    def up_along(self, low: float, high: float) -> Callable[[Array], Array]:
+        """The same of zg''/g."""
+        return np.zeros_like if self.motion.vertical is None else self._of(self.motion.vertical, low, high)
+
+    def _of(self, motion: Motion, low: float, high: float) -> Callable[[Array], Array]:
         at = int(np.searchsorted(self.stops, 0.5 * (low + high)))
         if at >= self.stops.size:
             return np.zeros_like
-        piece = self.motion.pieces[at]
+        piece = motion.pieces[at]
         return lambda tau: self.amplitude * piece.value(tau * self.omega)
+
+    def at(self, tau: Array) -> tuple[Array, Array]:
+        """(xg''/g, zg''/g) at times tau; right-hand values where they jump."""
+        motions = (self.motion, self.motion.vertical)
+        across, up = (np.zeros(tau.shape) if m is None else self.amplitude * m.value(tau * self.omega) for m in motions)
+        return across, up
 
     def cut(self, low: float, high: float) -> Iterator[tuple[float, float]]:
         """A stretch of time cut where pieces end."""
@@ -212,7 +225,8 @@ class ForceHistory:
     def at(self, tau: Array) -> Forces:
         """Forces at times tau, arrays of one shape: after an impact or a jump where there is one; NaN after the end."""
         tau = np.asarray(tau, dtype=float)
-        fx, fz = self.ground.amplitude * self.ground.motion.value(tau * self.ground.omega), np.ones(tau.shape)
+        fx, fz = self.ground.at(tau)
+        fz = 1.0 + fz
         for arc in self.found.arcs:
             inside = np.flatnonzero((tau >= arc.start) & (tau <= arc.stop * (1.0 + 1e-14)))
             if inside.size:
@@ -232,7 +246,8 @@ class ForceHistory:
 
     def on(self, arc: Arc) -> Callable[[Array], Forces]:
         """The forces along an arc, from end to end, as a function of tau."""
-        edge, ground = self.body.on(arc.side), self.ground.along(arc.start, arc.stop)
+        edge = self.body.on(arc.side)
+        across, up = self.ground.along(arc.start, arc.stop), self.ground.up_along(arc.start, arc.stop)
 
         def forces(tau: Array) -> Forces:
             side = np.full(tau.size, arc.side)
@@ -240,7 +255,7 @@ class ForceHistory:
             equation = self.found.equation.on(side)  # of which the rotation is linear in y
             u, rate, bend = equation.rotation(point.y), equation.rotation(point.v), equation.rotation(point.b)
             a = edge.alpha
-            return body_forces(edge.kappa, a, arc.side, a * u, a * rate, a * bend, ground(tau), np.zeros_like(tau))
+            return body_forces(edge.kappa, a, arc.side, a * u, a * rate, a * bend, across(tau), up(tau))
 
         return forces
 
@@ -252,15 +267,19 @@ class ForceHistory:
     @cached_property
     def demands(self) -> Demands:
         """What the response asks of the ground; of a one-sided body at rest as far as it leans on no backing."""
-        resting = [d for low, high in self.rests() for d in self._resting(low, high)]
+        resting: list[Demand] = []
         rocking: list[Demand] = []
-        least = Demand(1.0, 0.0)
+        least = (1.0, 0.0)  # Fz/(m g), tau
+        for start, stop in (cut for low, high in self.rests() for cut in self.ground.cut(low, high)):
+            lowest, demands = self._resting(start, stop)
+            least = min(least, lowest)
+            resting += demands
         for arc in self.found.arcs:
             if not arc.stop > arc.start:
                 continue
             forces = self.on(arc)
             low, at_low, *_ = extent(_vertical(forces), arc.start, arc.stop)
-            least = min(least, Demand(low, at_low))
+            least = min(least, (low, at_low))
             if low <= 0.0:
                 rocking.append(Demand(math.inf, at_low))
                 continue
@@ -269,14 +288,20 @@ class ForceHistory:
         lifting = [self._after(event) for event in self.found.events if event.event == "uplift"][:1]
         impacts = [Demand(j.friction, e.tau) for e in self.found.events if e.event == "impact" and (j := self.body.impulses(e))]
         worst = [max(group, default=None) for group in (resting, lifting, rocking, impacts)]
-        return Demands(worst[0], worst[1], worst[2], worst[3], least.friction, least.tau)
+        return Demands(worst[0], worst[1], worst[2], worst[3], *least)
 
-    def _resting(self, low: float, high: float) -> Iterator[Demand]:
-        for start, stop in self.ground.cut(low, high):
-            found = extent(self.ground.along(start, stop), start, stop)
-            yield Demand(max(0.0, -found.least), found.at_least)
-            if not self.body.one_sided:
-                yield Demand(max(0.0, found.largest), found.at_largest)
+    def _resting(self, start: float, stop: float) -> tuple[tuple[float, float], list[Demand]]:
+        """Least Fz over m g and when, and the largest demands of either sign, in a stretch at rest."""
+        across, up = self.ground.along(start, stop), self.ground.up_along(start, stop)
+        weight = extent(lambda tau: 1.0 + up(tau), start, stop)
+        lowest = weight.least, weight.at_least
+        if weight.least <= 0.0:
+            return lowest, [Demand(math.inf, weight.at_least)]
+        ratio = extent(lambda tau: across(tau) / (1.0 + up(tau)), start, stop)
+        demands = [Demand(max(0.0, -ratio.least), ratio.at_least)]
+        if not self.body.one_sided:
+            demands.append(Demand(max(0.0, ratio.largest), ratio.at_largest))
+        return lowest, demands
 
     def _after(self, uplift: Event) -> Demand:
         """The demand in the first instant after an uplift."""

@@ -17,6 +17,7 @@ from ..dynamics.lanes import Lanes
 from ..dynamics.march.engine import Rests, Round, Run, Watch
 from ..dynamics.outcome import Outcome
 from ..dynamics.system import System
+from ..dynamics.weight import WeighedSegments
 from ..motions.motion import Motion, Piece, Segments
 
 Array = np.ndarray
@@ -118,7 +119,7 @@ def history(
     if motion.duration / omega > LONGEST:
         raise ValueError(f"omega is {omega:g}, accepted is one with which the shaking ends before tau = {LONGEST:g}")
     end = max(motion.duration / omega, duration) * 1.001
-    listener = _Listener(system, motion.still_until(end * omega).segments, amplitude, omega, eta)
+    listener = _Listener(system, system.segments(motion.still_until(end * omega)), amplitude, omega, eta)
     return listener.record(release, duration)
 
 
@@ -145,7 +146,10 @@ class _Listener:
                 heard = self.run.round(lanes)
                 self._hear(heard)
                 lanes = heard.going
-        end = min([duration, *(e.tau for e in self.events if e.event == "overturning")])
+        if self.run.outcome[0] == Outcome.LOST_CONTACT and self.run.drops is not None:
+            drop = self.run.drops
+            self._lose(float(self.segments.start[drop.k[0]] + drop.u[0]) / self.omega)
+        end = min([duration, *(e.tau for e in self.events if e.event in ("overturning", "lost contact"))])
         events = [e for e in self.events if e.tau <= end]
         arcs = tuple(a._replace(stop=min(a.stop, end)) for a in self.arcs if a.start <= end)
         return History(self.equation, arcs, tuple(events), end, self._became(events))
@@ -154,6 +158,8 @@ class _Listener:
         if self.run.outcome[0] == Outcome.FAILED:
             return Outcome.FAILED
         words = [e.event for e in events]
+        if "lost contact" in words:
+            return Outcome.LOST_CONTACT
         if "overturning" in words:
             return Outcome.OVERTURNED_AFTER_IMPACT if "impact" in words else Outcome.OVERTURNED_NO_IMPACT
         return Outcome.ROCKED if words else Outcome.NO_UPLIFT
@@ -170,9 +176,14 @@ class _Listener:
         self.run.contact.turn(self.run.cells, lanes, np.array([0]), np.ones(1))
         equation = self.equation.on(lanes.side)
         lanes.y[:] = equation.displacement(np.array([release]))
-        lanes.b[:] = equation.force(lanes.y, -lanes.side * lanes.amplitude * self.segments.s_start[0])
+        lanes.b[:] = equation.force(lanes.y, -lanes.side * lanes.amplitude * self.segments.s_start[0], self._weight(lanes))
         self._note(0.0, "release", 1.0, lanes.y[0], 0.0)
         return lanes
+
+    def _weight(self, lanes: Lanes) -> Array | float:
+        """The weight over m g [-] where and when the body is."""
+        seg = self.segments
+        return seg.weight(lanes.side, lanes.amplitude, lanes.k, lanes.u) if isinstance(seg, WeighedSegments) else 1.0
 
     def _tau(self, lanes: Lanes) -> float:
         k = min(int(lanes.k[0]), len(self.segments) - 1)
@@ -217,11 +228,18 @@ class _Listener:
         if float(point.y[0]) >= fallen * (1.0 - 1e-9):
             self._note(high, "overturning", arc.side, float(point.y[0]), float(point.v[0]), arc.pace)
 
+    def _lose(self, tau: float) -> None:
+        """The instant from which the ground falls as fast as the body."""
+        self.events = [e for e in self.events if e.tau <= tau]
+        found = History(self.equation, tuple(self.arcs), (), tau, Outcome.LOST_CONTACT)
+        ratio, rate = (float(x[0]) for x in found.at(np.array([tau])))
+        self.events.append(Event(tau, "lost contact", ratio, rate, self.arcs[-1].side if self.arcs else 1.0))
+
     def _rest(self, rests: Rests) -> None:
         """The end of the bouncing, by the sum of its series, and the uplift after it."""
         before, after = rests
         start = self._tau(before)
-        wait = float(self.run.contact.bouncing_time(before)[0]) * float(before.omega[0]) / self.omega
+        wait = float(self.run.contact.bouncing_time(before, self._weight(before))[0]) * float(before.omega[0]) / self.omega
         lifts = after.k[0] < len(self.segments)
         if not lifts or self._tau(after) > start + wait:
             self._note(start + wait, "rest", 1.0, 0.0, 0.0)

@@ -106,13 +106,16 @@ class TimeHistory:
         """What became of the structure, one record a model: theta_ratio (None where it overturned) and outcome.
 
         forces: also the required friction and when, that of the impacts, the least Fz over m g and when, and where the document
-        states a friction, when the base slides (None where it does not).
+        states a friction, when the base slides (None where it does not); what rocks and has had Fz <= 0 has lost contact.
         """
         s, when, time = self.structure, "tau" if dimensionless else "t", 1.0 if dimensionless else 1.0 / self.structure.p
         for model, found in self.histories.items():
             demanded: dict[str, Any] = {}
+            outcome = found.outcome
             if forces:
                 asked = self.forces[model].demands
+                if outcome == Outcome.ROCKED and asked.fz_min <= 0.0:
+                    outcome = Outcome.LOST_CONTACT
                 demanded = {
                     "friction": _finite(asked.friction.friction),
                     f"friction_{when}": asked.friction.tau * time,
@@ -121,7 +124,7 @@ class TimeHistory:
                     f"fz_min_{when}": asked.fz_min_tau * time,
                     **({} if s.friction is None else {"slides": asked.slides(s.friction)}),
                 }
-            yield {"model": model, "event": "summary", **demanded, "theta_ratio": found.theta_ratio, "outcome": found.outcome.flag}
+            yield {"model": model, "event": "summary", **demanded, "theta_ratio": found.theta_ratio, "outcome": outcome.flag}
 
     def summary(self, *, forces: bool = False) -> Iterator[str]:
         """What became of the structure, in a sentence for each model."""

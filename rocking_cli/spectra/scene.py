@@ -117,9 +117,19 @@ class Scene(ABC):
         return first * second * third
 
     @property
+    def weighed(self) -> bool:
+        """Whether the ground moves upwards too, so that the weight varies."""
+        return False
+
+    def shares(self, structure: RockingParameters) -> tuple[Any, ...]:
+        """Structures for which this is equal are one system under one motion, but for their restitution."""
+        scale = (structure.alpha / structure.a_scale,) if self.weighed else ()
+        return (*self.method.shares(structure), *scale)
+
+    @property
     def one_system(self) -> bool:
         """Whether all structures are one system, but for their restitution."""
-        return len({self.method.shares(s) for s in self.structures}) == 1
+        return len({self.shares(s) for s in self.structures}) == 1
 
 
 @dataclass(frozen=True, eq=False)
@@ -141,6 +151,8 @@ class PulseScene(Scene):
         for s in self.structures:
             if s.dimensionless and not self.grid.dimensionless:
                 raise UsageError("a restitution alone has no units: give a structure document, or axes A and Omega")
+            if s.dimensionless and self.weighed:
+                raise UsageError("a restitution alone has no weight that a vertical motion could change: give a structure document")
             self.method.system_of(s)
             with np.errstate(all="ignore"):
                 amplitude, omega = self.grid.scaled(s)
@@ -151,6 +163,11 @@ class PulseScene(Scene):
     def shape(self) -> tuple[int, int, int]:
         """(structures, frequencies, amplitudes)."""
         return (len(self.structures), *self.grid.shape)
+
+    @property
+    def weighed(self) -> bool:
+        """Whether the motion has a vertical part."""
+        return self.motion.vertical is not None
 
     @property
     def segments(self) -> int:
@@ -189,7 +206,8 @@ class PulseScene(Scene):
             "version": __version__,
             "structures": [json.loads(json.dumps(s.record())) for s in self.structures],
             **{f"axis {axis.name}": axis.stated() for axis in (self.grid.frequency, self.grid.amplitude)},
-            "motion": [self.motion.name, [json.loads(json.dumps(asdict(piece))) for piece in self.motion.pieces]],
+            "motion": [self.motion.name, _plain(self.motion)],
+            **({} if self.motion.vertical is None else {"vertical": _plain(self.motion.vertical)}),
             "model": self.method.model,
             "tolerance": self.method.stated_tolerance,
         }
@@ -200,8 +218,12 @@ class PulseScene(Scene):
             return [(i,) for i in range(len(self.structures))]
         groups: dict[tuple[Any, ...], list[int]] = {}
         for i, s in enumerate(self.structures):
-            groups.setdefault((s.eta, *self.method.shares(s)), []).append(i)
+            groups.setdefault((s.eta, *self.shares(s)), []).append(i)
         return [tuple(g) for g in groups.values()]
+
+
+def _plain(motion: Motion) -> list[Any]:
+    return [json.loads(json.dumps(asdict(piece))) for piece in motion.pieces]
 
 
 def known_quantities(names: Sequence[str]) -> tuple[str, ...]:

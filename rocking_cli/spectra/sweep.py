@@ -112,8 +112,8 @@ class Spectrum:
 
 def spectrum(
     structures: Sequence[RockingParameters],
-    motion: Motion,
     grid: Grid,
+    motion: Motion,
     *,
     method: Method = LINEAR,
     workers: int | None = None,
@@ -155,8 +155,8 @@ def spectrum_of(
 
 def write_spectrum(
     structures: Sequence[RockingParameters],
-    motion: Motion,
     grid: Grid,
+    motion: Motion,
     path: str | Path,
     *,
     method: Method = LINEAR,
@@ -328,7 +328,7 @@ def _sweep(
         outcomes={o.flag: int(outcomes[o]) for o in Outcome},
         work=total,
         shared_cells=shared,
-        checked_by=" and ".join(sorted({scene.method.checked_by(s) for s in scene.structures})),
+        checked_by=" and ".join(sorted({scene.method.checked_by(s, scene.weighed) for s in scene.structures})),
         checked_cells=checked,
         sensitive_cells=sensitive,
         estimated_error=worst,

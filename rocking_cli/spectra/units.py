@@ -73,7 +73,7 @@ class Job:
         bands = [(n, band) for n, unit in enumerate(units) for band in scene.bands(unit, sizes[n])]
         batches: dict[Any, list[int]] = {}
         for i, (_, band) in enumerate(bands):
-            batches.setdefault((id(band.motion), scene.method.shares(band.structure)), []).append(i)
+            batches.setdefault((id(band.motion), scene.shares(band.structure)), []).append(i)
         found: dict[int, Block] = {}
         for batch in batches.values():
             found |= zip(batch, self.blocks([bands[i][1] for i in batch], [sizes[bands[i][0]][1] for i in batch]), strict=True)
@@ -117,7 +117,7 @@ class Job:
             if i != unit.places[0] or not (0 <= r < self.chunk[0] and 0 <= c < self.chunk[1]):
                 continue
             cell = self.scene.cell(i, row, column)
-            outcome, theta = self.scene.method.reference_of(cell.structure)(*cell[1:], cell.structure.eta)
+            outcome, theta = self.scene.method.reference_of(cell.structure, self.scene.weighed)(*cell[1:], cell.structure.eta)
             if outcome == Outcome.FAILED:
                 continue
             nonlinear = self.scene.judge_of(cell)

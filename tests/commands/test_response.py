@@ -131,3 +131,33 @@ def test_frictions_that_are_none(refused, tmp_path, key, words):
 def test_an_arm_longer_than_that_of_a_point_mass_is_refused(refused, tmp_path):
     (tmp_path / "p.yaml").write_text("kind: parameters\np: 2\nalpha: 0.2\neta: 0.9\na_scale: 1\narm: 2.5\n")
     assert "arm: found 2.5; accepted is a positive length up to g/p^2, 2.4525 m" in refused(3, "params", "p.yaml")
+
+
+def test_a_vertical_motion_in_the_response_the_spectrum_and_the_envelope(rocking):
+    up = ("--vertical", "cosine", "--vertical-scale", "3")
+    done = rocking("response", "configs/block.yaml", "--a-g", "0.4g", "--f-g", "1.5", *up, "--events", "--json", "--forces")
+    *_, before, last = [json.loads(x) for x in done.stdout.splitlines()]
+    assert (before["event"], last["outcome"], last["theta_ratio"]) == ("lost contact", "lost_contact", None)
+    assert before["t"] == pytest.approx(math.acos(-1 / 1.2) / (3 * math.pi), rel=1e-12)
+    call = ("configs/block.yaml", "--grid", "A=0.5:6:6,Omega=2:4:2")
+    done = rocking("spectrum", *call, *up, "-o", "up.h5", "--model", "nonlinear", "--json")
+    record = json.loads(done.stdout)
+    assert record["cells_lost_contact"] > 0
+    assert record["estimated_error"] < 1e-8
+    assert record["misjudged_cells"] == 0
+    found = rocking("envelope", "configs/block.yaml", "--grid", "Omega=2", *up, "--a-max", "6", "--csv")
+    assert rows(found.stdout)[-1]["mode"] == "lost_contact"
+    (block,) = (json.loads(x) for x in rocking("params", "configs/block.yaml", "--json").stdout.splitlines())
+    assert float(rows(found.stdout)[-1]["A_from"]) == pytest.approx(1.0 / (3 * block["alpha"]), rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("call", "words"),
+    [
+        (("envelope", "--eta", "0.9", "--grid", "Omega=2", "--vertical", "sine"), "no weight that a vertical motion could change"),
+        (("response", "configs/block.yaml", "--a-g", "3", "--f-g", "1", "--vertical-scale", "2"), "--vertical-scale goes with --vertical"),
+        (("response", "configs/block.yaml", "--a-g", "3", "--f-g", "1", "--vertical", "none.yaml"), "none.yaml"),
+    ],
+)
+def test_vertical_motions_that_are_none(refused, call, words):
+    assert words in refused(2, *call)

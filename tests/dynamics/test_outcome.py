@@ -14,6 +14,7 @@ EXPECTED = {  # code, safe, overturned, the word of an envelope's interval
     "overturned_no_impact": (3, False, True, "no_impact"),
     "overturned_after_impact": (4, False, True, "after_impact"),
     "failed": (5, False, False, "failed"),
+    "lost_contact": (6, False, False, "lost_contact"),
 }
 
 
@@ -27,9 +28,9 @@ def test_a_failed_or_missing_cell_is_neither_safe_nor_overturned():
 
 
 def test_codes_are_outcomes_and_other_numbers_are_not():
-    assert [Outcome(code) for code in range(6)] == list(Outcome)
-    with pytest.raises(ValueError, match="6"):
-        Outcome(6)
+    assert [Outcome(code) for code in range(7)] == list(Outcome)
+    with pytest.raises(ValueError, match="7"):
+        Outcome(7)
 
 
 def test_each_outcome_has_a_look_of_its_own():

@@ -11,6 +11,7 @@ from ...motions.motion import Segments
 from ..drive import crossing, drive_change
 from ..equations.equation import Equation
 from ..lanes import Cells, Lanes
+from ..weight import WeighedSegments
 
 Array = np.ndarray
 
@@ -55,13 +56,14 @@ class Contact(Protocol):
         """Put lanes on a side: what they carry becomes that side's, in its units. `at`: their indices."""
 
     def strike(self, cells: Cells, lanes: Lanes, v: Array, b: Array) -> None:
-        """Impact with velocity v <= 0 and force b: the lanes' new side, velocity and force (Eq. 2.6)."""
+        """Impact with velocity v <= 0 and force b: the lanes' new side, velocity and force (Eq. 2.6), of the weight m g."""
 
     def bouncing_ends(self, segments: Segments, lanes: Lanes, equation: Equation) -> Array:
         """Lanes just after an impact whose bouncing is proved to end in rest before anything else can happen (Lemma 7)."""
 
-    def bouncing_time(self, lanes: Lanes) -> Array:
-        """How long [tau of their side] lanes just after an impact go on bouncing under the drive of now; 0 where they do not end."""
+    def bouncing_time(self, lanes: Lanes, weight: Array | float = 1.0) -> Array:
+        """How long [tau of their side] lanes just after an impact go on bouncing under the drive and the weight of now; 0 where they do
+        not end."""
 
     def fate(self, equation: Equation, lanes: Lanes, at: Array, y: Array, v: Array) -> Fate:
         """What becomes of the lanes of these indices, which are at y, v when the shaking is over, undamped (Lemma 8)."""
@@ -71,8 +73,13 @@ def first_uplift(segments: Segments, k: Array, u: Array, right: Array, left: Arr
     """First instant at or after (k, u) that lifts bodies at rest: -right s > 1 on to their right edge, left s > 1 on to their left.
 
     right, left: amplitudes in units of each edge's uplift, 0 where an edge cannot be stood on. The force is 0 there unless
-    the drive jumps.
+    the drive jumps. Where the weight varies each edge has an effective motion of its own, and the earlier uplift counts.
     """
+    if isinstance(segments, WeighedSegments):
+        one = first_uplift(segments.right, k, u, right, np.zeros_like(right))
+        other = first_uplift(segments.left, k, u, np.zeros_like(left), left)
+        before = (one.k < other.k) | ((one.k == other.k) & (one.u <= other.u))
+        return Uplift(*(np.where(before, a, b) for a, b in zip(one, other, strict=True)))
     k, u = k.copy(), u.copy()
     side, b = np.ones(k.shape), np.zeros(k.shape)
     last = len(segments)
@@ -122,7 +129,7 @@ class Bounce(NamedTuple):
 
 
 def bouncing_ends(segments: Segments, lanes: Lanes, equation: Equation, there: Bounce) -> Array:
-    """Lemma 7 for a body that bounces from side to side.
+    """Lemma 7 for a body that bounces from side to side; where the weight varies see `bouncing_weighed`.
 
     With a between a_- and a_+ until the end, on a monotone segment, the series of arcs lasts at most
     2 v / (1 - q) [G/(1 - a_+ - e) + eta r H/(1 + d a_- - e)], q = eta back, d and r the other side's drive and time; e bounds what
@@ -131,6 +138,8 @@ def bouncing_ends(segments: Segments, lanes: Lanes, equation: Equation, there: B
     those here then by G^2 = (1 + d a_+)/(1 + d a_-), while those there, which are shorter by G^2, need no H; and the other
     way round where a falls. Lanes whose arcs could rise above their peak so far are left to go on.
     """
+    if isinstance(segments, WeighedSegments):
+        return bouncing_weighed(segments, lanes, equation, there)
     drive, v = 1.0 + lanes.b, lanes.v
     keeps = there.eta * there.back
     gap = np.minimum(1.0 - drive, 1.0 + there.drive * drive)
@@ -160,11 +169,51 @@ def bouncing_ends(segments: Segments, lanes: Lanes, equation: Equation, there: B
     return proved
 
 
-def bouncing_time(lanes: Lanes, there: Bounce) -> Array:
-    """The sum of the series of arcs from side to side under a constant drive."""
-    drive, keeps = 1.0 + lanes.b, there.eta * there.back
+def bouncing_weighed(segments: WeighedSegments, lanes: Lanes, equation: Equation, there: Bounce | None) -> Array:
+    """Lemma 7 where the weight varies; there: the other side of a bounce, None of a body that always returns to this side.
+
+    With c and d the net drives here and there, monotone on the segment, the series lasts at most
+    2 v G / (1 - q) [1/(1 - c_+ - e) + eta r/(1 - d_+ - e)]. Speeds gain on either side, by at most the root of the largest over the
+    least force on it, so G is the product of both roots; e holds w times what y adds.
+    """
+    b, v, side = lanes.b, lanes.v, lanes.side
+    keeps = lanes.eta if there is None else there.eta * there.back
+    amplitude = lanes.amplitude if there is None else lanes.amplitude * there.drive
+    across = 1.0 if there is None else 1.0 - segments.net(-side, amplitude, lanes.k, lanes.u)
+    gap = np.minimum(-b, across)
+    proved = (keeps == 1.0) & (v < BELOW_ROUNDING * gap)
+    at = np.flatnonzero((gap > 0.0) & (v * v < 0.05 * gap * gap) & (keeps < 1.0))
+    if not at.size:
+        return proved
+    k, u, b, v, side, q, own = lanes.k[at], lanes.u[at], b[at], v[at], side[at], keeps[at], lanes.amplitude[at]
+    n, r, other = (np.zeros(at.size), 1.0, own) if there is None else (there.eta[at], there.time, amplitude[at])
+    r = np.broadcast_to(r, lanes.v.shape)[at]
+    scale = 2.0 * v / (1.0 - q)
+    beside = np.ones(at.size) if there is None else np.asarray(across)[at]
+    trial = 1.5 * scale * (1.0 / -b + n * r / beside)
+    later = np.minimum(u + lanes.omega[at] * trial, segments.length[k])
+    ends = later < segments.length[k]
+    then = 1.0 - segments.net(side, own, k, later)
+    here, most_here = np.minimum(-b, then), np.maximum(-b, then)
+    then = np.ones(at.size) if there is None else 1.0 - segments.net(-side, other, k, later)
+    beyond, most_beyond = np.minimum(beside, then), np.maximum(beside, then)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        growth = np.sqrt(most_here / here * (most_beyond / beyond))
+    height = (v * growth) ** 2 * np.maximum(1.0 / here, n * n / beyond)
+    heaviest = 1.0 + segments.sway(side, own) * np.maximum(segments.vertical.s_start[k], segments.vertical.s_end[k])
+    extra = equation.gain * np.maximum(1.0, heaviest) * height + 2.0 * equation.damping * growth * v * np.maximum(1.0, n)
+    higher = 1.0 if there is None else np.broadcast_to(there.higher, lanes.v.shape)[at]
+    ends &= (here > 0.0) & (beyond > 0.0) & (extra < 0.5 * np.minimum(here, beyond))
+    lasts = scale * growth * (1.0 / (here - extra) + n * r / (beyond - extra))
+    proved[at[ends & (lasts <= trial) & (higher * height <= lanes.peak[at])]] = True
+    return proved
+
+
+def bouncing_time(lanes: Lanes, there: Bounce, weight: Array | float = 1.0) -> Array:
+    """The sum of the series of arcs from side to side under a constant drive and weight."""
+    drive, keeps = weight + lanes.b, there.eta * there.back
     ends = (lanes.v > 0.0) & (keeps < 1.0)
-    total = 2.0 * lanes.v / (1.0 - keeps) * (1.0 / (1.0 - drive) + there.eta * there.time / (1.0 + there.drive * drive))
+    total = 2.0 * lanes.v / (1.0 - keeps) * (1.0 / (weight - drive) + there.eta * there.time / (weight + there.drive * drive))
     return np.where(ends, total, 0.0)
 
 
@@ -178,6 +227,8 @@ def _drive_after(segments: Segments, lanes: Lanes, at: Array, k: Array, u: Array
 
 def settled_on_one_side(segments: Segments, lanes: Lanes, equation: Equation) -> Array:
     """Lemma 7 for a body that always returns to the same side: 2 v / (1 - eta) / (1 - a_+ - e), and any inward drive holds it."""
+    if isinstance(segments, WeighedSegments):
+        return bouncing_weighed(segments, lanes, equation, None)
     drive, v, eta = 1.0 + lanes.b, lanes.v, lanes.eta
     gap = 1.0 - drive
     ends = np.zeros(v.shape, dtype=bool)

@@ -48,7 +48,7 @@ class OneSided:
         """Every arc is on this side."""
         return settled_on_one_side(segments, lanes, equation)
 
-    def bouncing_time(self, lanes: Lanes) -> Array:
+    def bouncing_time(self, lanes: Lanes, weight: Array | float = 1.0) -> Array:
         """2 v / (1 - eta) / (1 - a)."""
         return 2.0 * lanes.v / (1.0 - lanes.eta) / -lanes.b
 

@@ -46,9 +46,9 @@ class Symmetric:
         """The other side of a bounce is like this one."""
         return bouncing_ends(segments, lanes, equation, self._bounce(lanes))
 
-    def bouncing_time(self, lanes: Lanes) -> Array:
+    def bouncing_time(self, lanes: Lanes, weight: Array | float = 1.0) -> Array:
         """2 v / (1 - eta^2) [1/(1 - a) + eta/(1 + a)]."""
-        return bouncing_time(lanes, self._bounce(lanes))
+        return bouncing_time(lanes, self._bounce(lanes), weight)
 
     def _bounce(self, lanes: Lanes) -> Bounce:
         return Bounce(1.0, 1.0, lanes.eta, lanes.eta, 1.0)

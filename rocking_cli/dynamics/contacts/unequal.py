@@ -73,9 +73,9 @@ class Unequal:
         """The other side of a bounce is the other edge."""
         return bouncing_ends(segments, lanes, equation, self._bounce(lanes))
 
-    def bouncing_time(self, lanes: Lanes) -> Array:
+    def bouncing_time(self, lanes: Lanes, weight: Array | float = 1.0) -> Array:
         """As `bouncing_ends` sums it."""
-        return bouncing_time(lanes, self._bounce(lanes))
+        return bouncing_time(lanes, self._bounce(lanes), weight)
 
     def _bounce(self, lanes: Lanes) -> Bounce:
         here, there = lanes.side, -lanes.side

@@ -108,8 +108,8 @@ class Equation(Protocol):
     def flow(self, segments: Segments, lanes: Lanes) -> Flow:
         """The flow of the lanes from their present state."""
 
-    def force(self, y: Array, a: Array) -> Array:
-        """f at displacement y under the outward drive a."""
+    def force(self, y: Array, a: Array, weight: Array | float = 1.0) -> Array:
+        """f at displacement y under the outward drive a and the weight w (`weight`)."""
 
     def rotation(self, y: Array) -> Array:
         """|theta|/alpha at displacement y, of any shape."""
@@ -130,5 +130,6 @@ class Equation(Protocol):
         """Largest y of bodies that move outwards on still ground, with damping; NaN where they overturn, move inwards, or it has no
         closed form."""
 
-    def certainly_overturns(self, y: Array, v: Array, inward: Array) -> Array:
-        """Whether no drive up to `inward` >= 0 (over the uplift's) can bring the body back; see Lemma 6."""
+    def certainly_overturns(self, y: Array, v: Array, inward: Array, steady: bool = True) -> Array:
+        """Whether no drive up to `inward` >= 0 (over the uplift's) can bring the body back; see Lemma 6. steady: whether the weight is;
+        where it is not, `inward` is over the least weight to come."""

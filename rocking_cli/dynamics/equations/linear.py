@@ -13,11 +13,15 @@ import numpy as np
 from ...motions.motion import Segments
 from ..drive import segment_value
 from ..lanes import Lanes
+from ..weight import WeighedSegments
 from .damped_flow import DampedFlow
 from .flow import LinearFlow
 from .summed_flow import SummedFlow, can_be_summed
+from .taylor import TaylorSeries, order_for, series, weighed_series
 
 Array = np.ndarray
+
+WEIGHED = 1e-12  # tolerance of the series where the weight varies, which has no closed form
 
 
 class LinearEquation:
@@ -40,8 +44,10 @@ class LinearEquation:
         """Both sides have the same equation in their own units."""
         return self
 
-    def flow(self, segments: Segments, lanes: Lanes) -> LinearFlow | SummedFlow | DampedFlow:
-        """The arc that each lane is about to follow: its state and the outward drive's coefficients."""
+    def flow(self, segments: Segments, lanes: Lanes) -> LinearFlow | SummedFlow | DampedFlow | TaylorSeries:
+        """The arc that each lane is about to follow: its state and the outward drive's coefficients; a series where the weight varies."""
+        if isinstance(segments, WeighedSegments):
+            return self._series(segments, lanes)
         _, sin, cos = segment_value(segments, lanes.k, lanes.u)
         outward = -lanes.side * lanes.amplitude
         ramp = outward * segments.slope[lanes.k] * lanes.omega if segments.sloped else None
@@ -52,9 +58,29 @@ class LinearEquation:
             return SummedFlow.of(lanes.y, lanes.v, lanes.b, outward * cos, outward * sin, w)
         return LinearFlow(lanes.y, lanes.v, lanes.b, outward * cos, outward * sin, w, ramp)
 
-    def force(self, y: Array, a: Array) -> Array:
-        """y - 1 + a."""
-        return y - 1.0 + a
+    def _series(self, segments: WeighedSegments, lanes: Lanes) -> TaylorSeries:
+        order = order_for(WEIGHED)
+        known, weight = weighed_series(segments, lanes, order - 1)
+        unit2 = known.unit * known.unit
+        drive = known.terms
+        drive[0] = lanes.b + weight[0] * (1.0 - lanes.y)
+        y = np.empty((order + 1, lanes.y.size))
+        y[0] = lanes.y
+        np.multiply(lanes.v, known.unit, out=y[1])
+        above = y.copy()  # y - 1
+        above[0] -= 1.0
+        for n in range(order - 1):
+            above[n + 1] = y[n + 1]
+            pushed = drive[n] + np.einsum("il,il->l", weight[: n + 1], above[n::-1])
+            pushed *= unit2
+            if self.damping:
+                pushed -= (2.0 * self.damping * (n + 1)) * known.unit * y[n + 1]
+            np.multiply(pushed, 1.0 / ((n + 1) * (n + 2)), out=y[n + 2])
+        return series(y, known, WEIGHED, self.damping)
+
+    def force(self, y: Array, a: Array, weight: Array | float = 1.0) -> Array:
+        """w (y - 1) + a."""
+        return weight * (y - 1.0) + a
 
     def rotation(self, y: Array) -> Array:
         """y itself."""
@@ -84,6 +110,9 @@ class LinearEquation:
         when = np.log(-decays * down / (grows * up)) / (up - down)
         return np.where(rising, y + grows * np.expm1(up * when) + decays * np.expm1(down * when), np.nan)
 
-    def certainly_overturns(self, y: Array, v: Array, inward: Array) -> Array:
-        """The unstable mode z = y - 1 + g v, whose rate is g, exceeds all the inward drive still to come: z' = g (z + a) > 0."""
+    def certainly_overturns(self, y: Array, v: Array, inward: Array, steady: bool = True) -> Array:
+        """The unstable mode z = y - 1 + g v, whose rate is g, exceeds all the inward drive still to come: z' = g (z + a) > 0; under a
+        weight that varies y - 1 itself, outwards."""
+        if not steady:
+            return (v > 0.0) & (y - 1.0 > inward)
         return y - 1.0 + (self.growth * v if self.damping else v) > inward

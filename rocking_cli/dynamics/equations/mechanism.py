@@ -21,8 +21,9 @@ import numpy as np
 from ...motions.motion import Segments
 from ...structures.kinematics import Mechanism, linearise
 from ..lanes import Lanes
+from ..weight import WeighedSegments
 from .energy import falls_by_energy
-from .taylor import TaylorSeries, drive_series, order_for, series
+from .taylor import TaylorSeries, drive_series, order_for, series, weighed_series
 
 Array = np.ndarray
 
@@ -108,12 +109,16 @@ class MechanismEquation:
     def flow(self, segments: Segments, lanes: Lanes) -> TaylorSeries:
         """The series of every lane: those of F and G about its y, composed with the series of y."""
         count = self.order - 1
-        known = drive_series(segments, lanes, count)
+        weight: Array | None = None
+        if isinstance(segments, WeighedSegments):
+            known, weight = weighed_series(segments, lanes, count)
+        else:
+            known = drive_series(segments, lanes, count)
         table = self.table
         at, x = table.of(lanes.y)
         lift, push = self._local(at, x, count)
         drive = known.terms
-        drive[0] = (lanes.b + lift[0]) / push[0]
+        drive[0] = (lanes.b + (lift[0] if weight is None else weight[0] * lift[0])) / push[0]
         unit2 = known.unit * known.unit
         drive *= unit2
         lift *= unit2
@@ -124,6 +129,7 @@ class MechanismEquation:
         power = np.zeros((count, count, x.size))  # [j, n]: term n of ((y - y0) / half)^j
         pushes = np.empty_like(drive)  # G along the motion
         pushes[0], fallen = push[0], lift[0]
+        lifts = np.empty_like(drive)  # F along the motion, where the weight varies
         for n in range(count):
             if n:
                 np.multiply(y[n], over, out=power[1, n])
@@ -132,6 +138,9 @@ class MechanismEquation:
                 here = power[1 : n + 1, n]
                 fallen = np.einsum("jl,jl->l", lift[1 : n + 1], here)
                 np.einsum("jl,jl->l", push[1 : n + 1], here, out=pushes[n])
+            if weight is not None:
+                lifts[n] = fallen
+                fallen = np.einsum("il,il->l", weight[: n + 1], lifts[n::-1])
             pushed = np.einsum("il,il->l", drive[: n + 1], pushes[n::-1])
             pushed -= fallen
             if self.damping:
@@ -147,9 +156,9 @@ class MechanismEquation:
                 rows[:, j] += x * rows[:, j + 1]
         return rows[:, :count]
 
-    def force(self, y: Array, a: Array) -> Array:
-        """-F/F0 + a G/G0."""
-        return a * self.table.value(self.table.push, y) - self.table.value(self.table.lift, y)
+    def force(self, y: Array, a: Array, weight: Array | float = 1.0) -> Array:
+        """-w F/F0 + a G/G0."""
+        return a * self.table.value(self.table.push, y) - weight * self.table.value(self.table.lift, y)
 
     def rotation(self, y: Array) -> Array:
         """phi/alpha."""
@@ -176,7 +185,7 @@ class MechanismEquation:
         """It has no closed form."""
         return np.full(y.shape, np.nan)
 
-    def certainly_overturns(self, y: Array, v: Array, inward: Array) -> Array:
+    def certainly_overturns(self, y: Array, v: Array, inward: Array, steady: bool = True) -> Array:
         """Beyond the barrier of the strongest inward drive still to come, or with the speed to pass it; or collapsed.
 
         Under a constant inward drive e the equilibrium is where F/G = -e, which is a maximum of int F + e G, since F/G falls; a
@@ -184,7 +193,9 @@ class MechanismEquation:
         """
         table = self.table
         certain = y >= self.limit
-        if self.damping:  # friction eats the energy: only the equilibrium itself is a point of no return
+        if (
+            self.damping or not steady
+        ):  # friction eats the energy, or the barrier moves: only the equilibrium itself is a point of no return
             return certain | ((v > 0.0) & (y >= self._equilibrium(inward) * (1.0 + _MARGIN)))
         maybe = np.flatnonzero(~certain & (v > 0.0) & (0.5 * v * v + table.value(table.work, y) > self.barrier))
         if maybe.size:

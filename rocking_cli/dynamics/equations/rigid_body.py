@@ -19,8 +19,9 @@ import numpy as np
 
 from ...motions.motion import Segments
 from ..lanes import Lanes
+from ..weight import WeighedSegments
 from .energy import falls_by_energy
-from .taylor import TaylorSeries, drive_series, order_for, series
+from .taylor import TaylorSeries, drive_series, order_for, series, weighed_series
 
 Array = np.ndarray
 
@@ -65,7 +66,11 @@ class RigidBodyEquation:
     def flow(self, segments: Segments, lanes: Lanes) -> TaylorSeries:
         """The series of every lane from its present state."""
         order = self.order
-        known = drive_series(segments, lanes, order - 1)
+        weight: Array | None = None
+        if isinstance(segments, WeighedSegments):
+            known, weight = weighed_series(segments, lanes, order - 1)
+        else:
+            known = drive_series(segments, lanes, order - 1)
         y = np.empty((order + 1, lanes.y.size))
         turn = np.empty((order, 2, lanes.y.size))  # sin z, cos z
         rate = np.empty_like(y)  # n z_n, for the recurrences of sin z and cos z
@@ -78,7 +83,8 @@ class RigidBodyEquation:
         back = unit2 / self.sin
         drive = known.terms
         # The drive now, from the force that the lane carries: at uplift it is 1 to the last bit.
-        drive[0] = (lanes.b + turn[0, 0] / self.sin) * self.cos / turn[0, 1]
+        falling = turn[0, 0] / self.sin
+        drive[0] = (lanes.b + (falling if weight is None else weight[0] * falling)) * self.cos / turn[0, 1]
         drive *= unit2 / self.cos
         y[0] = lanes.y
         np.multiply(lanes.v, known.unit, out=y[1])
@@ -89,17 +95,21 @@ class RigidBodyEquation:
                 np.multiply(both[1], 1.0 / n, out=turn[n, 0])
                 np.multiply(both[0], -1.0 / n, out=turn[n, 1])
             np.einsum("il,il->l", drive[: n + 1], turn[n::-1, 1], out=pushed)
-            np.multiply(back, turn[n, 0], out=fallen)
+            if weight is None:
+                np.multiply(back, turn[n, 0], out=fallen)
+            else:
+                np.einsum("il,il->l", weight[: n + 1], turn[n::-1, 0], out=fallen)
+                fallen *= back
             pushed -= fallen
             if self.damping:
                 pushed -= (2.0 * self.damping * (n + 1)) * known.unit * y[n + 1]
             np.multiply(pushed, 1.0 / ((n + 1) * (n + 2)), out=y[n + 2])
         return series(y, known, self.tolerance, self.damping)
 
-    def force(self, y: Array, a: Array) -> Array:
-        """-sin z / sin(alpha) + a cos z / cos(alpha)."""
+    def force(self, y: Array, a: Array, weight: Array | float = 1.0) -> Array:
+        """-w sin z / sin(alpha) + a cos z / cos(alpha)."""
         z = self.alpha - self.sin * y
-        return a * np.cos(z) / self.cos - np.sin(z) / self.sin
+        return a * np.cos(z) / self.cos - weight * (np.sin(z) / self.sin)
 
     def rotation(self, y: Array) -> Array:
         """|theta|/alpha."""
@@ -128,7 +138,7 @@ class RigidBodyEquation:
         """It has no closed form."""
         return np.full(y.shape, np.nan)
 
-    def certainly_overturns(self, y: Array, v: Array, inward: Array) -> Array:
+    def certainly_overturns(self, y: Array, v: Array, inward: Array, steady: bool = True) -> Array:
         """Beyond the barrier of the strongest inward drive that is still to come, or with the speed to pass it.
 
         Under a constant inward e = inward tan(alpha) the equilibrium is at beta = alpha + arctan e and y'' is
@@ -138,7 +148,9 @@ class RigidBodyEquation:
         e = inward * self.tan
         gap = self.alpha + np.arctan(e) - self.sin * y
         on_its_side = self.sin * y >= 0.5 * math.pi
-        if self.damping:  # friction eats the energy: only the equilibrium itself is a point of no return
+        if (
+            self.damping or not steady
+        ):  # friction eats the energy, or the barrier moves: only the equilibrium itself is a point of no return
             return ((v > 0.0) & (gap <= 0.0)) | on_its_side
         half = np.tan(0.5 * gap)
         half *= half

@@ -15,6 +15,7 @@ import numpy as np
 from ...motions.motion import Segments
 from ..drive import segment_value
 from ..lanes import Lanes
+from ..weight import WeighedSegments
 from .equation import Point
 
 Array = np.ndarray
@@ -116,11 +117,24 @@ def order_for(tolerance: float, terms: float = 0.98) -> int:
 
 def drive_series(segments: Segments, lanes: Lanes, order: int) -> Drive:
     """Terms 1 ... order of the drive. The first, the drive now, follows from the force that a lane carries."""
-    _, sin, cos = segment_value(segments, lanes.k, lanes.u)
-    outward = -lanes.side * lanes.amplitude
     w = segments.frequency.take(lanes.k, axis=1) * lanes.omega
     fastest = 1.0 + w.max(axis=0, initial=0.0)
+    return Drive(_terms(segments, lanes, -lanes.side * lanes.amplitude, w, 1.0 / fastest, order), 1.0 / fastest, fastest)
+
+
+def weighed_series(segments: WeighedSegments, lanes: Lanes, order: int) -> tuple[Drive, Array]:
+    """The same where the weight varies, and the terms of the weight over m g, from the first on."""
+    across, up = (part.frequency.take(lanes.k, axis=1) * lanes.omega for part in (segments, segments.vertical))
+    fastest = 1.0 + np.maximum(across.max(axis=0, initial=0.0), up.max(axis=0, initial=0.0))
     unit = 1.0 / fastest
+    weight = _terms(segments.vertical, lanes, segments.sway(lanes.side, lanes.amplitude), up, unit, order)
+    weight[0] = segments.weight(lanes.side, lanes.amplitude, lanes.k, lanes.u)
+    return Drive(_terms(segments, lanes, -lanes.side * lanes.amplitude, across, unit, order), unit, fastest), weight
+
+
+def _terms(segments: Segments, lanes: Lanes, outward: Array, w: Array, unit: Array, order: int) -> Array:
+    """Terms 1 ... order of `outward` times a motion whose frequencies are w by tau."""
+    _, sin, cos = segment_value(segments, lanes.k, lanes.u)
     terms = np.zeros((order + 1, unit.size))
     for a, b, f in zip(sin, cos, w, strict=True):
         x = f * unit
@@ -135,7 +149,7 @@ def drive_series(segments: Segments, lanes: Lanes, order: int) -> Drive:
             terms += mine
     if segments.sloped:
         terms[1] += outward * segments.slope[lanes.k] * lanes.omega * unit
-    return Drive(terms, unit, fastest)
+    return terms
 
 
 def series(terms: Array, drive: Drive, tolerance: float, damping: float = 0.0) -> TaylorSeries:

@@ -13,7 +13,9 @@ from ...motions.motion import Segments
 from ..drive import phase_between
 from ..equations.equation import Equation, Flow, Point
 from ..lanes import Lanes
+from ..weight import WeighedSegments
 from .roots import hidden_turn, impact_root, turning_point
+from .turns import falls_through_zero
 from .windows import window_end
 
 Array = np.ndarray
@@ -86,10 +88,10 @@ def next_step(segments: Segments, lanes: Lanes, longest: Array) -> Step:
     return Step(k, u, h, kind, valley)
 
 
-def advance(segments: Segments, lanes: Lanes, equation: Equation) -> Passage:
-    """Take the step and settle whether the body hit the ground on the way, and when."""
+def advance(segments: Segments, lanes: Lanes, equation: Equation, until: Array | float = np.inf) -> Passage:
+    """Take the step and settle whether the body hit the ground on the way, and when; until: the longest step [tau] besides the flow's."""
     arc = equation.flow(segments, lanes)
-    step = next_step(segments, lanes, arc.longest)
+    step = next_step(segments, lanes, np.minimum(arc.longest, until))
     end = arc.at(step.h)
     reach = step.h.copy()
     hit = end.y <= 0.0
@@ -133,7 +135,13 @@ def _impact_guess(arc: Flow, step: Step, end: Point, reach: Array, at: Array) ->
 
 
 def crests(segments: Segments, lanes: Lanes, passage: Passage, wanted: Array) -> Crests:
-    """The turning points of this step: one a lane at the most, and only in a valley (Lemmas 3 and 4)."""
+    """The turning points of this step: one a lane at the most, and only in a valley (Lemmas 3 and 4); of bodies whose weight varies
+    as many as the series has, in the order of lanes and times."""
+    if isinstance(segments, WeighedSegments):
+        at, low, high = falls_through_zero(passage.arc, passage.reach, np.flatnonzero(wanted & (passage.step.kind != RIDGE)))
+        if not at.size:
+            return Crests(at, low, high)
+        return Crests(at, *turning_point(passage.arc.take(at), low, high, 0.5 * (low + high), 1.0))
     step, end, damping = passage.step, passage.end, passage.arc.damping
     wanted = wanted & (step.kind != RIDGE)
     rises = wanted & ((step.kind == RIDGE_THEN_VALLEY) | (lanes.v > 0.0))
@@ -169,7 +177,7 @@ def _slope(b: Array, v: Array, damping: float) -> Array:
     return b + damping * v if damping else b
 
 
-def low_bounces(lanes: Lanes, passage: Passage, gain: float) -> Array:
+def low_bounces(lanes: Lanes, passage: Passage, gain: Array | float) -> Array:
     """Bounces from impact to impact within one valley that cannot rise above their lane's peak so far.
 
     In a valley a is largest at an end, so that y'' <= g y - m with m = 1 - a there. While g v h < m the bounce is concave, and
@@ -182,7 +190,9 @@ def low_bounces(lanes: Lanes, passage: Passage, gain: float) -> Array:
     if at.size:
         v, fall, h = lanes.v[at], -passage.impact_v[at], passage.reach[at]
         margin = -np.maximum(np.maximum(lanes.b[at], passage.impact_b[at]), -2.0)
-        low[at] = (gain * v * h < _SURELY * margin) & (v * fall * h <= _SURELY * (v + fall) * lanes.peak[at])
+        low[at] = (np.broadcast_to(gain, low.shape)[at] * v * h < _SURELY * margin) & (
+            v * fall * h <= _SURELY * (v + fall) * lanes.peak[at]
+        )
     return low
 
 

@@ -14,10 +14,12 @@ from typing import NamedTuple
 import numpy as np
 
 from ...motions.motion import Segments
-from ..drive import place
+from ..contacts.contact import Uplift, first_uplift
+from ..drive import phase_between, place
 from ..lanes import Lanes
 from ..outcome import Outcome
 from ..system import System
+from ..weight import WeighedSegments
 from .advance import Crests, Passage, advance, crests, low_bounces
 
 Array = np.ndarray
@@ -26,6 +28,7 @@ MAX_STEPS = 120_000  # a cell that takes more, and 40 for each segment of the mo
 # The C library keeps freed memory up to twice the largest block it has seen come and go. Below that it hands the arrays of each
 # round back to the system and faults them in again for the next, which takes a third of the nonlinear engine's time.
 _KEPT = 31 << 20  # bytes; glibc learns from blocks up to 32 MB
+_INSTANT = 1e-9  # tau: within it of a free fall the weight is as good as none
 STILL = 1e-100  # a speed whose square a double does not hold is none
 _SETTLING = 250.0  # tau, times what damping slows the unstable mode: no body is longer on its way to its last impacts that matter
 
@@ -104,6 +107,18 @@ class Run:
         self.impacts = np.zeros(amplitude.size, dtype=np.int32)
         self.work = Work(cells=amplitude.size)
         self.most_steps = MAX_STEPS + 40 * len(segments)
+        self.drops = self._first_free_fall()
+
+    def _first_free_fall(self) -> Uplift | None:
+        """Where the ground first falls as fast as the cells' bodies, w <= 0; None where it never does to any."""
+        seg = self.segments
+        if not isinstance(seg, WeighedSegments):
+            return None
+        side = np.ones(self.outcome.size)
+        sway = seg.sway(side, self.cells.amplitude[0])
+        down, up = np.maximum(sway, 0.0), np.maximum(-sway, 0.0)
+        first = first_uplift(seg.vertical, np.zeros(sway.size, dtype=np.int64), np.zeros(sway.size), down, up)
+        return first if np.any(first.k < len(seg)) else None
 
     def all(self) -> None:
         """Run every cell to its end."""
@@ -115,7 +130,7 @@ class Run:
             while taken < waiting.size or lanes.cell.size:
                 room = self.pool - lanes.cell.size
                 if room > 0 and taken < waiting.size:
-                    lanes = lanes.join(self.start(waiting[taken : taken + room]))
+                    lanes = lanes.join(self._drop(self.start(waiting[taken : taken + room])))
                     taken += room
                 lanes = self.round(lanes).going
 
@@ -135,7 +150,7 @@ class Run:
         seg = self.segments
         lanes.steps += 1
         equation = self.equation.on(lanes.side)
-        passage = advance(seg, lanes, equation)
+        passage = advance(seg, lanes, equation, self._until_drop(lanes))
         end, hit = passage.end, passage.hit
         k, u = place(seg, passage.step.k, passage.step.u)
         bad = ~(np.isfinite(end.y) & np.isfinite(passage.reach)) | (lanes.steps > self.most_steps)
@@ -149,7 +164,10 @@ class Run:
         wanted[last[np.isnan(fate.peak)]] = False
         found = self._crests(lanes, passage, wanted)
         if self.peaks:
-            lanes.peak[found.lanes] = np.maximum(lanes.peak[found.lanes], found.y)
+            if isinstance(seg, WeighedSegments):
+                np.maximum.at(lanes.peak, found.lanes, found.y)  # there may be several to a lane
+            else:
+                lanes.peak[found.lanes] = np.maximum(lanes.peak[found.lanes], found.y)
             limit = np.broadcast_to(equation.limit, hit.shape)[found.lanes]
             past = found.lanes[found.y >= limit]  # beyond it and back within one step
             over[past] = ~bad[past]
@@ -165,7 +183,23 @@ class Run:
         going = ~(bad | over | shaken)
         free, struck = np.flatnonzero(going & ~hit), np.flatnonzero(going & hit)
         landed, rests = self._impact(lanes, passage, struck)
-        return Round(lanes, passage, found, over, rests, self._onward(lanes, passage, k, u, free).join(landed))
+        return Round(lanes, passage, found, over, rests, self._drop(self._onward(lanes, passage, k, u, free).join(landed)))
+
+    def _until_drop(self, lanes: Lanes) -> Array | float:
+        """The time [tau] to the instant from which the ground falls as fast as the body."""
+        if self.drops is None:
+            return np.inf
+        k = self.drops.k[lanes.cell]
+        until = phase_between(self.segments, lanes.k, lanes.u, k, self.drops.u[lanes.cell]) / lanes.omega
+        return np.where(k >= self.shaken, np.inf, np.where(lanes.k > k, 0.0, until))
+
+    def _drop(self, lanes: Lanes) -> Lanes:
+        """Bodies from which the ground has fallen away are done."""
+        if self.drops is None:
+            return lanes
+        falls = np.asarray(self._until_drop(lanes) <= _INSTANT)
+        self._finish(lanes, np.flatnonzero(falls), Outcome.LOST_CONTACT, np.nan)
+        return lanes.take(np.flatnonzero(~falls))
 
     def _crests(self, lanes: Lanes, passage: Passage, wanted: Array) -> Crests:
         """The turning points of those steps whose peak is wanted."""
@@ -173,14 +207,22 @@ class Run:
             return crests(self.segments, lanes, passage, np.ones(wanted.shape, dtype=bool))
         if not self.peaks:
             return Crests(np.zeros(0, dtype=np.int64), np.zeros(0), np.zeros(0))
-        return crests(self.segments, lanes, passage, wanted & ~low_bounces(lanes, passage, self.equation.gain))
+        gain = self.equation.gain
+        if isinstance(self.segments, WeighedSegments):
+            gain = gain * np.maximum(1.0, self.segments.greatest_weight(lanes.side, lanes.amplitude))
+        return crests(self.segments, lanes, passage, wanted & ~low_bounces(lanes, passage, gain))
 
     def _certainly_overturns(self, lanes: Lanes, k: Array, passage: Passage) -> Array:
         """No drive that is still to come can bring the body back (Lemma 6)."""
         end = passage.end
         later = np.minimum(k, len(self.segments) - 1)
-        inward = np.where(lanes.side > 0.0, self.segments.later_max[later], -self.segments.later_min[later])
-        certain = self.equation.on(lanes.side).certainly_overturns(end.y, end.v, lanes.amplitude * inward)
+        weighed = self.segments if isinstance(self.segments, WeighedSegments) else None
+        most, least = (self.segments.later_max, self.segments.later_min) if weighed is None else weighed.inward
+        inward = lanes.amplitude * np.where(lanes.side > 0.0, most[later], -least[later])
+        if weighed is not None:
+            weight = weighed.least_weight(lanes.side, lanes.amplitude, k)
+            inward = np.where(weight > 0.0, inward / weight, np.inf)
+        certain = self.equation.on(lanes.side).certainly_overturns(end.y, end.v, inward, weighed is None)
         return certain if self.watch is None else certain & (end.y >= np.where(lanes.side > 0.0, *self.watch.fallen))
 
     def _onward(self, lanes: Lanes, passage: Passage, k: Array, u: Array, at: Array) -> Lanes:
@@ -198,6 +240,8 @@ class Run:
         lanes.k, lanes.u = place(seg, lanes.k, lanes.u + lanes.omega * passage.reach[at])
         lanes.y = np.zeros(at.size)
         self.contact.strike(self.cells, lanes, passage.impact_v[at], passage.impact_b[at])
+        if isinstance(seg, WeighedSegments):
+            lanes.b = seg.net(lanes.side, lanes.amplitude, lanes.k, lanes.u) - 1.0
         lanes.impacts += lanes.k < self.shaken if self.equation.damping else 1
         self._renew_drive(lanes)
 
@@ -258,7 +302,8 @@ class Run:
         at = np.flatnonzero((lanes.u == 0.0) & (lanes.k > 0) & (lanes.k < len(seg)))
         at = at[~seg.joins[lanes.k[at] - 1]]
         drive = -lanes.side[at] * lanes.amplitude[at] * seg.s_start[lanes.k[at]]
-        lanes.b[at] = self.equation.on(lanes.side[at]).force(lanes.y[at], drive)
+        weight = 1.0 if not isinstance(seg, WeighedSegments) else seg.weight(lanes.side[at], lanes.amplitude[at], lanes.k[at], lanes.u[at])
+        lanes.b[at] = self.equation.on(lanes.side[at]).force(lanes.y[at], drive, weight)
 
     def _overturn(self, lanes: Lanes, at: Array) -> None:
         bounced = lanes.impacts[at] > 0

@@ -20,6 +20,7 @@ import numpy as np
 
 from ...motions.motion import Segments
 from ..drive import crossing
+from ..weight import WeighedSegments
 
 Array = np.ndarray
 
@@ -33,7 +34,14 @@ class Windows(NamedTuple):
 
 
 def window_end(segments: Segments, k: Array, u: Array, side: Array, amplitude: Array) -> Windows:
-    """The end of the window that (k, u) lies in; a boundary belongs to the window that it begins."""
+    """The end of the window that (k, u) lies in; a boundary belongs to the window that it begins.
+
+    Where the weight varies the windows are those of the net drive, on the side that the body is on.
+    """
+    if isinstance(segments, WeighedSegments):
+        offset = segments.offset(side)
+        there = window_end(segments.edges, k + offset, u, side, amplitude)
+        return Windows(there.k - offset, there.u, there.ridge)
     inverse = 1.0 / amplitude
     from_s, to_s = segments.s_start[k], segments.s_end[k]  # outwards
     from_s *= -side

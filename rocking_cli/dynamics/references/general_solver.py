@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 from scipy.integrate import solve_ivp
 
+from ...motions.biaxial import plus
 from ...motions.motion import Motion, Piece
 from ...structures.kinematics import Mechanism, linearise
 from ..outcome import Outcome
@@ -43,8 +44,8 @@ class Rates(Protocol):
     @property
     def limit(self) -> float: ...
 
-    def __call__(self, theta: float, w: float, push: float) -> list[float]:
-        """(theta', w') under the inward ground acceleration push [g]."""
+    def __call__(self, theta: float, w: float, push: float, weight: float = 1.0) -> list[float]:
+        """(theta', w') under the inward ground acceleration push [g] and the weight over m g."""
 
 
 @dataclass(frozen=True)
@@ -57,9 +58,9 @@ class LinearRates:
     damping: float = 0.0
     limit: float = math.inf
 
-    def __call__(self, theta: float, w: float, push: float) -> list[float]:
+    def __call__(self, theta: float, w: float, push: float, weight: float = 1.0) -> list[float]:
         """theta - alpha - a_scale push - 2 zeta w; a_scale is alpha over the uplift of this equation."""
-        return [w, self.pace**2 * (theta - self.alpha - self.alpha / self.uplift * push) - 2.0 * self.damping * self.pace * w]
+        return [w, self.pace**2 * (weight * (theta - self.alpha) - self.alpha / self.uplift * push) - 2.0 * self.damping * self.pace * w]
 
 
 @dataclass(frozen=True)
@@ -76,10 +77,10 @@ class RigidBodyRates:
         """tan(alpha) (Eq. 2.2)."""
         return math.tan(self.alpha)
 
-    def __call__(self, theta: float, w: float, push: float) -> list[float]:
+    def __call__(self, theta: float, w: float, push: float, weight: float = 1.0) -> list[float]:
         """-sin(alpha - theta) - push cos(alpha - theta) - 2 zeta w."""
         z = self.alpha - theta
-        return [w, self.pace**2 * (-math.sin(z) - push * math.cos(z)) - 2.0 * self.damping * self.pace * w]
+        return [w, self.pace**2 * (-weight * math.sin(z) - push * math.cos(z)) - 2.0 * self.damping * self.pace * w]
 
 
 class MechanismRates:
@@ -92,11 +93,11 @@ class MechanismRates:
         self.mechanism, self.stiffness, self.damping = mechanism, form.stiffness, damping
         self.alpha, self.uplift = form.alpha, form.uplift
 
-    def __call__(self, theta: float, w: float, push: float) -> list[float]:
+    def __call__(self, theta: float, w: float, push: float, weight: float = 1.0) -> list[float]:
         """w/sqrt(M) and -(L + push B)/sqrt(M), over p^2/g, less 2 zeta w."""
         c = self.mechanism.coefficients(theta)
         root = math.sqrt(c.inertia)
-        return [w / root, -float(c.lift + push * c.push) / root / self.stiffness - 2.0 * self.damping * w]
+        return [w / root, -float(weight * c.lift + push * c.push) / root / self.stiffness - 2.0 * self.damping * w]
 
 
 @dataclass(frozen=True)
@@ -192,8 +193,12 @@ def solve_cell(
     """(outcome, max |theta|/alpha, NaN where overturned) of one cell; FAILED if it takes too long."""
     body = _Body(problem, amplitude, omega, eta, solver)
     most_strides = _MAX_STRIDES + _A_SEGMENT * len(motion.segments)
-    for piece in motion.pieces:
-        end = piece.stop / omega
+    if motion.vertical is not None:
+        body.least = 1.0 + body.drive * float(motion.vertical.segments.later_min[0])
+        if body.least <= 0.0:
+            return Outcome.FAILED, math.nan  # free fall, of which this path knows nothing
+    for piece, up in zip(motion.pieces, motion.vertical.pieces if motion.vertical else (None,) * len(motion.pieces), strict=True):
+        end, body.up = piece.stop / omega, up
         while end - body.time > 1e-14 * end:
             body.strides += 1
             if body.strides > most_strides:
@@ -215,6 +220,12 @@ class _Body:
         self.time = self.theta = self.w = self.peak = 0.0
         self.side = self.strides = 0
         self.bounced = False
+        self.up: Piece | None = None  # the vertical motion of now
+        self.least = 1.0  # weight over m g
+
+    def weight(self, time: float) -> float:
+        """The weight over m g."""
+        return 1.0 if self.up is None else 1.0 + self.drive * float(self.up.value(self.omega * time))
 
     @property
     def here(self) -> Rates:
@@ -228,14 +239,20 @@ class _Body:
         """How far the ground acceleration exceeds what lifts the body on to the edge that it pushes it to [g]."""
         push = self.drive * float(piece.value(self.omega * time))
         if push <= 0.0:
-            return -push - self.problem.right.uplift
-        return push - self.problem.left.uplift if self.problem.left is not None else -push
+            return -push - self.problem.right.uplift * self.weight(time)
+        return push - self.problem.left.uplift * self.weight(time) if self.problem.left is not None else -push
 
     def wait(self, piece: Piece, end: float) -> None:
         """At rest: on to the first instant of uplift, or to the end of the piece."""
         right, left = self.problem.right, self.problem.left
         onto = (self.drive / right.uplift, self.drive / left.uplift if left is not None else 0.0)
-        lift = next_uplift(piece, self.omega * self.time, *onto)
+        if self.up is None:
+            lift = next_uplift(piece, self.omega * self.time, *onto)
+        else:  # each edge has an effective motion of its own
+            found = [next_uplift(plus(piece, self.up.scaled(right.uplift)), self.omega * self.time, onto[0], 0.0)]
+            if left is not None:
+                found.append(next_uplift(plus(piece, self.up.scaled(-left.uplift)), self.omega * self.time, 0.0, onto[1]))
+            lift = min((x for x in found if x is not None), default=None)
         self.time = end if lift is None else max(self.time, lift[0] / self.omega)
         self.side, self.theta, self.w = 0 if lift is None else lift[1], 0.0, 0.0
 
@@ -246,7 +263,7 @@ class _Body:
 
         def rate(t: float, state: np.ndarray) -> list[float]:
             push = self.side * self.drive * float(piece.value(self.omega * t))
-            return here(float(state[0]), float(state[1]), push)
+            return here(float(state[0]), float(state[1]), push, self.weight(t))
 
         def at(t: float) -> np.ndarray:
             return np.asarray(self.solver(rate, (time, t), [self.theta, self.w], first_step=t - time).y[:, -1])
@@ -274,14 +291,14 @@ class _Body:
 
     def lost(self, motion: Motion) -> bool:
         """Moving outwards where no ground acceleration of this motion pushes inwards."""
-        return self.w > 0.0 and self.here(self.theta, self.w, self.drive * motion.peak)[1] > 0.0
+        return self.w > 0.0 and self.here(self.theta, self.w, self.drive * motion.peak, self.least)[1] > 0.0
 
     def overturned(self) -> Outcome:
         return Outcome.OVERTURNED_AFTER_IMPACT if self.bounced else Outcome.OVERTURNED_NO_IMPACT
 
     def still(self) -> tuple[Outcome, float]:
         """After the shaking: on over still ground, until the fate shows."""
-        ground, impacts = Piece(0.0, math.inf), 0
+        ground, impacts, self.up = Piece(0.0, math.inf), 0, None
         for _ in range(_MAX_STRIDES):
             if self.side == 0 or impacts > 2:
                 return (Outcome.ROCKED if self.peak > 0.0 else Outcome.NO_UPLIFT), self.peak

@@ -29,10 +29,10 @@ def test_a_body_that_lies_on_its_side_is_not_followed():
     calls = 0
 
     class Counted(RigidBodyRates):
-        def __call__(self, theta, w, push):
+        def __call__(self, theta, w, push, weight=1.0):
             nonlocal calls
             calls += 1
-            return super().__call__(theta, w, push)
+            return super().__call__(theta, w, push, weight)
 
     outcome, _ = solve_cell(sine(), 1e8, 0.01, 0.9, Problem(Counted(0.25), Counted(0.25), 0.25))
     assert outcome == Outcome.OVERTURNED_NO_IMPACT

@@ -1,0 +1,121 @@
+"""The drive of a body whose weight varies: ground that moves sideways and upwards at once.
+
+With a the outward drive over its value at uplift and w = 1 + zg''/g the weight over m g, the force on a side is f = -w l(y) + a m(y). At
+the ground it is c - 1, c = a + 1 - w the *net drive*, and all that the windows of the drive ask for is on which side of 1 that is: on the
+right edge c = -A (s + r s_v), on the left A (s - r s_v), with s_v the vertical motion and r the zg''/g that goes with A = 1 on the edge.
+So a body has two effective motions, one for each edge, cut into segments on which both are monotone.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields, replace
+from functools import lru_cache
+
+import numpy as np
+
+from ..motions.biaxial import Biaxial, combined
+from ..motions.motion import Motion, Segments
+from ..motions.polyline import Polyline
+from .drive import drive_change
+
+Array = np.ndarray
+
+_ALIKE = 1e-9  # of a piece: extremes this close are one
+
+
+@dataclass(frozen=True)
+class WeighedSegments(Segments):
+    """The horizontal motion on common segments, and what goes with it; `later_max` and `later_min` are those of the net drives, left of
+    the left edge and right of the right one, so that they say what lifts the body.
+
+    vertical: s_v; right, left: the effective motions; edges: these two, one after the other; inward: (later_max, later_min) of the
+    horizontal motion; share: r of the right edge and the left one.
+    """
+
+    vertical: Segments
+    right: Segments
+    left: Segments
+    edges: Segments
+    inward: tuple[Array, Array]
+    share: tuple[float, float]
+
+    def offset(self, side: Array) -> Array:
+        """What turns a segment into that of the edge in `edges`."""
+        return np.where(side > 0.0, 0, len(self)).astype(np.int64)
+
+    def sway(self, side: Array, amplitude: Array) -> Array:
+        """zg''/g of s_v = 1 for lanes of this side and amplitude."""
+        return np.where(side > 0.0, *self.share) * amplitude
+
+    def weight(self, side: Array, amplitude: Array, k: Array, u: Array) -> Array:
+        """w at phase u of segment k."""
+        return 1.0 + self.sway(side, amplitude) * _value(self.vertical, k, u)
+
+    def net(self, side: Array, amplitude: Array, k: Array, u: Array) -> Array:
+        """c at phase u of segment k, on this side."""
+        return -side * amplitude * _value(self.edges, k + self.offset(side), u)
+
+    def least_weight(self, side: Array, amplitude: Array, k: Array) -> Array:
+        """The least w from segment k on."""
+        sway, at = self.sway(side, amplitude), np.minimum(k, len(self) - 1)
+        return 1.0 + np.where(sway > 0.0, sway * self.vertical.later_min[at], sway * self.vertical.later_max[at])
+
+    def greatest_weight(self, side: Array, amplitude: Array) -> Array:
+        """The largest w of the whole motion."""
+        sway = self.sway(side, amplitude)
+        return 1.0 + np.where(sway > 0.0, sway * self.vertical.later_max[0], sway * self.vertical.later_min[0])
+
+    def followed_by_rest(self, length: float) -> WeighedSegments:
+        """The same motion and then still ground, for a phase of this length [rad]."""
+        whole = Segments(**{f.name: getattr(self, f.name) for f in fields(Segments)}).followed_by_rest(length)
+        parts = [x.followed_by_rest(length) for x in (self.vertical, self.right, self.left)]
+        inward = (np.append(self.inward[0], 0.0), np.append(self.inward[1], 0.0))
+        return _weighed(whole, parts[0], parts[1], parts[2], inward, self.share)
+
+
+def _value(segments: Segments, k: Array, u: Array) -> Array:
+    k = np.minimum(k, len(segments) - 1)
+    return segments.s_start[k] + drive_change(segments, k, u)
+
+
+@lru_cache(maxsize=64)
+def weighed(motion: Motion, right: float, left: float) -> Segments:
+    """The segments of a motion for a body whose edges have these r; those of the motion itself where it is not Biaxial."""
+    if not isinstance(motion, Biaxial):
+        return motion.segments
+    signals = (motion.across, motion.vertical, combined(motion, right), combined(motion, -left))
+    if isinstance(motion.across, Polyline):
+        across, vertical, at_right, at_left = (signal.segments for signal in signals)
+    else:
+        inner = [_apart(sorted(x for piece in pieces for x in piece.extremes()), pieces[0].stop - pieces[0].start)
+                 for pieces in zip(*(signal.pieces for signal in signals[1:]), strict=True)]  # fmt: skip
+        across, vertical, at_right, at_left = (signal.cut(inner) for signal in signals)
+    inward = (across.later_max, across.later_min)
+    return _weighed(across, vertical, at_right, at_left, inward, (right, left))
+
+
+def _apart(marks: list[float], length: float) -> list[float]:
+    kept: list[float] = []
+    for x in marks:
+        if not kept or x - kept[-1] > _ALIKE * length:
+            kept.append(x)
+    return kept
+
+
+def _weighed(
+    across: Segments, vertical: Segments, right: Segments, left: Segments, inward: tuple[Array, Array], share: tuple[float, float]
+) -> WeighedSegments:
+    own = {f.name: getattr(across, f.name) for f in fields(Segments)}
+    own |= {"later_max": left.later_max, "later_min": right.later_min}
+    vertical, right, left = (replace(part, length=across.length) for part in (vertical, right, left))
+    both = {f.name: _joined(getattr(right, f.name), getattr(left, f.name)) for f in fields(Segments)}
+    return WeighedSegments(**own, vertical=vertical, right=right, left=left, edges=Segments(**both), inward=inward, share=share)
+
+
+def _joined(a: Array, b: Array) -> Array:
+    """Two arrays over segments, one after the other; of sinusoids as many as the richer one has."""
+    if a.ndim == 1:
+        return np.concatenate([a, b])
+    rows = max(len(a), len(b))
+    a, b = (np.concatenate([x, np.zeros((rows - len(x), x.shape[1]))]) for x in (a, b))
+    return np.concatenate([a, b], axis=1)

@@ -1,0 +1,115 @@
+"""Ground that moves sideways and upwards at once: two motions in one time, over one amplitude."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cached_property
+from itertools import pairwise
+
+import numpy as np
+
+from ..errors import UsageError
+from .motion import Harmonic, Motion, Piece, Segments, checked_scale
+from .polyline import Polyline
+
+
+class Biaxial(Motion):
+    """A horizontal and a vertical motion cut into the same pieces; as a motion it is the horizontal one.
+
+    The vertical acceleration, upwards, is s_v a_g as the horizontal one is s a_g. Raises UsageError, see `with_vertical`.
+    """
+
+    across: Motion
+    _vertical: Motion
+
+    __eq__ = object.__eq__  # what follows from it is kept by the object; its pieces may be many
+    __hash__ = object.__hash__
+
+    def __init__(self, across: Motion, vertical: Motion) -> None:
+        for key, value in {"name": f"{across.name} with {vertical.name} upwards", "across": across, "_vertical": vertical}.items():
+            object.__setattr__(self, key, value)
+
+    @property
+    def vertical(self) -> Motion:
+        """The vertical motion, on the same pieces."""
+        return self._vertical
+
+    @cached_property
+    def pieces(self) -> tuple[Piece, ...]:
+        """The horizontal pieces."""
+        return self.across.pieces
+
+    @property
+    def acceleration(self) -> float | None:
+        """That of the horizontal motion."""
+        return self.across.acceleration
+
+    @property
+    def duration(self) -> float:
+        """Phase at which both have ended [rad]."""
+        return self.across.duration
+
+    def value(self, phase: np.ndarray | float) -> np.ndarray:
+        """The horizontal s(phase) [-]."""
+        return self.across.value(phase)
+
+    def still_until(self, phase: float) -> Biaxial:
+        """Both, with the ground at rest after them."""
+        return Biaxial(self.across.still_until(phase), self._vertical.still_until(phase))
+
+    def scaled(self, factor: float) -> Biaxial:
+        """Both times a factor; a negative one turns the horizontal motion over, and leaves up what is up."""
+        return Biaxial(self.across.scaled(factor), self._vertical.scaled(abs(factor)))
+
+    @cached_property
+    def segments(self) -> Segments:
+        """Those of the horizontal motion."""
+        return self.across.segments
+
+
+def with_vertical(motion: Motion, vertical: Motion, scale: float = 1.0) -> Biaxial:
+    """A motion with a vertical one, times `scale`, which may be negative.
+
+    A record keeps its own amplitude over that of the horizontal record, and both are scaled together; a pulse or motion document
+    is over the a_g and in the phase of the horizontal one. Raises UsageError for a record beside what has no time of its own.
+    """
+    own, other = motion.acceleration, vertical.acceleration
+    if (own is None) != (other is None):
+        raise UsageError(
+            "the vertical motion is a record and the horizontal one is not, or the other way round; accepted are two of a kind"
+        )
+    factor = checked_scale(vertical.name, scale) * (1.0 if own is None or other is None else other / own)
+    if isinstance(motion, Polyline) and isinstance(vertical, Polyline):
+        marks = np.union1d(np.append(motion.start, motion.stop[-1]), np.append(vertical.start, vertical.stop[-1]))
+        marks = marks[np.append(True, np.diff(marks) > 1e-12 * marks[-1])]
+        return Biaxial(motion.on(marks), vertical.on(marks).scaled(factor))
+    marks = np.unique(np.concatenate([[0.0], *([p.stop for p in m.pieces] for m in (motion, vertical))]))
+    marks = marks[np.append(True, np.diff(marks) > 1e-12 * marks[-1])]
+    return Biaxial(_on(motion, marks.tolist()), _on(vertical, marks.tolist()).scaled(factor))
+
+
+def _on(motion: Motion, marks: list[float]) -> Motion:
+    """The motion with a piece from each mark to the next."""
+    pieces = []
+    for start, stop in pairwise(marks):
+        middle = 0.5 * (start + stop)
+        piece = next((p for p in motion.pieces if p.start <= middle < p.stop), Piece(start, stop))
+        pieces.append(replace(piece, start=start, stop=stop, constant=piece.constant + piece.slope * (start - piece.start)))
+    return Motion(motion.name, tuple(pieces))
+
+
+def combined(motion: Biaxial, factor: float) -> Motion:
+    """The horizontal motion plus `factor` times the vertical one, as a motion."""
+    across, up = motion.across, motion.vertical
+    if isinstance(across, Polyline) and isinstance(up, Polyline):
+        return across.plus(up, factor)
+    return Motion(motion.name, tuple(plus(a, b.scaled(factor)) for a, b in zip(across.pieces, up.pieces, strict=True)))
+
+
+def plus(a: Piece, b: Piece) -> Piece:
+    """The sum of two pieces, their sinusoids of one frequency in one."""
+    waves: dict[float, complex] = {}
+    for h in (*a.harmonics, *b.harmonics):
+        waves[h.frequency] = waves.get(h.frequency, 0.0) + h.amplitude * np.exp(1j * h.phase)
+    harmonics = tuple(Harmonic(float(abs(c)), w, float(np.angle(c))) for w, c in waves.items())
+    return Piece(a.start, a.stop, harmonics, a.constant + b.constant, a.slope + b.slope)

@@ -1,0 +1,174 @@
+"""Bodies whose weight varies, against an integration of another kind, and what must not change."""
+
+from __future__ import annotations
+
+import math
+from functools import partial
+
+import numpy as np
+import pytest
+from oracle_systems import Body, Edge
+from weighed import Shaking, swing
+
+from rocking_cli import Motion, Outcome, RockingParameters, cosine, pulse, response, sine
+from rocking_cli.dynamics.method import Method
+from rocking_cli.dynamics.weight import WeighedSegments, weighed
+from rocking_cli.errors import UsageError
+from rocking_cli.motions import Harmonic, Piece
+from rocking_cli.motions.biaxial import Biaxial, with_vertical
+from rocking_cli.motions.polyline import Polyline
+from rocking_cli.responses.history import history
+from rocking_cli.structures.parameters import Side
+
+ACROSS = [sine(1), sine(2), cosine(1.5), pulse("rectangular-impulse"), pulse("mavroeidis-papageorgiou")]
+UP = [sine(1.5), cosine(1), sine(3), pulse("rectangular-impulse"), Motion("other", (Piece(0.0, 4 * math.pi, (Harmonic(1.0, 2.7, 0.3),)),))]
+SYSTEMS = [
+    "symmetric linear", "symmetric nonlinear", "unequal linear", "unequal nonlinear", "one-sided linear", "one-sided nonlinear",
+    "damped linear", "damped nonlinear",
+]  # fmt: skip
+
+
+def drawn(words, random):
+    """A random body of a system: as the package takes it, and as the oracle does."""
+    p, alpha, other, turn = random.uniform(1.0, 3.0), random.uniform(0.08, 0.4), random.uniform(0.85, 1.18), random.uniform(0.6, 1.6)
+    zeta, nonlinear = 0.05 if "damped" in words else 0.0, "nonlinear" in words
+    e1, e2 = random.uniform(0.4, 0.98, 2)
+    if "unequal" in words:
+        p2, angle = p * other, alpha * turn
+        sides = Side("left", p, alpha, math.tan(alpha), 1.0, e1), Side("right", p2, angle, math.tan(angle), 1.0, e2)
+        return RockingParameters.of_sides("body", "prism", *sides, damping=zeta), Body(
+            Edge(p2, angle, e2), Edge(p, alpha, e1), zeta, nonlinear
+        )
+    one_sided = "one-sided" in words
+    eta = -e1 if one_sided else e1
+    body = RockingParameters("body", "block", p, alpha, eta, math.tan(alpha), 1.0, one_sided=one_sided, damping=zeta)
+    return body, Body(Edge(p, alpha, eta), None if one_sided else Edge(p, alpha, eta), zeta, nonlinear)
+
+
+def ground(motion, a_g, omega_g, t):
+    return a_g * float(motion.value(omega_g * t))
+
+
+def compared(words, cells, seed):
+    """(decided cells, largest difference of theta/alpha) over random cells; every outcome must agree."""
+    random, decided, worst = np.random.default_rng(seed), 0, 0.0
+    while decided < cells:
+        body, other = drawn(words, random)
+        motion = with_vertical(ACROSS[random.integers(len(ACROSS))], UP[random.integers(len(UP))], random.uniform(-0.8, 0.8))
+        amplitude, omega = random.uniform(0.8, 4.0), random.uniform(0.5, 8.0)
+        a_g, omega_g = float(body.ground_acceleration(amplitude)), omega * body.p
+        if a_g * motion.vertical.peak > 0.95 * body.gravity:
+            continue
+        system = Method("nonlinear" if other.nonlinear else "linear", 1e-11).system_of(body)
+        found = response(system, motion, amplitude, omega, body.eta)
+        across, up = (partial(ground, m, a_g, omega_g) for m in (motion, motion.vertical))
+        marks = tuple(piece.stop / omega_g for piece in motion.pieces)
+        wanted = swing(other, Shaking(across, up, marks[-1], marks))
+        if wanted.outcome == "undecided":
+            continue
+        decided += 1
+        assert Outcome(int(found.outcome)).flag == wanted.outcome, (words, amplitude, omega, motion.name)
+        if not math.isnan(wanted.rotation):
+            worst = max(worst, abs(wanted.rotation - float(found.theta_ratio)))
+    return decided, worst
+
+
+@pytest.mark.parametrize("words", SYSTEMS)
+def test_against_an_integration_that_shares_no_code(words):
+    assert compared(words, 1, 11)[1] < 1e-10
+
+
+@pytest.mark.soak
+@pytest.mark.parametrize("words", SYSTEMS)
+def test_more_cells_against_that_integration(words):
+    assert compared(words, 60, 5)[1] < 1e-8  # after several impacts
+
+
+def block(alpha=0.2):
+    return RockingParameters("b", "block", 2.0, alpha, 0.9, math.tan(alpha), 1.0)
+
+
+@pytest.mark.parametrize("model", ["linear", "nonlinear"])
+def test_a_constant_weight_is_another_gravity(model):
+    """w g in the place of g: p grows by sqrt(w), so A and Omega fall by w and sqrt(w) while it lasts, and here it lasts."""
+    still = Piece(0.0, 40.0 * math.pi)
+    across = Motion("long", (sine(1).pieces[0], Piece(2 * math.pi, 40.0 * math.pi)))
+    body, amplitude, omega, w = block(), 2.2, 6.0, 1.3
+    up = Motion("constant", (Piece(0.0, still.stop, (), (w - 1.0) / (amplitude * body.alpha)),))
+    system = Method(model, 1e-12).system_of(body)
+    heavy = response(system, with_vertical(across, up), amplitude, omega, body.eta)
+    plain = response(system, across, amplitude / w, omega / math.sqrt(w), body.eta)
+    assert heavy.outcome == plain.outcome == Outcome.ROCKED
+    assert float(heavy.theta_ratio) == pytest.approx(float(plain.theta_ratio), abs=1e-11)
+
+
+@pytest.mark.parametrize("model", ["linear", "nonlinear"])
+def test_a_vertical_motion_that_is_next_to_none_changes_next_to_nothing(model):
+    body = block()
+    system = Method(model, 1e-12).system_of(body)
+    amplitude, omega = np.meshgrid(np.linspace(0.8, 5.0, 12), np.linspace(0.6, 8.0, 8))
+    plain, near = (response(system, m, amplitude, omega, body.eta) for m in (sine(1), with_vertical(sine(1), cosine(2), 1e-13)))
+    assert np.array_equal(plain.outcome, near.outcome)
+    assert np.nanmax(np.abs(plain.theta_ratio - near.theta_ratio)) < 1e-10
+
+
+def test_one_lane_is_the_same_lane_in_a_batch():
+    body = block()
+    system = Method("nonlinear", 1e-9).system_of(body)
+    motion = with_vertical(sine(2), cosine(3), 0.5)
+    amplitude = np.linspace(1.3, 3.4, 4)
+    together = response(system, motion, amplitude, 4.0, body.eta)
+    alone = [response(system, motion, a, 4.0, body.eta) for a in amplitude]
+    assert together.theta_ratio.tolist() == [float(x.theta_ratio) for x in alone] or np.array_equal(
+        together.theta_ratio, [float(x.theta_ratio) for x in alone], equal_nan=True
+    )
+    assert together.outcome.tolist() == [int(x.outcome) for x in alone]
+
+
+def test_uplift_is_where_the_ground_exceeds_lambda_times_the_weight():
+    """A sine across and its own mirror image upwards: a > lambda (g - a k) at a = lambda g/(1 + lambda k)."""
+    body, k = block(), 0.7
+    system = Method("nonlinear").system_of(body)
+    motion = with_vertical(sine(1), sine(1), -k)
+    tan = math.tan(body.alpha)
+    assert system.least_uplift(motion) * body.alpha == pytest.approx(tan / (1.0 + tan * k), rel=1e-14)
+
+
+def test_free_fall_is_an_outcome_of_its_own_at_its_instant():
+    body = block()
+    system = Method("nonlinear").system_of(body)
+    motion = with_vertical(sine(1), sine(1), -8.0)  # z'' = -g at sin(phi) = 1/(8 A alpha)
+    found = response(system, motion, [1.2, 0.1], 4.0, body.eta)
+    assert found.outcome.tolist() == [Outcome.LOST_CONTACT, Outcome.NO_UPLIFT]
+    assert math.isnan(found.theta_ratio[0])
+    heard = history(system, motion, 1.2, 4.0, body.eta, duration=9.0)
+    assert heard.outcome == Outcome.LOST_CONTACT
+    assert heard.end == pytest.approx(math.asin(1.0 / (8.0 * 1.2 * body.alpha)) / 4.0, rel=1e-12)
+
+
+def test_records_keep_the_ratio_of_their_amplitudes_and_others_do_not_go_with_them():
+    start, stop = np.array([0.0, 0.1]), np.array([0.1, 0.3])
+    one = Polyline("one", start, stop, np.array([0.0, 1.0]), np.array([10.0, -5.0]), 4.0)
+    two = Polyline("two", np.array([0.0]), np.array([0.2]), np.array([1.0]), np.array([-5.0]), 2.0)
+    both = with_vertical(one, two, 0.5)
+    assert isinstance(both, Biaxial)
+    assert both.vertical.value(np.array([0.0, 0.05, 0.1, 0.25])) == pytest.approx([0.25, 0.1875, 0.125, 0.0], abs=1e-15)
+    assert (float(both.value(0.05)), both.duration) == pytest.approx((0.5, 0.3), rel=1e-15)
+    with pytest.raises(UsageError, match="two of a kind"):
+        with_vertical(one, sine(1))
+
+
+def test_segments_are_monotone_for_both_edges():
+    found = weighed(with_vertical(sine(2), Motion("fast", (Piece(0.0, 9.0, (Harmonic(0.6, 3.3, 0.4),)),))), 0.3, 0.5)
+    assert isinstance(found, WeighedSegments)
+    k = np.arange(len(found))
+    for edge in (found.right, found.left, found.vertical):
+        inner = [edge.s_start + _change(edge, k, part * found.length) for part in np.linspace(0.0, 1.0, 41)]
+        steps = np.diff(inner, axis=0) * np.sign(edge.s_end - edge.s_start)
+        assert steps.min() > -1e-12
+
+
+def _change(edge, k, u):
+    from rocking_cli.dynamics.drive import segment_value
+
+    return segment_value(edge, k, u)[0]
