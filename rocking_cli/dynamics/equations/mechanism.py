@@ -30,6 +30,7 @@ Array = np.ndarray
 DEGREE = 28  # of a patch's series
 _COLLAPSED = -50.0  # lambda(phi) / lambda(0): no drive below 50 times the uplift's brings the structure back from there
 _WIDEN = 2.0  # a patch's series is fitted on this times its width
+_TOGETHER = 3  # powers of the series that are raised in one sum
 _MARGIN = 1e-6  # energy beyond a barrier from which overturning is certain, whatever the table's interpolation
 # A Chebyshev coefficient below this is rounding: values are of order one, and come from the linkage to 1e-14, or to 1e-15 over
 # lambda where that is small, since V' is then a small difference.
@@ -63,7 +64,8 @@ class Patches:
         at, x = self.of(y)
         total = np.zeros_like(x)
         for row in coefficients[::-1]:
-            total = total * x + row[at]
+            total *= x
+            total += row.take(at)
         return total
 
     def slope(self, coefficients: Array, y: Array) -> Array:
@@ -126,15 +128,22 @@ class MechanismEquation:
         y = np.empty((count + 2, x.size))
         y[0] = lanes.y
         np.multiply(lanes.v, known.unit, out=y[1])
-        power = np.zeros((count, count, x.size))  # [j, n]: term n of ((y - y0) / half)^j
-        pushes = np.empty_like(drive)  # G along the motion
+        self._compose(y, over, lift, push, drive, known.unit)
+        return series(y, known, self.tolerance, self.damping)
+
+    def _compose(self, y: Array, over: Array, lift: Array, push: Array, drive: Array, unit: Array) -> None:
+        """Terms 2 ... of y: those of F and G along the motion follow from powers of y - y0."""
+        count, lanes = len(y) - 2, y.shape[1]
+        power = np.zeros((count, count, lanes))  # [j, n]: term n of ((y - y0) / half)^j
+        pushes = np.empty(drive.shape)  # G along the motion
         pushes[0], fallen = push[0], lift[0]
         lifts = np.empty_like(drive)  # F along the motion, where the weight varies
         for n in range(count):
             if n:
                 np.multiply(y[n], over, out=power[1, n])
-                if n > 1:
-                    np.einsum("il,jil->jl", power[1, 1:n], power[1:n, n - 1 : 0 : -1], out=power[2 : n + 1, n])
+                for j in range(1, n, _TOGETHER):  # term m of power j is zero for m < j
+                    last = min(n, j + _TOGETHER)
+                    np.einsum("il,jil->jl", power[1, 1 : n - j + 1], power[j:last, n - 1 : j - 1 : -1], out=power[j + 1 : last + 1, n])
                 here = power[1 : n + 1, n]
                 fallen = np.einsum("jl,jl->l", lift[1 : n + 1], here)
                 np.einsum("jl,jl->l", push[1 : n + 1], here, out=pushes[n])
@@ -144,16 +153,17 @@ class MechanismEquation:
             pushed = np.einsum("il,il->l", drive[: n + 1], pushes[n::-1])
             pushed -= fallen
             if self.damping:
-                pushed -= (2.0 * self.damping * (n + 1)) * known.unit * y[n + 1]
+                pushed -= (2.0 * self.damping * (n + 1)) * unit * y[n + 1]
             np.multiply(pushed, 1.0 / ((n + 1) * (n + 2)), out=y[n + 2])
-        return series(y, known, self.tolerance, self.damping)
 
     def _local(self, at: Array, x: Array, count: int) -> Array:
         """(2, count, lanes): the series of F and G in powers of (y - y0) / half, shifted from the patch's centre to y0."""
         rows = np.stack([self.table.lift.take(at, axis=1), self.table.push.take(at, axis=1)])
-        for k in range(count):
-            for j in range(rows.shape[1] - 2, k - 1, -1):
-                rows[:, j] += x * rows[:, j + 1]
+        # Horner's rule, row j += x row j + 1 for j downwards, repeated from row k on for each k: turn s has come to j = last - s + k.
+        last, rest = rows.shape[1] - 1, np.empty((2, count, x.size))
+        for s in range(1, last + 1):
+            here, size = last - s, min(count, s)
+            rows[:, here : here + size] += np.multiply(x, rows[:, here + 1 : here + size + 1], out=rest[:, :size])
         return rows[:, :count]
 
     def force(self, y: Array, a: Array, weight: Array | float = 1.0) -> Array:
@@ -197,7 +207,8 @@ class MechanismEquation:
             self.damping or not steady
         ):  # friction eats the energy, or the barrier moves: only the equilibrium itself is a point of no return
             return certain | ((v > 0.0) & (y >= self._equilibrium(inward) * (1.0 + _MARGIN)))
-        maybe = np.flatnonzero(~certain & (v > 0.0) & (0.5 * v * v + table.value(table.work, y) > self.barrier))
+        maybe = np.flatnonzero(~certain & (v > 0.0))
+        maybe = maybe[0.5 * v[maybe] ** 2 + table.value(table.work, y[maybe]) > self.barrier]
         if maybe.size:
             y, e = y[maybe], inward[maybe]
             top = self._equilibrium(e)
