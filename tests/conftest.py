@@ -73,5 +73,5 @@ def refused(rocking: Run, tmp_path: Path) -> Callable[..., str]:
 def spectrum_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A complete spectra file of one restitution, to be read only."""
     path = tmp_path_factory.mktemp("spectra") / "s.h5"
-    write_spectrum([dimensionless_oscillator(0.9)], parse_grid("A=0.5:8:200,Omega=1:8:200"), sine(), path, workers=1, chunk_cells=5000)
+    write_spectrum([dimensionless_oscillator(0.9)], sine(), parse_grid("A=0.5:8:200,Omega=1:8:200"), path, workers=1, chunk_cells=5000)
     return path

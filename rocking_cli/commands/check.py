@@ -11,54 +11,63 @@ from . import options
 
 if TYPE_CHECKING:
     from ..motions import Motion
+    from ..motions.recording import Recording
     from ..responses.check import Verdict
     from ..spectra.grid import Grid
 
 
 @click.command(epilog="Example: rocking check configs/block.yaml configs/arch.yaml --a-g 0.35g --f-g 1.5 --sort capacity")
 @options.files
-@options.motion
+@options.motions
 @options.shaking
 @click.option("--a-max", type=float, default=20.0, show_default=True, help="Dimensionless amplitude A up to which falling is looked for.")
 @click.option("--sort", type=click.Choice(["capacity"]), help="The weakest first, those that never overturn last.")
 @click.option("--fail-on", type=click.Choice(["overturning"]), help="Exit code 5 where a structure falls.")
 @click.option("-o", "--output", type=options.OutputPath(), help="A figure of the capacities: .png, .svg or .pdf.")
 @options.overwrite
+@options.workers
 @options.output_form
 @options.quiet
 @click.pass_context
 def check(
     context: click.Context,
     files: tuple[str, ...],
-    motion: Motion,
+    motion: Motion | None,
+    recordings: tuple[Recording, ...],
     shaking: Grid | None,
     a_max: float,
     sort: str | None,
     fail_on: str | None,
     output: Path | None,
     overwrite: bool,
+    workers: int | None,
     form: str | None,
     quiet: bool,
 ) -> None:
     """Check which structures stand under a motion, and how much more it would take to overturn them.
 
-    A row a structure: the outcome and theta_max/alpha by the equation that governs (nonlinear where the geometry is known, linear for
-    stated parameters); uplift_a and first_overturning_a, the least amplitudes that lift and overturn it; capacity_demand, the
-    latter over the demand, below 1 where the body falls or would for less, empty where nothing overturns up to --a-max and twice
-    the demand; safe_to, where the stretch around the demand that stands ends; outcome_linear, the linear verdict. Accelerations are
-    in m/s2 (JSON, CSV) or in the unit of the request (table), unless --units says otherwise.
+    A row a structure and motion: the outcome and theta_max/alpha by the equation that governs (nonlinear where the geometry is known,
+    linear for stated parameters); uplift_a and first_overturning_a, the least amplitudes that lift and overturn it; capacity_demand,
+    the latter over the demand, below 1 where the body falls or would for less, empty where nothing overturns up to --a-max and
+    twice the demand; safe_to, where the stretch around the demand that stands ends; outcome_linear, the linear verdict; friction
+    and fz_min, the coefficient that the ground must have and the least vertical force over the weight of a rigid body.
+    Accelerations are in m/s2 (JSON, CSV) or in the unit of the request (table), unless --units says otherwise.
     """
     from ..dynamics.outcome import Outcome
-    from ..responses.check import CHECK_COLUMNS
-    from ..responses.check import check as verdict_of
+    from ..responses.check import CHECK_COLUMNS, check_all
     from ..spectra.capacity import narrowest
+    from ..spectra.grid import as_recorded
 
     structures = options.structures_of(files)
-    if shaking is None:
+    if shaking is None and not recordings:
         raise click.UsageError("no shaking: give --a-g and --omega-g (or --f-g, --T-g), or --motion FILE")
     if output is not None:
         options.refuse_figure(output, overwrite)
-    verdicts = [verdict_of(structure, motion, shaking, a_max=a_max) for structure in structures]
+    shakes: list[tuple[Motion, Grid]] = [(r.motion, shaking or as_recorded(r.acceleration)) for r in recordings]
+    if motion is not None and shaking is not None:
+        shakes.append((motion, shaking))
+    demands = [(structure, *shake) for shake in shakes for structure in structures]
+    verdicts = check_all(demands, a_max=a_max, workers=options.at_most_the_cpus(workers, quiet))
     if sort:
         verdicts.sort(key=lambda v: float("inf") if v.capacity_demand is None else v.capacity_demand)
     in_g = _in_g(context.params)
@@ -69,7 +78,8 @@ def check(
     options.emit([v.record() for v in verdicts], form, CHECK_COLUMNS, table_units="g" if in_g else None)
     for line in _remarks(verdicts):
         options.note(line, quiet)
-    options.note(f"nothing is claimed of intervals narrower than {narrowest(motion)}, safe or overturning, away from the demand", quiet)
+    width = " or ".join(dict.fromkeys(narrowest(shake) for shake, _ in shakes))
+    options.note(f"nothing is claimed of intervals narrower than {width}, safe or overturning, away from the demand", quiet)
     if fail_on and any(v.outcome.overturned for v in verdicts):
         context.exit(5)
     if any(v.outcome == Outcome.FAILED for v in verdicts):
@@ -81,7 +91,7 @@ def _in_g(given: dict[str, Any]) -> bool:
     units = options.units_of()
     if units is not None and "acceleration" in units.chosen:
         return units.of("acceleration")[0] == "g"
-    text = given["a_g"] or given["scale_to"] or ("g" if given["motion_file"] else "")
+    text = given["a_g"] or given["scale_to"] or ("g" if given["motion_files"] else "")
     return bool(text.rstrip().endswith("g"))
 
 

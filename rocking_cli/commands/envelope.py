@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator
 from functools import partial
 from typing import TYPE_CHECKING, Any
@@ -12,13 +13,16 @@ from . import options
 
 if TYPE_CHECKING:
     from ..motions import Motion
+    from ..motions.recording import Recording
+    from ..spectra.record_envelope import Tracing
 
 
 @click.command(epilog="Example: rocking envelope --eta 0.9 --grid Omega=2:6:5")
 @options.files
-@click.option("--grid", "axes", metavar="AXIS", help="omega_g=START:STOP:N[:log] (or f_g, T_g), or Omega=…; a record has none.")
+@click.option("--grid", "axes", metavar="AXIS", help="omega_g=START:STOP:N[:log] (or f_g, T_g), or Omega=…; of records T=… with --alpha.")
 @options.eta
-@options.motion
+@options.alpha
+@options.motions
 @options.vertical
 @options.method
 @click.option("--a-max", type=float, default=20.0, show_default=True, help="Largest dimensionless amplitude A that is searched.")
@@ -26,6 +30,7 @@ if TYPE_CHECKING:
     "--sign", type=click.Choice(["worse", "+", "-", "both"]), default="worse", show_default=True,
     help="Of the ground acceleration, where a body's sides differ: + or - alone, what overturns under either, or both apart.",
 )  # fmt: skip
+@click.option("--first", is_flag=True, help="Of records, the first overturning scale alone, and where there is none.")
 @click.option("--closed-form", is_flag=True, help="The closed-form curves of a sine, half-sine or rectangular pulse instead.")
 @options.workers
 @options.output_form
@@ -35,12 +40,15 @@ def envelope(
     context: click.Context,
     files: tuple[str, ...],
     axes: str | None,
-    etas: tuple[float, ...],
-    motion: Motion,
+    etas: tuple[float | None, ...],
+    alphas: str | None,
+    motion: Motion | None,
+    recordings: tuple[Recording, ...],
     model: str,
     tolerance: float,
     a_max: float,
     sign: str,
+    first: bool,
     closed_form: bool,
     workers: int | None,
     form: str | None,
@@ -53,6 +61,11 @@ def envelope(
     motions that push more than twice the scan is ten times as fine around every change, which finds most of those wider
     than 1e-4 and is no proof. For
     structures with units omega_g [rad/s], a_from and a_to [m/s2] are printed as well.
+
+    Records have no frequency: what is looked for is their scale, for each structure, or with --alpha and --grid T=… for blocks of
+    these critical angles and sizes T = 2 pi/p in s. A row tells A, the peak a [m/s2] and the scale of the record as it is given. The
+    scan's amplitudes are 0.5 % apart, and nothing is claimed of narrower intervals. The equation is the nonlinear one where the
+    geometry is known, unless --model is given.
     """
     from ..dynamics.method import Method
     from ..spectra.envelope import (
@@ -65,16 +78,28 @@ def envelope(
         structure_curves,
         structure_intervals,
     )
+    from ..spectra.record_envelope import Tracing
+    from ..spectra.record_scene import scene_of_words
 
     method = Method(model, tolerance)
     workers = options.at_most_the_cpus(workers, quiet)
-    axis = frequency_axis(axes, own_time=motion.acceleration is not None)
+    if motion is None:
+        if closed_form:
+            raise click.UsageError("--closed-form does not go with records")
+        asked = context.get_parameter_source("model") is not click.core.ParameterSource.DEFAULT
+        structures = options.structures_of(files, etas) if files else []
+        words: dict[str, Any] = {"axes": axes, "alphas": alphas, "etas": etas, "method": method if asked else None, "tolerance": tolerance}
+        _of_records(context, Tracing(scene_of_words(structures, recordings, **words), a_max, first), sign, workers, form, quiet)
+        return
+    if alphas is not None or first:
+        raise click.UsageError(f"{'--first' if first else '--alpha'} goes with records: give --motion")
+    axis = frequency_axis(axes)
     structures = options.structures_of(files, etas)
     for structure in structures:  # all of them, before the first row is printed
         if closed_form:
-            check_curves(structure, axis, motion)
+            check_curves(structure, motion, axis)
         else:
-            check_intervals(structure, axis, motion, method=method, a_max=a_max, sign=sign, tell=partial(options.note, quiet=quiet))
+            check_intervals(structure, motion, axis, method=method, a_max=a_max, sign=sign, tell=partial(options.note, quiet=quiet))
     failed = 0
     silent: list[str] = []
 
@@ -82,11 +107,11 @@ def envelope(
         nonlocal failed
         for structure in structures:
             if closed_form:
-                yield from structure_curves(structure, axis, motion)
+                yield from structure_curves(structure, motion, axis)
                 continue
             progress = options.ProgressLine(structure.name, quiet)
             found = set()
-            traced = structure_intervals(structure, axis, motion, method=method, a_max=a_max, sign=sign, workers=workers, progress=progress)
+            traced = structure_intervals(structure, motion, axis, method=method, a_max=a_max, sign=sign, workers=workers, progress=progress)
             for record in traced:
                 failed += record["mode"] == "failed"
                 found.add(record["Omega"])
@@ -102,4 +127,29 @@ def envelope(
         options.note(f"nothing is claimed of intervals narrower than {NARROWEST:g} in A, safe or overturning", quiet)
     if failed:
         options.note(f"{failed} intervals could not be decided (mode failed)", quiet)
+        context.exit(4)
+
+
+def _of_records(context: click.Context, tracing: Tracing, sign: str, workers: int | None, form: str | None, quiet: bool) -> None:
+    """Print the overturning scales of records."""
+    from ..spectra.capacity import RATIO
+    from ..spectra.record_envelope import NONE, check_tracing, tracing_records
+
+    check_tracing(tracing, tell=partial(options.note, quiet=quiet))
+    options.note(f"model: {tracing.scene.method.model}", quiet)
+    modes: Counter[str] = Counter()
+
+    def records() -> Iterator[dict[str, Any]]:
+        progress = options.ProgressLine("envelope", quiet)
+        for record in tracing_records(tracing, sign=sign, workers=workers, progress=progress):
+            modes[record["mode"]] += 1
+            yield record
+
+    places = ("record", "alpha", "T") if tracing.scene.over_angles else ("record", "structure")
+    options.emit(records(), form, columns=(*places, "A_from", *([] if tracing.first else ["A_to"]), "mode"))
+    if modes[NONE]:
+        options.note(f"no overturning up to A = {tracing.a_max:g} in {modes[NONE]} searches", quiet)
+    options.note(f"nothing is claimed of intervals narrower than {100.0 * RATIO:g} % of the amplitude, safe or overturning", quiet)
+    if modes["failed"]:
+        options.note(f"{modes['failed']} intervals could not be decided (mode failed)", quiet)
         context.exit(4)

@@ -142,14 +142,15 @@ def methods(command: F) -> F:
 def shaking(command: F) -> F:
     """One amplitude and one frequency, with units or dimensionless; the command gets a grid of one cell, None without any.
 
-    A record has both; only its peak may be given anew.
+    A record has both; only its peak may be given anew. Of a set of records there is no grid unless it is.
     """
 
     @wraps(command)
     def with_shaking(*arguments: Any, **given: Any) -> Any:
         from ..spectra.grid import parse_grid
 
-        own = given["motion"].acceleration if "motion" in given else None
+        own = given["motion"].acceleration if given.get("motion") is not None else None
+        records = bool(given.get("recordings"))
         flags = {"a_g": "--a-g", "omega_g": "--omega-g", "f_g": "--f-g", "T_g": "--T-g", "A": "--A", "Omega": "--Omega"}
         axes = {key: given.pop(key.lower() if key in ("A", "Omega", "T_g") else key) for key in flags}
         there = {key: value for key, value in axes.items() if value is not None}
@@ -161,7 +162,7 @@ def shaking(command: F) -> F:
                 raise click.UsageError(f"{flags[key]}: found {value!r}; accepted is one value")
         if there:
             try:
-                grid = parse_grid(",".join(f"{key}={value}" for key, value in there.items()), own_time=own is not None)
+                grid = parse_grid(",".join(f"{key}={value}" for key, value in there.items()), own_time=own is not None or records)
             except UsageError as error:
                 text = str(error).replace("`grid`: ", "")  # the axes are options of their own here
                 raise UsageError(re.sub(r"`grid` (\w+):", r"`\1`:", text)) from None

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -15,8 +17,13 @@ from ..motions import Motion
 from ..spectra.capacity import capacity
 from ..spectra.envelope import A_MAX
 from ..spectra.grid import Grid
+from ..spectra.processes import available_cpus, processes
 from ..structures.parameters import RockingParameters
+from .time_history import time_history
 
+Demand = tuple[RockingParameters, Motion, Grid]
+
+_WORTH = 3  # demands for each process that is started, at least
 CHECK_COLUMNS = (
     "name", "motion", "model", "outcome", "theta_ratio", "uplift_a", "first_overturning_a", "capacity_demand", "safe_to",
     "outcome_linear", "friction", "fz_min",
@@ -30,7 +37,8 @@ class Verdict:
     demand_a: the one asked for; uplift_a, first_overturning_a: the least that lift and overturn the body, None where none does;
     safe_to: upper end of the stretch around the demand that stands, None where the body falls or nothing above overturns;
     theta_ratio: max |theta|/alpha, None where it falls; outcome_linear: by the linear equation; friction, fz_min: the friction that
-    the motion asks of the ground, and the least vertical force over the weight, None where the body is not rigid or falls.
+    the motion asks of the ground (impacts apart), and the least vertical force over the weight, of a rigid body whose mass centre is
+    known; friction is None too where the ground lets go of it.
     """
 
     name: str
@@ -97,7 +105,34 @@ def check(structure: RockingParameters, motion: Motion, shaking: Grid, *, a_max:
         first_overturning_a=acceleration(found.first),
         safe_to=acceleration(found.safe_to),
         outcome_linear=linear[0],
+        **_forces(method, structure, motion, shaking),
     )
+
+
+def check_all(demands: Sequence[Demand], *, a_max: float = A_MAX, workers: int | None = None) -> list[Verdict]:
+    """The verdicts on (structure, motion, shaking), in their order; workers: processes, None for all cores where they are several.
+
+    Raises as `check` does, OutputError when a worker process dies.
+    """
+    task = partial(_check_one, a_max)
+    several = min(workers or available_cpus(), len(demands) // (1 if workers else _WORTH))
+    if several <= 1:
+        return [task(demand) for demand in demands]
+    with processes(several, task, "fewer `workers` need less") as run:
+        return list(run(demands))
+
+
+def _check_one(a_max: float, demand: Demand) -> Verdict:
+    return check(*demand, a_max=a_max)
+
+
+def _forces(method: Method, structure: RockingParameters, motion: Motion, shaking: Grid) -> dict[str, float | None]:
+    """friction and fz_min of the response."""
+    if structure.arm is None:
+        return {}
+    asked = time_history(structure, motion, shaking, [method]).forces[method.model].demands
+    friction = asked.friction.friction
+    return {"friction": friction if np.isfinite(friction) else None, "fz_min": asked.fz_min}
 
 
 def _respond(method: Method, structure: RockingParameters, motion: Motion, amplitude: float, omega: float) -> tuple[Outcome, float | None]:

@@ -31,6 +31,7 @@ _AROUND = 12  # rungs on either side of such a change that are looked at closer 
 _SIMPLE = 2  # pushes of a motion that is not looked at closer: nothing lifts the body again that bounces after the second
 _BATCH = 1 << 20  # cells of the scan computed together
 _MOST_CHANGES = 500  # at one frequency; beyond it the outcome is noise between the amplitudes of the scan, of which there is no end
+_STRETCH = 80  # rungs that are looked at together where only the first fall is looked for
 _SECTIONS = 8  # parts that a bracket is cut into: three bits for one run of the engine
 
 
@@ -168,6 +169,29 @@ class Search:
             return None, last
         found = self._sections(omegas, brackets.take(falls[[brackets.high[falls].argmin()]]))
         return float(found.high[~safe(found.above)].min()), last
+
+    def first_falls(self, omegas: Array) -> list[Row]:
+        """The rows as far as the lowest amplitude of the scan that is not safe, looked for a stretch after the other."""
+        ladder = Ladder.between(self.lowest, self.a_max, uplift=self.uplift, ratio=self.ratio)
+        going, at, rocked = np.arange(omegas.size), 0, int(Outcome.ROCKED)
+        rows, parts = [Row(rocked, []) for _ in omegas], []
+        while going.size and at < ladder.size:
+            rungs = ladder.rung(np.arange(at, min(at + _STRETCH, ladder.size)))
+            label = self.outcome(rungs, omegas[going, None])
+            falls = ~safe(label)
+            hit, n = np.flatnonzero(falls.any(axis=1)), falls.argmax(axis=1)
+            for i in hit[n[hit] + at == 0]:
+                rows[going[i]] = Row(int(label[i, 0]), [])
+            hit = hit[n[hit] + at > 0]
+            below = np.full(hit.size, rocked, dtype=np.uint8)
+            parts.append(Brackets(going[hit], ladder.rung(at + n[hit] - 1), rungs[n[hit]], below, label[hit, n[hit]]))
+            going, at = going[~falls.any(axis=1)], at + _STRETCH
+        found = self._sections(omegas, Brackets.join(parts))
+        fallen = found.take(np.flatnonzero(~safe(found.above)))
+        fallen = fallen.take(np.argsort(-fallen.high, kind="stable"))  # the lowest of a row comes last
+        for row, high, above in zip(fallen.row.tolist(), fallen.high.tolist(), fallen.above.tolist(), strict=True):
+            rows[row] = Row(rocked, [(high, above)])
+        return rows
 
     def _scan(self, omegas: Array) -> tuple[Array, Brackets]:
         """(outcome of each row's first amplitude, the changes between neighbours)."""

@@ -55,11 +55,12 @@ def announce_sweep(
     announce(seconds / parts, what, min(workers, units), tell)
 
 
-def announce(seconds: float, what: str, workers: int, tell: Tell | None) -> None:
-    """Tell the time of what takes more than a minute. Raises UsageError, with that time, for what takes ten years of a processor."""
+def announce(seconds: float, what: str, workers: int, tell: Tell | None, *, always: bool = False) -> None:
+    """Tell the time of what takes more than a minute, or always. Raises UsageError, with that time, for what takes ten years of a
+    processor."""
     if seconds > _ENDLESS:
         raise UsageError(f"{what} take roughly {_in_words(seconds)} of a processor, accepted are up to {_in_words(_ENDLESS)}")
-    if seconds > _LONG * workers and tell is not None:
+    if (always or seconds > _LONG * workers) and tell is not None:
         on = f" on {workers} processes" if workers > 1 else ""
         tell(f"{what}: up to roughly {_in_words(seconds / workers)}{on}")
 

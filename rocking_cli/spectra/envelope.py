@@ -23,7 +23,7 @@ from ..motions import Motion, pulse
 from ..structures.parameters import RockingParameters
 from .boundaries import SCAN_STEP, Row, Search
 from .cost import Tell, announce, bouncing_seconds, expected_seconds
-from .grid import OWN_TIME, Axis, parse_axes
+from .grid import Axis, parse_axes
 from .processes import available_cpus, processes
 
 A_MAX = 20.0
@@ -49,9 +49,9 @@ class Interval:
 
 
 def trace_envelope(
+    structure: RockingParameters,
     motion: Motion,
     omegas: Sequence[float] | np.ndarray,
-    structure: RockingParameters,
     *,
     method: Method = LINEAR,
     a_max: float = A_MAX,
@@ -124,8 +124,8 @@ def _scan_of(
 
 def check_intervals(
     structure: RockingParameters,
-    axis: Axis,
     motion: Motion,
+    axis: Axis,
     *,
     method: Method = LINEAR,
     a_max: float = A_MAX,
@@ -152,12 +152,8 @@ def _intervals(omega: float, steps: Steps) -> Iterator[Interval]:
             yield Interval(omega, begin, end, Outcome(label).mode)
 
 
-def frequency_axis(text: str | None, *, own_time: bool = False) -> Axis:
-    """The single frequency axis of `--grid`: Omega, omega_g, f_g or T_g, and none with own_time. Raises UsageError."""
-    if own_time:
-        if text is not None:
-            raise UsageError(f"`grid`: found {text}; accepted is none, since a record runs in its own time")
-        return OWN_TIME
+def frequency_axis(text: str | None) -> Axis:
+    """The single frequency axis of `--grid`: Omega, omega_g, f_g or T_g. Raises UsageError."""
     if text is None:
         raise UsageError("no `grid`; accepted is one axis, Omega, omega_g, f_g or T_g")
     axes = parse_axes(text)
@@ -176,8 +172,8 @@ def _scaled(structure: RockingParameters, axis: Axis) -> np.ndarray:
 
 def structure_intervals(
     structure: RockingParameters,
-    axis: Axis,
     motion: Motion,
+    axis: Axis,
     *,
     method: Method = LINEAR,
     a_max: float = A_MAX,
@@ -193,7 +189,7 @@ def structure_intervals(
     omegas = _scaled(structure, axis)
     apart = sign == BOTH and not method.system_of(structure).contact.alike
     for one in ("+", "-") if apart else ("worse" if sign == BOTH else sign,):
-        traced = trace_envelope(motion, omegas, structure, method=method, a_max=a_max, sign=one, workers=workers, progress=progress)
+        traced = trace_envelope(structure, motion, omegas, method=method, a_max=a_max, sign=one, workers=workers, progress=progress)
         for found in traced:
             record = {"structure": structure.name, "Omega": found.omega, "A_from": found.a_from, "A_to": found.a_to, "mode": found.mode}
             if sign == BOTH:
@@ -205,7 +201,7 @@ def structure_intervals(
             yield record
 
 
-def check_curves(structure: RockingParameters, axis: Axis, motion: Motion) -> None:
+def check_curves(structure: RockingParameters, motion: Motion, axis: Axis) -> None:
     """Raise what `structure_curves` would, before it begins."""
     _scaled(structure, axis)
     _closed_form_of(motion)
@@ -222,7 +218,7 @@ def _closed_form_of(motion: Motion) -> str:
     return forms[motion.pieces]
 
 
-def structure_curves(structure: RockingParameters, axis: Axis, motion: Motion) -> Iterator[dict[str, Any]]:
+def structure_curves(structure: RockingParameters, motion: Motion, axis: Axis) -> Iterator[dict[str, Any]]:
     """Records of the closed-form curves for a structure. Raises UsageError where there is no closed form."""
     from .closed_form import closed_form_curves
 

@@ -137,6 +137,11 @@ def parse_axes(text: str, *, records: bool = False) -> dict[str, Axis]:
 OWN_TIME = Axis("omega_g", np.array([1.0]))  # the phase of a record is its time in s
 
 
+def as_recorded(acceleration: float) -> Grid:
+    """The grid of one cell of a motion in its own time, of this peak [m/s2]."""
+    return Grid(Axis("a_g", np.array([acceleration])), OWN_TIME)
+
+
 def parse_grid(text: str, structures: int = 1, *, own_time: bool = False) -> Grid:
     """The grid of `--grid`: two axes, both with units or both dimensionless. Raises UsageError.
 

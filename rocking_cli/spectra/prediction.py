@@ -62,7 +62,7 @@ def predict_exactly(structure: RockingParameters, motion: Motion, shaking: Grid)
     if 2.0 * amplitude > HIGHEST:
         raise UsageError(f"{structure.name}: A = {amplitude:.6g} is beyond what a prediction looks at; accepted is up to {HIGHEST / 2.0:g}")
     found = response(LINEAR.system_of(structure), motion, np.array([amplitude]), np.array([omega]), structure.eta)
-    falls = trace_envelope(motion, [omega], structure, a_max=max(A_MAX, 2.0 * amplitude, 2.0 / motion.peak), sign="+")  # as it is
+    falls = trace_envelope(structure, motion, [omega], a_max=max(A_MAX, 2.0 * amplitude, 2.0 / motion.peak), sign="+")  # as it is
     ends = [edge for i in falls for edge in (i.a_from, i.a_to) if edge is not None]
     edges = [edge for edge in ends if ends.count(edge) == 1]  # two ways to fall that meet are no boundary of falling
     nearest = min(edges, key=lambda edge: abs(edge - amplitude), default=None) if amplitude > 0.0 else None

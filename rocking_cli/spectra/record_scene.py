@@ -220,7 +220,7 @@ def scene_of_words(
 
 
 def default_method(structures: Sequence[RockingParameters], tolerance: float = TOLERANCE) -> Method:
-    """The equation under records: the nonlinear one where it holds for all structures, since the linear one is not safe there: it may
-    spare a body that Eq. 2.3 overturns, and the other way round."""
+    """The equation under records: the nonlinear one where the geometry of all structures is known, since the linear one is not safe
+    there: it may spare a body that Eq. 2.3 overturns, and the other way round."""
     nonlinear = Method("nonlinear", tolerance)
-    return nonlinear if all(map(nonlinear.serves, structures)) else LINEAR
+    return nonlinear if all(s.structure != "parameters" and nonlinear.serves(s) for s in structures) else LINEAR

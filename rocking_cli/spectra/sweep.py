@@ -112,8 +112,8 @@ class Spectrum:
 
 def spectrum(
     structures: Sequence[RockingParameters],
-    grid: Grid,
     motion: Motion,
+    grid: Grid,
     *,
     method: Method = LINEAR,
     workers: int | None = None,
@@ -155,8 +155,8 @@ def spectrum_of(
 
 def write_spectrum(
     structures: Sequence[RockingParameters],
-    grid: Grid,
     motion: Motion,
+    grid: Grid,
     path: str | Path,
     *,
     method: Method = LINEAR,

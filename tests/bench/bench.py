@@ -203,7 +203,7 @@ def main() -> None:
     systems(n // 2)
 
     print("Envelope, 400 frequencies 0.5 ... 12, every boundary to the last digits")
-    seconds, intervals = clock(lambda: trace_envelope(sine(), np.linspace(0.5, 12.0, 400), dimensionless_oscillator(ETA)))
+    seconds, intervals = clock(lambda: trace_envelope(dimensionless_oscillator(ETA), sine(), np.linspace(0.5, 12.0, 400)))
     print(f"  {seconds:.2f} s, {len(intervals)} intervals")
     if n == 1000:
         speed.write({key: 1e6 * value for key, value in cells_of.items()} | {"envelope": seconds})

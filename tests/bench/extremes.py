@@ -85,7 +85,7 @@ def main() -> None:
         row(f"alpha = {alpha:g}", sine(), amplitude, omega, 0.9, alpha)
     row("100 cycles", sine(100), [1.0005, 1.2], [30.0, 60.0], 0.2)
     for omega in (2.0, 5.0):
-        edges = [a for i in trace_envelope(sine(), [omega], dimensionless_oscillator(0.9), a_max=10) for a in (i.a_from, i.a_to) if a]
+        edges = [a for i in trace_envelope(dimensionless_oscillator(0.9), sine(), [omega], a_max=10) for a in (i.a_from, i.a_to) if a]
         row(f"1e-9 beside a boundary, Omega = {omega:g}", sine(), [a * (1 + f * 1e-9) for a in edges for f in (-1, 1)], omega, 0.9)
     row("drives that jump", pulse("rectangular-impulse"), [1.5, 2.0 + 1e-6, 3.0], [3.0, 8.0, 300.0], 0.5)
     arch = "kind: arch\nradius: 10\nthickness: 1.0751 m\nangle: 180 deg\nrestitution: 0.8"

@@ -35,7 +35,7 @@ def misjudged(motion: Motion, eta: float, omega: float, a_max: float = 12.0) -> 
     raster[raster == Outcome.NO_UPLIFT] = Outcome.ROCKED
     between = time.process_time()
     traced = np.full(amplitude.size, Outcome.ROCKED, dtype=np.uint8)
-    for i in trace_envelope(motion, [omega], dimensionless_oscillator(eta), a_max=a_max, workers=1):
+    for i in trace_envelope(dimensionless_oscillator(eta), motion, [omega], a_max=a_max, workers=1):
         inside = slice(*np.searchsorted(amplitude, [i.a_from, a_max if i.a_to is None else i.a_to]))
         traced[inside] = next(o for o in Outcome if o.mode == i.mode)
     ended = time.process_time()

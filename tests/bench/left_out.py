@@ -39,14 +39,14 @@ def no_lanes(*arguments):
 
 
 def envelope():
-    return trace_envelope(sine(), np.linspace(0.5, 12.0, 60), dimensionless_oscillator(ETA), workers=1)
+    return trace_envelope(dimensionless_oscillator(ETA), sine(), np.linspace(0.5, 12.0, 60), workers=1)
 
 
 def structures(count):
     """As many restitutions as one, or as many structures of one restitution."""
     grid = parse_grid("A=0.5:12:300,Omega=0.5:12:300")
     same, other = [dimensionless_oscillator(ETA)] * count, [dimensionless_oscillator(ETA - 1e-6 * i) for i in range(count)]
-    return (lambda: spectrum(same, grid, sine(), workers=1)), (lambda: spectrum(other, grid, sine(), workers=1))
+    return (lambda: spectrum(same, sine(), grid, workers=1)), (lambda: spectrum(other, sine(), grid, workers=1))
 
 
 def ratio(name, kept, plain, patch=None):

@@ -62,7 +62,7 @@ def arches(values: int) -> int:
 
 def envelope(motion: Motion, frequencies: int, workers: int | None = None) -> int:
     """Every boundary up to A = 20; the count is that of the frequencies."""
-    trace_envelope(motion, np.linspace(0.5, 12.0, frequencies), dimensionless_oscillator(ETA), workers=workers)
+    trace_envelope(dimensionless_oscillator(ETA), motion, np.linspace(0.5, 12.0, frequencies), workers=workers)
     return frequencies
 
 
@@ -77,7 +77,7 @@ def file(values: int, workers: int = 1) -> int:
     """Linear oscillators with the check and the file."""
     grid = parse_grid(f"A=0.5:12:{values},Omega=0.5:12:{values}")
     with tempfile.TemporaryDirectory() as folder:
-        write_spectrum([dimensionless_oscillator(ETA)], grid, sine(), Path(folder) / "scene.h5", workers=workers)
+        write_spectrum([dimensionless_oscillator(ETA)], sine(), grid, Path(folder) / "scene.h5", workers=workers)
     return values * values
 
 

@@ -38,7 +38,10 @@ def test_a_row_a_structure_the_weakest_first(rocking, three):
     assert [r["capacity_demand"] < 1.0 for r in rows] == [True, False, False]
     for r in rows:
         assert r["capacity_demand"] == pytest.approx(r["first_overturning_a"] / (0.35 * 9.81), rel=1e-12, abs=0)
-        assert r["friction"] is r["fz_min"] is None
+        assert (r["friction"] is None) == (r["fz_min"] is None) == (r["name"] == "Stated")
+    falls, stays = rows[0], rows[2]
+    assert 0.2 < falls["friction"] < 0.5
+    assert (stays["friction"], stays["fz_min"]) == (pytest.approx(0.35, rel=1e-12), 1.0)
     assert done.stderr.splitlines()[0] == "1 of 3 overturn: Slender"
 
 
@@ -51,6 +54,20 @@ def test_the_table_speaks_the_unit_of_the_request(rocking, stated):
         "name,motion,model,outcome,theta_ratio,uplift_a [m/s2],first_overturning_a [m/s2],capacity_demand,safe_to [m/s2],outcome_linear,"
         "friction,fz_min"
     )
+
+
+def test_a_row_a_structure_and_record(rocking, stated, tmp_path):
+    for n, peak in enumerate((2.0, 4.0)):
+        (tmp_path / f"r{n}.csv").write_text("".join(f"{0.1 * i:.1f},{peak * x}\n" for i, x in enumerate((0, 1, 0, -1, 0, 0.5, 0))))
+    done = rocking("check", stated, "--motion", "r0.csv", "r1.csv", "--unit", "m/s2", "--json")
+    rows = [json.loads(line) for line in done.stdout.splitlines()]
+    assert [r["motion"] for r in rows] == ["r0", "r1"]
+    assert rows[0]["first_overturning_a"] == pytest.approx(rows[1]["first_overturning_a"], rel=1e-12)
+    assert rows[0]["capacity_demand"] == pytest.approx(2.0 * rows[1]["capacity_demand"], rel=1e-12)
+    alike = rocking("check", stated, "--motion", "r0.csv", "r1.csv", "--unit", "m/s2", "--a-g", "3", "--json")
+    first, second = (json.loads(line) for line in alike.stdout.splitlines())
+    for key in ("theta_ratio", "first_overturning_a", "capacity_demand"):
+        assert first[key] == pytest.approx(second[key], rel=1e-12)
 
 
 def test_pipelines_can_fail_on_overturning(rocking, stated):

@@ -19,7 +19,7 @@ def test_a_complete_file_is_told_and_verified(rocking):
 
 def test_names_do_not_steer_the_terminal(rocking, tmp_path):
     structure = replace(dimensionless_oscillator(0.9), name="a\x1b[31mb")
-    write_spectrum([structure], parse_grid("A=1:2:3,Omega=1:2:3"), sine(), tmp_path / "s\x1b[2J.h5")
+    write_spectrum([structure], sine(), parse_grid("A=1:2:3,Omega=1:2:3"), tmp_path / "s\x1b[2J.h5")
     for call in (("info",), ("info", "--json"), ("convert",), ("convert", "--json")):
         done = rocking(*call, "s\x1b[2J.h5")
         assert done.returncode == 0

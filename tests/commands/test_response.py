@@ -146,9 +146,9 @@ def test_a_vertical_motion_in_the_response_the_spectrum_and_the_envelope(rocking
     assert record["estimated_error"] < 1e-8
     assert record["misjudged_cells"] == 0
     found = rocking("envelope", "configs/block.yaml", "--grid", "Omega=2", *up, "--a-max", "6", "--csv")
-    assert rows(found.stdout)[-1]["mode"] == "lost_contact"
+    assert csv_rows(found.stdout)[-1]["mode"] == "lost_contact"
     (block,) = (json.loads(x) for x in rocking("params", "configs/block.yaml", "--json").stdout.splitlines())
-    assert float(rows(found.stdout)[-1]["A_from"]) == pytest.approx(1.0 / (3 * block["alpha"]), rel=1e-9)
+    assert float(csv_rows(found.stdout)[-1]["A_from"]) == pytest.approx(1.0 / (3 * block["alpha"]), rel=1e-9)
 
 
 @pytest.mark.parametrize(

@@ -68,7 +68,7 @@ def test_rectangular_pulse_overturns_where_its_closed_form_says():
     # p t_d = 0.5, 1, 2: A = 1/(1 - exp(-p t_d)) = 2.54149, 1.58198, 1.15652
     omegas = 2 * math.pi / np.array([0.5, 1.0, 2.0])
     found = [
-        i.a_from for i in trace_envelope(pulse("rectangular"), omegas, dimensionless_oscillator(0.5), a_max=5) if i.mode == "no_impact"
+        i.a_from for i in trace_envelope(dimensionless_oscillator(0.5), pulse("rectangular"), omegas, a_max=5) if i.mode == "no_impact"
     ]
     assert found == pytest.approx([2.54149, 1.58198, 1.15652], abs=5e-6)
     assert found == pytest.approx((1 / (1 - np.exp(-2 * math.pi / omegas))).tolist(), rel=1e-12, abs=0)

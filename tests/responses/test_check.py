@@ -6,11 +6,14 @@ import numpy as np
 import pytest
 
 from rocking_cli import Axis, Grid, Outcome, UsageError, build_structure, parse_documents, parse_grid, pulse, sine, trace_envelope
-from rocking_cli.responses.check import CHECK_COLUMNS, check, governing_method
+from rocking_cli.responses.check import CHECK_COLUMNS, check, check_all, governing_method
 from rocking_cli.responses.time_history import time_history
 from rocking_cli.spectra.envelope import A_MAX
 
 PULSES = (sine(), sine(0.5), pulse("cosine"), pulse("rectangular"), pulse("rectangular-impulse"))
+
+
+DEMAND = parse_grid("a_g=0.3g,f_g=1")
 
 
 def structure_of(text):
@@ -42,7 +45,7 @@ def judged(structure, motion, demand):
     verdict, method = check(structure, motion, demand), governing_method(structure)
     amplitude, omega = (float(x[0]) for x in demand.scaled(structure))
     top = max(A_MAX, 2.0 * amplitude)
-    traced = trace_envelope(motion, [omega], structure, method=method, a_max=top, sign="+", workers=1)
+    traced = trace_envelope(structure, motion, [omega], method=method, a_max=top, sign="+", workers=1)
     falls = [(structure.ground_acceleration(i.a_from), structure.ground_acceleration(i.a_to or np.inf)) for i in traced]
     inside = any(low < verdict.demand_a < high for low, high in falls)
     assert verdict.outcome.overturned == inside
@@ -63,9 +66,8 @@ def judged(structure, motion, demand):
 
 def test_verdicts_agree_with_envelope_and_history():
     random = np.random.default_rng(16)
-    fell = [judged(*at_random(random, linear=n >= 5)) for n in range(40)]
+    fell = [judged(*at_random(random, linear=n >= 3)) for n in range(40)]
     assert 8 < sum(x for x, _ in fell) < 32
-    assert any(window for _, window in fell)
 
 
 @pytest.mark.soak
@@ -98,7 +100,7 @@ def test_the_geometry_decides_which_equation_governs():
 def test_a_fallen_statue_says_how_little_it_takes():
     """The upper end of the interval that fells it is the nearer boundary; its capacity is the lower one."""
     block = structure_of("kind: block\nwidth: 0.5\nheight: 1.8\nrestitution: 0.9")
-    nearly = trace_envelope(sine(), [3.0], block, method=governing_method(block), sign="+")[0]
+    nearly = trace_envelope(block, sine(), [3.0], method=governing_method(block), sign="+")[0]
     verdict = check(block, sine(), Grid(Axis("A", np.array([0.99 * nearly.a_to])), Axis("Omega", np.array([3.0]))))
     assert verdict.outcome == Outcome.OVERTURNED_AFTER_IMPACT
     assert verdict.capacity_demand == pytest.approx(nearly.a_from / (0.99 * nearly.a_to), rel=1e-8, abs=0)
@@ -112,6 +114,23 @@ def test_the_record_has_the_documented_columns():
         "outcome_linear", "friction", "fz_min",
     )  # fmt: skip
     assert record["uplift_a"] == pytest.approx(0.25 * 9.81, rel=1e-12, abs=0)
+
+
+def test_friction_is_that_of_the_response():
+    """At rest it is a_g/g; a block that rocks needs more, and less than its weight stays on the ground."""
+    block = structure_of("kind: block\nwidth: 0.5\nheight: 2")
+    still, rocks = (check(block, sine(), parse_grid(f"a_g={a}g,f_g=1.5")) for a in (0.2, 0.35))
+    assert (still.friction, still.fz_min) == (pytest.approx(0.2, rel=1e-12, abs=0), 1.0)
+    history = time_history(block, sine(), parse_grid("a_g=0.35g,f_g=1.5"), [governing_method(block)])
+    (summary,) = history.summaries(forces=True)
+    assert (rocks.friction, rocks.fz_min) == (summary["friction"], summary["fz_min"])
+    assert rocks.friction > 0.25
+    assert 0.0 < rocks.fz_min < 1.0
+
+
+def test_workers_change_nothing():
+    demands = [(structure_of(f"kind: parameters\np: {p}\nalpha: 0.2\neta: 0.8\nlambda: 0.25"), sine(), DEMAND) for p in (1.5, 2.0, 3.0)]
+    assert check_all(demands, workers=2) == check_all(demands, workers=1) == [check(*demand) for demand in demands]
 
 
 def test_no_demand_is_refused():

@@ -34,7 +34,7 @@ def test_nothing_overturns_where_the_scan_does_not_look_below(motion):
 
 
 def test_an_impulse_overturns_just_above_that_bound():
-    traced = trace_envelope(sine(0.5), [60.0], dimensionless_oscillator(0.9), a_max=40.0)
+    traced = trace_envelope(dimensionless_oscillator(0.9), sine(0.5), [60.0], a_max=40.0)
     assert traced[0].a_from == pytest.approx(60.0 / path(sine(0.5)), rel=0.05, abs=0)
 
 
@@ -74,7 +74,7 @@ def test_what_the_scan_leaves_out_changes_nothing(motion):
 
 def test_where_changes_have_no_end_only_those_that_the_scan_sees_are_traced(monkeypatch):
     def traced() -> list:
-        return trace_envelope(sine(3), [1.0], dimensionless_oscillator(0.9), a_max=1.2, workers=1)
+        return trace_envelope(dimensionless_oscillator(0.9), sine(3), [1.0], a_max=1.2, workers=1)
 
     every = traced()
     monkeypatch.setattr(boundaries, "_MOST_CHANGES", 10)
@@ -93,7 +93,7 @@ def test_amplitudes_beyond_any_whole_number_lie_above_the_last_rung():
 
 def test_a_narrow_interval_under_several_cycles_is_found():
     """Overturning from 3.029878 to 3.030776 lies between two amplitudes of the scan, with equal outcomes."""
-    traced = trace_envelope(sine(5), [3.0], dimensionless_oscillator(0.9), a_max=3.1)
+    traced = trace_envelope(dimensionless_oscillator(0.9), sine(5), [3.0], a_max=3.1)
     (found,) = [i for i in traced if i.a_from < 3.0303 < (i.a_to or np.inf)]
     assert (found.a_from, found.a_to) == pytest.approx((3.029878, 3.030776), abs=1e-6)
 

@@ -17,7 +17,7 @@ from rocking_cli.spectra.closed_form import no_impact_amplitude
 @pytest.mark.parametrize("eta", [0.5, 0.7, 0.9, 1.0])
 def test_traced_and_closed_form_agree_to_1e_10(eta):
     omegas = np.linspace(1.0, 8.0, 22)
-    traced = trace_envelope(sine(), omegas, dimensionless_oscillator(eta), a_max=20.0)
+    traced = trace_envelope(dimensionless_oscillator(eta), sine(), omegas, a_max=20.0)
     compared = 0
     for point in closed_form_curves(omegas, eta):
         if point.curve == "initiation" or point.amplitude >= 20.0:
@@ -35,7 +35,7 @@ def test_traced_and_closed_form_agree_to_1e_10(eta):
 
 def test_half_sine_closed_form():
     omegas = np.array([1.0, 3.0, 5.0])
-    traced = [i for i in trace_envelope(sine(0.5), omegas, dimensionless_oscillator(0.9), a_max=30) if i.mode == "no_impact"]
+    traced = [i for i in trace_envelope(dimensionless_oscillator(0.9), sine(0.5), omegas, a_max=30) if i.mode == "no_impact"]
     assert [i.a_from for i in traced] == pytest.approx([no_impact_amplitude(w, "half-sine") for w in omegas], abs=1e-10)
 
 

@@ -102,7 +102,7 @@ def test_a_cluster_without_workers_is_told_and_waited_for(tmp_path, monkeypatch)
 
         address = cluster.scheduler_address
         summary = write_spectrum(
-            [dimensionless_oscillator(0.9)], parse_grid("A=1:2:3,Omega=1:2:3"), sine(), tmp_path / "s.h5", scheduler=address, tell=tell
+            [dimensionless_oscillator(0.9)], sine(), parse_grid("A=1:2:3,Omega=1:2:3"), tmp_path / "s.h5", scheduler=address, tell=tell
         )
     assert summary.cells == 9
     assert len(said) >= 2

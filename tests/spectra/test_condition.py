@@ -36,7 +36,7 @@ def test_condition_under_a_rectangular_pulse_is_its_derivative():
 
 
 def test_condition_is_none_beside_overturning_and_nothing_below_uplift():
-    (first, *_) = trace_envelope(sine(), [3.0], dimensionless_oscillator(0.9), a_max=10)
+    (first, *_) = trace_envelope(dimensionless_oscillator(0.9), sine(), [3.0], a_max=10)
     amplitude = np.array([0.9, first.a_from * (1 - 1e-9), first.a_from * (1 - 1e-3), first.a_from * 1.01])
     found = condition_of(partial(linear_response, sine()), amplitude, np.full(4, 3.0), np.full(4, 0.9), 0.0)
     assert found[0] == 0.0
@@ -78,11 +78,11 @@ def test_the_largest_error_seen_is_its_condition():
 
 def test_condition_is_computed_on_request():
     grid, structures = parse_grid("A=0.5:3:6,Omega=4:8:5"), [dimensionless_oscillator(0.9), dimensionless_oscillator(0.5)]
-    assert spectrum(structures, grid, sine()).condition is None
-    found = spectrum(structures, grid, sine(), quantities=["condition"])
+    assert spectrum(structures, sine(), grid).condition is None
+    found = spectrum(structures, sine(), grid, quantities=["condition"])
     amplitude, omega = np.meshgrid(grid.amplitude.values, grid.frequency.values)
     for i, eta in enumerate((0.9, 0.5)):
         expected = condition_of(partial(linear_response, sine()), amplitude, omega, np.full(amplitude.shape, eta), 0.0)
         np.testing.assert_array_equal(found.condition[i], expected)
     with pytest.raises(UsageError, match="unknown quantity 'conditions', accepted is condition"):
-        spectrum(structures, grid, sine(), quantities=["conditions"])
+        spectrum(structures, sine(), grid, quantities=["conditions"])

@@ -67,7 +67,7 @@ def test_a_sweep_says_what_it_will_take(tmp_path, monkeypatch):
         raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        write_spectrum([dimensionless_oscillator(0.9)], parse_grid("A=1:2:2,Omega=1:2:2"), sine(1e5), tmp_path / "s.h5", tell=tell)
+        write_spectrum([dimensionless_oscillator(0.9)], sine(1e5), parse_grid("A=1:2:2,Omega=1:2:2"), tmp_path / "s.h5", tell=tell)
     assert said == ["4 cells under 200001 segments of shaking, 4 of them checked: up to roughly 43 min"]
     assert list(tmp_path.iterdir()) == []
 
@@ -101,7 +101,7 @@ def test_an_envelope_is_refused_before_its_first_row(arguments, words, refused, 
 def test_a_scan_of_bodies_that_hardly_lose_speed_is_said_to_be_long():
     told = []
     for eta in (0.9, 0.9999999, 1.0):
-        check_intervals(dimensionless_oscillator(eta), Axis("Omega", np.array([3.0])), sine(5), tell=told.append)
+        check_intervals(dimensionless_oscillator(eta), sine(5), Axis("Omega", np.array([3.0])), tell=told.append)
     assert len(told) == 2
     assert all("up to roughly" in line for line in told)
 

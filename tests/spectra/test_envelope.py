@@ -25,7 +25,7 @@ from rocking_cli.dynamics.method import Method
 
 
 def test_traced_intervals_are_those_of_the_reference_table():
-    traced = trace_envelope(sine(), [row[0] for row in INTERVALS], dimensionless_oscillator(0.9))
+    traced = trace_envelope(dimensionless_oscillator(0.9), sine(), [row[0] for row in INTERVALS])
     for omega, begin, end, no_impact, digit in INTERVALS:
         mine = [i for i in traced if i.omega == omega]
         assert [i.mode for i in mine] == ["after_impact", "no_impact"]
@@ -36,7 +36,7 @@ def test_traced_intervals_are_those_of_the_reference_table():
 def test_every_interval_of_a_fine_raster_is_traced():
     omega, amplitude = 0.4983, np.linspace(1, 1.2, 40_001)
     outcome = linear_response(sine(), amplitude, omega, 0.9).outcome
-    traced = trace_envelope(sine(), [omega], dimensionless_oscillator(0.9), a_max=1.2)
+    traced = trace_envelope(dimensionless_oscillator(0.9), sine(), [omega], a_max=1.2)
     inside = np.zeros(amplitude.size, dtype=bool)
     for i in traced:
         inside |= (amplitude > i.a_from) & (amplitude < (i.a_to or np.inf))
@@ -47,7 +47,7 @@ def test_every_interval_of_a_fine_raster_is_traced():
 
 
 def test_boundaries_are_where_the_outcome_changes():
-    for i in trace_envelope(cosine(1), [2.0, 4.0], dimensionless_oscillator(0.8), a_max=10):
+    for i in trace_envelope(dimensionless_oscillator(0.8), cosine(1), [2.0, 4.0], a_max=10):
         for edge in (i.a_from, i.a_to):
             if edge is not None:
                 below, above = linear_response(cosine(1), edge * np.array([1 - 1e-12, 1 + 1e-12]), i.omega, 0.8).outcome
@@ -56,16 +56,16 @@ def test_boundaries_are_where_the_outcome_changes():
 
 def test_workers_change_nothing():
     omegas = np.linspace(2.0, 6.0, 7)
-    one, two = (trace_envelope(sine(), omegas, dimensionless_oscillator(0.9), a_max=9.0, workers=w) for w in (1, 2))
+    one, two = (trace_envelope(dimensionless_oscillator(0.9), sine(), omegas, a_max=9.0, workers=w) for w in (1, 2))
     assert one == two
     with pytest.raises(UsageError, match="workers is 0"):
-        trace_envelope(sine(), omegas, dimensionless_oscillator(0.9), workers=0)
+        trace_envelope(dimensionless_oscillator(0.9), sine(), omegas, workers=0)
 
 
 @pytest.mark.parametrize("a_max", [1.0, 0.0, -3.0, np.nan, np.inf, 1e9])
 def test_a_max_must_make_sense(a_max):
     with pytest.raises(UsageError, match="a-max"):
-        trace_envelope(sine(), [2.0], dimensionless_oscillator(0.9), a_max=a_max)
+        trace_envelope(dimensionless_oscillator(0.9), sine(), [2.0], a_max=a_max)
 
 
 def test_a_column_against_discrete_elements():
@@ -76,7 +76,7 @@ def test_a_column_against_discrete_elements():
     column = build_structure(parse_documents("kind: prism\ncorners: [[0, 0], [1.11, 0], [1.005, 5.95], [0.105, 5.95]]")[0])
     series = [(0.31, 0.30, 0.29), (0.27, 0.25, 0.25), (0.25, 0.24, 0.23), (0.22, 0.22, 0.22), (0.20, 0.21, 0.21)]
     omegas = 2 * math.pi / np.array([0.4, 0.5, 0.6, 0.8, 1.0]) / column.p
-    found = trace_envelope(pulse("rectangular-impulse"), omegas, column, method=Method("nonlinear", 1e-8), a_max=2.5)
+    found = trace_envelope(column, pulse("rectangular-impulse"), omegas, method=Method("nonlinear", 1e-8), a_max=2.5)
     first = [min(i.a_from for i in found if i.omega == w) for w in omegas]
     collapse_at = [math.ceil(100.0 * column.ground_acceleration(a) / 9.81) / 100.0 for a in first]
     assert collapse_at == [0.30, 0.26, 0.24, 0.22, 0.21]
@@ -92,7 +92,7 @@ WALL = build_structure(parse_documents("kind: block\nwidth: 1.2\nheight: 8\none_
 @pytest.mark.parametrize("model", ["linear", "nonlinear"])
 def test_the_worse_sign_lists_what_overturns_under_either(structure, model):
     method, omega, top = Method(model), 4.0, 4.0
-    plus, minus, worse = (trace_envelope(sine(), [omega], structure, method=method, a_max=top, sign=s) for s in ("+", "-", "worse"))
+    plus, minus, worse = (trace_envelope(structure, sine(), [omega], method=method, a_max=top, sign=s) for s in ("+", "-", "worse"))
     assert plus != minus
     for amplitude in np.linspace(1.01, top, 40):
         inside = [any(i.a_from < amplitude < (i.a_to or np.inf) for i in found) for found in (plus, minus, worse)]
@@ -105,11 +105,11 @@ def test_the_worse_sign_lists_what_overturns_under_either(structure, model):
 
 def test_signs_of_a_symmetric_body_are_alike_and_unknown_ones_refused():
     block = dimensionless_oscillator(0.9)
-    assert trace_envelope(sine(), [4.0], block, sign="-") == trace_envelope(sine(), [4.0], block)
+    assert trace_envelope(block, sine(), [4.0], sign="-") == trace_envelope(block, sine(), [4.0])
     with pytest.raises(UsageError, match=r"sign is 'up', accepted are \+, -, worse"):
-        trace_envelope(sine(), [4.0], block, sign="up")
+        trace_envelope(block, sine(), [4.0], sign="up")
 
 
 def test_a_push_to_the_backing_never_overturns_a_wall():
-    assert trace_envelope(pulse("rectangular"), [1.0], WALL, sign="+") == []
-    assert trace_envelope(pulse("rectangular"), [1.0], WALL, sign="-")[0].mode == "no_impact"
+    assert trace_envelope(WALL, pulse("rectangular"), [1.0], sign="+") == []
+    assert trace_envelope(WALL, pulse("rectangular"), [1.0], sign="-")[0].mode == "no_impact"

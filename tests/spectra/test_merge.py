@@ -19,7 +19,7 @@ GRID = parse_grid("A=0.5:12:40,Omega=0.5:12:30")
 
 
 def shard(path, part, **options):
-    write_spectrum([dimensionless_oscillator(0.9)], GRID, sine(), path, workers=1, chunk_cells=200, shard=part, **options)
+    write_spectrum([dimensionless_oscillator(0.9)], sine(), GRID, path, workers=1, chunk_cells=200, shard=part, **options)
     return path
 
 

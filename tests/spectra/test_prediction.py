@@ -36,7 +36,7 @@ def fate(motion, amplitude, omega, eta):
 @pytest.fixture(scope="module")
 def three_cycles(tmp_path_factory):
     path = tmp_path_factory.mktemp("spectra") / "three.h5"
-    write_spectrum([dimensionless_oscillator(0.8)], parse_grid("A=1:8:71,Omega=1:8:71"), sine(3), path, workers=1)
+    write_spectrum([dimensionless_oscillator(0.8)], sine(3), parse_grid("A=1:8:71,Omega=1:8:71"), path, workers=1)
     with SpectraFile(path) as file:
         yield file
 
@@ -109,7 +109,7 @@ def test_a_body_of_unequal_edges_is_judged_under_the_motion_as_it_is():
     for motion in (sine(), sine().scaled(-1.0)):
         for amplitude in (1.3, 2.0, 2.6, 4.0):
             found = predict_exactly(body, motion, parse_grid(f"A={amplitude},Omega=3"))
-            falls = [i for i in trace_envelope(motion, [3.0], body, sign="+") if i.a_from < amplitude < (i.a_to or np.inf)]
+            falls = [i for i in trace_envelope(body, motion, [3.0], sign="+") if i.a_from < amplitude < (i.a_to or np.inf)]
             assert (found["outcome"] == "rocked") == (not falls)
-            assert found["capacity_demand"] == trace_envelope(motion, [3.0], body, sign="+")[0].a_from / amplitude
+            assert found["capacity_demand"] == trace_envelope(body, motion, [3.0], sign="+")[0].a_from / amplitude
             assert found["theta_max"] is None

@@ -40,7 +40,7 @@ def test_half_of_the_checked_cells_are_the_most_sensitive():
 def test_the_same_cells_are_checked_however_a_sweep_is_cut(chunk):
     scene = PulseScene(OSCILLATORS, GRID, sine())
     job = Job(scene, chunk, checked_cells(scene, 6), None)
-    whole = spectrum(OSCILLATORS, GRID, sine(), check=6).summary
+    whole = spectrum(OSCILLATORS, sine(), GRID, check=6).summary
     reports = job.run(list(cut_into_units(scene, chunk)))
     assert sum(r.checked for r in reports) == whole.checked_cells == 6
     assert sum(r.sensitive for r in reports) == whole.sensitive_cells == 3
@@ -49,7 +49,7 @@ def test_the_same_cells_are_checked_however_a_sweep_is_cut(chunk):
 
 @pytest.mark.parametrize(("check", "sensitive"), [(0, 0), (1, 0), (2, 1), (5, 2)])
 def test_the_summary_tells_how_many_cells_its_error_rests_on(check, sensitive):
-    found = spectrum(OSCILLATORS[1:], GRID, sine(), check=check)
+    found = spectrum(OSCILLATORS[1:], sine(), GRID, check=check)
     assert (found.summary.checked_cells, found.summary.sensitive_cells) == (check, sensitive)
     line = next(line for line in summary_lines(found.summary, "s.h5") if "estimated error" in line)
     many = f"{check} cell{'s' if check != 1 else ''}"

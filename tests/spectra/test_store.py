@@ -178,7 +178,7 @@ TWO = [dimensionless_oscillator(0.9), dimensionless_oscillator(0.6)]
 def test_xarray_sees_dimensions_coordinates_units_and_flags(tmp_path):
     (document,) = parse_documents("kind: block\nname: Säule\nwidth: 0.5\nheight: 2")
     path = tmp_path / "s.h5"
-    write_spectrum([build_structure(document)], parse_grid("a_g=0.1g:1g:12,omega_g=1:20:9"), sine(), path, documents=document.text)
+    write_spectrum([build_structure(document)], sine(), parse_grid("a_g=0.1g:1g:12,omega_g=1:20:9"), path, documents=document.text)
     with xarray.open_dataset(path, engine="h5netcdf") as d:
         assert d.theta_ratio.dims == ("structure", "omega_g", "a_g")
         assert d.sizes["omega_g"] == 9
@@ -199,7 +199,7 @@ def test_xarray_sees_dimensions_coordinates_units_and_flags(tmp_path):
 
 
 def test_hdf5_file_is_chunked_compressed_and_marked_done(tmp_path):
-    write_spectrum(TWO, GRID, sine(), tmp_path / "s.h5", chunk_cells=500)
+    write_spectrum(TWO, sine(), GRID, tmp_path / "s.h5", chunk_cells=500)
     with h5py.File(tmp_path / "s.h5") as f:
         theta = f["theta_ratio"]
         assert theta.chunks == (1, 9, 53)
@@ -225,7 +225,7 @@ def left_part(path, chunks, **options):
 
 def sweep(path, **options):
     grid = parse_grid("A=0.5:12:40,Omega=0.5:12:30")
-    return write_spectrum([dimensionless_oscillator(0.9)], grid, sine(), path, workers=1, chunk_cells=200, **options)
+    return write_spectrum([dimensionless_oscillator(0.9)], sine(), grid, path, workers=1, chunk_cells=200, **options)
 
 
 def test_a_shard_does_not_go_on_with_the_part_of_another(tmp_path):
@@ -358,20 +358,20 @@ def test_outputs_are_never_replaced_unasked(tmp_path):
     path = tmp_path / "s.h5"
     path.write_text("mine")
     with pytest.raises(UsageError, match="exists; `overwrite`"):
-        write_spectrum(TWO, GRID, sine(), path)
+        write_spectrum(TWO, sine(), GRID, path)
     assert path.read_text() == "mine"
-    write_spectrum(TWO, GRID, sine(), path, overwrite=True)
+    write_spectrum(TWO, sine(), GRID, path, overwrite=True)
     assert path.read_bytes()[:4] == b"\x89HDF"
     (tmp_path / "t.h5.part").write_text("half")
     with pytest.raises(UsageError, match="left by a sweep"):
-        write_spectrum(TWO, GRID, sine(), tmp_path / "t.h5")
+        write_spectrum(TWO, sine(), GRID, tmp_path / "t.h5")
     with pytest.raises(UsageError, match="does not exist"):
-        write_spectrum(TWO, GRID, sine(), tmp_path / "nowhere" / "t.h5")
+        write_spectrum(TWO, sine(), GRID, tmp_path / "nowhere" / "t.h5")
 
 
 def test_a_file_that_appears_meanwhile_is_kept(tmp_path):
     path = tmp_path / "s.h5"
     with pytest.raises(OutputError, match="has appeared meanwhile"):
-        write_spectrum(TWO, GRID, sine(), path, workers=1, progress=lambda done, total: path.write_text("mine"))
+        write_spectrum(TWO, sine(), GRID, path, workers=1, progress=lambda done, total: path.write_text("mine"))
     assert path.read_text() == "mine"
     assert h5py.is_hdf5(tmp_path / "s.h5.part")

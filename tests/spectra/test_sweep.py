@@ -37,7 +37,7 @@ def read(path):
 @pytest.mark.parametrize(("workers", "chunk"), [(1, 1), (1, 100), (2, 100), (2, 1000), (2, 10**6)])
 def test_workers_and_chunks_change_no_bit(tmp_path, workers, chunk):
     grid = GRID if chunk > 1 else parse_grid("A=0.5:9:9,Omega=0.5:12:7")
-    write_spectrum(TWO, grid, sine(1.5), tmp_path / "s.h5", workers=workers, chunk_cells=chunk, impacts=True)
+    write_spectrum(TWO, sine(1.5), grid, tmp_path / "s.h5", workers=workers, chunk_cells=chunk, impacts=True)
     data = read(tmp_path / "s.h5")
     a, omega = grid.amplitude.values, grid.frequency.values
     for i, structure in enumerate(TWO):
@@ -49,8 +49,8 @@ def test_workers_and_chunks_change_no_bit(tmp_path, workers, chunk):
 
 
 def test_in_memory_equals_the_file(tmp_path):
-    write_spectrum(TWO, GRID, cosine(1), tmp_path / "s.h5", impacts=True)
-    memory = spectrum(TWO, GRID, cosine(1))
+    write_spectrum(TWO, cosine(1), GRID, tmp_path / "s.h5", impacts=True)
+    memory = spectrum(TWO, cosine(1), GRID)
     data = read(tmp_path / "s.h5")
     assert data["theta_ratio"].tobytes() == memory.theta_ratio.tobytes()
     assert data["outcome"].tobytes() == memory.outcome.tobytes()
@@ -59,10 +59,10 @@ def test_in_memory_equals_the_file(tmp_path):
 def test_structures_of_equal_restitution_are_computed_once():
     texts = "kind: block\nwidth: 1\nheight: 5\nrestitution: 0.9\n---\nkind: spire\nbase_radius: 1\nheight: 9\nrestitution: 0.9"
     structures = [build_structure(d) for d in parse_documents(texts)]
-    shared = spectrum(structures, GRID, sine())
+    shared = spectrum(structures, sine(), GRID)
     assert shared.summary.shared_cells == 53 * 37
     assert shared.theta_ratio[0].tobytes() == shared.theta_ratio[1].tobytes()
-    dimensional = spectrum(structures, parse_grid("a_g=0.1g:2g:20,f_g=0.5:5:10"), sine())
+    dimensional = spectrum(structures, sine(), parse_grid("a_g=0.1g:2g:20,f_g=0.5:5:10"))
     assert dimensional.summary.shared_cells == 0
     a, omega = structures[1].dimensionless_amplitude(np.linspace(0.981, 19.62, 20)), 2 * np.pi * np.linspace(0.5, 5, 10) / structures[1].p
     direct = linear_response(sine(), a[None, :], omega[:, None], 0.9)
@@ -70,7 +70,7 @@ def test_structures_of_equal_restitution_are_computed_once():
 
 
 def test_summary_adds_up_and_the_check_agrees():
-    s = spectrum(TWO, GRID, sine(), check=40).summary
+    s = spectrum(TWO, sine(), GRID, check=40).summary
     assert s.cells == 2 * 53 * 37 == sum(s.outcomes.values())
     assert s.outcomes["no_uplift"] == s.work.no_uplift
     assert s.checked_cells == 40
@@ -81,9 +81,9 @@ def test_summary_adds_up_and_the_check_agrees():
 
 def test_a_restitution_alone_needs_dimensionless_axes():
     with pytest.raises(UsageError, match="no units"):
-        spectrum(TWO, parse_grid("a_g=1:2:3,omega_g=1:2:3"), sine())
+        spectrum(TWO, sine(), parse_grid("a_g=1:2:3,omega_g=1:2:3"))
     with pytest.raises(UsageError, match="no structure"):
-        spectrum([], GRID, sine())
+        spectrum([], sine(), GRID)
 
 
 def test_an_interruption_names_the_part_that_it_leaves(tmp_path, monkeypatch):
@@ -91,11 +91,11 @@ def test_an_interruption_names_the_part_that_it_leaves(tmp_path, monkeypatch):
         raise KeyboardInterrupt
 
     with pytest.raises(Interrupted, match=r"interrupted; 1 of 20 chunks are kept in .*s\.h5\.part; `resume` goes on"):
-        write_spectrum(TWO, GRID, sine(), tmp_path / "s.h5", chunk_cells=53 * 4, workers=1, progress=stopped)
+        write_spectrum(TWO, sine(), GRID, tmp_path / "s.h5", chunk_cells=53 * 4, workers=1, progress=stopped)
     assert (tmp_path / "s.h5.part").exists()
     monkeypatch.setattr(sweep, "unit_reports", stopped)
     with pytest.raises(Interrupted, match=r"^interrupted before the first chunk was done; nothing is kept$"):
-        write_spectrum(TWO, GRID, sine(), tmp_path / "none.h5", workers=1)
+        write_spectrum(TWO, sine(), GRID, tmp_path / "none.h5", workers=1)
     assert not (tmp_path / "none.h5.part").exists()
 
 
@@ -104,7 +104,7 @@ def test_memory_does_not_grow_with_the_number_of_cells(tmp_path):
     for frequencies in (1000, 2000):
         grid = parse_grid(f"A=0.1:0.95:500,Omega=8:12:{frequencies}")  # nothing lifts off: quick
         tracemalloc.start()
-        write_spectrum(TWO[:1], grid, sine(), tmp_path / f"{frequencies}.h5", workers=1, chunk_cells=10_000)
+        write_spectrum(TWO[:1], sine(), grid, tmp_path / f"{frequencies}.h5", workers=1, chunk_cells=10_000)
         peaks.append(tracemalloc.get_traced_memory()[1])
         tracemalloc.stop()
     assert peaks[0] < 100e6

@@ -68,7 +68,7 @@ def test_slow_pulses_are_statics_and_fast_ones_are_impulses():
         assert found.outcome[2] == Outcome.OVERTURNED_NO_IMPACT
     # A half sine much shorter than 1/p is a velocity 2 A/Omega less what the body's weight takes: it overturns at v = 1.
     omega = 1e4
-    (found,) = [i for i in trace_envelope(pulse("half-sine"), [omega], dimensionless_oscillator(0.5), a_max=6000) if i.mode == "no_impact"]
+    (found,) = [i for i in trace_envelope(dimensionless_oscillator(0.5), pulse("half-sine"), [omega], a_max=6000) if i.mode == "no_impact"]
     assert found.a_from == pytest.approx(omega / 2, rel=1e-3, abs=0)
 
 
@@ -104,7 +104,7 @@ def test_a_hundred_thousand_impacts_end_in_an_outcome(monkeypatch):
 
 @pytest.mark.parametrize("omega", [2.0, 5.0])
 def test_cells_within_1e_12_of_a_boundary_have_an_outcome(omega):
-    for interval in trace_envelope(sine(), [omega], dimensionless_oscillator(0.9), a_max=10):
+    for interval in trace_envelope(dimensionless_oscillator(0.9), sine(), [omega], a_max=10):
         edges = [a for a in (interval.a_from, interval.a_to) if a is not None]
         around = np.array([a * (1 + f * 1e-13) for a in edges for f in range(-10, 11)])
         found = linear_response(sine(), around, omega, 0.9)
@@ -135,8 +135,8 @@ def test_an_arch_at_the_edge_of_stability():
 def test_frequency_parameters_from_1e_3_to_1e3(p):
     (document,) = parse_documents(f"kind: parameters\np: {p}\nalpha: 0.2\neta: 0.9\na_scale: 1")
     structure = build_structure(document)
-    found = spectrum([structure], parse_grid(f"a_g=1:12:12,omega_g={0.5 * p}:{8 * p}:9"), sine())
-    again = spectrum([dimensionless_oscillator(0.9)], parse_grid(f"A={1 / 1.962}:{12 / 1.962}:12,Omega=0.5:8:9"), sine())
+    found = spectrum([structure], sine(), parse_grid(f"a_g=1:12:12,omega_g={0.5 * p}:{8 * p}:9"))
+    again = spectrum([dimensionless_oscillator(0.9)], sine(), parse_grid(f"A={1 / 1.962}:{12 / 1.962}:12,Omega=0.5:8:9"))
     assert np.array_equal(found.outcome, again.outcome)
     assert found.summary.misjudged == 0
 
@@ -146,6 +146,6 @@ def test_frequency_parameters_from_1e_3_to_1e3(p):
 )
 def test_denormal_and_huge_inputs_have_an_outcome(grid):
     (document,) = parse_documents("kind: block\nwidth: 0.5\nheight: 2")
-    found = spectrum([build_structure(document)], parse_grid(grid), sine(), check=0)
+    found = spectrum([build_structure(document)], sine(), parse_grid(grid), check=0)
     assert not np.any(found.outcome == Outcome.NOT_COMPUTED)
     assert np.isfinite(found.theta_ratio[found.outcome == Outcome.ROCKED]).all()

@@ -1,0 +1,156 @@
+"""Overturning scales of records: of each structure, or each (alpha, 2 pi/p), the first one and the intervals above it.
+
+A record overturns after many impacts, where intervals have no least width, and a cell costs as much as a thousand of a pulse: so the
+scan's amplitudes are `RATIO` apart, relative to each other, and nothing is claimed of narrower intervals.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ..dynamics.outcome import Outcome
+from ..errors import UsageError
+from .boundaries import Search
+from .capacity import RATIO
+from .cost import Tell, announce, bouncing_seconds, expected_seconds
+from .envelope import A_MAX, BOTH, HIGHEST, SIGNS, Steps, worse
+from .processes import available_cpus, processes
+from .record_scene import RecordScene
+
+Array = np.ndarray
+
+_PARTS = 128  # that a change is cut into at once: there are few, and a batch costs the same whatever its size
+_SMALL = 20_000  # cells below which starting processes takes longer than they save
+NONE = "none"  # the mode of a body that no amplitude overturns
+
+
+@dataclass(frozen=True)
+class Task:
+    """One share of the work: a record, a structure, and its Omegas, by index; sign: of the ground acceleration."""
+
+    record: int
+    structure: int
+    omegas: tuple[int, ...]
+    sign: str
+
+
+@dataclass(frozen=True)
+class Tracing:
+    """What is traced: a scene, whose columns are T, or one that is not used; first: the lowest overturning amplitude alone."""
+
+    scene: RecordScene
+    a_max: float = A_MAX
+    first: bool = False
+
+    def omegas(self, structure: int) -> Array:
+        """Omega = 1/p of a structure [s/rad], or of every size."""
+        if self.scene.over_angles:
+            return self.scene.columns.values / (2.0 * np.pi)
+        return np.array([1.0 / self.scene.structures[structure].p])
+
+    def searches(self, task: Task) -> list[Search]:
+        """What is searched, for each sign of the motion."""
+        structure, motion = self.scene.structures[task.structure], self.scene.recordings[task.record].motion
+        system, digits = self.scene.method.system_of(structure), self.scene.method.stated_tolerance or 4e-16
+        factors = (1.0,) if system.contact.alike else SIGNS[task.sign]
+        motions = [motion if f > 0.0 else motion.scaled(f) for f in factors]
+        found = [Search(system, m, structure.eta, self.a_max, ratio=RATIO, digits=digits, parts=_PARTS) for m in motions]
+        return [search for search in found if search.lowest < self.a_max]
+
+    def __call__(self, task: Task) -> list[Steps]:
+        """(amplitude, outcome from there on), rising, at each Omega of a task; nothing where nothing lifts the body."""
+        omegas = self.omegas(task.structure)[list(task.omegas)]
+        found: list[Steps] = [[] for _ in omegas]
+        for search in self.searches(task):
+            rows = search.first_falls(omegas) if self.first else search.rows(omegas)
+            for i, row in enumerate(rows):
+                steps = [(search.lowest, row.begins), *row.changes]
+                found[i] = worse(found[i], steps) if found[i] else steps
+        return found
+
+
+def check_tracing(tracing: Tracing, tell: Tell | None = None) -> None:
+    """Refuse a limit that is none; tell what the search takes, up to. Raises UsageError."""
+    scene = tracing.scene
+    if not (math.isfinite(tracing.a_max) and 0.0 < tracing.a_max <= HIGHEST):
+        raise UsageError(f"a-max is {tracing.a_max:g}, accepted is a positive amplitude up to {HIGHEST:g}")
+    if scene.columns.name != "T" and scene.columns.values.tolist() != [1.0]:
+        raise UsageError(f"`grid`: found {scene.columns.name}; accepted is none, since the scale is what is looked for")
+    rungs = len(scene.recordings) * math.log(max(2.0, tracing.a_max)) / math.log1p(RATIO)
+    cells, seconds = 0.0, 0.0
+    for i, s in enumerate(scene.structures):
+        mine = rungs * tracing.omegas(i).size
+        cells += mine
+        seconds += expected_seconds(scene.method, s, scene.segments, cells=int(mine), batches=len(scene.recordings))
+        seconds += bouncing_seconds(scene.method, s)
+    at_most = " at most" if tracing.first else ""
+    sizes = sum(tracing.omegas(i).size for i in range(len(scene.structures)))
+    what = f"{len(scene.recordings)} x {sizes} searches, {cells:.3g} amplitudes{at_most} under {scene.segments} segments of shaking"
+    announce(seconds, what, 1, tell, always=True)
+
+
+def tracing_records(
+    tracing: Tracing, *, sign: str = "worse", workers: int | None = None, progress: Callable[[int, int], None] | None = None
+) -> Iterator[dict[str, Any]]:
+    """Records of the intervals that overturn, of one record after the other and one structure after the other.
+
+    record, structure, or alpha [rad] and T = 2 pi/p [s]; A_from and A_to, the dimensionless amplitudes, a_from and a_to
+    [m/s2], the same as peaks of the ground, scale_from and scale_to, as factors of the record as it is (A_to and so on None where it
+    goes on beyond a_max); mode. With `first` one for each, without its end; A_from None and mode "none" where nothing overturns. sign
+    "both" adds `sign`, None where the sides are alike. Raises UsageError as `check_tracing`, OutputError when a worker process dies.
+    """
+    scene = tracing.scene
+    tasks = list(_tasks(tracing, sign, 1))
+    cells = sum(len(task.omegas) for task in tasks) * math.log(max(2.0, tracing.a_max)) / math.log1p(RATIO)
+    workers = workers or (1 if cells < _SMALL else available_cpus())
+    if len(tasks) < 4 * workers:
+        tasks = list(_tasks(tracing, sign, workers))
+    for n, (task, found) in enumerate(zip(tasks, _in_turn(tracing, tasks, min(workers, len(tasks))), strict=True), 1):
+        for column, steps in zip(task.omegas, found, strict=True):
+            yield from _told(scene, task, column, steps, tracing.first, sign == BOTH)
+        if progress:
+            progress(n, len(tasks))
+
+
+def _tasks(tracing: Tracing, sign: str, shares: int) -> Iterator[Task]:
+    for record in range(len(tracing.scene.recordings)):
+        for i, structure in enumerate(tracing.scene.structures):
+            apart = sign == BOTH and not tracing.scene.method.system_of(structure).contact.alike
+            count = tracing.omegas(i).size
+            for one in ("+", "-") if apart else ("worse" if sign == BOTH else sign,):
+                for part in np.array_split(np.arange(count), min(shares, count)):
+                    yield Task(record, i, tuple(part.tolist()), one)
+
+
+def _in_turn(tracing: Tracing, tasks: list[Task], workers: int) -> Iterator[list[Steps]]:
+    if workers == 1:
+        yield from map(tracing, tasks)
+        return
+    with processes(workers, tracing, "fewer `workers` need less") as run:
+        yield from run(tasks)
+
+
+def _told(scene: RecordScene, task: Task, column: int, steps: Steps, first: bool, signed: bool) -> Iterator[dict[str, Any]]:
+    """The intervals of one search as records."""
+    recording, structure = scene.recordings[task.record], scene.structures[task.structure]
+    if scene.over_angles:
+        of: dict[str, Any] = {"record": recording.label, "alpha": structure.alpha, "T": float(scene.columns.values[column])}
+    else:
+        of = {"record": recording.label, "structure": structure.name}
+    if signed:
+        of["sign"] = None if scene.method.system_of(structure).contact.alike else int(SIGNS[task.sign][0])
+    own = float(structure.dimensionless_amplitude(recording.acceleration))
+    ends = [*(a for a, _ in steps), None][1:] if steps else []
+    falls = [({"from": a, "to": end}, Outcome(label)) for (a, label), end in zip(steps, ends, strict=True) if not Outcome(label).safe]
+    told: list[tuple[dict[str, float | None], str]] = [(dict(bounds), outcome.mode) for bounds, outcome in falls]
+    if first:
+        told = [({"from": told[0][0]["from"]}, told[0][1])] if told else [({"from": None}, NONE)]
+    for bounds, mode in told:
+        row: dict[str, Any] = {**of, **{f"A_{key}": a for key, a in bounds.items()}, "mode": mode}
+        row |= {f"a_{key}": None if a is None else float(structure.ground_acceleration(a)) for key, a in bounds.items()}
+        yield row | {f"scale_{key}": None if a is None else a / own for key, a in bounds.items()}

@@ -1,0 +1,104 @@
+"""Overturning scales of records: their ends against an independent solution, the first one alone, and what is said beforehand."""
+
+from __future__ import annotations
+
+import json
+import math
+
+import numpy as np
+import pytest
+from recorded import rows, wave
+from written import built
+
+from rocking_cli import Axis, Method, UsageError
+from rocking_cli.dynamics.references.general_solver import solve_cell
+from rocking_cli.motions import Record
+from rocking_cli.motions.recording import Recording
+from rocking_cli.spectra.record_envelope import NONE, Tracing, check_tracing, tracing_records
+from rocking_cli.spectra.record_scene import AS_RECORDED, angles_scene, structures_scene
+
+BLOCK = built("kind: block\nwidth: 0.12 m\nheight: 0.5 m")
+A_MAX = 3.0
+
+
+@pytest.fixture(scope="module")
+def records() -> list[Recording]:
+    samples = {"a": wave(24, 3.0), "b": -0.5 * wave(24)[::-1]}
+    return [Recording(Record(name, "text", None, 0.1, values, None, "m/s2", name, name)) for name, values in samples.items()]
+
+
+def test_ends_of_intervals_by_another_method(records):
+    """On both sides of the first ends a Runge-Kutta method says what the row says; the rows are in all units the same."""
+    scene = structures_scene([BLOCK], records)
+    found = list(tracing_records(Tracing(scene, 5.0), workers=1))
+    assert {row["record"] for row in found} == {"a", "b"}
+    problem, omega = scene.method.problem_of(BLOCK), 1.0 / BLOCK.p
+    for row in (*found[:2], *found[-2:]):
+        recording = records["ab".index(row["record"])]
+        for key, inside in (("from", 1e-7), ("to", -1e-7)):
+            end = row[f"A_{key}"]
+            if end is None:
+                continue
+            there, beyond = (solve_cell(recording.motion, end * (1.0 + d), omega, BLOCK.eta, problem)[0] for d in (inside, -inside))
+            assert there.mode == row["mode"] != beyond.mode
+            assert row[f"a_{key}"] == pytest.approx(end * BLOCK.alpha * 9.81, rel=1e-14)
+            assert row[f"scale_{key}"] == pytest.approx(row[f"a_{key}"] / recording.acceleration, rel=1e-14)
+
+
+def test_the_first_is_the_first_of_all(records):
+    scene = angles_scene(Axis("alpha", np.radians([8.0])), Axis("T", np.array([0.9, 40.0])), records[:1], 0.9)
+    every: dict[tuple[float, float], float] = {}
+    for row in tracing_records(Tracing(scene, A_MAX), workers=2):
+        every.setdefault((row["alpha"], row["T"]), row["A_from"])
+    first = list(tracing_records(Tracing(scene, A_MAX, first=True), workers=1))
+    assert [(row["alpha"], row["T"]) for row in first] == [(s.alpha, t) for s in scene.structures for t in (0.9, 40.0)]
+    for row in first:
+        assert "A_to" not in row
+        assert (row["A_from"] is None) == (row["mode"] == NONE)
+        there = every.get((row["alpha"], row["T"]))
+        assert row["A_from"] == pytest.approx(there, rel=1e-14) if there else row["A_from"] is None
+    assert {row["mode"] for row in first} >= {NONE, "after_impact"}
+
+
+def test_signs_of_unequal_sides(records):
+    body = built("kind: rigid\nleft: 0.06 m\nright: 0.04 m\nheight: 0.2 m\ngyration: 0.12 m")
+    tracing = Tracing(structures_scene([body], records[:1]), 3.0, first=True)
+    by_sign = {row["sign"]: row["A_from"] for row in tracing_records(tracing, sign="both", workers=1)}
+    turned = structures_scene([body], [Recording(records[0].record, -1.0)])
+    (other,) = tracing_records(Tracing(turned, 3.0, first=True), sign="+", workers=1)
+    (worse,) = tracing_records(tracing, workers=1)
+    assert other["A_from"] == pytest.approx(by_sign[-1], rel=1e-14)
+    assert worse["A_from"] == min(by_sign.values())
+
+
+def test_a_body_that_the_limit_does_not_lift(records):
+    (row,) = tracing_records(Tracing(structures_scene([BLOCK], records[:1]), 0.5, first=True), workers=1)
+    assert (row["A_from"], row["mode"]) == (None, NONE)
+    assert not list(tracing_records(Tracing(structures_scene([BLOCK], records[:1]), 0.5), workers=1))
+
+
+def test_the_cost_is_said_before(records):
+    said: list[str] = []
+    check_tracing(Tracing(structures_scene([BLOCK], records, AS_RECORDED, Method("nonlinear")), 3.0, first=True), said.append)
+    (line,) = said
+    amplitudes = 2 * math.log(3.0) / math.log(1.005)
+    assert line.startswith(f"2 x 1 searches, {amplitudes:.3g} amplitudes at most under 23 segments of shaking: up to roughly ")
+    with pytest.raises(UsageError, match="a-max is inf"):
+        check_tracing(Tracing(structures_scene([BLOCK], records), math.inf))
+    with pytest.raises(UsageError, match="the scale is what is looked for"):
+        check_tracing(Tracing(structures_scene([BLOCK], records, Axis("A", np.array([1.0, 2.0])))))
+
+
+def test_the_command(rocking, refused, tmp_path):
+    (tmp_path / "b.yaml").write_text("kind: block\nwidth: 0.12 m\nheight: 0.5 m\n")
+    for name in ("a.txt", "b.txt"):
+        (tmp_path / name).write_text(rows(wave(30, 3.0), 1, "{:.9e}"))
+    call = ("--motion", "a.txt", "b.txt", "--unit", "m/s2", "--dt", "0.05", "--a-max", "2")
+    done = rocking("envelope", "b.yaml", *call, "--first", "--json")
+    one, other = (json.loads(line) for line in done.stdout.splitlines())
+    assert one | {"record": "b"} == other
+    assert "model: nonlinear" in done.stderr
+    done = rocking("envelope", *call, "--alpha", "8deg", "--grid", "T=0.6", "--eta", "block", "--model", "linear", "--csv", "-q")
+    assert done.stdout.startswith("record,alpha [rad],T [s],A_from,A_to,mode,")
+    assert "--first goes with records" in refused(2, "envelope", "b.yaml", "--grid", "f_g=1", "--first")
+    assert "does not go with records" in refused(2, "envelope", "b.yaml", *call, "--closed-form")
