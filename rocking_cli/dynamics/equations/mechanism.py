@@ -128,11 +128,11 @@ class MechanismEquation:
         y = np.empty((count + 2, x.size))
         y[0] = lanes.y
         np.multiply(lanes.v, known.unit, out=y[1])
-        self._compose(y, over, lift, push, drive, known.unit)
+        self._compose(y, over, lift, push, drive, known.unit, weight)
         return series(y, known, self.tolerance, self.damping)
 
-    def _compose(self, y: Array, over: Array, lift: Array, push: Array, drive: Array, unit: Array) -> None:
-        """Terms 2 ... of y: those of F and G along the motion follow from powers of y - y0."""
+    def _compose(self, y: Array, over: Array, lift: Array, push: Array, drive: Array, unit: Array, weight: Array | None) -> None:
+        """Terms 2 ... of y: those of F and G along the motion follow from powers of y - y0; weight: its terms where it varies."""
         count, lanes = len(y) - 2, y.shape[1]
         power = np.zeros((count, count, lanes))  # [j, n]: term n of ((y - y0) / half)^j
         pushes = np.empty(drive.shape)  # G along the motion
