@@ -27,9 +27,11 @@ if TYPE_CHECKING:
 @options.alpha
 @options.motions
 @options.vertical
-@options.method
+@options.methods
 @click.option("--impacts", is_flag=True, help="Also store the number of impacts during the shaking.")
-@click.option("--quantity", "quantities", metavar="NAME,…", help="Also store these: condition (sensitivity of each cell to its input).")
+@click.option(
+    "--quantity", "quantities", metavar="NAME,…", help="Also store these: condition (sensitivity of each cell to its input), linear."
+)
 @options.workers
 @click.option("--chunk", "chunk_cells", type=click.IntRange(1), metavar="CELLS", help="Cells in one unit of work.")
 @click.option("--check", type=click.IntRange(0), metavar="N", help="Cells computed again by the independent path.")
@@ -50,7 +52,7 @@ def spectrum(
     alphas: str | None,
     motion: Motion | None,
     recordings: tuple[Recording, ...],
-    model: str,
+    models: tuple[str, ...],
     tolerance: float,
     impacts: bool,
     quantities: str | None,
@@ -84,7 +86,8 @@ def spectrum(
     from ..spectra.scene import PulseScene, Scene
     from ..spectra.sweep import CHUNK_CELLS, write_scene
 
-    method = Method(model, tolerance)
+    method = Method(models[-1], tolerance)
+    wanted = [name.strip() for name in quantities.split(",")] if quantities is not None else []
     if motion is not None and axes is None:
         raise click.UsageError("no --grid; accepted are two axes, such as a_g=0.1g:1g:50,f_g=0.5:5:40, or records as --motion")
     if motion is not None and alphas is not None:
@@ -113,7 +116,7 @@ def spectrum(
         chunk_cells=chunk_cells or CHUNK_CELLS,
         check=check,
         impacts=impacts,
-        quantities=[name.strip() for name in quantities.split(",")] if quantities is not None else (),
+        quantities=[*wanted, "linear"] if len(models) > 1 else wanted,
         overwrite=overwrite,
         resume=resume,
         strict=strict,

@@ -52,8 +52,41 @@ class Outcome(IntEnum):
         return self in (Outcome.NO_UPLIFT, Outcome.ROCKED)
 
 
+class Difference(IntEnum):
+    """How the linear equation judges a cell that the nonlinear one decides: codes of the file's `difference`, and words of a figure.
+
+    colour: None where a figure shows nothing; unsafe: linear stands where the body overturns.
+    """
+
+    NOT_COMPUTED = 0, "one of them failed", None
+    AGREES = 1, "linear agrees", None
+    LINEAR_UNSAFE = 2, "linear stands, the body falls", "#D55E00"
+    LINEAR_FALSE_ALARM = 3, "linear falls, the body stands", "#0072B2"
+
+    sentence: str
+    colour: str | None
+
+    def __new__(cls, code: int, sentence: str = "", colour: str | None = None) -> Self:
+        member = int.__new__(cls, code)
+        member._value_, member.sentence, member.colour = code, sentence, colour
+        return member
+
+    @property
+    def flag(self) -> str:
+        """The word that files use."""
+        return self.name.lower()
+
+
 _OVERTURNED = np.array([o.overturned for o in Outcome])
 _SAFE = np.array([o.safe for o in Outcome])
+
+
+def difference(nonlinear: Any, linear: Any) -> Any:
+    """Codes of `Difference` of codes of `Outcome` by the two equations, arrays of one shape, uint8."""
+    known = (overturned(nonlinear) | safe(nonlinear)) & (overturned(linear) | safe(linear))
+    verdict = np.where(overturned(nonlinear) & safe(linear), Difference.LINEAR_UNSAFE, Difference.AGREES)
+    verdict = np.where(safe(nonlinear) & overturned(linear), Difference.LINEAR_FALSE_ALARM, verdict)
+    return np.where(known, verdict, Difference.NOT_COMPUTED).astype(np.uint8)
 
 
 def overturned(codes: Any) -> Any:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from ..dynamics.method import LINEAR
+from ..dynamics.outcome import Difference, Outcome
 from ..spectra.sweep import Summary
 
 SENSITIVE = 1e-6  # a larger difference between two accurate paths is the scene's own sensitivity
@@ -33,6 +34,10 @@ def summary_lines(summary: Summary, output: str) -> Iterator[str]:
         yield "estimated error: not checked"
     if s.compared:
         yield f"the nonlinear equation ends {s.otherwise} of {s.compared} checked cells otherwise"
+    if s.differences:
+        unsafe, alarms = (s.differences[d.flag] for d in (Difference.LINEAR_UNSAFE, Difference.LINEAR_FALSE_ALARM))
+        fell = sum(n for flag, n in s.outcomes.items() if Outcome[flag.upper()].overturned)
+        yield f"the linear equation is unsafe in {unsafe} of the {fell} cells that overturn, and falls in {alarms} that stand"
     yield "outcomes: " + ", ".join(f"{n} {flag}" for flag, n in s.outcomes.items() if n)
     yield (
         f"left out: {w.no_uplift} cells below uplift not integrated, {w.free_phase} free phases and "

@@ -15,7 +15,7 @@ import h5py
 import numpy as np
 
 from .. import __version__
-from ..dynamics.outcome import Outcome
+from ..dynamics.outcome import Difference, Outcome
 from .chunks import GZIP_LEVEL, ChunkGrid
 from .digest import DIGEST, digest_of
 from .frame import ABOUT, Frame, Values
@@ -38,8 +38,25 @@ VARIABLES: dict[str, tuple[np.dtype, dict[str, Any]]] = {
          "comment": "sum of abs(d theta_ratio / d ln x) over the amplitude, the frequency and the restitution, by central differences; NaN "
                     "where overturned, failed or not computed, or where a cell beside it is"},
     ),
+    "theta_ratio_linear": (
+        np.dtype("<f8"),
+        {"units": "1", "long_name": "largest rotation over critical angle by the linear equation", "_FillValue": np.nan},
+    ),
+    "outcome_linear": (
+        np.dtype("u1"),
+        {"units": "1", "long_name": "outcome by the linear equation", "flag_values": np.array([o.value for o in Outcome], dtype="u1"),
+         "flag_meanings": " ".join(o.flag for o in Outcome)},
+    ),
+    "difference": (
+        np.dtype("u1"),
+        {"units": "1", "long_name": "how the linear equation judges what the nonlinear one decides",
+         "flag_values": np.array([d.value for d in Difference], dtype="u1"), "flag_meanings": " ".join(d.flag for d in Difference)},
+    ),
 }  # fmt: skip
 """Of each cell: type and attributes. A file has the first two, and others on request."""
+
+FLAGS: dict[str, type[Outcome] | type[Difference]] = {"outcome": Outcome, "outcome_linear": Outcome, "difference": Difference}
+"""What the codes of a variable mean."""
 
 REQUIRED = ("theta_ratio", "outcome")
 

@@ -18,7 +18,7 @@ from ..motions import Harmonic, Motion, Piece
 from .chunks import stored_chunk, unpack
 from .contents import FAULTS, contents_of, reason
 from .grid import Axis, Grid
-from .layout import VARIABLES
+from .layout import FLAGS, VARIABLES
 from .raw_file import SIGNATURE, RawFile, lock, open_regular
 from .seal import read, sealed
 from .trial import trial
@@ -178,7 +178,7 @@ class SpectraFile:
                 for r, row in enumerate(block["outcome"]):
                     for c in np.flatnonzero(row != Outcome.NOT_COMPUTED):
                         record = {first: place, second: rows[begin + r], third: columns[c], "outcome": Outcome(int(row[c])).flag}
-                        yield record | {name: _told(block[name][r, c]) for name in self.names if name != "outcome"}
+                        yield record | {name: _told(name, block[name][r, c]) for name in self.names if name != "outcome"}
 
     def __enter__(self) -> SpectraFile:
         return self
@@ -187,7 +187,9 @@ class SpectraFile:
         self.close()
 
 
-def _told(value: np.generic) -> float | int | None:
-    """A cell's number as programs read it: None for NaN."""
+def _told(name: str, value: np.generic) -> float | int | str | None:
+    """A cell's number as programs read it, None for NaN, or the word of a code."""
+    if name in FLAGS:
+        return FLAGS[name](int(value.item())).flag
     number: float | int = value.item()
     return number if np.isfinite(number) else None

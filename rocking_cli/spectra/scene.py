@@ -25,7 +25,11 @@ from .grid import Grid
 
 Array = np.ndarray
 
-QUANTITIES = ("condition",)  # what may be computed beside theta_ratio, outcome and impacts
+QUANTITIES: dict[str, tuple[str, ...]] = {
+    "condition": ("condition",),
+    "linear": ("theta_ratio_linear", "outcome_linear", "difference"),
+}
+"""What may be computed beside theta_ratio, outcome and impacts, and the variables that it comes to."""
 
 
 @dataclass(frozen=True)
@@ -230,7 +234,7 @@ def known_quantities(names: Sequence[str]) -> tuple[str, ...]:
     """These names of QUANTITIES, each once, in their own order. Raises UsageError for another."""
     for name in names:
         if name not in QUANTITIES:
-            raise UsageError(f"unknown quantity {name!r}, accepted {'is' if len(QUANTITIES) == 1 else 'are'} {', '.join(QUANTITIES)}")
+            raise UsageError(f"unknown quantity {name!r}, accepted are {', '.join(QUANTITIES)}")
     return tuple(name for name in QUANTITIES if name in names)
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +13,7 @@ import numpy as np
 from .. import interruption
 from ..dynamics.march.engine import Work
 from ..dynamics.method import LINEAR, Method
-from ..dynamics.outcome import Outcome
+from ..dynamics.outcome import Difference, Outcome
 from ..errors import Interrupted, UsageError
 from ..motions import Motion
 from ..structures.parameters import RockingParameters
@@ -21,7 +21,7 @@ from .cost import Tell, announce_sweep
 from .grid import Grid
 from .processes import available_cpus
 from .sampling import checked_cells, default_check
-from .scene import PulseScene, Scene, Unit, chunk_shape, cut_into_units, known_quantities
+from .scene import QUANTITIES, PulseScene, Scene, Unit, chunk_shape, cut_into_units, known_quantities
 from .units import Block, Job, unit_reports
 
 CHUNK_CELLS = 131072
@@ -39,7 +39,8 @@ class Summary:
     taken from another structure of equal restitution; resumed_cells:
     cells that were there before; elsewhere: how the machine differs on which those were computed; records: how many shake, 0 for a
     pulse; compared, otherwise: checked cells of a linear sweep of records that the nonlinear equation judged too, and how many of
-    them it ends otherwise (overturned or not). Times, checks and counters are those of this run.
+    them it ends otherwise (overturned or not); differences: cells by
+    `Difference`, where both equations answer. Times, checks and counters are those of this run.
     """
 
     structures: int
@@ -60,6 +61,7 @@ class Summary:
     records: int = 0
     compared: int = 0
     otherwise: int = 0
+    differences: Mapping[str, int] = field(default_factory=dict)
 
     @property
     def time_per_cell(self) -> float:
@@ -90,6 +92,7 @@ class Summary:
             "misjudged_cells": self.misjudged,
             **({"compared_cells": self.compared, "otherwise_cells": self.otherwise} if self.compared else {}),
             **{f"cells_{k}": v for k, v in self.outcomes.items()},
+            **{f"cells_{k}": v for k, v in self.differences.items() if k.startswith("linear")},
             "shared_cells": self.shared_cells,
             "resumed_cells": self.resumed_cells,
             **({"elsewhere": self.elsewhere} if self.elsewhere else {}),
@@ -99,15 +102,20 @@ class Summary:
 
 @dataclass(frozen=True, eq=False)
 class Spectrum:
-    """A spectrum in memory: theta_ratio, outcome, impacts and condition (None unless asked for) have the dimensions of the scene:
-    (structure, frequency, amplitude), of records (record, structure, scale) and the like."""
+    """A spectrum in memory: theta_ratio, outcome, impacts, and beside them by name the variables of `QUANTITIES` that were asked for,
+    have the dimensions of the scene: (structure, frequency, amplitude), of records (record, structure, scale) and the like."""
 
     scene: Scene
     theta_ratio: np.ndarray
     outcome: np.ndarray
     impacts: np.ndarray
     summary: Summary
-    condition: np.ndarray | None = None
+    beside: Mapping[str, np.ndarray] = field(default_factory=dict)
+
+    @property
+    def condition(self) -> np.ndarray | None:
+        """The condition of each cell, None unless asked for."""
+        return self.beside.get("condition")
 
 
 def spectrum(
@@ -135,9 +143,9 @@ def spectrum_of(
 
     Raises UsageError.
     """
-    quantities, shape = known_quantities(quantities), scene.shape
+    quantities, shape = _checked(quantities, scene), scene.shape
     theta, outcome, impacts = np.full(shape, np.nan), np.zeros(shape, dtype=np.uint8), np.zeros(shape, dtype=np.int32)
-    condition = np.full(shape, np.nan) if "condition" in quantities else None
+    beside = {name: np.full(shape, *_blank(name)) for quantity in quantities for name in QUANTITIES[quantity]}
     chunk = chunk_shape(shape[1:], CHUNK_CELLS)
     announce_sweep(scene, chunk, _processes(scene, workers), check)
 
@@ -146,11 +154,11 @@ def spectrum_of(
         for i in unit.places:
             block = (i, slice(unit.row, unit.row + rows), slice(unit.column, unit.column + columns))
             theta[block], outcome[block], impacts[block] = response.theta_ratio, response.outcome, response.impacts
-            if condition is not None:
-                condition[block] = response.condition
+            for name, values in beside.items():
+                values[block] = response.beside[name]
 
     summary = _sweep(scene, chunk, workers, check, progress, None, keep, quantities=quantities)
-    return Spectrum(scene, theta, outcome, impacts, summary, condition)
+    return Spectrum(scene, theta, outcome, impacts, summary, beside)
 
 
 def write_spectrum(
@@ -219,8 +227,13 @@ def write_scene(
     attributes: dict[str, Any] = {"history": history, "documents": documents, "motion": scene.title, "model": method.model}
     if method.stated_tolerance is not None:
         attributes["tolerance"] = method.stated_tolerance
-    quantities = known_quantities(quantities)
-    names: tuple[str, ...] = ("theta_ratio", "outcome", *(["impacts"] if impacts else []), *quantities)
+    quantities = _checked(quantities, scene)
+    names: tuple[str, ...] = (
+        "theta_ratio",
+        "outcome",
+        *(["impacts"] if impacts else []),
+        *(name for quantity in quantities for name in QUANTITIES[quantity]),
+    )
 
     identity = {**scene.identity(), "impacts": impacts, "quantities": list(quantities), "chunk": list(chunk)}
     options: dict[str, Any] = {
@@ -260,7 +273,7 @@ class _Packing:
     def __call__(self, response: Block) -> dict[str, bytes]:
         from .chunks import pack
 
-        return {name: pack(_padded(getattr(response, name), self.chunk)) for name in self.names}
+        return {name: pack(_padded(response.variable(name), self.chunk)) for name in self.names}
 
 
 def _padded(block: np.ndarray, shape: tuple[int, int]) -> np.ndarray:
@@ -270,6 +283,22 @@ def _padded(block: np.ndarray, shape: tuple[int, int]) -> np.ndarray:
     full = np.zeros(shape, dtype=block.dtype)
     full[: block.shape[0], : block.shape[1]] = block
     return full
+
+
+def _checked(names: Sequence[str], scene: Scene) -> tuple[str, ...]:
+    """The quantities of a sweep. Raises UsageError."""
+    quantities = known_quantities(names)
+    if "linear" in quantities and scene.method.exact:
+        raise UsageError("quantity linear: the linear equation beside the nonlinear one, which `model` is not; accepted is nonlinear")
+    return quantities
+
+
+def _blank(name: str) -> tuple[Any, np.dtype]:
+    """What stands for a cell that is not computed, and the type of a variable."""
+    from .layout import VARIABLES
+
+    dtype, about = VARIABLES[name]
+    return about.get("_FillValue", 0), dtype
 
 
 def _processes(scene: Scene, workers: int | None) -> int:
@@ -301,6 +330,7 @@ def _sweep(
     total, outcomes, shared = Work(), np.zeros(len(Outcome), dtype=np.int64), 0
     worst, misjudged, checked, sensitive, compared, otherwise = 0.0, 0, 0, 0, 0, 0
     outcomes += sum((before or {}).values(), np.zeros_like(outcomes))
+    differences = np.zeros(len(Difference), dtype=np.int64)
     if scheduler is None:
         reports = unit_reports(job, units, wanted)
     else:
@@ -313,6 +343,7 @@ def _sweep(
         times = len(unit.places)
         total += report.work
         outcomes += times * report.outcomes
+        differences += times * report.differences
         shared += (times - 1) * report.cells
         worst, misjudged = max(worst, report.worst), misjudged + report.misjudged
         checked, sensitive = checked + report.checked, sensitive + report.sensitive
@@ -337,5 +368,6 @@ def _sweep(
         records=scene.shape[0] if scene.of_records else 0,
         compared=compared,
         otherwise=otherwise,
+        differences={d.flag: int(differences[d]) for d in Difference} if "linear" in quantities else {},
         resumed_cells=int(sum(int(counts.sum()) for counts in (before or {}).values())),
     )

@@ -6,8 +6,8 @@ size of a unit changes a bit of the result.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 from functools import partial
 from itertools import tee
 from typing import Any
@@ -15,7 +15,8 @@ from typing import Any
 import numpy as np
 
 from ..dynamics.march.engine import Work
-from ..dynamics.outcome import Outcome
+from ..dynamics.method import LINEAR
+from ..dynamics.outcome import Difference, Outcome, difference
 from ..dynamics.response import Response, response
 from .condition import condition_of
 from .processes import processes
@@ -33,6 +34,7 @@ class Report:
     work: Work
     cells: int
     outcomes: np.ndarray
+    differences: np.ndarray
     worst: float
     misjudged: int
     checked: int
@@ -43,9 +45,13 @@ class Report:
 
 @dataclass(frozen=True)
 class Block(Response):
-    """A unit's response, and what was asked for beside it (see `QUANTITIES`)."""
+    """A unit's response, and by name the variables of what was asked for beside it (see `QUANTITIES`)."""
 
-    condition: np.ndarray | None = None
+    beside: Mapping[str, np.ndarray] = field(default_factory=dict)
+
+    def variable(self, name: str) -> np.ndarray:
+        """A variable of the file."""
+        return self.beside[name] if name in self.beside else getattr(self, name)
 
 
 @dataclass(frozen=True)
@@ -89,15 +95,20 @@ class Job:
             block = cells[:, first:last].reshape(3, *size)
             block[0], block[1], block[2] = band.amplitude, band.omega, band.structure.eta
         system = scene.method.system_of(bands[0].structure)
-        got, condition = response(system, motion, *cells), None
+        got = response(system, motion, *cells)
+        beside: dict[str, np.ndarray] = {}
         if "condition" in self.quantities:
             respond, tolerance = partial(response, system, motion), scene.method.stated_tolerance or 0.0
-            condition = condition_of(respond, cells[0], cells[1], cells[2], tolerance)
+            beside["condition"] = condition_of(respond, cells[0], cells[1], cells[2], tolerance)
+        if "linear" in self.quantities:
+            linear = response(LINEAR.system_of(bands[0].structure), motion, *cells)
+            beside |= {"theta_ratio_linear": linear.theta_ratio, "outcome_linear": linear.outcome}
+            beside["difference"] = difference(got.outcome, linear.outcome)
         del cells
         work = got.work
         for size, first, last in zip(sizes, ends[:-1], ends[1:], strict=True):
             theta_ratio, outcome, impacts = (x[first:last].reshape(size) for x in (got.theta_ratio, got.outcome, got.impacts))
-            yield Block(theta_ratio, outcome, impacts, work, None if condition is None else condition[first:last].reshape(size))
+            yield Block(theta_ratio, outcome, impacts, work, {name: x[first:last].reshape(size) for name, x in beside.items()})
             work = Work()
 
     def report(self, unit: Unit, blocks: Sequence[Block]) -> Report:
@@ -105,8 +116,9 @@ class Job:
         part = blocks[0] if len(blocks) == 1 else joined(blocks)
         compared = self.compare(unit, part)
         outcomes = np.bincount(part.outcome.ravel(), minlength=len(Outcome))
+        differ = np.bincount(part.beside.get("difference", np.zeros(0, dtype=np.uint8)).ravel(), minlength=len(Difference))
         data = self.convert(part) if self.convert else part
-        return Report(data, part.work, part.outcome.size, outcomes, *compared)
+        return Report(data, part.work, part.outcome.size, outcomes, differ, *compared)
 
     def compare(self, unit: Unit, response: Response) -> tuple[float, int, int, int, int, int]:
         """(largest difference, outcomes that differ, cells, of them sensitive ones) of this unit's checked cells against the reference,
@@ -133,8 +145,8 @@ class Job:
 def joined(blocks: Sequence[Block]) -> Block:
     """The rows of blocks, one below the other."""
     theta_ratio, outcome, impacts = (np.concatenate([getattr(b, name) for b in blocks]) for name in ("theta_ratio", "outcome", "impacts"))
-    condition = None if blocks[0].condition is None else np.concatenate([b.condition for b in blocks if b.condition is not None])
-    return Block(theta_ratio, outcome, impacts, sum((b.work for b in blocks), Work()), condition)
+    beside = {name: np.concatenate([b.beside[name] for b in blocks]) for name in blocks[0].beside}
+    return Block(theta_ratio, outcome, impacts, sum((b.work for b in blocks), Work()), beside)
 
 
 TOGETHER = 1 << 19  # cells of an exact equation that a worker computes in one batch
