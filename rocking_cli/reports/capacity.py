@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from ..documents.quantities import DEFAULT_GRAVITY
 from ..dynamics.outcome import Outcome
-from .plot import canvas
+from .canvas import canvas
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

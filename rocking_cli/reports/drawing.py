@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from ..structures import Document, RockingParameters, build_structure
 from ..structures.kinds import sketch_of
 from ..structures.sketch import Outline, Point, Sketch, rectangle
-from .plot import canvas, literal
+from .canvas import canvas, literal
 from .units import Units
 
 if TYPE_CHECKING:

@@ -27,3 +27,19 @@ def test_refusals(rocking, refused, spectrum_file, tmp_path):
     assert "--slice" in refused(2, "plot", str(spectrum_file), "--text", "--slice", "B=3")
     assert "Omega=1 to 8" in refused(2, "plot", str(spectrum_file), "--text", "--slice", "Omega=99")
     assert "spectra files" in refused(2, "plot", "params.csv", "--text")
+    assert "--slice goes with a spectra file" in refused(2, "plot", "params.csv", "--slice", "A=1", "-o", "x.png")
+    assert "--over goes with" in refused(2, "plot", str(spectrum_file), "--over", "height", "-o", "x.png")
+    assert "--all and --slice do not go together" in refused(2, "plot", str(spectrum_file), "--all", "--slice", "A=3", "-o", "x.png")
+
+
+def test_standard_input_is_drawn(rocking, tmp_path):
+    curves = rocking("envelope", "--eta", "0.9", "--grid", "Omega=2:6:9", "--closed-form", "--csv").stdout
+    done = rocking("plot", "-", "-o", "curves.svg", stdin=curves)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert "initiation" in (tmp_path / "curves.svg").read_text()
+
+
+def test_a_slice_says_which_value_it_took(rocking, spectrum_file):
+    done = rocking("plot", str(spectrum_file), "--slice", "Omega=5.003", "-o", "slice.png")
+    assert done.stderr.startswith("slice at Omega = 5.0")
+    assert rocking("plot", str(spectrum_file), "--slice", "Omega=5", "-o", "quiet.png", "-q").stderr == ""

@@ -1,0 +1,39 @@
+"""Fragility curves over an intensity measure, a line for each structure, limit state and method."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from .canvas import MARKERS, legend, literal, look
+from .rows import Rows, column, groups
+from .units import Units
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+LABELS = {
+    "PGA": "PGA [m/s²]", "PGV": "PGV [m/s]", "PGD": "PGD [m]", "Arias": "Arias intensity [m/s]", "CAV": "CAV [m/s]",
+    "nPGA": r"PGA/$(\lambda g)$ [-]", "nPGV": r"$p$ PGV/$(g \tan\alpha)$ [-]", "nPGD": r"$p^2$ PGD/$(g \tan\alpha)$ [-]",
+}  # fmt: skip
+
+
+def fragility_curves(figure: Figure, rows: Rows, _: Units) -> list[Axes]:
+    """Curves with their bands and the fractions that they were fitted to; exact shares as steps."""
+    axes = figure.add_subplot()
+    for i, (group, some) in enumerate(groups(rows, "structure", "limit_state", "method").items()):
+        x, p = column(some, "x"), column(some, "probability")
+        style: dict[str, Any] = {**look(i), "label": literal(", ".join(group))}
+        if np.all(np.isnan(p)):
+            axes.step(np.append(0.0, x), np.append(0.0, column(some, "fraction")), where="post", lw=1.0, **style)
+            continue
+        axes.plot(x, p, **style)
+        axes.fill_between(x, column(some, "low"), column(some, "high"), color=style["color"], alpha=0.15, lw=0.0)
+        axes.plot(x, column(some, "fraction"), ls="", marker=MARKERS[i % len(MARKERS)], ms=4.0, color=style["color"])
+    im = rows[0]["im"]
+    axes.set(xlabel=LABELS.get(im, im), ylabel="probability [-]", ylim=(0.0, 1.0))
+    axes.set_xlim(left=0.0)
+    legend(axes)
+    return [axes]

@@ -1,0 +1,35 @@
+"""Shared by the tests of figures: a figure instead of a file, the CSV that it is drawn from, and what its axes hold."""
+
+from __future__ import annotations
+
+import pytest
+from matplotlib.figure import Figure
+from written import csv_rows
+
+from rocking_cli.reports.plot import draw
+
+
+@pytest.fixture
+def drawn(monkeypatch, tmp_path):
+    """Draw a file and give the figure instead of saving it; what `draw` told is its `told`."""
+    saved = []
+    monkeypatch.setattr(Figure, "savefig", lambda figure, target: saved.append(figure))
+
+    def run(source, **options):
+        told = draw(source, tmp_path / "figure.png", **options)
+        saved[-1].told = told
+        return saved[-1]
+
+    return run
+
+
+@pytest.fixture
+def table(rocking, tmp_path):
+    """The CSV of a call as a file, and its rows by plain names."""
+
+    def run(*call):
+        text = rocking(*call, "--csv").stdout
+        (tmp_path / "table.csv").write_text(text)
+        return tmp_path / "table.csv", csv_rows(text)
+
+    return run

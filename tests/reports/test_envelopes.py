@@ -1,0 +1,66 @@
+"""Envelopes, read back from the figure that would be saved."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from shown_lines import lines, numbers, same
+
+from rocking_cli import Outcome, UsageError
+
+
+def inside(axes, x, y):
+    """Which outcomes' bands hold a point."""
+    found = set()
+    for bands in axes.collections:
+        if hasattr(bands, "get_segments"):
+            continue
+        if any(path.contains_point((x, y)) for path in bands.get_paths()):
+            found.add(tuple(bands.get_facecolor()[0]))
+    return found
+
+
+def test_an_envelope_is_a_band_from_where_overturning_begins_to_where_it_ends(drawn, table):
+    from matplotlib.colors import to_rgba
+
+    source, rows = table("envelope", "--eta", "0.9", "--grid", "Omega=2:6:9")
+    (axes,) = drawn(source).axes
+    top = axes.get_ylim()[1]
+    assert top == pytest.approx(1.1 * np.nanmax([numbers(rows, "A_from"), numbers(rows, "A_to")]))
+    colour = {o.mode: to_rgba(o.colour) for o in Outcome}
+    for row in rows:
+        x, low, high = float(row["Omega"]), float(row["A_from"]), float(row["A_to"] or top)
+        x += 1e-9 if x < 4 else -1e-9  # just within the frequencies that are joined
+        assert colour[row["mode"]] in inside(axes, x, low + 1e-3)
+        assert colour[row["mode"]] in inside(axes, x, high - 1e-3)
+        assert colour[row["mode"]] not in inside(axes, x, low - 1e-3)
+    assert inside(axes, 5.0, 6.7) == set()  # the safe window
+    assert (axes.get_xlabel(), axes.get_ylabel()) == (r"$\Omega = \omega_g/p$ [-]", r"$A = a_{scale}\,a_g/(\alpha g)$ [-]")
+    assert axes.get_title() == "eta=0.9"
+
+
+def test_structures_have_a_panel_each_in_g_and_hz(drawn, table):
+    source, rows = table("envelope", "configs/block.yaml", "configs/spire.yaml", "--grid", "f_g=0.5:1:3", "--a-max", "6")
+    figure = drawn(source)
+    assert [axes.get_title() for axes in figure.axes] == ["Column", "Spire"]
+    assert {(axes.get_xlabel(), axes.get_ylabel()) for axes in figure.axes} == {("$f_g$ [Hz]", "$a_g$ [g]")}
+    for axes, name in zip(figure.axes, ("Column", "Spire"), strict=True):
+        mine = [r for r in rows if r["structure"] == name]
+        strokes = np.concatenate([np.array(c.get_segments())[:, 0] for c in axes.collections if hasattr(c, "get_segments")])
+        wanted = np.array([numbers(mine, "omega_g") / (2 * np.pi), numbers(mine, "a_from") / 9.81]).T
+        np.testing.assert_allclose(sorted(map(tuple, strokes)), sorted(map(tuple, wanted)), rtol=1e-12)
+
+
+def test_closed_form_curves_are_a_line_each(drawn, table):
+    source, rows = table("envelope", "--eta", "0.9", "--grid", "Omega=2:6:9", "--closed-form")
+    found = lines(drawn(source).axes[0])
+    assert len(found) == 4
+    for label, line in found.items():
+        mine = [r for r in rows if r["curve"].replace("_", " ") in label]
+        same(line, numbers(mine, "Omega"), numbers(mine, "A"))
+
+
+def test_an_envelope_without_an_interval_is_refused(drawn, tmp_path):
+    (tmp_path / "none.csv").write_text("structure,Omega,A_from,A_to,mode\nx,1,,,none\nx,2,,,none\n")
+    with pytest.raises(UsageError, match="holds nothing to draw"):
+        drawn(tmp_path / "none.csv")
