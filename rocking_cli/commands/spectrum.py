@@ -30,7 +30,10 @@ if TYPE_CHECKING:
 @options.methods
 @click.option("--impacts", is_flag=True, help="Also store the number of impacts during the shaking.")
 @click.option(
-    "--quantity", "quantities", metavar="NAME,…", help="Also store these: condition (sensitivity of each cell to its input), linear."
+    "--quantity",
+    "quantities",
+    metavar="NAME,…",
+    help="Also store: condition (sensitivity to the input), linear, of records velocity_ratio.",
 )
 @options.workers
 @click.option("--chunk", "chunk_cells", type=click.IntRange(1), metavar="CELLS", help="Cells in one unit of work.")

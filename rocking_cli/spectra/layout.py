@@ -32,6 +32,11 @@ VARIABLES: dict[str, tuple[np.dtype, dict[str, Any]]] = {
          "flag_meanings": " ".join(o.flag for o in Outcome)},
     ),
     "impacts": (np.dtype("<i4"), {"units": "1", "long_name": "impacts during shaking"}),
+    "velocity_ratio": (
+        np.dtype("<f8"),
+        {"units": "rad", "long_name": "largest angular speed over p", "_FillValue": np.nan,
+         "comment": "max over time of abs(d theta/dt)/p; NaN where overturned or not computed, and with damping or unequal sides"},
+    ),
     "condition": (
         np.dtype("<f8"),
         {"units": "1", "long_name": "condition of the largest rotation", "_FillValue": np.nan,
@@ -53,7 +58,7 @@ VARIABLES: dict[str, tuple[np.dtype, dict[str, Any]]] = {
          "flag_values": np.array([d.value for d in Difference], dtype="u1"), "flag_meanings": " ".join(d.flag for d in Difference)},
     ),
 }  # fmt: skip
-"""Of each cell: type and attributes. A file has the first two, and others on request."""
+"""Of each cell: type and attributes. A file has the first two, and others on request, in this order."""
 
 FLAGS: dict[str, type[Outcome] | type[Difference]] = {"outcome": Outcome, "outcome_linear": Outcome, "difference": Difference}
 """What the codes of a variable mean."""

@@ -55,6 +55,7 @@ class RecordScene(Scene):
     columns: Axis = AS_RECORDED
     method: Method = LINEAR
     of_records = True
+    offered = ("velocity_ratio", "condition")
 
     def __post_init__(self) -> None:
         if self.columns.name not in COLUMNS:
@@ -72,6 +73,11 @@ class RecordScene(Scene):
                 raise UsageError(f"{s.name}: the scales in units of this structure (A, Omega) leave the range of double precision")
         if self.cells > MAX_CELLS:
             raise UsageError(f"{self.cells:.3g} cells, accepted are up to {MAX_CELLS:.0e} in one file")
+
+    @property
+    def quantities(self) -> tuple[str, ...]:
+        """Rocking spectra have the speed beside the rotation."""
+        return ("velocity_ratio",) if self.over_angles else ()
 
     @property
     def over_angles(self) -> bool:

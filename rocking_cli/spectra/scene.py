@@ -26,6 +26,7 @@ from .grid import Grid
 Array = np.ndarray
 
 QUANTITIES: dict[str, tuple[str, ...]] = {
+    "velocity_ratio": ("velocity_ratio",),
     "condition": ("condition",),
     "linear": ("theta_ratio_linear", "outcome_linear", "difference"),
 }
@@ -105,6 +106,11 @@ class Scene(ABC):
     @abstractmethod
     def batches(self, units: int) -> int:
         """Runs of the engine that so many units of work take, at least."""
+
+    @property
+    def quantities(self) -> tuple[str, ...]:
+        """Those of QUANTITIES that belong to the result in any case."""
+        return ()
 
     def only(self, units: Sequence[Unit]) -> Scene:
         """The scene with no more than these units need."""

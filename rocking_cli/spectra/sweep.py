@@ -113,6 +113,11 @@ class Spectrum:
     beside: Mapping[str, np.ndarray] = field(default_factory=dict)
 
     @property
+    def velocity_ratio(self) -> np.ndarray | None:
+        """max |d theta/dt|/p [rad], of the spectra of records over alpha and T, else None unless asked for."""
+        return self.beside.get("velocity_ratio")
+
+    @property
     def condition(self) -> np.ndarray | None:
         """The condition of each cell, None unless asked for."""
         return self.beside.get("condition")
@@ -286,8 +291,10 @@ def _padded(block: np.ndarray, shape: tuple[int, int]) -> np.ndarray:
 
 
 def _checked(names: Sequence[str], scene: Scene) -> tuple[str, ...]:
-    """The quantities of a sweep. Raises UsageError."""
-    quantities = known_quantities(names)
+    """The quantities of a sweep, those asked for and those that belong to its scene. Raises UsageError."""
+    quantities = known_quantities((*names, *scene.quantities))
+    if "velocity_ratio" in quantities and not scene.of_records:
+        raise UsageError("quantity velocity_ratio: found the sweep of a pulse; accepted is one of records")
     if "linear" in quantities and scene.method.exact:
         raise UsageError("quantity linear: the linear equation beside the nonlinear one, which `model` is not; accepted is nonlinear")
     return quantities

@@ -18,6 +18,7 @@ from ..dynamics.march.engine import Work
 from ..dynamics.method import LINEAR
 from ..dynamics.outcome import Difference, Outcome, difference
 from ..dynamics.response import Response, response
+from ..dynamics.speeds import response_with_speed
 from .condition import condition_of
 from .processes import processes
 from .scene import Band, Scene, Unit
@@ -95,8 +96,14 @@ class Job:
             block = cells[:, first:last].reshape(3, *size)
             block[0], block[1], block[2] = band.amplitude, band.omega, band.structure.eta
         system = scene.method.system_of(bands[0].structure)
-        got = response(system, motion, *cells)
         beside: dict[str, np.ndarray] = {}
+        if "velocity_ratio" in self.quantities:
+            got, rate = response_with_speed(system, motion, *cells)
+            beside["velocity_ratio"] = rate * np.concatenate(
+                [np.full(a * b, s.structure.alpha) for s, (a, b) in zip(bands, sizes, strict=True)]
+            )
+        else:
+            got = response(system, motion, *cells)
         if "condition" in self.quantities:
             respond, tolerance = partial(response, system, motion), scene.method.stated_tolerance or 0.0
             beside["condition"] = condition_of(respond, cells[0], cells[1], cells[2], tolerance)

@@ -13,6 +13,7 @@ from recorded import wave
 from written import built, same_file
 
 from rocking_cli import Axis, Method, UsageError, dimensionless_oscillator, overturned, response
+from rocking_cli.dynamics.speeds import response_with_speed
 from rocking_cli.motions import Record, intensity, record_motion
 from rocking_cli.motions.recording import Recording, with_distinct_labels
 from rocking_cli.reports.summary import summary_lines
@@ -68,7 +69,8 @@ def test_a_factor_is_part_of_the_record(records):
 
 @pytest.mark.parametrize("eta", [0.8, None])
 def test_rocking_spectra_over_alpha_and_size(records, eta):
-    found = spectrum_of(angles_scene(ALPHAS, PERIODS, records, eta, NONLINEAR), workers=1, check=0)
+    scene = angles_scene(ALPHAS, PERIODS, records, eta, NONLINEAR)
+    found = spectrum_of(scene, workers=1, check=0)
     for j, alpha in enumerate(ALPHAS.values.tolist()):
         expected = 1.0 - 1.5 * math.sin(alpha) ** 2 if eta is None else eta
         for k, period in enumerate(PERIODS.values.tolist()):
@@ -78,13 +80,18 @@ def test_rocking_spectra_over_alpha_and_size(records, eta):
             by_itself = alone(block, records[0].motion, records[0].acceleration, NONLINEAR)
             assert found.outcome[0, j, k] == by_itself.outcome[0]
             assert found.theta_ratio[0, j, k] == pytest.approx(by_itself.theta_ratio[0], abs=1e-7, nan_ok=True)
+    system, recording = NONLINEAR.system_of(scene.structures[1]), records[0]
+    amplitude = scene.structures[1].dimensionless_amplitude(recording.acceleration)
+    _, speed = response_with_speed(system, recording.motion, amplitude, PERIODS.values / (2.0 * math.pi), scene.structures[1].eta)
+    assert found.velocity_ratio is not None
+    assert found.velocity_ratio[0, 1] == pytest.approx(speed * ALPHAS.values[1], rel=1e-14, nan_ok=True)
 
 
 def test_a_file_of_records_is_labelled(records, tmp_path):
     scene = angles_scene(ALPHAS, PERIODS, records, 0.9)
     write_scene(scene, tmp_path / "s.h5", workers=1, check=0)
     with xarray.open_dataset(tmp_path / "s.h5") as data:
-        assert data.theta_ratio.dims == ("record", "alpha", "T")
+        assert data.theta_ratio.dims == data.velocity_ratio.dims == ("record", "alpha", "T")
         assert data.record.values.tolist() == ["a", "b"]
         measured = intensity(records[1].record)
         second = data.theta_ratio.sel(record="b")
