@@ -25,12 +25,12 @@ if TYPE_CHECKING:
 @options.motions
 @options.vertical
 @options.method
-@click.option("--a-max", type=float, default=20.0, show_default=True, help="Largest dimensionless amplitude A that is searched.")
+@options.a_max
 @click.option(
     "--sign", type=click.Choice(["worse", "+", "-", "both"]), default="worse", show_default=True,
     help="Of the ground acceleration, where a body's sides differ: + or - alone, what overturns under either, or both apart.",
 )  # fmt: skip
-@click.option("--first", is_flag=True, help="Of records, the first overturning scale alone, and where there is none.")
+@click.option("--lowest", "--first", "first", is_flag=True, help="Of each frequency (or record) the lowest overturning amplitude alone.")
 @click.option("--closed-form", is_flag=True, help="The closed-form curves of a sine, half-sine or rectangular pulse instead.")
 @options.workers
 @options.output_form
@@ -46,7 +46,7 @@ def envelope(
     recordings: tuple[Recording, ...],
     model: str,
     tolerance: float,
-    a_max: float,
+    a_max: options.Limit,
     sign: str,
     first: bool,
     closed_form: bool,
@@ -56,11 +56,11 @@ def envelope(
 ) -> None:
     """Trace every interval of amplitude that overturns, for each frequency.
 
-    A_to is empty where the interval goes on beyond --a-max. No interval wider than 1e-3 in A is missed; narrower ones,
-    overturning or safe, can be: at low Omega just above uplift, and after many impacts (several cycles) anywhere. Under
-    motions that push more than twice the scan is ten times as fine around every change, which finds most of those wider
-    than 1e-4 and is no proof. For
-    structures with units omega_g [rad/s], a_from and a_to [m/s2] are printed as well.
+    A_to is empty where the interval goes on beyond --a-max; a frequency that never overturns has mode none and neither end. No
+    interval wider than 1e-3 in A is missed; narrower ones, overturning or safe, can be: at low Omega just above uplift, and after
+    many impacts (several cycles) anywhere. Under motions that push more than twice the scan is ten times as fine around every
+    change, which finds most of those wider than 1e-4 and is no proof. For structures with units omega_g [rad/s], a_from and a_to
+    [m/s2] are printed as well.
 
     Records have no frequency: what is looked for is their scale, for each structure, or with --alpha and --grid T=… for blocks of
     these critical angles and sizes T = 2 pi/p in s. A row tells A, the peak a [m/s2] and the scale of the record as it is given. The
@@ -72,6 +72,7 @@ def envelope(
         CURVE_COLUMNS,
         INTERVAL_COLUMNS,
         NARROWEST,
+        NONE,
         check_curves,
         check_intervals,
         frequency_axis,
@@ -89,17 +90,18 @@ def envelope(
         asked = context.get_parameter_source("model") is not click.core.ParameterSource.DEFAULT
         structures = options.structures_of(files, etas) if files else []
         words: dict[str, Any] = {"axes": axes, "alphas": alphas, "etas": etas, "method": method if asked else None, "tolerance": tolerance}
-        _of_records(context, Tracing(scene_of_words(structures, recordings, **words), a_max, first), sign, workers, form, quiet)
+        _of_records(context, Tracing(scene_of_words(structures, recordings, **words), a_max.of(None), first), sign, workers, form, quiet)
         return
-    if alphas is not None or first:
-        raise click.UsageError(f"{'--first' if first else '--alpha'} goes with records: give --motion")
+    if alphas is not None:
+        raise click.UsageError("--alpha goes with records: give --motion")
     axis = frequency_axis(axes)
     structures = options.structures_of(files, etas)
     for structure in structures:  # all of them, before the first row is printed
         if closed_form:
             check_curves(structure, motion, axis)
         else:
-            check_intervals(structure, motion, axis, method=method, a_max=a_max, sign=sign, tell=partial(options.note, quiet=quiet))
+            tell = partial(options.note, quiet=quiet)
+            check_intervals(structure, motion, axis, method=method, a_max=a_max.of(structure), sign=sign, tell=tell)
     failed = 0
     silent: list[str] = []
 
@@ -109,16 +111,15 @@ def envelope(
             if closed_form:
                 yield from structure_curves(structure, motion, axis)
                 continue
-            progress = options.ProgressLine(structure.name, quiet)
-            found = set()
-            traced = structure_intervals(structure, motion, axis, method=method, a_max=a_max, sign=sign, workers=workers, progress=progress)
-            for record in traced:
+            most, none = a_max.of(structure), set()
+            search: dict[str, Any] = {"method": method, "a_max": most, "sign": sign, "lowest": first, "workers": workers}
+            for record in structure_intervals(structure, motion, axis, **search, progress=options.ProgressLine(structure.name, quiet)):
                 failed += record["mode"] == "failed"
-                found.add(record["Omega"])
+                if record["mode"] == NONE:
+                    none.add(record["Omega"])
                 yield record
-            none = axis.values.size - len(found)
             if none:
-                silent.append(f"{structure.name}: no overturning up to A = {a_max:g} at {none} of {axis.values.size} frequencies")
+                silent.append(f"{structure.name}: no overturning up to A = {most:g} at {len(none)} of {axis.values.size} frequencies")
 
     options.emit(records(), form, columns=CURVE_COLUMNS if closed_form else INTERVAL_COLUMNS)
     for line in silent:
@@ -133,7 +134,8 @@ def envelope(
 def _of_records(context: click.Context, tracing: Tracing, sign: str, workers: int | None, form: str | None, quiet: bool) -> None:
     """Print the overturning scales of records."""
     from ..spectra.capacity import RATIO
-    from ..spectra.record_envelope import NONE, check_tracing, tracing_records
+    from ..spectra.envelope import NONE
+    from ..spectra.record_envelope import check_tracing, tracing_records
 
     check_tracing(tracing, tell=partial(options.note, quiet=quiet))
     options.note(f"model: {tracing.scene.method.model}", quiet)

@@ -6,10 +6,11 @@ import os
 import re
 import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from functools import partial, wraps
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import click
 from click.shell_completion import CompletionItem
@@ -70,6 +71,41 @@ class Restitution(click.FloatRange):
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
         return None if value == "block" else super().convert(value, param, ctx)
+
+
+class Limit(NamedTuple):
+    """The largest amplitude of a search: A, or an acceleration [m/s2]."""
+
+    value: float
+    acceleration: bool = False
+
+    def of(self, structure: RockingParameters | None) -> float:
+        """It as A of a structure. Raises UsageError for an acceleration where there are no units."""
+        if not self.acceleration:
+            return self.value
+        if structure is None or structure.dimensionless:
+            raise UsageError("`a_max`: found an acceleration; accepted is a number A, where there is no single structure with units")
+        return float(structure.dimensionless_amplitude(self.value))
+
+
+class LimitType(click.ParamType):
+    """`20` is A, `1g` and `5 m/s2` are accelerations."""
+
+    name = "amplitude"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Limit:
+        from ..documents.quantities import parse_quantity
+
+        for dimension in ("number", "acceleration"):
+            with suppress(ValueError):
+                return Limit(parse_quantity(str(value), dimension), dimension == "acceleration")
+        raise click.BadParameter(f"found {value!r}, accepted is a number A, or an acceleration with a unit, such as 1g", ctx, param)
+
+
+a_max = click.option(
+    "--a-max", type=LimitType(), default="20", show_default=True, metavar="AMPLITUDE",
+    help="Largest amplitude that is searched: A, or with a unit a_g, such as 1g.",
+)  # fmt: skip
 
 
 def _pulses() -> Iterable[str]:

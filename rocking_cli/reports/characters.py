@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import textwrap
-
 import numpy as np
 
 from ..dynamics.outcome import Outcome
@@ -26,12 +24,21 @@ def text_map(file: SpectraFile, name: str | None, cut: str | None, width: int = 
     x, y = np.asarray(x), np.asarray(y)
     outcome = file.block(place, slice(None))["outcome"]
     shown = outcome.T if not file.frame.of_records else outcome
-    meanings = "  ".join(f"'{o.sign}' {o.sentence}" for o in Outcome if np.any(shown == o))
-    head = textwrap.wrap(f"{places[place]}: {meanings}", width, break_on_hyphens=False)
+    head = _head([f"{places[place]}:", *(f"'{o.sign}' {o.sentence}" for o in Outcome if np.any(shown == o))], width)
     rows = np.linspace(y.size - 1, 0, min(height - len(head) - 3, y.size)).astype(int)
     columns = np.linspace(0, x.size - 1, min(width - _MARGIN, x.size)).astype(int)
     lines = [f"{y[r]:>9.3g} |" + "".join(Outcome(int(shown[r, c])).sign for c in columns) for r in rows]
     return [*head, *lines, " " * 10 + "+" + "-" * columns.size, f"{up:>9}   {across} {x[0]:.4g} to {x[-1]:.4g}"]
+
+
+def _head(items: list[str], width: int) -> list[str]:
+    """Items in as few lines as hold them whole."""
+    lines = [items[0][:width]]
+    for i, item in enumerate(items[1:]):
+        gap = "  " if i else " "
+        fits = len(lines[-1]) + len(gap) + len(item) <= width
+        lines[-1:] = [lines[-1] + gap + item] if fits else [lines[-1], item]
+    return lines
 
 
 def place_of(file: SpectraFile, name: str | None) -> int:

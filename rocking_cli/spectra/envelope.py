@@ -30,6 +30,7 @@ A_MAX = 20.0
 NARROWEST = 1e-3  # width in A from which no interval is missed
 HIGHEST = 100_000.0  # that a_max may be: so many amplitudes a scan can look at
 SIGNS = {"+": (1.0,), "-": (-1.0,), "worse": (1.0, -1.0)}  # of the ground acceleration, for bodies whose sides differ
+NONE = "none"  # the mode of what no amplitude overturns
 BOTH = "both"  # each sign by itself
 Steps = list[tuple[float, int]]  # amplitudes, rising, and the outcome from each on
 INTERVAL_COLUMNS = ("structure", "Omega", "A_from", "A_to", "mode")
@@ -178,27 +179,32 @@ def structure_intervals(
     method: Method = LINEAR,
     a_max: float = A_MAX,
     sign: str = "worse",
+    lowest: bool = False,
     workers: int | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> Iterator[dict[str, Any]]:
     """Records of a structure's overturning intervals, with units where it has any; with sign "both" each with its
-    sign, 1 or -1, and None where the sides are alike.
+    sign, 1 or -1, and None where the sides are alike. A frequency that never overturns has one of mode `NONE`.
 
-    Raises as `trace_envelope`.
+    lowest: of each frequency the lowest interval alone. Raises as `trace_envelope`.
     """
     omegas = _scaled(structure, axis)
     apart = sign == BOTH and not method.system_of(structure).contact.alike
     for one in ("+", "-") if apart else ("worse" if sign == BOTH else sign,):
         traced = trace_envelope(structure, motion, omegas, method=method, a_max=a_max, sign=one, workers=workers, progress=progress)
+        rows: dict[float, list[tuple[float | None, float | None, str]]] = {float(omega): [] for omega in omegas}
         for found in traced:
-            record = {"structure": structure.name, "Omega": found.omega, "A_from": found.a_from, "A_to": found.a_to, "mode": found.mode}
-            if sign == BOTH:
-                record["sign"] = int(SIGNS[one][0]) if apart else None
-            if not structure.dimensionless:
-                record["omega_g"] = found.omega * structure.p
-                record["a_from"] = structure.ground_acceleration(found.a_from)
-                record["a_to"] = None if found.a_to is None else structure.ground_acceleration(found.a_to)
-            yield record
+            rows[found.omega].append((found.a_from, found.a_to, found.mode))
+        for omega, intervals in rows.items():
+            for low, high, mode in (intervals[:1] if lowest else intervals) or [(None, None, NONE)]:
+                record: dict[str, Any] = {"structure": structure.name, "Omega": omega, "A_from": low, "A_to": high, "mode": mode}
+                if sign == BOTH:
+                    record["sign"] = int(SIGNS[one][0]) if apart else None
+                if not structure.dimensionless:
+                    record["omega_g"] = omega * structure.p
+                    for key, amplitude in (("a_from", low), ("a_to", high)):
+                        record[key] = None if amplitude is None else structure.ground_acceleration(amplitude)
+                yield record
 
 
 def check_curves(structure: RockingParameters, motion: Motion, axis: Axis) -> None:

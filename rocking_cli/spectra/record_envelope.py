@@ -18,7 +18,7 @@ from ..errors import UsageError
 from .boundaries import Search
 from .capacity import RATIO
 from .cost import Tell, announce, bouncing_seconds, expected_seconds
-from .envelope import A_MAX, BOTH, HIGHEST, SIGNS, Steps, worse
+from .envelope import A_MAX, BOTH, HIGHEST, NONE, SIGNS, Steps, worse
 from .processes import available_cpus, processes
 from .record_scene import RecordScene
 
@@ -26,7 +26,6 @@ Array = np.ndarray
 
 _PARTS = 128  # that a change is cut into at once: there are few, and a batch costs the same whatever its size
 _SMALL = 20_000  # cells below which starting processes takes longer than they save
-NONE = "none"  # the mode of a body that no amplitude overturns
 
 
 @dataclass(frozen=True)

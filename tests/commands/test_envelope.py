@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import json
+import math
 
 import pytest
+from written import csv_rows
 
 
 def test_reference_row(rocking):
@@ -40,7 +42,10 @@ def test_closed_form_curves(rocking):
 def test_no_overturning_is_said_and_still_a_table(rocking):
     done = rocking("envelope", "configs/block.yaml", "--grid", "f_g=5Hz", "--csv")
     assert done.returncode == 0
-    assert done.stdout == "structure,Omega,A_from,A_to,mode\n"
+    assert done.stdout.splitlines()[0] == "structure,Omega,A_from,A_to,mode,omega_g [rad/s],a_from [m/s2],a_to [m/s2]"
+    (row,) = csv_rows(done.stdout)
+    assert (row["A_from"], row["A_to"], row["mode"], row["a_from"]) == ("", "", "none", "")
+    assert float(row["omega_g"]) == pytest.approx(10 * math.pi, rel=1e-12)
     assert done.stderr.splitlines()[0] == "Column: no overturning up to A = 20 at 1 of 1 frequencies"
 
 
@@ -71,3 +76,24 @@ def test_what_is_not_claimed_is_said_beside_the_intervals(rocking):
     said = rocking("envelope", "--eta", "0.9", "--grid", "Omega=3:4:2").stderr
     assert "nothing is claimed of intervals narrower than 0.001 in A" in said
     assert rocking("envelope", "--eta", "0.9", "--grid", "Omega=3:4:2", "-q").stderr == ""
+
+
+def test_the_lowest_interval_is_a_row_a_frequency_also_where_there_is_none(rocking):
+    call = ("envelope", "--eta", "0.9", "--grid", "Omega=3:9:4", "--a-max", "8", "--json")
+    every, lowest = ([json.loads(line) for line in rocking(*call, *more).stdout.splitlines()] for more in ((), ("--lowest",)))
+    assert [row["Omega"] for row in lowest] == [3, 5, 7, 9]
+    assert [row["mode"] for row in lowest] == ["after_impact", "after_impact", "none", "none"]
+    assert lowest == [next(row for row in every if row["Omega"] == one["Omega"]) for one in lowest]
+    assert len(every) > 4
+
+
+def test_the_limit_may_be_an_acceleration(rocking, refused):
+    call = ("envelope", "configs/block.yaml", "configs/spire.yaml", "--grid", "f_g=0.5", "--json", "--a-max")
+    rows = [json.loads(line) for line in rocking(*call, "0.5g").stdout.splitlines()]
+    assert {row["structure"] for row in rows} == {"Column", "Spire"}
+    assert all(row["a_from"] < 0.5 * 9.81 for row in rows)
+    assert [row["a_to"] for row in rows if row["mode"] == "no_impact"] == [None]
+    alike = rocking(*call[:2], *call[3:], repr(0.5 / math.atan(0.25))).stdout.splitlines()
+    assert [json.loads(line) for line in alike] == [row for row in rows if row["structure"] == "Column"]
+    assert "--a-max: found an acceleration" in refused(2, "envelope", "--eta", "0.9", "--grid", "Omega=5", "--a-max", "1g")
+    assert "found '1kg', accepted is a number A" in refused(2, "envelope", "--eta", "0.9", "--grid", "Omega=5", "--a-max", "1kg")

@@ -100,5 +100,5 @@ def test_the_command(rocking, refused, tmp_path):
     assert "model: nonlinear" in done.stderr
     done = rocking("envelope", *call, "--alpha", "8deg", "--grid", "T=0.6", "--eta", "block", "--model", "linear", "--csv", "-q")
     assert done.stdout.startswith("record,alpha [rad],T [s],A_from,A_to,mode,")
-    assert "--first goes with records" in refused(2, "envelope", "b.yaml", "--grid", "f_g=1", "--first")
+    assert "--alpha goes with records" in refused(2, "envelope", "b.yaml", "--grid", "f_g=1", "--alpha", "8deg")
     assert "does not go with records" in refused(2, "envelope", "b.yaml", *call, "--closed-form")
