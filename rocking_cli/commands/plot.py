@@ -35,6 +35,8 @@ def plot(
 ) -> None:
     """Draw a spectra file (overturning map or slice), or the CSV of envelope, response, compare --curves, params --vary or accuracy.
 
+    Of records over alpha and T it draws theta_max/alpha, median and 16 to 84 %, and the map of one of them where it is named.
+
     FILE may be - for CSV on standard input. Axes carry units: g and Hz unless --units says otherwise. Figures need the extra:
     pip install 'rocking[plot]'.
     """

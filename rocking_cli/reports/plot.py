@@ -20,6 +20,7 @@ from .families import family
 from .fragility_curves import fragility_curves
 from .histories import comparison, response
 from .maps import outcome_map
+from .record_spectra import record_spectra
 from .rows import Rows, column, groups, rows_of
 from .slices import of_record, slice_of, spectrum_lines
 from .units import Units
@@ -82,8 +83,11 @@ def _told(where: str, value: float, units: Units) -> str:
 
 
 def _places(figure: Figure, file: SpectraFile, name: str | None, every: bool, units: Units) -> list[Axes]:
-    """The map of one structure or record, or of all of them; of records over structures the responses."""
+    """The map of one structure or record, or of all of them; of records over structures the responses; of records over alpha and T
+    their statistics, unless one of them is asked for."""
     word, names = next(iter(file.frame.dimensions.items()))
+    if "alpha" in file.frame.dimensions and name is None and not every:
+        return record_spectra(figure, file, units)
     if every and len(names) > MOST_PANELS:
         raise UsageError(f"{file.path}: `all`: found {len(names)} {word}s; accepted are up to {MOST_PANELS} panels")
     chosen = list(range(len(names))) if every else [place_of(file, name)]
