@@ -44,6 +44,10 @@ class Interrupted(RockingError):
     exit_code = 130
 
 
+FAULTS = (OSError, LookupError, ValueError, RuntimeError, TypeError, AttributeError, OverflowError)
+"""What HDF5 and the reading of its contents raise where a file is not a whole spectra file; a UsageError of a grid is one too."""
+
+
 def did_you_mean(word: str, known: Iterable[str], meant: Mapping[str, str] | None = None, cutoff: float = 0.6) -> str:
     """` (did you mean 'x'?)` behind a word that is unknown, or nothing.
 

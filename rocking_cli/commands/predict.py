@@ -44,7 +44,7 @@ def predict(
         if exact:
             records = [predict_exactly(s, file.motion(), shaking) for s in structures]
         else:
-            records = [beside_spectrum(file, s, shaking) for s in structures]
+            records = [beside_spectrum(s, file, shaking) for s in structures]
     options.emit(records, form)
     failed = sum(r["outcome"] == Outcome.FAILED.flag for r in records)
     if failed:

@@ -215,7 +215,11 @@ def documents_of(raw: bytes, source: str) -> list[Document]:
 
 
 def parse_documents(text: str, source: str = "<text>") -> list[Document]:
-    """All documents of a text: YAML documents, JSON objects one after the other, or CSV with a row a document. Raises DocumentError."""
+    """All documents of a text: YAML documents, JSON objects one after the other, or CSV with a row a document. Raises DocumentError.
+
+    >>> [document.values['kind'].content for document in parse_documents('{"kind": "block"} {"kind": "arch"}')]
+    ['block', 'arch']
+    """
     if delimiter := delimiter_of(text):
         documents = [document_of(cells, source, i) for i, cells in enumerate(rows_of(text, source, delimiter))]
     else:

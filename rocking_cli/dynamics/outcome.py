@@ -90,10 +90,18 @@ def difference(nonlinear: Any, linear: Any) -> Any:
 
 
 def overturned(codes: Any) -> Any:
-    """Where codes of `Outcome`, of any shape, are `Outcome.overturned`; one that failed or lost contact is neither overturned nor safe."""
+    """Where codes of `Outcome`, of any shape, are `Outcome.overturned`; one that failed or lost contact is neither overturned nor safe.
+
+    >>> overturned(linear_response(sine(), [1.5, 12.0], 6.0, 0.9).outcome)
+    array([False,  True])
+    """
     return _OVERTURNED[codes]
 
 
 def safe(codes: Any) -> Any:
-    """Where codes of `Outcome`, of any shape, are `Outcome.safe`."""
+    """Where codes of `Outcome`, of any shape, are `Outcome.safe`.
+
+    >>> safe(linear_response(sine(), [1.5, 12.0], 6.0, 0.9).outcome)
+    array([ True, False])
+    """
     return _SAFE[codes]

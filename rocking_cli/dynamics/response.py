@@ -39,6 +39,11 @@ def response(
     of a one-sided body, not used where the two edges have restitutions of their own. They are broadcast against each other.
     peaks: whether theta_ratio is wanted; without it only the outcome is computed and theta_ratio is NaN. pool: lanes advanced
     together, None for what suits the equation. Raises ValueError when a number is out of range.
+
+    >>> (column,) = load_structures('configs/block.yaml')
+    >>> found = response(Method('nonlinear').system_of(column), sine(), 1.5, 6.0, column.eta)
+    >>> Outcome(int(found.outcome)).flag, round(float(found.theta_ratio), 6)
+    ('rocked', 0.15645)
     """
     amplitude, omega, eta = np.broadcast_arrays(*(np.asarray(x, dtype=float) for x in (amplitude, omega, eta)))
     if not (np.all(np.isfinite(amplitude)) and np.all(amplitude >= 0.0)):
@@ -54,12 +59,20 @@ def response(
 def linear_response(
     motion: Motion, amplitude: Array, omega: Array, eta: Array | float, *, peaks: bool = True, pool: int | None = None
 ) -> Response:
-    """The same for symmetric linear oscillators (Eqs. 2.4, 2.6, 3.6), exact."""
+    """The same for symmetric linear oscillators (Eqs. 2.4, 2.6, 3.6), exact.
+
+    >>> linear_response(sine(), [1.0, 1.5, 4.0], 6.0, 0.9).theta_ratio.round(6)
+    array([0.      , 0.167098, 0.669456])
+    """
     return response(System(LinearEquation()), motion, amplitude, omega, eta, peaks=peaks, pool=pool)
 
 
 def nonlinear_response(
     motion: Motion, amplitude: Array, omega: Array, eta: Array | float, alpha: float, *, tolerance: float = 1e-9, peaks: bool = True
 ) -> Response:
-    """The same for symmetric rigid bodies of one critical angle alpha [rad] (Eqs. 2.3, 2.6); tolerance: of theta/alpha."""
+    """The same for symmetric rigid bodies of one critical angle alpha [rad] (Eqs. 2.3, 2.6); tolerance: of theta/alpha.
+
+    >>> nonlinear_response(sine(), [1.5, 4.0], 6.0, 0.9, alpha=0.25).theta_ratio.round(6)
+    array([0.153431, 0.673775])
+    """
     return response(System(RigidBodyEquation(alpha, tolerance)), motion, amplitude, omega, eta, peaks=peaks)

@@ -33,7 +33,12 @@ class Intensity:
 
 
 def intensity(record: Record) -> Intensity:
-    """The intensity measures of a record, which begins at rest."""
+    """The intensity measures of a record, which begins at rest.
+
+    >>> measured = intensity(read_record('configs/motions/synthetic.at2'))
+    >>> round(measured.pga, 3), round(measured.pgv, 3)
+    (3.924, 0.67)
+    """
     a, dt = record.acceleration, record.dt
     energy = np.concatenate([[0.0], np.cumsum(_squares(a, dt))])
     at_5, at_75, at_95 = (_reached(a, dt, energy, part) for part in (0.05, 0.75, 0.95))

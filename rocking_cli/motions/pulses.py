@@ -24,6 +24,9 @@ def sine(cycles: float = 1.0) -> Motion:
     """sin(phi) for `cycles` cycles, any number of half cycles (0.5, 1, 1.5, ...). Section 2 of the paper.
 
     Raises MotionError when `cycles` is not a positive multiple of one half.
+
+    >>> sine(cycles=1.5).name
+    'sine, 1.5 cycles'
     """
     return _trigonometric("sine", cycles, 0.0)
 
@@ -32,6 +35,9 @@ def cosine(cycles: float = 1.0) -> Motion:
     """cos(phi) for `cycles` cycles, any number of half cycles; it begins with a jump, so uplift is at t = 0+.
 
     Raises MotionError when `cycles` is not a positive multiple of one half.
+
+    >>> cosine().name
+    'cosine, 1 cycle'
     """
     return _trigonometric("cosine", cycles, np.pi / 2)
 
@@ -117,7 +123,11 @@ PULSES: dict[str, Callable[..., Motion]] = {
 
 
 def pulse(name: str, **parameters: Any) -> Motion:
-    """The pulse of that name; parameters: `cycles`, or `gamma` and `phase`. Raises MotionError when one does not fit the pulse."""
+    """The pulse of that name; parameters: `cycles`, or `gamma` and `phase`. Raises MotionError when one does not fit the pulse.
+
+    >>> pulse('mavroeidis-papageorgiou', gamma=2.0, phase=0.5).name
+    'Mavroeidis-Papageorgiou, gamma 2, phase 0.5'
+    """
     try:
         make = PULSES[name]
     except KeyError:

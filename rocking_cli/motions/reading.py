@@ -34,6 +34,12 @@ def read_motion(
     Of a record: the component, where the file holds several; unit and dt [s] of plain numbers; scale_to: `PGA=0.35g` and the like
     instead of `scale`. tell: called with what is odd about the record, in a sentence. Raises UsageError for a file that cannot be
     read or a choice that does not fit, and DocumentError.
+
+    >>> read_motion('configs/motions/two_pulses.yaml').name
+    'Two pulses'
+    >>> motion = read_motion('configs/motions/synthetic.at2', scale_to='PGA=0.35g')
+    >>> round(motion.acceleration, 6)  # the peak in m/s2
+    3.4335
     """
     source, raw = read_bytes(path)
     records = records_of(source, raw, unit=unit, dt=dt)

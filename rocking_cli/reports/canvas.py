@@ -40,7 +40,7 @@ def units_of_figures(units: Units | None) -> Units:
 
 
 @contextmanager
-def canvas(target: Path) -> Iterator[Figure]:
+def canvas(target: str | Path) -> Iterator[Figure]:
     """An empty figure in the house's style, which is written to `target` at the end. Raises OutputError without matplotlib or where the
     figure cannot be written."""
     try:

@@ -22,11 +22,13 @@ _PLAIN = {"facecolor": "w", "edgecolor": "none", "alpha": 0.7, "pad": 0.8}
 STONE, GROUND, INK = "#D9CBB8", "#EFEFEF", "#333333"
 
 
-def draw_structures(documents: Sequence[Document], target: Path, *, units: Units | None = None) -> None:
+def draw_structures(documents: Sequence[Document], target: str | Path, *, units: Units | None = None) -> None:
     """Draw each document's structure in a panel of its own into a PNG, SVG or PDF.
 
     Raises DocumentError for a document that is not valid or has no geometry, OutputError without matplotlib or where the figure
     cannot be written.
+
+    >>> draw_structures(read_documents('configs/arch.yaml'), 'arch.svg')
     """
     built = [build_structure(document) for document in documents]
     sketches = [sketch_of(document, one) for document, one in zip(documents, built, strict=True)]

@@ -33,8 +33,8 @@ MOST_PANELS = 24
 
 
 def draw(
-    source: Path,
-    target: Path,
+    source: str | Path,
+    target: str | Path,
     *,
     structure: str | None = None,
     cut: str | None = None,
@@ -49,8 +49,12 @@ def draw(
     `Omega=5`, `f_g=1.5` and the like, a slice of a spectra file; every: a panel for each structure; over: the axis of a family, `KEY` or
     `KEY/KEY`; log: x, y or xy; units: None for g and Hz. Raises UsageError for a file that is none of those or has nothing to draw,
     OutputError without matplotlib or where the figure cannot be written.
+
+    >>> _ = write_spectrum([dimensionless_oscillator(0.9)], sine(), parse_grid('A=1:8:50,Omega=4:5:2'), 'd.h5', workers=1)
+    >>> draw('d.h5', 'slice.svg', cut='Omega=5')
+    'slice at Omega = 5, the nearest of the file'
     """
-    shown, told = units_of_figures(units), None
+    source, shown, told = Path(source), units_of_figures(units), None
     with canvas(target) as figure:
         if is_spectra_file(source):
             with SpectraFile(source) as file:

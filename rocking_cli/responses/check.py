@@ -81,6 +81,11 @@ def check(structure: RockingParameters, motion: Motion, shaking: Grid, *, a_max:
 
     a_max: dimensionless amplitude up to which overturning is looked for (and twice the demand). Raises UsageError for a demand of
     zero, one that is beyond what a search reaches, or a structure without units.
+
+    >>> (column,) = load_structures('configs/block.yaml')
+    >>> verdict = check(column, sine(), parse_grid('a_g=0.35g,f_g=1.5'))
+    >>> verdict.outcome.flag, round(verdict.capacity_demand, 4)
+    ('rocked', 1.1149)
     """
     if structure.dimensionless:
         raise UsageError("a restitution alone has no units: give a structure document")

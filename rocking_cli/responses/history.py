@@ -109,6 +109,11 @@ def history(
 
     Parameters as in `response`; amplitude 0 is free rocking. A body is released to its right side. Raises ValueError when a
     number is out of range.
+
+    >>> (column,) = load_structures('configs/block.yaml')
+    >>> found = history(Method().system_of(column), sine(), 2.0, 6.0, column.eta, duration=40.0)
+    >>> [e.event for e in found.events][:3]
+    ['uplift', 'peak', 'impact']
     """
     numbers = {"amplitude": amplitude, "omega": omega, "release": release, "duration": duration}
     for name, x in numbers.items():

@@ -139,6 +139,9 @@ def closed_form_curves(omegas: np.ndarray, eta: float, pulse: str = "sine") -> l
     """The curves of Fig. 2 (left) at these Omega [-], for a restitution eta; only the sine has more than the first two.
 
     Raises ValueError when there is no closed form for this pulse.
+
+    >>> [(point.curve, round(float(point.amplitude), 6)) for point in closed_form_curves([3.0], 0.9)]
+    [('initiation', 1.0), ('no_impact', 3.63115), ('after_impact_lower', 1.403565), ('after_impact_upper', 3.484663)]
     """
     curves: dict[str, Callable[[float], list[float]]] = {
         "initiation": lambda _: [1.0],

@@ -47,10 +47,6 @@ class Contents:
     sums: np.ndarray
 
 
-FAULTS = (OSError, LookupError, ValueError, RuntimeError, TypeError, AttributeError, OverflowError)
-"""What HDF5 and this module raise where a file is not a whole spectra file; a UsageError of a grid is one too."""
-
-
 def reason(error: BaseException) -> str:
     """What a fault says, in words."""
     text = str(error.args[0]) if isinstance(error, KeyError) and error.args else str(error)

@@ -67,6 +67,9 @@ def trace_envelope(
     ground acceleration, where a body's sides differ: "+", "-", or "worse", which lists what overturns under either. workers:
     processes, None for all cores where that saves time. Raises UsageError when a_max is not above the initiation or the model
     does not hold for the structure, OutputError when a worker process dies.
+
+    >>> [(round(i.a_from, 6), i.a_to and round(i.a_to, 6)) for i in trace_envelope(dimensionless_oscillator(0.9), sine(), [3.0])]
+    [(1.403565, 3.484663), (3.63115, None)]
     """
     omegas = np.atleast_1d(np.asarray(omegas, dtype=float))
     searches, amplitudes = _scan_of(motion, omegas.size, structure, method, a_max, sign)

@@ -146,6 +146,9 @@ def parse_grid(text: str, structures: int = 1, *, own_time: bool = False) -> Gri
     """The grid of `--grid`: two axes, both with units or both dimensionless. Raises UsageError.
 
     own_time: of a motion that has a time of its own, so that the grid has no frequency but one axis, its peak as A or a_g.
+
+    >>> parse_grid('a_g=0.1g:1g:50,f_g=0.5:5:40').shape  # frequencies, amplitudes
+    (40, 50)
     """
     axes = parse_axes(text)
     if own_time:

@@ -35,6 +35,12 @@ def merge(paths: Sequence[str | Path], output: str | Path, *, overwrite: bool = 
 
     Raises UsageError when they are not of one scene, OutputError when one is damaged, two hold different data for the same
     cells, or the output cannot be written.
+
+    >>> grid = parse_grid('A=1:8:50,Omega=1:8:40')
+    >>> for i in (1, 2):
+    ...     _ = write_spectrum([dimensionless_oscillator(0.9)], sine(), grid, f'{i}.h5', workers=1, chunk_cells=500, shard=(i, 2))
+    >>> merge(['1.h5', '2.h5'], 'whole.h5').whole
+    4
     """
     with ExitStack() as stack:
         files = [stack.enter_context(SpectraFile(path)) for path in paths]

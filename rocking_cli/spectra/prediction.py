@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -19,13 +20,21 @@ from .reader import SpectraFile
 ETA_TOLERANCE = 1e-6  # spectra of restitutions closer than this are taken for the same
 
 
-def predict(spectrum: SpectraFile, structure: RockingParameters, shaking: Grid) -> dict[str, Any]:
-    """What `predict_exactly` says, and beside it what a linear dimensionless spectrum says of the same cell.
+def predict(structure: RockingParameters, spectrum: SpectraFile | str | Path, shaking: Grid) -> dict[str, Any]:
+    """What `predict_exactly` says under a linear dimensionless spectrum's motion, and what the spectrum itself says of the same cell.
 
     theta_ratio_interpolated is linear between the spectrum's cells around (A, Omega), None where one of them is not known to be
     safe; interpolation_error is its distance from the computed theta_ratio. Raises UsageError when the spectrum has other axes,
     model or restitutions, or does not reach (A, Omega).
+
+    >>> _ = write_spectrum([dimensionless_oscillator(0.9)], sine(), parse_grid('A=1:4:50,Omega=1:8:50'), 'p.h5', workers=1)
+    >>> found = predict(dimensionless_oscillator(0.9), 'p.h5', parse_grid('A=1.5,Omega=6'))
+    >>> found['outcome'], round(found['theta_ratio'], 6)
+    ('rocked', 0.167098)
     """
+    if not isinstance(spectrum, SpectraFile):
+        with SpectraFile(spectrum) as file:
+            return predict(structure, file, shaking)
     if not spectrum.grid.dimensionless or spectrum.scene["model"] != LINEAR.model:
         raise UsageError(f"{spectrum.path}: accepted is a linear spectrum on axes A and Omega")
     etas = {i: s.eta for i, s in enumerate(spectrum.structures) if LINEAR.shares(s) == LINEAR.shares(structure)}

@@ -13,10 +13,10 @@ import h5py
 import numpy as np
 
 from ..dynamics.outcome import Outcome
-from ..errors import OutputError, UsageError
+from ..errors import FAULTS, OutputError, UsageError
 from ..motions import Harmonic, Motion, Piece
 from .chunks import stored_chunk, unpack
-from .contents import FAULTS, contents_of, reason
+from .contents import contents_of, reason
 from .grid import Axis, Grid
 from .layout import FLAGS, VARIABLES
 from .raw_file import SIGNATURE, RawFile, lock, open_regular

@@ -16,9 +16,9 @@ from typing import Any
 import h5py
 import numpy as np
 
-from ..errors import OutputError, UsageError
+from ..errors import FAULTS, OutputError, UsageError
 from .chunks import ChunkGrid, checksum, stored_chunk, stored_outcomes
-from .contents import FAULTS, Contents, chunk_places, contents_of, reason
+from .contents import Contents, chunk_places, contents_of, reason
 from .frame import Frame
 from .layout import image
 from .machine import machine, machines_of, together, unlike

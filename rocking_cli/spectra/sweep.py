@@ -6,7 +6,7 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -23,6 +23,9 @@ from .processes import available_cpus
 from .sampling import checked_cells, default_check
 from .scene import QUANTITIES, PulseScene, Scene, Unit, chunk_shape, cut_into_units, known_quantities
 from .units import Block, Job, unit_reports
+
+if TYPE_CHECKING:
+    import xarray
 
 CHUNK_CELLS = 131072
 SMALL_SWEEP = 100_000  # cells below which starting processes takes longer than they save
@@ -122,6 +125,12 @@ class Spectrum:
         """The condition of each cell, None unless asked for."""
         return self.beside.get("condition")
 
+    def to_xarray(self) -> xarray.Dataset:
+        """As an xarray Dataset of the names, dimensions and attributes that the file has. Raises OutputError without xarray."""
+        from .dataset import dataset_of
+
+        return dataset_of(self)
+
 
 def spectrum(
     structures: Sequence[RockingParameters],
@@ -137,6 +146,10 @@ def spectrum(
 
     method: the equation of motion; workers: processes, None for all cores; check: cells computed again by the reference,
     None for a few; quantities: names of `QUANTITIES` to compute as well. Raises UsageError.
+
+    >>> found = spectrum([dimensionless_oscillator(0.9)], sine(), parse_grid('A=1:8:50,Omega=1:8:40'), workers=1)
+    >>> found.theta_ratio.shape, int(overturned(found.outcome).sum())
+    ((1, 40, 50), 1163)
     """
     return spectrum_of(PulseScene(tuple(structures), grid, motion, method), workers=workers, check=check, quantities=quantities)
 
@@ -188,7 +201,12 @@ def write_spectrum(
     progress: Progress | None = None,
     tell: Tell | None = None,
 ) -> Summary:
-    """Compute a spectrum of structures under a pulse and stream it into an HDF5 file; the options are those of `write_scene`."""
+    """Compute a spectrum of structures under a pulse and stream it into an HDF5 file; the options are those of `write_scene`.
+
+    >>> grid = parse_grid('A=1:8:50,Omega=1:8:40')
+    >>> write_spectrum([dimensionless_oscillator(0.9)], sine(), grid, 'shared.h5', workers=1).cells
+    2000
+    """
     scene = PulseScene(tuple(structures), grid, motion, method)
     return write_scene(
         scene, path, workers=workers, chunk_cells=chunk_cells, check=check, impacts=impacts, quantities=quantities, overwrite=overwrite,

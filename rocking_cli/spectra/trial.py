@@ -8,7 +8,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-from ..errors import UsageError
+from ..errors import FAULTS, UsageError
 
 SECONDS = 10  # of processor time, and one more for each 10 MB: it takes half a second and 10 ms
 _CODE = "import sys; sys.path.insert(0, sys.argv[1]); from rocking_cli.spectra.trial import main; main(sys.argv[2], int(sys.argv[3]))"
@@ -34,7 +34,7 @@ def main(path: str, seconds: int) -> None:
 
     import h5py
 
-    from .contents import FAULTS, chunk_places, contents_of, reason
+    from .contents import chunk_places, contents_of, reason
     from .raw_file import RawFile, open_regular
 
     raw = RawFile(open_regular(Path(path)))

@@ -16,7 +16,11 @@ from .shared_keys import damping_of, friction_of
 
 
 def build_structure(document: Document) -> RockingParameters:
-    """The rocking parameters of one document. Raises DocumentError, which names the file, line, key and what is accepted."""
+    """The rocking parameters of one document. Raises DocumentError, which names the file, line, key and what is accepted.
+
+    >>> round(build_structure(parse_documents('{kind: block, width: 0.5, height: 2}')[0]).p, 6)
+    2.671671
+    """
     word, kind = kind_of(document)
     stem = "structure" if document.source.startswith("<") else Path(document.source).stem
     name = document.word("name", stem if document.index == 0 else f"{stem}-{document.index + 1}")
@@ -32,16 +36,23 @@ def read_documents(path: str | Path) -> list[Document]:
     """All documents of a YAML, JSON or CSV file, `-` for standard input, or the one that `block:0.5x2` states.
 
     Raises UsageError when the file cannot be read and DocumentError when it holds no valid document.
+
+    >>> [document.source for document in read_documents('configs/arch.yaml')]
+    ['configs/arch.yaml']
     """
     stated = inline_document(str(path))
     return _of_file(path) if stated is None else [stated]
 
 
-def load_structures(paths: Iterable[str | Path]) -> list[RockingParameters]:
+def load_structures(paths: str | Path | Iterable[str | Path]) -> list[RockingParameters]:
     """The rocking parameters of every document in these files, in order; `-` is standard input, `block:0.5x2` a document itself.
 
     Raises UsageError for a file that cannot be read and DocumentError for a document that is not valid.
+
+    >>> [structure.name for structure in load_structures(['configs/block.yaml', 'configs/arch.yaml'])]
+    ['Column', 'Oppenheim']
     """
+    paths = [paths] if isinstance(paths, str | Path) else paths
     return with_distinct_names([build_structure(document) for path in paths for document in read_documents(path)])
 
 

@@ -38,6 +38,9 @@ def parse_variation(text: str) -> Variation:
     """`KEY=START:STOP:N`; bounds may carry a unit, bare bounds take the unit that the document uses for the key.
 
     Raises UsageError.
+
+    >>> parse_variation('angle=150deg:160deg:3')
+    Variation(key='angle', values=(150.0, 155.0, 160.0), unit='deg')
     """
     key, equals, span = text.partition("=")
     parts = span.split(":")
@@ -73,18 +76,23 @@ def members(variations: Sequence[Variation]) -> int:
     return count
 
 
-def family(document: Document, variations: Sequence[Variation]) -> Iterator[Member]:
+def family(document: Document, variations: Sequence[Variation | str]) -> Iterator[Member]:
     """Every combination of the varied values, the last varying fastest. A member that has no solution says why.
 
-    Raises DocumentError for a key that is unknown.
+    variations: as `parse_variation` reads them. Raises DocumentError for a key that is unknown.
+
+    >>> (document,) = read_documents('configs/block.yaml')
+    >>> [round(member.parameters.p, 4) for member in family(document, ['height=2:4:3'])]
+    [2.6717, 2.1996, 1.9106]
     """
     from . import build_structure
 
-    keys = [v.key for v in variations]
-    units = [v.unit if v.unit is not None else _own_unit(document, v.key) for v in variations]
-    for values in itertools.product(*(v.values for v in variations)):
+    parsed = [parse_variation(v) if isinstance(v, str) else v for v in variations]
+    keys = [v.key for v in parsed]
+    units = [v.unit if v.unit is not None else _own_unit(document, v.key) for v in parsed]
+    for values in itertools.product(*(v.values for v in parsed)):
         varied = document
-        for variation, value, unit in zip(variations, values, units, strict=True):
+        for variation, value, unit in zip(parsed, values, units, strict=True):
             text = f"{value!r} {unit}".strip()
             varied = varied.with_value(variation.key, text, f"{document.source} with {variation.key}={text}")
         try:

@@ -197,5 +197,8 @@ def dimensionless_oscillator(eta: float) -> RockingParameters:
     """The oscillator of a dimensionless spectrum: p, alpha, lambda, a_scale and gravity are 1, so a_g is A and omega_g Omega.
 
     Raises StructureError when eta is not within [0, 1].
+
+    >>> dimensionless_oscillator(0.9).eta
+    0.9
     """
     return RockingParameters(f"eta={eta:g}", DIMENSIONLESS, 1.0, 1.0, eta, 1.0, 1.0, "given", 1.0)

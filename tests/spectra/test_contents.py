@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from rocking_cli import OutputError
-from rocking_cli.spectra.contents import FAULTS, chunk_places, contents_of
+from rocking_cli.errors import FAULTS
+from rocking_cli.spectra.contents import chunk_places, contents_of
 from rocking_cli.spectra.digest import DIGEST, digest_of
 from rocking_cli.spectra.raw_file import RawFile, open_regular
 from rocking_cli.spectra.reader import SpectraFile

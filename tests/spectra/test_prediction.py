@@ -43,7 +43,7 @@ def three_cycles(tmp_path_factory):
 
 def test_a_narrow_tongue_between_the_rows_of_the_spectrum_bounds_the_margin(three_cycles):
     amplitude, omega = 1.068082535563618, 2.656147572117443
-    found = predict(three_cycles, dimensionless_oscillator(0.8), cell(amplitude, omega))
+    found = predict(dimensionless_oscillator(0.8), three_cycles, cell(amplitude, omega))
     assert (found["outcome"], found["margin_side"]) == ("rocked", "above")
     raster = np.arange(amplitude, 1.1, 1e-6)
     first = raster[fate(sine(3), raster, omega, 0.8).argmax()]
@@ -61,7 +61,7 @@ def test_the_fate_is_one_within_the_margin_and_another_beyond(three_cycles):
     sides = set()
     for _ in range(6):
         amplitude, omega = float(random.uniform(1, 5)), float(random.uniform(4, 6))
-        found = predict(three_cycles, dimensionless_oscillator(0.8), cell(amplitude, omega))
+        found = predict(dimensionless_oscillator(0.8), three_cycles, cell(amplitude, omega))
         if found["margin"] is None:
             continue
         sides.add((found["margin_side"], Outcome[found["outcome"].upper()].overturned))
@@ -96,9 +96,9 @@ def test_two_ways_to_fall_that_meet_are_no_boundary():
 
 
 def test_a_cell_that_the_spectrum_knows_is_interpolated_exactly(three_cycles):
-    found = predict(three_cycles, dimensionless_oscillator(0.8), cell(1.0, 4.0))
+    found = predict(dimensionless_oscillator(0.8), three_cycles, cell(1.0, 4.0))
     assert (found["theta_ratio"], found["theta_ratio_interpolated"], found["interpolation_error"]) == (0.0, 0.0, 0.0)
-    found = predict(three_cycles, dimensionless_oscillator(0.8), cell(float(np.linspace(1, 8, 71)[3]), 7.0))
+    found = predict(dimensionless_oscillator(0.8), three_cycles, cell(float(np.linspace(1, 8, 71)[3]), 7.0))
     assert found["interpolation_error"] == 0.0
 
 

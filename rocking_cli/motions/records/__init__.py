@@ -116,7 +116,12 @@ def read_records(path: str | Path, *, component: str | None = None, unit: str | 
 
 
 def read_record(path: str | Path, *, component: str | None = None, unit: str | None = None, dt: float | None = None) -> Record:
-    """The one record of a file. Raises UsageError where it holds several and no component is asked for, and DocumentError."""
+    """The one record of a file. Raises UsageError where it holds several and no component is asked for, and DocumentError.
+
+    >>> record = read_record('configs/motions/synthetic.at2')
+    >>> record.npts, record.dt
+    (1600, 0.01)
+    """
     return pick(read_records(path, unit=unit, dt=dt), component)
 
 

@@ -1,0 +1,38 @@
+"""A spectrum in memory as xarray knows it: the dimensions, names and attributes that the file would have."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from ..errors import OutputError
+from .frame import ABOUT, Frame
+from .layout import VARIABLES
+
+if TYPE_CHECKING:
+    import xarray
+
+    from .sweep import Spectrum
+
+
+def dataset_of(spectrum: Spectrum) -> xarray.Dataset:
+    """The dataset of a spectrum. Raises OutputError where xarray is not installed."""
+    try:
+        import xarray as xr
+    except ImportError:
+        raise OutputError("to_xarray needs xarray: pip install xarray") from None
+    frame: Frame = spectrum.scene.frame()
+
+    def listed(name: str, dimension: str) -> xr.Variable:
+        values = frame.dimensions[name] if name == dimension else frame.beside[name][1]
+        return xr.Variable(dimension, values, {"units": ABOUT[name].units, "long_name": ABOUT[name].long_name})
+
+    cells = {name: getattr(spectrum, name) for name in ("theta_ratio", "outcome", "impacts")} | dict(spectrum.beside)
+    data = {
+        name: xr.Variable(tuple(frame.dimensions), values, {k: v for k, v in VARIABLES[name][1].items() if k != "_FillValue"})
+        for name, values in cells.items()
+    }
+    beside = {name: listed(name, dimension) for name, (dimension, _) in frame.beside.items()}
+    places = {name: listed(name, name) for name in frame.dimensions}
+    if frame.of_records:
+        return xr.Dataset(data, places | beside)
+    return xr.Dataset(data | beside, places)
