@@ -35,6 +35,7 @@ if TYPE_CHECKING:
     metavar="NAME,…",
     help="Also store: condition (sensitivity to the input), linear, of records velocity_ratio.",
 )
+@click.option("--no-validity", is_flag=True, help="Do not compare cells of a linear sweep with the nonlinear equation.")
 @options.workers
 @click.option("--chunk", "chunk_cells", type=click.IntRange(1), metavar="CELLS", help="Cells in one unit of work.")
 @click.option("--check", type=click.IntRange(0), metavar="N", help="Cells computed again by the independent path.")
@@ -59,6 +60,7 @@ def spectrum(
     tolerance: float,
     impacts: bool,
     quantities: str | None,
+    no_validity: bool,
     workers: int | None,
     chunk_cells: int | None,
     check: int | None,
@@ -127,6 +129,7 @@ def spectrum(
         shard=None if shard is None else options.part_of(shard),
         documents=texts,
         history=f"{options.now()}: {streams.printable(shlex.join(['rocking', *sys.argv[1:]]))}",
+        sample_validity=not (no_validity or quiet),
         progress=options.ProgressLine("spectrum", quiet),
         tell=partial(options.note, quiet=quiet),
     )

@@ -34,6 +34,9 @@ def summary_lines(summary: Summary, output: str) -> Iterator[str]:
         yield "estimated error: not checked"
     if s.compared:
         yield f"the nonlinear equation ends {s.otherwise} of {s.compared} checked cells otherwise"
+    if s.validity is not None:
+        of = f"{s.validity.differ} of {s.validity.sampled} sampled cells differ, {s.validity.unsafe} unsafe"
+        yield f"nonlinear: {of}{'; `model` both compares every cell' if s.validity.differ else ''}"
     if s.differences:
         unsafe, alarms = (s.differences[d.flag] for d in (Difference.LINEAR_UNSAFE, Difference.LINEAR_FALSE_ALARM))
         fell = sum(n for flag, n in s.outcomes.items() if Outcome[flag.upper()].overturned)

@@ -23,6 +23,7 @@ from .processes import available_cpus
 from .sampling import checked_cells, default_check
 from .scene import QUANTITIES, PulseScene, Scene, Unit, chunk_shape, cut_into_units, known_quantities
 from .units import Block, Job, unit_reports
+from .validity import Validity, validity
 
 if TYPE_CHECKING:
     import xarray
@@ -43,7 +44,8 @@ class Summary:
     cells that were there before; elsewhere: how the machine differs on which those were computed; records: how many shake, 0 for a
     pulse; compared, otherwise: checked cells of a linear sweep of records that the nonlinear equation judged too, and how many of
     them it ends otherwise (overturned or not); differences: cells by
-    `Difference`, where both equations answer. Times, checks and counters are those of this run.
+    `Difference`, where both equations answer; validity: of a linear sweep, where it was
+    asked for. Times, checks and counters are those of this run.
     """
 
     structures: int
@@ -65,6 +67,7 @@ class Summary:
     compared: int = 0
     otherwise: int = 0
     differences: Mapping[str, int] = field(default_factory=dict)
+    validity: Validity | None = None
 
     @property
     def time_per_cell(self) -> float:
@@ -95,6 +98,7 @@ class Summary:
             "misjudged_cells": self.misjudged,
             **({"compared_cells": self.compared, "otherwise_cells": self.otherwise} if self.compared else {}),
             **{f"cells_{k}": v for k, v in self.outcomes.items()},
+            **({} if self.validity is None else {f"nonlinear_{k}": v for k, v in asdict(self.validity).items()}),
             **{f"cells_{k}": v for k, v in self.differences.items() if k.startswith("linear")},
             "shared_cells": self.shared_cells,
             "resumed_cells": self.resumed_cells,
@@ -230,6 +234,7 @@ def write_scene(
     scheduler: str | None = None,
     documents: str = "",
     history: str = "",
+    sample_validity: bool = False,
     progress: Progress | None = None,
     tell: Tell | None = None,
 ) -> Summary:
@@ -238,7 +243,8 @@ def write_scene(
     quantities: names of `QUANTITIES`, stored as well. scheduler: address of a dask.distributed cluster to compute on. shard: (i, n)
     computes the i-th of n parts, for `merge`. resume: go on with what an interrupted sweep of the same scene left in PATH.part,
     strict: unless it was begun on a machine whose results may differ in the last digits. documents, history: texts kept in the
-    file. progress: called with (units done, units). tell: called with a line where the sweep will take long, or waits for its
+    file. sample_validity: compare some cells of a linear sweep with the nonlinear equation.
+    progress: called with (units done, units). tell: called with a line where the sweep will take long, or waits for its
     cluster. Raises UsageError for a scene or an output that is refused, OutputError when the file cannot be written or a worker
     process dies, Interrupted on Ctrl-C.
     """
@@ -281,7 +287,7 @@ def write_scene(
             if not kept:
                 raise Interrupted("interrupted before the first chunk was done; nothing is kept") from None
             raise Interrupted(f"interrupted; {kept} of {writer.chunks} chunks are kept in {writer.part}; `resume` goes on") from None
-        summary = replace(summary, elsewhere=writer.elsewhere)
+        summary = replace(summary, elsewhere=writer.elsewhere, validity=validity(scene) if sample_validity else None)
         writer.finish(summary.record())
     return summary
 
