@@ -3,6 +3,7 @@
     equations/   the forms of y'' = f - 2 zeta y': linear, rigid body, mechanism; their exact flows and Taylor series
     contacts/    where a body lifts off, what an impact does, when bouncing ends: two sides alike, two sides unequal, one side
     march/       the engine: lanes, windows of the drive, steps, roots
+    flight/      the same through records: jumps over samples that are proved free of impacts
     references/  slower paths to the same answer that share nothing with the march
     lanes        the state of many bodies; drive: its value along a motion; on these all the rooms rest
     method       which equation answers for which structure; system: an equation on a contact; response: the front door
@@ -45,6 +46,10 @@ Lemma 9 (nothing overturns below). Linear, undamped, equal sides: with E = v^2 +
 Lemma 10 (nothing returns above). The same oscillator, lifted on the motion's first segment at any amplitude: at a fixed time
     y = A J - K with K > 0 and dy/dA = J before the first impact, so where y > 0 it grows with A, and above an amplitude that overturns
     without impact every other does.
+Lemma 11 (flight). Linear, undamped: Green's function sinh is not negative, so y is monotone in the drive: while a >= c,
+    y(h) >= y + v sinh h + (y - 1 + c)(cosh h - 1), and no impact comes before that bound is zero; while a <= c the same is a bound from
+    above. Where y > 0 and a >= c on a stretch of length T, y'' >= c - 1, and y is nowhere above the higher of its ends by more than
+    (1 - c) T^2/8. The state at the end of a stretch is exact (see `flight.bounded`), whatever happens on the way.
 
 **A weight that varies.** Ground that moves upwards too makes the weight w = 1 + zg''/g of m g and f = -w l(y) + a m(y); bodies are followed
 while w > 0, and then have lost contact. With the *net drive* c = a + 1 - w in the place of a, on each side its own (`weight`):

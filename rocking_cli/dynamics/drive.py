@@ -19,6 +19,9 @@ _LEAST_SQUARE = 1e-300  # R^2 - x^2 at an extremum of the sinusoid, where roundi
 def crossing(segments: Segments, k: Array, level: Array) -> Array:
     """Phase u in segment k where s = level, for lanes whose level lies between the segment's end values."""
     length = segments.length[k]
+    if not segments.harmonics:  # a ramp, or a level that is met throughout
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return np.clip(np.nan_to_num((level - segments.s_start[k]) / segments.slope[k]), 0.0, length)
     if segments.harmonics != 1 or segments.sloped:
         return _bracketed_crossing(segments, k, level, length)
     # A falling stretch is its rising mirror image, so that mirrored motions give mirrored bits. The angle is

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, fields
-from typing import NamedTuple
+from typing import NamedTuple, Self
 
 import numpy as np
 
@@ -50,10 +50,10 @@ class Lanes:
     impacts: Array
     steps: Array
 
-    def take(self, lanes: Array) -> Lanes:
+    def take(self, lanes: Array) -> Self:
         """Some of the lanes, copied."""
-        return Lanes(*(getattr(self, f.name)[lanes] for f in fields(self)))
+        return type(self)(*(getattr(self, f.name)[lanes] for f in fields(self)))
 
-    def join(self, other: Lanes) -> Lanes:
+    def join(self, other: Self) -> Self:
         """These lanes followed by others."""
-        return Lanes(*(np.concatenate([getattr(self, f.name), getattr(other, f.name)]) for f in fields(self)))
+        return type(self)(*(np.concatenate([getattr(self, f.name), getattr(other, f.name)]) for f in fields(self)))

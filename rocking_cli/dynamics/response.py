@@ -9,6 +9,7 @@ import numpy as np
 from ..motions.motion import Motion
 from .equations.linear import LinearEquation
 from .equations.rigid_body import RigidBodyEquation
+from .flight.run import Flight
 from .march.engine import Run, Work
 from .system import System
 
@@ -50,7 +51,12 @@ def response(
         raise ValueError("amplitude must be finite and not negative")
     if not (np.all(np.isfinite(omega)) and np.all(omega > 0.0)):
         raise ValueError("omega must be positive and finite")
-    run = Run(system, system.segments(motion), amplitude.ravel(), omega.ravel(), eta.ravel(), peaks, pool or system.equation.pool)
+    cells, samples = (amplitude.ravel(), omega.ravel(), eta.ravel()), motion.samples
+    run = (
+        Flight(system, motion.segments, samples, *cells, peaks, pool)
+        if samples is not None and motion.vertical is None and system.equation.bounded
+        else Run(system, system.segments(motion), *cells, peaks, pool or system.equation.pool)
+    )
     run.all()
     shape = amplitude.shape
     return Response(run.theta_ratio.reshape(shape), run.outcome.reshape(shape), run.impacts.reshape(shape), run.work)

@@ -14,6 +14,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 
@@ -120,6 +121,36 @@ class Segments:
         return Segments(**{f.name: then(getattr(self, f.name), lasts.get(f.name, 0.0)) for f in fields(self)})
 
     @cached_property
+    def _blocks(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Largest s and -s over blocks of 2^j segments, all j after one another up to the one block; where each j begins."""
+        high, low = [np.maximum(self.s_start, self.s_end)], [-np.minimum(self.s_start, self.s_end)]
+        while high[-1].size > 1:
+            for levels in (high, low):
+                below = levels[-1]
+                levels.append(np.maximum(below[::2], np.append(below[1::2], below[-1:] if below.size % 2 else [])))
+        return np.concatenate(high), np.concatenate(low), np.cumsum([0, *(part.size for part in high)])
+
+    def next_beyond(self, k: np.ndarray, above: np.ndarray, below: np.ndarray) -> np.ndarray:
+        """The first segment from k on in which s > above or -s > below, the number of segments where there is none; (lanes,)."""
+        found = np.full(k.shape, len(self))
+        high, low, start = self._blocks
+        lanes = np.flatnonzero(k < len(self))
+        at, above, below, level = k[lanes], above[lanes], below[lanes], np.zeros(lanes.size, dtype=np.int64)
+        while lanes.size:  # up the blocks while they are quiet, down into the first that is not
+            block = start[level] + (at >> level)
+            loud = (high[block] > above) | (low[block] > below)
+            over = ((at >> level) + 1) << level
+            level = np.where(loud, level - 1, np.where((over >> level) & 1, level, np.minimum(level + 1, start.size - 2)))
+            at = np.where(loud, at, over)
+            done = (level < 0) | (at >= len(self))
+            if done.any():
+                here = level < 0
+                found[lanes[here]] = at[here]
+                going = ~done
+                lanes, at, above, below, level = lanes[going], at[going], above[going], below[going], level[going]
+        return found
+
+    @cached_property
     def wave(self) -> Wave:
         """The segments' sinusoids; only of a motion with one harmonic and no slope."""
         s, c = self.sin[0], self.cos[0]
@@ -146,6 +177,13 @@ class Segments:
         return bool(np.any(self.slope != 0.0))
 
 
+class Samples(NamedTuple):
+    """A motion of straight lines between equal steps: the step [rad], and s at each end of them, (steps + 1,)."""
+
+    step: float
+    values: np.ndarray
+
+
 @dataclass(frozen=True)
 class Motion:
     """A named motion: contiguous pieces that begin at phase 0; amplitude 1 scales to a_g.
@@ -164,6 +202,11 @@ class Motion:
     @property
     def vertical(self) -> Motion | None:
         """The vertical acceleration of the ground that goes with it, upwards, over the same amplitude; None where there is none."""
+        return None
+
+    @property
+    def samples(self) -> Samples | None:
+        """The motion as samples joined by straight lines at equal steps; None for any other."""
         return None
 
     def __post_init__(self) -> None:

@@ -11,10 +11,12 @@ from functools import cached_property
 import numpy as np
 
 from ..errors import MotionError
-from .motion import Motion, Piece, Segments, checked_scale
+from .motion import Motion, Piece, Samples, Segments, checked_scale
 from .records import Record
 
 Array = np.ndarray
+
+_ROUNDING = 4e-16  # of the duration, and of the largest s: what equal steps and joined lines may differ by
 
 
 class Polyline(Motion):
@@ -89,6 +91,15 @@ class Polyline(Motion):
     def plus(self, other: Polyline, factor: float) -> Polyline:
         """This and `factor` times another motion over the same intervals."""
         return Polyline(self.name, self.start, self.stop, self.constant + factor * other.constant, self.slope + factor * other.slope)
+
+    @cached_property
+    def samples(self) -> Samples | None:
+        """Step and samples, where the intervals are equal to rounding and the lines joined."""
+        count, last = self.start.size, self.duration
+        even = np.abs(self.start - (last / count) * np.arange(count)).max() <= _ROUNDING * last
+        end = self.constant + self.slope * (self.stop - self.start)
+        joined = count == 1 or np.abs(end[:-1] - self.constant[1:]).max() <= _ROUNDING * np.abs(self.constant).max()
+        return Samples(last / count, np.append(self.constant, end[-1])) if even and joined else None
 
     @cached_property
     def segments(self) -> Segments:

@@ -107,7 +107,8 @@ def first_uplift(segments: Segments, k: Array, u: Array, right: Array, left: Arr
         side[waiting[hit]] = -np.sign(s_end[hit])
         u[waiting[hit]] = np.maximum(uu[hit], crossing(segments, kk[hit], np.sign(s_end[hit]) / a_end[hit]))
         waiting = waiting[~(now | later)]
-        k[waiting] += 1
+        with np.errstate(divide="ignore"):
+            k[waiting] = segments.next_beyond(k[waiting] + 1, 1.0 / left[waiting], 1.0 / right[waiting])
         u[waiting] = 0.0
     return Uplift(k, u, side, b)
 

@@ -9,7 +9,7 @@ chatter, certain overturning, the free motion after the shaking.
 from __future__ import annotations
 
 from dataclasses import dataclass, fields
-from typing import NamedTuple
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 
@@ -23,6 +23,7 @@ from ..weight import WeighedSegments
 from .advance import Crests, Passage, advance, crests, low_bounces
 
 Array = np.ndarray
+Landing = TypeVar("Landing", bound=Lanes)
 
 MAX_STEPS = 120_000  # a cell that takes more, and 40 for each segment of the motion, is given up as failed
 # The C library keeps freed memory up to twice the largest block it has seen come and go. Below that it hands the arrays of each
@@ -124,6 +125,10 @@ class Run:
         """Run every cell to its end."""
         waiting = np.flatnonzero(self.contact.strongest(self.cells, self.segments) > 1.0)
         self.work += Work(no_uplift=self.outcome.size - waiting.size)
+        self._march(waiting)
+
+    def _march(self, waiting: Array) -> None:
+        """Run these cells, which leave the ground, round by round."""
         lanes, taken = self.start(waiting[:0]), 0
         np.empty(_KEPT, dtype=np.uint8)  # made and freed, see _KEPT
         with np.errstate(all="ignore"):
@@ -235,11 +240,14 @@ class Run:
 
     def _impact(self, lanes: Lanes, passage: Passage, at: Array) -> tuple[Lanes, Rests | None]:
         """Impact, by the rule of the contact; a body without speed comes to rest."""
+        return self._land(lanes.take(at), passage.reach[at], passage.impact_v[at], passage.impact_b[at])
+
+    def _land(self, lanes: Landing, h: Array, v: Array, b: Array) -> tuple[Landing, Rests | None]:
+        """These lanes after impacts h [tau] from now, with velocity v <= 0 and force b; those that came to their end are gone."""
         seg = self.segments
-        lanes = lanes.take(at)
-        lanes.k, lanes.u = place(seg, lanes.k, lanes.u + lanes.omega * passage.reach[at])
-        lanes.y = np.zeros(at.size)
-        self.contact.strike(self.cells, lanes, passage.impact_v[at], passage.impact_b[at])
+        lanes.k, lanes.u = place(seg, lanes.k, lanes.u + lanes.omega * h)
+        lanes.y = np.zeros(h.size)
+        self.contact.strike(self.cells, lanes, v, b)
         if isinstance(seg, WeighedSegments):
             lanes.b = seg.net(lanes.side, lanes.amplitude, lanes.k, lanes.u) - 1.0
         lanes.impacts += lanes.k < self.shaken if self.equation.damping else 1
@@ -248,17 +256,23 @@ class Run:
         over = lanes.k >= len(seg)  # the impact fell on the very end of the shaking
         last = np.flatnonzero(over)
         if last.size:
-            fate = self.contact.fate(self.equation, lanes, last, lanes.y[last], lanes.v[last])
-            lost = fate.overturns | fate.overturns_after_impact
-            self._overturn(lanes, last[lost])
-            self._finish(lanes, last[~lost], Outcome.ROCKED, np.maximum(lanes.peak[last], fate.peak)[~lost])
+            self._shaken(lanes, last)
             lanes = lanes.take(np.flatnonzero(~over))
         if self.equation.damping:
             self.bounced[lanes.cell[lanes.k >= self.shaken]] = True
             lanes = self._settle(lanes)
         return self._rest(lanes)
 
-    def _settle(self, lanes: Lanes) -> Lanes:
+    def _shaken(self, lanes: Lanes, last: Array) -> None:
+        """Undamped lanes that are at the end of the shaking: their fate."""
+        fate = self.contact.fate(self.equation, lanes, last, lanes.y[last], lanes.v[last])
+        self._overturn(lanes, last[fate.overturns])
+        self._finish(lanes, last[fate.overturns_after_impact], Outcome.OVERTURNED_AFTER_IMPACT, np.nan)
+        stays = ~(fate.overturns | fate.overturns_after_impact)
+        self._finish(lanes, last[stays], Outcome.ROCKED, np.maximum(lanes.peak[last[stays]], fate.peak[stays]))
+        self.work += Work(free_phase=last.size)
+
+    def _settle(self, lanes: Landing) -> Landing:
         """Damped lanes on still ground of which nothing larger can come are done: without damping they would have more energy, and
         even so neither pass the barrier nor rise above their peak."""
         at = np.flatnonzero(lanes.k >= self.shaken)
@@ -277,7 +291,7 @@ class Run:
         going[settled] = False
         return lanes.take(np.flatnonzero(going))
 
-    def _rest(self, lanes: Lanes) -> tuple[Lanes, Rests | None]:
+    def _rest(self, lanes: Landing) -> tuple[Landing, Rests | None]:
         """Bodies whose bouncing is over skip to their next uplift, or finish."""
         ends = self.contact.bouncing_ends(self.segments, lanes, self.equation)
         if self.watch is not None:

@@ -1,0 +1,7 @@
+"""The march through records: long jumps that are proved free of impacts, single intervals where an impact can be.
+
+windows  bounds of the samples over stretches of them
+bounded  the bounded response to the record, from which the state at any later sample follows at once
+ramp     the flow within one interval between samples
+run      the engine: jumps, intervals, impacts
+"""
