@@ -68,7 +68,7 @@ def test_the_largest_speed_by_another_integration(model):
     found, speed = response_with_speed(system, MOTION, amplitude, omega, ETA)
     plain = response(system, MOTION, amplitude, omega, ETA)
     assert np.array_equal(found.outcome, plain.outcome)
-    assert np.array_equal(found.theta_ratio, plain.theta_ratio)
+    np.testing.assert_allclose(found.theta_ratio, plain.theta_ratio, rtol=1e-11, atol=0)  # marched and flown
     assert set(found.outcome) == {Outcome.ROCKED}
     assert speed == pytest.approx([fastest(model, a, w) for a, w in zip(amplitude, omega, strict=True)], rel=2e-6)
 
