@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 @options.alpha
 @options.motions
 @options.vertical
-@options.method
+@options.methods
 @options.a_max
 @click.option(
     "--sign", type=click.Choice(["worse", "+", "-", "both"]), default="worse", show_default=True,
@@ -44,7 +44,7 @@ def envelope(
     alphas: str | None,
     motion: Motion | None,
     recordings: tuple[Recording, ...],
-    model: str,
+    models: tuple[str, ...],
     tolerance: float,
     a_max: options.Limit,
     sign: str,
@@ -66,6 +66,9 @@ def envelope(
     these critical angles and sizes T = 2 pi/p in s. A row tells A, the peak a [m/s2] and the scale of the record as it is given. The
     scan's amplitudes are 0.5 % apart, and nothing is claimed of narrower intervals. The equation is the nonlinear one where the
     geometry is known, unless --model is given.
+
+    --model both traces the intervals of both equations, a row each with its model, and tells over how much of the amplitudes that
+    overturn a structure the linear one says that it stands.
     """
     from ..dynamics.method import Method
     from ..spectra.envelope import (
@@ -76,20 +79,29 @@ def envelope(
         check_curves,
         check_intervals,
         frequency_axis,
+        misjudged,
         structure_curves,
         structure_intervals,
     )
     from ..spectra.record_envelope import Tracing
     from ..spectra.record_scene import scene_of_words
 
-    method = Method(model, tolerance)
+    methods = [Method(model, tolerance) for model in models]
     workers = options.at_most_the_cpus(workers, quiet)
     if motion is None:
         if closed_form:
             raise click.UsageError("--closed-form does not go with records")
+        if len(methods) > 1:
+            raise click.UsageError("--model both goes with a pulse; of records the nonlinear equation decides")
         asked = context.get_parameter_source("model") is not click.core.ParameterSource.DEFAULT
         structures = options.structures_of(files, etas) if files else []
-        words: dict[str, Any] = {"axes": axes, "alphas": alphas, "etas": etas, "method": method if asked else None, "tolerance": tolerance}
+        words: dict[str, Any] = {
+            "axes": axes,
+            "alphas": alphas,
+            "etas": etas,
+            "method": methods[0] if asked else None,
+            "tolerance": tolerance,
+        }
         _of_records(context, Tracing(scene_of_words(structures, recordings, **words), a_max.of(None), first), sign, workers, form, quiet)
         return
     if alphas is not None:
@@ -101,7 +113,9 @@ def envelope(
             check_curves(structure, motion, axis)
         else:
             tell = partial(options.note, quiet=quiet)
-            check_intervals(structure, motion, axis, method=method, a_max=a_max.of(structure), sign=sign, tell=tell)
+            for method in methods:
+                check_intervals(structure, motion, axis, method=method, a_max=a_max.of(structure), sign=sign, tell=tell)
+    columns = INTERVAL_COLUMNS if len(methods) == 1 else (*INTERVAL_COLUMNS, "model")
     failed = 0
     silent: list[str] = []
 
@@ -111,17 +125,26 @@ def envelope(
             if closed_form:
                 yield from structure_curves(structure, motion, axis)
                 continue
-            most, none = a_max.of(structure), set()
-            search: dict[str, Any] = {"method": method, "a_max": most, "sign": sign, "lowest": first, "workers": workers}
-            for record in structure_intervals(structure, motion, axis, **search, progress=options.ProgressLine(structure.name, quiet)):
-                failed += record["mode"] == "failed"
-                if record["mode"] == NONE:
-                    none.add(record["Omega"])
-                yield record
-            if none:
-                silent.append(f"{structure.name}: no overturning up to A = {most:g} at {len(none)} of {axis.values.size} frequencies")
+            most, compared = a_max.of(structure), []
+            for method in methods:
+                found, none = [], set()
+                search: dict[str, Any] = {"method": method, "a_max": most, "sign": sign, "lowest": first, "workers": workers}
+                for record in structure_intervals(structure, motion, axis, **search, progress=options.ProgressLine(structure.name, quiet)):
+                    failed += record["mode"] == "failed"
+                    found.append(record)
+                    if record["mode"] == NONE:
+                        none.add(record["Omega"])
+                    yield record if len(methods) == 1 else {**record, "model": method.model}
+                if none:
+                    by = f", {method.model}" if len(methods) > 1 else ""
+                    silent.append(
+                        f"{structure.name}{by}: no overturning up to A = {most:g} at {len(none)} of {axis.values.size} frequencies"
+                    )
+                compared.append(found)
+            if len(methods) > 1 and not first:
+                silent.append(f"{structure.name}: {misjudged(*compared, a_max=most)}")
 
-    options.emit(records(), form, columns=CURVE_COLUMNS if closed_form else INTERVAL_COLUMNS)
+    options.emit(records(), form, columns=CURVE_COLUMNS if closed_form else columns)
     for line in silent:
         options.note(line, quiet)
     if not closed_form:

@@ -10,7 +10,7 @@ of impacts, where narrow intervals gather. That is no proof: below 1e-3 an inter
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -208,6 +208,32 @@ def structure_intervals(
                     for key, amplitude in (("a_from", low), ("a_to", high)):
                         record[key] = None if amplitude is None else structure.ground_acceleration(amplitude)
                 yield record
+
+
+def misjudged(linear: Sequence[Mapping[str, Any]], nonlinear: Sequence[Mapping[str, Any]], *, a_max: float) -> str:
+    """Over how much of A, summed over the frequencies, the linear equation judges otherwise than the nonlinear one, in a sentence.
+
+    linear, nonlinear: the records of `structure_intervals` up to a_max.
+    """
+    unsafe = falls = alarms = 0.0
+    for key in {(r["Omega"], r.get("sign")) for r in (*linear, *nonlinear)}:
+        here = [
+            [
+                (r["A_from"], a_max if r["A_to"] is None else r["A_to"])
+                for r in rows
+                if (r["Omega"], r.get("sign")) == key and r["mode"] != NONE
+            ]
+            for rows in (linear, nonlinear)
+        ]
+        edges = np.unique([edge for rows in here for interval in rows for edge in interval])
+        middle, width = 0.5 * (edges[1:] + edges[:-1]), np.diff(edges)
+        inside = [np.any([(low < middle) & (middle < high) for low, high in rows] or [np.zeros(middle.shape)], axis=0) for rows in here]
+        unsafe += float(width[~inside[0] & inside[1]].sum())
+        falls += float(width[inside[1]].sum())
+        alarms += float(width[inside[0] & ~inside[1]].sum())
+    share = f"{100.0 * unsafe / falls:.3g} %" if falls else "none"
+    overturn = f"the amplitudes that overturn up to A = {a_max:g}"
+    return f"the linear equation is unsafe over {share} of {overturn}, and falls over {alarms:.3g} in A that stand"
 
 
 def check_curves(structure: RockingParameters, motion: Motion, axis: Axis) -> None:

@@ -97,3 +97,17 @@ def test_the_limit_may_be_an_acceleration(rocking, refused):
     assert [json.loads(line) for line in alike] == [row for row in rows if row["structure"] == "Column"]
     assert "--a-max: found an acceleration" in refused(2, "envelope", "--eta", "0.9", "--grid", "Omega=5", "--a-max", "1g")
     assert "found '1kg', accepted is a number A" in refused(2, "envelope", "--eta", "0.9", "--grid", "Omega=5", "--a-max", "1kg")
+
+
+def test_both_equations_are_traced_and_their_difference_told(rocking):
+    call = ("envelope", "configs/block.yaml", "--grid", "Omega=3:4:2", "--a-max", "6", "--json")
+    both = rocking(*call, "--model", "both")
+    rows = [json.loads(line) for line in both.stdout.splitlines()]
+    for model in ("linear", "nonlinear"):
+        alone = [json.loads(line) for line in rocking(*call, "--model", model).stdout.splitlines()]
+        assert [{k: v for k, v in r.items() if k != "model"} for r in rows if r["model"] == model] == alone
+    assert "Column: the linear equation is unsafe over " in both.stderr
+    assert (
+        "--model both goes with a pulse"
+        in rocking("envelope", "configs/block.yaml", "--motion", "configs/motions/synthetic.at2", "--model", "both").stderr
+    )

@@ -22,6 +22,7 @@ from rocking_cli import (
     trace_envelope,
 )
 from rocking_cli.dynamics.method import Method
+from rocking_cli.spectra.envelope import misjudged
 
 
 def test_traced_intervals_are_those_of_the_reference_table():
@@ -113,3 +114,12 @@ def test_signs_of_a_symmetric_body_are_alike_and_unknown_ones_refused():
 def test_a_push_to_the_backing_never_overturns_a_wall():
     assert trace_envelope(WALL, pulse("rectangular"), [1.0], sign="+") == []
     assert trace_envelope(WALL, pulse("rectangular"), [1.0], sign="-")[0].mode == "no_impact"
+
+
+def test_what_the_linear_equation_misjudges_is_the_width_of_the_difference():
+    def rows(*ends):
+        return [{"Omega": 2.0, "A_from": low, "A_to": high, "mode": "after_impact"} for low, high in ends]
+
+    said = misjudged(rows((1.0, 2.0), (4.0, None)), rows((1.5, 3.0), (5.0, None)), a_max=8.0)
+    assert said.startswith("the linear equation is unsafe over 22.2 % of the amplitudes")  # 1 of 1.5 + 3
+    assert said.endswith("falls over 1.5 in A that stand")
