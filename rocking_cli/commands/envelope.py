@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from . import options
+from .progress import ProgressLine
 
 if TYPE_CHECKING:
     from ..motions import Motion
@@ -129,7 +130,8 @@ def envelope(
             for method in methods:
                 found, none = [], set()
                 search: dict[str, Any] = {"method": method, "a_max": most, "sign": sign, "lowest": first, "workers": workers}
-                for record in structure_intervals(structure, motion, axis, **search, progress=options.ProgressLine(structure.name, quiet)):
+                line = ProgressLine(structure.name, quiet, "frequencies")
+                for record in structure_intervals(structure, motion, axis, **search, progress=line):
                     failed += record["mode"] == "failed"
                     found.append(record)
                     if record["mode"] == NONE:
@@ -165,7 +167,7 @@ def _of_records(context: click.Context, tracing: Tracing, sign: str, workers: in
     modes: Counter[str] = Counter()
 
     def records() -> Iterator[dict[str, Any]]:
-        progress = options.ProgressLine("envelope", quiet)
+        progress = ProgressLine("envelope", quiet, "searches")
         for record in tracing_records(tracing, sign=sign, workers=workers, progress=progress):
             modes[record["mode"]] += 1
             yield record

@@ -13,6 +13,7 @@ import click
 
 from ..errors import UsageError
 from . import options, streams
+from .progress import ProgressLine
 
 if TYPE_CHECKING:
     import numpy as np
@@ -150,12 +151,12 @@ def _studies(
     from ..spectra.exposure import as_recorded, exposures, traced
     from ..spectra.fragility_study import Study
 
-    line = options.ProgressLine("fragility", quiet)
+    line = ProgressLine("fragility", quiet, "chunks")
     found = exposures(structures, members, measure, at, method, path=output, workers=workers, progress=line, **settled)
     for structure, exposure in zip(structures, found, strict=False):
         intervals = None
         if wanted["exact"]:
-            line = options.ProgressLine(structure.name, quiet)
+            line = ProgressLine(structure.name, quiet, "motions")
             intervals = traced(structure, members, measure, float(at[-1]), method, workers=workers, tell=settled["tell"], progress=line)
         recorded = as_recorded(structure, members, method) if wanted["cloud"] else None
         yield Study(structure, members, measure, how, exposure, intervals, recorded)

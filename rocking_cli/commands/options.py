@@ -453,19 +453,6 @@ def refuse_figure(output: Path, overwrite: bool) -> None:
         raise click.UsageError(f"{output}: exists; --overwrite replaces it")
 
 
-class ProgressLine:
-    """One line on standard error, rewritten; only on a terminal and not with --quiet."""
-
-    def __init__(self, label: str, quiet: bool) -> None:
-        self.label, self.shown = streams.printable(label), not quiet and sys.stderr.isatty()
-
-    def __call__(self, done: int, total: int) -> None:
-        if self.shown:
-            end = "\n" if done == total else ""
-            sys.stderr.write(f"\r{self.label}: {done}/{total} ({100 * done // max(1, total)} %)\x1b[K{end}")
-            sys.stderr.flush()
-
-
 def now() -> str:
     """The time in UTC as the history of a file states it."""
     from datetime import UTC, datetime

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
-import sys
 from collections.abc import Iterator
 from typing import Any
 
 import click
 
 from . import options
+from .progress import ProgressLine
 
 SIDES_COLUMNS = [f"{side}_{key}" for side in ("left", "right") for key in ("p", "alpha", "lambda", "a_scale", "eta", "arm")]
 SHARED = {"one_sided": False, "damping": 0.0, "friction": None, "arm": None}  # keys that some members have, and what stands for none
@@ -50,8 +50,7 @@ def params(context: click.Context, files: tuple[str, ...], vary: tuple[str, ...]
             every = dict.fromkeys(key for row in rows for key in row)
             yield from rows if form != "csv" else ({key: row.get(key) for key in every} for row in rows)
             return
-        # Rows that appear on the terminal one by one are progress enough.
-        progress = options.ProgressLine("params", quiet or (form is not None and sys.stdout.isatty()))
+        progress = ProgressLine("params", quiet, "structures")
         for i, document in enumerate(documents):
             for j, member in enumerate(family(document, variations), 1):
                 progress(i * total + j, len(documents) * total)

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import click
 
 from . import options, streams
+from .progress import ProgressLine
 
 if TYPE_CHECKING:
     from ..motions import Motion
@@ -130,7 +131,7 @@ def spectrum(
         documents=texts,
         history=f"{options.now()}: {streams.printable(shlex.join(['rocking', *sys.argv[1:]]))}",
         sample_validity=not (no_validity or quiet),
-        progress=options.ProgressLine("spectrum", quiet),
+        progress=ProgressLine("spectrum", quiet, "chunks"),
         tell=partial(options.note, quiet=quiet),
     )
     for line in summary_lines(summary, str(output)):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, redirect_stderr, redirect_stdout, suppress
 from typing import TextIO, cast
 
@@ -20,14 +20,28 @@ def printable(text: str) -> str:
     return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in text)
 
 
+_unfinished: Callable[[], None] | None = None
+
+
+def end_line(unfinished: Callable[[], None] | None = None) -> None:
+    """End the line that stands unfinished on the terminal, if one does; `unfinished`: what will end the one that begins now."""
+    global _unfinished
+    before, _unfinished = _unfinished, unfinished
+    if before is not None and before != unfinished:
+        before()
+
+
 def put(line: str) -> None:
     """A line on standard output, at once."""
+    if sys.stdout.isatty():
+        end_line()
     sys.stdout.write(f"{printable(line)}\n")
     sys.stdout.flush()
 
 
 def say(line: str) -> None:
     """A line on standard error, at once."""
+    end_line()
     sys.stderr.write(f"{printable(line)}\n")
     sys.stderr.flush()
 
