@@ -69,12 +69,13 @@ def params(context: click.Context, files: tuple[str, ...], vary: tuple[str, ...]
 def _rows(record: dict[str, Any], form: str | None, varied: dict[str, float] | None = None) -> Iterator[dict[str, Any]]:
     """A record as it is for JSON; for CSV with the columns of every member of a family, and for a table a row a side and an interface."""
     from ..structures.kinds import reports_of
+    from ..structures.parameters import VARIED
 
     if form == "json":
         yield record
         return
     if varied is not None:
-        record.pop("varied")
+        record = {key: value for key, value in record.items() if key not in VARIED}
     sides = record.pop("sides", [])
     if form == "csv":
         columns = {f"{side['side']}_{key}": value for side in sides for key, value in side.items() if key != "side"}

@@ -16,7 +16,7 @@ import numpy as np
 from ..structures.parameters import RockingParameters
 from .chunks import GZIP_LEVEL, ChunkGrid
 from .digest import DIGEST, digest_of, filters_of, plain
-from .frame import ABOUT, EDGE_PARAMETERS, Form, Frame, Values, beside_structures, form_among
+from .frame import ABOUT, EDGE_PARAMETERS, VARIED, Form, Frame, Values, beside_structures, form_among, varied_units
 from .grid import Axis
 from .layout import CHUNK_TABLES, REQUIRED, VARIABLES
 
@@ -66,6 +66,7 @@ def contents_of(file: h5py.File, size: int) -> Contents:
     frame = Frame(
         {name: _values(file[name]) for name in form.dimensions},
         {name: (dimension, _values(file[name])) for name, dimension in form.beside.items()},
+        varied_units(structures),
     )
     for name, values in frame.dimensions.items():
         if isinstance(values, np.ndarray) and scene[f"axis {name}"] != Axis(name, values).stated():
@@ -108,6 +109,8 @@ def _form(file: h5py.File, size: int) -> Form:
     form = form_among(names)
     if "structure" in form.dimensions and names & set(EDGE_PARAMETERS):
         form = Form(form.dimensions, {**form.beside, **dict.fromkeys(EDGE_PARAMETERS, "structure")})
+    varied = dict.fromkeys(sorted(name for name in names if name.startswith(VARIED)), "structure") if "structure" in form.dimensions else {}
+    form = Form(form.dimensions, {**form.beside, **varied})
     lists = [*form.dimensions, *form.beside]
     required = {*lists, *CHUNK_TABLES, *REQUIRED}
     if missing := sorted(required - names):
@@ -118,7 +121,7 @@ def _form(file: h5py.File, size: int) -> Form:
         if not isinstance(file.get(name, getlink=True), h5py.HardLink) or file.get(name, getclass=True) is not h5py.Dataset:
             raise ValueError(f"its {name} is not a dataset of its own")
     for name in lists:
-        _demand(file[name], size, ABOUT[name].dtype)
+        _demand(file[name], size, np.dtype("<f8") if name in varied else ABOUT[name].dtype)
     shape = tuple(file[name].size for name in form.dimensions)
     cut = None
     for name in (name for name in VARIABLES if name in names):
@@ -180,7 +183,10 @@ def _structures(file: h5py.File, scene: dict[str, Any]) -> Iterator[RockingParam
     names = [name.decode() for name in file["structure"][...]]
     if names != [s.name for s in stated]:
         raise ValueError("its structures are not those of its scene")
-    for key, (_, values) in beside_structures(stated).items():
+    of_each = beside_structures(stated)
+    if foreign := sorted(name for name in file if name.startswith(VARIED) and name not in of_each):
+        raise ValueError(f"its {foreign[0]} is not that of its scene")
+    for key, (_, values) in of_each.items():
         if not np.array_equal(file[key][...], values, equal_nan=True):
             raise ValueError(f"its {key} is not that of its scene")
     yield from stated

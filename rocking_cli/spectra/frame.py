@@ -6,7 +6,8 @@ A new parameter, coordinate or measure is one entry of a table below; a new kind
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -69,6 +70,9 @@ RECORDED: dict[str, tuple[np.dtype | None, str, str, Callable[[Recording], Any]]
 """Of each record: type, units, long name, value."""
 
 
+VARIED = "varied_"  # the names of what families varied begin so
+
+
 class About(NamedTuple):
     """How a list of values stands in a file: its type, None for text, and what it says of itself."""
 
@@ -117,11 +121,22 @@ def form_among(names: Iterable[str]) -> Form:
 class Frame:
     """The places of a file's cells.
 
-    dimensions: the values on each of the three, in their order; beside: what stands beside them, by name, with its dimension.
+    dimensions: the values on each of the three, in their order; beside: what stands beside them, by name, with its dimension; units: of
+    what ABOUT does not know, the varied keys of a family.
     """
 
     dimensions: Mapping[str, Values]
     beside: Mapping[str, tuple[str, Values]]
+    units: Mapping[str, str] = field(default_factory=dict)
+
+    def about(self, name: str) -> About:
+        """How a list stands in the file."""
+        return About(_FLOAT, self.units[name], f"{name.removeprefix(VARIED)} as it was varied") if name in self.units else ABOUT[name]
+
+    @property
+    def labels(self) -> tuple[str, ...]:
+        """What tells the places apart beside their dimensions, as CF's attribute `coordinates` names it."""
+        return tuple(self.beside) if self.of_records else tuple(self.units)
 
     @property
     def shape(self) -> tuple[int, int, int]:
@@ -138,13 +153,24 @@ class Frame:
 def pulse_frame(structures: Sequence[RockingParameters], grid: Grid) -> Frame:
     """The places of structures over a grid of frequency and amplitude."""
     axes = {axis.name: axis.values for axis in (grid.frequency, grid.amplitude)}
-    return Frame({"structure": [s.name for s in structures], **axes}, beside_structures(structures))
+    return Frame({"structure": [s.name for s in structures], **axes}, beside_structures(structures), varied_units(structures))
 
 
 def beside_structures(structures: Sequence[RockingParameters]) -> dict[str, tuple[str, Values]]:
     """The parameters of structures, as they stand beside their dimension."""
-    of_each = parameters_of(structures).items()
-    return {name: ("structure", np.array([get(s) for s in structures], dtype=_FLOAT)) for name, (_, _, get) in of_each}
+    of_each: dict[str, Callable[[RockingParameters], float]] = {name: get for name, (_, _, get) in parameters_of(structures).items()}
+    for name in varied_units(structures):
+        of_each[name] = partial(_varied, name.removeprefix(VARIED))
+    return {name: ("structure", np.array([get(s) for s in structures], dtype=_FLOAT)) for name, get in of_each.items()}
+
+
+def varied_units(structures: Sequence[RockingParameters]) -> dict[str, str]:
+    """The keys that families among these structures varied, as they stand in a file (varied_KEY), with the units of their values."""
+    return {f"{VARIED}{key}": unit or "1" for s in structures for key, unit in s.details.get("varied_units", {}).items()}
+
+
+def _varied(key: str, structure: RockingParameters) -> float:
+    return float(structure.details.get("varied", {}).get(key, np.nan))
 
 
 def beside_records(recordings: Sequence[Recording]) -> dict[str, tuple[str, Values]]:

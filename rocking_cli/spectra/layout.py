@@ -18,7 +18,7 @@ from .. import __version__
 from ..dynamics.outcome import Difference, Outcome
 from .chunks import GZIP_LEVEL, ChunkGrid
 from .digest import DIGEST, digest_of
-from .frame import ABOUT, Frame, Values
+from .frame import About, Frame, Values
 
 VARIABLES: dict[str, tuple[np.dtype, dict[str, Any]]] = {
     "theta_ratio": (
@@ -85,13 +85,13 @@ def image(frame: Frame, chunk: tuple[int, ...], names: Sequence[str], scene: Map
         for key, value in {**root, **attributes}.items():
             file.attrs[key] = _encodable(value)
         for name, values in frame.dimensions.items():
-            _list(file, name, values)
+            _list(file, name, values, frame.about(name))
         for name in frame.dimensions:
             file[name].make_scale(name)
         for name, (dimension, values) in frame.beside.items():
-            _list(file, name, values, file[dimension])
+            _list(file, name, values, frame.about(name), file[dimension])
         cut = ChunkGrid(frame.shape, (1, *chunk))
-        labels = {"coordinates": " ".join(frame.beside)} if frame.of_records else {}
+        labels = {"coordinates": " ".join(frame.labels)} if frame.labels else {}
         for name in names:
             dtype, about = VARIABLES[name]
             data = file.create_dataset(
@@ -109,9 +109,8 @@ def image(frame: Frame, chunk: tuple[int, ...], names: Sequence[str], scene: Map
     return buffer.getvalue()
 
 
-def _list(file: h5py.File, name: str, values: Values, *scales: h5py.Dataset) -> None:
+def _list(file: h5py.File, name: str, values: Values, about: About, *scales: h5py.Dataset) -> None:
     """A list of values along one dimension, with what it says of itself."""
-    about = ABOUT[name]
     data = file.create_dataset(name, data=values, dtype=about.dtype or h5py.string_dtype())
     _describe(data, {"units": about.units, "long_name": about.long_name}, *scales)
 

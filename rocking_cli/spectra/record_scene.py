@@ -21,7 +21,7 @@ from ..dynamics.response import response
 from ..errors import UsageError
 from ..motions.recording import Recording
 from ..structures.parameters import RockingParameters
-from .frame import Frame, beside_records, beside_structures
+from .frame import Frame, beside_records, beside_structures, varied_units
 from .grid import MAX_CELLS, Axis, parse_angles, parse_axes
 from .scene import Array, Band, Cell, Scene, Unit
 
@@ -167,7 +167,8 @@ class RecordScene(Scene):
         beside = beside_records(self.recordings)
         if not self.over_angles:
             names = [s.name for s in self.structures]
-            return Frame({"record": records, "structure": names, **columns}, {**beside_structures(self.structures), **beside})
+            of_each = {**beside_structures(self.structures), **beside}
+            return Frame({"record": records, "structure": names, **columns}, of_each, varied_units(self.structures))
         alpha, eta = (np.array([getattr(s, key) for s in self.structures]) for key in ("alpha", "eta"))
         sizes = 2.0 * np.pi / self.columns.values
         angles = {"eta": ("alpha", eta), "tan_alpha": ("alpha", np.tan(alpha)), "p": ("T", sizes)}

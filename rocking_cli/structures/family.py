@@ -105,7 +105,8 @@ def family(document: Document, variations: Sequence[Variation | str]) -> Iterato
         si = {key: parse_quantity(f"{values[i]!r} {units[i]}", varied.dimensions[key]) for i, key in enumerate(keys)} if built else {}
         if built:
             name = " ".join([built.name, *(f"{key}={value:g}{unit}" for key, value, unit in zip(keys, values, units, strict=True))])
-            built = replace(built, name=name, details={**built.details, "varied": si})
+            told = {"varied": si, "varied_units": {key: si_unit(varied.dimensions[key]) for key in keys}}
+            built = replace(built, name=name, details={**built.details, **told})
         yield Member(si, shown, built, fault)
 
 

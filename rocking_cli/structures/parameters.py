@@ -11,6 +11,7 @@ from ..documents.quantities import DEFAULT_GRAVITY
 from ..errors import StructureError
 from .kinematics import Mechanism
 
+VARIED = ("varied", "varied_units")  # details of a member of a family: by key the value in SI, and the name of its unit
 DIMENSIONLESS = "dimensionless"  # the structure word of an oscillator without units
 MOST_DAMPING = 1.0  # zeta below this; motions of masonry are damped by a few per cent
 
@@ -135,6 +136,7 @@ class RockingParameters:
         )
         names = {"eta": "eta", "lambda": "uplift", "a_scale": "a_scale", "eta_source": "eta_source", "gravity": "gravity"}
         more = {name: record[key] for key, name in names.items()}
+        more["details"] = {key: record[key] for key in VARIED if key in record}
         more |= {key: record[key] for key in ("one_sided", "damping", "friction", "arm") if key in record}
         kind = record["structure_kind"] if "structure_kind" in record else record["structure"]  # its name in files of earlier versions
         return cls(record["name"], kind, record["p"], record["alpha"], sides=sides, **more)

@@ -6,7 +6,7 @@ import math
 from typing import Any
 
 from ..documents.document import Document
-from .parameters import DIMENSIONLESS, RockingParameters, Side, weaker_side
+from .parameters import DIMENSIONLESS, VARIED, RockingParameters, Side, weaker_side
 from .shared_keys import ONE_SIDED_RESTITUTION, gravity_of, one_sided_of
 
 REPORTS = ()
@@ -19,12 +19,13 @@ def build(document: Document, name: str) -> RockingParameters:
     structure = document.word("structure_kind", "parameters")
     if structure == DIMENSIONLESS:
         raise document.fault("structure_kind", structure, "the kind of a structure, which has units")
-    reported = (*reports_of(structure), "varied")
+    reported = (*reports_of(structure), *VARIED)
     more: dict[str, Any] = {
         "eta_source": document.word("eta_source", "given"),
         "gravity": gravity_of(document),
         "details": {key: document.values[key].plain() for key in document.values if key in reported and document.has(key)},
     }
+    _demand_varied(document, more["details"])
     one_sided = one_sided_of(document)
     if not document.has("sides"):
         numbers = _numbers(document, one_sided)
@@ -41,6 +42,15 @@ def build(document: Document, name: str) -> RockingParameters:
     if document.has("arm") and document.quantity("arm", "length") != weaker.arm:
         raise document.fault("arm", str(document.values["arm"]), f"that of the {weaker.side} edge in sides, which lifts first")
     return RockingParameters.of_sides(name, structure, left, right, **more)
+
+
+def _demand_varied(document: Document, details: dict[str, Any]) -> None:
+    """Raise DocumentError unless what a family varied are numbers by key, and their units are names by the same keys."""
+    values, units = (details.get(key, {}) for key in VARIED)
+    numbers = isinstance(values, dict) and all(isinstance(value, float) for value in values.values())
+    names = isinstance(units, dict) and all(isinstance(unit, str) or unit is None for unit in units.values())
+    if not (numbers and names and (not units or units.keys() == values.keys())):
+        raise document.fault("varied", "what no family varies", "numbers by key and, as varied_units, the names of their units by key")
 
 
 def _numbers(document: Document, one_sided: bool = False) -> dict[str, Any]:

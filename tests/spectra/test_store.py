@@ -186,7 +186,7 @@ def test_xarray_sees_dimensions_coordinates_units_and_flags(tmp_path):
         assert d.structure.values.tolist() == ["Säule"]
         assert d.outcome.dtype == np.uint8
         assert d.outcome.flag_meanings.split()[d.outcome.values.max()] in {o.flag for o in Outcome}
-        assert list(d.outcome.flag_values) == list(range(6))
+        assert list(d.outcome.flag_values) == [o.value for o in Outcome]
         assert d.attrs["Conventions"] == "CF-1.11"
         assert "kind: block" in d.attrs["documents"]
         assert d.attrs["estimated_error"] < 1e-12
