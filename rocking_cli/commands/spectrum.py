@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     "--quantity",
     "quantities",
     metavar="NAME,…",
-    help="Also store: condition (sensitivity to the input), linear, of records velocity_ratio.",
+    help="Also store: condition (sensitivity to the input), friction, fz_min, linear, of records velocity_ratio.",
 )
 @click.option("--no-validity", is_flag=True, help="Do not compare cells of a linear sweep with the nonlinear equation.")
 @options.workers

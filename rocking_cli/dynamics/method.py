@@ -23,6 +23,7 @@ from .equations.linear import LinearEquation
 from .equations.mechanism import MechanismEquation
 from .equations.rigid_body import RigidBodyEquation
 from .equations.taylor import order_for
+from .march.demand import Body
 from .system import System
 
 if TYPE_CHECKING:
@@ -31,6 +32,7 @@ if TYPE_CHECKING:
     from .references.general_solver import Problem
 
 TOLERANCE = 1e-9
+MOST_ALPHA = 0.6  # rad; up to it bodies that rock freely need most friction on the ground, and press on it least there
 Reference = Callable[["Motion", float, float, float], tuple["Outcome", float]]
 
 
@@ -159,11 +161,16 @@ class Method:
         kind = self.kind_of(structure)
         try:
             equation = kind.build(structure, self.tolerance)
-            return System(
-                equation, contact_of(structure, equation), None if structure.dimensionless else structure.alpha / structure.a_scale
-            )
+            scale = None if structure.dimensionless else structure.alpha / structure.a_scale
+            return System(equation, contact_of(structure, equation), scale, self._body_of(structure))
         except ValueError as error:
             raise UsageError(f"{structure.name}: {error}") from None
+
+    def _body_of(self, structure: RockingParameters) -> Body | None:
+        """What the forces of a rigid body follow from in sweeps; None where they are not followed."""
+        if structure.arm is None or structure.sides or structure.damping or structure.alpha > MOST_ALPHA or structure.a_scale != 1.0:
+            return None
+        return Body(structure.alpha, structure.arm * structure.p**2 / structure.gravity, self.exact)
 
     def shares(self, structure: RockingParameters) -> tuple[Any, ...]:
         """Structures for which this is equal are one system; with equal restitutions too they share one dimensionless computation,

@@ -11,6 +11,7 @@ from .equations.linear import LinearEquation
 from .equations.rigid_body import RigidBodyEquation
 from .flight.run import Flight
 from .march.engine import Run, Work
+from .outcome import safe
 from .system import System
 
 Array = np.ndarray
@@ -60,6 +61,24 @@ def response(
     run.all()
     shape = amplitude.shape
     return Response(run.theta_ratio.reshape(shape), run.outcome.reshape(shape), run.impacts.reshape(shape), run.work)
+
+
+def response_with_demands(
+    system: System, motion: Motion, amplitude: Array, omega: Array, eta: Array | float
+) -> tuple[Response, dict[str, Array]]:
+    """The same, and by name what each body asks of the ground: `friction`, the largest |Fx|/Fz [-], and `fz_min`, the least Fz over m g
+    [-], both NaN where it does not stay upright. Raises ValueError for a system without a `body` or a motion with a vertical part."""
+    if system.body is None or motion.vertical is not None:
+        raise ValueError("demands need a system with a body, and a motion without a vertical part")
+    amplitude, omega, eta = np.broadcast_arrays(*(np.asarray(x, dtype=float) for x in (amplitude, omega, eta)))
+    cells = amplitude.ravel(), omega.ravel(), eta.ravel()
+    run = Run(system, motion.segments, *cells, True, system.equation.pool, body=system.body)
+    run.all()
+    theta_ratio, outcome, impacts = (x.reshape(amplitude.shape) for x in (run.theta_ratio, run.outcome, run.impacts))
+    found = Response(theta_ratio, outcome, impacts, run.work)
+    assert run.demands is not None  # a body was given
+    asked = {"friction": run.demands.friction, "fz_min": run.demands.fz_min}
+    return found, {name: np.where(safe(run.outcome), x, np.nan).reshape(amplitude.shape) for name, x in asked.items()}
 
 
 def linear_response(

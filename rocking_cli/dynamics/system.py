@@ -11,6 +11,7 @@ from ..motions.motion import Motion, Segments
 from .contacts.contact import Contact
 from .contacts.symmetric import Symmetric
 from .equations.equation import Equation
+from .march.demand import Body
 from .weight import weighed
 
 _SYMMETRIC = Symmetric()
@@ -18,11 +19,15 @@ _SYMMETRIC = Symmetric()
 
 @dataclass(frozen=True)
 class System:
-    """An equation of motion on a contact; `Symmetric` unless given. scale: alpha/a_scale, the ground acceleration over g of A = 1 [-]."""
+    """An equation of motion on a contact; `Symmetric` unless given.
+
+    scale: alpha/a_scale, the ground acceleration over g of A = 1 [-]; body: of what has forces on the ground that can be followed.
+    """
 
     equation: Equation
     contact: Contact = _SYMMETRIC
     scale: float | None = None
+    body: Body | None = None
 
     def segments(self, motion: Motion) -> Segments:
         """The segments of a motion; weighed for this body where it has a vertical part, for which the scale must be known (ValueError)."""

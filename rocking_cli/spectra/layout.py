@@ -37,6 +37,16 @@ VARIABLES: dict[str, tuple[np.dtype, dict[str, Any]]] = {
         {"units": "rad", "long_name": "largest angular speed over p", "_FillValue": np.nan,
          "comment": "max over time of abs(d theta/dt)/p; NaN where overturned or not computed, and with damping or unequal sides"},
     ),
+    "friction": (
+        np.dtype("<f8"),
+        {"units": "1", "long_name": "required coefficient of friction", "_FillValue": np.nan,
+         "comment": "max over time of abs(Fx)/Fz between impacts; infinite where Fz <= 0, NaN where overturned or not computed"},
+    ),
+    "fz_min": (
+        np.dtype("<f8"),
+        {"units": "1", "long_name": "least vertical force over weight", "_FillValue": np.nan,
+         "comment": "min over time of Fz/(m g) between impacts; NaN where overturned or not computed"},
+    ),
     "condition": (
         np.dtype("<f8"),
         {"units": "1", "long_name": "condition of the largest rotation", "_FillValue": np.nan,

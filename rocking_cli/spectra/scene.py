@@ -28,6 +28,8 @@ Array = np.ndarray
 QUANTITIES: dict[str, tuple[str, ...]] = {
     "velocity_ratio": ("velocity_ratio",),
     "condition": ("condition",),
+    "friction": ("friction",),
+    "fz_min": ("fz_min",),
     "linear": ("theta_ratio_linear", "outcome_linear", "difference"),
 }
 """What may be computed beside theta_ratio, outcome and impacts, and the variables that it comes to."""

@@ -12,7 +12,7 @@ import numpy as np
 
 from .. import interruption
 from ..dynamics.march.engine import Work
-from ..dynamics.method import LINEAR, Method
+from ..dynamics.method import LINEAR, MOST_ALPHA, Method
 from ..dynamics.outcome import Difference, Outcome
 from ..errors import Interrupted, UsageError
 from ..motions import Motion
@@ -314,11 +314,27 @@ def _padded(block: np.ndarray, shape: tuple[int, int]) -> np.ndarray:
     return full
 
 
+def _check_bodies(scene: Scene) -> None:
+    """Refuse friction and fz_min where they are not followed."""
+    wanted = f"one rigid body of two edges alike or one, undamped, its arm known and alpha up to {MOST_ALPHA:g} rad"
+    if scene.of_records or scene.weighed:
+        raise UsageError("quantities friction and fz_min go with a pulse or a motion document without a vertical part")
+    bodies: dict[Any, Any] = {}
+    for s in scene.structures:
+        body = scene.method.system_of(s).body
+        if body is None:
+            raise UsageError(f"{s.name}: quantities friction and fz_min: accepted is {wanted}")
+        if bodies.setdefault((s.eta, scene.shares(s)), body) != body:
+            raise UsageError(f"{s.name}: shares its rotations with another structure, but not its forces; sweep them apart")
+
+
 def _checked(names: Sequence[str], scene: Scene) -> tuple[str, ...]:
     """The quantities of a sweep, those asked for and those that belong to its scene. Raises UsageError."""
     quantities = known_quantities((*names, *scene.quantities))
     if "velocity_ratio" in quantities and not scene.of_records:
         raise UsageError("quantity velocity_ratio: found the sweep of a pulse; accepted is one of records")
+    if "friction" in quantities or "fz_min" in quantities:
+        _check_bodies(scene)
     if "linear" in quantities and scene.method.exact:
         raise UsageError("quantity linear: the linear equation beside the nonlinear one, which `model` is not; accepted is nonlinear")
     return quantities

@@ -17,7 +17,7 @@ import numpy as np
 from ..dynamics.march.engine import Work
 from ..dynamics.method import LINEAR
 from ..dynamics.outcome import Difference, Outcome, difference
-from ..dynamics.response import Response, response
+from ..dynamics.response import Response, response, response_with_demands
 from ..dynamics.speeds import response_with_speed
 from .condition import condition_of
 from .processes import processes
@@ -102,6 +102,8 @@ class Job:
             beside["velocity_ratio"] = rate * np.concatenate(
                 [np.full(a * b, s.structure.alpha) for s, (a, b) in zip(bands, sizes, strict=True)]
             )
+        elif "friction" in self.quantities or "fz_min" in self.quantities:
+            got, beside = response_with_demands(system, motion, *cells)
         else:
             got = response(system, motion, *cells)
         if "condition" in self.quantities:

@@ -21,6 +21,7 @@ from ..outcome import Outcome
 from ..system import System
 from ..weight import WeighedSegments
 from .advance import Crests, Passage, advance, crests, low_bounces
+from .demand import Body, Demands
 
 Array = np.ndarray
 Landing = TypeVar("Landing", bound=Lanes)
@@ -89,12 +90,13 @@ class Run:
     """One batch of cells on its way through the pool.
 
     Parameters: amplitude, omega, eta: (cells,), as `response` takes them; peaks: whether the largest rotations are wanted; pool: lanes
-    advanced together; watch: None unless somebody listens. Raises ValueError when an eta does not fit the contact.
+    advanced together; watch: None unless somebody listens; body: of what its demands on the ground are wanted. Raises ValueError when
+    an eta does not fit the contact.
     """
 
     def __init__(
         self, system: System, segments: Segments, amplitude: Array, omega: Array, eta: Array, peaks: bool, pool: int,
-        watch: Watch | None = None,
+        watch: Watch | None = None, body: Body | None = None,
     ) -> None:  # fmt: skip
         self.equation, self.contact = system.equation, system.contact
         self.peaks, self.pool, self.watch = peaks, pool, watch
@@ -109,6 +111,7 @@ class Run:
         self.work = Work(cells=amplitude.size)
         self.most_steps = MAX_STEPS + 40 * len(segments)
         self.drops = self._first_free_fall()
+        self.demands = None if body is None else Demands(body, segments, self.contact.strongest(self.cells, segments), amplitude.size)
 
     def _first_free_fall(self) -> Uplift | None:
         """Where the ground first falls as fast as the cells' bodies, w <= 0; None where it never does to any."""
@@ -177,6 +180,11 @@ class Run:
             past = found.lanes[found.y >= limit]  # beyond it and back within one step
             over[past] = ~bad[past]
 
+        if self.demands is not None:
+            y, v = np.where(hit, 0.0, end.y), np.where(hit, passage.impact_v, end.v)
+            self.demands.follow(lanes, passage.arc, passage.reach, y, v, np.flatnonzero(~(bad | over)))
+            stay = last[~(fate.overturns | fate.overturns_after_impact)]
+            self.demands.free(lanes.cell[stay], end.y[stay], end.v[stay])
         self.work += Work(certain_overturning=int(over.sum()), free_phase=last.size, impacts=int(hit.sum()), steps=hit.size)
         self._finish(lanes, np.flatnonzero(bad), Outcome.FAILED, np.nan)
         self._overturn(lanes, last[fate.overturns])
