@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 @options.motions
 @options.vertical
 @options.methods
+@options.linear_uplift
 @options.a_max
 @click.option(
     "--sign", type=click.Choice(["worse", "+", "-", "both"]), default="worse", show_default=True,
@@ -47,6 +48,7 @@ def envelope(
     recordings: tuple[Recording, ...],
     models: tuple[str, ...],
     tolerance: float,
+    linear_uplift: str,
     a_max: options.Limit,
     sign: str,
     first: bool,
@@ -95,7 +97,7 @@ def envelope(
         if len(methods) > 1:
             raise click.UsageError("--model both goes with a pulse; of records the nonlinear equation decides")
         asked = context.get_parameter_source("model") is not click.core.ParameterSource.DEFAULT
-        structures = options.structures_of(files, etas) if files else []
+        structures = options.lifting(options.structures_of(files, etas) if files else [], linear_uplift, models)
         words: dict[str, Any] = {
             "axes": axes,
             "alphas": alphas,
@@ -108,7 +110,7 @@ def envelope(
     if alphas is not None:
         raise click.UsageError("--alpha goes with records: give --motion")
     axis = frequency_axis(axes)
-    structures = options.structures_of(files, etas)
+    structures = options.lifting(options.structures_of(files, etas), linear_uplift, models)
     for structure in structures:  # all of them, before the first row is printed
         if closed_form:
             check_curves(structure, motion, axis)

@@ -175,6 +175,21 @@ def methods(command: F) -> F:
     return model(tolerance(with_models))
 
 
+linear_uplift = click.option(
+    "--linear-uplift", type=click.Choice(["alpha", "lambda"]), default="alpha", show_default=True,
+    help="Of rigid bodies by the linear equation: at alpha (Eq. 2.4), or at lambda g as the body does (a_scale = alpha/lambda, Eq. 3.9).",
+)  # fmt: skip
+
+
+def lifting(structures: list[RockingParameters], linear_uplift: str, models: Sequence[str] = ("linear",)) -> list[RockingParameters]:
+    """The structures as --linear-uplift has them. Raises click.UsageError where another equation than the linear one is wanted."""
+    if linear_uplift != "lambda":
+        return structures
+    if tuple(models) != ("linear",):
+        raise click.UsageError("--linear-uplift lambda goes with --model linear: the nonlinear equation lifts at lambda by itself")
+    return [structure.lifting_at_lambda() for structure in structures]
+
+
 def shaking(command: F) -> F:
     """One amplitude and one frequency, with units or dimensionless; the command gets a grid of one cell, None without any.
 

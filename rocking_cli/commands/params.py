@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from . import options
 from .progress import ProgressLine
+
+if TYPE_CHECKING:
+    from ..structures import RockingParameters
 
 SIDES_COLUMNS = [f"{side}_{key}" for side in ("left", "right") for key in ("p", "alpha", "lambda", "a_scale", "eta", "arm")]
 SHARED = {"one_sided": False, "damping": 0.0, "friction": None, "arm": None}  # keys that some members have, and what stands for none
@@ -18,15 +21,21 @@ SHARED = {"one_sided": False, "damping": 0.0, "friction": None, "arm": None}  # 
 @click.command(epilog="Example: rocking params configs/block.yaml --json | jq .p")
 @options.files
 @click.option("--vary", "vary", multiple=True, metavar="KEY=START:STOP:N", help="A family over this key; repeatable, all combinations.")
+@options.linear_uplift
 @options.output_form
 @options.quiet
 @click.pass_context
-def params(context: click.Context, files: tuple[str, ...], vary: tuple[str, ...], form: str | None, quiet: bool) -> None:
+def params(
+    context: click.Context, files: tuple[str, ...], vary: tuple[str, ...], linear_uplift: str, form: str | None, quiet: bool
+) -> None:
     """Derive p, alpha, eta, lambda and a_scale of each structure.
 
     FILE is a YAML or JSON structure document, - for standard input. Bounds of --vary without a unit take the unit that
     the document uses for that key. A body with two unequal sides has the parameters of the edge that lifts first, and those
     of both besides. Members of a family without a solution are reported and the rest kept (exit code 4).
+
+    The linear oscillator leaves the ground at alpha/a_scale g: of a rigid body, whose a_scale is 1, at alpha g, a little before the
+    body does at lambda g = tan(alpha) g.
     """
     from ..reports.tables import flat
     from ..structures import build_structure, read_documents, with_distinct_names
@@ -38,11 +47,13 @@ def params(context: click.Context, files: tuple[str, ...], vary: tuple[str, ...]
     total = members(variations)
     documents = [document for path in files for document in read_documents(path)]
     faults: list[str] = []
+    early: list[RockingParameters] = []
 
     def records() -> Iterator[dict[str, Any]]:
         if not variations:
-            built = with_distinct_names([build_structure(document) for document in documents])
+            built = options.lifting(with_distinct_names([build_structure(document) for document in documents]), linear_uplift)
             options.remark_on(built)
+            early.extend(s for s in built if form is None and s.uplift > 1.01 * s.linear_uplift)
             plain = [structure.record() for structure in built]
             rows = [row for record in plain for row in _rows(record, form)]
             if form == "csv":
@@ -59,9 +70,13 @@ def params(context: click.Context, files: tuple[str, ...], vary: tuple[str, ...]
                     varied = ", ".join(f"{key} = {value:g}" for key, value in member.shown.items())
                     options.note(f"no solution for {varied}: {member.fault}", quiet)
                 else:
-                    yield from _rows(member.parameters.record(), form, member.shown)
+                    (structure,) = options.lifting([member.parameters], linear_uplift)
+                    yield from _rows(structure.record(), form, member.shown)
 
     options.emit(records(), form)
+    for s in early:
+        lifts = f"lifts it at alpha/a_scale = {s.linear_uplift:.4g} g, the body at lambda = {s.uplift:.4g} g"
+        options.note(f"{s.name}: the linear equation {lifts}", quiet)
     if faults:
         context.exit(4)
 

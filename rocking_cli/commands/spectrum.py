@@ -29,6 +29,7 @@ if TYPE_CHECKING:
 @options.motions
 @options.vertical
 @options.methods
+@options.linear_uplift
 @click.option("--impacts", is_flag=True, help="Also store the number of impacts during the shaking.")
 @click.option(
     "--quantity",
@@ -59,6 +60,7 @@ def spectrum(
     recordings: tuple[Recording, ...],
     models: tuple[str, ...],
     tolerance: float,
+    linear_uplift: str,
     impacts: bool,
     quantities: str | None,
     no_validity: bool,
@@ -107,9 +109,11 @@ def spectrum(
     texts = ""
     if grid is not None and motion is not None:
         structures, texts = options.structures_and_texts(files, etas)
+        structures = options.lifting(structures, linear_uplift, models)
         scene = PulseScene(tuple(structures), grid, motion, method)
     else:
         structures, texts = options.structures_and_texts(files, etas) if files else ([], "")
+        structures = options.lifting(structures, linear_uplift, models)
         asked = context.get_parameter_source("model") is not click.core.ParameterSource.DEFAULT
         scene = scene_of_words(
             structures, recordings, axes=axes, alphas=alphas, etas=etas,

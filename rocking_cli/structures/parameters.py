@@ -141,6 +141,19 @@ class RockingParameters:
         kind = record["structure_kind"] if "structure_kind" in record else record["structure"]  # its name in files of earlier versions
         return cls(record["name"], kind, record["p"], record["alpha"], sides=sides, **more)
 
+    @property
+    def linear_uplift(self) -> float:
+        """The ground acceleration over g at which the linear oscillator leaves the ground, alpha/a_scale; the body does at lambda [-]."""
+        return self.alpha / self.a_scale
+
+    def lifting_at_lambda(self) -> RockingParameters:
+        """A rigid body with a_scale = alpha/lambda (Eq. 3.9) on every edge, so that its linear oscillator lifts where the body does; what
+        is no rigid body (a_scale not 1) as it is."""
+        if self.a_scale != 1.0:
+            return self
+        sides = tuple(replace(side, a_scale=side.alpha / side.uplift) for side in self.sides)
+        return replace(self, a_scale=self.alpha / self.uplift, sides=sides)
+
     def with_restitution(self, eta: float) -> RockingParameters:
         """The same body with another restitution, on both edges. Raises ValueError when it is out of range."""
         if self.sides:

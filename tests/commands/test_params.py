@@ -157,3 +157,16 @@ def test_csv_tells_the_units_asked_for_and_json_stays_in_si(rocking):
 def test_equal_names_are_numbered(rocking):
     done = rocking("params", "configs/block.yaml", "configs/block.yaml", "--json")
     assert [json.loads(line)["name"] for line in done.stdout.splitlines()] == ["Column", "Column-2"]
+
+
+def test_what_linear_means_at_uplift_is_said_and_chosen(rocking):
+    said = rocking("params", "configs/block.yaml")
+    assert said.stderr == "Column: the linear equation lifts it at alpha/a_scale = 0.245 g, the body at lambda = 0.25 g\n"
+    lifted = rocking("params", "configs/block.yaml", "--linear-uplift", "lambda", "--json")
+    assert json.loads(lifted.stdout)["a_scale"] == pytest.approx(0.24497866 / 0.25, rel=1e-7)
+    wanted = rocking("envelope", "-", "--grid", "Omega=4", "--json", stdin=lifted.stdout)
+    found = rocking("envelope", "configs/block.yaml", "--linear-uplift", "lambda", "--grid", "Omega=4", "--json")
+    assert found.stdout == wanted.stdout
+    refused = rocking("envelope", "configs/block.yaml", "--linear-uplift", "lambda", "--model", "both", "--grid", "Omega=4")
+    assert refused.returncode == 2
+    assert "goes with --model linear" in refused.stderr

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import pytest
 
-from rocking_cli import RockingParameters, dimensionless_oscillator
+from rocking_cli import RockingParameters, build_structure, dimensionless_oscillator, parse_documents
 from rocking_cli.structures.parameters import Side
 
 LEFT = Side("left", 2.1, 0.3, 0.31, 1.0, 0.8)
@@ -78,3 +78,17 @@ def test_a_record_of_an_earlier_file_is_read():
     now = one.record()
     before = {("structure" if key == "structure_kind" else key): value for key, value in now.items()}
     assert RockingParameters.from_record(now) == RockingParameters.from_record(before) == one
+
+
+def test_a_linear_oscillator_can_lift_where_the_body_does():
+    """Eq. 3.9 for a rigid body: a_g at A = 1 is then lambda g; unequal edges each by itself, and mechanisms as they are."""
+    texts = ("kind: block\nwidth: 1\nheight: 2", "kind: rigid\nleft: 0.42\nright: 0.31\nheight: 1.15\ngyration: 0.68")
+    for text in texts:
+        body = build_structure(parse_documents(text)[0])
+        lifted = body.lifting_at_lambda()
+        assert body.linear_uplift == body.alpha
+        assert lifted.linear_uplift == pytest.approx(body.uplift, rel=1e-15)
+        assert lifted.ground_acceleration(1.0) == pytest.approx(body.uplift * 9.81, rel=1e-14)
+        assert [side.a_scale for side in lifted.sides] == [side.alpha / side.uplift for side in body.sides]
+    stated = build_structure(parse_documents("kind: parameters\np: 2\nalpha: 0.1\neta: 0.9\nlambda: 0.3\na_scale: 0.5")[0])
+    assert stated.lifting_at_lambda() == stated
