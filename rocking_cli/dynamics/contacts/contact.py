@@ -146,6 +146,8 @@ def bouncing_ends(segments: Segments, lanes: Lanes, equation: Equation, there: B
     gap = np.minimum(1.0 - drive, 1.0 + there.drive * drive)
     proved = (keeps == 1.0) & (v < BELOW_ROUNDING * gap)
     maybe = np.flatnonzero((gap > 0.0) & (v * v < 0.05 * gap * gap) & (keeps < 1.0))
+    room = segments.length[lanes.k[maybe]] - lanes.u[maybe]  # a trial is longer than 3 v / (1 - q) / (1 - a)
+    maybe = maybe[3.0 * v[maybe] * lanes.omega[maybe] < room * (1.0 - keeps[maybe]) * (1.0 - drive[maybe])]
     if not maybe.size:
         return proved
     k, u, v, a0, q = lanes.k[maybe], lanes.u[maybe], v[maybe], drive[maybe], keeps[maybe]

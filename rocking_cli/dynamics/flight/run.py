@@ -291,12 +291,17 @@ def _horizon(y: Array, v: Array, least: Array) -> tuple[Array, Array]:
 
 
 def _impact_guess(arc: RampFlow, end: Point, h: Array, low: Array, high: Array, at: Array) -> Array:
-    """A first guess inside the bracket: ballistic from the left where b < 0 at the start, else a step from the right."""
+    """A first guess inside the bracket: ballistic from the left where b < 0 at the start, else a step from the right; then the cubic."""
     y, v, b = arc.y[at], arc.v[at], arc.b[at]
     left = (v + np.sqrt(v * v - 2.0 * b * y)) / -b
     slope = end.v[at]
     right = h[at] - end.y[at] / (slope - 0.5 * end.y[at] * end.b[at] / slope)
     guess = np.where((b < 0.0) & (left < high[at]) & (left > low[at]), left, right)
+    jerk = v + arc.rate[at]  # what the cubic adds
+    slope = v + guess * (b + 0.5 * guess * jerk)
+    bend = b + guess * jerk
+    short = (y + guess * (v + guess * (0.5 * b + guess * jerk * (1.0 / 6.0)))) / slope
+    guess = guess - short / (1.0 - 0.5 * short * bend / slope)
     return np.where((guess > low[at]) & (guess < high[at]), guess, 0.5 * (low[at] + high[at]))
 
 
