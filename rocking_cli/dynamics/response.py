@@ -55,12 +55,17 @@ def response(
     cells, samples = (amplitude.ravel(), omega.ravel(), eta.ravel()), motion.samples
     run = (
         Flight(system, motion.segments, samples, *cells, peaks, pool)
-        if samples is not None and motion.vertical is None and system.equation.bounded
+        if samples is not None and flies(system, motion)
         else Run(system, system.segments(motion), *cells, peaks, pool or system.equation.pool)
     )
     run.all()
     shape = amplitude.shape
     return Response(run.theta_ratio.reshape(shape), run.outcome.reshape(shape), run.impacts.reshape(shape), run.work)
+
+
+def flies(system: System, motion: Motion) -> bool:
+    """Whether the response is flown, not marched: the undamped linear oscillator under samples at equal steps, without a vertical part."""
+    return motion.samples is not None and motion.vertical is None and system.equation.bounded
 
 
 def response_with_demands(

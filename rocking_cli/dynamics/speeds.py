@@ -2,21 +2,24 @@
 
 Within a step of the march |v| is largest at an end, at the impact, or where the acceleration is zero. Under straight lines the
 acceleration of the undamped linear oscillator between samples is a sum of exp(tau) and exp(-tau), which has at most one zero; the
-nonlinear equations differ little from it over one sample. After the shaking the speed is largest at the next impact: by the energy.
+nonlinear equations differ little from it over one sample. A jump of the flight is
+halved while the bounds of y'' leave room for a larger speed in it. After the shaking the speed is largest at the next impact: by the
+energy.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
-from ..motions.motion import Motion
+from ..motions.motion import Motion, Samples
 from .drive import place
-from .equations.equation import Flow
+from .equations.equation import Flow, Point
+from .flight.ramp import RampFlow
+from .flight.run import Flight, Flights, Leap
 from .lanes import Lanes
-from .march.advance import Passage
 from .march.engine import Round, Run
 from .outcome import Outcome
-from .response import Response
+from .response import Response, flies
 from .system import System
 
 Array = np.ndarray
@@ -24,38 +27,83 @@ Array = np.ndarray
 _ROUNDS = 60  # halvings of a bracket at most; Newton's steps need four
 
 
-class SpeedRun(Run):
-    """A run that keeps the largest speed of each cell."""
+class _Speeds(Run):
+    """A run that keeps the largest speed of each cell, in `fastest`."""
 
-    def __init__(self, system: System, motion: Motion, amplitude: Array, omega: Array, eta: Array) -> None:
-        super().__init__(system, motion.segments, amplitude, omega, eta, True, system.equation.pool)
-        self.fastest = np.zeros(amplitude.size)
+    fastest: Array
 
     def round(self, lanes: Lanes) -> Round:
         """One step for every lane, and how fast it was in it."""
         done = super().round(lanes)
-        self._raise(lanes, done.passage)
+        passage = done.passage
+        end, hit = passage.end, passage.hit
+        self._raise(
+            lanes, passage.arc, passage.reach,
+            np.where(hit, 0.0, end.y), np.where(hit, passage.impact_v, end.v), np.where(hit, passage.impact_b, end.b),
+        )  # fmt: skip
+        k, _ = place(self.segments, passage.step.k, passage.step.u)
+        self._fall(lanes, np.flatnonzero(~hit & (k >= self.shaken)), end.y, end.v)
         return done
 
-    def _raise(self, lanes: Lanes, passage: Passage) -> None:
-        arc, reach, hit = passage.arc, passage.reach, passage.hit
+    def _raise(self, lanes: Lanes, arc: Flow, reach: Array, y: Array, v: Array, b: Array) -> None:
+        """The speeds of these arcs, which come to y, v, b after `reach`."""
         equation = self.equation.on(lanes.side)
-        y, v = np.where(hit, 0.0, passage.end.y), np.where(hit, passage.impact_v, passage.end.v)
-        b = np.where(hit, passage.impact_b, passage.end.b)
         fastest = np.maximum(self.fastest[lanes.cell], np.abs(equation.rotation_rate(y, v)))
         within = np.maximum(np.abs(arc.v), np.abs(v)) + 0.5 * reach * np.maximum(np.abs(arc.b), np.abs(b))
         at = np.flatnonzero((arc.b * b < 0.0) & (np.abs(equation.rotation_rate(y, within)) > fastest))
         if at.size:
             y_at, v_at = _even(arc.take(at), reach[at])
             fastest[at] = np.maximum(fastest[at], np.abs(self.equation.on(lanes.side[at]).rotation_rate(y_at, v_at)))
-        k, _ = place(self.segments, passage.step.k, passage.step.u)
-        last = np.flatnonzero(~hit & (k >= self.shaken))
-        if last.size:
-            there = self.equation.on(lanes.side[last])
-            zero = np.zeros(last.size)
-            at_ground = np.sqrt(there.fall(passage.end.y[last], passage.end.v[last])[1] / there.fall(zero, zero + 1.0)[1])
-            fastest[last] = np.fmax(fastest[last], there.rotation_rate(zero, at_ground))
         self.fastest[lanes.cell] = fastest
+
+    def _fall(self, lanes: Lanes, last: Array, y: Array, v: Array) -> None:
+        """The speed at the next impact of lanes that are at y, v when the shaking is over."""
+        if last.size:
+            there, zero = self.equation.on(lanes.side[last]), np.zeros(last.size)
+            at_ground = np.sqrt(there.fall(y[last], v[last])[1] / there.fall(zero, zero + 1.0)[1])
+            cell = lanes.cell[last]
+            self.fastest[cell] = np.fmax(self.fastest[cell], there.rotation_rate(zero, at_ground))
+
+
+class SpeedRun(_Speeds):
+    """A march that keeps the largest speed of each cell."""
+
+    def __init__(self, system: System, motion: Motion, amplitude: Array, omega: Array, eta: Array) -> None:
+        super().__init__(system, motion.segments, amplitude, omega, eta, True, system.equation.pool)
+        self.fastest = np.zeros(amplitude.size)
+
+
+class SpeedFlight(_Speeds, Flight):
+    """A flight that keeps the largest speed of each cell."""
+
+    def __init__(self, system: System, motion: Motion, samples: Samples, amplitude: Array, omega: Array, eta: Array) -> None:
+        Flight.__init__(self, system, motion.segments, samples, amplitude, omega, eta, True, None)
+        self.fastest = np.zeros(amplitude.size)
+
+    def _doubtful(self, lanes: Flights, leap: Leap, flying: Array) -> Array:
+        """Leaps that may hold a larger speed too: with c - 1 <= y'' <= r, v is below the lines of slope r from the start and c - 1 to the
+        end, and above those of slope c - 1 from the start and r to the end."""
+        crests = super()._doubtful(lanes, leap, flying)
+        at = np.flatnonzero(flying)
+        self.fastest[lanes.cell[at]] = np.maximum(self.fastest[lanes.cell[at]], np.abs(leap.v[at]))
+        fastest = self.fastest[lanes.cell]
+        at = np.flatnonzero((leap.fall * leap.time + np.maximum(leap.v, -lanes.v) > fastest) & flying)
+        v, end, fall, time = lanes.v[at], leap.v[at], leap.fall[at], leap.time[at]
+        highest = np.maximum(lanes.y[at], leap.y[at]) + 0.125 * np.maximum(fall, 0.0) * time * time
+        rise = highest - 1.0 + self._strongest(lanes, at)
+        top = v + rise * (end - v + fall * time) / (rise + fall)
+        bottom = v - fall * (v - end + rise * time) / (rise + fall)
+        even = (rise > 0.0) & (fall > 0.0) & (np.maximum(top, -bottom) > fastest[at])  # y'' may be zero
+        return np.union1d(crests, at[even])
+
+    def _noted(self, lanes: Flights, arc: RampFlow, reach: Array, hit: Array, end: Point) -> None:
+        """The speeds of intervals taken alone."""
+        self._raise(lanes, arc, reach, end.y, end.v, end.b)
+
+    def _shaken(self, lanes: Lanes, last: Array) -> None:
+        """The fate of lanes, and their speed at the next impact."""
+        self._fall(lanes, last, lanes.y, lanes.v)
+        super()._shaken(lanes, last)
 
 
 def _even(arc: Flow, high: Array) -> tuple[Array, Array]:
@@ -80,7 +128,8 @@ def response_with_speed(system: System, motion: Motion, amplitude: Array, omega:
     """`response`, and max over time of |d theta/d tau|/alpha [-], tau = p t, of bodies of two like edges (or one) without damping under
     straight lines; NaN where theta_ratio is, and for other bodies. Parameters as of `response`."""
     amplitude, omega, eta = np.broadcast_arrays(*(np.asarray(x, dtype=float) for x in (amplitude, omega, eta)))
-    run = SpeedRun(system, motion, amplitude.ravel(), omega.ravel(), eta.ravel())
+    cells, samples = (amplitude.ravel(), omega.ravel(), eta.ravel()), motion.samples
+    run = SpeedRun(system, motion, *cells) if samples is None or not flies(system, motion) else SpeedFlight(system, motion, samples, *cells)
     run.all()
     shape = amplitude.shape
     kept = (run.outcome == Outcome.ROCKED) | (run.outcome == Outcome.NO_UPLIFT)

@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, fields
+from typing import NamedTuple
 
 import numpy as np
 
@@ -48,6 +49,16 @@ class Flights(Lanes):
     down: Array
     level: Array
     slot: Array
+
+
+class Leap(NamedTuple):
+    """Jumps of all lanes: state at their ends, the peak with them, 1 - a at the most, and their time [tau]."""
+
+    y: Array
+    v: Array
+    peak: Array
+    fall: Array
+    time: Array
 
 
 class Flight(Run):
@@ -149,15 +160,10 @@ class Flight(Run):
         single = ((jump < 1) | (end_y < _LEAST * (1.0 + amplitude))) & ~free
         peak = np.maximum(lanes.peak, end_y)
         level = np.frexp(ahead)[1].clip(0, self.top)
-        held = np.zeros(0, dtype=np.int64)
-        if self.peaks:
-            time = (jump - past) * pace
-            high = np.flatnonzero((np.maximum(y, end_y) + 0.125 * fall * time * time > peak) & ~single & ~free)
-            high = high[self._may_crest(lanes, high, end_y, end_v, peak, time)]
-            alone = jump[high] == 1
-            single[high[alone]] = True
-            held = high[~alone]
-            level[held] = np.frexp(jump[held] // 2)[1] - 1
+        held = self._doubtful(lanes, Leap(end_y, end_v, peak, fall, (jump - past) * pace), ~(single | free))
+        single[held[jump[held] == 1]] = True
+        held = held[jump[held] > 1]
+        level[held] = np.frexp(jump[held] // 2)[1] - 1
         alone = np.flatnonzero(single)
         back = np.concatenate([alone, held])
         mine = lanes.take(alone)
@@ -187,16 +193,25 @@ class Flight(Run):
             self.work += Work(certain_overturning=lost.size)
         return np.concatenate([past, lost])
 
-    def _may_crest(self, lanes: Flights, at: Array, end_y: Array, end_v: Array, peak: Array, time: Array) -> Array:
-        """Whether a jump may hold a crest above the peak: not if y moves one way throughout, or is bounded by the strongest drive."""
-        y, v, time, end_v = lanes.y[at], lanes.v[at], time[at], end_v[at]
-        other = self.windows.face - lanes.face[at]
-        most = -lanes.amplitude[at] * self.windows.at(other, lanes.level[at], lanes.k[at]) - 1.0
-        start, end = y + most, end_y[at] + most
-        rises = end_v >= np.maximum(end, 0.0) * (0.5 * time)
+    def _doubtful(self, lanes: Flights, leap: Leap, flying: Array) -> Array:
+        """Flying lanes whose leap may hold a crest above the peak, by Lemma 11: they leap half as far."""
+        if not self.peaks:
+            return np.zeros(0, dtype=np.int64)
+        high = np.flatnonzero((np.maximum(lanes.y, leap.y) + 0.125 * leap.fall * leap.time * leap.time > leap.peak) & flying)
+        y, v, time, end_v = lanes.y[high], lanes.v[high], leap.time[high], leap.v[high]
+        pull = self._strongest(lanes, high) - 1.0
+        start, end = y + pull, leap.y[high] + pull
+        rises = end_v >= np.maximum(end, 0.0) * (0.5 * time)  # no more than at the end
         falls = -v >= np.maximum(start, 0.0) * (0.5 * time)
         top = np.where((start < 0.0) & (v > 0.0), y + v * v / (-start + np.sqrt(start * start - v * v)), np.inf)
-        return ~(rises | falls | (top <= peak[at]))
+        return high[~(rises | falls | (top <= leap.peak[high]))]
+
+    def _strongest(self, lanes: Flights, at: Array) -> Array:
+        """Upper bound of the outward drive over the windows of these lanes."""
+        return -lanes.amplitude[at] * self.windows.at(self.windows.face - lanes.face[at], lanes.level[at], lanes.k[at])
+
+    def _noted(self, lanes: Flights, arc: RampFlow, reach: Array, hit: Array, end: Point) -> None:
+        """What a listener wants to know of intervals taken alone: `end` is the state after `reach`, with velocity and force."""
 
     def _single(self, lanes: Flights) -> Flights:
         """Each lane through its present interval, up to where the drive passes 1, or to an impact; the lanes that go on."""
@@ -229,11 +244,15 @@ class Flight(Run):
         reach[at], impact_v = impact_root(arc.take(at), low[at], reach[at], guess)
         if self.peaks:
             self._raise_peaks(lanes, arc, end, low, reach, rises, hit, ridge & ~(rises & crosses))
+        struck = arc.take(at).at_ground(reach[at])
+        for values, there in ((end.y, 0.0), (end.v, impact_v), (end.b, struck)):
+            values[at] = there
+        self._noted(lanes, arc, reach, hit, end)
         lost = (lanes.steps > self.most_steps) | ~np.isfinite(reach)
         self._finish(lanes, np.flatnonzero(lost), Outcome.FAILED, np.nan)
         self.work += Work(impacts=at.size, steps=hit.size)
         landed = lanes.take(at)
-        landed, _ = self._land(landed, reach[at], impact_v, arc.take(at).at_ground(reach[at]))
+        landed, _ = self._land(landed, reach[at], impact_v, struck)
         on = np.flatnonzero(~hit & ~lost)
         onward = lanes.take(on)
         onward.k, onward.u = k[on] + ~cut[on], np.where(cut[on], lanes.u[on] + one[on] * lanes.omega[on], 0.0)
