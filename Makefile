@@ -5,7 +5,7 @@ CODE := $(shell find rocking_cli -name '*.py' -o -name '*.txt')
 CONFIGS := $(shell find configs -type f)
 TESTS := $(shell find tests -type f -not -path '*/__pycache__/*')
 
-.PHONY: demo test lint figures bench trace soak ladder mutants clean
+.PHONY: demo test lint figures study bench trace soak ladder mutants clean
 
 demo: out/demo.h5
 test: $(STAMPS)/test
@@ -58,6 +58,15 @@ figures: $(STAMPS)/dev
 	  $(ROCKING) plot $(FIG)/fig7d_$$t.csv -o $(FIG)/fig7d_$$t.png --overwrite || exit 1; done
 	$(ROCKING) compare configs/block.yaml configs/spire.yaml configs/arch.yaml --A 2 --Omega 4 --eta 0.8 --curves --csv > $(FIG)/fig8.csv
 	$(ROCKING) plot $(FIG)/fig8.csv -o $(FIG)/fig8.png --overwrite
+
+# How often the linear equation calls safe what overturns: blocks of b/h from 0.05 to 0.6 over A and Omega.
+STUDY := out/study
+study: $(STAMPS)/dev
+	mkdir -p $(STUDY)
+	$(ROCKING) params configs/block.yaml --vary width=0.1:1.2:12 --json -q > $(STUDY)/blocks.jsonl
+	$(ROCKING) spectrum $(STUDY)/blocks.jsonl --grid A=1:8:281,Omega=1:8:57 --model both --tolerance 1e-6 -o $(STUDY)/validity.h5 --overwrite
+	$(ROCKING) plot $(STUDY)/validity.h5 --all -o $(STUDY)/validity.png --overwrite
+	.venv/bin/python tests/bench/validity.py $(STUDY)/validity.h5
 
 bench: $(STAMPS)/dev
 	.venv/bin/python -m pip install --quiet --disable-pip-version-check --editable '.[bench]'

@@ -63,10 +63,10 @@ def _differences(axes: Axes, x: np.ndarray, y: np.ndarray, codes: np.ndarray) ->
 
     entries = []
     for one in Difference:
-        if one.colour is not None:
-            there = np.ma.masked_not_equal(codes, int(one))
+        there = np.ma.masked_not_equal(codes, int(one))
+        if one.colour is not None and there.count():
             axes.pcolormesh(x, y, there, cmap=ListedColormap([one.colour]), shading="nearest", rasterized=True, gid=one.flag)
-            entries.append(Patch(facecolor=one.colour, edgecolor="0.5", label=f"{one.sentence} ({there.count()} cells)"))
+            entries.append(Patch(facecolor=one.colour, edgecolor="0.5", label=one.sentence))
     return entries
 
 

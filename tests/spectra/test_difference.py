@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 
 from rocking_cli import UsageError, build_structure, parse_documents, parse_grid, sine, spectrum, write_spectrum
 from rocking_cli.dynamics.method import Method
 from rocking_cli.dynamics.outcome import Difference, Outcome, difference
+from rocking_cli.reports.maps import outcome_map
+from rocking_cli.reports.units import Units
 from rocking_cli.spectra.reader import SpectraFile
 
 STOCKY = build_structure(parse_documents("kind: block\nname: Stocky\nwidth: 1\nheight: 2")[0])
@@ -57,3 +60,13 @@ def test_what_is_not_known_is_no_difference():
 def test_the_linear_equation_has_nothing_beside_it():
     with pytest.raises(UsageError, match="accepted is nonlinear"):
         spectrum([STOCKY], sine(), GRID, quantities=["linear"])
+
+
+def test_the_map_marks_them(both):
+    _, file = both
+    axes = Figure().add_subplot()
+    entries = outcome_map(axes, file, 0, Units())
+    marked = {layer.get_gid(): layer.get_array().count() for layer in axes.collections if layer.get_gid()}
+    codes = file.array("difference")
+    assert marked == {d.flag: int((codes == d).sum()) for d in (Difference.LINEAR_UNSAFE, Difference.LINEAR_FALSE_ALARM)}
+    assert {entry.get_label() for entry in entries} >= {"linear stands, the body falls", "linear falls, the body stands"}

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 
-from rocking_cli import build_structure, dimensionless_oscillator, parse_documents, parse_grid, sine, spectrum
+from rocking_cli import build_structure, dimensionless_oscillator, overturned, parse_documents, parse_grid, sine, spectrum
+from rocking_cli.commands.help import page
 from rocking_cli.dynamics.method import Method
 from rocking_cli.dynamics.outcome import Difference
 from rocking_cli.spectra.scene import PulseScene
@@ -37,3 +39,16 @@ def test_nothing_is_said_where_the_nonlinear_equation_is_not_known_or_already_de
     assert validity(PulseScene((block(0.5),), parse_grid("A=0.1:0.9:5,Omega=1:6:5"), sine())) is None
     mixed = validity(PulseScene((dimensionless_oscillator(0.9), block(0.5)), GRID, sine()))
     assert mixed == validity(PulseScene((block(0.5),), GRID, sine()))
+
+
+@pytest.mark.soak
+def test_the_table_of_the_study_is_what_is_computed():
+    """Two of its rows, at the tolerance and on the grid of `make study`."""
+    table = {row[0]: row for row in (line.split() for line in page("accuracy").splitlines()) if len(row) == 8 and row[0][:2] == "0."}
+    grid = parse_grid("A=1:8:281,Omega=1:8:57")
+    for b in ("0.30", "0.50"):
+        body = build_structure(parse_documents(f"kind: block\nwidth: {2 * float(b)}\nheight: 2")[0])
+        found = spectrum([body], sine(), grid, method=Method("nonlinear", 1e-6), quantities=["linear"], check=0)
+        falls, unsafe = overturned(found.outcome), found.beside["difference"] == Difference.LINEAR_UNSAFE
+        alarms = (found.beside["difference"] == Difference.LINEAR_FALSE_ALARM).sum() / (~falls).sum()
+        assert table[b][6:] == [f"{100.0 * unsafe.sum() / falls.sum():.1f}", f"{100.0 * alarms:.1f}"]
