@@ -99,7 +99,7 @@ def _under_records(
         with SpectraFile(path) as file:
             here = scene.identity()
             if {key: file.scene.get(key) for key in here} != here:
-                raise UsageError(f"{path}: is of another scene; give another output, or --overwrite")
+                raise UsageError(f"{path}: is of another scene; give another output, or `overwrite`")
             theta, outcome = file.array("theta_ratio"), file.array("outcome")
     return [Exposure(levels, theta[:, i], outcome[:, i]) for i in range(len(structures))]
 
@@ -153,7 +153,7 @@ def traced(
             if progress is not None:
                 progress(len(found), len(members))
         return found
-    with processes(workers, task, "fewer --workers need less") as run:
+    with processes(workers, task, "fewer `workers` need less") as run:
         for intervals in run(members):
             found.append(intervals)
             if progress is not None:

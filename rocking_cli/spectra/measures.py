@@ -61,7 +61,7 @@ def measure_of(name: str) -> Measure:
     """The measure of that name. Raises UsageError."""
     found = next((m for key, m in MEASURES.items() if key.casefold() == name.strip().casefold()), None)
     if found is None:
-        raise UsageError(f"--im: found {name!r}; accepted are {', '.join(MEASURES)}{did_you_mean(name, MEASURES)}")
+        raise UsageError(f"`im`: found {name!r}; accepted are {', '.join(MEASURES)}{did_you_mean(name, MEASURES)}")
     return found
 
 

@@ -8,6 +8,7 @@ import h5py
 import numpy as np
 import pytest
 
+from rocking_cli import Outcome
 from rocking_cli.spectra.chunks import GZIP_LEVEL, ChunkGrid, pack, stored_outcomes, unpack
 
 
@@ -56,8 +57,8 @@ def test_outcomes_are_counted_without_what_fills_a_chunk_up():
     block[0, 0, 0] = 4
     packed = {"outcome": pack(block)}
     cut = ChunkGrid((1, 4, 3), (1, 3, 2))
-    assert stored_outcomes(packed, cut, 0).tolist() == [5, 0, 0, 0, 1, 0]
-    assert stored_outcomes(packed, cut, 3).tolist() == [0, 0, 0, 0, 1, 0]
-    block[...] = 6
-    with pytest.raises(ValueError, match="outcome 6 is none"):
+    assert stored_outcomes(packed, cut, 0).tolist() == [5, 0, 0, 0, 1, 0, 0]
+    assert stored_outcomes(packed, cut, 3).tolist() == [0, 0, 0, 0, 1, 0, 0]
+    block[...] = len(Outcome)
+    with pytest.raises(ValueError, match="outcome 7 is none"):
         stored_outcomes({"outcome": pack(block)}, cut, 0)

@@ -32,7 +32,7 @@ def test_intervals_of_pulses_are_those_of_the_envelope():
     found = traced(BLOCK, PULSES, MEASURES["PGA"], 12.0, LINEAR)
     for member, intervals in zip(PULSES, found, strict=True):
         top = float(BLOCK.dimensionless_amplitude(12.0))
-        wanted = trace_envelope(sine(), [member.omega / BLOCK.p], BLOCK, a_max=top)
+        wanted = trace_envelope(BLOCK, sine(), [member.omega / BLOCK.p], a_max=top)
         edges = [BLOCK.ground_acceleration(x) for i in wanted for x in (i.a_from, i.a_to) if x is not None]
         mine = [x for i in intervals for x in i if np.isfinite(x)]
         assert mine == pytest.approx(edges, rel=1e-12, abs=0)

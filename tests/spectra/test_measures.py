@@ -61,7 +61,7 @@ def test_wrong_tables_are_refused_with_their_place(tmp_path, text, words):
 
 
 def test_unknown_measures_and_those_that_a_motion_lacks_are_refused():
-    with pytest.raises(UsageError, match=r"--im: found 'PGX'; accepted are PGA, PGV"):
+    with pytest.raises(UsageError, match=r"`im`: found 'PGX'; accepted are PGA, PGV"):
         measure_of("PGX")
     still = Member("still", 1.0, 1.0, pulse_intensity(sine(), 0.0, 1.0), pulse=sine())
     with pytest.raises(UsageError, match="still: its PGV is 0"):
