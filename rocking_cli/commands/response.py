@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 @click.option("--dt", metavar="TIME", help="Time between two rows (default: 500 rows).")
 @click.option("--steps", is_flag=True, help="Rows at the solver's own steps instead.")
 @click.option("--events", is_flag=True, help="Uplifts, impacts, peaks, rest and overturning instead of the time history.")
-@click.option("--forces", is_flag=True, help="Also the forces on the ground of a rigid body over m g, and the friction they need.")
+@click.option("--forces", is_flag=True, help="Also the forces on the ground, or on the joints of an arch, over m g.")
 @click.option("--dimensionless", is_flag=True, help="theta/alpha against p t; --dt in p t too.")
 @options.output_form
 @options.quiet

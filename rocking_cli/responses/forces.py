@@ -234,6 +234,11 @@ class ForceHistory:
         fx[tau > self.found.end] = fz[tau > self.found.end] = np.nan
         return Forces(fx, fz)
 
+    def columns(self, tau: Array) -> dict[str, Array]:
+        """By name at times tau."""
+        fx, fz = self.at(tau)
+        return {"fx_ratio": fx, "fz_ratio": fz}
+
     def around(self, tau: float) -> tuple[Forces, Forces]:
         """The forces just before and just after an instant; they differ at impacts and where the ground acceleration jumps."""
         arcs = self.found.arcs

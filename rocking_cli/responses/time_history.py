@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -18,6 +18,9 @@ from ..spectra.grid import Grid
 from ..structures.parameters import RockingParameters
 from .forces import Body, Demands, ForceHistory, Ground
 from .history import Event, History, history
+
+if TYPE_CHECKING:
+    from .arch_forces import ArchHistory
 
 FREE = 30.0  # tau for which a response is followed after the shaking, unless the user says
 POINTS = 500  # times of a history over its whole length, unless the user says
@@ -57,11 +60,25 @@ class TimeHistory:
 
     @cached_property
     def forces(self) -> dict[str, ForceHistory]:
-        """The forces on the ground by each equation of motion, of a rigid body. Raises UsageError."""
+        """The forces on the ground by each equation of motion, of a rigid body; of an arch see `arch_forces`. Raises UsageError."""
         s = self.structure
         ground = Ground(self.motion, float(s.ground_acceleration(self.amplitude)) / s.gravity, self.omega)
         body = Body.of(s)
         return {model: ForceHistory(body, ground, found) for model, found in self.histories.items()}
+
+    @cached_property
+    def arch_forces(self) -> dict[str, ArchHistory]:
+        """The forces in an arch by Eq. 3.4; empty of what is none. Raises UsageError."""
+        from ..structures.fourbar import FourBar
+        from .arch_forces import ArchHistory
+
+        s = self.structure
+        if not isinstance(s.mechanism, FourBar):
+            return {}
+        if any(model != "nonlinear" for model in self.histories):
+            raise UsageError(f"{s.name}: the forces in an arch follow from the nonlinear equation: give --model nonlinear")
+        ground = Ground(self.motion, float(s.ground_acceleration(self.amplitude)) / s.gravity, self.omega)
+        return {model: ArchHistory(s, ground, found) for model, found in self.histories.items()}
 
     def records(
         self, *, dt: float | None = None, steps: bool = False, dimensionless: bool = False, forces: bool = False
@@ -80,7 +97,8 @@ class TimeHistory:
             angle = 1.0 if dimensionless else s.alpha_on(found.sides(tau))
             columns[names[1] + suffix], columns[names[2] + suffix] = ratio * angle, rate * angle / time
             if forces:
-                columns["fx_ratio" + suffix], columns["fz_ratio" + suffix] = self.forces[model].at(tau)
+                acting = self.arch_forces[model].columns(tau) if self.arch_forces else self.forces[model].columns(tau)
+                columns |= {name + suffix: values for name, values in acting.items()}
         columns[names[3]] = ground if dimensionless else s.ground_acceleration(ground)
         keys = list(columns)
         for row in zip(*columns.values(), strict=True):
@@ -99,7 +117,12 @@ class TimeHistory:
                 else:
                     alpha = float(s.alpha_on(m.side))
                     row = {"t": m.tau / s.p, "theta": alpha * m.theta_ratio, "theta_dot": alpha * s.p * m.rate}
-                pushes = _forces_at(self.forces[model], m, 1.0 if dimensionless else 1.0 / s.p) if forces else {}
+                time = 1.0 if dimensionless else 1.0 / s.p
+                pushes: dict[str, Any] = {}
+                if forces and self.arch_forces:
+                    pushes = {name: _finite(x) for name, x in self.arch_forces[model].event(m, time).items()}
+                elif forces:
+                    pushes = _forces_at(self.forces[model], m, time)
                 yield {"model": model, "event": m.event, **row, **pushes}
 
     def summaries(self, *, dimensionless: bool = False, forces: bool = False) -> Iterator[dict[str, Any]]:
@@ -112,7 +135,9 @@ class TimeHistory:
         for model, found in self.histories.items():
             demanded: dict[str, Any] = {}
             outcome = found.outcome
-            if forces:
+            if forces and self.arch_forces:
+                demanded = self.arch_forces[model].summary(when, time)
+            elif forces:
                 asked = self.forces[model].demands
                 if outcome == Outcome.ROCKED and asked.fz_min <= 0.0:
                     outcome = Outcome.LOST_CONTACT
@@ -138,7 +163,7 @@ class TimeHistory:
             if not any(m.event in ("rest", "overturning") for m in found.events) and found.outcome == Outcome.ROCKED:
                 text += f"; still rocking at {found.end / s.p:.4g} s"
             if forces:
-                text += "; " + _in_words(self.forces[model].demands, s)
+                text += "; " + (self.arch_forces[model].words() if self.arch_forces else _in_words(self.forces[model].demands, s))
             yield f"{s.name}, {model}: {text}"
 
 

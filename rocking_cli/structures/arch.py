@@ -7,6 +7,7 @@ unstable equilibrium (Eqs. 3.5-3.9). phi is the rotation of link A-B, whose end 
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
@@ -39,6 +40,8 @@ def build(document: Document, name: str) -> RockingParameters:
     if one_sided_of(document):
         raise document.fault("one_sided", "true", "false: an arch sways to both sides")
     mechanism, governing = find_mechanism(document)
+    if document.has("voussoirs"):
+        mechanism = replace(mechanism, voussoirs=document.integer("voussoirs", 4, MOST_VOUSSOIRS))
     found = linearise(mechanism)
     gravity = gravity_of(document)
     eta, source = restitution_of(document, found.eta, "an arch whose mechanism does not throw it backwards")

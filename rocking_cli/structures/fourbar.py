@@ -8,7 +8,7 @@ A-B. What lies outside A and D stays on the ground. Everything is per unit width
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, NamedTuple
 
@@ -76,10 +76,14 @@ def rates(points: Any, links: Any) -> Rates:
 
 @dataclass(frozen=True)
 class FourBar:
-    """A mechanism of an arch: the ring and its four hinges, angles [rad] from springing A, rising."""
+    """A mechanism of an arch: the ring and its four hinges, angles [rad] from springing A, rising.
+
+    voussoirs: into how many the ring is cut, which changes nothing here; None where it is not.
+    """
 
     ring: Ring
     hinges: tuple[float, float, float, float]
+    voussoirs: int | None = field(default=None, compare=False)
 
     @cached_property
     def points(self) -> np.ndarray:

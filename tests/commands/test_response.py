@@ -118,8 +118,16 @@ def test_forces_in_the_history_and_in_the_closing_record(rocking, tmp_path):
     assert json.loads(rocking("response", "-", *call[2:], "--forces", "--events", "--json", stdin=again).stdout.splitlines()[-1]) == last
 
 
-def test_forces_of_an_arch_are_refused(refused):
-    assert "forces need one rigid body" in refused(2, "response", "configs/arch.yaml", "--a-g", "3", "--f-g", "1", "--forces")
+def test_forces_of_an_arch_need_its_own_equation(refused, rocking):
+    call = ("response", "configs/arch.yaml", "--a-g", "0.45g", "--f-g", "1", "--forces")
+    assert "give --model nonlinear" in refused(2, *call)
+    done = rocking(*call, "--model", "nonlinear", "--events", "--json")
+    *_, before, last = [json.loads(x) for x in done.stdout.splitlines()]
+    assert before["event"] != "summary"
+    assert 0.0 < last["thrust_min"] < 1.0 < last["eccentricity"]
+    assert last["opens"] is True
+    assert 0 <= last["eccentricity_joint"] <= 7
+    assert "where a further hinge opens" in done.stderr
 
 
 @pytest.mark.parametrize(("key", "words"), [("friction: 0", "a coefficient of friction"), ("friction: 5 m", "friction: found 5 m")])
