@@ -154,10 +154,17 @@ class _Listener:
         if self.run.outcome[0] == Outcome.LOST_CONTACT and self.run.drops is not None:
             drop = self.run.drops
             self._lose(float(self.segments.start[drop.k[0]] + drop.u[0]) / self.omega)
+        if self._doomed and not any(e.event == "overturning" for e in self.events):
+            self._overturn(self.arcs[-1], self.arcs[-1].stop)  # decided at the end of the shaking, and then left to fall
         end = min([duration, *(e.tau for e in self.events if e.event in ("overturning", "lost contact"))])
         events = [e for e in self.events if e.tau <= end]
         arcs = tuple(a._replace(stop=min(a.stop, end)) for a in self.arcs if a.start <= end)
         return History(self.equation, arcs, tuple(events), end, self._became(events))
+
+    @property
+    def _doomed(self) -> bool:
+        """Whether the shaking is over and the body falls for certain."""
+        return Outcome(int(self.run.outcome[0])).overturned
 
     def _became(self, events: list[Event]) -> Outcome:
         if self.run.outcome[0] == Outcome.FAILED:
@@ -167,6 +174,8 @@ class _Listener:
             return Outcome.LOST_CONTACT
         if "overturning" in words:
             return Outcome.OVERTURNED_AFTER_IMPACT if "impact" in words else Outcome.OVERTURNED_NO_IMPACT
+        if self._doomed:  # though not yet fallen as far as it is followed
+            return Outcome(int(self.run.outcome[0]))
         return Outcome.ROCKED if words else Outcome.NO_UPLIFT
 
     def _first(self, release: float) -> Lanes:

@@ -122,3 +122,22 @@ def test_the_last_row_of_an_overturning_history_is_where_it_ends():
     arch = build_structure(parse_documents("kind: arch\nradius: 10\nthickness: 1.5\nangle: 157.5 deg\nvoussoirs: 7")[0])
     found = history(System(MechanismEquation(arch.mechanism)), sine(), 3.283, 2.547, arch.eta, duration=30.0)
     assert found.at(np.array([found.end]))[0][0] == pytest.approx(found.events[-1].theta_ratio, rel=1e-9, abs=0)
+
+
+def test_a_body_that_falls_after_the_shaking_falls_whatever_is_followed_of_it():
+    """The arch of Fig. 7 under 0.44 s of 1 g: on its way down when the shaking ends, long before it is 3 alpha away."""
+    amplitude, omega = float(ARCH.dimensionless_amplitude(9.81)), 2 * math.pi / 0.44 / ARCH.p
+    motion, system = pulse("rectangular-impulse"), System(LinearEquation())
+    shaking = motion.duration / omega
+    whole = history(system, motion, amplitude, omega, ARCH.eta, duration=shaking + 30.0)
+    (fall,) = [e for e in whole.events if e.event == "overturning"]
+    # Above the unstable equilibrium still ground makes y - 1 a sum of exp(tau) and exp(-tau).
+    ratio, rate = (float(x[0]) for x in whole.at(np.array([shaking])))
+    y, v = abs(ratio), math.copysign(1.0, ratio) * rate
+    grow, decay = 0.5 * (y - 1 + v), 0.5 * (y - 1 - v)
+    rest = math.log((2.0 + math.sqrt(4.0 - 4.0 * grow * decay)) / (2.0 * grow))  # grow e^t + decay e^-t = 2
+    assert fall.tau == pytest.approx(shaking + rest, rel=1e-9, abs=0)
+    for duration in (shaking + 0.5, shaking + rest + 1.0, shaking + 20.0):
+        found = history(system, motion, amplitude, omega, ARCH.eta, duration=duration)
+        assert found.outcome == whole.outcome == Outcome.OVERTURNED_NO_IMPACT
+        assert found.end == pytest.approx(min(duration, fall.tau), rel=1e-9, abs=0)
