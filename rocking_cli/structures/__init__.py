@@ -22,7 +22,7 @@ def build_structure(document: Document) -> RockingParameters:
     2.671671
     """
     word, kind = kind_of(document)
-    stem = "structure" if document.source.startswith("<") else Path(document.source).stem
+    stem = "structure" if document.source.startswith("<") else Path(document.source).stem.replace(",", " ")  # a list of names stays one
     name = document.word("name", stem if document.index == 0 else f"{stem}-{document.index + 1}")
     try:
         built = replace(kind.build(document, name), damping=damping_of(document), friction=friction_of(document))

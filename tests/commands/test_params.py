@@ -170,3 +170,9 @@ def test_what_linear_means_at_uplift_is_said_and_chosen(rocking):
     refused = rocking("envelope", "configs/block.yaml", "--linear-uplift", "lambda", "--model", "both", "--grid", "Omega=4")
     assert refused.returncode == 2
     assert "goes with --model linear" in refused.stderr
+
+
+def test_default_names_hold_no_commas(rocking, tmp_path):
+    (tmp_path / "a, b.yaml").write_text("kind: block\nwidth: 1\nheight: 5\n---\nkind: block\nwidth: 1\nheight: 6\n")
+    lines = rocking("params", "a, b.yaml", "block:1x7,restitution=0.9", "--csv", "-q").stdout.splitlines()
+    assert [line.split(",")[0] for line in lines[1:]] == ["a  b", "a  b-2", "block:1x7 restitution=0.9"]

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from matplotlib import colors
 from matplotlib.figure import Figure
+from recorded import rows, wave
 from shown_lines import lines
 
 from rocking_cli import Outcome, UsageError, closed_form_curves
@@ -105,22 +106,26 @@ def test_a_map_of_another_body_carries_no_curves(drawn, rocking, tmp_path, more)
     assert lines(drawn(tmp_path / "other.h5").axes[0]) == {}
 
 
-RECORD = "configs/motions/synthetic.at2"
+@pytest.fixture
+def record(tmp_path):
+    """A short record in a plain column, and how it is given."""
+    (tmp_path / "wave.txt").write_text(rows(wave(30, 3.0), 1, "{:.9e}"))
+    return "--motion", "wave.txt", "--unit", "m/s2", "--dt", "0.05"
 
 
-def test_a_map_of_blocks_under_a_record(drawn, rocking, tmp_path):
-    scene = ("--motion", RECORD, "--alpha", "10,15,20deg", "--grid", "T=3:4:2", "--model", "linear", "--check", "0")
+def test_a_map_of_blocks_under_a_record(drawn, rocking, tmp_path, record):
+    scene = (*record, "--alpha", "10,15,20deg", "--grid", "T=3:4:2", "--model", "linear", "--check", "0")
     assert rocking("spectrum", *scene, "-o", "r.h5", "-q").returncode == 0
     with SpectraFile(tmp_path / "r.h5") as file:
         outcome = file.block(0, slice(None))["outcome"]
-    (axes,) = drawn(tmp_path / "r.h5", structure="synthetic", units=parse_units("deg")).axes
+    (axes,) = drawn(tmp_path / "r.h5", structure="wave", units=parse_units("deg")).axes
     np.testing.assert_array_equal(axes.collections[0].get_array().reshape(outcome.shape), outcome)
     assert (axes.get_xlabel(), axes.get_ylabel()) == (r"$T = 2\pi/p$ [s]", r"$\alpha$ [deg]")
     assert axes.get_ylim() == pytest.approx((10, 20), rel=1e-12)
 
 
-def test_structures_under_a_record_are_lines_over_its_factor(drawn, rocking, tmp_path):
-    scene = ("configs/block.yaml", "--motion", RECORD, "--grid", "scale=0.5:1:2", "--model", "linear", "--check", "0")
+def test_structures_under_a_record_are_lines_over_its_factor(drawn, rocking, tmp_path, record):
+    scene = ("configs/block.yaml", *record, "--grid", "scale=0.5:1:2", "--model", "linear", "--check", "0")
     assert rocking("spectrum", *scene, "-o", "s.h5", "-q").returncode == 0
     with SpectraFile(tmp_path / "s.h5") as file:
         theta = file.block(0, slice(None))["theta_ratio"][0]

@@ -35,5 +35,7 @@ def test_commands_say_it_once_and_go_on(rocking):
     done = rocking("response", "block:500x2000", "--a-g", "350", "--f-g", "1", "--json")
     assert done.returncode == 0
     assert [line.partition(" ")[0] for line in done.stderr.splitlines()[:2]] == ["a_g", "block:500x2000:"]
-    assert len(rocking("params", *["block:500x2000"] * 5).stderr.splitlines()) == 4
+    said = rocking("params", *["block:500x2000"] * 5).stderr.splitlines()
+    assert sum("as large as a block" in line for line in said) == 3
+    assert "and 2 more such remarks" in said
     assert rocking("params", "block:500x2000", "-q").stderr == ""
