@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     help="Of the ground acceleration, where a body's sides differ: + or - alone, what overturns under either, or both apart.",
 )  # fmt: skip
 @click.option("--lowest", "--first", "first", is_flag=True, help="Of each frequency (or record) the lowest overturning amplitude alone.")
+@click.option("--median", is_flag=True, help="Of records, the overturning spectrum: first overturnings, median, 16 and 84 % over them.")
 @click.option("--closed-form", is_flag=True, help="The closed-form curves of a sine, half-sine or rectangular pulse instead.")
 @options.workers
 @options.output_form
@@ -52,6 +53,7 @@ def envelope(
     a_max: options.Limit,
     sign: str,
     first: bool,
+    median: bool,
     closed_form: bool,
     workers: int | None,
     form: str | None,
@@ -94,6 +96,8 @@ def envelope(
     if motion is None:
         if closed_form:
             raise click.UsageError("--closed-form does not go with records")
+        if median and sign == "both":
+            raise click.UsageError("--median does not go with --sign both")
         if len(methods) > 1:
             raise click.UsageError("--model both goes with a pulse; of records the nonlinear equation decides")
         asked = context.get_parameter_source("model") is not click.core.ParameterSource.DEFAULT
@@ -105,10 +109,11 @@ def envelope(
             "method": methods[0] if asked else None,
             "tolerance": tolerance,
         }
-        _of_records(context, Tracing(scene_of_words(structures, recordings, **words), a_max.of(None), first), sign, workers, form, quiet)
+        tracing = Tracing(scene_of_words(structures, recordings, **words), a_max.of(None), first or median)
+        _of_records(context, tracing, sign, workers, median, form, quiet)
         return
-    if alphas is not None:
-        raise click.UsageError("--alpha goes with records: give --motion")
+    if alphas is not None or median:
+        raise click.UsageError(f"{'--median' if median else '--alpha'} goes with records: give --motion")
     axis = frequency_axis(axes)
     structures = options.lifting(options.structures_of(files, etas), linear_uplift, models)
     for structure in structures:  # all of them, before the first row is printed
@@ -158,10 +163,13 @@ def envelope(
         context.exit(4)
 
 
-def _of_records(context: click.Context, tracing: Tracing, sign: str, workers: int | None, form: str | None, quiet: bool) -> None:
-    """Print the overturning scales of records."""
+def _of_records(
+    context: click.Context, tracing: Tracing, sign: str, workers: int | None, median: bool, form: str | None, quiet: bool
+) -> None:
+    """Print the overturning scales of records, or their quantiles."""
     from ..spectra.capacity import RATIO
     from ..spectra.envelope import NONE
+    from ..spectra.overturning_spectrum import overturning_spectrum
     from ..spectra.record_envelope import check_tracing, tracing_records
 
     check_tracing(tracing, tell=partial(options.note, quiet=quiet))
@@ -175,7 +183,10 @@ def _of_records(context: click.Context, tracing: Tracing, sign: str, workers: in
             yield record
 
     places = ("record", "alpha", "T") if tracing.scene.over_angles else ("record", "structure")
-    options.emit(records(), form, columns=(*places, "A_from", *([] if tracing.first else ["A_to"]), "mode"))
+    if median:
+        options.emit(overturning_spectrum(tracing.scene, records()), form)
+    else:
+        options.emit(records(), form, columns=(*places, "A_from", *([] if tracing.first else ["A_to"]), "mode"))
     if modes[NONE]:
         options.note(f"no overturning up to A = {tracing.a_max:g} in {modes[NONE]} searches", quiet)
     options.note(f"nothing is claimed of intervals narrower than {100.0 * RATIO:g} % of the amplitude, safe or overturning", quiet)

@@ -37,3 +37,17 @@ def fragility_curves(figure: Figure, rows: Rows, _: Units) -> list[Axes]:
     axes.set_xlim(left=0.0)
     legend(axes)
     return [axes]
+
+
+def overturning_spectra(figure: Figure, rows: Rows, _: Units) -> list[Axes]:
+    """First overturnings over p: the median of the records as a line, from 16 to 84 % as a band, for each critical angle."""
+    axes = figure.add_subplot()
+    for i, (group, some) in enumerate(groups(rows, "alpha").items()):
+        p = column(some, "p")
+        low, middle, high = (column(some, f"pga_ratio_{q}") for q in (16, 50, 84))
+        style = look(i) if group else {**look(i), "ls": "", "marker": MARKERS[i % len(MARKERS)]}
+        axes.plot(p, middle, label=rf"$\alpha$ = {np.degrees(float(group[0])):.3g}°" if group else None, **style)
+        axes.fill_between(p, low, high, color=style["color"], alpha=0.2, lw=0.0)
+    axes.set(xlabel=r"$p$ [rad/s]", ylabel=r"first overturning PGA/$(\lambda g)$ [-]")
+    legend(axes)
+    return [axes]

@@ -17,7 +17,7 @@ from .canvas import MARKERS, canvas, legend, look, panels, refuse_empty, units_o
 from .characters import place_of
 from .envelopes import bands, curves
 from .families import family
-from .fragility_curves import fragility_curves
+from .fragility_curves import fragility_curves, overturning_spectra
 from .histories import comparison, response
 from .maps import outcome_map
 from .record_spectra import record_spectra
@@ -126,6 +126,7 @@ TABLES: tuple[tuple[set[str], Callable[[Figure, Rows, Units], list[Axes]]], ...]
     ({"structure", "tau", "theta_ratio", "t", "theta"}, comparison),
     ({"method", "time_per_cell", "error_max"}, accuracy),
     ({"im", "limit_state", "probability", "fraction"}, fragility_curves),
+    ({"p", "pga_ratio_16", "pga_ratio_50", "pga_ratio_84"}, overturning_spectra),
     ({"t"}, response),
     ({"tau"}, response),
 )
