@@ -125,7 +125,7 @@ def test_a_response_runs_as_recorded_and_scaled(rocking):
 
 
 def test_a_record_turned_over_turns_the_response_over(rocking):
-    call = ("response", "configs/block.yaml", *RECORD, "--model", "nonlinear", "--csv")
+    call = ("response", "configs/block.yaml", *RECORD, "--model", "linear", "--csv")
     rows_ = [csv_rows(rocking(*call, *scale).stdout) for scale in ((), ("--scale", "-1"))]
     for a, b in zip(*rows_, strict=True):
         assert float(a["theta"]) == -float(b["theta"])

@@ -16,7 +16,7 @@ from rocking_cli.spectra.closed_form import no_impact_amplitude
 
 @pytest.mark.parametrize("eta", [0.5, 0.7, 0.9, 1.0])
 def test_traced_and_closed_form_agree_to_1e_10(eta):
-    omegas = np.linspace(1.0, 8.0, 22)
+    omegas = np.linspace(1.0, 8.0, 11)
     traced = trace_envelope(dimensionless_oscillator(eta), sine(), omegas, a_max=20.0)
     compared = 0
     for point in closed_form_curves(omegas, eta):
@@ -30,7 +30,7 @@ def test_traced_and_closed_form_agree_to_1e_10(eta):
         ends = [getattr(i, end) for i in traced if i.omega == point.omega and i.mode == mode]
         assert min(abs(e - point.amplitude) for e in ends if e is not None) < 1e-10
         compared += 1
-    assert compared > 30
+    assert compared > 15
 
 
 def test_half_sine_closed_form():

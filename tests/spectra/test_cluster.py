@@ -42,7 +42,7 @@ def cluster(tmp_path):
 
 def test_a_cluster_computes_the_same_file_though_a_worker_dies(rocking, cluster, tmp_path):
     address, workers = cluster
-    call = ["spectrum", "--eta", "0.9", "--grid", "A=0.5:12:800,Omega=0.5:12:800", "--chunk", "10000", "-q"]
+    call = ["spectrum", "--eta", "0.9", "--grid", "A=0.5:12:500,Omega=0.5:12:500", "--chunk", "5000", "-q"]
     assert rocking(*call, "-o", "here.h5").returncode == 0
     command = [*PROGRAM, *call, "-o", "there.h5", "--scheduler", address]
     process = subprocess.Popen(command, cwd=tmp_path, stderr=subprocess.PIPE, text=True)

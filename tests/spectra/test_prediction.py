@@ -65,13 +65,13 @@ def test_the_fate_is_one_within_the_margin_and_another_beyond(three_cycles):
         if found["margin"] is None:
             continue
         sides.add((found["margin_side"], Outcome[found["outcome"].upper()].overturned))
-        inside = amplitude * (1.0 + found["margin"] * np.linspace(-1 + 1e-9, 1 - 1e-9, 4001))
+        inside = amplitude * (1.0 + found["margin"] * np.linspace(-1 + 1e-9, 1 - 1e-9, 801))
         assert set(fate(sine(3), inside[inside > 0], omega, 0.8).tolist()) == {Outcome[found["outcome"].upper()].overturned}
         sign = 1 if found["margin_side"] == "above" else -1
         edge = amplitude * (1.0 + sign * found["margin"])
         assert fate(sine(3), edge * (1 - 1e-12), omega, 0.8) != fate(sine(3), edge * (1 + 1e-12), omega, 0.8)
         demand = amplitude * found["capacity_demand"]
-        assert safe(linear_response(sine(3), demand * np.linspace(0.5, 1 - 1e-12, 4001), omega, 0.8).outcome).all()
+        assert safe(linear_response(sine(3), demand * np.linspace(0.5, 1 - 1e-12, 801), omega, 0.8).outcome).all()
         assert fate(sine(3), demand * (1 + 1e-12), omega, 0.8)
     assert {side for side, _ in sides} == {"above", "below"}
     assert {fell for _, fell in sides} == {True, False}
@@ -107,9 +107,10 @@ def test_a_body_of_unequal_edges_is_judged_under_the_motion_as_it_is():
     (document,) = parse_documents("kind: prism\ncorners: [[0, 0], [1.2, 0], [0.9, 5], [0.2, 5]]")
     body = build_structure(document)
     for motion in (sine(), sine().scaled(-1.0)):
-        for amplitude in (1.3, 2.0, 2.6, 4.0):
+        traced = trace_envelope(body, motion, [3.0], sign="+", workers=1)
+        for amplitude in (1.3, 2.6):
             found = predict_exactly(body, motion, parse_grid(f"A={amplitude},Omega=3"))
-            falls = [i for i in trace_envelope(body, motion, [3.0], sign="+") if i.a_from < amplitude < (i.a_to or np.inf)]
+            falls = [i for i in traced if i.a_from < amplitude < (i.a_to or np.inf)]
             assert (found["outcome"] == "rocked") == (not falls)
-            assert found["capacity_demand"] == trace_envelope(body, motion, [3.0], sign="+")[0].a_from / amplitude
+            assert found["capacity_demand"] == traced[0].a_from / amplitude
             assert found["theta_max"] is None
