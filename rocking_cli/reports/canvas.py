@@ -6,8 +6,10 @@ needed. matplotlib is the extra `plot`.
 
 from __future__ import annotations
 
+import io
+import os
 from collections.abc import Iterable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -29,6 +31,7 @@ STYLE: dict[Any, Any] = {
 }  # fmt: skip
 PANEL = (4.2, 3.2)  # inches
 MOST_ACROSS = 3
+_UNDATED: dict[str, dict[str, Any]] = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}  # equal figures are equal files
 _SHORT = 5  # entries that a legend holds inside its axes
 _NARROW = 28  # characters of an entry there
 FIGURE_UNITS = parse_units("g,Hz")  # unless --units says otherwise
@@ -41,8 +44,11 @@ def units_of_figures(units: Units | None) -> Units:
 
 @contextmanager
 def canvas(target: str | Path) -> Iterator[Figure]:
-    """An empty figure in the house's style, which is written to `target` at the end. Raises OutputError without matplotlib or where the
-    figure cannot be written."""
+    """An empty figure in the house's style, which is written to `target` at the end, whole.
+
+    Raises OutputError without matplotlib or where the figure cannot be written.
+    """
+    target = Path(target)
     try:
         import matplotlib as mpl
         from matplotlib.figure import Figure
@@ -51,10 +57,24 @@ def canvas(target: str | Path) -> Iterator[Figure]:
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(5.6, 4.0))
         yield figure
+        form, drawn = target.suffix[1:].lower(), io.BytesIO()
         try:
-            figure.savefig(target)
+            figure.savefig(drawn, format=form, metadata=_UNDATED.get(form))
         except (OSError, ValueError) as error:
-            raise OutputError(f"{target}: cannot be written: {error}") from None
+            raise OutputError(f"{target}: cannot be drawn: {error}") from None
+    _publish(target, drawn.getvalue())
+
+
+def _publish(target: Path, content: bytes) -> None:
+    """The content under its name all at once, or not at all. Raises OutputError."""
+    part = target.with_name(f"{target.name}.part")
+    try:
+        part.write_bytes(content)
+        os.replace(part, target)
+    except OSError as error:
+        with suppress(OSError):
+            part.unlink()
+        raise OutputError(f"{target}: cannot be written: {error.strerror or error}") from None
 
 
 def literal(text: str) -> str:

@@ -13,7 +13,7 @@ from rocking_cli.reports.plot import draw
 def drawn(monkeypatch, tmp_path):
     """Draw a file and give the figure instead of saving it; what `draw` told is its `told`."""
     saved = []
-    monkeypatch.setattr(Figure, "savefig", lambda figure, target: saved.append(figure))
+    monkeypatch.setattr(Figure, "savefig", lambda figure, target, **_: saved.append(figure))
 
     def run(source, **options):
         told = draw(source, tmp_path / "figure.png", **options)

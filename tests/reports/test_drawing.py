@@ -17,7 +17,7 @@ from rocking_cli.structures import read_documents
 def drawn(monkeypatch, tmp_path, pytestconfig):
     """Draw shipped documents and give the panels instead of saving the figure."""
     saved = []
-    monkeypatch.setattr(Figure, "savefig", lambda figure, target: saved.append(figure))
+    monkeypatch.setattr(Figure, "savefig", lambda figure, target, **_: saved.append(figure))
 
     def run(*names, **options):
         documents = [d for name in names for d in read_documents(pytestconfig.rootpath / "configs" / f"{name}.yaml")]

@@ -26,7 +26,7 @@ def figure(spectrum_file, tmp_path_factory):
     """The map of the shared file, drawn once: its closed-form curves take a second."""
     with pytest.MonkeyPatch.context() as patch:
         saved = []
-        patch.setattr(Figure, "savefig", lambda figure, target: saved.append(figure))
+        patch.setattr(Figure, "savefig", lambda figure, target, **_: saved.append(figure))
         draw(spectrum_file, tmp_path_factory.mktemp("map") / "map.png")
     return saved[0]
 

@@ -7,8 +7,8 @@ import pytest
 from matplotlib.figure import Figure
 from shown_lines import lines, numbers, same
 
-from rocking_cli import UsageError
-from rocking_cli.reports.canvas import legend
+from rocking_cli import OutputError, UsageError
+from rocking_cli.reports.canvas import canvas, legend
 
 
 @pytest.mark.parametrize(("log", "scales"), [("", ("linear", "linear")), ("x", ("log", "linear")), ("xy", ("log", "log"))])
@@ -52,3 +52,21 @@ def test_tables_that_cannot_be_drawn(drawn, tmp_path, text, words):
     (tmp_path / "table.csv").write_text(text)
     with pytest.raises(UsageError, match=words):
         drawn(tmp_path / "table.csv")
+
+
+@pytest.mark.parametrize("form", ["png", "svg", "pdf"])
+def test_a_figure_is_written_whole_or_not_at_all_and_alike_each_time(tmp_path, monkeypatch, form):
+    target, again = tmp_path / f"x.{form}", tmp_path / f"y.{form}"
+    for path in (target, again):
+        with canvas(path) as figure:
+            figure.add_subplot().plot([0, 1], [0, 1])
+    assert target.read_bytes() == again.read_bytes()
+
+    def full(source, to):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("os.replace", full)
+    with pytest.raises(OutputError, match=r"x.\w+: cannot be written: No space left on device"), canvas(target) as figure:
+        figure.add_subplot()
+    assert target.read_bytes() == again.read_bytes()
+    assert sorted(path.name for path in tmp_path.iterdir()) == [target.name, again.name]
