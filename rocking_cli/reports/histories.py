@@ -19,9 +19,11 @@ _JUMP = 8.0  # times the steps beside it: what a motion that does not jump never
 
 
 def response(figure: Figure, rows: Rows, units: Units) -> list[Axes]:
-    """Rotation over the ground acceleration; a line for each equation."""
+    """Rotation over the ground acceleration; a line for each equation. Forces, where there are any, stand between them."""
     x, y, ground = ("t", "theta", "ground_acceleration") if "t" in rows[0] else ("tau", "theta_ratio", "A")
-    axes, below = figure.subplots(2, 1, sharex=True, height_ratios=[3, 1])
+    pushes = [c for c in rows[0] if c.startswith(("fx_ratio", "fz_ratio")) and not c.endswith("_after")]
+    ratios = [3, *([1.5] if pushes else []), 1]
+    axes, *between, below = figure.subplots(len(ratios), 1, sharex=True, height_ratios=ratios)
     drawn = [c for c in rows[0] if c == y or (c.startswith(f"{y}_") and not c.startswith((f"{y}_dot", f"{y}_rate")))]
     for i, name in enumerate(drawn):
         model = name.removeprefix(y).strip("_")
@@ -30,7 +32,14 @@ def response(figure: Figure, rows: Rows, units: Units) -> list[Axes]:
     legend(axes)
     below.plot(*with_jumps(_in(rows, x, units), _in(rows, ground, units)), color="0.3", lw=1.0)
     below.set(xlabel=label(x, units), ylabel=label("ground_acceleration" if x == "t" else "A_s", units))
-    return [axes, below]
+    for one in between:
+        for i, name in enumerate(pushes):
+            word, model = name[:2], name[len("fx_ratio") :].strip("_")
+            text = f"$F_{word[1]}/mg$" + (f", {model} equation" if model else "")
+            one.plot(*with_jumps(_in(rows, x, units), _in(rows, name, units)), label=text, **look(i))
+        one.set_ylabel("force over weight [-]")
+        legend(one)
+    return [axes, *between, below]
 
 
 def with_jumps(t: np.ndarray, a: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -48,6 +48,8 @@ def outcome_map(axes: Axes, file: SpectraFile, place: int, units: Units) -> list
     entries: list[Any] = [Patch(facecolor=o.colour, edgecolor="0.5", label=o.sentence) for o in Outcome if np.any(shown == o)]
     if "difference" in block:
         entries += _differences(axes, x, y, block["difference"] if file.frame.of_records else block["difference"].T)
+    if "friction" in block and min(shown.shape) > 1:
+        _frictions(axes, x, y, block["friction"].T)
     if x.size > 1 and y.size > 1:
         axes.set(xlim=(x[0], x[-1]), ylim=(y[0], y[-1]))
     if not file.frame.of_records:
@@ -70,6 +72,12 @@ def _differences(axes: Axes, x: np.ndarray, y: np.ndarray, codes: np.ndarray) ->
     return entries
 
 
+def _frictions(axes: Axes, x: np.ndarray, y: np.ndarray, friction: np.ndarray) -> None:
+    """Lines of equal required friction over the map, (up, across), where the body stays upright."""
+    lines = axes.contour(x, y, np.ma.masked_invalid(friction), colors="0.25", linewidths=0.7)
+    axes.clabel(lines, fmt=lambda level: f"μ = {level:g}", fontsize=6)
+
+
 def _title(file: SpectraFile, place: int) -> str:
     model = file.scene["model"]
     if file.frame.of_records:
@@ -83,6 +91,8 @@ def _closed_form(axes: Axes, file: SpectraFile, place: int, units: Units) -> Non
     from ..motions import pulse
     from ..spectra.closed_form import PULSES, closed_form_curves
 
+    if "vertical" in file.scene:
+        return
     s, pieces, grid = file.structures[place], file.motion().pieces, file.grid
     name = next((p for p in PULSES if pulse(p).pieces == pieces), None)
     if name is None or file.scene["model"] != LINEAR.model or not s.plain:

@@ -94,6 +94,8 @@ class SpectraFile:
         """The ground motion of a spectrum of a pulse. Raises OutputError, UsageError for one of records."""
         if self.frame.of_records:
             raise UsageError(f"{self.path}: holds spectra of records; accepted is that of a pulse")
+        if "vertical" in self.scene:
+            raise UsageError(f"{self.path}: holds spectra under a vertical motion too; accepted is that of a horizontal pulse")
         try:
             name, pieces = self.scene["motion"]
             return Motion(name, tuple(Piece(**{**p, "harmonics": tuple(Harmonic(**h) for h in p["harmonics"])}) for p in pieces))
