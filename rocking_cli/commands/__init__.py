@@ -35,6 +35,7 @@ SECTIONS = {
         "predict": "Predict the response of structures from a spectrum.",
     },
     "What came out": {
+        "report": "Write a page: what stands, what falls, and by how much.",
         "plot": "Draw spectra, envelopes, responses, families.",
         "info": "Tell what a spectra file holds, and verify it.",
         "convert": "Stream the cells of a spectra file.",

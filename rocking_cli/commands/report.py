@@ -1,0 +1,94 @@
+"""`rocking report`: structures under a motion, as one page."""
+
+from __future__ import annotations
+
+import os
+import shlex
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from . import options, streams
+
+if TYPE_CHECKING:
+    from ..motions import Motion
+    from ..motions.recording import Recording
+    from ..spectra.grid import Grid
+
+MOST = 12  # structures of a page
+
+
+@click.command(epilog="Example: rocking report configs/block.yaml configs/arch.yaml --a-g 0.35g --f-g 1.5 -o report.html")
+@options.files
+@click.option("-o", "--output", required=True, type=options.OutputPath(), help="The page: .html.")
+@options.motions
+@options.shaking
+@options.workers
+@options.overwrite
+@options.quiet
+@click.pass_context
+def report(
+    context: click.Context,
+    files: tuple[str, ...],
+    output: Path,
+    motion: Motion | None,
+    recordings: tuple[Recording, ...],
+    shaking: Grid | None,
+    workers: int | None,
+    overwrite: bool,
+    quiet: bool,
+) -> None:
+    """Write a page about structures under a pulse or a set of records: what stands, what falls, and by how much.
+
+    One HTML file that opens in a browser without a network: the table of rocking check, and for each structure its drawing,
+    parameters and their relations, the map with the demand on it, how often the linear equation is wrong, fragility where records
+    are given; then the command, versions and hashes. It needs the extra: pip install 'rocking[report]'.
+    """
+    from ..dynamics.outcome import Outcome
+    from ..reports.page import Subject, page
+    from ..responses.check import check_all
+    from ..spectra.grid import as_recorded
+    from ..structures import build_structure, read_documents, with_distinct_names
+
+    if not files:
+        raise click.UsageError("no structure: give FILE, or - for standard input")
+    if shaking is None and not recordings:
+        raise click.UsageError("no shaking: give --a-g and --omega-g (or --f-g, --T-g), or --motion FILE")
+    _refuse(output, overwrite)
+    documents = [document for path in files for document in read_documents(path)]
+    if len(documents) > MOST:
+        raise click.UsageError(f"found {len(documents)} structures; accepted are up to {MOST} on a page")
+    structures = with_distinct_names([build_structure(document) for document in documents])
+    options.remark_on(structures)
+    workers = options.at_most_the_cpus(workers, quiet)
+    pulse = None if motion is None or shaking is None else (motion, shaking)
+    shakes = [(r.motion, shaking or as_recorded(r.acceleration)) for r in recordings] if pulse is None else [pulse]
+    verdicts = check_all([(structure, *shake) for shake in shakes for structure in structures], workers=workers)
+    text = page(
+        [Subject(document, structure) for document, structure in zip(documents, structures, strict=True)],
+        verdicts,
+        pulse=pulse,
+        recordings=recordings,
+        command=streams.printable(shlex.join(["rocking", *sys.argv[1:]])),
+        made=options.now(),
+        workers=workers,
+    )
+    part = output.with_name(f"{output.name}.part")
+    part.write_text(text, encoding="utf-8")
+    os.replace(part, output)
+    falls = [v.name for v in verdicts if v.outcome.overturned]
+    options.note(f"{output}: {len(verdicts)} verdicts, {len(falls)} overturn", quiet)
+    if any(v.outcome == Outcome.FAILED for v in verdicts):
+        context.exit(4)
+
+
+def _refuse(output: Path, overwrite: bool) -> None:
+    """Refuse a page that cannot or must not be written, before any work is done. Raises UsageError."""
+    if output.suffix.lower() not in (".html", ".htm"):
+        raise click.UsageError(f"{output}: accepted is a name that ends in .html")
+    if not output.parent.is_dir():
+        raise click.UsageError(f"{output}: the folder {output.parent} does not exist")
+    if output.exists() and not overwrite:
+        raise click.UsageError(f"{output}: exists; --overwrite replaces it")

@@ -1,0 +1,288 @@
+"""A page about structures under a motion: verdicts, drawings, parameters, maps, validity and fragility, in one HTML file of its own.
+
+It asks nothing of a network: figures are images inside the page, and its policy forbids everything else. Every text that came from
+outside goes through the template, which escapes it. jinja2 and matplotlib are the extra `report`.
+"""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+import platform
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from importlib.metadata import PackageNotFoundError, version
+from importlib.resources import files
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from .. import __version__
+from ..documents.document import Document
+from ..documents.quantities import DEFAULT_GRAVITY
+from ..dynamics.method import LINEAR
+from ..dynamics.outcome import Difference, difference
+from ..errors import DocumentError, OutputError, UsageError
+from ..motions import Motion
+from ..motions.recording import Recording
+from ..responses.check import Verdict, governing_method
+from ..spectra.exposure import exposures
+from ..spectra.fragility import FEWEST, Resampling
+from ..spectra.fragility_study import LIMITS, Study, word_of
+from ..spectra.grid import Axis, Grid
+from ..spectra.measures import MEASURES, members_of
+from ..spectra.reader import SpectraFile
+from ..spectra.sweep import write_spectrum
+from ..structures import RockingParameters
+from ..structures.kinds import sketch_of
+from .canvas import FIGURE_UNITS, canvas, legend, literal
+from .capacity import capacities
+from .drawing import structure_axes
+from .fragility_curves import fragility_curves
+from .maps import outcome_map
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+SIDE = 100  # values on each axis of a map
+LEVELS = 16  # of PGA, for fragility
+HEADS = (
+    "structure", "motion", "model", "outcome", "θ max/α", "demand [g]", "uplift [g]", "overturns from [g]", "capacity over demand",
+    "safe up to [g]", "linear says", "friction", "least vertical force",
+)  # fmt: skip
+_PACKAGES = ("numpy", "scipy", "h5py", "matplotlib", "jinja2")
+_RELATIONS = {  # of a kind, where the paper's closed form is one line
+    "block": {"p": "p² = 3 g/(4 R)", "eta": "η = 1 − 3/2 sin² α"},
+    "point_mass": {"p": "p² = g/R", "eta": "η = cos 2α"},
+    "arch": {"p": "Eqs. 3.5 to 3.9, the linkage at its unstable equilibrium", "lambda": "least over all admissible mechanisms"},
+}
+Plan = Callable[["Figure"], object]
+
+
+@dataclass(frozen=True)
+class Subject:
+    """A structure and the document that it came from."""
+
+    document: Document
+    structure: RockingParameters
+
+
+def page(
+    subjects: Sequence[Subject],
+    verdicts: Sequence[Verdict],
+    *,
+    pulse: tuple[Motion, Grid] | None = None,
+    recordings: Sequence[Recording] = (),
+    command: str,
+    made: str,
+    workers: int | None = None,
+) -> str:
+    """The page as HTML; pulse: a motion and the demand, a grid of one cell; verdicts: of `check`, structures under all motions.
+
+    Raises OutputError without jinja2 or matplotlib.
+    """
+    try:
+        from jinja2 import Environment, StrictUndefined
+    except ImportError:
+        raise OutputError("a report needs jinja2: pip install 'rocking[report]'") from None
+    template = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True).from_string(
+        (files(__package__) / "page.html").read_text(encoding="utf-8")
+    )
+    motions = ", ".join(dict.fromkeys(v.motion for v in verdicts))
+    with TemporaryDirectory() as name:
+        folder = Path(name)
+        return template.render(
+            title=f"Rocking of {', '.join(s.structure.name for s in subjects)}",
+            lead=f"{sum(v.outcome.overturned for v in verdicts)} of {len(verdicts)} overturn, under {motions}.",
+            heads=HEADS,
+            verdicts=[{"falls": v.outcome.overturned, "cells": _cells(v)} for v in verdicts],
+            capacities=_image(folder, lambda figure: _capacities(figure, verdicts)),
+            structures=[_section(folder, one, verdicts, pulse, recordings, workers) for one in subjects],
+            command=command,
+            made=made,
+            versions=[("rocking", __version__), ("Python", platform.python_version()), *((p, _version(p)) for p in _PACKAGES)],
+            hashes=[
+                *((s.document.source, hashlib.sha256(s.document.text.encode()).hexdigest()) for s in subjects),
+                *((r.label, r.record.sha256) for r in recordings),
+            ],
+        )
+
+
+def _section(
+    folder: Path,
+    subject: Subject,
+    verdicts: Sequence[Verdict],
+    pulse: tuple[Motion, Grid] | None,
+    recordings: Sequence[Recording],
+    workers: int | None,
+) -> dict[str, Any]:
+    """What the template needs of one structure."""
+    structure = subject.structure
+    mine = [v for v in verdicts if v.name == structure.name]
+    drawn, validity = None, _agreement(mine)
+    if pulse is not None:
+        drawn, validity = _map(folder, structure, *pulse, mine, workers)
+    return {
+        "name": structure.name,
+        "kind": f"kind {structure.structure}, restitution {structure.eta_source}" if structure.eta_source else structure.structure,
+        "drawing": _drawing(folder, subject),
+        "parameters": _parameters(structure),
+        "map": drawn,
+        "validity": validity,
+        "fragility": _fragility(folder, structure, recordings, workers) if recordings else None,
+        "text": subject.document.text.strip(),
+    }
+
+
+def _cells(v: Verdict) -> list[dict[str, Any]]:
+    """A row of the table of verdicts."""
+    values = (
+        v.name, v.motion, v.model, v.outcome.sentence, v.theta_ratio, _in_g(v.demand_a), _in_g(v.uplift_a), _in_g(v.first_overturning_a),
+        v.capacity_demand, _in_g(v.safe_to), v.outcome_linear.sentence, v.friction, v.fz_min,
+    )  # fmt: skip
+    return [{"text": _number(x), "number": not isinstance(x, str)} for x in values]
+
+
+def _in_g(acceleration: float | None) -> float | None:
+    return None if acceleration is None else acceleration / DEFAULT_GRAVITY
+
+
+def _number(x: float | str | None) -> str:
+    return "–" if x is None else x if isinstance(x, str) else f"{x:.4g}"
+
+
+def _parameters(s: RockingParameters) -> list[dict[str, str]]:
+    """The five numbers, what they are and how they come about."""
+    known = dict(_RELATIONS.get(s.structure, {}))
+    if s.eta_source != "momentum" or s.one_sided:
+        known.pop("eta", None)
+    rows = (
+        ("p", "p", "frequency parameter", s.p, "rad/s", "θ̈ = p² (θ − α sgn θ − a_scale ẍg/g)"),
+        ("alpha", "α", "critical angle", s.alpha, "rad", f"{np.degrees(s.alpha):.4g}°: beyond it the structure does not come back"),
+        ("eta", "η", "coefficient of restitution", s.eta, "-", "θ̇ after = η θ̇ before an impact"),
+        ("lambda", "λ", "static uplift acceleration over g", s.uplift, "-", "it lifts at ẍg = λ g"),
+        ("a_scale", "a_scale", "scale of the ground acceleration", s.a_scale, "-", "α/λ; 1 for a single body"),
+    )
+    return [
+        {"symbol": symbol, "meaning": meaning, "value": f"{value:.6g}", "unit": unit, "relation": known.get(key, relation)}
+        for key, symbol, meaning, value, unit, relation in rows
+    ]
+
+
+def _image(folder: Path, plan: Plan) -> str:
+    """A figure as an image that stands in the page itself."""
+    target = folder / "figure.svg"
+    with canvas(target) as figure:
+        plan(figure)
+    return f"data:image/svg+xml;base64,{base64.b64encode(target.read_bytes()).decode()}"
+
+
+def _capacities(figure: Figure, verdicts: Sequence[Verdict]) -> None:
+    figure.set_size_inches(6.4, 1.6 + 0.32 * len(verdicts))
+    capacities(figure.add_subplot(), verdicts, True)
+
+
+def _drawing(folder: Path, subject: Subject) -> str | None:
+    """The structure to scale; None of one without geometry."""
+    try:
+        sketch = sketch_of(subject.document, subject.structure)
+    except DocumentError:
+        return None
+    return _image(folder, lambda figure: structure_axes(figure.add_subplot(), subject.structure, sketch, FIGURE_UNITS))
+
+
+def _map(
+    folder: Path, structure: RockingParameters, motion: Motion, demand: Grid, mine: Sequence[Verdict], workers: int | None
+) -> tuple[str, str]:
+    """The map around the demand with the demand on it, and in how many of its cells the linear equation is wrong."""
+    (omega,) = demand.frequency.values / (1.0 if demand.frequency.name == "omega_g" else 1.0 / structure.p)
+    amplitude = mine[0].demand_a
+    most = 2.0 * max([amplitude, *(v.first_overturning_a for v in mine if v.first_overturning_a is not None)])
+    most = min(most, 8.0 * amplitude)
+    grid = Grid(Axis("a_g", most * np.arange(1, SIDE + 1) / SIDE), Axis("omega_g", omega * np.geomspace(0.25, 4.0, SIDE)))
+    method = governing_method(structure)
+    path = folder / "map.h5"
+    beside = () if method.exact else ("linear",)
+    write_spectrum([structure], motion, grid, path, method=method, quantities=beside, check=0, workers=workers, overwrite=True)
+    with SpectraFile(path) as file:
+
+        def plan(figure: Figure) -> None:
+            axes = figure.add_subplot()
+            entries = outcome_map(axes, file, 0, FIGURE_UNITS)
+            x, y = omega / FIGURE_UNITS.column("omega_g")[2], amplitude / FIGURE_UNITS.column("a_g")[2]
+            entries += axes.plot(x, y, ls="", marker="*", ms=13, mfc="#F0E442", mec="k", label="demand")
+            axes.set_xscale("log")
+            axes.set_title(literal(structure.name))
+            legend(axes, entries)
+
+        picture = _image(folder, plan)
+        if method == LINEAR:
+            return picture, "Only parameters are known, so that the linear equation alone answers."
+        codes = file.block(0, slice(None))["difference"]
+    judged = int(np.count_nonzero(codes != Difference.NOT_COMPUTED))
+    wrong, unsafe = (int(np.count_nonzero(x)) for x in ((codes > Difference.AGREES), codes == Difference.LINEAR_UNSAFE))
+    return picture, (
+        f"{wrong} of the {judged} cells of the map end otherwise by the linear equation than by the nonlinear one; in {unsafe} of "
+        f"them it says that the structure stands, and the structure falls."
+    )
+
+
+def _agreement(mine: Sequence[Verdict]) -> str:
+    """The linear verdicts beside those that govern."""
+    if all(v.model == LINEAR.model for v in mine):
+        return "Only parameters are known, so that the linear equation alone answers."
+    codes = [Difference(int(difference(np.uint8(v.outcome), np.uint8(v.outcome_linear)))) for v in mine]
+    unsafe = sum(code == Difference.LINEAR_UNSAFE for code in codes)
+    wrong = sum(code not in (Difference.AGREES, Difference.NOT_COMPUTED) for code in codes)
+    return (
+        f"Under {wrong} of the {len(mine)} motions the linear equation ends otherwise than the nonlinear one; under {unsafe} of them "
+        f"it says that the structure stands, and the structure falls."
+    )
+
+
+def _fragility(folder: Path, structure: RockingParameters, recordings: Sequence[Recording], workers: int | None) -> dict[str, Any]:
+    """Curves over PGA by stripes, and what the data do not bear."""
+    if len(recordings) < FEWEST:
+        return {"figure": None, "fits": [], "remarks": [f"{len(recordings)} records; a fit needs {FEWEST}."]}
+    measure, members = MEASURES["PGA"], members_of(recordings)
+    own = np.median([m.measured(measure, structure) for m in members])
+    levels = own * np.geomspace(0.25, 4.0, LEVELS)
+    exposure = exposures([structure], members, measure, levels, governing_method(structure), workers=workers)[0]
+    study = Study(structure, members, measure, Resampling(200, 0), exposure)
+    fits, remarks = [], []
+    for limit in LIMITS:
+        try:
+            fits.append(study.fit("stripes", limit))
+        except UsageError as error:
+            remarks.append(f"limit state {word_of(limit)}: {error}")
+    rows = [{key: "" if value is None else str(value) for key, value in row.items()} for fit in fits for row in fit.points_of_curve()]
+    return {
+        "figure": _image(folder, lambda figure: fragility_curves(figure, rows, FIGURE_UNITS)) if fits else None,
+        "fits": [_fitted(fit.record()) for fit in fits],
+        "remarks": remarks,
+    }
+
+
+def _fitted(record: dict[str, Any]) -> dict[str, str]:
+    """A fitted curve as the table shows it."""
+
+    def band(key: str, unit: float) -> str:
+        low, high = (record[f"{key}_{end}"] for end in ("low", "high"))
+        return "–" if low is None or high is None else f"{low / unit:.3g} to {high / unit:.3g}"
+
+    return {
+        "limit": record["limit_state"],
+        "theta": f"{record['theta'] / DEFAULT_GRAVITY:.4g}",
+        "theta_band": band("theta", DEFAULT_GRAVITY),
+        "beta": f"{record['beta']:.3g}",
+        "beta_band": band("beta", 1.0),
+    }
+
+
+def _version(package: str) -> str:
+    try:
+        return version(package)
+    except PackageNotFoundError:
+        return "not installed"
