@@ -76,7 +76,7 @@ class TimeHistory:
         if not isinstance(s.mechanism, FourBar):
             return {}
         if any(model != "nonlinear" for model in self.histories):
-            raise UsageError(f"{s.name}: the forces in an arch follow from the nonlinear equation: give --model nonlinear")
+            raise UsageError(f"{s.name}: the forces in an arch follow from the nonlinear equation: give `model` nonlinear")
         ground = Ground(self.motion, float(s.ground_acceleration(self.amplitude)) / s.gravity, self.omega)
         return {model: ArchHistory(s, ground, found) for model, found in self.histories.items()}
 
