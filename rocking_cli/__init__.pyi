@@ -36,6 +36,10 @@ from .responses.history import history as history
 from .spectra.closed_form import closed_form_curves as closed_form_curves
 from .spectra.envelope import Interval as Interval
 from .spectra.envelope import trace_envelope as trace_envelope
+from .spectra.fragility import Curve as Curve
+from .spectra.fragility import fit_cloud as fit_cloud
+from .spectra.fragility import fit_first as fit_first
+from .spectra.fragility import fit_stripes as fit_stripes
 from .spectra.grid import Axis as Axis
 from .spectra.grid import Grid as Grid
 from .spectra.grid import parse_grid as parse_grid

@@ -160,7 +160,13 @@ def check_levels(x: Array) -> Array:
 
 
 def fit_stripes(x: Array, n: Array, z: Array) -> Curve:
-    """The curve of counts at levels. Raises UsageError where fewer than two levels have some records beyond and some not."""
+    """The curve of counts at levels: z of n beyond the limit state at each x. Raises UsageError where fewer than two levels have some
+    records beyond it and some not.
+
+    >>> curve = fit_stripes([1.0, 1.5, 2.0], [54, 54, 54], [2, 25, 43])
+    >>> round(curve.theta, 7), round(curve.beta, 7)
+    (1.5724765, 0.2700332)
+    """
     x, n, z = check_levels(x), np.asarray(n, dtype=float), np.asarray(z, dtype=float)
     if np.any(n <= 0.0) or np.any(z < 0.0) or np.any(z > n):
         raise UsageError("counts: accepted are n above 0 and z from 0 to n at every level")
@@ -174,7 +180,12 @@ def fit_stripes(x: Array, n: Array, z: Array) -> Curve:
 
 
 def fit_first(r: Array, limit: Array | float, weight: Array | None = None) -> Curve:
-    """The curve of first overturnings. Raises UsageError for too few of them."""
+    """The curve of first overturnings r, NaN for records that do not overturn up to `limit`. Raises UsageError for too few of them.
+
+    >>> curve = fit_first([0.2, 0.3, 0.4, 0.5], 1.0)
+    >>> round(curve.theta, 4), round(curve.beta, 4)
+    (0.331, 0.3956)
+    """
     falls = int(np.count_nonzero(np.isfinite(r)))
     if falls < FEWEST:
         raise UsageError(f"{falls} of {np.size(r)} records overturn the body; a fit of first overturnings needs {FEWEST}")
@@ -183,7 +194,13 @@ def fit_first(r: Array, limit: Array | float, weight: Array | None = None) -> Cu
 
 
 def fit_cloud(x: Array, theta_ratio: Array, limit: float, weight: Array | None = None) -> Curve:
-    """The curve of a regression on rotations as recorded. Raises UsageError for too few of them, or where they do not grow."""
+    """The curve of a regression of rotations as recorded on x, for |theta|/alpha beyond `limit`. Raises UsageError for too few of
+    them, or where they do not grow.
+
+    >>> curve = fit_cloud([1.0, 2.0, 3.0, 4.0], [0.1, 0.25, 0.3, 0.45], 0.5)
+    >>> round(curve.theta, 4), round(curve.beta, 4)
+    (4.4542, 0.1223)
+    """
     there = int(np.count_nonzero(np.isfinite(theta_ratio) & (np.asarray(theta_ratio) > 0.0)))
     if there < FEWEST:
         raise UsageError(f"{there} of {np.size(x)} records rock the body and spare it; a regression needs {FEWEST}")
