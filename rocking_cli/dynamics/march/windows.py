@@ -40,7 +40,7 @@ def window_end(segments: Segments, k: Array, u: Array, side: Array, amplitude: A
     """
     if isinstance(segments, WeighedSegments):
         offset = segments.offset(side)
-        there = window_end(segments.edges, k + offset, u, side, amplitude)
+        there = _beyond_cuts(segments.edges, window_end(segments.edges, k + offset, u, side, amplitude), side, amplitude)
         return Windows(there.k - offset, there.u, there.ridge)
     inverse = 1.0 / amplitude
     from_s, to_s = segments.s_start[k], segments.s_end[k]  # outwards
@@ -67,3 +67,23 @@ def window_end(segments: Segments, k: Array, u: Array, side: Array, amplitude: A
         n_cut[n_cuts] = crossing(segments, nk[n_cuts], -side[lanes[n_cuts]] * inverse[lanes[n_cuts]])
         to_u[lanes] = n_cut
     return Windows(to_k, to_u, ridge)
+
+
+def _beyond_cuts(segments: Segments, window: Windows, side: Array, amplitude: Array) -> Windows:
+    """The same windows further on where a segment ends without a turn of this edge's drive, which is cut for the other one's too; a valley
+    still ends at an inner maximum, so that its drive is largest at an end."""
+    k, u, ridge = window
+    lanes = np.arange(k.size)
+    while True:
+        ends = lanes[(u[lanes] >= segments.length[k[lanes]]) & segments.joins[k[lanes]]]
+        rises, falls = (
+            sense * side[ends] * (segments.s_end[at] - segments.s_start[at]) < 0.0 for sense, at in ((1.0, k[ends]), (-1.0, k[ends] + 1))
+        )
+        ends = ends[ridge[ends] | ~(rises & falls)]
+        if not ends.size:
+            return Windows(k, u, ridge)
+        following = window_end(segments, k[ends] + 1, np.zeros(ends.size), side[ends], amplitude[ends])
+        same = following.ridge == ridge[ends]
+        lanes = ends[same]
+        k, u = k.copy(), u.copy()
+        k[lanes], u[lanes] = following.k[same], following.u[same]
