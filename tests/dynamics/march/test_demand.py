@@ -52,7 +52,7 @@ def test_the_extremes_are_those_of_the_histories(name, model):
 @pytest.mark.parametrize("motion", MOTIONS, ids=lambda m: m.name)
 def test_the_extremes_of_many_cells_are_those_of_their_histories(motion, model):
     count, friction, least = worst(BODIES["block"], model, motion, 80, 9)
-    assert count > 3  # most bodies overturn under a rectangular pulse
+    assert count >= 3  # most bodies overturn under a rectangular pulse
     assert max(friction, least) < 1e-9
 
 
