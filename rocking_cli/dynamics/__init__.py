@@ -36,7 +36,8 @@ Lemma 6 (certain overturning). Linear: beyond z = y - 1 + g v = e, g the rate of
     come, z' = g (z + a) > 0 for good. Eqs. 2.3 and 3.4, undamped: moving outwards beyond the barrier of the constant inward drive e,
     or with the energy to pass it, since a weaker drive pushes back less and the energy over that barrier does not fall; damped: beyond
     its equilibrium only. theta = pi/2, or a collapsed linkage, is overturning whatever comes.
-Lemma 7 (end of bouncing). See `contacts.contact.bouncing_ends`: bounds on the sum of the series, inside one monotone segment.
+Lemma 7 (end of bouncing). See `contacts.contact.bouncing_ends`: bounds on the sum of the series, inside one monotone segment; and
+    `contacts.trains`: more bounces than the march follows.
 Lemma 8 (fate). On still ground, undamped, the energy between impacts is constant; on a body with equal sides only the next crest and the
     next impact matter, on an unequal one the next two. Damped bodies are marched on until these, which damping only lowers, come to no
     more than the peak so far.
@@ -63,5 +64,6 @@ Lemma 6: beyond the equilibrium of the constant inward drive e/w_- and moving ou
 **Events.** Uplift is found as the first instant with -A_right s > 1 or A_left s > 1 on monotone segments, impacts by Lemmas 1 and 2,
 crests by Lemmas 3 and 4, each as a root in a bracket that holds exactly one. What falls on one instant is taken in the order impact, jump
 of the drive, uplift. Nothing is sampled. What can be missed: the pair of turns of Lemma 4; impacts inside bouncing that is summed are not
-counted one by one; a body slower than 1e-12 of its margin with eta = 1, and slower than 1e-100 in any case, is at rest.
+counted one by one; a body slower than 1e-12 that bounces lower than 1e-16 and keeps more than 1 - 1e-6 of its speed in a cycle, and
+one slower than 1e-100 in any case, is at rest.
 """

@@ -15,8 +15,10 @@ from ..weight import WeighedSegments
 
 Array = np.ndarray
 
-# Without loss at impacts a bounce never ends; one this slow is 1e-24 high, and to be at rest is the same to every digit.
-BELOW_ROUNDING = 1e-12
+# Without loss at impacts a bounce never ends, with hardly any its end lies beyond counting; one this slow and this low is the same as rest
+# to every digit of theta/alpha.
+BELOW_ROUNDING, LOWEST = 1e-12, 1e-16
+_HARDLY_LOSES = 1.0 - 1e-6  # what a cycle of a bounce keeps of its speed
 
 
 class Uplift(NamedTuple):
@@ -144,7 +146,7 @@ def bouncing_ends(segments: Segments, lanes: Lanes, equation: Equation, there: B
     drive, v = 1.0 + lanes.b, lanes.v
     keeps = there.eta * there.back
     gap = np.minimum(1.0 - drive, 1.0 + there.drive * drive)
-    proved = (keeps == 1.0) & (v < BELOW_ROUNDING * gap)
+    proved = (keeps > _HARDLY_LOSES) & (v < BELOW_ROUNDING) & (0.5 * v * v < LOWEST * gap)
     maybe = np.flatnonzero((gap > 0.0) & (v * v < 0.05 * gap * gap) & (keeps < 1.0))
     room = segments.length[lanes.k[maybe]] - lanes.u[maybe]  # a trial is longer than 3 v / (1 - q) / (1 - a)
     maybe = maybe[3.0 * v[maybe] * lanes.omega[maybe] < room * (1.0 - keeps[maybe]) * (1.0 - drive[maybe])]

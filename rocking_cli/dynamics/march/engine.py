@@ -15,6 +15,7 @@ import numpy as np
 
 from ...motions.motion import Segments
 from ..contacts.contact import Uplift, first_uplift
+from ..contacts.trains import outlasts
 from ..drive import phase_between, place
 from ..lanes import Lanes
 from ..outcome import Outcome
@@ -269,6 +270,10 @@ class Run:
         if self.equation.damping:
             self.bounced[lanes.cell[lanes.k >= self.shaken]] = True
             lanes = self._settle(lanes)
+        if self.contact.alike and not isinstance(seg, WeighedSegments):
+            long = outlasts(seg, lanes, self.equation, self.most_steps)
+            self._finish(lanes, np.flatnonzero(long), Outcome.FAILED, np.nan)
+            lanes = lanes.take(np.flatnonzero(~long)) if long.any() else lanes
         return self._rest(lanes)
 
     def _shaken(self, lanes: Lanes, last: Array) -> None:

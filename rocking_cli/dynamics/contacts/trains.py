@@ -1,0 +1,50 @@
+"""Trains of bounces that are longer than the march follows, known beforehand (Lemma 7, read the other way round)."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+
+from ...motions.motion import Segments
+from ..drive import drive_change
+from ..equations.equation import Equation
+from ..lanes import Lanes
+from .contact import BELOW_ROUNDING
+
+Array = np.ndarray
+
+_EVERY = 32  # steps of a lane from one look to the next
+_SHARES = (0.003, 0.01, 0.03, 0.1, 0.25, 0.5)  # of the segment that is left: stretches to fill with bounces
+
+
+def outlasts(segments: Segments, lanes: Lanes, equation: Equation, most: int) -> Array:
+    """Lanes of a body with equal sides, just after an impact, that are bound to take more than `most` steps.
+
+    On a stretch of a monotone segment along which 1 - |a| is at least m the arcs begin with at most G v, where G^2 is the last over the
+    first force on the side whose force grows, and last at most 2 G v/(m - e), e < m/2 for what y adds: so many of them fill it, unless
+    their series is proved to end before. For that it would have to end within the segment, which takes a speed below (1 - eta^2) M
+    of the time left, M the largest 1 - |a|, or one below rounding, while `most` impacts leave at least eta^most v/G', G' the same
+    root on the side whose force falls.
+    """
+    found = np.zeros(lanes.v.shape, dtype=bool)
+    at = np.flatnonzero((lanes.steps % _EVERY == 0) & (lanes.v > 0.0) & (lanes.y == 0.0) & (lanes.b < 0.0) & (lanes.b > -2.0))
+    if not at.size or equation.damping:
+        return found
+    k, u, v, eta, a0 = lanes.k[at], lanes.u[at], lanes.v[at], lanes.eta[at], 1.0 + lanes.b[at]
+    left, kept = segments.length[k] - u, eta**most
+    outward, now = -lanes.side[at] * lanes.amplitude[at], drive_change(segments, k, u)
+    begins = a0 + outward * (drive_change(segments, k, u + _SHARES[0] * left) - now)
+    for share, to in pairwise(_SHARES):
+        ends = a0 + outward * (drive_change(segments, k, u + to * left) - now)
+        rises, here, there = ends > a0, (1.0 - ends) / (1.0 - a0), (1.0 + ends) / (1.0 + a0)
+        fastest, slowest = v * np.sqrt(np.where(rises, there, here)), v * kept * np.sqrt(np.where(rises, here, there))
+        least, first = 1.0 - np.maximum(np.abs(begins), np.abs(ends)), 1.0 - np.abs(a0)
+        most_force = np.where(a0 * ends > 0.0, np.maximum(first, 1.0 - np.abs(ends)), 1.0)  # of the weaker side, until the stretch ends
+        many = (to - share) * left / lanes.omega[at] * (0.5 * least) / (2.0 * fastest) > most
+        goes_on = np.where(eta < 1.0, 3.0 * slowest * lanes.omega[at] > (1.0 - eta * eta) * left * most_force, True)
+        goes_on &= slowest > BELOW_ROUNDING
+        gap = np.minimum(least, first)
+        found[at] |= (gap > 0.0) & (20.0 * equation.gain * fastest**2 < gap**2) & many & goes_on
+        begins = ends
+    return found
