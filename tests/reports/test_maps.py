@@ -143,7 +143,7 @@ def test_a_file_without_a_cell_is_refused(drawn, spectrum_file, monkeypatch):
 
 def test_a_map_with_forces_has_lines_of_equal_friction_and_none_of_a_vertical_motion_the_closed_forms(rocking, tmp_path, monkeypatch):
     saved = []
-    monkeypatch.setattr(Figure, "savefig", lambda figure, target: saved.append(figure))
+    monkeypatch.setattr(Figure, "savefig", lambda figure, target, **_: saved.append(figure))
     call = ("spectrum", "configs/block.yaml", "--grid", "A=0.5:3:6,Omega=2:6:5", "--check", "0", "--no-validity", "-q")
     assert rocking(*call, "--quantity", "friction", "-o", "f.h5").returncode == 0
     assert rocking(*call, "--vertical", "cosine", "--vertical-scale", "0.5", "-o", "v.h5").returncode == 0
