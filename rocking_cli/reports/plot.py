@@ -15,7 +15,7 @@ from ..errors import UsageError
 from ..spectra.reader import SpectraFile
 from .canvas import MARKERS, canvas, legend, look, panels, refuse_empty, units_of_figures
 from .characters import place_of
-from .envelopes import bands, curves
+from .envelopes import bands, curves, record_bars
 from .families import family
 from .fragility_curves import fragility_curves, overturning_spectra
 from .histories import comparison, response
@@ -122,6 +122,8 @@ def accuracy(figure: Figure, rows: Rows, _: Units) -> list[Axes]:
 
 TABLES: tuple[tuple[set[str], Callable[[Figure, Rows, Units], list[Axes]]], ...] = (
     ({"Omega", "A_from", "A_to", "mode"}, bands),
+    ({"T", "A_from", "mode"}, bands),
+    ({"record", "a_from", "mode"}, record_bars),
     ({"curve", "Omega", "A"}, curves),
     ({"structure", "tau", "theta_ratio", "t", "theta"}, comparison),
     ({"method", "time_per_cell", "error_max"}, accuracy),
