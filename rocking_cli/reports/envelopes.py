@@ -27,7 +27,7 @@ Band = tuple[float, float, float]  # frequency, from, to
 def bands(figure: Figure, rows: Rows, units: Units) -> list[Axes]:
     """Amplitude over frequency (or, of records, over 2 pi/p), a panel each; in g and Hz (or the units asked for) where there are any.
 
-    Intervals of neighbouring frequencies that overlap are joined. Raises ValueError for too many panels.
+    Intervals of neighbouring frequencies that overlap are joined, those of records are bars. Raises ValueError for too many panels.
     """
     dimensional = all(row.get("omega_g") for row in rows)
     over = "omega_g" if dimensional else "Omega" if "Omega" in rows[0] else "T"
@@ -37,7 +37,10 @@ def bands(figure: Figure, rows: Rows, units: Units) -> list[Axes]:
     for axes, (key, some) in zip(drawn, found.items(), strict=True):
         x = column(some, over) / units.column(over)[2]
         frequencies = sorted(set(x.tolist()))
-        _draw(axes, some, (low, high), x, units, frequencies)
+        if over == "T":  # under a record intervals of one size say little of the next
+            _draw(axes, some, (low, high), x, units, [], width=2.5)
+        else:
+            _draw(axes, some, (low, high), x, units, frequencies)
         margin = 0.02 * (frequencies[-1] - frequencies[0]) or 0.5
         axes.set(xlim=(frequencies[0] - margin, frequencies[-1] + margin))
         axes.set(xlabel=label(over, units), ylabel=label("a_g" if dimensional else "A", units), title=_title(some[0], key, units))
