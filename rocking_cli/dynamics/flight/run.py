@@ -26,7 +26,7 @@ from .windows import windows
 
 Array = np.ndarray
 
-_TABLES = 1 << 26  # bytes of tables at a time
+_TABLES = 1 << 25  # bytes of tables at a time
 _LONGEST_JUMP = 24.0  # tau: exp of it stays below 3e10, so that growth cannot bury the state in rounding
 _LEAST = 1e-8  # over 1 + A: a displacement below it, which a jump knows to 1e-15 only, is left to single intervals
 _SURELY = 1.0 - 1e-6  # part of a horizon that is used: y at a jump's end may be off by 1e-15 of 1e-8
