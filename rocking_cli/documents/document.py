@@ -242,12 +242,13 @@ def document_of(cells: Sequence[Cell], source: str, index: int = 0) -> Document:
             whole = values.setdefault(name, Value([], place))
             keys.setdefault(name, place)
             items = whole.content
-            if not isinstance(items, list) or not len(items) <= int(number) <= len(items) + 1 or number == "0":
+            if not isinstance(items, list) or not 1 <= int(number) <= len(items) + 1:
                 raise DocumentError(f"{place}: {key}: found item {number}; accepted are items in turn, from {name}_1")
             if int(number) > len(items):
                 items.append(Value({}, place))
-            content = items[-1].content
-            assert isinstance(content, dict)
+            content = items[int(number) - 1].content
+            if not isinstance(content, dict):
+                raise DocumentError(f"{place}: {key}: found beside {name}, which states the same item; accepted is one of them")
             content[part] = value
         else:
             values[key], keys[key] = value, place

@@ -75,6 +75,8 @@ def test_every_row_of_a_table_is_a_structure_of_a_command(rocking, tmp_path):
         ('kind,width\n"block,1', "f.csv:2:1: not valid CSV"),
         ("kind,name\n", "f.csv:1:1: empty"),
         ("kind,pieces_2_width\nstack,1", "f.csv:2:2: pieces_2_width: found item 2; accepted are items in turn, from pieces_1"),
+        ("kind,pieces,pieces_1_width\nstack,[[3]],1", "f.csv:2:3: pieces_1_width: found beside pieces"),
+        ("kind,pieces,pieces_1_width\nstack,3,1", "f.csv:2:3: pieces_1_width: found item 1"),
         ("kind,corners\nprism,[[0", "f.csv:2:2: found ..0; accepted is a list as YAML writes it"),
     ],
 )
@@ -89,6 +91,17 @@ OTHERS = ["kind: block\nwidth: 1\nheight: 5", '{"kind": "block", "width": 1}', "
 @pytest.mark.parametrize("text", OTHERS)
 def test_other_texts_are_no_tables(text):
     assert delimiter_of(text) is None
+
+
+def test_items_may_come_in_any_order_of_columns():
+    one, two = (
+        parse_documents(f"kind,{columns}\nstack,{cells}", "f.csv")[0]
+        for columns, cells in (
+            ("pieces_1_width,pieces_2_width,pieces_1_height,pieces_2_height", "1,0.4,0.5,2"),
+            ("pieces_1_width,pieces_1_height,pieces_2_width,pieces_2_height", "1,0.5,0.4,2"),
+        )
+    )
+    assert build_structure(one) == build_structure(two)
 
 
 def test_lengths_of_two_rows_do_not_mix():
