@@ -1,8 +1,9 @@
-"""Side by side in one run: the engine, a compiled lower bound, heyoka and SciPy. Prints a table and its ratios.
+"""Side by side in one run: the engine, a compiled lower bound, heyoka, SciPy. Prints tables, and in the end each target beside its figure.
 
-Scene L: linear, one sine cycle, eta 0.9, A and Omega 0.5 ... 12. Scene N: nonlinear, alpha 0.25, tolerance 1e-9, the same grid.
-The faster of two or more runs counts; what peers compile, they compile before the clock starts. `--values` sets the values of each
-axis (1000), `--sample` the cells given to heyoka. With 1000 values the README's figures are kept in speed.json.
+Scene L: linear, one sine cycle, eta 0.9, A and Omega 0.5 ... 12. Scene N: nonlinear, alpha 0.25, tolerance 1e-9, the same grid; the others
+are those of scenes.py. The faster of two or more runs counts; what peers compile, they compile before the clock starts. What runs in
+one process is timed by that process's own time, what needs more by the wall's. `--values` sets the values of each axis (1000), `--sample`
+the cells given to heyoka. With 1000 values the figures are kept in speed.json, from which the README's table is written.
 """
 
 from __future__ import annotations
@@ -23,22 +24,23 @@ import h5py
 import numba
 import numpy as np
 import peers
+import scenes
 import speed
+from distributed import LocalCluster
 
 from rocking_cli import (
     Method,
     RockingParameters,
-    dimensionless_oscillator,
     linear_response,
     nonlinear_response,
     response,
     sine,
-    trace_envelope,
 )
 from rocking_cli.spectra.chunks import pack
 from rocking_cli.structures.parameters import Side
 
-ETA, ALPHA = 0.9, 0.25
+ETA, ALPHA = scenes.ETA, scenes.ALPHA
+CONFIG = scenes.ARCH.with_name("block.yaml")
 
 
 def clock(action, times=2):
@@ -82,7 +84,7 @@ def write_alone(found):
         file.flush()
 
 
-def scene_l(axis, cores, rounds=6):
+def scene_l(axis, cores, rounds=4):
     """Least seconds of each, all of them once in every round, so that a slow minute of the machine meets them alike."""
     compiled.sweep(axis[:2], axis[:2], ETA)
     found = linear_response(sine(), axis[None, :], axis[:, None], ETA)
@@ -106,7 +108,7 @@ def scene_l(axis, cores, rounds=6):
 
 
 def systems(values):
-    """Bodies with unequal edges, one side, or damping, over the symmetric one; `values` a side of the grid, least of five turns."""
+    """Bodies with unequal edges, one side, or damping, over the symmetric one; `values` a side of the grid, least of three turns."""
     alpha = 0.2
     left, right = Side("left", 2.0, alpha, math.tan(alpha), 1.0, ETA), Side("right", 2.1, 0.22, math.tan(0.22), 1.0, ETA)
     plain = RockingParameters("symmetric", "block", 2.0, alpha, ETA, math.tan(alpha), 1.0)
@@ -118,7 +120,7 @@ def systems(values):
     }
     for model, count in (("linear", values), ("nonlinear", values // 3)):
         axis, best = np.linspace(0.5, 12.0, count), dict.fromkeys(bodies, math.inf)
-        for _ in range(5):
+        for _ in range(3):
             for name, body in bodies.items():
                 system = Method(model).system_of(body)
                 seconds, _ = clock(partial(response, system, sine(), axis[None, :], axis[:, None], body.eta), 1)
@@ -200,19 +202,67 @@ def main() -> None:
     cells_of |= {"nonlinear": engine / half.size**2, "nonlinear_heyoka": with_one / len(some)}
     print(f"  heyoka / engine                    {with_one / (len(cells) // 4) / (engine / half.size**2):8.2f}")
 
-    systems(n // 2)
-
-    print("Envelope, 400 frequencies 0.5 ... 12, every boundary to the last digits")
-    seconds, intervals = clock(lambda: trace_envelope(dimensionless_oscillator(ETA), sine(), np.linspace(0.5, 12.0, 400)))
-    print(f"  {seconds:.2f} s, {len(intervals)} intervals")
+    systems(n // 3)
+    figures = {key: 1e6 * value for key, value in cells_of.items()} | {
+        "sweep_process": 1e6 * best[f"the same, whole process, {cores} workers"] / n**2
+    }
+    figures |= other_scenes(n, cores) | {"nonlinear_command": nonlinear_command(n // 2, cores)} | processes() | many_cells(n, cores)
+    print("Targets; what falls short is marked")
+    for target in speed.TARGETS:
+        print(target.line(figures))
     if n == 1000:
-        speed.write({key: 1e6 * value for key, value in cells_of.items()} | {"envelope": seconds})
+        speed.write(figures)
 
-    print("Time a cell against the number of cells (linear, one process)")
-    for size in (100, 300, 1000, 2000):
-        some = np.linspace(0.5, 12.0, size)
-        seconds, _ = clock(lambda some=some: linear_response(sine(), some[None, :], some[:, None], ETA), 2)
-        line(f"{size * size} cells", seconds, size * size)
+
+def other_scenes(n, cores):
+    """Figures of the scenes with one process, in its own time, least of three; of envelopes on all cores, by the wall."""
+    found = {}
+    for key, scene in (("linear_small", "linear-small"), *((name, name) for name in ("ricker", "mavroeidis", "arch", "lossless"))):
+        took, cells = [], 1
+        for _ in range(3):
+            start = time.process_time()
+            cells = scenes.SCENES[scene]()
+            took.append(time.process_time() - start)
+        found[key] = min(took) if key == "lossless" else 1e6 * min(took) / cells
+        print(f"Scene {scene}: {cells} cells, {min(took):.3f} s")
+    for key, motion, times, part in (("envelope", sine(), 2, 1), ("envelope_cycles", sine(5), 1, 10)):
+        seconds, frequencies = clock(partial(scenes.envelope, motion, 2 * n // (5 * part)), times)
+        found[key] = part * seconds
+        print(f"Envelope, {frequencies} frequencies 0.5 ... 12, {motion.name}, {cores} processes: {seconds:.2f} s", flush=True)
+    return found
+
+
+def nonlinear_command(values, workers):
+    """Seconds a cell, in millionths, of the sweep with its file on all cores."""
+    sweep, _ = whole_command(values, workers, str(CONFIG), "--model", "nonlinear")
+    return 1e6 * sweep / values**2
+
+
+def processes():
+    """Seconds of whole commands, by the wall: the least of seven."""
+    found, python = {}, [sys.executable, "-m", "rocking_cli"]
+    grid = ["--grid", "A=0.5:12:10,Omega=0.5:12:10", "-o", "out/small.h5", "--overwrite", "-q"]
+    for key, arguments in {"process": ["spectrum", "--eta", "0.9", *grid], "help": ["--help"], "params": ["params", str(CONFIG)]}.items():
+        found[key], _ = clock(lambda arguments=arguments: subprocess.run([*python, *arguments], check=True, capture_output=True), 7)
+        print(f"rocking {arguments[0]}: {found[key]:.3f} s")
+    return found
+
+
+def many_cells(n, workers):
+    """Time a cell of many cells and of few, one process in its own time; and of one dask worker over all, by the wall."""
+    found = {}
+    for key, values in (("large_single", n), ("large", 3 * n)):
+        start = time.process_time()
+        cells = scenes.file(values)
+        found[key] = 1e6 * (time.process_time() - start) / cells
+        print(f"{cells} cells with their file: {found[key]:.3f} us a cell")
+    times = []
+    for count in (1, workers):
+        with LocalCluster(n_workers=count, threads_per_worker=1, processes=True, dashboard_address=None) as cluster:
+            scenes.file(n // 4, scheduler=cluster.scheduler_address)  # what it imports, it imports before the clock starts
+            times.append(clock(lambda address=cluster.scheduler_address: scenes.file(2 * n, scheduler=address), 1)[0])
+    print(f"dask, 1 and {workers} workers: {times[0]:.2f} and {times[1]:.2f} s")
+    return found | {"cluster": times[0] / times[1]}
 
 
 if __name__ == "__main__":

@@ -74,14 +74,14 @@ def row(name, motion, amplitude, omega, eta, alpha=0.25, mechanism=None):
 
 def main() -> None:
     print(f"{'':<46}{'':10} | linear: largest error of theta/alpha  | nonlinear")
-    strong = np.array([1 + 1e-12, 1 + 1e-9, 1.001, 1.1, 2.0, 1e2, 1e4, 1e8])
-    etas = [0.0, 1e-6, 0.9]  # with less loss the references take minutes for thousands of bounces
+    strong = np.array([1 + 1e-12, 1.001, 2.0, 1e2, 1e8])
+    etas = [0.0, 0.9]  # with less loss the references take minutes for thousands of bounces
     for omega in (1e-4, 1e-2, 1.0, 1e2, 1e4):
         amplitude, eta = cells(strong, etas)
         row(f"A = 1 + 1e-12 ... 1e8, Omega = {omega:g}", sine(), amplitude, omega, eta)
-    row("impulses, Omega = 1e4", pulse("half-sine"), np.linspace(1000, 9000, 9), 1e4, 0.5)
+    row("impulses, Omega = 1e4", pulse("half-sine"), np.linspace(1000, 9000, 3), 1e4, 0.5)
     for alpha in (1e-6, 1e-3, 1.2):
-        amplitude, omega = cells([1.0001, 1.5, 3.0, 8.0], [0.5, 2.0, 4.0, 20.0])
+        amplitude, omega = cells([1.0001, 1.5, 8.0], [0.5, 4.0, 20.0])
         row(f"alpha = {alpha:g}", sine(), amplitude, omega, 0.9, alpha)
     row("100 cycles", sine(100), [1.0005, 1.2], [30.0, 60.0], 0.2)
     for omega in (2.0, 5.0):
