@@ -75,6 +75,7 @@ bench: $(STAMPS)/dev
 	.venv/bin/python tests/shown.py
 	.venv/bin/python tests/bench/left_out.py
 	.venv/bin/python tests/bench/extremes.py
+	.venv/bin/python tests/bench/database.py
 
 # Where the time of a scene goes, stage by stage: make trace SCENE="linear arch", all scenes without.
 trace: $(STAMPS)/dev

@@ -20,13 +20,19 @@ _MOST_UNITS = 1_000_000
 _LONG = 60.0  # s from which on the time is said beforehand
 _ENDLESS = 10 * 365.25 * 86400.0  # s of all processors together
 _CALLS = 5  # of the march in which the scan of an envelope meets such bodies
+_FLIGHT, _FLOWN = 0.3, 3e-4  # s of a batch of cells under a record, and of each of them, through which they fly
 _UNITS = {"s": 1.0, "min": 60.0, "h": 3600.0, "days": 86400.0, "years": 365.25 * 86400.0}
 
 
-def expected_seconds(method: Method, structure: RockingParameters, segments: int, *, cells: int, batches: int, checked: int = 0) -> float:
-    """Seconds of a processor, to within a factor of a few, for cells in batches under a motion of so many segments."""
+def expected_seconds(
+    method: Method, structure: RockingParameters, segments: int, *, cells: int, batches: int, checked: int = 0, record: bool = False
+) -> float:
+    """Seconds of a processor, to within a factor of a few, for cells in batches under a motion of so many segments; record: whether it
+    is one, through which the undamped linear oscillator flies, at a cost of its impacts."""
     rates = method.kind_of(structure).cost
     checking = rates.checked if structure.plain or not method.exact else BY_GENERAL_SOLVER
+    if record and method.system_of(structure).equation.bounded:
+        return batches * _FLIGHT + cells * _FLOWN + segments * checked * checking
     return segments * (batches * rates.batch + cells * rates.cell + checked * checking)
 
 
@@ -50,7 +56,8 @@ def announce_sweep(
     checked = min(cells, default_check(scene) if check is None else check)
     batches = max(cells // TOGETHER, 1) if scene.method.exact and not scene.of_records else scene.batches(units)
     segments = scene.segments
-    seconds = max(expected_seconds(scene.method, s, segments, cells=cells, batches=batches, checked=checked) for s in scene.structures)
+    counts = {"cells": cells, "batches": batches, "checked": checked}
+    seconds = max(expected_seconds(scene.method, s, segments, **counts, record=scene.of_records) for s in scene.structures)
     what = f"{cells // parts} cells under {segments} segments of shaking" + (f", {checked} of them checked" if checked else "")
     announce(seconds / parts, what, min(workers, units), tell)
 

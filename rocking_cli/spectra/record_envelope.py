@@ -85,7 +85,7 @@ def check_tracing(tracing: Tracing, tell: Tell | None = None) -> None:
     for i, s in enumerate(scene.structures):
         mine = rungs * tracing.omegas(i).size
         cells += mine
-        seconds += expected_seconds(scene.method, s, scene.segments, cells=int(mine), batches=len(scene.recordings))
+        seconds += expected_seconds(scene.method, s, scene.segments, cells=int(mine), batches=len(scene.recordings), record=True)
         seconds += bouncing_seconds(scene.method, s)
     at_most = " at most" if tracing.first else ""
     sizes = sum(tracing.omegas(i).size for i in range(len(scene.structures)))

@@ -110,3 +110,11 @@ def test_cells_checked_by_the_general_solver_cost_more():
     plain = RockingParameters("b", "block", 2.0, 0.2, 0.9, 0.2, 1.0)
     counts = {"segments": 1000, "cells": 10, "batches": 1, "checked": 4}
     assert expected_seconds(Method(), replace(plain, damping=0.05), **counts) > 3.0 * expected_seconds(Method(), plain, **counts)
+
+
+def test_through_records_cells_fly_at_the_cost_of_their_impacts():
+    block, counts = built(BLOCK), {"cells": 10**4, "batches": 1, "record": True}
+    assert expected_seconds(Method(), block, 2000, **counts) == expected_seconds(Method(), block, 42_000, **counts)
+    assert expected_seconds(Method(), block, 2000, **counts) < expected_seconds(Method("nonlinear"), block, 2000, **counts)
+    damped = replace(block, damping=0.05)
+    assert expected_seconds(Method(), damped, 4000, **counts) == 2.0 * expected_seconds(Method(), damped, 2000, **counts)
