@@ -70,9 +70,8 @@ def envelopes(method: Method, workers: int) -> None:
         began = time.perf_counter()
         rows = list(tracing_records(Tracing(scene, 20.0, first), workers=workers))
         what = "first overturning" if first else f"all {len(rows)} intervals"
-        print(
-            f"{method.model}: 40 sizes x one record of {SAMPLES} samples, {what}: {time.perf_counter() - began:.1f} s on {workers} processes"
-        )
+        seconds = time.perf_counter() - began
+        print(f"{method.model}: 40 sizes under a record of {SAMPLES} samples, {what}: {seconds:.1f} s on {workers} processes")
 
 
 def main(records: int = 200, alphas: int = 100, sizes: int = 100, nonlinear: int = 2) -> None:

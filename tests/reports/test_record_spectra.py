@@ -17,12 +17,13 @@ from rocking_cli.spectra.sweep import write_scene
 ALPHAS, PERIODS = Axis("alpha", np.array([0.15, 0.2])), Axis("T", np.array([0.5, 1.2, 5.0]))
 
 
-@pytest.fixture
-def spectra(tmp_path):
+@pytest.fixture(scope="module")
+def spectra(tmp_path_factory):
+    path = tmp_path_factory.mktemp("records") / "r.h5"
     peaks = (1.0, 2.5, 4.0, -5.0, 6.0)
     records = [Recording(Record(f"r{i}", "text", None, 0.1, wave(20, p), None, "m/s2", "s", f"{i}")) for i, p in enumerate(peaks)]
-    write_scene(angles_scene(ALPHAS, PERIODS, records, 0.9, Method()), tmp_path / "r.h5", workers=1, check=0)
-    return tmp_path / "r.h5"
+    write_scene(angles_scene(ALPHAS, PERIODS, records, 0.5, Method()), path, workers=1, check=0)
+    return path
 
 
 def test_quantiles_of_five_records(spectra):

@@ -25,8 +25,8 @@ from rocking_cli.spectra.sweep import spectrum_of, write_scene
 
 NONLINEAR = Method("nonlinear", 1e-8)
 ALPHAS, PERIODS = Axis("alpha", np.radians([10.0, 15.0])), Axis("T", np.array([1.0, 2.5, 6.0]))
-BLOCK = built("kind: block\nwidth: 0.4 m\nheight: 2 m")
-SPIRE = built("kind: parameters\np: 2\nalpha: 0.15\neta: 0.9\nlambda: 0.2")
+BLOCK = built("kind: block\nwidth: 0.4 m\nheight: 2 m\nrestitution: 0.6")
+SPIRE = built("kind: parameters\np: 2\nalpha: 0.15\neta: 0.5\nlambda: 0.2")
 
 
 def record(name: str, count: int, peak: float) -> Record:
@@ -46,10 +46,11 @@ def alone(structure, motion, acceleration, method):
 
 @pytest.mark.parametrize("name", ["scale", "a_g", "A"])
 def test_columns_scale_each_record_under_each_structure(records, name):
-    values = np.array([0.6, 1.0, 2.2])
-    found = spectrum_of(structures_scene([BLOCK, SPIRE], records, Axis(name, values)), workers=1, check=0)
-    assert found.outcome.shape == (2, 2, 3)
-    for i, recording in enumerate(records):
+    values = np.array([0.6, 2.2])
+    some = records if name == "scale" else records[:1]
+    found = spectrum_of(structures_scene([BLOCK, SPIRE], some, Axis(name, values)), workers=1, check=0)
+    assert found.outcome.shape == (len(some), 2, 2)
+    for i, recording in enumerate(some):
         for j, structure in enumerate((BLOCK, SPIRE)):
             own = {"scale": recording.acceleration * values, "a_g": values, "A": structure.ground_acceleration(values)}[name]
             expected = alone(structure, recording.motion, own, Method())
@@ -67,7 +68,7 @@ def test_a_factor_is_part_of_the_record(records):
     assert there.value(times) == pytest.approx(here.value(times), abs=1e-15)
 
 
-@pytest.mark.parametrize("eta", [0.8, None])
+@pytest.mark.parametrize("eta", [0.5, None])
 def test_rocking_spectra_over_alpha_and_size(records, eta):
     scene = angles_scene(ALPHAS, PERIODS, records, eta, NONLINEAR)
     found = spectrum_of(scene, workers=1, check=0)
@@ -88,7 +89,7 @@ def test_rocking_spectra_over_alpha_and_size(records, eta):
 
 
 def test_a_file_of_records_is_labelled(records, tmp_path):
-    scene = angles_scene(ALPHAS, PERIODS, records, 0.9)
+    scene = angles_scene(ALPHAS, PERIODS, records, 0.5)
     write_scene(scene, tmp_path / "s.h5", workers=1, check=0)
     with xarray.open_dataset(tmp_path / "s.h5") as data:
         assert data.theta_ratio.dims == data.velocity_ratio.dims == ("record", "alpha", "T")
@@ -110,12 +111,12 @@ def test_a_file_of_records_is_labelled(records, tmp_path):
 
 
 def test_shards_and_workers_change_no_bit(records, tmp_path):
-    scene = structures_scene([BLOCK, SPIRE], records, Axis("scale", np.linspace(0.5, 2.0, 7)))
-    write_scene(scene, tmp_path / "whole.h5", workers=2, chunk_cells=3, check=2)
+    scene = structures_scene([BLOCK], records, Axis("scale", np.linspace(0.5, 2.0, 4)))
+    write_scene(scene, tmp_path / "whole.h5", workers=2, chunk_cells=2, check=0)
     parts = [tmp_path / f"{i}.h5" for i in (1, 2)]
     for i, path in enumerate(parts, 1):
-        write_scene(scene, path, workers=1, chunk_cells=3, check=2, shard=(i, 2))
-    assert merge(parts, tmp_path / "merged.h5").there == 2 * 2 * 3
+        write_scene(scene, path, workers=1, chunk_cells=2, check=0, shard=(i, 2))
+    assert merge(parts, tmp_path / "merged.h5").there == 2 * 2
     same_file(tmp_path / "merged.h5", tmp_path / "whole.h5")
 
 
@@ -208,12 +209,11 @@ def test_words_that_make_no_scene(records, structures, words, said):
 
 
 def test_a_linear_sweep_tells_where_the_nonlinear_equation_ends_otherwise(records):
-    scene = structures_scene([BLOCK, SPIRE], records, Axis("scale", np.array([0.8, 1.6])))
-    summary = spectrum_of(scene, workers=1, check=8).summary
+    scene = structures_scene([BLOCK, SPIRE], records, Axis("scale", np.array([1.6])))
+    summary = spectrum_of(scene, workers=1, check=4).summary
     by_hand = 0
     for recording in records:
-        for scale in (0.8, 1.6):
-            ends = [alone(BLOCK, recording.motion, scale * recording.acceleration, m).outcome[0] for m in (Method(), Method("nonlinear"))]
-            by_hand += int(overturned(ends[0]) != overturned(ends[1]))
-    assert (summary.checked_cells, summary.compared, summary.otherwise) == (8, 4, by_hand)
-    assert any(f"ends {by_hand} of 4 checked cells otherwise" in line for line in summary_lines(summary, "s.h5"))
+        ends = [alone(BLOCK, recording.motion, 1.6 * recording.acceleration, m).outcome[0] for m in (Method(), Method("nonlinear"))]
+        by_hand += int(overturned(ends[0]) != overturned(ends[1]))
+    assert (summary.checked_cells, summary.compared, summary.otherwise) == (4, 2, by_hand)
+    assert any(f"ends {by_hand} of 2 checked cells otherwise" in line for line in summary_lines(summary, "s.h5"))
