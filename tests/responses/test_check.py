@@ -10,7 +10,8 @@ from rocking_cli.responses.check import CHECK_COLUMNS, check, check_all, governi
 from rocking_cli.responses.time_history import time_history
 from rocking_cli.spectra.envelope import A_MAX
 
-PULSES = (sine(), sine(0.5), pulse("cosine"), pulse("rectangular"), pulse("rectangular-impulse"))
+QUICK = (sine(), sine(0.5), pulse("rectangular"))  # whose scans have bounds
+PULSES = (*QUICK, pulse("cosine"), pulse("rectangular-impulse"))
 
 
 DEMAND = parse_grid("a_g=0.3g,f_g=1")
@@ -20,7 +21,7 @@ def structure_of(text):
     return build_structure(parse_documents(text)[0])
 
 
-def at_random(random, linear):
+def at_random(random, linear, pulses=PULSES):
     """A structure, a pulse and a demand around its uplift."""
     if linear:
         p, alpha, lam = random.uniform(1.0, 4.0), random.uniform(0.05, 0.5), random.uniform(0.1, 0.5)
@@ -34,17 +35,17 @@ def at_random(random, linear):
             half = 0.5 * slenderness * height
             text = f"kind: prism\ncorners: [[0, 0], [{2 * half}, 0], [{half * random.uniform(0.8, 1.4)}, {height}]]"
     structure = structure_of(text)
-    motion = PULSES[random.integers(len(PULSES))]
+    motion = pulses[random.integers(len(pulses))]
     a_g = structure.uplift * 9.81 * float(np.exp(random.uniform(-0.3, 1.8)))
     omega_g = structure.p * random.uniform(1.2, 7.0)
     return structure, motion, Grid(Axis("a_g", np.array([a_g])), Axis("omega_g", np.array([omega_g])))
 
 
-def judged(structure, motion, demand):
+def judged(structure, motion, demand, a_max=A_MAX):
     """Check a verdict against every interval that overturns, and against the history; whether the body fell, or stood above a fall."""
-    verdict, method = check(structure, motion, demand), governing_method(structure)
+    verdict, method = check(structure, motion, demand, a_max=a_max), governing_method(structure)
     amplitude, omega = (float(x[0]) for x in demand.scaled(structure))
-    top = max(A_MAX, 2.0 * amplitude)
+    top = max(a_max, 2.0 * amplitude)
     traced = trace_envelope(structure, motion, [omega], method=method, a_max=top, sign="+", workers=1)
     falls = [(structure.ground_acceleration(i.a_from), structure.ground_acceleration(i.a_to or np.inf)) for i in traced]
     inside = any(low < verdict.demand_a < high for low, high in falls)
@@ -66,7 +67,7 @@ def judged(structure, motion, demand):
 
 def test_verdicts_agree_with_envelope_and_history():
     random = np.random.default_rng(16)
-    fell = [judged(*at_random(random, linear=n >= 3)) for n in range(40)]
+    fell = [judged(*at_random(random, linear=n >= 1, pulses=QUICK), a_max=4.0) for n in range(40)]
     assert 8 < sum(x for x, _ in fell) < 32
 
 
@@ -79,7 +80,7 @@ def test_verdicts_agree_with_envelope_and_history_for_500():
 
 
 @pytest.mark.parametrize("text", ["kind: block\nwidth: 0.5\nheight: 2", "kind: parameters\np: 2.1\nalpha: 0.2\neta: 0.8\nlambda: 0.25"])
-@pytest.mark.parametrize("a_g", [2.0, 4.2])
+@pytest.mark.parametrize("a_g", [4.2])
 def test_an_independent_solver_agrees_just_below_and_above_the_first_overturning(text, a_g):
     structure = structure_of(text)
     first = check(structure, sine(), parse_grid(f"a_g={a_g},f_g=1.2")).first_overturning_a

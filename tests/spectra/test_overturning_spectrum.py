@@ -35,17 +35,17 @@ def test_quantiles_lie_between_the_order_statistics():
 
 
 def test_a_block_is_the_same_by_its_angle_and_by_its_size():
-    """2 pi/p = 3 s and alpha = 0.2: the block of that radius under the same records."""
-    alpha, p = 0.2, 2.0 * math.pi / 3.0
+    """2 pi/p = 1 s and alpha = 0.2: the block of that radius under the same records."""
+    alpha, p = 0.2, 2.0 * math.pi
     (document,) = parse_documents(f"kind: block\nradius: {0.75 * 9.81 / p**2!r}\nalpha: {alpha}\nrestitution: 0.9")
     scenes = (
-        angles_scene(Axis("alpha", np.array([alpha])), Axis("T", np.array([3.0])), RECORDS, 0.9),
-        structures_scene([build_structure(document)], RECORDS),
+        angles_scene(Axis("alpha", np.array([alpha])), Axis("T", np.array([1.0])), RECORDS[:2], 0.9),
+        structures_scene([build_structure(document)], RECORDS[:2]),
     )
-    one, other = (next(overturning_spectrum(scene, tracing_records(Tracing(scene, 60.0, True), workers=1))) for scene in scenes)
+    one, other = (next(overturning_spectrum(scene, tracing_records(Tracing(scene, 8.0, True), workers=1))) for scene in scenes)
     for key in ("p", "pga_ratio_16", "pga_ratio_50", "overturned", "records"):
         assert one[key] == pytest.approx(other[key], rel=1e-9)
-    assert one["overturned"] >= 2
+    assert one["overturned"] == 2
 
 
 def test_its_figure_draws_the_median_and_the_band_of_each_angle():
