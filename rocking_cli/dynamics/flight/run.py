@@ -37,8 +37,8 @@ class Flights(Lanes):
     """Lanes that can jump.
 
     row: where the table of the lane's pace begins; pace: tau between samples; face: where the windows of its side begin; anchor: the
-    sample at which `up` and `down` are the coefficients of exp(tau) and exp(-tau) in y; level: of the window that is tried next;
-    slot: place in the pool.
+    sample at which `up` and `down` are the coefficients of exp(tau) and exp(-tau) in y; level: of the window that is tried next,
+    at most `top`, which follows from the pace alone: no jump depends on a lane's neighbours; slot: place in the pool.
     """
 
     row: Array
@@ -48,6 +48,7 @@ class Flights(Lanes):
     up: Array
     down: Array
     level: Array
+    top: Array
     slot: Array
 
 
@@ -80,8 +81,7 @@ class Flight(Run):
         waiting, pace = waiting[~far], pace[:, ~far]
         if not waiting.size:
             return
-        levels = 1 + min(int(math.log2(_LONGEST_JUMP / pace.max())), math.ceil(math.log2(self.last)))
-        self.windows, self.top = windows(self.samples, levels), levels - 1
+        self.windows = windows(self.samples, 1 + math.ceil(math.log2(self.last)))
         paces, which = np.unique(pace, return_inverse=True)
         which = which.reshape(pace.shape)
         order = np.argsort(which[0], kind="stable")
@@ -124,7 +124,8 @@ class Flight(Run):
         y, v = there.y - 1.0 - drive * bounded.real, there.v - drive * bounded.imag
         face = np.where(lanes.side > 0.0, 0, self.windows.face)
         fall = (lanes.v + np.sqrt(lanes.v * lanes.v - 2.0 * lanes.b * lanes.y)) / -lanes.b
-        level = np.frexp(np.where(fall > 0.0, 0.5 * fall / pace, 8.0))[1].clip(0, self.top)
+        top = np.minimum(np.frexp(_LONGEST_JUMP / pace)[1] - 1, self.windows.levels - 1).astype(np.int64)
+        level = np.clip(np.frexp(np.where(fall > 0.0, 0.5 * fall / pace, 8.0))[1], 0, top)
         own = {f.name: getattr(lanes, f.name) for f in fields(Lanes)}
         return Flights(
             **own,
@@ -135,6 +136,7 @@ class Flight(Run):
             up=0.5 * (y + v),
             down=0.5 * (y - v),
             level=level.astype(np.int64),
+            top=top,
             slot=slot,
         )
 
@@ -159,7 +161,7 @@ class Flight(Run):
         end_v += up - down
         single = ((jump < 1) | (end_y < _LEAST * (1.0 + amplitude))) & ~free
         peak = np.maximum(lanes.peak, end_y)
-        level = np.frexp(ahead)[1].clip(0, self.top)
+        level = np.clip(np.frexp(ahead)[1], 0, lanes.top)
         held = self._doubtful(lanes, Leap(end_y, end_v, peak, fall, (jump - past) * pace), ~(single | free))
         single[held[jump[held] == 1]] = True
         held = held[jump[held] > 1]

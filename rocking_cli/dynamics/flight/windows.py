@@ -13,7 +13,7 @@ _FINE = 3  # stretches of 2^k samples begin at every sample up to this k, at eve
 
 
 class Windows(NamedTuple):
-    """low: flat float32 bounds; `at` says which. start, shift: (levels,); face: entries of one side; step: samples of a stretch.
+    """low: flat float32 bounds; `at` says which. start, shift: (levels,); face: entries of one side.
 
     The stretch of level k from sample n covers the samples n ... n + 2^k, as far as there are any.
     """
