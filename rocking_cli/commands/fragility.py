@@ -135,6 +135,7 @@ def fragility(
         options.emit([row for study in studies for row in study.efficiency()], form, EFFICIENCY_COLUMNS, without=("theta",))
     else:
         refused = _rows(studies, states, methods, exact, curve, form, levels or "", quiet)
+    options.note(f"model: {method.model}, {len(members)} motions", quiet)
     for study in studies:
         if study.resurrections:
             what = f"{study.resurrections} of {len(members)} motions overturn it at one intensity and spare it at a larger one"
