@@ -79,7 +79,7 @@ def report(
     part.write_text(text, encoding="utf-8")
     os.replace(part, output)
     falls = [v.name for v in verdicts if v.outcome.overturned]
-    options.note(f"{output}: {len(verdicts)} verdicts, {len(falls)} overturn", quiet)
+    options.note(f"{output}: {len(falls)} of {len(verdicts)} overturn", quiet)
     if any(v.outcome == Outcome.FAILED for v in verdicts):
         context.exit(4)
 

@@ -37,7 +37,7 @@ from ..spectra.reader import SpectraFile
 from ..spectra.sweep import write_spectrum
 from ..structures import RockingParameters
 from ..structures.kinds import sketch_of
-from .canvas import FIGURE_UNITS, canvas, legend, literal
+from .canvas import FIGURE_UNITS, canvas, literal
 from .capacity import capacities
 from .drawing import structure_axes
 from .fragility_curves import fragility_curves
@@ -46,7 +46,7 @@ from .maps import outcome_map
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-SIDE = 100  # values on each axis of a map
+SIDE = 80  # values on each axis of a map
 LEVELS = 16  # of PGA, for fragility
 HEADS = (
     "structure", "motion", "model", "outcome", "θ max/α", "demand [g]", "uplift [g]", "overturns from [g]", "capacity over demand",
@@ -215,7 +215,7 @@ def _map(
             entries += axes.plot(x, y, ls="", marker="*", ms=13, mfc="#F0E442", mec="k", label="demand")
             axes.set_xscale("log")
             axes.set_title(literal(structure.name))
-            legend(axes, entries)
+            figure.legend(handles=entries, loc="outside right upper")
 
         picture = _image(folder, plan)
         if method == LINEAR:

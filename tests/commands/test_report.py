@@ -13,12 +13,12 @@ from pathlib import Path
 
 import pytest
 
-from rocking_cli import Outcome, Verdict, build_structure, parse_documents
-from rocking_cli.motions.recording import read_motions
+from rocking_cli import Outcome, Verdict, build_structure, check, parse_documents, parse_grid, sine
+from rocking_cli.motions.recording import Recording, read_motions
 from rocking_cli.reports.page import Subject, page
 
 HOSTILE = """<script>document.title = "taken"</script>'"&amp; $x$ {{ 7 * 7 }}"""
-STATED = "kind: parameters\nname: {name}\np: 1.84\nalpha: 0.069\neta: 0.9\nlambda: 0.37\n"
+DEMAND = parse_grid("a_g=0.6g,f_g=1.2")
 CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
 
 
@@ -50,72 +50,86 @@ class Page(HTMLParser):
             self.rows[-1][-1] += data
 
 
-@pytest.fixture
-def documents(tmp_path) -> list[str]:
-    """A structure with a hostile name and text, and a block."""
-    (tmp_path / "stated.yaml").write_text("# </pre><script>1</script>\n" + STATED.format(name=json.dumps(HOSTILE)))
-    (tmp_path / "block.yaml").write_text("kind: block\nname: Column\nwidth: 0.5\nheight: 2\nrestitution: 0.9\n")
-    return ["stated.yaml", "block.yaml"]
+BLOCK = "# </pre><script>1</script>\nkind: block\nwidth: 0.5\nheight: 2\nrestitution: 0.9\nname: " + json.dumps(HOSTILE)
+STATED = "{kind: parameters, name: Arch, p: 1.84, alpha: 0.069, eta: 0.9, lambda: 0.37}"
 
 
-def test_the_page_holds_the_verdicts_and_trusts_no_name(rocking, tmp_path, documents):
-    shaking = ("--a-g", "0.6g", "--f-g", "1.2")
-    done = rocking("report", *documents, *shaking, "-o", "r.html", "--workers", "1")
-    assert done.returncode == 0, done.stderr
-    assert "r.html: 2 verdicts, 1 overturn" in done.stderr
-    assert not list(tmp_path.glob("*.part"))
-    text = (tmp_path / "r.html").read_text(encoding="utf-8")
+def subject(text: str) -> Subject:
+    """A structure as the page takes it."""
+    (document,) = parse_documents(text)
+    return Subject(document, build_structure(document))
+
+
+@pytest.fixture(scope="module")
+def verdict() -> Verdict:
+    """On the block under a sine that overturns it."""
+    return check(subject(BLOCK).structure, sine(), DEMAND)
+
+
+@pytest.fixture(scope="module")
+def text(verdict) -> str:
+    """The page of a block with a hostile name and document."""
+    return page([subject(BLOCK)], [verdict], pulse=(sine(), DEMAND), command=f"rocking {HOSTILE}", made="today", workers=1)
+
+
+def test_the_page_holds_the_verdict_and_trusts_no_name(text, verdict):
     found = Page(text)
     assert not {"script", "link", "iframe", "object", "form"} & set(found.tags)
     assert all(source.startswith("data:image/svg+xml;base64,") for source in found.sources)
-    assert len(found.sources) == 4  # capacities, the block's drawing, two maps
+    assert len(found.sources) == 3  # capacities, the block's drawing, the map
     assert not re.search(r"https?://", text)
     for source in found.sources:
         assert base64.b64decode(source.partition(",")[2]).lstrip().startswith(b"<?xml")
-    verdicts = [json.loads(line) for line in rocking("check", *documents, *shaking, "--json").stdout.splitlines()]
-    for row, verdict in zip(found.rows[1:3], verdicts, strict=True):
-        assert row[0].strip() == verdict["name"]
-        assert row[2].strip() == verdict["model"]
-        assert float(row[8]) == pytest.approx(verdict["capacity_demand"], rel=1e-3)
-    assert found.rows[1][0].strip() == HOSTILE
+    heads, row = ([cell.strip() for cell in row] for row in found.rows[:2])
+    shown = dict(zip(heads, row, strict=True))
+    assert (shown["structure"], shown["model"], shown["outcome"]) == (HOSTILE, "nonlinear", verdict.outcome.sentence)
+    assert float(shown["capacity over demand"]) == pytest.approx(verdict.capacity_demand, rel=1e-3)
+    assert float(shown["overturns from [g]"]) * 9.81 == pytest.approx(verdict.first_overturning_a, rel=1e-3)
     relations = {row[0].strip(): row[4].strip() for row in found.rows if len(row) == 5}
     assert relations["p"] == "p² = 3 g/(4 R)"
     assert relations["η"] == "θ̇ after = η θ̇ before an impact"  # given, and not from momentum
-    assert "rocking report stated.yaml" in text
-    assert re.search(r"\d+ of the 10000 cells of the map end otherwise", text)
+    assert re.search(r"\d+ of the \d+ cells of the map end otherwise", text)
+    assert [found.rows[-1][0].strip(), len(found.rows[-1][1].strip())] == ["<text>", 64]
 
 
+def recordings(folder: Path, count: int) -> tuple[Recording, ...]:
+    """Two seconds of a sine in g, each record faster than the one before."""
+    for i in range(count):
+        (folder / f"{i}.txt").write_text("\n".join(f"{0.6 * math.sin((0.06 + 0.03 * i) * k):.6f}" for k in range(100)))
+    return read_motions([str(folder / f"{i}.txt") for i in range(count)], unit="g", dt=0.02)
+
+
+STANDS = Verdict("Arch", "0", "linear", Outcome.ROCKED, 0.5, 4.0, 3.6, None, None, Outcome.ROCKED)
+
+
+def test_a_few_records_bear_no_curve(tmp_path):
+    records = recordings(tmp_path, 2)
+    text = page([subject(STATED)], [STANDS], recordings=records, command="rocking report", made="today")
+    assert "2 records; a fit needs 4" in text
+    assert [(row[0].strip(), row[1].strip()) for row in Page(text).rows[-2:]] == [(r.label, r.record.sha256) for r in records]
+
+
+@pytest.mark.soak
 def test_fragility_where_records_are_given(tmp_path):
-    for i in range(5):  # a sine in g, each record faster than the one before
-        samples = "\n".join(f"{0.6 * math.sin((0.06 + 0.03 * i) * k):.6f}" for k in range(100))
-        (tmp_path / f"{i}.txt").write_text(samples)
-    recordings = read_motions([str(tmp_path / f"{i}.txt") for i in range(5)], unit="g", dt=0.02)
-    (document,) = parse_documents(STATED.format(name="Arch"))
-    subject = Subject(document, build_structure(document))
-    stands = Verdict("Arch", "0", "linear", Outcome.ROCKED, 0.5, 4.0, 3.6, None, None, Outcome.ROCKED)
-    found = Page(page([subject], [stands], recordings=recordings, command="rocking report", made="now", workers=1))
-    assert [(row[0].strip(), row[1].strip()) for row in found.rows[-5:]] == [(r.label, r.record.sha256) for r in recordings]
-    fitted = [row for row in found.rows if row[0].strip() == "overturning"]
-    assert len(fitted) == 1
+    found = Page(page([subject(STATED)], [STANDS], recordings=recordings(tmp_path, 5), command="x", made="today", workers=1))
+    assert len([row for row in found.rows if row[0].strip() == "overturning"]) == 1
     assert len(found.sources) == 2  # capacities and curves
-    few = page([subject], [stands], recordings=recordings[:2], command="rocking report", made="now")
-    assert "2 records; a fit needs" in few
 
 
-def test_pages_that_cannot_be_written(refused, tmp_path, documents):
-    shaking = ("--a-g", "0.6g", "--f-g", "1.2")
+def test_pages_that_cannot_be_written(refused, tmp_path):
+    call = ("report", "configs/parameters.yaml", "--a-g", "0.6g", "--f-g", "1.2", "-o")
     (tmp_path / "there.html").write_text("")
-    assert "exists; --overwrite replaces it" in refused(2, "report", *documents, *shaking, "-o", "there.html")
-    assert "ends in .html" in refused(2, "report", *documents, *shaking, "-o", "r.pdf")
-    assert "does not exist" in refused(2, "report", *documents, *shaking, "-o", "none/r.html")
-    assert "no shaking" in refused(2, "report", *documents, "-o", "r.html")
-    assert "no structure" in refused(2, "report", *shaking, "-o", "r.html")
+    assert "exists; --overwrite replaces it" in refused(2, *call, "there.html")
+    assert "ends in .html" in refused(2, *call, "r.pdf")
+    assert "does not exist" in refused(2, *call, "none/r.html")
+    assert "no shaking" in refused(2, "report", "configs/parameters.yaml", "-o", "r.html")
+    assert "no structure" in refused(2, "report", *call[2:], "r.html")
 
 
-def test_without_jinja2_one_sentence_says_so(refused, documents, monkeypatch):
+def test_without_jinja2_one_sentence_says_so(refused, monkeypatch):
     monkeypatch.setitem(__import__("sys").modules, "jinja2", None)
-    said = refused(1, "report", "stated.yaml", "--a-g", "0.6g", "--f-g", "1.2", "-o", "r.html", "-q")
-    assert "pip install 'rocking[report]'" in said
+    call = ("report", "configs/parameters.yaml", "--a-g", "0.6g", "--f-g", "1.2", "-o", "r.html", "-q")
+    assert "pip install 'rocking[report]'" in refused(1, *call)
 
 
 def browsed(page: Path, profile: Path) -> tuple[str, str, set[str]]:
@@ -134,8 +148,8 @@ ABSENT = "no Chromium on this machine"
 
 
 @pytest.mark.skipif(CHROMIUM is None, reason=ABSENT)
-def test_a_browser_asks_nothing_of_a_network_and_finds_no_fault(rocking, tmp_path, documents):
-    assert rocking("report", "stated.yaml", "--a-g", "0.6g", "--f-g", "1.2", "-o", "r.html", "--workers", "1").returncode == 0
+def test_a_browser_asks_nothing_of_a_network_and_finds_no_fault(text, tmp_path):
+    (tmp_path / "r.html").write_text(text, encoding="utf-8")
     shown, said, asked = browsed(tmp_path / "r.html", tmp_path / "profile")
     assert "CONSOLE" not in said
     assert asked == set()
