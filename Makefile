@@ -1,7 +1,7 @@
 # Each target sets up its own .venv from nothing; a target whose inputs have not changed since it last passed does nothing.
 PYTHON ?= python3
 STAMPS := .venv/stamps
-CODE := $(shell find rocking_cli -name '*.py' -o -name '*.txt')
+CODE := $(shell find rocking_cli -type f -not -path '*/__pycache__/*')
 CONFIGS := $(shell find configs -type f)
 TESTS := $(shell find tests -type f -not -path '*/__pycache__/*')
 
