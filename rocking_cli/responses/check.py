@@ -95,6 +95,8 @@ def check(structure: RockingParameters, motion: Motion, shaking: Grid, *, a_max:
     method = governing_method(structure)
     governs, linear = (_respond(m, structure, motion, amplitude, omega) for m in (method, LINEAR))
     found = capacity(structure, motion, amplitude, omega, method=method, a_max=a_max)
+    asked = _forces(method, structure, motion, shaking)
+    lifted_off = governs[0] == Outcome.ROCKED and (asked.get("fz_min", 1.0) or 0.0) <= 0.0
 
     def acceleration(a: float | None) -> float | None:
         return None if a is None else float(structure.ground_acceleration(a))
@@ -103,14 +105,14 @@ def check(structure: RockingParameters, motion: Motion, shaking: Grid, *, a_max:
         name=structure.name,
         motion=motion.name,
         model=method.model,
-        outcome=governs[0],
+        outcome=Outcome.LOST_CONTACT if lifted_off else governs[0],
         theta_ratio=governs[1],
         demand_a=float(structure.ground_acceleration(amplitude)),
         uplift_a=acceleration(found.uplift),
         first_overturning_a=acceleration(found.first),
         safe_to=acceleration(found.safe_to),
         outcome_linear=linear[0],
-        **_forces(method, structure, motion, shaking),
+        **asked,
     )
 
 

@@ -24,6 +24,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ..dynamics.outcome import Outcome
 from ..errors import UsageError
 from ..motions.motion import Motion
 from ..structures.parameters import RockingParameters, Side
@@ -291,6 +292,9 @@ class ForceHistory:
             ratio = extent(_ratio(forces), arc.start, arc.stop)
             rocking.append(max(Demand(-ratio.least, ratio.at_least), Demand(ratio.largest, ratio.at_largest)))
         lifting = [self._after(event) for event in self.found.events if event.event == "uplift"][:1]
+        if self.found.outcome == Outcome.LOST_CONTACT:  # from a jump on there may be no weight, and none before it shows that
+            least = min(least, (0.0, self.found.end))
+            (rocking if lifting else resting).append(Demand(math.inf, self.found.end))
         impacts = [Demand(j.friction, e.tau) for e in self.found.events if e.event == "impact" and (j := self.body.impulses(e))]
         worst = [max(group, default=None) for group in (resting, lifting, rocking, impacts)]
         return Demands(worst[0], worst[1], worst[2], worst[3], *least)
@@ -310,7 +314,9 @@ class ForceHistory:
 
     def _after(self, uplift: Event) -> Demand:
         """The demand in the first instant after an uplift."""
-        arc = next(arc for arc in self.found.arcs if arc.stop > uplift.tau)
+        arc = next((arc for arc in self.found.arcs if arc.stop > uplift.tau), None)
+        if arc is None:  # the ground falls away in the same instant
+            return Demand(math.inf, uplift.tau)
         fx, fz = (float(x[0]) for x in self.on(arc)(np.array([arc.start])))
         return Demand(abs(fx) / fz if fz > 0.0 else math.inf, uplift.tau)
 

@@ -66,6 +66,16 @@ class TimeHistory:
         body = Body.of(s)
         return {model: ForceHistory(body, ground, found) for model, found in self.histories.items()}
 
+    def outcome(self, model: str) -> Outcome:
+        """What became of the structure by one equation: a body whose forces are known has lost contact where it rocks and Fz <= 0."""
+        found = self.histories[model].outcome
+        if found != Outcome.ROCKED:
+            return found
+        try:
+            return Outcome.LOST_CONTACT if self.forces[model].demands.fz_min <= 0.0 else found
+        except UsageError:  # forces of other mechanisms
+            return found
+
     @cached_property
     def arch_forces(self) -> dict[str, ArchHistory]:
         """The forces in an arch by Eq. 3.4; empty of what is none. Raises UsageError."""
@@ -129,18 +139,15 @@ class TimeHistory:
         """What became of the structure, one record a model: theta_ratio (None where it overturned) and outcome.
 
         forces: also the required friction and when, that of the impacts, the least Fz over m g and when, and where the document
-        states a friction, when the base slides (None where it does not); what rocks and has had Fz <= 0 has lost contact.
+        states a friction, when the base slides (None where it does not).
         """
         s, when, time = self.structure, "tau" if dimensionless else "t", 1.0 if dimensionless else 1.0 / self.structure.p
         for model, found in self.histories.items():
             demanded: dict[str, Any] = {}
-            outcome = found.outcome
             if forces and self.arch_forces:
                 demanded = self.arch_forces[model].summary(when, time)
             elif forces:
                 asked = self.forces[model].demands
-                if outcome == Outcome.ROCKED and asked.fz_min <= 0.0:
-                    outcome = Outcome.LOST_CONTACT
                 demanded = {
                     "friction": _finite(asked.friction.friction),
                     f"friction_{when}": asked.friction.tau * time,
@@ -149,14 +156,14 @@ class TimeHistory:
                     f"fz_min_{when}": asked.fz_min_tau * time,
                     **({} if s.friction is None else {"slides": asked.slides(s.friction)}),
                 }
-            yield {"model": model, "event": "summary", **demanded, "theta_ratio": found.theta_ratio, "outcome": outcome.flag}
+            yield {"model": model, "event": "summary", **demanded, "theta_ratio": found.theta_ratio, "outcome": self.outcome(model).flag}
 
     def summary(self, *, forces: bool = False) -> Iterator[str]:
         """What became of the structure, in a sentence for each model."""
         s = self.structure
         for model, found in self.histories.items():
             peak = found.peak
-            text = found.outcome.sentence
+            text = self.outcome(model).sentence
             if peak is not None:
                 ratio = abs(peak.theta_ratio)
                 text += f", largest theta {ratio * float(s.alpha_on(peak.side)):.6g} rad ({ratio:.6g} alpha) at {peak.tau / s.p:.4g} s"

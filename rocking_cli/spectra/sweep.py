@@ -45,7 +45,7 @@ class Summary:
     pulse; compared, otherwise: checked cells of a linear sweep of records that the nonlinear equation judged too, and how many of
     them it ends otherwise (overturned or not); differences: cells by
     `Difference`, where both equations answer; validity: of a linear sweep, where it was
-    asked for. Times, checks and counters are those of this run.
+    asked for; weighed: whether the ground moved upwards too. Times, checks and counters are those of this run.
     """
 
     structures: int
@@ -68,6 +68,7 @@ class Summary:
     otherwise: int = 0
     differences: Mapping[str, int] = field(default_factory=dict)
     validity: Validity | None = None
+    weighed: bool = False
 
     @property
     def time_per_cell(self) -> float:
@@ -413,6 +414,7 @@ def _sweep(
         misjudged=misjudged,
         model=scene.method.model,
         records=scene.shape[0] if scene.of_records else 0,
+        weighed=scene.weighed,
         compared=compared,
         otherwise=otherwise,
         differences={d.flag: int(differences[d]) for d in Difference} if "linear" in quantities else {},

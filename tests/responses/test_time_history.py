@@ -7,8 +7,9 @@ import math
 import numpy as np
 import pytest
 
-from rocking_cli import build_structure, parse_documents
-from rocking_cli.dynamics.method import LINEAR
+from rocking_cli import Outcome, build_structure, check, cosine, parse_documents, parse_grid, pulse, sine
+from rocking_cli.dynamics.method import LINEAR, Method
+from rocking_cli.motions.biaxial import with_vertical
 from rocking_cli.responses.time_history import time_history
 
 STATUE = "kind: rigid\nleft: {left}\nright: {right}\nheight: 1.0\ngyration: 0.6\n"
@@ -46,3 +47,26 @@ def test_each_edge_keeps_its_own_time_in_free_rocking(left, right, release):
     crests = [(at, theta) for name, at, theta, _ in wanted if name == "peak"][:4]
     rotation, _ = found.histories["linear"].at(np.array([at for at, _ in crests]) * body.p)
     assert rotation * body.alpha_on(np.sign(rotation)) == pytest.approx([theta for _, theta in crests], abs=1e-11)
+
+
+def test_a_body_that_needs_pulling_down_is_not_called_safe():
+    """Its rotation stays below alpha while Fz falls to 0, which only its forces show; with a little less of the motion it keeps contact."""
+    body, shaking = build_structure(parse_documents("kind: block\nwidth: 2\nheight: 3\n")[0]), parse_grid("A=1.7,Omega=5")
+    for scale, outcome in ((0.85, Outcome.ROCKED), (1.0, Outcome.LOST_CONTACT)):
+        motion = with_vertical(sine(), cosine(3), scale)
+        found = time_history(body, motion, shaking, [Method("nonlinear")])
+        (said,) = found.summaries()
+        assert found.histories["nonlinear"].outcome == Outcome.ROCKED
+        assert (found.forces["nonlinear"].demands.fz_min <= 0.0) == (outcome == Outcome.LOST_CONTACT)
+        assert said["outcome"] == outcome.flag
+        assert outcome.sentence in next(found.summary())
+        assert check(body, motion, shaking).outcome == outcome
+
+
+def test_ground_that_falls_away_as_it_lifts_the_body_leaves_no_force():
+    """From the first instant the weight is 1 - 1.03 A alpha < 0, with the push to the side that lifts the body."""
+    body = build_structure(parse_documents("kind: block\nwidth: 2\nheight: 3\n")[0])
+    motion = with_vertical(pulse("rectangular-impulse"), pulse("rectangular-impulse"), -1.03)
+    for omega in (5.0, 7.5):
+        (said,) = time_history(body, motion, parse_grid(f"A=1.9,Omega={omega}"), [LINEAR]).summaries(forces=True)
+        assert (said["outcome"], said["fz_min"], said["friction"]) == ("lost_contact", 0.0, None)
