@@ -209,11 +209,15 @@ def _map(
     with SpectraFile(path) as file:
 
         def plan(figure: Figure) -> None:
+            figure.set_size_inches(8.4, 4.0)  # with the legend beside the map
             axes = figure.add_subplot()
             entries = outcome_map(axes, file, 0, FIGURE_UNITS)
             x, y = omega / FIGURE_UNITS.column("omega_g")[2], amplitude / FIGURE_UNITS.column("a_g")[2]
             entries += axes.plot(x, y, ls="", marker="*", ms=13, mfc="#F0E442", mec="k", label="demand")
             axes.set_xscale("log")
+            ticks = [x * 2.0**i for i in range(-2, 3)]
+            axes.set_xticks(ticks, [f"{tick:.3g}" for tick in ticks])
+            axes.set_xticks([], minor=True)
             axes.set_title(literal(structure.name))
             figure.legend(handles=entries, loc="outside right upper")
 
