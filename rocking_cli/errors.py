@@ -48,11 +48,11 @@ FAULTS = (OSError, LookupError, ValueError, RuntimeError, TypeError, AttributeEr
 """What HDF5 and the reading of its contents raise where a file is not a whole spectra file; a UsageError of a grid is one too."""
 
 
-def did_you_mean(word: str, known: Iterable[str], meant: Mapping[str, str] | None = None, cutoff: float = 0.6) -> str:
+def did_you_mean(word: str, known: Iterable[str], meant: Mapping[str, str] | None = None) -> str:
     """` (did you mean 'x'?)` behind a word that is unknown, or nothing.
 
     Looked for are the same word in other letters (a_g for a-g), what `meant` says that people mean by it, what begins with it,
-    and what is spelt like it, down to a similarity of `cutoff`.
+    and what is spelt like it.
     """
 
     def plain(text: str) -> str:
@@ -64,5 +64,5 @@ def did_you_mean(word: str, known: Iterable[str], meant: Mapping[str, str] | Non
         found = [plain(meant[mine])]
     else:
         found = [other for other in words if other == mine or (len(mine) > 2 and other.startswith(mine))][:3]
-        found = found or get_close_matches(mine, words, n=1, cutoff=cutoff)
+        found = found or get_close_matches(mine, words, n=1)
     return f" (did you mean {' or '.join(repr(words[other]) for other in found)}?)" if found else ""
