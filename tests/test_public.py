@@ -7,6 +7,7 @@ import builtins
 import doctest
 import inspect
 import re
+import sys
 
 import numpy as np
 import pytest
@@ -83,7 +84,7 @@ def test_a_spectrum_becomes_the_dataset_that_its_file_holds(tmp_path):
 
 
 def test_without_xarray_one_sentence_says_so(monkeypatch):
-    monkeypatch.setitem(__import__("sys").modules, "xarray", None)
+    monkeypatch.setitem(sys.modules, "xarray", None)
     found = spectrum([dimensionless_oscillator(0.9)], sine(), parse_grid("A=2,Omega=5"), workers=1)
     with pytest.raises(rocking_cli.OutputError, match="to_xarray needs xarray"):
         found.to_xarray()

@@ -47,7 +47,7 @@ def report(
     are given; then the command, versions and hashes. It needs the extra: pip install 'rocking[report]'.
     """
     from ..dynamics.outcome import Outcome
-    from ..reports.page import Subject, page
+    from ..reports.page import Subject, demand_extra, page
     from ..responses.check import check_all
     from ..spectra.grid import as_recorded
     from ..structures import build_structure, read_documents, with_distinct_names
@@ -57,6 +57,7 @@ def report(
     if shaking is None and not recordings:
         raise click.UsageError("no shaking: give --a-g and --omega-g (or --f-g, --T-g), or --motion FILE")
     _refuse(output, overwrite)
+    demand_extra()
     documents = [document for path in files for document in read_documents(path)]
     if len(documents) > MOST:
         raise click.UsageError(f"found {len(documents)} structures; accepted are up to {MOST} on a page")

@@ -11,6 +11,7 @@ import hashlib
 import platform
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from importlib import import_module
 from importlib.metadata import PackageNotFoundError, version
 from importlib.resources import files
 from pathlib import Path
@@ -69,6 +70,15 @@ class Subject:
     structure: RockingParameters
 
 
+def demand_extra() -> None:
+    """Raise OutputError where a package is missing that a page needs, before any work is done."""
+    for package in ("jinja2", "matplotlib"):
+        try:
+            import_module(package)
+        except ImportError:
+            raise OutputError(f"a report needs {package}: pip install 'rocking[report]'") from None
+
+
 def page(
     subjects: Sequence[Subject],
     verdicts: Sequence[Verdict],
@@ -83,10 +93,9 @@ def page(
 
     Raises OutputError without jinja2 or matplotlib.
     """
-    try:
-        from jinja2 import Environment, StrictUndefined
-    except ImportError:
-        raise OutputError("a report needs jinja2: pip install 'rocking[report]'") from None
+    demand_extra()
+    from jinja2 import Environment, StrictUndefined
+
     template = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True).from_string(
         (files(__package__) / "page.html").read_text(encoding="utf-8")
     )

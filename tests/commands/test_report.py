@@ -8,6 +8,7 @@ import math
 import re
 import shutil
 import subprocess
+import sys
 from html.parser import HTMLParser
 from pathlib import Path
 
@@ -126,10 +127,11 @@ def test_pages_that_cannot_be_written(refused, tmp_path):
     assert "no structure" in refused(2, "report", *call[2:], "r.html")
 
 
-def test_without_jinja2_one_sentence_says_so(refused, monkeypatch):
-    monkeypatch.setitem(__import__("sys").modules, "jinja2", None)
+@pytest.mark.parametrize("package", ["jinja2", "matplotlib"])
+def test_without_a_package_one_sentence_says_so(refused, monkeypatch, package):
+    monkeypatch.setitem(sys.modules, package, None)
     call = ("report", "configs/parameters.yaml", "--a-g", "0.6g", "--f-g", "1.2", "-o", "r.html", "-q")
-    assert "pip install 'rocking[report]'" in refused(1, *call)
+    assert f"a report needs {package}: pip install 'rocking[report]'" in refused(1, *call)
 
 
 def browsed(page: Path, profile: Path) -> tuple[str, str, set[str]]:
