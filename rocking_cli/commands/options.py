@@ -108,6 +108,13 @@ a_max = click.option(
 )  # fmt: skip
 
 
+class PulseOrPath(InputPath):
+    """A pulse by name or the name of a file; both are completed."""
+
+    def shell_complete(self, ctx: click.Context, param: click.Parameter, incomplete: str) -> list[CompletionItem]:
+        return [*Registered(_pulses).shell_complete(ctx, param, incomplete), *super().shell_complete(ctx, param, incomplete)]
+
+
 def _pulses() -> Iterable[str]:
     from ..motions.pulses import PULSES
 
@@ -307,9 +314,8 @@ def vertical(command: F) -> F:
         return command(*arguments, **given)
 
     factor = click.option("--vertical-scale", type=float, metavar="FACTOR", help="Factor of the vertical motion (default 1).")
-    return click.option("--vertical", metavar="MOTION", help="Vertical motion, upwards: a pulse by name, a motion document or a record.")(
-        factor(with_vertical)
-    )
+    told = "Vertical motion, upwards: a pulse by name, a motion document or a record."
+    return click.option("--vertical", type=PulseOrPath(), metavar="MOTION", help=told)(factor(with_vertical))
 
 
 def motions(command: F) -> F:
