@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from . import options
+from .parameter_types import OutputPath
 
 if TYPE_CHECKING:
     from ..motions import Motion
@@ -24,7 +25,7 @@ if TYPE_CHECKING:
 @click.option("--a-max", type=float, default=20.0, show_default=True, help="Dimensionless amplitude A up to which falling is looked for.")
 @click.option("--sort", type=click.Choice(["capacity"]), help="The weakest first, those that never overturn last.")
 @click.option("--fail-on", type=click.Choice(["overturning"]), help="Exit code 5 where a structure falls.")
-@click.option("-o", "--output", type=options.OutputPath(), help="A figure of the capacities: .png, .svg or .pdf.")
+@click.option("-o", "--output", type=OutputPath(), help="A figure of the capacities: .png, .svg or .pdf.")
 @options.overwrite
 @options.workers
 @options.output_form

@@ -5,10 +5,11 @@ from __future__ import annotations
 import click
 
 from . import options
+from .parameter_types import InputPath
 
 
 @click.command(epilog="Example: rocking convert slice.h5 --csv | head")
-@click.argument("file", type=options.InputPath())
+@click.argument("file", type=InputPath())
 @options.output_form
 def convert(file: str, form: str | None) -> None:
     """Stream the computed cells of a spectra file, one a row (CSV unless --json)."""

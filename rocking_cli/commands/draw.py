@@ -7,13 +7,14 @@ from pathlib import Path
 import click
 
 from . import options
+from .parameter_types import OutputPath
 
 MOST = 12  # panels that a page shows
 
 
 @click.command(epilog="Example: rocking draw configs/arch.yaml -o arch.svg")
 @options.files
-@click.option("-o", "--output", required=True, type=options.OutputPath(), help="The figure: .png, .svg or .pdf.")
+@click.option("-o", "--output", required=True, type=OutputPath(), help="The figure: .png, .svg or .pdf.")
 @options.units
 @options.overwrite
 def draw(files: tuple[str, ...], output: Path, overwrite: bool) -> None:

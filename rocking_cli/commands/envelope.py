@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from . import options
+from .parameter_types import Limit
 from .progress import ProgressLine
 
 if TYPE_CHECKING:
@@ -50,7 +51,7 @@ def envelope(
     models: tuple[str, ...],
     tolerance: float,
     linear_uplift: str,
-    a_max: options.Limit,
+    a_max: Limit,
     sign: str,
     first: bool,
     median: bool,

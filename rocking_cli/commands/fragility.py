@@ -13,6 +13,7 @@ import click
 
 from ..errors import UsageError
 from . import options, streams
+from .parameter_types import InputPath, OutputPath, Registered
 from .progress import ProgressLine
 
 if TYPE_CHECKING:
@@ -34,18 +35,18 @@ def _measures() -> list[str]:
 @click.command(epilog="Example: rocking fragility configs/block.yaml --pulses configs/motions/site_pulses.csv --levels 0.2g:0.7g:11")
 @options.files
 @options.motions
-@click.option("--pulses", type=options.InputPath(), metavar="FILE", help="Site pulses instead of records: CSV of a_g, f_g, weight.")
-@click.option("--im", default="PGA", show_default=True, type=options.Registered(_measures), help="Intensity measure of the curves.")
+@click.option("--pulses", type=InputPath(), metavar="FILE", help="Site pulses instead of records: CSV of a_g, f_g, weight.")
+@click.option("--im", default="PGA", show_default=True, type=Registered(_measures), help="Intensity measure of the curves.")
 @click.option("--levels", metavar="LEVELS", help="START:STOP:N[:log] of it, or a list, with units: 0.1g:1g:10.")
 @click.option("--limit", "limits", default="0.1,0.5,1,overturning", show_default=True, help="Limit states: |theta|/alpha beyond these.")
 @click.option("--method", "fits", default="stripes", show_default=True, help="Of stripes, first and cloud, one or more.")
 @click.option("--exact", is_flag=True, help="Trace every interval that overturns: exact shares between levels, and resurrections.")
 @click.option("--efficiency", is_flag=True, help="Instead, the dispersion of the first overturning over every measure.")
 @click.option("--curve", is_flag=True, help="Instead, points of the curves with their bands: what rocking plot draws.")
-@click.option("--counts", type=options.InputPath(), metavar="FILE", help="Fit counts that exist already: CSV of im, n, z.")
+@click.option("--counts", type=InputPath(), metavar="FILE", help="Fit counts that exist already: CSV of im, n, z.")
 @click.option("--bootstrap", "samples", type=click.IntRange(0), default=1000, show_default=True, help="Draws for the bands; 0 for none.")
 @click.option("--seed", type=click.IntRange(0), default=0, show_default=True, help="Seed of these draws.")
-@click.option("-o", "--output", type=options.OutputPath(), help="The HDF5 file of all cells to write (records).")
+@click.option("-o", "--output", type=OutputPath(), help="The HDF5 file of all cells to write (records).")
 @options.method
 @options.workers
 @options.overwrite

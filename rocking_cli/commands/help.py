@@ -7,7 +7,8 @@ from importlib.resources import files
 import click
 
 from ..errors import did_you_mean
-from . import COMMANDS, options, streams
+from . import COMMANDS, streams
+from .parameter_types import Registered
 
 TOPICS = {
     "documents": "Structure documents: every kind and every key.",
@@ -19,7 +20,7 @@ TOPICS = {
 
 
 @click.command(name="help", epilog="Example: rocking help documents")
-@click.argument("name", required=False, type=options.Registered(lambda: [*COMMANDS, *TOPICS]), metavar="[COMMAND|TOPIC]")
+@click.argument("name", required=False, type=Registered(lambda: [*COMMANDS, *TOPICS]), metavar="[COMMAND|TOPIC]")
 @click.pass_context
 def help(context: click.Context, name: str | None) -> None:
     """Print the reference of a command, its options and examples, or of a topic.

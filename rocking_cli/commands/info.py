@@ -7,12 +7,13 @@ from typing import Any
 import click
 
 from . import options, streams
+from .parameter_types import InputPath
 
 _MOST_NAMES = 12
 
 
 @click.command(epilog="Example: rocking info towers.h5 --verify")
-@click.argument("files", nargs=-1, type=options.InputPath(), required=True, metavar="FILE...")
+@click.argument("files", nargs=-1, type=InputPath(), required=True, metavar="FILE...")
 @click.option("--verify", is_flag=True, help="Check every chunk against its checksum.")
 @options.output_form
 @click.pass_context

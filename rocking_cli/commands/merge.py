@@ -7,10 +7,11 @@ from pathlib import Path
 import click
 
 from . import options
+from .parameter_types import InputPath
 
 
 @click.command(epilog="Example: rocking merge part-1.h5 part-2.h5 -o whole.h5")
-@click.argument("files", nargs=-1, type=options.InputPath(), required=True, metavar="FILE...")
+@click.argument("files", nargs=-1, type=InputPath(), required=True, metavar="FILE...")
 @options.output
 @options.overwrite
 @options.strict

@@ -6,17 +6,16 @@ import os
 import re
 import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from contextlib import suppress
 from dataclasses import replace
 from functools import partial, wraps
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import click
-from click.shell_completion import CompletionItem
 
 from ..errors import RockingError, UsageError
 from . import streams
+from .parameter_types import InputPath, LimitType, OutputPath, PulseOrPath, Registered, Restitution, model_names, pulse_names
 from .terms import in_options
 
 if TYPE_CHECKING:
@@ -29,102 +28,10 @@ if TYPE_CHECKING:
 F = Callable[..., Any]
 
 
-class OutputPath(click.Path):
-    """The name of a file to write."""
-
-    def __init__(self) -> None:
-        super().__init__(path_type=Path)
-
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
-        if value == "":
-            self.fail("found an empty name, accepted is the name of a file to write", param, ctx)
-        return super().convert(value, param, ctx)
-
-
-class InputPath(click.Path):
-    """The name of a file to read, or - for standard input; every shell completes it, and the library tells what is wrong with it."""
-
-    def __init__(self) -> None:
-        super().__init__(readable=False, allow_dash=True)
-
-
-class Registered(click.ParamType):
-    """A word of a registry, which is imported where its words are listed or completed; the library refuses another."""
-
-    name = "choice"
-
-    def __init__(self, registry: Callable[[], Iterable[str]]) -> None:
-        self.registry = registry
-
-    def get_metavar(self, param: click.Parameter, ctx: click.Context) -> str:
-        return f"[{'|'.join(self.registry())}]"
-
-    def shell_complete(self, ctx: click.Context, param: click.Parameter, incomplete: str) -> list[CompletionItem]:
-        return [CompletionItem(word) for word in self.registry() if word.startswith(incomplete)]
-
-
-class Restitution(click.FloatRange):
-    """A number from 0 to 1, or `block`, which is None: 1 - 3/2 sin^2 alpha."""
-
-    def __init__(self) -> None:
-        super().__init__(0.0, 1.0)
-
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
-        return None if value == "block" else super().convert(value, param, ctx)
-
-
-class Limit(NamedTuple):
-    """The largest amplitude of a search: A, or an acceleration [m/s2]."""
-
-    value: float
-    acceleration: bool = False
-
-    def of(self, structure: RockingParameters | None) -> float:
-        """It as A of a structure. Raises UsageError for an acceleration where there are no units."""
-        if not self.acceleration:
-            return self.value
-        if structure is None or structure.dimensionless:
-            raise UsageError("`a_max`: found an acceleration; accepted is a number A, where there is no single structure with units")
-        return float(structure.dimensionless_amplitude(self.value))
-
-
-class LimitType(click.ParamType):
-    """`20` is A, `1g` and `5 m/s2` are accelerations."""
-
-    name = "amplitude"
-
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Limit:
-        from ..documents.quantities import parse_quantity
-
-        for dimension in ("number", "acceleration"):
-            with suppress(ValueError):
-                return Limit(parse_quantity(str(value), dimension), dimension == "acceleration")
-        raise click.BadParameter(f"found {value!r}, accepted is a number A, or an acceleration with a unit, such as 1g", ctx, param)
-
-
 a_max = click.option(
     "--a-max", type=LimitType(), default="20", show_default=True, metavar="AMPLITUDE",
     help="Largest amplitude that is searched: A, or with a unit a_g, such as 1g.",
 )  # fmt: skip
-
-
-class PulseOrPath(InputPath):
-    """A pulse by name or the name of a file; both are completed."""
-
-    def shell_complete(self, ctx: click.Context, param: click.Parameter, incomplete: str) -> list[CompletionItem]:
-        return [*Registered(_pulses).shell_complete(ctx, param, incomplete), *super().shell_complete(ctx, param, incomplete)]
-
-
-def _pulses() -> Iterable[str]:
-    from ..motions.pulses import PULSES
-
-    return PULSES
-
-
-def _models() -> tuple[str, ...]:
-    from ..dynamics.method import MODELS
-
-    return MODELS
 
 
 files = click.argument("files", nargs=-1, type=InputPath(), metavar="[FILE]...")
@@ -135,7 +42,7 @@ output = click.option("-o", "--output", required=True, type=OutputPath(), help="
 overwrite = click.option("--overwrite", is_flag=True, help="Replace an output that exists.")
 strict = click.option("--strict", is_flag=True, help="Refuse data of a machine or of libraries that may differ in the last digits.")
 workers = click.option("--workers", type=click.IntRange(1), help="Processes to use (default: all cores).")
-pulse = click.option("--pulse", type=Registered(_pulses), help="Ground motion (default: sine); see `rocking help motions`.")
+pulse = click.option("--pulse", type=Registered(pulse_names), help="Ground motion (default: sine); see `rocking help motions`.")
 cycles = click.option("--cycles", type=float, help="Cycles of a sine or cosine, in half cycles (default 1).")
 gamma = click.option("--gamma", type=float, help="Duration over period of a mavroeidis-papageorgiou pulse (default 2).")
 phase = click.option("--phase", metavar="ANGLE", help="Phase of a mavroeidis-papageorgiou pulse, in rad or with a unit (default 0).")
@@ -162,7 +69,7 @@ alpha = click.option(
 
 def method(command: F) -> F:
     """--model and --tolerance."""
-    model = click.option("--model", type=Registered(_models), default="linear", show_default=True, help="Equation of motion.")
+    model = click.option("--model", type=Registered(model_names), default="linear", show_default=True, help="Equation of motion.")
     tolerance = click.option("--tolerance", type=float, default=1e-9, show_default=True, help="Error of theta/alpha aimed at (nonlinear).")
     return model(tolerance(command))
 
@@ -176,7 +83,7 @@ def methods(command: F) -> F:
 
         return command(*arguments, models=MODELS if model == "both" else (model,), **others)
 
-    words = Registered(lambda: (*_models(), "both"))
+    words = Registered(lambda: (*model_names(), "both"))
     model = click.option("--model", type=words, default="linear", show_default=True, help="Equation of motion, or both.")
     tolerance = click.option("--tolerance", type=float, default=1e-9, show_default=True, help="Error of theta/alpha aimed at (nonlinear).")
     return model(tolerance(with_models))

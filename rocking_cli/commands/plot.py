@@ -7,11 +7,12 @@ from pathlib import Path
 import click
 
 from . import options, streams
+from .parameter_types import OutputPath
 
 
 @click.command(epilog="Example: rocking plot slice.h5 --text")
 @click.argument("file", type=click.Path(path_type=Path))
-@click.option("-o", "--output", type=options.OutputPath(), help="The figure: .png, .svg or .pdf.")
+@click.option("-o", "--output", type=OutputPath(), help="The figure: .png, .svg or .pdf.")
 @click.option("--structure", metavar="NAME", help="Which structure (or record) of a spectra file is mapped (default: the first).")
 @click.option("--all", "every", is_flag=True, help="A panel for every structure (or record) of a spectra file.")
 @click.option("--slice", "cut", metavar="AXIS=VALUE", help="Rocking spectra along the other axis instead, such as f_g=1.5 or a_g=0.3g.")

@@ -7,13 +7,14 @@ from typing import TYPE_CHECKING
 import click
 
 from . import options
+from .parameter_types import InputPath
 
 if TYPE_CHECKING:
     from ..spectra.grid import Grid
 
 
 @click.command(epilog="Example: rocking predict shared.h5 configs/block.yaml --a-g 0.35g --f-g 1.5")
-@click.argument("spectrum", type=options.InputPath())
+@click.argument("spectrum", type=InputPath())
 @options.files
 @options.shaking
 @click.option("--exact", is_flag=True, help="For the spectrum's motion, also beyond its range or restitutions; nothing is interpolated.")

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import click
 
 from . import options, streams
+from .parameter_types import OutputPath
 
 if TYPE_CHECKING:
     from ..motions import Motion
@@ -22,7 +23,7 @@ MOST = 12  # structures of a page
 
 @click.command(epilog="Example: rocking report configs/block.yaml configs/arch.yaml --a-g 0.35g --f-g 1.5 -o report.html")
 @options.files
-@click.option("-o", "--output", required=True, type=options.OutputPath(), help="The page: .html.")
+@click.option("-o", "--output", required=True, type=OutputPath(), help="The page: .html.")
 @options.motions
 @options.shaking
 @options.workers

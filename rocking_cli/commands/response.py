@@ -9,6 +9,7 @@ import click
 
 from ..errors import UsageError
 from . import options
+from .parameter_types import InputPath
 
 if TYPE_CHECKING:
     from ..motions import Motion
@@ -16,7 +17,7 @@ if TYPE_CHECKING:
 
 
 @click.command(epilog="Example: rocking response configs/arch.yaml --pulse rectangular-impulse --a-g 0.9g --T-g 0.4 --model both --events")
-@click.argument("file", type=options.InputPath())
+@click.argument("file", type=InputPath())
 @options.motion(dt_flag="--motion-dt")
 @options.vertical
 @options.shaking

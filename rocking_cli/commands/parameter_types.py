@@ -1,0 +1,108 @@
+"""What options take: kinds of values, each with what completes it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from contextlib import suppress
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import click
+from click.shell_completion import CompletionItem
+
+from ..errors import UsageError
+
+if TYPE_CHECKING:
+    from ..structures import RockingParameters
+
+
+class OutputPath(click.Path):
+    """The name of a file to write."""
+
+    def __init__(self) -> None:
+        super().__init__(path_type=Path)
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        if value == "":
+            self.fail("found an empty name, accepted is the name of a file to write", param, ctx)
+        return super().convert(value, param, ctx)
+
+
+class InputPath(click.Path):
+    """The name of a file to read, or - for standard input; every shell completes it, and the library tells what is wrong with it."""
+
+    def __init__(self) -> None:
+        super().__init__(readable=False, allow_dash=True)
+
+
+class Registered(click.ParamType):
+    """A word of a registry, which is imported where its words are listed or completed; the library refuses another."""
+
+    name = "choice"
+
+    def __init__(self, registry: Callable[[], Iterable[str]]) -> None:
+        self.registry = registry
+
+    def get_metavar(self, param: click.Parameter, ctx: click.Context) -> str:
+        return f"[{'|'.join(self.registry())}]"
+
+    def shell_complete(self, ctx: click.Context, param: click.Parameter, incomplete: str) -> list[CompletionItem]:
+        return [CompletionItem(word) for word in self.registry() if word.startswith(incomplete)]
+
+
+class Restitution(click.FloatRange):
+    """A number from 0 to 1, or `block`, which is None: 1 - 3/2 sin^2 alpha."""
+
+    def __init__(self) -> None:
+        super().__init__(0.0, 1.0)
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        return None if value == "block" else super().convert(value, param, ctx)
+
+
+class Limit(NamedTuple):
+    """The largest amplitude of a search: A, or an acceleration [m/s2]."""
+
+    value: float
+    acceleration: bool = False
+
+    def of(self, structure: RockingParameters | None) -> float:
+        """It as A of a structure. Raises UsageError for an acceleration where there are no units."""
+        if not self.acceleration:
+            return self.value
+        if structure is None or structure.dimensionless:
+            raise UsageError("`a_max`: found an acceleration; accepted is a number A, where there is no single structure with units")
+        return float(structure.dimensionless_amplitude(self.value))
+
+
+class LimitType(click.ParamType):
+    """`20` is A, `1g` and `5 m/s2` are accelerations."""
+
+    name = "amplitude"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Limit:
+        from ..documents.quantities import parse_quantity
+
+        for dimension in ("number", "acceleration"):
+            with suppress(ValueError):
+                return Limit(parse_quantity(str(value), dimension), dimension == "acceleration")
+        raise click.BadParameter(f"found {value!r}, accepted is a number A, or an acceleration with a unit, such as 1g", ctx, param)
+
+
+class PulseOrPath(InputPath):
+    """A pulse by name or the name of a file; both are completed."""
+
+    def shell_complete(self, ctx: click.Context, param: click.Parameter, incomplete: str) -> list[CompletionItem]:
+        return [*Registered(pulse_names).shell_complete(ctx, param, incomplete), *super().shell_complete(ctx, param, incomplete)]
+
+
+def pulse_names() -> Iterable[str]:
+    from ..motions.pulses import PULSES
+
+    return PULSES
+
+
+def model_names() -> tuple[str, ...]:
+    from ..dynamics.method import MODELS
+
+    return MODELS
