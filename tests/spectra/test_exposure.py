@@ -39,7 +39,9 @@ def test_intervals_of_pulses_are_those_of_the_envelope():
 
 
 @pytest.mark.parametrize(
-    ("name", "members"), [("PGA", PULSES), ("nPGV", PULSES), ("Arias", RECORDS[:1])], ids=["pulses, PGA", "pulses, nPGV", "records, Arias"]
+    ("name", "members"),
+    [("PGA", PULSES), ("nPGV", PULSES), pytest.param("Arias", RECORDS[:1], marks=pytest.mark.soak)],
+    ids=["pulses, PGA", "pulses, nPGV", "records, Arias"],
 )
 def test_cells_lie_in_the_traced_intervals_and_shares_are_those_of_the_cells(name, members):
     measure = MEASURES[name]

@@ -51,7 +51,7 @@ def mixed(q):
     return 0.1 + 0.02 * q + 0.5 * math.sin(q + 0.3) + 0.3 * math.sin(1.7 * q + 1) - 0.4 * math.sin(0.6 * q + 0.2)
 
 
-@pytest.mark.parametrize("n", [8, pytest.param(24, marks=pytest.mark.soak)])
+@pytest.mark.parametrize("n", [6, pytest.param(24, marks=pytest.mark.soak)])
 @pytest.mark.parametrize(
     ("motion", "s", "largest"),
     [
