@@ -46,8 +46,8 @@ from .spectra.grid import parse_grid as parse_grid
 from .spectra.merge import merge as merge
 from .spectra.prediction import predict as predict
 from .spectra.reader import SpectraFile as SpectraFile
-from .spectra.sweep import Spectrum as Spectrum
-from .spectra.sweep import Summary as Summary
+from .spectra.results import Spectrum as Spectrum
+from .spectra.results import Summary as Summary
 from .spectra.sweep import spectrum as spectrum
 from .spectra.sweep import write_spectrum as write_spectrum
 from .structures import Document as Document

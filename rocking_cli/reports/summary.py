@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from ..dynamics.method import LINEAR
 from ..dynamics.outcome import Difference, Outcome
-from ..spectra.sweep import Summary
+from ..spectra.results import Summary
 
 SENSITIVE = 1e-6  # a larger difference between two accurate paths is the scene's own sensitivity
 

@@ -11,7 +11,7 @@ from .layout import VARIABLES
 if TYPE_CHECKING:
     import xarray
 
-    from .sweep import Spectrum
+    from .results import Spectrum
 
 
 def dataset_of(spectrum: Spectrum) -> xarray.Dataset:

@@ -1,0 +1,121 @@
+"""What a sweep returns: the arrays in memory, and the summary of what it took and left out."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..dynamics.march.engine import Work
+from ..dynamics.method import LINEAR
+from ..dynamics.outcome import Outcome
+from .scene import Scene
+from .validity import Validity
+
+if TYPE_CHECKING:
+    import xarray
+
+
+@dataclass(frozen=True)
+class Summary:
+    """What a sweep took and left out.
+
+    run_time [s]; estimated_error: largest difference of theta/alpha from another path on the checked cells; sensitive_cells: checked
+    cells that were not drawn but chosen for their sensitivity; misjudged: checked cells whose outcome differs; shared_cells: cells
+    taken from another structure of equal restitution; resumed_cells:
+    cells that were there before; elsewhere: how the machine differs on which those were computed; records: how many shake, 0 for a
+    pulse; compared, otherwise: checked cells of a linear sweep of records that the nonlinear equation judged too, and how many of
+    them it ends otherwise (overturned or not); differences: cells by
+    `Difference`, where both equations answer; validity: of a linear sweep, where it was
+    asked for; weighed: whether the ground moved upwards too. Times, checks and counters are those of this run.
+    """
+
+    structures: int
+    cells: int
+    run_time: float
+    workers: int
+    outcomes: dict[str, int]
+    work: Work
+    shared_cells: int
+    checked_by: str
+    checked_cells: int
+    sensitive_cells: int
+    estimated_error: float
+    misjudged: int
+    resumed_cells: int = 0
+    elsewhere: str = ""
+    model: str = LINEAR.model
+    records: int = 0
+    compared: int = 0
+    otherwise: int = 0
+    differences: Mapping[str, int] = field(default_factory=dict)
+    validity: Validity | None = None
+    weighed: bool = False
+
+    @property
+    def time_per_cell(self) -> float:
+        """Run time over the cells of this run [s]."""
+        return self.run_time / max(1, self.cells - self.resumed_cells)
+
+    @property
+    def failed(self) -> int:
+        """Cells that could not be decided."""
+        return self.outcomes[Outcome.FAILED.flag]
+
+    def record(self) -> dict[str, Any]:
+        """As one flat record for JSON and for the file's attributes."""
+        work = asdict(self.work)
+        work.pop("cells")
+        return {
+            "structures": self.structures,
+            **({"records": self.records} if self.records else {}),
+            "cells": self.cells,
+            "model": self.model,
+            "run_time": self.run_time,
+            "time_per_cell": self.time_per_cell,
+            "workers": self.workers,
+            "estimated_error": self.estimated_error,
+            "checked_by": self.checked_by,
+            "checked_cells": self.checked_cells,
+            "sensitive_cells": self.sensitive_cells,
+            "misjudged_cells": self.misjudged,
+            **({"compared_cells": self.compared, "otherwise_cells": self.otherwise} if self.compared else {}),
+            **{f"cells_{k}": v for k, v in self.outcomes.items()},
+            **({} if self.validity is None else {f"nonlinear_{k}": v for k, v in asdict(self.validity).items()}),
+            **{f"cells_{k}": v for k, v in self.differences.items() if k.startswith("linear")},
+            "shared_cells": self.shared_cells,
+            "resumed_cells": self.resumed_cells,
+            **({"elsewhere": self.elsewhere} if self.elsewhere else {}),
+            **work,
+        }
+
+
+@dataclass(frozen=True, eq=False)
+class Spectrum:
+    """A spectrum in memory: theta_ratio, outcome, impacts, and beside them by name the variables of `QUANTITIES` that were asked for,
+    have the dimensions of the scene: (structure, frequency, amplitude), of records (record, structure, scale) and the like."""
+
+    scene: Scene
+    theta_ratio: np.ndarray
+    outcome: np.ndarray
+    impacts: np.ndarray
+    summary: Summary
+    beside: Mapping[str, np.ndarray] = field(default_factory=dict)
+
+    @property
+    def velocity_ratio(self) -> np.ndarray | None:
+        """max |d theta/dt|/p [rad], of the spectra of records over alpha and T, else None unless asked for."""
+        return self.beside.get("velocity_ratio")
+
+    @property
+    def condition(self) -> np.ndarray | None:
+        """The condition of each cell, None unless asked for."""
+        return self.beside.get("condition")
+
+    def to_xarray(self) -> xarray.Dataset:
+        """As an xarray Dataset of the names, dimensions and attributes that the file has. Raises OutputError without xarray."""
+        from .dataset import dataset_of
+
+        return dataset_of(self)
