@@ -172,14 +172,14 @@ def _hinge(document: Document, value: Value, face: str) -> tuple[float, str]:
 
 
 def sketch(document: Document, built: RockingParameters) -> Sketch:
-    """The voussoirs, the numbered hinges, and the linkage at alpha."""
+    """The voussoirs (of a continuous arch its links), the numbered hinges, and the linkage at alpha."""
     from .fourbar import FourBar
 
     mechanism = built.mechanism
     assert isinstance(mechanism, FourBar)
     ring = mechanism.ring
     count = document.integer("voussoirs", 4, MOST_VOUSSOIRS) if document.has("voussoirs") else 0
-    joints = [ring.angle * i / count for i in range(count + 1)]
+    joints = [ring.angle * i / count for i in range(1, count)]
     a, *_, d = mechanism.hinges
     ends = sorted({0.0, ring.angle, *mechanism.hinges, *joints})
     parts = [(s, e) for s, e in pairwise(ends) if e - s > 1e-9]

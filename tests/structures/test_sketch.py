@@ -118,6 +118,15 @@ def test_an_arch_is_its_voussoirs_and_its_linkage_holds_together_at_alpha():
     assert corner_of(6, points[3]) == pytest.approx(points[3], abs=1e-12)
 
 
+def test_a_continuous_arch_is_its_three_links_and_what_stays_beside_them():
+    found, built = sketched("kind: arch\nspan: 10\nrise: 3\nthickness: 1")
+    a, *_, d = built.mechanism.hinges
+    ring = built.mechanism.ring
+    assert (len(found.bodies), len(found.moved), len(found.still)) == (3, 3, (a > 0.0) + (d < ring.angle))
+    drawn = sum(abs(area(outline)) for outline in (*found.bodies, *found.still))
+    assert drawn == pytest.approx(34.0 / 6.0 * ring.angle, rel=1.5e-4)  # R = (5^2 + 3^2)/(2 * 3); chords take 0.03^2/6 of it at most
+
+
 def test_at_alpha_the_centre_of_mass_of_an_arch_is_as_high_as_it_comes():
     """alpha is where V' = 0: the centroid of the drawn linkage rises until there."""
     _, built = sketched(OPPENHEIM)
