@@ -173,12 +173,12 @@ def counted(path: str | Path, how: Resampling) -> list[Fit]:
     try:
         with open(path, encoding="utf-8-sig", newline="") as handle:
             reader = csv.DictReader(handle, strict=True)
+            columns = list(reader.fieldnames or ())  # asked for while it can be read: of an empty file there are none
             rows = [(reader.line_num, row) for row in reader]
     except OSError as error:
         raise UsageError(f"{path}: cannot be read: {error.strerror or error}") from None
     except (UnicodeDecodeError, csv.Error) as error:
         raise DocumentError(f"{path}: is not CSV ({error})") from None
-    columns = list(reader.fieldnames or ())
     if set(columns) != {"im", "n", "z"}:
         raise DocumentError(f"{path}, line 1: found the columns {', '.join(columns) or 'none'}; accepted are im, n and z")
     values = {key: np.array([_number(path, line, key, row[key]) for line, row in rows]) for key in ("im", "n", "z")}

@@ -115,20 +115,22 @@ def site_pulses(path: str | Path) -> tuple[Member, ...]:
     try:
         with open(path, encoding="utf-8-sig", newline="") as handle:
             reader = csv.DictReader(handle, strict=True)
+            columns = list(reader.fieldnames or ())  # asked for while it can be read: of an empty file there are none
             rows = [(reader.line_num, row) for row in reader]
     except OSError as error:
         raise UsageError(f"{path}: cannot be read: {error.strerror or error}") from None
     except (UnicodeDecodeError, csv.Error) as error:
         raise DocumentError(f"{path}: is not CSV ({error})") from None
     frequencies = {"f_g": "frequency", "T_g": "time", "omega_g": "angular frequency"}
-    columns = list(reader.fieldnames or ())
     known = ("a_g", *frequencies, "weight", "pulse")
     for name in columns:
         if name not in known:
             raise DocumentError(f"{path}, line 1: unknown column {name!r}; accepted are {', '.join(known)}{did_you_mean(name, known)}")
     given = [name for name in columns if name in frequencies]
     if "a_g" not in columns or len(given) != 1:
-        raise DocumentError(f"{path}, line 1: found the columns {', '.join(columns)}; accepted are a_g and one of {', '.join(frequencies)}")
+        raise DocumentError(
+            f"{path}, line 1: found the columns {', '.join(columns) or 'none'}; accepted are a_g and one of {', '.join(frequencies)}"
+        )
     found: list[Member] = []
     for line, row in rows:
 

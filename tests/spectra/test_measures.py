@@ -52,6 +52,7 @@ def test_site_pulses_have_units_weights_and_shapes(tmp_path):
         ("a_g,f_g\n1,-2\n", "line 2: f_g: found '-2'; accepted is a positive one"),
         ("a_g,f_g,weight\n1,2,\n", "line 2: weight: found ''"),
         ("a_g,f_g\n", "holds no pulse"),
+        ("", "line 1: found the columns none; accepted are a_g"),
     ],
 )
 def test_wrong_tables_are_refused_with_their_place(tmp_path, text, words):
