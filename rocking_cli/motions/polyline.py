@@ -123,14 +123,15 @@ class Polyline(Motion):
         )
 
 
-def record_motion(record: Record, scale: float = 1.0) -> Polyline:
+def record_motion(record: Record, scale: float = 1.0, name: str = "") -> Polyline:
     """The motion of a record in its own time, times `scale`: phase = t in s, so omega_g = 1 rad/s; s is 1 at the larger peak.
 
-    Its `acceleration` is then |scale| PGA. Raises MotionError for a record that is zero throughout, or a scale of zero.
+    Its `acceleration` is then |scale| PGA; name: in place of the record's label. Raises MotionError for a record that is zero
+    throughout, or a scale of zero.
     """
     peak = float(np.abs(record.acceleration).max())
     if not peak > 0.0:
         raise MotionError(f"motion {record.label!r}: zero throughout, accepted is one with an amplitude")
     s = np.copysign(1.0, checked_scale(record.label, scale)) / peak * record.acceleration
     time = record.dt * np.arange(record.npts)
-    return Polyline(record.label, time[:-1], time[1:], s[:-1], np.diff(s) / np.diff(time), abs(scale) * peak)
+    return Polyline(name or record.label, time[:-1], time[1:], s[:-1], np.diff(s) / np.diff(time), abs(scale) * peak)

@@ -49,7 +49,7 @@ class Recording:
 
     @property
     def motion(self) -> Polyline:
-        """The motion in its own time (omega_g = 1 rad/s); made anew when it was not among the last two that were asked for."""
+        """The motion in its own time (omega_g = 1 rad/s) by its label; made anew when it was not among the last two asked for."""
         return _motion(self)
 
     def identity(self) -> list[Any]:
@@ -60,7 +60,7 @@ class Recording:
 
 @lru_cache(maxsize=2)
 def _motion(recording: Recording) -> Polyline:
-    return record_motion(recording.record, recording.factor)
+    return record_motion(recording.record, recording.factor, recording.label)
 
 
 def with_distinct_labels(recordings: Sequence[Recording]) -> tuple[Recording, ...]:

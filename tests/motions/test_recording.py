@@ -43,7 +43,8 @@ def test_files_a_list_and_standard_input_name_the_same_set(folder, monkeypatch):
     monkeypatch.setattr(sys, "stdin", io.TextIOWrapper(io.BytesIO(b"a.AT2\nb.AT2\n")))
     for other in (read_motions(["list"]), read_motions(["-"])):
         assert [r.identity() for r in other] == [r.identity() for r in by_name]
-    assert labels(read_motions(["a.AT2", "list"])) == ["a (1)", "a (2)", "b"]
+    alike = read_motions(["a.AT2", "list"])
+    assert labels(alike) == [r.motion.name for r in alike] == ["a (1)", "a (2)", "b"]
 
 
 def test_a_record_on_standard_input_is_a_set_of_one(folder, monkeypatch):
