@@ -37,7 +37,7 @@ def response(figure: Figure, rows: Rows, units: Units) -> list[Axes]:
             word, model = name[:2], name[len("fx_ratio") :].strip("_")
             text = f"$F_{word[1]}/mg$" + (f", {model} equation" if model else "")
             one.plot(*with_jumps(_in(rows, x, units), _in(rows, name, units)), label=text, **look(i))
-        one.set_ylabel("force over weight [-]")
+        one.set_ylabel("$F/mg$ [-]")  # as short as its panel is low
         legend(one)
     return [axes, *between, below]
 
