@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 @options.shaking
 @click.option("--a-max", type=float, default=20.0, show_default=True, help="Dimensionless amplitude A up to which falling is looked for.")
 @click.option("--sort", type=click.Choice(["capacity"]), help="The weakest first, those that never overturn last.")
-@click.option("--fail-on", type=click.Choice(["overturning"]), help="Exit code 5 where a structure falls.")
+@click.option("--fail-on", type=click.Choice(["overturning"]), help="Exit code 5 where a structure falls or loses the ground.")
 @click.option("-o", "--output", type=OutputPath(), help="A figure of the capacities: .png, .svg or .pdf.")
 @options.overwrite
 @options.workers
@@ -82,7 +82,7 @@ def check(
         options.note(line, quiet)
     width = " or ".join(dict.fromkeys(narrowest(shake) for shake, _ in shakes))
     options.note(f"nothing is claimed of intervals narrower than {width}, safe or overturning, away from the demand", quiet)
-    if fail_on and any(v.outcome.overturned for v in verdicts):
+    if fail_on and any(v.falls for v in verdicts):
         context.exit(5)
     if any(v.outcome == Outcome.FAILED for v in verdicts):
         context.exit(4)
@@ -103,6 +103,8 @@ def _remarks(verdicts: list[Verdict]) -> list[str]:
     window = [v.name for v in verdicts if v.outcome.safe and v.capacity_demand is not None and v.capacity_demand < 1.0]
     unsafe = [v.name for v in verdicts if v.outcome.overturned and v.outcome_linear.safe]
     lines = [f"{len(falls)} of {len(verdicts)} overturn{': ' if falls else ''}{', '.join(falls)}"]
+    if lost := [v.name for v in verdicts if v.falls and not v.outcome.overturned]:
+        lines.append(f"lose contact with the ground, after which nothing is known of them: {', '.join(lost)}")
     if window:
         lines.append(f"stand in a safe window, and would fall for less: {', '.join(window)}")
     if unsafe:

@@ -106,7 +106,7 @@ def page(
             title=f"Rocking of {', '.join(s.structure.name for s in subjects)}",
             lead=f"{sum(v.outcome.overturned for v in verdicts)} of {len(verdicts)} overturn, under {motions}.",
             heads=HEADS,
-            verdicts=[{"falls": v.outcome.overturned, "cells": _cells(v)} for v in verdicts],
+            verdicts=[{"falls": v.falls, "cells": _cells(v)} for v in verdicts],
             capacities=_image(folder, lambda figure: _capacities(figure, verdicts)),
             structures=[_section(folder, one, verdicts, pulse, recordings, workers) for one in subjects],
             command=command,

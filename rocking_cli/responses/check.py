@@ -59,6 +59,11 @@ class Verdict:
         """The lowest overturning amplitude over the demand: below 1 the body falls, or it would for less; None where it never does."""
         return None if self.first_overturning_a is None else self.first_overturning_a / self.demand_a
 
+    @property
+    def falls(self) -> bool:
+        """Whether the body fell, or left the ground, of which nothing says that it comes back upright."""
+        return self.outcome.overturned or self.outcome == Outcome.LOST_CONTACT
+
     def record(self) -> dict[str, Any]:
         """As `rocking check --json` prints it."""
         own = {

@@ -78,6 +78,14 @@ def test_pipelines_can_fail_on_overturning(rocking, stated):
     assert rocking("check", stated, "--a-g", "0.1g", "--f-g", "1.2", "-q", "--fail-on", "overturning").returncode == 0
 
 
+def test_a_body_that_leaves_the_ground_does_not_pass(rocking, tmp_path):
+    (tmp_path / "body.yaml").write_text("{kind: block, name: Body, width: 0.5, height: 2}")
+    call = ("check", "body.yaml", "--a-g", "0.35g", "--f-g", "1.5", "--vertical", "sine", "--vertical-scale", "9", "--a-max", "2")
+    done = rocking(*call, "--fail-on", "overturning", "--json")
+    assert (done.returncode, json.loads(done.stdout)["outcome"]) == (5, "lost_contact")
+    assert "0 of 1 overturn\nlose contact with the ground" in done.stderr
+
+
 def test_a_figure_of_the_capacities(rocking, refused, stated, tmp_path):
     assert rocking("check", stated, *SHAKING, "-q", "-o", "check.svg").returncode == 0
     assert (tmp_path / "check.svg").stat().st_size > 5000
