@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import shlex
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -30,6 +30,18 @@ def _measures() -> list[str]:
     from ..spectra.measures import MEASURES
 
     return list(MEASURES)
+
+
+_SHAPE = ("pulse", "cycles", "gamma", "phase", "scale")  # of a motion that the options describe
+_WITH_COUNTS = ("counts", "curve", "samples", "seed", "form", "units", "quiet", "workers", "overwrite")
+
+
+def _refuse(context: click.Context, why: str, stray: Callable[[str], bool]) -> None:
+    """Raise UsageError for the first parameter given that is one of those, since it would change nothing."""
+    for parameter in context.command.params:
+        name = parameter.name or ""
+        if stray(name) and context.get_parameter_source(name) is click.core.ParameterSource.COMMANDLINE:
+            raise click.UsageError(f"{why} {parameter.opts[-1] if isinstance(parameter, click.Option) else 'structure'}")
 
 
 @click.command(epilog="Example: rocking fragility configs/block.yaml --pulses configs/motions/site_pulses.csv --levels 0.2g:0.7g:11")
@@ -98,13 +110,16 @@ def fragility(
 
     how = Resampling(samples, seed)
     if counts is not None:
-        if files or recordings or pulses is not None or levels is not None:
-            raise click.UsageError("--counts stands alone: it takes no structure, motion or levels")
+        _refuse(context, "--counts stands alone: it takes no", lambda name: name not in _WITH_COUNTS)
         _emit(counted(counts, how), [], curve, form, "", quiet)
         return
     structures, texts = options.structures_and_texts(files)
     if bool(recordings) == (pulses is not None):
         raise click.UsageError("no set of motions: give --motion with records, or --pulses with a table of them, one of the two")
+    if pulses is not None:
+        _refuse(context, "--pulses states each pulse itself: it takes no", lambda name: name in _SHAPE)
+    if curve and efficiency:
+        raise click.UsageError("--efficiency does not go with --curve")
     measure = measure_of(im)
     at = _levels(levels, measure)
     states, methods = _limits(limits), _methods(fits)

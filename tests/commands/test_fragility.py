@@ -82,10 +82,20 @@ def test_the_measure_that_explains_most_comes_first(rocking, stated):
         ([*SITE, "--im", "Sa"], "--im: found 'Sa'"),
         ([*SITE, "--resume"], "go with -o"),
         ([*SITE, "--counts", "configs/motions/site_pulses.csv"], "stands alone"),
+        ([*SITE, "--pulse", "cosine"], "states each pulse itself: it takes no --pulse"),
+        ([*SITE, "--scale", "-1"], "it takes no --scale"),
+        ([*SITE, "--curve", "--efficiency"], "--efficiency does not go with --curve"),
     ],
 )
 def test_wrong_calls(refused, stated, arguments, words):
     assert words in refused(2, "fragility", stated, *arguments)
+
+
+def test_counts_take_no_option_that_would_change_nothing(rocking, refused, tmp_path):
+    (tmp_path / "c.csv").write_text("im,n,z\n0.2,10,1\n0.4,10,4\n0.6,10,8\n")
+    for stray in (["--im", "PGV"], ["-o", "x.h5"], ["--exact"], ["--model", "linear"], ["--scale", "2"]):
+        assert f"it takes no {stray[0].replace('-o', '--output')}" in refused(2, "fragility", "--counts", "c.csv", *stray)
+    assert rocking("fragility", "--counts", "c.csv", "--seed", "1", "--bootstrap", "5", "--csv", "--units", "g", "-q").returncode == 0
 
 
 def test_wrong_counts_are_told_with_their_place(refused, tmp_path):
