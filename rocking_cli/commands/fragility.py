@@ -202,23 +202,24 @@ def _rows(studies: list[Study], states: Any, methods: Any, exact: bool, curve: b
 
 
 def _emit(fits: list[Fit], exact: list[Study], curve: bool, form: str | None, levels: str, quiet: bool) -> None:
-    """The rows of fits or of their curves; a table for people names the measure's unit."""
-    from ..documents.quantities import DEFAULT_GRAVITY
+    """The rows of fits or of their curves; a table for people, or one in units asked for, names the measure's unit."""
+    from ..documents.quantities import headed
+    from ..reports.units import Units, dimension_of, parse_units
     from ..spectra.fragility_study import CURVE_COLUMNS, FRAGILITY_COLUMNS
-    from ..spectra.measures import MEASURES
 
     if curve:
         rows = [row for fit in fits for row in fit.points_of_curve()] + [row for study in exact for row in study.exact_rows()]
         options.emit(rows, form, CURVE_COLUMNS, without=("x",))
         return
     records = [fit.record() for fit in fits]
-    if form is None:
+    asked = options.units_of()
+    if form is None or (form == "csv" and asked is not None):
+        told = asked or (parse_units("g") if "g" in levels else Units())
         for record in records:
-            unit = MEASURES[record["im"]].unit if record["im"] in MEASURES else ""
-            if unit == "m/s2" and "g" in levels:
-                record |= {k: record[k] / DEFAULT_GRAVITY for k in ("theta", "theta_low", "theta_high") if record[k] is not None}
-                unit = "g"
-            record["im"] += f" [{unit}]" if unit else ""
+            dimension = dimension_of(record["im"].lower())
+            unit, factor = ("", 1.0) if dimension is None else told.of(dimension)
+            record |= {k: record[k] / factor for k in ("theta", "theta_low", "theta_high") if record[k] is not None}
+            record["im"] = headed(record["im"], unit)
     options.emit(records, form, FRAGILITY_COLUMNS, without=("theta",))
 
 

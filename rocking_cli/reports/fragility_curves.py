@@ -6,25 +6,30 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..documents.quantities import headed
 from .canvas import MARKERS, legend, literal, look
+from .labels import PLAIN
 from .rows import Rows, column, groups
-from .units import Units
+from .units import Units, dimension_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 LABELS = {
-    "PGA": "PGA [m/s²]", "PGV": "PGV [m/s]", "PGD": "PGD [m]", "Arias": "Arias intensity [m/s]", "CAV": "CAV [m/s]",
+    "Arias": "Arias intensity [m/s]", "CAV": "CAV [m/s]",
     "nPGA": r"PGA/$(\lambda g)$ [-]", "nPGV": r"$p$ PGV/$(g \tan\alpha)$ [-]", "nPGD": r"$p^2$ PGD/$(g \tan\alpha)$ [-]",
 }  # fmt: skip
 
 
-def fragility_curves(figure: Figure, rows: Rows, _: Units) -> list[Axes]:
+def fragility_curves(figure: Figure, rows: Rows, units: Units) -> list[Axes]:
     """Curves with their bands and the fractions that they were fitted to; exact shares as steps."""
     axes = figure.add_subplot()
+    im = rows[0]["im"]
+    dimension = dimension_of(im.lower())
+    unit, factor = ("", 1.0) if dimension is None else units.of(dimension)
     for i, (group, some) in enumerate(groups(rows, "structure", "limit_state", "method").items()):
-        x, p = column(some, "x"), column(some, "probability")
+        x, p = column(some, "x") / factor, column(some, "probability")
         style: dict[str, Any] = {**look(i), "label": literal(", ".join(group))}
         if np.all(np.isnan(p)):
             axes.step(np.append(0.0, x), np.append(0.0, column(some, "fraction")), where="post", lw=1.0, **style)
@@ -32,8 +37,7 @@ def fragility_curves(figure: Figure, rows: Rows, _: Units) -> list[Axes]:
         axes.plot(x, p, **style)
         axes.fill_between(x, column(some, "low"), column(some, "high"), color=style["color"], alpha=0.15, lw=0.0)
         axes.plot(x, column(some, "fraction"), ls="", marker=MARKERS[i % len(MARKERS)], ms=4.0, color=style["color"])
-    im = rows[0]["im"]
-    axes.set(xlabel=LABELS.get(im, im), ylabel="probability [-]", ylim=(0.0, 1.0))
+    axes.set(xlabel=LABELS.get(im) or headed(im, PLAIN.get(unit, unit)), ylabel="probability [-]", ylim=(0.0, 1.0))
     axes.set_xlim(left=0.0)
     legend(axes)
     return [axes]

@@ -25,20 +25,20 @@ SYMBOLS = {
     "T": r"$T = 2\pi/p$",
     "scale": "factor of the record",
 }
-_PLAIN = {"m/s2": "m/s²", "cm/s2": "cm/s²"}
+PLAIN = {"m/s2": "m/s²", "cm/s2": "cm/s²"}
 
 
 def label(column: str, units: Units) -> str:
     """`$a_g$ [m/s²]` of a column in these units."""
     name, unit, _ = units.column(column)
-    return f"{SYMBOLS.get(name, name.replace('_', ' '))} [{_PLAIN.get(unit, unit) or '-'}]"
+    return f"{SYMBOLS.get(name, name.replace('_', ' '))} [{PLAIN.get(unit, unit) or '-'}]"
 
 
 def valued(column: str, value: float, units: Units) -> str:
     """`$f_g$ = 1.5 Hz` of a value in SI."""
     name, unit, factor = units.column(column)
     short = {"A": "$A$", "Omega": r"$\Omega$", "T": "$T$"}.get(name) or SYMBOLS.get(name, name)
-    return f"{short} = {value / factor:.4g} {_PLAIN.get(unit, unit)}".rstrip()
+    return f"{short} = {value / factor:.4g} {PLAIN.get(unit, unit)}".rstrip()
 
 
 def titled(name: str, eta: float) -> str:

@@ -6,6 +6,10 @@ import csv
 import json
 
 import pytest
+from matplotlib.figure import Figure
+
+from rocking_cli.reports.fragility_curves import LABELS, fragility_curves
+from rocking_cli.reports.units import parse_units
 
 SITE = ("--pulses", "configs/motions/site_pulses.csv", "--levels", "0.2g:0.45g:4", "--bootstrap", "50")
 COUNTS = "im,n,z\n0.2,40,0\n0.3,40,0\n0.4,40,0\n0.6,40,4\n0.7,40,6\n0.8,40,13\n0.9,40,12\n1,40,16\n"
@@ -37,6 +41,27 @@ def test_limit_states_and_methods_are_rows(rocking, stated):
     table = rocking("fragility", stated, *SITE, "--limit", "overturning", "-q").stdout.splitlines()
     assert table[1].split()[1:3] == ["PGA", "[g]"]
     assert float(table[1].split()[5]) == pytest.approx(float(rows[1]["theta"]) / 9.81, rel=1e-5)
+
+
+def test_units_are_those_asked_for(rocking, stated):
+    def told(*arguments):
+        call = ("fragility", stated, *SITE, "--limit", "overturning", "-q", *arguments)
+        (row,) = csv.DictReader(rocking(*call, "--csv").stdout.splitlines())
+        return row["im"], float(row["theta"])
+
+    (im, si), (in_g, g) = told(), told("--units", "g")
+    assert (im, in_g, g) == ("PGA", "PGA [g]", pytest.approx(si / 9.81, rel=1e-14))
+    table = rocking("fragility", stated, *SITE, "--limit", "overturning", "-q", "--units", "m/s2").stdout
+    assert table.splitlines()[1].split()[1:3] == ["PGA", "[m/s2]"]
+
+
+@pytest.mark.parametrize(("im", "heading", "factor"), [("PGA", "PGA [g]", 9.81), ("PGV", "PGV [cm/s]", 0.01), ("nPGA", "nPGA", 1.0)])
+def test_a_figure_speaks_the_units_asked_for(im, heading, factor):
+    keys = ("structure", "im", "limit_state", "method", "x", "probability", "low", "high", "fraction")
+    rows = [dict(zip(keys, ("S", im, "1", "stripes", x, "0.5", "0.4", "0.6", "0.5"), strict=True)) for x in ("1", "3")]
+    (axes,) = fragility_curves(Figure(), rows, parse_units("g,cm/s"))
+    assert axes.get_xlabel() == LABELS.get(im, heading)
+    assert axes.lines[0].get_xdata().tolist() == pytest.approx([1 / factor, 3 / factor], rel=1e-15)
 
 
 def test_what_the_data_do_not_bear_is_said_and_the_rest_kept(rocking, refused, stated):
