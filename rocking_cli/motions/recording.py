@@ -7,6 +7,7 @@ from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
+from itertools import count
 from typing import Any
 
 import numpy as np
@@ -65,10 +66,14 @@ def _motion(recording: Recording) -> Polyline:
 
 def with_distinct_labels(recordings: Sequence[Recording]) -> tuple[Recording, ...]:
     """The same, those of equal labels told apart by their number among them."""
-    times, seen, found = Counter(r.label for r in recordings), Counter[str](), []
+    times, found = Counter(r.label for r in recordings), []
+    taken = set(times)
     for r in recordings:
-        seen[r.label] += 1
-        found.append(r if times[r.label] == 1 else replace(r, label=f"{r.label} ({seen[r.label]})"))
+        if times[r.label] > 1:
+            label = next(name for n in count(1) if (name := f"{r.label} ({n})") not in taken)  # a file may have such a name
+            taken.add(label)
+            r = replace(r, label=label)
+        found.append(r)
     return tuple(found)
 
 

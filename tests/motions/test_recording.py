@@ -47,6 +47,11 @@ def test_files_a_list_and_standard_input_name_the_same_set(folder, monkeypatch):
     assert labels(alike) == [r.motion.name for r in alike] == ["a (1)", "a (2)", "b"]
 
 
+def test_no_two_records_have_one_name(folder):
+    (folder / "a (1).AT2").write_bytes((folder / "a.AT2").read_bytes())
+    assert labels(read_motions(["a.AT2", "a (1).AT2", "a.AT2"])) == ["a (2)", "a (1)", "a (3)"]
+
+
 def test_a_record_on_standard_input_is_a_set_of_one(folder, monkeypatch):
     monkeypatch.setattr(sys, "stdin", io.TextIOWrapper(io.BytesIO((folder / "a.AT2").read_bytes())))
     (only,) = read_motions(["-"])
