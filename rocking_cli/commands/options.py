@@ -332,7 +332,9 @@ def structures_and_texts(files: tuple[str, ...], etas: tuple[float | None, ...] 
     from ..structures.parameters import dimensionless_oscillator
 
     if not files and not etas:
-        raise click.UsageError("no structure: give FILE (- for standard input), or --eta with a dimensionless grid")
+        sizeless = any(parameter.name == "etas" for parameter in click.get_current_context().command.params)
+        instead = ", or --eta with a dimensionless grid" if sizeless else ""
+        raise click.UsageError(f"no structure: give FILE (- for standard input){instead}")
     if None in etas:
         raise click.UsageError("--eta block goes with --alpha")
     documents = [document for path in files for document in read_documents(path)]

@@ -93,6 +93,11 @@ def test_a_figure_of_the_capacities(rocking, refused, stated, tmp_path):
     assert "ends in .png" in refused(2, "check", stated, *SHAKING, "-o", "check.txt")
 
 
+def test_without_a_structure_only_what_the_command_takes_is_offered(refused):
+    assert "--eta" not in refused(2, "check", *SHAKING)
+    assert "or --eta" in refused(2, "envelope", "--grid", "f_g=1")
+
+
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
