@@ -33,13 +33,16 @@ def test_a_response_stands_above_its_motion(drawn, table, extra, x, y, ground, l
 
 def test_forces_stand_between_the_response_and_its_motion(drawn, table):
     source, rows = table("response", "configs/block.yaml", "--A", "2", "--Omega", "4", "--forces")
-    axes, between, _ = drawn(source).axes
+    axes, between, below = drawn(source).axes
     assert len(axes.get_lines()) == 1
     for line, name in zip(between.get_lines(), ("fx_ratio", "fz_ratio"), strict=True):
         t, force = line.get_data()
         upright = np.flatnonzero(np.diff(t) == 0.0) + 1  # a point more at each impact
         same((np.delete(t, upright - 1), np.delete(force, upright - 1)), numbers(rows, "t"), numbers(rows, name))
     assert [text.get_text() for text in between.get_legend().get_texts()] == ["$F_x/mg$", "$F_z/mg$"]
+    for panel in (axes, between, below):  # no label runs into the panel beside it
+        label = panel.yaxis.label.get_window_extent()
+        assert panel.get_window_extent().height > label.height
 
 
 def test_a_motion_jumps_upright(drawn, table):
