@@ -29,7 +29,8 @@ ROWS = {  # key of the file: what is timed, unit, what holds the answer, and how
 }
 # measured as well, for the targets alone: whole processes, ratios
 MORE = (
-    "mavroeidis", "sweep_process", "nonlinear_command", "envelope_cycles", "lossless", "process", "help", "params", "large", "large_single", "cluster",
+    "mavroeidis", "sweep_process", "nonlinear_command", "envelope_cycles", "lossless", "process", "help", "params",
+    "large", "large_single", "cluster",
 )  # fmt: skip
 
 
