@@ -119,6 +119,8 @@ def shaking(command: F) -> F:
         flags = {"a_g": "--a-g", "omega_g": "--omega-g", "f_g": "--f-g", "T_g": "--T-g", "A": "--A", "Omega": "--Omega"}
         axes = {key: given.pop(key.lower() if key in ("A", "Omega", "T_g") else key) for key in flags}
         there = {key: value for key, value in axes.items() if value is not None}
+        if there.get("a_g", "").startswith("-") and given.get("motion") is not None:
+            given["motion"], there["a_g"] = given["motion"].scaled(-1.0), there["a_g"][1:]  # the same motion turned over
         grid = None
         if own is not None and not there:
             there = {"a_g": f"{own!r} m/s2"}
@@ -142,7 +144,7 @@ def shaking(command: F) -> F:
         ("--T-g", "Its period in s, the duration t_p of a rectangular pulse."),
         ("--f-g", "Its frequency in Hz."),
         ("--omega-g", "Angular frequency of the motion, rad/s."),
-        ("--a-g", "Amplitude of the ground acceleration, m/s2 or with g."),
+        ("--a-g", "Amplitude of the ground acceleration, m/s2 or with g; a negative one turns the motion over."),
     ):
         with_shaking = click.option(name, metavar="VALUE", help=meaning)(with_shaking)
     return with_shaking
