@@ -40,7 +40,10 @@ def _refuse(context: click.Context, why: str, stray: Callable[[str], bool]) -> N
     """Raise UsageError for the first parameter given that is one of those, since it would change nothing."""
     for parameter in context.command.params:
         name = parameter.name or ""
-        if stray(name) and context.get_parameter_source(name) is click.core.ParameterSource.COMMANDLINE:
+        given = context.get_parameter_source(name) is click.core.ParameterSource.COMMANDLINE
+        if isinstance(parameter, click.Argument):
+            given = bool(context.params[name])  # click 8.2 calls it given where there is none
+        if given and stray(name):
             raise click.UsageError(f"{why} {parameter.opts[-1] if isinstance(parameter, click.Option) else 'structure'}")
 
 
