@@ -1,7 +1,8 @@
-"""A list of structures as CSV: a row is a document, columns are its keys, and a heading tells the unit of its numbers.
+"""CSV: any file by its columns, and lists of structures.
 
-Columns `pieces_1_width`, `pieces_1_height`, `pieces_2_width` ... are a list of mappings; a cell that begins with a bracket is a
-list as YAML writes it. An empty cell is a key that is not there.
+Of such a list a row is a document, columns are its keys, and a heading tells the unit of its numbers. Columns `pieces_1_width`,
+`pieces_1_height`, `pieces_2_width` ... are a list of mappings; a cell that begins with a bracket is a list as YAML writes it. An
+empty cell is a key that is not there.
 """
 
 from __future__ import annotations
@@ -10,9 +11,10 @@ import csv
 import io
 import re
 from collections.abc import Iterator
+from pathlib import Path
 from typing import NamedTuple
 
-from ..errors import DocumentError
+from ..errors import DocumentError, UsageError
 from .composition import LONGEST, Place
 from .quantities import UNITS, split_quantity
 
@@ -70,6 +72,22 @@ def rows_of(text: str, source: str, delimiter: str) -> Iterator[list[Cell]]:
             ]
     except csv.Error as error:
         raise DocumentError(f"{Place(source, line, 1)}: not valid CSV: {error}") from None
+
+
+def named_rows(path: str | Path) -> tuple[list[str], list[tuple[int, dict[str, str]]]]:
+    """The columns of any CSV file and its rows by them, each with its line; of an empty file there are none.
+
+    Raises UsageError for a file that cannot be read and DocumentError for one that is not CSV.
+    """
+    try:
+        with open(path, encoding="utf-8-sig", newline="") as handle:
+            reader = csv.DictReader(handle, strict=True)
+            columns = list(reader.fieldnames or ())  # asked for while it can be read
+            return columns, [(reader.line_num, row) for row in reader]
+    except OSError as error:
+        raise UsageError(f"{path}: cannot be read: {error.strerror or error}") from None
+    except (UnicodeDecodeError, csv.Error) as error:
+        raise DocumentError(f"{path}: is not CSV ({error})") from None
 
 
 def _split(heading: str) -> tuple[str, str]:

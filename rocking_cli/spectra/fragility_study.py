@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -10,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from ..documents.table import named_rows
 from ..errors import DocumentError, UsageError
 from ..structures.parameters import RockingParameters
 from . import fragility
@@ -170,15 +170,7 @@ def counted(path: str | Path, how: Resampling) -> list[Fit]:
 
     Raises UsageError where the data do not bear a fit, DocumentError with file, line and column for what is in it.
     """
-    try:
-        with open(path, encoding="utf-8-sig", newline="") as handle:
-            reader = csv.DictReader(handle, strict=True)
-            columns = list(reader.fieldnames or ())  # asked for while it can be read: of an empty file there are none
-            rows = [(reader.line_num, row) for row in reader]
-    except OSError as error:
-        raise UsageError(f"{path}: cannot be read: {error.strerror or error}") from None
-    except (UnicodeDecodeError, csv.Error) as error:
-        raise DocumentError(f"{path}: is not CSV ({error})") from None
+    columns, rows = named_rows(path)
     if set(columns) != {"im", "n", "z"}:
         raise DocumentError(f"{path}, line 1: found the columns {', '.join(columns) or 'none'}; accepted are im, n and z")
     values = {key: np.array([_number(path, line, key, row[key]) for line, row in rows]) for key in ("im", "n", "z")}

@@ -6,7 +6,6 @@ factor that a motion is scaled by.
 
 from __future__ import annotations
 
-import csv
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -15,6 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from ..documents.quantities import DEFAULT_GRAVITY, parse_quantity
+from ..documents.table import named_rows
 from ..errors import DocumentError, UsageError, did_you_mean
 from ..motions import Intensity, Motion, pulse
 from ..motions.recording import Recording
@@ -112,15 +112,7 @@ def site_pulses(path: str | Path) -> tuple[Member, ...]:
     Cells are numbers in SI, or with a unit. Weights come to a mean of 1. Raises UsageError for a file that cannot be read, DocumentError
     with file, line and column for what is in it.
     """
-    try:
-        with open(path, encoding="utf-8-sig", newline="") as handle:
-            reader = csv.DictReader(handle, strict=True)
-            columns = list(reader.fieldnames or ())  # asked for while it can be read: of an empty file there are none
-            rows = [(reader.line_num, row) for row in reader]
-    except OSError as error:
-        raise UsageError(f"{path}: cannot be read: {error.strerror or error}") from None
-    except (UnicodeDecodeError, csv.Error) as error:
-        raise DocumentError(f"{path}: is not CSV ({error})") from None
+    columns, rows = named_rows(path)
     frequencies = {"f_g": "frequency", "T_g": "time", "omega_g": "angular frequency"}
     known = ("a_g", *frequencies, "weight", "pulse")
     for name in columns:
