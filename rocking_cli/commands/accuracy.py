@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from . import options
+from . import ground, options
 
 if TYPE_CHECKING:
     from ..motions import Motion
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 @options.files
 @click.option("--grid", "axes", required=True, metavar="AXES", help="The grid of the scene, as in rocking spectrum.")
 @options.eta
-@options.motion
+@ground.motion
 @options.method
 @click.option("--sample", type=click.IntRange(1, 10_000), default=40, show_default=True, help="Cells compared with the reference.")
 @click.option("--scipy", type=click.IntRange(0, 10_000), default=10, show_default=True, help="Of these, cells for each SciPy solver.")

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from . import options
+from . import ground, options
 from .parameter_types import OutputPath
 
 if TYPE_CHECKING:
@@ -19,9 +19,9 @@ if TYPE_CHECKING:
 
 @click.command(epilog="Example: rocking check configs/block.yaml configs/arch.yaml --a-g 0.35g --f-g 1.5 --sort capacity")
 @options.files
-@options.motions
-@options.vertical
-@options.shaking
+@ground.motions
+@ground.vertical
+@ground.shaking
 @click.option("--a-max", type=float, default=20.0, show_default=True, help="Dimensionless amplitude A up to which falling is looked for.")
 @click.option("--sort", type=click.Choice(["capacity"]), help="The weakest first, those that never overturn last.")
 @click.option("--fail-on", type=click.Choice(["overturning"]), help="Exit code 5 where a structure falls or loses the ground.")

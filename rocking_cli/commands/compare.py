@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from . import options
+from . import ground, options
 
 if TYPE_CHECKING:
     from ..motions import Motion
@@ -15,8 +15,8 @@ if TYPE_CHECKING:
 
 @click.command(epilog="Example: rocking compare configs/block.yaml configs/spire.yaml configs/arch.yaml --A 2 --Omega 4 --eta 0.8")
 @options.files
-@options.motion
-@options.shaking
+@ground.motion
+@ground.shaking
 @options.methods
 @click.option("--eta", type=click.FloatRange(0.0, 1.0), help="Restitution for every structure instead of its own.")
 @click.option("--curves", is_flag=True, help="The curves t, theta, tau, theta_ratio instead of a record a structure.")

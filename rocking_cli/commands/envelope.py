@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from . import options
+from . import ground, options
 from .parameter_types import Limit
 from .progress import ProgressLine
 
@@ -24,8 +24,8 @@ if TYPE_CHECKING:
 @click.option("--grid", "axes", metavar="AXIS", help="omega_g=START:STOP:N[:log] (or f_g, T_g), or Omega=…; of records T=… with --alpha.")
 @options.eta
 @options.alpha
-@options.motions
-@options.vertical
+@ground.motions
+@ground.vertical
 @options.methods
 @options.linear_uplift
 @options.a_max

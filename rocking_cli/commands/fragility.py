@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from ..errors import UsageError
-from . import options, streams
+from . import ground, options, streams
 from .parameter_types import InputPath, OutputPath, Registered
 from .progress import ProgressLine
 
@@ -49,7 +49,7 @@ def _refuse(context: click.Context, why: str, stray: Callable[[str], bool]) -> N
 
 @click.command(epilog="Example: rocking fragility configs/block.yaml --pulses configs/motions/site_pulses.csv --levels 0.2g:0.7g:11")
 @options.files
-@options.motions
+@ground.motions
 @click.option("--pulses", type=InputPath(), metavar="FILE", help="Site pulses instead of records: CSV of a_g, f_g, weight.")
 @click.option("--im", default="PGA", show_default=True, type=Registered(_measures), help="Intensity measure of the curves.")
 @click.option("--levels", metavar="LEVELS", help="START:STOP:N[:log] of it, or a list, with units: 0.1g:1g:10.")

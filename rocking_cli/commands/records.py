@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from . import options
+from . import ground, options
 
 if TYPE_CHECKING:
     from ..motions import Record
@@ -20,9 +20,9 @@ COLUMNS = (
 
 @click.command(epilog="Example: rocking records configs/motions/synthetic.at2")
 @options.files
-@options.component
-@options.unit
-@options.dt
+@ground.component
+@ground.unit
+@ground.dt()
 @options.output_form
 @options.quiet
 def records(files: tuple[str, ...], component: str | None, unit: str | None, dt: str | None, form: str | None, quiet: bool) -> None:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from . import options, streams
+from . import ground, options, streams
 from .parameter_types import OutputPath
 
 if TYPE_CHECKING:
@@ -24,8 +24,8 @@ MOST = 12  # structures of a page
 @click.command(epilog="Example: rocking report configs/block.yaml configs/arch.yaml --a-g 0.35g --f-g 1.5 -o report.html")
 @options.files
 @click.option("-o", "--output", required=True, type=OutputPath(), help="The page: .html.")
-@options.motions
-@options.shaking
+@ground.motions
+@ground.shaking
 @options.workers
 @options.overwrite
 @options.quiet

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from ..errors import UsageError
-from . import options
+from . import ground, options
 from .parameter_types import InputPath
 
 if TYPE_CHECKING:
@@ -18,9 +18,9 @@ if TYPE_CHECKING:
 
 @click.command(epilog="Example: rocking response configs/arch.yaml --pulse rectangular-impulse --a-g 0.9g --T-g 0.4 --model both --events")
 @click.argument("file", type=InputPath())
-@options.motion(dt_flag="--motion-dt")
-@options.vertical
-@options.shaking
+@ground.motion(dt_flag="--motion-dt")
+@ground.vertical
+@ground.shaking
 @options.methods
 @click.option("--release", type=float, default=0.0, metavar="RATIO", help="Release from theta/alpha = RATIO; alone: free rocking.")
 @click.option("--duration", metavar="TIME", help="Time to follow (default: the shaking and 30/p after it).")

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from . import options, streams
+from . import ground, options, streams
 from .progress import ProgressLine
 
 if TYPE_CHECKING:
@@ -26,8 +26,8 @@ if TYPE_CHECKING:
 @options.output
 @options.eta
 @options.alpha
-@options.motions
-@options.vertical
+@ground.motions
+@ground.vertical
 @options.methods
 @options.linear_uplift
 @click.option("--impacts", is_flag=True, help="Also store the number of impacts during the shaking.")

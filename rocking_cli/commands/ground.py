@@ -1,0 +1,201 @@
+"""The options of the ground motion: pulses, records, the vertical part, one amplitude and frequency."""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Callable
+from dataclasses import replace
+from functools import partial, wraps
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from ..errors import RockingError, UsageError
+from .options import note, remark_on, time
+from .parameter_types import InputPath, PulseOrPath, Registered, pulse_names
+
+if TYPE_CHECKING:
+    from ..motions import Motion
+    from ..motions.recording import Recording
+
+F = Callable[..., Any]
+
+pulse = click.option("--pulse", type=Registered(pulse_names), help="Ground motion (default: sine); see `rocking help motions`.")
+cycles = click.option("--cycles", type=float, help="Cycles of a sine or cosine, in half cycles (default 1).")
+gamma = click.option("--gamma", type=float, help="Duration over period of a mavroeidis-papageorgiou pulse (default 2).")
+phase = click.option("--phase", metavar="ANGLE", help="Phase of a mavroeidis-papageorgiou pulse, in rad or with a unit (default 0).")
+motion_file = click.option(
+    "--motion", "motion_file", type=InputPath(), metavar="FILE", help="A record, or a motion document, instead of a pulse."
+)
+motion_files = click.option(
+    "--motion", "motion_files", multiple=True, type=InputPath(), metavar="FILE...",
+    help="Records, a directory or a list of them, or one motion document, instead of a pulse; repeatable.",
+)  # fmt: skip
+scale = click.option("--scale", type=float, metavar="FACTOR", help="Factor of the motion; a negative one turns it over.")
+scale_to = click.option("--scale-to", metavar="IM=VALUE", help="Scale a record to an intensity measure, such as PGA=0.35g.")
+component = click.option("--component", metavar="NAME", help="The component of a record that holds several, by name or number.")
+unit = click.option("--unit", metavar="UNIT", help="Unit of a record in plain columns of numbers, such as g or m/s2.")
+
+
+def dt(flag: str = "--dt", name: str = "dt") -> F:
+    """The time between the values of a record; flag: where the command has a --dt of its own."""
+    return click.option(flag, name, metavar="TIME", help="Time between the values of a record in a single column.")
+
+
+def motion(command: F | None = None, *, dt_flag: str = "--dt") -> F:
+    """The options of the ground motion; the command gets the motion itself. dt_flag: where the command has a --dt of its own."""
+    if command is None:
+        return partial(motion, dt_flag=dt_flag)
+
+    @wraps(command)
+    def with_motion(*arguments: Any, **given: Any) -> Any:
+        mine = {key: given.pop(key) for key in (*_PULSE, *_FILE)}
+        there = {k: v for k, v in mine.items() if v is not None}
+        if os.path.isdir(there.get("motion_file", "")):
+            raise click.UsageError(f"--motion: {there['motion_file']} is a directory; accepted here is one motion")
+        return command(*arguments, motion=_motion_of(there, dt_flag, given.get("quiet", False)), **given)
+
+    for option in (scale_to, scale, dt(dt_flag, "motion_dt"), unit, component, motion_file, phase, gamma, cycles, pulse):
+        with_motion = option(with_motion)
+    return with_motion
+
+
+def vertical(command: F) -> F:
+    """--vertical and --vertical-scale, below the options of the motion, which then has a vertical part."""
+
+    @wraps(command)
+    def with_vertical(*arguments: Any, vertical: str | None, vertical_scale: float | None, **given: Any) -> Any:
+        if vertical is None:
+            if vertical_scale is not None:
+                raise click.UsageError("--vertical-scale goes with --vertical")
+            return command(*arguments, **given)
+        if given["motion"] is None:
+            raise click.UsageError("--vertical goes with one pulse or motion document here, not with a set of records")
+        from ..motions import PULSES, pulse, read_motion
+        from ..motions.biaxial import with_vertical as biaxial
+
+        quiet = given.get("quiet", False)
+        up = pulse(vertical) if vertical in PULSES else read_motion(vertical, tell=partial(note, quiet=quiet))
+        given["motion"] = biaxial(given["motion"], up, 1.0 if vertical_scale is None else vertical_scale)
+        return command(*arguments, **given)
+
+    factor = click.option("--vertical-scale", type=float, metavar="FACTOR", help="Factor of the vertical motion (default 1).")
+    told = "Vertical motion, upwards: a pulse by name, a motion document or a record."
+    return click.option("--vertical", type=PulseOrPath(), metavar="MOTION", help=told)(factor(with_vertical))
+
+
+def motions(command: F) -> F:
+    """The options of the ground motion, which may be a set of records; the command gets `motion`, None where there are records, and
+    `recordings`.
+
+    Records among the command's `files` belong to the set, so that a shell's pattern after --motion does.
+    """
+
+    @wraps(command)
+    def with_motions(*arguments: Any, **given: Any) -> Any:
+        mine = {key: given.pop(key) for key in (*_PULSE, "motion_files", *_FILE[1:])}
+        there = {k: v for k, v in mine.items() if v is not None and v != ()}
+        if "motion_files" in there:
+            from ..motions.recording import holds_records
+
+            own = {path: holds_records(path) for path in given["files"]}
+            there["motion_files"] += tuple(path for path in given["files"] if own[path])
+            given["files"] = tuple(path for path in given["files"] if not own[path])
+            if "-" in there["motion_files"] and "-" in given["files"]:
+                raise click.UsageError("standard input is given as structure and as motion; accepted is one of them")
+        found = _motion_of(there, "--dt", given.get("quiet", False))
+        is_set = isinstance(found, tuple)
+        return command(*arguments, motion=None if is_set else found, recordings=found if is_set else (), **given)
+
+    for option in (scale_to, scale, dt("--dt", "motion_dt"), unit, component, motion_files, phase, gamma, cycles, pulse):
+        with_motions = option(with_motions)
+    return with_motions
+
+
+_PULSE = ("pulse", "cycles", "gamma", "phase")
+_FILE = ("motion_file", "component", "unit", "motion_dt", "scale", "scale_to")
+
+
+def _motion_of(given: dict[str, Any], dt_flag: str, quiet: bool) -> Motion | tuple[Recording, ...]:
+    """The motion that the options describe; the records of a set where they are `motion_files`."""
+    from ..documents.quantities import parse_quantity
+    from ..motions import pulse as named_pulse
+    from ..motions import read_motion
+    from ..motions.recording import read_motions
+
+    if "phase" in given:
+        try:
+            given["phase"] = parse_quantity(given["phase"], "angle")
+        except ValueError as error:
+            raise click.UsageError(f"--phase: found {given['phase']!r}; accepted is {error}") from None
+    if "motion_dt" in given:
+        given["dt"] = time(dt_flag, given.pop("motion_dt"))
+    if "motion_file" in given or "motion_files" in given:
+        for key in _PULSE:
+            if key in given:
+                raise click.UsageError(f"--motion does not go with --{key}")
+        tell = partial(note, quiet=quiet)
+        try:
+            if "motion_file" in given:
+                return read_motion(given.pop("motion_file"), tell=tell, **given)
+            return read_motions(given.pop("motion_files"), tell=tell, **given)
+        except RockingError as error:
+            error.args = (str(error).replace("`dt`", dt_flag),)
+            raise
+    for key, flag in (("component", "--component"), ("unit", "--unit"), ("dt", dt_flag), ("scale_to", "--scale-to")):
+        if key in given:
+            raise click.UsageError(f"{flag} goes with a record: give --motion")
+    factor = given.pop("scale", None)
+    found = named_pulse(given.pop("pulse", "sine"), **given)
+    return found if factor is None else found.scaled(factor)
+
+
+def shaking(command: F) -> F:
+    """One amplitude and one frequency, with units or dimensionless; the command gets a grid of one cell, None without any.
+
+    A record has both; only its peak may be given anew. Of a set of records there is no grid unless it is.
+    """
+
+    @wraps(command)
+    def with_shaking(*arguments: Any, **given: Any) -> Any:
+        from ..spectra.grid import parse_grid
+
+        own = given["motion"].acceleration if given.get("motion") is not None else None
+        records = bool(given.get("recordings"))
+        flags = {"a_g": "--a-g", "omega_g": "--omega-g", "f_g": "--f-g", "T_g": "--T-g", "A": "--A", "Omega": "--Omega"}
+        axes = {key: given.pop(key.lower() if key in ("A", "Omega", "T_g") else key) for key in flags}
+        there = {key: value for key, value in axes.items() if value is not None}
+        if there.get("a_g", "").startswith("-"):  # the same motion turned over
+            there["a_g"] = there["a_g"][1:]
+            if given.get("motion") is not None:
+                given["motion"] = given["motion"].scaled(-1.0)
+            if given.get("recordings"):
+                given["recordings"] = tuple(replace(r, factor=-r.factor) for r in given["recordings"])
+        grid = None
+        if own is not None and not there:
+            there = {"a_g": f"{own!r} m/s2"}
+        for key, value in there.items():
+            if "," in value:
+                raise click.UsageError(f"{flags[key]}: found {value!r}; accepted is one value")
+        if there:
+            try:
+                grid = parse_grid(",".join(f"{key}={value}" for key, value in there.items()), own_time=own is not None or records)
+            except UsageError as error:
+                text = str(error).replace("`grid`: ", "")  # the axes are options of their own here
+                raise UsageError(re.sub(r"`grid` (\w+):", r"`\1`:", text)) from None
+            if grid.shape != (1, 1):
+                raise UsageError(f"found {' '.join(f'{flags[k]} {v}' for k, v in there.items())}; accepted is one value of each")
+        remark_on(grid=grid)
+        return command(*arguments, shaking=grid, **given)
+
+    for name, meaning in (
+        ("--Omega", "Dimensionless frequency omega_g/p."),
+        ("--A", "Dimensionless amplitude a_scale a_g/(alpha g)."),
+        ("--T-g", "Its period in s, the duration t_p of a rectangular pulse."),
+        ("--f-g", "Its frequency in Hz."),
+        ("--omega-g", "Angular frequency of the motion, rad/s."),
+        ("--a-g", "Amplitude of the ground acceleration, m/s2 or with g; a negative one turns the motion over."),
+    ):
+        with_shaking = click.option(name, metavar="VALUE", help=meaning)(with_shaking)
+    return with_shaking
