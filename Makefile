@@ -5,7 +5,7 @@ CODE := $(shell find rocking_cli -type f -not -path '*/__pycache__/*')
 CONFIGS := $(shell find configs -type f)
 TESTS := $(shell find tests -type f -not -path '*/__pycache__/*')
 
-.PHONY: demo test lint figures study bench trace soak ladder mutants clean
+.PHONY: demo test lint figures study bench database trace soak ladder mutants clean
 
 demo: out/demo.h5
 test: $(STAMPS)/test
@@ -76,6 +76,10 @@ bench: $(STAMPS)/dev
 	.venv/bin/python tests/bench/left_out.py
 	.venv/bin/python tests/bench/extremes.py
 	.venv/bin/python tests/bench/database.py
+
+# Records at the scale of a database, minutes: 200 x 10^4 cells, the nonlinear equation, first and all intervals of overturning.
+database: $(STAMPS)/dev
+	.venv/bin/python tests/bench/database.py 200 --long
 
 # Where the time of a scene goes, stage by stage: make trace SCENE="linear arch", all scenes without.
 trace: $(STAMPS)/dev

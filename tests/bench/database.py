@@ -1,13 +1,13 @@
 """Rocking spectra at the scale of a database: synthetic records x 10^4 cells each, what they take, how large the file is, what is to be
 expected of 21,000 components; and the first overturning scales of 40 sizes under one record.
 
-    python tests/bench/database.py [RECORDS [ALPHAS [SIZES]]]
+    python tests/bench/database.py [RECORDS] [--long]
 """
 
 from __future__ import annotations
 
+import argparse
 import os
-import sys
 import tempfile
 import time
 from pathlib import Path
@@ -74,14 +74,17 @@ def envelopes(method: Method, workers: int) -> None:
         print(f"{method.model}: 40 sizes under a record of {SAMPLES} samples, {what}: {seconds:.1f} s on {workers} processes")
 
 
-def main(records: int = 200, alphas: int = 100, sizes: int = 100, nonlinear: int = 2) -> None:
-    linear = Method()
-    spectra(44, alphas, sizes, linear, 2)
-    spectra(records, alphas, sizes, linear, 2)
-    spectra(nonlinear, alphas, sizes, Method("nonlinear"), 2)
-    envelopes(linear, 2)
-    envelopes(Method("nonlinear"), 2)
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("records", type=int, nargs="?", default=44)
+    parser.add_argument("--long", action="store_true", help="two records of the nonlinear equation and the envelopes too: minutes")
+    options = parser.parse_args()
+    spectra(options.records, 100, 100, Method(), 2)
+    if options.long:
+        spectra(2, 100, 100, Method("nonlinear"), 2)
+        envelopes(Method(), 2)
+        envelopes(Method("nonlinear"), 2)
 
 
 if __name__ == "__main__":
-    main(*map(int, sys.argv[1:]))
+    main()
