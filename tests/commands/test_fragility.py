@@ -61,7 +61,7 @@ def test_a_figure_speaks_the_units_asked_for(im, heading, factor):
     rows = [dict(zip(keys, ("S", im, "1", "stripes", x, "0.5", "0.4", "0.6", "0.5"), strict=True)) for x in ("1", "3")]
     (axes,) = fragility_curves(Figure(), rows, parse_units("g,cm/s"))
     assert axes.get_xlabel() == LABELS.get(im, heading)
-    assert axes.lines[0].get_xdata().tolist() == pytest.approx([1 / factor, 3 / factor], rel=1e-15)
+    assert axes.lines[0].get_xdata().tolist() == pytest.approx([1 / factor, 3 / factor], rel=1e-14)
 
 
 def test_what_the_data_do_not_bear_is_said_and_the_rest_kept(rocking, refused, stated):
