@@ -17,9 +17,9 @@ __version__ = "0.1.0"
 def _homes() -> dict[str, tuple[str, str]]:
     """The module of every public name, and its name there."""
     import ast
-    from importlib.resources import files
+    from pkgutil import get_data
 
-    stub = ast.parse((files(__name__) / "__init__.pyi").read_text(encoding="utf-8"))
+    stub = ast.parse(get_data(__name__, "__init__.pyi") or b"")
     imports = [node for node in stub.body if isinstance(node, ast.ImportFrom)]
     return {alias.asname or alias.name: (f"{__name__}.{node.module}", alias.name) for node in imports for alias in node.names}
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from difflib import get_close_matches
 
 
 class RockingError(Exception):
@@ -54,6 +53,8 @@ def did_you_mean(word: str, known: Iterable[str], meant: Mapping[str, str] | Non
     Looked for are the same word in other letters (a_g for a-g), what `meant` says that people mean by it, what begins with it,
     and what is spelt like it.
     """
+
+    from difflib import get_close_matches
 
     def plain(text: str) -> str:
         return text.casefold().replace("_", "-")

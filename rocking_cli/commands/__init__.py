@@ -9,8 +9,9 @@ from typing import Any
 
 import click
 
-from .. import __version__, interruption
+from .. import __version__
 from ..errors import RockingError, did_you_mean
+from ..interruption import listen
 from . import streams
 from .terms import in_options, no_such_option
 
@@ -115,7 +116,7 @@ def cli() -> None:
 
 def main(arguments: list[str] | None = None) -> Any:
     """Run the command line; every failure becomes one sentence on standard error and its documented exit code."""
-    interruption.listen()
+    listen()
     with streams.guarded():
         try:
             return sys.exit(cli.main(arguments, prog_name="rocking", standalone_mode=False) or 0)

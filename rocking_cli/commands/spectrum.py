@@ -90,7 +90,6 @@ def spectrum(
     from ..reports.summary import summary_lines
     from ..spectra.grid import parse_grid
     from ..spectra.part import check_output
-    from ..spectra.record_scene import scene_of_words
     from ..spectra.scene import PulseScene, Scene
     from ..spectra.sweep import CHUNK_CELLS, write_scene
 
@@ -112,6 +111,8 @@ def spectrum(
         structures = options.lifting(structures, linear_uplift, models)
         scene = PulseScene(tuple(structures), grid, motion, method)
     else:
+        from ..spectra.record_scene import scene_of_words
+
         structures, texts = options.structures_and_texts(files, etas) if files else ([], "")
         structures = options.lifting(structures, linear_uplift, models)
         asked = context.get_parameter_source("model") is not click.core.ParameterSource.DEFAULT

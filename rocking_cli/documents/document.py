@@ -11,7 +11,6 @@ import math
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
 
@@ -89,6 +88,8 @@ class Document:
 
     def missing(self, key: str, wanted: str) -> DocumentError:
         """The error for a required key that is not there, or is there under a misspelt name."""
+        from difflib import get_close_matches
+
         for other in get_close_matches(key, [k for k in self.keys if k not in self.asked], n=1, cutoff=0.75):
             return DocumentError(f"{self.keys[other]}: unknown key {other!r} (did you mean {key!r}?)")
         return DocumentError(f"{self.place}: no key {key!r}; accepted is {key}: {wanted}")

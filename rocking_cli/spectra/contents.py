@@ -56,11 +56,12 @@ def reason(error: BaseException) -> str:
 def contents_of(file: h5py.File, size: int) -> Contents:
     """Check a file of `size` bytes and read what it says of itself. Raises one of FAULTS, or UsageError."""
     form = _form(file, size)
-    if DIGEST not in file.attrs:
+    stated = file.attrs
+    if DIGEST not in stated:
         raise ValueError(f"it has no {DIGEST}")
-    if plain(file.attrs[DIGEST]) != digest_of(file):
+    if plain(stated[DIGEST]) != digest_of(file):
         raise ValueError("what it says of itself does not fit its digest")
-    attributes = {key: plain(value) for key, value in file.attrs.items()}
+    attributes = {key: plain(stated[key]) for key in stated}
     scene = json.loads(attributes["scene"])
     structures = tuple(_structures(file, scene)) if "structure" in form.dimensions else ()
     frame = Frame(
@@ -120,23 +121,24 @@ def _form(file: h5py.File, size: int) -> Form:
     for name in sorted(names):
         if not isinstance(file.get(name, getlink=True), h5py.HardLink) or file.get(name, getclass=True) is not h5py.Dataset:
             raise ValueError(f"its {name} is not a dataset of its own")
+    datasets = {name: file[name] for name in names}
     for name in lists:
-        _demand(file[name], size, np.dtype("<f8") if name in varied else ABOUT[name].dtype)
-    shape = tuple(file[name].size for name in form.dimensions)
+        _demand(datasets[name], size, np.dtype("<f8") if name in varied else ABOUT[name].dtype)
+    shape = tuple(datasets[name].size for name in form.dimensions)
     cut = None
     for name in (name for name in VARIABLES if name in names):
-        chunk = _chunked(file[name], shape)
+        chunk = _chunked(datasets[name], shape)
         if cut not in (None, chunk):
             raise ValueError("its variables are cut into different chunks")
         cut = chunk
     assert cut is not None
     for name, (dtype, _) in CHUNK_TABLES.items():
-        _demand(file[name], size, dtype, ChunkGrid(shape, cut).size)
+        _demand(datasets[name], size, dtype, ChunkGrid(shape, cut).size)
     for name, dimension in form.beside.items():
-        if file[name].size != file[dimension].size:
+        if datasets[name].size != datasets[dimension].size:
             raise ValueError(f"it has not one {name} for each {dimension}")
-    for place in (file, *(file[name] for name in names)):
-        if any(place.attrs.get_id(key).get_storage_size() > size for key in place.attrs):
+    for attributes in (file.attrs, *(data.attrs for data in datasets.values())):
+        if any(attributes.get_id(key).get_storage_size() > size for key in attributes):
             raise ValueError("an attribute is larger than the file")
     return form
 

@@ -42,13 +42,15 @@ def plain(value: Any) -> Any:
 
 
 def _pieces(file: h5py.File) -> Iterator[bytes]:
+    root = file.attrs
     for key in SETTLED:
-        if key in file.attrs:
-            yield _text(key, plain(file.attrs[key]))
+        if key in root:
+            yield _text(key, plain(root[key]))
     for name in sorted(file):
         data = file[name]
+        stated = data.attrs
         dimensions = [[scale.name for scale in dimension.values()] for dimension in data.dims]
-        about = sorted((key, plain(data.attrs[key])) for key in data.attrs if key not in _SCALES)
+        about = sorted((key, plain(stated[key])) for key in stated if key not in _SCALES)
         fill = "" if data.dtype.hasobject else np.asarray(data.fillvalue).tobytes().hex()
         form = (h5py.check_string_dtype(data.dtype), data.dtype.str, data.shape, data.chunks, filters_of(data), fill)
         yield _text(name, form, about, dimensions)

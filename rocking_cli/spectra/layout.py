@@ -126,8 +126,9 @@ def _list(file: h5py.File, name: str, values: Values, about: About, *scales: h5p
 
 
 def _describe(data: h5py.Dataset, about: Mapping[str, Any], *scales: h5py.Dataset) -> None:
+    stated = data.attrs
     for key, value in about.items():
-        data.attrs[key] = np.array([value], dtype=data.dtype) if key == "_FillValue" else value
+        stated[key] = np.array([value], dtype=data.dtype) if key == "_FillValue" else value
     for i, scale in enumerate(scales):
         data.dims[i].attach_scale(scale)
 

@@ -7,7 +7,10 @@ from __future__ import annotations
 
 import json
 import platform
+import runpy
 from collections.abc import Mapping, Sequence
+from importlib.util import find_spec
+from pathlib import Path
 from typing import Any
 
 
@@ -15,7 +18,6 @@ def machine() -> dict[str, Any]:
     """This machine and its libraries by name, as JSON values; `cpu`: what NumPy uses of the processor's vector instructions."""
     import h5py
     import numpy as np
-    import scipy
 
     vectors: Mapping[str, Any] = np.show_config(mode="dicts") or {}
     simd = vectors.get("SIMD Extensions", {})
@@ -24,11 +26,20 @@ def machine() -> dict[str, Any]:
         "libc": " ".join(platform.libc_ver()).strip(),
         "python": platform.python_version(),
         "numpy": np.__version__,
-        "scipy": scipy.__version__,
+        "scipy": _version_of("scipy"),
         "h5py": h5py.__version__,
         "hdf5": h5py.version.hdf5_version,
         "cpu": [*simd.get("baseline", []), *simd.get("found", [])],
     }
+
+
+def _version_of(package: str) -> str:
+    """What its module `version` states, read without the package itself, whose import would take longer than a small sweep."""
+    spec = find_spec(package)
+    if spec is None or spec.origin is None:
+        return "unknown"
+    version: str = runpy.run_path(str(Path(spec.origin).with_name("version.py")))["version"]
+    return version
 
 
 def described(machine: Mapping[str, Any]) -> str:

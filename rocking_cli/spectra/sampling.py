@@ -40,19 +40,23 @@ def sampled_cells(scene: Scene, check: int, seed: int = _SEED) -> Array:
     """(structure, row, column) of cells drawn without regard to units, among those that uplift."""
     if check < 1:
         return np.zeros((0, 3), dtype=np.int64)
-    random = np.random.default_rng(seed)
     _, rows, columns = scene.shape
-    found: list[tuple[int, int, int]] = []
     owners = [group[0] for group in scene.sharing()]
+    drawn = np.random.default_rng(seed).integers([len(owners), rows, columns], size=(20 * check, 3))
+    found: list[tuple[int, int, int]] = []
+    seen: set[tuple[int, int, int]] = set()  # a small grid is drawn from many times over
     lifts: dict[int, float] = {}
-    for _ in range(20 * check):
-        i, r, c = owners[int(random.integers(len(owners)))], int(random.integers(rows)), int(random.integers(columns))
-        cell = scene.cell(i, r, c)
+    for owner, r, c in drawn.tolist():
+        at = owners[owner], r, c
+        if at in seen:
+            continue
+        seen.add(at)
+        cell = scene.cell(*at)
         kind = id(cell.structure)
         if kind not in lifts:
             lifts[kind] = float(np.min(scene.method.system_of(cell.structure).equation.uplift_amplitude))
-        if cell.amplitude * cell.motion.peak > lifts[kind] and (i, r, c) not in found:
-            found.append((i, r, c))
+        if cell.amplitude * cell.motion.peak > lifts[kind]:
+            found.append(at)
         if len(found) == check:
             break
     return np.array(found, dtype=np.int64).reshape(-1, 3)

@@ -10,11 +10,12 @@ from typing import Any
 
 import numpy as np
 
-from .. import interruption
 from ..dynamics.march.engine import Work
 from ..dynamics.method import LINEAR, MOST_ALPHA, Method
 from ..dynamics.outcome import Difference, Outcome
 from ..errors import Interrupted, UsageError
+from ..interruption import check as check_for_a_stop
+from ..interruption import deferred
 from ..motions import Motion
 from ..structures.parameters import RockingParameters
 from .cost import Tell, announce_sweep
@@ -281,7 +282,7 @@ def _sweep(
 
         reports = cluster_reports(job, units, scheduler, tell)
     for done, (unit, report) in enumerate(reports, 1 + len(every) - len(units)):
-        with interruption.deferred():
+        with deferred():
             keep(unit, report.data)
         times = len(unit.places)
         total += report.work
@@ -293,7 +294,7 @@ def _sweep(
         compared, otherwise = compared + report.compared, otherwise + report.otherwise
         if progress:
             progress(done, len(every))
-    interruption.check()
+    check_for_a_stop()
     return Summary(
         structures=len(scene.structures),
         cells=scene.cells,

@@ -71,7 +71,9 @@ def _judged(scene: PulseScene, place: int, nonlinear: Method, count: int) -> _Ju
     linear = response(system, scene.motion, amplitude[beside], omega[drawn[:, 0]], structure.eta, peaks=False).outcome
     changes = overturned(linear[0]) != overturned(linear[1])
     near = np.flatnonzero(changes)[: count // 2]
-    at = np.concatenate([near, np.setdiff1d(np.arange(len(drawn)), near)[: count - near.size]])
+    others = np.ones(len(drawn), dtype=bool)
+    others[near] = False
+    at = np.concatenate([near, np.flatnonzero(others)[: count - near.size]])
     decided = response(
         nonlinear.system_of(structure), scene.motion, amplitude[drawn[at, 1]], omega[drawn[at, 0]], structure.eta, peaks=False
     )

@@ -11,16 +11,17 @@ Entry points are looked at only for a `kind` that is not in KINDS.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import TYPE_CHECKING, Protocol
+from collections.abc import Iterator, MutableMapping, Sequence
+from importlib import import_module
+from typing import TYPE_CHECKING, Protocol, cast
 
 from ..documents.document import Document
-from . import arch, block, drum, frame, point_mass, prism, rigid, spire, stack, stated, wall
 from .parameters import RockingParameters
-from .sketch import Sketch
 
 if TYPE_CHECKING:
     from importlib.metadata import EntryPoint
+
+    from .sketch import Sketch
 
 GROUP = "rocking.structures"
 
@@ -40,19 +41,50 @@ class Kind(Protocol):
         """
 
 
-KINDS: dict[str, Kind] = {
-    "block": block,
-    "point_mass": point_mass,
-    "spire": spire,
-    "arch": arch,
-    "frame": frame,
-    "prism": prism,
-    "drum": drum,
-    "rigid": rigid,
-    "stack": stack,
-    "wall": wall,
-    "parameters": stated,
-}
+class _Kinds(MutableMapping[str, Kind]):
+    """Kinds by name, each imported when it is first asked for: most calls need one of them."""
+
+    def __init__(self, modules: dict[str, str]) -> None:
+        self._kinds: dict[str, Kind | str] = dict(modules)
+
+    def __getitem__(self, word: str) -> Kind:
+        kind = self._kinds[word]
+        if isinstance(kind, str):
+            self._kinds[word] = kind = cast(Kind, import_module(f".{kind}", __package__))
+        return kind
+
+    def __setitem__(self, word: str, kind: Kind) -> None:
+        self._kinds[word] = kind
+
+    def __delitem__(self, word: str) -> None:
+        del self._kinds[word]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._kinds)
+
+    def __len__(self) -> int:
+        return len(self._kinds)
+
+    def __contains__(self, word: object) -> bool:
+        return word in self._kinds
+
+
+KINDS = _Kinds(
+    {
+        "block": "block",
+        "point_mass": "point_mass",
+        "spire": "spire",
+        "arch": "arch",
+        "frame": "frame",
+        "prism": "prism",
+        "drum": "drum",
+        "rigid": "rigid",
+        "stack": "stack",
+        "wall": "wall",
+        "parameters": "stated",
+    }
+)
+"""A word after `kind`, and the module of this package that builds it."""
 
 
 def kind_of(document: Document) -> tuple[str, Kind]:

@@ -8,6 +8,7 @@ import subprocess
 import sys
 
 import numpy as np
+import scipy
 
 from rocking_cli.spectra.machine import described, machine, machines_of, together, unlike
 
@@ -15,7 +16,7 @@ from rocking_cli.spectra.machine import described, machine, machines_of, togethe
 def test_a_machine_is_told_by_versions_and_vector_instructions():
     here = machine()
     assert list(here) == ["platform", "libc", "python", "numpy", "scipy", "h5py", "hdf5", "cpu"]
-    assert here["numpy"] == np.__version__
+    assert (here["numpy"], here["scipy"]) == (np.__version__, scipy.__version__)
     assert json.loads(json.dumps(here)) == here
     assert f"numpy {np.__version__}, " in described(here)
 

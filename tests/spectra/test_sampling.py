@@ -56,6 +56,17 @@ def test_the_summary_tells_how_many_cells_its_error_rests_on(check, sensitive):
     assert (f"at {many}{f' ({sensitive} for their sensitivity)' if sensitive else ''} computed" if check else "not checked") in line
 
 
+def test_cells_are_those_of_one_draw_after_the_other_each_taken_once():
+    grid = parse_grid("A=0.5:4:5,Omega=1:8:3")
+    scene = PulseScene(OSCILLATORS, grid, sine())
+    random = np.random.default_rng(7)
+    drawn = [tuple(int(random.integers(n)) for n in (2, 3, 5)) for _ in range(20 * 24)]
+    lifted = [cell for cell in dict.fromkeys(drawn) if grid.amplitude.values[cell[2]] > 1.0]
+    assert len(lifted) == 2 * 3 * 4
+    assert [tuple(cell) for cell in sampling.sampled_cells(scene, 24, seed=7).tolist()] == lifted
+    assert [tuple(cell) for cell in sampling.sampled_cells(scene, 5, seed=7).tolist()] == lifted[:5]
+
+
 def test_cells_of_a_long_record_are_drawn():
     pieces = tuple(Piece(float(i), i + 1.0, (), float((-1) ** i), float(-2 * (-1) ** i)) for i in range(sampling._LONGEST + 1))
     assert checked_cells(PulseScene(OSCILLATORS, GRID, Motion("long", pieces)), 4)[:, 3].tolist() == [0, 0, 0, 0]

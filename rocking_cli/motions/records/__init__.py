@@ -1,6 +1,6 @@
 """Recorded ground motions: a reader for each format, told apart by what a file holds and never by its name.
 
-A new format is one module with NAME, recognise(head) and read(text), and one line in FORMATS.
+A new format is one module with NAME, recognise(head) and read(text), and one word in FORMATS.
 """
 
 from __future__ import annotations
@@ -15,12 +15,13 @@ import stat
 import sys
 import zlib
 from collections.abc import Iterator, Sequence
+from functools import cache
+from importlib import import_module
 from pathlib import Path
 from types import ModuleType
 
 from ...documents.quantities import UNITS
 from ...errors import DocumentError, UsageError
-from . import afad, cosmos, csmip, esm, geonet, knet, peer, plain, smc
 from .record import Record, Series, record_of
 from .text import HEAD, RecordText
 
@@ -38,7 +39,7 @@ __all__ = [
     "unknown",
 ]
 
-FORMATS: tuple[ModuleType, ...] = (esm, cosmos, geonet, smc, csmip, knet, afad, peer)
+FORMATS = ("esm", "cosmos", "geonet", "smc", "csmip", "knet", "afad", "peer")
 LARGEST = 256 << 20  # bytes of a file, unpacked
 _STDIN = "<stdin>"
 _PATIENCE = 2.0  # s that a pipe may be without a writer
@@ -82,6 +83,12 @@ def _with_a_writer(path: str, flags: int) -> int:
     return descriptor
 
 
+@cache
+def _formats() -> tuple[ModuleType, ...]:
+    """The modules of FORMATS, imported when the first file is read."""
+    return tuple(import_module(f"{__name__}.{name}") for name in FORMATS)
+
+
 def records_of(source: str, raw: bytes, *, unit: str | None = None, dt: float | None = None) -> list[Record] | None:
     """Every component of a file, or None where it has no record format; for plain text its unit, and dt [s] of a single column.
 
@@ -89,11 +96,13 @@ def records_of(source: str, raw: bytes, *, unit: str | None = None, dt: float | 
     """
     if unit is not None and unit not in UNITS["acceleration"]:
         raise UsageError(f"`unit`: found {unit!r}; accepted are {', '.join(UNITS['acceleration'])}")
+    from . import plain
+
     sha256 = hashlib.sha256(raw).hexdigest()
     raw = _unpacked(source, raw)
     _refuse_binary(source, raw)
     text = RecordText(source, raw)
-    found = next((f for f in FORMATS if f.recognise(text.head)), None)
+    found = next((f for f in _formats() if f.recognise(text.head)), None)
     if found is not None:
         if unit is not None or dt is not None:
             raise UsageError(f"{source}: states its own `unit` and `dt` ({found.NAME}); they are given with plain numbers only")
@@ -128,7 +137,7 @@ def read_record(path: str | Path, *, component: str | None = None, unit: str | N
 def unknown(source: str, raw: bytes) -> str:
     """What to say of a file that `records_of` knows no format for."""
     first = raw[:200].decode("latin-1").strip().split("\n", 1)[0].strip()[:60]
-    formats = f"{', '.join(f.NAME for f in FORMATS)} and plain columns of numbers"
+    formats = f"{', '.join(f.NAME for f in _formats())} and plain columns of numbers"
     if first.lower().startswith("uncorrected accelerogram"):
         return f"{source}:1: found {first!r}, which is not corrected (volume 1); accepted are {formats}"
     return f"{source}: no record format (it begins with {first!r}); accepted are {formats}"
@@ -196,8 +205,10 @@ def is_record(path: str) -> bool:
             raw = gzip.GzipFile(fileobj=file).read(HEAD) if head == b"\x1f\x8b" else file.read(HEAD)
         except (OSError, EOFError, zlib.error):
             return False
+    from . import plain
+
     text = RecordText(path, raw).head
-    return any(f.recognise(text) for f in FORMATS) or (plain.recognise(text) and not _DOCUMENT.search(text))
+    return any(f.recognise(text) for f in _formats()) or (plain.recognise(text) and not _DOCUMENT.search(text))
 
 
 def _unpacked(source: str, raw: bytes) -> bytes:
