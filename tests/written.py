@@ -10,7 +10,7 @@ import h5py
 
 from rocking_cli import RockingParameters, build_structure, parse_documents
 
-SMALL_SCENE = ("--grid", "A=0.5:12:200,Omega=0.5:12:200", "--eta", "0.9", "--eta", "0.7", "--chunk", "5000", "-q")
+SMALL_SCENE = ("--grid", "A=0.5:12:120,Omega=0.5:12:120", "--eta", "0.9", "--eta", "0.7", "--chunk", "1800", "-q")
 
 
 def built(text: str) -> RockingParameters:

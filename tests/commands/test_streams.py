@@ -121,14 +121,14 @@ def test_closed_descriptors_do_not_end_up_in_the_file(tmp_path):
         assert json.loads(done.stdout)["damaged_chunks"] == 0
 
 
-def test_names_that_are_not_utf_8_or_too_long(tmp_path):
+def test_names_that_are_not_utf_8_or_too_long(rocking, tmp_path):
     done = shell(f"rocking {SWEEP} -q -o $'\\xff.h5' && rocking info --json $'\\xff.h5'", tmp_path)
     assert (done.returncode, done.stderr) == (0, "")
     assert json.loads(done.stdout)["file"] == "\udcff.h5"
     with h5py.File(tmp_path / "\udcff.h5") as file:
         assert r"\udcff.h5" in file.attrs["history"]
     for call in (f"{SWEEP} -o", "params", "info", "merge s.h5 -o"):
-        done = shell(f"rocking {call} {'x' * 300}", tmp_path)
+        done = rocking(*call.split(), "x" * 300)
         assert done.returncode in (1, 2)
         assert done.stderr.startswith("rocking")
         assert len(done.stderr.splitlines()) == 1

@@ -51,18 +51,18 @@ def watched(damping, cells, low, high, seed):
 
 @pytest.mark.parametrize("damping", [0.0, 0.05, 0.8])
 def test_lemma_1_what_falls_below_the_ground_in_a_valley_stays_there(damping):
-    y, _, _ = watched(damping, 3000, -np.inf, 1.0, 1)
+    y, _, _ = watched(damping, 1200, -np.inf, 1.0, 1)
     below = np.logical_or.accumulate(y < 0.0)
-    assert np.any(below, axis=0).sum() > 500
+    assert np.any(below, axis=0).sum() > 200
     assert not np.any(below & (y > 0.0))
 
 
 @pytest.mark.parametrize("damping", [0.0, 0.05, 0.8])
 def test_lemma_2_a_ridge_holds_one_minimum_above_ground_and_nothing_where_it_is_entered_outwards(damping):
-    y, v, _ = watched(damping, 6000, 1.0, np.inf, 2)
+    y, v, _ = watched(damping, 2400, 1.0, np.inf, 2)
     above = np.logical_and.accumulate(~(y <= 0.0))
     rises = np.logical_or.accumulate(above & (v > 0.0))
-    assert np.any(rises & above, axis=0).sum() > 500
+    assert np.any(rises & above, axis=0).sum() > 200
     assert not np.any(rises & above & (v < 0.0))
     outwards = v[0] > 0.0
     assert np.nanmin(np.where(outwards, y - y[0], np.inf)) > -1e-12
@@ -70,12 +70,12 @@ def test_lemma_2_a_ridge_holds_one_minimum_above_ground_and_nothing_where_it_is_
 
 @pytest.mark.parametrize("damping", [0.0, 0.05, 0.8])
 def test_lemma_3_a_drive_that_falls_and_then_rises_lets_the_body_turn_back_once(damping):
-    y, v, drive = watched(damping, 6000, -np.inf, 1.0, 3)
+    y, v, drive = watched(damping, 2400, -np.inf, 1.0, 3)
     change = np.sign(np.diff(drive, axis=0))
     rises_once = np.logical_or.accumulate(change > 0.0)
     usable = np.vstack([np.ones(v.shape[1], dtype=bool), np.logical_and.accumulate(~(rises_once & (change < 0.0)))])
     crests = (v[:-1] > 0.0) & (v[1:] <= 0.0) & usable[1:] & (y[1:] > 0.0)
-    assert (crests.sum(axis=0) == 1).sum() > 500
+    assert (crests.sum(axis=0) == 1).sum() > 200
     assert crests.sum(axis=0).max() == 1
 
 
@@ -116,9 +116,9 @@ def test_lemma_6_no_drive_up_to_the_strongest_brings_back_what_is_lost(equation,
     for inward in (e, e * random.uniform(0.0, 1.0, cells)):
         here, speed, edge = y[at].copy(), v[at].copy(), -inward[at]
         start = here.copy()
-        for step in range(3000):
+        for step in range(1500):
             push = edge if step % 7 else random.uniform(-1.0, 3.0, at.size) * e[at]
-            here, speed = _step(equation, here, speed, np.maximum(push, -e[at]), 2e-3)
+            here, speed = _step(equation, here, speed, np.maximum(push, -e[at]), 4e-3)
             over = here > np.minimum(equation.limit, 10.0)
             here, speed = np.where(over, 20.0, here), np.where(over, 0.0, speed)
         assert np.all(here > start - 1e-9)

@@ -42,7 +42,7 @@ def fastest(model: str, amplitude: float, omega: float) -> float:
             side = -int(np.sign(drive(tau)))
         done = solve_ivp(
             lambda t, z, on: [z[1], acceleration(t, z[0], on)], (tau, end + 6.0), [y, v], args=(side,),
-            method="DOP853", rtol=1e-10, atol=1e-12, max_step=0.005, events=landing, dense_output=True,
+            method="DOP853", rtol=1e-10, atol=1e-12, max_step=0.01, events=landing, dense_output=True,
         )  # fmt: skip
         stop = float(done.t[-1])
         assert done.y[0].max() < 1.0 or stop < end + 6.0

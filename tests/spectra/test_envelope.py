@@ -95,13 +95,12 @@ def test_the_worse_sign_lists_what_overturns_under_either(structure, model):
     method, omega, top = Method(model), 4.0, 4.0
     plus, minus, worse = (trace_envelope(structure, sine(), [omega], method=method, a_max=top, sign=s) for s in ("+", "-", "worse"))
     assert plus != minus
-    for amplitude in np.linspace(1.01, top, 40):
-        inside = [any(i.a_from < amplitude < (i.a_to or np.inf) for i in found) for found in (plus, minus, worse)]
-        assert inside[2] == (inside[0] or inside[1])
-        mirrored = [
-            response(method.system_of(structure), m, amplitude, omega, structure.eta).outcome for m in (sine(), sine().scaled(-1.0))
-        ]
-        assert inside[:2] == [bool(overturned(int(o))) for o in mirrored]
+    amplitudes = np.linspace(1.01, top, 40)
+    inside = [[any(i.a_from < x < (i.a_to or np.inf) for i in found) for x in amplitudes.tolist()] for found in (plus, minus, worse)]
+    assert inside[2] == [one or other for one, other in zip(*inside[:2], strict=True)]
+    for found, motion in zip(inside, (sine(), sine().scaled(-1.0)), strict=False):
+        answer = response(method.system_of(structure), motion, amplitudes, omega, structure.eta)
+        assert found == overturned(answer.outcome).tolist()
 
 
 def test_signs_of_a_symmetric_body_are_alike_and_unknown_ones_refused():

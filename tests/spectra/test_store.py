@@ -29,6 +29,7 @@ from rocking_cli import (
     sine,
     write_spectrum,
 )
+from rocking_cli.commands import main
 from rocking_cli.errors import Interrupted
 from rocking_cli.reports.summary import summary_lines
 from rocking_cli.spectra import store
@@ -73,28 +74,35 @@ def test_killed_sweeps_go_on_to_the_same_file(tmp_path):
     assert opened
 
 
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory):
+    """The small scene, swept without a stop."""
+    path = tmp_path_factory.mktemp("swept") / "whole.h5"
+    with pytest.raises(SystemExit):
+        main(["spectrum", *SMALL_SCENE, "-o", str(path)])
+    return path
+
+
 @pytest.mark.parametrize("chunk", [2, 5, 8])
-def test_resume_reads_on_beyond_the_end_that_a_killed_writer_stated(rocking, tmp_path, chunk):
+def test_resume_reads_on_beyond_the_end_that_a_killed_writer_stated(rocking, whole, tmp_path, chunk):
     """HDF5 flushes the index of a chunk before the superblock: a kill in between leaves addresses beyond the stated end."""
-    assert rocking("spectrum", *SMALL_SCENE, "-o", "whole.h5").returncode == 0
     part = tmp_path / "cut.h5.part"
-    with h5py.File(tmp_path / "whole.h5") as file:
+    with h5py.File(whole) as file:
         begins = file["theta_ratio"].id.get_chunk_info(chunk).byte_offset
         last = file["chunk_done"].id.get_offset()
-    data = bytearray((tmp_path / "whole.h5").read_bytes())
+    data = bytearray(whole.read_bytes())
     assert data[8] == 0
     data[40:48] = begins.to_bytes(8, "little")
     data[last + chunk] = 0
     part.write_bytes(data)
     done = rocking("spectrum", *SMALL_SCENE, "-o", "cut.h5", "--resume")
     assert done.returncode == 0, done.stderr
-    same_file(tmp_path / "cut.h5", tmp_path / "whole.h5")
+    same_file(tmp_path / "cut.h5", whole)
 
 
-def test_resume_takes_only_its_own_scene(rocking, refused, tmp_path):
-    assert rocking("spectrum", *SMALL_SCENE, "-o", "a.h5").returncode == 0
-    (tmp_path / "a.h5").rename(tmp_path / "b.h5.part")
-    other = ["--grid", "A=0.5:12:200,Omega=0.5:12:201", *SMALL_SCENE[2:]]
+def test_resume_takes_only_its_own_scene(rocking, refused, whole, tmp_path):
+    shutil.copy(whole, tmp_path / "b.h5.part")
+    other = ["--grid", "A=0.5:12:120,Omega=0.5:12:121", *SMALL_SCENE[2:]]
     assert "its axis Omega is" in refused(2, "spectrum", *other, "-o", "b.h5", "--resume")
     said = refused(2, "spectrum", *SMALL_SCENE, "--pulse", "cosine", "-o", "b.h5", "--resume")
     assert 'its motion is "sine, 1 cycle", this one\'s "cosine, 1 cycle"' in said
@@ -107,10 +115,9 @@ def test_resume_takes_only_its_own_scene(rocking, refused, tmp_path):
     assert "is complete" in refused(2, "spectrum", *SMALL_SCENE, "-o", "b.h5", "--resume")
 
 
-def test_resume_computes_damaged_chunks_again(rocking, tmp_path):
-    assert rocking("spectrum", *SMALL_SCENE, "-o", "whole.h5").returncode == 0
+def test_resume_computes_damaged_chunks_again(rocking, whole, tmp_path):
     part = tmp_path / "cut.h5.part"
-    part.write_bytes((tmp_path / "whole.h5").read_bytes())
+    part.write_bytes(whole.read_bytes())
     with h5py.File(part, "r+") as file:
         offset, size = file["theta_ratio"].id.get_chunk_info(3).byte_offset, file["theta_ratio"].id.get_chunk_info(3).size
         file["chunk_done"][7] = 0
@@ -121,7 +128,7 @@ def test_resume_computes_damaged_chunks_again(rocking, tmp_path):
     assert info.returncode == 1
     assert "chunk 3 is damaged" in info.stderr
     assert rocking("spectrum", *SMALL_SCENE, "-o", "cut.h5", "--resume").returncode == 0
-    same_file(tmp_path / "cut.h5", tmp_path / "whole.h5")
+    same_file(tmp_path / "cut.h5", whole)
 
 
 def test_a_worker_that_dies_loses_nothing_that_was_done(rocking, tmp_path):
@@ -136,16 +143,15 @@ def test_a_worker_that_dies_loses_nothing_that_was_done(rocking, tmp_path):
     assert rocking("info", "s.h5.part", "--verify").returncode == 0
 
 
-def test_a_full_disk_keeps_what_was_done(rocking, tmp_path):
-    assert rocking("spectrum", *SMALL_SCENE, "-o", "whole.h5").returncode == 0
-    half = (tmp_path / "whole.h5").stat().st_size // 2048  # kB
-    call = f"ulimit -f {half}; exec {sys.executable} -m rocking_cli spectrum {' '.join(SMALL_SCENE)} -o cut.h5"
+def test_a_full_disk_keeps_what_was_done(rocking, whole, tmp_path):
+    most = 3 * whole.stat().st_size // 4096  # kB, three quarters
+    call = f"ulimit -f {most}; exec {sys.executable} -m rocking_cli spectrum {' '.join(SMALL_SCENE)} -o cut.h5"
     done = subprocess.run(["bash", "-c", call], cwd=tmp_path, capture_output=True, text=True, timeout=PATIENCE, check=False)
     assert done.returncode == 1
     assert "cut.h5.part: cannot be written: File too large; what was done is kept there for --resume" in done.stderr
     assert len(done.stderr.strip().splitlines()) == 1
     assert rocking("spectrum", *SMALL_SCENE, "-o", "cut.h5", "--resume").returncode == 0
-    same_file(tmp_path / "cut.h5", tmp_path / "whole.h5")
+    same_file(tmp_path / "cut.h5", whole)
 
 
 def test_a_disk_full_before_the_first_chunk_claims_to_keep_nothing(rocking, tmp_path):

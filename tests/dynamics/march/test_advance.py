@@ -17,7 +17,7 @@ from rocking_cli.motions import Piece
 @pytest.mark.parametrize(("home", "bound"), [(engine, "low_bounces"), (advance, "_clears")])
 def test_bounds_that_spare_root_searches_change_nothing(monkeypatch, model, home, bound):
     random = np.random.default_rng(12)
-    amplitude, omega, eta = 1.0 + 8.0 * random.uniform(0, 1, 800) ** 3, random.uniform(0.05, 9, 800), random.uniform(0.5, 1, 800)
+    amplitude, omega, eta = 1.0 + 8.0 * random.uniform(0, 1, 400) ** 3, random.uniform(0.05, 9, 400), random.uniform(0.5, 1, 400)
     kept, proved = getattr(home, bound), []
 
     def counted(*arguments):
