@@ -1,15 +1,18 @@
 """Where the outcome changes along the amplitude, for many frequencies: a scan that bounds what can be missed, then sections.
 
-Two bounds of the linear oscillator spare most of the scan (Lemmas 9 and 10 of `dynamics`):
+Three theorems on the linear oscillator spare most of the scan (Lemmas 9 and 10 of `dynamics`):
 
 - Nothing overturns while A int |s| dphi <= Omega. With E = v^2 + y (2 - y), dE/dtau = 2 v a, and v^2 <= E below y = 1: the root of
   E grows by at most int |a| dtau, impacts lower it, and a body that overturns has had E >= 1.
 - Above an amplitude that overturns without impact every other does, where the motion lifts the body on its first segment
   at any amplitude. At a fixed time y = A J - K with K > 0 and dy/dA = J: where y > 0 it grows with A.
+- So above an amplitude whose first arc outlasts the shaking every other one's does, and there the outcome changes only where the energy
+  at its end crosses a level; bounds of that energy over stretches of amplitudes say where it can (`one_arc`).
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple, Self
@@ -22,10 +25,11 @@ from ..dynamics.response import response
 from ..dynamics.system import System
 from ..motions import Motion
 from ..motions.motion import Segments
+from .ladder import Ladder
+from .one_arc import may_change
 
 Array = np.ndarray
 
-SCAN_STEP = 0.999e-3  # no interval wider than 1e-3 in A escapes
 FINE_STEP = 0.999e-4  # of the closer look around changes of the outcome or of the number of impacts, where narrow intervals gather
 _AROUND = 12  # rungs on either side of such a change that are looked at closer too
 _SIMPLE = 2  # pushes of a motion that is not looked at closer: nothing lifts the body again that bounces after the second
@@ -61,45 +65,6 @@ class Brackets(NamedTuple):
     def join(cls, parts: list[Self]) -> Self:
         """All of them."""
         return cls(*(np.concatenate(columns) for columns in zip(*parts, strict=True)))
-
-
-@dataclass(frozen=True)
-class Ladder:
-    """Amplitudes to look at: SCAN_STEP apart, and closer just above uplift, where slow pulses pack their intervals.
-
-    near: the first rungs one by one; after them rung n is start + (n - near.size) step.
-    """
-
-    near: Array
-    start: float
-    step: float
-    size: int
-
-    @classmethod
-    def between(cls, lowest: float, highest: float, *, uplift: float = 0.0, ratio: float = 0.0) -> Self:
-        """From one amplitude to another, both included; uplift: the first one that lifts the body, the lowest unless given; ratio: of
-        neighbouring rungs less 1, where these are wanted instead."""
-        if ratio:
-            near = np.geomspace(lowest, highest, 2 + int(np.log(highest / lowest) / np.log1p(ratio)))
-            near[0], near[-1] = lowest, highest
-            return cls(near, highest, highest - lowest, near.size)
-        count = int(np.ceil((highest - lowest) / SCAN_STEP))
-        step = (highest - lowest) / count
-        close = (uplift or lowest) * (1.0 + np.geomspace(1e-3, 0.1, 460))
-        even = max(0, min(count, int(np.ceil((close[-1] - lowest) / step))))
-        near = np.unique(np.concatenate([lowest + step * np.arange(even + 1), close[(close > lowest) & (close < highest)]]))
-        return cls(near, lowest + step * (even + 1), step, near.size + count - even)
-
-    def rung(self, n: Array) -> Array:
-        """The amplitude of each."""
-        return np.where(n < self.near.size, self.near[np.minimum(n, self.near.size - 1)], self.start + self.step * (n - self.near.size))
-
-    def below(self, amplitude: Array) -> Array:
-        """The last rung that is surely not above each amplitude, the first one if there is none."""
-        there = np.searchsorted(self.near, amplitude, side="right") - 1
-        top = self.start + self.step * (self.size - self.near.size + 1)  # a whole number holds no more of some amplitudes
-        beyond = np.floor((np.minimum(amplitude, top) - self.start) / self.step).astype(np.int64) - 1 + self.near.size
-        return np.clip(np.where(beyond >= self.near.size, beyond, there), 0, self.size - 1)
 
 
 class Row(NamedTuple):
@@ -196,9 +161,9 @@ class Search:
     def _scan(self, omegas: Array) -> tuple[Array, Brackets]:
         """(outcome of each row's first amplitude, the changes between neighbours)."""
         ladder = Ladder.between(self.lowest, self.a_max, uplift=self.uplift, ratio=self.ratio)
-        first, last = self._doubtful(omegas, ladder)
+        first, last, beyond = self._doubtful(omegas, ladder)
         starts = np.concatenate([[0], np.cumsum(last - first + 1)])
-        begins, parts = np.empty(omegas.size, dtype=np.uint8), []
+        begins, parts = np.empty(omegas.size, dtype=np.uint8), [beyond]
         for begin in range(0, int(starts[-1]), _BATCH):
             end = min(begin + _BATCH, int(starts[-1]))
             a, b = max(0, begin - 1 - _AROUND), min(end + _AROUND, int(starts[-1]))  # what is around the gaps of this batch
@@ -237,25 +202,63 @@ class Search:
         at = at[mine[place[order[at]].astype(np.int64)]]
         return Brackets(row[at], amplitude[at], amplitude[at + 1], label[at], label[at + 1])
 
-    def _doubtful(self, omegas: Array, ladder: Ladder) -> tuple[Array, Array]:
-        """First and last rung that must be looked at: below them nothing changes, nor above."""
+    def _doubtful(self, omegas: Array, ladder: Ladder) -> tuple[Array, Array, Brackets]:
+        """First and last rung that must be looked at: below them nothing changes, and above them only what the brackets hold."""
+        none = Brackets(*(np.zeros(0, dtype=kind) for kind in (np.int64, float, float, np.uint8, np.uint8)))
         first, last = np.zeros(omegas.size, dtype=np.int64), np.full(omegas.size, ladder.size - 1)
         if not (self.system.equation.bounded and self.system.contact.alike and self.motion.vertical is None):
-            return first, last
+            return first, last, none
         first = ladder.below((1.0 - 1e-9) * omegas / _path(self.motion.segments))
         if not _lifts_at_once(self.motion):
-            return first, last
-        over = np.flatnonzero(self.outcome(ladder.rung(last), omegas) == Outcome.OVERTURNED_NO_IMPACT)
-        low, high = first[over] - 1, last[over]
+            return first, last, none
+        over, falls = self._onwards(omegas, ladder, first, last, lambda label, impacts: label == Outcome.OVERTURNED_NO_IMPACT)
+        last[over] = falls
+        # From the first amplitude on whose first arc outlasts the shaking only the energy at its end matters.
+        clear, lasts = self._onwards(omegas, ladder, first, last, lambda label, impacts: (impacts == 0) & (label != Outcome.FAILED))
+        parts = self._unstruck(omegas, ladder, clear, lasts, last[clear], np.isin(clear, over))
+        last[clear] = lasts
+        return first, last, parts
+
+    def _onwards(
+        self, omegas: Array, ladder: Ladder, first: Array, last: Array, holds: Callable[[Array, Array], Array]
+    ) -> tuple[Array, Array]:
+        """(rows, the rung of each from which something holds): rows where it does at the last rung; it holds above where it holds once."""
+
+        def there(rungs: Array, rows: Array) -> Array:
+            amplitude = ladder.rung(rungs)
+            return holds(*self._respond(amplitude, omegas[rows])) & (amplitude > self.uplift * (1.0 + 1e-9))
+
+        rows = np.flatnonzero(there(last, np.arange(omegas.size)))
+        low, high = first[rows] - 1, last[rows]
         while np.any(high - low > 1):
             at = low[:, None] + (high - low)[:, None] * np.arange(1, _SECTIONS + 1) // _SECTIONS
-            at = np.maximum(at, first[over, None])
-            there = self.outcome(ladder.rung(at), omegas[over, None]) == Outcome.OVERTURNED_NO_IMPACT
-            step = there.argmax(axis=1)
-            lanes = np.arange(over.size)
+            at = np.maximum(at, first[rows, None])
+            step = there(at, rows[:, None]).argmax(axis=1)
+            lanes = np.arange(rows.size)
             high, low = at[lanes, step], np.where(step > 0, at[lanes, step - 1], low)
-        last[over] = high
-        return first, last
+        return rows, high
+
+    def _unstruck(self, omegas: Array, ladder: Ladder, row: Array, low: Array, high: Array, falls: Array) -> Brackets:
+        """The changes between rungs `low` and `high` of rows whose bodies are not struck during the shaking; falls: whether they overturn
+        without impact at `high`, and only there."""
+        at = [np.column_stack([row[falls], high[falls] - 1])[low[falls] < high[falls]]]  # gaps that may hold a change
+        high = np.where(falls, high - 1, high)
+        while True:
+            ahead = np.flatnonzero(low < high)
+            row, low, high = row[ahead], low[ahead], high[ahead]
+            if not row.size:
+                break
+            doubtful = may_change(self.motion.segments, ladder.rung(low), ladder.rung(high), omegas[row], self.eta)
+            row, low, high = row[doubtful], low[doubtful], high[doubtful]
+            gap = high - low == 1
+            at.append(np.column_stack([row[gap], low[gap]]))
+            row, low, high = row[~gap], low[~gap], high[~gap]
+            middle = (low + high) // 2
+            row, low, high = np.tile(row, 2), np.concatenate([low, middle]), np.concatenate([middle, high])
+        row, rung = np.concatenate(at).T
+        ends = ladder.rung(rung), ladder.rung(rung + 1)
+        below, above = (self.outcome(amplitude, omegas[row]) for amplitude in ends)
+        return Brackets(row, *ends, below, above).take(np.flatnonzero(below != above))
 
     def _sections(self, omegas: Array, brackets: Brackets) -> Brackets:
         """Each change, to `digits`.

@@ -21,9 +21,10 @@ from ..dynamics.outcome import Outcome
 from ..errors import UsageError
 from ..motions import Motion, pulse
 from ..structures.parameters import RockingParameters
-from .boundaries import SCAN_STEP, Row, Search
+from .boundaries import Row, Search
 from .cost import Tell, announce, bouncing_seconds, expected_seconds
 from .grid import Axis, parse_axes
+from .ladder import SCAN_STEP
 from .processes import available_cpus, processes
 
 A_MAX = 20.0

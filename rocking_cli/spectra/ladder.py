@@ -1,0 +1,51 @@
+"""The amplitudes that a search along one frequency looks at first."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Self
+
+import numpy as np
+
+Array = np.ndarray
+
+SCAN_STEP = 0.999e-3  # no interval wider than 1e-3 in A escapes
+
+
+@dataclass(frozen=True)
+class Ladder:
+    """Amplitudes to look at: SCAN_STEP apart, and closer just above uplift, where slow pulses pack their intervals.
+
+    near: the first rungs one by one; after them rung n is start + (n - near.size) step.
+    """
+
+    near: Array
+    start: float
+    step: float
+    size: int
+
+    @classmethod
+    def between(cls, lowest: float, highest: float, *, uplift: float = 0.0, ratio: float = 0.0) -> Self:
+        """From one amplitude to another, both included; uplift: the first one that lifts the body, the lowest unless given; ratio: of
+        neighbouring rungs less 1, where these are wanted instead."""
+        if ratio:
+            near = np.geomspace(lowest, highest, 2 + int(np.log(highest / lowest) / np.log1p(ratio)))
+            near[0], near[-1] = lowest, highest
+            return cls(near, highest, highest - lowest, near.size)
+        count = int(np.ceil((highest - lowest) / SCAN_STEP))
+        step = (highest - lowest) / count
+        close = (uplift or lowest) * (1.0 + np.geomspace(1e-3, 0.1, 460))
+        even = max(0, min(count, int(np.ceil((close[-1] - lowest) / step))))
+        near = np.unique(np.concatenate([lowest + step * np.arange(even + 1), close[(close > lowest) & (close < highest)]]))
+        return cls(near, lowest + step * (even + 1), step, near.size + count - even)
+
+    def rung(self, n: Array) -> Array:
+        """The amplitude of each."""
+        return np.where(n < self.near.size, self.near[np.minimum(n, self.near.size - 1)], self.start + self.step * (n - self.near.size))
+
+    def below(self, amplitude: Array) -> Array:
+        """The last rung that is surely not above each amplitude, the first one if there is none."""
+        there = np.searchsorted(self.near, amplitude, side="right") - 1
+        top = self.start + self.step * (self.size - self.near.size + 1)  # a whole number holds no more of some amplitudes
+        beyond = np.floor((np.minimum(amplitude, top) - self.start) / self.step).astype(np.int64) - 1 + self.near.size
+        return np.clip(np.where(beyond >= self.near.size, beyond, there), 0, self.size - 1)

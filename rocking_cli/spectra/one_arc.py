@@ -1,0 +1,98 @@
+"""Amplitudes at which the first arc outlasts the shaking: where the outcome can change among them, without a look at each.
+
+For the undamped linear oscillator on equal edges, which the motion lifts at once at any amplitude (Lemma 10 of `dynamics`). From uplift at
+psi on nothing strikes the body until the end T of the shaking, so both of its modes are known there:
+
+    z = y - 1 + v = A Z - exp(T - psi),      Z = int exp(T - t) s dt from psi to T = dz/dA,      s outwards
+    x = v + 1 - y = A X + exp(psi - T),      X = int exp(t - T) s dt from psi to T = dx/dA
+
+since A s = 1 at psi. The energy is 1 + z x: where z < 0 the body falls back, and overturns after its impact if z x > 1/eta^2 - 1.
+As A grows psi falls, so Z and X grow, and z and x are convex. So the ends of a stretch of amplitudes bound all four all over it, and
+with them z x and its slope Z x + X z: where these leave no room for a change there is none, else the stretch is cut in two.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ..dynamics.contacts.contact import first_uplift
+from ..dynamics.drive import segment_value, summed
+from ..motions.motion import Segments
+
+Array = np.ndarray
+
+_ROUNDING = 1e-12  # of the terms that z and x are summed from; a sum over some ten segments loses a hundredth of it
+
+
+class Modes(NamedTuple):
+    """z and x at the end of the shaking, their derivatives by A, and bounds of what rounding does to z and x; arrays of one shape."""
+
+    z: Array
+    x: Array
+    z_slope: Array
+    x_slope: Array
+    z_noise: Array
+    x_noise: Array
+
+
+def modes_at_end(segments: Segments, amplitude: Array, omega: Array) -> Modes:
+    """Of bodies that are struck by nothing from their uplift on the first segment to the end; amplitude, omega: (lanes,)."""
+    first = first_uplift(segments, np.zeros(amplitude.size, dtype=np.int64), np.zeros(amplitude.size), amplitude, amplitude)
+    z_slope, x_slope = np.zeros(amplitude.size), np.zeros(amplitude.size)
+    end = segments.start[-1] + segments.length[-1]
+    with np.errstate(over="ignore", invalid="ignore"):
+        for k in range(len(segments)):
+            at = np.full(amplitude.size, k)
+            begin = first.u if k == 0 else np.zeros(amplitude.size)
+            lasts, left = (segments.length[k] - begin) / omega, (end - segments.start[k] - begin) / omega
+            for slope, sense in ((z_slope, 1.0), (x_slope, -1.0)):
+                there = _response(segments, at, segments.length[at], omega, sense) * np.exp(-sense * lasts)
+                slope += np.exp(sense * left) * (there - _response(segments, at, begin, omega, sense))
+        z_slope *= -first.side
+        x_slope *= -first.side
+        left = (end - segments.start[0] - first.u) / omega
+        z, x = amplitude * z_slope - np.exp(left), amplitude * x_slope + np.exp(-left)
+        z_noise, x_noise = (_ROUNDING * (1.0 + amplitude) * np.exp(left)), _ROUNDING * (1.0 + amplitude)
+    return Modes(z, x, z_slope, x_slope, z_noise, x_noise)
+
+
+def _response(segments: Segments, k: Array, u: Array, omega: Array, sense: float) -> Array:
+    """The bounded g with g' - sense g = s on segment k, by tau: exp(-sense tau) g is an antiderivative of exp(-sense tau) s."""
+    _, sin, cos = segment_value(segments, k, u)
+    w = segments.frequency.take(k, axis=1) * omega
+    level = segments.s_start[k] - summed(segments.sin.take(k, axis=1))
+    rate = segments.slope[k] * omega
+    return -sense * (level + segments.slope[k] * u) - rate - summed((sense * sin + w * cos) / (1.0 + w * w))
+
+
+def may_change(segments: Segments, low: Array, high: Array, omega: Array, eta: float) -> Array:
+    """Whether the outcome of bodies that fall back after the shaking may differ anywhere from `low` to `high`; (lanes,)."""
+    one, other = modes_at_end(segments, low, omega), modes_at_end(segments, high, omega)
+    width = high - low
+    least = 1.0 / eta**2 - 1.0 if eta else np.inf  # z x from which the impact leaves energy enough
+    with np.errstate(over="ignore", invalid="ignore"):
+        z = _convex(one.z, other.z, one.z_slope, other.z_slope, width, np.maximum(one.z_noise, other.z_noise))
+        x = _convex(one.x, other.x, one.x_slope, other.x_slope, width, np.maximum(one.x_noise, other.x_noise))
+        z_slope = one.z_slope - one.z_noise, other.z_slope + other.z_noise
+        x_slope = one.x_slope - one.x_noise, other.x_slope + other.x_noise
+        lowest, highest = _product(z, x)
+        falls, rises = (one_way + other_way for one_way, other_way in zip(_product(z_slope, x), _product(x_slope, z), strict=True))
+        clear = (lowest > least) | (highest < least)
+        over = [m.z * m.x - least for m in (one, other)]
+        noise = [m.z_noise * (1.0 + np.abs(m.x)) + m.x_noise * np.abs(m.z) for m in (one, other)]
+        alike = (over[0] * over[1] > 0.0) & (np.abs(over[0]) > noise[0]) & (np.abs(over[1]) > noise[1])
+    return ~(clear | (alike & ((falls > 0.0) | (rises < 0.0))))
+
+
+def _convex(one: Array, other: Array, slope: Array, end_slope: Array, width: Array, noise: Array) -> tuple[Array, Array]:
+    """Bounds of a convex function from its values and slopes at both ends."""
+    bottom = np.where(slope >= 0.0, one, np.where(end_slope <= 0.0, other, one + slope * width))
+    return bottom - noise, np.maximum(one, other) + noise
+
+
+def _product(one: tuple[Array, Array], other: tuple[Array, Array]) -> tuple[Array, Array]:
+    """Bounds of a product from those of its factors."""
+    corners = [a * b for a in one for b in other]
+    return np.minimum.reduce(corners), np.maximum.reduce(corners)

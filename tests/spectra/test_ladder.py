@@ -1,0 +1,12 @@
+"""Rungs of the scan: between any two amplitudes, and beyond."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rocking_cli.spectra.ladder import Ladder
+
+
+def test_amplitudes_beyond_any_whole_number_lie_above_the_last_rung():
+    ladder = Ladder.between(1.0, 20.0)
+    assert ladder.below(np.array([1e25, 1e308])).tolist() == [ladder.size - 1] * 2
