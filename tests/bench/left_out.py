@@ -65,7 +65,12 @@ def ratio(name, kept, plain, patch=None):
 def main() -> None:
     ratio("free motion after the shaking, 5 periods marched instead", scene(), scene(followed_by_rest(5)))
     long = scene(sine(5))
-    ratio("certain overturning, 5 cycles", long, long, (LinearEquation, "certainly_overturns", lambda self, y, v, inward: y > 1e6))
+    ratio(
+        "certain overturning, 5 cycles",
+        long,
+        long,
+        (LinearEquation, "certainly_overturns", lambda self, y, v, inward, steady=True: y > 1e6),
+    )
     near = scene(amplitude=NEAR)
     ratio("end of a chatter, A up to 1.1", near, near, (Symmetric, "bouncing_ends", no_lanes))
     ratio("end of a chatter, the whole grid", scene(), scene(), (Symmetric, "bouncing_ends", no_lanes))
