@@ -18,6 +18,7 @@ import time
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
+from unittest import mock
 
 import compiled
 import h5py
@@ -29,6 +30,7 @@ import speed
 from distributed import LocalCluster
 
 from rocking_cli import (
+    LinearEquation,
     Method,
     RockingParameters,
     linear_response,
@@ -36,6 +38,7 @@ from rocking_cli import (
     response,
     sine,
 )
+from rocking_cli.dynamics.equations.flow import LinearFlow
 from rocking_cli.spectra.chunks import pack
 from rocking_cli.structures.parameters import Side
 
@@ -107,6 +110,28 @@ def scene_l(axis, cores, rounds=4):
     return least
 
 
+def vector_functions(values):
+    """Seconds a cell that the flow's sinh, tan and root take by themselves, on arrays as wide as the pool; the flow is asked so often
+    a cell."""
+    asked, at = [], LinearFlow.at
+
+    def counted(flow, h):
+        asked.append(h.size)
+        return at(flow, h)
+
+    with mock.patch.object(LinearFlow, "at", counted):
+        cells = scenes.linear(sine(), values)
+    x = np.linspace(0.01, 1.5, LinearEquation().pool)
+    each = sum(clock(partial(function, x, out=np.empty_like(x)), 20)[0] for function in (np.sinh, np.tan, np.sqrt)) / x.size
+    return sum(asked) / cells * each, sum(asked) / cells
+
+
+def bytes_moved(count):
+    """Seconds to copy so many bytes of arrays that no cache holds."""
+    there = np.ones(1 << 26, dtype=np.uint8)
+    return count * clock(there.copy, 3)[0] / there.size
+
+
 def systems(values):
     """Bodies with unequal edges, one side, or damping, over the symmetric one; `values` a side of the grid, least of three turns."""
     alpha = 0.2
@@ -153,6 +178,9 @@ def main() -> None:
     for name, seconds in best.items():
         exact = agreement(theta, outcome, found.theta_ratio, found.outcome) if name == "engine, one process" else ""
         line(name, seconds, n * n, exact)
+    functions, asked = vector_functions(n // 3)
+    line("its sinh, tan and roots alone", functions, 1, f"the flow is asked {asked:.1f} times a cell")
+    line("its numbers, moved once: 16 bytes in, 13 out", bytes_moved(29), 1)
     heyoka, answer = peers.on_all_cores(peers.heyoka_cells, cells, ETA, None, 1e-12, workers=cores)
     line(
         f"heyoka tol 1e-12, {cores} processes",
@@ -206,6 +234,7 @@ def main() -> None:
     figures = {key: 1e6 * value for key, value in cells_of.items()} | {
         "sweep_process": 1e6 * best[f"the same, whole process, {cores} workers"] / n**2
     }
+    figures |= {"packing": 1e6 * write / n**2, "one_cell": one_cell()}
     figures |= other_scenes(n, cores) | {"nonlinear_command": nonlinear_command(n // 2, cores)} | processes() | many_cells(n, cores)
     print("Targets; what falls short is marked")
     for target in speed.TARGETS:
@@ -232,6 +261,11 @@ def other_scenes(n, cores):
     return found
 
 
+def one_cell():
+    """Seconds of one cell that bounces eight times: the calls of every round, and hardly anything in them."""
+    return clock(lambda: linear_response(sine(), 1.08, 8.0, ETA), 20)[0]
+
+
 def nonlinear_command(values, workers):
     """Seconds a cell, in millionths, of the sweep with its file on all cores."""
     sweep, _ = whole_command(values, workers, str(CONFIG), "--model", "nonlinear")
@@ -242,13 +276,20 @@ def processes():
     """Seconds of whole commands, by the wall: the least of seven, with their compiled modules kept as they are for a user."""
     environment = {key: value for key, value in os.environ.items() if key != "PYTHONDONTWRITEBYTECODE"}
     found, python = {}, [sys.executable, "-m", "rocking_cli"]
+    imports = {"process": "numpy, h5py, click, yaml", "help": "click", "params": "click, yaml"}
     grid = ["--grid", "A=0.5:12:10,Omega=0.5:12:10", "-o", "out/small.h5", "--overwrite", "-q"]
     for key, arguments in {"process": ["spectrum", "--eta", "0.9", *grid], "help": ["--help"], "params": ["params", str(CONFIG)]}.items():
         found[key], _ = clock(
             lambda arguments=arguments: subprocess.run([*python, *arguments], check=True, capture_output=True, env=environment), 7
         )
-        print(f"rocking {arguments[0]}: {found[key]:.3f} s")
-    return found
+        bare = [sys.executable, "-c", f"import {imports[key]}"]
+        found[f"{key}_import"], _ = clock(lambda bare=bare: subprocess.run(bare, check=True, env=environment), 7)
+        print(f"rocking {arguments[0]}: {found[key]:.3f} s, of which {found[f'{key}_import']:.3f} s to import {imports[key]}")
+    solver = "import numpy, time; t = time.perf_counter(); import scipy.integrate; print(time.perf_counter() - t)"
+    timed = [
+        float(subprocess.run([sys.executable, "-c", solver], check=True, capture_output=True, env=environment).stdout) for _ in range(3)
+    ]
+    return found | {"solver_import": min(timed)}
 
 
 def many_cells(n, workers):
