@@ -1,35 +1,42 @@
 """Do the tests notice when dynamics/ is wrong? `python tests/bench/mutants.py [--count N] [--seed S] [PATH...]`, or `make mutants`.
 
-Flips signs, comparisons and constants one at a time in a copy of the package, runs the tests of the dynamics against it until the
-first fails, and prints the changes that none of them noticed. Some of those change nothing that can be seen (a bound that only
-spares work, a tolerance that another one covers); each of the others is a test that is missing. Minutes to hours: 200 mutants
-take about an hour on two cores. Exit code 0: it is a report.
+Flips signs, comparisons and constants one at a time in a copy of the package, runs the tests of the dynamics that call the changed
+function, the quick ones first, until one fails, and prints the changes that none of them noticed. Some of those change nothing
+that can be seen (a bound that only spares work, a tolerance that another one covers); each of the others is a test that is
+missing. Which test calls what is found first, by one run of all. Exit code 0: it is a report.
 """
 
 from __future__ import annotations
 
 import argparse
 import ast
+import json
 import os
 import random
 import shutil
 import subprocess
 import sys
 import tempfile
+import time
+from collections import defaultdict
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
+from types import FrameType
+
+import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
 ROOM = ROOT / "rocking_cli" / "dynamics"
 TESTS = ["tests/dynamics", "tests/responses/test_history.py", "tests/spectra/test_closed_form.py", "tests/spectra/test_boundaries.py"]
 SECONDS = 900  # a mutant that takes longer goes round in circles, which a person would notice
-OPERATORS = {
-    ast.Lt: (ast.GtE, ast.LtE),
-    ast.LtE: (ast.Gt, ast.Lt),
-    ast.Gt: (ast.LtE, ast.GtE),
-    ast.GtE: (ast.Lt, ast.Gt),
+CALLS = "CALLS"  # the variable that names the file of which test calls what
+OPERATORS = {  # not < for <=: of floats that differ in nothing but a tie
+    ast.Lt: (ast.GtE,),
+    ast.LtE: (ast.Gt,),
+    ast.Gt: (ast.LtE,),
+    ast.GtE: (ast.Lt,),
     ast.Eq: (ast.NotEq,),
     ast.NotEq: (ast.Eq,),
     ast.Add: (ast.Sub,),
@@ -46,8 +53,10 @@ Change = tuple[Path, int, int]  # file, place and alternative
 
 @dataclass(frozen=True)
 class Place:
-    """A node of a tree by its parent (operators are one object each, wherever they stand), and the statement that holds it."""
+    """A node of a tree by its parent (operators are one object each, wherever they stand), with the statement and the function that
+    hold it."""
 
+    function: str
     statement: ast.stmt
     parent: ast.AST
     field: str
@@ -65,8 +74,10 @@ class Place:
             getattr(self.parent, self.field)[self.index] = node
 
 
-def places(parent: ast.AST, statement: ast.stmt | None = None) -> Iterator[Place]:
+def places(parent: ast.AST, statement: ast.stmt | None = None, scope: tuple[str, ...] = (), inside: bool = False) -> Iterator[Place]:
     """The nodes that compute, in a fixed order: no docstrings, annotations, decorators or sentences of errors."""
+    if isinstance(parent, ast.FunctionDef | ast.ClassDef) and not inside:
+        scope, inside = (*scope, parent.name), isinstance(parent, ast.FunctionDef)
     for field, value in ast.iter_fields(parent):
         if field in ("annotation", "returns", "decorator_list", "bases") or isinstance(parent, ast.Raise | ast.JoinedStr):
             continue
@@ -74,8 +85,8 @@ def places(parent: ast.AST, statement: ast.stmt | None = None) -> Iterator[Place
             if isinstance(node, ast.AST):
                 holder = node if isinstance(node, ast.stmt) else statement
                 if holder is not None and not isinstance(node, ast.stmt):
-                    yield Place(holder, parent, field, index)
-                yield from places(node, holder)
+                    yield Place(".".join(scope) if inside else "", holder, parent, field, index)
+                yield from places(node, holder, scope, inside)
 
 
 def alternatives(node: ast.AST) -> list[ast.AST]:
@@ -103,8 +114,8 @@ def changes(paths: list[Path]) -> list[Change]:
     ]
 
 
-def changed(change: Change) -> tuple[str, str]:
-    """The text of the file with the change, and what was changed: line, before, after."""
+def changed(change: Change) -> tuple[str, str, str]:
+    """The text of the file with the change, the function it is in, and what was changed: line, before, after."""
     path, number, alternative = change
     tree = ast.parse(path.read_text(encoding="utf-8"))
     place = next(p for i, p in enumerate(places(tree)) if i == number)
@@ -113,29 +124,66 @@ def changed(change: Change) -> tuple[str, str]:
     after = ast.unparse(ast.fix_missing_locations(place.statement)).splitlines()
     lines = [(x.strip(), y.strip()) for x, y in zip(before, after, strict=True) if x != y]
     told = "  ->  ".join(" ".join(side) for side in zip(*lines, strict=True))
-    return ast.unparse(tree), f"{path.relative_to(ROOT)}:{place.statement.lineno}: {told}"
+    return ast.unparse(tree), place.function, f"{path.relative_to(ROOT)}:{place.statement.lineno}: {told}"
 
 
-def passes(path: Path, text: str) -> bool:
-    """Whether the tests pass with this text in the place of a file: those of its module first, since they notice soonest."""
-    mirror = ROOT / "tests" / path.relative_to(ROOT / "rocking_cli").with_name(f"test_{path.name}")
-    first = [str(mirror.relative_to(ROOT))] if mirror.exists() else []
-    with tempfile.TemporaryDirectory() as folder:
-        shutil.copytree(ROOT / "rocking_cli", Path(folder) / "rocking_cli", ignore=shutil.ignore_patterns("__pycache__"))
-        (Path(folder) / path.relative_to(ROOT)).write_text(text, encoding="utf-8")
-        call = [sys.executable, "-P", "-m", "pytest", "-x", "-q", "--tb=no", "-p", "no:cacheprovider", *first, *TESTS]
-        environment = {**os.environ, "PYTHONPATH": folder}
-        try:
-            done = subprocess.run(call, cwd=ROOT, env=environment, capture_output=True, timeout=SECONDS, check=False)
-        except subprocess.TimeoutExpired:
-            return False
-    return done.returncode == 0
+@pytest.hookimpl(hookwrapper=True)
+def pytest_runtest_protocol(item: pytest.Item) -> Iterator[None]:
+    """This file is the plugin, too, that writes down which functions a test calls, and how long it takes."""
+    seen: set[tuple[str, str]] = set()
+
+    def called(frame: FrameType, event: str, _: object) -> None:
+        _, within, path = frame.f_code.co_filename.partition("/rocking_cli/dynamics/")
+        if within and event == "call":
+            seen.add((path, frame.f_code.co_qualname.partition(".<locals>")[0]))
+
+    begun = time.perf_counter()
+    sys.setprofile(called)
+    yield
+    sys.setprofile(None)
+    with open(os.environ[CALLS], "a", encoding="utf-8") as file:
+        file.write(json.dumps([time.perf_counter() - begun, item.nodeid, sorted(seen)]) + "\n")
 
 
-def survives(change: Change) -> str | None:
-    """What was changed, if no test fails with it."""
-    text, told = changed(change)
-    return told if passes(change[0], text) else None
+@dataclass
+class Suite:
+    """The tests of the dynamics, the quick ones first, by the function that they call, and by its file."""
+
+    tests: dict[tuple[str, str], list[str]]
+
+    @classmethod
+    def watched(cls) -> Suite:
+        with tempfile.TemporaryDirectory() as folder:
+            calls = Path(folder) / "calls"
+            environment = {**os.environ, CALLS: str(calls), "PYTHONPATH": os.pathsep.join((str(ROOT), str(ROOT / "tests")))}
+            call = [sys.executable, "-m", "pytest", "-q", "-n", "0", "-p", "no:cacheprovider", "-p", "bench.mutants", *TESTS]
+            if subprocess.run(call, cwd=ROOT, env=environment, check=False).returncode:
+                sys.exit("the tests fail without any change")
+            rows = sorted(json.loads(line) for line in calls.read_text(encoding="utf-8").splitlines())
+        tests: dict[tuple[str, str], list[str]] = defaultdict(list)
+        for _, name, seen in rows:
+            for path, function in [*seen, *{(path, "") for path, _ in seen}]:
+                tests[path, function].append(name)
+        return cls(tests)
+
+    def passes(self, path: Path, function: str, text: str) -> bool:
+        """Whether the tests that call a function pass with this text in the place of its file."""
+        names = self.tests.get((path.relative_to(ROOM).as_posix(), function), [])
+        with tempfile.TemporaryDirectory() as folder:
+            shutil.copytree(ROOT / "rocking_cli", Path(folder) / "rocking_cli", ignore=shutil.ignore_patterns("__pycache__"))
+            (Path(folder) / path.relative_to(ROOT)).write_text(text, encoding="utf-8")
+            call = [sys.executable, "-P", "-m", "pytest", "-x", "-q", "-n", "0", "--tb=no", "-p", "no:cacheprovider", *names]
+            environment = {**os.environ, "PYTHONPATH": folder}
+            try:
+                done = subprocess.run(call, cwd=ROOT, env=environment, capture_output=True, timeout=SECONDS, check=False) if names else None
+            except subprocess.TimeoutExpired:
+                return False
+        return done is None or done.returncode == 0
+
+    def lets_through(self, change: Change) -> str | None:
+        """What was changed, if no test fails with it."""
+        text, function, told = changed(change)
+        return told if self.passes(change[0], function, text) else None
 
 
 def main() -> None:
@@ -146,13 +194,11 @@ def main() -> None:
     options = parser.parse_args()
     given = [p.resolve() for p in options.paths or [ROOM]]
     paths = sorted(path for p in given for path in (p.rglob("*.py") if p.is_dir() else [p]))
-    if not passes(paths[0], paths[0].read_text(encoding="utf-8")):
-        sys.exit("the tests fail without any change")
     every = changes(paths)
     sample = random.Random(options.seed).sample(every, min(options.count, len(every)))
-    survivors = 0
+    suite, survivors = Suite.watched(), 0
     with ThreadPoolExecutor(os.cpu_count()) as pool:
-        for number, told in enumerate(pool.map(survives, sample), start=1):
+        for number, told in enumerate(pool.map(suite.lets_through, sample), start=1):
             survivors += told is not None
             if told is not None:
                 print(told, flush=True)

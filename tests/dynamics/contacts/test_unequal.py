@@ -62,6 +62,38 @@ def test_a_second_impact_after_the_shaking_may_be_the_one_that_overturns():
     assert (bool(fate.overturns[0]), bool(fate.overturns_after_impact[0])) == (False, True)
 
 
+@pytest.mark.parametrize(
+    ("rotation", "v", "highest"), [((1.0, 1.0), -0.5, "across"), ((1.0, 0.5), 0.5, "outward"), ((2.0, 0.5), -0.5, "back")]
+)
+def test_after_the_shaking_the_largest_of_three_arcs_is_kept_and_none_of_a_body_that_falls(rotation, v, highest):
+    """From y = 0.3: E = v^2 + y (2 - y) is left with eta^2 of it at each impact, and an arc rises to 1 - sqrt(1 - E)."""
+    eta = (1.1, 0.85)
+    contact = Unequal(drive=(1.0, 1.0), omega=(1.0, 1.0), eta=eta, rotation=rotation)
+    energy = 0.5**2 + 0.3 * 1.7
+    rises = {
+        "outward": 1.0 - math.sqrt(1.0 - energy) if v > 0.0 else 0.3,
+        "across": (1.0 - math.sqrt(1.0 - eta[0] ** 2 * energy)) * rotation[1] / rotation[0],
+        "back": 1.0 - math.sqrt(1.0 - (eta[0] * eta[1]) ** 2 * energy),
+    }
+    assert max(rises, key=rises.__getitem__) == highest
+    fate = contact.fate(LinearEquation(), _Lanes(1.0, eta[0]), np.array([0]), np.array([0.3]), np.array([v]))
+    assert fate.peak[0] == pytest.approx(rises[highest], rel=1e-14)
+    for y, speed in ((0.9, 1.5), (0.3, -0.7)):
+        fate = contact.fate(LinearEquation(), _Lanes(1.0, eta[0]), np.array([0]), np.array([y]), np.array([speed]))
+        assert fate.overturns[0] != fate.overturns_after_impact[0]
+        assert math.isnan(fate.peak[0])
+
+
+def test_bounces_that_rise_above_the_peak_on_the_other_edge_are_not_summed(lanes):
+    """Thrown across with eight times its speed v, it rises there to (8 v)^2/(2 (1 + a)), less what y takes of the force."""
+    contact = Unequal(drive=(1.0, 1.0), omega=(1.0, 1.0), eta=(8.0, 0.1), rotation=(1.0, 1.0))
+    push = Motion("push", (Piece(0.0, 50.0, (), -0.25),)).segments  # a = 0.5 for A = 2 on the right edge
+    v, beyond = 1e-3, 1.5
+    height = beyond - math.sqrt(beyond**2 - (8.0 * v) ** 2)
+    body = lanes(np.ones(2), v=v, b=-0.5, eta=8.0, peak=np.array([0.99, 5.0]) * height)
+    assert contact.bouncing_ends(push, body, LinearEquation()).tolist() == [False, True]
+
+
 class _Lanes:
     """What `fate` reads of lanes."""
 

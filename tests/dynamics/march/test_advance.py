@@ -70,3 +70,25 @@ def test_grazing_is_decided_on_either_side(model):
                     lanes.u = event.step.u
                     lanes.y, lanes.v, lanes.b = event.end.y, event.end.v, event.end.b
                 assert hit == (least < 0.0), (offset, a, y0)
+
+
+@pytest.mark.parametrize(
+    ("side", "begins", "ends", "falls_until"),
+    [
+        (1.0, (0, 0.3), (2, 0.4), 1.5 * math.pi),  # into the last of the three segments of the sine: to where that begins
+        (1.0, (0, 0.3), (2, 0.0), 0.5 * math.pi),  # with the second
+        (1.0, (0, 0.3), (0, 0.7), 0.7),  # outwards is against the ground: the drive falls while the ground's acceleration grows
+        (-1.0, (0, 0.3), (0, 0.7), 0.3),
+        (-1.0, (1, 0.2), (1, 0.9), 0.5 * math.pi + 0.9),
+    ],
+)
+def test_the_drive_of_a_step_falls_until_its_last_segment_begins(side, begins, ends, falls_until):
+    segments = sine().segments
+    starts = 0.5 * math.pi * np.array([0.0, 1.0, 3.0])
+    k, u = np.array([begins[0]]), one(begins[1])
+    lanes = Lanes(k, one(2), one(3), one(1), k, u, one(side), one(0.4), one(0.1), one(0), one(0), k, k)
+    h = (starts[ends[0]] + ends[1] - starts[begins[0]] - begins[1]) / 3.0
+    step = advance.Step(np.array([ends[0]]), one(ends[1]), one(h), np.array([advance.VALLEY]), one(0))
+    passage = advance.Passage(step, None, None, one(h), np.array([False]), one(0), one(0))
+    found = advance._bottom(segments, lanes, passage, np.array([0]))
+    assert found[0] == pytest.approx((falls_until - starts[begins[0]] - begins[1]) / 3.0, abs=1e-14)
