@@ -50,8 +50,8 @@ class Lanes:
     impacts: Array
     steps: Array
 
-    def take(self, lanes: Array) -> Self:
-        """Some of the lanes, copied."""
+    def take(self, lanes: Array | slice) -> Self:
+        """Some of the lanes, copied where they are given one by one."""
         return type(self)(*(getattr(self, f.name)[lanes] for f in fields(self)))
 
     def join(self, other: Self) -> Self:

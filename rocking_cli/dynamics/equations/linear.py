@@ -76,7 +76,7 @@ class LinearEquation:
             if self.damping:
                 pushed -= (2.0 * self.damping * (n + 1)) * known.unit * y[n + 1]
             np.multiply(pushed, 1.0 / ((n + 1) * (n + 2)), out=y[n + 2])
-        return series(y, known, WEIGHED, self.damping)
+        return series(y, known.fastest, WEIGHED, self.damping)
 
     def force(self, y: Array, a: Array, weight: Array | float = 1.0) -> Array:
         """w (y - 1) + a."""

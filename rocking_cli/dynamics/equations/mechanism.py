@@ -23,7 +23,7 @@ from ...structures.kinematics import Mechanism, linearise
 from ..lanes import Lanes
 from ..weight import WeighedSegments
 from .energy import falls_by_energy
-from .taylor import TaylorSeries, drive_series, order_for, series, weighed_series
+from .taylor import TaylorSeries, blocks, drive_series, order_for, series, weighed_series
 
 Array = np.ndarray
 
@@ -110,6 +110,13 @@ class MechanismEquation:
 
     def flow(self, segments: Segments, lanes: Lanes) -> TaylorSeries:
         """The series of every lane: those of F and G about its y, composed with the series of y."""
+        y, fastest = np.empty((self.order + 1, lanes.y.size)), np.empty(lanes.y.size)
+        for block in blocks(lanes.y.size):
+            fastest[block] = self._fill(y[:, block], segments, lanes.take(block))
+        return series(y, fastest, self.tolerance, self.damping)
+
+    def _fill(self, y: Array, segments: Segments, lanes: Lanes) -> Array:
+        """Fill (order + 1, lanes) with the terms of y; returns the rate in whose powers they are."""
         count = self.order - 1
         weight: Array | None = None
         if isinstance(segments, WeighedSegments):
@@ -125,11 +132,10 @@ class MechanismEquation:
         drive *= unit2
         lift *= unit2
         over = 1.0 / table.half[at]
-        y = np.empty((count + 2, x.size))
         y[0] = lanes.y
         np.multiply(lanes.v, known.unit, out=y[1])
         self._compose(y, over, lift, push, drive, known.unit, weight)
-        return series(y, known, self.tolerance, self.damping)
+        return known.fastest
 
     def _compose(self, y: Array, over: Array, lift: Array, push: Array, drive: Array, unit: Array, weight: Array | None) -> None:
         """Terms 2 ... of y: those of F and G along the motion follow from powers of y - y0; weight: its terms where it varies."""

@@ -21,7 +21,7 @@ from ...motions.motion import Segments
 from ..lanes import Lanes
 from ..weight import WeighedSegments
 from .energy import falls_by_energy
-from .taylor import TaylorSeries, drive_series, order_for, series, weighed_series
+from .taylor import TaylorSeries, blocks, drive_series, order_for, series, weighed_series
 
 Array = np.ndarray
 
@@ -65,13 +65,27 @@ class RigidBodyEquation:
 
     def flow(self, segments: Segments, lanes: Lanes) -> TaylorSeries:
         """The series of every lane from its present state."""
+        y, fastest = np.empty((self.order + 1, lanes.y.size)), np.empty(lanes.y.size)
+        for block in blocks(lanes.y.size):
+            fastest[block] = self._part(block)._fill(y[:, block], segments, lanes.take(block))
+        return series(y, fastest, self.tolerance, self.damping)
+
+    def _part(self, block: slice) -> Self:
+        """The same body for some of the lanes that its numbers belong to."""
+        if len(self._edges) == 1:
+            return self
+        part = copy.copy(self)
+        part._take({key: getattr(self, key)[block] for key in self._edges[0]})
+        return part
+
+    def _fill(self, y: Array, segments: Segments, lanes: Lanes) -> Array:
+        """Fill (order + 1, lanes) with the terms of y; returns the rate in whose powers they are."""
         order = self.order
         weight: Array | None = None
         if isinstance(segments, WeighedSegments):
             known, weight = weighed_series(segments, lanes, order - 1)
         else:
             known = drive_series(segments, lanes, order - 1)
-        y = np.empty((order + 1, lanes.y.size))
         turn = np.empty((order, 2, lanes.y.size))  # sin z, cos z
         rate = np.empty_like(y)  # n z_n, for the recurrences of sin z and cos z
         both, pushed, fallen = np.empty_like(turn[0]), np.empty_like(y[0]), np.empty_like(y[0])
@@ -104,7 +118,7 @@ class RigidBodyEquation:
             if self.damping:
                 pushed -= (2.0 * self.damping * (n + 1)) * known.unit * y[n + 1]
             np.multiply(pushed, 1.0 / ((n + 1) * (n + 2)), out=y[n + 2])
-        return series(y, known, self.tolerance, self.damping)
+        return known.fastest
 
     def force(self, y: Array, a: Array, weight: Array | float = 1.0) -> Array:
         """-w sin z / sin(alpha) + a cos z / cos(alpha)."""

@@ -7,6 +7,7 @@ rejected step, and the series is the dense output on which impacts and peaks are
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from functools import lru_cache
 from typing import NamedTuple, Self
 
@@ -152,12 +153,18 @@ def _terms(segments: Segments, lanes: Lanes, outward: Array, w: Array, unit: Arr
     return terms
 
 
-def series(terms: Array, drive: Drive, tolerance: float, damping: float = 0.0) -> TaylorSeries:
-    """The series of these terms, with the step that the tolerance allows."""
+def blocks(lanes: int, size: int = 2048) -> Iterator[slice]:
+    """Parts of so many lanes, in each of which the recurrences stay in the second-level cache."""
+    return (slice(begin, begin + size) for begin in range(0, lanes, size))
+
+
+def series(terms: Array, fastest: Array, tolerance: float, damping: float = 0.0) -> TaylorSeries:
+    """The series of these terms in powers of `fastest` h, with the step that the tolerance allows."""
     # Four terms, since one or two can be small by accident: after a jump from rest the series has even powers only.
     last = np.arange(terms.shape[0] - 4, terms.shape[0])[:, None]
     with np.errstate(divide="ignore"):
-        room = np.log(LOCAL * tolerance / (last * np.abs(terms[-4:]) * drive.fastest))
+        room = np.log(LOCAL * tolerance / (last * np.abs(terms[-4:]) * fastest))
     room /= last - 1
     reach = np.exp(room.min(axis=0))
-    return TaylorSeries(terms, drive.unit, np.minimum(reach, 4.0 * drive.fastest) * drive.unit, drive.fastest, damping)
+    unit = 1.0 / fastest
+    return TaylorSeries(terms, unit, np.minimum(reach, 4.0 * fastest) * unit, fastest, damping)
