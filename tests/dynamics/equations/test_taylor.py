@@ -81,7 +81,7 @@ def test_a_step_keeps_the_tolerance_and_does_not_waste_it(tolerance):
     """Of exp(h), whose terms decay like those of any flow: the velocity after the longest step is off by a part of the tolerance."""
     order = taylor.order_for(tolerance)
     base = exponentials(order, [1.0])
-    arc = taylor.series(base.terms, taylor.Drive(base.terms, base.unit, base.fastest), tolerance)
+    arc = taylor.series(base.terms, base.fastest, tolerance)
     h = float(arc.longest[0])
     terms = np.array([float(math.factorial(n)) for n in range(order + 1)])
     missing = math.exp(h) - sum(h**n / terms[n] for n in range(order))  # of the velocity: one term fewer
