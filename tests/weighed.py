@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 from oracle_systems import Body
-from scipy.integrate import solve_ivp
+from scipy.integrate import OdeSolution, solve_ivp
 from scipy.optimize import brentq
 
 REST = 1e-8  # of alpha p
@@ -81,8 +81,8 @@ def lifted(body: Body, shaking: Shaking, t: float) -> tuple[float, int] | None:
     return None
 
 
-def swing(body: Body, shaking: Shaking) -> Answer:
-    """What becomes of a body at rest."""
+def swing(body: Body, shaking: Shaking, seen: Callable[[int, OdeSolution], None] | None = None) -> Answer:
+    """What becomes of a body at rest; seen: called with the side and (u, u') over t of every stretch of it."""
     t, side, u, v, peak, impacts, after = 0.0, 0, 0.0, 0.0, 0.0, 0, 0
     for _ in range(MOST_ARCS):
         if side == 0:
@@ -103,7 +103,9 @@ def swing(body: Body, shaking: Shaking) -> Answer:
         slope = rate(t, np.array([u, v]))[1]
         first = min(0.02 / edge.p, stop - t, 0.3 * v / abs(slope) if u == 0.0 < v and slope < 0.0 else math.inf)
         path = solve_ivp(rate, (t, stop), [u, v], method="DOP853", rtol=1e-13, atol=1e-16, events=events,
-                         first_step=first, max_step=0.1 / edge.p)  # fmt: skip
+                         first_step=first, max_step=0.1 / edge.p, dense_output=seen is not None)  # fmt: skip
+        if seen is not None:
+            seen(side, path.sol)
         peak = max([peak, *(state[0] / edge.alpha for state in path.y_events[1])])
         if path.t_events[2].size or (still and u > edge.alpha and v > 0.0):
             return Answer("overturned_after_impact" if impacts else "overturned_no_impact", math.nan, impacts)

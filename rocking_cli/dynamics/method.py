@@ -13,7 +13,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from ..errors import UsageError, did_you_mean
-from ..structures.parameters import RockingParameters
+from ..structures.parameters import RockingParameters, Side
+from .body import Body
 from .contacts.contact import Contact
 from .contacts.one_sided import OneSided
 from .contacts.symmetric import Symmetric
@@ -23,7 +24,6 @@ from .equations.linear import LinearEquation
 from .equations.mechanism import MechanismEquation
 from .equations.rigid_body import RigidBodyEquation
 from .equations.taylor import order_for
-from .march.demand import Body
 from .system import System
 
 if TYPE_CHECKING:
@@ -32,7 +32,6 @@ if TYPE_CHECKING:
     from .references.general_solver import Problem
 
 TOLERANCE = 1e-9
-MOST_ALPHA = 0.6  # rad; up to it bodies that rock freely need most friction on the ground, and press on it least there
 Reference = Callable[["Motion", float, float, float], tuple["Outcome", float]]
 
 
@@ -162,15 +161,17 @@ class Method:
         try:
             equation = kind.build(structure, self.tolerance)
             scale = None if structure.dimensionless else structure.alpha / structure.a_scale
-            return System(equation, contact_of(structure, equation), scale, self._body_of(structure))
+            return System(equation, contact_of(structure, equation), scale, self.body_of(structure))
         except ValueError as error:
             raise UsageError(f"{structure.name}: {error}") from None
 
-    def _body_of(self, structure: RockingParameters) -> Body | None:
-        """What the forces of a rigid body follow from in sweeps; None where they are not followed."""
-        if structure.arm is None or structure.sides or structure.damping or structure.alpha > MOST_ALPHA or structure.a_scale != 1.0:
+    def body_of(self, structure: RockingParameters) -> Body | None:
+        """What the forces of a rigid body follow from; None where its mass centre is not known."""
+        edges: list[Side | RockingParameters] = [*reversed(structure.sides)] or [structure]
+        kappa = tuple(e.arm * e.p**2 / structure.gravity for e in edges if e.arm is not None and e.a_scale == 1.0)
+        if len(kappa) < len(edges):
             return None
-        return Body(structure.alpha, structure.arm * structure.p**2 / structure.gravity, self.exact)
+        return Body(tuple(e.alpha for e in edges), kappa, self.exact, structure.damping, structure.one_sided)
 
     def shares(self, structure: RockingParameters) -> tuple[Any, ...]:
         """Structures for which this is equal are one system; with equal restitutions too they share one dimensionless computation,

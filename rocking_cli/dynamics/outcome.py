@@ -47,6 +47,11 @@ class Outcome(IntEnum):
         return self in (Outcome.OVERTURNED_NO_IMPACT, Outcome.OVERTURNED_AFTER_IMPACT)
 
     @property
+    def falls(self) -> bool:
+        """Whether the body fell, or left the ground, of which nothing says that it comes back upright."""
+        return self.overturned or self == Outcome.LOST_CONTACT
+
+    @property
     def safe(self) -> bool:
         """Whether the body is known to have stayed upright, with uplift or without."""
         return self in (Outcome.NO_UPLIFT, Outcome.ROCKED)
@@ -58,7 +63,7 @@ class Difference(IntEnum):
     colour: None where a figure shows nothing; unsafe: linear stands where the body overturns.
     """
 
-    NOT_COMPUTED = 0, "one of them failed", None
+    NOT_COMPUTED = 0, "one of them failed, or the body left the ground", None
     AGREES = 1, "linear agrees", None
     LINEAR_UNSAFE = 2, "linear stands, the body falls", "#D55E00"
     LINEAR_FALSE_ALARM = 3, "linear falls, the body stands", "#0072B2"
@@ -78,6 +83,7 @@ class Difference(IntEnum):
 
 
 _OVERTURNED = np.array([o.overturned for o in Outcome])
+_FALLS = np.array([o.falls for o in Outcome])
 _SAFE = np.array([o.safe for o in Outcome])
 
 
@@ -96,6 +102,15 @@ def overturned(codes: Any) -> Any:
     array([False,  True])
     """
     return _OVERTURNED[codes]
+
+
+def falls(codes: Any) -> Any:
+    """Where codes of `Outcome`, of any shape, are `Outcome.falls`.
+
+    >>> falls(linear_response(sine(), [1.5, 12.0], 6.0, 0.9).outcome)
+    array([False,  True])
+    """
+    return _FALLS[codes]
 
 
 def safe(codes: Any) -> Any:

@@ -10,8 +10,10 @@ from ..motions.motion import Motion
 from .equations.linear import LinearEquation
 from .equations.rigid_body import RigidBodyEquation
 from .flight.run import Flight
+from .march.demand import follows
 from .march.engine import Run, Work
-from .outcome import safe
+from .march.footing import Footing
+from .outcome import Outcome, safe
 from .system import System
 
 Array = np.ndarray
@@ -52,15 +54,46 @@ def response(
         raise ValueError("amplitude must be finite and not negative")
     if not (np.all(np.isfinite(omega)) and np.all(omega > 0.0)):
         raise ValueError("omega must be positive and finite")
-    cells, samples = (amplitude.ravel(), omega.ravel(), eta.ravel()), motion.samples
+    cells, samples, wanted = (amplitude.ravel(), omega.ravel(), eta.ravel()), motion.samples, peaks
+    peaks = peaks or bool(amplitude.max(initial=0.0) > system.safe_amplitude(motion))  # they may prove that a body presses on the ground
     run = (
         Flight(system, motion.segments, samples, *cells, peaks, pool)
         if samples is not None and flies(system, motion)
         else Run(system, system.segments(motion), *cells, peaks, pool or system.equation.pool)
     )
     run.all()
+    look_at_forces(run, system, motion, cells)
     shape = amplitude.shape
-    return Response(run.theta_ratio.reshape(shape), run.outcome.reshape(shape), run.impacts.reshape(shape), run.work)
+    theta_ratio = run.theta_ratio if wanted else np.full(run.outcome.size, np.nan)
+    return Response(theta_ratio.reshape(shape), run.outcome.reshape(shape), run.impacts.reshape(shape), run.work)
+
+
+def look_at_forces(run: Run, system: System, motion: Motion, cells: tuple[Array, Array, Array]) -> None:
+    """Mark the cells of a run that lost the ground, where it did not look at them itself."""
+    if run.footing is not None:
+        doubtful = ~run.footing.watched & (run.outcome == Outcome.ROCKED)
+        gone = that_left_the_ground(system, motion, cells, doubtful, run.theta_ratio if run.peaks else None)
+        run.outcome[gone], run.theta_ratio[gone] = Outcome.LOST_CONTACT, np.nan
+
+
+def that_left_the_ground(
+    system: System, motion: Motion, cells: tuple[Array, Array, Array], doubtful: Array, theta_ratio: Array | None
+) -> Array:
+    """Which of the cells (amplitude, omega, eta; one shape with the others) that are `doubtful`, bodies that rock upright, lose the
+    ground, by index: those of which neither the amplitude nor the rotation, where it is given, proves that they press on it are marched
+    once more."""
+    if system.body is None or not np.any(doubtful & (cells[0] > system.safe_amplitude(motion))):
+        return np.zeros(0, dtype=np.int64)
+    segments = system.segments(motion)
+    held = system.contact.cells(system.equation, *cells)
+    footing = Footing(system.body, segments, held, np.inf)
+    at = np.flatnonzero(footing.open & doubtful)
+    if theta_ratio is not None:
+        at = at[~footing.pressed(at, held, theta_ratio[at])]
+    amplitude, omega, eta = (x[at] for x in cells)
+    again = Run(system, segments, amplitude, omega, eta, False, system.equation.pool, ahead=1.0)
+    again.all()
+    return at[again.outcome == Outcome.LOST_CONTACT]
 
 
 def flies(system: System, motion: Motion) -> bool:
@@ -72,18 +105,20 @@ def response_with_demands(
     system: System, motion: Motion, amplitude: Array, omega: Array, eta: Array | float
 ) -> tuple[Response, dict[str, Array]]:
     """The same, and by name what each body asks of the ground: `friction`, the largest |Fx|/Fz [-], and `fz_min`, the least Fz over m g
-    [-], both NaN where it does not stay upright. Raises ValueError for a system without a `body` or a motion with a vertical part."""
-    if system.body is None or motion.vertical is not None:
-        raise ValueError("demands need a system with a body, and a motion without a vertical part")
+    [-], both NaN where it overturns. Raises ValueError for a system without a `body` or a motion with a vertical part."""
+    if system.body is None or not follows(system.body) or motion.vertical is not None:
+        raise ValueError("demands need a system with a body that is followed, and a motion without a vertical part")
     amplitude, omega, eta = np.broadcast_arrays(*(np.asarray(x, dtype=float) for x in (amplitude, omega, eta)))
     cells = amplitude.ravel(), omega.ravel(), eta.ravel()
     run = Run(system, motion.segments, *cells, True, system.equation.pool, body=system.body)
     run.all()
+    look_at_forces(run, system, motion, cells)
     theta_ratio, outcome, impacts = (x.reshape(amplitude.shape) for x in (run.theta_ratio, run.outcome, run.impacts))
     found = Response(theta_ratio, outcome, impacts, run.work)
     assert run.demands is not None  # a body was given
     asked = {"friction": run.demands.friction, "fz_min": run.demands.fz_min}
-    return found, {name: np.where(safe(run.outcome), x, np.nan).reshape(amplitude.shape) for name, x in asked.items()}
+    upright = safe(run.outcome) | (run.outcome == Outcome.LOST_CONTACT)
+    return found, {name: np.where(upright, x, np.nan).reshape(amplitude.shape) for name, x in asked.items()}
 
 
 def linear_response(

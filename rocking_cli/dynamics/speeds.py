@@ -19,7 +19,7 @@ from .flight.run import Flight, Flights, Leap
 from .lanes import Lanes
 from .march.engine import Round, Run
 from .outcome import Outcome
-from .response import Response, flies
+from .response import Response, flies, look_at_forces
 from .system import System
 
 Array = np.ndarray
@@ -131,6 +131,7 @@ def response_with_speed(system: System, motion: Motion, amplitude: Array, omega:
     cells, samples = (amplitude.ravel(), omega.ravel(), eta.ravel()), motion.samples
     run = SpeedRun(system, motion, *cells) if samples is None or not flies(system, motion) else SpeedFlight(system, motion, samples, *cells)
     run.all()
+    look_at_forces(run, system, motion, cells)
     shape = amplitude.shape
     kept = (run.outcome == Outcome.ROCKED) | (run.outcome == Outcome.NO_UPLIFT)
     if system.equation.damping or len(run.cells.amplitude) > 1:

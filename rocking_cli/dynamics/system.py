@@ -8,10 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..motions.motion import Motion, Segments
+from .body import Body
 from .contacts.contact import Contact
 from .contacts.symmetric import Symmetric
 from .equations.equation import Equation
-from .march.demand import Body
 from .weight import weighed
 
 _SYMMETRIC = Symmetric()
@@ -37,6 +37,14 @@ class System:
             raise ValueError("a vertical motion needs the scale of A: the ground acceleration over g of A = 1")
         share = self.scale / self.contact.cells(self.equation, np.ones(1), np.ones(1), np.zeros(1)).amplitude[:, 0]
         return weighed(motion, float(share[0]), float(share[-1]))
+
+    def safe_amplitude(self, motion: Motion) -> float:
+        """The amplitude A up to which a body of known forces is proved to press on the ground, whatever it does short of overturning [-];
+        infinite without one."""
+        if self.body is None or self.scale is None or not motion.peak:
+            return math.inf
+        sway = 0.0 if motion.vertical is None else motion.vertical.peak / motion.peak
+        return min(self.body.safe_push((sway,) * len(self.body.alpha))) / (self.scale * motion.peak)
 
     def least_uplift(self, motion: Motion) -> float:
         """The amplitude A from which a motion lifts the body [-]; infinite where it never does."""

@@ -42,8 +42,8 @@ def summary_lines(summary: Summary, output: str) -> Iterator[str]:
         fell = sum(n for flag, n in s.outcomes.items() if Outcome[flag.upper()].overturned)
         yield f"the linear equation is unsafe in {unsafe} of the {fell} cells that overturn, and falls in {alarms} that stand"
     yield "outcomes: " + ", ".join(f"{n} {flag}" for flag, n in s.outcomes.items() if n)
-    if s.weighed:
-        yield "lost contact: where g + z_g'' <= 0; Fz <= 0 of bodies that rock is not looked for, `rocking response` tells it of a cell"
+    if s.weighed or s.outcomes[Outcome.LOST_CONTACT.flag]:
+        yield "lost contact: where g + z_g'' <= 0, or Fz <= 0 under a rigid body that rocks; of other mechanisms that is not looked for"
     yield (
         f"left out: {w.no_uplift} cells below uplift not integrated, {w.free_phase} free phases and "
         f"{w.certain_overturning} certain overturnings closed, {w.rests_skipped} rests skipped, "

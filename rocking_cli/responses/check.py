@@ -62,7 +62,7 @@ class Verdict:
     @property
     def falls(self) -> bool:
         """Whether the body fell, or left the ground, of which nothing says that it comes back upright."""
-        return self.outcome.overturned or self.outcome == Outcome.LOST_CONTACT
+        return self.outcome.falls
 
     def record(self) -> dict[str, Any]:
         """As `rocking check --json` prints it."""

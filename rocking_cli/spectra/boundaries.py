@@ -3,7 +3,8 @@
 Three theorems on the linear oscillator spare most of the scan (Lemmas 9 and 10 of `dynamics`):
 
 - Nothing overturns while A int |s| dphi <= Omega. With E = v^2 + y (2 - y), dE/dtau = 2 v a, and v^2 <= E below y = 1: the root of
-  E grows by at most int |a| dtau, impacts lower it, and a body that overturns has had E >= 1.
+  E grows by at most int |a| dtau, impacts lower it, and a body that overturns has had E >= 1. Bodies that may lose the ground
+  without overturning are looked at from where that is not excluded (`body`).
 - Above an amplitude that overturns without impact every other does, where the motion lifts the body on its first segment
   at any amplitude. At a fixed time y = A J - K with K > 0 and dy/dA = J: where y > 0 it grows with A.
 - So above an amplitude whose first arc outlasts the shaking every other one's does, and there the outcome changes only where the energy
@@ -208,11 +209,14 @@ class Search:
         first, last = np.zeros(omegas.size, dtype=np.int64), np.full(omegas.size, ladder.size - 1)
         if not (self.system.equation.bounded and self.system.contact.alike and self.motion.vertical is None):
             return first, last, none
-        first = ladder.below((1.0 - 1e-9) * omegas / _path(self.motion.segments))
+        safe_to = self.system.safe_amplitude(self.motion)
+        first = ladder.below(np.minimum((1.0 - 1e-9) * omegas / _path(self.motion.segments), safe_to))
         if not _lifts_at_once(self.motion):
             return first, last, none
         over, falls = self._onwards(omegas, ladder, first, last, lambda label, impacts: label == Outcome.OVERTURNED_NO_IMPACT)
         last[over] = falls
+        if self.a_max > safe_to:  # what loses the ground is no matter of energy
+            return first, last, none
         # From the first amplitude on whose first arc outlasts the shaking only the energy at its end matters.
         clear, lasts = self._onwards(omegas, ladder, first, last, lambda label, impacts: (impacts == 0) & (label != Outcome.FAILED))
         parts = self._unstruck(omegas, ladder, clear, lasts, last[clear], np.isin(clear, over))

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from ..dynamics.method import Method
-from ..dynamics.outcome import Outcome, overturned
+from ..dynamics.outcome import Outcome, falls
 from ..dynamics.response import response
 from ..errors import UsageError
 from ..structures.parameters import RockingParameters
@@ -40,12 +40,13 @@ class Exposure:
     outcome: Array
 
     def beyond(self, limit: float | None) -> tuple[Array, Array]:
-        """(where |theta|/alpha passes `limit`, None for overturning; where that is known), (members, levels)."""
-        falls, known = overturned(self.outcome), (self.outcome != Outcome.FAILED) & (self.outcome != Outcome.NOT_COMPUTED)
+        """(where |theta|/alpha passes `limit`, None for overturning; where that is known), (members, levels). What leaves the ground
+        passes any."""
+        gone, known = falls(self.outcome), (self.outcome != Outcome.FAILED) & (self.outcome != Outcome.NOT_COMPUTED)
         if limit is None:
-            return falls, known
+            return gone, known
         with np.errstate(invalid="ignore"):
-            return falls | (self.theta_ratio > limit), known
+            return gone | (self.theta_ratio > limit), known
 
 
 def exposures(
@@ -187,11 +188,11 @@ def _trace(structure: RockingParameters, measure: Measure, highest: float, metho
     intervals: list[Interval] = []
     begin: float | None = None
     for amplitude, label in [(search.lowest, row.begins), *row.changes]:
-        falls = Outcome(label).overturned
+        down = Outcome(label).falls
         x = (amplitude / unit) ** measure.power
-        if falls and begin is None:
+        if down and begin is None:
             begin = x
-        elif not falls and begin is not None:
+        elif not down and begin is not None:
             intervals.append((begin, x))
             begin = None
     return intervals if begin is None else [*intervals, (begin, np.inf)]

@@ -118,7 +118,7 @@ class RecordScene(Scene):
         motion, columns = recording.motion, slice(unit.column, unit.column + size[1])
         for structure in self.structures[unit.row : unit.row + size[0]]:
             amplitude, omega = np.broadcast_arrays(*self._scaled(structure, recording.acceleration))
-            yield Band(structure, motion, 1, amplitude[columns], omega[columns])
+            yield Band(structure, motion, 1, amplitude[columns], omega[columns], (structure,))
 
     def cell(self, place: int, row: int, column: int) -> Cell:
         """One cell."""

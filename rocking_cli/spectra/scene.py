@@ -45,13 +45,15 @@ class Unit:
 
 
 class Band(NamedTuple):
-    """Rows of a unit that are one structure under one motion: A and Omega broadcast to (rows, columns)."""
+    """Rows of a unit that are one structure under one motion: A and Omega broadcast to (rows, columns); sharers: the structures of the
+    unit's places, whose rotations are those of the one."""
 
     structure: RockingParameters
     motion: Motion
     rows: int
     amplitude: Array
     omega: Array
+    sharers: tuple[RockingParameters, ...]
 
 
 class Cell(NamedTuple):
@@ -136,7 +138,8 @@ class Scene(ABC):
     def shares(self, structure: RockingParameters) -> tuple[Any, ...]:
         """Structures for which this is equal are one system under one motion, but for their restitution."""
         scale = (structure.alpha / structure.a_scale,) if self.weighed else ()
-        return (*self.method.shares(structure), *scale)
+        body = None if self.method.exact else self.method.body_of(structure)  # of the linear oscillator forces are looked at afterwards
+        return (*self.method.shares(structure), *scale, body)
 
     @property
     def one_system(self) -> bool:
@@ -196,7 +199,8 @@ class PulseScene(Scene):
         structure = self.structures[unit.places[0]]
         amplitude, omega = self.grid.scaled(structure)
         columns = amplitude[unit.column : unit.column + size[1]]
-        yield Band(structure, self.motion, size[0], columns, omega[unit.row : unit.row + size[0], None])
+        sharers = tuple(self.structures[i] for i in unit.places)
+        yield Band(structure, self.motion, size[0], columns, omega[unit.row : unit.row + size[0], None], sharers)
 
     def cell(self, place: int, row: int, column: int) -> Cell:
         """One cell."""

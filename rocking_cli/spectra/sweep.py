@@ -10,8 +10,9 @@ from typing import Any
 
 import numpy as np
 
+from ..dynamics.march.demand import MOST_ALPHA, follows
 from ..dynamics.march.engine import Work
-from ..dynamics.method import LINEAR, MOST_ALPHA, Method
+from ..dynamics.method import LINEAR, Method
 from ..dynamics.outcome import Difference, Outcome
 from ..errors import Interrupted, UsageError
 from ..interruption import check as check_for_a_stop
@@ -68,9 +69,9 @@ def spectrum_of(
     chunk = chunk_shape(shape[1:], CHUNK_CELLS)
     announce_sweep(scene, chunk, _processes(scene, workers), check)
 
-    def keep(unit: Unit, response: Block) -> None:
-        rows, columns = response.outcome.shape
-        for i in unit.places:
+    def keep(unit: Unit, responses: tuple[Block, ...]) -> None:
+        rows, columns = responses[0].outcome.shape
+        for i, response in zip(unit.places, responses, strict=True):
             block = (i, slice(unit.row, unit.row + rows), slice(unit.column, unit.column + columns))
             theta[block], outcome[block], impacts[block] = response.theta_ratio, response.outcome, response.impacts
             for name, values in beside.items():
@@ -172,9 +173,9 @@ def write_scene(
         def todo(unit: Unit) -> bool:
             return unit in mine and not writer.has(unit.places, unit.row, unit.column)
 
-        def keep(unit: Unit, data: dict[str, bytes]) -> None:
-            for i in unit.places:
-                writer.write((i, unit.row, unit.column), data)
+        def keep(unit: Unit, data: tuple[dict[str, bytes], ...]) -> None:
+            for i, own in zip(unit.places, data, strict=True):
+                writer.write((i, unit.row, unit.column), own)
 
         try:
             packing = _Packing(names, chunk)
@@ -219,7 +220,7 @@ def _check_bodies(scene: Scene) -> None:
     bodies: dict[Any, Any] = {}
     for s in scene.structures:
         body = scene.method.system_of(s).body
-        if body is None:
+        if body is None or not follows(body):
             raise UsageError(f"{s.name}: quantities friction and fz_min: accepted is {wanted}")
         if bodies.setdefault((s.eta, scene.shares(s)), body) != body:
             raise UsageError(f"{s.name}: shares its rotations with another structure, but not its forces; sweep them apart")
@@ -286,8 +287,8 @@ def _sweep(
             keep(unit, report.data)
         times = len(unit.places)
         total += report.work
-        outcomes += times * report.outcomes
-        differences += times * report.differences
+        outcomes += report.outcomes
+        differences += report.differences
         shared += (times - 1) * report.cells
         worst, misjudged = max(worst, report.worst), misjudged + report.misjudged
         checked, sensitive = checked + report.checked, sensitive + report.sensitive

@@ -7,7 +7,7 @@ size of a unit changes a bit of the result.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
 from itertools import tee
 from typing import Any
@@ -17,8 +17,10 @@ import numpy as np
 from ..dynamics.march.engine import Work
 from ..dynamics.method import LINEAR
 from ..dynamics.outcome import Difference, Outcome, difference
-from ..dynamics.response import Response, response, response_with_demands
+from ..dynamics.response import Response, response, response_with_demands, that_left_the_ground
 from ..dynamics.speeds import response_with_speed
+from ..motions import Motion
+from ..structures.parameters import RockingParameters
 from .condition import condition_of
 from .processes import processes
 from .scene import Band, Scene, Unit
@@ -26,12 +28,12 @@ from .scene import Band, Scene, Unit
 
 @dataclass(frozen=True)
 class Report:
-    """What comes back from a unit: its data (converted), its counters, and how its checked cells compare (see `Summary`).
+    """What comes back from a unit: the data of each place (converted), its counters, and how its checked cells compare (see `Summary`).
 
     Units that ran together have their work counted with the first of them.
     """
 
-    data: Any
+    data: tuple[Any, ...]
     work: Work
     cells: int
     outcomes: np.ndarray
@@ -53,6 +55,15 @@ class Block(Response):
     def variable(self, name: str) -> np.ndarray:
         """A variable of the file."""
         return self.beside[name] if name in self.beside else getattr(self, name)
+
+    def without(self, gone: np.ndarray) -> Block:
+        """The same where these cells, by index, have lost the ground."""
+        outcome, floats = self.outcome.copy(), {"theta_ratio": self.theta_ratio.copy()}
+        floats |= {name: self.beside[name].copy() for name in ("velocity_ratio", "condition") if name in self.beside}
+        outcome.flat[gone] = Outcome.LOST_CONTACT
+        for values in floats.values():
+            values.flat[gone] = np.nan
+        return replace(self, theta_ratio=floats.pop("theta_ratio"), outcome=outcome, beside={**self.beside, **floats})
 
 
 @dataclass(frozen=True)
@@ -81,21 +92,24 @@ class Job:
         batches: dict[Any, list[int]] = {}
         for i, (_, band) in enumerate(bands):
             batches.setdefault((id(band.motion), scene.shares(band.structure)), []).append(i)
-        found: dict[int, Block] = {}
+        found: dict[int, list[Block]] = {}
         for batch in batches.values():
             found |= zip(batch, self.blocks([bands[i][1] for i in batch], [sizes[bands[i][0]][1] for i in batch]), strict=True)
         return [self.report(unit, [found[i] for i, (m, _) in enumerate(bands) if m == n]) for n, unit in enumerate(units)]
 
-    def blocks(self, bands: Sequence[Band], columns: Sequence[int]) -> Iterator[Block]:
-        """The response of bands of one system under one motion, of so many columns; all of the work is counted with the first."""
+    def blocks(self, bands: Sequence[Band], columns: Sequence[int]) -> Iterator[list[Block]]:
+        """The response of bands of one system under one motion, of so many columns, for each of their sharers; all of the work is counted
+        with the first."""
         scene, motion = self.scene, bands[0].motion
         sizes = [(band.rows, width) for band, width in zip(bands, columns, strict=True)]
         ends = np.cumsum([0, *(a * b for a, b in sizes)])
         cells = np.empty((3, int(ends[-1])))
         for band, size, first, last in zip(bands, sizes, ends[:-1], ends[1:], strict=True):
-            block = cells[:, first:last].reshape(3, *size)
-            block[0], block[1], block[2] = band.amplitude, band.omega, band.structure.eta
+            here = cells[:, first:last].reshape(3, *size)
+            here[0], here[1], here[2] = band.amplitude, band.omega, band.structure.eta
         system = scene.method.system_of(bands[0].structure)
+        if scene.method.exact and not {"friction", "fz_min"} & set(self.quantities):
+            system = replace(system, body=None)  # each sharer has its own
         beside: dict[str, np.ndarray] = {}
         if "velocity_ratio" in self.quantities:
             got, rate = response_with_speed(system, motion, *cells)
@@ -113,21 +127,36 @@ class Job:
             linear = response(LINEAR.system_of(bands[0].structure), motion, *cells)
             beside |= {"theta_ratio_linear": linear.theta_ratio, "outcome_linear": linear.outcome}
             beside["difference"] = difference(got.outcome, linear.outcome)
-        del cells
         work = got.work
-        for size, first, last in zip(sizes, ends[:-1], ends[1:], strict=True):
+        for band, size, first, last in zip(bands, sizes, ends[:-1], ends[1:], strict=True):
             theta_ratio, outcome, impacts = (x[first:last].reshape(size) for x in (got.theta_ratio, got.outcome, got.impacts))
-            yield Block(theta_ratio, outcome, impacts, work, {name: x[first:last].reshape(size) for name, x in beside.items()})
+            block = Block(theta_ratio, outcome, impacts, work, {name: x[first:last].reshape(size) for name, x in beside.items()})
+            yield [self._standing(sharer, motion, cells[:, first:last], block) for sharer in band.sharers]
             work = Work()
 
-    def report(self, unit: Unit, blocks: Sequence[Block]) -> Report:
-        """What comes back from a unit whose rows are these blocks."""
-        part = blocks[0] if len(blocks) == 1 else joined(blocks)
-        compared = self.compare(unit, part)
-        outcomes = np.bincount(part.outcome.ravel(), minlength=len(Outcome))
+    def _standing(self, structure: RockingParameters, motion: Motion, cells: np.ndarray, block: Block) -> Block:
+        """The block of one of the structures that share it: its own where the linear equation lets it leave the ground."""
+        if not self.scene.method.exact:
+            return block
+        doubtful, (amplitude, omega, eta) = block.outcome.ravel() == Outcome.ROCKED, cells
+        system = self.scene.method.system_of(structure)
+        gone = that_left_the_ground(system, motion, (amplitude, omega, eta), doubtful, block.theta_ratio.ravel())
+        return block.without(gone) if gone.size else block
+
+    def report(self, unit: Unit, blocks: Sequence[Sequence[Block]]) -> Report:
+        """What comes back from a unit whose rows are these blocks, each for all of its places."""
+        parts: dict[tuple[int, ...], Block] = {}  # places mostly share one
+        keys = [tuple(id(block) for block in rows) for rows in zip(*blocks, strict=True)]
+        for key, rows in zip(keys, zip(*blocks, strict=True), strict=True):
+            if key not in parts:
+                parts[key] = rows[0] if len(rows) == 1 else joined(rows)
+        part = parts[keys[0]]
+        data = {key: self.convert(one) if self.convert else one for key, one in parts.items()}
+        codes = {key: np.bincount(one.outcome.ravel(), minlength=len(Outcome)) for key, one in parts.items()}
         differ = np.bincount(part.beside.get("difference", np.zeros(0, dtype=np.uint8)).ravel(), minlength=len(Difference))
-        data = self.convert(part) if self.convert else part
-        return Report(data, part.work, part.outcome.size, outcomes, differ, *compared)
+        outcomes = np.sum([codes[key] for key in keys], axis=0)
+        compared = self.compare(unit, part)
+        return Report(tuple(data[key] for key in keys), part.work, part.outcome.size, outcomes, len(keys) * differ, *compared)
 
     def compare(self, unit: Unit, response: Response) -> tuple[float, int, int, int, int, int]:
         """(largest difference, outcomes that differ, cells, of them sensitive ones) of this unit's checked cells against the reference,
@@ -139,8 +168,8 @@ class Job:
                 continue
             cell = self.scene.cell(i, row, column)
             outcome, theta = self.scene.method.reference_of(cell.structure, self.scene.weighed)(*cell[1:], cell.structure.eta)
-            if outcome == Outcome.FAILED:
-                continue
+            if outcome == Outcome.FAILED or (outcome == Outcome.ROCKED and response.outcome[r, c] == Outcome.LOST_CONTACT):
+                continue  # the reference knows no forces
             nonlinear = self.scene.judge_of(cell)
             if nonlinear is not None:
                 compared, otherwise = compared + 1, otherwise + int(nonlinear.overturned != outcome.overturned)

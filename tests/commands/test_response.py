@@ -153,7 +153,7 @@ def test_a_vertical_motion_in_the_response_the_spectrum_and_the_envelope(rocking
     assert record["cells_lost_contact"] > 0
     assert record["estimated_error"] < 1e-8
     assert record["misjudged_cells"] == 0
-    assert "Fz <= 0 of bodies that rock is not looked for" in done.stderr
+    assert "Fz <= 0 under a rigid body that rocks" in done.stderr
     found = rocking("envelope", "configs/block.yaml", "--grid", "Omega=2", *up, "--a-max", "6", "--csv")
     assert csv_rows(found.stdout)[-1]["mode"] == "lost_contact"
     (block,) = (json.loads(x) for x in rocking("params", "configs/block.yaml", "--json").stdout.splitlines())

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from oracle import INTERVALS
 
 from rocking_cli import (
+    RockingParameters,
     UsageError,
     build_structure,
     cosine,
@@ -122,3 +124,16 @@ def test_what_the_linear_equation_misjudges_is_the_width_of_the_difference():
     said = misjudged(rows((1.0, 2.0), (4.0, None)), rows((1.5, 3.0), (5.0, None)), a_max=8.0)
     assert said.startswith("the linear equation is unsafe over 22.2 % of the amplitudes")  # 1 of 1.5 + 3
     assert said.endswith("falls over 1.5 in A that stand")
+
+
+def test_a_body_that_leaves_the_ground_has_an_interval_of_its_own():
+    """The linear point mass of alpha = 1 under a rectangular push that ends tau = 2 pi/Omega after the uplift: u = alpha (A - 1)(cosh - 1)
+    there, and Fz = 1 - alpha sin(alpha) - u'^2 cos(alpha) at the impact after it."""
+    omega, body = 8.0, RockingParameters("m", "point_mass", 2.0, 1.0, 0.9, math.tan(1.0), 1.0, arm=9.81 / 4.0)
+    (lost, *falls) = trace_envelope(body, pulse("rectangular"), [omega], a_max=6.0)
+    y, v = math.cosh(2.0 * math.pi / omega) - 1.0, math.sinh(2.0 * math.pi / omega)
+    square = (1.0 - math.sin(1.0)) / math.cos(1.0)  # of u' = y' there
+    begin = (-y + math.sqrt(y * y + (v * v - y * y) * square)) / (v * v - y * y)
+    assert (lost.mode, lost.a_from) == ("lost_contact", pytest.approx(1.0 + begin, rel=1e-13))
+    (alone, *_) = trace_envelope(replace(body, arm=None), pulse("rectangular"), [omega], a_max=6.0)
+    assert falls[0].a_from == lost.a_to == alone.a_from

@@ -5,7 +5,18 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from rocking_cli import UsageError, build_structure, overturned, parse_documents, response, sine, trace_envelope
+from rocking_cli import (
+    Outcome,
+    RockingParameters,
+    UsageError,
+    build_structure,
+    overturned,
+    parse_documents,
+    pulse,
+    response,
+    sine,
+    trace_envelope,
+)
 from rocking_cli.dynamics.method import LINEAR
 from rocking_cli.motions.recording import Recording
 from rocking_cli.motions.records import Record
@@ -91,3 +102,13 @@ def test_shares_step_where_intervals_begin_and_end():
     x, share = share_overturned([[(1.0, 2.0), (3.0, np.inf)], [(2.0, 4.0)], []], np.ones(3))
     assert x.tolist() == [1.0, 2.0, 3.0, 4.0]
     assert share == pytest.approx([1 / 3, 1 / 3, 2 / 3, 1 / 3])
+
+
+def test_what_leaves_the_ground_passes_every_limit():
+    body = RockingParameters("m", "point_mass", 2.0, 1.0, 0.9, float(np.tan(1.0)), 1.0, arm=9.81 / 4.0)
+    member = Member("push", 1.0, 16.0, pulse_intensity(pulse("rectangular"), 1.0, 16.0), pulse=pulse("rectangular"))
+    (found,) = exposures([body], [member], MEASURES["PGA"], body.ground_acceleration(np.array([0.5, 1.6])), LINEAR)
+    assert found.outcome.tolist() == [[Outcome.NO_UPLIFT, Outcome.LOST_CONTACT]]
+    assert [found.beyond(limit)[0].tolist() for limit in (None, 0.1)] == [[[False, True]]] * 2
+    ((first, *_),) = traced(body, [member], MEASURES["PGA"], float(body.ground_acceleration(1.6)), LINEAR)
+    assert 1.0 < first[0] / body.ground_acceleration(1.0) < 1.6

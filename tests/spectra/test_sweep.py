@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import tracemalloc
 
 import h5py
@@ -9,6 +10,8 @@ import numpy as np
 import pytest
 
 from rocking_cli import (
+    Outcome,
+    RockingParameters,
     UsageError,
     build_structure,
     cosine,
@@ -109,3 +112,20 @@ def test_memory_does_not_grow_with_the_number_of_cells(tmp_path):
         tracemalloc.stop()
     assert peaks[0] < 100e6
     assert peaks[1] - peaks[0] < 500_000 * 9 / 2  # half of the results that were added, 9 bytes a cell
+
+
+def test_structures_share_rotations_but_not_where_they_leave_the_ground(tmp_path):
+    """Two point masses of one restitution under the linear equation: one spectrum, except where the stocky one leaves the ground."""
+    masses = [RockingParameters(f"{a}", "point_mass", 2.0, a, 0.9, math.tan(a), 1.0, arm=9.81 / 4.0) for a in (0.2, 1.0)]
+    grid = parse_grid("A=0.5:5:6,Omega=8:9:2")
+    found = spectrum(masses, sine(), grid, check=4)
+    assert (found.summary.shared_cells, found.summary.misjudged) == (12, 0)
+    lost = found.outcome == Outcome.LOST_CONTACT
+    assert (lost[0].any(), lost[1].any()) == (False, True)
+    assert found.summary.outcomes["lost_contact"] == lost.sum()
+    assert np.array_equal(found.outcome[0][~lost[1]], found.outcome[1][~lost[1]])
+    assert np.array_equal(np.isnan(found.theta_ratio), np.isin(found.outcome, (3, 4, 6)))
+    alone = [spectrum([mass], sine(), grid, check=0) for mass in masses]
+    assert np.array_equal(found.outcome, np.concatenate([one.outcome for one in alone]))
+    write_spectrum(masses, sine(), grid, tmp_path / "s.h5", impacts=True, chunk_cells=4)
+    assert np.array_equal(read(tmp_path / "s.h5")["outcome"], found.outcome)

@@ -15,46 +15,27 @@ the shaking Fz is least at the next impact, since it falls with the energy and t
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 
 from ...motions.motion import Segments
+from ..body import Body
 from ..drive import segment_value, summed
 from ..equations.equation import Flow
 from ..lanes import Lanes
 
 Array = np.ndarray
 
+MOST_ALPHA = 0.6  # rad; up to it bodies that rock freely need most friction on the ground, and press on it least there
 _EXACT = 1e-12  # by which a record must be beaten
 _NEAR = 1e-6  # difference of a cubic from the function in its middle, from which its extremum is close enough to settle
 _HALVINGS = 24
 
 
-@dataclass(frozen=True)
-class Body:
-    """A rigid body of two edges alike, or one: alpha [rad], kappa = m R^2/I [-], and whether its equation is the linear one."""
-
-    alpha: float
-    kappa: float
-    linear: bool
-
-    @property
-    def unit(self) -> float:
-        """u of y = 1 [rad]."""
-        return self.alpha if self.linear else float(np.sin(self.alpha))
-
-    @property
-    def uplift(self) -> float:
-        """lambda of the equation [-]."""
-        return self.alpha if self.linear else float(np.tan(self.alpha))
-
-    @property
-    def settling(self) -> float:
-        """The demand of bounces on still ground that come to rest [-]."""
-        pull = self.alpha if self.linear else float(np.sin(self.alpha))
-        return float(self.kappa * pull * np.cos(self.alpha) / (1.0 - self.kappa * pull * np.sin(self.alpha)))
+def follows(body: Body) -> bool:
+    """Whether the demands of such a body are followed: of two edges alike, or one, undamped, up to MOST_ALPHA."""
+    return len(body.alpha) == 1 and not body.damping and body.alpha[0] <= MOST_ALPHA
 
 
 class Course(NamedTuple):
@@ -68,8 +49,8 @@ class Demands:
     """The records of cells: friction [-] and fz_min, the least Fz over m g [-]."""
 
     def __init__(self, body: Body, segments: Segments, strongest: Array, cells: int) -> None:
-        self.body, self.segments = body, segments
-        self.friction = np.minimum(strongest, 1.0) * body.uplift  # at rest
+        self.body, self.edge, self.segments = body, body.edges[0], segments
+        self.friction = np.minimum(strongest, 1.0) * self.edge.uplift  # at rest
         self.fz_min = np.ones(cells)
 
     def course(self, lanes: Lanes, h: Array, y: Array, v: Array) -> Course:
@@ -77,11 +58,11 @@ class Demands:
         seg = self.segments
         change, sin, cos = segment_value(seg, lanes.k, lanes.u + lanes.omega * h)
         w = seg.frequency.take(lanes.k, axis=1)
-        out = -lanes.side * lanes.amplitude * self.body.uplift
+        out = -lanes.side * lanes.amplitude * self.edge.uplift
         push = out * (seg.s_start[lanes.k] + change)  # outwards, over g
         push_slope = out * lanes.omega * (summed(w * cos) + seg.slope[lanes.k])
-        k, unit = self.body.kappa, self.body.unit
-        z, rate = self.body.alpha - y * unit, v * unit
+        alpha, k, unit, _ = self.edge
+        z, rate = alpha - y * unit, v * unit
         sin, cos = np.sin(z), np.cos(z)
         if self.body.linear:
             bend, jerk = push - z, push_slope + rate
@@ -151,13 +132,12 @@ class Demands:
 
     def free(self, cell: Array, y: Array, v: Array) -> None:
         """Bodies at y, v that rock on over still ground."""
-        body = self.body
-        z = body.alpha - body.unit * y
-        fall = body.alpha**2 - z * z if body.linear else 2.0 * (np.cos(z) - np.cos(body.alpha))
-        square = (body.unit * v) ** 2 + fall  # u'^2 at the next impact
-        pull = body.alpha if body.linear else np.sin(body.alpha)
-        self.fz_min[cell] = np.minimum(self.fz_min[cell], 1.0 - body.kappa * (pull * np.sin(body.alpha) + square * np.cos(body.alpha)))
-        self.friction[cell] = np.maximum(self.friction[cell], body.settling)
+        edge = self.edge
+        square = (edge.unit * v) ** 2 + self.body.fall(edge, edge.unit * y)  # u'^2 at the next impact
+        self.fz_min[cell] = np.minimum(self.fz_min[cell], self.body.at_impact(edge, square))
+        pull = edge.kappa * self.body.pull(edge)
+        settling = pull * np.cos(edge.alpha) / (1.0 - pull * np.sin(edge.alpha))  # the demand of bounces that come to rest
+        self.friction[cell] = np.maximum(self.friction[cell], settling)
 
 
 def _extremes(one: Course, other: Course, h: Array) -> tuple[Array, Array, Array]:

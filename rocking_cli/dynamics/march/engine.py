@@ -14,6 +14,7 @@ from typing import NamedTuple, TypeVar
 import numpy as np
 
 from ...motions.motion import Segments
+from ..body import Body
 from ..contacts.contact import Uplift, first_uplift
 from ..contacts.trains import outlasts
 from ..drive import phase_between, place
@@ -22,7 +23,8 @@ from ..outcome import Outcome
 from ..system import System
 from ..weight import WeighedSegments
 from .advance import Crests, Passage, advance, crests, low_bounces
-from .demand import Body, Demands
+from .demand import Demands
+from .footing import LIKELY, Footing
 
 Array = np.ndarray
 Landing = TypeVar("Landing", bound=Lanes)
@@ -91,13 +93,14 @@ class Run:
     """One batch of cells on its way through the pool.
 
     Parameters: amplitude, omega, eta: (cells,), as `response` takes them; peaks: whether the largest rotations are wanted; pool: lanes
-    advanced together; watch: None unless somebody listens; body: of what its demands on the ground are wanted. Raises ValueError when
-    an eta does not fit the contact.
+    advanced together; watch: None unless somebody listens, who then looks at the forces too; body: of what its demands on the ground are
+    wanted; ahead: which bodies are looked at on their way for whether they lose the ground (`footing`), None for what is best. Raises
+    ValueError when an eta does not fit the contact.
     """
 
     def __init__(
         self, system: System, segments: Segments, amplitude: Array, omega: Array, eta: Array, peaks: bool, pool: int,
-        watch: Watch | None = None, body: Body | None = None,
+        watch: Watch | None = None, body: Body | None = None, ahead: float | None = None,
     ) -> None:  # fmt: skip
         self.equation, self.contact = system.equation, system.contact
         self.peaks, self.pool, self.watch = peaks, pool, watch
@@ -112,6 +115,8 @@ class Run:
         self.work = Work(cells=amplitude.size)
         self.most_steps = MAX_STEPS + 40 * len(segments)
         self.drops = self._first_free_fall()
+        ahead = (np.inf if self.equation.bounded else LIKELY) if ahead is None else ahead
+        self.footing = None if watch is not None or system.body is None else Footing(system.body, self.segments, self.cells, ahead)
         self.demands = None if body is None else Demands(body, segments, self.contact.strongest(self.cells, segments), amplitude.size)
 
     def _first_free_fall(self) -> Uplift | None:
@@ -181,16 +186,13 @@ class Run:
             past = found.lanes[found.y >= limit]  # beyond it and back within one step
             over[past] = ~bad[past]
 
-        if self.demands is not None:
-            y, v = np.where(hit, 0.0, end.y), np.where(hit, passage.impact_v, end.v)
-            self.demands.follow(lanes, passage.arc, passage.reach, y, v, np.flatnonzero(~(bad | over)))
-            stay = last[~(fate.overturns | fate.overturns_after_impact)]
-            self.demands.free(lanes.cell[stay], end.y[stay], end.v[stay])
+        stays = ~(fate.overturns | fate.overturns_after_impact)
+        if self.demands is not None or (self.footing is not None and self.footing.any):
+            self._press(lanes, passage, np.flatnonzero(~(bad | over)), last[stays])
         self.work += Work(certain_overturning=int(over.sum()), free_phase=last.size, impacts=int(hit.sum()), steps=hit.size)
         self._finish(lanes, np.flatnonzero(bad), Outcome.FAILED, np.nan)
         self._overturn(lanes, last[fate.overturns])
         self._finish(lanes, last[fate.overturns_after_impact], Outcome.OVERTURNED_AFTER_IMPACT, np.nan)
-        stays = ~(fate.overturns | fate.overturns_after_impact)
         self._finish(lanes, last[stays], Outcome.ROCKED, np.maximum(lanes.peak[last[stays]], fate.peak[stays]))
         self._overturn(lanes, np.flatnonzero(over))
 
@@ -198,6 +200,17 @@ class Run:
         free, struck = np.flatnonzero(going & ~hit), np.flatnonzero(going & hit)
         landed, rests = self._impact(lanes, passage, struck)
         return Round(lanes, passage, found, over, rests, self._drop(self._onward(lanes, passage, k, u, free).join(landed)))
+
+    def _press(self, lanes: Lanes, passage: Passage, at: Array, stay: Array) -> None:
+        """The forces of these lanes along their step, and of those that stay upright after the shaking."""
+        end, hit = passage.end, passage.hit
+        y, v = np.where(hit, 0.0, end.y), np.where(hit, passage.impact_v, end.v)
+        if self.footing is not None and self.footing.any:
+            self.footing.follow(lanes, passage.arc, passage.reach, y, v, np.where(hit, passage.impact_b, passage.force), at)
+            self.footing.free(lanes, stay, end.y[stay], end.v[stay])
+        if self.demands is not None:
+            self.demands.follow(lanes, passage.arc, passage.reach, y, v, at)
+            self.demands.free(lanes.cell[stay], end.y[stay], end.v[stay])
 
     def _until_drop(self, lanes: Lanes) -> Array | float:
         """The time [tau] to the instant from which the ground falls as fast as the body."""
@@ -282,6 +295,8 @@ class Run:
         self._overturn(lanes, last[fate.overturns])
         self._finish(lanes, last[fate.overturns_after_impact], Outcome.OVERTURNED_AFTER_IMPACT, np.nan)
         stays = ~(fate.overturns | fate.overturns_after_impact)
+        if self.footing is not None and self.footing.any:
+            self.footing.free(lanes, last[stays], lanes.y[last[stays]], lanes.v[last[stays]])
         self._finish(lanes, last[stays], Outcome.ROCKED, np.maximum(lanes.peak[last[stays]], fate.peak[stays]))
         self.work += Work(free_phase=last.size)
 
@@ -313,6 +328,8 @@ class Run:
         if not resting.size:
             return lanes, None
         before = lanes.take(resting) if self.watch is not None else None
+        if self.footing is not None and self.footing.any:
+            self.footing.settle(lanes.take(resting), self.contact)
         again = self.contact.uplift(self.cells, self.segments, lanes.cell[resting], lanes.k[resting], lanes.u[resting])
         lanes.k[resting], lanes.u[resting] = again.k, again.u
         lanes.y[resting], lanes.v[resting], lanes.b[resting] = 0.0, 0.0, again.b
@@ -344,4 +361,7 @@ class Run:
         self.outcome[cell] = outcome
         if self.peaks:
             self.theta_ratio[cell] = self.equation.on(lanes.side[at]).rotation(np.asarray(peak))
+        if outcome == Outcome.ROCKED and self.footing is not None and self.footing.any:
+            gone = cell[self.footing.lost[cell]]
+            self.outcome[gone], self.theta_ratio[gone] = Outcome.LOST_CONTACT, np.nan
         self.impacts[cell] = lanes.impacts[at]

@@ -1,0 +1,133 @@
+"""A rigid body as its forces on the ground see it, and from which motions it is proved to press on the ground throughout.
+
+With z = alpha - u, u = |theta|, s the side, tau = p t of the side and w = 1 + zg''/g the weight over m g, what moves the mass centre is
+
+    s Fx/(m g) = s xg''/g + kappa (u'' cos z + u'^2 sin z),   Fz/(m g) = w + kappa (u'' sin z - u'^2 cos z)
+
+Every arc that does not overturn the body begins or ends at rest, at a crest. With P the strongest |xg''|/g and u_m the largest u, the
+energy over what is left to a crest, or what has been passed since one, bounds the speed at u by
+
+    u'^2 <= 2 int_u^u_m (w_+ sin z + P cos z) du        (linear: w_+ z + P; with damping u' <= 2 zeta u_m + sqrt((2 zeta u_m)^2 + that))
+
+and Fz with it from below: a few bodies in many, in strong shaking, are left to be looked at (`march.footing`).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any, NamedTuple
+
+import numpy as np
+
+Array = np.ndarray
+
+_PARTS = 32  # of the path from the ground to the crest, on each of which the bound takes the worst of every term
+_PUSHES = np.geomspace(1e-2, 1e2, 256)  # over g, of which the largest that is proved is taken
+_TURNS, _STEPS = 2.0, 64  # of alpha, and parts of that, for which the largest push is kept
+_LOWEST = -0.5 * np.pi  # z of what is still looked at
+
+
+class Edge(NamedTuple):
+    """What the forces ask of an edge, floats or an array over lanes: alpha [rad]; kappa = m R^2/I [-]; unit, u of y = 1 [rad]; uplift,
+    lambda of the equation [-]."""
+
+    alpha: Any
+    kappa: Any
+    unit: Any
+    uplift: Any
+
+
+@dataclass(frozen=True)
+class Body:
+    """A rigid body: alpha [rad] and kappa = m R^2/I [-] of its edges (right and left, one where they are alike), whether its equation is
+    the linear one, zeta [-], and whether it stands on its right edge only."""
+
+    alpha: tuple[float, ...]
+    kappa: tuple[float, ...]
+    linear: bool
+    damping: float = 0.0
+    one_sided: bool = False
+
+    @property
+    def edges(self) -> tuple[Edge, ...]:
+        """The numbers of each edge."""
+        pairs = zip(self.alpha, self.kappa, strict=True)
+        return tuple(Edge(a, k, *((a, a) if self.linear else (float(np.sin(a)), float(np.tan(a))))) for a, k in pairs)
+
+    def on(self, side: Array) -> Edge:
+        """The numbers of the edges that lanes of these sides, +1 right and -1 left, are on."""
+        if len(self.alpha) == 1:
+            return self.edges[0]
+        return Edge(*(np.where(side > 0.0, right, left) for right, left in zip(*self.edges, strict=True)))
+
+    def pull(self, edge: Edge) -> Any:
+        """-u'' of a body that is about to lift, under its weight alone."""
+        return edge.alpha if self.linear else np.sin(edge.alpha)
+
+    def lying(self, edge: Edge, push: Array, weight: Array | float) -> Array:
+        """Fz/(m g) of bounces on an edge that are too low to have a speed, under this outward push [g] and weight over m g."""
+        bend = (push if self.linear else push * np.cos(edge.alpha)) - weight * self.pull(edge)
+        return weight + edge.kappa * bend * np.sin(edge.alpha)
+
+    def fall(self, edge: Edge, u: Array) -> Array:
+        """u'^2 that still ground adds on the way from u to an impact, undamped."""
+        z = edge.alpha - u
+        return edge.alpha**2 - z * z if self.linear else 2.0 * (np.cos(z) - np.cos(edge.alpha))
+
+    def at_impact(self, edge: Edge, square: Array) -> Array:
+        """Fz/(m g) just before an impact with u'^2 = square on still ground, undamped."""
+        return 1.0 - edge.kappa * (self.pull(edge) * np.sin(edge.alpha) + square * np.cos(edge.alpha))
+
+    def pressed(self, edge: Edge, push: Array, turn: Array, sway: Array | float = 0.0) -> Array:
+        """Whether Fz > 0 is proved for pushes up to `push` [g] of either sign, |theta| up to `turn` [rad] and weights of 1 -+ sway."""
+        light, heavy, alpha = 1.0 - sway, 1.0 + sway, edge.alpha
+        lowest = alpha - turn
+        kept = (light > 0.0) & (lowest >= _LOWEST)
+        for n in range(_PARTS):
+            low, high = (lowest + (alpha - lowest) * (n + i) / _PARTS for i in (0, 1))
+            cos = np.where((low < 0.0) & (high > 0.0), 1.0, np.maximum(np.cos(low), np.cos(high)))
+            steepest = np.maximum(np.abs(low), np.abs(high))
+            sin = np.sin(np.minimum(steepest, 0.5 * np.pi))
+            down, bottom = np.maximum(high, 0.0), np.maximum(lowest, 0.0)
+            if self.linear:
+                square = heavy * (down**2 - bottom**2) + 2.0 * push * (high - lowest)
+                still = light - edge.kappa * (heavy * steepest * sin + push * sin)
+            else:
+                square = 2.0 * (heavy * (np.cos(bottom) - np.cos(down)) + push * (np.sin(high) - np.sin(lowest)))
+                still = light * (1.0 - edge.kappa * sin * sin) - edge.kappa * push * sin * cos
+            slowed = 2.0 * self.damping * turn
+            speed = slowed + np.sqrt(slowed**2 + np.maximum(square, 0.0))
+            kept &= still - edge.kappa * (speed * speed * cos + 2.0 * self.damping * speed * sin) > 0.0
+        return kept
+
+    def safe_push(self, sway: tuple[float, ...]) -> tuple[float, ...]:
+        """The push [g] on each edge up to which Fz > 0 is proved of whatever does not overturn; sway: of the weight, over the push."""
+        return tuple(_safe_push(self, i, ratio) for i, ratio in enumerate(sway))
+
+    def safe_at(self, edge: int, turn: Array, ratio: float) -> Array:
+        """The push [g] up to which that is proved of bodies that turn up to `turn` [rad] on this edge."""
+        step, pushes = _safe_pushes(self, edge, ratio)
+        return pushes[np.minimum(np.ceil(turn / step), pushes.size - 1).astype(np.int64)]
+
+
+@lru_cache(maxsize=256)
+def _safe_push(body: Body, edge: int, ratio: float) -> float:
+    sway = ratio * _PUSHES
+    with np.errstate(all="ignore"):
+        slope = np.where(sway < 1.0, _PUSHES / (1.0 - sway), np.inf)  # beyond the equilibrium of this inward push nothing returns
+        turn = body.alpha[edge] + (slope if body.linear else np.arctan(slope))
+        kept = body.pressed(body.edges[edge], _PUSHES, turn, sway)
+    return float(np.append(0.0, _PUSHES)[int(np.argmin(np.append(kept, False)))])
+
+
+@lru_cache(maxsize=256)
+def _safe_pushes(body: Body, edge: int, ratio: float) -> tuple[float, Array]:
+    """(step [rad], the pushes at its multiples and, last, beyond them)."""
+    least = _safe_push(body, edge, ratio)
+    turns = np.linspace(0.0, _TURNS * body.alpha[edge], _STEPS)
+    pushes = max(least, float(_PUSHES[0])) * np.geomspace(1.0, 1e2, _STEPS)
+    with np.errstate(all="ignore"):
+        kept = body.pressed(body.edges[edge], pushes[:, None], turns, ratio * pushes[:, None])
+    first = np.argmin(np.concatenate([kept, np.zeros((1, turns.size), dtype=bool)]), axis=0)
+    return float(turns[1]), np.append(np.concatenate([[least], pushes])[first], least)

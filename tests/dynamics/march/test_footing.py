@@ -1,0 +1,192 @@
+"""Bodies that leave the ground, against the momentum of an integration that shares no code, the histories' forces and closed forms."""
+
+from __future__ import annotations
+
+import math
+from functools import partial
+
+import numpy as np
+import pytest
+from oracle_systems import Body as Solved
+from oracle_systems import Edge
+from weighed import Shaking, swing
+
+from rocking_cli import Method, Outcome, RockingParameters, cosine, parse_grid, pulse, response, sine
+from rocking_cli.dynamics.march.engine import Run
+from rocking_cli.dynamics.response import response_with_demands
+from rocking_cli.motions.biaxial import with_vertical
+from rocking_cli.motions.polyline import Polyline
+from rocking_cli.responses.time_history import time_history
+from rocking_cli.structures.parameters import Side
+
+ACROSS = [sine(1), cosine(1.5), pulse("rectangular-impulse"), pulse("mavroeidis-papageorgiou"), sine(2).scaled(-1)]
+UP = [sine(1.5), cosine(1), sine(3)]
+KINDS = ("plain", "unequal", "one-sided", "damped")
+
+
+def drawn(kind, random):
+    """A stocky body whose mass centre is known, as the package takes it and as the integration does: with its arms [m]."""
+    p, alpha, kappa, eta = random.uniform(1.0, 3.0), random.uniform(0.3, 0.7), random.uniform(0.6, 1.0), random.uniform(0.6, 0.98)
+    arm, zeta, nonlinear = kappa * 9.81 / p**2, 0.05 if kind == "damped" else 0.0, bool(random.integers(2))
+    if kind == "unequal":
+        other, angle = p * random.uniform(0.9, 1.1), alpha * random.uniform(0.8, 1.2)
+        sides = Side("left", p, alpha, math.tan(alpha), 1.0, eta, arm), Side("right", other, angle, math.tan(angle), 1.0, eta, arm)
+        body = RockingParameters.of_sides("b", "prism", *sides)
+        return body, Solved(Edge(other, angle, eta), Edge(p, alpha, eta), 0.0, nonlinear), (arm, arm)
+    eta = -eta if kind == "one-sided" else eta
+    body = RockingParameters("b", "block", p, alpha, eta, math.tan(alpha), 1.0, arm=arm, one_sided=kind == "one-sided", damping=zeta)
+    edge = Edge(p, alpha, eta)
+    return body, Solved(edge, None if kind == "one-sided" else edge, zeta, nonlinear), (arm, arm)
+
+
+def shaken(random):
+    motion = ACROSS[random.integers(len(ACROSS))]
+    if random.integers(2):
+        motion = with_vertical(motion, UP[random.integers(len(UP))], random.uniform(-0.4, 0.4))
+    return motion, random.uniform(1.5, 5.0), random.uniform(1.0, 10.0)
+
+
+def ground(motion, a_g, omega_g, t):
+    return 0.0 if motion is None else a_g * float(motion.value(omega_g * t))
+
+
+def least_by_momentum(solved, arms, shaking):
+    """(outcome, least Fz/(m g)): the change of the mass centre's vertical momentum between instants 2e-5 s apart, and the weight."""
+    least = [1.0]
+
+    def seen(side, path):
+        edge, arm = solved.edge(side), arms[0 if side > 0 else 1]
+        low, high = path.t_min, path.t_max
+        step = min(1e-5, 0.1 * (high - low))
+        t = np.linspace(low + step, high - step, 60)
+
+        def rise(t):
+            u, v = path(t)
+            return arm * v * np.sin(edge.alpha - u)
+
+        lift = (rise(t + step) - rise(t - step)) / (2.0 * step)
+        least.append(min(1.0 + (shaking.up(x) + a) / solved.gravity for x, a in zip(t, lift, strict=True)))
+
+    return swing(solved, shaking, seen).outcome, min(least)
+
+
+def by_momentum(kind, cells, seed):
+    """How many cells keep and lose the ground, which both ways must tell alike."""
+    random, kept, lost = np.random.default_rng(seed), 0, 0
+    while kept + lost < cells:
+        (body, solved, arms), (motion, amplitude, omega) = drawn(kind, random), shaken(random)
+        system = Method("nonlinear" if solved.nonlinear else "linear").system_of(body)
+        found = Outcome(int(response(system, motion, amplitude, omega, body.eta).outcome))
+        if found not in (Outcome.ROCKED, Outcome.LOST_CONTACT):
+            continue
+        a_g, omega_g = float(body.ground_acceleration(amplitude)), omega * body.p
+        across, up = (partial(ground, m, a_g, omega_g) for m in (motion, motion.vertical))
+        marks = tuple(piece.stop / omega_g for piece in motion.pieces)
+        outcome, least = least_by_momentum(solved, arms, Shaking(across, up, marks[-1], marks))
+        if outcome == "undecided" or abs(least) < 0.02:  # of the samples; the least lies between them
+            continue
+        assert outcome == "rocked"
+        assert (found == Outcome.LOST_CONTACT) == (least < 0.0), (kind, motion.name, amplitude, omega, least)
+        kept, lost = kept + (least > 0.0), lost + (least < 0.0)
+    return kept, lost
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_outcomes_are_those_of_the_momentum_of_another_integration(kind):
+    assert sum(by_momentum(kind, 1, 3)) == 1
+
+
+@pytest.mark.soak
+@pytest.mark.parametrize("kind", KINDS)
+def test_outcomes_of_many_cells_are_those_of_that_integration(kind):
+    assert min(by_momentum(kind, 60, 8)) > 5
+
+
+def along_histories(kind, cells, seed):
+    """How many cells lose the ground of those that do not overturn; the extremes of their histories must say the same."""
+    random, lost, seen = np.random.default_rng(seed), 0, 0
+    while seen < cells:
+        (body, solved, _), (motion, amplitude, omega) = drawn(kind, random), shaken(random)
+        method = Method("nonlinear" if solved.nonlinear else "linear", 1e-11)
+        found = Outcome(int(response(method.system_of(body), motion, amplitude, omega, body.eta).outcome))
+        if found not in (Outcome.ROCKED, Outcome.LOST_CONTACT):
+            continue
+        history = time_history(body, motion, parse_grid(f"A={amplitude!r},Omega={omega!r}"), [method])
+        assert history.outcome(method.model) == found, (kind, motion.name, amplitude, omega)
+        seen, lost = seen + 1, lost + (found == Outcome.LOST_CONTACT)
+    return lost
+
+
+@pytest.mark.soak
+@pytest.mark.parametrize("kind", KINDS)
+def test_outcomes_are_those_of_the_extremes_along_histories(kind):
+    assert 10 < along_histories(kind, 120, 4) < 110
+
+
+def pendulum(eta=0.9):
+    """A point mass on wide feet: kappa = 1, alpha = 1."""
+    return RockingParameters("m", "point_mass", 2.0, 1.0, eta, math.tan(1.0), 1.0, arm=9.81 / 4.0)
+
+
+def lifting(omega):
+    """A from which the linear point mass leaves the ground as it comes down after a rectangular push of 2 pi/Omega: with y and y' at its
+    end (A - 1)(cosh - 1) and (A - 1) sinh, u'^2 = alpha^2 (y'^2 + 2 y - y^2) at the impact, and Fz = 1 - alpha sin - u'^2 cos(alpha)."""
+    cosh, sinh = math.cosh(2.0 * math.pi / omega), math.sinh(2.0 * math.pi / omega)
+    square = (1.0 - math.sin(1.0)) / math.cos(1.0)
+    a, b = sinh**2 - (cosh - 1.0) ** 2, 2.0 * (cosh - 1.0)
+    return 1.0 + (-b + math.sqrt(b * b + 4.0 * a * square)) / (2.0 * a)
+
+
+@pytest.mark.parametrize("omega", [8.0, 15.0])
+def test_a_linear_point_mass_leaves_the_ground_from_where_its_closed_form_says(omega):
+    body, edge = pendulum(), lifting(omega)
+    found = response(Method().system_of(body), pulse("rectangular"), edge * np.array([1.0 - 1e-12, 1.0 + 1e-12]), omega, body.eta)
+    assert found.outcome.tolist() == [Outcome.ROCKED, Outcome.LOST_CONTACT]
+    assert np.isnan(found.theta_ratio).tolist() == [False, True]
+
+
+@pytest.mark.parametrize("model", ["linear", "nonlinear"])
+def test_they_are_the_cells_whose_least_force_is_not_positive(model):
+    body = RockingParameters("b", "block", 1.0, 0.5, 0.9, math.tan(0.5), 1.0, arm=0.75 * 9.81)
+    amplitude, omega = np.meshgrid(np.linspace(3.0, 12.0, 12), np.linspace(3.0, 12.0, 6))
+    system = Method(model).system_of(body)
+    found, asked = response_with_demands(system, sine(), amplitude, omega, body.eta)
+    upright = np.isin(found.outcome, (Outcome.ROCKED, Outcome.LOST_CONTACT))
+    assert np.array_equal(found.outcome[upright] == Outcome.LOST_CONTACT, asked["fz_min"][upright] <= 0.0)
+    assert 5 < np.count_nonzero(found.outcome == Outcome.LOST_CONTACT) < np.count_nonzero(upright) - 5
+    assert np.array_equal(response(system, sine(), amplitude, omega, body.eta, peaks=False).outcome, found.outcome)
+    one = response(system, sine(), amplitude[3, 7], omega[3, 7], body.eta)
+    assert int(one.outcome) == found.outcome[3, 7]
+
+
+def test_what_a_rotation_proves_to_press_does():
+    """Every cell that the bound settles has a positive least force, and it settles most."""
+    body = RockingParameters("b", "block", 1.0, 0.35, 0.9, math.tan(0.35), 1.0, arm=0.75 * 9.81)
+    amplitude, omega = (x.ravel() for x in np.meshgrid(np.linspace(1.0, 6.0, 11), np.linspace(1.0, 9.0, 9)))
+    system = Method("nonlinear").system_of(body)
+    run = Run(system, sine().segments, amplitude, omega, np.full(omega.size, 0.9), True, 1024, body=system.body)
+    run.all()
+    at = np.flatnonzero(run.outcome == Outcome.ROCKED)
+    proved = run.footing.pressed(at, run.cells, run.theta_ratio[at])
+    assert run.demands.fz_min[at[proved]].min() > 0.0
+    assert 0.5 < proved.mean() < 1.0
+    assert not np.any(run.footing.open & (amplitude <= system.safe_amplitude(sine())))
+
+
+def test_a_flight_marks_them_too():
+    body, random = pendulum(0.6), np.random.default_rng(1)
+    values = np.append(random.uniform(-1.0, 1.0, 60), 0.0)
+    t = 0.05 * np.arange(61)
+    record = Polyline("r", t[:-1], t[1:], values[:-1], np.diff(values) / 0.05, 1.0)
+    amplitude, method = np.linspace(0.8, 2.2, 8), Method()
+    found = response(method.system_of(body), record, amplitude, 1.0 / body.p, body.eta)
+    assert np.count_nonzero(found.outcome == Outcome.LOST_CONTACT) >= 1
+    for i in np.flatnonzero(np.isin(found.outcome, (Outcome.ROCKED, Outcome.LOST_CONTACT)))[-1:]:
+        shaking = parse_grid(f"A={float(amplitude[i])!r},Omega={1.0 / body.p!r}")
+        assert time_history(body, record, shaking, [method]).outcome("linear") == found.outcome[i]
+
+
+def test_of_what_overturns_nothing_is_said():
+    body = pendulum()
+    found = response(Method().system_of(body), sine(), [0.5, 12.0], 2.0, body.eta)
+    assert found.outcome.tolist() == [Outcome.NO_UPLIFT, Outcome.OVERTURNED_NO_IMPACT]
