@@ -5,6 +5,7 @@
     march/       the engine: lanes, windows of the drive, steps, roots
     flight/      the same through records: jumps over samples that are proved free of impacts
     references/  slower paths to the same answer that share nothing with the march
+    body         a rigid body as its forces see it, and from which motions it is proved to press on the ground
     lanes        the state of many bodies; drive: its value along a motion; on these all the rooms rest
     method       which equation answers for which structure; system: an equation on a contact; response: the front door
 
@@ -61,6 +62,10 @@ Lemma 5 holds with w_+ g in the place of g, w_+ the largest weight: c is largest
 Lemma 6: beyond the equilibrium of the constant inward drive e/w_- and moving outwards nothing returns, w_- the least weight to come:
     there l < 0 and f >= w_- (-l - m e/w_-) >= 0. The bounds by energy are not used. Lemma 7 holds with both net drives
     (`contacts.contact.bouncing_weighed`); 8 does, since the ground is still; 9 and 10 are not used.
+
+Lemma 13 (pressing). Every arc that does not overturn the body begins or ends at rest, at a crest, so that the work of the strongest inward
+    push and the weight over the path between bounds the speed, and the speed Fz from below (`body`). Where that leaves Fz > 0 open,
+    Fz >= min(its ends) - (h^2/8) max |Fz''| on stretches of the march that are halved until it is settled (`march.footing`).
 
 **Events.** Uplift is found as the first instant with -A_right s > 1 or A_left s > 1 on monotone segments, impacts by Lemmas 1 and 2,
 crests by Lemmas 3 and 4, each as a root in a bracket that holds exactly one. What falls on one instant is taken in the order impact, jump

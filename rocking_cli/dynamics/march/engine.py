@@ -115,7 +115,8 @@ class Run:
         self.work = Work(cells=amplitude.size)
         self.most_steps = MAX_STEPS + 40 * len(segments)
         self.drops = self._first_free_fall()
-        ahead = (np.inf if self.equation.bounded else LIKELY) if ahead is None else ahead
+        marched = type(self)._march is Run._march  # one that jumps sees no forces on its way
+        ahead = (LIKELY if marched and not self.equation.bounded else np.inf) if ahead is None else ahead
         self.footing = None if watch is not None or system.body is None else Footing(system.body, self.segments, self.cells, ahead)
         self.demands = None if body is None else Demands(body, segments, self.contact.strongest(self.cells, segments), amplitude.size)
 
