@@ -3,7 +3,7 @@
     equations/   the forms of y'' = f - 2 zeta y': linear, rigid body, mechanism; their exact flows and Taylor series
     contacts/    where a body lifts off, what an impact does, when bouncing ends: two sides alike, two sides unequal, one side
     march/       the engine: lanes, windows of the drive, steps, roots
-    flight/      the same through records: jumps over samples that are proved free of impacts
+    flight/      the same through records: jumps and strides over samples that are proved free of impacts
     references/  slower paths to the same answer that share nothing with the march
     body         a rigid body as its forces see it, and from which motions it is proved to press on the ground
     lanes        the state of many bodies; drive: its value along a motion; on these all the rooms rest
@@ -53,6 +53,10 @@ Lemma 11 (flight). Linear, undamped: Green's function sinh is not negative, so y
     y(h) >= y + v sinh h + (y - 1 + c)(cosh h - 1), and no impact comes before that bound is zero; while a <= c the same is a bound from
     above. Where y > 0 and a >= c on a stretch of length T, y'' >= c - 1, and y is nowhere above the higher of its ends by more than
     (1 - c) T^2/8. The state at the end of a stretch is exact (see `flight.bounded`), whatever happens on the way.
+Lemma 12 (stride). Any equation: on 0 <= y <= limit f >= -K, K = L + M max(0, -a), L and M the largest l and m and a the least drive of a
+    stretch of length h; so that y'' + 2 zeta y' >= -K. While y + (y' - zeta h |y'|) h -
+    K h^2/2 > 0 no impact comes. No crest is above the higher end by more than exp(2 zeta h) K h^2/8, since from the crest y falls at most
+    by exp(2 zeta s) K s^2/2 to an end s away; there is none where y' (1 - 2 zeta h) >= K h at the start, or y' <= -K h at the end.
 
 **A weight that varies.** Ground that moves upwards too makes the weight w = 1 + zg''/g of m g and f = -w l(y) + a m(y); bodies are followed
 while w > 0, and then have lost contact. With the *net drive* c = a + 1 - w in the place of a, on each side its own (`weight`):

@@ -10,6 +10,7 @@ from ..motions.motion import Motion
 from .equations.linear import LinearEquation
 from .equations.rigid_body import RigidBodyEquation
 from .flight.run import Flight
+from .flight.walk import Walk
 from .march.demand import follows
 from .march.engine import Run, Work
 from .march.footing import Footing
@@ -56,11 +57,11 @@ def response(
         raise ValueError("omega must be positive and finite")
     cells, samples, wanted = (amplitude.ravel(), omega.ravel(), eta.ravel()), motion.samples, peaks
     peaks = peaks or bool(amplitude.max(initial=0.0) > system.safe_amplitude(motion))  # they may prove that a body presses on the ground
-    run = (
-        Flight(system, motion.segments, samples, *cells, peaks, pool)
-        if samples is not None and flies(system, motion)
-        else Run(system, system.segments(motion), *cells, peaks, pool or system.equation.pool)
-    )
+    run: Run
+    if samples is None or motion.vertical is not None:
+        run = Run(system, system.segments(motion), *cells, peaks, pool or system.equation.pool)
+    else:
+        run = (Flight if flies(system, motion) else Walk)(system, motion.segments, samples, *cells, peaks, pool)
     run.all()
     look_at_forces(run, system, motion, cells)
     shape = amplitude.shape

@@ -68,6 +68,16 @@ class Flow(Protocol):
         """The force f at an impact after h [tau], (lanes,)."""
 
 
+class Ramp(NamedTuple):
+    """What drives each lane over its unit of time [tau]: the outward drive now and what it gains until the unit is over, (lanes,);
+    factors: unit^2/((n + 1)(n + 2)) for the terms n + 2 of y, 0 beyond a lane's degree, (degrees, lanes)."""
+
+    drive: Array
+    gain: Array
+    unit: Array
+    factors: Array
+
+
 class Equation(Protocol):
     """An equation of motion in the form above; y, v in its own unit, per tau.
 
@@ -95,6 +105,14 @@ class Equation(Protocol):
         """Energy (`fall`) at which a body that leaves the ground just reaches its unstable equilibrium."""
 
     @property
+    def bounds(self) -> tuple[Any, Any]:
+        """The largest l and m from the ground up to the limit."""
+
+    @property
+    def tolerance(self) -> float:
+        """Error of theta/alpha that series are to keep; below rounding for an equation with an exact flow."""
+
+    @property
     def bounded(self) -> bool:
         """Whether an envelope may use the bounds of the undamped linear oscillator (Lemmas 9 and 10)."""
 
@@ -107,6 +125,9 @@ class Equation(Protocol):
 
     def flow(self, segments: Segments, lanes: Lanes) -> Flow:
         """The flow of the lanes from their present state."""
+
+    def ramp_terms(self, y: Array, v: Array, ramp: Ramp) -> Array:
+        """Terms of y in powers of time over `ramp.unit` under a straight line, (degrees + 2, lanes); see `ramp`."""
 
     def force(self, y: Array, a: Array, weight: Array | float = 1.0) -> Array:
         """f at displacement y under the outward drive a and the weight w (`weight`)."""

@@ -15,6 +15,7 @@ from ..drive import segment_value
 from ..lanes import Lanes
 from ..weight import WeighedSegments
 from .damped_flow import DampedFlow
+from .equation import Ramp
 from .flow import LinearFlow
 from .summed_flow import SummedFlow, can_be_summed
 from .taylor import TaylorSeries, order_for, series, weighed_series
@@ -30,6 +31,8 @@ class LinearEquation:
     gain = 1.0
     uplift_amplitude = 1.0
     limit = np.inf
+    tolerance = 1e-14  # of a series, where there is one: what it leaves out is below rounding
+    bounds = (1.0, 1.0)
     barrier = 1.0
     pool = 32768  # lanes: fewer rounds outweigh what no longer fits the second-level cache
 
@@ -77,6 +80,18 @@ class LinearEquation:
                 pushed -= (2.0 * self.damping * (n + 1)) * known.unit * y[n + 1]
             np.multiply(pushed, 1.0 / ((n + 1) * (n + 2)), out=y[n + 2])
         return series(y, known.fastest, WEIGHED, self.damping)
+
+    def ramp_terms(self, y: Array, v: Array, ramp: Ramp) -> Array:
+        """Terms of y under a straight line."""
+        terms = np.empty((len(ramp.factors) + 2, y.size))
+        terms[0] = y
+        np.multiply(v, ramp.unit, out=terms[1])
+        drag = 2.0 * self.damping / ramp.unit
+        for n, factor in enumerate(ramp.factors):
+            pushed = np.add(terms[n], ramp.drive - 1.0 if n == 0 else ramp.gain if n == 1 else 0.0, out=terms[n + 2])
+            pushed -= drag * ((n + 1) * terms[n + 1])
+            pushed *= factor
+        return terms
 
     def force(self, y: Array, a: Array, weight: Array | float = 1.0) -> Array:
         """w (y - 1) + a."""

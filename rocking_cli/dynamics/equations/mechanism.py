@@ -12,8 +12,9 @@ the sign tests of `windows` ask; where it no longer falls, or has come to -50 ti
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from typing import Self
 
 import numpy as np
@@ -23,6 +24,8 @@ from ...structures.kinematics import Mechanism, linearise
 from ..lanes import Lanes
 from ..weight import WeighedSegments
 from .energy import falls_by_energy
+from .equation import Ramp
+from .ramp import MOST_TERMS, ramp_flow
 from .taylor import TaylorSeries, blocks, drive_series, order_for, series, weighed_series
 
 Array = np.ndarray
@@ -31,6 +34,8 @@ DEGREE = 28  # of a patch's series
 _COLLAPSED = -50.0  # lambda(phi) / lambda(0): no drive below 50 times the uplift's brings the structure back from there
 _WIDEN = 2.0  # a patch's series is fitted on this times its width
 _TOGETHER = 3  # powers of the series that are raised in one sum
+_MARKS, _NEAR = 2048, 4  # marks of a finer table: within half their distance powers above the 4th are below 1e-13
+_CHOOSE = np.array([[math.comb(j + k, k) for j in range(MOST_TERMS)] for k in range(_NEAR + 1)], dtype=float)
 _MARGIN = 1e-6  # energy beyond a barrier from which overturning is certain, whatever the table's interpolation
 # A Chebyshev coefficient below this is rounding: values are of order one, and come from the linkage to 1e-14, or to 1e-15 over
 # lambda where that is small, since V' is then a small difference.
@@ -101,6 +106,7 @@ class MechanismEquation:
         inner = np.linspace(0.0, self.top, 257)
         rates = (np.abs(table.slope(c, inner)) for c in (table.lift, table.push))
         self.gain = float(sum(r.max() for r in rates))
+        self.bounds = _largest(table, table.lift), _largest(table, table.push)
         beyond = np.linspace(self.top, self.limit, 4097)
         self.marks = beyond, -table.value(table.lift, beyond) / table.value(table.push, beyond)
 
@@ -110,6 +116,8 @@ class MechanismEquation:
 
     def flow(self, segments: Segments, lanes: Lanes) -> TaylorSeries:
         """The series of every lane: those of F and G about its y, composed with the series of y."""
+        if not segments.harmonics and not isinstance(segments, WeighedSegments):
+            return ramp_flow(self, segments, lanes)
         y, fastest = np.empty((self.order + 1, lanes.y.size)), np.empty(lanes.y.size)
         for block in blocks(lanes.y.size):
             fastest[block] = self._fill(y[:, block], segments, lanes.take(block))
@@ -161,6 +169,54 @@ class MechanismEquation:
             if self.damping:
                 pushed -= (2.0 * self.damping * (n + 1)) * unit * y[n + 1]
             np.multiply(pushed, 1.0 / ((n + 1) * (n + 2)), out=y[n + 2])
+
+    def ramp_terms(self, y: Array, v: Array, ramp: Ramp) -> Array:
+        """Terms of y under a straight line: those of F and G about each y, composed with the series of y."""
+        count, lanes = len(ramp.factors), y.size
+        lift, push = self._beside(y, count)
+        drag = 2.0 * self.damping / ramp.unit
+        terms = np.empty((count + 2, lanes))
+        terms[0] = y
+        np.multiply(v, ramp.unit, out=terms[1])
+        power = np.zeros((count, count, lanes))  # [j, n]: term n of (y - y0)^j
+        pushes, fallen = np.empty((count, lanes)), lift[0]
+        pushes[0] = push[0]
+        for n in range(count):
+            if n:
+                power[1, n] = terms[n]
+                for j in range(1, n, _TOGETHER):  # term m of power j is zero for m < j
+                    last = min(n, j + _TOGETHER)
+                    np.einsum("il,jil->jl", power[1, 1 : n - j + 1], power[j:last, n - 1 : j - 1 : -1], out=power[j + 1 : last + 1, n])
+                here = power[1 : n + 1, n]
+                fallen = np.einsum("jl,jl->l", lift[1 : n + 1], here)
+                np.einsum("jl,jl->l", push[1 : n + 1], here, out=pushes[n])
+            pushed = np.multiply(ramp.drive, pushes[n], out=terms[n + 2])
+            if n:
+                pushed += ramp.gain * pushes[n - 1]
+            pushed -= fallen
+            if self.damping:
+                pushed -= drag * ((n + 1) * terms[n + 1])
+            pushed *= ramp.factors[n]
+        return terms
+
+    def _beside(self, y: Array, count: int) -> Array:
+        """(2, count, lanes): the series of F and G in powers of y - y0, from those about the nearest of many marks."""
+        at = np.rint(y * (_MARKS / self.limit)).astype(np.int64)
+        np.clip(at, 0, _MARKS, out=at)
+        off = y - at * (self.limit / _MARKS)
+        rows = self._marked[:, : count + _NEAR].take(at, axis=2)
+        total = np.zeros((2, count, y.size))
+        for k in range(_NEAR, -1, -1):
+            total *= off
+            total += _CHOOSE[k, :count, None] * rows[:, k : k + count]
+        return total
+
+    @cached_property
+    def _marked(self) -> Array:
+        """(2, terms, marks): the series of F and G in powers of y about equal marks up to the limit."""
+        at, x = self.table.of(np.linspace(0.0, self.limit, _MARKS + 1))
+        count = MOST_TERMS + _NEAR
+        return self._local(at, x, count) / self.table.half[at] ** np.arange(count)[:, None]
 
     def _local(self, at: Array, x: Array, count: int) -> Array:
         """(2, count, lanes): the series of F and G in powers of (y - y0) / half, shifted from the patch's centre to y0."""
@@ -225,6 +281,12 @@ class MechanismEquation:
     def _equilibrium(self, e: Array) -> Array:
         """y where F/G = -e, at most the limit; from a table, since at a maximum its last digits do not matter."""
         return np.interp(e, self.marks[1], self.marks[0])
+
+
+def _largest(table: Patches, coefficients: Array) -> float:
+    """An upper bound of a tabulated function: its largest value on 4097 points and what its slope adds between them."""
+    y = np.linspace(0.0, float(table.edges[-1]), 4097)
+    return float(table.value(coefficients, y).max() + np.abs(table.slope(coefficients, y)).max() * y[1])
 
 
 def _inverse(table: Patches, coefficients: Array, value: Array, high: float) -> Array:

@@ -21,6 +21,8 @@ from ...motions.motion import Segments
 from ..lanes import Lanes
 from ..weight import WeighedSegments
 from .energy import falls_by_energy
+from .equation import Ramp
+from .ramp import ramp_flow
 from .taylor import TaylorSeries, blocks, drive_series, order_for, series, weighed_series
 
 Array = np.ndarray
@@ -65,6 +67,8 @@ class RigidBodyEquation:
 
     def flow(self, segments: Segments, lanes: Lanes) -> TaylorSeries:
         """The series of every lane from its present state."""
+        if not segments.harmonics and not isinstance(segments, WeighedSegments):
+            return ramp_flow(self, segments, lanes)
         y, fastest = np.empty((self.order + 1, lanes.y.size)), np.empty(lanes.y.size)
         for block in blocks(lanes.y.size):
             fastest[block] = self._part(block)._fill(y[:, block], segments, lanes.take(block))
@@ -119,6 +123,46 @@ class RigidBodyEquation:
                 pushed -= (2.0 * self.damping * (n + 1)) * known.unit * y[n + 1]
             np.multiply(pushed, 1.0 / ((n + 1) * (n + 2)), out=y[n + 2])
         return known.fastest
+
+    def ramp_terms(self, y: Array, v: Array, ramp: Ramp) -> Array:
+        """Terms of y under a straight line: those of sin z/sin(alpha) and cos z/cos(alpha) follow from each other."""
+        rows, lanes = len(ramp.factors), y.size
+        terms, rate = np.empty((rows + 2, lanes)), np.empty((rows, lanes))  # rate: n y_n
+        turn, both = np.empty((rows, 2, lanes)), np.empty((2, lanes))
+        half = np.tan(0.5 * (self.alpha - self.sin * y))
+        square = half * half
+        over = 1.0 / (1.0 + square)
+        half *= 2.0 / self.sin
+        np.multiply(half, over, out=turn[0, 0])
+        np.subtract(1.0, square, out=square)
+        square *= over
+        np.multiply(square, 1.0 / self.cos, out=turn[0, 1])
+        terms[0] = y
+        np.multiply(v, ramp.unit, out=terms[1])
+        falls, pushes = -self.cos, self.sin**2 / self.cos
+        drag = 2.0 * self.damping / ramp.unit if self.damping else None
+        for n in range(rows):
+            if n:
+                np.multiply(terms[n], n, out=rate[n])
+                if n == 1:
+                    np.multiply(rate[1], turn[0], out=both)
+                else:
+                    np.einsum("il,ijl->jl", rate[1 : n + 1], turn[n - 1 :: -1], out=both)
+                np.multiply(both[1], falls / n, out=turn[n, 0])
+                np.multiply(both[0], pushes / n, out=turn[n, 1])
+            pushed = np.multiply(ramp.drive, turn[n, 1], out=terms[n + 2])
+            if n:
+                pushed += np.multiply(ramp.gain, turn[n - 1, 1], out=half)
+            pushed -= turn[n, 0]
+            if drag is not None:
+                pushed -= np.multiply(drag, (n + 1) * terms[n + 1], out=half)
+            pushed *= ramp.factors[n]
+        return terms
+
+    @property
+    def bounds(self) -> tuple[Any, Any]:
+        """l and m are 1 and 1/cos(alpha) at the most."""
+        return 1.0, 1.0 / self.cos
 
     def force(self, y: Array, a: Array, weight: Array | float = 1.0) -> Array:
         """-w sin z / sin(alpha) + a cos z / cos(alpha)."""

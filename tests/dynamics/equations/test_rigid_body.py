@@ -16,7 +16,7 @@ from rocking_cli.dynamics.equations.rigid_body import RigidBodyEquation
 from rocking_cli.dynamics.lanes import Lanes
 from rocking_cli.dynamics.response import response
 from rocking_cli.dynamics.system import System
-from rocking_cli.motions import Motion, Piece
+from rocking_cli.motions import Harmonic, Motion, Piece
 
 BLOCK = "kind: block\nradius: 1.6065814 m\nalpha: 0.25\nrestitution: 0.9"
 
@@ -75,8 +75,8 @@ def one(x):
 
 
 def series_from(model, y, v, segments=None):
-    """The model's series on still ground from one state."""
-    still = segments or Motion("still", (Piece(0.0, 1.0),)).segments
+    """The model's series on still ground from one state; a sinusoid, though of no height, calls for the long series."""
+    still = segments or Motion("still", (Piece(0.0, 1.0, (Harmonic(0.0),)),)).segments
     b = -math.sin(model.alpha - model.sin * y) / model.sin
     k = np.zeros(1, dtype=np.int64)
     return model.flow(still, Lanes(k, one(1), one(1), one(1), k, one(0), one(1), one(y), one(v), one(b), one(0), k, k))

@@ -1,0 +1,214 @@
+"""The walk: cells of any equation under a record, from sample to sample while nothing can happen, in rounds of the march where it may.
+
+Between samples the drive is a straight line, over which a short Taylor series carries a lane (`equations.ramp`). A stride is taken where
+Lemma 12 proves that it holds no impact and no crest above the peak; other lanes wait until enough have gathered for a round.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+
+import numpy as np
+
+from ...motions.motion import Samples, Segments
+from ..equations.equation import Equation, Ramp
+from ..equations.ramp import degrees, factors_for, last_terms
+from ..equations.taylor import LOCAL
+from ..lanes import Lanes
+from ..march.engine import Run, Work
+from ..outcome import Outcome
+from ..system import System
+from .bounded import LONGEST
+
+Array = np.ndarray
+
+_POOL = 32768  # lanes: a round of the march costs calls, not lanes
+_BLOCK = 4096  # lanes that stride together: what they need fits the second-level cache
+_STRIDES, _NARROW = 4, 16  # in a row, before lanes that wait get their round: of many lanes, and of fewer than a block
+_NEARLY = 0.9  # part of the displacement from which a body has overturned: beyond it the march judges
+
+
+@dataclass
+class Walkers(Lanes):
+    """Lanes that can walk: those with u = 0, whose b is not kept.
+
+    pace: tau between samples; outward: the outward drive of s = 1; degree: of the series; slot: place in the pool.
+    """
+
+    pace: Array
+    outward: Array
+    degree: Array
+    slot: Array
+
+
+class Walk(Run):
+    """One batch of cells of any equation under a record. Parameters as in `Run`."""
+
+    def __init__(
+        self, system: System, segments: Segments, samples: Samples, amplitude: Array, omega: Array, eta: Array, peaks: bool,
+        pool: int | None,
+    ) -> None:  # fmt: skip
+        super().__init__(system, segments, amplitude, omega, eta, peaks, pool or _POOL)
+        self.samples, self.gains = samples.values, np.append(np.diff(samples.values), 0.0)
+        self.step, self.last = samples.step, samples.values.size - 1
+        self.steepest = float(np.abs(self.gains).max())
+
+    def _march(self, waiting: Array) -> None:
+        """Walk these cells, those of like pace together; march where samples are far apart."""
+        pace = (self.step / self.cells.omega[:, waiting]).max(axis=0)
+        super()._march(waiting[pace > LONGEST])
+        waiting, pace = waiting[pace <= LONGEST], pace[pace <= LONGEST]
+        if waiting.size:
+            with np.errstate(all="ignore"):
+                self._walk(waiting[np.argsort(pace, kind="stable")])
+
+    def _walk(self, waiting: Array) -> None:
+        """Keep a pool of lanes on their feet until these cells are done."""
+        taken = min(self.pool, waiting.size)
+        lanes = self._launch(self.start(waiting[:taken]), np.arange(taken))
+        free = np.zeros(taken, dtype=bool)
+        walks = self._ready(lanes)
+        while lanes.cell.size:
+            self._stroll(lanes, walks)
+            stopped = np.flatnonzero(~(walks | free))
+            going = self._careful(lanes.take(stopped))
+            free[stopped] = True
+            _put(lanes, going)
+            free[going.slot], walks[going.slot] = False, self._ready(going)
+            lost = self._lost(lanes, np.flatnonzero(walks))
+            free[lost], walks[lost] = True, False
+            places = np.flatnonzero(free)
+            more = waiting[taken : taken + places.size]
+            if more.size:
+                taken += more.size
+                new = self._launch(self.start(more), places[: more.size])
+                _put(lanes, new)
+                free[new.slot], walks[new.slot] = False, self._ready(new)
+            elif 4 * places.size >= free.size:
+                keep = np.flatnonzero(~free)
+                lanes, walks, free = lanes.take(keep), walks[keep], free[keep]
+                lanes.slot = np.arange(keep.size)
+
+    def _ready(self, lanes: Walkers) -> Array:
+        """Whether lanes stand at a sample from which they can walk."""
+        return (lanes.u == 0.0) & (lanes.k < self.last)
+
+    def _launch(self, lanes: Lanes, slot: Array) -> Walkers:
+        """Lanes with what they need to walk."""
+        own = {f.name: getattr(lanes, f.name) for f in fields(Lanes)}
+        pace = self.step / lanes.omega
+        degree = degrees(2.0 + lanes.amplitude * np.maximum(2.0, self.steepest / pace), pace, self.equation.tolerance)
+        return Walkers(**own, pace=pace, outward=-lanes.side * lanes.amplitude, degree=degree, slot=slot)
+
+    def _stroll(self, lanes: Walkers, walks: Array) -> None:
+        """Some strides of all lanes that walk, in blocks; where one is not proved the lane stops."""
+        at = np.flatnonzero(walks)
+        strides = _STRIDES if at.size > _BLOCK else _NARROW
+        for first in range(0, at.size, _BLOCK):
+            self._block(lanes, at[first : first + _BLOCK], walks, strides)
+
+    def _block(self, lanes: Walkers, at: Array, walks: Array, strides: int) -> None:
+        k, y, v, peak, pace, outward, degree = (
+            getattr(lanes, name).take(at) for name in ("k", "y", "v", "peak", "pace", "outward", "degree")
+        )
+        go = np.ones(at.size, dtype=bool)
+        equation = self.equation.on(lanes.side[at])
+        factors, last = factors_for(pace, degree), degree * at.size + np.arange(at.size)
+        for _ in range(strides):
+            ramp = Ramp(outward * self.samples.take(k), outward * self.gains.take(k), pace, factors)
+            end_y, end_v, proved = self._stride(equation, y, v, peak, ramp, last)
+            go &= proved
+            y, v, peak = np.where(go, end_y, y), np.where(go, end_v, v), np.where(go, np.maximum(peak, end_y), peak)
+            k += go
+            go &= k < self.last
+        lanes.k[at], lanes.y[at], lanes.v[at], lanes.peak[at], walks[at] = k, y, v, peak, go
+
+    def _stride(self, equation: Equation, y: Array, v: Array, peak: Array, ramp: Ramp, last: Array) -> tuple[Array, Array, Array]:
+        """y and y' at the end of a ramp, and whether it is proved that nothing happens on the way (Lemma 12)."""
+        terms = equation.ramp_terms(y, v, ramp)
+        hop, unit = terms[1], ramp.unit
+        drop = np.minimum(ramp.drive, ramp.drive + ramp.gain)
+        np.minimum(drop, 0.0, out=drop)
+        lift, push = equation.bounds
+        drop *= -push
+        drop += lift
+        drop *= unit
+        drop *= unit  # K h^2
+        low = y + hop
+        low -= 0.5 * drop
+        rise, higher = hop, 0.125 * drop
+        if equation.damping:
+            lag = equation.damping * unit
+            low -= lag * np.abs(hop)
+            rise, higher = hop * (1.0 - 2.0 * lag), higher * np.exp(2.0 * lag)
+        proved = low > 0.0
+        proved &= last_terms(terms, last, unit) <= LOCAL * equation.tolerance * unit
+        top = len(terms) - 1
+        end_y, end_v = terms[top].copy(), terms[top].copy()
+        for n in range(top - 1, 0, -1):
+            end_y += terms[n]
+            end_v += end_y  # in the end n times term n
+        end_y += y
+        proved &= end_y < _NEARLY * equation.limit
+        higher += np.maximum(y, end_y)
+        high = higher > peak
+        high &= rise < drop
+        high &= end_v > -drop
+        np.logical_not(high, out=high)
+        proved &= high
+        end_v /= unit
+        return end_y, end_v, proved
+
+    def _careful(self, lanes: Walkers) -> Walkers:
+        """A round of the march, and the rest of the interval after it where that can be walked."""
+        past = lanes.k >= len(self.segments)
+        if past.any():
+            self._ended(lanes, np.flatnonzero(past))
+            lanes = lanes.take(np.flatnonzero(~past))
+        walked = np.flatnonzero((lanes.u == 0.0) & (lanes.y > 0.0))
+        drive = lanes.outward[walked] * self.segments.s_start[lanes.k[walked]]
+        lanes.b[walked] = self.equation.on(lanes.side[walked]).force(lanes.y[walked], drive)
+        going = self.round(lanes).going
+        assert isinstance(going, Walkers)
+        going.pace, going.outward = self.step / going.omega, -going.side * going.amplitude
+        self._rest_of_interval(going)
+        return going
+
+    def _rest_of_interval(self, lanes: Walkers) -> None:
+        """Lanes inside an interval, after an impact, on to its end where that is proved."""
+        at = np.flatnonzero((lanes.u > 0.0) & (lanes.k < self.last) & (lanes.v > 0.0))
+        if not at.size:
+            return
+        some = lanes.take(at)
+        share = some.u / self.step
+        gain, unit = some.outward * self.gains.take(some.k), some.pace * (1.0 - share)
+        drive = some.outward * self.samples.take(some.k) + gain * share
+        ramp = Ramp(drive, gain * (1.0 - share), unit, factors_for(unit, some.degree))
+        last = some.degree * at.size + np.arange(at.size)
+        y, v, proved = self._stride(self.equation.on(some.side), some.y, some.v, some.peak, ramp, last)
+        on = np.flatnonzero(proved)
+        at = at[on]
+        lanes.k[at], lanes.u[at] = some.k[on] + 1, 0.0
+        lanes.y[at], lanes.v[at], lanes.peak[at] = y[on], v[on], np.maximum(some.peak[on], y[on])
+
+    def _ended(self, lanes: Walkers, past: Array) -> None:
+        """Undamped lanes that have walked to the end of the shaking."""
+        failed = ~np.isfinite(lanes.y[past])
+        self._finish(lanes, past[failed], Outcome.FAILED, np.nan)
+        self._shaken(lanes, past[~failed])
+
+    def _lost(self, lanes: Walkers, at: Array) -> Array:
+        """Walking lanes that nothing can bring back (Lemma 6)."""
+        at = at[lanes.y[at] + lanes.v[at] > 1.0]
+        k, positive = lanes.k[at], lanes.side[at] > 0.0
+        inward = lanes.amplitude[at] * np.where(positive, self.segments.later_max[k], -self.segments.later_min[k])
+        at = at[self.equation.on(lanes.side[at]).certainly_overturns(lanes.y[at], lanes.v[at], inward)]
+        self._overturn(lanes, at)
+        self.work += Work(certain_overturning=at.size)
+        return at
+
+
+def _put(lanes: Walkers, some: Walkers) -> None:
+    """Put lanes in their slots."""
+    for f in fields(lanes):
+        getattr(lanes, f.name)[some.slot] = getattr(some, f.name)

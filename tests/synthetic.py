@@ -1,0 +1,53 @@
+"""Synthetic records, cells under them, and what rounding may come to in each: for the tests of the engines."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rocking_cli import linear_response
+from rocking_cli.motions.polyline import record_motion
+from rocking_cli.motions.records import Record
+
+
+def shaken(samples, dt):
+    return record_motion(Record("r", "text", None, dt, np.array(samples, dtype=float), None, "m/s2", "r", ""))
+
+
+def noise(count, dt, seed, quiet=0):
+    """A synthetic record: noise about 2.5 Hz that swells and fades, after `quiet` samples of rest."""
+    random, f = np.random.default_rng(seed), np.fft.rfftfreq(count, dt)
+    colour = f * f / ((0.3 + f * f) * np.sqrt((1.0 - (f / 2.5) ** 2) ** 2 + (f / 2.5) ** 2) * (1.0 + (f / 12.0) ** 4))
+    t = np.arange(count) / count
+    return np.append(np.zeros(quiet), np.fft.irfft(np.fft.rfft(random.standard_normal(count)) * colour, count) * t * np.exp(-6.0 * t))
+
+
+RECORDS = [noise(100, 0.05, 1), noise(110, 0.05, 2, quiet=40), noise(120, 0.04, 3)]
+
+
+def cells(count, seed):
+    """A from 1 to 8, some just above uplift; 2 pi/p from 0.5 to 12 s in a record's own time."""
+    random = np.random.default_rng(seed)
+    near = count // 5
+    amplitude = np.append(random.uniform(1.0, 8.0, count - near), 1.0 + 10.0 ** random.uniform(-4.0, -0.5, near))
+    return amplitude, np.exp(random.uniform(np.log(0.5), np.log(12.0), count)) / (2.0 * np.pi)
+
+
+def allowance(motion, amplitude, omega, eta, respond=linear_response):
+    """What rounding may come to in each cell, 1e-12 of its condition (see `oracle.condition`), from one batch; infinite next to a
+    boundary of outcome."""
+    cell = np.array([amplitude, omega, eta])
+    beside = np.repeat(cell[None], 6, axis=0)
+    for k in range(3):
+        beside[2 * k, k] *= 1.0 - 1e-7
+        beside[2 * k + 1, k] = np.minimum(beside[2 * k + 1, k] * (1.0 + 1e-7), 1.0 if k == 2 else np.inf)
+    theta = respond(motion, *beside.transpose(1, 0, 2)).theta_ratio
+    width = np.array([np.abs(beside[2 * k + 1, k] - beside[2 * k, k]) for k in range(3)])
+    slope = np.abs(theta[1::2] - theta[::2]) * np.abs(cell) / np.where(width == 0.0, 1.0, width)
+    return 1e-12 * (1.0 + np.nan_to_num(slope.sum(axis=0), nan=np.inf))
+
+
+def assert_same(found, theta, outcome, allowed):
+    np.testing.assert_array_equal(found.outcome, outcome)
+    still = np.isfinite(theta)
+    np.testing.assert_array_equal(np.isfinite(found.theta_ratio), still)
+    assert np.all(np.abs(found.theta_ratio - theta)[still] <= allowed[still])
