@@ -21,6 +21,7 @@ from rocking_cli.dynamics.equations.flow import LinearFlow
 from rocking_cli.dynamics.march.engine import Run, Watch
 from rocking_cli.dynamics.march.roots import hidden_turn
 from rocking_cli.motions import Motion, Piece, pulse, sine
+from rocking_cli.motions.biaxial import with_vertical
 
 RIGHT_UNEQUAL = Unequal(drive=(1.0, 0.8), omega=(1.0, 1.15), eta=(1.05, 0.6), rotation=(1.0, 1.0))
 CONTACTS = {"equal": (Symmetric(), 0.9), "unequal": (RIGHT_UNEQUAL, 0.9), "one side": (OneSided(), -0.6)}
@@ -143,25 +144,27 @@ def ramp(rng):
 
 @pytest.mark.parametrize("motions", [3, pytest.param(10, marks=pytest.mark.soak)])
 @pytest.mark.parametrize("name", list(CONTACTS))
+@pytest.mark.parametrize("upwards", [0.0, 0.6])
 @pytest.mark.parametrize("equation", [*LINEAR.values(), RigidBodyEquation(0.3, 1e-11)], ids=["linear", "damped", "rigid"])
-def test_lemma_7_bouncing_that_is_summed_ends_before_anything_else_happens(name, equation, motions):
+def test_lemma_7_bouncing_that_is_summed_ends_before_anything_else_happens(name, equation, upwards, motions):
     """The same cells with every bounce marched through, down to speeds of 1e-9: the same outcome, and the same largest rotation."""
     contact, eta = CONTACTS[name]
     random = np.random.default_rng(7)
     closed = marched = 0
     for _ in range(motions):
-        motion = ramp(random)
+        motion = with_vertical(ramp(random), ramp(random), upwards) if upwards else ramp(random)
+        system = System(equation, contact, scale=0.3)
         amplitude, omega = random.uniform(0.85, 1.5, 25), random.uniform(0.5, 6.0, 25)
-        summed = response(System(equation, contact), motion, amplitude, omega, eta)
+        summed = response(system, motion, amplitude, omega, eta)
         closed += summed.work.chatters_closed
         watch = Watch((0.0, 0.0), 1e-9)
-        run = Run(System(equation, contact), motion.segments, amplitude, omega, np.full(25, eta), True, 25, watch)
+        run = Run(system, system.segments(motion), amplitude, omega, np.full(25, eta), True, 25, watch)
         run.all()
         assert run.outcome.tolist() == summed.outcome.tolist()
         assert run.theta_ratio == pytest.approx(summed.theta_ratio, rel=1e-9, abs=1e-12, nan_ok=True)
         marched += run.work.impacts - summed.work.impacts
-    assert closed > 2 * motions
-    assert marched > 2 * motions
+    assert closed >= motions
+    assert marched >= motions
 
 
 @pytest.mark.parametrize("motion", [sine(2), pulse("rectangular-impulse"), pulse("mavroeidis-papageorgiou")], ids=lambda m: m.name)
