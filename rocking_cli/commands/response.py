@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 @ground.shaking
 @options.methods
 @click.option("--release", type=float, default=0.0, metavar="RATIO", help="Release from theta/alpha = RATIO; alone: free rocking.")
-@click.option("--duration", metavar="TIME", help="Time to follow (default: the shaking and 30/p after it).")
+@click.option("--duration", metavar="TIME", help="Time to show (default: the shaking and 30/p after it).")
 @click.option("--dt", metavar="TIME", help="Time between two rows (default: 500 rows).")
 @click.option("--steps", is_flag=True, help="Rows at the solver's own steps instead.")
 @click.option("--events", is_flag=True, help="Uplifts, impacts, peaks, rest and overturning instead of the time history.")

@@ -50,13 +50,15 @@ class Event(NamedTuple):
 
 @dataclass(frozen=True)
 class History:
-    """A response in time: arcs, events, the time tau at which it ends, and what became of the body (as far as that)."""
+    """A response in time: arcs, events, the time tau at which it ends, what became of the body, also after that, and the largest
+    |theta|/alpha of all, also after that (NaN where it overturned)."""
 
     equation: Equation
     arcs: tuple[Arc, ...]
     events: tuple[Event, ...]
     end: float
     outcome: Outcome
+    highest: float
 
     def at(self, tau: Array) -> tuple[Array, Array]:
         """theta/alpha [-] and its derivative by tau [-] at times tau, arrays of one shape; zero at rest, NaN after the end."""
@@ -91,11 +93,13 @@ class History:
         """max |theta|/alpha [-]: 0 where the body never left the ground, None where it overturned or was given up."""
         if self.outcome == Outcome.NO_UPLIFT:
             return 0.0
-        return None if self.peak is None else abs(self.peak.theta_ratio)
+        if self.outcome != Outcome.ROCKED:
+            return None
+        return self.highest if self.peak is None else max(self.highest, abs(self.peak.theta_ratio))
 
     @property
     def peak(self) -> Event | None:
-        """The event of the largest |theta|/alpha; None where the body never left the ground, or overturned."""
+        """The event of the largest |theta|/alpha up to the end; None where the body never left the ground, or overturned."""
         if self.outcome != Outcome.ROCKED:
             return None
         found = [e for e in self.events if e.event in ("peak", "release")]
@@ -105,7 +109,7 @@ class History:
 def history(
     system: System, motion: Motion, amplitude: float, omega: float, eta: float, *, release: float = 0.0, duration: float
 ) -> History:
-    """The response of one body at rest, or released from theta/alpha = release, up to tau = duration.
+    """The response of one body at rest, or released from theta/alpha = release, up to tau = duration or the end of the shaking.
 
     Parameters as in `response`; amplitude 0 is free rocking. A body is released to its right side. Raises ValueError when a
     number is out of range.
@@ -123,8 +127,8 @@ def history(
         raise ValueError("omega and duration must be positive and release below 1")
     if motion.duration / omega > LONGEST:
         raise ValueError(f"omega is {omega:g}, accepted is one with which the shaking ends before tau = {LONGEST:g}")
-    end = max(motion.duration / omega, duration) * 1.001
-    listener = _Listener(system, system.segments(motion.still_until(end * omega)), amplitude, omega, eta)
+    duration = max(motion.duration / omega, duration)
+    listener = _Listener(system, system.segments(motion.still_until(1.001 * duration * omega)), amplitude, omega, eta)
     return listener.record(release, duration)
 
 
@@ -147,7 +151,7 @@ class _Listener:
     def record(self, release: float, duration: float) -> History:
         lanes = self._first(release)
         with np.errstate(all="ignore"):
-            while lanes.cell.size and self._tau(lanes) < duration:
+            while lanes.cell.size:
                 heard = self.run.round(lanes)
                 self._hear(heard)
                 lanes = heard.going
@@ -159,17 +163,17 @@ class _Listener:
         end = min([duration, *(e.tau for e in self.events if e.event in ("overturning", "lost contact"))])
         events = [e for e in self.events if e.tau <= end]
         arcs = tuple(a._replace(stop=min(a.stop, end)) for a in self.arcs if a.start <= end)
-        return History(self.equation, arcs, tuple(events), end, self._became(events))
+        return History(self.equation, arcs, tuple(events), end, self._became(), float(self.run.theta_ratio[0]))
 
     @property
     def _doomed(self) -> bool:
         """Whether the shaking is over and the body falls for certain."""
         return Outcome(int(self.run.outcome[0])).overturned
 
-    def _became(self, events: list[Event]) -> Outcome:
+    def _became(self) -> Outcome:
         if self.run.outcome[0] == Outcome.FAILED:
             return Outcome.FAILED
-        words = [e.event for e in events]
+        words = [e.event for e in self.events]
         if "lost contact" in words:
             return Outcome.LOST_CONTACT
         if "overturning" in words:
@@ -245,7 +249,7 @@ class _Listener:
     def _lose(self, tau: float) -> None:
         """The instant from which the ground falls as fast as the body."""
         self.events = [e for e in self.events if e.tau <= tau]
-        found = History(self.equation, tuple(self.arcs), (), tau, Outcome.LOST_CONTACT)
+        found = History(self.equation, tuple(self.arcs), (), tau, Outcome.LOST_CONTACT, math.nan)
         ratio, rate = (float(x[0]) for x in found.at(np.array([tau])))
         self.events.append(Event(tau, "lost contact", ratio, rate, self.arcs[-1].side if self.arcs else 1.0))
 

@@ -30,18 +30,22 @@ STILL = Motion("none, free rocking", (Piece(0.0, 1.0),))
 
 @dataclass(frozen=True, eq=False)
 class TimeHistory:
-    """One structure under one motion: A, Omega, and the history by each equation of motion."""
+    """One structure under one motion: A, Omega, and the history by each equation of motion, to the end of the shaking at least.
+
+    shown: tau up to which records, events and figures go.
+    """
 
     structure: RockingParameters
     motion: Motion
     amplitude: float
     omega: float
     histories: dict[str, History]
+    shown: float
 
     @property
     def end(self) -> float:
-        """tau at which the longest ends."""
-        return max(h.end for h in self.histories.values())
+        """tau at which the longest ends, as far as it is shown."""
+        return min(self.shown, max(h.end for h in self.histories.values()))
 
     @property
     def failed(self) -> bool:
@@ -51,7 +55,8 @@ class TimeHistory:
     def times(self, dt: float | None, steps: bool) -> np.ndarray:
         """tau every dt [tau], at the solver's own steps, or POINTS of them. Raises UsageError."""
         if steps:
-            return np.unique(np.concatenate([h.steps() for h in self.histories.values()]))
+            marks = np.unique(np.concatenate([h.steps() for h in self.histories.values()]))
+            return np.append(marks[marks < self.end], self.end)
         if dt is None:
             return np.linspace(0.0, self.end, POINTS + 1)
         if not (dt > 0.0 and self.end / dt <= MOST_POINTS):
@@ -121,7 +126,7 @@ class TimeHistory:
         """
         s = self.structure
         for model, found in self.histories.items():
-            for m in found.events:
+            for m in (m for m in found.events if m.tau <= self.shown):
                 if dimensionless:
                     row = {"tau": m.tau, "theta_ratio": m.theta_ratio, "theta_ratio_rate": m.rate}
                 else:
@@ -162,10 +167,11 @@ class TimeHistory:
         """What became of the structure, in a sentence for each model."""
         s = self.structure
         for model, found in self.histories.items():
-            peak = found.peak
+            peak, ratio = found.peak, found.theta_ratio or 0.0
             text = self.outcome(model).sentence
-            if peak is not None:
-                ratio = abs(peak.theta_ratio)
+            if ratio > (0.0 if peak is None else abs(peak.theta_ratio) * (1.0 + 1e-9)):
+                text += f", largest theta {ratio:.6g} alpha after {found.end / s.p:.4g} s"
+            elif peak is not None:
                 text += f", largest theta {ratio * float(s.alpha_on(peak.side)):.6g} rad ({ratio:.6g} alpha) at {peak.tau / s.p:.4g} s"
             if not any(m.event in ("rest", "overturning") for m in found.events) and found.outcome == Outcome.ROCKED:
                 text += f"; still rocking at {found.end / s.p:.4g} s"
@@ -213,7 +219,8 @@ def time_history(
 ) -> TimeHistory:
     """The response of one structure; shaking: a grid of one cell, None for free rocking from theta/alpha = release.
 
-    duration [s], None for the shaking and 30/p after it. Raises UsageError.
+    duration [s] that is shown, None for the shaking and 30/p after it; what becomes of the structure is that of the whole motion.
+    Raises UsageError.
     """
     motion = motion or STILL
     amplitude, omega = (float(x[0]) for x in shaking.scaled(structure)) if shaking else (0.0, 1.0)
@@ -231,4 +238,4 @@ def time_history(
         }
     except ValueError as error:
         raise UsageError(f"{structure.name}: {error}") from None
-    return TimeHistory(structure, motion, amplitude, omega, histories)
+    return TimeHistory(structure, motion, amplitude, omega, histories, tau)

@@ -70,3 +70,21 @@ def test_ground_that_falls_away_as_it_lifts_the_body_leaves_no_force():
     for omega in (5.0, 7.5):
         (said,) = time_history(body, motion, parse_grid(f"A=1.9,Omega={omega}"), [LINEAR]).summaries(forces=True)
         assert (said["outcome"], said["fz_min"], said["friction"]) == ("lost_contact", 0.0, None)
+
+
+@pytest.mark.parametrize("model", ["linear", "nonlinear"])
+@pytest.mark.parametrize(("a_g", "falls"), [(0.34, False), (0.5, True)])
+def test_what_becomes_of_a_body_does_not_depend_on_how_much_of_it_is_shown(model, a_g, falls):
+    """Cut within the shaking, at its end, on the way to the highest crest after it: what is shown ends there, the verdict stays."""
+    body, shaking, method = build_structure(parse_documents("kind: block\nwidth: 1\nheight: 4\n")[0]), f"a_g={a_g}g,f_g=1", Method(model)
+    long = time_history(body, sine(), parse_grid(shaking), [method])
+    (whole,) = long.summaries(forces=True)
+    assert Outcome[whole["outcome"].upper()].overturned == falls
+    for duration in (0.05, 0.4, 1.0, 1.05):
+        cut = time_history(body, sine(), parse_grid(shaking), [method], duration=duration)
+        (said,) = cut.summaries(forces=not falls)
+        for key, value in said.items():
+            assert value == (pytest.approx(whole[key], rel=1e-9) if isinstance(value, float) else whole[key]), key
+        assert [e["event"] for e in cut.events()] == [e["event"] for e in long.events() if e["t"] <= duration]
+        assert list(cut.records())[-1]["t"] == pytest.approx(duration, rel=1e-14)
+        assert list(cut.records(steps=True))[-1]["t"] == pytest.approx(duration, rel=1e-14)
