@@ -8,7 +8,7 @@ from oracle import LADDER
 
 from rocking_cli import cosine, pulse, sine
 from rocking_cli.dynamics.drive import crossing, place, segment_value
-from rocking_cli.dynamics.march.windows import window_end
+from rocking_cli.dynamics.march.windows import cuts_of, window_end
 from rocking_cli.motions import Harmonic, Motion, Piece
 
 MIXED = Motion("mixed", (Piece(0, 12, (Harmonic(0.5, 1, 0.3), Harmonic(0.3, 1.7, 1.0), Harmonic(-0.4, 0.6, 0.2)), 0.1, 0.02),))
@@ -76,3 +76,24 @@ def test_a_crossing_next_to_an_extremum_keeps_its_distance_to_it(short):
     u = crossing(sine(0.5).segments, np.zeros(1, dtype=np.int64), level)
     expected = np.sqrt(2.0 * d) * (1.0 + d / 12.0)
     assert np.pi / 2 - u[0] == pytest.approx(expected, abs=4e-16, rel=np.finfo(float).eps / d + d * d)
+
+
+@pytest.mark.parametrize("motion", [LADDER, MIXED, pulse("ricker-symmetric"), pulse("mavroeidis-papageorgiou")], ids=lambda m: m.name)
+def test_windows_whose_cuts_are_looked_up_are_the_same_to_the_last_bit(motion):
+    segments, random = motion.segments, np.random.default_rng(2)
+    amplitude = np.tile(np.linspace(0.5, 8.0, 20), 30)
+    cuts = cuts_of(segments, amplitude)
+    cell, side = random.integers(0, 600, 2000), random.choice([-1.0, 1.0], 2000)
+    k = random.integers(0, len(segments), 2000)
+    u = random.uniform(0.0, 1.0, 2000) * segments.length[k]
+    found = window_end(segments, k, u, side, amplitude[cell], lambda lanes, at: cuts.at(cell[lanes], at, side[lanes]))
+    for looked_up, searched in zip(found, window_end(segments, k, u, side, amplitude[cell]), strict=True):
+        np.testing.assert_array_equal(looked_up, searched)
+
+
+def test_cuts_are_looked_up_for_grids_alone():
+    amplitude = np.tile(np.linspace(0.5, 8.0, 20), 30)
+    assert cuts_of(sine().segments, amplitude) is None  # a closed form
+    assert cuts_of(MIXED.segments, np.random.default_rng(3).uniform(0.5, 8.0, 600)) is None
+    assert cuts_of(MIXED.segments, np.repeat(np.linspace(0.5, 8.0, 20), 1000)) is None  # half of them come after the first cells
+    assert cuts_of(MIXED.segments, amplitude[:0]) is None
