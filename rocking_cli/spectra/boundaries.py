@@ -133,7 +133,7 @@ class Search:
         falls = np.flatnonzero(~safe(brackets.above))
         if not falls.size:
             return None, last
-        found = self._sections(omegas, brackets.take(falls[[brackets.high[falls].argmin()]]))
+        found = self._sections(omegas, brackets.take(falls[[brackets.high[falls].argmin()]]), lowest=True)
         return float(found.high[~safe(found.above)].min()), last
 
     def first_falls(self, omegas: Array) -> list[Row]:
@@ -152,7 +152,7 @@ class Search:
             below = np.full(hit.size, rocked, dtype=np.uint8)
             parts.append(Brackets(going[hit], ladder.rung(at + n[hit] - 1), rungs[n[hit]], below, label[hit, n[hit]]))
             going, at = going[~falls.any(axis=1)], at + _STRETCH
-        found = self._sections(omegas, Brackets.join(parts))
+        found = self._sections(omegas, Brackets.join(parts), lowest=True)
         fallen = found.take(np.flatnonzero(~safe(found.above)))
         fallen = fallen.take(np.argsort(-fallen.high, kind="stable"))  # the lowest of a row comes last
         for row, high, above in zip(fallen.row.tolist(), fallen.high.tolist(), fallen.above.tolist(), strict=True):
@@ -264,10 +264,11 @@ class Search:
         below, above = (self.outcome(amplitude, omegas[row]) for amplitude in ends)
         return Brackets(row, *ends, below, above).take(np.flatnonzero(below != above))
 
-    def _sections(self, omegas: Array, brackets: Brackets) -> Brackets:
+    def _sections(self, omegas: Array, brackets: Brackets, *, lowest: bool = False) -> Brackets:
         """Each change, to `digits`.
 
-        The first cut follows every change that it uncovers, where these are not too many; the later ones go one way through.
+        The first cut follows every change that it uncovers, where these are not too many, or of each bracket the lowest alone; the later
+        ones go one way through.
         """
         done = []
         first = True
@@ -284,7 +285,11 @@ class Search:
             label = self.outcome(inner, omegas[brackets.row, None])
             points = np.column_stack([brackets.low, inner, brackets.high])
             labels = np.column_stack([brackets.below, label, brackets.above])
-            lane, at = _changes(labels, brackets.row) if first else _one_way(labels)
+            if first and lowest:
+                lane = np.arange(len(labels))
+                at = (labels[:, 1:] != labels[:, :1]).argmax(axis=1)
+            else:
+                lane, at = _changes(labels, brackets.row) if first else _one_way(labels)
             brackets = Brackets(brackets.row[lane], points[lane, at], points[lane, at + 1], labels[lane, at], labels[lane, at + 1])
             first = False
 
