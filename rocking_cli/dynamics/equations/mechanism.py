@@ -194,6 +194,8 @@ class MechanismEquation:
             if n:
                 pushed += ramp.gain * pushes[n - 1]
             pushed -= fallen
+            if not n and ramp.force is not None:
+                pushed[:] = ramp.force
             if self.damping:
                 pushed -= drag * ((n + 1) * terms[n + 1])
             pushed *= ramp.factors[n]

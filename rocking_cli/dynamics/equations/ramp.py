@@ -17,6 +17,7 @@ Array = np.ndarray
 
 LONGEST = 1.0  # tau: a series of `MOST_TERMS` holds any tolerance up to it
 MOST_TERMS = 24
+_LEAST = 1e-3  # tau: the unit of what has come to the end of its line
 _GROWTH = 1.3  # g for what is not far beyond the barrier; where it is more, the last terms show it
 _ROOM = 0.1  # part of the error allowed to a step that the first term left out may come to by this estimate
 
@@ -59,10 +60,10 @@ def ramp_flow(equation: Equation, segments: Segments, lanes: Lanes) -> TaylorSer
     outward = -lanes.side * lanes.amplitude
     slope = outward * segments.slope[lanes.k]
     drive = outward * segments.s_start[lanes.k] + slope * lanes.u
-    unit = np.minimum((segments.length[lanes.k] - lanes.u) / lanes.omega, LONGEST)
+    unit = np.clip((segments.length[lanes.k] - lanes.u) / lanes.omega, _LEAST, LONGEST)
     gain = slope * lanes.omega * unit
     degree = degrees(2.0 + np.abs(drive) + np.abs(lanes.v) + np.abs(gain) / unit, unit, equation.tolerance)
-    terms = equation.ramp_terms(lanes.y, lanes.v, Ramp(drive, gain, unit, factors_for(unit, degree)))
+    terms = equation.ramp_terms(lanes.y, lanes.v, Ramp(drive, gain, unit, factors_for(unit, degree), lanes.b))
     with np.errstate(divide="ignore"):
         short = (LOCAL * equation.tolerance * unit / last_terms(terms, degree * unit.size + np.arange(unit.size), unit)) ** (
             1.0 / (degree - 1.0)

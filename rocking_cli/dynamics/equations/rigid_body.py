@@ -154,6 +154,8 @@ class RigidBodyEquation:
             if n:
                 pushed += np.multiply(ramp.gain, turn[n - 1, 1], out=half)
             pushed -= turn[n, 0]
+            if not n and ramp.force is not None:
+                pushed[:] = ramp.force
             if drag is not None:
                 pushed -= np.multiply(drag, (n + 1) * terms[n + 1], out=half)
             pushed *= ramp.factors[n]

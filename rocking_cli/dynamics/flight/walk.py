@@ -149,7 +149,7 @@ class Walk(Run):
             end_y += terms[n]
             end_v += end_y  # in the end n times term n
         end_y += y
-        proved &= end_y < _NEARLY * equation.limit
+        proved &= (end_y > 0.0) & (end_y < _NEARLY * equation.limit)
         higher += np.maximum(y, end_y)
         high = higher > peak
         high &= rise < drop

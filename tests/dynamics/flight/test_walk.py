@@ -131,6 +131,16 @@ def test_no_digit_depends_on_the_neighbours(name, monkeypatch):
     np.testing.assert_array_equal(response(system, motion, amplitude, omega, eta, peaks=False).outcome, together.outcome)
 
 
+@pytest.mark.parametrize("alpha", [0.2, ALPHA, 0.3, 0.4])
+def test_a_body_that_is_just_lifted_at_a_sample(alpha):
+    """The uplift falls on the end of an interval, to the last digits."""
+    system, motion = System(RigidBodyEquation(alpha)), shaken(RECORDS[0], 0.04)
+    amplitude = system.least_uplift(motion) * (1.0 + 1.2e-16 * np.arange(-8, 9))
+    found = response(system, motion, amplitude, 0.4, 0.9)
+    assert set(found.outcome) == {Outcome.NO_UPLIFT, Outcome.ROCKED}
+    assert found.theta_ratio.max() < 1e-20
+
+
 @pytest.mark.parametrize("equation", [RigidBodyEquation(0.4), RigidBodyEquation(0.4, damping=0.3), LinearEquation(0.1)])
 def test_lemma_12_a_stride_that_is_taken_holds_no_impact_and_no_higher_crest(equation):
     """Random strides near the ground and near their peak: those that are taken, looked at on 200 points."""
