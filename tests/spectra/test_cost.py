@@ -118,3 +118,10 @@ def test_through_records_cells_fly_at_the_cost_of_their_impacts():
     assert expected_seconds(Method(), block, 2000, **counts) < expected_seconds(Method("nonlinear"), block, 2000, **counts)
     damped = replace(block, damping=0.05)
     assert expected_seconds(Method(), damped, 4000, **counts) == 2.0 * expected_seconds(Method(), damped, 2000, **counts)
+
+
+def test_through_records_other_equations_walk_at_a_fraction_of_the_march():
+    block, counts = built(BLOCK), {"cells": 10**4, "batches": 1}
+    for method, structure in ((Method("nonlinear"), block), (Method(), replace(block, damping=0.05))):
+        walked, marched = (expected_seconds(method, structure, 2000, record=record, **counts) for record in (True, False))
+        assert 0.01 * marched < walked < 0.2 * marched

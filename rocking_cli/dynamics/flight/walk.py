@@ -121,6 +121,8 @@ class Walk(Run):
             y, v, peak = np.where(go, end_y, y), np.where(go, end_v, v), np.where(go, np.maximum(peak, end_y), peak)
             k += go
             go &= k < self.last
+            if not go.any():
+                break
         lanes.k[at], lanes.y[at], lanes.v[at], lanes.peak[at], walks[at] = k, y, v, peak, go
 
     def _stride(self, equation: Equation, y: Array, v: Array, peak: Array, ramp: Ramp, last: Array) -> tuple[Array, Array, Array]:
