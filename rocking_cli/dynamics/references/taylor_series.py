@@ -2,8 +2,8 @@
 
 It shares nothing with the exact flow: no closed form, no windows, no mode analysis during the shaking. Each step sums the
 series of the drive and of y'' = y - 1 + a by its recurrence, looks for impacts and peaks by sign changes on eighths of
-the step, and polishes them on the polynomial. Steps are a quarter radian of the fastest motion, or four bounces, 18 terms: the
-truncation error is below rounding. A dip narrower than an eighth of a step that grazes the ground would be missed; the engine's own
+the step, for dips by those of the speed, and polishes them on the polynomial. Steps are a quarter radian of the fastest motion, or
+four bounces, 18 terms: the truncation error is below rounding. Two turns within an eighth of a step would be missed; the engine's own
 proofs are what excludes that, and a disagreement shows in the check. The nonlinear equations, whose engine is a Taylor series itself,
 and bodies with damping or unlike sides are checked by a Runge-Kutta method instead (`general_solver`).
 """
@@ -19,7 +19,8 @@ from ..outcome import Outcome
 from .uplift import next_uplift
 
 TERMS = 18
-_SAMPLES = np.arange(1, 9) / 8.0
+_MARKS = np.arange(9) / 8.0
+_SAMPLES = _MARKS[1:]
 _MAX_STEPS, _A_SEGMENT = 10_000, 100  # a cell that takes more, and these for each segment of the motion, is not checked: about a second
 _AT_REST = 1e-11
 
@@ -70,15 +71,11 @@ class _Body:
             length = min(length, 8.0 * self.v / -force)
         series = self.series(piece, phase, length)
         speed = series[1:] * np.arange(1, series.size)
-        points = length * _SAMPLES
-        at = np.polynomial.polynomial.polyval(_SAMPLES, series)
-        below = np.flatnonzero(at <= 0.0)
-        stop = float(points[below[0]]) / length if below.size else 1.0
-        if below.size:
-            stop = _polish(series, stop - 0.125, stop)
+        reach = _first_below(series, speed)
+        stop = 1.0 if reach is None else _polish(series, *reach)
         self.look_for_peaks(series, speed, stop)
         self.y, self.v = _value(series, stop), _value(speed, stop) / length
-        if below.size:
+        if reach is not None:
             self.bounced = True
             self.side, self.y, self.v = -self.side, 0.0, -self.eta * self.v
             outward = -self.side * self.amplitude * float(piece.value(phase + self.omega * stop * length))
@@ -130,6 +127,18 @@ class _Body:
             self.step(ground, 0.0, 0.25)
             impacts += self.side != side
         return Outcome.FAILED, math.nan
+
+
+def _first_below(series: np.ndarray, speed: np.ndarray) -> tuple[float, float] | None:
+    """The part of a step in which y first comes to the ground, at one of the samples or at a dip between two; None where it does not."""
+    at, rates = (np.polynomial.polynomial.polyval(_MARKS, x) for x in (series, speed))
+    for i in range(_SAMPLES.size):
+        low, high = float(_MARKS[i]), float(_MARKS[i + 1])
+        if rates[i] < 0.0 < rates[i + 1] and at[i + 1] > 0.0:
+            high = _polish(-speed, low, high)
+        if _value(series, high) <= 0.0:
+            return low, high
+    return None
 
 
 def _value(coefficients: np.ndarray, x: float) -> float:

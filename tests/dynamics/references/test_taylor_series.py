@@ -11,6 +11,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from multiple import march
 from oracle import LADDER, condition
+from oracle_records import lockstep
+from recorded import wave
+from synthetic import shaken
 
 from rocking_cli import Outcome, cosine, linear_response, sine
 from rocking_cli.dynamics.references import taylor_series
@@ -23,6 +26,14 @@ def test_the_reference_sees_a_bounce_that_the_drive_lifts_again():
     for eta in (1e-6, 1e-5, 6.1e-5, 1e-4, 1e-3):
         found = linear_response(cosine(1), 11.625, 11.0, eta).theta_ratio
         assert reference_cell(cosine(1), 11.625, 11.0, eta)[1] == pytest.approx(float(found), abs=1e-12)
+
+
+def test_the_reference_sees_a_dip_between_its_marks():
+    """A block that a record lifts again before it is an eighth of a step below the ground; it overturns after that impact."""
+    motion, eta, omega = shaken(-0.5 * wave(40)[::-1], 0.06), 0.9183055975794251, 1.0 / 5.349519445453641
+    (outcome,), _ = lockstep(*reversed(motion.samples), *np.array([[3.02446], [omega], [eta]]))
+    assert outcome == Outcome.OVERTURNED_AFTER_IMPACT
+    assert reference_cell(motion, 3.02446, omega, eta)[0] == outcome
 
 
 @settings(max_examples=60)
