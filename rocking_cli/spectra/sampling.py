@@ -16,7 +16,7 @@ Array = np.ndarray
 
 _SEED = 20120924
 _CANDIDATES = 128  # among which the most sensitive are sought
-_LONGEST = 1000  # segments of a motion beyond which the search takes as long as a sweep: all cells are drawn then
+_LONGEST, _LONGEST_RECORD = 1000, 10_000  # segments beyond which the search takes as long as a sweep: all cells are drawn then
 
 
 def default_check(scene: Scene) -> int:
@@ -26,7 +26,7 @@ def default_check(scene: Scene) -> int:
 
 def checked_cells(scene: Scene, check: int) -> Array:
     """(structure, row, column, whether chosen as sensitive) of the cells to check: half of them drawn, half the most sensitive of 128."""
-    if scene.segments > _LONGEST or not isinstance(scene, PulseScene):
+    if scene.segments > (_LONGEST_RECORD if scene.of_records else _LONGEST):
         drawn = sampled_cells(scene, check)
         return np.column_stack([drawn, np.zeros(len(drawn), dtype=np.int64)])
     chosen = sensitive_cells(scene, check // 2)
@@ -62,20 +62,32 @@ def sampled_cells(scene: Scene, check: int, seed: int = _SEED) -> Array:
     return np.array(found, dtype=np.int64).reshape(-1, 3)
 
 
-def sensitive_cells(scene: PulseScene, count: int) -> Array:
-    """(structure, row, column) of the cells whose rotation changes most with A, among 128 drawn of the least damped structure."""
-    liveliest = max((group[0] for group in scene.sharing()), key=lambda i: abs(scene.structures[i].eta))
-    structure = scene.structures[liveliest]
-    alone = PulseScene((structure,), scene.grid, scene.motion, scene.method)
-    drawn = sampled_cells(alone, _CANDIDATES if count else 0, _SEED + 1)
+def sensitive_cells(scene: Scene, count: int) -> Array:
+    """(structure, row, column) of the cells whose rotation changes most with A, among 128 candidates of the least damped structure."""
+    drawn = _candidates(scene) if count else np.zeros((0, 3), dtype=np.int64)
     if not len(drawn):
         return drawn
-    amplitude, omega = scene.grid.scaled(structure)
+    cells = [scene.cell(*at) for at in drawn.tolist()]
+    structure, motion = cells[0].structure, cells[0].motion
     step = max(STEP, 100.0 * (scene.method.stated_tolerance or 0.0))
-    beside = amplitude[drawn[:, 2]] * np.array([[1.0 - step], [1.0 + step]])
-    found = response(scene.method.system_of(structure), scene.motion, beside, omega[drawn[:, 1]], structure.eta)
+    beside = np.array([cell.amplitude for cell in cells]) * np.array([[1.0 - step], [1.0 + step]])
+    found = response(scene.method.system_of(structure), motion, beside, np.array([cell.omega for cell in cells]), structure.eta)
     change = np.abs(found.theta_ratio[1] - found.theta_ratio[0])
     change[(found.outcome != Outcome.ROCKED).any(axis=0)] = -1.0
     order = np.argsort(-change, kind="stable")[:count]
-    drawn[:, 0] = liveliest
     return drawn[order[change[order] >= 0.0]]
+
+
+def _candidates(scene: Scene) -> Array:
+    """Cells of the least damped structure under one motion, at most 128: drawn, or of records those of one row of one of them."""
+    if isinstance(scene, PulseScene):
+        liveliest = max((group[0] for group in scene.sharing()), key=lambda i: abs(scene.structures[i].eta))
+        drawn = sampled_cells(PulseScene((scene.structures[liveliest],), scene.grid, scene.motion, scene.method), _CANDIDATES, _SEED + 1)
+        drawn[:, 0] = liveliest
+        return drawn
+    one = sampled_cells(scene, 1, _SEED + 1)
+    if not len(one):
+        return one
+    row = max(range(scene.shape[1]), key=lambda i: abs(scene.structures[i].eta))
+    columns = np.linspace(0, scene.shape[2] - 1, min(_CANDIDATES, scene.shape[2])).round().astype(np.int64)
+    return np.column_stack([np.full(columns.size, one[0, 0]), np.full(columns.size, row), columns])

@@ -6,12 +6,16 @@ from functools import partial
 
 import numpy as np
 import pytest
+from recorded import wave
+from written import built
 
-from rocking_cli import dimensionless_oscillator, linear_response, parse_grid, sine, spectrum
-from rocking_cli.motions import Motion, Piece
+from rocking_cli import Axis, Outcome, dimensionless_oscillator, linear_response, parse_grid, sine, spectrum
+from rocking_cli.motions import Motion, Piece, Record
+from rocking_cli.motions.recording import Recording
 from rocking_cli.reports.summary import summary_lines
 from rocking_cli.spectra import sampling
 from rocking_cli.spectra.condition import condition_of
+from rocking_cli.spectra.record_scene import structures_scene
 from rocking_cli.spectra.sampling import checked_cells
 from rocking_cli.spectra.scene import PulseScene, cut_into_units
 from rocking_cli.spectra.units import Job
@@ -65,6 +69,20 @@ def test_cells_are_those_of_one_draw_after_the_other_each_taken_once():
     assert len(lifted) == 2 * 3 * 4
     assert [tuple(cell) for cell in sampling.sampled_cells(scene, 24, seed=7).tolist()] == lifted
     assert [tuple(cell) for cell in sampling.sampled_cells(scene, 5, seed=7).tolist()] == lifted[:5]
+
+
+def test_half_of_the_cells_checked_under_a_record_are_the_most_sensitive():
+    """Those of one structure under one record: none of its cells beside them answers to a change of A more than they do."""
+    samples = Record("a", "text", None, 0.1, wave(24, 3.0), None, "m/s2", "a", "a")
+    block = built("kind: block\nwidth: 0.3 m\nheight: 1.2 m")
+    scene = structures_scene([block], [Recording(samples)], Axis("A", np.linspace(0.5, 2.5, 60)))
+    cells = checked_cells(scene, 8)
+    assert cells[:, 3].tolist() == [0] * 4 + [1] * 4
+    step = 1e-7 * np.array([[-1.0], [1.0]])
+    motion, omega = scene.recordings[0].motion, 1.0 / block.p
+    found = linear_response(motion, scene.columns.values * (1.0 + step), omega, block.eta)
+    change = np.where((found.outcome == Outcome.ROCKED).all(axis=0), np.abs(np.diff(found.theta_ratio, axis=0)[0]), 0.0)
+    assert sorted(cells[4:, 2].tolist()) == sorted(np.argsort(-change)[:4].tolist())
 
 
 def test_cells_of_a_long_record_are_drawn():
