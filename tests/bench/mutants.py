@@ -20,7 +20,7 @@ import tempfile
 import time
 from collections import defaultdict
 from collections.abc import Iterator
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import ThreadPoolExecutor, as_completed
 from dataclasses import dataclass
 from pathlib import Path
 from types import FrameType
@@ -30,7 +30,7 @@ import pytest
 ROOT = Path(__file__).resolve().parents[2]
 ROOM = ROOT / "rocking_cli" / "dynamics"
 TESTS = ["tests/dynamics", "tests/responses/test_history.py", "tests/spectra/test_closed_form.py", "tests/spectra/test_boundaries.py"]
-SECONDS = 900  # a mutant that takes longer goes round in circles, which a person would notice
+SLOWER = 6.0  # times what its tests take, and a minute: a mutant that takes longer goes round in circles, which a person would notice
 CALLS = "CALLS"  # the variable that names the file of which test calls what
 OPERATORS = {  # not < for <=: of floats that differ in nothing but a tie
     ast.Lt: (ast.GtE,),
@@ -149,7 +149,7 @@ def pytest_runtest_protocol(item: pytest.Item) -> Iterator[None]:
 class Suite:
     """The tests of the dynamics, the quick ones first, by the function that they call, and by its file."""
 
-    tests: dict[tuple[str, str], list[str]]
+    tests: dict[tuple[str, str], list[tuple[float, str]]]
 
     @classmethod
     def watched(cls) -> Suite:
@@ -160,25 +160,41 @@ class Suite:
             if subprocess.run(call, cwd=ROOT, env=environment, check=False).returncode:
                 sys.exit("the tests fail without any change")
             rows = sorted(json.loads(line) for line in calls.read_text(encoding="utf-8").splitlines())
-        tests: dict[tuple[str, str], list[str]] = defaultdict(list)
-        for _, name, seen in rows:
+        tests: dict[tuple[str, str], list[tuple[float, str]]] = defaultdict(list)
+        for seconds, name, seen in rows:
             for path, function in [*seen, *{(path, "") for path, _ in seen}]:
-                tests[path, function].append(name)
+                tests[path, function].append((seconds, name))
         return cls(tests)
 
     def passes(self, path: Path, function: str, text: str) -> bool:
         """Whether the tests that call a function pass with this text in the place of its file."""
-        names = self.tests.get((path.relative_to(ROOM).as_posix(), function), [])
+        wanted = self.tests.get((path.relative_to(ROOM).as_posix(), function), [])
+        if not wanted:
+            return True
+        most = 60.0 + SLOWER * sum(seconds for seconds, _ in wanted)
         with tempfile.TemporaryDirectory() as folder:
             shutil.copytree(ROOT / "rocking_cli", Path(folder) / "rocking_cli", ignore=shutil.ignore_patterns("__pycache__"))
             (Path(folder) / path.relative_to(ROOT)).write_text(text, encoding="utf-8")
-            call = [sys.executable, "-P", "-m", "pytest", "-x", "-q", "-n", "0", "--tb=no", "-p", "no:cacheprovider", *names]
+            call = [
+                sys.executable,
+                "-P",
+                "-m",
+                "pytest",
+                "-x",
+                "-q",
+                "-n",
+                "0",
+                "--tb=no",
+                "-p",
+                "no:cacheprovider",
+                *(name for _, name in wanted),
+            ]
             environment = {**os.environ, "PYTHONPATH": folder}
             try:
-                done = subprocess.run(call, cwd=ROOT, env=environment, capture_output=True, timeout=SECONDS, check=False) if names else None
+                done = subprocess.run(call, cwd=ROOT, env=environment, capture_output=True, timeout=most, check=False)
             except subprocess.TimeoutExpired:
                 return False
-        return done is None or done.returncode == 0
+        return done.returncode == 0
 
     def lets_through(self, change: Change) -> str | None:
         """What was changed, if no test fails with it."""
@@ -198,7 +214,8 @@ def main() -> None:
     sample = random.Random(options.seed).sample(every, min(options.count, len(every)))
     suite, survivors = Suite.watched(), 0
     with ThreadPoolExecutor(os.cpu_count()) as pool:
-        for number, told in enumerate(pool.map(suite.lets_through, sample), start=1):
+        for number, done in enumerate(as_completed([pool.submit(suite.lets_through, change) for change in sample]), start=1):
+            told = done.result()
             survivors += told is not None
             if told is not None:
                 print(told, flush=True)
