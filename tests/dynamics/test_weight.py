@@ -172,3 +172,14 @@ def _change(edge, k, u):
     from rocking_cli.dynamics.drive import segment_value
 
     return segment_value(edge, k, u)[0]
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0])
+@pytest.mark.parametrize("amplitude", [1.7, -1.7])
+def test_the_least_weight_from_a_segment_on_is_that_of_a_raster(side, amplitude):
+    segments = weighed(with_vertical(cosine(1.5), sine(2), 0.4), 0.3, 0.2)
+    assert isinstance(segments, WeighedSegments)
+    where, drive = np.full(2001, side), np.full(2001, amplitude)
+    lows = [segments.weight(where, drive, np.full(2001, k), np.linspace(0.0, segments.length[k], 2001)).min() for k in range(len(segments))]
+    least = [float(segments.least_weight(where[:1], drive[:1], np.array([k]))[0]) for k in range(len(segments))]
+    assert least == pytest.approx([min(lows[k:]) for k in range(len(segments))], abs=1e-6)

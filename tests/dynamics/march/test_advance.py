@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from rocking_cli import LinearEquation, Motion, RigidBodyEquation, System, response, sine
+from rocking_cli.dynamics.drive import drive_change
 from rocking_cli.dynamics.lanes import Lanes
 from rocking_cli.dynamics.march import advance, engine
 from rocking_cli.motions import Piece
@@ -92,3 +93,34 @@ def test_the_drive_of_a_step_falls_until_its_last_segment_begins(side, begins, e
     passage = advance.Passage(step, None, None, one(h), np.array([False]), one(0), one(0))
     found = advance._bottom(segments, lanes, passage, np.array([0]))
     assert found[0] == pytest.approx((falls_until - starts[begins[0]] - begins[1]) / 3.0, abs=1e-14)
+
+
+@pytest.mark.parametrize("damping", [0.0, 0.1])
+def test_every_crest_of_a_step_is_found(damping):
+    """Bodies at random places of a slow motion, in the air: where y' falls through zero on a fine raster of their step there is a crest,
+    also where y' has the same sign at both ends, and nowhere else."""
+    random, count, equation = np.random.default_rng(21), 4000, LinearEquation(damping)
+    segments = sine(2).segments
+    k, side = random.integers(0, len(segments), count), random.choice([-1.0, 1.0], count)
+    u, amplitude, omega = (
+        segments.length[k] * random.uniform(0.0, 0.95, count),
+        random.uniform(0.3, 3.0, count),
+        random.uniform(0.3, 2.0, count),
+    )
+    y, v = random.uniform(0.2, 1.4, count), random.uniform(-0.4, 0.4, count)
+    b = equation.force(y, -side * amplitude * (segments.s_start[k] + drive_change(segments, k, u)))
+    lanes = Lanes(np.arange(count), amplitude, omega, np.ones(count), k, u, side, y, v, b, np.zeros(count), 0 * k, 0 * k)
+    passage = advance.advance(segments, lanes, equation)
+    found = advance.crests(segments, lanes, passage, np.ones(count, dtype=bool))
+    raster = np.linspace(0.0, 1.0, 2001)[:, None] * passage.reach
+    speed = np.array([passage.arc.at(h).v for h in raster])
+    falls = (speed[:-1] > 0.0) & (speed[1:] <= 0.0)
+    (at,) = np.nonzero(falls.any(axis=0))
+    np.testing.assert_array_equal(at, np.sort(found.lanes))
+    order = np.argsort(found.lanes)
+    first = falls[:, at].argmax(axis=0)
+    assert np.all(raster[first, at] <= found.h[order] + 1e-12)
+    assert np.all(found.h[order] <= raster[first + 1, at] + 1e-12)
+    ends = speed[-1, at]
+    assert ((v[at] < 0.0) & (ends < 0.0)).sum() > 5, "turned outwards and back"
+    assert ((v[at] > 0.0) & (ends > 0.0)).sum() > 5, "turned back and outwards"
