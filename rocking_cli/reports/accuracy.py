@@ -12,7 +12,8 @@ import numpy as np
 
 from ..dynamics.method import Method
 from ..dynamics.outcome import Outcome
-from ..dynamics.references.general_solver import Solver, solve_cell
+from ..dynamics.references.general_solver import solve_cell
+from ..dynamics.references.scripted import Script
 from ..dynamics.response import response
 from ..errors import UsageError
 from ..spectra.grid import Grid
@@ -77,7 +78,7 @@ def work_precision(scene: PulseScene, *, sample: int = 40, scipy: int = 10, seed
     problem = one.method.problem_of(structure)
     for method in SCIPY_METHODS if scipy else ():
         for tolerance in SCIPY_TOLERANCES:
-            began, solver = time.perf_counter(), Solver(method, tolerance, careful=False)
+            began, solver = time.perf_counter(), Script(method, tolerance)
             answers = [solve_cell(one.motion, a, w, structure.eta, problem, solver) for a, w in cells[:scipy]]
             cost = (time.perf_counter() - began) / max(1, len(answers))
             yield _compare(f"SciPy {method}", tolerance, answers, truth[:scipy], cost)

@@ -1,8 +1,8 @@
-"""Any equation and contact by a second, slower path, for checking: SciPy's DOP853 on the equation as the paper writes it.
+"""Any equation and contact by a second, slower path, for checking: a Runge-Kutta method on the equation as the paper writes it.
 
 It shares no series, table, window or energy argument with the engine. The state is (theta, w), w = sqrt(M) theta', which takes
 the velocity term out of Eq. 3.4; for a rigid body M = 1. Strides are half a radian of the fastest motion, in five steps or
-more; impacts and crests are events.
+more; impacts and crests are sought where signs change (`extrapolation`).
 """
 
 from __future__ import annotations
@@ -10,15 +10,13 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Protocol
-
-import numpy as np
-from scipy.integrate import solve_ivp
+from typing import TYPE_CHECKING, Protocol
 
 from ...motions.biaxial import plus
 from ...motions.motion import Motion, Piece
 from ...structures.kinematics import Mechanism, linearise
 from ..outcome import Outcome
+from .extrapolation import Path, Point, path
 from .uplift import next_uplift
 
 if TYPE_CHECKING:
@@ -44,7 +42,7 @@ class Rates(Protocol):
     @property
     def limit(self) -> float: ...
 
-    def __call__(self, theta: float, w: float, push: float, weight: float = 1.0) -> list[float]:
+    def __call__(self, theta: float, w: float, push: float, weight: float = 1.0) -> tuple[float, float]:
         """(theta', w') under the inward ground acceleration push [g] and the weight over m g."""
 
 
@@ -58,9 +56,9 @@ class LinearRates:
     damping: float = 0.0
     limit: float = math.inf
 
-    def __call__(self, theta: float, w: float, push: float, weight: float = 1.0) -> list[float]:
+    def __call__(self, theta: float, w: float, push: float, weight: float = 1.0) -> tuple[float, float]:
         """theta - alpha - a_scale push - 2 zeta w; a_scale is alpha over the uplift of this equation."""
-        return [w, self.pace**2 * (weight * (theta - self.alpha) - self.alpha / self.uplift * push) - 2.0 * self.damping * self.pace * w]
+        return w, self.pace**2 * (weight * (theta - self.alpha) - self.alpha / self.uplift * push) - 2.0 * self.damping * self.pace * w
 
 
 @dataclass(frozen=True)
@@ -77,10 +75,10 @@ class RigidBodyRates:
         """tan(alpha) (Eq. 2.2)."""
         return math.tan(self.alpha)
 
-    def __call__(self, theta: float, w: float, push: float, weight: float = 1.0) -> list[float]:
+    def __call__(self, theta: float, w: float, push: float, weight: float = 1.0) -> tuple[float, float]:
         """-sin(alpha - theta) - push cos(alpha - theta) - 2 zeta w."""
         z = self.alpha - theta
-        return [w, self.pace**2 * (-weight * math.sin(z) - push * math.cos(z)) - 2.0 * self.damping * self.pace * w]
+        return w, self.pace**2 * (-weight * math.sin(z) - push * math.cos(z)) - 2.0 * self.damping * self.pace * w
 
 
 class MechanismRates:
@@ -93,11 +91,11 @@ class MechanismRates:
         self.mechanism, self.stiffness, self.damping = mechanism, form.stiffness, damping
         self.alpha, self.uplift = form.alpha, form.uplift
 
-    def __call__(self, theta: float, w: float, push: float, weight: float = 1.0) -> list[float]:
+    def __call__(self, theta: float, w: float, push: float, weight: float = 1.0) -> tuple[float, float]:
         """w/sqrt(M) and -(L + push B)/sqrt(M), over p^2/g, less 2 zeta w."""
         c = self.mechanism.coefficients(theta)
         root = math.sqrt(c.inertia)
-        return [w / root, -float(weight * c.lift + push * c.push) / root / self.stiffness - 2.0 * self.damping * w]
+        return w / root, -float(weight * c.lift + push * c.push) / root / self.stiffness - 2.0 * self.damping * w
 
 
 @dataclass(frozen=True)
@@ -141,64 +139,24 @@ def problem_of(structure: RockingParameters, rates: Callable[[RockingParameters,
     return Problem(one, None if structure.one_sided else one, scale)
 
 
-@dataclass(frozen=True)
-class Solver:
-    """A method of SciPy's `solve_ivp`; small steps and events met by integrating anew to them, or as a script would call it."""
-
-    method: str = "DOP853"
-    tolerance: float = 1e-13
-    careful: bool = True
-
-    def __call__(self, rate: Any, span: tuple[float, float], state: list[float], **options: Any) -> Any:
-        absolute = 1e-2 * self.tolerance if self.careful else self.tolerance
-        return solve_ivp(rate, span, state, method=self.method, rtol=max(self.tolerance, 2.3e-14), atol=absolute, **options)
-
-
-CAREFUL = Solver()
-
-
-class _Ground:
-    """Event: the body comes down on the ground, where the integration stops."""
-
-    terminal, direction = True, -1
-
-    def __call__(self, t: float, state: np.ndarray) -> float:
-        return float(state[0])
-
-
-class _Crest:
-    """Event: the body turns back."""
-
-    terminal, direction = False, -1
-
-    def __call__(self, t: float, state: np.ndarray) -> float:
-        return float(state[1])
-
-
-class _Fallen:
-    """Event: the body is beyond its limit; what a strong motion does with it from there on takes many steps and tells nothing."""
-
-    terminal, direction = True, 1
-
-    def __init__(self, limit: float) -> None:
-        self.limit = limit * (1.0 + 1e-9)  # surely beyond
-
-    def __call__(self, t: float, state: np.ndarray) -> float:
-        return float(state[0]) - self.limit
-
-
 def solve_cell(
-    motion: Motion, amplitude: float, omega: float, eta: float, problem: Problem, solver: Solver = CAREFUL
+    motion: Motion, amplitude: float, omega: float, eta: float, problem: Problem, solver: Callable[..., Path] = path
 ) -> tuple[Outcome, float]:
-    """(outcome, max |theta|/alpha, NaN where overturned) of one cell; FAILED if it takes too long."""
-    body = _Body(problem, amplitude, omega, eta, solver)
+    """(outcome, max |theta|/alpha, NaN where overturned) of one cell; FAILED if it takes too long, or no step is short enough."""
+    try:
+        return _solved(motion, _Body(problem, float(amplitude), float(omega), eta, solver))
+    except ArithmeticError:
+        return Outcome.FAILED, math.nan
+
+
+def _solved(motion: Motion, body: _Body) -> tuple[Outcome, float]:
     most_strides = _MAX_STRIDES + _A_SEGMENT * len(motion.segments)
     if motion.vertical is not None:
         body.least = 1.0 + body.drive * float(motion.vertical.segments.later_min[0])
         if body.least <= 0.0:
             return Outcome.FAILED, math.nan  # free fall, of which this path knows nothing
     for piece, up in zip(motion.pieces, motion.vertical.pieces if motion.vertical else (None,) * len(motion.pieces), strict=True):
-        end, body.up = piece.stop / omega, up
+        end, body.up = piece.stop / body.omega, up
         while end - body.time > 1e-14 * end:
             body.strides += 1
             if body.strides > most_strides:
@@ -212,8 +170,16 @@ def solve_cell(
     return body.still()
 
 
+def value(piece: Piece, phase: float) -> float:
+    """s(phase) of a piece, in plain numbers."""
+    total = piece.constant + piece.slope * (phase - piece.start)
+    for h in piece.harmonics:
+        total += h.amplitude * math.sin(h.frequency * phase + h.phase)
+    return total
+
+
 class _Body:
-    def __init__(self, problem: Problem, amplitude: float, omega: float, eta: float, solver: Solver) -> None:
+    def __init__(self, problem: Problem, amplitude: float, omega: float, eta: float, solver: Callable[..., Path]) -> None:
         self.solver = solver
         self.problem, self.drive, self.omega = problem, amplitude * problem.scale, omega
         self.etas = problem.eta or (abs(eta), abs(eta))
@@ -225,7 +191,7 @@ class _Body:
 
     def weight(self, time: float) -> float:
         """The weight over m g."""
-        return 1.0 if self.up is None else 1.0 + self.drive * float(self.up.value(self.omega * time))
+        return 1.0 if self.up is None else 1.0 + self.drive * value(self.up, self.omega * time)
 
     @property
     def here(self) -> Rates:
@@ -237,7 +203,7 @@ class _Body:
 
     def excess(self, piece: Piece, time: float) -> float:
         """How far the ground acceleration exceeds what lifts the body on to the edge that it pushes it to [g]."""
-        push = self.drive * float(piece.value(self.omega * time))
+        push = self.drive * value(piece, self.omega * time)
         if push <= 0.0:
             return -push - self.problem.right.uplift * self.weight(time)
         return push - self.problem.left.uplift * self.weight(time) if self.problem.left is not None else -push
@@ -258,34 +224,25 @@ class _Body:
 
     def move(self, piece: Piece, end: float) -> None:
         """One stride, or on to the impact in it."""
-        time, careful, here = self.time, self.solver.careful, self.here
-        stop = min(end, time + (self.stride(piece) if careful else _SCRIPT_STRIDE))
+        here, start, push = self.here, Point(self.time, self.theta, self.w), self.side * self.drive
 
-        def rate(t: float, state: np.ndarray) -> list[float]:
-            push = self.side * self.drive * float(piece.value(self.omega * t))
-            return here(float(state[0]), float(state[1]), push, self.weight(t))
+        def rate(t: float, theta: float, w: float) -> tuple[float, float]:
+            return here(theta, w, push * value(piece, self.omega * t), self.weight(t))
 
-        def at(t: float) -> np.ndarray:
-            return np.asarray(self.solver(rate, (time, t), [self.theta, self.w], first_step=t - time).y[:, -1])
-
-        limit = {"max_step": (stop - time) / 5} if careful else {}
-        path = self.solver(rate, (time, stop), [self.theta, self.w], events=(_Ground(), _Crest(), _Fallen(here.limit)), **limit)
-        for i in np.flatnonzero(path.t_events[1] > time):
-            t = path.t_events[1][i]
-            there = at(t) if careful else path.y_events[1][i]
-            speed, force = rate(t, there)
-            self.peak = max(self.peak, float(there[0] - 0.5 * speed * there[1] / force) / here.alpha)
-        if not path.t_events[0].size:
-            self.time, (self.theta, self.w) = float(path.t[-1]), (float(x) for x in path.y[:, -1])
+        stop = min(end, self.time + (self.stride(piece) if self.solver is path else _SCRIPT_STRIDE))
+        crests, there, struck = self.solver(rate, start, stop, here.limit * (1.0 + 1e-9))  # surely beyond it
+        for crest in crests:
+            speed, force = rate(*crest)
+            self.peak = max(self.peak, (crest.theta - 0.5 * speed * crest.w / force) / here.alpha)
+        if not struck:
+            self.time, self.theta, self.w = there
             return
-        t = max(float(path.t_events[0][0]), np.nextafter(time, math.inf))
-        there = at(t) if careful else path.y_events[0][0]
-        speed, force = rate(t, there)
-        miss = -float(there[0]) / speed if speed < 0.0 else 0.0
+        speed, force = rate(*there)
+        miss = -there.theta / speed if speed < 0.0 else 0.0
         eta = self.etas[0 if self.side > 0 else 1]
-        self.time, self.bounced = t + miss, True
+        self.time, self.bounced = max(there.time, math.nextafter(start.time, math.inf)) + miss, True
         self.side = self.side if self.problem.left is None else -self.side
-        self.theta, self.w = 0.0, -eta * (float(there[1]) + miss * force)
+        self.theta, self.w = 0.0, -eta * (there.w + miss * force)
         if self.w <= 0.0 or (self.w < _AT_REST and self.excess(piece, self.time) < 0.0 and eta < 1.0):
             self.side, self.w = 0, 0.0
 

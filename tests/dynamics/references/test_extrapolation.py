@@ -1,0 +1,66 @@
+"""The steps of the slower path against closed forms."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+from rocking_cli.dynamics.references.extrapolation import Point, path, step
+
+
+def free(time, y, v):
+    """Eq. 2.4 without a drive."""
+    return v, y - 1.0
+
+
+@pytest.mark.parametrize("length", [1e-6, 0.1, 0.25])
+def test_a_step_is_that_of_the_closed_form(length):
+    time, y, v = step(free, Point(2.0, 0.3, 0.2), length)
+    assert time == 2.0 + length
+    assert abs(y - (1.0 - 0.7 * math.cosh(length) + 0.2 * math.sinh(length))) < 2e-15
+    assert abs(v - (0.2 * math.cosh(length) - 0.7 * math.sinh(length))) < 2e-15
+
+
+@pytest.mark.parametrize(
+    "rate", [lambda t, y, v: (v, 1.0 / (t - 0.5)), lambda t, y, v: (v, math.sqrt(0.1 - t)), lambda t, y, v: (v, 1e6 * y)]
+)
+def test_a_step_that_is_too_long_is_none(rate):
+    assert step(rate, Point(0.0, 1.0, 0.0), 1.0) is None
+
+
+@pytest.mark.parametrize("v", [1e-9, 1e-4, 0.3, 0.9])
+@pytest.mark.parametrize("stretch", [2.05, 9.0])  # times of a crest: the impact lies in the last step, or both lie in one
+def test_crest_and_impact_of_a_free_arc(v, stretch):
+    """y = 1 - cosh t + v sinh t: the crest is at artanh v, 1 - sqrt(1 - v^2) high, and the body comes down at twice the time as fast as
+    it left."""
+    crest = math.atanh(v)
+    near = 1e-14 + 1e-10 * (stretch * crest / 10.0) ** 2  # ten times what a step is trusted to: they grow
+    found = path(free, Point(0.0, 0.0, v), stretch * crest, math.inf)
+    assert found.struck
+    (top,) = found.crests
+    height = v * v / (1.0 + math.sqrt(1.0 - v * v))
+    assert abs(top.time / crest - 1.0) < 2e-9
+    assert abs(top.theta - 0.5 * top.w**2 / (top.theta - 1.0) - height) < near * height + 1e-16 * v
+    end = found.end
+    assert abs(end.time - end.theta / end.w - 2.0 * crest) < near * crest
+    assert abs(end.w + end.theta / end.w - -v) < near * v
+
+
+def test_a_path_goes_on_to_its_end_or_to_its_limit():
+    found = path(free, Point(0.0, 1.5, 0.0), 2.0, 10.0)
+    assert (found.crests, found.struck, found.end.time) == ([], False, 2.0)
+    assert abs(found.end.theta - (1.0 + 0.5 * math.cosh(2.0))) < 1e-10 * 0.2**2
+    assert path(free, Point(0.0, 1.5, 0.0), 2.0, 1.6).end.time < 1.0
+    assert path(free, Point(1.0, 0.5, 0.0), 1.0 + 4e-16, 10.0).end.time == 1.0 + 4e-16
+
+
+def test_a_hop_from_rest_within_one_step_is_met():
+    """y'' = 2 c t - t^2 from rest: the crest is at 3 c, 9/4 c^4 high, the impact at 4 c."""
+    c = 1e-3
+    found = path(lambda t, y, v: (v, 2.0 * c * t - t * t), Point(0.0, 0.0, 0.0), 1.0, math.inf)
+    (top,) = found.crests
+    assert found.struck
+    assert abs(top.time / (3.0 * c) - 1.0) < 2e-9
+    assert abs(top.theta / (2.25 * c**4) - 1.0) < 1e-12
+    assert abs((found.end.time - found.end.theta / found.end.w) / (4.0 * c) - 1.0) < 1e-12
