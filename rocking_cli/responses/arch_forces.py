@@ -11,19 +11,12 @@ moment about the joint's centre: beyond that another hinge opens; and |T| <= mu 
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
-from ..errors import UsageError
 from ..structures.fourbar import FourBar
-from ..structures.parameters import RockingParameters
-from .extremes import extent
-from .forces import Ground
-from .history import Arc, Event, History
 
 Array = np.ndarray
 
@@ -180,145 +173,6 @@ class ArchForces:
 
     def _hinge_now(self, links: list[_Link], hinge: int, n: int) -> Array:
         return links[hinge].now if hinge < 3 else np.broadcast_to(self.mechanism.points[3], (n, 2))
-
-
-class Worst(NamedTuple):
-    """The worst of a quantity over joints and time: its value [-], the joint's number and when [tau]."""
-
-    value: float
-    joint: int
-    tau: float
-
-
-class JointDemands(NamedTuple):
-    """What a response asks of the joints: the least N over the arch's weight, the largest |T|/N, and the largest |M|/(N t/2) beside the
-    hinges; each None where the arch never moved."""
-
-    thrust: Worst | None
-    friction: Worst | None
-    eccentricity: Worst | None
-
-
-_SECTIONS = 180  # radial sections of an arch without voussoirs that are looked at
-_QUANTITIES: dict[str, Callable[[Resultants], Array]] = {
-    "thrust": lambda r: -r.thrust,
-    "friction": lambda r: np.where(r.thrust > 0.0, r.shear / r.thrust, np.inf),
-    "eccentricity": lambda r: np.where(r.thrust > 0.0, r.eccentricity, np.inf),
-}
-
-
-@dataclass(frozen=True)
-class ArchHistory:
-    """The forces of one response of an arch by Eq. 3.4; joints are numbered from the left springing, 0, on."""
-
-    structure: RockingParameters
-    ground: Ground
-    found: History
-
-    def __post_init__(self) -> None:
-        if self.structure.damping:
-            raise UsageError(f"{self.structure.name}: found damping; accepted for the forces in an arch is none")
-
-    @cached_property
-    def forces(self) -> ArchForces:
-        """Of its mechanism."""
-        assert isinstance(self.structure.mechanism, FourBar)  # `of_arch` says so
-        return ArchForces(self.structure.mechanism, self.structure.gravity)
-
-    @cached_property
-    def joints(self) -> Array:
-        """Angles of the joints from springing A [rad]."""
-        return np.linspace(0.0, self.forces.mechanism.ring.angle, (self.forces.mechanism.voussoirs or _SECTIONS) + 1)
-
-    def state(self, arc: Arc, tau: Array) -> State:
-        """The arch along an arc, mirrored where it sways to the left."""
-        side, s, g = np.full(tau.size, arc.side), self.structure, self.structure.gravity
-        point = arc.flow.take(np.zeros(tau.size, dtype=np.int64)).at((tau - arc.start) * arc.pace)
-        equation = self.found.equation.on(side)
-        across, up = self.ground.along(arc.start, arc.stop), self.ground.up_along(arc.start, arc.stop)
-        rate = equation.rotation_rate(point.y, point.v) * (s.alpha * s.p)
-        return State(equation.rotation(point.y) * s.alpha, rate, arc.side * g * across(tau), g * up(tau))
-
-    def columns(self, tau: Array) -> dict[str, Array]:
-        """By name at times tau: force of the ground on the links over the arch's weight, least N over it, largest |T|/N, and largest
-        |M|/(N t/2) beside the hinges; NaN at rest, where the arch is redundant, and after the end."""
-        found = {name: np.full(tau.shape, np.nan) for name in ("fx_ratio", "fz_ratio", "thrust_min", "shear_ratio", "eccentricity")}
-        for arc in self.found.arcs:
-            inside = np.flatnonzero((tau >= arc.start) & (tau <= min(arc.stop * (1.0 + 1e-14), self.found.end)))
-            if not inside.size:
-                continue
-            state = self.state(arc, np.minimum(tau[inside], arc.stop))
-            hinges, joints = self.forces.hinges(state).hinges, self.forces.resultants(state, self.joints)
-            on = (hinges[:, 0] - hinges[:, 3]) / self.forces.weight
-            found["fx_ratio"][inside], found["fz_ratio"][inside] = arc.side * on[:, 0], on[:, 1]
-            for name, quantity, sign in (("thrust_min", "thrust", -1.0), ("shear_ratio", "friction", 1.0), ("eccentricity",) * 2 + (1.0,)):
-                found[name][inside] = sign * self._over_joints(quantity, joints).max(axis=1)
-        return found
-
-    def _over_joints(self, quantity: str, joints: Resultants) -> Array:
-        values = _QUANTITIES[quantity](joints)
-        if quantity == "eccentricity":
-            hinges = np.abs(np.subtract.outer(self.joints, self.forces.mechanism.hinges)).min(axis=1) < 1e-9
-            values = np.where(hinges, -np.inf, values)
-        return values
-
-    @cached_property
-    def demands(self) -> JointDemands:
-        """Of each quantity the worst joint of every arc, of 25 instants, and the extreme on it, in time."""
-        worst: dict[str, Worst] = {}
-        for arc in self.found.arcs:
-            if not arc.stop > arc.start:
-                continue
-            tau = arc.start + (arc.stop - arc.start) * 0.5 * (1.0 - np.cos(np.linspace(0.0, np.pi, 25)))
-            joints = self.forces.resultants(self.state(arc, tau), self.joints)
-            for quantity in _QUANTITIES:
-                joint = int(self._over_joints(quantity, joints).max(axis=0).argmax())
-                one = self.joints[joint : joint + 1]
-
-                def value(t: Array, arc: Arc = arc, one: Array = one, quantity: str = quantity) -> Array:
-                    return _QUANTITIES[quantity](self.forces.resultants(self.state(arc, t), one))[:, 0]
-
-                _, _, largest, when = extent(value, arc.start, arc.stop)
-                number = joint if arc.side > 0.0 else self.joints.size - 1 - joint
-                if quantity not in worst or largest > worst[quantity].value:
-                    worst[quantity] = Worst(largest, number, when)
-        thrust = worst.get("thrust")
-        return JointDemands(
-            None if thrust is None else thrust._replace(value=-thrust.value), worst.get("friction"), worst.get("eccentricity")
-        )
-
-    def summary(self, when: str, time: float) -> dict[str, Any]:
-        """As a record; `when` names a time, `time` its unit by tau."""
-        found = self.demands
-        names = {"friction": found.friction, "thrust_min": found.thrust, "eccentricity": found.eccentricity}
-        record: dict[str, Any] = {}
-        for name, worst in names.items():
-            record[name] = None if worst is None or not np.isfinite(worst.value) else worst.value
-            record[f"{name}_joint"], record[f"{name}_{when}"] = (None, None) if worst is None else (worst.joint, worst.tau * time)
-        opens = found.eccentricity is not None and found.eccentricity.value > 1.0 + 1e-9
-        record["opens"] = opens
-        if self.structure.friction is not None:
-            record["slides"] = found.friction is not None and found.friction.value > self.structure.friction
-        return record
-
-    def event(self, event: Event, time: float) -> dict[str, Any]:
-        """The columns at an event, after it."""
-        return {name: float(x[0]) for name, x in self.columns(np.array([event.tau])).items()}
-
-    def words(self) -> str:
-        """What came of it, in a sentence."""
-        thrust, friction, eccentricity = self.demands
-        if thrust is None or friction is None or eccentricity is None:
-            return "the arch never moved"
-        text = f"least N {thrust.value:.4g} of the weight on joint {thrust.joint}"
-        text += f", largest |T|/N {friction.value:.4g} on joint {friction.joint}"
-        text += f", largest |M|/(N t/2) {eccentricity.value:.4g} on joint {eccentricity.joint}"
-        text += ", where a further hinge opens" if eccentricity.value > 1.0 + 1e-9 else ", so no further hinge opens"
-        s = self.structure
-        if s.friction is not None:
-            slides = "a joint slides" if friction.value > s.friction else "no joint slides"
-            text += f"; with the friction {s.friction:g} of the document {slides}"
-        return text
 
 
 def _rotated(vector: Array, angle: Array) -> Array:

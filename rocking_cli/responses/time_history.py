@@ -20,7 +20,7 @@ from .forces import Body, Demands, ForceHistory, Ground
 from .history import Event, History, history
 
 if TYPE_CHECKING:
-    from .arch_forces import ArchHistory
+    from .arch_history import ArchHistory
 
 FREE = 30.0  # tau for which a response is followed after the shaking, unless the user says
 POINTS = 500  # times of a history over its whole length, unless the user says
@@ -85,7 +85,7 @@ class TimeHistory:
     def arch_forces(self) -> dict[str, ArchHistory]:
         """The forces in an arch by Eq. 3.4; empty of what is none. Raises UsageError."""
         from ..structures.fourbar import FourBar
-        from .arch_forces import ArchHistory
+        from .arch_history import ArchHistory
 
         s = self.structure
         if not isinstance(s.mechanism, FourBar):

@@ -1,0 +1,108 @@
+"""Forces at the hinges of an arch along its response, against the momenta of its links as another hand places them."""
+
+from __future__ import annotations
+
+from functools import partial
+
+import numpy as np
+import pytest
+from linkage import SECOND, Linkage, carried, places
+from weighed import Shaking
+
+from rocking_cli import Method, build_structure, cosine, load_structures, parse_documents, parse_grid, response, sine
+from rocking_cli.motions.biaxial import with_vertical
+from rocking_cli.responses.arch_history import HINGE_COLUMNS
+from rocking_cli.responses.time_history import time_history
+
+(ARCH,) = load_structures(["configs/arch.yaml"])
+EXACT = Method("nonlinear", 1e-13)
+
+
+def masses(structure):
+    return [(m.mass, m.x, m.z, m.about(0.0, 0.0)) for m in structure.mechanism.links]
+
+
+def shaken(motion, amplitude=1.6, omega=5.0):
+    return time_history(ARCH, motion, parse_grid(f"A={amplitude!r},Omega={omega!r}"), [EXACT], duration=1.2)
+
+
+@pytest.fixture(scope="module")
+def swaying():
+    return shaken(with_vertical(sine(2), cosine(3), 0.4))
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_each_link_moves_as_the_forces_at_its_hinges_say(swaying, side):
+    """Newton and Euler of every link: its forces at both hinges and its weight, against second differences of its place."""
+    history, forces = swaying.histories["nonlinear"], swaying.arch_forces["nonlinear"]
+    arc = max((a for a in history.arcs if a.side == side and a.stop > a.start), key=lambda a: a.stop - a.start)
+    tau, h, p, g = 0.5 * (arc.start + arc.stop), 0.04 * (arc.stop - arc.start), ARCH.p, ARCH.gravity
+    mirror = np.array([side, 1.0])
+    weight = forces.forces.weight
+    # from left to right, and back to the order of the mechanism
+    at = np.array([float(forces.columns(np.array([tau]))[name][0]) for name in HINGE_COLUMNS]).reshape(4, 2) * weight
+    hinges = at if side > 0.0 else -(at[::-1] * mirror) * np.array([1.0, 1.0])
+    phis = {i: abs(float(history.at(np.array([tau + i * h]))[0][0])) * ARCH.alpha for i in range(-4, 5)}
+    points, own = ARCH.mechanism.points, masses(ARCH)
+    motion = {i: carried(points, own, phi) for i, phi in phis.items()}
+    bend = sum(w * (motion[i] + motion[-i] if i else motion[0]) for i, w in SECOND.items()) / h**2 * p * p
+    across, up = forces.ground.at(np.array([tau]))
+    ground = np.array([side * float(across[0]), 1.0 + float(up[0])]) * g
+    now = places(points, phis[0])
+    for i, (m, x, z, polar) in enumerate(own):
+        centre, turn = motion[0][i, :2], bend[i, 2]
+        assert hinges[i] - hinges[i + 1] == pytest.approx(m * (bend[i, :2] + ground), abs=1e-6 * weight)
+        (ax, az), (bx, bz) = now[i] - centre, now[i + 1] - centre
+        moment = az * hinges[i, 0] - ax * hinges[i, 1] - bz * hinges[i + 1, 0] + bx * hinges[i + 1, 1]
+        assert moment == pytest.approx((polar - (x * x + z * z) / m) * turn, abs=1e-6 * weight * ARCH.mechanism.ring.radius)
+
+
+def test_the_largest_force_at_a_hinge_is_an_extreme_of_the_history(swaying):
+    forces = swaying.arch_forces["nonlinear"]
+    tau = np.linspace(0.0, swaying.end, 400)
+    columns = forces.columns(tau)
+    sizes = np.array([np.hypot(columns[f"hinge{n}_fx"], columns[f"hinge{n}_fz"]) for n in (1, 2, 3, 4)])
+    worst = forces.demands.hinge
+    assert np.nanmax(sizes) <= worst.value * (1.0 + 1e-12)
+    assert np.nanmax(sizes) == pytest.approx(worst.value, rel=2e-2)
+    assert columns["hinge1_fx"] - columns["hinge4_fx"] == pytest.approx(columns["fx_ratio"], abs=1e-12, nan_ok=True)
+    assert columns["hinge1_fz"] - columns["hinge4_fz"] == pytest.approx(columns["fz_ratio"], abs=1e-12, nan_ok=True)
+    record = forces.summary("t", 1.0)
+    assert (record["hinge_force"], record["hinge_force_hinge"]) == (worst.value, worst.joint)
+
+
+def test_the_mirrored_motion_has_the_mirrored_forces():
+    one, other = (shaken(motion).arch_forces["nonlinear"].columns(np.linspace(0.0, 3.0, 40)) for motion in (sine(1), sine(1).scaled(-1)))
+    for n in (1, 2, 3, 4):
+        assert one[f"hinge{n}_fx"] == pytest.approx(other[f"hinge{5 - n}_fx"], abs=1e-12, nan_ok=True)
+        assert one[f"hinge{n}_fz"] == pytest.approx(-other[f"hinge{5 - n}_fz"], abs=1e-12, nan_ok=True)
+
+
+def against_the_linkage(cells, seed):
+    """Largest difference of theta/alpha under horizontal and vertical motion; what overturns must overturn both ways."""
+    text = "kind: arch\nradius: 10\nthickness: 1.5\nangle: 157.5 deg\n"
+    arch = build_structure(parse_documents(text)[0])
+    linkage = Linkage(arch.mechanism.points, masses(arch), 2.5 * arch.alpha, arch.gravity, arch.eta)
+    random, worst, stood = np.random.default_rng(seed), 0.0, 0
+    for _ in range(cells):
+        motion = with_vertical(sine(1), cosine(2), float(random.uniform(-0.5, 0.5)))
+        amplitude, omega = random.uniform(1.2, 2.5), random.uniform(2.0, 6.0)
+        a_g, omega_g = float(arch.ground_acceleration(amplitude)), omega * arch.p
+        across, up = (partial(lambda m, t, a, w: a * float(m.value(w * t)), m, a=a_g, w=omega_g) for m in (motion, motion.vertical))
+        marks = tuple(piece.stop / omega_g for piece in motion.pieces)
+        wanted = linkage.swing(Shaking(across, up, marks[-1], marks)) / arch.alpha
+        found = float(response(Method("nonlinear", 1e-12).system_of(arch), motion, amplitude, omega, arch.eta).theta_ratio)
+        assert np.isnan(found) == np.isnan(wanted)
+        if not np.isnan(found):
+            worst, stood = max(worst, abs(found - wanted)), stood + 1
+    assert stood > 0
+    return worst
+
+
+def test_an_arch_under_vertical_motion_sways_as_its_energies_say():
+    assert against_the_linkage(1, 2) < 1e-9
+
+
+@pytest.mark.soak
+def test_arches_under_vertical_motion_sway_as_their_energies_say():
+    assert against_the_linkage(40, 5) < 1e-7
