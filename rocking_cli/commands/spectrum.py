@@ -30,7 +30,9 @@ if TYPE_CHECKING:
 @ground.vertical
 @options.methods
 @options.linear_uplift
-@click.option("--impacts", is_flag=True, help="Also store the number of impacts during the shaking.")
+@click.option(
+    "--impacts", is_flag=True, help="Also store the number of impacts during the shaking, without those of a last bouncing below the peak."
+)
 @click.option(
     "--quantity",
     "quantities",

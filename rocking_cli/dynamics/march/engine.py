@@ -16,6 +16,7 @@ import numpy as np
 from ...motions.motion import Segments
 from ..body import Body
 from ..contacts.contact import Uplift, first_uplift
+from ..contacts.settling import Later, settles
 from ..contacts.trains import outlasts
 from ..drive import phase_between, place
 from ..lanes import Lanes
@@ -121,6 +122,13 @@ class Run:
         ahead = (LIKELY if marched and not self.equation.bounded else np.inf) if ahead is None else ahead
         self.footing = None if watch is not None or system.body is None else Footing(system.body, self.segments, self.cells, ahead)
         self.demands = None if body is None else Demands(body, segments, self.contact.strongest(self.cells, segments), amplitude.size)
+        self.later = Later.of(segments) if peaks and self._only_peaks() else None
+
+    def _only_peaks(self) -> bool:
+        """Whether nothing is asked of bodies that nothing lifts again but their peak, and it is proved to be so."""
+        proved = self.equation.bounded and self.contact.alike and not isinstance(self.segments, WeighedSegments)
+        asked = self.watch is not None or self.demands is not None or (self.footing is not None and self.footing.any)
+        return proved and not asked and type(self).round is Run.round
 
     def _first_free_fall(self) -> Uplift | None:
         """Where the ground first falls as fast as the cells' bodies, w <= 0; None where it never does to any."""
@@ -286,6 +294,12 @@ class Run:
         if self.equation.damping:
             self.bounced[lanes.cell[lanes.k >= self.shaken]] = True
             lanes = self._settle(lanes)
+        if self.later is not None:
+            settled = settles(seg, self.later, lanes)
+            if settled.any():
+                self._finish(lanes, np.flatnonzero(settled), Outcome.ROCKED, lanes.peak[settled])
+                self.work += Work(chatters_closed=int(settled.sum()))
+                lanes = lanes.take(np.flatnonzero(~settled))
         if self.contact.alike and not isinstance(seg, WeighedSegments):
             long = outlasts(seg, lanes, self.equation, self.most_steps)
             self._finish(lanes, np.flatnonzero(long), Outcome.FAILED, np.nan)

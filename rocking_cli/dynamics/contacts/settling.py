@@ -1,0 +1,45 @@
+"""Bodies that nothing lifts again: from an impact on they bounce to the end of the shaking, and never as high as they were.
+
+For the undamped linear oscillator on equal edges. Let the drive be at most e in size from the impact on, e < 1, and V all that it varies
+until it has come to rest, jumps and the last one included. Over an arc from impact to impact v^2 changes by int 2 y' a = - int 2 y da,
+and while v^2 <= 3/4 (1 - e)^2 no arc rises above 2/3 v^2/(1 - e), since y'' <= y - 1 + e. So an arc multiplies v^2 by no more than
+1 + 4/3 dV/(1 - e), an impact lowers it, and all arcs to come multiply it by less than exp(4/3 V/(1 - e)).
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ...motions.motion import Segments
+from ..lanes import Lanes
+
+Array = np.ndarray
+
+
+class Later(NamedTuple):
+    """Of the motion after the end of each segment: how much s varies until it has come to rest at 0, and the largest abs(s); (segments,)."""
+
+    variation: Array
+    largest: Array
+
+    @classmethod
+    def of(cls, segments: Segments) -> Later:
+        """Sums from the end of the motion backwards."""
+        following = np.append(segments.s_start[1:], 0.0)
+        jumps, inside = np.abs(following - segments.s_end), np.abs(segments.s_end - segments.s_start)
+        variation = np.cumsum((jumps + np.append(inside[1:], 0.0))[::-1])[::-1]
+        sizes = np.maximum(np.abs(segments.s_start), np.abs(segments.s_end))
+        largest = np.append(np.maximum.accumulate(sizes[::-1])[::-1][1:], 0.0)
+        return cls(variation, largest)
+
+
+def settles(segments: Segments, later: Later, lanes: Lanes) -> Array:
+    """Whether lanes just after an impact stay on or near the ground until the shaking is over, and below their peak for good."""
+    drive, ends = 1.0 + lanes.b, -lanes.side * lanes.amplitude * segments.s_end[lanes.k]
+    left = 1.0 - np.maximum(np.maximum(np.abs(drive), np.abs(ends)), lanes.amplitude * later.largest[lanes.k])
+    variation = np.abs(ends - drive) + lanes.amplitude * later.variation[lanes.k]
+    with np.errstate(over="ignore", divide="ignore", invalid="ignore"):
+        fastest = lanes.v * lanes.v * np.exp(4.0 / 3.0 * variation / left)
+        return (left > 0.0) & (fastest <= 0.75 * left * left) & (fastest <= 1.5 * left * lanes.peak)
