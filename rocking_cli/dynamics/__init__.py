@@ -38,7 +38,8 @@ Lemma 6 (certain overturning). Linear: beyond z = y - 1 + g v = e, g the rate of
     or with the energy to pass it, since a weaker drive pushes back less and the energy over that barrier does not fall; damped: beyond
     its equilibrium only. theta = pi/2, or a collapsed linkage, is overturning whatever comes.
 Lemma 7 (end of bouncing). See `contacts.contact.bouncing_ends`: bounds on the sum of the series, inside one monotone segment; and
-    `contacts.settling`: bouncing to the end of the shaking that nothing lifts again; `contacts.trains`: more bounces than the march follows.
+    `contacts.settling`: bouncing to the end of the shaking that nothing lifts again; `contacts.trains`: more bounces than the march
+    follows.
 Lemma 8 (fate). On still ground, undamped, the energy between impacts is constant; on a body with equal sides only the next crest and the
     next impact matter, on an unequal one the next two. Damped bodies are marched on until these, which damping only lowers, come to no
     more than the peak so far.

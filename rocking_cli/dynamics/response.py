@@ -25,7 +25,8 @@ class Response:
     """Result for each cell, in the shape of the input.
 
     theta_ratio: max over time of |theta|/alpha [-], NaN where overturned or failed; outcome: uint8 codes of `Outcome`;
-    impacts: int32, impacts during the shaking (not those of bouncing that is closed in one step: it ends in rest, or nothing lifts it again); work: counters.
+    impacts: int32, impacts during the shaking (without those of bouncing that is closed in one step, since it ends in rest or nothing
+    lifts it again); work: counters.
     """
 
     theta_ratio: Array

@@ -19,7 +19,7 @@ Array = np.ndarray
 
 
 class Later(NamedTuple):
-    """Of the motion after the end of each segment: how much s varies until it has come to rest at 0, and the largest abs(s); (segments,)."""
+    """Of the motion after the end of each segment, (segments,): how much s varies until it rests at 0, and the largest abs(s)."""
 
     variation: Array
     largest: Array
