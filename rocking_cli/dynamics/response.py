@@ -56,13 +56,13 @@ def response(
         raise ValueError("amplitude must be finite and not negative")
     if not (np.all(np.isfinite(omega)) and np.all(omega > 0.0)):
         raise ValueError("omega must be positive and finite")
-    cells, samples, wanted = (amplitude.ravel(), omega.ravel(), eta.ravel()), motion.samples, peaks
+    cells, wanted, lines = (amplitude.ravel(), omega.ravel(), eta.ravel()), peaks, motion.coarsest
     peaks = peaks or bool(amplitude.max(initial=0.0) > system.safe_amplitude(motion))  # they may prove that a body presses on the ground
     run: Run
-    if samples is None or motion.vertical is not None:
+    if lines.samples is None or motion.vertical is not None:
         run = Run(system, system.segments(motion), *cells, peaks, pool or system.equation.pool)
     else:
-        run = (Flight if flies(system, motion) else Walk)(system, motion.segments, samples, *cells, peaks, pool)
+        run = (Flight if flies(system, motion) else Walk)(system, lines.segments, lines.samples, *cells, peaks, pool)
     run.all()
     look_at_forces(run, system, motion, cells)
     shape = amplitude.shape

@@ -1,10 +1,10 @@
 """The largest angular speed of rocking, beside the response.
 
 Within a step of the march |v| is largest at an end, at the impact, or where the acceleration is zero. Under straight lines the
-acceleration of the undamped linear oscillator between samples is a sum of exp(tau) and exp(-tau), which has at most one zero; the
-nonlinear equations differ little from it over one sample. A jump of the flight is
-halved while the bounds of y'' leave room for a larger speed in it. After the shaking the speed is largest at the next impact: by the
-energy.
+acceleration of the linear oscillator between samples is a sum of two exponentials, which has at most one zero; the
+nonlinear equations differ little from it over one sample. A jump of the flight is halved while the bounds of y'' leave room for a larger
+speed in it; a stride is left to the march where y'' >= -K leaves it (Lemma 12) and y'' changes its sign. After the shaking the speed is
+largest before the next impact: by the energy, or with damping by marching on to it.
 """
 
 from __future__ import annotations
@@ -13,11 +13,12 @@ import numpy as np
 
 from ..motions.motion import Motion, Samples
 from .drive import place
-from .equations.equation import Flow, Point
+from .equations.equation import Equation, Flow, Point, Ramp
 from .flight.ramp import RampFlow
 from .flight.run import Flight, Flights, Leap
+from .flight.walk import Walk
 from .lanes import Lanes
-from .march.engine import Round, Run
+from .march.engine import Landing, Round, Run
 from .outcome import Outcome
 from .response import Response, flies, look_at_forces
 from .system import System
@@ -56,9 +57,21 @@ class _Speeds(Run):
             fastest[at] = np.maximum(fastest[at], np.abs(self.equation.on(lanes.side[at]).rotation_rate(y_at, v_at)))
         self.fastest[lanes.cell] = fastest
 
+    def _shaken(self, lanes: Lanes, last: Array) -> None:
+        """The fate of lanes, and their speed at the next impact."""
+        self._fall(lanes, last, lanes.y, lanes.v)
+        super()._shaken(lanes, last)
+
+    def _settle(self, lanes: Landing) -> Landing:
+        """Damped lanes that fall for the first time on still ground are followed to the impact."""
+        falls = (lanes.k >= self.shaken) & (lanes.y > 0.0) & ~self.bounced[lanes.cell]
+        if not falls.any():
+            return super()._settle(lanes)
+        return super()._settle(lanes.take(np.flatnonzero(~falls))).join(lanes.take(np.flatnonzero(falls)))
+
     def _fall(self, lanes: Lanes, last: Array, y: Array, v: Array) -> None:
-        """The speed at the next impact of lanes that are at y, v when the shaking is over."""
-        if last.size:
+        """The speed at the next impact of undamped lanes that are at y, v when the shaking is over."""
+        if last.size and not self.equation.damping:
             there, zero = self.equation.on(lanes.side[last]), np.zeros(last.size)
             at_ground = np.sqrt(there.fall(y[last], v[last])[1] / there.fall(zero, zero + 1.0)[1])
             cell = lanes.cell[last]
@@ -100,10 +113,30 @@ class SpeedFlight(_Speeds, Flight):
         """The speeds of intervals taken alone."""
         self._raise(lanes, arc, reach, end.y, end.v, end.b)
 
-    def _shaken(self, lanes: Lanes, last: Array) -> None:
-        """The fate of lanes, and their speed at the next impact."""
-        self._fall(lanes, last, lanes.y, lanes.v)
-        super()._shaken(lanes, last)
+
+class SpeedWalk(_Speeds, Walk):
+    """A walk that keeps the largest speed of each cell."""
+
+    def __init__(self, system: System, motion: Motion, samples: Samples, amplitude: Array, omega: Array, eta: Array) -> None:
+        Walk.__init__(self, system, motion.segments, samples, amplitude, omega, eta, True, None)
+        self.fastest = np.zeros(amplitude.size)
+
+    def _look(
+        self, cell: Array, equation: Equation, start: tuple[Array, Array], end: tuple[Array, Array], ramp: Ramp, go: Array
+    ) -> None:  # fmt: skip
+        """The speeds at the ends of strides; those within which a larger one may be are not taken."""
+        if len(self.cells.amplitude) > 1:
+            return  # of bodies of two unlike edges it is not kept
+        (y, v), (end_y, end_v) = start, end
+        lift, push = equation.bounds
+        steepest = lift + push * np.maximum(0.0, -np.minimum(ramp.drive, ramp.drive + ramp.gain))
+        within = (np.maximum(np.abs(v), np.abs(end_v)) + steepest * ramp.unit) * np.exp(2.0 * equation.damping * ramp.unit)
+        fastest = np.maximum(self.fastest[cell], np.abs(equation.rotation_rate(end_y, end_v)))
+        at, drag = np.flatnonzero(go & (equation.rotation_rate(end_y, within) > fastest)), 2.0 * equation.damping
+        first = equation.force(y[at], ramp.drive[at]) - drag * v[at]
+        last = equation.force(end_y[at], ramp.drive[at] + ramp.gain[at]) - drag * end_v[at]
+        go[at[first * last < 0.0]] = False
+        self.fastest[cell[go]] = fastest[go]
 
 
 def _even(arc: Flow, high: Array) -> tuple[Array, Array]:
@@ -125,16 +158,20 @@ def _even(arc: Flow, high: Array) -> tuple[Array, Array]:
 
 
 def response_with_speed(system: System, motion: Motion, amplitude: Array, omega: Array, eta: Array | float) -> tuple[Response, Array]:
-    """`response`, and max over time of |d theta/d tau|/alpha [-], tau = p t, of bodies of two like edges (or one) without damping under
-    straight lines; NaN where theta_ratio is, and for other bodies. Parameters as of `response`."""
+    """`response`, and max over time of |d theta/d tau|/alpha [-], tau = p t, of bodies of two like edges (or one) under straight lines;
+    NaN where theta_ratio is, and for other bodies. Parameters as of `response`."""
     amplitude, omega, eta = np.broadcast_arrays(*(np.asarray(x, dtype=float) for x in (amplitude, omega, eta)))
-    cells, samples = (amplitude.ravel(), omega.ravel(), eta.ravel()), motion.samples
-    run = SpeedRun(system, motion, *cells) if samples is None or not flies(system, motion) else SpeedFlight(system, motion, samples, *cells)
+    cells, lines = (amplitude.ravel(), omega.ravel(), eta.ravel()), motion.coarsest
+    run: _Speeds
+    if lines.samples is None or motion.vertical is not None:
+        run = SpeedRun(system, motion, *cells)
+    else:
+        run = (SpeedFlight if flies(system, motion) else SpeedWalk)(system, lines, lines.samples, *cells)
     run.all()
     look_at_forces(run, system, motion, cells)
     shape = amplitude.shape
     kept = (run.outcome == Outcome.ROCKED) | (run.outcome == Outcome.NO_UPLIFT)
-    if system.equation.damping or len(run.cells.amplitude) > 1:
+    if len(run.cells.amplitude) > 1:
         kept = np.zeros_like(kept)
     rate = np.where(kept, run.fastest, np.nan).reshape(shape)
     return Response(run.theta_ratio.reshape(shape), run.outcome.reshape(shape), run.impacts.reshape(shape), run.work), rate

@@ -209,6 +209,11 @@ class Motion:
         """The motion as samples joined by straight lines at equal steps; None for any other."""
         return None
 
+    @property
+    def coarsest(self) -> Motion:
+        """The same motion without intervals that only go on as the one before; itself where it has none."""
+        return self
+
     def __post_init__(self) -> None:
         if not self.pieces:
             raise MotionError(f"motion {self.name!r}: no pieces; a motion needs at least one")

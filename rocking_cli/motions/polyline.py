@@ -16,6 +16,7 @@ from .records import Record
 
 Array = np.ndarray
 
+_STRAIGHT = 1e-13  # of the largest s: what three points may be off a line by the rounding of one who puts points between samples
 _ROUNDING = 4e-16  # of the duration, and of the largest s: what equal steps and joined lines may differ by
 
 
@@ -100,6 +101,19 @@ class Polyline(Motion):
         end = self.constant + self.slope * (self.stop - self.start)
         joined = count == 1 or np.abs(end[:-1] - self.constant[1:]).max() <= _ROUNDING * np.abs(self.constant).max()
         return Samples(last / count, np.append(self.constant, end[-1])) if even and joined else None
+
+    @cached_property
+    def coarsest(self) -> Polyline:
+        """The same lines in the fewest equal intervals that hold all their kinks: a record that was sampled more finely afterwards."""
+        if self.samples is None:
+            return self
+        s, last = self.samples.values, self.start.size
+        bends = np.abs(s[2:] - 2.0 * s[1:-1] + s[:-2]) > _STRAIGHT * np.abs(s).max()
+        every = int(np.gcd.reduce(np.append(np.flatnonzero(bends) + 1, last)))
+        if every == 1:
+            return self
+        start, stop = self.start[::every], self.stop[every - 1 :: every]
+        return Polyline(self.name, start, stop, s[:-1:every], np.diff(s[::every]) / (stop - start), self.acceleration)
 
     @cached_property
     def segments(self) -> Segments:

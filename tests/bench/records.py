@@ -1,7 +1,8 @@
 """Records: the flight beside the march through all samples and a compiled kernel that walks through them, in turns of one run.
 
-Scene R: a synthetic record of 2,000 points, linear, A 1 ... 8, 2 pi/p 0.5 ... 12 s, eta 0.9. `--values` sets the values of each axis;
-the march and the nonlinear equation take every eighth of them, so that their narrow rounds are fewer than those of a whole scene.
+Scene R: a synthetic record of 2,000 points, A 1 ... 8, 2 pi/p 0.5 ... 12 s, eta 0.9, by the linear equation, which is flown, and by
+Eq. 2.3, which is walked (alpha 0.25, tolerance 1e-9). `--values` sets the values of each axis; the march takes every eighth of them, so
+that its narrow rounds are fewer than those of a whole scene.
 """
 
 from __future__ import annotations
@@ -14,7 +15,8 @@ import compiled_record
 import numba
 import numpy as np
 
-from rocking_cli import LinearEquation, System, linear_response, nonlinear_response
+from rocking_cli import LinearEquation, RigidBodyEquation, System, linear_response, nonlinear_response
+from rocking_cli.dynamics.equations.equation import Equation
 from rocking_cli.dynamics.march.engine import Run
 from rocking_cli.motions.polyline import Polyline, record_motion
 from rocking_cli.motions.records import Record
@@ -41,9 +43,9 @@ def noise(count: int, dt: float, seed: int = 1) -> np.ndarray:
     )
 
 
-def marched(motion: Polyline, amplitude: np.ndarray, omega: np.ndarray) -> Run:
+def marched(motion: Polyline, amplitude: np.ndarray, omega: np.ndarray, equation: Equation) -> Run:
     a, w = np.broadcast_arrays(amplitude[None, :], omega[:, None])
-    run = Run(System(LinearEquation()), motion.segments, a.ravel(), w.ravel(), np.full(a.size, ETA), True, LinearEquation.pool)
+    run = Run(System(equation), motion.segments, a.ravel(), w.ravel(), np.full(a.size, ETA), True, equation.pool)
     run.all()
     return run
 
@@ -80,21 +82,29 @@ def scene(values: int) -> None:
         answer = note(
             "compiled kernel, 2,000 points", lambda: compiled_record.sweep(*walk["2,000 points"], amplitude, omega, ETA), values**2
         )
-    small = note("march, every eighth value", lambda: marched(first, amplitude[some], omega[some]), amplitude[some].size ** 2)
+    few = amplitude[some].size ** 2
+    small = note("march, every eighth value", lambda: marched(first, amplitude[some], omega[some], LinearEquation()), few)
     small_flight = note(
         "flight, every eighth value",
         lambda: linear_response(first, amplitude[None, some], omega[some, None], ETA),
-        amplitude[some].size ** 2,
+        few,
     )
-    note(
-        "nonlinear, every eighth value",
-        lambda: nonlinear_response(first, amplitude[None, some], omega[some, None], ETA, ALPHA), amplitude[some].size ** 2,
+    slow = note(
+        "march of Eq. 2.3, every eighth value",
+        lambda: marched(first, amplitude[some], omega[some], RigidBodyEquation(ALPHA)), few,
     )  # fmt: skip
+    walked = note(
+        "walk, every eighth value",
+        lambda: nonlinear_response(first, amplitude[None, some], omega[some, None], ETA, ALPHA), few,
+    )  # fmt: skip
+    for _ in range(TURNS):
+        note("Eq. 2.3, 2,000 points", lambda: nonlinear_response(first, amplitude[None, :], omega[:, None], ETA, ALPHA), values**2)
     for name, each in best.items():
         print(f"  {name:<42}{each:10.1f} us a cell")
     gap = np.abs(answer[0] - theta)[answer[1] == outcome]
     print(f"  against the kernel: {(answer[1] != outcome).sum()} outcomes differ, 99 % within {np.nanquantile(gap, 0.99):.1e}")
     print(f"  refined: {refined}")
+    print(f"  Eq. 2.3 against its march: {(slow.outcome != walked.outcome.ravel()).sum()} of {slow.outcome.size} outcomes differ")
     print(f"  against the march: {(small.outcome != small_flight.outcome.ravel()).sum()} of {small.outcome.size} outcomes differ")
     flight = best["2,000 points"]
     mark("us a cell", flight, MOST)
@@ -102,7 +112,7 @@ def scene(values: int) -> None:
     mark("flight / compiled kernel", flight / best["compiled kernel, 2,000 points"], KERNEL)
     mark("four times as finely / flight", best["the same four times as finely"] / flight, REFINED)
     mark("20,000 points / flight", best["20,000 points in the same time"] / flight, LONGER)
-    mark("nonlinear, us a cell", best["nonlinear, every eighth value"], NONLINEAR)
+    mark("Eq. 2.3, us a cell", best["Eq. 2.3, 2,000 points"], NONLINEAR)
     print(f"  {resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024:.0f} MB at the most, with the compiler")
 
 

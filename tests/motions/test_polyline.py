@@ -87,3 +87,18 @@ def test_a_pulse_sampled_finely_converges_to_the_pulse_at_second_order():
         errors.append(np.abs(linear_response(motion, amplitude * motion.acceleration, 1.0, 0.9).theta_ratio - exact))
     assert np.all(np.isfinite(exact))
     np.testing.assert_allclose(errors[0] / errors[1], 4.0, rtol=0.02)
+
+
+def test_a_record_that_was_sampled_more_finely_is_the_record():
+    samples = wave(37, 2.0)
+    fine = np.interp(np.arange(5 * 36 + 1) / 5.0, np.arange(37), samples)
+    found = record_motion(record(fine, 0.01)).coarsest
+    once = record_motion(record(samples, 0.05))
+    assert found.samples.step == pytest.approx(once.samples.step, rel=1e-15)
+    np.testing.assert_allclose(found.samples.values, once.samples.values, rtol=0, atol=4e-15)
+    assert found.acceleration == pytest.approx(once.acceleration, rel=1e-15)
+    assert once.coarsest is once
+    late = record_motion(record(np.append(fine, [0.0, 0.0]), 0.01))  # its end is no multiple of the others
+    assert late.coarsest is late
+    ramp = record_motion(record(np.arange(9.0), 0.1)).coarsest
+    assert ramp.samples.values.tolist() == [0.0, 1.0]

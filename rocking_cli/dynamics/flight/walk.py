@@ -111,13 +111,14 @@ class Walk(Run):
         k, y, v, peak, pace, outward, degree = (
             getattr(lanes, name).take(at) for name in ("k", "y", "v", "peak", "pace", "outward", "degree")
         )
-        go = np.ones(at.size, dtype=bool)
+        go, cell = np.ones(at.size, dtype=bool), lanes.cell[at]
         equation = self.equation.on(lanes.side[at])
         factors, last = factors_for(pace, degree), degree * at.size + np.arange(at.size)
         for _ in range(strides):
             ramp = Ramp(outward * self.samples.take(k), outward * self.gains.take(k), pace, factors)
             end_y, end_v, proved = self._stride(equation, y, v, peak, ramp, last)
             go &= proved
+            self._look(cell, equation, (y, v), (end_y, end_v), ramp, go)
             y, v, peak = np.where(go, end_y, y), np.where(go, end_v, v), np.where(go, np.maximum(peak, end_y), peak)
             k += go
             go &= k < self.last
@@ -161,6 +162,11 @@ class Walk(Run):
         end_v /= unit
         return end_y, end_v, proved
 
+    def _look(
+        self, cell: Array, equation: Equation, start: tuple[Array, Array], end: tuple[Array, Array], ramp: Ramp, go: Array
+    ) -> None:  # fmt: skip
+        """What a listener wants to know of strides from one (y, y') to another: those in which it must look closer are no longer to go."""
+
     def _careful(self, lanes: Walkers) -> Walkers:
         """A round of the march, and the rest of the interval after it where that can be walked."""
         past = lanes.k >= len(self.segments)
@@ -187,7 +193,9 @@ class Walk(Run):
         drive = some.outward * self.samples.take(some.k) + gain * share
         ramp = Ramp(drive, gain * (1.0 - share), unit, factors_for(unit, some.degree))
         last = some.degree * at.size + np.arange(at.size)
-        y, v, proved = self._stride(self.equation.on(some.side), some.y, some.v, some.peak, ramp, last)
+        equation = self.equation.on(some.side)
+        y, v, proved = self._stride(equation, some.y, some.v, some.peak, ramp, last)
+        self._look(some.cell, equation, (some.y, some.v), (y, v), ramp, proved)
         on = np.flatnonzero(proved)
         at = at[on]
         lanes.k[at], lanes.u[at] = some.k[on] + 1, 0.0
