@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -20,7 +21,7 @@ if TYPE_CHECKING:
 @click.command(epilog="Example: rocking check configs/block.yaml configs/arch.yaml --a-g 0.35g --f-g 1.5 --sort capacity")
 @options.files
 @ground.motions
-@ground.vertical
+@ground.vertical_of_each
 @ground.shaking
 @click.option("--a-max", type=float, default=20.0, show_default=True, help="Dimensionless amplitude A up to which falling is looked for.")
 @click.option("--sort", type=click.Choice(["capacity"]), help="The weakest first, those that never overturn last.")
@@ -37,6 +38,7 @@ def check(
     motion: Motion | None,
     recordings: tuple[Recording, ...],
     shaking: Grid | None,
+    upwards: Callable[[Motion], Motion] | None,
     a_max: float,
     sort: str | None,
     fail_on: str | None,
@@ -68,6 +70,8 @@ def check(
     shakes: list[tuple[Motion, Grid]] = [(r.motion, shaking or as_recorded(r.acceleration)) for r in recordings]
     if motion is not None and shaking is not None:
         shakes.append((motion, shaking))
+    if upwards is not None:
+        shakes = [(upwards(shake), grid) for shake, grid in shakes]
     demands = [(structure, *shake) for shake in shakes for structure in structures]
     verdicts = check_all(demands, a_max=a_max, workers=options.at_most_the_cpus(workers, quiet))
     if sort:

@@ -65,20 +65,32 @@ def vertical(command: F) -> F:
     """--vertical and --vertical-scale, below the options of the motion, which then has a vertical part."""
 
     @wraps(command)
+    def with_vertical(*arguments: Any, upwards: Callable[[Motion], Motion] | None, **given: Any) -> Any:
+        if upwards is not None:
+            if given["motion"] is None:
+                raise click.UsageError("--vertical goes with one pulse or motion document here, not with a set of records")
+            given["motion"] = upwards(given["motion"])
+        return command(*arguments, **given)
+
+    return vertical_of_each(with_vertical)
+
+
+def vertical_of_each(command: F) -> F:
+    """The same where motions may be a set of records: the command gets `upwards`, which gives a motion that vertical part, or None."""
+
+    @wraps(command)
     def with_vertical(*arguments: Any, vertical: str | None, vertical_scale: float | None, **given: Any) -> Any:
         if vertical is None:
             if vertical_scale is not None:
                 raise click.UsageError("--vertical-scale goes with --vertical")
-            return command(*arguments, **given)
-        if given["motion"] is None:
-            raise click.UsageError("--vertical goes with one pulse or motion document here, not with a set of records")
+            return command(*arguments, upwards=None, **given)
         from ..motions import PULSES, pulse, read_motion
         from ..motions.biaxial import with_vertical as biaxial
 
         quiet = given.get("quiet", False)
         up = pulse(vertical) if vertical in PULSES else read_motion(vertical, tell=partial(note, quiet=quiet))
-        given["motion"] = biaxial(given["motion"], up, 1.0 if vertical_scale is None else vertical_scale)
-        return command(*arguments, **given)
+        factor = 1.0 if vertical_scale is None else vertical_scale
+        return command(*arguments, upwards=lambda motion: biaxial(motion, up, factor), **given)
 
     factor = click.option("--vertical-scale", type=float, metavar="FACTOR", help="Factor of the vertical motion (default 1).")
     told = "Vertical motion, upwards: a pulse by name, a motion document or a record."

@@ -117,3 +117,19 @@ def test_a_negative_amplitude_turns_records_over_too(rocking, tmp_path):
     turned, scaled = rocking(*call, "--a-g=-0.3g"), rocking(*call, "--a-g", "0.3g", "--scale", "-1")
     assert turned.returncode == scaled.returncode == 0, turned.stderr + scaled.stderr
     assert turned.stdout == scaled.stdout != rocking(*call, "--a-g", "0.3g").stdout
+
+
+def test_a_record_of_a_set_goes_with_the_vertical_one(rocking, refused, tmp_path):
+    """A row is the response to the record and the vertical one."""
+    (tmp_path / "body.yaml").write_text("{kind: block, name: Body, width: 0.5, height: 2}")
+    head = "PEER NGA STRONG MOTION DATABASE RECORD\nNobody\nACCELERATION TIME SERIES IN UNITS OF G\nNPTS=   5, DT=   .2000 SEC\n"
+    for name, peak in (("n", 0.28), ("up", 0.14)):
+        (tmp_path / f"{name}.at2").write_text(head + " ".join(f"{peak * x:.3f}" for x in (0, 1, 1, 0, -1)) + "\n")
+    with_up = ("body.yaml", "--motion", "n.at2", "--vertical", "up.at2", "--vertical-scale", "0.4", "--json")
+    row = json.loads(rocking("check", *with_up, "--a-max", "1.2").stdout)
+    assert row["motion"].startswith("n with up")
+    last = json.loads(rocking("response", *with_up, "--model", "nonlinear", "--forces", "--events").stdout.splitlines()[-1])
+    assert [row[key] for key in ("outcome", "friction", "fz_min")] == [last[key] for key in ("outcome", "friction", "fz_min")]
+    # the push downwards lifts it, as far as the weight is less there: a = lambda (g - a/5)
+    assert row["uplift_a"] == pytest.approx(0.25 * 9.81 / (1.0 + 0.25 * 0.2), rel=1e-12)
+    assert "two of a kind" in refused(2, "check", "body.yaml", "--motion", "n.at2", "--vertical", "sine")

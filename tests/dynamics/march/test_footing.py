@@ -175,10 +175,10 @@ def test_what_a_rotation_proves_to_press_does():
 
 def test_a_flight_marks_them_too():
     body, random = pendulum(0.6), np.random.default_rng(1)
-    values = np.append(random.uniform(-1.0, 1.0, 60), 0.0)
-    t = 0.05 * np.arange(61)
-    record = Polyline("r", t[:-1], t[1:], values[:-1], np.diff(values) / 0.05, 1.0)
-    amplitude, method = np.linspace(0.8, 2.2, 8), Method()
+    values = np.append(random.uniform(-1.0, 1.0, 24), 0.0)
+    t = 0.1 * np.arange(25)
+    record = Polyline("r", t[:-1], t[1:], values[:-1], np.diff(values) / 0.1, 1.0)
+    amplitude, method = np.linspace(0.8, 3.0, 6), Method()
     found = response(method.system_of(body), record, amplitude, 1.0 / body.p, body.eta)
     assert np.count_nonzero(found.outcome == Outcome.LOST_CONTACT) >= 1
     for i in np.flatnonzero(np.isin(found.outcome, (Outcome.ROCKED, Outcome.LOST_CONTACT)))[-1:]:
