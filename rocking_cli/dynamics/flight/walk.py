@@ -97,8 +97,12 @@ class Walk(Run):
         """Lanes with what they need to walk."""
         own = {f.name: getattr(lanes, f.name) for f in fields(Lanes)}
         pace = self.step / lanes.omega
-        degree = degrees(2.0 + lanes.amplitude * np.maximum(2.0, self.steepest / pace), pace, self.equation.tolerance)
+        degree = self._degree(lanes.amplitude, pace)
         return Walkers(**own, pace=pace, outward=-lanes.side * lanes.amplitude, degree=degree, slot=slot)
+
+    def _degree(self, amplitude: Array, pace: Array) -> Array:
+        """Degree of the series of lanes, for speeds that rocking usually has."""
+        return degrees(2.0 + amplitude * np.maximum(2.0, self.steepest / pace), pace, self.equation.tolerance)
 
     def _stroll(self, lanes: Walkers, walks: Array) -> None:
         """Some strides of all lanes that walk, in blocks; where one is not proved the lane stops."""
@@ -179,6 +183,8 @@ class Walk(Run):
         going = self.round(lanes).going
         assert isinstance(going, Walkers)
         going.pace, going.outward = self.step / going.omega, -going.side * going.amplitude
+        if len(self.cells.amplitude) > 1:  # the other edge has its own
+            going.degree = self._degree(going.amplitude, going.pace)
         self._rest_of_interval(going)
         return going
 

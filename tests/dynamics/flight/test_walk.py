@@ -116,6 +116,18 @@ def test_what_changes_nothing():
         assert_same(respond(other, amplitude, omega, eta), first.theta_ratio, first.outcome, allowed)
 
 
+def test_the_tolerance_is_kept():
+    """Against a walk at 1e-13: an error of the tolerance at the most, times the condition of each cell."""
+    motion, eta = shaken(RECORDS[0][30:80], 0.04), np.full(16, 0.9)
+    amplitude, omega = cells(16, 9)
+    condition = 1e12 * allowance(motion, amplitude, omega, eta, lambda *cell: nonlinear_response(*cell, ALPHA))
+    exact = nonlinear_response(motion, amplitude, omega, eta, ALPHA, tolerance=1e-13)
+    for tolerance in (1e-4, 1e-7, 1e-10):
+        found = nonlinear_response(motion, amplitude, omega, eta, ALPHA, tolerance=tolerance)
+        assert_same(found, exact.theta_ratio, exact.outcome, tolerance * condition)
+        assert np.nanmax(np.abs(found.theta_ratio - exact.theta_ratio)) > 1e-6 * tolerance, "fewer terms are taken"
+
+
 @pytest.mark.parametrize("name", ["a body", "a damped body of unlike edges"])
 def test_no_digit_depends_on_the_neighbours(name, monkeypatch):
     system, eta = SYSTEMS[name]
