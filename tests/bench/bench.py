@@ -261,7 +261,7 @@ def other_scenes(n, cores):
             took.append(time.process_time() - start)
         found[key] = min(took) if key == "lossless" else 1e6 * min(took) / cells
         print(f"Scene {scene}: {cells} cells, {min(took):.3f} s")
-    for key, motion, times, part in (("envelope", sine(), 2, 1), ("envelope_cycles", sine(5), 1, 10)):
+    for key, motion, times, part in (("envelope", sine(), 2, 1), ("envelope_cycles", sine(5), 1, 25)):
         seconds, frequencies = clock(partial(scenes.envelope, motion, 2 * n // (5 * part)), times)
         found[key] = part * seconds
         print(f"Envelope, {frequencies} frequencies 0.5 ... 12, {motion.name}, {cores} processes: {seconds:.2f} s", flush=True)
