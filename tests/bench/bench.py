@@ -292,11 +292,7 @@ def processes():
         bare = [sys.executable, "-c", f"import {imports[key]}"]
         found[f"{key}_import"], _ = clock(lambda bare=bare: subprocess.run(bare, check=True, env=environment), 7)
         print(f"rocking {arguments[0]}: {found[key]:.3f} s, of which {found[f'{key}_import']:.3f} s to import {imports[key]}")
-    solver = "import numpy, time; t = time.perf_counter(); import scipy.integrate; print(time.perf_counter() - t)"
-    timed = [
-        float(subprocess.run([sys.executable, "-c", solver], check=True, capture_output=True, env=environment).stdout) for _ in range(3)
-    ]
-    return found | {"solver_import": min(timed)}
+    return found
 
 
 def many_cells(n, workers):
