@@ -11,6 +11,7 @@ and bodies with damping or unlike sides are checked by a Runge-Kutta method inst
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 
 import numpy as np
 
@@ -18,8 +19,10 @@ from ...motions.motion import Motion, Piece
 from ..outcome import Outcome
 from .uplift import next_uplift
 
+Series = list[float]  # coefficients of the powers from 0
+
 TERMS = 18
-_MARKS = np.arange(9) / 8.0
+_MARKS = tuple(i / 8.0 for i in range(9))
 _SAMPLES = _MARKS[1:]
 _MAX_STEPS, _A_SEGMENT = 10_000, 100  # a cell that takes more, and these for each segment of the motion, is not checked: about a second
 _AT_REST = 1e-11
@@ -29,7 +32,7 @@ def reference_cell(motion: Motion, amplitude: float, omega: float, eta: float) -
     """(outcome, max |theta|/alpha, NaN where overturned) of one linear cell by Taylor series; FAILED if it takes too long."""
     with np.errstate(all="ignore"):
         try:
-            return _Body(motion, amplitude, omega, eta).run()
+            return _Body(motion, float(amplitude), float(omega), float(eta)).run()
         except (OverflowError, ValueError):  # numbers beyond what a power series of doubles can hold
             return Outcome.FAILED, math.nan
 
@@ -70,7 +73,7 @@ class _Body:
         if self.y == 0.0 < self.v and force < 0.0:  # a bounce of 2 v / |force| must not hide between two samples
             length = min(length, 8.0 * self.v / -force)
         series = self.series(piece, phase, length)
-        speed = series[1:] * np.arange(1, series.size)
+        speed = _derivative(series)
         reach = _first_below(series, speed)
         stop = 1.0 if reach is None else _polish(series, *reach)
         self.look_for_peaks(series, speed, stop)
@@ -83,9 +86,9 @@ class _Body:
                 self.side, self.v = 0, 0.0
         return stop * length
 
-    def series(self, piece: Piece, phase: float, length: float) -> np.ndarray:
+    def series(self, piece: Piece, phase: float, length: float) -> Series:
         """Coefficients of y in powers of (time / length)."""
-        drive = np.zeros(TERMS)
+        drive = [0.0] * TERMS
         drive[0] = piece.constant + piece.slope * (phase - piece.start)
         drive[1] = piece.slope * self.omega * length
         for h in piece.harmonics:
@@ -95,21 +98,22 @@ class _Body:
             for n in range(TERMS):
                 drive[n] += factor * turn[n % 4]
                 factor *= x / (n + 1)
-        drive *= -self.side * self.amplitude
+        outward = -self.side * self.amplitude
+        drive = [outward * x for x in drive]
         drive[0] -= 1.0
-        y = np.zeros(TERMS + 2)
-        y[0], y[1] = self.y, self.v * length
+        y = [self.y, self.v * length]
         for n in range(TERMS):
-            y[n + 2] = (y[n] + drive[n]) * length * length / ((n + 1) * (n + 2))
+            y.append((y[n] + drive[n]) * length * length / ((n + 1) * (n + 2)))
         return y
 
-    def look_for_peaks(self, series: np.ndarray, speed: np.ndarray, stop: float) -> None:
-        marks = np.array([0.0, *(x for x in _SAMPLES if x < stop), stop])
-        rates = np.polynomial.polynomial.polyval(marks, speed)
+    def look_for_peaks(self, series: Series, speed: Series, stop: float) -> None:
+        marks = [0.0, *(x for x in _SAMPLES if x < stop), stop]
+        rates = [_value(speed, x) for x in marks]
         if self.y == self.v == 0.0:  # just lifted off: rising, though its speed is still nothing
             rates[0] = 1.0
-        for i in np.flatnonzero((rates[:-1] > 0.0) & (rates[1:] <= 0.0)):
-            self.peak = max(self.peak, _value(series, _polish(speed, marks[i], marks[i + 1])))
+        for i in range(len(marks) - 1):
+            if rates[i] > 0.0 >= rates[i + 1]:
+                self.peak = max(self.peak, _value(series, _polish(speed, marks[i], marks[i + 1])))
 
     def overturned(self) -> Outcome:
         return Outcome.OVERTURNED_AFTER_IMPACT if self.bounced else Outcome.OVERTURNED_NO_IMPACT
@@ -129,28 +133,31 @@ class _Body:
         return Outcome.FAILED, math.nan
 
 
-def _first_below(series: np.ndarray, speed: np.ndarray) -> tuple[float, float] | None:
+def _first_below(series: Series, speed: Series) -> tuple[float, float] | None:
     """The part of a step in which y first comes to the ground, at one of the samples or at a dip between two; None where it does not."""
-    at, rates = (np.polynomial.polynomial.polyval(_MARKS, x) for x in (series, speed))
-    for i in range(_SAMPLES.size):
-        low, high = float(_MARKS[i]), float(_MARKS[i + 1])
+    at, rates = ([_value(coefficients, x) for x in _MARKS] for coefficients in (series, speed))
+    for i, (low, high) in enumerate(pairwise(_MARKS)):
         if rates[i] < 0.0 < rates[i + 1] and at[i + 1] > 0.0:
-            high = _polish(-speed, low, high)
+            high = _polish([-x for x in speed], low, high)
         if _value(series, high) <= 0.0:
             return low, high
     return None
 
 
-def _value(coefficients: np.ndarray, x: float) -> float:
+def _value(coefficients: Series, x: float) -> float:
     total = 0.0
-    for c in coefficients[::-1]:
-        total = total * x + float(c)
+    for c in reversed(coefficients):
+        total = total * x + c
     return total
 
 
-def _polish(coefficients: np.ndarray, low: float, high: float) -> float:
+def _derivative(coefficients: Series) -> Series:
+    return [n * c for n, c in enumerate(coefficients) if n]
+
+
+def _polish(coefficients: Series, low: float, high: float) -> float:
     """The root of a polynomial that falls through zero between `low` and `high`."""
-    slope = coefficients[1:] * np.arange(1, coefficients.size)
+    slope = _derivative(coefficients)
     x = 0.5 * (low + high)
     for _ in range(100):
         value = _value(coefficients, x)
