@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import errno
+import os
 import sys
 from importlib import import_module
 from typing import Any
@@ -116,6 +117,7 @@ def cli() -> None:
 
 def main(arguments: list[str] | None = None) -> Any:
     """Run the command line; every failure becomes one sentence on standard error and its documented exit code."""
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # others wait for work that never comes, at full speed, from NumPy's import on
     listen()
     with streams.guarded():
         try:

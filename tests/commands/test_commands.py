@@ -11,7 +11,7 @@ import pytest
 from click.shell_completion import ShellComplete
 from watching import PROGRAM
 
-from rocking_cli.commands import COMMANDS, cli
+from rocking_cli.commands import COMMANDS, cli, main
 
 
 @pytest.mark.parametrize(
@@ -123,6 +123,17 @@ def test_commands_import_only_what_they_use(arguments, unwanted, pytestconfig, t
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=pytestconfig.rootpath)
     assert not set(unwanted) & set(done.stderr.split())
+
+
+@pytest.mark.parametrize(("given", "kept"), [(None, "1"), ("3", "3")])
+def test_openblas_has_one_thread_unless_the_user_says_otherwise(monkeypatch, given, kept):
+    monkeypatch.setenv("OPENBLAS_NUM_THREADS", given or "")  # so that it is put back afterwards
+    if given is None:
+        monkeypatch.delenv("OPENBLAS_NUM_THREADS")
+    monkeypatch.setattr("rocking_cli.commands.listen", lambda: None)
+    with pytest.raises(SystemExit, match=r"^0$"):
+        main(["--version"])
+    assert os.environ["OPENBLAS_NUM_THREADS"] == kept
 
 
 @pytest.mark.parametrize(
