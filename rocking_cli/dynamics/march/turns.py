@@ -2,6 +2,7 @@
 
 A polynomial has in (0, 1) as many roots as its Bernstein coefficients there change sign, or fewer by an even number: none where they do
 not, one where they do once; a stretch with more changes is halved. Nothing is asked of the drive, so this holds under a weight that varies.
+Most steps need none of it: where what bends y' away from a straight line is too small for a root, or for a second one.
 """
 
 from __future__ import annotations
@@ -11,6 +12,7 @@ from math import comb
 
 import numpy as np
 
+from ..drive import summed
 from ..equations.equation import Flow
 from ..equations.taylor import TaylorSeries, powers
 
@@ -29,10 +31,15 @@ def falls_through_zero(arc: Flow, reach: Array, lanes: Array) -> tuple[Array, Ar
     some, span = arc.take(lanes), reach[lanes]
     n = np.arange(float(len(some.terms)))[:, None]
     speed = (some.terms * n * powers(span / some.unit, len(some.terms)))[1:]  # v h, in powers of time over reach
-    bernstein = _apply(_from_powers(len(speed)), speed)
-    low, high = np.zeros(lanes.size), np.ones(lanes.size)
-    found: list[tuple[Array, Array, Array]] = []
-    own = np.arange(lanes.size)
+    begin, end, bent = speed[0], speed[0] + speed[1], np.abs(speed[2:])
+    rest = summed(bent)
+    none_there = (np.minimum(begin, end) > rest) | (np.maximum(begin, end) < -rest)
+    once = np.abs(speed[1]) > summed(bent * n[2:-1])  # y' is monotone
+    fall = np.flatnonzero(~none_there & once & (begin > 0.0) & (summed(speed) <= 0.0))
+    found: list[tuple[Array, Array, Array]] = [(fall, np.zeros(fall.size), np.ones(fall.size))]
+    own = np.flatnonzero(~(none_there | once))
+    bernstein = _apply(_from_powers(len(speed)), speed[:, own])
+    low, high = np.zeros(own.size), np.ones(own.size)
     for _ in range(_HALVINGS):
         falls = (bernstein[:-1] > 0.0) & (bernstein[1:] <= 0.0)
         rises = (bernstein[:-1] <= 0.0) & (bernstein[1:] > 0.0)
