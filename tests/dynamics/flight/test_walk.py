@@ -54,12 +54,12 @@ def against_the_march(system, eta, samples, dt, count, seed):
 
 @pytest.mark.parametrize("name", SYSTEMS)
 def test_the_same_as_the_march_by_long_series(name):
-    against_the_march(*SYSTEMS[name], RECORDS[0][20:80], 0.05, 16, 5)
+    against_the_march(*SYSTEMS[name], RECORDS[0][30:70], 0.05, 16, 5)
 
 
 def test_an_arch_walks_as_it_marches():
     (arch,) = load_structures("configs/arch.yaml")
-    against_the_march(Method("nonlinear").system_of(arch), 0.9, RECORDS[0][30:70], 0.05, 12, 6)
+    against_the_march(Method("nonlinear").system_of(arch), 0.9, RECORDS[0][30:60], 0.05, 12, 6)
 
 
 @pytest.mark.soak
@@ -69,8 +69,8 @@ def test_three_hundred_cells_of_each_system(name, record):
     against_the_march(*SYSTEMS[name], RECORDS[record], 0.04, 300, 20 + record)
 
 
-def against_lockstep(record, count, eta, alpha=ALPHA):
-    motion = shaken(RECORDS[record], 0.04)
+def against_lockstep(record, count, eta, alpha=ALPHA, part=slice(None)):
+    motion = shaken(RECORDS[record][part], 0.04)
     amplitude, omega = cells(count, 30 + record)
     etas = np.full(count, eta)
     if eta == 1.0:  # without loss some never end: only those that bounce little
@@ -86,7 +86,7 @@ def against_lockstep(record, count, eta, alpha=ALPHA):
 
 
 def test_bodies_against_an_integration_that_shares_no_code():
-    against_lockstep(2, 20, 0.7)
+    against_lockstep(2, 20, 0.7, part=slice(35, 80))
 
 
 @pytest.mark.soak
@@ -131,7 +131,7 @@ def test_the_tolerance_is_kept():
 @pytest.mark.parametrize("name", ["a body", "a damped body of unlike edges"])
 def test_no_digit_depends_on_the_neighbours(name, monkeypatch):
     system, eta = SYSTEMS[name]
-    motion = shaken(RECORDS[0][30:80], 0.04)
+    motion = shaken(RECORDS[0][30:60], 0.04)
     amplitude, omega = cells(12, 6)
     together = response(system, motion, amplitude, omega, eta)
     narrow = response(system, motion, amplitude, omega, eta, pool=5)
