@@ -13,73 +13,30 @@ the sign tests of `windows` ask; where it no longer falls, or has come to -50 ti
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import cached_property
 from typing import Self
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 
 from ...motions.motion import Segments
-from ...structures.kinematics import Mechanism, linearise
+from ...structures.kinematics import Mechanism
 from ..lanes import Lanes
 from ..weight import WeighedSegments
 from .energy import falls_by_energy
 from .equation import Ramp
+from .patches import DEGREE, inverse, largest, tabulate
 from .ramp import MOST_TERMS, ramp_flow
-from .taylor import TaylorSeries, blocks, drive_series, order_for, series, weighed_series
+from .taylor import TaylorSeries, blocks, drive_series, order_for, powers, series, weighed_series
 
 Array = np.ndarray
 
-DEGREE = 28  # of a patch's series
-_COLLAPSED = -50.0  # lambda(phi) / lambda(0): no drive below 50 times the uplift's brings the structure back from there
-_WIDEN = 2.0  # a patch's series is fitted on this times its width
+_SHIFT = 6  # powers of x that a narrow patch's series is shifted with
 _TOGETHER = 3  # powers of the series that are raised in one sum
 _MARKS, _NEAR = 2048, 4  # marks of a finer table: within half their distance powers above the 4th are below 1e-13
 _CHOOSE = np.array([[math.comb(j + k, k) for j in range(MOST_TERMS)] for k in range(_NEAR + 1)], dtype=float)
 _MARGIN = 1e-6  # energy beyond a barrier from which overturning is certain, whatever the table's interpolation
-# A Chebyshev coefficient below this is rounding: values are of order one, and come from the linkage to 1e-14, or to 1e-15 over
-# lambda where that is small, since V' is then a small difference.
-_SMALL = 3e-14
-
-
-@dataclass(frozen=True)
-class Patches:
-    """Functions of y by patches: edges (patches + 1), centre, half (width fitted), and (degree + 1, patches) coefficients.
-
-    Coefficients are of powers of (y - centre) / half. lift F/F0, push G/G0, turn phi/alpha; work and thrust: int lift dy and
-    int push dy from 0.
-    """
-
-    edges: Array
-    centre: Array
-    half: Array
-    lift: Array
-    push: Array
-    turn: Array
-    work: Array
-    thrust: Array
-
-    def of(self, y: Array) -> tuple[Array, Array]:
-        """(patch, argument of its series) of each displacement."""
-        at = np.clip(np.searchsorted(self.edges, y, side="right") - 1, 0, self.centre.size - 1)
-        return at, (y - self.centre[at]) / self.half[at]
-
-    def value(self, coefficients: Array, y: Array) -> Array:
-        """A tabulated function at y."""
-        at, x = self.of(y)
-        total = np.zeros_like(x)
-        for row in coefficients[::-1]:
-            total *= x
-            total += row.take(at)
-        return total
-
-    def slope(self, coefficients: Array, y: Array) -> Array:
-        """Its derivative."""
-        at, x = self.of(y)
-        total = np.zeros_like(x)
-        for n in range(len(coefficients) - 1, 0, -1):
-            total = total * x + n * coefficients[n][at]
-        return total / self.half[at]
+_FACTORIALS = np.array([[float(math.factorial(k))] for k in range(DEGREE + 1)])
 
 
 class MechanismEquation:
@@ -101,12 +58,12 @@ class MechanismEquation:
         self.table = tabulate(mechanism)
         table = self.table
         self.limit = float(table.edges[-1])
-        self.top = float(_inverse(table, table.turn, np.array([1.0]), self.limit)[0])  # y at phi = alpha
+        self.top = float(inverse(table, table.turn, np.array([1.0]), self.limit)[0])  # y at phi = alpha
         self.barrier = float(table.value(table.work, np.array([self.top]))[0])
         inner = np.linspace(0.0, self.top, 257)
         rates = (np.abs(table.slope(c, inner)) for c in (table.lift, table.push))
         self.gain = float(sum(r.max() for r in rates))
-        self.bounds = _largest(table, table.lift), _largest(table, table.push)
+        self.bounds = largest(table, table.lift), largest(table, table.push)
         beyond = np.linspace(self.top, self.limit, 4097)
         self.marks = beyond, -table.value(table.lift, beyond) / table.value(table.push, beyond)
 
@@ -221,14 +178,19 @@ class MechanismEquation:
         return self._local(at, x, count) / self.table.half[at] ** np.arange(count)[:, None]
 
     def _local(self, at: Array, x: Array, count: int) -> Array:
-        """(2, count, lanes): the series of F and G in powers of (y - y0) / half, shifted from the patch's centre to y0."""
-        rows = np.stack([self.table.lift.take(at, axis=1), self.table.push.take(at, axis=1)])
-        # Horner's rule, row j += x row j + 1 for j downwards, repeated from row k on for each k: turn s has come to j = last - s + k.
-        last, rest = rows.shape[1] - 1, np.empty((2, count, x.size))
-        for s in range(1, last + 1):
-            here, size = last - s, min(count, s)
-            rows[:, here : here + size] += np.multiply(x, rows[:, here + 1 : here + size + 1], out=rest[:, :size])
-        return rows[:, :count]
+        """(2, count, lanes): the series of F and G in powers of (y - y0) / half, shifted from the patch's centre to y0, which is near."""
+        if x.size == 1:  # NumPy sums a single lane in another order: no digit may depend on a lane's neighbours
+            return self._local(at.repeat(2), x.repeat(2), count)[:, :, :1]
+        given = min(count + _SHIFT, DEGREE + 1)
+        rows = np.zeros((2, count + _SHIFT, x.size))
+        for function, row in zip((self.table.lift, self.table.push), rows, strict=True):
+            function[:given].take(at, axis=1, out=row[:given])
+            row[:given] *= _FACTORIALS[:given]  # k! c_k: term k about y0 is the sum over m of term k + m times x^m/m!
+        x_m = powers(x, _SHIFT + 1)
+        x_m /= _FACTORIALS[: _SHIFT + 1]
+        local: Array = np.einsum("ml,fmlk->fkl", x_m, sliding_window_view(rows, count, axis=1))
+        local /= _FACTORIALS[:count]
+        return local
 
     def force(self, y: Array, a: Array, weight: Array | float = 1.0) -> Array:
         """-w F/F0 + a G/G0."""
@@ -244,7 +206,7 @@ class MechanismEquation:
 
     def displacement(self, rotation: Array) -> Array:
         """y of phi/alpha."""
-        return _inverse(self.table, self.table.turn, rotation, self.limit)
+        return inverse(self.table, self.table.turn, rotation, self.limit)
 
     def fall(self, y: Array, v: Array) -> tuple[Array, Array]:
         """K = v^2/2 + int F/F0 dy is constant between impacts; the barrier is where phi = alpha."""
@@ -253,7 +215,7 @@ class MechanismEquation:
 
     def crest(self, energy: Array) -> Array:
         """y where the work of the weight has used up the energy."""
-        return _inverse(self.table, self.table.work, np.minimum(energy, self.barrier), self.top)
+        return inverse(self.table, self.table.work, np.minimum(energy, self.barrier), self.top)
 
     def damped_crest(self, y: Array, v: Array) -> Array:
         """It has no closed form."""
@@ -283,133 +245,3 @@ class MechanismEquation:
     def _equilibrium(self, e: Array) -> Array:
         """y where F/G = -e, at most the limit; from a table, since at a maximum its last digits do not matter."""
         return np.interp(e, self.marks[1], self.marks[0])
-
-
-def _largest(table: Patches, coefficients: Array) -> float:
-    """An upper bound of a tabulated function: its largest value on 4097 points and what its slope adds between them."""
-    y = np.linspace(0.0, float(table.edges[-1]), 4097)
-    return float(table.value(coefficients, y).max() + np.abs(table.slope(coefficients, y)).max() * y[1])
-
-
-def _inverse(table: Patches, coefficients: Array, value: Array, high: float) -> Array:
-    """y in [0, high] where a rising function has a value: Newton's method inside a bracket that only shrinks."""
-    shape, value = np.shape(value), np.atleast_1d(np.asarray(value, dtype=float))
-    nodes = np.linspace(0.0, high, 513)
-    at = np.clip(np.searchsorted(table.value(coefficients, nodes), value) - 1, 0, nodes.size - 2)
-    a, b = nodes[at], nodes[at + 1]
-    y = 0.5 * (a + b)
-    lanes = np.flatnonzero(~np.isnan(value))
-    for _ in range(60):
-        if not lanes.size:
-            break
-        here = y[lanes]
-        gap = table.value(coefficients, here) - value[lanes]
-        a[lanes], b[lanes] = np.where(gap < 0.0, here, a[lanes]), np.where(gap < 0.0, b[lanes], here)
-        with np.errstate(all="ignore"):
-            newton = here - gap / table.slope(coefficients, here)
-        inside = (newton >= a[lanes]) & (newton <= b[lanes])
-        y[lanes] = np.where(inside, newton, 0.5 * (a[lanes] + b[lanes]))
-        lanes = lanes[(np.abs(y[lanes] - here) > 1e-15 * high) & (b[lanes] - a[lanes] > 1e-15 * high)]
-    return np.where(np.isnan(value), np.nan, y).reshape(shape)
-
-
-@lru_cache(maxsize=32)
-def tabulate(mechanism: Mechanism) -> Patches:
-    """The coefficients of Eq. 3.4 as functions of y, to rounding. Raises ValueError; see `MechanismEquation`."""
-    form = linearise(mechanism)
-    path = _Path(mechanism, form.alpha, form.stiffness)
-    fits = _fit(path, 0.0, path.length, 0)
-    edges = np.array([0.0, *(f[0] for f in fits)])
-    centre, half = np.array([f[1] for f in fits]), np.array([f[2] for f in fits])
-    lift, push, turn = (np.array([f[3][i] for f in fits]).T for i in range(3))
-    turn[0, 0] -= np.polynomial.polynomial.polyval((0.0 - centre[0]) / half[0], turn[:, 0])  # 0 at rest to the last digit
-    work, thrust = (_integral(c, edges, centre, half) for c in (lift, push))
-    return Patches(edges, centre, half, lift, push, turn, work, thrust)
-
-
-class _Path:
-    """The way from rest to collapse: y(phi) by quadrature, and F/F0, G/G0, phi/alpha at given y."""
-
-    def __init__(self, mechanism: Mechanism, alpha: float, stiffness: float) -> None:
-        self.mechanism, self.alpha = mechanism, alpha
-        at_rest = mechanism.coefficients(0.0)
-        root = float(np.sqrt(at_rest.inertia))
-        self.lift0, self.push0 = float(at_rest.lift) / root, float(at_rest.push) / root
-        self.noise = max(1.0, 0.1 * self.push0 / self.lift0)
-        self.rate = stiffness / self.lift0  # dy/dphi over sqrt(M)
-        end = _collapse(mechanism, alpha)
-        self.marks = np.linspace(0.0, end, 513)
-        self.nodes, self.weights = np.polynomial.legendre.leggauss(20)
-        self.sums = np.concatenate([[0.0], np.cumsum(self._integral(self.marks[:-1], self.marks[1:]))])
-        self.length = float(self.sums[-1])
-
-    def _integral(self, start: Array, stop: Array) -> Array:
-        half = 0.5 * (stop - start)
-        phi = (0.5 * (start + stop))[..., None] + half[..., None] * self.nodes
-        return self.rate * half * (np.sqrt(self.mechanism.coefficients(phi).inertia) * self.weights).sum(axis=-1)
-
-    def phi(self, y: Array) -> Array:
-        """Rotation at y [rad], by Newton's method; NaN beyond the reach of the links."""
-        first, last = self.marks[1] / self.sums[1], (self.marks[-1] - self.marks[-2]) / (self.sums[-1] - self.sums[-2])
-        phi = np.interp(y, self.sums, self.marks) + np.minimum(y, 0.0) * first + np.maximum(y - self.length, 0.0) * last
-        for _ in range(12):
-            at = np.clip(np.searchsorted(self.marks, phi, side="right") - 1, 0, self.marks.size - 1)
-            gap = self.sums[at] + self._integral(self.marks[at], phi) - y
-            phi = phi - gap / (self.rate * np.sqrt(self.mechanism.coefficients(phi).inertia))
-        return phi
-
-    def __call__(self, y: Array) -> list[Array]:
-        phi = self.phi(y)
-        c = self.mechanism.coefficients(phi)
-        root = np.sqrt(c.inertia)
-        return [c.lift / root / self.lift0, c.push / root / self.push0, phi / self.alpha]
-
-
-def _collapse(mechanism: Mechanism, alpha: float) -> float:
-    """The rotation from which nothing brings the structure back; at least 1.25 alpha."""
-    phi = np.linspace(0.0, mechanism.reach, 20001)[:-1]
-    c = mechanism.coefficients(phi)
-    with np.errstate(all="ignore"):
-        multiplier = np.asarray(c.lift / c.push)
-    falls = (np.diff(multiplier) < 0.0) & (np.asarray(c.push)[1:] > 0.0) & (multiplier[1:] >= _COLLAPSED * multiplier[0])
-    end = float(phi[-1] if falls.all() else phi[np.argmin(falls)])
-    if end < 1.25 * alpha:
-        raise ValueError("the nonlinear model does not hold: its lambda(phi) does not fall on to the unstable equilibrium and beyond it")
-    return end
-
-
-def _fit(path: _Path, start: float, stop: float, depth: int) -> list[tuple[float, float, float, list[Array]]]:
-    """Patches from start to stop: halved until their series converge."""
-    if depth > 16:
-        raise ValueError("the nonlinear model does not hold: the linkage locks too close to rest")
-    centre, half = 0.5 * (start + stop), 0.5 * _WIDEN * (stop - start)
-    x = np.cos(np.pi * (np.arange(DEGREE + 8) + 0.5) / (DEGREE + 8))
-    with np.errstate(all="ignore"):
-        values = path(centre + half * x)
-    found = []
-    for v in values:
-        if not np.all(np.isfinite(v)):
-            break
-        c = np.polynomial.chebyshev.chebfit(x, v, DEGREE + 7)
-        small = _SMALL * path.noise * max(1.0, np.abs(c).max()) * (1.0 if depth < 8 else 10.0)
-        if np.abs(c[DEGREE - 2 :]).max() > small:
-            break
-        c = np.where(np.abs(c) > small, c, 0.0)[: DEGREE + 1]
-        powers = np.polynomial.chebyshev.cheb2poly(c)
-        found.append(np.pad(powers, (0, DEGREE + 1 - powers.size)))
-    else:
-        return [(stop, centre, half, found)]
-    middle = 0.5 * (start + stop)
-    return [*_fit(path, start, middle, depth + 1), *_fit(path, middle, stop, depth + 1)]
-
-
-def _integral(coefficients: Array, edges: Array, centre: Array, half: Array) -> Array:
-    """The integral from y = 0 of a function by patches."""
-    n = np.arange(1, coefficients.shape[0] + 1)[:, None]
-    raised = np.concatenate([np.zeros((1, centre.size)), coefficients * half / n])
-    total = 0.0
-    for i in range(centre.size):
-        ends = np.polynomial.polynomial.polyval((edges[i : i + 2] - centre[i]) / half[i], raised[:, i])
-        raised[0, i] = total - ends[0]
-        total += float(ends[1] - ends[0])
-    return raised

@@ -1,0 +1,211 @@
+"""The functions of a mechanism's equation by patches: power series in y, fitted to the linkage and good to rounding.
+
+They are fitted on patches that are short against the distance to the linkage's nearest lock-up, and then moved to narrow ones, on which
+a value takes a few terms.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+from ...structures.kinematics import Mechanism, linearise
+
+Array = np.ndarray
+
+DEGREE = 28  # of a patch's series
+_PARTS = 64  # narrow patches that one is cut into
+_TERMS = 10  # of a narrow patch's series for a value: x is below 1/128 there, and x^9 is 1e-19
+_COLLAPSED = -50.0  # lambda(phi) / lambda(0): no drive below 50 times the uplift's brings the structure back from there
+_WIDEN = 2.0  # a patch's series is fitted on this times its width
+# A Chebyshev coefficient below this is rounding: values are of order one, and come from the linkage to 1e-14, or to 1e-15 over
+# lambda where that is small, since V' is then a small difference.
+_SMALL = 3e-14
+
+
+@dataclass(frozen=True)
+class Patches:
+    """Functions of y by patches: edges (patches + 1), centre, half (half the width that was fitted), and (terms, patches) coefficients.
+
+    Coefficients are of powers of (y - centre) / half. lift F/F0, push G/G0, turn phi/alpha; work and thrust: int lift dy and
+    int push dy from 0.
+    """
+
+    edges: Array
+    centre: Array
+    half: Array
+    lift: Array
+    push: Array
+    turn: Array
+    work: Array
+    thrust: Array
+
+    def of(self, y: Array) -> tuple[Array, Array]:
+        """(patch, argument of its series) of each displacement."""
+        at = np.clip(np.searchsorted(self.edges, y, side="right") - 1, 0, self.centre.size - 1)
+        return at, (y - self.centre[at]) / self.half[at]
+
+    def value(self, coefficients: Array, y: Array) -> Array:
+        """A tabulated function at y."""
+        at, x = self.of(y)
+        total = np.zeros_like(x)
+        for row in coefficients[_TERMS - 1 :: -1]:
+            total *= x
+            total += row.take(at)
+        return total
+
+    def slope(self, coefficients: Array, y: Array) -> Array:
+        """Its derivative."""
+        at, x = self.of(y)
+        total = np.zeros_like(x)
+        for n in range(_TERMS - 1, 0, -1):
+            total = total * x + n * coefficients[n][at]
+        return total / self.half[at]
+
+
+def largest(table: Patches, coefficients: Array) -> float:
+    """An upper bound of a tabulated function: its largest value on 4097 points and what its slope adds between them."""
+    y = np.linspace(0.0, float(table.edges[-1]), 4097)
+    return float(table.value(coefficients, y).max() + np.abs(table.slope(coefficients, y)).max() * y[1])
+
+
+def inverse(table: Patches, coefficients: Array, value: Array, high: float) -> Array:
+    """y in [0, high] where a rising function has a value: Newton's method inside a bracket that only shrinks."""
+    shape, value = np.shape(value), np.atleast_1d(np.asarray(value, dtype=float))
+    nodes = np.linspace(0.0, high, 513)
+    at = np.clip(np.searchsorted(table.value(coefficients, nodes), value) - 1, 0, nodes.size - 2)
+    a, b = nodes[at], nodes[at + 1]
+    y = 0.5 * (a + b)
+    lanes = np.flatnonzero(~np.isnan(value))
+    for _ in range(60):
+        if not lanes.size:
+            break
+        here = y[lanes]
+        gap = table.value(coefficients, here) - value[lanes]
+        a[lanes], b[lanes] = np.where(gap < 0.0, here, a[lanes]), np.where(gap < 0.0, b[lanes], here)
+        with np.errstate(all="ignore"):
+            newton = here - gap / table.slope(coefficients, here)
+        inside = (newton >= a[lanes]) & (newton <= b[lanes])
+        y[lanes] = np.where(inside, newton, 0.5 * (a[lanes] + b[lanes]))
+        lanes = lanes[(np.abs(y[lanes] - here) > 1e-15 * high) & (b[lanes] - a[lanes] > 1e-15 * high)]
+    return np.where(np.isnan(value), np.nan, y).reshape(shape)
+
+
+@lru_cache(maxsize=32)
+def tabulate(mechanism: Mechanism) -> Patches:
+    """The coefficients of Eq. 3.4 as functions of y, to rounding. Raises ValueError; see `MechanismEquation`."""
+    form = linearise(mechanism)
+    path = _Path(mechanism, form.alpha, form.stiffness)
+    fits = _fit(path, 0.0, path.length, 0)
+    edges = np.array([0.0, *(f[0] for f in fits)])
+    centre, half = np.array([f[1] for f in fits]), np.array([f[2] for f in fits])
+    lift, push, turn = (np.array([f[3][i] for f in fits]).T for i in range(3))
+    work, thrust = (_integral(c, edges, centre, half) for c in (lift, push))
+    return _narrowed(Patches(edges, centre, half, lift, push, turn, work, thrust))
+
+
+def _narrowed(wide: Patches) -> Patches:
+    """The same functions by patches so narrow that a value takes a few terms, and so does the way from the centre to any y in it."""
+    share, width = (np.arange(_PARTS) + 0.5) / _PARTS, np.diff(wide.edges)
+    edges = np.append((wide.edges[:-1, None] + width[:, None] * (share - 0.5 / _PARTS)).ravel(), wide.edges[-1])
+    centre, half = (wide.edges[:-1, None] + width[:, None] * share).ravel(), wide.half.repeat(_PARTS)
+    x = (centre - wide.centre.repeat(_PARTS)) / half
+    functions = np.stack([np.pad(c, ((0, DEGREE + 2 - len(c)), (0, 0))) for c in (wide.lift, wide.push, wide.turn, wide.work, wide.thrust)])
+    rows = functions.repeat(_PARTS, axis=2)
+    for first in range(DEGREE + 1):  # Horner's rule, repeated
+        for n in range(DEGREE, first - 1, -1):
+            rows[:, n] += x * rows[:, n + 1]
+    at_rest = np.polynomial.polynomial.polyval((0.0 - centre[0]) / half[0], rows[2:, :_TERMS, 0].T)
+    rows[2:, 0, 0] -= at_rest  # 0 at rest to the last digit
+    lift, push = rows[0, : DEGREE + 1], rows[1, : DEGREE + 1]
+    return Patches(edges, centre, half, lift, push, *rows[2:, :_TERMS])
+
+
+class _Path:
+    """The way from rest to collapse: y(phi) by quadrature, and F/F0, G/G0, phi/alpha at given y."""
+
+    def __init__(self, mechanism: Mechanism, alpha: float, stiffness: float) -> None:
+        self.mechanism, self.alpha = mechanism, alpha
+        at_rest = mechanism.coefficients(0.0)
+        root = float(np.sqrt(at_rest.inertia))
+        self.lift0, self.push0 = float(at_rest.lift) / root, float(at_rest.push) / root
+        self.noise = max(1.0, 0.1 * self.push0 / self.lift0)
+        self.rate = stiffness / self.lift0  # dy/dphi over sqrt(M)
+        end = _collapse(mechanism, alpha)
+        self.marks = np.linspace(0.0, end, 513)
+        self.nodes, self.weights = np.polynomial.legendre.leggauss(20)
+        self.sums = np.concatenate([[0.0], np.cumsum(self._integral(self.marks[:-1], self.marks[1:]))])
+        self.length = float(self.sums[-1])
+
+    def _integral(self, start: Array, stop: Array) -> Array:
+        half = 0.5 * (stop - start)
+        phi = (0.5 * (start + stop))[..., None] + half[..., None] * self.nodes
+        return self.rate * half * (np.sqrt(self.mechanism.coefficients(phi).inertia) * self.weights).sum(axis=-1)
+
+    def phi(self, y: Array) -> Array:
+        """Rotation at y [rad], by Newton's method; NaN beyond the reach of the links."""
+        first, last = self.marks[1] / self.sums[1], (self.marks[-1] - self.marks[-2]) / (self.sums[-1] - self.sums[-2])
+        phi = np.interp(y, self.sums, self.marks) + np.minimum(y, 0.0) * first + np.maximum(y - self.length, 0.0) * last
+        for _ in range(12):
+            at = np.clip(np.searchsorted(self.marks, phi, side="right") - 1, 0, self.marks.size - 1)
+            gap = self.sums[at] + self._integral(self.marks[at], phi) - y
+            phi = phi - gap / (self.rate * np.sqrt(self.mechanism.coefficients(phi).inertia))
+        return phi
+
+    def __call__(self, y: Array) -> list[Array]:
+        phi = self.phi(y)
+        c = self.mechanism.coefficients(phi)
+        root = np.sqrt(c.inertia)
+        return [c.lift / root / self.lift0, c.push / root / self.push0, phi / self.alpha]
+
+
+def _collapse(mechanism: Mechanism, alpha: float) -> float:
+    """The rotation from which nothing brings the structure back; at least 1.25 alpha."""
+    phi = np.linspace(0.0, mechanism.reach, 20001)[:-1]
+    c = mechanism.coefficients(phi)
+    with np.errstate(all="ignore"):
+        multiplier = np.asarray(c.lift / c.push)
+    falls = (np.diff(multiplier) < 0.0) & (np.asarray(c.push)[1:] > 0.0) & (multiplier[1:] >= _COLLAPSED * multiplier[0])
+    end = float(phi[-1] if falls.all() else phi[np.argmin(falls)])
+    if end < 1.25 * alpha:
+        raise ValueError("the nonlinear model does not hold: its lambda(phi) does not fall on to the unstable equilibrium and beyond it")
+    return end
+
+
+def _fit(path: _Path, start: float, stop: float, depth: int) -> list[tuple[float, float, float, list[Array]]]:
+    """Patches from start to stop: halved until their series converge."""
+    if depth > 16:
+        raise ValueError("the nonlinear model does not hold: the linkage locks too close to rest")
+    centre, half = 0.5 * (start + stop), 0.5 * _WIDEN * (stop - start)
+    x = np.cos(np.pi * (np.arange(DEGREE + 8) + 0.5) / (DEGREE + 8))
+    with np.errstate(all="ignore"):
+        values = path(centre + half * x)
+    found = []
+    for v in values:
+        if not np.all(np.isfinite(v)):
+            break
+        c = np.polynomial.chebyshev.chebfit(x, v, DEGREE + 7)
+        small = _SMALL * path.noise * max(1.0, np.abs(c).max()) * (1.0 if depth < 8 else 10.0)
+        if np.abs(c[DEGREE - 2 :]).max() > small:
+            break
+        c = np.where(np.abs(c) > small, c, 0.0)[: DEGREE + 1]
+        powers = np.polynomial.chebyshev.cheb2poly(c)
+        found.append(np.pad(powers, (0, DEGREE + 1 - powers.size)))
+    else:
+        return [(stop, centre, half, found)]
+    middle = 0.5 * (start + stop)
+    return [*_fit(path, start, middle, depth + 1), *_fit(path, middle, stop, depth + 1)]
+
+
+def _integral(coefficients: Array, edges: Array, centre: Array, half: Array) -> Array:
+    """The integral from y = 0 of a function by patches."""
+    n = np.arange(1, coefficients.shape[0] + 1)[:, None]
+    raised = np.concatenate([np.zeros((1, centre.size)), coefficients * half / n])
+    total = 0.0
+    for i in range(centre.size):
+        ends = np.polynomial.polynomial.polyval((edges[i : i + 2] - centre[i]) / half[i], raised[:, i])
+        raised[0, i] = total - ends[0]
+        total += float(ends[1] - ends[0])
+    return raised
