@@ -49,7 +49,7 @@ def report(
     """
     from ..dynamics.outcome import Outcome
     from ..reports.page import Subject, demand_extra, page
-    from ..responses.check import check_all
+    from ..responses.check import check_all, tally
     from ..spectra.grid import as_recorded
     from ..structures import build_structure, read_documents, with_distinct_names
 
@@ -80,8 +80,7 @@ def report(
     part = output.with_name(f"{output.name}.part")
     part.write_text(text, encoding="utf-8")
     os.replace(part, output)
-    falls = [v.name for v in verdicts if v.outcome.overturned]
-    options.note(f"{output}: {len(falls)} of {len(verdicts)} overturn", quiet)
+    options.note(f"{output}: {tally(verdicts)}", quiet)
     if any(v.outcome == Outcome.FAILED for v in verdicts):
         context.exit(4)
 

@@ -28,7 +28,7 @@ from ..dynamics.outcome import Difference, difference
 from ..errors import DocumentError, OutputError, UsageError
 from ..motions import Motion
 from ..motions.recording import Recording
-from ..responses.check import Verdict, governing_method
+from ..responses.check import Verdict, governing_method, tally
 from ..spectra.exposure import exposures
 from ..spectra.fragility import FEWEST, Resampling
 from ..spectra.fragility_study import LIMITS, Study, word_of
@@ -104,7 +104,7 @@ def page(
         folder = Path(name)
         return template.render(
             title=f"Rocking of {', '.join(s.structure.name for s in subjects)}",
-            lead=f"{sum(v.outcome.overturned for v in verdicts)} of {len(verdicts)} overturn, under {motions}.",
+            lead=f"{tally(verdicts)}, under {motions}.",
             heads=HEADS,
             verdicts=[{"falls": v.falls, "cells": _cells(v)} for v in verdicts],
             capacities=_image(folder, lambda figure: _capacities(figure, verdicts)),

@@ -134,6 +134,13 @@ def check_all(demands: Sequence[Demand], *, a_max: float = A_MAX, workers: int |
         return list(run(demands))
 
 
+def tally(verdicts: Sequence[Verdict]) -> str:
+    """How many overturn, and how many leave the ground where any does, in words."""
+    lost = sum(v.falls and not v.outcome.overturned for v in verdicts)
+    overturn = f"{sum(v.outcome.overturned for v in verdicts)} of {len(verdicts)} overturn"
+    return f"{overturn}, {lost} lose{'s' if lost == 1 else ''} contact with the ground" if lost else overturn
+
+
 def _check_one(a_max: float, demand: Demand) -> Verdict:
     return check(*demand, a_max=a_max)
 

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from rocking_cli import Axis, Grid, Outcome, UsageError, build_structure, parse_documents, parse_grid, pulse, sine, trace_envelope
-from rocking_cli.responses.check import CHECK_COLUMNS, check, check_all, governing_method
+from rocking_cli.responses.check import CHECK_COLUMNS, check, check_all, governing_method, tally
 from rocking_cli.responses.time_history import time_history
 from rocking_cli.spectra.envelope import A_MAX
 
@@ -137,3 +139,13 @@ def test_workers_change_nothing():
 def test_no_demand_is_refused():
     with pytest.raises(UsageError, match="the amplitude is 0"):
         check(structure_of("kind: block\nwidth: 0.5\nheight: 2"), sine(), parse_grid("a_g=0,f_g=1"))
+
+
+def test_what_leaves_the_ground_counts_as_a_fall_and_is_told_apart():
+    (stocky,) = (build_structure(d) for d in parse_documents("kind: block\nwidth: 1.2\nheight: 2\nrestitution: 0.8\n"))
+    lost = check(stocky, sine(), parse_grid("A=8,Omega=9"), a_max=6.5)
+    assert (lost.outcome, lost.falls, lost.theta_ratio, lost.safe_to) == (Outcome.LOST_CONTACT, True, None, None)
+    assert lost.capacity_demand < 1.0
+    stands = replace(lost, outcome=Outcome.ROCKED)
+    assert tally([stands]) == "0 of 1 overturn"
+    assert tally([stands, lost]) == "0 of 2 overturn, 1 loses contact with the ground"
