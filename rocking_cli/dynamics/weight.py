@@ -90,8 +90,9 @@ def weighed(motion: Motion, right: float, left: float) -> Segments:
         inner = [_apart(sorted(x for piece in pieces for x in piece.extremes()), pieces[0].stop - pieces[0].start)
                  for pieces in zip(*(signal.pieces for signal in signals[1:]), strict=True)]  # fmt: skip
         across, vertical, at_right, at_left = (signal.cut(inner) for signal in signals)
-    inward = (across.later_max, across.later_min)
-    return _weighed(across, vertical, at_right, at_left, inward, (right, left))
+    own = motion.across.segments  # whose extremes lie between the common cuts
+    at = np.maximum(np.searchsorted(own.start, across.start, side="right") - 1, 0)
+    return _weighed(across, vertical, at_right, at_left, (own.later_max[at], own.later_min[at]), (right, left))
 
 
 def _apart(marks: list[float], length: float) -> list[float]:

@@ -168,6 +168,18 @@ def test_segments_are_monotone_for_both_edges():
         assert steps.min() > -1e-12
 
 
+def test_the_strongest_drive_to_come_is_no_less_than_any_of_it():
+    """Of the horizontal motion, whose extremes are no ends of the common segments."""
+    motion = with_vertical(sine(2), Motion("fast", (Piece(0.0, 9.0, (Harmonic(0.6, 3.3, 0.4),)),)))
+    found = weighed(motion, 0.3, 0.5)
+    most, least = found.inward
+    for k in range(len(found)):
+        ahead = motion.value(np.linspace(found.start[k], motion.duration, 3000))
+        assert most[k] >= ahead.max() - 1e-15
+        assert least[k] <= ahead.min() + 1e-15
+    assert most[0] == 1.0 == -least[0]
+
+
 def _change(edge, k, u):
     from rocking_cli.dynamics.drive import segment_value
 

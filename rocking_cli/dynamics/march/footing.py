@@ -84,9 +84,11 @@ class Footing:
 
     def __init__(self, body: Body, segments: Segments, cells: Cells, ahead: float) -> None:
         self.body, self.segments = body, segments
-        self.across = _sizes(segments)
-        self.up = _sizes(segments.vertical) if isinstance(segments, WeighedSegments) else _Motion(0.0, 0.0, 0.0)
-        share = segments.share if isinstance(segments, WeighedSegments) else (0.0, 0.0)
+        self.across, self.up, share = _sizes(segments), _Motion(0.0, 0.0, 0.0), (0.0, 0.0)
+        if isinstance(segments, WeighedSegments):  # whose horizontal extremes lie between the ends
+            most, least = segments.inward
+            largest = max(self.across.size, float(most.max()), -float(least.min()))
+            self.across, self.up, share = self.across._replace(size=largest), _sizes(segments.vertical), segments.share
         edges = body.edges
         self.sway = tuple(abs(share[i]) * self.up.size / (e.uplift * self.across.size or 1.0) for i, e in enumerate(edges))
         safe = np.array(body.safe_push(self.sway))[:, None]
