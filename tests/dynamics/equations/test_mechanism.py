@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.integrate import quad, solve_ivp
 
-from rocking_cli import Method, Outcome, build_structure, linear_response, parse_documents, pulse, sine
+from rocking_cli import Method, Outcome, build_structure, cosine, linear_response, parse_documents, pulse, sine
 from rocking_cli.dynamics.equations.linear import LinearEquation
 from rocking_cli.dynamics.equations.mechanism import MechanismEquation
 from rocking_cli.dynamics.references.general_solver import MechanismRates, Problem, solve_cell
@@ -85,27 +85,37 @@ def test_energy_is_constant_between_impacts(arch):
         assert np.ptp(energy) < 1e-11 * model.barrier
 
 
-def test_first_arc_is_the_paper_s_equation(oppenheim):
-    """Eq. 3.4 as it stands, M phi'' + M'/2 phi'^2 + V' = -B xg'', in SI units, with M' by differences."""
+@pytest.mark.parametrize("damping", [0.0, 0.1])
+@pytest.mark.parametrize(
+    ("motion", "times"), [(pulse("rectangular-impulse"), [0.42, 0.45, 0.5, 0.55]), (cosine(), [0.03, 0.06, 0.09, 0.12])]
+)
+def test_first_arc_is_the_paper_s_equation(oppenheim, motion, times, damping):
+    """Eq. 3.4 as it stands, M phi'' + M'/2 phi'^2 + V' = -B xg'', in SI units, with M' by differences; damped by 2 zeta p M phi'."""
     arch, a_g, t_p = oppenheim, 0.52 * 9.81, 0.4
     coefficients, h = arch.mechanism.coefficients, 1e-3 * arch.alpha
+    omega = 2 * math.pi / t_p
 
     def rate(t, state):
         phi, speed = state
         c = coefficients(phi)
         around = coefficients(phi + h * np.array([-2.0, -1.0, 1.0, 2.0])).inertia
         slope = (around[0] - 8 * around[1] + 8 * around[2] - around[3]) / (12 * h)
-        ground = a_g if t < t_p else -0.5 * a_g  # drives the arch to the side of positive phi here
-        return [speed, (float(c.push) * ground - arch.gravity * float(c.lift) - 0.5 * slope * speed**2) / float(c.inertia)]
+        ground = a_g * float(motion.value(omega * t))  # drives the arch to the side of positive phi here
+        force = float(c.push) * ground - arch.gravity * float(c.lift) - 0.5 * slope * speed**2
+        return [speed, force / float(c.inertia) - 2.0 * damping * arch.p * speed]
 
-    first = solve_ivp(rate, (0.0, t_p * (1 - 1e-15)), [0.0, 0.0], method="DOP853", rtol=1e-12, atol=1e-14)
-    second = solve_ivp(rate, (t_p, 1.0), first.y[:, -1], method="DOP853", rtol=1e-12, atol=1e-14, t_eval=[0.42, 0.45, 0.5, 0.55])
-    amplitude, omega = float(arch.dimensionless_amplitude(a_g)), 2 * math.pi / t_p / arch.p
-    system = System(MechanismEquation(arch.mechanism, 1e-12))
-    found = history(system, pulse("rectangular-impulse"), amplitude, omega, arch.eta, duration=2.0)
-    ratio, speed = found.at(np.array([0.42, 0.45, 0.5, 0.55]) * arch.p)
-    assert -ratio * arch.alpha == pytest.approx(second.y[0], abs=1e-9)
-    assert -speed * arch.alpha * arch.p == pytest.approx(second.y[1], abs=1e-8)
+    state, begin, expected = np.zeros(2), 0.0, []
+    for end in (*([t_p] if times[0] > t_p else []), *times):
+        arc = solve_ivp(rate, (begin, end * (1 - 1e-15)), state, method="DOP853", rtol=1e-12, atol=1e-14)
+        state, begin = arc.y[:, -1], end * (1 + 1e-15)
+        expected.append(state)
+    expected = np.array(expected[-4:]).T
+    amplitude = float(arch.dimensionless_amplitude(a_g))
+    system = System(MechanismEquation(arch.mechanism, 1e-12, damping))
+    found = history(system, motion, amplitude, omega / arch.p, arch.eta, duration=2.0)
+    ratio, speed = found.at(np.array(times) * arch.p)
+    assert -ratio * arch.alpha == pytest.approx(expected[0], abs=1e-9)
+    assert -speed * arch.alpha * arch.p == pytest.approx(expected[1], abs=1e-8)
 
 
 @pytest.mark.parametrize("n", [6, pytest.param(12, marks=pytest.mark.soak)])
