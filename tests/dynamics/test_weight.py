@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from oracle_systems import Body, Edge
 from weighed import Shaking, swing
+from written import built
 
 from rocking_cli import Motion, Outcome, RockingParameters, cosine, pulse, response, sine
 from rocking_cli.dynamics.method import Method
@@ -195,3 +196,17 @@ def test_the_least_weight_from_a_segment_on_is_that_of_a_raster(side, amplitude)
     lows = [segments.weight(where, drive, np.full(2001, k), np.linspace(0.0, segments.length[k], 2001)).min() for k in range(len(segments))]
     least = [float(segments.least_weight(where[:1], drive[:1], np.array([k]))[0]) for k in range(len(segments))]
     assert least == pytest.approx([min(lows[k:]) for k in range(len(segments))], abs=1e-6)
+
+
+@pytest.mark.parametrize("model", ["linear", "nonlinear"])
+@pytest.mark.parametrize("share", [0.6, -0.6])
+def test_uplift_needs_the_part_of_gravity_that_is_there(model, share):
+    """|xg''| = lambda (g + zg''), zg'' = r xg'': the side that grows lighter lifts first, at lambda g/(1 + lambda |r|)."""
+    texts = ["kind: block\nwidth: 0.5\nheight: 2", "kind: arch\nradius: 10\nthickness: 1.5\nangle: 157.5 deg"]
+    texts += ["kind: parameters\np: 2\nalpha: 0.3\neta: 0.9\nlambda: 0.2"] if model == "linear" else []
+    for text in texts:
+        body = built(text)
+        system = Method(model).system_of(body)
+        lifted = body.alpha / body.a_scale if model == "linear" else body.uplift
+        lifts = float(body.ground_acceleration(system.least_uplift(with_vertical(sine(), sine(), share)))) / body.gravity
+        assert lifts == pytest.approx(lifted / (1.0 + lifted * abs(share)), rel=1e-12)
