@@ -46,7 +46,7 @@ class MechanismEquation:
     way there, or when the tolerance is not between 1e-13 and 1e-2.
     """
 
-    pool = 4096  # lanes: the powers of a series of 20 terms take 400 numbers a lane
+    pool = 8192  # lanes: fewer rounds; the series are built in blocks of them
     uplift_amplitude = 1.0
     bounded = False
 
