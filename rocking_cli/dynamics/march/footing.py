@@ -33,6 +33,7 @@ Array = np.ndarray
 
 _HALVINGS = 30  # a stretch this short in which Fz is positive wherever it was looked at only touches zero
 LIKELY = 2.0  # times the push that is proved beforehand: beyond it most cells would have to be looked at afterwards
+_TRIALS = 4  # of the time that a bouncing lasts
 _ROOM = 0.25  # of the bound of a speed, which a longer stretch does not have
 
 
@@ -200,15 +201,25 @@ class Footing:
         change = segment_value(seg.vertical, lanes.k, lanes.u + lanes.omega * h)[0]
         return 1.0 + seg.sway(lanes.side, lanes.amplitude) * (seg.vertical.s_start[lanes.k] + change)
 
+    def _push(self, lanes: Lanes, h: Array) -> Array:
+        """The outward push over g after h."""
+        change = segment_value(self.segments, lanes.k, lanes.u + lanes.omega * h)[0]
+        return -lanes.side * lanes.amplitude * self.body.on(lanes.side).uplift * (self.segments.s_start[lanes.k] + change)
+
     def settle(self, lanes: Lanes, contact: Contact) -> None:
         """Bodies whose bouncing is summed from now on, under a drive that is monotone until they rest."""
         some = lanes.take(np.flatnonzero(self.watched[lanes.cell]))
         if not some.cell.size:
             return
-        here, there, seg = self.body.on(some.side), self.body.on(-some.side), self.segments
-        for h in (np.zeros(some.cell.size), contact.bouncing_time(some, self._weight(some, 0.0))):
-            change = segment_value(seg, some.k, some.u + some.omega * h)[0]
-            push, weight = -some.side * some.amplitude * here.uplift * (seg.s_start[some.k] + change), self._weight(some, h)
+        here, there = self.body.on(some.side), self.body.on(-some.side)
+        room, trial = (self.segments.length[some.k] - some.u) / some.omega, some.take(np.arange(some.cell.size))
+        lasts = np.zeros(some.cell.size)
+        for _ in range(_TRIALS):  # as long as under the drive half way
+            push, weight = self._push(some, 0.5 * lasts), self._weight(some, 0.5 * lasts)
+            trial.b = ((push if self.body.linear else push * np.cos(here.alpha)) - weight * self.body.pull(here)) / here.unit
+            lasts = np.clip(contact.bouncing_time(trial, weight), 0.0, room)
+        for h in (np.zeros(some.cell.size), lasts):
+            push, weight = self._push(some, h), self._weight(some, h)
             least = self.body.lying(here, push, weight)
             if not self.body.one_sided:
                 least = np.minimum(least, self.body.lying(there, -push, weight))
