@@ -31,7 +31,7 @@ class LinearEquation:
     gain = 1.0
     uplift_amplitude = 1.0
     limit = np.inf
-    tolerance = 1e-14  # of a series, where there is one: what it leaves out is below rounding
+    tolerance = 1e-13  # of a series, where there is one: what it leaves out is below rounding
     bounds = (1.0, 1.0)
     barrier = 1.0
     pool = 32768  # lanes: fewer rounds outweigh what no longer fits the second-level cache

@@ -17,6 +17,9 @@ Array = np.ndarray
 
 LONGEST = 1.0  # tau: a series of `MOST_TERMS` holds any tolerance up to it
 MOST_TERMS = 24
+# The error of a step, in the velocity by tau, is this part of the tolerance: under a record, which strikes a body a hundred times, an error
+# grows further than under a pulse (`taylor.LOCAL`).
+WITHIN = 1e-2 * LOCAL
 _LEAST = 1e-3  # tau: the unit of what has come to the end of its line
 _GROWTH = 1.3  # g for what is not far beyond the barrier; where it is more, the last terms show it
 _ROOM = 0.1  # part of the error allowed to a step that the first term left out may come to by this estimate
@@ -29,7 +32,7 @@ def degrees(size: Array, unit: Array, tolerance: float) -> Array:
     left = 0.5 * size * reach  # what term n adds to the acceleration, n (n - 1) c_n/unit^2, over n - 1; here n = 3
     for n in range(4, MOST_TERMS + 1):
         left *= reach / (n - 1.0)
-        more = left > _ROOM * LOCAL * tolerance
+        more = left > _ROOM * WITHIN * tolerance
         if not more.any():
             break
         degree[more] = n
@@ -45,7 +48,7 @@ def factors_for(unit: Array, degree: Array) -> Array:
 
 
 def last_terms(terms: Array, last: Array, unit: Array) -> Array:
-    """Size of the last two terms of each lane, by which the error is judged: at most `LOCAL` times tolerance and unit, (lanes,); last:
+    """Size of the last two terms of each lane, by which the error is judged: at most `WITHIN` times tolerance and unit, (lanes,); last:
     where the last one stands in the terms, row after row."""
     flat = terms.ravel()
     size = np.abs(flat.take(last - unit.size))
@@ -65,7 +68,7 @@ def ramp_flow(equation: Equation, segments: Segments, lanes: Lanes) -> TaylorSer
     degree = degrees(2.0 + np.abs(drive) + np.abs(lanes.v) + np.abs(gain) / unit, unit, equation.tolerance)
     terms = equation.ramp_terms(lanes.y, lanes.v, Ramp(drive, gain, unit, factors_for(unit, degree), lanes.b))
     with np.errstate(divide="ignore"):
-        short = (LOCAL * equation.tolerance * unit / last_terms(terms, degree * unit.size + np.arange(unit.size), unit)) ** (
+        short = (WITHIN * equation.tolerance * unit / last_terms(terms, degree * unit.size + np.arange(unit.size), unit)) ** (
             1.0 / (degree - 1.0)
         )
     return TaylorSeries(terms, unit, np.minimum(short, 1.0) * unit, np.full(unit.shape, _GROWTH), equation.damping)

@@ -12,8 +12,7 @@ import numpy as np
 
 from ...motions.motion import Samples, Segments
 from ..equations.equation import Equation, Ramp
-from ..equations.ramp import degrees, factors_for, last_terms
-from ..equations.taylor import LOCAL
+from ..equations.ramp import WITHIN, degrees, factors_for, last_terms
 from ..lanes import Lanes
 from ..march.engine import Run, Work
 from ..outcome import Outcome
@@ -149,7 +148,7 @@ class Walk(Run):
             low -= lag * np.abs(hop)
             rise, higher = hop * (1.0 - 2.0 * lag), higher * np.exp(2.0 * lag)
         proved = low > 0.0
-        proved &= last_terms(terms, last, unit) <= LOCAL * equation.tolerance * unit
+        proved &= last_terms(terms, last, unit) <= WITHIN * equation.tolerance * unit
         top = len(terms) - 1
         end_y, end_v = terms[top].copy(), terms[top].copy()
         for n in range(top - 1, 0, -1):
