@@ -34,6 +34,7 @@ Array = np.ndarray
 FINE_STEP = 0.999e-4  # of the closer look around changes of the outcome or of the number of impacts, where narrow intervals gather
 _AROUND = 12  # rungs on either side of such a change that are looked at closer too
 _SIMPLE = 2  # pushes of a motion that is not looked at closer: nothing lifts the body again that bounces after the second
+_WORTH = 20_000  # amplitudes in all from which bounds on those that nothing strikes take less than a look at each
 _BATCH = 1 << 20  # cells of the scan computed together
 _MOST_CHANGES = 500  # at one frequency; beyond it the outcome is noise between the amplitudes of the scan, of which there is no end
 _STRETCH = 80  # rungs that are looked at together where only the first fall is looked for
@@ -216,6 +217,8 @@ class Search:
         over, falls = self._onwards(omegas, ladder, first, last, lambda label, impacts: label == Outcome.OVERTURNED_NO_IMPACT)
         last[over] = falls
         if self.a_max > safe_to:  # what loses the ground is no matter of energy
+            return first, last, none
+        if _lobes(self.motion.segments) > _SIMPLE or int((last - first).sum()) < _WORTH:
             return first, last, none
         # From the first amplitude on whose first arc outlasts the shaking only the energy at its end matters.
         clear, lasts = self._onwards(omegas, ladder, first, last, lambda label, impacts: (impacts == 0) & (label != Outcome.FAILED))

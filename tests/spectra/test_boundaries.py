@@ -74,7 +74,8 @@ def same_changes(spared, every):
 
 
 @pytest.mark.parametrize("motion", [sine(), cosine(1), sine(0.5)], ids=lambda m: m.name)
-def test_what_the_scan_leaves_out_changes_nothing(motion):
+def test_what_the_scan_leaves_out_changes_nothing(motion, monkeypatch):
+    monkeypatch.setattr(boundaries, "_WORTH", 0)
     omegas = np.array([0.8, 2.3, 5.0, 9.1])
     spared = Search(System(LinearEquation()), motion, 0.9, 16.0).rows(omegas)
     same_changes(spared, Search(System(Plain()), motion, 0.9, 16.0).rows(omegas))
@@ -83,9 +84,10 @@ def test_what_the_scan_leaves_out_changes_nothing(motion):
 
 @pytest.mark.soak
 @pytest.mark.parametrize("number", range(24))
-def test_nor_does_it_at_any_restitution(number):
+def test_nor_does_it_at_any_restitution(number, monkeypatch):
+    monkeypatch.setattr(boundaries, "_WORTH", 0)
     random = np.random.default_rng(number)
-    motion = [sine(), sine(0.5), sine(2), cosine(1), cosine(1.5), pulse("rectangular-impulse")][number % 6]
+    motion = [sine(), sine(0.5), pulse("rectangular-impulse"), cosine(1)][number % 4]
     eta, omegas = float(random.uniform(0.2, 1.0)), random.uniform(0.5, 9.0, 4)
     same_changes(*(Search(System(equation()), motion, eta, 14.0).rows(omegas) for equation in (LinearEquation, Plain)))
 
