@@ -100,7 +100,7 @@ def test_the_limit_may_be_an_acceleration(rocking, refused):
 
 
 def test_both_equations_are_traced_and_their_difference_told(rocking):
-    call = ("envelope", "configs/block.yaml", "--grid", "Omega=3:4:2", "--a-max", "6", "--json")
+    call = ("envelope", "configs/block.yaml", "--grid", "Omega=3.5", "--a-max", "5", "--json")
     both = rocking(*call, "--model", "both")
     rows = [json.loads(line) for line in both.stdout.splitlines()]
     for model in ("linear", "nonlinear"):

@@ -62,7 +62,7 @@ landing.terminal = True
 landing.direction = -1.0
 
 
-@pytest.mark.parametrize(("model", "damping"), [("linear", 0.0), ("nonlinear", 0.05)])
+@pytest.mark.parametrize(("model", "damping"), [pytest.param("linear", 0.0, marks=pytest.mark.soak), ("nonlinear", 0.05)])
 def test_the_largest_speed_by_another_integration(model, damping):
     system = Method(model).system_of(replace(BLOCK, damping=damping))
     amplitude, omega = np.array([1.6]), np.array([0.8])

@@ -50,8 +50,7 @@ def test_restitutions_at_the_ends_of_their_range_are_not_left(eta):
     assert np.isfinite(condition_of(partial(linear_response, sine()), np.array([1.5]), np.array([6.0]), np.array([eta]), 0.0)).all()
 
 
-@pytest.mark.parametrize("alpha", [0.25, 0.57])
-@pytest.mark.parametrize("tolerance", [1e-7, 1e-9])
+@pytest.mark.parametrize(("alpha", "tolerance"), [(0.25, 1e-9), (0.57, 1e-7)])
 def test_errors_of_the_nonlinear_equation_are_the_tolerance_times_the_condition(alpha, tolerance):
     random = np.random.default_rng(5)
     amplitude, omega = random.uniform(1, 6, 400) * math.tan(alpha) / alpha, np.exp(random.uniform(math.log(0.3), math.log(12), 400))

@@ -69,7 +69,7 @@ def kill_loop(folder, kills, seed, values):
 
 
 def test_killed_sweeps_go_on_to_the_same_file(tmp_path):
-    finished, opened = kill_loop(tmp_path, 3, 1, 300)
+    finished, opened = kill_loop(tmp_path, 2, 1, 250)
     assert finished
     assert opened
 

@@ -27,7 +27,7 @@ def impact_root(arc: Flow, low: Array, high: Array, guess: Array) -> tuple[Array
     lanes = np.arange(low.size)
     low, high, h = low.copy(), high.copy(), guess.copy()
     fastest = arc.fastest
-    for _ in range(_ROUNDS):
+    for _ in range(_ROUNDS if lanes.size else 0):
         f = arc.at(h)
         step = _householder(f)
         after = f.y <= 0.0
@@ -72,7 +72,7 @@ def turning_point(arc: Flow, low: Array, high: Array, guess: Array, sense: float
     h_out, y_out = np.empty_like(low), np.empty_like(low)
     lanes = np.arange(low.size)
     low, high, h = low.copy(), high.copy(), guess.copy()
-    for _ in range(_ROUNDS):
+    for _ in range(_ROUNDS if lanes.size else 0):
         f = arc.at(h)
         with np.errstate(all="ignore"):
             step = -f.v / (f.b - 0.5 * f.v * f.j / f.b)

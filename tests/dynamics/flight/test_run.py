@@ -35,7 +35,7 @@ def against_lockstep(seed, count):
 
 @pytest.mark.parametrize("seed", range(3))
 def test_records_against_an_integration_that_shares_no_code(seed):
-    against_lockstep(seed, 24)
+    against_lockstep(seed, 12)
 
 
 @pytest.mark.soak

@@ -99,7 +99,7 @@ def test_the_drive_of_a_step_falls_until_its_last_segment_begins(side, begins, e
 def test_every_crest_of_a_step_is_found(damping):
     """Bodies at random places of a slow motion, in the air: where y' falls through zero on a fine raster of their step there is a crest,
     also where y' has the same sign at both ends, and nowhere else."""
-    random, count, equation = np.random.default_rng(21), 4000, LinearEquation(damping)
+    random, count, equation = np.random.default_rng(21), 2500, LinearEquation(damping)
     segments = sine(2).segments
     k, side = random.integers(0, len(segments), count), random.choice([-1.0, 1.0], count)
     u, amplitude, omega = (
@@ -112,7 +112,7 @@ def test_every_crest_of_a_step_is_found(damping):
     lanes = Lanes(np.arange(count), amplitude, omega, np.ones(count), k, u, side, y, v, b, np.zeros(count), 0 * k, 0 * k)
     passage = advance.advance(segments, lanes, equation)
     found = advance.crests(segments, lanes, passage, np.ones(count, dtype=bool))
-    raster = np.linspace(0.0, 1.0, 2001)[:, None] * passage.reach
+    raster = np.linspace(0.0, 1.0, 1001)[:, None] * passage.reach
     speed = np.array([passage.arc.at(h).v for h in raster])
     falls = (speed[:-1] > 0.0) & (speed[1:] <= 0.0)
     (at,) = np.nonzero(falls.any(axis=0))

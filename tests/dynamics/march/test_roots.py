@@ -91,3 +91,14 @@ def test_no_digit_depends_on_the_neighbours():
         assert [x[0] for x in alone] == [x[i] for x in together]
         alone = turning_point(arc.take(np.array([i])), root[one] + 0.01, root[one] + 0.69, root[one] + 0.2, -1.0)
         assert [x[0] for x in alone] == [x[i] for x in turns]
+
+
+def test_nothing_is_evaluated_where_no_lane_has_a_root():
+    none = np.zeros(0)
+
+    class Idle(Polynomial):
+        def at(self, h):
+            raise AssertionError("an evaluation without a lane")
+
+    arc = Idle(np.zeros((3, 0)))
+    assert [x.size for x in (*impact_root(arc, none, none, none), *turning_point(arc, none, none, none, 1.0))] == [0, 0, 0, 0]
