@@ -95,7 +95,7 @@ def compared(system, cells, seed):
 
 @pytest.mark.parametrize("system", SYSTEMS)
 def test_a_system_equals_an_independent_integration(system):
-    tally = compared(system, 24, 1)
+    tally = compared(system, 16, 1)
     assert tally.sensitive <= 1
 
 

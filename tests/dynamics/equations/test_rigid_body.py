@@ -33,9 +33,9 @@ def test_overturning_intervals_of_the_reference_block():
 
 def test_one_lane_is_the_same_lane_in_a_batch():
     random = np.random.default_rng(5)
-    amplitude, omega = random.uniform(0.9, 9, 100), random.uniform(0.3, 12, 100)
+    amplitude, omega = random.uniform(0.9, 9, 40), random.uniform(0.3, 12, 40)
     whole = response(System(RigidBodyEquation(0.25)), sine(), amplitude, omega, 0.9)
-    for pool in (1, 2, 7, 64):
+    for pool in (1, 7):
         other = response(System(RigidBodyEquation(0.25)), sine(), amplitude, omega, 0.9, pool=pool)
         assert other.theta_ratio.tobytes() == whole.theta_ratio.tobytes()
 

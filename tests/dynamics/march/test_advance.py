@@ -18,7 +18,7 @@ from rocking_cli.motions import Piece
 @pytest.mark.parametrize(("home", "bound"), [(engine, "low_bounces"), (advance, "_clears")])
 def test_bounds_that_spare_root_searches_change_nothing(monkeypatch, model, home, bound):
     random = np.random.default_rng(12)
-    amplitude, omega, eta = 1.0 + 8.0 * random.uniform(0, 1, 400) ** 3, random.uniform(0.05, 9, 400), random.uniform(0.5, 1, 400)
+    amplitude, omega, eta = 1.0 + 8.0 * random.uniform(0, 1, 250) ** 3, random.uniform(0.05, 9, 250), random.uniform(0.5, 1, 250)
     kept, proved = getattr(home, bound), []
 
     def counted(*arguments):
@@ -32,7 +32,7 @@ def test_bounds_that_spare_root_searches_change_nothing(monkeypatch, model, home
     spared = response(System(model), sine(3), amplitude, omega, eta)
     monkeypatch.setattr(home, bound, never)
     searched = response(System(model), sine(3), amplitude, omega, eta)
-    assert sum(proved) > 100
+    assert sum(proved) > 60
     assert spared.theta_ratio.tobytes() == searched.theta_ratio.tobytes()
     assert spared.outcome.tobytes() == searched.outcome.tobytes()
 
