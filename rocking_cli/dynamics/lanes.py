@@ -54,6 +54,11 @@ class Lanes:
         """Some of the lanes, copied where they are given one by one."""
         return type(self)(*(getattr(self, f.name)[lanes] for f in fields(self)))
 
+    def put(self, places: Array, others: Self) -> None:
+        """Lay other lanes into these places."""
+        for f in fields(self):
+            getattr(self, f.name)[places] = getattr(others, f.name)
+
     def join(self, other: Self) -> Self:
         """These lanes followed by others."""
         return type(self)(*(np.concatenate([getattr(self, f.name), getattr(other, f.name)]) for f in fields(self)))

@@ -112,9 +112,7 @@ class MechanismEquation:
         for n in range(count):
             if n:
                 np.multiply(y[n], over, out=power[1, n])
-                for j in range(1, n, _TOGETHER):  # term m of power j is zero for m < j
-                    last = min(n, j + _TOGETHER)
-                    np.einsum("il,jil->jl", power[1, 1 : n - j + 1], power[j:last, n - 1 : j - 1 : -1], out=power[j + 1 : last + 1, n])
+                _raise(power, n)
                 here = power[1 : n + 1, n]
                 fallen = np.einsum("jl,jl->l", lift[1 : n + 1], here)
                 np.einsum("jl,jl->l", push[1 : n + 1], here, out=pushes[n])
@@ -141,9 +139,7 @@ class MechanismEquation:
         for n in range(count):
             if n:
                 power[1, n] = terms[n]
-                for j in range(1, n, _TOGETHER):  # term m of power j is zero for m < j
-                    last = min(n, j + _TOGETHER)
-                    np.einsum("il,jil->jl", power[1, 1 : n - j + 1], power[j:last, n - 1 : j - 1 : -1], out=power[j + 1 : last + 1, n])
+                _raise(power, n)
                 here = power[1 : n + 1, n]
                 fallen = np.einsum("jl,jl->l", lift[1 : n + 1], here)
                 np.einsum("jl,jl->l", push[1 : n + 1], here, out=pushes[n])
@@ -245,3 +241,10 @@ class MechanismEquation:
     def _equilibrium(self, e: Array) -> Array:
         """y where F/G = -e, at most the limit; from a table, since at a maximum its last digits do not matter."""
         return np.interp(e, self.marks[1], self.marks[0])
+
+
+def _raise(power: Array, n: int) -> None:
+    """Term n of the second and higher powers [j, n] of a series from its terms up to n; term m of power j is zero for m < j."""
+    for j in range(1, n, _TOGETHER):
+        last = min(n, j + _TOGETHER)
+        np.einsum("il,jil->jl", power[1, 1 : n - j + 1], power[j:last, n - 1 : j - 1 : -1], out=power[j + 1 : last + 1, n])

@@ -103,7 +103,7 @@ class Flight(Run):
                 more = waiting[taken : taken + places.size]
                 if more.size:
                     taken += more.size
-                    _put(flights, self._launch(self.start(more), places[: more.size]))
+                    flights.put(places[: more.size], self._launch(self.start(more), places[: more.size]))
                     free[places[: more.size]] = False
                 elif 4 * places.size >= free.size:
                     flights = flights.take(np.flatnonzero(~free))
@@ -175,7 +175,7 @@ class Flight(Run):
             setattr(lanes, name, values)
         lanes.level = level
         going = self._single(mine)
-        _put(lanes, going)
+        lanes.put(going.slot, going)
         ended = np.ones(free.size, dtype=bool)
         ended[going.slot] = False
         return alone[ended[alone]]
@@ -324,9 +324,3 @@ def _impact_guess(arc: RampFlow, end: Point, h: Array, low: Array, high: Array, 
     short = (y + guess * (v + guess * (0.5 * b + guess * jerk * (1.0 / 6.0)))) / slope
     guess = guess - short / (1.0 - 0.5 * short * bend / slope)
     return np.where((guess > low[at]) & (guess < high[at]), guess, 0.5 * (low[at] + high[at]))
-
-
-def _put(lanes: Flights, some: Flights) -> None:
-    """Put lanes in their slots."""
-    for f in fields(lanes):
-        getattr(lanes, f.name)[some.slot] = getattr(some, f.name)

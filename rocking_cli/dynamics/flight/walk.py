@@ -72,7 +72,7 @@ class Walk(Run):
             stopped = np.flatnonzero(~(walks | free))
             going = self._careful(lanes.take(stopped))
             free[stopped] = True
-            _put(lanes, going)
+            lanes.put(going.slot, going)
             free[going.slot], walks[going.slot] = False, self._ready(going)
             lost = self._lost(lanes, np.flatnonzero(walks))
             free[lost], walks[lost] = True, False
@@ -81,7 +81,7 @@ class Walk(Run):
             if more.size:
                 taken += more.size
                 new = self._launch(self.start(more), places[: more.size])
-                _put(lanes, new)
+                lanes.put(new.slot, new)
                 free[new.slot], walks[new.slot] = False, self._ready(new)
             elif 4 * places.size >= free.size:
                 keep = np.flatnonzero(~free)
@@ -221,9 +221,3 @@ class Walk(Run):
         self._overturn(lanes, at)
         self.work += Work(certain_overturning=at.size)
         return at
-
-
-def _put(lanes: Walkers, some: Walkers) -> None:
-    """Put lanes in their slots."""
-    for f in fields(lanes):
-        getattr(lanes, f.name)[some.slot] = getattr(some, f.name)

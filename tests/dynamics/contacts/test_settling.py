@@ -15,10 +15,10 @@ MOTIONS = [sine(), sine(3), cosine(1.5), pulse("rectangular"), pulse("ricker-sym
 
 def test_what_a_motion_varies_later_is_counted_with_its_jumps():
     wave, step = Later.of(sine().segments), Later.of(cosine(1).segments)
-    assert wave.variation == pytest.approx([3.0, 1.0, 0.0], rel=1e-15)  # 1 to -1, and back to 0
-    assert wave.largest == pytest.approx([1.0, 1.0, 0.0], rel=1e-15)
-    assert step.variation == pytest.approx([3.0, 1.0], rel=1e-15)  # -1 to 1, and down to still ground
-    assert step.largest == pytest.approx([1.0, 0.0], rel=1e-15)
+    assert wave.variation == pytest.approx([3.0, 1.0, 0.0], rel=1e-14)  # 1 to -1, and back to 0
+    assert wave.largest == pytest.approx([1.0, 1.0, 0.0], rel=1e-14)
+    assert step.variation == pytest.approx([3.0, 1.0], rel=1e-14)  # -1 to 1, and down to still ground
+    assert step.largest == pytest.approx([1.0, 0.0], rel=1e-14)
 
 
 @pytest.mark.parametrize("motion", MOTIONS, ids=lambda m: m.name)
