@@ -11,8 +11,9 @@ from .equations.linear import LinearEquation
 from .equations.rigid_body import RigidBodyEquation
 from .flight.run import Flight
 from .flight.walk import Walk
+from .march.account import Work
 from .march.demand import follows
-from .march.engine import Run, Work
+from .march.engine import Run
 from .march.footing import Footing
 from .outcome import Outcome, safe
 from .system import System

@@ -18,7 +18,8 @@ from .flight.ramp import RampFlow
 from .flight.run import Flight, Flights, Leap
 from .flight.walk import Walk
 from .lanes import Lanes
-from .march.engine import Landing, Round, Run
+from .march.account import Round
+from .march.engine import Landing, Run
 from .outcome import Outcome
 from .response import Response, flies, look_at_forces
 from .system import System

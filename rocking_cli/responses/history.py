@@ -14,7 +14,8 @@ import numpy as np
 
 from ..dynamics.equations.equation import Equation, Flow
 from ..dynamics.lanes import Lanes
-from ..dynamics.march.engine import Rests, Round, Run, Watch
+from ..dynamics.march.account import Rests, Round, Watch
+from ..dynamics.march.engine import Run
 from ..dynamics.outcome import Outcome
 from ..dynamics.system import System
 from ..dynamics.weight import WeighedSegments

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..dynamics.march.engine import Work
+from ..dynamics.march.account import Work
 from ..dynamics.method import LINEAR
 from ..dynamics.outcome import Outcome
 from .scene import Scene

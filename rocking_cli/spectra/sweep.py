@@ -10,8 +10,8 @@ from typing import Any
 
 import numpy as np
 
+from ..dynamics.march.account import Work
 from ..dynamics.march.demand import MOST_ALPHA, follows
-from ..dynamics.march.engine import Work
 from ..dynamics.method import LINEAR, Method
 from ..dynamics.outcome import Difference, Outcome
 from ..errors import Interrupted, UsageError

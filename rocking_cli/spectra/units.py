@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from ..dynamics.march.engine import Work
+from ..dynamics.march.account import Work
 from ..dynamics.method import LINEAR
 from ..dynamics.outcome import Difference, Outcome, difference
 from ..dynamics.response import Response, response, response_with_demands, that_left_the_ground

@@ -18,7 +18,8 @@ from rocking_cli.dynamics.contacts.symmetric import Symmetric
 from rocking_cli.dynamics.contacts.unequal import Unequal
 from rocking_cli.dynamics.equations.damped_flow import DampedFlow
 from rocking_cli.dynamics.equations.flow import LinearFlow
-from rocking_cli.dynamics.march.engine import Run, Watch
+from rocking_cli.dynamics.march.account import Watch
+from rocking_cli.dynamics.march.engine import Run
 from rocking_cli.dynamics.march.roots import hidden_turn
 from rocking_cli.motions import Motion, Piece, pulse, sine
 from rocking_cli.motions.biaxial import with_vertical

@@ -16,7 +16,8 @@ from ...motions.motion import Samples, Segments
 from ..drive import place
 from ..equations.equation import Point
 from ..lanes import Lanes
-from ..march.engine import Run, Work
+from ..march.account import Work
+from ..march.engine import Run
 from ..march.roots import hidden_turn, impact_root, turning_point
 from ..outcome import Outcome
 from ..system import System

@@ -14,7 +14,8 @@ from ...motions.motion import Samples, Segments
 from ..equations.equation import Equation, Ramp
 from ..equations.ramp import WITHIN, degrees, factors_for, last_terms
 from ..lanes import Lanes
-from ..march.engine import Run, Work
+from ..march.account import Work
+from ..march.engine import Run
 from ..outcome import Outcome
 from ..system import System
 from .bounded import LONGEST
