@@ -245,8 +245,7 @@ class ForceHistory:
         arcs = self.found.arcs
         before = next((arc for arc in arcs if arc.start < tau <= arc.stop * (1.0 + 1e-14)), None)
         after = next((arc for arc in arcs if arc.start <= tau * (1.0 + 1e-14) and tau < arc.stop), None)
-        there = self.at(np.array([tau]))
-        found = [there if arc is None else self.on(arc)(np.array([min(tau, arc.stop)])) for arc in (before, after)]
+        found = [self.at(np.array([tau])) if arc is None else self.on(arc)(np.array([min(tau, arc.stop)])) for arc in (before, after)]
         first, then = (Forces(float(f.fx[0]), float(f.fz[0])) for f in found)
         return first, then
 

@@ -7,7 +7,7 @@ import itertools
 import math
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from written import built
 
@@ -89,6 +89,7 @@ def test_refusals_name_place_key_found_and_accepted(text, words):
     assert "\n" not in str(error.value)
 
 
+@settings(max_examples=40)
 @given(st.text(max_size=60))
 def test_any_text_is_read_or_refused(text):
     with contextlib.suppress(DocumentError):

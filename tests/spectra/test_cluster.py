@@ -19,7 +19,9 @@ from rocking_cli.spectra import cluster as room
 
 CLUSTER = """
 import sys
+import dask
 from distributed import LocalCluster
+dask.config.set({"distributed.worker.multiprocessing-method": "forkserver"})
 if __name__ == "__main__":
     with LocalCluster(n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None) as cluster:
         print(cluster.scheduler_address, *(w.pid for w in cluster.workers.values()), flush=True)

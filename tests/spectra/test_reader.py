@@ -14,7 +14,7 @@ from rocking_cli import OutputError, UsageError
 from rocking_cli.spectra.reader import SpectraFile
 
 
-@settings(max_examples=30, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=12, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(data=st.data())
 def test_damaged_bytes_are_a_sentence_or_found_by_verify(spectrum_file, tmp_path, data):
     raw = bytearray(spectrum_file.read_bytes())
