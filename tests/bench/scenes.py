@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import tempfile
 from collections.abc import Callable
 from functools import partial
@@ -25,6 +26,9 @@ from rocking_cli import (
     trace_envelope,
     write_spectrum,
 )
+from rocking_cli.dynamics.equations.rigid_body import RigidBodyEquation
+from rocking_cli.motions import Harmonic, Piece
+from rocking_cli.motions.biaxial import with_vertical
 
 ETA, ALPHA = 0.9, 0.25
 ARCH = Path(__file__).resolve().parents[2] / "configs" / "arch.yaml"
@@ -44,6 +48,14 @@ def linear(motion: Motion, values: int) -> int:
 def nonlinear(values: int) -> int:
     """Rigid bodies at a tolerance of 1e-9."""
     nonlinear_response(sine(), axis(values)[None, :], axis(values)[:, None], ETA, ALPHA)
+    return values * values
+
+
+def weighed(values: int) -> int:
+    """Rigid bodies on ground that moves upwards too, at another frequency."""
+    up = Motion("up", (Piece(0.0, 2.0 * math.pi, (Harmonic(1.0, 2.3, 0.3),)),))
+    system = System(RigidBodyEquation(ALPHA), scale=ALPHA)
+    response(system, with_vertical(sine(), up, 0.3), axis(values)[None, :], axis(values)[:, None], ETA)
     return values * values
 
 
@@ -87,6 +99,7 @@ SCENES: dict[str, Callable[[], int]] = {
     "ricker": partial(linear, pulse("ricker-symmetric"), 100),
     "mavroeidis": partial(linear, pulse("mavroeidis-papageorgiou"), 100),
     "nonlinear": partial(nonlinear, 300),
+    "vertical": partial(weighed, 150),
     "arch": partial(arches, 100),
     "envelope": partial(envelope, sine(), 400, 1),
     "envelope-cycles": partial(envelope, sine(5), 40, 1),

@@ -16,7 +16,7 @@ from ..lanes import Lanes
 from ..weight import WeighedSegments
 from .roots import hidden_turn, impact_root, turning_point
 from .turns import falls_through_zero
-from .windows import CutAt, Cuts, window_end
+from .windows import TabledWindows, Windows, window_end
 
 Array = np.ndarray
 
@@ -66,9 +66,15 @@ class Crests(NamedTuple):
     y: Array
 
 
-def next_step(segments: Segments, lanes: Lanes, longest: Array, cuts: Cuts | None = None) -> Step:
-    """The longest step that one sign test covers, for each lane, and that the flow can take (`longest`, in tau); cuts: of the cells."""
-    window = window_end(segments, lanes.k, lanes.u, lanes.side, lanes.amplitude, _cut_at(cuts, lanes.cell, lanes.side))
+def next_step(segments: Segments, lanes: Lanes, longest: Array, tabled: TabledWindows | None = None) -> Step:
+    """The longest step that one sign test covers, for each lane, and that the flow can take (`longest`, in tau); tabled: the cells'."""
+
+    def window_of(k: Array, u: Array, at: Array | slice) -> Windows:
+        if tabled is not None:
+            return tabled.at(lanes.cell[at], k, u, lanes.side[at])
+        return window_end(segments, k, u, lanes.side[at], lanes.amplitude[at])
+
+    window = window_of(lanes.k, lanes.u, slice(None))
     k, u = window.k.copy(), window.u.copy()
     h = phase_between(segments, lanes.k, lanes.u, k, u) / lanes.omega
     kind = np.where(window.ridge, RIDGE, VALLEY)
@@ -76,8 +82,7 @@ def next_step(segments: Segments, lanes: Lanes, longest: Array, cuts: Cuts | Non
     # A ridge entered outwards holds no event: go on to the end of the valley after it.
     on = np.flatnonzero(window.ridge & (lanes.v >= 0.0) & (u < segments.length[k]) & (h < longest))
     if on.size:
-        side = lanes.side[on]
-        beyond = window_end(segments, k[on], u[on], side, lanes.amplitude[on], _cut_at(cuts, lanes.cell[on], side))
+        beyond = window_of(k[on], u[on], on)
         valley[on] = h[on]
         h[on] += phase_between(segments, k[on], u[on], beyond.k, beyond.u) / lanes.omega[on]
         k[on], u[on] = beyond.k, beyond.u
@@ -89,15 +94,13 @@ def next_step(segments: Segments, lanes: Lanes, longest: Array, cuts: Cuts | Non
     return Step(k, u, h, kind, valley)
 
 
-def _cut_at(cuts: Cuts | None, cell: Array, side: Array) -> CutAt | None:
-    return None if cuts is None else lambda lanes, k: cuts.at(cell[lanes], k, side[lanes])
-
-
-def advance(segments: Segments, lanes: Lanes, equation: Equation, until: Array | float = np.inf, cuts: Cuts | None = None) -> Passage:
+def advance(
+    segments: Segments, lanes: Lanes, equation: Equation, until: Array | float = np.inf, tabled: TabledWindows | None = None
+) -> Passage:
     """Take the step and settle whether the body hit the ground on the way, and when; until: the longest step [tau] besides the flow's;
-    cuts: of the cells, where they are known."""
+    tabled: the cells' windows, where they are known."""
     arc = equation.flow(segments, lanes)
-    step = next_step(segments, lanes, np.minimum(arc.longest, until), cuts)
+    step = next_step(segments, lanes, np.minimum(arc.longest, until), tabled)
     end = arc.at(step.h)
     reach = step.h.copy()
     hit = end.y <= 0.0

@@ -26,7 +26,7 @@ from .account import Rests, Round, Watch, Work
 from .advance import Crests, Passage, advance, crests, low_bounces
 from .demand import Demands
 from .footing import LIKELY, Footing
-from .windows import cuts_of
+from .windows import tabled_windows
 
 Array = np.ndarray
 Landing = TypeVar("Landing", bound=Lanes)
@@ -66,7 +66,7 @@ class Run:
         self.work = Work(cells=amplitude.size)
         self.most_steps = MAX_STEPS + 40 * len(segments)
         self.drops = self._first_free_fall()
-        self.cuts = cuts_of(self.segments, self.cells.amplitude[0]) if len(self.cells.amplitude) == 1 else None
+        self.tabled = tabled_windows(self.segments, self.cells.amplitude)
         marched = type(self)._march is Run._march  # one that jumps sees no forces on its way
         ahead = (LIKELY if marched and not self.equation.bounded else np.inf) if ahead is None else ahead
         self.footing = None if watch is not None or system.body is None else Footing(system.body, self.segments, self.cells, ahead)
@@ -124,7 +124,7 @@ class Run:
         seg = self.segments
         lanes.steps += 1
         equation = self.equation.on(lanes.side)
-        passage = advance(seg, lanes, equation, self._until_drop(lanes), self.cuts)
+        passage = advance(seg, lanes, equation, self._until_drop(lanes), self.tabled)
         end, hit = passage.end, passage.hit
         k, u = place(seg, passage.step.k, passage.step.u)
         bad = ~(np.isfinite(end.y) & np.isfinite(passage.reach)) | (lanes.steps > self.most_steps)

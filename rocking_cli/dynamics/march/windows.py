@@ -14,7 +14,6 @@ a = 1, found in closed form on a monotone segment, and the ends of pieces.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -24,9 +23,8 @@ from ..drive import crossing
 from ..weight import WeighedSegments
 
 Array = np.ndarray
-CutAt = Callable[[Array, Array], Array]
 
-_MOST_CUTS, _FIRST = 100_000, 10_000  # cuts that a run looks up, more are searched for, lane by lane; cells that show what there is
+_MOST, _FIRST = 100_000, 10_000  # segments times amplitudes of a table, more are searched, lane by lane; cells that show what there is
 
 
 class Windows(NamedTuple):
@@ -37,55 +35,63 @@ class Windows(NamedTuple):
     ridge: Array
 
 
-class Cuts(NamedTuple):
-    """Where a = 1 on each segment, for every amplitude of a run: what a search would find again in each round.
+class TabledWindows(NamedTuple):
+    """The windows of every amplitude of a run: what a search would find again in each round.
 
-    of: index of each cell's amplitude; phase: (2, segments, amplitudes), for the sides +1 and -1, NaN where there is none.
+    of: index of each cell's amplitude; the others are flat, over the sides +1 and -1, the segments and the amplitudes: cut: where a = 1 on
+    the segment, -1 where nowhere; k, u, ridge: the window that begins there, or in which the whole segment lies.
     """
 
     of: Array
-    phase: Array
+    cut: Array
+    k: Array
+    u: Array
+    ridge: Array
+    segments: int
+    amplitudes: int
 
-    def at(self, cell: Array, k: Array, side: Array) -> Array:
-        """Phases in segments k, where these cells' drive crosses 1 on it."""
-        return self.phase[(side < 0.0).astype(np.int64), k, self.of[cell]]
+    def at(self, cell: Array, k: Array, u: Array, side: Array) -> Windows:
+        """What `window_end` gives for lanes of these cells."""
+        entry = self.of[cell]
+        entry += self.amplitudes * np.where(side > 0.0, k, k + self.segments)
+        cut = self.cut[entry]
+        before = u < cut
+        return Windows(np.where(before, k, self.k[entry]), np.where(before, cut, self.u[entry]), self.ridge[entry] ^ before)
 
 
-def cuts_of(segments: Segments, amplitude: Array) -> Cuts | None:
-    """The cuts of these amplitudes, (cells,), where each is a search; None where they are many, or not seen among the first cells as in a
-    grid they are."""
-    if isinstance(segments, WeighedSegments) or segments.harmonics <= (0 if segments.sloped else 1):
+def tabled_windows(segments: Segments, amplitude: Array) -> TabledWindows | None:
+    """The windows of these amplitudes, a row for both sides or one for each, (rows, cells); None where they are many, or not seen among
+    the first cells as in a grid they are, and of straight lines, which are not worth a table."""
+    if not segments.harmonics:
         return None
-    different = np.unique(amplitude[:_FIRST])
-    if different.size * len(segments) > _MOST_CUTS or different.size >= 0.5 * amplitude.size:
+    different, first = np.unique(amplitude[0, :_FIRST], return_index=True)
+    if different.size * len(segments) > _MOST or different.size >= 0.5 * amplitude.shape[1]:
         return None
-    of = np.minimum(np.searchsorted(different, amplitude), different.size - 1)
-    if np.any(different[of] != amplitude):
+    of = np.minimum(np.searchsorted(different, amplitude[0]), different.size - 1)
+    own = amplitude[:, first]  # of either side
+    if np.any(own[:, of] != amplitude):
         return None
-    phase = np.full((2, len(segments), different.size), np.nan)
-    with np.errstate(divide="ignore"):
-        level = np.array([-1.0, 1.0])[:, None, None] / different
-    start, end = segments.s_start[:, None], segments.s_end[:, None]
-    at = np.nonzero((np.minimum(start, end) <= level) & (level <= np.maximum(start, end)))
-    phase[at] = crossing(segments, at[1], level[at[0], 0, at[2]])
-    return Cuts(of, phase)
+    side, k, i = (x.ravel() for x in np.meshgrid([1.0, -1.0], np.arange(len(segments)), np.arange(different.size), indexing="ij"))
+    size = own[np.where(side > 0.0, 0, -1), i]
+    with np.errstate(all="ignore"):
+        first_of = window_end(segments, k, np.zeros(k.size), side, size)
+        cut = np.where((first_of.k == k) & (first_of.u < segments.length[k]), first_of.u, -1.0)
+        return TabledWindows(of, cut, *window_end(segments, k, np.maximum(cut, 0.0), side, size), len(segments), different.size)
 
 
-def window_end(segments: Segments, k: Array, u: Array, side: Array, amplitude: Array, cut_at: CutAt | None = None) -> Windows:
+def window_end(segments: Segments, k: Array, u: Array, side: Array, amplitude: Array) -> Windows:
     """The end of the window that (k, u) lies in; a boundary belongs to the window that it begins.
 
-    cut_at: gives the phases in segments k at which the drive of lanes of these indices crosses 1, where they are known. Where the weight
-    varies the windows are those of the net drive, on the side that the body is on.
+    Where the weight varies the windows are those of the net drive, on the side that the body is on.
     """
     if isinstance(segments, WeighedSegments):
         offset = segments.offset(side)
         there = _beyond_cuts(segments.edges, window_end(segments.edges, k + offset, u, side, amplitude), side, amplitude)
         return Windows(there.k - offset, there.u, there.ridge)
     inverse = 1.0 / amplitude
-    if cut_at is None:
 
-        def cut_at(lanes: Array, k: Array) -> Array:
-            return crossing(segments, k, -side[lanes] * inverse[lanes])
+    def cut_at(lanes: Array, k: Array) -> Array:
+        return crossing(segments, k, -side[lanes] * inverse[lanes])
 
     from_s, to_s = segments.s_start[k], segments.s_end[k]  # outwards
     from_s *= -side

@@ -8,8 +8,10 @@ from oracle import LADDER
 
 from rocking_cli import cosine, pulse, sine
 from rocking_cli.dynamics.drive import crossing, place, segment_value
-from rocking_cli.dynamics.march.windows import cuts_of, window_end
+from rocking_cli.dynamics.march.windows import tabled_windows, window_end
+from rocking_cli.dynamics.weight import weighed
 from rocking_cli.motions import Harmonic, Motion, Piece
+from rocking_cli.motions.biaxial import with_vertical
 
 MIXED = Motion("mixed", (Piece(0, 12, (Harmonic(0.5, 1, 0.3), Harmonic(0.3, 1.7, 1.0), Harmonic(-0.4, 0.6, 0.2)), 0.1, 0.02),))
 MOTIONS = [sine(), sine(2.5), cosine(1.5), LADDER, MIXED, pulse("ricker-symmetric"), pulse("rectangular-impulse")]
@@ -78,22 +80,30 @@ def test_a_crossing_next_to_an_extremum_keeps_its_distance_to_it(short):
     assert np.pi / 2 - u[0] == pytest.approx(expected, abs=4e-16, rel=np.finfo(float).eps / d + d * d)
 
 
-@pytest.mark.parametrize("motion", [MIXED, pulse("ricker-symmetric"), pulse("mavroeidis-papageorgiou")], ids=lambda m: m.name)
-def test_windows_whose_cuts_are_looked_up_are_the_same_to_the_last_bit(motion):
-    segments, random = motion.segments, np.random.default_rng(2)
-    amplitude = np.tile(np.linspace(0.5, 8.0, 20), 30)
-    cuts = cuts_of(segments, amplitude)
+WEIGHED = weighed(with_vertical(sine(2), Motion("fast", (Piece(0.0, 9.0, (Harmonic(0.6, 3.3, 0.4),)),))), 0.3, 0.5)
+
+
+@pytest.mark.parametrize("segments", [*(m.segments for m in (sine(2.5), MIXED, pulse("ricker-symmetric"))), WEIGHED])
+@pytest.mark.parametrize("turn", [(1.0,), (1.0, 1.4)], ids=["edges alike", "edges unlike"])
+def test_windows_from_the_table_are_the_same_to_the_last_bit(segments, turn):
+    random = np.random.default_rng(2)
+    amplitude = np.array(turn)[:, None] * np.tile(np.linspace(0.5, 8.0, 20), 30)
+    tabled = tabled_windows(segments, amplitude)
     cell, side = random.integers(0, 600, 2000), random.choice([-1.0, 1.0], 2000)
+    own = amplitude[np.where(side > 0.0, 0, -1), cell]
     k = random.integers(0, len(segments), 2000)
     u = random.uniform(0.0, 1.0, 2000) * segments.length[k]
-    found = window_end(segments, k, u, side, amplitude[cell], lambda lanes, at: cuts.at(cell[lanes], at, side[lanes]))
-    for looked_up, searched in zip(found, window_end(segments, k, u, side, amplitude[cell]), strict=True):
-        np.testing.assert_array_equal(looked_up, searched)
+    for _ in range(3):  # where a window ends the next one begins, and at its neighbours
+        searched = window_end(segments, k, u, side, own)
+        for looked_up, found in zip(tabled.at(cell, k, u, side), searched, strict=True):
+            np.testing.assert_array_equal(looked_up, found)
+        k, u = place(segments, searched.k, np.nextafter(searched.u, random.choice([-9.0, 9.0], 2000)))
+        k, u = np.minimum(k, len(segments) - 1), np.where(k < len(segments), u, 0.0)
 
 
-def test_cuts_are_looked_up_for_grids_alone():
-    amplitude = np.tile(np.linspace(0.5, 8.0, 20), 30)
-    assert cuts_of(sine().segments, amplitude) is None  # a closed form
-    assert cuts_of(MIXED.segments, np.random.default_rng(3).uniform(0.5, 8.0, 600)) is None
-    assert cuts_of(MIXED.segments, np.repeat(np.linspace(0.5, 8.0, 20), 1000)) is None  # half of them come after the first cells
-    assert cuts_of(MIXED.segments, amplitude[:0]) is None
+def test_windows_are_looked_up_for_grids_alone():
+    amplitude = np.tile(np.linspace(0.5, 8.0, 20), 30)[None]
+    assert tabled_windows(pulse("rectangular-impulse").segments, amplitude) is None  # straight lines
+    assert tabled_windows(MIXED.segments, np.random.default_rng(3).uniform(0.5, 8.0, (1, 600))) is None
+    assert tabled_windows(MIXED.segments, np.repeat(np.linspace(0.5, 8.0, 20), 1000)[None]) is None  # half come after the first cells
+    assert tabled_windows(MIXED.segments, amplitude[:, :0]) is None
