@@ -5,7 +5,7 @@ A new equation is one entry of EQUATIONS; everything that differs between equati
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -56,7 +56,7 @@ class EquationKind:
     model: the word of `--model` and of files; name, source: as they are printed; exact: no tolerance; serves: whether it holds for a
     structure; build: the equation of a structure at a tolerance, which raises ValueError; shares: what structures must
     have in common, besides restitution, to share a dimensionless computation; rates: the name of its form for general solvers;
-    cost: measured on one processor.
+    cost: measured on one processor; of_cells: that of plain cells of these alphas at a tolerance, None where it takes one structure.
     """
 
     model: str
@@ -68,6 +68,7 @@ class EquationKind:
     shares: Callable[[RockingParameters], tuple[Any, ...]]
     rates: str
     cost: Cost
+    of_cells: Callable[[np.ndarray, float], Equation] | None = None
 
 
 def _edges(structure: RockingParameters) -> tuple[float, ...]:
@@ -109,6 +110,7 @@ EQUATIONS = (
         shares=lambda s: (s.damping, s.alpha),
         rates="rigid_body_rates",
         cost=Cost(5e-3, 1e-5, BY_GENERAL_SOLVER),
+        of_cells=RigidBodyEquation,
     ),
 )  # fmt: skip
 MODELS = tuple(dict.fromkeys(kind.model for kind in EQUATIONS))
@@ -164,6 +166,19 @@ class Method:
             return System(equation, contact_of(structure, equation), scale, self.body_of(structure))
         except ValueError as error:
             raise UsageError(f"{structure.name}: {error}") from None
+
+    def mixes(self, structure: RockingParameters) -> bool:
+        """Whether it can be a cell of one system with others of which this holds too: bodies of two edges alike, without damping, whose
+        forces are not known."""
+        return self.kind_of(structure).of_cells is not None and structure.plain and self.body_of(structure) is None
+
+    def system_of_cells(self, structures: Sequence[RockingParameters], counts: Sequence[int]) -> System:
+        """One system whose cells are so many of each of these structures, which are one (`shares`) or mix. Raises UsageError as
+        `system_of`."""
+        of_cells = self.kind_of(structures[0]).of_cells
+        if of_cells is None or len({s.alpha for s in structures}) == 1:
+            return self.system_of(structures[0])
+        return System(of_cells(np.repeat([s.alpha for s in structures], counts), self.tolerance))
 
     def body_of(self, structure: RockingParameters) -> Body | None:
         """What the forces of a rigid body follow from; None where its mass centre is not known."""

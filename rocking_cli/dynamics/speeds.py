@@ -49,13 +49,13 @@ class _Speeds(Run):
 
     def _raise(self, lanes: Lanes, arc: Flow, reach: Array, y: Array, v: Array, b: Array) -> None:
         """The speeds of these arcs, which come to y, v, b after `reach`."""
-        equation = self.equation.on(lanes.side)
+        equation = self.equation.on(lanes.side, lanes.cell)
         fastest = np.maximum(self.fastest[lanes.cell], np.abs(equation.rotation_rate(y, v)))
         within = np.maximum(np.abs(arc.v), np.abs(v)) + 0.5 * reach * np.maximum(np.abs(arc.b), np.abs(b))
         at = np.flatnonzero((arc.b * b < 0.0) & (np.abs(equation.rotation_rate(y, within)) > fastest))
         if at.size:
             y_at, v_at = _even(arc.take(at), reach[at])
-            fastest[at] = np.maximum(fastest[at], np.abs(self.equation.on(lanes.side[at]).rotation_rate(y_at, v_at)))
+            fastest[at] = np.maximum(fastest[at], np.abs(self.equation.on(lanes.side[at], lanes.cell[at]).rotation_rate(y_at, v_at)))
         self.fastest[lanes.cell] = fastest
 
     def _shaken(self, lanes: Lanes, last: Array) -> None:
@@ -73,7 +73,7 @@ class _Speeds(Run):
     def _fall(self, lanes: Lanes, last: Array, y: Array, v: Array) -> None:
         """The speed at the next impact of undamped lanes that are at y, v when the shaking is over."""
         if last.size and not self.equation.damping:
-            there, zero = self.equation.on(lanes.side[last]), np.zeros(last.size)
+            there, zero = self.equation.on(lanes.side[last], lanes.cell[last]), np.zeros(last.size)
             at_ground = np.sqrt(there.fall(y[last], v[last])[1] / there.fall(zero, zero + 1.0)[1])
             cell = lanes.cell[last]
             self.fastest[cell] = np.fmax(self.fastest[cell], there.rotation_rate(zero, at_ground))
@@ -123,7 +123,7 @@ class SpeedWalk(_Speeds, Walk):
         self.fastest = np.zeros(amplitude.size)
 
     def _look(
-        self, cell: Array, equation: Equation, start: tuple[Array, Array], end: tuple[Array, Array], ramp: Ramp, go: Array
+        self, cell: Array, side: Array, equation: Equation, start: tuple[Array, Array], end: tuple[Array, Array], ramp: Ramp, go: Array
     ) -> None:  # fmt: skip
         """The speeds at the ends of strides; those within which a larger one may be are not taken."""
         if len(self.cells.amplitude) > 1:
@@ -134,8 +134,9 @@ class SpeedWalk(_Speeds, Walk):
         within = (np.maximum(np.abs(v), np.abs(end_v)) + steepest * ramp.unit) * np.exp(2.0 * equation.damping * ramp.unit)
         fastest = np.maximum(self.fastest[cell], np.abs(equation.rotation_rate(end_y, end_v)))
         at, drag = np.flatnonzero(go & (equation.rotation_rate(end_y, within) > fastest)), 2.0 * equation.damping
-        first = equation.force(y[at], ramp.drive[at]) - drag * v[at]
-        last = equation.force(end_y[at], ramp.drive[at] + ramp.gain[at]) - drag * end_v[at]
+        there = self.equation.on(side[at], cell[at])
+        first = there.force(y[at], ramp.drive[at]) - drag * v[at]
+        last = there.force(end_y[at], ramp.drive[at] + ramp.gain[at]) - drag * end_v[at]
         go[at[first * last < 0.0]] = False
         self.fastest[cell[go]] = fastest[go]
 
@@ -143,7 +144,7 @@ class SpeedWalk(_Speeds, Walk):
 def _even(arc: Flow, high: Array) -> tuple[Array, Array]:
     """(y, v) where the acceleration passes through zero between 0 and `high`: Newton's method inside a bracket."""
     low, high, falls = np.zeros_like(high), high.copy(), arc.at(np.zeros_like(high)).b > 0.0
-    h = 0.5 * high
+    h, met = 0.5 * high, np.zeros(high.shape, dtype=bool)
     for _ in range(_ROUNDS):
         point = arc.at(h)
         before = (point.b > 0.0) == falls
@@ -151,10 +152,12 @@ def _even(arc: Flow, high: Array) -> tuple[Array, Array]:
         with np.errstate(divide="ignore", invalid="ignore"):
             target = h - point.b / point.j
         following = np.where((target > low) & (target < high), target, 0.5 * (low + high))
-        if np.all(np.abs(following - h) <= 1e-8 * high):  # the speed is flat there: squared, this is below rounding
+        close = np.abs(following - h) <= 1e-8 * high  # the speed is flat there: squared, this is below rounding
+        h = np.where(met, h, following)  # each lane stops by itself, so that no digit depends on its neighbours
+        met |= close
+        if met.all():
             break
-        h = following
-    point = arc.at(following)
+    point = arc.at(h)
     return point.y, point.v
 
 

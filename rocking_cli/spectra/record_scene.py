@@ -128,7 +128,11 @@ class RecordScene(Scene):
 
     def batches(self, units: int) -> int:
         """Runs of the engine that so many units of work take: one for each system in each."""
-        return units * len({self.method.shares(s) for s in self.structures})
+        return units * len({self.runs_with(s) for s in self.structures})
+
+    def runs_with(self, structure: RockingParameters) -> tuple[Any, ...]:
+        """Blocks of any angle go in one run."""
+        return () if self.over_angles and not self.weighed and self.method.mixes(structure) else self.shares(structure)
 
     def only(self, units: Sequence[Unit]) -> RecordScene:
         """The scene with the samples of no other records than these units need, so that little travels with them."""

@@ -141,6 +141,10 @@ class Scene(ABC):
         body = None if self.method.exact else self.method.body_of(structure)  # of the linear oscillator forces are looked at afterwards
         return (*self.method.shares(structure), *scale, body)
 
+    def runs_with(self, structure: RockingParameters) -> tuple[Any, ...]:
+        """Structures for which this is equal go in one run of the engine under one motion."""
+        return self.shares(structure)
+
     @property
     def one_system(self) -> bool:
         """Whether all structures are one system, but for their restitution."""

@@ -91,15 +91,15 @@ class Job:
         bands = [(n, band) for n, unit in enumerate(units) for band in scene.bands(unit, sizes[n])]
         batches: dict[Any, list[int]] = {}
         for i, (_, band) in enumerate(bands):
-            batches.setdefault((id(band.motion), scene.shares(band.structure)), []).append(i)
+            batches.setdefault((id(band.motion), scene.runs_with(band.structure)), []).append(i)
         found: dict[int, list[Block]] = {}
         for batch in batches.values():
             found |= zip(batch, self.blocks([bands[i][1] for i in batch], [sizes[bands[i][0]][1] for i in batch]), strict=True)
         return [self.report(unit, [found[i] for i, (m, _) in enumerate(bands) if m == n]) for n, unit in enumerate(units)]
 
     def blocks(self, bands: Sequence[Band], columns: Sequence[int]) -> Iterator[list[Block]]:
-        """The response of bands of one system under one motion, of so many columns, for each of their sharers; all of the work is counted
-        with the first."""
+        """The response of bands that go in one run under one motion, of so many columns, for each of their sharers; all of the work is
+        counted with the first."""
         scene, motion = self.scene, bands[0].motion
         sizes = [(band.rows, width) for band, width in zip(bands, columns, strict=True)]
         ends = np.cumsum([0, *(a * b for a, b in sizes)])
@@ -107,7 +107,8 @@ class Job:
         for band, size, first, last in zip(bands, sizes, ends[:-1], ends[1:], strict=True):
             here = cells[:, first:last].reshape(3, *size)
             here[0], here[1], here[2] = band.amplitude, band.omega, band.structure.eta
-        system = scene.method.system_of(bands[0].structure)
+        structures, counts = [band.structure for band in bands], [rows * width for rows, width in sizes]
+        system = scene.method.system_of_cells(structures, counts)
         if scene.method.exact and not {"friction", "fz_min"} & set(self.quantities):
             system = replace(system, body=None)  # each sharer has its own
         beside: dict[str, np.ndarray] = {}
@@ -121,7 +122,8 @@ class Job:
         else:
             got = response(system, motion, *cells)
         if "condition" in self.quantities:
-            respond, tolerance = partial(response, system, motion), scene.method.stated_tolerance or 0.0
+            pairs = scene.method.system_of_cells(structures * 2, counts * 2)  # cells are looked at in pairs, one set after the other
+            respond, tolerance = partial(response, pairs, motion), scene.method.stated_tolerance or 0.0
             beside["condition"] = condition_of(respond, cells[0], cells[1], cells[2], tolerance)
         if "linear" in self.quantities:
             linear = response(LINEAR.system_of(bands[0].structure), motion, *cells)

@@ -88,6 +88,16 @@ def test_rocking_spectra_over_alpha_and_size(records, eta):
     assert found.velocity_ratio[0, 1] == pytest.approx(speed * ALPHAS.values[1], rel=1e-14, nan_ok=True)
 
 
+def test_blocks_of_all_angles_go_in_one_run_and_are_those_of_each_alone():
+    short = (Recording(record("a", 18, 6.0)),)
+    scene, own = (angles_scene(Axis("alpha", x), PERIODS, short, 0.5, NONLINEAR) for x in (ALPHAS.values, ALPHAS.values[1:]))
+    assert scene.batches(4) == 4
+    together, alone = (spectrum_of(x, workers=1, check=0, quantities=("condition",)) for x in (scene, own))
+    for name in ("theta_ratio", "outcome", "impacts", "velocity_ratio", "condition"):
+        np.testing.assert_array_equal(getattr(together, name)[:, 1:], getattr(alone, name))
+    assert np.nanmin(alone.condition) > 0.0
+
+
 def test_a_file_of_records_is_labelled(records, tmp_path):
     scene = angles_scene(ALPHAS, PERIODS, records, 0.5)
     write_scene(scene, tmp_path / "s.h5", workers=1, check=0)

@@ -163,7 +163,7 @@ def bouncing_ends(segments: Segments, lanes: Lanes, equation: Equation, there: B
     growth = np.sqrt(np.where(rises, (1.0 + d * a1) / (1.0 + d * a0), (1.0 - a1) / (1.0 - a0)))
     gains, gained = np.where(rises, growth, 1.0), np.where(rises, 1.0, growth)  # of the arcs here, which lose force, and there
     height = v * v * np.maximum(gains * gains / here, (n * gained) ** 2 / beyond)  # while y and damping take less than half the force
-    extra = equation.gain * height
+    extra = equation.on(lanes.side[maybe], lanes.cell[maybe]).gain * height
     if equation.damping:
         extra += 2.0 * equation.damping * growth * v * np.maximum(1.0, n)
     up, down = here - extra, beyond - extra
@@ -206,7 +206,8 @@ def bouncing_weighed(segments: WeighedSegments, lanes: Lanes, equation: Equation
         growth = np.sqrt(most_here / here * (most_beyond / beyond))
     height = (v * growth) ** 2 * np.maximum(1.0 / here, n * n / beyond)
     heaviest = 1.0 + segments.sway(side, own) * np.maximum(segments.vertical.s_start[k], segments.vertical.s_end[k])
-    extra = equation.gain * np.maximum(1.0, heaviest) * height + 2.0 * equation.damping * growth * v * np.maximum(1.0, n)
+    gain = equation.on(side, lanes.cell[at]).gain
+    extra = gain * np.maximum(1.0, heaviest) * height + 2.0 * equation.damping * growth * v * np.maximum(1.0, n)
     higher = 1.0 if there is None else np.broadcast_to(there.higher, lanes.v.shape)[at]
     ends &= (here > 0.0) & (beyond > 0.0) & (extra < 0.5 * np.minimum(here, beyond))
     lasts = scale * growth * (1.0 / (here - extra) + n * r / (beyond - extra))
@@ -244,24 +245,27 @@ def settled_on_one_side(segments: Segments, lanes: Lanes, equation: Equation) ->
     a1, inside = _drive_after(segments, lanes, maybe, k, u, a0, trial)
     margin = 1.0 - np.maximum(a0, a1)
     fastest = v * np.sqrt(np.maximum(1.0, (1.0 - a1) / (1.0 - a0)))
-    height = equation.gain * fastest * fastest / margin
+    gain = equation.on(lanes.side[maybe], lanes.cell[maybe]).gain
+    height = gain * fastest * fastest / margin
     extra = height + 2.0 * equation.damping * fastest
     sure = inside & (margin > 0.0) & (extra < 0.5 * margin) & (scale <= trial * (margin - extra))  # arcs that gain speed are shorter
-    ends[maybe[sure & (height <= equation.gain * lanes.peak[maybe])]] = True
+    ends[maybe[sure & (height <= gain * lanes.peak[maybe])]] = True
     return ends
 
 
-def free_motion(equation: Equation, y: Array, v: Array, eta: Array) -> Fate:
+def free_motion(equation: Equation, lanes: Lanes, at: Array, y: Array, v: Array) -> Fate:
     """Lemma 8 where the next side is like this one: after the next crest and impact nothing larger comes, since eta <= 1.
 
-    y >= 0, v: at the end of the shaking; eta: speed after over before the impact; arrays of one shape.
+    at: indices of lanes; y >= 0, v: at the end of the shaking, of these lanes.
     """
-    overturns, energy = equation.fall(y, v)
+    eta, own = lanes.eta[at], equation.on(lanes.side[at], lanes.cell[at])
+    overturns, energy = own.fall(y, v)
     rebound = eta * eta * energy
-    after = ~overturns & (rebound > equation.barrier)
+    after = ~overturns & (rebound > own.barrier)
     peak = np.full(np.shape(y), np.nan)
     stays = np.flatnonzero(~(overturns | after))
     out = v[stays] > 0.0  # the next crest is the higher one
-    top = equation.crest(np.where(out, energy[stays], rebound[stays]))
+    own = equation.on(lanes.side[at[stays]], lanes.cell[at[stays]])
+    top = own.crest(np.where(out, energy[stays], rebound[stays]))
     peak[stays] = np.where(out, top, np.maximum(y[stays], top))
     return Fate(overturns, after, peak)

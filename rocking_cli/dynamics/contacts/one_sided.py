@@ -54,4 +54,4 @@ class OneSided:
 
     def fate(self, equation: Equation, lanes: Lanes, at: Array, y: Array, v: Array) -> Fate:
         """The next arc is on this side too."""
-        return free_motion(equation, y, v, lanes.eta[at])
+        return free_motion(equation, lanes, at, y, v)

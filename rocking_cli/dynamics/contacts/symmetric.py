@@ -55,4 +55,4 @@ class Symmetric:
 
     def fate(self, equation: Equation, lanes: Lanes, at: Array, y: Array, v: Array) -> Fate:
         """Eq. 2.7."""
-        return free_motion(equation, y, v, lanes.eta[at])
+        return free_motion(equation, lanes, at, y, v)

@@ -32,7 +32,7 @@ def outlasts(segments: Segments, lanes: Lanes, equation: Equation, most: int) ->
     if not at.size or equation.damping:
         return found
     k, u, v, eta, a0 = lanes.k[at], lanes.u[at], lanes.v[at], lanes.eta[at], 1.0 + lanes.b[at]
-    left, kept = segments.length[k] - u, eta**most
+    left, kept, gain = segments.length[k] - u, eta**most, equation.on(lanes.side[at], lanes.cell[at]).gain
     outward, now = -lanes.side[at] * lanes.amplitude[at], drive_change(segments, k, u)
     begins = a0 + outward * (drive_change(segments, k, u + _SHARES[0] * left) - now)
     for share, to in pairwise(_SHARES):
@@ -45,6 +45,6 @@ def outlasts(segments: Segments, lanes: Lanes, equation: Equation, most: int) ->
         goes_on = np.where(eta < 1.0, 3.0 * slowest * lanes.omega[at] > (1.0 - eta * eta) * left * most_force, True)
         goes_on &= slowest > BELOW_ROUNDING
         gap = np.minimum(least, first)
-        found[at] |= (gap > 0.0) & (20.0 * equation.gain * fastest**2 < gap**2) & many & goes_on
+        found[at] |= (gap > 0.0) & (20.0 * gain * fastest**2 < gap**2) & many & goes_on
         begins = ends
     return found

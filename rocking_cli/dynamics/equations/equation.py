@@ -83,7 +83,7 @@ class Ramp(NamedTuple):
 class Equation(Protocol):
     """An equation of motion in the form above; y, v in its own unit, per tau.
 
-    Its numbers are floats, or (lanes,) arrays where the two sides of a body differ (`on`).
+    Its numbers are floats, or (lanes,) arrays where the two sides of a body differ or every cell has a body of its own (`on`).
     """
 
     @property
@@ -91,7 +91,7 @@ class Equation(Protocol):
         """zeta [-]; where it is not zero there is no closed form of what comes after the shaking."""
 
     @property
-    def gain(self) -> float:
+    def gain(self) -> Any:
         """Bound of the growth of f with y, near the ground and for |a| <= 1, on either side; 1 for the linear oscillator."""
 
     @property
@@ -122,8 +122,8 @@ class Equation(Protocol):
     def pool(self) -> int:
         """Lanes that the march advances together, for the best use of the caches."""
 
-    def on(self, side: Array) -> Equation:
-        """The equation with the numbers of the sides, +1 or -1, that these lanes are on."""
+    def on(self, side: Array, cell: Array | None = None) -> Equation:
+        """The equation with the numbers of the sides, +1 or -1, that these lanes are on, and of their cells."""
 
     def flow(self, segments: Segments, lanes: Lanes) -> Flow:
         """The flow of the lanes from their present state."""

@@ -43,7 +43,7 @@ class LinearEquation:
         self.bounded = damping == 0.0
         self.growth = math.sqrt(1.0 + damping * damping) - damping  # rate of the unstable mode, over p
 
-    def on(self, side: Array) -> Self:
+    def on(self, side: Array, cell: Array | None = None) -> Self:
         """Both sides have the same equation in their own units."""
         return self
 

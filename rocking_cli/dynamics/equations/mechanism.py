@@ -67,7 +67,7 @@ class MechanismEquation:
         beyond = np.linspace(self.top, self.limit, 4097)
         self.marks = beyond, -table.value(table.lift, beyond) / table.value(table.push, beyond)
 
-    def on(self, side: Array) -> Self:
+    def on(self, side: Array, cell: Array | None = None) -> Self:
         """An arch and its mirror image rock alike."""
         return self
 

@@ -33,35 +33,46 @@ _LEAST_ALPHA = 1e-100  # rad; the square of its sine is a double
 class RigidBodyEquation:
     """Eq. 2.3 for a body of critical angle alpha [rad].
 
-    alpha: of both edges, or (right, left) of a body whose edges differ; tolerance: error of theta/alpha that is aimed at;
-    damping: zeta [-]. Raises ValueError when an alpha is not between 1e-100 and
-    pi/2, the tolerance not between 1e-13 and 1e-2, or the damping negative.
+    alpha: of both edges, or (right, left) of a body whose edges differ, or an array of those of both edges of each cell; tolerance:
+    error of theta/alpha that is aimed at; damping: zeta [-]. Raises ValueError when an alpha is not between 1e-100 and pi/2, the
+    tolerance not between 1e-13 and 1e-2, or the damping negative.
     """
 
     pool = 16384  # lanes: fewer rounds against what no longer fits the caches, measured with series of 24 terms
     bounded = False
 
-    def __init__(self, alpha: float | tuple[float, float], tolerance: float = 1e-9, damping: float = 0.0) -> None:
+    def __init__(self, alpha: float | tuple[float, float] | Array, tolerance: float = 1e-9, damping: float = 0.0) -> None:
         self.order, self.tolerance = order_for(tolerance), tolerance
         if not 0.0 <= damping < math.inf:
             raise ValueError(f"damping is {damping:g}, accepted is a number from 0")
         self.damping = damping
-        self._edges = [_numbers(x) for x in (alpha if isinstance(alpha, tuple) else (alpha,))]
-        self.gain = max(1.0 / numbers["cos"] ** 2 for numbers in self._edges)  # (cos z + tan(alpha) sin z) / cos(alpha), for |a| <= 1
+        self._by_cell = isinstance(alpha, np.ndarray)
+        self._edges: list[dict[str, Any]]
+        if isinstance(alpha, np.ndarray):
+            self._edges = [_of_cells(alpha)]
+        else:
+            self._edges = [_numbers(x) for x in (alpha if isinstance(alpha, tuple) else (alpha,))]
+        if len(self._edges) > 1:
+            most = max(numbers["gain"] for numbers in self._edges)
+            self._edges = [{**numbers, "gain": most} for numbers in self._edges]
         self._take(self._edges[0])
 
     def _take(self, numbers: dict[str, Any]) -> None:
         """The numbers of one edge, or of an edge a lane: those of the angle, A at uplift, on its side (`limit`), the barrier."""
         self.alpha, self.sin, self.cos, self.tan = (numbers[key] for key in ("alpha", "sin", "cos", "tan"))
-        self.bottom = numbers["bottom"]  # 1 - cos(alpha)
+        self.bottom, self.square = numbers["bottom"], numbers["square"]  # 1 - cos(alpha), sin^2(alpha)
         self.uplift_amplitude, self.limit, self.barrier = (numbers[key] for key in ("uplift_amplitude", "limit", "barrier"))
+        self.gain = numbers["gain"]
 
-    def on(self, side: Array) -> Self:
-        """The same body on the edges that the lanes are on."""
-        if len(self._edges) == 1:
+    def on(self, side: Array, cell: Array | None = None) -> Self:
+        """The same body on the edges that the lanes are on, or each lane's own body."""
+        if len(self._edges) == 1 and (not self._by_cell or cell is None):
             return self
-        right, left = self._edges
         there = copy.copy(self)
+        if self._by_cell:
+            there._take({key: numbers[cell] for key, numbers in self._edges[0].items()})
+            return there
+        right, left = self._edges
         there._take({key: np.where(side > 0.0, right[key], left[key]) for key in right})
         return there
 
@@ -76,7 +87,7 @@ class RigidBodyEquation:
 
     def _part(self, block: slice) -> Self:
         """The same body for some of the lanes that its numbers belong to."""
-        if len(self._edges) == 1:
+        if isinstance(self.alpha, float):
             return self
         part = copy.copy(self)
         part._take({key: getattr(self, key)[block] for key in self._edges[0]})
@@ -139,7 +150,7 @@ class RigidBodyEquation:
         np.multiply(square, 1.0 / self.cos, out=turn[0, 1])
         terms[0] = y
         np.multiply(v, ramp.unit, out=terms[1])
-        falls, pushes = -self.cos, self.sin**2 / self.cos
+        falls, pushes = -self.cos, self.square / self.cos
         drag = 2.0 * self.damping / ramp.unit if self.damping else None
         for n in range(rows):
             if n:
@@ -186,12 +197,12 @@ class RigidBodyEquation:
     def fall(self, y: Array, v: Array) -> tuple[Array, Array]:
         """K = v^2/2 + [cos z - cos(alpha)]/sin^2(alpha) is constant between impacts; 1/(1 + cos(alpha)) at the barrier."""
         turned = self.sin * y
-        energy = 0.5 * v * v + 2.0 * np.sin(self.alpha - 0.5 * turned) * np.sin(0.5 * turned) / self.sin**2
+        energy = 0.5 * v * v + 2.0 * np.sin(self.alpha - 0.5 * turned) * np.sin(0.5 * turned) / self.square
         return falls_by_energy(v, energy, self.barrier, turned > self.alpha), energy
 
     def crest(self, energy: Array) -> Array:
         """Largest y for an energy up to the barrier: 1 - cos(alpha - y sin(alpha)) = 1 - cos(alpha) - sin^2(alpha) K."""
-        left = np.maximum(0.0, self.bottom - self.sin**2 * energy)
+        left = np.maximum(0.0, self.bottom - self.square * energy)
         return (self.alpha - 2.0 * np.arcsin(np.sqrt(0.5 * left))) / self.sin
 
     def damped_crest(self, y: Array, v: Array) -> Array:
@@ -214,9 +225,16 @@ class RigidBodyEquation:
             return ((v > 0.0) & (gap <= 0.0)) | on_its_side
         half = np.tan(0.5 * gap)
         half *= half
-        height = 2.0 / self.sin**2 * np.sqrt(1.0 + e * e) * (half / (1.0 + half))  # sin^2 of half the gap
+        height = 2.0 / self.square * np.sqrt(1.0 + e * e) * (half / (1.0 + half))  # sin^2 of half the gap
         passes = (v > 0.0) & ((gap <= 0.0) | (0.5 * v * v > height))
         return passes | on_its_side
+
+
+def _of_cells(alpha: Array) -> dict[str, Any]:
+    """The numbers of each cell."""
+    kinds, which = np.unique(alpha, return_inverse=True)
+    numbers = [_numbers(x) for x in kinds.tolist()]
+    return {key: np.array([x[key] for x in numbers])[which] for key in numbers[0]}
 
 
 def _numbers(alpha: float) -> dict[str, float]:
@@ -224,6 +242,7 @@ def _numbers(alpha: float) -> dict[str, float]:
         raise ValueError(f"alpha is {alpha:g} rad, accepted for a rigid body is an angle from {_LEAST_ALPHA:g} rad to below 90 deg")
     sin, cos, tan = math.sin(alpha), math.cos(alpha), math.tan(alpha)
     return {
-        "alpha": alpha, "sin": sin, "cos": cos, "tan": tan, "bottom": 2.0 * math.sin(0.5 * alpha) ** 2,
+        "alpha": alpha, "sin": sin, "cos": cos, "tan": tan, "bottom": 2.0 * math.sin(0.5 * alpha) ** 2, "square": sin**2,
         "uplift_amplitude": tan / alpha, "limit": 0.5 * math.pi / sin, "barrier": 1.0 / (1.0 + cos),
+        "gain": 1.0 / cos**2,  # (cos z + tan(alpha) sin z) / cos(alpha), for |a| <= 1
     }  # fmt: skip

@@ -115,14 +115,14 @@ class Walk(Run):
         k, y, v, peak, pace, outward, degree = (
             getattr(lanes, name).take(at) for name in ("k", "y", "v", "peak", "pace", "outward", "degree")
         )
-        go, cell = np.ones(at.size, dtype=bool), lanes.cell[at]
-        equation = self.equation.on(lanes.side[at])
+        go, side, cell = np.ones(at.size, dtype=bool), lanes.side[at], lanes.cell[at]
+        equation = self.equation.on(side, cell)
         factors, last = factors_for(pace, degree), degree * at.size + np.arange(at.size)
         for _ in range(strides):
             ramp = Ramp(outward * self.samples.take(k), outward * self.gains.take(k), pace, factors)
             end_y, end_v, proved = self._stride(equation, y, v, peak, ramp, last)
             go &= proved
-            self._look(cell, equation, (y, v), (end_y, end_v), ramp, go)
+            self._look(cell, side, equation, (y, v), (end_y, end_v), ramp, go)
             y, v, peak = np.where(go, end_y, y), np.where(go, end_v, v), np.where(go, np.maximum(peak, end_y), peak)
             k += go
             go &= k < self.last
@@ -167,7 +167,7 @@ class Walk(Run):
         return end_y, end_v, proved
 
     def _look(
-        self, cell: Array, equation: Equation, start: tuple[Array, Array], end: tuple[Array, Array], ramp: Ramp, go: Array
+        self, cell: Array, side: Array, equation: Equation, start: tuple[Array, Array], end: tuple[Array, Array], ramp: Ramp, go: Array
     ) -> None:  # fmt: skip
         """What a listener wants to know of strides from one (y, y') to another: those in which it must look closer are no longer to go."""
 
@@ -179,7 +179,7 @@ class Walk(Run):
             lanes = lanes.take(np.flatnonzero(~past))
         walked = np.flatnonzero((lanes.u == 0.0) & (lanes.y > 0.0))
         drive = lanes.outward[walked] * self.segments.s_start[lanes.k[walked]]
-        lanes.b[walked] = self.equation.on(lanes.side[walked]).force(lanes.y[walked], drive)
+        lanes.b[walked] = self.equation.on(lanes.side[walked], lanes.cell[walked]).force(lanes.y[walked], drive)
         going = self.round(lanes).going
         assert isinstance(going, Walkers)
         going.pace, going.outward = self.step / going.omega, -going.side * going.amplitude
@@ -199,9 +199,9 @@ class Walk(Run):
         drive = some.outward * self.samples.take(some.k) + gain * share
         ramp = Ramp(drive, gain * (1.0 - share), unit, factors_for(unit, some.degree))
         last = some.degree * at.size + np.arange(at.size)
-        equation = self.equation.on(some.side)
+        equation = self.equation.on(some.side, some.cell)
         y, v, proved = self._stride(equation, some.y, some.v, some.peak, ramp, last)
-        self._look(some.cell, equation, (some.y, some.v), (y, v), ramp, proved)
+        self._look(some.cell, some.side, equation, (some.y, some.v), (y, v), ramp, proved)
         on = np.flatnonzero(proved)
         at = at[on]
         lanes.k[at], lanes.u[at] = some.k[on] + 1, 0.0
@@ -218,7 +218,7 @@ class Walk(Run):
         at = at[lanes.y[at] + lanes.v[at] > 1.0]
         k, positive = lanes.k[at], lanes.side[at] > 0.0
         inward = lanes.amplitude[at] * np.where(positive, self.segments.later_max[k], -self.segments.later_min[k])
-        at = at[self.equation.on(lanes.side[at]).certainly_overturns(lanes.y[at], lanes.v[at], inward)]
+        at = at[self.equation.on(lanes.side[at], lanes.cell[at]).certainly_overturns(lanes.y[at], lanes.v[at], inward)]
         self._overturn(lanes, at)
         self.work += Work(certain_overturning=at.size)
         return at

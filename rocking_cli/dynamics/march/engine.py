@@ -123,7 +123,7 @@ class Run:
         """One step for every lane."""
         seg = self.segments
         lanes.steps += 1
-        equation = self.equation.on(lanes.side)
+        equation = self.equation.on(lanes.side, lanes.cell)
         passage = advance(seg, lanes, equation, self._until_drop(lanes), self.tabled)
         end, hit = passage.end, passage.hit
         k, u = place(seg, passage.step.k, passage.step.u)
@@ -194,7 +194,7 @@ class Run:
             return crests(self.segments, lanes, passage, np.ones(wanted.shape, dtype=bool))
         if not self.peaks:
             return Crests(np.zeros(0, dtype=np.int64), np.zeros(0), np.zeros(0))
-        gain = self.equation.gain
+        gain = self.equation.on(lanes.side, lanes.cell).gain
         if isinstance(self.segments, WeighedSegments):
             gain = gain * np.maximum(1.0, self.segments.greatest_weight(lanes.side, lanes.amplitude))
         return crests(self.segments, lanes, passage, wanted & ~low_bounces(lanes, passage, gain))
@@ -209,7 +209,7 @@ class Run:
         if weighed is not None:
             weight = weighed.least_weight(lanes.side, lanes.amplitude, k)
             inward = np.where(weight > 0.0, inward / weight, np.inf)
-        certain = self.equation.on(lanes.side).certainly_overturns(end.y, end.v, inward, weighed is None)
+        certain = self.equation.on(lanes.side, lanes.cell).certainly_overturns(end.y, end.v, inward, weighed is None)
         return certain if self.watch is None else certain & (end.y >= np.where(lanes.side > 0.0, *self.watch.fallen))
 
     def _onward(self, lanes: Lanes, passage: Passage, k: Array, u: Array, at: Array) -> Lanes:
@@ -278,7 +278,7 @@ class Run:
         y[known], v[known] = crest[known], 0.0
         lanes.peak[at] = np.fmax(lanes.peak[at], crest)
         most = self.contact.fate(self.equation, lanes, at, y, v)
-        below = self.equation.on(lanes.side[at]).rotation(y) < 1.0  # from above the barrier damping may keep it there
+        below = self.equation.on(lanes.side[at], lanes.cell[at]).rotation(y) < 1.0  # from above the barrier damping may keep it there
         settled = at[below & ~(most.overturns | most.overturns_after_impact) & (most.peak <= lanes.peak[at])]
         self._finish(lanes, settled, Outcome.ROCKED, lanes.peak[settled])
         going = np.ones(lanes.k.size, dtype=bool)
@@ -313,7 +313,7 @@ class Run:
         at = at[~seg.joins[lanes.k[at] - 1]]
         drive = -lanes.side[at] * lanes.amplitude[at] * seg.s_start[lanes.k[at]]
         weight = 1.0 if not isinstance(seg, WeighedSegments) else seg.weight(lanes.side[at], lanes.amplitude[at], lanes.k[at], lanes.u[at])
-        lanes.b[at] = self.equation.on(lanes.side[at]).force(lanes.y[at], drive, weight)
+        lanes.b[at] = self.equation.on(lanes.side[at], lanes.cell[at]).force(lanes.y[at], drive, weight)
 
     def _overturn(self, lanes: Lanes, at: Array) -> None:
         bounced = lanes.impacts[at] > 0
@@ -326,7 +326,7 @@ class Run:
         cell = lanes.cell[at]
         self.outcome[cell] = outcome
         if self.peaks:
-            self.theta_ratio[cell] = self.equation.on(lanes.side[at]).rotation(np.asarray(peak))
+            self.theta_ratio[cell] = self.equation.on(lanes.side[at], lanes.cell[at]).rotation(np.asarray(peak))
         if outcome == Outcome.ROCKED and self.footing is not None and self.footing.any:
             gone = cell[self.footing.lost[cell]]
             self.outcome[gone], self.theta_ratio[gone] = Outcome.LOST_CONTACT, np.nan

@@ -27,10 +27,10 @@ def march(y, v, eta):
     raise AssertionError("undecided")
 
 
-def test_fate_equals_marching():
+def test_fate_equals_marching(lanes):
     random = np.random.default_rng(4)
     y, v, eta = random.uniform(0, 1.5, 60), random.uniform(-2, 1.2, 60), random.uniform(0.3, 1, 60)
-    fate = free_motion(LinearEquation(), y, v, eta)
+    fate = free_motion(LinearEquation(), lanes(np.ones(60), eta=eta), np.arange(60), y, v)
     for i in range(60):
         overturns, peak = march(y[i], v[i], eta[i])
         assert overturns == (fate.overturns[i] or fate.overturns_after_impact[i])

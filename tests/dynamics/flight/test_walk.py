@@ -9,7 +9,7 @@ import pytest
 from oracle_records import Rigid, lockstep
 from synthetic import RECORDS, allowance, assert_same, cells, shaken
 
-from rocking_cli import LinearEquation, Method, Outcome, RigidBodyEquation, System, load_structures, nonlinear_response, response
+from rocking_cli import LinearEquation, Method, Outcome, RigidBodyEquation, System, load_structures, nonlinear_response, response, sine
 from rocking_cli.dynamics.contacts.one_sided import OneSided
 from rocking_cli.dynamics.contacts.unequal import Unequal
 from rocking_cli.dynamics.equations.equation import Ramp
@@ -141,6 +141,22 @@ def test_no_digit_depends_on_the_neighbours(name, monkeypatch):
     monkeypatch.setattr("rocking_cli.dynamics.flight.walk._BLOCK", 3)
     np.testing.assert_array_equal(response(system, motion, amplitude, omega, eta).theta_ratio, together.theta_ratio)
     np.testing.assert_array_equal(response(system, motion, amplitude, omega, eta, peaks=False).outcome, together.outcome)
+
+
+@pytest.mark.parametrize("motion", [shaken(RECORDS[0][36:52], 0.04), sine()], ids=["walked", "marched"])
+def test_bodies_of_many_angles_in_one_run_are_those_of_each_alone(motion):
+    alphas, count = np.array([0.6, 0.1, 0.3]), 7
+    amplitude, omega = cells(3 * count, 8)
+    omega[::5] /= 40.0  # samples too far apart to be walked over
+    omega *= 1.0 if motion.samples else 20.0
+    eta = np.tile([0.6, 0.9, 1.0 - 1e-4], count)
+    together = response(System(RigidBodyEquation(np.repeat(alphas, count))), motion, amplitude, omega, eta)
+    assert len(set(together.outcome)) > 2
+    for i in (0, 2):
+        mine = slice(count * i, count * (i + 1))
+        alone = response(System(RigidBodyEquation(float(alphas[i]))), motion, amplitude[mine], omega[mine], eta[mine])
+        for name in ("theta_ratio", "outcome", "impacts"):
+            np.testing.assert_array_equal(getattr(together, name)[mine], getattr(alone, name))
 
 
 @pytest.mark.parametrize("alpha", [0.2, ALPHA, 0.3, 0.4])
