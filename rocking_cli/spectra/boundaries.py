@@ -124,18 +124,20 @@ class Search:
             rows.append(Row(int(begins[i]), list(zip(found.high[mine].tolist(), found.above[mine].tolist(), strict=True))))
         return rows
 
-    def first_fall(self, omega: float) -> tuple[float | None, int]:
-        """(the lowest amplitude that is not safe at one Omega, None where all are, and the outcome at `a_max`)."""
-        omegas = np.array([omega])
-        begins, brackets = self._scan(omegas)
+    def fall(self, omega: float) -> tuple[Brackets, int]:
+        """(the lowest change of the scan at one Omega to what is not safe, if any, as row 0, and the outcome at `a_max`)."""
+        begins, brackets = self._scan(np.array([omega]))
         last = int(brackets.above[brackets.high.argmax()]) if brackets.row.size else int(begins[0])
         if not Outcome(int(begins[0])).safe:
-            return self.lowest, last
+            return Brackets(*(np.array([x]) for x in (0, self.lowest, self.lowest, begins[0], begins[0]))), last
         falls = np.flatnonzero(~safe(brackets.above))
-        if not falls.size:
-            return None, last
-        found = self._sections(omegas, brackets.take(falls[[brackets.high[falls].argmin()]]), lowest=True)
-        return float(found.high[~safe(found.above)].min()), last
+        return brackets.take(falls[brackets.high[falls].argsort()[:1]]), last
+
+    def first_falls_in(self, omega: float, brackets: Brackets) -> list[float]:
+        """The lowest amplitude of each bracket that is not safe at one Omega, all traced together."""
+        rows = np.arange(brackets.row.size)
+        found = self._sections(np.full(rows.size, omega), brackets._replace(row=rows), lowest=True)
+        return [float(found.high[(found.row == row) & ~safe(found.above)].min()) for row in rows]
 
     def first_falls(self, omegas: Array) -> list[Row]:
         """The rows as far as the lowest amplitude of the scan that is not safe, looked for a stretch after the other."""

@@ -16,13 +16,13 @@ from ..dynamics.outcome import Outcome
 from ..errors import UsageError
 from ..motions import Motion
 from ..structures.parameters import RockingParameters
-from .boundaries import Search
+from .boundaries import Brackets, Search
 from .envelope import HIGHEST
 
 LONGEST_FINE = 200  # segments of a motion up to which the scan is as fine as an envelope's
 RATIO = 5e-3  # of neighbouring amplitudes, less 1, beyond that: a cell costs a thousand times one of a pulse
 _FIRST_WINDOW = 1.5  # in A, looked at together: that many cells cost about as much as one batch
-_PARTS = 128  # that a change is cut into at once: few changes, so that a batch costs the same whatever its size
+_PARTS = 256  # that a change is cut into at once: few changes, so that a batch costs the same whatever its size
 
 
 @dataclass(frozen=True)
@@ -49,15 +49,16 @@ def capacity(structure: RockingParameters, motion: Motion, amplitude: float, ome
     if not lowest < top:
         return Capacity(None, None, lowest if np.isfinite(lowest) else None)
     search = Search(system, motion, structure.eta, top, ratio=_ratio(motion), digits=method.stated_tolerance or 4e-16, parts=_PARTS)
-    first = None
+    falls: list[Brackets] = []  # of each window that holds one, until it is clear what becomes of the demand
+    above = False  # whether the last of them is above a demand that stands
     for begin, end in _windows(lowest, amplitude, top, at_once=system.equation.bounded):
-        fall, last = replace(search, a_min=begin, a_max=end).first_fall(omega)
-        first = fall if first is None else first
-        if end <= amplitude and not Outcome(last).safe:
-            return Capacity(first, None, lowest)
-        if begin >= amplitude and fall is not None:
-            return Capacity(first, fall, lowest)
-    return Capacity(first, None, lowest)
+        fall, last = replace(search, a_min=begin, a_max=end).fall(omega)
+        falls += [fall] if fall.row.size else []
+        above = begin >= amplitude and fall.row.size > 0
+        if above or (end <= amplitude and not Outcome(last).safe):
+            break
+    found = search.first_falls_in(omega, Brackets.join(falls)) if falls else []
+    return Capacity(min(found, default=None), found[-1] if above else None, lowest)
 
 
 def narrowest(motion: Motion) -> str:
