@@ -1,4 +1,6 @@
 # The public names, each with its home: the only list of them. `__init__.py` imports from it what is asked for.
+from .documents.document import Document as Document
+from .documents.document import parse_documents as parse_documents
 from .dynamics.equations.linear import LinearEquation as LinearEquation
 from .dynamics.equations.mechanism import MechanismEquation as MechanismEquation
 from .dynamics.equations.rigid_body import RigidBodyEquation as RigidBodyEquation
@@ -19,13 +21,13 @@ from .errors import RockingError as RockingError
 from .errors import StructureError as StructureError
 from .errors import UsageError as UsageError
 from .motions import Motion as Motion
-from .motions import Record as Record
 from .motions import cosine as cosine
-from .motions import intensity as intensity
 from .motions import pulse as pulse
-from .motions import read_motion as read_motion
-from .motions import read_record as read_record
 from .motions import sine as sine
+from .motions.intensity import intensity as intensity
+from .motions.reading import read_motion as read_motion
+from .motions.records import Record as Record
+from .motions.records import read_record as read_record
 from .reports.capacity import draw_capacities as draw_capacities
 from .reports.drawing import draw_structures as draw_structures
 from .reports.plot import draw as draw
@@ -50,15 +52,13 @@ from .spectra.results import Spectrum as Spectrum
 from .spectra.results import Summary as Summary
 from .spectra.sweep import spectrum as spectrum
 from .spectra.sweep import write_spectrum as write_spectrum
-from .structures import Document as Document
-from .structures import RockingParameters as RockingParameters
 from .structures import build_structure as build_structure
 from .structures import load_structures as load_structures
-from .structures import parse_documents as parse_documents
 from .structures import read_documents as read_documents
 from .structures.family import Member as Member
 from .structures.family import family as family
 from .structures.family import parse_variation as parse_variation
+from .structures.parameters import RockingParameters as RockingParameters
 from .structures.parameters import dimensionless_oscillator as dimensionless_oscillator
 
 __version__: str

@@ -84,8 +84,9 @@ def vertical_of_each(command: F) -> F:
             if vertical_scale is not None:
                 raise click.UsageError("--vertical-scale goes with --vertical")
             return command(*arguments, upwards=None, **given)
-        from ..motions import PULSES, pulse, read_motion
+        from ..motions import PULSES, pulse
         from ..motions.biaxial import with_vertical as biaxial
+        from ..motions.reading import read_motion
 
         quiet = given.get("quiet", False)
         up = pulse(vertical) if vertical in PULSES else read_motion(vertical, tell=partial(note, quiet=quiet))
@@ -131,12 +132,11 @@ _FILE = ("motion_file", "component", "unit", "motion_dt", "scale", "scale_to")
 
 def _motion_of(given: dict[str, Any], dt_flag: str, quiet: bool) -> Motion | tuple[Recording, ...]:
     """The motion that the options describe; the records of a set where they are `motion_files`."""
-    from ..documents.quantities import parse_quantity
     from ..motions import pulse as named_pulse
-    from ..motions import read_motion
-    from ..motions.recording import read_motions
 
     if "phase" in given:
+        from ..documents.quantities import parse_quantity
+
         try:
             given["phase"] = parse_quantity(given["phase"], "angle")
         except ValueError as error:
@@ -147,6 +147,9 @@ def _motion_of(given: dict[str, Any], dt_flag: str, quiet: bool) -> Motion | tup
         for key in _PULSE:
             if key in given:
                 raise click.UsageError(f"--motion does not go with --{key}")
+        from ..motions.reading import read_motion
+        from ..motions.recording import read_motions
+
         tell = partial(note, quiet=quiet)
         try:
             if "motion_file" in given:

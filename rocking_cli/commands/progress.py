@@ -22,22 +22,26 @@ class ProgressLine:
         context = click.get_current_context(silent=True)
         rows = context is not None and context.params.get("form") is not None and sys.stdout.isatty()
         self._unit, self._start, self._first = unit, monotonic(), 0
-        self._bar = click.progressbar(
-            length=1,  # until the first call tells it
-            label=streams.printable(label),
-            width=20,
-            show_percent=True,
-            item_show_func=lambda rate: rate,
-            file=cast(TextIO, sys.stderr),
-            hidden=quiet or rows or not sys.stderr.isatty(),
+        hidden = quiet or rows or not sys.stderr.isatty()
+        self._bar = (
+            None
+            if hidden
+            else click.progressbar(
+                length=1,  # until the first call tells it
+                label=streams.printable(label),
+                width=20,
+                show_percent=True,
+                item_show_func=lambda rate: rate,
+                file=cast(TextIO, sys.stderr),
+            )
         )
-        if not self._bar.hidden:
+        if self._bar is not None:
             streams.end_line(self._bar.render_finish)
             self._bar.__enter__()
 
     def __call__(self, done: int, total: int) -> None:
         bar = self._bar
-        if bar.hidden:
+        if bar is None:
             return
         streams.end_line(bar.render_finish)
         if not bar.pos:

@@ -10,7 +10,7 @@ import click
 from . import ground, options
 
 if TYPE_CHECKING:
-    from ..motions import Record
+    from ..motions.records import Record
 
 COLUMNS = (
     "name", "format", "component", "npts", "dt", "duration", "pga", "pga_time", "pgv", "pgd", "arias", "cav", "d5_75", "d5_95",
@@ -57,7 +57,7 @@ def records(files: tuple[str, ...], component: str | None, unit: str | None, dt:
 
 
 def _row(record: Record) -> dict[str, Any]:
-    from ..motions import intensity
+    from ..motions.intensity import intensity
 
     measured = intensity(record)
     row = {key: getattr(record, key) for key in ("name", "format", "component", "npts", "dt", "duration")} | asdict(measured)

@@ -1,6 +1,7 @@
 """Which equation of motion answers for which structure: the one registry of equations, and what a user's choice comes to.
 
 A new equation is one entry of EQUATIONS; everything that differs between equations is asked of its entry or of the equation itself.
+Equations and contacts that most structures do without are imported where one needs them.
 """
 
 from __future__ import annotations
@@ -16,13 +17,9 @@ from ..errors import UsageError, did_you_mean
 from ..structures.parameters import RockingParameters, Side
 from .body import Body
 from .contacts.contact import Contact
-from .contacts.one_sided import OneSided
 from .contacts.symmetric import Symmetric
-from .contacts.unequal import Unequal
 from .equations.equation import Equation
 from .equations.linear import LinearEquation
-from .equations.mechanism import MechanismEquation
-from .equations.rigid_body import RigidBodyEquation
 from .equations.taylor import order_for
 from .system import System
 
@@ -77,11 +74,21 @@ def _edges(structure: RockingParameters) -> tuple[float, ...]:
 
 
 def _rigid(structure: RockingParameters, tolerance: float) -> Equation:
+    from .equations.rigid_body import RigidBodyEquation
+
     edges = _edges(structure)
     return RigidBodyEquation((edges[0], edges[1]) if edges else structure.alpha, tolerance, structure.damping)
 
 
+def _rigid_cells(alpha: np.ndarray, tolerance: float) -> Equation:
+    from .equations.rigid_body import RigidBodyEquation
+
+    return RigidBodyEquation(alpha, tolerance)
+
+
 def _mechanism(structure: RockingParameters, tolerance: float) -> Equation:
+    from .equations.mechanism import MechanismEquation
+
     assert structure.mechanism is not None  # `serves` says so
     return MechanismEquation(structure.mechanism, tolerance, structure.damping)
 
@@ -110,7 +117,7 @@ EQUATIONS = (
         shares=lambda s: (s.damping, s.alpha),
         rates="rigid_body_rates",
         cost=Cost(5e-3, 1e-5, BY_GENERAL_SOLVER),
-        of_cells=RigidBodyEquation,
+        of_cells=_rigid_cells,
     ),
 )  # fmt: skip
 MODELS = tuple(dict.fromkeys(kind.model for kind in EQUATIONS))
@@ -224,9 +231,13 @@ LINEAR = Method()
 def contact_of(structure: RockingParameters, equation: Equation) -> Contact:
     """How a structure stands on the ground."""
     if structure.one_sided:
+        from .contacts.one_sided import OneSided
+
         return OneSided()
     if not structure.sides:
         return Symmetric()
+    from .contacts.unequal import Unequal
+
     left, right = structure.sides
     there = equation.on(np.array([1.0, -1.0]))
     turns, lifts = (np.broadcast_to(x, 2).tolist() for x in (there.rotation(np.ones(2)), there.uplift_amplitude))

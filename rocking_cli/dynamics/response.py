@@ -8,9 +8,6 @@ import numpy as np
 
 from ..motions.motion import Motion
 from .equations.linear import LinearEquation
-from .equations.rigid_body import RigidBodyEquation
-from .flight.run import Flight
-from .flight.walk import Walk
 from .march.account import Work
 from .march.demand import follows
 from .march.engine import Run
@@ -63,6 +60,9 @@ def response(
     if lines.samples is None or motion.vertical is not None:
         run = Run(system, system.segments(motion), *cells, peaks, pool or system.equation.pool)
     else:
+        from .flight.run import Flight
+        from .flight.walk import Walk
+
         run = (Flight if flies(system, motion) else Walk)(system, lines.segments, lines.samples, *cells, peaks, pool)
     run.all()
     look_at_forces(run, system, motion, cells)
@@ -143,4 +143,6 @@ def nonlinear_response(
     >>> nonlinear_response(sine(), [1.5, 4.0], 6.0, 0.9, alpha=0.25).theta_ratio.round(6)
     array([0.153431, 0.673775])
     """
+    from .equations.rigid_body import RigidBodyEquation
+
     return response(System(RigidBodyEquation(alpha, tolerance)), motion, amplitude, omega, eta, peaks=peaks)

@@ -1,8 +1,6 @@
-"""What shakes: ground motions as exact pieces."""
+"""What shakes: ground motions as exact pieces. Records, and what reads files, stand in modules of their own: most sweeps need none."""
 
-from .intensity import Intensity, intensity
 from .motion import Harmonic, Motion, Piece
-from .polyline import Polyline, record_motion
 from .pulses import (
     PULSES,
     cosine,
@@ -15,26 +13,16 @@ from .pulses import (
     ricker_symmetric,
     sine,
 )
-from .reading import read_motion
-from .records import Record, read_record, read_records
 
 __all__ = [
     "PULSES",
     "Harmonic",
-    "Intensity",
     "Motion",
     "Piece",
-    "Polyline",
-    "Record",
     "cosine",
     "half_sine",
-    "intensity",
     "mavroeidis_papageorgiou",
     "pulse",
-    "read_motion",
-    "read_record",
-    "read_records",
-    "record_motion",
     "rectangular",
     "rectangular_impulse",
     "ricker_antisymmetric",

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ..documents import Document, Value
+from ..documents.document import Document, Value
 from ..documents.quantities import parse_quantity
 from ..errors import DocumentError, MotionError
 from .motion import Harmonic, Motion, Piece

@@ -7,12 +7,15 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..errors import MotionError
 from .motion import Motion, Piece, Samples, Segments, checked_scale
-from .records import Record
+
+if TYPE_CHECKING:
+    from .records import Record
 
 Array = np.ndarray
 

@@ -7,7 +7,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ..structures import Document, RockingParameters, build_structure
+from ..documents.document import Document
+from ..structures import RockingParameters, build_structure
 from ..structures.kinds import sketch_of
 from ..structures.sketch import Outline, Point, Sketch, rectangle
 from .canvas import canvas, literal

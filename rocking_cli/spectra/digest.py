@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 import h5py
@@ -21,10 +21,13 @@ STATE = ("chunk_done", "chunk_checksum")
 _SCALES = ("CLASS", "NAME", "DIMENSION_LIST", "REFERENCE_LIST")  # how HDF5 stores dimensions: what they say is digested instead
 
 
-def digest_of(file: h5py.File) -> str:
-    """BLAKE2b-256, in hex, of the settled attributes, and of each dataset's form, attributes and (no chunks) values."""
+def digest_of(root: Mapping[str, Any], datasets: Mapping[str, h5py.Dataset]) -> str:
+    """BLAKE2b-256, in hex, of the settled attributes, and of each dataset's form, attributes and (no chunks) values.
+
+    root: the file's own attributes; datasets: those of the file by name, which is the file itself where they are not open yet.
+    """
     digest = hashlib.blake2b(digest_size=32)
-    for piece in _pieces(file):
+    for piece in _pieces(root, datasets):
         digest.update(len(piece).to_bytes(8, "little"))
         digest.update(piece)
     return f"blake2b:{digest.hexdigest()}"
@@ -41,13 +44,12 @@ def plain(value: Any) -> Any:
     return value.item() if isinstance(value, np.generic) else value.tolist() if isinstance(value, np.ndarray) else value
 
 
-def _pieces(file: h5py.File) -> Iterator[bytes]:
-    root = file.attrs
+def _pieces(root: Mapping[str, Any], datasets: Mapping[str, h5py.Dataset]) -> Iterator[bytes]:
     for key in SETTLED:
         if key in root:
             yield _text(key, plain(root[key]))
-    for name in sorted(file):
-        data = file[name]
+    for name in sorted(datasets):
+        data = datasets[name]
         stated = data.attrs
         dimensions = [[scale.name for scale in dimension.values()] for dimension in data.dims]
         about = sorted((key, plain(stated[key])) for key in stated if key not in _SCALES)

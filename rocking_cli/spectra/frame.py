@@ -8,13 +8,15 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from ..motions.recording import Recording
 from ..structures.parameters import RockingParameters
 from .grid import LONG_NAMES, UNITS, Grid
+
+if TYPE_CHECKING:
+    from ..motions.recording import Recording
 
 Values = np.ndarray | list[str]
 

@@ -94,35 +94,35 @@ def image(frame: Frame, chunk: tuple[int, ...], names: Sequence[str], scene: Map
         root = {"Conventions": "CF-1.11", "title": "Rocking spectra", "source": f"rocking {__version__}", "scene": json.dumps(scene)}
         for key, value in {**root, **attributes}.items():
             file.attrs[key] = _encodable(value)
-        for name, values in frame.dimensions.items():
-            _list(file, name, values, frame.about(name))
+        datasets = {name: _list(file, name, values, frame.about(name)) for name, values in frame.dimensions.items()}
         for name in frame.dimensions:
-            file[name].make_scale(name)
+            datasets[name].make_scale(name)
         for name, (dimension, values) in frame.beside.items():
-            _list(file, name, values, frame.about(name), file[dimension])
+            datasets[name] = _list(file, name, values, frame.about(name), datasets[dimension])
         cut = ChunkGrid(frame.shape, (1, *chunk))
         labels = {"coordinates": " ".join(frame.labels)} if frame.labels else {}
         for name in names:
             dtype, about = VARIABLES[name]
-            data = file.create_dataset(
+            datasets[name] = file.create_dataset(
                 name, cut.shape, dtype, chunks=cut.chunk, shuffle=dtype.itemsize > 1,
                 compression="gzip", compression_opts=GZIP_LEVEL, fillvalue=about.get("_FillValue", 0),
             )  # fmt: skip
-            _describe(data, {**about, **labels}, *(file[dimension] for dimension in frame.dimensions))
+            _describe(datasets[name], {**about, **labels}, *(datasets[dimension] for dimension in frame.dimensions))
         for name, (dtype, _) in CHUNK_TABLES.items():
             values = np.arange(cut.size, dtype=dtype) if name == "chunk" else np.zeros(cut.size, dtype=dtype)
-            file.create_dataset(name, data=values)
-        file["chunk"].make_scale("chunk")
+            datasets[name] = file.create_dataset(name, data=values)
+        datasets["chunk"].make_scale("chunk")
         for name, (_, about) in CHUNK_TABLES.items():
-            _describe(file[name], about, *([] if name == "chunk" else [file["chunk"]]))
-        file.attrs[DIGEST] = digest_of(file)
+            _describe(datasets[name], about, *([] if name == "chunk" else [datasets["chunk"]]))
+        file.attrs[DIGEST] = digest_of(file.attrs, datasets)
     return buffer.getvalue()
 
 
-def _list(file: h5py.File, name: str, values: Values, about: About, *scales: h5py.Dataset) -> None:
-    """A list of values along one dimension, with what it says of itself."""
+def _list(file: h5py.File, name: str, values: Values, about: About, *scales: h5py.Dataset) -> h5py.Dataset:
+    """A new list of values along one dimension, with what it says of itself."""
     data = file.create_dataset(name, data=values, dtype=about.dtype or h5py.string_dtype())
     _describe(data, {"units": about.units, "long_name": about.long_name}, *scales)
+    return data
 
 
 def _describe(data: h5py.Dataset, about: Mapping[str, Any], *scales: h5py.Dataset) -> None:

@@ -7,9 +7,8 @@ from __future__ import annotations
 
 import json
 import platform
-import runpy
 from collections.abc import Mapping, Sequence
-from importlib.util import find_spec
+from importlib.util import find_spec, module_from_spec, spec_from_file_location
 from pathlib import Path
 from typing import Any
 
@@ -38,7 +37,12 @@ def _version_of(package: str) -> str:
     spec = find_spec(package)
     if spec is None or spec.origin is None:
         return "unknown"
-    version: str = runpy.run_path(str(Path(spec.origin).with_name("version.py")))["version"]
+    there = spec_from_file_location(f"{package}.version", Path(spec.origin).with_name("version.py"))
+    assert there is not None
+    assert there.loader is not None  # a name that ends in .py has one
+    module = module_from_spec(there)
+    there.loader.exec_module(module)
+    version: str = module.version
     return version
 
 

@@ -16,7 +16,8 @@ import numpy as np
 from ..documents.quantities import DEFAULT_GRAVITY, parse_quantity
 from ..documents.table import named_rows
 from ..errors import DocumentError, UsageError, did_you_mean
-from ..motions import Intensity, Motion, pulse
+from ..motions import Motion, pulse
+from ..motions.intensity import Intensity
 from ..motions.recording import Recording
 from ..structures.parameters import RockingParameters
 

@@ -42,7 +42,7 @@ def sampled_cells(scene: Scene, check: int, seed: int = _SEED) -> Array:
         return np.zeros((0, 3), dtype=np.int64)
     _, rows, columns = scene.shape
     owners = [group[0] for group in scene.sharing()]
-    drawn = np.random.default_rng(seed).integers([len(owners), rows, columns], size=(20 * check, 3))
+    drawn = _drawn(seed, 20 * check, (len(owners), rows, columns))
     found: list[tuple[int, int, int]] = []
     seen: set[tuple[int, int, int]] = set()  # a small grid is drawn from many times over
     lifts: dict[int, float] = {}
@@ -60,6 +60,17 @@ def sampled_cells(scene: Scene, check: int, seed: int = _SEED) -> Array:
         if len(found) == check:
             break
     return np.array(found, dtype=np.int64).reshape(-1, 3)
+
+
+def _drawn(seed: int, count: int, below: tuple[int, ...]) -> Array:
+    """So many rows of whole numbers from 0, each column below its own limit of up to 2^32, from SplitMix64 (Steele, Lea and Flood 2014):
+    numpy.random takes longer to import than a small sweep to compute."""
+    with np.errstate(over="ignore"):
+        z = np.uint64(seed) + np.arange(1, count * len(below) + 1, dtype=np.uint64) * np.uint64(0x9E3779B97F4A7C15)
+        z = (z ^ (z >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
+        z = (z ^ (z >> np.uint64(27))) * np.uint64(0x94D049BB133111EB)
+        upper = ((z ^ (z >> np.uint64(31))) >> np.uint64(32)).reshape(count, -1)  # its upper half, a fraction of 2^32
+    return (upper * np.array(below, dtype=np.uint64) >> np.uint64(32)).astype(np.int64)
 
 
 def sensitive_cells(scene: Scene, count: int) -> Array:

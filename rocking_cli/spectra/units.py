@@ -18,7 +18,6 @@ from ..dynamics.march.account import Work
 from ..dynamics.method import LINEAR
 from ..dynamics.outcome import Difference, Outcome, difference
 from ..dynamics.response import Response, response, response_with_demands, that_left_the_ground
-from ..dynamics.speeds import response_with_speed
 from ..motions import Motion
 from ..structures.parameters import RockingParameters
 from .condition import condition_of
@@ -113,6 +112,8 @@ class Job:
             system = replace(system, body=None)  # each sharer has its own
         beside: dict[str, np.ndarray] = {}
         if "velocity_ratio" in self.quantities:
+            from ..dynamics.speeds import response_with_speed
+
             got, rate = response_with_speed(system, motion, *cells)
             beside["velocity_ratio"] = rate * np.concatenate(
                 [np.full(a * b, s.structure.alpha) for s, (a, b) in zip(bands, sizes, strict=True)]

@@ -5,14 +5,16 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from ..documents.document import Document, parse_documents
-from ..documents.document import read_documents as _of_file
 from ..errors import DocumentError, StructureError
 from .inline import inline_document
 from .kinds import KINDS, kind_of
 from .parameters import RockingParameters, Side
 from .shared_keys import damping_of, friction_of
+
+if TYPE_CHECKING:
+    from ..documents.document import Document
 
 
 def build_structure(document: Document) -> RockingParameters:
@@ -40,8 +42,10 @@ def read_documents(path: str | Path) -> list[Document]:
     >>> [document.source for document in read_documents('configs/arch.yaml')]
     ['configs/arch.yaml']
     """
+    from ..documents.document import read_documents as of_file
+
     stated = inline_document(str(path))
-    return _of_file(path) if stated is None else [stated]
+    return of_file(path) if stated is None else [stated]
 
 
 def load_structures(paths: str | Path | Iterable[str | Path]) -> list[RockingParameters]:
@@ -70,4 +74,4 @@ def with_distinct_names(structures: Iterable[RockingParameters]) -> list[Rocking
     return named
 
 
-__all__ = ["KINDS", "Document", "RockingParameters", "Side", "build_structure", "load_structures", "parse_documents", "read_documents"]
+__all__ = ["KINDS", "RockingParameters", "Side", "build_structure", "load_structures", "read_documents"]

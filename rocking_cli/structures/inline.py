@@ -5,12 +5,13 @@ from __future__ import annotations
 import os
 import re
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
-from ..documents.composition import Place
-from ..documents.document import Document, document_of
-from ..documents.table import Cell
 from ..errors import DocumentError
 from .kinds import KINDS, sizes_of
+
+if TYPE_CHECKING:
+    from ..documents.document import Document
 
 _KIND = re.compile(r"([A-Za-z_][A-Za-z0-9_]+):(.*)", re.DOTALL)
 
@@ -23,6 +24,10 @@ def inline_document(text: str) -> Document | None:
     match = _KIND.fullmatch(text)
     if match is None or os.path.exists(text):
         return None
+    from ..documents.composition import Place
+    from ..documents.document import document_of
+    from ..documents.table import Cell
+
     word, rest = match.groups()
     place = Place(text, 0, 0)
     cells = [Cell("kind", word, place)]

@@ -15,12 +15,12 @@ from collections.abc import Iterator, MutableMapping, Sequence
 from importlib import import_module
 from typing import TYPE_CHECKING, Protocol, cast
 
-from ..documents.document import Document
 from .parameters import RockingParameters
 
 if TYPE_CHECKING:
     from importlib.metadata import EntryPoint
 
+    from ..documents.document import Document
     from .sketch import Sketch
 
 GROUP = "rocking.structures"

@@ -5,11 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ..documents.quantities import DEFAULT_GRAVITY
 from ..errors import StructureError
-from .kinematics import Mechanism
+
+if TYPE_CHECKING:
+    from .kinematics import Mechanism
 
 VARIED = ("varied", "varied_units")  # details of a member of a family: by key the value in SI, and the name of its unit
 DIMENSIONLESS = "dimensionless"  # the structure word of an oscillator without units

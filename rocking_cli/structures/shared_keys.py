@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
-from ..documents.document import Document
+from typing import TYPE_CHECKING
+
 from ..documents.quantities import DEFAULT_GRAVITY
 from ..errors import DocumentError
 from .parameters import MOST_DAMPING
+
+if TYPE_CHECKING:
+    from ..documents.document import Document
 
 ONE_SIDED_RESTITUTION = "a number above -1 and up to 0 (one_sided: it returns to the side it came from)"
 

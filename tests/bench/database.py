@@ -15,8 +15,8 @@ from pathlib import Path
 import numpy as np
 
 from rocking_cli import Axis, Method
-from rocking_cli.motions import Record
 from rocking_cli.motions.recording import Recording
+from rocking_cli.motions.records import Record
 from rocking_cli.spectra.record_envelope import Tracing, tracing_records
 from rocking_cli.spectra.record_scene import angles_scene
 from rocking_cli.spectra.sweep import write_scene

@@ -108,8 +108,12 @@ def test_help_shows_an_example_that_runs(rocking, command):
         (["params", "configs/block.yaml"], ["numpy", "scipy", "h5py"]),
         (["envelope", "--eta", "0.9", "--grid", "Omega=5", "--a-max", "2"], ["scipy", "h5py", "multiprocessing"]),
         (
+            ["spectrum", "--eta", "0.9", "--grid", "A=1:2:2,Omega=1:2:2", "-q", "-o", "OUT"],
+            ["scipy", "yaml", "numpy.random", "rocking_cli.motions.records", "rocking_cli.dynamics.equations.rigid_body"],
+        ),
+        (
             ["spectrum", "block:0.5x2", "--model", "nonlinear", "--grid", "a_g=0.1g:1g:3,f_g=1:5:3", "-o", "OUT"],
-            ["scipy", "rocking_cli.motions.records.peer", "rocking_cli.structures.arch"],
+            ["scipy", "rocking_cli.motions.records", "rocking_cli.structures.arch", "rocking_cli.dynamics.flight.run"],
         ),
     ],
     ids=lambda x: x[0],

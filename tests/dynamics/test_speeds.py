@@ -13,7 +13,8 @@ from written import built
 
 from rocking_cli import Method, Outcome, response
 from rocking_cli.dynamics.speeds import SpeedRun, response_with_speed
-from rocking_cli.motions import Record, record_motion
+from rocking_cli.motions.polyline import record_motion
+from rocking_cli.motions.records import Record
 
 ALPHA, ETA = 0.25, 0.85
 BLOCK = built(f"kind: block\nradius: 1.5 m\nalpha: {ALPHA}\nrestitution: {ETA}")

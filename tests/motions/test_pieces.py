@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from rocking_cli import DocumentError
-from rocking_cli.documents import parse_documents
+from rocking_cli.documents.document import parse_documents
 from rocking_cli.motions.pieces import build_motion
 
 OWN = """

@@ -9,7 +9,7 @@ import pytest
 from oracle import integrate
 
 from rocking_cli import Outcome, UsageError, dimensionless_oscillator, linear_response, nonlinear_response, trace_envelope
-from rocking_cli.documents import parse_documents
+from rocking_cli.documents.document import parse_documents
 from rocking_cli.dynamics.references.general_solver import Problem, RigidBodyRates, solve_cell
 from rocking_cli.dynamics.references.taylor_series import reference_cell
 from rocking_cli.motions import PULSES, pulse

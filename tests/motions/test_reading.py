@@ -7,9 +7,11 @@ import pytest
 from recorded import wave
 
 from rocking_cli.errors import DocumentError, UsageError
-from rocking_cli.motions import intensity, pulse, read_motion, read_record
+from rocking_cli.motions import pulse
+from rocking_cli.motions.intensity import intensity
 from rocking_cli.motions.polyline import Polyline
-from rocking_cli.motions.reading import factor_to
+from rocking_cli.motions.reading import factor_to, read_motion
+from rocking_cli.motions.records import read_record
 
 SAMPLES = wave(400, -2.5)
 

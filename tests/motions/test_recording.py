@@ -13,7 +13,8 @@ import pytest
 from recorded import rows, wave
 
 from rocking_cli import DocumentError, Motion, UsageError
-from rocking_cli.motions import intensity, read_motion
+from rocking_cli.motions.intensity import intensity
+from rocking_cli.motions.reading import read_motion
 from rocking_cli.motions.recording import holds_records, read_motions
 
 AT2 = "OF OUR OWN\n\nACCELERATION TIME SERIES IN UNITS OF G\nNPTS= 40, DT= .0200 SEC\n"

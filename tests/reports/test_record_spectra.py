@@ -7,8 +7,8 @@ import pytest
 from recorded import wave
 
 from rocking_cli import Axis, Method, Outcome
-from rocking_cli.motions import Record
 from rocking_cli.motions.recording import Recording
+from rocking_cli.motions.records import Record
 from rocking_cli.reports.record_spectra import SHARES, record_quantiles
 from rocking_cli.spectra.reader import SpectraFile
 from rocking_cli.spectra.record_scene import angles_scene

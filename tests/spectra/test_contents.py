@@ -96,7 +96,7 @@ def altered(spectrum_file, tmp_path):
         with h5py.File(path, "r+") as file:
             edit(file)
             if anew:
-                file.attrs[DIGEST] = digest_of(file)
+                file.attrs[DIGEST] = digest_of(file.attrs, file)
         raw = RawFile(open_regular(path))
         with h5py.File(raw, "r") as file:
             contents = contents_of(file, raw.end)

@@ -12,8 +12,8 @@ from written import built
 
 from rocking_cli import Axis, Method, UsageError
 from rocking_cli.dynamics.references.general_solver import solve_cell
-from rocking_cli.motions import Record
 from rocking_cli.motions.recording import Recording
+from rocking_cli.motions.records import Record
 from rocking_cli.spectra.record_envelope import NONE, Tracing, check_tracing, tracing_records
 from rocking_cli.spectra.record_scene import AS_RECORDED, angles_scene, structures_scene
 

@@ -14,8 +14,10 @@ from written import built, same_file
 
 from rocking_cli import Axis, Method, UsageError, dimensionless_oscillator, overturned, response
 from rocking_cli.dynamics.speeds import response_with_speed
-from rocking_cli.motions import Record, intensity, record_motion
+from rocking_cli.motions.intensity import intensity
+from rocking_cli.motions.polyline import record_motion
 from rocking_cli.motions.recording import Recording, with_distinct_labels
+from rocking_cli.motions.records import Record
 from rocking_cli.reports.summary import summary_lines
 from rocking_cli.spectra.merge import merge
 from rocking_cli.spectra.reader import SpectraFile

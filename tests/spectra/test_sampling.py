@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from functools import partial
 
 import numpy as np
@@ -10,8 +11,9 @@ from recorded import wave
 from written import built
 
 from rocking_cli import Axis, Outcome, dimensionless_oscillator, linear_response, parse_grid, sine, spectrum
-from rocking_cli.motions import Motion, Piece, Record
+from rocking_cli.motions import Motion, Piece
 from rocking_cli.motions.recording import Recording
+from rocking_cli.motions.records import Record
 from rocking_cli.reports.summary import summary_lines
 from rocking_cli.spectra import sampling
 from rocking_cli.spectra.condition import condition_of
@@ -60,11 +62,26 @@ def test_the_summary_tells_how_many_cells_its_error_rests_on(check, sensitive):
     assert (f"at {many}{f' ({sensitive} for their sensitivity)' if sensitive else ''} computed" if check else "not checked") in line
 
 
+def splitmix(seed):
+    """The upper 32 bits of SplitMix64, one after the other."""
+    whole = 2**64
+    for state in itertools.count(seed + 0x9E3779B97F4A7C15, 0x9E3779B97F4A7C15):
+        z = state % whole
+        z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9 % whole
+        z = (z ^ (z >> 27)) * 0x94D049BB133111EB % whole
+        yield (z ^ (z >> 31)) >> 32
+
+
+def test_the_draws_are_those_that_others_publish_for_their_seed():
+    published = [6457827717110365317, 3203168211198807973, 9817491932198370423, 4593380528125082431, 16408922859458223821]
+    assert list(itertools.islice(splitmix(1234567), 5)) == [x >> 32 for x in published]
+
+
 def test_cells_are_those_of_one_draw_after_the_other_each_taken_once():
     grid = parse_grid("A=0.5:4:5,Omega=1:8:3")
     scene = PulseScene(OSCILLATORS, grid, sine())
-    random = np.random.default_rng(7)
-    drawn = [tuple(int(random.integers(n)) for n in (2, 3, 5)) for _ in range(20 * 24)]
+    random = splitmix(7)
+    drawn = [tuple(next(random) * n >> 32 for n in (2, 3, 5)) for _ in range(20 * 24)]
     lifted = [cell for cell in dict.fromkeys(drawn) if grid.amplitude.values[cell[2]] > 1.0]
     assert len(lifted) == 2 * 3 * 4
     assert [tuple(cell) for cell in sampling.sampled_cells(scene, 24, seed=7).tolist()] == lifted

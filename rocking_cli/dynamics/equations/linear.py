@@ -6,7 +6,7 @@ y'' = y - 1 + a - 2 zeta y'
 from __future__ import annotations
 
 import math
-from typing import Self
+from typing import TYPE_CHECKING, Self
 
 import numpy as np
 
@@ -14,11 +14,13 @@ from ...motions.motion import Segments
 from ..drive import segment_value
 from ..lanes import Lanes
 from ..weight import WeighedSegments
-from .damped_flow import DampedFlow
 from .equation import Ramp
 from .flow import LinearFlow
 from .summed_flow import SummedFlow, can_be_summed
 from .taylor import TaylorSeries, order_for, series, weighed_series
+
+if TYPE_CHECKING:
+    from .damped_flow import DampedFlow
 
 Array = np.ndarray
 
@@ -56,6 +58,8 @@ class LinearEquation:
         ramp = outward * segments.slope[lanes.k] * lanes.omega if segments.sloped else None
         w = segments.frequency.take(lanes.k, axis=1) * lanes.omega
         if self.damping:
+            from .damped_flow import DampedFlow
+
             return DampedFlow(lanes.y, lanes.v, lanes.b, outward * cos, outward * sin, w, ramp, self.damping)
         if can_be_summed(segments):
             return SummedFlow.of(lanes.y, lanes.v, lanes.b, outward * cos, outward * sin, w)
