@@ -8,6 +8,7 @@ chatter, certain overturning, the free motion after the shaking.
 
 from __future__ import annotations
 
+from functools import cached_property
 from typing import TypeVar
 
 import numpy as np
@@ -111,13 +112,22 @@ class Run:
     def start(self, cell: Array) -> Lanes:
         """Bodies at rest, taken to their first uplift; k is the number of segments where there is none."""
         zero = np.zeros(cell.size)
-        first = self.contact.uplift(self.cells, self.segments, cell, np.zeros(cell.size, dtype=np.int64), zero)
+        first = self._first_uplift(cell) if self.tabled is None else Uplift(*(x[self.tabled.of[cell]] for x in self._first_uplifts))
         count = np.zeros(cell.size, dtype=np.int32)
         peak = np.full(cell.size, 0.0 if self.peaks else np.inf)  # infinite: nothing that comes can matter to it
         row = self.cells.row(first.side)
         amplitude, omega, eta = (values[row, cell] for values in self.cells)
         place_and_state = (first.k, first.u, first.side, zero, zero.copy(), first.b)
         return Lanes(cell, amplitude, omega, eta, *place_and_state, peak, count, count.copy())
+
+    @cached_property
+    def _first_uplifts(self) -> Uplift:
+        """Those of each amplitude of the table."""
+        assert self.tabled is not None
+        return self._first_uplift(self.tabled.cells)
+
+    def _first_uplift(self, cell: Array) -> Uplift:
+        return self.contact.uplift(self.cells, self.segments, cell, np.zeros(cell.size, dtype=np.int64), np.zeros(cell.size))
 
     def round(self, lanes: Lanes) -> Round:
         """One step for every lane."""

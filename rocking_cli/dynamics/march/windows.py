@@ -38,11 +38,12 @@ class Windows(NamedTuple):
 class TabledWindows(NamedTuple):
     """The windows of every amplitude of a run: what a search would find again in each round.
 
-    of: index of each cell's amplitude; the others are flat, over the sides +1 and -1, the segments and the amplitudes: cut: where a = 1 on
-    the segment, -1 where nowhere; k, u, ridge: the window that begins there, or in which the whole segment lies.
+    of: index of each cell's amplitude; cells: one of each amplitude; the others are flat, over the sides +1 and -1, the segments and the
+    amplitudes: cut: where a = 1 on the segment, -1 where nowhere; k, u, ridge: the window that begins there, or at the segment's start.
     """
 
     of: Array
+    cells: Array
     cut: Array
     k: Array
     u: Array
@@ -76,7 +77,8 @@ def tabled_windows(segments: Segments, amplitude: Array) -> TabledWindows | None
     with np.errstate(all="ignore"):
         first_of = window_end(segments, k, np.zeros(k.size), side, size)
         cut = np.where((first_of.k == k) & (first_of.u < segments.length[k]), first_of.u, -1.0)
-        return TabledWindows(of, cut, *window_end(segments, k, np.maximum(cut, 0.0), side, size), len(segments), different.size)
+        rest = window_end(segments, k, np.maximum(cut, 0.0), side, size)
+    return TabledWindows(of, first, cut, *rest, len(segments), different.size)
 
 
 def window_end(segments: Segments, k: Array, u: Array, side: Array, amplitude: Array) -> Windows:
