@@ -66,7 +66,8 @@ Lemmas 3 and 4 do not, since a' + w' (y - 1) has no sign to begin with: turns ar
 Lemma 5 holds with w_+ g in the place of g, w_+ the largest weight: c is largest at an end of the valley, and f <= c - 1 + w_+ g y.
 Lemma 6: beyond the equilibrium of the constant inward drive e/w_- and moving outwards nothing returns, w_- the least weight to come:
     there l < 0 and f >= w_- (-l - m e/w_-) >= 0. The bounds by energy are not used. Lemma 7 holds with both net drives
-    (`contacts.contact.bouncing_weighed`); 8 does, since the ground is still; 9 and 10 are not used.
+    (`contacts.contact.bouncing_weighed`); 8 does, since the ground is still; 9, 10 and 11 are not used.
+Lemma 12 holds with w_+ L in the place of L, w_+ the largest weight of a stretch on which w > 0.
 
 Lemma 13 (pressing). Every arc that does not overturn the body begins or ends at rest, at a crest, so that the work of the strongest inward
     push and the weight over the path between bounds the speed, and the speed Fz from below (`body`). Where that leaves Fz > 0 open,

@@ -57,8 +57,12 @@ def response(
     cells, wanted, lines = (amplitude.ravel(), omega.ravel(), eta.ravel()), peaks, motion.coarsest
     peaks = peaks or bool(amplitude.max(initial=0.0) > system.safe_amplitude(motion))  # they may prove that a body presses on the ground
     run: Run
-    if lines.samples is None or motion.vertical is not None:
+    if lines.samples is None:
         run = Run(system, system.segments(motion), *cells, peaks, pool or system.equation.pool)
+    elif motion.vertical is not None:
+        from .flight.weighed_walk import WeighedWalk
+
+        run = WeighedWalk(system, system.segments(motion), lines.samples, *cells, peaks, pool)
     else:
         from .flight.run import Flight
         from .flight.walk import Walk

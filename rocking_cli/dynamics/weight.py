@@ -60,6 +60,12 @@ class WeighedSegments(Segments):
         sway, at = self.sway(side, amplitude), np.minimum(k, len(self) - 1)
         return 1.0 + np.where(sway > 0.0, sway * self.vertical.later_min[at], sway * self.vertical.later_max[at])
 
+    def hardest(self, side: Array, amplitude: Array, k: Array) -> Array:
+        """The strongest inward drive from segment k on, over the least w to come; infinite where that is none."""
+        weight = self.least_weight(side, amplitude, k)
+        inward = amplitude * np.where(side > 0.0, self.inward[0][k], -self.inward[1][k])
+        return np.where(weight > 0.0, inward / weight, np.inf)
+
     def greatest_weight(self, side: Array, amplitude: Array) -> Array:
         """The largest w of the whole motion."""
         sway = self.sway(side, amplitude)

@@ -9,7 +9,7 @@ from itertools import pairwise
 import numpy as np
 
 from ..errors import UsageError
-from .motion import Harmonic, Motion, Piece, Segments, checked_scale
+from .motion import Harmonic, Motion, Piece, Samples, Segments, checked_scale
 from .polyline import Polyline
 
 
@@ -48,6 +48,11 @@ class Biaxial(Motion):
     def duration(self) -> float:
         """Phase at which both have ended [rad]."""
         return self.across.duration
+
+    @property
+    def samples(self) -> Samples | None:
+        """The horizontal samples, where those of the vertical motion are at the same instants."""
+        return None if self._vertical.samples is None else self.across.samples
 
     def value(self, phase: np.ndarray | float) -> np.ndarray:
         """The horizontal s(phase) [-]."""

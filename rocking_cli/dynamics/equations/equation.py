@@ -71,13 +71,15 @@ class Flow(Protocol):
 class Ramp(NamedTuple):
     """What drives each lane over its unit of time [tau]: the outward drive now and what it gains until the unit is over, (lanes,);
     factors: unit^2/((n + 1)(n + 2)) for the terms n + 2 of y, 0 beyond a lane's degree, (degrees, lanes); force: f now where it is known
-    to more digits than the drive tells, as at uplift, where it is 0."""
+    to more digits than the drive tells, as at uplift, where it is 0; weight: w now and what it gains, where it
+    varies."""
 
     drive: Array
     gain: Array
     unit: Array
     factors: Array
     force: Array | None = None
+    weight: tuple[Array, Array] | None = None
 
 
 class Equation(Protocol):

@@ -16,6 +16,7 @@ from ..lanes import Lanes
 from ..weight import WeighedSegments
 from .equation import Ramp
 from .flow import LinearFlow
+from .ramp import ramp_flow
 from .summed_flow import SummedFlow, can_be_summed
 from .taylor import TaylorSeries, order_for, series, weighed_series
 
@@ -52,7 +53,7 @@ class LinearEquation:
     def flow(self, segments: Segments, lanes: Lanes) -> LinearFlow | SummedFlow | DampedFlow | TaylorSeries:
         """The arc that each lane is about to follow: its state and the outward drive's coefficients; a series where the weight varies."""
         if isinstance(segments, WeighedSegments):
-            return self._series(segments, lanes)
+            return self._series(segments, lanes) if segments.harmonics else ramp_flow(self, segments, lanes)
         _, sin, cos = segment_value(segments, lanes.k, lanes.u)
         outward = -lanes.side * lanes.amplitude
         ramp = outward * segments.slope[lanes.k] * lanes.omega if segments.sloped else None
@@ -92,7 +93,15 @@ class LinearEquation:
         np.multiply(v, ramp.unit, out=terms[1])
         drag = 2.0 * self.damping / ramp.unit
         for n, factor in enumerate(ramp.factors):
-            pushed = np.add(terms[n], ramp.drive - 1.0 if n == 0 else ramp.gain if n == 1 else 0.0, out=terms[n + 2])
+            if ramp.weight is None:
+                pushed = np.add(terms[n], ramp.drive - 1.0 if n == 0 else ramp.gain if n == 1 else 0.0, out=terms[n + 2])
+            else:
+                pushed = np.multiply(ramp.weight[0], terms[n] - 1.0 if n == 0 else terms[n], out=terms[n + 2])
+                if n:
+                    pushed += ramp.weight[1] * (terms[n - 1] - 1.0 if n == 1 else terms[n - 1])
+                pushed += ramp.drive if n == 0 else ramp.gain if n == 1 else 0.0
+                if not n and ramp.force is not None:
+                    pushed[:] = ramp.force
             pushed -= drag * ((n + 1) * terms[n + 1])
             pushed *= factor
         return terms

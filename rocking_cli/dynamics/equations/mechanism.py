@@ -73,7 +73,7 @@ class MechanismEquation:
 
     def flow(self, segments: Segments, lanes: Lanes) -> TaylorSeries:
         """The series of every lane: those of F and G about its y, composed with the series of y."""
-        if not segments.harmonics and not isinstance(segments, WeighedSegments):
+        if not segments.harmonics:
             return ramp_flow(self, segments, lanes)
         y, fastest = np.empty((self.order + 1, lanes.y.size)), np.empty(lanes.y.size)
         for block in blocks(lanes.y.size):
@@ -134,19 +134,21 @@ class MechanismEquation:
         terms[0] = y
         np.multiply(v, ramp.unit, out=terms[1])
         power = np.zeros((count, count, lanes))  # [j, n]: term n of (y - y0)^j
-        pushes, fallen = np.empty((count, lanes)), lift[0]
-        pushes[0] = push[0]
+        pushes, falls = np.empty((count, lanes)), np.empty((count, lanes))
+        pushes[0], falls[0] = push[0], lift[0]
         for n in range(count):
             if n:
                 power[1, n] = terms[n]
                 _raise(power, n)
                 here = power[1 : n + 1, n]
-                fallen = np.einsum("jl,jl->l", lift[1 : n + 1], here)
+                np.einsum("jl,jl->l", lift[1 : n + 1], here, out=falls[n])
                 np.einsum("jl,jl->l", push[1 : n + 1], here, out=pushes[n])
             pushed = np.multiply(ramp.drive, pushes[n], out=terms[n + 2])
             if n:
                 pushed += ramp.gain * pushes[n - 1]
-            pushed -= fallen
+            pushed -= falls[n] if ramp.weight is None else ramp.weight[0] * falls[n]
+            if n and ramp.weight is not None:
+                pushed -= ramp.weight[1] * falls[n - 1]
             if not n and ramp.force is not None:
                 pushed[:] = ramp.force
             if self.damping:

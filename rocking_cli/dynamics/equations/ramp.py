@@ -10,6 +10,7 @@ import numpy as np
 
 from ...motions.motion import Segments
 from ..lanes import Lanes
+from ..weight import WeighedSegments
 from .equation import Equation, Ramp
 from .taylor import LOCAL, TaylorSeries
 
@@ -65,10 +66,17 @@ def ramp_flow(equation: Equation, segments: Segments, lanes: Lanes) -> TaylorSer
     drive = outward * segments.s_start[lanes.k] + slope * lanes.u
     unit = np.clip((segments.length[lanes.k] - lanes.u) / lanes.omega, _LEAST, LONGEST)
     gain = slope * lanes.omega * unit
-    degree = degrees(2.0 + np.abs(drive) + np.abs(lanes.v) + np.abs(gain) / unit, unit, equation.tolerance)
-    terms = equation.ramp_terms(lanes.y, lanes.v, Ramp(drive, gain, unit, factors_for(unit, degree), lanes.b))
+    size, weight = 2.0 + np.abs(drive) + np.abs(lanes.v) + np.abs(gain) / unit, None
+    if isinstance(segments, WeighedSegments):
+        heavier = segments.sway(lanes.side, lanes.amplitude) * segments.vertical.slope[lanes.k] * lanes.omega * unit
+        weight = segments.weight(lanes.side, lanes.amplitude, lanes.k, lanes.u), heavier
+        size += np.abs(weight[0]) + np.abs(heavier) / unit
+    degree = degrees(size, unit, equation.tolerance)
+    terms = equation.ramp_terms(lanes.y, lanes.v, Ramp(drive, gain, unit, factors_for(unit, degree), lanes.b, weight))
     with np.errstate(divide="ignore"):
         short = (WITHIN * equation.tolerance * unit / last_terms(terms, degree * unit.size + np.arange(unit.size), unit)) ** (
             1.0 / (degree - 1.0)
         )
+    if weight is not None:  # turns are isolated by coefficients that depend on their number, and no digit may on a lane's neighbours
+        terms = np.concatenate([terms, np.zeros((MOST_TERMS + 1 - len(terms), unit.size))])
     return TaylorSeries(terms, unit, np.minimum(short, 1.0) * unit, np.full(unit.shape, _GROWTH), equation.damping)

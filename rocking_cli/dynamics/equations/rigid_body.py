@@ -78,7 +78,7 @@ class RigidBodyEquation:
 
     def flow(self, segments: Segments, lanes: Lanes) -> TaylorSeries:
         """The series of every lane from its present state."""
-        if not segments.harmonics and not isinstance(segments, WeighedSegments):
+        if not segments.harmonics:
             return ramp_flow(self, segments, lanes)
         y, fastest = np.empty((self.order + 1, lanes.y.size)), np.empty(lanes.y.size)
         for block in blocks(lanes.y.size):
@@ -164,7 +164,12 @@ class RigidBodyEquation:
             pushed = np.multiply(ramp.drive, turn[n, 1], out=terms[n + 2])
             if n:
                 pushed += np.multiply(ramp.gain, turn[n - 1, 1], out=half)
-            pushed -= turn[n, 0]
+            if ramp.weight is None:
+                pushed -= turn[n, 0]
+            else:
+                pushed -= np.multiply(ramp.weight[0], turn[n, 0], out=half)
+                if n:
+                    pushed -= np.multiply(ramp.weight[1], turn[n - 1, 0], out=half)
             if not n and ramp.force is not None:
                 pushed[:] = ramp.force
             if drag is not None:

@@ -5,4 +5,5 @@ bounded  the bounded response to the record, from which the state at any later s
 ramp     the flow within one interval between samples
 run      the engine of the undamped linear oscillator: jumps, intervals, impacts
 walk     that of every other equation: strides from sample to sample, rounds of the march where something may happen
+weighed_walk  the walk where the ground moves upwards too
 """

@@ -119,7 +119,7 @@ class Walk(Run):
         equation = self.equation.on(side, cell)
         factors, last = factors_for(pace, degree), degree * at.size + np.arange(at.size)
         for _ in range(strides):
-            ramp = Ramp(outward * self.samples.take(k), outward * self.gains.take(k), pace, factors)
+            ramp = self._ramp(k, outward, pace, factors)
             end_y, end_v, proved = self._stride(equation, y, v, peak, ramp, last)
             go &= proved
             self._look(cell, side, equation, (y, v), (end_y, end_v), ramp, go)
@@ -130,6 +130,10 @@ class Walk(Run):
                 break
         lanes.k[at], lanes.y[at], lanes.v[at], lanes.peak[at], walks[at] = k, y, v, peak, go
 
+    def _ramp(self, k: Array, outward: Array, pace: Array, factors: Array) -> Ramp:
+        """What drives lanes from sample k to the next."""
+        return Ramp(outward * self.samples.take(k), outward * self.gains.take(k), pace, factors)
+
     def _stride(self, equation: Equation, y: Array, v: Array, peak: Array, ramp: Ramp, last: Array) -> tuple[Array, Array, Array]:
         """y and y' at the end of a ramp, and whether it is proved that nothing happens on the way (Lemma 12)."""
         terms = equation.ramp_terms(y, v, ramp)
@@ -138,7 +142,7 @@ class Walk(Run):
         np.minimum(drop, 0.0, out=drop)
         lift, push = equation.bounds
         drop *= -push
-        drop += lift
+        drop += lift if ramp.weight is None else lift * np.maximum(ramp.weight[0], ramp.weight[0] + ramp.weight[1])
         drop *= unit
         drop *= unit  # K h^2
         low = y + hop

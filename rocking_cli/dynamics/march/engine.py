@@ -18,7 +18,7 @@ from ..body import Body
 from ..contacts.contact import Uplift, first_uplift
 from ..contacts.settling import Later, settles
 from ..contacts.trains import outlasts
-from ..drive import phase_between, place
+from ..drive import place
 from ..lanes import Lanes
 from ..outcome import Outcome
 from ..system import System
@@ -186,8 +186,10 @@ class Run:
         """The time [tau] to the instant from which the ground falls as fast as the body."""
         if self.drops is None:
             return np.inf
-        k = self.drops.k[lanes.cell]
-        until = phase_between(self.segments, lanes.k, lanes.u, k, self.drops.u[lanes.cell]) / lanes.omega
+        k, start = self.drops.k[lanes.cell], self.segments.start
+        last = len(self.segments) - 1
+        ahead = start[np.minimum(k, last)] - start[np.minimum(lanes.k, last)]  # its rounding is far below `_INSTANT`
+        until = (ahead + (self.drops.u[lanes.cell] - lanes.u)) / lanes.omega
         return np.where(k >= self.shaken, np.inf, np.where(lanes.k > k, 0.0, until))
 
     def _drop(self, lanes: Lanes) -> Lanes:
@@ -211,15 +213,14 @@ class Run:
 
     def _certainly_overturns(self, lanes: Lanes, k: Array, passage: Passage) -> Array:
         """No drive that is still to come can bring the body back (Lemma 6)."""
-        end = passage.end
-        later = np.minimum(k, len(self.segments) - 1)
-        weighed = self.segments if isinstance(self.segments, WeighedSegments) else None
-        most, least = (self.segments.later_max, self.segments.later_min) if weighed is None else weighed.inward
-        inward = lanes.amplitude * np.where(lanes.side > 0.0, most[later], -least[later])
-        if weighed is not None:
-            weight = weighed.least_weight(lanes.side, lanes.amplitude, k)
-            inward = np.where(weight > 0.0, inward / weight, np.inf)
-        certain = self.equation.on(lanes.side, lanes.cell).certainly_overturns(end.y, end.v, inward, weighed is None)
+        end, seg = passage.end, self.segments
+        k = np.minimum(k, len(seg) - 1)
+        steady = not isinstance(seg, WeighedSegments)
+        if isinstance(seg, WeighedSegments):
+            inward = seg.hardest(lanes.side, lanes.amplitude, k)
+        else:
+            inward = lanes.amplitude * np.where(lanes.side > 0.0, seg.later_max[k], -seg.later_min[k])
+        certain = self.equation.on(lanes.side, lanes.cell).certainly_overturns(end.y, end.v, inward, steady)
         return certain if self.watch is None else certain & (end.y >= np.where(lanes.side > 0.0, *self.watch.fallen))
 
     def _onward(self, lanes: Lanes, passage: Passage, k: Array, u: Array, at: Array) -> Lanes:

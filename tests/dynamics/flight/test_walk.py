@@ -169,8 +169,9 @@ def test_a_body_that_is_just_lifted_at_a_sample(alpha):
     assert found.theta_ratio.max() < 1e-20
 
 
+@pytest.mark.parametrize("weighed", [False, True])
 @pytest.mark.parametrize("equation", [RigidBodyEquation(0.4), RigidBodyEquation(0.4, damping=0.3), LinearEquation(0.1)])
-def test_lemma_12_a_stride_that_is_taken_holds_no_impact_and_no_higher_crest(equation):
+def test_lemma_12_a_stride_that_is_taken_holds_no_impact_and_no_higher_crest(equation, weighed):
     """Random strides near the ground and near their peak: those that are taken, looked at on 200 points."""
     random, count = np.random.default_rng(3), 4000
     motion = shaken(RECORDS[0], 0.04)
@@ -179,8 +180,9 @@ def test_lemma_12_a_stride_that_is_taken_holds_no_impact_and_no_higher_crest(equ
     unit = 10.0 ** random.uniform(-2.5, -0.3, count)
     y, v = 10.0 ** random.uniform(-5.0, 0.0, count), random.uniform(-1.0, 1.0, count) * 10.0 ** random.uniform(-3.0, 0.0, count)
     drive, gain = random.uniform(-4.0, 4.0, (2, count))
-    degree = degrees(np.full(count, 10.0) + np.abs(gain) / unit, unit, equation.tolerance)
-    ramp = Ramp(drive, gain, unit, factors_for(unit, degree))
+    degree = degrees(np.full(count, 10.0) + np.abs(gain) / unit, (1.6 if weighed else 1.0) * unit, equation.tolerance)
+    weight, then = np.random.default_rng(4).uniform(0.0, 2.5, (2, count))
+    ramp = Ramp(drive, gain, unit, factors_for(unit, degree), weight=(weight, then - weight) if weighed else None)
     peak = y * (1.0 + 10.0 ** random.uniform(-3.0, 1.0, count))
     end, _, taken = walk._stride(equation, y, v, peak, ramp, degree * count + np.arange(count))
     terms = equation.ramp_terms(y, v, ramp)
