@@ -18,7 +18,7 @@ from scipy.integrate import OdeSolution, solve_ivp
 from scipy.optimize import brentq
 
 REST = 1e-8  # of alpha p
-MOST_ARCS = 200
+MOST_ARCS = 800
 
 
 class Shaking(NamedTuple):
@@ -81,12 +81,21 @@ def lifted(body: Body, shaking: Shaking, t: float) -> tuple[float, int] | None:
     return None
 
 
-def swing(body: Body, shaking: Shaking, seen: Callable[[int, OdeSolution], None] | None = None) -> Answer:
-    """What becomes of a body at rest; seen: called with the side and (u, u') over t of every stretch of it."""
+def swing(
+    body: Body,
+    shaking: Shaking,
+    seen: Callable[[int, OdeSolution], None] | None = None,
+    rested: Callable[[float, float], None] | None = None,
+    still_impacts: int = 2,
+) -> Answer:
+    """What becomes of a body at rest; seen: called with the side and (u, u') over t of every stretch of it, rested: with the ends of its
+    rests; still_impacts: to be followed after the shaking."""
     t, side, u, v, peak, impacts, after = 0.0, 0, 0.0, 0.0, 0.0, 0, 0
     for _ in range(MOST_ARCS):
         if side == 0:
             lift = lifted(body, shaking, t)
+            if rested is not None:
+                rested(t, shaking.end if lift is None else lift[0])
             if lift is None:
                 return Answer("rocked" if peak else "no_uplift", peak, impacts)
             (t, side), u, v = lift, 0.0, 0.0
@@ -113,7 +122,7 @@ def swing(body: Body, shaking: Shaking, seen: Callable[[int, OdeSolution], None]
             t, (u, v) = float(path.t[-1]), path.y[:, -1]
             continue
         after += still
-        if after > 2:
+        if after > still_impacts:
             return Answer("rocked", peak, impacts)
         t, v, u, impacts = float(path.t_events[0][0]), -abs(edge.eta) * path.y_events[0][0][1], 0.0, impacts + 1
         side = side if body.left is None else -side

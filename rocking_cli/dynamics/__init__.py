@@ -72,6 +72,8 @@ Lemma 12 holds with w_+ L in the place of L, w_+ the largest weight of a stretch
 Lemma 13 (pressing). Every arc that does not overturn the body begins or ends at rest, at a crest, so that the work of the strongest inward
     push and the weight over the path between bounds the speed, and the speed Fz from below (`body`). Where that leaves Fz > 0 open,
     Fz >= min(its ends) - (h^2/8) max |Fz''| on stretches of the march that are halved until it is settled (`march.footing`).
+Lemma 14 (nothing more is asked). Bounds of Fz and |Fx|/Fz over bouncing to rest and rocking on over still ground say which of what the
+    march closes can beat the records of its cell (`march.closing`); that is followed afterwards (`march.aftermath`).
 
 **Events.** Uplift is found as the first instant with -A_right s > 1 or A_left s > 1 on monotone segments, impacts by Lemmas 1 and 2,
 crests by Lemmas 3 and 4, each as a root in a bracket that holds exactly one. What falls on one instant is taken in the order impact, jump

@@ -65,10 +65,13 @@ class Body:
         """-u'' of a body that is about to lift, under its weight alone."""
         return edge.alpha if self.linear else np.sin(edge.alpha)
 
-    def lying(self, edge: Edge, push: Array, weight: Array | float) -> Array:
+    def lifting(self, edge: Edge, push: Array | float, weight: Array | float) -> Any:
+        """u'' of a body on the ground under this outward push [g] and weight over m g."""
+        return (push if self.linear else push * np.cos(edge.alpha)) - weight * self.pull(edge)
+
+    def lying(self, edge: Edge, push: Array | float, weight: Array | float) -> Any:
         """Fz/(m g) of bounces on an edge that are too low to have a speed, under this outward push [g] and weight over m g."""
-        bend = (push if self.linear else push * np.cos(edge.alpha)) - weight * self.pull(edge)
-        return weight + edge.kappa * bend * np.sin(edge.alpha)
+        return weight + edge.kappa * self.lifting(edge, push, weight) * np.sin(edge.alpha)
 
     def fall(self, edge: Edge, u: Array) -> Array:
         """u'^2 that still ground adds on the way from u to an impact, undamped."""

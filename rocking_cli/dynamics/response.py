@@ -9,7 +9,7 @@ import numpy as np
 from ..motions.motion import Motion
 from .equations.linear import LinearEquation
 from .march.account import Work
-from .march.demand import follows
+from .march.aftermath import follow_on
 from .march.engine import Run
 from .march.footing import Footing
 from .outcome import Outcome, safe
@@ -112,19 +112,27 @@ def response_with_demands(
     system: System, motion: Motion, amplitude: Array, omega: Array, eta: Array | float
 ) -> tuple[Response, dict[str, Array]]:
     """The same, and by name what each body asks of the ground: `friction`, the largest |Fx|/Fz [-], and `fz_min`, the least Fz over m g
-    [-], both NaN where it overturns. Raises ValueError for a system without a `body` or a motion with a vertical part."""
-    if system.body is None or not follows(system.body) or motion.vertical is not None:
-        raise ValueError("demands need a system with a body that is followed, and a motion without a vertical part")
+    [-], both NaN where it overturns. Under samples they are those of a march from sample to sample. Raises ValueError for a system
+    without a `body`."""
+    if system.body is None:
+        raise ValueError("demands need a system with a body")
     amplitude, omega, eta = np.broadcast_arrays(*(np.asarray(x, dtype=float) for x in (amplitude, omega, eta)))
-    cells = amplitude.ravel(), omega.ravel(), eta.ravel()
-    run = Run(system, motion.segments, *cells, True, system.equation.pool, body=system.body)
+    cells, lines = (amplitude.ravel(), omega.ravel(), eta.ravel()), motion.coarsest
+    jumps = lines.samples is not None and motion.vertical is None
+    segments = lines.segments if jumps else system.segments(motion)
+    run = Run(system, segments, *cells, not jumps, system.equation.pool, body=system.body)
     run.all()
-    look_at_forces(run, system, motion, cells)
-    theta_ratio, outcome, impacts = (x.reshape(amplitude.shape) for x in (run.theta_ratio, run.outcome, run.impacts))
-    found = Response(theta_ratio, outcome, impacts, run.work)
+    follow_on(run, system, segments, cells)
+    upright = safe(run.outcome) | (run.outcome == Outcome.LOST_CONTACT)
+    if jumps:  # whose largest rotations have a faster way
+        found = response(system, motion, amplitude, omega, eta)
+        upright &= (safe(found.outcome) | (found.outcome == Outcome.LOST_CONTACT)).ravel()
+    else:
+        look_at_forces(run, system, motion, cells)
+        theta_ratio, outcome, impacts = (x.reshape(amplitude.shape) for x in (run.theta_ratio, run.outcome, run.impacts))
+        found = Response(theta_ratio, outcome, impacts, run.work)
     assert run.demands is not None  # a body was given
     asked = {"friction": run.demands.friction, "fz_min": run.demands.fz_min}
-    upright = safe(run.outcome) | (run.outcome == Outcome.LOST_CONTACT)
     return found, {name: np.where(upright, x, np.nan).reshape(amplitude.shape) for name, x in asked.items()}
 
 

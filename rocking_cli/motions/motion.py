@@ -150,6 +150,24 @@ class Segments:
                 lanes, at, above, below, level = lanes[going], at[going], above[going], below[going], level[going]
         return found
 
+    def extent(self, k: np.ndarray, to: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """The largest and the least s on segments k to to - 1, minus and plus infinity where there are none; (lanes,)."""
+        high, low, start = self._blocks
+        largest, least = np.full(k.shape, -np.inf), np.full(k.shape, np.inf)
+        lanes = np.flatnonzero(k < to)
+        at = k[lanes]
+        while lanes.size:  # by the largest blocks that begin there and fit
+            room, aligned = to[lanes] - at, at & -at
+            level = np.frexp(np.where(aligned > 0, np.minimum(aligned, room), room).astype(float))[1] - 1
+            level = np.minimum(level, start.size - 2)
+            block = start[level] + (at >> level)
+            largest[lanes] = np.maximum(largest[lanes], high[block])
+            least[lanes] = np.minimum(least[lanes], -low[block])
+            at = at + (1 << level)
+            going = at < to[lanes]
+            lanes, at = lanes[going], at[going]
+        return largest, least
+
     @cached_property
     def wave(self) -> Wave:
         """The segments' sinusoids; only of a motion with one harmonic and no slope."""

@@ -11,7 +11,6 @@ from typing import Any
 import numpy as np
 
 from ..dynamics.march.account import Work
-from ..dynamics.march.demand import MOST_ALPHA, follows
 from ..dynamics.method import LINEAR, Method
 from ..dynamics.outcome import Difference, Outcome
 from ..errors import Interrupted, UsageError
@@ -213,15 +212,12 @@ def _padded(block: np.ndarray, shape: tuple[int, int]) -> np.ndarray:
 
 
 def _check_bodies(scene: Scene) -> None:
-    """Refuse friction and fz_min where they are not followed."""
-    wanted = f"one rigid body of two edges alike or one, undamped, its arm known and alpha up to {MOST_ALPHA:g} rad"
-    if scene.of_records or scene.weighed:
-        raise UsageError("quantities friction and fz_min go with a pulse or a motion document without a vertical part")
+    """Refuse friction and fz_min of what is no rigid body, and of structures that share rotations but not forces."""
     bodies: dict[Any, Any] = {}
     for s in scene.structures:
         body = scene.method.system_of(s).body
-        if body is None or not follows(body):
-            raise UsageError(f"{s.name}: quantities friction and fz_min: accepted is {wanted}")
+        if body is None:
+            raise UsageError(f"{s.name}: quantities friction and fz_min: accepted is a rigid body whose arm is known")
         if bodies.setdefault((s.eta, scene.shares(s)), body) != body:
             raise UsageError(f"{s.name}: shares its rotations with another structure, but not its forces; sweep them apart")
 

@@ -76,6 +76,11 @@ class Job:
     quantities: tuple[str, ...] = ()
 
     @property
+    def forces(self) -> bool:
+        """Whether what bodies ask of the ground is wanted."""
+        return "friction" in self.quantities or "fz_min" in self.quantities
+
+    @property
     def together(self) -> int:
         """Units that are best run as one batch, so that the engine's pool is seldom half empty; they are one system."""
         if not (self.scene.method.exact and self.scene.one_system):
@@ -83,14 +88,15 @@ class Job:
         return max(1, TOGETHER // (self.chunk[0] * self.chunk[1]))
 
     def run(self, units: Sequence[Unit]) -> list[Report]:
-        """Compute some units; those of their bands that are one system under one motion in one batch."""
+        """Compute some units; those of their bands that are one system under one motion in one batch, one body where forces are asked."""
         scene = self.scene
         _, rows, columns = scene.shape
         sizes = [(min(self.chunk[0], rows - unit.row), min(self.chunk[1], columns - unit.column)) for unit in units]
         bands = [(n, band) for n, unit in enumerate(units) for band in scene.bands(unit, sizes[n])]
         batches: dict[Any, list[int]] = {}
         for i, (_, band) in enumerate(bands):
-            batches.setdefault((id(band.motion), scene.runs_with(band.structure)), []).append(i)
+            body = scene.method.body_of(band.structure) if self.forces else None
+            batches.setdefault((id(band.motion), scene.runs_with(band.structure), body), []).append(i)
         found: dict[int, list[Block]] = {}
         for batch in batches.values():
             found |= zip(batch, self.blocks([bands[i][1] for i in batch], [sizes[bands[i][0]][1] for i in batch]), strict=True)
@@ -108,7 +114,7 @@ class Job:
             here[0], here[1], here[2] = band.amplitude, band.omega, band.structure.eta
         structures, counts = [band.structure for band in bands], [rows * width for rows, width in sizes]
         system = scene.method.system_of_cells(structures, counts)
-        if scene.method.exact and not {"friction", "fz_min"} & set(self.quantities):
+        if scene.method.exact and not self.forces:
             system = replace(system, body=None)  # each sharer has its own
         beside: dict[str, np.ndarray] = {}
         if "velocity_ratio" in self.quantities:
@@ -118,9 +124,10 @@ class Job:
             beside["velocity_ratio"] = rate * np.concatenate(
                 [np.full(a * b, s.structure.alpha) for s, (a, b) in zip(bands, sizes, strict=True)]
             )
-        elif "friction" in self.quantities or "fz_min" in self.quantities:
-            got, beside = response_with_demands(system, motion, *cells)
-        else:
+        if self.forces:
+            got, asked = response_with_demands(system, motion, *cells)
+            beside |= asked
+        elif "velocity_ratio" not in self.quantities:
             got = response(system, motion, *cells)
         if "condition" in self.quantities:
             pairs = scene.method.system_of_cells(structures * 2, counts * 2)  # cells are looked at in pairs, one set after the other

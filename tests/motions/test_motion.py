@@ -10,6 +10,7 @@ import pytest
 from rocking_cli import cosine, pulse, sine
 from rocking_cli.errors import MotionError
 from rocking_cli.motions import Harmonic, Motion, Piece
+from rocking_cli.motions.polyline import Polyline
 
 
 def test_sine_and_cosine_are_cut_at_their_extremes_without_rounding():
@@ -72,3 +73,15 @@ def test_unknown_pulse_names_the_known_ones():
 def test_bad_pieces_are_refused(pieces, words):
     with pytest.raises(MotionError, match=words):
         Motion("bad", pieces)
+
+
+def test_the_extent_of_segments_is_that_of_each():
+    random = np.random.default_rng(2)
+    values = random.uniform(-1.0, 1.0, 38)
+    t = np.arange(38.0)
+    segments = Polyline("r", t[:-1], t[1:], values[:-1], np.diff(values), 1.0).segments
+    k, to = (x.ravel() for x in np.meshgrid(np.arange(len(segments)), np.arange(len(segments) + 1), indexing="ij"))
+    largest, least = segments.extent(k, to)
+    for first, last, high, low in zip(k, to, largest, least, strict=True):
+        ends = np.concatenate([segments.s_start[first:last], segments.s_end[first:last]])
+        assert (high, low) == (ends.max(initial=-np.inf), ends.min(initial=np.inf))

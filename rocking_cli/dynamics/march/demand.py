@@ -1,157 +1,188 @@
 """What each cell asks of the ground: the least vertical force and the largest |Fx|/Fz of a rigid body, found along with its march.
 
-With z = alpha - u, u = |theta| and s the side, what moves the mass centre is (over m g, ' by tau)
+With z = alpha - u, u = |theta|, s the side and w = 1 + zg''/g, what moves the mass centre is (over m g, ' by tau of the side)
 
-    s Fx = s xg''/g + kappa (u'' cos z + u'^2 sin z),   Fz = 1 + kappa (u'' sin z - u'^2 cos z)
+    s Fx = s xg''/g + kappa (u'' cos z + u'^2 sin z),   Fz = w + kappa (u'' sin z - u'^2 cos z)
 
-where u'' follows from the drive by the equation of motion. On every step the extremes are those of cubics through values and slopes: a
-stretch is halved until they meet the value in the middle closely, and left as soon as it cannot beat what its cell has had. An extremum
-inside a stretch whose cubic has none is the end's own to what the cubic there leaves out.
-
-What the march closes adds nothing to the friction. Before an uplift the demand is below lambda, at it lambda or more, and bounces on their
-way to rest, or after the shaking, need less than that while kappa (cos alpha + alpha sin alpha) <= 1, which is added otherwise. After
-the shaking Fz is least at the next impact, since it falls with the energy and towards the ground.
+where u'' follows from the drive by the equation of motion. At rest they are xg''/g and w. What the march closes is judged by bounds
+(`closing`): where these leave room for a record it is followed afterwards (`aftermath`).
 """
 
 from __future__ import annotations
-
-from typing import NamedTuple
 
 import numpy as np
 
 from ...motions.motion import Segments
 from ..body import Body
-from ..drive import segment_value, summed
+from ..contacts.contact import Contact
 from ..equations.equation import Flow
-from ..lanes import Lanes
+from ..lanes import Cells, Lanes
+from ..weight import WeighedSegments
+from .closing import Bounds, bouncing, free_bounds, train_bounds
+from .extremes import EXACT, Course, Records
+from .ground import Ground, value_and_slope
 
 Array = np.ndarray
 
-MOST_ALPHA = 0.6  # rad; up to it bodies that rock freely need most friction on the ground, and press on it least there
-_EXACT = 1e-12  # by which a record must be beaten
-_NEAR = 1e-6  # difference of a cubic from the function in its middle, from which its extremum is close enough to settle
-_HALVINGS = 24
 
+class Demands(Records):
+    """The records of the cells of a run; `open`: lanes that it closed, of which a record may still come.
 
-def follows(body: Body) -> bool:
-    """Whether the demands of such a body are followed: of two edges alike, or one, undamped, up to MOST_ALPHA."""
-    return len(body.alpha) == 1 and not body.damping and body.alpha[0] <= MOST_ALPHA
+    shaken: the segment from which on the ground is still.
+    """
 
-
-class Course(NamedTuple):
-    """What is followed along a step, (2, lanes): -Fz and s Fx/Fz, and their slopes by tau."""
-
-    value: Array
-    slope: Array
-
-
-class Demands:
-    """The records of cells: friction [-] and fz_min, the least Fz over m g [-]."""
-
-    def __init__(self, body: Body, segments: Segments, strongest: Array, cells: int) -> None:
-        self.body, self.edge, self.segments = body, body.edges[0], segments
-        self.friction = np.minimum(strongest, 1.0) * self.edge.uplift  # at rest
-        self.fz_min = np.ones(cells)
+    def __init__(self, body: Body, segments: Segments, shaken: int, contact: Contact, cells: Cells) -> None:
+        super().__init__(cells.omega.shape[1])
+        self.body, self.segments, self.shaken, self.contact, self.cells = body, segments, shaken, contact, cells
+        self.ground = Ground(body, segments)
+        self.open: list[Lanes] = []
+        self._steepest = max(edge.uplift for edge in body.edges)
 
     def course(self, lanes: Lanes, h: Array, y: Array, v: Array) -> Course:
         """The course of lanes that are at y, v after h; their forces follow from the drive there, not from differences of the series."""
-        seg = self.segments
-        change, sin, cos = segment_value(seg, lanes.k, lanes.u + lanes.omega * h)
-        w = seg.frequency.take(lanes.k, axis=1)
-        out = -lanes.side * lanes.amplitude * self.edge.uplift
-        push = out * (seg.s_start[lanes.k] + change)  # outwards, over g
-        push_slope = out * lanes.omega * (summed(w * cos) + seg.slope[lanes.k])
-        alpha, k, unit, _ = self.edge
+        push, push_slope, weight, weight_slope = self.ground.shaking(lanes, h)
+        alpha, k, unit, _ = self.body.on(lanes.side)
         z, rate = alpha - y * unit, v * unit
         sin, cos = np.sin(z), np.cos(z)
         if self.body.linear:
-            bend, jerk = push - z, push_slope + rate
+            bend, jerk = push - weight * z, push_slope + weight * rate - weight_slope * z
         else:
-            bend, jerk = push * cos - sin, push_slope * cos + rate * (cos + push * sin)
+            bend = push * cos - weight * sin
+            jerk = push_slope * cos + rate * (weight * cos + push * sin) - weight_slope * sin
+        if self.body.damping:
+            bend = bend - 2.0 * self.body.damping * rate
+            jerk = jerk - 2.0 * self.body.damping * bend
         square = rate * rate
         fx = k * (bend * cos + square * sin) - push
-        fz = 1.0 + k * (bend * sin - square * cos)
+        fz = weight + k * (bend * sin - square * cos)
         fx_slope = k * ((jerk - rate * square) * cos + 3.0 * rate * bend * sin) - push_slope
-        fz_slope = k * ((jerk - rate * square) * sin - 3.0 * rate * bend * cos)
+        fz_slope = weight_slope + k * ((jerk - rate * square) * sin - 3.0 * rate * bend * cos)
         return Course(np.array([-fz, fx / fz]), np.array([-fz_slope, (fx_slope * fz - fx * fz_slope) / (fz * fz)]))
 
     def follow(self, lanes: Lanes, arc: Flow, stop: Array, y: Array, v: Array, at: Array) -> None:
         """Take in the arcs of the lanes `at` until `stop` [tau], where they are at y, v; `lanes` as they are at 0."""
         some, low, high = lanes.take(at), np.zeros(at.size), stop[at]
+
+        def along(own: Array, h: Array) -> Course:
+            point = arc.take(at[own]).at(h)
+            return self.course(some.take(own), h, point.y, point.v)
+
         one, other = self.course(some, low, some.y, some.v), self.course(some, high, y[at], v[at])
-        for end in (one, other):
-            self._take(some.cell, end.value)
-        ends = np.maximum(one.value, other.value)
-        ends[1] = np.maximum(np.abs(one.value[1]), np.abs(other.value[1]))
-        most, x, bend = _extremes(one, other, high - low)
-        with np.errstate(invalid="ignore"):
-            doubt = (most - ends) + 0.05 * np.abs(other.value - one.value)  # a cubic's rise is met to much less than itself
-        for _ in range(_HALVINGS):
-            record = np.array([-self.fz_min[some.cell], self.friction[some.cell]])
-            maybe = most + doubt > record + _EXACT
-            for row in (0, 1):
-                near = np.flatnonzero(maybe[row] & (doubt[row] <= _NEAR))
-                self._settle(row, some.take(near), arc.take(at[near]), low[near] + x[row, near] * (high[near] - low[near]), bend[row, near])
-            more = np.flatnonzero(np.any(maybe & (doubt > _NEAR), axis=0))
-            if not more.size:
-                return
-            at, low, high, some = at[more], low[more], high[more], some.take(more)
-            one, other = (Course(c.value[:, more], c.slope[:, more]) for c in (one, other))
-            half = 0.5 * (low + high)
-            there = arc.take(at).at(half)
-            middle = self.course(some, half, there.y, there.v)
-            self._take(some.cell, middle.value)
-            guess = 0.5 * (one.value + other.value) + 0.125 * (high - low) * (one.slope - other.slope)
-            gap = 0.25 * np.abs(middle.value - guess)  # halves of a stretch are met 16 times as closely
-            at, some, doubt = np.tile(at, 2), some.join(some), np.tile(gap, 2)
-            low, high = np.concatenate([low, half]), np.concatenate([half, high])
-            one, other = (
-                Course(np.concatenate([a.value, b.value], axis=1), np.concatenate([a.slope, b.slope], axis=1))
-                for a, b in ((one, middle), (middle, other))
-            )
-            most, x, bend = _extremes(one, other, high - low)
+        self.search(some.cell, along, low, high, one, other)
 
-    def _settle(self, row: int, lanes: Lanes, arc: Flow, h: Array, bend: Array) -> None:
-        """An extremum near h, with what a parabola of this second derivative still rises from there: its place then has an error of the
-        square of its distance."""
-        if not h.size:
-            return
-        point = arc.at(h)
-        there = self.course(lanes, h, point.y, point.v)
-        value, slope = there.value[row], there.slope[row]
-        value = value - np.where(bend * (np.sign(value) if row else 1.0) < 0.0, 0.5 * slope**2 / bend, 0.0)
-        if row:
-            np.maximum.at(self.friction, lanes.cell, np.abs(value))
+    def rest(self, cell: Array, k: Array, u: Array, to_k: Array, to_u: Array) -> None:
+        """Bodies at rest from (k, u) to another position; to_k: the number of segments where they rest to the end."""
+        seg = self.segments
+        to_k, to_u = _within(seg, to_k, to_u)
+        if isinstance(seg, WeighedSegments):
+            self._rest_weighed(seg, cell, k, u, to_k, to_u)
         else:
-            np.minimum.at(self.fz_min, lanes.cell, -value)
+            np.maximum.at(self.friction, cell, self._resting_friction(cell, k, u, to_k, to_u))
 
-    def _take(self, cell: Array, value: Array) -> None:
-        """Values of a course at some instant."""
-        np.minimum.at(self.fz_min, cell, -value[0])
-        np.maximum.at(self.friction, cell, np.where(value[0] < 0.0, np.abs(value[1]), np.inf))
+    def rest_beats(self, cell: Array, k: Array, u: Array, to_k: Array, to_u: Array) -> Array:
+        """Whether such rests may beat the records."""
+        seg = self.segments
+        to_k, to_u = _within(seg, to_k, to_u)
+        if not isinstance(seg, WeighedSegments):
+            return self.beaten(cell, np.ones(cell.size), self._resting_friction(cell, k, u, to_k, to_u))
+        largest, least = _range(seg.vertical, k, u, to_k, to_u)
+        sway = seg.sway(np.ones(cell.size), self.cells.amplitude[0, cell])
+        return self.beaten(cell, 1.0 + np.minimum(sway * largest, sway * least), np.full(cell.size, self._steepest))
 
-    def free(self, cell: Array, y: Array, v: Array) -> None:
-        """Bodies at y, v that rock on over still ground."""
-        edge = self.edge
-        square = (edge.unit * v) ** 2 + self.body.fall(edge, edge.unit * y)  # u'^2 at the next impact
-        self.fz_min[cell] = np.minimum(self.fz_min[cell], self.body.at_impact(edge, square))
-        pull = edge.kappa * self.body.pull(edge)
-        settling = pull * np.cos(edge.alpha) / (1.0 - pull * np.sin(edge.alpha))  # the demand of bounces that come to rest
-        self.friction[cell] = np.maximum(self.friction[cell], settling)
+    def _push_of(self, cell: Array) -> Array:
+        """The outward push over g of s = -1 on the right edge."""
+        return self.cells.amplitude[0, cell] * self.body.edges[0].uplift
+
+    def _resting_friction(self, cell: Array, k: Array, u: Array, to_k: Array, to_u: Array) -> Array:
+        """Where the weight is steady; of a one-sided body as far as it leans on no backing."""
+        largest, least = _range(self.segments, k, u, to_k, to_u)
+        return self._push_of(cell) * (-least if self.body.one_sided else np.maximum(-least, largest))
+
+    def _rest_weighed(self, seg: WeighedSegments, cell: Array, k: Array, u: Array, to_k: Array, to_u: Array) -> None:
+        """Segment after segment, on each of which Fz is monotone and Fx/Fz is not."""
+        size = np.positive if self.body.one_sided else np.abs
+        while True:
+            going = np.flatnonzero((k < to_k) | ((k == to_k) & (u < to_u)))
+            if not going.size:
+                return
+            cell, k, u, to_k, to_u = (x[going] for x in (cell, k, u, to_k, to_u))
+            stop = np.where(k < to_k, seg.length[k], to_u)
+
+            def along(own: Array, phase: Array, cell: Array = cell, k: Array = k) -> Course:
+                return self._resting(seg, cell[own], k[own], phase)
+
+            every = np.arange(cell.size)
+            self.search(cell, along, u, stop, along(every, u), along(every, stop), size)
+            k, u = k + 1, np.zeros(k.size)
+
+    def _resting(self, seg: WeighedSegments, cell: Array, k: Array, phase: Array) -> Course:
+        """The course of bodies at rest, by the phase; outwards is to the right edge."""
+        (s, slope), (rise, rise_slope) = value_and_slope(seg, k, phase), value_and_slope(seg.vertical, k, phase)
+        sway, push = seg.sway(np.ones(cell.size), self.cells.amplitude[0, cell]), -self._push_of(cell)
+        weight = 1.0 + sway * rise
+        ratio = push * s / weight
+        return Course(np.array([-weight, ratio]), np.array([-sway * rise_slope, (push * slope - ratio * sway * rise_slope) / weight]))
+
+    def close(self, lanes: Lanes, to_k: Array, to_u: Array) -> None:
+        """Lanes just after an impact whose bouncing ends in rest, until they lift off again at a position."""
+        found = train_bounds(self.body, self.ground, lanes, self.contact).bounds
+        self._leave(lanes, self.beaten(lanes.cell, *found) | self.rest_beats(lanes.cell, lanes.k, lanes.u, to_k, to_u))
+
+    def free(self, lanes: Lanes, at: Array, y: Array, v: Array) -> None:
+        """The lanes `at`, undamped, which are at y, v (both of these lanes) when the shaking is over, and stay upright."""
+        some = lanes.take(at)
+        some.k, some.u, some.y, some.v = np.full(at.size, self.shaken), np.zeros(at.size), y, v
+        eta = self.cells.eta[0, some.cell] * self.cells.eta[-1, some.cell]
+        bounces = np.flatnonzero((eta > 0.0) & (eta < 1.0))  # ever lower
+        for side in (some.side, -some.side):
+            settling = bouncing(self.body, self.body.on(side[bounces]), np.zeros(bounces.size), 1.0)
+            self.note(some.cell[bounces], settling.fz, settling.friction)
+            if self.body.one_sided:
+                break
+        found = self.free_bounds(some)
+        closed = (found.fz > -np.inf) & (found.friction <= self.friction[some.cell] + EXACT)
+        np.minimum.at(self.fz_min, some.cell[closed], found.fz[closed])  # met at an impact
+        self._leave(some, ~closed)
+
+    def settle(self, lanes: Lanes) -> None:
+        """Damped lanes on still ground that the march leaves."""
+        self._leave(lanes, self.beaten(lanes.cell, *self.free_bounds(lanes)))
+
+    def free_bounds(self, lanes: Lanes) -> Bounds:
+        """Of lanes on still ground; undamped, what is to come has the least Fz itself."""
+        here, there = self.body.on(lanes.side), self.body.on(-lanes.side)
+        u = here.unit * lanes.y
+        square = (here.unit * lanes.v) ** 2 + self.body.fall(here, u)
+        found = free_bounds(self.body, here, square)
+        if len(self.body.alpha) > 1:
+            beyond = free_bounds(self.body, there, square * (lanes.eta * there.unit / here.unit) ** 2)
+            found = Bounds(*(np.where(lanes.eta > 0.0, both, one) for both, one in zip(found.worst(beyond), found, strict=True)))
+        inside = u <= 2.0 * here.alpha
+        return Bounds(np.where(inside, found.fz, -np.inf), np.where(inside, found.friction, np.inf))
+
+    def fell_away(self, cell: Array) -> None:
+        """Cells from which the ground has fallen away."""
+        self.note(cell, np.zeros(cell.size), np.zeros(cell.size))
+
+    def _leave(self, lanes: Lanes, where: Array) -> None:
+        at = np.flatnonzero(where)
+        if at.size:
+            self.open.append(lanes.take(at))
 
 
-def _extremes(one: Course, other: Course, h: Array) -> tuple[Array, Array, Array]:
-    """(2, stretches): the largest -Fz, and the largest |Fx|/Fz, of the cubics through these ends inside stretches of length h, and the
-    part of the stretch at which it is, and the second derivative there; minus infinity where they have none."""
-    rise = other.value - one.value
-    c1, c2, c3 = h * one.slope, 3.0 * rise - h * (2.0 * one.slope + other.slope), h * (one.slope + other.slope) - 2.0 * rise
-    most, where = np.full(rise.shape, -np.inf), np.full(rise.shape, 0.5)
-    with np.errstate(all="ignore"):
-        root = np.sqrt(c2 * c2 - 3.0 * c1 * c3)
-        q = -(c2 + np.copysign(root, c2))
-        for x in (q / (3.0 * c3), c1 / q):
-            value = one.value + x * (c1 + x * (c2 + x * c3))
-            value[1] = np.abs(value[1])
-            better = (x > 0.0) & (x < 1.0) & (value > most)
-            most, where = np.where(better, value, most), np.where(better, x, where)
-    return most, where, (2.0 * c2 + 6.0 * c3 * where) / (h * h)
+def _within(segments: Segments, k: Array, u: Array) -> tuple[Array, Array]:
+    last = len(segments) - 1
+    return np.minimum(k, last), np.where(k > last, segments.length[last], u)
+
+
+def _range(segments: Segments, k: Array, u: Array, to_k: Array, to_u: Array) -> tuple[Array, Array]:
+    """The largest s and the least, and 0, between two positions: just after the first and just before the last."""
+    over, enters = to_k > k, to_u > 0.0
+    ends = (
+        np.where(over | (u < to_u), value_and_slope(segments, k, u)[0], 0.0),
+        np.where(over, segments.s_end[k], 0.0),
+        np.where(over & enters, segments.s_start[to_k], 0.0),
+        np.where(enters & (over | (u < to_u)), value_and_slope(segments, to_k, to_u)[0], 0.0),
+    )
+    largest, least = segments.extent(k + 1, to_k)
+    return np.maximum(np.maximum(largest, 0.0), np.max(ends, axis=0)), np.minimum(np.minimum(least, 0.0), np.min(ends, axis=0))

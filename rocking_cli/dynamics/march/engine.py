@@ -50,6 +50,8 @@ class Run:
     ValueError when an eta does not fit the contact.
     """
 
+    follows_on = False  # over still ground, whatever the equation
+
     def __init__(
         self, system: System, segments: Segments, amplitude: Array, omega: Array, eta: Array, peaks: bool, pool: int,
         watch: Watch | None = None, body: Body | None = None, ahead: float | None = None,
@@ -58,8 +60,9 @@ class Run:
         self.peaks, self.pool, self.watch = peaks, pool, watch
         self.cells = self.contact.cells(self.equation, amplitude, omega, eta)
         self.segments, self.shaken = segments, len(segments)
-        if self.equation.damping and omega.size:  # no closed form of the free motion: march on over still ground
+        if (self.equation.damping or self.follows_on) and omega.size:  # no closed form of the free motion: march on over still ground
             self.segments = segments.followed_by_rest(_SETTLING * (1.0 + 3.0 * self.equation.damping) * float(self.cells.omega.max()))
+        if self.equation.damping:
             self.bounced = np.zeros(omega.size, dtype=bool)  # on still ground, which counts as no impact during the shaking
         self.theta_ratio = np.full(amplitude.size, 0.0 if peaks else np.nan)
         self.outcome = np.full(amplitude.size, Outcome.NO_UPLIFT, dtype=np.uint8)
@@ -71,7 +74,7 @@ class Run:
         marched = type(self)._march is Run._march  # one that jumps sees no forces on its way
         ahead = (LIKELY if marched and not self.equation.bounded else np.inf) if ahead is None else ahead
         self.footing = None if watch is not None or system.body is None else Footing(system.body, self.segments, self.cells, ahead)
-        self.demands = None if body is None else Demands(body, segments, self.contact.strongest(self.cells, segments), amplitude.size)
+        self.demands = None if body is None else Demands(body, self.segments, self.shaken, self.contact, self.cells)
         self.later = Later.of(segments) if peaks and self._only_peaks() else None
 
     def _only_peaks(self) -> bool:
@@ -93,7 +96,12 @@ class Run:
 
     def all(self) -> None:
         """Run every cell to its end."""
-        waiting = np.flatnonzero(self.contact.strongest(self.cells, self.segments) > 1.0)
+        lifts = self.contact.strongest(self.cells, self.segments) > 1.0
+        waiting = np.flatnonzero(lifts)
+        if self.demands is not None:
+            idle = np.flatnonzero(~lifts)
+            start = np.zeros(idle.size, dtype=np.int64)
+            self.demands.rest(idle, start, np.zeros(idle.size), np.full(idle.size, len(self.segments)), np.zeros(idle.size))
         self.work += Work(no_uplift=self.outcome.size - waiting.size)
         self._march(waiting)
 
@@ -113,6 +121,8 @@ class Run:
         """Bodies at rest, taken to their first uplift; k is the number of segments where there is none."""
         zero = np.zeros(cell.size)
         first = self._first_uplift(cell) if self.tabled is None else Uplift(*(x[self.tabled.of[cell]] for x in self._first_uplifts))
+        if self.demands is not None and cell.size:
+            self.demands.rest(cell, np.zeros(cell.size, dtype=np.int64), zero, *self._rests_until(cell, first))
         count = np.zeros(cell.size, dtype=np.int32)
         peak = np.full(cell.size, 0.0 if self.peaks else np.inf)  # infinite: nothing that comes can matter to it
         row = self.cells.row(first.side)
@@ -180,7 +190,7 @@ class Run:
             self.footing.free(lanes, stay, end.y[stay], end.v[stay])
         if self.demands is not None:
             self.demands.follow(lanes, passage.arc, passage.reach, y, v, at)
-            self.demands.free(lanes.cell[stay], end.y[stay], end.v[stay])
+            self.demands.free(lanes, stay, end.y[stay], end.v[stay])
 
     def _until_drop(self, lanes: Lanes) -> Array | float:
         """The time [tau] to the instant from which the ground falls as fast as the body."""
@@ -192,11 +202,21 @@ class Run:
         until = (ahead + (self.drops.u[lanes.cell] - lanes.u)) / lanes.omega
         return np.where(k >= self.shaken, np.inf, np.where(lanes.k > k, 0.0, until))
 
+    def _rests_until(self, cell: Array, lift: Uplift) -> tuple[Array, Array]:
+        """Where bodies at rest lift off, or the ground falls away from them."""
+        if self.drops is None:
+            return lift.k, lift.u
+        k, u = self.drops.k[cell], self.drops.u[cell]
+        before = (k < lift.k) | ((k == lift.k) & (u < lift.u))
+        return np.where(before, k, lift.k), np.where(before, u, lift.u)
+
     def _drop(self, lanes: Lanes) -> Lanes:
         """Bodies from which the ground has fallen away are done."""
         if self.drops is None:
             return lanes
         falls = np.asarray(self._until_drop(lanes) <= _INSTANT)
+        if self.demands is not None:
+            self.demands.fell_away(lanes.cell[falls])
         self._finish(lanes, np.flatnonzero(falls), Outcome.LOST_CONTACT, np.nan)
         return lanes.take(np.flatnonzero(~falls))
 
@@ -274,6 +294,8 @@ class Run:
         stays = ~(fate.overturns | fate.overturns_after_impact)
         if self.footing is not None and self.footing.any:
             self.footing.free(lanes, last[stays], lanes.y[last[stays]], lanes.v[last[stays]])
+        if self.demands is not None:
+            self.demands.free(lanes, last[stays], lanes.y[last[stays]], lanes.v[last[stays]])
         self._finish(lanes, last[stays], Outcome.ROCKED, np.maximum(lanes.peak[last[stays]], fate.peak[stays]))
         self.work += Work(free_phase=last.size)
 
@@ -291,6 +313,8 @@ class Run:
         most = self.contact.fate(self.equation, lanes, at, y, v)
         below = self.equation.on(lanes.side[at], lanes.cell[at]).rotation(y) < 1.0  # from above the barrier damping may keep it there
         settled = at[below & ~(most.overturns | most.overturns_after_impact) & (most.peak <= lanes.peak[at])]
+        if self.demands is not None:
+            self.demands.settle(lanes.take(settled))
         self._finish(lanes, settled, Outcome.ROCKED, lanes.peak[settled])
         going = np.ones(lanes.k.size, dtype=bool)
         going[settled] = False
@@ -308,6 +332,8 @@ class Run:
         if self.footing is not None and self.footing.any:
             self.footing.settle(lanes.take(resting), self.contact)
         again = self.contact.uplift(self.cells, self.segments, lanes.cell[resting], lanes.k[resting], lanes.u[resting])
+        if self.demands is not None:
+            self.demands.close(lanes.take(resting), *self._rests_until(lanes.cell[resting], again))
         lanes.k[resting], lanes.u[resting] = again.k, again.u
         lanes.y[resting], lanes.v[resting], lanes.b[resting] = 0.0, 0.0, again.b
         self.contact.turn(self.cells, lanes, resting, again.side)

@@ -24,16 +24,15 @@ import numpy as np
 from ...motions.motion import Segments
 from ..body import Body, Edge
 from ..contacts.contact import Contact
-from ..drive import segment_value
 from ..equations.equation import Flow
 from ..lanes import Cells, Lanes
 from ..weight import WeighedSegments
+from .ground import Ground
 
 Array = np.ndarray
 
 _HALVINGS = 30  # a stretch this short in which Fz is positive wherever it was looked at only touches zero
 LIKELY = 2.0  # times the push that is proved beforehand: beyond it most cells would have to be looked at afterwards
-_TRIALS = 4  # of the time that a bouncing lasts
 _ROOM = 0.25  # of the bound of a speed, which a longer stretch does not have
 
 
@@ -84,7 +83,7 @@ class Footing:
     """
 
     def __init__(self, body: Body, segments: Segments, cells: Cells, ahead: float) -> None:
-        self.body, self.segments = body, segments
+        self.body, self.segments, self.ground = body, segments, Ground(body, segments)
         self.across, self.up, share = _sizes(segments), _Motion(0.0, 0.0, 0.0), (0.0, 0.0)
         if isinstance(segments, WeighedSegments):  # whose horizontal extremes lie between the ends
             most, least = segments.inward
@@ -191,20 +190,7 @@ class Footing:
     def _ends(self, edge: Edge, lanes: Lanes, h: Array, u: Array, v: Array, b: Array) -> _Ends:
         """The ends of stretches after h, and Fz there."""
         z = edge.alpha - u
-        return _Ends(u, v, b, self._weight(lanes, h) + edge.kappa * (b * np.sin(z) - v * v * np.cos(z)))
-
-    def _weight(self, lanes: Lanes, h: Array | float) -> Array | float:
-        """The weight over m g after h."""
-        seg = self.segments
-        if not isinstance(seg, WeighedSegments):
-            return 1.0
-        change = segment_value(seg.vertical, lanes.k, lanes.u + lanes.omega * h)[0]
-        return 1.0 + seg.sway(lanes.side, lanes.amplitude) * (seg.vertical.s_start[lanes.k] + change)
-
-    def _push(self, lanes: Lanes, h: Array) -> Array:
-        """The outward push over g after h."""
-        change = segment_value(self.segments, lanes.k, lanes.u + lanes.omega * h)[0]
-        return -lanes.side * lanes.amplitude * self.body.on(lanes.side).uplift * (self.segments.s_start[lanes.k] + change)
+        return _Ends(u, v, b, self.ground.weight(lanes, h) + edge.kappa * (b * np.sin(z) - v * v * np.cos(z)))
 
     def settle(self, lanes: Lanes, contact: Contact) -> None:
         """Bodies whose bouncing is summed from now on, under a drive that is monotone until they rest."""
@@ -212,14 +198,9 @@ class Footing:
         if not some.cell.size:
             return
         here, there = self.body.on(some.side), self.body.on(-some.side)
-        room, trial = (self.segments.length[some.k] - some.u) / some.omega, some.take(np.arange(some.cell.size))
-        lasts = np.zeros(some.cell.size)
-        for _ in range(_TRIALS):  # as long as under the drive half way
-            push, weight = self._push(some, 0.5 * lasts), self._weight(some, 0.5 * lasts)
-            trial.b = ((push if self.body.linear else push * np.cos(here.alpha)) - weight * self.body.pull(here)) / here.unit
-            lasts = np.clip(contact.bouncing_time(trial, weight), 0.0, room)
+        lasts = self.ground.bouncing_lasts(some, contact)
         for h in (np.zeros(some.cell.size), lasts):
-            push, weight = self._push(some, h), self._weight(some, h)
+            push, weight = self.ground.push(some, h), self.ground.weight(some, h)
             least = self.body.lying(here, push, weight)
             if not self.body.one_sided:
                 least = np.minimum(least, self.body.lying(there, -push, weight))

@@ -1,21 +1,37 @@
-"""What cells ask of the ground, against the forces along their histories, whose extremes are found in another way."""
+"""What cells ask of the ground, against an integration by DOP853 with forces of its own, and the forces along their histories."""
 
 from __future__ import annotations
 
 import math
+from functools import partial
 
 import numpy as np
 import pytest
+from oracle_systems import Body as Solved
+from oracle_systems import Edge
+from pressing import asked
+from weighed import Shaking
 
-from rocking_cli import Method, Outcome, build_structure, cosine, parse_documents, parse_grid, pulse, response, sine
-from rocking_cli.dynamics.march.demand import Course, _extremes
+from rocking_cli import Method, Outcome, RockingParameters, build_structure, cosine, parse_documents, parse_grid, pulse, response, sine
+from rocking_cli.dynamics.march import aftermath
+from rocking_cli.dynamics.march.aftermath import Aftermath
+from rocking_cli.dynamics.march.closing import Bounds
+from rocking_cli.dynamics.march.demand import Demands
+from rocking_cli.dynamics.march.extremes import Course, Records, cubic_extremes
 from rocking_cli.dynamics.response import response_with_demands
 from rocking_cli.errors import UsageError
+from rocking_cli.motions.biaxial import with_vertical
+from rocking_cli.motions.polyline import Polyline
 from rocking_cli.responses.time_history import time_history
 from rocking_cli.spectra.scene import PulseScene
 from rocking_cli.spectra.sweep import spectrum_of
+from rocking_cli.structures.parameters import Side
 
 MOTIONS = [sine(1), sine(2), pulse("rectangular-impulse"), cosine(1)]
+ACROSS = [sine(1), cosine(1.5), pulse("rectangular-impulse"), pulse("mavroeidis-papageorgiou"), sine(2).scaled(-1)]
+UP = [sine(1.5), cosine(1), sine(3)]
+KINDS = ("plain", "unequal", "one-sided", "damped")
+STEP = 0.15  # s
 
 BLOCK = "kind: block\nwidth: 0.6\nheight: 3\n"
 BODIES = {"block": BLOCK, "one-sided": BLOCK + "one_sided: true\nrestitution: -0.4\n"}
@@ -23,6 +39,122 @@ BODIES = {"block": BLOCK, "one-sided": BLOCK + "one_sided: true\nrestitution: -0
 
 def body_of(text):
     return build_structure(parse_documents(text)[0])
+
+
+def drawn(kind, random, least, most):
+    """A body of alpha between two angles, as the package takes it and as the integration does: with its arms [m]."""
+    p, alpha, kappa, eta = random.uniform(1.0, 3.0), random.uniform(least, most), random.uniform(0.6, 1.0), random.uniform(0.4, 0.85)
+    arm, zeta, nonlinear = kappa * 9.81 / p**2, 0.05 if kind == "damped" else 0.0, bool(random.integers(2))
+    if kind == "unequal":
+        other, angle = p * random.uniform(0.9, 1.1), alpha * random.uniform(0.7, 1.3)
+        sides = Side("left", p, alpha, math.tan(alpha), 1.0, eta, arm), Side("right", other, angle, math.tan(angle), 1.0, eta, arm)
+        body = RockingParameters.of_sides("b", "prism", *sides)
+        return body, Solved(Edge(other, angle, eta), Edge(p, alpha, eta), 0.0, nonlinear), (arm, arm)
+    eta = -eta if kind == "one-sided" else eta
+    body = RockingParameters("b", "block", p, alpha, eta, math.tan(alpha), 1.0, arm=arm, one_sided=kind == "one-sided", damping=zeta)
+    edge = Edge(p, alpha, eta)
+    return body, Solved(edge, None if kind == "one-sided" else edge, zeta, nonlinear), (arm, arm)
+
+
+def record(random):
+    values = np.concatenate([[0.0], random.uniform(-1.0, 1.0, 20), [0.0]])
+    t = STEP * np.arange(values.size)
+    return Polyline("r", t[:-1], t[1:], values[:-1], np.diff(values) / STEP, 1.0)
+
+
+def shaken(random, body, vertical, recorded):
+    """(motion, A, Omega) of a pulse, or of a record in its own time."""
+    motion = record(random) if recorded else ACROSS[random.integers(len(ACROSS))]
+    if vertical:
+        up = record(random) if recorded else UP[random.integers(len(UP))]
+        motion = with_vertical(motion, up, random.uniform(-0.4, 0.4))
+    return motion, random.uniform(0.9, 3.0), 1.0 / body.p if recorded else random.uniform(1.0, 10.0)
+
+
+def ground(motion, a_g, omega_g, t):
+    return 0.0 if motion is None else a_g * float(motion.value(omega_g * t))
+
+
+def from_integration(kind, cells, seed, *, vertical=False, recorded=False, angles=(0.1, 0.6)):
+    """Largest differences of friction and of fz_min, of bodies that stay on the ground."""
+    random, worst = np.random.default_rng(seed), []
+    while len(worst) < cells:
+        body, solved, arms = drawn(kind, random, *angles)
+        motion, amplitude, omega = shaken(random, body, vertical, recorded)
+        system = Method("nonlinear" if solved.nonlinear else "linear", 1e-11).system_of(body)
+        found, got = response_with_demands(system, motion, amplitude, omega, body.eta)
+        if int(found.outcome) not in (Outcome.NO_UPLIFT, Outcome.ROCKED):
+            continue
+        a_g, omega_g = float(body.ground_acceleration(amplitude)), omega * body.p
+        across, up = (partial(ground, m, a_g, omega_g) for m in (motion, motion.vertical))
+        marks = tuple(float(piece.stop) / omega_g for piece in motion.pieces)
+        there = asked(solved, arms, Shaking(across, up, marks[-1], marks))
+        assert there.answer.outcome in ("rocked", "no_uplift")
+        differences = abs(float(got["friction"]) - there.friction), abs(float(got["fz_min"]) - there.fz_min)
+        assert max(differences) < 1e-6, (kind, motion.name, amplitude, omega)
+        worst.append(differences)
+    return np.max(worst, axis=0)
+
+
+@pytest.mark.parametrize(("kind", "vertical", "seed"), [("unequal", True, 5), ("damped", False, 5)])
+def test_they_are_those_of_an_integration_by_another_solver(kind, vertical, seed):
+    from_integration(kind, 1, seed, vertical=vertical)
+
+
+@pytest.mark.soak
+@pytest.mark.parametrize("vertical", [False, True])
+@pytest.mark.parametrize("kind", KINDS)
+def test_those_of_many_bodies_are(kind, vertical):
+    from_integration(kind, 25, 5, vertical=vertical)
+
+
+@pytest.mark.soak
+@pytest.mark.parametrize("vertical", [False, True])
+@pytest.mark.parametrize("kind", KINDS)
+def test_those_of_stocky_bodies_are(kind, vertical):
+    from_integration(kind, 15, 6, vertical=vertical, angles=(0.6, 1.2))
+
+
+@pytest.mark.soak
+@pytest.mark.parametrize("vertical", [False, True])
+@pytest.mark.parametrize("kind", KINDS)
+def test_those_under_records_are(kind, vertical):
+    from_integration(kind, 5, 3, vertical=vertical, recorded=True, angles=(0.1, 0.5))
+
+
+def closed_and_followed(kind, model, angles, cells, monkeypatch):
+    """What is asked with all that bounds close left out, and with all of it followed to its rest."""
+    random = np.random.default_rng(7)
+    body, _, _ = drawn(kind, random, *angles)
+    amplitude, omega = random.uniform(1.001, 2.0, cells), random.uniform(1.0, 9.0, cells)
+    motion = with_vertical(sine(1), cosine(1.0), 0.2) if kind == "plain" else cosine(1.5)
+    system = Method(model).system_of(body)
+    found, closed = response_with_demands(system, motion, amplitude, omega, body.eta)
+    upright = np.isin(found.outcome, (Outcome.ROCKED, Outcome.LOST_CONTACT))
+    assert np.count_nonzero(upright) > cells / 5
+    rests, come_to_rest = [], Aftermath._come_to_rest
+    monkeypatch.setattr(aftermath, "_IMPACTS", 1000)
+    monkeypatch.setattr(Demands, "free_bounds", lambda self, lanes: Bounds(np.full(lanes.v.size, -np.inf), np.full(lanes.v.size, np.inf)))
+    monkeypatch.setattr(Records, "beaten", lambda self, cell, fz, friction: np.ones(cell.size, dtype=bool))
+    monkeypatch.setattr(Aftermath, "_come_to_rest", lambda self, demands, lanes: (rests.append(1), come_to_rest(self, demands, lanes))[1])
+    _, followed = response_with_demands(system, motion, amplitude, omega, body.eta)
+    assert rests
+    return [(values[upright], followed[name][upright]) for name, values in closed.items()]
+
+
+@pytest.mark.parametrize(("kind", "model", "angles"), [("plain", "nonlinear", (0.2, 0.4)), ("unequal", "linear", (0.7, 1.0))])
+def test_what_the_bounds_close_brings_nothing(kind, model, angles, monkeypatch):
+    for closed, followed in closed_and_followed(kind, model, angles, 8, monkeypatch):
+        assert closed == pytest.approx(followed, abs=2e-9)
+
+
+@pytest.mark.soak
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("model", ["linear", "nonlinear"])
+@pytest.mark.parametrize("angles", [(0.15, 0.4), (0.7, 1.1)])
+def test_what_the_bounds_close_brings_nothing_to_many(kind, model, angles, monkeypatch):
+    for closed, followed in closed_and_followed(kind, model, angles, 300, monkeypatch):
+        assert closed == pytest.approx(followed, abs=2e-9)
 
 
 def worst(text, model, motion, cells, seed):
@@ -39,10 +171,9 @@ def worst(text, model, motion, cells, seed):
     return len(differences) - 1, *np.max(differences, axis=0)
 
 
-@pytest.mark.parametrize("model", ["linear", "nonlinear"])
-@pytest.mark.parametrize("name", BODIES)
+@pytest.mark.parametrize(("name", "model"), [("block", "nonlinear"), ("one-sided", "linear")])
 def test_the_extremes_are_those_of_the_histories(name, model):
-    count, friction, least = worst(BODIES[name], model, sine(1).scaled(-1), 3, 4)
+    count, friction, least = worst(BODIES[name], model, sine(1).scaled(-1), 2, 4)
     assert count > 0
     assert max(friction, least) < 1e-9
 
@@ -54,6 +185,16 @@ def test_the_extremes_of_many_cells_are_those_of_their_histories(motion, model):
     count, friction, least = worst(BODIES["block"], model, motion, 80, 9)
     assert count >= 3  # most bodies overturn under a rectangular pulse
     assert max(friction, least) < 1e-9
+
+
+def test_structures_of_one_rotation_have_their_own_forces():
+    """The linear equation answers for both blocks at once, but not for their forces."""
+    grid, motion, blocks = parse_grid("A=0.5:2:2,Omega=4"), sine(1), [body_of(BLOCK), body_of(BLOCK.replace("0.6", "0.9"))]
+    both = spectrum_of(PulseScene(tuple(blocks), grid, motion, Method()), quantities=("friction",)).beside["friction"]
+    for found, block in zip(both, blocks, strict=True):
+        alone = spectrum_of(PulseScene((block,), grid, motion, Method()), quantities=("friction",)).beside["friction"]
+        assert np.array_equal(found, alone[0], equal_nan=True)
+    assert both[1, 0, 0] == pytest.approx(0.5 * blocks[1].alpha, rel=1e-14)
 
 
 def test_a_body_that_stays_at_rest_needs_the_ground_acceleration_over_g():
@@ -81,9 +222,6 @@ def test_sweeps_hold_them_and_refuse_what_they_do_not_follow():
     found = spectrum_of(scene, quantities=("friction", "fz_min"))
     assert found.beside["friction"].shape == found.theta_ratio.shape
     assert np.nanmin(found.beside["friction"]) == pytest.approx(0.5 * scene.structures[0].alpha, rel=1e-14)
-    for text, words in (("kind: block\nwidth: 2\nheight: 2.5\n", "alpha up to 0.6"), (BODIES["block"] + "damping: 0.1\n", "undamped")):
-        with pytest.raises(UsageError, match=words):
-            spectrum_of(PulseScene((body_of(text),), grid, sine(1), method), quantities=("fz_min",))
     mass = body_of(f"kind: point_mass\nradius: 3\nalpha: {math.atan(0.2)}\nrestitution: {scene.structures[0].eta!r}\n")
     with pytest.raises(UsageError, match="not its forces"):
         spectrum_of(PulseScene((*scene.structures, mass), grid, sine(1), Method()), quantities=("friction",))
@@ -92,7 +230,7 @@ def test_sweeps_hold_them_and_refuse_what_they_do_not_follow():
 def test_the_extreme_of_a_cubic():
     """x (1 - x)^2 on [0, 1]: 4/27 at 1/3."""
     ends = (Course(np.zeros((2, 1)), np.array([[1.0], [1.0]])), Course(np.zeros((2, 1)), np.zeros((2, 1))))
-    most, where, bend = _extremes(*ends, np.ones(1))
+    most, where, bend = cubic_extremes(*ends, np.ones(1))
     assert most.ravel() == pytest.approx([4 / 27, 4 / 27], rel=1e-14)
     assert where.ravel() == pytest.approx([1 / 3, 1 / 3], rel=1e-14)
     assert bend.ravel() == pytest.approx([-2.0, -2.0], rel=1e-13)

@@ -1,0 +1,114 @@
+"""The records of what cells ask of the ground, and the search for what breaks them between two instants.
+
+On every stretch the extremes are those of cubics through values and slopes: a stretch is halved until they meet the value in the middle
+closely, and left as soon as it cannot beat what its cell has had. An extremum inside a stretch whose cubic has none is the end's own to
+what the cubic there leaves out.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple, Self
+
+import numpy as np
+
+Array = np.ndarray
+
+EXACT = 1e-12  # by which a record must be beaten
+_NEAR = 1e-6  # difference of a cubic from the function in its middle, from which its extremum is close enough to settle
+_HALVINGS = 24
+
+
+class Course(NamedTuple):
+    """What is followed along a stretch, (2, lanes): -Fz and the outward Fx/Fz, and their slopes by its time."""
+
+    value: Array
+    slope: Array
+
+    def take(self, at: Array) -> Self:
+        """Of some lanes."""
+        return type(self)(self.value[:, at], self.slope[:, at])
+
+    def join(self, other: Self) -> Self:
+        """These and others."""
+        return type(self)(*(np.concatenate(pair, axis=1) for pair in zip(self, other, strict=True)))
+
+
+Along = Callable[[Array, Array], Course]  # the course of stretches of these indices, at these times
+
+
+class Records:
+    """The records of cells: friction [-] and fz_min, the least Fz over m g [-]."""
+
+    def __init__(self, cells: int) -> None:
+        self.friction, self.fz_min = np.zeros(cells), np.ones(cells)
+
+    def beaten(self, cell: Array, fz: Array, friction: Array) -> Array:
+        """Whether a least Fz and a largest |Fx|/Fz that are possible would beat the records of cells."""
+        return ~((fz >= self.fz_min[cell] - EXACT) & (friction <= self.friction[cell] + EXACT))
+
+    def note(self, cell: Array, fz: Array, friction: Array) -> None:
+        """Values of some instant."""
+        np.minimum.at(self.fz_min, cell, fz)
+        np.maximum.at(self.friction, cell, np.where(fz > 0.0, friction, np.inf))
+
+    def search(
+        self, cell: Array, along: Along, low: Array, high: Array, one: Course, other: Course, size: Callable[[Array], Array] = np.abs
+    ) -> None:
+        """Take in stretches from `low` to `high`, whose ends are `one` and `other`; size: of Fx/Fz, what it takes of friction."""
+        for end in (one, other):
+            self.note(cell, -end.value[0], size(end.value[1]))
+        own = np.arange(cell.size)
+        ends = np.maximum(one.value, other.value)
+        ends[1] = np.maximum(size(one.value[1]), size(other.value[1]))
+        most, x, bend = cubic_extremes(one, other, high - low, size)
+        with np.errstate(invalid="ignore"):
+            doubt = (most - ends) + 0.05 * np.abs(other.value - one.value)  # a cubic's rise is met to much less than itself
+        for _ in range(_HALVINGS):
+            here = cell[own]
+            maybe = most + doubt > np.array([-self.fz_min[here], self.friction[here]]) + EXACT
+            for row in (0, 1):
+                near = np.flatnonzero(maybe[row] & (doubt[row] <= _NEAR))
+                if near.size:
+                    at = low[near] + x[row, near] * (high[near] - low[near])
+                    self._settle(row, here[near], along(own[near], at), bend[row, near], size)
+            more = np.flatnonzero(np.any(maybe & (doubt > _NEAR), axis=0))
+            if not more.size:
+                return
+            own, low, high, one, other = own[more], low[more], high[more], one.take(more), other.take(more)
+            half = 0.5 * (low + high)
+            middle = along(own, half)
+            self.note(cell[own], -middle.value[0], size(middle.value[1]))
+            guess = 0.5 * (one.value + other.value) + 0.125 * (high - low) * (one.slope - other.slope)
+            gap = 0.25 * np.abs(middle.value - guess)  # halves of a stretch are met 16 times as closely
+            own, doubt = np.tile(own, 2), np.tile(gap, 2)
+            low, high = np.concatenate([low, half]), np.concatenate([half, high])
+            one, other = one.join(middle), middle.join(other)
+            most, x, bend = cubic_extremes(one, other, high - low, size)
+
+    def _settle(self, row: int, cell: Array, there: Course, bend: Array, size: Callable[[Array], Array]) -> None:
+        """An extremum nearby, with what a parabola of this second derivative still rises from there: its place then has an error of the
+        square of its distance."""
+        value, slope = there.value[row], there.slope[row]
+        value = value - np.where(bend * (np.sign(value) if row else 1.0) < 0.0, 0.5 * slope**2 / bend, 0.0)
+        if row:
+            np.maximum.at(self.friction, cell, size(value))
+        else:
+            np.minimum.at(self.fz_min, cell, -value)
+
+
+def cubic_extremes(one: Course, other: Course, h: Array, size: Callable[[Array], Array] = np.abs) -> tuple[Array, Array, Array]:
+    """(2, stretches): the largest -Fz, and the largest `size` of Fx/Fz, of the cubics through these ends inside stretches of length h, and
+    the part of the stretch at which it is, and the second derivative there; minus infinity where they have none."""
+    rise = other.value - one.value
+    c1, c2, c3 = h * one.slope, 3.0 * rise - h * (2.0 * one.slope + other.slope), h * (one.slope + other.slope) - 2.0 * rise
+    most, where = np.full(rise.shape, -np.inf), np.full(rise.shape, 0.5)
+    with np.errstate(all="ignore"):
+        root = np.sqrt(c2 * c2 - 3.0 * c1 * c3)
+        q = -(c2 + np.copysign(root, c2))
+        for x in (q / (3.0 * c3), c1 / q):
+            value = one.value + x * (c1 + x * (c2 + x * c3))
+            value[1] = size(value[1])
+            better = (x > 0.0) & (x < 1.0) & (value > most)
+            most, where = np.where(better, value, most), np.where(better, x, where)
+    return most, where, (2.0 * c2 + 6.0 * c3 * where) / (h * h)
