@@ -118,8 +118,8 @@ def response_with_demands(
         raise ValueError("demands need a system with a body")
     amplitude, omega, eta = np.broadcast_arrays(*(np.asarray(x, dtype=float) for x in (amplitude, omega, eta)))
     cells, lines = (amplitude.ravel(), omega.ravel(), eta.ravel()), motion.coarsest
-    jumps = lines.samples is not None and motion.vertical is None
-    segments = lines.segments if jumps else system.segments(motion)
+    jumps = lines.samples is not None
+    segments = lines.segments if jumps and motion.vertical is None else system.segments(motion)
     run = Run(system, segments, *cells, not jumps, system.equation.pool, body=system.body)
     run.all()
     follow_on(run, system, segments, cells)
