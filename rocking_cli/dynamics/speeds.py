@@ -14,8 +14,9 @@ import numpy as np
 from ..motions.motion import Motion, Samples
 from .drive import place
 from .equations.equation import Equation, Flow, Point, Ramp
+from .flight.jump import Jumpers, Leap
 from .flight.ramp import RampFlow
-from .flight.run import Flight, Flights, Leap
+from .flight.run import Flight, Flights
 from .flight.walk import Walk
 from .lanes import Lanes
 from .march.account import Round
@@ -94,13 +95,13 @@ class SpeedFlight(_Speeds, Flight):
         Flight.__init__(self, system, motion.segments, samples, amplitude, omega, eta, True, None)
         self.fastest = np.zeros(amplitude.size)
 
-    def _doubtful(self, lanes: Flights, leap: Leap, flying: Array) -> Array:
+    def _doubtful(self, lanes: Jumpers, leap: Leap, flying: Array) -> Array:
         """Leaps that may hold a larger speed too: with c - 1 <= y'' <= r, v is below the lines of slope r from the start and c - 1 to the
         end, and above those of slope c - 1 from the start and r to the end."""
         crests = super()._doubtful(lanes, leap, flying)
-        at = np.flatnonzero(flying)
-        self.fastest[lanes.cell[at]] = np.maximum(self.fastest[lanes.cell[at]], np.abs(leap.v[at]))
-        fastest = self.fastest[lanes.cell]
+        at, cell = np.flatnonzero(flying), self.flown.cell[lanes.slot]
+        self.fastest[cell[at]] = np.maximum(self.fastest[cell[at]], np.abs(leap.v[at]))
+        fastest = self.fastest[cell]
         at = np.flatnonzero((leap.fall * leap.time + np.maximum(leap.v, -lanes.v) > fastest) & flying)
         v, end, fall, time = lanes.v[at], leap.v[at], leap.fall[at], leap.time[at]
         highest = np.maximum(lanes.y[at], leap.y[at]) + 0.125 * np.maximum(fall, 0.0) * time * time

@@ -8,6 +8,7 @@ y = 1 + c Y + up exp(tau) + down exp(-tau), c = -side A: the state at any later 
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 
 import numpy as np
 
@@ -42,3 +43,12 @@ def bounded_response(samples: Array, pace: Array) -> Array:
     result.real = 0.5 * (up + down)
     result.imag = 0.5 * (up - down)
     return result
+
+
+def shares(order: Array, rows: Array, most: int) -> Iterator[Array]:
+    """`order`, sorted by rows, cut so that each part has at most so many of them."""
+    first = 0
+    while first < order.size:
+        stop = int(np.searchsorted(rows, rows[first] + most))
+        yield order[first:stop]
+        first = stop

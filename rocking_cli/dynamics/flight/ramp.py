@@ -74,3 +74,18 @@ class RampFlow(NamedTuple):
     def at_ground(self, h: Array) -> Array:
         """The force at an impact, where y = 0."""
         return self.b - self.y + self.rate * h
+
+
+def impact_guess(arc: RampFlow, end: Point, h: Array, low: Array, high: Array) -> Array:
+    """A first guess inside the bracket: ballistic from the left where b < 0 at the start, else a step from the right; then the cubic."""
+    y, v, b = arc.y, arc.v, arc.b
+    left = (v + np.sqrt(v * v - 2.0 * b * y)) / -b
+    slope = end.v
+    right = h - end.y / (slope - 0.5 * end.y * end.b / slope)
+    guess = np.where((b < 0.0) & (left < high) & (left > low), left, right)
+    jerk = v + arc.rate  # what the cubic adds
+    slope = v + guess * (b + 0.5 * guess * jerk)
+    bend = b + guess * jerk
+    short = (y + guess * (v + guess * (0.5 * b + guess * jerk * (1.0 / 6.0)))) / slope
+    guess = guess - short / (1.0 - 0.5 * short * bend / slope)
+    return np.where((guess > low) & (guess < high), guess, 0.5 * (low + high))

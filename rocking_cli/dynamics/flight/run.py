@@ -6,9 +6,7 @@ A lane whose next samples cannot be jumped takes its present interval alone, whe
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass, fields
-from typing import NamedTuple
 
 import numpy as np
 
@@ -16,51 +14,32 @@ from ...motions.motion import Samples, Segments
 from ..drive import place
 from ..equations.equation import Point
 from ..lanes import Lanes
-from ..march.account import Work
-from ..march.engine import Run
+from ..march.account import Rests, Work
+from ..march.engine import STILL, Landing, Run
 from ..march.roots import hidden_turn, impact_root, turning_point
 from ..outcome import Outcome
 from ..system import System
-from .bounded import LONGEST, bounded_response
-from .ramp import RampFlow
+from .bounded import LONGEST, bounded_response, shares
+from .jump import Jumpers, Leap, horizon
+from .ramp import RampFlow, impact_guess
 from .windows import windows
 
 Array = np.ndarray
 
+_POOL = 65536  # lanes: fewer rounds outweigh what no longer fits any cache
 _TABLES = 1 << 25  # bytes of tables at a time
 _LONGEST_JUMP = 24.0  # tau: exp of it stays below 3e10, so that growth cannot bury the state in rounding
 _LEAST = 1e-8  # over 1 + A: a displacement below it, which a jump knows to 1e-15 only, is left to single intervals
+_STRAGGLERS = 8  # one in so many lanes may still be jumping when the others take their intervals; as many at rest are lifted together
+_STATE = ("k", "u", "y", "v", "b", "peak")  # what a jump changes in a lane of the pool
 _SURELY = 1.0 - 1e-6  # part of a horizon that is used: y at a jump's end may be off by 1e-15 of 1e-8
 
 
 @dataclass
 class Flights(Lanes):
-    """Lanes that can jump.
+    """Lanes of the pool; slot: place in it."""
 
-    row: where the table of the lane's pace begins; pace: tau between samples; face: where the windows of its side begin; anchor: the
-    sample at which `up` and `down` are the coefficients of exp(tau) and exp(-tau) in y; level: of the window that is tried next,
-    at most `top`, which follows from the pace alone: no jump depends on a lane's neighbours; slot: place in the pool.
-    """
-
-    row: Array
-    pace: Array
-    face: Array
-    anchor: Array
-    up: Array
-    down: Array
-    level: Array
-    top: Array
     slot: Array
-
-
-class Leap(NamedTuple):
-    """Jumps of all lanes: state at their ends, the peak with them, 1 - a at the most, and their time [tau]."""
-
-    y: Array
-    v: Array
-    peak: Array
-    fall: Array
-    time: Array
 
 
 class Flight(Run):
@@ -70,8 +49,9 @@ class Flight(Run):
         self, system: System, segments: Segments, samples: Samples, amplitude: Array, omega: Array, eta: Array, peaks: bool,
         pool: int | None,
     ) -> None:  # fmt: skip
-        super().__init__(system, segments, amplitude, omega, eta, peaks, pool or system.equation.pool)
+        super().__init__(system, segments, amplitude, omega, eta, peaks, pool or _POOL)
         self.samples, self.step, self.last = samples.values, samples.step, samples.values.size - 1
+        self.gains = np.append(np.diff(samples.values), 0.0)
         self.rows = np.zeros(self.cells.omega.shape, dtype=np.int64)
 
     def _march(self, waiting: Array) -> None:
@@ -86,7 +66,7 @@ class Flight(Run):
         paces, which = np.unique(pace, return_inverse=True)
         which = which.reshape(pace.shape)
         order = np.argsort(which[0], kind="stable")
-        for some in _shares(order, which[0][order], max(1, _TABLES // (16 * len(pace) * self.samples.size))):
+        for some in shares(order, which[0][order], max(1, _TABLES // (16 * len(pace) * self.samples.size))):
             mine, row = np.unique(which[:, some], return_inverse=True)
             self.rows[:, waiting[some]] = row.reshape(len(pace), -1) * self.samples.size
             self.table = bounded_response(self.samples, paces[mine]).ravel()
@@ -96,107 +76,124 @@ class Flight(Run):
         """Keep a pool of lanes in the air until these cells are done."""
         with np.errstate(all="ignore"):
             taken = min(self.pool, waiting.size)
-            flights = self._launch(self.start(waiting[:taken]), np.arange(taken))
-            free = np.zeros(taken, dtype=bool)
-            while flights.cell.size:
-                free[self._round(flights, free)] = True
-                places = np.flatnonzero(free)
-                more = waiting[taken : taken + places.size]
-                if more.size:
-                    taken += more.size
-                    flights.put(places[: more.size], self._launch(self.start(more), places[: more.size]))
-                    free[places[: more.size]] = False
-                elif 4 * places.size >= free.size:
-                    flights = flights.take(np.flatnonzero(~free))
-                    flights.slot = np.arange(flights.slot.size)
-                    free = np.zeros(flights.slot.size, dtype=bool)
+            self.flown = self._begin(waiting[:taken], np.arange(taken))
+            self.resting: list[Flights] = []
+            self.free = np.zeros(taken, dtype=bool)
+            aloft = self._launch(self.flown)
+            while aloft.k.size or self.resting:
+                halted, aloft = self._jump(aloft)
+                parts = [aloft, self._alone(halted)]
+                at_rest = sum(lanes.k.size for lanes in self.resting)
+                if at_rest and _STRAGGLERS * at_rest >= np.count_nonzero(~self.free):
+                    parts.append(self._lift())
+                places = np.flatnonzero(self.free)[: waiting.size - taken]
+                if places.size:
+                    new = self._begin(waiting[taken : taken + places.size], places)
+                    taken += places.size
+                    parts.append(self._onto(new))
+                aloft = Jumpers.join(parts)
 
-    def _launch(self, lanes: Lanes, slot: Array) -> Flights:
-        """Lanes ready to jump: their state as modes about the bounded response, at the next sample."""
+    def _begin(self, cells: Array, slot: Array) -> Flights:
+        """These cells at their first uplift."""
+        lanes = self.start(cells)
         lanes.k, lanes.u = place(self.segments, lanes.k, lanes.u)
+        return Flights(**{f.name: getattr(lanes, f.name) for f in fields(Lanes)}, slot=slot)
+
+    def _launch(self, lanes: Flights) -> Jumpers:
+        """Lanes ready to jump: their state as modes about the bounded response, at the next sample."""
         row, k, inside = self.rows[self.cells.row(lanes.side), lanes.cell], lanes.k, lanes.u > 0.0
         pace = self.step / lanes.omega
         drive = -lanes.side * lanes.amplitude
-        left = np.where(inside, pace - lanes.u / lanes.omega, 0.0)
-        rate = drive * (self.samples[np.minimum(k + 1, self.last)] - self.samples[k]) / pace
-        there = RampFlow(lanes.y, lanes.v, lanes.b, rate).at(left)
-        anchor = k + inside
-        bounded = self.table.take(row + anchor)
+        left = (pace - lanes.u / lanes.omega) * inside
+        there = RampFlow(lanes.y, lanes.v, lanes.b, drive * self.gains.take(k) / pace).at(left)
+        bounded = self.table.take(row + (k + inside))
         y, v = there.y - 1.0 - drive * bounded.real, there.v - drive * bounded.imag
-        face = np.where(lanes.side > 0.0, 0, self.windows.face)
         fall = (lanes.v + np.sqrt(lanes.v * lanes.v - 2.0 * lanes.b * lanes.y)) / -lanes.b
         top = np.minimum(np.frexp(_LONGEST_JUMP / pace)[1] - 1, self.windows.levels - 1).astype(np.int64)
-        level = np.clip(np.frexp(np.where(fall > 0.0, 0.5 * fall / pace, 8.0))[1], 0, top)
-        own = {f.name: getattr(lanes, f.name) for f in fields(Lanes)}
-        return Flights(
-            **own,
-            row=row,
-            pace=pace,
-            face=face,
-            anchor=anchor,
-            up=0.5 * (y + v),
-            down=0.5 * (y - v),
-            level=level.astype(np.int64),
-            top=top,
-            slot=slot,
-        )
+        level = np.clip(np.frexp(np.where(fall > 0.0, 0.5 * fall / pace, 8.0))[1], 0, top).astype(np.int64)
+        state = (lanes.k, lanes.u, lanes.y, lanes.v, lanes.b, lanes.peak)
+        return Jumpers(lanes.slot, *state, 0.5 * (y + v), 0.5 * (y - v), drive, pace, row, level, top)
 
-    def _round(self, lanes: Flights, free: Array) -> Array:
-        """One round of all lanes that are not free; the slots that it frees."""
-        free[self._ended(lanes, free)] = True
-        lanes.steps += 1
-        k, y, v, amplitude, pace = lanes.k, lanes.y, lanes.v, lanes.amplitude, lanes.pace
-        least = amplitude * self.windows.at(lanes.face, lanes.level, k)  # of the outward drive
-        horizon, fall = _horizon(y, v, least)
+    def _jump(self, aloft: Jumpers) -> tuple[Array, Jumpers]:
+        """Jumps of lanes until few are left; the slots of those that must take their interval alone, and the few."""
+        most, halted = aloft.k.size // _STRAGGLERS, [np.zeros(0, dtype=np.int64)]
+        while aloft.k.size > most:
+            aloft = self._leap(aloft, halted)
+        return np.concatenate(halted), aloft
+
+    def _leap(self, lanes: Jumpers, halted: list[Array]) -> Jumpers:
+        """One jump of each of these lanes; those that may jump on. The slots of lanes that are held up go to `halted`."""
+        ended = self._ended(lanes)
+        least = np.abs(lanes.drive) * self.windows.at((lanes.drive > 0.0) * self.windows.face, lanes.level, lanes.k)  # outward drive
+        time, fall = horizon(lanes.y, lanes.v, least)
         past = lanes.u * (1.0 / self.step)  # samples since the start of the interval
-        ahead = np.fmin(past + horizon * (_SURELY / pace), np.minimum(np.left_shift(1, lanes.level), self.last - k))
+        ahead = np.fmin(past + time * (_SURELY / lanes.pace), np.minimum(np.left_shift(1, lanes.level), self.last - lanes.k))
+        lanes, go = self._part(lanes, ahead >= 1.0, ended, halted)
+        ahead, past, fall = ahead[go], past[go], fall[go]
         jump = ahead.astype(np.int64)
-        to = k + jump
-        grown = np.exp((to - lanes.anchor) * pace)
+        to = lanes.k + jump
+        grown = np.exp((jump - (lanes.u > 0.0)) * lanes.pace)  # where u is 0 the modes belong to this sample, else to the next
         up, down = lanes.up * grown, lanes.down / grown
         bounded = self.table.take(lanes.row + to)
-        drive = -lanes.side * amplitude
-        end_y, end_v = drive * bounded.real, drive * bounded.imag
-        end_y += up + down
-        end_y += 1.0
-        end_v += up - down
-        single = ((jump < 1) | (end_y < _LEAST * (1.0 + amplitude))) & ~free
-        peak = np.maximum(lanes.peak, end_y)
+        y, v = lanes.drive * bounded.real, lanes.drive * bounded.imag
+        y += up + down
+        y += 1.0
+        v += up - down
+        goes = y >= _LEAST * (1.0 + np.abs(lanes.drive))
+        peak = np.maximum(lanes.peak, y)
         level = np.clip(np.frexp(ahead)[1], 0, lanes.top)
-        held = self._doubtful(lanes, Leap(end_y, end_v, peak, fall, (jump - past) * pace), ~(single | free))
-        single[held[jump[held] == 1]] = True
+        held = self._doubtful(lanes, Leap(y, v, peak, fall, (jump - past) * lanes.pace), goes)
+        goes[held[jump[held] == 1]] = False
         held = held[jump[held] > 1]
         level[held] = np.frexp(jump[held] // 2)[1] - 1
-        alone = np.flatnonzero(single)
-        back = np.concatenate([alone, held])
-        mine = lanes.take(alone)
-        new = {"k": to, "u": np.zeros_like(y), "y": end_y, "v": end_v, "b": np.full_like(y, np.nan), "up": up, "down": down}
-        for name, values in {**new, "anchor": to.copy(), "peak": peak}.items():
-            values[back] = getattr(lanes, name)[back]
-            setattr(lanes, name, values)
-        lanes.level = level
-        going = self._single(mine)
-        lanes.put(going.slot, going)
-        ended = np.ones(free.size, dtype=bool)
-        ended[going.slot] = False
-        return alone[ended[alone]]
+        new = lanes._replace(k=to, u=np.zeros(to.size), y=y, v=v, b=np.full(to.size, np.nan), peak=peak, up=up, down=down)
+        back = np.concatenate([np.flatnonzero(~goes), held])
+        for old, values in zip(lanes, new, strict=True):
+            if values is not old:
+                values[back] = old[back]
+        return self._part(new._replace(level=level), goes, back[:0], halted)[0]
 
-    def _ended(self, lanes: Flights, free: Array) -> Array:
+    def _part(self, lanes: Jumpers, goes: Array, ended: Array, halted: list[Array]) -> tuple[Jumpers, Array | slice]:
+        """The lanes that go on, and which they are; those that do not wait in the pool, those that have ended make room there."""
+        self.free[lanes.slot[ended]] = True
+        waits = ~goes
+        waits[ended] = goes[ended] = False
+        stay = np.flatnonzero(waits)
+        slot = lanes.slot[stay]
+        for name in _STATE:
+            getattr(self.flown, name)[slot] = getattr(lanes, name)[stay]
+        halted.append(slot)
+        if goes.all():
+            return lanes, slice(None)
+        go = np.flatnonzero(goes)
+        return lanes.take(go), go
+
+    def _ended(self, lanes: Jumpers) -> Array:
         """Lanes whose fate is known: the shaking is over, or nothing can bring them back (Lemma 6)."""
-        past = np.flatnonzero((lanes.k >= self.last) & ~free)
+        past = np.flatnonzero(lanes.k >= self.last)
         if past.size:
-            failed = ~np.isfinite(lanes.y[past])
-            self._finish(lanes, past[failed], Outcome.FAILED, np.nan)
-            self._shaken(lanes, past[~failed])
-        lost = np.flatnonzero((lanes.y + lanes.v > 1.0) & (lanes.k < self.last) & ~free)
+            over = self._as_they_are(lanes, past)
+            failed = ~np.isfinite(over.y)
+            self._finish(over, np.flatnonzero(failed), Outcome.FAILED, np.nan)
+            self._shaken(over, np.flatnonzero(~failed))
+        lost = np.flatnonzero(lanes.y + lanes.v > 1.0)
+        lost = lost[lanes.k[lost] < self.last]
         if lost.size:
-            inward = np.where(lanes.side[lost] > 0.0, self.segments.later_max[lanes.k[lost]], -self.segments.later_min[lanes.k[lost]])
-            lost = lost[self.equation.certainly_overturns(lanes.y[lost], lanes.v[lost], lanes.amplitude[lost] * inward)]
-            self._overturn(lanes, lost)
+            k, drive = lanes.k[lost], lanes.drive[lost]
+            inward = np.where(drive < 0.0, -drive * self.segments.later_max[k], -drive * self.segments.later_min[k])
+            lost = lost[self.equation.certainly_overturns(lanes.y[lost], lanes.v[lost], inward)]
+            self._overturn(self._as_they_are(lanes, lost), np.arange(lost.size))
             self.work += Work(certain_overturning=lost.size)
         return np.concatenate([past, lost])
 
-    def _doubtful(self, lanes: Flights, leap: Leap, flying: Array) -> Array:
+    def _as_they_are(self, lanes: Jumpers, at: Array) -> Flights:
+        """The lanes of the pool with the state that they have come to by jumps."""
+        some = self.flown.take(lanes.slot[at])
+        for name in _STATE:
+            setattr(some, name, getattr(lanes, name)[at])
+        return some
+
+    def _doubtful(self, lanes: Jumpers, leap: Leap, flying: Array) -> Array:
         """Flying lanes whose leap may hold a crest above the peak, by Lemma 11: they leap half as far."""
         if not self.peaks:
             return np.zeros(0, dtype=np.int64)
@@ -209,65 +206,105 @@ class Flight(Run):
         top = np.where((start < 0.0) & (v > 0.0), y + v * v / (-start + np.sqrt(start * start - v * v)), np.inf)
         return high[~(rises | falls | (top <= leap.peak[high]))]
 
-    def _strongest(self, lanes: Flights, at: Array) -> Array:
+    def _strongest(self, lanes: Jumpers, at: Array) -> Array:
         """Upper bound of the outward drive over the windows of these lanes."""
-        return -lanes.amplitude[at] * self.windows.at(self.windows.face - lanes.face[at], lanes.level[at], lanes.k[at])
+        drive = lanes.drive[at]
+        return -np.abs(drive) * self.windows.at((drive < 0.0) * self.windows.face, lanes.level[at], lanes.k[at])
 
     def _noted(self, lanes: Flights, arc: RampFlow, reach: Array, hit: Array, end: Point) -> None:
         """What a listener wants to know of intervals taken alone: `end` is the state after `reach`, with velocity and force."""
 
+    def _alone(self, at: Array) -> Jumpers:
+        """The lanes in these slots through their present interval, and ready to jump again."""
+        before = len(self.resting)
+        going = self._single(self.flown.take(at))
+        self.free[at] = True
+        for lanes in self.resting[before:]:
+            self.free[lanes.slot] = False
+        return self._onto(going)
+
+    def _onto(self, lanes: Flights) -> Jumpers:
+        """These lanes in their slots of the pool, and ready to jump."""
+        self.flown.put(lanes.slot, lanes)
+        self.free[lanes.slot] = False
+        return self._launch(lanes)
+
+    def _rest(self, lanes: Landing) -> tuple[Landing, Rests | None]:
+        """Bodies whose bouncing is over wait until there are many of them: to look for their uplift costs calls, not lanes."""
+        if not isinstance(lanes, Flights):  # those that march
+            return super()._rest(lanes)
+        resting = self.contact.bouncing_ends(self.segments, lanes, self.equation) | (lanes.v < STILL)
+        if not resting.any():
+            return lanes, None
+        self.resting.append(lanes.take(np.flatnonzero(resting)))
+        return lanes.take(np.flatnonzero(~resting)), None
+
+    def _lift(self) -> Jumpers:
+        """Bodies at rest, where they lift off again; those that nothing lifts are done."""
+        lanes = self.resting[0]
+        for others in self.resting[1:]:
+            lanes = lanes.join(others)
+        self.resting, slot = [], lanes.slot
+        self.free[slot] = True
+        return self._onto(super()._rest(lanes)[0])
+
     def _single(self, lanes: Flights) -> Flights:
         """Each lane through its present interval, up to where the drive passes 1, or to an impact; the lanes that go on."""
+        lanes.steps += 1
         k, y, v = lanes.k, lanes.y, lanes.v
-        drive = -lanes.side * lanes.amplitude
-        s = self.samples[k]
-        fresh = np.isnan(lanes.b)
-        b = lanes.b = np.where(fresh, y - 1.0 + drive * s, lanes.b)
-        left = lanes.pace - lanes.u / lanes.omega
-        rate = drive * (self.samples[k + 1] - s) / lanes.pace
+        drive, pace = -lanes.side * lanes.amplitude, self.step / lanes.omega
+        b = y - 1.0 + drive * self.samples.take(k)
+        known = np.flatnonzero(lanes.b == lanes.b)  # not NaN
+        b[known] = lanes.b[known]
+        left = pace - lanes.u / lanes.omega
+        rate = drive * self.gains.take(k) / pace
         arc = RampFlow(y, v, b, rate)
         one = (y - b) / rate  # when the drive is 1
         ridge = (b > y) | ((b == y) & (rate > 0.0))
         rises = (v > 0.0) | (ridge & (v >= 0.0))
         crosses = (one > 0.0) & (one < left)
-        valley = np.where(ridge & crosses, one, 0.0)
         cut = crosses & ~(ridge & rises)
-        h = np.where(cut, one, left)
+        cuts, valleys = np.flatnonzero(cut), np.flatnonzero(crosses & ridge & rises)
+        h, low = left.copy(), np.zeros(k.size)
+        h[cuts], low[valleys] = one[cuts], one[valleys]
         end = arc.at(h)
         hit = end.y <= 0.0
-        dips = np.flatnonzero(ridge & ~hit & (v < 0.0) & (end.v > 0.0))
         reach = h.copy()
+        dips = np.flatnonzero(ridge & ~hit & (v < 0.0) & (end.v > 0.0))
         if dips.size:
             h_min, y_min = turning_point(arc.take(dips), np.zeros(dips.size), h[dips], 0.5 * h[dips], -1.0)
             touched = ~(y_min > 0.0)
             hit[dips[touched]], reach[dips[touched]] = True, h_min[touched]
         at = np.flatnonzero(hit)
-        low = np.where(rises, valley, 0.0)
-        guess = _impact_guess(arc, end, h, low, reach, at)
-        reach[at], impact_v = impact_root(arc.take(at), low[at], reach[at], guess)
+        falling, lowest, highest = arc.take(at), low[at], reach[at]
+        guess = impact_guess(falling, Point(*(x[at] for x in end)), h[at], lowest, highest)
+        reach[at], impact_v = impact_root(falling, lowest, highest, guess)
+        struck = falling.at_ground(reach[at])
+        end.y[at], end.v[at], end.b[at] = 0.0, impact_v, struck
         if self.peaks:
             self._raise_peaks(lanes, arc, end, low, reach, rises, hit, ridge & ~(rises & crosses))
-        struck = arc.take(at).at_ground(reach[at])
-        for values, there in ((end.y, 0.0), (end.v, impact_v), (end.b, struck)):
-            values[at] = there
         self._noted(lanes, arc, reach, hit, end)
         lost = (lanes.steps > self.most_steps) | ~np.isfinite(reach)
         self._finish(lanes, np.flatnonzero(lost), Outcome.FAILED, np.nan)
         self.work += Work(impacts=at.size, steps=hit.size)
         landed = lanes.take(at)
         landed, _ = self._land(landed, reach[at], impact_v, struck)
-        on = np.flatnonzero(~hit & ~lost)
+        on = np.flatnonzero(~(hit | lost))
         onward = lanes.take(on)
-        onward.k, onward.u = k[on] + ~cut[on], np.where(cut[on], lanes.u[on] + one[on] * lanes.omega[on], 0.0)
-        onward.y, onward.v, onward.b = end.y[on], end.v[on], np.where(cut[on], end.y[on], end.b[on])
+        stays = np.flatnonzero(cut[on])  # in this interval
+        cuts = on[stays]
+        onward.k, onward.u = k[on] + 1, np.zeros(on.size)
+        onward.y, onward.v, onward.b = end.y[on], end.v[on], end.b[on]
+        onward.k[stays], onward.u[stays], onward.b[stays] = k[cuts], lanes.u[cuts] + one[cuts] * lanes.omega[cuts], end.y[cuts]
         onward.peak = np.maximum(onward.peak, onward.y)
         going = onward.join(landed)
-        return self._launch(going, going.slot)
+        going.k, going.u = place(self.segments, going.k, going.u)
+        return going
 
     def _raise_peaks(self, lanes: Flights, arc: RampFlow, end: Point, low: Array, high: Array, rises: Array, hit: Array, no: Array) -> None:
         """Raise the peaks to the turning points of these intervals (Lemmas 3 and 4); `no`: only a ridge, which holds none."""
         fall = np.maximum(arc.y - arc.b, arc.y - arc.b - arc.rate * high)
-        at = np.flatnonzero((np.maximum(arc.y, np.where(hit, 0.0, end.y)) + 0.125 * fall * high * high > lanes.peak) & ~no)
+        at = np.flatnonzero((np.maximum(arc.y, end.y) + 0.125 * fall * high * high > lanes.peak) & ~no)
         if not at.size:
             return
         arc, low, high, up = arc.take(at), low[at], high[at], rises[at]
@@ -285,43 +322,3 @@ class Flight(Run):
         turns = np.flatnonzero(sure)
         _, top = turning_point(arc.take(turns), low[turns], high[turns], 0.5 * (low[turns] + high[turns]), 1.0)
         lanes.peak[at[turns]] = np.maximum(lanes.peak[at[turns]], top)
-
-
-def _shares(order: Array, rows: Array, most: int) -> Iterator[Array]:
-    """`order`, sorted by rows, cut so that each part has at most so many of them."""
-    first = 0
-    while first < order.size:
-        stop = int(np.searchsorted(rows, rows[first] + most))
-        yield order[first:stop]
-        first = stop
-
-
-def _horizon(y: Array, v: Array, least: Array) -> tuple[Array, Array]:
-    """Time [tau] for which y + v sinh h + (y - 1 + least)(cosh h - 1) stays positive, and 1 - least."""
-    fall = 1.0 - least
-    q = y - fall
-    grows = q + v
-    root = fall * fall
-    root -= grows * (q - v)
-    np.sqrt(root, out=root)
-    root += fall
-    root /= -grows  # exp of the time
-    never = (grows >= 0.0) & ~(root > 1.0)
-    time = np.log(np.maximum(root, 1.0))
-    time[never] = np.inf
-    return time, fall
-
-
-def _impact_guess(arc: RampFlow, end: Point, h: Array, low: Array, high: Array, at: Array) -> Array:
-    """A first guess inside the bracket: ballistic from the left where b < 0 at the start, else a step from the right; then the cubic."""
-    y, v, b = arc.y[at], arc.v[at], arc.b[at]
-    left = (v + np.sqrt(v * v - 2.0 * b * y)) / -b
-    slope = end.v[at]
-    right = h[at] - end.y[at] / (slope - 0.5 * end.y[at] * end.b[at] / slope)
-    guess = np.where((b < 0.0) & (left < high[at]) & (left > low[at]), left, right)
-    jerk = v + arc.rate[at]  # what the cubic adds
-    slope = v + guess * (b + 0.5 * guess * jerk)
-    bend = b + guess * jerk
-    short = (y + guess * (v + guess * (0.5 * b + guess * jerk * (1.0 / 6.0)))) / slope
-    guess = guess - short / (1.0 - 0.5 * short * bend / slope)
-    return np.where((guess > low[at]) & (guess < high[at]), guess, 0.5 * (low[at] + high[at]))

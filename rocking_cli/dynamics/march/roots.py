@@ -31,25 +31,28 @@ def impact_root(arc: Flow, low: Array, high: Array, guess: Array) -> tuple[Array
         f = arc.at(h)
         step = _householder(f)
         after = f.y <= 0.0
-        low, high = np.where(after, low, h), np.where(after, h, high)
         target = h + step
-        inside = (f.v < 0.0) & (target > low) & (target <= high)
+        inside = (f.v < 0.0) & (target > low) & (target <= high) & ((target <= h) == after)  # on the side of h where the root is
         size = np.abs(step)
-        short = (size <= _CLOSE * h) & (size * fastest <= _CLOSE) & (size * np.abs(f.b) <= _CLOSE * np.abs(f.v))
-        settled = inside & short
-        settled |= (f.v < 0.0) & (size <= 4e-16 * h)
-        settled |= high - low <= 4e-16 * high
-        if settled.any():
+        exact = size <= 4e-16 * h
+        settled = inside & (size <= _CLOSE * h) & (size * fastest <= _CLOSE) & (size * np.abs(f.b) <= _CLOSE * np.abs(f.v))
+        settled |= exact & (f.v < 0.0)
+        keep = np.flatnonzero(~settled)  # few: only their brackets are drawn closer
+        after, low, high, here = after[keep], low[keep], high[keep], h[keep]
+        low, high = np.where(after, low, here), np.where(after, here, high)
+        closed = high - low <= 4e-16 * high
+        if closed.any():
+            settled[keep[closed]] = True
+            keep, low, high = keep[~closed], low[~closed], high[~closed]
+        if keep.size < settled.size:
             done = np.flatnonzero(settled)
-            d = np.where(inside[done] | (size[done] <= 4e-16 * h[done]), step[done], 0.0)
+            d = np.where(inside[done] | exact[done], step[done], 0.0)
             h_out[lanes[done]] = h[done] + d
             v_out[lanes[done]] = np.minimum(0.0, f.v[done] + d * (f.b[done] + 0.5 * d * f.j[done]))
-            keep = np.flatnonzero(~settled)
             if not keep.size:
                 break
-            arc, lanes = arc.take(keep), lanes[keep]
-            low, high, target, inside, fastest = low[keep], high[keep], target[keep], inside[keep], fastest[keep]
-        h = np.where(inside, target, 0.5 * (low + high))
+            arc, lanes, fastest = arc.take(keep), lanes[keep], fastest[keep]
+        h = np.where(inside[keep], target[keep], 0.5 * (low + high))
     else:
         h_out[lanes] = np.nan
     return h_out, v_out

@@ -1,0 +1,72 @@
+"""Jumps over samples that are proved free of impacts: the lanes that can take them, and how far they reach (Lemma 11)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+Array = np.ndarray
+
+
+class Jumpers(NamedTuple):
+    """Lanes that can jump, (lanes,); all that a jump reads stands here, so that nothing else is copied where some stay behind.
+
+    slot: place in the pool; k, u, y, v, b, peak as in `Lanes`, b NaN where a jump has ended; up, down: coefficients of exp(tau) and
+    exp(-tau) in y, tau from the first sample that is not before u; drive: the outward drive of s = 1; pace: tau between samples; row:
+    where the table of the pace begins; level: of the window that is tried next, at most `top`, which follows from the pace alone: no jump
+    depends on a lane's neighbours.
+    """
+
+    slot: Array
+    k: Array
+    u: Array
+    y: Array
+    v: Array
+    b: Array
+    peak: Array
+    up: Array
+    down: Array
+    drive: Array
+    pace: Array
+    row: Array
+    level: Array
+    top: Array
+
+    def take(self, lanes: Array | slice) -> Jumpers:
+        """Some of the lanes."""
+        return Jumpers(*(x[lanes] for x in self))
+
+    @staticmethod
+    def join(parts: Sequence[Jumpers]) -> Jumpers:
+        """The lanes of all parts, one after the other."""
+        return Jumpers(*(np.concatenate(arrays) for arrays in zip(*parts, strict=True)))
+
+
+class Leap(NamedTuple):
+    """Jumps of all lanes: state at their ends, the peak with them, 1 - a at the most, and their time [tau]."""
+
+    y: Array
+    v: Array
+    peak: Array
+    fall: Array
+    time: Array
+
+
+def horizon(y: Array, v: Array, least: Array) -> tuple[Array, Array]:
+    """Time [tau] for which y + v sinh h + (y - 1 + least)(cosh h - 1) stays positive, and 1 - least."""
+    fall = 1.0 - least
+    q = y - fall
+    grows = q + v
+    root = fall * fall
+    q -= v
+    q *= grows
+    root -= q
+    np.sqrt(root, out=root)
+    root += fall
+    root /= -grows  # exp of the time
+    never = np.flatnonzero((grows >= 0.0) & ~(root > 1.0))
+    time = np.log(np.maximum(root, 1.0, out=root), out=root)
+    time[never] = np.inf
+    return time, fall
