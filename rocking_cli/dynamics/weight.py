@@ -39,6 +39,11 @@ class WeighedSegments(Segments):
     inward: tuple[Array, Array]
     share: tuple[float, float]
 
+    @property
+    def straight(self) -> bool:
+        """Whether both motions are straight lines."""
+        return self.edges.straight
+
     def offset(self, side: Array) -> Array:
         """What turns a segment into that of the edge in `edges`."""
         return np.where(side > 0.0, 0, len(self)).astype(np.int64)

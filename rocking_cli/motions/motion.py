@@ -110,6 +110,11 @@ class Segments:
         """Number of sinusoids of the richest piece."""
         return int(self.sin.shape[0])
 
+    @property
+    def straight(self) -> bool:
+        """Whether every piece is a straight line."""
+        return not self.harmonics
+
     def followed_by_rest(self, length: float) -> Segments:
         """The same motion and then still ground, for a phase of this length [rad]."""
 

@@ -79,6 +79,20 @@ def test_against_an_integration_that_shares_no_code(words):
     assert compared(words, 1, 11)[1] < 1e-10
 
 
+@pytest.mark.parametrize("model", ["linear", "nonlinear"])
+def test_a_rectangular_impulse_on_ground_that_sways_upwards(model):
+    """Straight lines across, and none upwards."""
+    p, alpha, eta, a_g, omega_g = 1.8, 0.3, 0.8, 4.0, 14.0
+    body = RockingParameters("body", "block", p, alpha, eta, math.tan(alpha), 1.0)
+    motion = with_vertical(pulse("rectangular-impulse"), sine(1.5), 0.7)
+    found = response(Method(model, 1e-11).system_of(body), motion, a_g / float(body.ground_acceleration(1.0)), omega_g / p, eta)
+    across, up = (partial(ground, m, a_g, omega_g) for m in (motion, motion.vertical))
+    marks = tuple(piece.stop / omega_g for piece in motion.pieces)
+    wanted = swing(Body(Edge(p, alpha, eta), Edge(p, alpha, eta), 0.0, model == "nonlinear"), Shaking(across, up, marks[-1], marks))
+    assert Outcome(int(found.outcome)).flag == wanted.outcome == "rocked"
+    assert float(found.theta_ratio) == pytest.approx(wanted.rotation, abs=1e-10)
+
+
 @pytest.mark.soak
 @pytest.mark.parametrize("words", SYSTEMS)
 def test_more_cells_against_that_integration(words):

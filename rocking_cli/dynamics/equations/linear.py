@@ -53,7 +53,7 @@ class LinearEquation:
     def flow(self, segments: Segments, lanes: Lanes) -> LinearFlow | SummedFlow | DampedFlow | TaylorSeries:
         """The arc that each lane is about to follow: its state and the outward drive's coefficients; a series where the weight varies."""
         if isinstance(segments, WeighedSegments):
-            return self._series(segments, lanes) if segments.harmonics else ramp_flow(self, segments, lanes)
+            return ramp_flow(self, segments, lanes) if segments.straight else self._series(segments, lanes)
         _, sin, cos = segment_value(segments, lanes.k, lanes.u)
         outward = -lanes.side * lanes.amplitude
         ramp = outward * segments.slope[lanes.k] * lanes.omega if segments.sloped else None

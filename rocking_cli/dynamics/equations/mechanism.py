@@ -73,7 +73,7 @@ class MechanismEquation:
 
     def flow(self, segments: Segments, lanes: Lanes) -> TaylorSeries:
         """The series of every lane: those of F and G about its y, composed with the series of y."""
-        if not segments.harmonics:
+        if segments.straight:
             return ramp_flow(self, segments, lanes)
         y, fastest = np.empty((self.order + 1, lanes.y.size)), np.empty(lanes.y.size)
         for block in blocks(lanes.y.size):

@@ -78,7 +78,7 @@ class RigidBodyEquation:
 
     def flow(self, segments: Segments, lanes: Lanes) -> TaylorSeries:
         """The series of every lane from its present state."""
-        if not segments.harmonics:
+        if segments.straight:
             return ramp_flow(self, segments, lanes)
         y, fastest = np.empty((self.order + 1, lanes.y.size)), np.empty(lanes.y.size)
         for block in blocks(lanes.y.size):

@@ -63,7 +63,7 @@ class TabledWindows(NamedTuple):
 def tabled_windows(segments: Segments, amplitude: Array) -> TabledWindows | None:
     """The windows of these amplitudes, a row for both sides or one for each, (rows, cells); None where they are many, or not seen among
     the first cells as in a grid they are, and of straight lines, which are not worth a table."""
-    if not segments.harmonics:
+    if segments.straight:
         return None
     different, first = np.unique(amplitude[0, :_FIRST], return_index=True)
     if different.size * len(segments) > _MOST or different.size >= 0.5 * amplitude.shape[1]:
