@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -73,7 +74,8 @@ def check(
     if upwards is not None:
         shakes = [(upwards(shake), grid) for shake, grid in shakes]
     demands = [(structure, *shake) for shake in shakes for structure in structures]
-    verdicts = check_all(demands, a_max=a_max, workers=options.at_most_the_cpus(workers, quiet))
+    tell = partial(options.note, quiet=quiet)
+    verdicts = check_all(demands, a_max=a_max, workers=options.at_most_the_cpus(workers, quiet), tell=tell)
     if sort:
         verdicts.sort(key=lambda v: float("inf") if v.capacity_demand is None else v.capacity_demand)
     in_g = _in_g(context.params)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import shlex
 import sys
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -67,7 +68,8 @@ def report(
     workers = options.at_most_the_cpus(workers, quiet)
     pulse = None if motion is None or shaking is None else (motion, shaking)
     shakes = [(r.motion, shaking or as_recorded(r.acceleration)) for r in recordings] if pulse is None else [pulse]
-    verdicts = check_all([(structure, *shake) for shake in shakes for structure in structures], workers=workers)
+    demands = [(structure, *shake) for shake in shakes for structure in structures]
+    verdicts = check_all(demands, workers=workers, tell=partial(options.note, quiet=quiet))
     text = page(
         [Subject(document, structure) for document, structure in zip(documents, structures, strict=True)],
         verdicts,

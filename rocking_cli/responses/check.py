@@ -15,6 +15,7 @@ from ..dynamics.response import response
 from ..errors import UsageError
 from ..motions import Motion
 from ..spectra.capacity import capacity
+from ..spectra.cost import Tell, announce, bouncing_seconds, expected_seconds
 from ..spectra.envelope import A_MAX
 from ..spectra.grid import Grid
 from ..spectra.processes import available_cpus, processes
@@ -24,6 +25,7 @@ from .time_history import time_history
 Demand = tuple[RockingParameters, Motion, Grid]
 
 _WORTH = 3  # demands for each process that is started, at least
+_RUNS, _CELLS = 12, 1500  # of the engine and of its cells, that a search takes
 CHECK_COLUMNS = (
     "name", "motion", "model", "outcome", "theta_ratio", "uplift_a", "first_overturning_a", "capacity_demand", "safe_to",
     "outcome_linear", "friction", "fz_min",
@@ -121,17 +123,27 @@ def check(structure: RockingParameters, motion: Motion, shaking: Grid, *, a_max:
     )
 
 
-def check_all(demands: Sequence[Demand], *, a_max: float = A_MAX, workers: int | None = None) -> list[Verdict]:
+def check_all(demands: Sequence[Demand], *, a_max: float = A_MAX, workers: int | None = None, tell: Tell | None = None) -> list[Verdict]:
     """The verdicts on (structure, motion, shaking), in their order; workers: processes, None for all cores where they are several.
+    tell: called with a line where this will take long.
 
     Raises as `check` does, OutputError when a worker process dies.
     """
     task = partial(_check_one, a_max)
-    several = min(workers or available_cpus(), len(demands) // (1 if workers else _WORTH))
-    if several <= 1:
+    several = max(1, min(workers or available_cpus(), len(demands) // (1 if workers else _WORTH)))
+    searches = f"{len(demands)} search{'es' if len(demands) > 1 else ''}"
+    announce(sum(_seconds(s, motion) for s, motion, _ in demands), searches, several, tell)
+    if several == 1:
         return [task(demand) for demand in demands]
     with processes(several, task, "fewer `workers` need less") as run:
         return list(run(demands))
+
+
+def _seconds(structure: RockingParameters, motion: Motion) -> float:
+    """Of a processor, to within a factor of a few, for one verdict."""
+    method, record = governing_method(structure), motion.samples is not None
+    marched = expected_seconds(method, structure, len(motion.segments), cells=_CELLS, batches=_RUNS, record=record)
+    return marched + bouncing_seconds(method, structure)
 
 
 def tally(verdicts: Sequence[Verdict]) -> str:

@@ -149,3 +149,13 @@ def test_what_leaves_the_ground_counts_as_a_fall_and_is_told_apart():
     stands = replace(lost, outcome=Outcome.ROCKED)
     assert tally([stands]) == "0 of 1 overturn"
     assert tally([stands, lost]) == "0 of 2 overturn, 1 loses contact with the ground"
+
+
+def test_what_takes_minutes_is_said_beforehand(monkeypatch):
+    """Of a body that loses nothing the bounces are marched one by one for as long as the shaking lasts."""
+    monkeypatch.setattr("rocking_cli.responses.check._check_one", lambda *_: None)
+    column, told = structure_of("kind: block\nwidth: 0.5\nheight: 2"), []
+    check_all([(column, sine(), DEMAND)], workers=1, tell=told.append)
+    assert told == []
+    check_all([(replace(column, eta=1.0), sine(), DEMAND)], workers=1, tell=told.append)
+    assert [line.startswith("1 search: up to roughly ") for line in told] == [True]
