@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import errno
+import gc
 import os
 import sys
 from importlib import import_module
@@ -48,6 +49,7 @@ SECTIONS = {
         "help": "The reference of a command or a topic, with examples.",
     },
 }
+_COLLECTED = 20_000  # objects made before Python looks for cycles among them; at its own 700 it does so all through the imports
 COMMANDS = {name: summary for section in SECTIONS.values() for name, summary in section.items()}
 
 
@@ -118,6 +120,7 @@ def cli() -> None:
 def main(arguments: list[str] | None = None) -> Any:
     """Run the command line; every failure becomes one sentence on standard error and its documented exit code."""
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # others wait for work that never comes, at full speed, from NumPy's import on
+    gc.set_threshold(_COLLECTED)
     listen()
     with streams.guarded():
         try:

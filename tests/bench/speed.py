@@ -95,7 +95,7 @@ TARGETS = (
     Target("Ricker wavelet", lambda f: f["ricker"], 10.0, "us"),
     Target("Mavroeidis-Papageorgiou pulse", lambda f: f["mavroeidis"], 10.0, "us"),
     Target("envelope of 400 frequencies, every boundary", lambda f: f["envelope"], 1.0, "s"),
-    Target("  of 5 cycles, 25 times that of 16", lambda f: f["envelope_cycles"], 10.0, "s"),
+    Target("  of 5 cycles, from those of 8 and of 40", lambda f: f["envelope_cycles"], 10.0, "s"),
     Target("bodies that hardly lose speed, just above uplift", lambda f: f["lossless"], 1.0, "s"),
     Target(
         "a whole process, 10 x 10 cells",
