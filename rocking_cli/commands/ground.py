@@ -62,7 +62,7 @@ def motion(command: F | None = None, *, dt_flag: str = "--dt") -> F:
 
 
 def vertical(command: F) -> F:
-    """--vertical and --vertical-scale, below the options of the motion, which then has a vertical part."""
+    """--vertical and what goes with it, below the options of the motion, which then has a vertical part."""
 
     @wraps(command)
     def with_vertical(*arguments: Any, upwards: Callable[[Motion], Motion] | None, **given: Any) -> Any:
@@ -79,23 +79,49 @@ def vertical_of_each(command: F) -> F:
     """The same where motions may be a set of records: the command gets `upwards`, which gives a motion that vertical part, or None."""
 
     @wraps(command)
-    def with_vertical(*arguments: Any, vertical: str | None, vertical_scale: float | None, **given: Any) -> Any:
+    def with_vertical(*arguments: Any, vertical: str | None, **given: Any) -> Any:
+        own = {key: given.pop(f"vertical_{key}") for key in ("scale", *_OF_RECORDS)}
+        there = {key: value for key, value in own.items() if value is not None}
         if vertical is None:
-            if vertical_scale is not None:
-                raise click.UsageError("--vertical-scale goes with --vertical")
+            if there:
+                raise click.UsageError(f"--vertical-{next(iter(there))} goes with --vertical")
             return command(*arguments, upwards=None, **given)
-        from ..motions import PULSES, pulse
         from ..motions.biaxial import with_vertical as biaxial
-        from ..motions.reading import read_motion
 
-        quiet = given.get("quiet", False)
-        up = pulse(vertical) if vertical in PULSES else read_motion(vertical, tell=partial(note, quiet=quiet))
-        factor = 1.0 if vertical_scale is None else vertical_scale
+        factor = there.pop("scale", 1.0)
+        up = _upwards(vertical, there, given.get("quiet", False))
         return command(*arguments, upwards=lambda motion: biaxial(motion, up, factor), **given)
 
-    factor = click.option("--vertical-scale", type=float, metavar="FACTOR", help="Factor of the vertical motion (default 1).")
+    for name, kind, metavar, meaning in (
+        ("dt", str, "TIME", "Time between the values of a vertical record in a single column."),
+        ("unit", str, "UNIT", "Unit of a vertical record in plain columns of numbers."),
+        ("component", str, "NAME", "The component of a file that holds several."),
+        ("scale", float, "FACTOR", "Factor of the vertical motion (default 1)."),
+    ):
+        with_vertical = click.option(f"--vertical-{name}", type=kind, metavar=metavar, help=meaning)(with_vertical)
     told = "Vertical motion, upwards: a pulse by name, a motion document or a record."
-    return click.option("--vertical", type=PulseOrPath(), metavar="MOTION", help=told)(factor(with_vertical))
+    return click.option("--vertical", type=PulseOrPath(), metavar="MOTION", help=told)(with_vertical)
+
+
+_OF_RECORDS = ("component", "unit", "dt")
+
+
+def _upwards(name: str, given: dict[str, Any], quiet: bool) -> Motion:
+    """The vertical motion: a pulse, or what a file holds."""
+    from ..motions import PULSES, pulse
+    from ..motions.reading import read_motion
+
+    if name in PULSES:
+        for key in given:
+            raise click.UsageError(f"--vertical-{key} goes with a record: give one to --vertical")
+        return pulse(name)
+    if "dt" in given:
+        given["dt"] = time("--vertical-dt", given["dt"])
+    try:
+        return read_motion(name, tell=partial(note, quiet=quiet), **given)
+    except RockingError as error:
+        error.args = (re.sub(rf"`({'|'.join(_OF_RECORDS)})`", r"--vertical-\1", str(error)),)
+        raise
 
 
 def motions(command: F) -> F:

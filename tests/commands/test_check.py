@@ -128,6 +128,11 @@ def test_a_record_of_a_set_goes_with_the_vertical_one(rocking, refused, tmp_path
     with_up = ("body.yaml", "--motion", "n.at2", "--vertical", "up.at2", "--vertical-scale", "0.4", "--json")
     row = json.loads(rocking("check", *with_up, "--a-max", "1.2").stdout)
     assert row["motion"].startswith("n with up")
+    (tmp_path / "up.txt").write_text("".join(f"{9.81 * 0.14 * x:.6f}\n" for x in (0, 1, 1, 0, -1)))  # the same, in m/s2
+    in_columns = ("body.yaml", "--motion", "n.at2", "--vertical", "up.txt", "--vertical-scale", "0.4", "--json", "--a-max", "1.2")
+    assert "give it as --vertical-unit" in refused(3, "check", *in_columns)
+    plain = json.loads(rocking("check", *in_columns, "--vertical-unit", "m/s2", "--vertical-dt", "0.2 s").stdout)
+    assert (plain["outcome"], plain["fz_min"]) == (row["outcome"], pytest.approx(row["fz_min"], rel=1e-5))
     last = json.loads(rocking("response", *with_up, "--model", "nonlinear", "--forces", "--events").stdout.splitlines()[-1])
     assert [row[key] for key in ("outcome", "friction", "fz_min")] == [last[key] for key in ("outcome", "friction", "fz_min")]
     # the push downwards lifts it, as far as the weight is less there: a = lambda (g - a/5)

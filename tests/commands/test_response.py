@@ -160,12 +160,20 @@ def test_a_vertical_motion_in_the_response_the_spectrum_and_the_envelope(rocking
     assert float(csv_rows(found.stdout)[-1]["A_from"]) == pytest.approx(1.0 / (3 * block["alpha"]), rel=1e-9)
 
 
+RECORD = "configs/motions/synthetic.at2"
+
+
 @pytest.mark.parametrize(
     ("call", "words"),
     [
         (("envelope", "--eta", "0.9", "--grid", "Omega=2", "--vertical", "sine"), "no weight that a vertical motion could change"),
         (("response", "configs/block.yaml", "--a-g", "3", "--f-g", "1", "--vertical-scale", "2"), "--vertical-scale goes with --vertical"),
         (("response", "configs/block.yaml", "--a-g", "3", "--f-g", "1", "--vertical", "none.yaml"), "none.yaml"),
+        (("response", "configs/block.yaml", "--a-g", "3", "--f-g", "1", "--vertical", "sine", "--vertical-dt", "1"), "goes with a record"),
+        (
+            ("response", "configs/block.yaml", "--motion", RECORD, "--vertical", RECORD, "--vertical-unit", "g"),
+            "its own --vertical-unit and --vertical-dt",
+        ),
     ],
 )
 def test_vertical_motions_that_are_none(refused, call, words):

@@ -60,13 +60,12 @@ def test_the_same_as_the_march_by_long_series():
 
 
 @pytest.mark.soak
-@pytest.mark.parametrize("across", range(3))
-@pytest.mark.parametrize("share", [0.3, -1.2])
+@pytest.mark.parametrize(("share", "across"), [(0.3, 0), (-1.2, 1), (0.6, 2)])
 @pytest.mark.parametrize("name", [*SYSTEMS, "an arch"])
-def test_two_hundred_cells_of_each_system(name, share, across):
+def test_sixty_cells_of_each_system(name, share, across):
     (arch,) = load_structures("configs/arch.yaml")
     system, eta = (Method("nonlinear").system_of(arch), arch.eta) if name == "an arch" else SYSTEMS[name]
-    assert against_the_march(system, eta, slice(None, 100), share, across, 200, 20 + across) > {Outcome.ROCKED}
+    assert against_the_march(system, eta, slice(None, 100), share, across, 60, 20 + across) > {Outcome.ROCKED}
 
 
 def against_the_integration(words, samples, count, seed):
