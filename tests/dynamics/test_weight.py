@@ -161,6 +161,26 @@ def test_free_fall_is_an_outcome_of_its_own_at_its_instant():
     assert heard.end == pytest.approx(math.asin(1.0 / (8.0 * 1.2 * body.alpha)) / 4.0, rel=1e-12)
 
 
+@pytest.mark.parametrize("lifts", [False, True], ids=["never lifted", "at rest again"])
+@pytest.mark.parametrize("model", ["linear", "nonlinear"])
+def test_the_ground_falls_away_from_a_body_that_is_pushed_against_its_wall(model, lifts):
+    body = RockingParameters("b", "block", 2.0, 0.2, -0.3, math.tan(0.2), 1.0, one_sided=True)
+    system, inward = Method(model).system_of(body), Piece(math.pi, 40.0, (), 0.3)
+    across = Motion("push", (Piece(0.0, 1.0, (), -2.0 if lifts else 0.5), Piece(1.0, math.pi), inward))
+    up = Motion("up", (Piece(0.0, 36.0), Piece(36.0, 40.0, (), -10.0)))
+    motion = with_vertical(across, up)
+    at = 36.0 / 8.0
+    assert float(system.least_uplift(motion)) == pytest.approx(0.5, rel=1e-12)  # the ground falls at 10 A alpha g
+    for amplitude, wanted in ((1.0, "lost_contact"), (0.4, "no_uplift")):
+        found = response(system, motion, [amplitude], 8.0, body.eta)
+        assert Outcome(int(found.outcome[0])).flag == wanted
+        assert math.isnan(found.theta_ratio[0]) == (wanted == "lost_contact")
+    heard = history(system, motion, 1.0, 8.0, body.eta, duration=9.0)
+    words = [e.event for e in heard.events]
+    assert (heard.outcome, heard.end, words[-1]) == (Outcome.LOST_CONTACT, pytest.approx(at, rel=1e-12), "lost contact")
+    assert ("rest" in words) == lifts
+
+
 def test_records_keep_the_ratio_of_their_amplitudes_and_others_do_not_go_with_them():
     start, stop = np.array([0.0, 0.1]), np.array([0.1, 0.3])
     one = Polyline("one", start, stop, np.array([0.0, 1.0]), np.array([10.0, -5.0]), 4.0)

@@ -70,6 +70,8 @@ class Run:
         self.work = Work(cells=amplitude.size)
         self.most_steps = MAX_STEPS + 40 * len(segments)
         self.drops = self._first_free_fall()
+        if self.drops is not None:  # also from under bodies that nothing lifts: one that is pushed against its wall
+            self.outcome[self._dropped], self.theta_ratio[self._dropped] = Outcome.LOST_CONTACT, np.nan
         self.tabled = tabled_windows(self.segments, self.cells.amplitude)
         marched = type(self)._march is Run._march  # one that jumps sees no forces on its way
         ahead = (LIKELY if marched and not self.equation.bounded else np.inf) if ahead is None else ahead
@@ -93,6 +95,11 @@ class Run:
         down, up = np.maximum(sway, 0.0), np.maximum(-sway, 0.0)
         first = first_uplift(seg.vertical, np.zeros(sway.size, dtype=np.int64), np.zeros(sway.size), down, up)
         return first if np.any(first.k < len(seg)) else None
+
+    @cached_property
+    def _dropped(self) -> Array:
+        """Whether the ground falls away from each cell's body, at any time."""
+        return np.zeros(self.outcome.shape, dtype=bool) if self.drops is None else np.asarray(self.drops.k < self.shaken)
 
     def all(self) -> None:
         """Run every cell to its end."""
@@ -364,7 +371,8 @@ class Run:
         self.outcome[cell] = outcome
         if self.peaks:
             self.theta_ratio[cell] = self.equation.on(lanes.side[at], lanes.cell[at]).rotation(np.asarray(peak))
-        if outcome == Outcome.ROCKED and self.footing is not None and self.footing.any:
-            gone = cell[self.footing.lost[cell]]
+        if outcome == Outcome.ROCKED:
+            lost = self._dropped if self.footing is None or not self.footing.any else self._dropped | self.footing.lost
+            gone = cell[lost[cell]]
             self.outcome[gone], self.theta_ratio[gone] = Outcome.LOST_CONTACT, np.nan
         self.impacts[cell] = lanes.impacts[at]
