@@ -57,13 +57,15 @@ class LinearEquation:
         _, sin, cos = segment_value(segments, lanes.k, lanes.u)
         outward = -lanes.side * lanes.amplitude
         ramp = outward * segments.slope[lanes.k] * lanes.omega if segments.sloped else None
+        if not self.damping and can_be_summed(segments):
+            frequency = segments.frequency[:, 0]
+            top = frequency.max()
+            return SummedFlow.of(lanes.y, lanes.v, lanes.b, outward * cos, outward * sin, top * lanes.omega, frequency / top)
         w = segments.frequency.take(lanes.k, axis=1) * lanes.omega
         if self.damping:
             from .damped_flow import DampedFlow
 
             return DampedFlow(lanes.y, lanes.v, lanes.b, outward * cos, outward * sin, w, ramp, self.damping)
-        if can_be_summed(segments):
-            return SummedFlow.of(lanes.y, lanes.v, lanes.b, outward * cos, outward * sin, w)
         return LinearFlow(lanes.y, lanes.v, lanes.b, outward * cos, outward * sin, w, ramp)
 
     def _series(self, segments: WeighedSegments, lanes: Lanes) -> TaylorSeries:

@@ -31,35 +31,47 @@ _MOST_LOST = 100.0  # roundings of what the drive adds to an arc, just above SHO
 
 
 def can_be_summed(segments: Segments) -> bool:
-    """Whether the motion has many sinusoids, and they are near enough to each other for the sums to keep their digits.
+    """Whether the motion has many sinusoids, everywhere the same, and near enough to each other for the sums to keep their digits.
 
     The sums are of order sum |C| h/w, their result sum |C| w h^3/6 at small h, where h is at least SHORT over the fastest w.
     """
-    return segments.harmonics > 1 and not segments.sloped and 6.0 * segments.spread / SHORT**2 <= _MOST_LOST
+    alike = segments.harmonics > 1 and not segments.sloped and bool(np.all(segments.frequency == segments.frequency[:, :1]))
+    return alike and 6.0 * segments.spread / SHORT**2 <= _MOST_LOST
 
 
 class SummedFlow(NamedTuple):
-    """One arc a lane: state at its start, (lanes,), and the drive's coefficients, (harmonics, lanes)."""
+    """One arc a lane: state at its start, (lanes,), and the drive's coefficients, (harmonics, lanes).
+
+    Of each lane the frequencies have the same ratios, so that a sum over them with powers of w is one with weights that all lanes share.
+    """
 
     y: Array
     v: Array
     b: Array
     sin: Array  # D_j
     cos: Array  # E_j
-    w: Array  # angular frequency over p
-    fastest: Array  # 1 + the fastest of them, (lanes,)
+    top: Array  # the fastest angular frequency over p, (lanes,)
     p: Array  # P, (lanes,)
     q: Array  # Q, (lanes,)
     rate: Array  # slope of the drive at the start, (lanes,)
+    weights: Array  # powers 0, 2, 1 and 3 of the ratios of the frequencies to the fastest, (4, harmonics)
 
     @classmethod
-    def of(cls, y: Array, v: Array, b: Array, sin: Array, cos: Array, w: Array) -> SummedFlow:
+    def of(cls, y: Array, v: Array, b: Array, sin: Array, cos: Array, top: Array, ratios: Array) -> SummedFlow:
         """From the state and the drive's S_j and C_j."""
-        sin, cos, w = (np.ascontiguousarray(x) for x in (sin, cos, w))  # else the order of the sums would be another
-        w2 = w * w
-        over = 1.0 / (1.0 + w2)
+        sin, cos = (np.ascontiguousarray(x) for x in (sin, cos))  # else the order of the sums would be another
+        w = ratios[:, None] * top
+        over = 1.0 / (1.0 + w * w)
         sines, cosines = sin * over, cos * over
-        return cls(y, v, b, sines, cosines, w, 1.0 + w.max(axis=0), _dot(w, sines), _dot(w2, cosines), _dot(w, sin))
+        ratios2 = ratios * ratios
+        weights = np.array([np.ones(ratios.size), ratios2, ratios, ratios * ratios2])
+        rate, p, q = (_weighed(weights[i : i + 1], x)[0] for i, x in ((2, sin), (2, sines), (1, cosines)))
+        return cls(y, v, b, sines, cosines, top, top * p, top * top * q, top * rate, weights)
+
+    @property
+    def fastest(self) -> Array:
+        """1 + the fastest frequency, (lanes,)."""
+        return 1.0 + self.top
 
     @property
     def damping(self) -> float:
@@ -73,7 +85,7 @@ class SummedFlow(NamedTuple):
 
     def take(self, lanes: Array) -> SummedFlow:
         """The arcs of some lanes."""
-        return SummedFlow(*(x.take(lanes, axis=-1) for x in self))
+        return SummedFlow._make([*(x.take(lanes, axis=-1) for x in self[:-1]), self.weights])
 
     def at(self, h: Array) -> Point:
         """The state after h >= 0 [-]."""
@@ -83,7 +95,7 @@ class SummedFlow(NamedTuple):
         sinh, cosh1 = 2.0 * half * np.sqrt(1.0 + half2), 2.0 * half2
         if short.size == h.size:
             return self._short(h, sinh, cosh1)
-        turned, turned_rate, bent, bent_rate = self._sums(h)
+        turned, turned_rate, bent, bent_rate = self._sums(*self._phases(h))
         out, up = self.v + self.p, self.b - self.q
         rise = out * sinh + up * cosh1
         found = Point(
@@ -97,34 +109,45 @@ class SummedFlow(NamedTuple):
                 x[short] = there
         return found
 
-    def _sums(self, h: Array) -> tuple[Array, Array, Array, Array]:
-        """Y and Y', and the sums of their terms times w^2."""
-        sin = self.w * (0.5 * h)
+    def _phases(self, h: Array) -> tuple[Array, Array]:
+        """sin(w h) and 1 - cos(w h)."""
+        sin = self.weights[2][:, None] * (0.5 * self.top * h)
         np.tan(sin, out=sin)
         cosm = sin * sin
         over = cosm + 1.0
         np.divide(2.0, over, out=over)
         cosm *= over  # 1 - cos(w h) = 2 sin^2 of the half angle
         sin *= over
-        turned, rate = self.cos * cosm, self.cos * sin
-        turned -= np.multiply(self.sin, sin, out=sin)
-        rate += np.multiply(self.sin, cosm, out=cosm)
-        rate *= self.w
-        w2 = np.multiply(self.w, self.w, out=over)
-        return _sum(turned), _sum(rate), _dot(turned, w2), _dot(rate, w2)
+        return sin, cosm
+
+    def _turned(self, sin: Array, cosm: Array) -> tuple[Array, Array]:
+        """Y, and the sum of its terms times w^2."""
+        turned = self.cos * cosm
+        turned -= self.sin * sin
+        total, bent = _weighed(self.weights[:2], turned)
+        return total, bent * self.top * self.top
+
+    def _sums(self, sin: Array, cosm: Array) -> tuple[Array, Array, Array, Array]:
+        """Y and Y', and the sums of their terms times w^2."""
+        turned, bent = self._turned(sin, cosm)
+        np.multiply(self.cos, sin, out=sin)
+        sin += np.multiply(self.sin, cosm, out=cosm)
+        rate, bent_rate = _weighed(self.weights[2:], sin)
+        return turned, rate * self.top, bent, bent_rate * self.top * self.top * self.top
 
     def _short(self, h: Array, sinh: Array, cosh1: Array) -> Point:
         """The state after a short h, with d_n and G_m over powers of the fastest w, which no power of w exceeds."""
-        own = self.w / self.fastest
-        turns = powers(-own * own, _PAIRS)
-        scale = self.w * self.w
+        ratios2, ratios, share = self.weights[1], self.weights[2], self.top / self.fastest
+        scale = ratios2[:, None] * (self.top * self.top)
         scale += 1.0
-        scale *= own
+        scale *= ratios[:, None] * share  # (1 + w^2) w over the fastest
+        turns = powers(-ratios2, _PAIRS)
+        shares = powers(share * share, _PAIRS)
         d: Array = np.empty((_PAIRS, 2, h.size))  # (d_1, d_2), (d_3, d_4) ...
         g: Array = np.empty((_PAIRS, 2, h.size))  # (G_3, G_4), (G_5, G_6) ...
-        d[:, 0] = _dot(turns, self.sin * scale)
-        scale *= -own
-        d[:, 1] = _dot(turns, self.cos * scale)
+        d[:, 0] = _weighed(turns, self.sin * scale)
+        d[:, 1] = _weighed(turns * -ratios, self.cos * scale) * share
+        d *= shares[:, None]
         over2 = 1.0 / (self.fastest * self.fastest)
         np.multiply(d[0], over2, out=g[0])
         for i in range(1, _PAIRS):
@@ -143,15 +166,15 @@ class SummedFlow(NamedTuple):
 
     def at_ground(self, h: Array) -> Array:
         """The force at an impact, where y = 0, from the change of the drive since the start."""
-        turned, _, bent, _ = self._sums(h)
+        turned, bent = self._turned(*self._phases(h))
         return self.b - self.y - turned - bent
 
 
-def _sum(rows: Array) -> Array:
-    """Sum of (terms, lanes) over the terms, for each lane by itself."""
+def _weighed(weights: Array, rows: Array) -> Array:
+    """(sums, lanes): sums over the terms of (terms, lanes) by weights (sums, terms), for each lane by itself."""
     if rows.shape[-1] == 1:  # NumPy sums a single lane in another order: no digit may depend on a lane's neighbours
-        return np.einsum("jl->l", np.repeat(rows, 2, axis=1))[:1]
-    return np.einsum("jl->l", rows)
+        return np.einsum("kj,jl->kl", weights, np.repeat(rows, 2, axis=1))[:, :1]
+    return np.einsum("kj,jl->kl", weights, rows)
 
 
 def _dot(one: Array, other: Array) -> Array:

@@ -11,12 +11,14 @@ from rocking_cli.motions import Harmonic, Motion, Piece, pulse, sine
 def arcs(lanes, harmonics=5, seed=3):
     """Random arcs of drives with frequencies from 1 to 4 times a slowest one, and times from 1e-3 to 10 over the fastest."""
     random = np.random.default_rng(seed)
-    w = random.uniform(1.0, 4.0, (harmonics, lanes)) * 10.0 ** random.uniform(-1.0, 1.0, lanes)
+    ratios = random.uniform(1.0, 4.0, harmonics)
+    ratios /= ratios.max()
+    top = 4.0 * 10.0 ** random.uniform(-1.0, 1.0, lanes)
     sin, cos = random.uniform(-1.0, 1.0, (2, harmonics, lanes))
     y = np.where(random.random(lanes) < 0.5, 0.0, random.uniform(0.0, 0.5, lanes))
     v, b = random.uniform(-0.5, 0.5, (2, lanes))
-    h = 10.0 ** random.uniform(-3.0, 1.0, lanes) / (1.0 + w.max(axis=0))
-    return y, v, b, sin, cos, w, h
+    h = 10.0 ** random.uniform(-3.0, 1.0, lanes) / (1.0 + top)
+    return ratios, y, v, b, sin, cos, top, h
 
 
 def exact(y, v, b, sin, cos, w, h):
@@ -37,8 +39,9 @@ def exact(y, v, b, sin, cos, w, h):
 
 
 def test_the_state_is_that_of_the_definition():
-    *state, h = arcs(70)
-    flow = SummedFlow.of(*state)
+    ratios, *state, h = arcs(70)
+    flow = SummedFlow.of(*state, ratios)
+    state[-1] = ratios[:, None] * state[-1]
     found = np.array(flow.at(h))
     wanted = np.array([exact(*(x[..., i] for x in (*state, h))) for i in range(h.size)]).T
     short = flow.fastest * h < SHORT
@@ -53,10 +56,11 @@ def test_the_state_is_that_of_the_definition():
 
 
 def test_a_short_arc_from_rest_keeps_its_digits():
-    _, _, _, sin, cos, w, h = arcs(20, seed=4)
+    ratios, _, _, _, sin, cos, top, h = arcs(20, seed=4)
+    w = ratios[:, None] * top
     zero = np.zeros(h.size)
-    h = np.minimum(h, 0.3 / (1.0 + w.max(axis=0)))
-    found = SummedFlow.of(zero, zero, zero, np.abs(sin), cos, w).at(h)
+    h = np.minimum(h, 0.3 / (1.0 + top))
+    found = SummedFlow.of(zero, zero, zero, np.abs(sin), cos, top, ratios).at(h)
     wanted = np.array([exact(0.0, 0.0, 0.0, np.abs(sin[:, i]), cos[:, i], w[:, i], h[i]) for i in range(h.size)]).T
     assert np.abs(found.y / wanted[0] - 1.0).max() < 2e-14
     assert np.abs(found.v / wanted[1] - 1.0).max() < 2e-14
@@ -64,18 +68,20 @@ def test_a_short_arc_from_rest_keeps_its_digits():
 
 @pytest.mark.parametrize("lanes", [1, 2, 3, 7])
 def test_the_digits_of_a_lane_are_its_own(lanes):
-    *state, h = arcs(40, harmonics=22)
-    flow = SummedFlow.of(*state)
+    ratios, *state, h = arcs(40, harmonics=22)
+    flow = SummedFlow.of(*state, ratios)
     together = flow.at(h)
     for first in range(0, 35, 5):
         some = np.arange(first, first + lanes)
         assert all(np.array_equal(x, z[some]) for x, z in zip(flow.take(some).at(h[some]), together, strict=True))
-        own = SummedFlow.of(*(x[..., some] for x in state))
-        assert all(np.array_equal(x, z[..., some]) for x, z in zip(own, flow, strict=True))
+        own = SummedFlow.of(*(x[..., some] for x in state), ratios)
+        assert all(np.array_equal(x, z[..., some]) for x, z in zip(own[:-1], flow[:-1], strict=True))
 
 
 def test_frequencies_far_apart_are_left_to_the_flow_that_keeps_them_apart():
     assert can_be_summed(pulse("ricker-symmetric").segments)
     assert can_be_summed(pulse("mavroeidis-papageorgiou").segments)
     assert not can_be_summed(sine().segments)
+    apart = (Piece(0.0, 2.0, (Harmonic(1.0), Harmonic(0.1, 1.5))), Piece(2.0, 3.0, (Harmonic(1.0), Harmonic(0.1, 2.5))))
+    assert not can_be_summed(Motion("not the same everywhere", apart).segments)
     assert not can_be_summed(Motion("far", (Piece(0.0, 3.0, (Harmonic(1.0), Harmonic(0.1, 90.0))),)).segments)
