@@ -45,7 +45,7 @@ def summed(rows: Array) -> Array:
     """Sum of (terms, lanes) over the terms, one after the other: NumPy's own order depends on the number of lanes."""
     total = np.zeros(rows.shape[1:])
     for row in rows:
-        total = total + row
+        total += row
     return total
 
 
@@ -64,7 +64,7 @@ def segment_value(segments: Segments, k: Array, u: Array) -> tuple[Array, Array,
 
 def drive_change(segments: Segments, k: Array, u: Array) -> Array:
     """s - s(segment start) alone at phase u of segment k."""
-    return segment_value(segments, k, u)[0] if segments.table is None else segments.table.near(k, u).change
+    return segment_value(segments, k, u)[0] if segments.table is None else segments.table.change(k, u)
 
 
 def _near(segments: Segments, k: Array, u: Array) -> Near:

@@ -46,15 +46,7 @@ class Table:
 
     def near(self, k: Array, u: Array) -> Near:
         """The drive about phase u of segment k."""
-        half = self.half[k]
-        x = 0.5 * u / half
-        patch = x.astype(np.int64)
-        np.minimum(patch, self.last[k] - self.first[k], out=patch)
-        x -= patch
-        x += x
-        x -= 1.0
-        patch += self.first[k]
-        rows = self.terms.take(patch, axis=1)
+        rows, x, half = self._patch(k, u)
         value, rate, bend = rows[-1].copy(), np.zeros(x.shape), np.zeros(x.shape)
         for row in rows[-2::-1]:  # Horner's rule for the value and both derivatives
             bend *= x
@@ -68,6 +60,27 @@ class Table:
         bend /= half
         bend /= half
         return Near(value, rate, bend)
+
+    def change(self, k: Array, u: Array) -> Array:
+        """s - s(segment start) alone, to the same digits."""
+        rows, x, _ = self._patch(k, u)
+        value: Array = rows[-1].copy()
+        for row in rows[-2::-1]:
+            value *= x
+            value += row
+        return value
+
+    def _patch(self, k: Array, u: Array) -> tuple[Array, Array, Array]:
+        """The terms of the patches that hold these phases, the places in them from -1 to 1, and their half widths."""
+        half = self.half[k]
+        x = 0.5 * u / half
+        patch = x.astype(np.int64)
+        np.minimum(patch, self.last[k] - self.first[k], out=patch)
+        x -= patch
+        x += x
+        x -= 1.0
+        patch += self.first[k]
+        return self.terms.take(patch, axis=1), x, half
 
     def phase(self, k: Array, share: Array) -> Array:
         """About where the drive has gone this share, from 0 to 1, of segment k; to a part of 1e-3 or so."""
@@ -127,6 +140,6 @@ def _inverse(segments: Segments, table: Table) -> Array:
     rise, wanted = segments.s_end[k] - segments.s_start[k], share.ravel()
     for _ in range(50):
         middle = 0.5 * (low + high)
-        before = table.near(k, middle).change * np.sign(rise) < wanted * np.abs(rise)
+        before = table.change(k, middle) * np.sign(rise) < wanted * np.abs(rise)
         low, high = np.where(before, middle, low), np.where(before, high, middle)
     return (0.5 * (low + high)).reshape(share.shape)
