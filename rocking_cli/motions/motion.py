@@ -22,6 +22,9 @@ from ..errors import MotionError
 from .extremes import isolated_extremes
 from .table import Table, table_of
 
+_LEAF_LEVEL = 3
+_LEAF = 1 << _LEAF_LEVEL  # segments that are looked through one by one
+
 
 @dataclass(frozen=True)
 class Harmonic:
@@ -127,19 +130,49 @@ class Segments:
 
     @cached_property
     def _blocks(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Largest s and -s over blocks of 2^j segments, all j after one another up to the one block; where each j begins."""
-        high, low = [np.maximum(self.s_start, self.s_end)], [-np.minimum(self.s_start, self.s_end)]
-        while high[-1].size > 1:
-            for levels in (high, low):
-                below = levels[-1]
-                levels.append(np.maximum(below[::2], np.append(below[1::2], below[-1:] if below.size % 2 else [])))
-        return np.concatenate(high), np.concatenate(low), np.cumsum([0, *(part.size for part in high)])
+        """Largest s and -s over blocks of _LEAF 2^j segments, all j after one another up to the one block; where each j begins."""
+        sizes = [-(-len(self) // _LEAF)]
+        while sizes[-1] > 1:
+            sizes.append((sizes[-1] + 1) // 2)
+        start, first = np.cumsum([0, *sizes]), np.arange(0, len(self), _LEAF)
+        high, low = np.empty(start[-1]), np.empty(start[-1])
+        high[: sizes[0]] = np.maximum(np.maximum.reduceat(self.s_start, first), np.maximum.reduceat(self.s_end, first))
+        low[: sizes[0]] = -np.minimum(np.minimum.reduceat(self.s_start, first), np.minimum.reduceat(self.s_end, first))
+        for values in (high, low):
+            for begin, middle, end in zip(start, start[1:], start[2:], strict=False):
+                below, above = values[begin:middle], values[middle:end]
+                pairs = below.size // 2
+                np.maximum(below[: 2 * pairs : 2], below[1::2], out=above[:pairs])
+                above[pairs:] = below[2 * pairs :]  # the odd one at the end
+        return high, low, start
 
     def next_beyond(self, k: np.ndarray, above: np.ndarray, below: np.ndarray) -> np.ndarray:
         """The first segment from k on in which s > above or -s > below, the number of segments where there is none; (lanes,)."""
         found = np.full(k.shape, len(self))
-        high, low, start = self._blocks
         lanes = np.flatnonzero(k < len(self))
+        at, loud = self._in_leaf(k[lanes], above[lanes], below[lanes])
+        found[lanes[loud]] = at[loud]
+        lanes = lanes[~loud]
+        leaf = self._next_leaf(k[lanes] // _LEAF + 1, above[lanes], below[lanes])
+        lanes, leaf = lanes[leaf * _LEAF < len(self)], leaf[leaf * _LEAF < len(self)]
+        found[lanes], _ = self._in_leaf(leaf * _LEAF, above[lanes], below[lanes])
+        return found
+
+    def _in_leaf(self, k: np.ndarray, above: np.ndarray, below: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """The first such segment from k to the end of its block of _LEAF, and whether there is one."""
+        at = k + np.arange(_LEAF)[:, None]
+        inside = at < np.minimum((k // _LEAF + 1) * _LEAF, len(self))
+        at = np.minimum(at, len(self) - 1)
+        start, end = self.s_start[at], self.s_end[at]
+        loud = ((np.maximum(start, end) > above) | (-np.minimum(start, end) > below)) & inside
+        return k + loud.argmax(axis=0), loud.any(axis=0)
+
+    def _next_leaf(self, k: np.ndarray, above: np.ndarray, below: np.ndarray) -> np.ndarray:
+        """The first such block of _LEAF segments from the k-th on, the number of blocks where there is none."""
+        high, low, start = self._blocks
+        leaves = int(start[1])
+        found = np.full(k.shape, leaves)
+        lanes = np.flatnonzero(k < leaves)
         at, above, below, level = k[lanes], above[lanes], below[lanes], np.zeros(lanes.size, dtype=np.int64)
         while lanes.size:  # up the blocks while they are quiet, down into the first that is not
             block = start[level] + (at >> level)
@@ -147,7 +180,7 @@ class Segments:
             over = ((at >> level) + 1) << level
             level = np.where(loud, level - 1, np.where((over >> level) & 1, level, np.minimum(level + 1, start.size - 2)))
             at = np.where(loud, at, over)
-            done = (level < 0) | (at >= len(self))
+            done = (level < 0) | (at >= leaves)
             if done.any():
                 here = level < 0
                 found[lanes[here]] = at[here]
@@ -164,11 +197,13 @@ class Segments:
         while lanes.size:  # by the largest blocks that begin there and fit
             room, aligned = to[lanes] - at, at & -at
             level = np.frexp(np.where(aligned > 0, np.minimum(aligned, room), room).astype(float))[1] - 1
-            level = np.minimum(level, start.size - 2)
-            block = start[level] + (at >> level)
-            largest[lanes] = np.maximum(largest[lanes], high[block])
-            least[lanes] = np.minimum(least[lanes], -low[block])
-            at = at + (1 << level)
+            whole = (1 << level) >= _LEAF  # smaller blocks go segment by segment
+            level = np.clip(level - _LEAF_LEVEL, 0, start.size - 2)
+            block = start[level] + (at >> (level + _LEAF_LEVEL))
+            first, last = self.s_start[at], self.s_end[at]
+            largest[lanes] = np.maximum(largest[lanes], np.where(whole, high[block], np.maximum(first, last)))
+            least[lanes] = np.minimum(least[lanes], np.where(whole, -low[block], np.minimum(first, last)))
+            at = at + np.where(whole, _LEAF << level, 1)
             going = at < to[lanes]
             lanes, at = lanes[going], at[going]
         return largest, least

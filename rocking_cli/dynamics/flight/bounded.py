@@ -16,6 +16,7 @@ Array = np.ndarray
 
 _TERMS = 20  # of the series of the weights: the first one left out is below 1e-17 up to `LONGEST`
 LONGEST = 0.5  # longest interval between samples [tau] for which the flight is made
+_PART = 1 << 16  # samples of a record that are gone through together
 _FORGOTTEN = 1e-20  # a mode that has decayed to this part is no longer felt
 
 
@@ -29,20 +30,32 @@ def bounded_response(samples: Array, pace: Array) -> Array:
     far *= h
     near = all_of_it - far
     result = np.zeros((pace.size, samples.size), dtype=complex)
-    up, down = np.zeros((pace.size, samples.size)), np.zeros((pace.size, samples.size))
-    up[:, :-1] = -(near * samples[:-1] + far * samples[1:])
-    down[:, 1:] = -(near * samples[1:] + far * samples[:-1])
+    up, down = result.real, result.imag  # in place, part by part: no more than the table itself is held
+    for part in blocks(samples.size - 1):
+        now, then = samples[part], samples[part.start + 1 : part.stop + 1]
+        up[:, part] = -(near * now + far * then)
+        down[:, part.start + 1 : part.stop + 1] = -(near * then + far * now)
     reach = 1
     while reach < samples.size:
         decay = np.exp(-h * reach)
         if decay.max() < _FORGOTTEN:
             break
-        up[:, :-reach] += decay * up[:, reach:]
-        down[:, reach:] += decay * down[:, :-reach]
+        parts = list(blocks(samples.size - reach))
+        for part in parts:  # from the front: what comes later has not changed yet
+            up[:, part] += decay * up[:, part.start + reach : part.stop + reach]
+        for part in reversed(parts):
+            down[:, part.start + reach : part.stop + reach] += decay * down[:, part]
         reach *= 2
-    result.real = 0.5 * (up + down)
-    result.imag = 0.5 * (up - down)
+    for part in blocks(samples.size):
+        rises, falls = up[:, part].copy(), down[:, part]
+        up[:, part] = 0.5 * (rises + falls)
+        down[:, part] = 0.5 * (rises - falls)
     return result
+
+
+def blocks(size: int) -> Iterator[slice]:
+    """Consecutive parts of so many samples."""
+    return (slice(first, min(first + _PART, size)) for first in range(0, size, _PART))
 
 
 def shares(order: Array, rows: Array, most: int) -> Iterator[Array]:

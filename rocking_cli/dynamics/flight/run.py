@@ -51,7 +51,6 @@ class Flight(Run):
     ) -> None:  # fmt: skip
         super().__init__(system, segments, amplitude, omega, eta, peaks, pool or _POOL)
         self.samples, self.step, self.last = samples.values, samples.step, samples.values.size - 1
-        self.gains = np.append(np.diff(samples.values), 0.0)
         self.rows = np.zeros(self.cells.omega.shape, dtype=np.int64)
 
     def _march(self, waiting: Array) -> None:
@@ -99,13 +98,17 @@ class Flight(Run):
         lanes.k, lanes.u = place(self.segments, lanes.k, lanes.u)
         return Flights(**{f.name: getattr(lanes, f.name) for f in fields(Lanes)}, slot=slot)
 
+    def _gain(self, k: Array) -> Array:
+        """How much s grows over the interval after sample k, 0 after the last."""
+        return self.samples.take(np.minimum(k + 1, self.last)) - self.samples.take(k)
+
     def _launch(self, lanes: Flights) -> Jumpers:
         """Lanes ready to jump: their state as modes about the bounded response, at the next sample."""
         row, k, inside = self.rows[self.cells.row(lanes.side), lanes.cell], lanes.k, lanes.u > 0.0
         pace = self.step / lanes.omega
         drive = -lanes.side * lanes.amplitude
         left = (pace - lanes.u / lanes.omega) * inside
-        there = RampFlow(lanes.y, lanes.v, lanes.b, drive * self.gains.take(k) / pace).at(left)
+        there = RampFlow(lanes.y, lanes.v, lanes.b, drive * self._gain(k) / pace).at(left)
         bounded = self.table.take(row + (k + inside))
         y, v = there.y - 1.0 - drive * bounded.real, there.v - drive * bounded.imag
         fall = (lanes.v + np.sqrt(lanes.v * lanes.v - 2.0 * lanes.b * lanes.y)) / -lanes.b
@@ -257,7 +260,7 @@ class Flight(Run):
         known = np.flatnonzero(lanes.b == lanes.b)  # not NaN
         b[known] = lanes.b[known]
         left = pace - lanes.u / lanes.omega
-        rate = drive * self.gains.take(k) / pace
+        rate = drive * self._gain(k) / pace
         arc = RampFlow(y, v, b, rate)
         one = (y - b) / rate  # when the drive is 1
         ridge = (b > y) | ((b == y) & (rate > 0.0))

@@ -6,6 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from .bounded import blocks
+
 Array = np.ndarray
 
 SLACK = 1e-6  # part of the peak by which each bound lies below what it bounds: far above the rounding to single precision
@@ -37,19 +39,28 @@ def windows(samples: Array, levels: int) -> Windows:
     """The bounds of samples s (n,), for stretches of 1, 2, 4 ... 2^(levels - 1) intervals; on the right edge the outward drive is -s."""
     last = samples.size - 1
     slack = SLACK * float(np.abs(samples).max())
-    least = np.stack([-samples, samples])
-    least -= slack
-    least = least.astype(np.float32)
-    least[:, :-1] = np.minimum(least[:, :-1], least[:, 1:])
-    parts, shift = [], []
-    for level in range(levels):
-        if level:
-            reach = min(1 << (level - 1), last + 1)
-            least[:, : last + 1 - reach] = np.minimum(least[:, : last + 1 - reach], least[:, reach:])
-        by = max(0, level - _FINE)
-        shift.append(by)
-        parts.append(np.minimum.reduceat(least, np.arange(0, last + 1, 1 << by), axis=1) if by else least.copy())
-    sizes = [part.shape[1] for part in parts]
-    start = np.concatenate([[0], np.cumsum(sizes)[:-1]])
-    low = np.concatenate(parts, axis=1)
-    return Windows(low.ravel(), start.astype(np.int64), np.array(shift, dtype=np.int64), low.shape[1])
+    shift = np.maximum(0, np.arange(levels, dtype=np.int64) - _FINE)
+    sizes = last // (1 << shift) + 1
+    start = np.cumsum(sizes) - sizes
+    low = np.empty((2, int(sizes.sum())), dtype=np.float32)
+    for side, outward in zip(low, (np.negative, np.positive), strict=True):
+        least = np.empty(last + 1, dtype=np.float32)
+        for part in blocks(last + 1):  # so that no more than the tables themselves is held
+            least[part] = outward(samples[part]) - slack
+        _pairwise_least(least, 1)
+        for level in range(levels):
+            if level:
+                _pairwise_least(least, min(1 << (level - 1), last + 1))
+            side[start[level] : start[level] + sizes[level]] = _least_from(least, 1 << int(shift[level]))
+    return Windows(low.ravel(), start, shift, low.shape[1])
+
+
+def _pairwise_least(values: Array, reach: int) -> None:
+    """Each value becomes the lesser of itself and the one so far after it, where there is one."""
+    for part in blocks(values.size - reach):  # from the front: what comes later has not changed yet
+        np.minimum(values[part], values[part.start + reach : part.stop + reach], out=values[part])
+
+
+def _least_from(values: Array, by: int) -> Array:
+    """The least of each run of so many values."""
+    return values if by == 1 else np.minimum.reduceat(values, np.arange(0, values.size, by))
