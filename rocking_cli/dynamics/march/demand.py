@@ -25,6 +25,11 @@ from .ground import Ground, value_and_slope
 Array = np.ndarray
 
 
+# Stretches, over the time in which an arc bends, through which a cubic tells where an extremum may be: of exact flows, whose steps
+# are long, and of series.
+_LONGEST, _MOST_PARTS = {True: 1.0, False: 3.0}, 6
+
+
 class Demands(Records):
     """The records of the cells of a run; `open`: lanes that it closed, of which a record may still come.
 
@@ -68,7 +73,23 @@ class Demands(Records):
             return self.course(some.take(own), h, point.y, point.v)
 
         one, other = self.course(some, low, some.y, some.v), self.course(some, high, y[at], v[at])
-        self.search(some.cell, along, low, high, one, other)
+        parts = np.clip(np.ceil(high * arc.fastest[at] / _LONGEST[self.body.linear]), 1, _MOST_PARTS).astype(np.int64)
+        own = np.repeat(np.arange(at.size), parts)
+        if own.size == at.size:
+            self.search(some.cell, along, low, high, one, other)
+            return
+        part = np.arange(own.size) - np.repeat(np.cumsum(parts) - parts, parts)
+        length = (high / parts)[own]
+        begins, ends = part > 0, part + 1 < parts[own]
+        cuts = along(own[begins], (part * length)[begins])
+        left, right = one.take(own), other.take(own)
+        for row in (0, 1):
+            left[row][:, begins], right[row][:, ends] = cuts[row], cuts[row]
+
+        def within(one: Array, h: Array) -> Course:
+            return along(own[one], h)
+
+        self.search(some.cell[own], within, part * length, np.where(ends, (part + 1) * length, high[own]), left, right)
 
     def rest(self, cell: Array, k: Array, u: Array, to_k: Array, to_u: Array) -> None:
         """Bodies at rest from (k, u) to another position; to_k: the number of segments where they rest to the end."""

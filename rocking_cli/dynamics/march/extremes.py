@@ -25,7 +25,7 @@ class Course(NamedTuple):
     value: Array
     slope: Array
 
-    def take(self, at: Array) -> Self:
+    def take(self, at: Array | slice) -> Self:
         """Of some lanes."""
         return type(self)(self.value[:, at], self.slope[:, at])
 
@@ -67,17 +67,22 @@ class Records:
         for _ in range(_HALVINGS):
             here = cell[own]
             maybe = most + doubt > np.array([-self.fz_min[here], self.friction[here]]) + EXACT
-            for row in (0, 1):
-                near = np.flatnonzero(maybe[row] & (doubt[row] <= _NEAR))
-                if near.size:
-                    at = low[near] + x[row, near] * (high[near] - low[near])
-                    self._settle(row, here[near], along(own[near], at), bend[row, near], size)
+            near = [np.flatnonzero(maybe[row] & (doubt[row] <= _NEAR)) for row in (0, 1)]
             more = np.flatnonzero(np.any(maybe & (doubt > _NEAR), axis=0))
+            length, half = high - low, 0.5 * (low[more] + high[more])
+            times = [low[at] + x[row, at] * length[at] for row, at in enumerate(near)]
+            looked = np.concatenate([*near, more])
+            if not looked.size:
+                return
+            there = along(own[looked], np.concatenate([*times, half]))  # at once: narrow calls cost as much as wide ones
+            marks = np.cumsum([0, *(at.size for at in near)])
+            for row, at in enumerate(near):
+                settled = there.take(slice(marks[row], marks[row + 1]))
+                self._settle(row, here[at], settled.value[row], settled.slope[row], bend[row, at], size)
             if not more.size:
                 return
+            middle = there.take(slice(marks[2], None))
             own, low, high, one, other = own[more], low[more], high[more], one.take(more), other.take(more)
-            half = 0.5 * (low + high)
-            middle = along(own, half)
             self.note(cell[own], -middle.value[0], size(middle.value[1]))
             guess = 0.5 * (one.value + other.value) + 0.125 * (high - low) * (one.slope - other.slope)
             gap = 0.25 * np.abs(middle.value - guess)  # halves of a stretch are met 16 times as closely
@@ -86,10 +91,9 @@ class Records:
             one, other = one.join(middle), middle.join(other)
             most, x, bend = cubic_extremes(one, other, high - low, size)
 
-    def _settle(self, row: int, cell: Array, there: Course, bend: Array, size: Callable[[Array], Array]) -> None:
+    def _settle(self, row: int, cell: Array, value: Array, slope: Array, bend: Array, size: Callable[[Array], Array]) -> None:
         """An extremum nearby, with what a parabola of this second derivative still rises from there: its place then has an error of the
         square of its distance."""
-        value, slope = there.value[row], there.slope[row]
         value = value - np.where(bend * (np.sign(value) if row else 1.0) < 0.0, 0.5 * slope**2 / bend, 0.0)
         if row:
             np.maximum.at(self.friction, cell, size(value))

@@ -13,7 +13,7 @@ from pressing import asked
 from weighed import Shaking
 
 from rocking_cli import Method, Outcome, RockingParameters, build_structure, cosine, parse_documents, parse_grid, pulse, response, sine
-from rocking_cli.dynamics.march import aftermath
+from rocking_cli.dynamics.march import aftermath, demand
 from rocking_cli.dynamics.march.aftermath import Aftermath
 from rocking_cli.dynamics.march.closing import Bounds
 from rocking_cli.dynamics.march.demand import Demands
@@ -155,6 +155,33 @@ def test_what_the_bounds_close_brings_nothing(kind, model, angles, monkeypatch):
 def test_what_the_bounds_close_brings_nothing_to_many(kind, model, angles, monkeypatch):
     for closed, followed in closed_and_followed(kind, model, angles, 300, monkeypatch):
         assert closed == pytest.approx(followed, abs=2e-9)
+
+
+def apart_from_short_cuts(kind, model, motion, cells, seed, monkeypatch):
+    """Largest differences from the extremes that steps cut ten times as finely show."""
+    random = np.random.default_rng(seed)
+    body, _, _ = drawn(kind, random, 0.2, 0.5)
+    amplitude, omega, system = random.uniform(0.8, 8.0, cells), random.uniform(0.5, 12.0, cells), Method(model, 1e-11).system_of(body)
+    found, asked_for = response_with_demands(system, motion, amplitude, omega, body.eta)
+    monkeypatch.setattr(demand, "_LONGEST", {True: 0.15, False: 0.3})
+    monkeypatch.setattr(demand, "_MOST_PARTS", 60)
+    _, finely = response_with_demands(system, motion, amplitude, omega, body.eta)
+    upright = found.outcome == Outcome.ROCKED
+    assert np.count_nonzero(upright) > cells / 4
+    return [np.abs(values[upright] - finely[name][upright]).max() for name, values in asked_for.items()]
+
+
+def test_extremes_do_not_hang_on_how_steps_are_cut(monkeypatch):
+    """The long steps of exact flows hold several."""
+    assert max(apart_from_short_cuts("unequal", "linear", sine(1), 300, 13, monkeypatch)) < 2e-9
+
+
+@pytest.mark.soak
+@pytest.mark.parametrize("model", ["linear", "nonlinear"])
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("motion", [sine(1), cosine(1.5), pulse("ricker-symmetric")], ids=lambda m: m.name)
+def test_extremes_of_many_do_not_hang_on_how_steps_are_cut(kind, model, motion, monkeypatch):
+    assert max(apart_from_short_cuts(kind, model, motion, 1500, 5, monkeypatch)) < 1e-8
 
 
 def worst(text, model, motion, cells, seed):
