@@ -107,10 +107,12 @@ class Run:
         waiting = np.flatnonzero(lifts)
         if self.demands is not None:
             idle = np.flatnonzero(~lifts)
-            start = np.zeros(idle.size, dtype=np.int64)
-            self.demands.rest(idle, start, np.zeros(idle.size), np.full(idle.size, len(self.segments)), np.zeros(idle.size))
+            start, zero = np.zeros(idle.size, dtype=np.int64), np.zeros(idle.size)
+            self.demands.rest(idle, start, zero, *self._rests_until(idle, Uplift(start + len(self.segments), zero, zero, zero)))
         self.work += Work(no_uplift=self.outcome.size - waiting.size)
         self._march(waiting)
+        if self.demands is not None and self.drops is not None:
+            self.demands.fell_away(np.flatnonzero(self._dropped & (self.outcome == Outcome.LOST_CONTACT)))
 
     def _march(self, waiting: Array) -> None:
         """Run these cells, which leave the ground, round by round."""
@@ -222,8 +224,6 @@ class Run:
         if self.drops is None:
             return lanes
         falls = np.asarray(self._until_drop(lanes) <= _INSTANT)
-        if self.demands is not None:
-            self.demands.fell_away(lanes.cell[falls])
         self._finish(lanes, np.flatnonzero(falls), Outcome.LOST_CONTACT, np.nan)
         return lanes.take(np.flatnonzero(~falls))
 

@@ -214,6 +214,20 @@ def test_the_extremes_of_many_cells_are_those_of_their_histories(motion, model):
     assert max(friction, least) < 1e-9
 
 
+@pytest.mark.parametrize("kind", ["one-sided", "damped"])
+def test_a_body_presses_unless_it_loses_the_ground_or_the_ground_falls_away(kind):
+    random = np.random.default_rng(3)
+    body, _, _ = drawn(kind, random, 0.3, 0.6)
+    system, motion = Method("nonlinear").system_of(body), with_vertical(sine(1), cosine(1.0), -0.9)
+    amplitude, omega = random.uniform(0.3, 4.0, 60), random.uniform(1.0, 10.0, 60)
+    found, asked_for = response_with_demands(system, motion, amplitude, omega, body.eta)
+    known, lost = ~np.isnan(asked_for["fz_min"]), found.outcome == Outcome.LOST_CONTACT
+    assert 5 < np.count_nonzero(lost) < np.count_nonzero(known) - 5
+    assert np.array_equal(lost[known], asked_for["fz_min"][known] <= 0.0)
+    assert np.array_equal(lost[known], np.isinf(asked_for["friction"][known]))
+    assert np.array_equal(found.outcome, response(system, motion, amplitude, omega, body.eta).outcome)
+
+
 def test_structures_of_one_rotation_have_their_own_forces():
     """The linear equation answers for both blocks at once, but not for their forces."""
     grid, motion, blocks = parse_grid("A=0.5:2:2,Omega=4"), sine(1), [body_of(BLOCK), body_of(BLOCK.replace("0.6", "0.9"))]
