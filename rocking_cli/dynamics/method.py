@@ -248,4 +248,5 @@ def contact_of(structure: RockingParameters, equation: Equation) -> Contact:
         omega=(structure.p / right.p, structure.p / left.p),
         eta=(right.eta * unit[0] / unit[1], left.eta * unit[1] / unit[0]),
         rotation=(turns[0], turns[1]),
+        pace=(right.alpha * right.p / (structure.alpha * structure.p), left.alpha * left.p / (structure.alpha * structure.p)),
     )

@@ -48,15 +48,19 @@ class _Speeds(Run):
         self._fall(lanes, np.flatnonzero(~hit & (k >= self.shaken)), end.y, end.v)
         return done
 
+    def _speed(self, side: Array, cell: Array, y: Array, v: Array) -> Array:
+        """d|theta|/dtau over alpha, tau and alpha of the reference, of lanes of these cells on these sides."""
+        return self.contact.speed(side, self.equation.on(side, cell).rotation_rate(y, v))
+
     def _raise(self, lanes: Lanes, arc: Flow, reach: Array, y: Array, v: Array, b: Array) -> None:
         """The speeds of these arcs, which come to y, v, b after `reach`."""
-        equation = self.equation.on(lanes.side, lanes.cell)
-        fastest = np.maximum(self.fastest[lanes.cell], np.abs(equation.rotation_rate(y, v)))
+        side, cell = lanes.side, lanes.cell
+        fastest = np.maximum(self.fastest[cell], np.abs(self._speed(side, cell, y, v)))
         within = np.maximum(np.abs(arc.v), np.abs(v)) + 0.5 * reach * np.maximum(np.abs(arc.b), np.abs(b))
-        at = np.flatnonzero((arc.b * b < 0.0) & (np.abs(equation.rotation_rate(y, within)) > fastest))
+        at = np.flatnonzero((arc.b * b < 0.0) & (np.abs(self._speed(side, cell, y, within)) > fastest))
         if at.size:
             y_at, v_at = _even(arc.take(at), reach[at])
-            fastest[at] = np.maximum(fastest[at], np.abs(self.equation.on(lanes.side[at], lanes.cell[at]).rotation_rate(y_at, v_at)))
+            fastest[at] = np.maximum(fastest[at], np.abs(self._speed(side[at], cell[at], y_at, v_at)))
         self.fastest[lanes.cell] = fastest
 
     def _shaken(self, lanes: Lanes, last: Array) -> None:
@@ -74,10 +78,10 @@ class _Speeds(Run):
     def _fall(self, lanes: Lanes, last: Array, y: Array, v: Array) -> None:
         """The speed at the next impact of undamped lanes that are at y, v when the shaking is over."""
         if last.size and not self.equation.damping:
-            there, zero = self.equation.on(lanes.side[last], lanes.cell[last]), np.zeros(last.size)
+            side, cell, zero = lanes.side[last], lanes.cell[last], np.zeros(last.size)
+            there = self.equation.on(side, cell)
             at_ground = np.sqrt(there.fall(y[last], v[last])[1] / there.fall(zero, zero + 1.0)[1])
-            cell = lanes.cell[last]
-            self.fastest[cell] = np.fmax(self.fastest[cell], there.rotation_rate(zero, at_ground))
+            self.fastest[cell] = np.fmax(self.fastest[cell], self._speed(side, cell, zero, at_ground))
 
 
 class SpeedRun(_Speeds):
@@ -99,9 +103,9 @@ class SpeedFlight(_Speeds, Flight):
         """Leaps that may hold a larger speed too: with c - 1 <= y'' <= r, v is below the lines of slope r from the start and c - 1 to the
         end, and above those of slope c - 1 from the start and r to the end."""
         crests = super()._doubtful(lanes, leap, flying)
-        at, cell = np.flatnonzero(flying), self.flown.cell[lanes.slot]
-        self.fastest[cell[at]] = np.maximum(self.fastest[cell[at]], np.abs(leap.v[at]))
-        fastest = self.fastest[cell]
+        at, cell, side = np.flatnonzero(flying), self.flown.cell[lanes.slot], self.flown.side[lanes.slot]
+        self.fastest[cell[at]] = np.maximum(self.fastest[cell[at]], np.abs(self.contact.speed(side[at], leap.v[at])))
+        fastest = self.fastest[cell] / self.contact.speed(side, np.ones(side.size))
         at = np.flatnonzero((leap.fall * leap.time + np.maximum(leap.v, -lanes.v) > fastest) & flying)
         v, end, fall, time = lanes.v[at], leap.v[at], leap.fall[at], leap.time[at]
         highest = np.maximum(lanes.y[at], leap.y[at]) + 0.125 * np.maximum(fall, 0.0) * time * time
@@ -127,18 +131,19 @@ class SpeedWalk(_Speeds, Walk):
         self, cell: Array, side: Array, equation: Equation, start: tuple[Array, Array], end: tuple[Array, Array], ramp: Ramp, go: Array
     ) -> None:  # fmt: skip
         """The speeds at the ends of strides; those within which a larger one may be are not taken."""
-        if len(self.cells.amplitude) > 1:
-            return  # of bodies of two unlike edges it is not kept
         (y, v), (end_y, end_v) = start, end
         lift, push = equation.bounds
         steepest = lift + push * np.maximum(0.0, -np.minimum(ramp.drive, ramp.drive + ramp.gain))
         within = (np.maximum(np.abs(v), np.abs(end_v)) + steepest * ramp.unit) * np.exp(2.0 * equation.damping * ramp.unit)
-        fastest = np.maximum(self.fastest[cell], np.abs(equation.rotation_rate(end_y, end_v)))
-        at, drag = np.flatnonzero(go & (equation.rotation_rate(end_y, within) > fastest)), 2.0 * equation.damping
-        there = self.equation.on(side[at], cell[at])
-        first = there.force(y[at], ramp.drive[at]) - drag * v[at]
-        last = there.force(end_y[at], ramp.drive[at] + ramp.gain[at]) - drag * end_v[at]
-        go[at[first * last < 0.0]] = False
+        speed = self.contact.speed(side, equation.rotation_rate(end_y, end_v))
+        fastest = np.maximum(self.fastest[cell], np.abs(speed))
+        speed = self.contact.speed(side, equation.rotation_rate(end_y, within))
+        at, drag = np.flatnonzero(go & (speed > fastest)), 2.0 * equation.damping
+        if at.size:
+            there = self.equation.on(side[at], cell[at])
+            first = there.force(y[at], ramp.drive[at]) - drag * v[at]
+            last = there.force(end_y[at], ramp.drive[at] + ramp.gain[at]) - drag * end_v[at]
+            go[at[first * last < 0.0]] = False
         self.fastest[cell[go]] = fastest[go]
 
 
@@ -163,8 +168,8 @@ def _even(arc: Flow, high: Array) -> tuple[Array, Array]:
 
 
 def response_with_speed(system: System, motion: Motion, amplitude: Array, omega: Array, eta: Array | float) -> tuple[Response, Array]:
-    """`response`, and max over time of |d theta/d tau|/alpha [-], tau = p t, of bodies of two like edges (or one) under straight lines;
-    NaN where theta_ratio is, and for other bodies. Parameters as of `response`."""
+    """`response`, and max over time of |d theta/d tau|/alpha [-], tau = p t, under straight lines, p and alpha those that A and Omega are
+    told in where the edges differ; NaN where theta_ratio is. Parameters as of `response`."""
     amplitude, omega, eta = np.broadcast_arrays(*(np.asarray(x, dtype=float) for x in (amplitude, omega, eta)))
     cells, lines = (amplitude.ravel(), omega.ravel(), eta.ravel()), motion.coarsest
     run: _Speeds
@@ -176,7 +181,5 @@ def response_with_speed(system: System, motion: Motion, amplitude: Array, omega:
     look_at_forces(run, system, motion, cells)
     shape = amplitude.shape
     kept = (run.outcome == Outcome.ROCKED) | (run.outcome == Outcome.NO_UPLIFT)
-    if len(run.cells.amplitude) > 1:
-        kept = np.zeros_like(kept)
     rate = np.where(kept, run.fastest, np.nan).reshape(shape)
     return Response(run.theta_ratio.reshape(shape), run.outcome.reshape(shape), run.impacts.reshape(shape), run.work), rate

@@ -35,7 +35,7 @@ VARIABLES: dict[str, tuple[np.dtype, dict[str, Any]]] = {
     "velocity_ratio": (
         np.dtype("<f8"),
         {"units": "rad", "long_name": "largest angular speed over p", "_FillValue": np.nan,
-         "comment": "max over time of abs(d theta/dt)/p; NaN where overturned or not computed, and with unequal sides"},
+         "comment": "max over time of abs(d theta/dt)/p; NaN where overturned or not computed"},
     ),
     "friction": (
         np.dtype("<f8"),

@@ -39,6 +39,10 @@ class OneSided:
     def turn(self, cells: Cells, lanes: Lanes, at: Array, side: Array) -> None:
         """There is one side."""
 
+    def speed(self, side: Array, rate: Array) -> Array:
+        """There is one unit."""
+        return rate
+
     def strike(self, cells: Cells, lanes: Lanes, v: Array, b: Array) -> None:
         """Back on the same side, under the same force."""
         lanes.v = -lanes.eta * v

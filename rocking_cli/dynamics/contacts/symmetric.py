@@ -36,6 +36,10 @@ class Symmetric:
         """Only the side changes."""
         lanes.side[at] = side
 
+    def speed(self, side: Array, rate: Array) -> Array:
+        """There is one unit."""
+        return rate
+
     def strike(self, cells: Cells, lanes: Lanes, v: Array, b: Array) -> None:
         """The side flips, and with it the sign of the drive."""
         lanes.side = -lanes.side

@@ -23,19 +23,21 @@ class Unequal:
     """What turns A = 1 and Omega = 1 of a reference into the units of each edge, (right, left).
 
     drive: amplitude over the edge's uplift; omega: omega_g over the edge's p; eta: speed y' after over y' before on leaving the
-    edge; rotation: |theta|/alpha of y = 1. Raises ValueError when a number is out of range.
+    edge; rotation: |theta|/alpha of y = 1; pace: |theta'| of d(|theta|/alpha)/dtau = 1 over that of the reference. Raises ValueError
+    when a number is out of range.
     """
 
     drive: tuple[float, float]
     omega: tuple[float, float]
     eta: tuple[float, float]
     rotation: tuple[float, float]
+    pace: tuple[float, float] = (1.0, 1.0)
 
     alike = False
 
     def __post_init__(self) -> None:
-        if not all(x > 0.0 for x in (*self.drive, *self.omega, *self.rotation)):
-            raise ValueError("drive, omega and rotation of both edges must be positive")
+        if not all(x > 0.0 for x in (*self.drive, *self.omega, *self.rotation, *self.pace)):
+            raise ValueError("drive, omega, rotation and pace of both edges must be positive")
         if not (min(self.eta) >= 0.0 and self.eta[0] * self.eta[1] <= 1.0):
             raise ValueError("eta of both edges must be from 0, and their product at most 1")
 
@@ -61,6 +63,10 @@ class Unequal:
         lanes.side[at] = side
         row, cell = cells.row(side), lanes.cell[at]
         lanes.amplitude[at], lanes.omega[at], lanes.eta[at] = (values[row, cell] for values in cells)
+
+    def speed(self, side: Array, rate: Array) -> Array:
+        """In units of the reference."""
+        return rate * self._of(self.pace, side)
 
     def strike(self, cells: Cells, lanes: Lanes, v: Array, b: Array) -> None:
         """The side flips; drive, time and unit become those of the other edge."""
