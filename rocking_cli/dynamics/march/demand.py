@@ -27,7 +27,7 @@ Array = np.ndarray
 
 # Stretches, over the time in which an arc bends, through which a cubic tells where an extremum may be: of exact flows, whose steps
 # are long, and of series.
-_LONGEST, _MOST_PARTS = {True: 1.0, False: 3.0}, 6
+_LONGEST, _MOST_PARTS = {True: 1.0, False: 1.5}, 6
 
 
 class Demands(Records):

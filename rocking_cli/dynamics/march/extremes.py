@@ -94,7 +94,8 @@ class Records:
     def _settle(self, row: int, cell: Array, value: Array, slope: Array, bend: Array, size: Callable[[Array], Array]) -> None:
         """An extremum nearby, with what a parabola of this second derivative still rises from there: its place then has an error of the
         square of its distance."""
-        value = value - np.where(bend * (np.sign(value) if row else 1.0) < 0.0, 0.5 * slope**2 / bend, 0.0)
+        rise = np.clip(-0.5 * slope**2 / bend, -2.0 * _NEAR, 2.0 * _NEAR)  # no more than the cubic leaves open
+        value = value + np.where(bend * (np.sign(value) if row else 1.0) < 0.0, rise, 0.0)
         if row:
             np.maximum.at(self.friction, cell, size(value))
         else:

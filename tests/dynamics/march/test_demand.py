@@ -163,7 +163,7 @@ def apart_from_short_cuts(kind, model, motion, cells, seed, monkeypatch):
     body, _, _ = drawn(kind, random, 0.2, 0.5)
     amplitude, omega, system = random.uniform(0.8, 8.0, cells), random.uniform(0.5, 12.0, cells), Method(model, 1e-11).system_of(body)
     found, asked_for = response_with_demands(system, motion, amplitude, omega, body.eta)
-    monkeypatch.setattr(demand, "_LONGEST", {True: 0.15, False: 0.3})
+    monkeypatch.setattr(demand, "_LONGEST", {True: 0.15, False: 0.2})
     monkeypatch.setattr(demand, "_MOST_PARTS", 60)
     _, finely = response_with_demands(system, motion, amplitude, omega, body.eta)
     upright = found.outcome == Outcome.ROCKED
