@@ -39,6 +39,7 @@ _BATCH = 1 << 20  # cells of the scan computed together
 _MOST_CHANGES = 500  # at one frequency; beyond it the outcome is noise between the amplitudes of the scan, of which there is no end
 _STRETCH = 80  # rungs that are looked at together where only the first fall is looked for
 _SECTIONS = 8  # parts that a bracket is cut into: three bits for one run of the engine
+_PARTS_OF_MANY = 16  # at the most, of every change that the first cut uncovered: there may be hundreds
 
 
 class Look(NamedTuple):
@@ -285,7 +286,8 @@ class Search:
             brackets = brackets.take(np.flatnonzero(~closed))
             if not brackets.row.size:
                 return Brackets.join(done)
-            share = np.arange(1, self.parts) / self.parts
+            parts = self.parts if first or lowest else min(self.parts, _PARTS_OF_MANY)
+            share = np.arange(1, parts) / parts
             inner = brackets.low[:, None] + (brackets.high - brackets.low)[:, None] * share
             label = self.outcome(inner, omegas[brackets.row, None])
             points = np.column_stack([brackets.low, inner, brackets.high])
