@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..motions.motion import Segments
+from ..motions.segments import Segments
 from ..motions.table import Near
 
 Array = np.ndarray

@@ -11,7 +11,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..motions.motion import Motion, Samples
+from ..motions.motion import Motion
+from ..motions.segments import Samples
 from .drive import place
 from .equations.equation import Equation, Flow, Point, Ramp
 from .flight.jump import Jumpers, Leap

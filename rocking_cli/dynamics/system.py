@@ -7,7 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..motions.motion import Motion, Segments
+from ..motions.motion import Motion
+from ..motions.segments import Segments
 from .body import Body
 from .contacts.contact import Contact
 from .contacts.symmetric import Symmetric

@@ -14,8 +14,9 @@ from functools import lru_cache
 import numpy as np
 
 from ..motions.biaxial import Biaxial, combined
-from ..motions.motion import Motion, Segments
+from ..motions.motion import Motion
 from ..motions.polyline import Polyline
+from ..motions.segments import Segments
 from .drive import drive_change
 
 Array = np.ndarray

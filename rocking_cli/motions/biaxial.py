@@ -9,8 +9,9 @@ from itertools import pairwise
 import numpy as np
 
 from ..errors import UsageError
-from .motion import Harmonic, Motion, Piece, Samples, Segments, checked_scale
+from .motion import Harmonic, Motion, Piece, checked_scale
 from .polyline import Polyline
+from .segments import Samples, Segments
 
 
 class Biaxial(Motion):

@@ -11,19 +11,15 @@ extremum, so that s is monotone on each segment: that is what lets the engine pr
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
-from typing import NamedTuple
 
 import numpy as np
 
 from ..errors import MotionError
 from .extremes import isolated_extremes
-from .table import Table, table_of
-
-_LEAF_LEVEL = 3
-_LEAF = 1 << _LEAF_LEVEL  # segments that are looked through one by one
+from .segments import Samples, Segments
 
 
 @dataclass(frozen=True)
@@ -71,175 +67,6 @@ class Piece:
             found = isolated_extremes(self).tolist()
         margin = 1e-12 * (self.stop - self.start)
         return [float(x) for x in found if self.start + margin < x < self.stop - margin]
-
-
-@dataclass(frozen=True)
-class Wave:
-    """A motion of single sinusoids, each segment as its rising form: sign (s - offset) = radius sin(angle + w u)."""
-
-    sign: np.ndarray
-    offset: np.ndarray
-    radius2: np.ndarray
-    angle: np.ndarray
-
-
-@dataclass(frozen=True)
-class Segments:
-    """The motion cut into K monotone segments; arrays over segments, `sin`/`cos` over (harmonic, segment).
-
-    `start`, `length` [rad]; `s_start`, `s_end` one-sided values; `sin`, `cos` of each harmonic's argument at the
-    segment's start, times its amplitude; `frequency` (harmonic, segment); `slope`; `joins`: the next segment belongs to
-    the same piece, so one closed form spans both; `later_max`, `later_min`: bounds of s from the segment's start to the
-    end of the motion (at least 0 and at most 0: after the motion the ground is still).
-    """
-
-    start: np.ndarray
-    length: np.ndarray
-    s_start: np.ndarray
-    s_end: np.ndarray
-    sin: np.ndarray
-    cos: np.ndarray
-    frequency: np.ndarray
-    slope: np.ndarray
-    joins: np.ndarray
-    later_max: np.ndarray
-    later_min: np.ndarray
-
-    def __len__(self) -> int:
-        return int(self.start.size)
-
-    @property
-    def harmonics(self) -> int:
-        """Number of sinusoids of the richest piece."""
-        return int(self.sin.shape[0])
-
-    @property
-    def straight(self) -> bool:
-        """Whether every piece is a straight line."""
-        return not self.harmonics
-
-    def followed_by_rest(self, length: float) -> Segments:
-        """The same motion and then still ground, for a phase of this length [rad]."""
-
-        def then(values: np.ndarray, last: float | bool) -> np.ndarray:
-            return np.concatenate([values, np.full((*values.shape[:-1], 1), last, dtype=values.dtype)], axis=-1)
-
-        end = self.start[-1] + self.length[-1]
-        lasts = {"start": end, "length": length, "frequency": 1.0, "joins": False}
-        return Segments(**{f.name: then(getattr(self, f.name), lasts.get(f.name, 0.0)) for f in fields(self)})
-
-    @cached_property
-    def _blocks(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Largest s and -s over blocks of _LEAF 2^j segments, all j after one another up to the one block; where each j begins."""
-        sizes = [-(-len(self) // _LEAF)]
-        while sizes[-1] > 1:
-            sizes.append((sizes[-1] + 1) // 2)
-        start, first = np.cumsum([0, *sizes]), np.arange(0, len(self), _LEAF)
-        high, low = np.empty(start[-1]), np.empty(start[-1])
-        high[: sizes[0]] = np.maximum(np.maximum.reduceat(self.s_start, first), np.maximum.reduceat(self.s_end, first))
-        low[: sizes[0]] = -np.minimum(np.minimum.reduceat(self.s_start, first), np.minimum.reduceat(self.s_end, first))
-        for values in (high, low):
-            for begin, middle, end in zip(start, start[1:], start[2:], strict=False):
-                below, above = values[begin:middle], values[middle:end]
-                pairs = below.size // 2
-                np.maximum(below[: 2 * pairs : 2], below[1::2], out=above[:pairs])
-                above[pairs:] = below[2 * pairs :]  # the odd one at the end
-        return high, low, start
-
-    def next_beyond(self, k: np.ndarray, above: np.ndarray, below: np.ndarray) -> np.ndarray:
-        """The first segment from k on in which s > above or -s > below, the number of segments where there is none; (lanes,)."""
-        found = np.full(k.shape, len(self))
-        lanes = np.flatnonzero(k < len(self))
-        at, loud = self._in_leaf(k[lanes], above[lanes], below[lanes])
-        found[lanes[loud]] = at[loud]
-        lanes = lanes[~loud]
-        leaf = self._next_leaf(k[lanes] // _LEAF + 1, above[lanes], below[lanes])
-        lanes, leaf = lanes[leaf * _LEAF < len(self)], leaf[leaf * _LEAF < len(self)]
-        found[lanes], _ = self._in_leaf(leaf * _LEAF, above[lanes], below[lanes])
-        return found
-
-    def _in_leaf(self, k: np.ndarray, above: np.ndarray, below: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """The first such segment from k to the end of its block of _LEAF, and whether there is one."""
-        at = k + np.arange(_LEAF)[:, None]
-        inside = at < np.minimum((k // _LEAF + 1) * _LEAF, len(self))
-        at = np.minimum(at, len(self) - 1)
-        start, end = self.s_start[at], self.s_end[at]
-        loud = ((np.maximum(start, end) > above) | (-np.minimum(start, end) > below)) & inside
-        return k + loud.argmax(axis=0), loud.any(axis=0)
-
-    def _next_leaf(self, k: np.ndarray, above: np.ndarray, below: np.ndarray) -> np.ndarray:
-        """The first such block of _LEAF segments from the k-th on, the number of blocks where there is none."""
-        high, low, start = self._blocks
-        leaves = int(start[1])
-        found = np.full(k.shape, leaves)
-        lanes = np.flatnonzero(k < leaves)
-        at, above, below, level = k[lanes], above[lanes], below[lanes], np.zeros(lanes.size, dtype=np.int64)
-        while lanes.size:  # up the blocks while they are quiet, down into the first that is not
-            block = start[level] + (at >> level)
-            loud = (high[block] > above) | (low[block] > below)
-            over = ((at >> level) + 1) << level
-            level = np.where(loud, level - 1, np.where((over >> level) & 1, level, np.minimum(level + 1, start.size - 2)))
-            at = np.where(loud, at, over)
-            done = (level < 0) | (at >= leaves)
-            if done.any():
-                here = level < 0
-                found[lanes[here]] = at[here]
-                going = ~done
-                lanes, at, above, below, level = lanes[going], at[going], above[going], below[going], level[going]
-        return found
-
-    def extent(self, k: np.ndarray, to: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """The largest and the least s on segments k to to - 1, minus and plus infinity where there are none; (lanes,)."""
-        high, low, start = self._blocks
-        largest, least = np.full(k.shape, -np.inf), np.full(k.shape, np.inf)
-        lanes = np.flatnonzero(k < to)
-        at = k[lanes]
-        while lanes.size:  # by the largest blocks that begin there and fit
-            room, aligned = to[lanes] - at, at & -at
-            level = np.frexp(np.where(aligned > 0, np.minimum(aligned, room), room).astype(float))[1] - 1
-            whole = (1 << level) >= _LEAF  # smaller blocks go segment by segment
-            level = np.clip(level - _LEAF_LEVEL, 0, start.size - 2)
-            block = start[level] + (at >> (level + _LEAF_LEVEL))
-            first, last = self.s_start[at], self.s_end[at]
-            largest[lanes] = np.maximum(largest[lanes], np.where(whole, high[block], np.maximum(first, last)))
-            least[lanes] = np.minimum(least[lanes], np.where(whole, -low[block], np.minimum(first, last)))
-            at = at + np.where(whole, _LEAF << level, 1)
-            going = at < to[lanes]
-            lanes, at = lanes[going], at[going]
-        return largest, least
-
-    @cached_property
-    def wave(self) -> Wave:
-        """The segments' sinusoids; only of a motion with one harmonic and no slope."""
-        s, c = self.sin[0], self.cos[0]
-        sign = np.where(self.s_end > self.s_start, 1.0, -1.0)
-        return Wave(sign, self.s_start - s, s * s + c * c, np.arctan2(sign * s, sign * c))
-
-    @cached_property
-    def spread(self) -> float:
-        """How far apart the sinusoids' frequencies w lie: w_max^2 sum |C|/w over sum |C| w, the most of all segments."""
-        size, w = np.hypot(self.sin, self.cos), self.frequency
-        weight = (size * w).sum(axis=0)
-        moving = weight > 0.0
-        fastest = np.where(size > 0.0, w, 0.0).max(axis=0, initial=0.0)
-        return float((fastest[moving] ** 2 * (size / w).sum(axis=0)[moving] / weight[moving]).max(initial=1.0))
-
-    @cached_property
-    def table(self) -> Table | None:
-        """The segments as polynomials where they are sums of sinusoids; see `table_of`."""
-        return table_of(self)
-
-    @cached_property
-    def sloped(self) -> bool:
-        """Whether any piece has a term linear in time."""
-        return bool(np.any(self.slope != 0.0))
-
-
-class Samples(NamedTuple):
-    """A motion of straight lines between equal steps: the step [rad], and s at each end of them, (steps + 1,)."""
-
-    step: float
-    values: np.ndarray
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..errors import MotionError
-from .motion import Motion, Piece, Samples, Segments, checked_scale
+from .motion import Motion, Piece, checked_scale
+from .segments import Samples, Segments
 
 if TYPE_CHECKING:
     from .records import Record

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 if TYPE_CHECKING:
-    from .motion import Segments
+    from .segments import Segments
 
 Array = np.ndarray
 

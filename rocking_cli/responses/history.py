@@ -19,7 +19,8 @@ from ..dynamics.march.engine import Run
 from ..dynamics.outcome import Outcome
 from ..dynamics.system import System
 from ..dynamics.weight import WeighedSegments
-from ..motions.motion import Motion, Piece, Segments
+from ..motions.motion import Motion, Piece
+from ..motions.segments import Segments
 
 Array = np.ndarray
 

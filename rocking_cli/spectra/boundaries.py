@@ -25,7 +25,7 @@ from ..dynamics.outcome import Outcome, safe
 from ..dynamics.response import response
 from ..dynamics.system import System
 from ..motions import Motion
-from ..motions.motion import Segments
+from ..motions.segments import Segments
 from .ladder import Ladder
 from .one_arc import may_change
 

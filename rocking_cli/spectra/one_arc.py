@@ -19,7 +19,7 @@ import numpy as np
 
 from ..dynamics.contacts.contact import first_uplift
 from ..dynamics.drive import segment_value, summed
-from ..motions.motion import Segments
+from ..motions.segments import Segments
 
 Array = np.ndarray
 

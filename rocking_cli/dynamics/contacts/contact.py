@@ -7,7 +7,7 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
-from ...motions.motion import Segments
+from ...motions.segments import Segments
 from ..drive import crossing, drive_change
 from ..equations.equation import Equation
 from ..lanes import Cells, Lanes

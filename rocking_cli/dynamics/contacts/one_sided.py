@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...motions.motion import Segments
+from ...motions.segments import Segments
 from ..equations.equation import Equation
 from ..lanes import Cells, Lanes
 from .contact import Fate, Uplift, first_uplift, free_motion, settled_on_one_side

@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...motions.motion import Segments
+from ...motions.segments import Segments
 from ..lanes import Lanes
 
 Array = np.ndarray

@@ -6,7 +6,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from ...motions.motion import Segments
+from ...motions.segments import Segments
 from ..drive import drive_change
 from ..equations.equation import Equation
 from ..lanes import Lanes

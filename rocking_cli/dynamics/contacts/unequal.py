@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...motions.motion import Segments
+from ...motions.segments import Segments
 from ..equations.equation import Equation
 from ..lanes import Cells, Lanes
 from .contact import Bounce, Fate, Uplift, bouncing_ends, bouncing_time, first_uplift

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Self
 
 import numpy as np
 
-from ...motions.motion import Segments
+from ...motions.segments import Segments
 from ..drive import segment_value
 from ..lanes import Lanes
 from ..weight import WeighedSegments

@@ -19,7 +19,7 @@ from typing import Self
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
-from ...motions.motion import Segments
+from ...motions.segments import Segments
 from ...structures.kinematics import Mechanism
 from ..lanes import Lanes
 from ..weight import WeighedSegments

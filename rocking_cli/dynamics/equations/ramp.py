@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...motions.motion import Segments
+from ...motions.segments import Segments
 from ..lanes import Lanes
 from ..weight import WeighedSegments
 from .equation import Equation, Ramp

@@ -17,7 +17,7 @@ from typing import Any, Self
 
 import numpy as np
 
-from ...motions.motion import Segments
+from ...motions.segments import Segments
 from ..lanes import Lanes
 from ..weight import WeighedSegments
 from .energy import falls_by_energy

@@ -13,7 +13,7 @@ from typing import NamedTuple, Self
 
 import numpy as np
 
-from ...motions.motion import Segments
+from ...motions.segments import Segments
 from ..drive import segment_value
 from ..lanes import Lanes
 from ..weight import WeighedSegments

@@ -10,7 +10,7 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
-from ...motions.motion import Samples, Segments
+from ...motions.segments import Samples, Segments
 from ..drive import place
 from ..equations.equation import Point
 from ..lanes import Lanes

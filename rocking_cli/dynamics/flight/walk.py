@@ -10,7 +10,7 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
-from ...motions.motion import Samples, Segments
+from ...motions.segments import Samples, Segments
 from ..equations.equation import Equation, Ramp
 from ..equations.ramp import WITHIN, degrees, factors_for, last_terms
 from ..lanes import Lanes

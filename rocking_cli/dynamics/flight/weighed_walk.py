@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...motions.motion import Samples, Segments
+from ...motions.segments import Samples, Segments
 from ..equations.equation import Equation, Ramp
 from ..equations.ramp import degrees, factors_for
 from ..march.account import Work

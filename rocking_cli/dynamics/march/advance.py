@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...motions.motion import Segments
+from ...motions.segments import Segments
 from ..drive import phase_between
 from ..equations.equation import Equation, Flow, Point
 from ..lanes import Lanes

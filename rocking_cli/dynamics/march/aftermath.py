@@ -11,7 +11,7 @@ from dataclasses import fields
 
 import numpy as np
 
-from ...motions.motion import Segments
+from ...motions.segments import Segments
 from ..drive import place
 from ..lanes import Lanes
 from ..outcome import Outcome

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...motions.motion import Segments
+from ...motions.segments import Segments
 from ..body import Body
 from ..contacts.contact import Contact
 from ..equations.equation import Flow

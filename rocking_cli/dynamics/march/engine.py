@@ -13,7 +13,7 @@ from typing import TypeVar
 
 import numpy as np
 
-from ...motions.motion import Segments
+from ...motions.segments import Segments
 from ..body import Body
 from ..contacts.contact import Uplift, first_uplift
 from ..contacts.settling import Later, settles

@@ -21,7 +21,7 @@ from typing import NamedTuple, Self
 
 import numpy as np
 
-from ...motions.motion import Segments
+from ...motions.segments import Segments
 from ..body import Body, Edge
 from ..contacts.contact import Contact
 from ..equations.equation import Flow

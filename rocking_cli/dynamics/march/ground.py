@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...motions.motion import Segments
+from ...motions.segments import Segments
 from ..body import Body
 from ..contacts.contact import Contact
 from ..drive import segment_value, summed

@@ -18,7 +18,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...motions.motion import Segments
+from ...motions.segments import Segments
 from ..drive import crossing
 from ..weight import WeighedSegments
 
