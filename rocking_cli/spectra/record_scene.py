@@ -55,7 +55,6 @@ class RecordScene(Scene):
     columns: Axis = AS_RECORDED
     method: Method = LINEAR
     of_records = True
-    offered = ("velocity_ratio", "condition")
 
     def __post_init__(self) -> None:
         if self.columns.name not in COLUMNS:
