@@ -109,9 +109,12 @@ def test_where_changes_have_no_end_only_those_that_the_scan_sees_are_traced(monk
 
 def test_a_narrow_interval_under_several_cycles_is_found():
     """Overturning from 3.029878 to 3.030776 lies between two amplitudes of the scan, with equal outcomes."""
-    traced = trace_envelope(dimensionless_oscillator(0.9), sine(5), [3.0], a_max=3.1)
-    (found,) = [i for i in traced if i.a_from < 3.0303 < (i.a_to or np.inf)]
-    assert (found.a_from, found.a_to) == pytest.approx((3.029878, 3.030776), abs=1e-6)
+    (row,) = Search(System(LinearEquation()), sine(5), 0.9, a_max=3.1, a_min=3.0).rows(np.array([3.0]))
+    below, above = ([c for c in row.changes if (c[0] > 3.0303) == up] for up in (False, True))
+    (begins, label), (ends, after) = max(below), min(above)
+    assert (begins, ends) == pytest.approx((3.029878, 3.030776), abs=1e-6)
+    assert not Outcome(label).safe
+    assert Outcome(after).safe
 
 
 @pytest.mark.parametrize(
