@@ -96,7 +96,8 @@ class Demands(Records):
         seg = self.segments
         to_k, to_u = _within(seg, to_k, to_u)
         if isinstance(seg, WeighedSegments):
-            self._rest_weighed(seg, cell, k, u, to_k, to_u)
+            with np.errstate(all="ignore"):  # where the ground falls away there is no weight to divide by
+                self._rest_weighed(seg, cell, k, u, to_k, to_u)
         else:
             np.maximum.at(self.friction, cell, self._resting_friction(cell, k, u, to_k, to_u))
 
