@@ -71,8 +71,7 @@ class Flow(Protocol):
 class Ramp(NamedTuple):
     """What drives each lane over its unit of time [tau]: the outward drive now and what it gains until the unit is over, (lanes,);
     factors: unit^2/((n + 1)(n + 2)) for the terms n + 2 of y, 0 beyond a lane's degree, (degrees, lanes); force: f now where it is known
-    to more digits than the drive tells, as at uplift, where it is 0; weight: w now and what it gains, where it
-    varies."""
+    to more digits than the drive tells, as at uplift, where it is 0; weight: w now and what it gains, where it varies."""
 
     drive: Array
     gain: Array
@@ -80,6 +79,12 @@ class Ramp(NamedTuple):
     factors: Array
     force: Array | None = None
     weight: tuple[Array, Array] | None = None
+
+    def after(self, share: Array) -> Ramp:
+        """What is left of it when this share of its unit is over, for which its factors must be."""
+        left = 1.0 - share
+        weight = None if self.weight is None else (self.weight[0] + self.weight[1] * share, self.weight[1] * left)
+        return Ramp(self.drive + self.gain * share, self.gain * left, self.unit * left, self.factors, None, weight)
 
 
 class Equation(Protocol):

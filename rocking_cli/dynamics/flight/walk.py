@@ -182,8 +182,7 @@ class Walk(Run):
             self._ended(lanes, np.flatnonzero(past))
             lanes = lanes.take(np.flatnonzero(~past))
         walked = np.flatnonzero((lanes.u == 0.0) & (lanes.y > 0.0))
-        drive = lanes.outward[walked] * self.segments.s_start[lanes.k[walked]]
-        lanes.b[walked] = self.equation.on(lanes.side[walked], lanes.cell[walked]).force(lanes.y[walked], drive)
+        self._push(lanes, walked)
         going = self.round(lanes).going
         assert isinstance(going, Walkers)
         going.pace, going.outward = self.step / going.omega, -going.side * going.amplitude
@@ -199,9 +198,8 @@ class Walk(Run):
             return
         some = lanes.take(at)
         share = some.u / self.step
-        gain, unit = some.outward * self.gains.take(some.k), some.pace * (1.0 - share)
-        drive = some.outward * self.samples.take(some.k) + gain * share
-        ramp = Ramp(drive, gain * (1.0 - share), unit, factors_for(unit, some.degree))
+        factors = factors_for(some.pace * (1.0 - share), some.degree)
+        ramp = self._ramp(some.k, some.outward, some.pace, factors).after(share)
         last = some.degree * at.size + np.arange(at.size)
         equation = self.equation.on(some.side, some.cell)
         y, v, proved = self._stride(equation, some.y, some.v, some.peak, ramp, last)
@@ -220,9 +218,7 @@ class Walk(Run):
     def _lost(self, lanes: Walkers, at: Array) -> Array:
         """Walking lanes that nothing can bring back (Lemma 6)."""
         at = at[lanes.y[at] + lanes.v[at] > 1.0]
-        k, positive = lanes.k[at], lanes.side[at] > 0.0
-        inward = lanes.amplitude[at] * np.where(positive, self.segments.later_max[k], -self.segments.later_min[k])
-        at = at[self.equation.on(lanes.side[at], lanes.cell[at]).certainly_overturns(lanes.y[at], lanes.v[at], inward)]
+        at = at[self._doomed(lanes, at, lanes.k[at], lanes.y[at], lanes.v[at])]
         self._overturn(lanes, at)
         self.work += Work(certain_overturning=at.size)
         return at

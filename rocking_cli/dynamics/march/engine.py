@@ -15,7 +15,7 @@ import numpy as np
 
 from ...motions.segments import Segments
 from ..body import Body
-from ..contacts.contact import Uplift, first_uplift
+from ..contacts.contact import Fate, Uplift
 from ..contacts.settling import Later, settles
 from ..contacts.trains import outlasts
 from ..drive import place
@@ -27,6 +27,7 @@ from .account import Rests, Round, Watch, Work
 from .advance import Crests, Passage, advance, crests, low_bounces
 from .demand import Demands
 from .footing import LIKELY, Footing
+from .free_fall import FreeFall
 from .windows import tabled_windows
 
 Array = np.ndarray
@@ -36,7 +37,6 @@ MAX_STEPS = 120_000  # a cell that takes more, and 40 for each segment of the mo
 # The C library keeps freed memory up to twice the largest block it has seen come and go. Below that it hands the arrays of each
 # round back to the system and faults them in again for the next, which takes a third of the nonlinear engine's time.
 _KEPT = 31 << 20  # bytes; glibc learns from blocks up to 32 MB
-_INSTANT = 1e-9  # tau: within it of a free fall the weight is as good as none
 STILL = 1e-100  # a speed whose square a double does not hold is none
 _SETTLING = 250.0  # tau, times what damping slows the unstable mode: no body is longer on its way to its last impacts that matter
 
@@ -69,9 +69,9 @@ class Run:
         self.impacts = np.zeros(amplitude.size, dtype=np.int32)
         self.work = Work(cells=amplitude.size)
         self.most_steps = MAX_STEPS + 40 * len(segments)
-        self.drops = self._first_free_fall()
+        self.drops = FreeFall.of(self.segments, self.cells, self.shaken)
         if self.drops is not None:  # also from under bodies that nothing lifts: one that is pushed against its wall
-            self.outcome[self._dropped], self.theta_ratio[self._dropped] = Outcome.LOST_CONTACT, np.nan
+            self.outcome[self.drops.ever], self.theta_ratio[self.drops.ever] = Outcome.LOST_CONTACT, np.nan
         self.tabled = tabled_windows(self.segments, self.cells.amplitude)
         marched = type(self)._march is Run._march  # one that jumps sees no forces on its way
         ahead = (LIKELY if marched and not self.equation.bounded else np.inf) if ahead is None else ahead
@@ -85,22 +85,6 @@ class Run:
         asked = self.watch is not None or self.demands is not None or (self.footing is not None and self.footing.any)
         return proved and not asked and type(self).round is Run.round
 
-    def _first_free_fall(self) -> Uplift | None:
-        """Where the ground first falls as fast as the cells' bodies, w <= 0; None where it never does to any."""
-        seg = self.segments
-        if not isinstance(seg, WeighedSegments):
-            return None
-        side = np.ones(self.outcome.size)
-        sway = seg.sway(side, self.cells.amplitude[0])
-        down, up = np.maximum(sway, 0.0), np.maximum(-sway, 0.0)
-        first = first_uplift(seg.vertical, np.zeros(sway.size, dtype=np.int64), np.zeros(sway.size), down, up)
-        return first if np.any(first.k < len(seg)) else None
-
-    @cached_property
-    def _dropped(self) -> Array:
-        """Whether the ground falls away from each cell's body, at any time."""
-        return np.zeros(self.outcome.shape, dtype=bool) if self.drops is None else np.asarray(self.drops.k < self.shaken)
-
     def all(self) -> None:
         """Run every cell to its end."""
         lifts = self.contact.strongest(self.cells, self.segments) > 1.0
@@ -112,7 +96,7 @@ class Run:
         self.work += Work(no_uplift=self.outcome.size - waiting.size)
         self._march(waiting)
         if self.demands is not None and self.drops is not None:
-            self.demands.fell_away(np.flatnonzero(self._dropped & (self.outcome == Outcome.LOST_CONTACT)))
+            self.demands.fell_away(np.flatnonzero(self.drops.ever & (self.outcome == Outcome.LOST_CONTACT)))
 
     def _march(self, waiting: Array) -> None:
         """Run these cells, which leave the ground, round by round."""
@@ -153,7 +137,7 @@ class Run:
         seg = self.segments
         lanes.steps += 1
         equation = self.equation.on(lanes.side, lanes.cell)
-        passage = advance(seg, lanes, equation, self._until_drop(lanes), self.tabled)
+        passage = advance(seg, lanes, equation, np.inf if self.drops is None else self.drops.until(lanes), self.tabled)
         end, hit = passage.end, passage.hit
         k, u = place(seg, passage.step.k, passage.step.u)
         bad = ~(np.isfinite(end.y) & np.isfinite(passage.reach)) | (lanes.steps > self.most_steps)
@@ -175,14 +159,11 @@ class Run:
             past = found.lanes[found.y >= limit]  # beyond it and back within one step
             over[past] = ~bad[past]
 
-        stays = ~(fate.overturns | fate.overturns_after_impact)
         if self.demands is not None or (self.footing is not None and self.footing.any):
-            self._press(lanes, passage, np.flatnonzero(~(bad | over)), last[stays])
-        self.work += Work(certain_overturning=int(over.sum()), free_phase=last.size, impacts=int(hit.sum()), steps=hit.size)
+            self._press(lanes, passage, np.flatnonzero(~(bad | over)))
+        self.work += Work(certain_overturning=int(over.sum()), impacts=int(hit.sum()), steps=hit.size)
         self._finish(lanes, np.flatnonzero(bad), Outcome.FAILED, np.nan)
-        self._overturn(lanes, last[fate.overturns])
-        self._finish(lanes, last[fate.overturns_after_impact], Outcome.OVERTURNED_AFTER_IMPACT, np.nan)
-        self._finish(lanes, last[stays], Outcome.ROCKED, np.maximum(lanes.peak[last[stays]], fate.peak[stays]))
+        self._meet(fate, lanes, last, end.y[last], end.v[last])
         self._overturn(lanes, np.flatnonzero(over))
 
         going = ~(bad | over | shaken)
@@ -190,40 +171,24 @@ class Run:
         landed, rests = self._impact(lanes, passage, struck)
         return Round(lanes, passage, found, over, rests, self._drop(self._onward(lanes, passage, k, u, free).join(landed)))
 
-    def _press(self, lanes: Lanes, passage: Passage, at: Array, stay: Array) -> None:
-        """The forces of these lanes along their step, and of those that stay upright after the shaking."""
+    def _press(self, lanes: Lanes, passage: Passage, at: Array) -> None:
+        """The forces of these lanes along their step."""
         end, hit = passage.end, passage.hit
         y, v = np.where(hit, 0.0, end.y), np.where(hit, passage.impact_v, end.v)
         if self.footing is not None and self.footing.any:
             self.footing.follow(lanes, passage.arc, passage.reach, y, v, np.where(hit, passage.impact_b, passage.force), at)
-            self.footing.free(lanes, stay, end.y[stay], end.v[stay])
         if self.demands is not None:
             self.demands.follow(lanes, passage.arc, passage.reach, y, v, at)
-            self.demands.free(lanes, stay, end.y[stay], end.v[stay])
-
-    def _until_drop(self, lanes: Lanes) -> Array | float:
-        """The time [tau] to the instant from which the ground falls as fast as the body."""
-        if self.drops is None:
-            return np.inf
-        k, start = self.drops.k[lanes.cell], self.segments.start
-        last = len(self.segments) - 1
-        ahead = start[np.minimum(k, last)] - start[np.minimum(lanes.k, last)]  # its rounding is far below `_INSTANT`
-        until = (ahead + (self.drops.u[lanes.cell] - lanes.u)) / lanes.omega
-        return np.where(k >= self.shaken, np.inf, np.where(lanes.k > k, 0.0, until))
 
     def _rests_until(self, cell: Array, lift: Uplift) -> tuple[Array, Array]:
         """Where bodies at rest lift off, or the ground falls away from them."""
-        if self.drops is None:
-            return lift.k, lift.u
-        k, u = self.drops.k[cell], self.drops.u[cell]
-        before = (k < lift.k) | ((k == lift.k) & (u < lift.u))
-        return np.where(before, k, lift.k), np.where(before, u, lift.u)
+        return (lift.k, lift.u) if self.drops is None else self.drops.sooner(cell, lift)
 
     def _drop(self, lanes: Lanes) -> Lanes:
         """Bodies from which the ground has fallen away are done."""
         if self.drops is None:
             return lanes
-        falls = np.asarray(self._until_drop(lanes) <= _INSTANT)
+        falls = self.drops.now(lanes)
         self._finish(lanes, np.flatnonzero(falls), Outcome.LOST_CONTACT, np.nan)
         return lanes.take(np.flatnonzero(~falls))
 
@@ -240,15 +205,19 @@ class Run:
 
     def _certainly_overturns(self, lanes: Lanes, k: Array, passage: Passage) -> Array:
         """No drive that is still to come can bring the body back (Lemma 6)."""
-        end, seg = passage.end, self.segments
-        k = np.minimum(k, len(seg) - 1)
-        steady = not isinstance(seg, WeighedSegments)
+        y = passage.end.y
+        certain = self._doomed(lanes, slice(None), np.minimum(k, len(self.segments) - 1), y, passage.end.v)
+        return certain if self.watch is None else certain & (y >= np.where(lanes.side > 0.0, *self.watch.fallen))
+
+    def _doomed(self, lanes: Lanes, at: Array | slice, k: Array, y: Array, v: Array) -> Array:
+        """Whether the lanes `at`, were they at y, v in segments k, are beyond what any drive to come can bring back."""
+        seg, steady = self.segments, not isinstance(self.segments, WeighedSegments)
+        side, amplitude = lanes.side[at], lanes.amplitude[at]
         if isinstance(seg, WeighedSegments):
-            inward = seg.hardest(lanes.side, lanes.amplitude, k)
+            inward = seg.hardest(side, amplitude, k)
         else:
-            inward = lanes.amplitude * np.where(lanes.side > 0.0, seg.later_max[k], -seg.later_min[k])
-        certain = self.equation.on(lanes.side, lanes.cell).certainly_overturns(end.y, end.v, inward, steady)
-        return certain if self.watch is None else certain & (end.y >= np.where(lanes.side > 0.0, *self.watch.fallen))
+            inward = amplitude * np.where(side > 0.0, seg.later_max[k], -seg.later_min[k])
+        return self.equation.on(side, lanes.cell[at]).certainly_overturns(y, v, inward, steady)
 
     def _onward(self, lanes: Lanes, passage: Passage, k: Array, u: Array, at: Array) -> Lanes:
         """Lanes that reached the end of their step in the air."""
@@ -295,15 +264,20 @@ class Run:
 
     def _shaken(self, lanes: Lanes, last: Array) -> None:
         """Undamped lanes that are at the end of the shaking: their fate."""
-        fate = self.contact.fate(self.equation, lanes, last, lanes.y[last], lanes.v[last])
+        y, v = lanes.y[last], lanes.v[last]
+        self._meet(self.contact.fate(self.equation, lanes, last, y, v), lanes, last, y, v)
+
+    def _meet(self, fate: Fate, lanes: Lanes, last: Array, y: Array, v: Array) -> None:
+        """The fate of the lanes `last`, which are at y, v when the shaking is over."""
         self._overturn(lanes, last[fate.overturns])
         self._finish(lanes, last[fate.overturns_after_impact], Outcome.OVERTURNED_AFTER_IMPACT, np.nan)
-        stays = ~(fate.overturns | fate.overturns_after_impact)
+        upright = ~(fate.overturns | fate.overturns_after_impact)
+        stay, y, v = last[upright], y[upright], v[upright]
         if self.footing is not None and self.footing.any:
-            self.footing.free(lanes, last[stays], lanes.y[last[stays]], lanes.v[last[stays]])
+            self.footing.free(lanes, stay, y, v)
         if self.demands is not None:
-            self.demands.free(lanes, last[stays], lanes.y[last[stays]], lanes.v[last[stays]])
-        self._finish(lanes, last[stays], Outcome.ROCKED, np.maximum(lanes.peak[last[stays]], fate.peak[stays]))
+            self.demands.free(lanes, stay, y, v)
+        self._finish(lanes, stay, Outcome.ROCKED, np.maximum(lanes.peak[stay], fate.peak[upright]))
         self.work += Work(free_phase=last.size)
 
     def _settle(self, lanes: Landing) -> Landing:
@@ -355,9 +329,14 @@ class Run:
         seg = self.segments
         at = np.flatnonzero((lanes.u == 0.0) & (lanes.k > 0) & (lanes.k < len(seg)))
         at = at[~seg.joins[lanes.k[at] - 1]]
-        drive = -lanes.side[at] * lanes.amplitude[at] * seg.s_start[lanes.k[at]]
-        weight = 1.0 if not isinstance(seg, WeighedSegments) else seg.weight(lanes.side[at], lanes.amplitude[at], lanes.k[at], lanes.u[at])
-        lanes.b[at] = self.equation.on(lanes.side[at], lanes.cell[at]).force(lanes.y[at], drive, weight)
+        self._push(lanes, at)
+
+    def _push(self, lanes: Lanes, at: Array) -> None:
+        """The force on the lanes `at`, which are where a segment begins."""
+        seg, side, amplitude, k = self.segments, lanes.side[at], lanes.amplitude[at], lanes.k[at]
+        drive = -side * amplitude * seg.s_start[k]
+        weight = seg.weight(side, amplitude, k, lanes.u[at]) if isinstance(seg, WeighedSegments) else 1.0
+        lanes.b[at] = self.equation.on(side, lanes.cell[at]).force(lanes.y[at], drive, weight)
 
     def _overturn(self, lanes: Lanes, at: Array) -> None:
         bounced = lanes.impacts[at] > 0
@@ -366,13 +345,18 @@ class Run:
         self._finish(lanes, at[bounced], Outcome.OVERTURNED_AFTER_IMPACT, np.nan)
         self._finish(lanes, at[~bounced], Outcome.OVERTURNED_NO_IMPACT, np.nan)
 
+    def _lose(self, cell: Array) -> None:
+        """Cells that were thought to rock, and have left the ground."""
+        self.outcome[cell], self.theta_ratio[cell] = Outcome.LOST_CONTACT, np.nan
+
     def _finish(self, lanes: Lanes, at: Array, outcome: Outcome, peak: Array | float) -> None:
         cell = lanes.cell[at]
         self.outcome[cell] = outcome
         if self.peaks:
             self.theta_ratio[cell] = self.equation.on(lanes.side[at], lanes.cell[at]).rotation(np.asarray(peak))
         if outcome == Outcome.ROCKED:
-            lost = self._dropped if self.footing is None or not self.footing.any else self._dropped | self.footing.lost
-            gone = cell[lost[cell]]
-            self.outcome[gone], self.theta_ratio[gone] = Outcome.LOST_CONTACT, np.nan
+            if self.drops is not None:
+                self._lose(cell[self.drops.ever[cell]])
+            if self.footing is not None and self.footing.any:
+                self._lose(cell[self.footing.lost[cell]])
         self.impacts[cell] = lanes.impacts[at]
