@@ -124,7 +124,7 @@ def response_with_demands(
     run.all()
     follow_on(run, system, segments, cells)
     upright = safe(run.outcome) | (run.outcome == Outcome.LOST_CONTACT)
-    if jumps:  # whose largest rotations have a faster way
+    if jumps:  # rotations are those of the way that is taken without forces: no bit of them hangs on what else is asked
         found = response(system, motion, amplitude, omega, eta)
         upright &= (safe(found.outcome) | (found.outcome == Outcome.LOST_CONTACT)).ravel()
     else:

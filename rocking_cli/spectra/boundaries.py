@@ -16,7 +16,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import NamedTuple, Self
+from typing import NamedTuple
 
 import numpy as np
 
@@ -26,6 +26,7 @@ from ..dynamics.response import response
 from ..dynamics.system import System
 from ..motions import Motion
 from ..motions.segments import Segments
+from .changes import SECTIONS, Brackets, narrowed
 from .ladder import Ladder
 from .one_arc import may_change
 
@@ -36,10 +37,7 @@ _AROUND = 12  # rungs on either side of such a change that are looked at closer 
 _SIMPLE = 2  # pushes of a motion that is not looked at closer: nothing lifts the body again that bounces after the second
 _WORTH = 20_000  # amplitudes in all from which bounds on those that nothing strikes take less than a look at each
 _BATCH = 1 << 20  # cells of the scan computed together
-_MOST_CHANGES = 500  # at one frequency; beyond it the outcome is noise between the amplitudes of the scan, of which there is no end
 _STRETCH = 80  # rungs that are looked at together where only the first fall is looked for
-_SECTIONS = 8  # parts that a bracket is cut into: three bits for one run of the engine
-_PARTS_OF_MANY = 16  # at the most, of every change that the first cut uncovered: there may be hundreds
 
 
 class Look(NamedTuple):
@@ -49,25 +47,6 @@ class Look(NamedTuple):
     amplitude: Array
     label: Array
     impacts: Array
-
-
-class Brackets(NamedTuple):
-    """Changes of the outcome: row, amplitudes and outcomes on both sides."""
-
-    row: Array
-    low: Array
-    high: Array
-    below: Array
-    above: Array
-
-    def take(self, at: Array) -> Self:
-        """Some of them."""
-        return type(self)(*(x[at] for x in self))
-
-    @classmethod
-    def join(cls, parts: list[Self]) -> Self:
-        """All of them."""
-        return cls(*(np.concatenate(columns) for columns in zip(*parts, strict=True)))
 
 
 class Row(NamedTuple):
@@ -92,7 +71,7 @@ class Search:
     a_min: float = 0.0
     ratio: float = 0.0
     digits: float = 4e-16
-    parts: int = _SECTIONS
+    parts: int = SECTIONS
 
     @property
     def lowest(self) -> float:
@@ -116,7 +95,7 @@ class Search:
     def rows(self, omegas: Array) -> list[Row]:
         """Every change of the outcome for each Omega, traced to `digits`; what is narrower than the scan's step may be missed."""
         begins, brackets = self._scan(omegas)
-        found = self._sections(omegas, brackets)
+        found = self._narrowed(omegas, brackets)
         order = np.lexsort((found.high, found.row))
         ends = np.searchsorted(found.row[order], np.arange(omegas.size + 1))
         rows = []
@@ -137,7 +116,7 @@ class Search:
     def first_falls_in(self, omega: float, brackets: Brackets) -> list[float]:
         """The lowest amplitude of each bracket that is not safe at one Omega, all traced together."""
         rows = np.arange(brackets.row.size)
-        found = self._sections(np.full(rows.size, omega), brackets._replace(row=rows), lowest=True)
+        found = self._narrowed(np.full(rows.size, omega), brackets._replace(row=rows), lowest=True)
         return [float(found.high[(found.row == row) & ~safe(found.above)].min()) for row in rows]
 
     def first_falls(self, omegas: Array) -> list[Row]:
@@ -156,7 +135,7 @@ class Search:
             below = np.full(hit.size, rocked, dtype=np.uint8)
             parts.append(Brackets(going[hit], ladder.rung(at + n[hit] - 1), rungs[n[hit]], below, label[hit, n[hit]]))
             going, at = going[~falls.any(axis=1)], at + _STRETCH
-        found = self._sections(omegas, Brackets.join(parts), lowest=True)
+        found = self._narrowed(omegas, Brackets.join(parts), lowest=True)
         fallen = found.take(np.flatnonzero(~safe(found.above)))
         fallen = fallen.take(np.argsort(-fallen.high, kind="stable"))  # the lowest of a row comes last
         for row, high, above in zip(fallen.row.tolist(), fallen.high.tolist(), fallen.above.tolist(), strict=True):
@@ -241,7 +220,7 @@ class Search:
         rows = np.flatnonzero(there(last, np.arange(omegas.size)))
         low, high = first[rows] - 1, last[rows]
         while np.any(high - low > 1):
-            at = low[:, None] + (high - low)[:, None] * np.arange(1, _SECTIONS + 1) // _SECTIONS
+            at = low[:, None] + (high - low)[:, None] * np.arange(1, SECTIONS + 1) // SECTIONS
             at = np.maximum(at, first[rows, None])
             step = there(at, rows[:, None]).argmax(axis=1)
             lanes = np.arange(rows.size)
@@ -270,68 +249,15 @@ class Search:
         below, above = (self.outcome(amplitude, omegas[row]) for amplitude in ends)
         return Brackets(row, *ends, below, above).take(np.flatnonzero(below != above))
 
-    def _sections(self, omegas: Array, brackets: Brackets, *, lowest: bool = False) -> Brackets:
-        """Each change, to `digits`.
-
-        The first cut follows every change that it uncovers, where these are not too many, or of each bracket the lowest alone; the later
-        ones go one way through.
-        """
-        done = []
-        first = True
-        while True:
-            low, high = brackets.low, brackets.high
-            middle = 0.5 * (low + high)
-            closed = (high - low <= self.digits * high) | (middle <= low) | (middle >= high)
-            done.append(brackets.take(np.flatnonzero(closed)))
-            brackets = brackets.take(np.flatnonzero(~closed))
-            if not brackets.row.size:
-                return Brackets.join(done)
-            parts = self.parts if first or lowest else min(self.parts, _PARTS_OF_MANY)
-            share = np.arange(1, parts) / parts
-            inner = brackets.low[:, None] + (brackets.high - brackets.low)[:, None] * share
-            label = self.outcome(inner, omegas[brackets.row, None])
-            points = np.column_stack([brackets.low, inner, brackets.high])
-            labels = np.column_stack([brackets.below, label, brackets.above])
-            if first and lowest:
-                lane = np.arange(len(labels))
-                at = (labels[:, 1:] != labels[:, :1]).argmax(axis=1)
-            else:
-                lane, at = _changes(labels, brackets.row) if first else _one_way(labels)
-            brackets = Brackets(brackets.row[lane], points[lane, at], points[lane, at + 1], labels[lane, at], labels[lane, at + 1])
-            first = False
-
-
-def _changes(labels: Array, row: Array) -> tuple[Array, Array]:
-    """(lane, index) of every change from an index to the next; one way through in lanes of a row with more than `_MOST_CHANGES`."""
-    lane, at = np.nonzero(labels[:, 1:] != labels[:, :-1])
-    many = (np.bincount(row[lane], minlength=row.max() + 1) > _MOST_CHANGES)[row]
-    if not many.any():
-        return lane, at
-    through, place = _one_way(labels[many])
-    return np.concatenate([lane[~many[lane]], np.flatnonzero(many)[through]]), np.concatenate([at[~many[lane]], place])
+    def _narrowed(self, omegas: Array, brackets: Brackets, *, lowest: bool = False) -> Brackets:
+        """Each change to `digits`, or of each bracket the lowest alone."""
+        return narrowed(lambda amplitude, row: self.outcome(amplitude, omegas[row]), brackets, self.digits, self.parts, lowest)
 
 
 def _around(flags: Array) -> Array:
     """Whether one of these flags is set up to _AROUND places away."""
     sums, at = np.concatenate([[0], np.cumsum(flags)]), np.arange(flags.size)
     return sums[np.minimum(at + _AROUND + 1, flags.size)] > sums[np.maximum(at - _AROUND, 0)]
-
-
-def _one_way(labels: Array) -> tuple[Array, Array]:
-    """(lane, index) of changes that lead from the first label to the last, each kind left where it is seen last.
-
-    The rest is left alone: after many impacts the outcome of neighbouring numbers may be noise.
-    """
-    lane, now = np.arange(len(labels)), labels[:, 0]
-    lanes, places = [], []
-    while lane.size:
-        at = labels.shape[1] - 1 - (labels[lane, ::-1] == now[:, None]).argmax(axis=1)
-        lanes.append(lane)
-        places.append(at)
-        now = labels[lane, at + 1]
-        going = np.flatnonzero(now != labels[lane, -1])
-        lane, now = lane[going], now[going]
-    return np.concatenate(lanes), np.concatenate(places)
 
 
 def _lobes(segments: Segments) -> int:

@@ -16,7 +16,8 @@ from ..dynamics.outcome import Outcome
 from ..errors import UsageError
 from ..motions import Motion
 from ..structures.parameters import RockingParameters
-from .boundaries import Brackets, Search
+from .boundaries import Search
+from .changes import Brackets
 from .envelope import HIGHEST
 
 LONGEST_FINE = 200  # segments of a motion up to which the scan is as fine as an envelope's

@@ -64,7 +64,7 @@ def test_a_factor_is_part_of_the_record(records):
     """Its sign turns it over; its size is what a column `scale` multiplies."""
     turned = record("b", 50, 4.0)
     there, here = records[1].motion, record_motion(turned, 1.5)
-    assert records[1].acceleration == pytest.approx(6.0, rel=1e-15)
+    assert records[1].acceleration == pytest.approx(6.0, rel=1e-14, abs=0.0)
     assert there.acceleration == here.acceleration
     times = 0.02 * np.arange(49) + 0.007
     assert there.value(times) == pytest.approx(here.value(times), abs=1e-15)
@@ -113,7 +113,7 @@ def test_a_file_of_records_is_labelled(records, tmp_path):
             assert float(second[name]) == getattr(measured, name)
             assert "units" in data[name].attrs
         assert (int(second.npts), float(second.dt), str(second.sha256.values)) == (50, 0.02, "b" * 64)
-        assert data.p.values == pytest.approx(2.0 * np.pi / PERIODS.values, rel=1e-15)
+        assert data.p.values == pytest.approx(2.0 * np.pi / PERIODS.values, rel=1e-14, abs=0.0)
         assert data.tan_alpha.dims == data.eta.dims == ("alpha",)
     with SpectraFile(tmp_path / "s.h5") as file:
         assert file.array("outcome").shape == scene.shape
@@ -190,8 +190,8 @@ def test_scenes_in_words(records, words, dimensions, model):
     if "alphas" in words:
         assert frame.dimensions["alpha"] == pytest.approx([math.radians(10.0), 0.2, math.radians(20.0)])
     if "p=" in words.get("axes", ""):
-        assert frame.beside["p"][1] == pytest.approx([4.0, 2.5, 1.0], rel=1e-15)
-        assert frame.beside["tan_alpha"][1] == pytest.approx([0.1, 0.3], rel=1e-15)
+        assert frame.beside["p"][1] == pytest.approx([4.0, 2.5, 1.0], rel=1e-14, abs=0.0)
+        assert frame.beside["tan_alpha"][1] == pytest.approx([0.1, 0.3], rel=1e-14, abs=0.0)
 
 
 def test_without_geometry_the_default_is_linear(records):
