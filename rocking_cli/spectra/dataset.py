@@ -9,24 +9,23 @@ from .frame import ABOUT, Frame
 from .layout import VARIABLES
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    import numpy as np
     import xarray
 
-    from .results import Spectrum
 
-
-def dataset_of(spectrum: Spectrum) -> xarray.Dataset:
-    """The dataset of a spectrum. Raises OutputError where xarray is not installed."""
+def dataset_of(frame: Frame, cells: Mapping[str, np.ndarray]) -> xarray.Dataset:
+    """The dataset of variables of `layout` by name, in the dimensions of a frame. Raises OutputError where xarray is not installed."""
     try:
         import xarray as xr
     except ImportError:
         raise OutputError("to_xarray needs xarray: pip install xarray") from None
-    frame: Frame = spectrum.scene.frame()
 
     def listed(name: str, dimension: str) -> xr.Variable:
         values = frame.dimensions[name] if name == dimension else frame.beside[name][1]
         return xr.Variable(dimension, values, {"units": ABOUT[name].units, "long_name": ABOUT[name].long_name})
 
-    cells = {name: getattr(spectrum, name) for name in ("theta_ratio", "outcome", "impacts")} | dict(spectrum.beside)
     data = {
         name: xr.Variable(tuple(frame.dimensions), values, {k: v for k, v in VARIABLES[name][1].items() if k != "_FillValue"})
         for name, values in cells.items()

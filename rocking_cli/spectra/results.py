@@ -118,4 +118,5 @@ class Spectrum:
         """As an xarray Dataset of the names, dimensions and attributes that the file has. Raises OutputError without xarray."""
         from .dataset import dataset_of
 
-        return dataset_of(self)
+        cells = {"theta_ratio": self.theta_ratio, "outcome": self.outcome, "impacts": self.impacts}
+        return dataset_of(self.scene.frame(), cells | dict(self.beside))
