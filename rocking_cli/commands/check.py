@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -105,11 +105,17 @@ def _in_g(given: dict[str, Any]) -> bool:
 
 def _remarks(verdicts: list[Verdict]) -> list[str]:
     """What the table's columns do not say aloud."""
-    falls = [v.name for v in verdicts if v.outcome.overturned]
-    window = [v.name for v in verdicts if v.outcome.safe and v.capacity_demand is not None and v.capacity_demand < 1.0]
-    unsafe = [v.name for v in verdicts if v.outcome.overturned and v.outcome_linear.safe]
+
+    several = len({v.motion for v in verdicts}) > 1
+
+    def named(found: Iterable[Verdict]) -> list[str]:
+        return [f"{v.name} under {v.motion}" if several else v.name for v in found]
+
+    falls = named(v for v in verdicts if v.outcome.overturned)
+    window = named(v for v in verdicts if v.outcome.safe and v.capacity_demand is not None and v.capacity_demand < 1.0)
+    unsafe = named(v for v in verdicts if v.outcome.overturned and v.outcome_linear.safe)
     lines = [f"{len(falls)} of {len(verdicts)} overturn{': ' if falls else ''}{', '.join(falls)}"]
-    if lost := [v.name for v in verdicts if v.falls and not v.outcome.overturned]:
+    if lost := named(v for v in verdicts if v.falls and not v.outcome.overturned):
         lines.append(f"lose contact with the ground, after which nothing is known of them: {', '.join(lost)}")
     if window:
         lines.append(f"stand in a safe window, and would fall for less: {', '.join(window)}")

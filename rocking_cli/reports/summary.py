@@ -15,7 +15,7 @@ def summary_lines(summary: Summary, output: str) -> Iterator[str]:
     """What was computed, how long it took, how far it can be trusted, and what was left out."""
     s, w = summary, summary.work
     records = f" under {s.records} record{'s' if s.records != 1 else ''}" if s.records else ""
-    yield f"{output}: {s.cells} cells, {s.structures} structure{'s' if s.structures != 1 else ''}{records}"
+    yield f"{output}: {s.cells} cell{'s' if s.cells != 1 else ''}, {s.structures} structure{'s' if s.structures != 1 else ''}{records}"
     if s.records:
         yield f"model: {s.model}{'' if s.model != LINEAR.model else ', which is not safe under records; `model` nonlinear decides'}"
     yield f"run time: {s.run_time:.3g} s, {1e6 * s.time_per_cell:.3g} us a cell, {s.workers} worker{'s' if s.workers != 1 else ''}"

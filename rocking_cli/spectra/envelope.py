@@ -23,7 +23,7 @@ from ..motions import Motion, pulse
 from ..structures.parameters import RockingParameters
 from .boundaries import Row, Search
 from .cost import Tell, announce, bouncing_seconds, expected_seconds
-from .grid import Axis, parse_axes
+from .grid import Axis, parse_axes, written_axes
 from .ladder import SCAN_STEP
 from .processes import available_cpus, processes
 
@@ -163,7 +163,7 @@ def frequency_axis(text: str | None) -> Axis:
         raise UsageError("no `grid`; accepted is one axis, Omega, omega_g, f_g or T_g")
     axes = parse_axes(text)
     if len(axes) != 1 or next(iter(axes)) not in ("Omega", "omega_g"):
-        raise UsageError(f"`grid`: found {' and '.join(axes)}; accepted is one axis, Omega, omega_g, f_g or T_g")
+        raise UsageError(f"`grid`: found {written_axes(text)}; accepted is one axis, Omega, omega_g, f_g or T_g")
     return next(iter(axes.values()))
 
 

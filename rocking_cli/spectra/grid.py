@@ -134,6 +134,11 @@ def parse_axes(text: str, *, records: bool = False) -> dict[str, Axis]:
     return axes
 
 
+def written_axes(text: str) -> str:
+    """The axes of a grid by the names that its user wrote, where `parse_axes` gives those of what they are turned into."""
+    return " and ".join(part.partition("=")[0].strip() for part in text.split(","))
+
+
 OWN_TIME = Axis("omega_g", np.array([1.0]))  # the phase of a record is its time in s
 
 
@@ -153,13 +158,12 @@ def parse_grid(text: str, structures: int = 1, *, own_time: bool = False) -> Gri
     axes = parse_axes(text)
     if own_time:
         if len(axes) != 1 or next(iter(axes)) not in ("A", "a_g"):
-            raise UsageError(f"`grid`: found {' and '.join(axes)}; accepted is A or a_g, since a record runs in its own time")
+            raise UsageError(f"`grid`: found {written_axes(text)}; accepted is A or a_g, since a record runs in its own time")
         axes["omega_g"] = OWN_TIME
     known = (("A", "Omega"), ("a_g", "omega_g"), ("A", "omega_g"))[: 3 if own_time else 2]
     pairs = [(a, f) for a, f in known if set(axes) == {a, f}]
     if not pairs:
-        found = " and ".join(axes)
-        raise UsageError(f"`grid`: found {found}; accepted are A and Omega, or a_g and one of omega_g, f_g, T_g")
+        raise UsageError(f"`grid`: found {written_axes(text)}; accepted are A and Omega, or a_g and one of omega_g, f_g, T_g")
     grid = Grid(axes[pairs[0][0]], axes[pairs[0][1]])
     cells = grid.shape[0] * grid.shape[1] * max(1, structures)
     if cells > MAX_CELLS:

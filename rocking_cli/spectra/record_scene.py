@@ -22,7 +22,7 @@ from ..errors import UsageError
 from ..motions.recording import Recording
 from ..structures.parameters import RockingParameters
 from .frame import Frame, beside_records, beside_structures, varied_units
-from .grid import MAX_CELLS, Axis, parse_angles, parse_axes
+from .grid import MAX_CELLS, Axis, parse_angles, parse_axes, written_axes
 from .scene import Array, Band, Cell, Scene, Unit
 
 COLUMNS = ("scale", "A", "a_g", "T")
@@ -219,12 +219,13 @@ def scene_of_words(
                 "structures have angles and a size of their own; accepted without them are alpha and T, with them scale, A or a_g"
             )
         if set(found) != {"alpha", "T"}:
-            raise UsageError(f"found {' and '.join(found)}; accepted are `alpha` and `grid` T=START:STOP:N together")
+            named = [*([written_axes(axes)] if axes is not None else []), *(["alpha"] if alphas is not None else [])]
+            raise UsageError(f"found {' and '.join(named)}; accepted are `alpha` and `grid` T=START:STOP:N together")
         if len(etas) > 1:
             raise UsageError(f"`eta` is given {len(etas)} times; accepted over alpha and T is one")
         return angles_scene(found["alpha"], found["T"], recordings, etas[0] if etas else None, method or Method("nonlinear", tolerance))
     if len(found) > 1:
-        raise UsageError(f"`grid`: found {' and '.join(found)}; accepted is one of scale, A and a_g")
+        raise UsageError(f"`grid`: found {written_axes(axes or '')}; accepted is one of scale, A and a_g")
     columns = next(iter(found.values()), AS_RECORDED)
     return structures_scene(structures, recordings, columns, method or default_method(structures, tolerance))
 

@@ -56,8 +56,8 @@ class Summary:
 
     @property
     def time_per_cell(self) -> float:
-        """Run time over the cells of this run [s]."""
-        return self.run_time / max(1, self.cells - self.resumed_cells)
+        """Run time over the cells of this run [s]; those of other shards are none."""
+        return self.run_time / max(1, self.cells - self.resumed_cells - self.outcomes[Outcome.NOT_COMPUTED.flag])
 
     @property
     def failed(self) -> int:

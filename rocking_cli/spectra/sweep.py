@@ -292,6 +292,7 @@ def _sweep(
         if progress:
             progress(done, len(every))
     check_for_a_stop()
+    outcomes[Outcome.NOT_COMPUTED] = scene.cells - outcomes.sum()  # those of other shards
     return Summary(
         structures=len(scene.structures),
         cells=scene.cells,

@@ -65,6 +65,8 @@ def test_a_row_a_structure_and_record(rocking, stated, tmp_path):
     assert [r["motion"] for r in rows] == ["r0", "r1"]
     assert rows[0]["first_overturning_a"] == pytest.approx(rows[1]["first_overturning_a"], rel=1e-12)
     assert rows[0]["capacity_demand"] == pytest.approx(2.0 * rows[1]["capacity_demand"], rel=1e-12)
+    assert [r["capacity_demand"] < 1.0 for r in rows] == [False, True]
+    assert done.stderr.splitlines()[0] == "1 of 2 overturn: stated under r1"
     alike = rocking(*call, "--a-g", "3")
     first, second = (json.loads(line) for line in alike.stdout.splitlines())
     assert first["outcome"] == second["outcome"]

@@ -46,7 +46,7 @@ def test_scaling_to_a_structure():
         ("", "accepted is NAME=START"),
         ("A", "accepted is NAME=START"),
         ("A=1:2:3", "found A; accepted are A and Omega"),
-        ("A=1:2:3,omega_g=1:2:3", "found A and omega_g"),
+        ("A=1:2:3,f_g=1:2:3", "found A and f_g"),
         ("A=1:2:3,A=1:2:3,Omega=1:2:3", "twice"),
         ("omega_g=1:2:3,f_g=1:2:3,a_g=1", "twice"),
         ("A=1:2:3,Omga=1:2:3", "unknown axis 'Omga'"),

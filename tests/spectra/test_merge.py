@@ -41,6 +41,16 @@ def altered(path, index, change):
     return other
 
 
+def test_a_shard_counts_its_own_cells(tmp_path):
+    options = {"workers": 1, "chunk_cells": 200, "check": 0}
+    shards = [write_spectrum([dimensionless_oscillator(0.9)], sine(), GRID, tmp_path / f"{i}.h5", shard=(i, 2), **options) for i in (1, 2)]
+    cells = shards[0].cells
+    assert sum(s.outcomes["not_computed"] for s in shards) == cells
+    assert all(sum(s.outcomes.values()) == cells > s.outcomes["not_computed"] > 0 for s in shards)
+    for s in shards:
+        assert s.time_per_cell * (cells - s.outcomes["not_computed"]) == pytest.approx(s.run_time)
+
+
 def test_shards_that_overlap_and_agree_are_one(tmp_path):
     whole = shard(tmp_path / "whole.h5", None)
     half = shard(tmp_path / "half.h5", (1, 2))
