@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..documents.quantities import DEFAULT_GRAVITY
+from .blocks import blocks, largest
 from .records import Record
 
 Array = np.ndarray
@@ -40,35 +41,44 @@ def intensity(record: Record) -> Intensity:
     (3.924, 0.67)
     """
     a, dt = record.acceleration, record.dt
-    energy = np.concatenate([[0.0], np.cumsum(_squares(a, dt))])
-    at_5, at_75, at_95 = (_reached(a, dt, energy, part) for part in (0.05, 0.75, 0.95))
-    v = velocity(a, dt)
-    peak = int(np.argmax(np.abs(a)))
+    energy, v, d, pgv, pgd, cav = [0.0], 0.0, 0.0, 0.0, 0.0, 0.0
+    for part in blocks(a.size - 1):  # of intervals
+        here = a[part.start : part.stop + 1]
+        speeds = velocity(here, dt, v)
+        places = displacement(here, speeds, dt, d)
+        energy.append(float(_energy(here, dt, energy[-1])[-1]))
+        pgv = max(pgv, _largest_velocity(here, speeds, dt))
+        pgd = max(pgd, _largest_displacement(here, speeds, places, dt))
+        cav += _absolute(here, dt)
+        v, d = float(speeds[-1]), float(places[-1])
+    at_5, at_75, at_95 = (_reached(a, dt, np.array(energy), part) for part in (0.05, 0.75, 0.95))
+    pga = largest(a)
+    first = next(part.start + int(at[0]) for part in blocks(a.size) if (at := np.flatnonzero(np.abs(a[part]) == pga)).size)
     return Intensity(
-        pga=float(abs(a[peak])),
-        pga_time=peak * dt,
-        pgv=_largest_velocity(a, v, dt),
-        pgd=_largest_displacement(a, v, dt),
-        arias=math.pi / (2.0 * DEFAULT_GRAVITY) * float(energy[-1]),
-        cav=_absolute(a, dt),
+        pga=pga,
+        pga_time=first * dt,
+        pgv=pgv,
+        pgd=pgd,
+        arias=math.pi / (2.0 * DEFAULT_GRAVITY) * energy[-1],
+        cav=cav,
         d5_75=at_75 - at_5,
         d5_95=at_95 - at_5,
     )
 
 
-def velocity(a: Array, dt: float) -> Array:
-    """Velocity at the samples, shape of `a`, from rest."""
-    return np.concatenate([[0.0], np.cumsum(0.5 * dt * (a[:-1] + a[1:]))])
+def velocity(a: Array, dt: float, begin: float = 0.0) -> Array:
+    """Velocity at the samples, shape of `a`, which begins with this one."""
+    return np.cumsum(np.concatenate([[begin], 0.5 * dt * (a[:-1] + a[1:])]))
 
 
-def displacement(a: Array, v: Array, dt: float) -> Array:
-    """Displacement at the samples, shape of `a`, from rest; v: the velocity there."""
-    return np.concatenate([[0.0], np.cumsum(dt * v[:-1] + dt * dt / 6.0 * (2.0 * a[:-1] + a[1:]))])
+def displacement(a: Array, v: Array, dt: float, begin: float = 0.0) -> Array:
+    """Displacement at the samples, shape of `a`, which begins with this one; v: the velocity there."""
+    return np.cumsum(np.concatenate([[begin], dt * v[:-1] + dt * dt / 6.0 * (2.0 * a[:-1] + a[1:])]))
 
 
-def _squares(a: Array, dt: float) -> Array:
-    """Integral of a^2 over each interval: dt (a0^2 + a0 a1 + a1^2)/3."""
-    return np.asarray(dt / 3.0 * (a[:-1] ** 2 + a[:-1] * a[1:] + a[1:] ** 2))
+def _energy(a: Array, dt: float, begin: float) -> Array:
+    """Integral of a^2 up to each sample, over an interval dt (a0^2 + a0 a1 + a1^2)/3."""
+    return np.cumsum(np.concatenate([[begin], dt / 3.0 * (a[:-1] ** 2 + a[:-1] * a[1:] + a[1:] ** 2)]))
 
 
 def _absolute(a: Array, dt: float) -> float:
@@ -84,13 +94,12 @@ def _absolute(a: Array, dt: float) -> float:
 def _largest_velocity(a: Array, v: Array, dt: float) -> float:
     i = np.flatnonzero(a[:-1] * a[1:] < 0.0)
     inside = v[i] + 0.5 * dt * a[i] ** 2 / (a[i] - a[i + 1])
-    return float(max(np.abs(v).max(), np.abs(inside).max(initial=0.0)))
+    return max(largest(v), largest(inside))
 
 
-def _largest_displacement(a: Array, v: Array, dt: float) -> float:
+def _largest_displacement(a: Array, v: Array, d: Array, dt: float) -> float:
     """At samples, or where v0 + a0 s + (a1 - a0)/dt s^2/2 = 0 inside an interval: up to two roots, found without cancellation."""
-    d = displacement(a, v, dt)
-    largest = float(np.abs(d).max())
+    most = largest(d)
     # v can only be zero inside where it changes sign, or where its parabola has its vertex inside.
     i = np.flatnonzero((v[:-1] * v[1:] <= 0.0) | (a[:-1] * a[1:] < 0.0))
     curved, sloped, flat = 0.5 * dt * (a[i + 1] - a[i]), dt * a[i], v[i]
@@ -101,17 +110,22 @@ def _largest_displacement(a: Array, v: Array, dt: float) -> float:
             inside = np.flatnonzero((s > 0.0) & (s < 1.0))
             j, x = i[inside], s[inside]
             there = d[j] + dt * x * (v[j] + dt * x * (a[j] / 2.0 + (a[j + 1] - a[j]) * x / 6.0))
-            largest = max(largest, float(np.abs(there).max(initial=0.0)))
-    return largest
+            most = max(most, largest(there))
+    return most
 
 
 def _reached(a: Array, dt: float, energy: Array, part: float) -> float:
-    """Time at which the integral of a^2 first reaches a part of its end; 0 for a record that is zero throughout."""
+    """Time at which the integral of a^2 first reaches a part of its end; 0 for a record that is zero throughout; energy: at the beginning
+    of every block of intervals, and at the end."""
     target = part * float(energy[-1])
     if not target > 0.0:
         return 0.0
-    i = int(np.searchsorted(energy, target)) - 1
-    a0, rise, wanted = float(a[i]), float(a[i + 1] - a[i]) / dt, target - float(energy[i])
+    block = int(np.searchsorted(energy, target)) - 1
+    within = list(blocks(a.size - 1))[block]
+    sums = _energy(a[within.start : within.stop + 1], dt, float(energy[block]))
+    before = int(np.searchsorted(sums, target)) - 1
+    i = within.start + before
+    a0, rise, wanted = float(a[i]), float(a[i + 1] - a[i]) / dt, target - float(sums[before])
     low, high = 0.0, dt
     for _ in range(60):  # the integral rises, so halving is sure, and 60 halvings are exact
         middle = 0.5 * (low + high)

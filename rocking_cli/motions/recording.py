@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import DocumentError, UsageError
+from .blocks import largest
 from .intensity import Intensity, intensity
 from .motion import Motion, checked_scale
 from .polyline import Polyline, record_motion
@@ -41,7 +42,7 @@ class Recording:
     @property
     def acceleration(self) -> float:
         """The peak with which it shakes [m/s2]."""
-        return abs(self.factor) * float(np.abs(self.record.acceleration).max())
+        return abs(self.factor) * largest(self.record.acceleration)
 
     @cached_property
     def intensity(self) -> Intensity:

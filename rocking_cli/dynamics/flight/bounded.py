@@ -12,11 +12,12 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from ...motions.blocks import blocks
+
 Array = np.ndarray
 
 _TERMS = 20  # of the series of the weights: the first one left out is below 1e-17 up to `LONGEST`
 LONGEST = 0.5  # longest interval between samples [tau] for which the flight is made
-_PART = 1 << 16  # samples of a record that are gone through together
 _FORGOTTEN = 1e-20  # a mode that has decayed to this part is no longer felt
 
 
@@ -51,11 +52,6 @@ def bounded_response(samples: Array, pace: Array) -> Array:
         up[:, part] = 0.5 * (rises + falls)
         down[:, part] = 0.5 * (rises - falls)
     return result
-
-
-def blocks(size: int) -> Iterator[slice]:
-    """Consecutive parts of so many samples."""
-    return (slice(first, min(first + _PART, size)) for first in range(0, size, _PART))
 
 
 def shares(order: Array, rows: Array, most: int) -> Iterator[Array]:

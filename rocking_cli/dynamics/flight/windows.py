@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .bounded import blocks
+from ...motions.blocks import blocks, largest
 
 Array = np.ndarray
 
@@ -38,7 +38,7 @@ class Windows(NamedTuple):
 def windows(samples: Array, levels: int) -> Windows:
     """The bounds of samples s (n,), for stretches of 1, 2, 4 ... 2^(levels - 1) intervals; on the right edge the outward drive is -s."""
     last = samples.size - 1
-    slack = SLACK * float(np.abs(samples).max())
+    slack = SLACK * largest(samples)
     shift = np.maximum(0, np.arange(levels, dtype=np.int64) - _FINE)
     sizes = last // (1 << shift) + 1
     start = np.cumsum(sizes) - sizes

@@ -8,6 +8,7 @@ import numpy as np
 
 from ...documents.quantities import UNITS
 from ...errors import DocumentError
+from ..blocks import blocks
 from .record import Series
 from .text import RecordText
 
@@ -51,10 +52,26 @@ def read(text: RecordText, unit: str | None, dt: float | None) -> list[Series]:
         return [Series(None, dt, values, unit)]
     if dt is not None:
         raise DocumentError(f"{text.source}: two columns, of which the first is the time; `dt` goes with one column")
-    time = values[0::2]
+    step = _even_step(values[0::2], text, line_number)
+    count = values.size // 2
+    for part in blocks(count):  # in place of the times
+        values[part] = values[2 * part.start + 1 : 2 * part.stop : 2]
+    values.resize(count, refcheck=False)
+    return [Series(None, step, values, unit)]
+
+
+def _even_step(time: np.ndarray, text: RecordText, line: int) -> float:
+    """The step of times which rise evenly; line: of the first. Raises DocumentError where they do not."""
     step = float(f"{(time[-1] - time[0]) / max(1, time.size - 1):.10g}")
-    off = np.abs(time - (time[0] + step * np.arange(time.size))) > _UNEVEN * abs(step)
-    if not step > 0.0 or np.any(off) or np.any(np.diff(time) <= 0.0):
-        bad = int(np.argmax(off)) if np.any(off) else 0
-        raise text.fault(f"times that do not rise in even steps, such as {time[bad]:g} s", line_number + bad)
-    return [Series(None, step, values[1::2].copy(), unit)]
+    level = False
+    for part in blocks(time.size):
+        off = np.abs(time[part] - (time[0] + step * np.arange(part.start, part.stop))) > _UNEVEN * abs(step)
+        if off.any():
+            bad = part.start + int(np.argmax(off))
+            break
+        level |= bool(np.any(np.diff(time[part.start : part.stop + 1]) <= 0.0))
+    else:
+        bad = 0
+        if step > 0.0 and not level:
+            return step
+    raise text.fault(f"times that do not rise in even steps, such as {time[bad]:g} s", line + bad)

@@ -9,6 +9,7 @@ import numpy as np
 
 from ...documents.quantities import UNITS
 from ...errors import DocumentError
+from ..blocks import largest
 
 LARGEST = 1e6  # m/s2, beyond which no ground shakes
 STEPS = (1e-7, 1e3)  # s, from the shortest to the longest
@@ -16,7 +17,8 @@ _PEAK_AGREES = 0.01  # part of a header's peak by which the samples' own may dif
 
 
 class Series(NamedTuple):
-    """What a format's reader finds for one component: samples in the file's unit, and the header's peak as it is printed."""
+    """What a format's reader finds for one component: samples in the file's unit, which nobody else holds, and the header's peak as it is
+    printed."""
 
     component: str | None
     dt: float
@@ -52,7 +54,7 @@ class Record:
             raise DocumentError(f"{self.source}: a time step of {self.dt:g} s; accepted is one from {STEPS[0]:g} to {STEPS[1]:g} s")
         if self.acceleration.ndim != 1 or self.acceleration.size < 2:
             raise DocumentError(f"{self.source}: {self.acceleration.size} samples; a record has at least two")
-        if not np.all(np.abs(self.acceleration) <= LARGEST):
+        if not largest(self.acceleration) <= LARGEST:
             raise DocumentError(f"{self.source}: an acceleration that is not finite or beyond {LARGEST:g} m/s2")
         self.acceleration.flags.writeable = False
 
@@ -75,13 +77,13 @@ class Record:
 def record_of(series: Series, name: str, format_: str, source: str, sha256: str) -> Record:
     """The record of a series in SI units; a header's peak that the samples contradict becomes a remark. Raises DocumentError."""
     factor = UNITS["acceleration"][series.unit]
-    acceleration = np.asarray(series.samples, dtype=float) * factor
+    acceleration = np.multiply(series.samples, factor, out=series.samples) if series.samples.dtype == float else series.samples * factor
     remarks = [series.remark] if series.remark else []
     header = None
     if series.peak is not None:
         stated = abs(float(series.peak))
         header = stated * factor
-        found = float(np.max(np.abs(acceleration), initial=0.0)) / factor
+        found = largest(acceleration) / factor
         if abs(found - stated) > max(_PEAK_AGREES * stated, _half_a_digit(series.peak)):
             where = "" if series.component is None else f" of {series.component}"
             remarks.append(f"the header states a peak{where} of {stated:g} {series.unit}, the samples have {found:.6g} {series.unit}")

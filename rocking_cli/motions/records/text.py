@@ -156,22 +156,36 @@ class RecordText:
 
     def table(self, separators: bytes = b"") -> tuple[Array, int]:
         """All numbers of the lines to come, and how many stand on each. Raises DocumentError where the lines differ."""
-        first = self.line
-        block = self.raw[self.at :].rstrip()
-        for separator in separators:
-            block = block.replace(bytes([separator]), b" ")
-        columns = len(block[: max(0, block.find(b"\n")) or None].split())
+        first, columns, done = self.line, 0, 0
+        values = np.empty(0)
+        while self.at < len(self.raw):
+            end, line = self._after(_LINES_AT_ONCE), self.line
+            block = self.raw[self.at : end]
+            lines, block = block.count(b"\n") + (not block.endswith(b"\n")), block.rstrip()
+            for separator in separators:
+                block = block.replace(bytes([separator]), b" ")
+            if not done:
+                columns = len(block[: max(0, block.find(b"\n")) or None].split())
+                values = np.empty(columns * (self.raw.count(b"\n", self.at) + 1))  # at the most: of what is not filled no page is taken
+            found = self._rows(block, columns, line, first) if block else values[:0]
+            values[done : done + found.size] = found
+            self.at, self.line, done = end, line + lines, done + found.size
+        values.resize(done, refcheck=False)
+        return values, columns
+
+    def _rows(self, block: bytes, columns: int, line: int, first: int) -> Array:
+        """The numbers of a block that begins on a line, so many on each of its lines; first: the first line of all blocks."""
         values = _parse(block, None, 0)
         if values is None or values.size != columns * (block.count(b"\n") + 1):
-            for i, line in enumerate(block.split(b"\n"), first):
-                tokens = line.split()
+            for i, row in enumerate(block.split(b"\n"), line):
+                tokens = row.split()
                 for token in tokens:
                     self._number(token, i, "")
                 if tokens and len(tokens) != columns:
                     raise self.fault(f"found {len(tokens)} numbers, {columns} on the lines before", i)
         if values is None:
             raise self.fault("numbers that cannot be read", first)
-        return values, columns
+        return values
 
     def _after(self, lines: int) -> int:
         """The place after so many lines."""

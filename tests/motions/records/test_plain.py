@@ -82,3 +82,19 @@ def test_a_unit_that_is_none_of_acceleration(tmp_path):
     path.write_text(lines())
     with pytest.raises(UsageError, match="`unit`: found 'cm/s'; accepted are m/s2"):
         read_record(path, unit="cm/s")
+
+
+@pytest.mark.parametrize("title", ["", "Time,Accel\n\n"])
+def test_a_file_in_several_parts(tmp_path, monkeypatch, title):
+    """Lines are parsed so many at a time, and a fault is told by its line wherever it stands."""
+    monkeypatch.setattr("rocking_cli.motions.records.text._LINES_AT_ONCE", 7)
+    monkeypatch.setattr("rocking_cli.motions.blocks._PART", 16)
+    path = tmp_path / "a"
+    rows = [*ROWS[:200], "", "", *ROWS[200:]]
+    path.write_text(title + "\n".join(rows))
+    np.testing.assert_array_equal(read_record(path, unit="m/s2").acceleration, READ)
+    begin = title.count("\n")
+    for bad, words in (("1.00 x", "found 'x'"), ("1.00 1 2", "found 3 numbers, 2"), ("9.00 0.1", "do not rise in even steps, such as 9 s")):
+        path.write_text(title + "\n".join([*ROWS[:100], bad, *ROWS[101:]]))
+        with pytest.raises(DocumentError, match=f"a:{begin + 101}: .*{words}"):
+            read_record(path, unit="m/s2")
