@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from itertools import pairwise
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from oracle_systems import Body
@@ -17,7 +17,23 @@ from scipy.integrate import OdeSolution
 from scipy.optimize import minimize_scalar
 from weighed import Answer, Shaking, acceleration, swing
 
+from rocking_cli import RockingParameters
+
 STILL = 80  # impacts after the shaking that are followed at most
+
+
+def pendulum(eta: float = 0.9, **more: Any) -> RockingParameters:
+    """A point mass on wide feet: kappa = 1, alpha = 1."""
+    return RockingParameters("m", "point_mass", 2.0, 1.0, eta, math.tan(1.0), 1.0, arm=9.81 / 4.0, **more)
+
+
+def lifting(omega: float) -> float:
+    """A from which the linear point mass leaves the ground as it comes down after a rectangular push of 2 pi/Omega: with y and y' at its
+    end (A - 1)(cosh - 1) and (A - 1) sinh, u'^2 = alpha^2 (y'^2 + 2 y - y^2) at the impact, and Fz = 1 - alpha sin - u'^2 cos(alpha)."""
+    cosh, sinh = math.cosh(2.0 * math.pi / omega), math.sinh(2.0 * math.pi / omega)
+    square = (1.0 - math.sin(1.0)) / math.cos(1.0)
+    a, b = sinh**2 - (cosh - 1.0) ** 2, 2.0 * (cosh - 1.0)
+    return 1.0 + (-b + math.sqrt(b * b + 4.0 * a * square)) / (2.0 * a)
 
 
 class Asked(NamedTuple):

@@ -203,9 +203,11 @@ class Method:
     def reference_of(self, structure: RockingParameters, weighed: bool = False) -> Reference:
         """The slower, independent path to (outcome, theta_ratio) of a single cell (motion, A, Omega, eta); weighed: the weight varies."""
         if self._has_series(structure) and not weighed:
+            from .references.pressing import arms_of
             from .references.taylor_series import reference_cell
 
-            return reference_cell
+            arms = arms_of(structure)
+            return reference_cell if arms is None else partial(reference_cell, arm=arms[0])
         from .references.general_solver import solve_cell
 
         return partial(solve_cell, problem=self.problem_of(structure))

@@ -178,8 +178,8 @@ class Job:
                 continue
             cell = self.scene.cell(i, row, column)
             outcome, theta = self.scene.method.reference_of(cell.structure, self.scene.weighed)(*cell[1:], cell.structure.eta)
-            if outcome == Outcome.FAILED or (outcome == Outcome.ROCKED and response.outcome[r, c] == Outcome.LOST_CONTACT):
-                continue  # the reference knows no forces
+            if outcome == Outcome.FAILED:
+                continue
             nonlinear = self.scene.judge_of(cell)
             if nonlinear is not None:
                 compared, otherwise = compared + 1, otherwise + int(nonlinear.overturned != outcome.overturned)

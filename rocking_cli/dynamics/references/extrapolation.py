@@ -30,11 +30,13 @@ class Point(NamedTuple):
 
 
 class Path(NamedTuple):
-    """Where a stretch of time leads: the crests on it and its last instant, which is on the ground where the body struck."""
+    """Where a stretch of time leads: the crests on it, its last instant, which is on the ground where the body struck, and the ends of
+    the steps on the way, from its first instant to the last."""
 
     crests: list[Point]
     end: Point
     struck: bool
+    steps: list[Point]
 
 
 def step(rate: Rate, start: Point, length: float) -> Point | None:
@@ -79,7 +81,7 @@ def path(rate: Rate, start: Point, stop: float, limit: float) -> Path:
     """
     crests: list[Point] = []
     stretch, passed = stop - start.time, 0.0
-    length, here = stretch / _PIECES, start
+    length, here, steps = stretch / _PIECES, start, [start]
     while passed < stretch:
         if stretch - passed < 1.001 * length:
             length = stretch - passed
@@ -99,12 +101,13 @@ def path(rate: Rate, start: Point, stop: float, limit: float) -> Path:
             there = _falls_through(rate, here, there, 1)
         if here.w > 0.0 >= there.w:
             crests.append(_falls_through(rate, here, there, 2))
+        steps.append(there)
         if struck:
-            return Path(crests, there, True)
+            return Path(crests, there, True, steps)
         here = there
         if here.theta > limit:
             break
-    return Path(crests, here, False)
+    return Path(crests, here, False, steps)
 
 
 def _falls_through(rate: Rate, start: Point, end: Point, which: int) -> Point:

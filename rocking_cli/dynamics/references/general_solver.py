@@ -2,7 +2,8 @@
 
 It shares no series, table, window or energy argument with the engine. The state is (theta, w), w = sqrt(M) theta', which takes
 the velocity term out of Eq. 3.4; for a rigid body M = 1. Strides are half a radian of the fastest motion, in five steps or
-more; impacts and crests are sought where signs change (`extrapolation`).
+more; impacts and crests are sought where signs change (`extrapolation`). A body has lost contact where the ground falls away from it,
+and a rigid one that rocks where its Fz is not positive (`pressing`).
 """
 
 from __future__ import annotations
@@ -10,13 +11,16 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
+from itertools import pairwise
 from typing import TYPE_CHECKING, Protocol
 
 from ...motions.biaxial import plus
 from ...motions.motion import Motion, Piece
 from ...structures.kinematics import Mechanism, linearise
 from ..outcome import Outcome
-from .extrapolation import Path, Point, path
+from .extrapolation import Path, Point, Rate, path, step
+from .pressing import Arm, arms_of, lets_go
 from .uplift import next_uplift
 
 if TYPE_CHECKING:
@@ -103,13 +107,15 @@ class Problem:
     """A structure as general solvers take it.
 
     right, left: the equation on each edge, right that of theta > 0, left None for a body that is free to the right only; scale:
-    ground acceleration of A = 1 [g]; eta: theta' after over before on leaving each edge, None for that of the cell.
+    ground acceleration of A = 1 [g]; eta: theta' after over before on leaving each edge, None for that of the cell; arms: of a rigid body,
+    from the right edge and the left one, None where its forces are not known.
     """
 
     right: Rates
     left: Rates | None
     scale: float
     eta: tuple[float, float] | None = None
+    arms: tuple[Arm, Arm] | None = None
 
 
 def linear_rates(structure: RockingParameters, edge: Edge, pace: float) -> Rates:
@@ -130,13 +136,13 @@ def mechanism_rates(structure: RockingParameters, edge: Edge, pace: float) -> Ra
 
 def problem_of(structure: RockingParameters, rates: Callable[[RockingParameters, Edge, float], Rates]) -> Problem:
     """A structure with the rates of an equation."""
-    scale = structure.alpha / structure.a_scale
+    scale, arms = structure.alpha / structure.a_scale, arms_of(structure)
     if structure.sides:
         left, right = structure.sides
         there = [rates(structure, side, side.p / structure.p) for side in (right, left)]
-        return Problem(there[0], there[1], scale, (right.eta, left.eta))
+        return Problem(there[0], there[1], scale, (right.eta, left.eta), arms)
     one = rates(structure, structure, 1.0)
-    return Problem(one, None if structure.one_sided else one, scale)
+    return Problem(one, None if structure.one_sided else one, scale, arms=arms)
 
 
 def solve_cell(
@@ -153,10 +159,10 @@ def _solved(motion: Motion, body: _Body) -> tuple[Outcome, float]:
     most_strides = _MAX_STRIDES + _A_SEGMENT * len(motion.segments)
     if motion.vertical is not None:
         body.least = 1.0 + body.drive * float(motion.vertical.segments.later_min[0])
-        if body.least <= 0.0:
-            return Outcome.FAILED, math.nan  # free fall, of which this path knows nothing
     for piece, up in zip(motion.pieces, motion.vertical.pieces if motion.vertical else (None,) * len(motion.pieces), strict=True):
-        end, body.up = piece.stop / body.omega, up
+        body.up = up
+        fall = next_uplift(up, up.start, body.drive, 0.0) if up is not None and body.least <= 0.0 else None
+        end = (piece.stop if fall is None else fall[0]) / body.omega
         while end - body.time > 1e-14 * end:
             body.strides += 1
             if body.strides > most_strides:
@@ -167,7 +173,11 @@ def _solved(motion: Motion, body: _Body) -> tuple[Outcome, float]:
                 body.move(piece, end)
             if body.theta > body.here.limit or (body.side and body.theta > body.here.alpha and body.lost(motion)):
                 return body.overturned(), math.nan
-    return body.still()
+        if fall is not None:  # a mechanism on its way down may have collapsed before, of which this path knows nothing
+            known = body.theta <= body.here.alpha or not isinstance(body.here, MechanismRates)
+            return Outcome.LOST_CONTACT if known else Outcome.FAILED, math.nan
+    outcome, peak = body.still()
+    return (Outcome.LOST_CONTACT, math.nan) if outcome == Outcome.ROCKED and body.let_go else (outcome, peak)
 
 
 def value(piece: Piece, phase: float) -> float:
@@ -185,7 +195,7 @@ class _Body:
         self.etas = problem.eta or (abs(eta), abs(eta))
         self.time = self.theta = self.w = self.peak = 0.0
         self.side = self.strides = 0
-        self.bounced = False
+        self.bounced = self.let_go = False  # let_go: of the ground, on the way
         self.up: Piece | None = None  # the vertical motion of now
         self.least = 1.0  # weight over m g
 
@@ -219,6 +229,7 @@ class _Body:
             if left is not None:
                 found.append(next_uplift(plus(piece, self.up.scaled(-left.uplift)), self.omega * self.time, 0.0, onto[1]))
             lift = min((x for x in found if x is not None), default=None)
+        lift = None if lift is None or lift[0] / self.omega >= end else lift  # at the end of the piece the next one decides
         self.time = end if lift is None else max(self.time, lift[0] / self.omega)
         self.side, self.theta, self.w = 0 if lift is None else lift[1], 0.0, 0.0
 
@@ -230,7 +241,8 @@ class _Body:
             return here(theta, w, push * value(piece, self.omega * t), self.weight(t))
 
         stop = min(end, self.time + (self.stride(piece) if self.solver is path else _SCRIPT_STRIDE))
-        crests, there, struck = self.solver(rate, start, stop, here.limit * (1.0 + 1e-9))  # surely beyond it
+        crests, there, struck, steps = self.solver(rate, start, stop, here.limit * (1.0 + 1e-9))  # surely beyond it
+        self.press(rate, steps)
         for crest in crests:
             speed, force = rate(*crest)
             self.peak = max(self.peak, (crest.theta - 0.5 * speed * crest.w / force) / here.alpha)
@@ -246,9 +258,33 @@ class _Body:
         if self.w <= 0.0 or (self.w < _AT_REST and self.excess(piece, self.time) < 0.0 and eta < 1.0):
             self.side, self.w = 0, 0.0
 
+    def press(self, rate: Rate, steps: list[Point]) -> None:
+        """Look along these steps for whether the body lets go of the ground, where that is known; theta' is w of such a body."""
+        if self.problem.arms is None or self.let_go:
+            return
+        arm = self.problem.arms[0 if self.side > 0 else 1]
+
+        def pressed(at: Point) -> tuple[float, float]:
+            bend = rate(*at)[1]
+            return bend, arm.fz(at.theta, at.w, bend, self.weight(at.time))
+
+        def within(start: Point, length: float, part: float) -> float:
+            return pressed(step(rate, start, part * length) or start)[1]
+
+        bend, fz = pressed(steps[0])
+        for one, other in pairwise(steps):
+            before, length = (bend, fz), other.time - one.time
+            bend, fz = pressed(other)
+            turn, speed = 0.5 * (one.theta + other.theta), 0.5 * (one.w + other.w)
+            turn, speed = turn + 0.125 * length * (one.w - other.w), speed + 0.125 * length * (before[0] - bend)
+            _, middle = pressed(Point(one.time + 0.5 * length, turn, speed))
+            if lets_go((before[1], middle, fz), partial(within, one, length)):
+                self.let_go = True
+                return
+
     def lost(self, motion: Motion) -> bool:
-        """Moving outwards where no ground acceleration of this motion pushes inwards."""
-        return self.w > 0.0 and self.here(self.theta, self.w, self.drive * motion.peak, self.least)[1] > 0.0
+        """Moving outwards where no ground acceleration of this motion pushes inwards, and the ground never falls away."""
+        return self.least > 0.0 < self.w and self.here(self.theta, self.w, self.drive * motion.peak, self.least)[1] > 0.0
 
     def overturned(self) -> Outcome:
         return Outcome.OVERTURNED_AFTER_IMPACT if self.bounced else Outcome.OVERTURNED_NO_IMPACT

@@ -58,5 +58,5 @@ class Script:
         found = solve_ivp(rates, (start.time, stop), start[1:], method=self.method, rtol=tolerance, atol=self.tolerance, events=events)
         at = [[Point(float(t), *map(float, y)) for t, y in zip(*x, strict=True)] for x in zip(found.t_events, found.y_events, strict=True)]
         crests = [point for point in at[1] if point.time > start.time]
-        end = at[0][0] if at[0] else Point(float(found.t[-1]), *map(float, found.y[:, -1]))
-        return Path(crests, end, bool(at[0]))
+        steps = [Point(float(t), *map(float, y)) for t, y in zip(found.t, found.y.T, strict=True)]
+        return Path(crests, at[0][0] if at[0] else steps[-1], bool(at[0]), steps)

@@ -17,6 +17,7 @@ import numpy as np
 
 from ...motions.motion import Motion, Piece
 from ..outcome import Outcome
+from .pressing import Arm, lets_go
 from .uplift import next_uplift
 
 Series = list[float]  # coefficients of the powers from 0
@@ -28,17 +29,19 @@ _MAX_STEPS, _A_SEGMENT = 10_000, 100  # a cell that takes more, and these for ea
 _AT_REST = 1e-11
 
 
-def reference_cell(motion: Motion, amplitude: float, omega: float, eta: float) -> tuple[Outcome, float]:
-    """(outcome, max |theta|/alpha, NaN where overturned) of one linear cell by Taylor series; FAILED if it takes too long."""
+def reference_cell(motion: Motion, amplitude: float, omega: float, eta: float, arm: Arm | None = None) -> tuple[Outcome, float]:
+    """(outcome, max |theta|/alpha, NaN where overturned) of one linear cell by Taylor series; FAILED if it takes too long. arm: of a rigid
+    body, which loses contact where its Fz is not positive."""
     with np.errstate(all="ignore"):
         try:
-            return _Body(motion, float(amplitude), float(omega), float(eta)).run()
+            return _Body(motion, float(amplitude), float(omega), float(eta), arm).run()
         except (OverflowError, ValueError):  # numbers beyond what a power series of doubles can hold
             return Outcome.FAILED, math.nan
 
 
 class _Body:
-    def __init__(self, motion: Motion, amplitude: float, omega: float, eta: float) -> None:
+    def __init__(self, motion: Motion, amplitude: float, omega: float, eta: float, arm: Arm | None) -> None:
+        self.arm, self.let_go = arm, False
         self.pieces, self.amplitude, self.omega, self.eta = motion.pieces, amplitude, omega, eta
         self.most_steps = _MAX_STEPS + _A_SEGMENT * len(motion.segments)
         fastest = max((h.frequency for p in motion.pieces for h in p.harmonics), default=0.0)
@@ -77,6 +80,7 @@ class _Body:
         reach = _first_below(series, speed)
         stop = 1.0 if reach is None else _polish(series, *reach)
         self.look_for_peaks(series, speed, stop)
+        self.press(series, speed, stop, length)
         self.y, self.v = _value(series, stop), _value(speed, stop) / length
         if reach is not None:
             self.bounced = True
@@ -115,6 +119,19 @@ class _Body:
             if rates[i] > 0.0 >= rates[i + 1]:
                 self.peak = max(self.peak, _value(series, _polish(speed, marks[i], marks[i + 1])))
 
+    def press(self, series: Series, speed: Series, stop: float, length: float) -> None:
+        """Look along a step for whether the body lets go of the ground, where that is known."""
+        if self.arm is None or self.let_go:
+            return
+        arm, bend = self.arm, _derivative(speed)
+
+        def fz(part: float) -> float:
+            values = (_value(coefficients, part * stop) for coefficients in (series, speed, bend))
+            y, rate, force = (arm.alpha * x / length**n for n, x in enumerate(values))
+            return arm.fz(y, rate, force, 1.0)
+
+        self.let_go = lets_go((fz(0.0), fz(0.5), fz(1.0)), fz)
+
     def overturned(self) -> Outcome:
         return Outcome.OVERTURNED_AFTER_IMPACT if self.bounced else Outcome.OVERTURNED_NO_IMPACT
 
@@ -124,6 +141,8 @@ class _Body:
         impacts = 0
         for _ in range(_MAX_STEPS):
             if self.side == 0 or impacts > 1:
+                if self.let_go:
+                    return Outcome.LOST_CONTACT, math.nan
                 return (Outcome.ROCKED if self.peak > 0.0 else Outcome.NO_UPLIFT), self.peak
             if self.y > 1.0 and self.v > 0.0:
                 return self.overturned(), math.nan

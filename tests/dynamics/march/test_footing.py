@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from oracle_systems import Body as Solved
 from oracle_systems import Edge
+from pressing import lifting, pendulum
 from weighed import Shaking, swing
 
 from rocking_cli import Method, Outcome, RockingParameters, cosine, parse_grid, pulse, response, sine
@@ -121,20 +122,6 @@ def along_histories(kind, cells, seed):
 @pytest.mark.parametrize("kind", KINDS)
 def test_outcomes_are_those_of_the_extremes_along_histories(kind):
     assert 10 < along_histories(kind, 120, 4) < 110
-
-
-def pendulum(eta=0.9):
-    """A point mass on wide feet: kappa = 1, alpha = 1."""
-    return RockingParameters("m", "point_mass", 2.0, 1.0, eta, math.tan(1.0), 1.0, arm=9.81 / 4.0)
-
-
-def lifting(omega):
-    """A from which the linear point mass leaves the ground as it comes down after a rectangular push of 2 pi/Omega: with y and y' at its
-    end (A - 1)(cosh - 1) and (A - 1) sinh, u'^2 = alpha^2 (y'^2 + 2 y - y^2) at the impact, and Fz = 1 - alpha sin - u'^2 cos(alpha)."""
-    cosh, sinh = math.cosh(2.0 * math.pi / omega), math.sinh(2.0 * math.pi / omega)
-    square = (1.0 - math.sin(1.0)) / math.cos(1.0)
-    a, b = sinh**2 - (cosh - 1.0) ** 2, 2.0 * (cosh - 1.0)
-    return 1.0 + (-b + math.sqrt(b * b + 4.0 * a * square)) / (2.0 * a)
 
 
 @pytest.mark.parametrize("omega", [8.0, 15.0])
