@@ -77,7 +77,7 @@ def _extrapolated(rate: Rate, start: Point, length: float) -> Point | None:
 def path(rate: Rate, start: Point, stop: float, limit: float) -> Path:
     """From an instant on or above the ground until `stop`, an impact, or an angle beyond `limit`.
 
-    Between the ends of two steps the ground is met once or not at all, and there is at most one crest.
+    Between the ends of two steps there is at most one crest, or one dip, which may come to the ground where both ends lie above it.
     """
     crests: list[Point] = []
     stretch, passed = stop - start.time, 0.0
@@ -96,11 +96,14 @@ def path(rate: Rate, start: Point, stop: float, limit: float) -> Path:
             continue
         passed += length
         there = there._replace(time=stop if passed >= stretch else start.time + passed)
+        if here.w < 0.0 < there.w and there.theta > 0.0:
+            bottom = _passes_zero(rate, here, there, 2, -1.0)
+            there = bottom if bottom.theta <= 0.0 else there
         struck = there.theta <= 0.0
         if struck:
-            there = _falls_through(rate, here, there, 1)
+            there = _passes_zero(rate, here, there, 1)
         if here.w > 0.0 >= there.w:
-            crests.append(_falls_through(rate, here, there, 2))
+            crests.append(_passes_zero(rate, here, there, 2))
         steps.append(there)
         if struck:
             return Path(crests, there, True, steps)
@@ -110,19 +113,21 @@ def path(rate: Rate, start: Point, stop: float, limit: float) -> Path:
     return Path(crests, here, False, steps)
 
 
-def _falls_through(rate: Rate, start: Point, end: Point, which: int) -> Point:
-    """The instant between two at which theta (which = 1) or w (2) falls through zero, by Newton's method in a bracket.
+def _passes_zero(rate: Rate, start: Point, end: Point, which: int, sense: float = 1.0) -> Point:
+    """The instant between two at which theta (which = 1) or w (2) falls (sense = 1) or rises (-1) through zero, by Newton's method in a
+    bracket.
 
     It begins at the root of Hermite's cubic and ends 1e-9 of the way from the root: what is left the caller's tangent takes.
     """
     span = end.time - start.time
     low, high = 0.0, span
-    length, there = span * _cubic_root(start[which], span * rate(*start)[which - 1], end[which], span * rate(*end)[which - 1]), end
+    ends = (sense * x for x in (start[which], span * rate(*start)[which - 1], end[which], span * rate(*end)[which - 1]))
+    length, there = span * _cubic_root(*ends), end
     for _ in range(_ROUNDS):
         there = step(rate, start, length) or there
-        low, high = (length, high) if there[which] > 0.0 else (low, length)
-        slope = rate(*there)[which - 1]
-        target = length - there[which] / slope if slope < 0.0 else low
+        value, slope = sense * there[which], sense * rate(*there)[which - 1]
+        low, high = (length, high) if value > 0.0 else (low, length)
+        target = length - value / slope if slope < 0.0 else low
         target = target if low < target < high else 0.5 * (low + high)
         if abs(target - length) <= _NEAR * target or not low < target < high:
             break
