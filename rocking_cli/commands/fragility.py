@@ -139,6 +139,7 @@ def fragility(
 
         if not (resume and output.is_file()):
             check_output(output, overwrite, resume)
+            options.refuse_own_input(output, recordings)
     elif shard is not None or scheduler is not None or resume:
         raise click.UsageError("--shard, --scheduler and --resume go with -o OUT.h5")
     wanted = {"exact": exact or efficiency or "first" in methods, "cloud": "cloud" in methods}
@@ -237,6 +238,7 @@ def _levels(text: str | None, measure: Measure) -> np.ndarray:
     if text is None:
         raise click.UsageError(f"no --levels; accepted is START:STOP:N[:log] of {measure.name}, or a list, such as 0.1g:1g:10")
     if ":" in text:
+        options.remark_on(spans=text)
         return check_levels(parse_span("--levels", text, measure.dimension))
     found = []
     for part in text.split(","):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
@@ -17,6 +18,7 @@ from .parameter_types import InputPath, LimitType, OutputPath, Registered, Resti
 from .terms import in_options
 
 if TYPE_CHECKING:
+    from ..motions.recording import Recording
     from ..reports.units import Units
     from ..spectra.grid import Grid
     from ..structures import RockingParameters
@@ -175,11 +177,12 @@ def structures_and_texts(files: tuple[str, ...], etas: tuple[float | None, ...] 
     return found, "\n---\n".join(d.text for d in documents)
 
 
-def remark_on(structures: Iterable[RockingParameters] = (), grid: Grid | None = None) -> None:
-    """Say on standard error what is odd about structures and amplitudes, up to three lines of it."""
-    from ..reports.plausibility import grid_remarks, structure_remarks
+def remark_on(structures: Iterable[RockingParameters] = (), grid: Grid | None = None, spans: str = "") -> None:
+    """Say on standard error what is odd about structures, amplitudes and spans as they are written, up to three lines of it."""
+    from ..reports.plausibility import grid_remarks, span_remarks, structure_remarks
 
     remarks = [remark for one in structures for remark in structure_remarks(one)] + ([] if grid is None else list(grid_remarks(grid)))
+    remarks += span_remarks(spans)
     quiet = click.get_current_context().params.get("quiet", False)
     for remark in remarks[:_REMARKS]:
         note(remark, quiet)
@@ -208,6 +211,19 @@ def refuse_figure(output: Path, overwrite: bool) -> None:
         raise click.UsageError(f"{output}: the folder {output.parent} does not exist")
     if output.exists() and not overwrite:
         raise click.UsageError(f"{output}: exists; --overwrite replaces it")
+
+
+def refuse_own_input(output: Path, recordings: Sequence[Recording] = ()) -> None:
+    """Refuse an output that is a document or a record of this very call: --overwrite would destroy it. Raises UsageError."""
+    context = click.get_current_context()
+    sources = [recording.record.source for recording in recordings]
+    for parameter in context.command.params:
+        if isinstance(parameter.type, InputPath):
+            given = context.params[parameter.name or ""] or ()
+            sources += [given] if isinstance(given, str) else given
+    for source in sources:
+        if os.path.isfile(source) and output.is_file() and os.path.samefile(source, output):
+            raise click.UsageError(f"{output} is an input of this very call; give another output")
 
 
 def now() -> str:

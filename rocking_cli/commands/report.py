@@ -59,6 +59,7 @@ def report(
     if shaking is None and not recordings:
         raise click.UsageError("no shaking: give --a-g and --omega-g (or --f-g, --T-g), or --motion FILE")
     _refuse(output, overwrite)
+    options.refuse_own_input(output, recordings)
     demand_extra()
     documents = [document for path in files for document in read_documents(path)]
     if len(documents) > MOST:

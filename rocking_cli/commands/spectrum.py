@@ -103,9 +103,8 @@ def spectrum(
         raise click.UsageError("--alpha goes with records: give --motion")
     grid = None if motion is None else parse_grid(axes or "")
     check_output(output, overwrite, resume)
-    options.remark_on(grid=grid)
-    if any(file != "-" and Path(file).resolve() == output.resolve() for file in files):
-        raise click.UsageError(f"{output} is a structure document of this very call; give another output")
+    options.remark_on(grid=grid, spans=axes or "")
+    options.refuse_own_input(output, recordings)
     scene: Scene
     texts = ""
     if grid is not None and motion is not None:

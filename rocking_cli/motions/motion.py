@@ -21,6 +21,8 @@ from ..errors import MotionError
 from .extremes import isolated_extremes
 from .segments import Samples, Segments
 
+LARGEST_SCALE = 1e100  # beyond it amplitudes overflow
+
 
 @dataclass(frozen=True)
 class Harmonic:
@@ -200,10 +202,10 @@ class Motion:
 
 
 def checked_scale(name: str, factor: float) -> float:
-    """The factor of a motion of that name. Raises MotionError for one that is zero or not finite."""
-    if np.isfinite(factor) and factor != 0.0:
+    """The factor of a motion of that name. Raises MotionError for one that is zero, not finite or beyond what can be computed with."""
+    if 0.0 < abs(factor) <= LARGEST_SCALE:
         return factor
-    raise MotionError(f"motion {name!r}: a scale of {factor:g}, accepted is a number that is not zero")
+    raise MotionError(f"motion {name!r}: a scale of {factor:g}, accepted is a number that is not zero, up to {LARGEST_SCALE:g}")
 
 
 def _quarters(h: Harmonic, phase: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from ..documents.quantities import DEFAULT_GRAVITY
+from ..documents.quantities import DEFAULT_GRAVITY, split_quantity
 
 if TYPE_CHECKING:
     from ..spectra.grid import Grid
@@ -13,6 +14,7 @@ if TYPE_CHECKING:
 
 LARGEST, SMALLEST = 100.0, 0.02  # m, half diagonals of blocks that anybody has built or shaken
 LEAST_RESTITUTION = 0.3
+_SPAN = re.compile(r"([^,=:]+):([^,=:]+):")
 MOST_ACCELERATION = 10.0 * DEFAULT_GRAVITY  # several times what was ever recorded
 
 
@@ -27,6 +29,15 @@ def structure_remarks(structure: RockingParameters) -> Iterator[str]:
     if not structure.one_sided and structure.eta < LEAST_RESTITUTION:
         lost = 1.0 - structure.eta**2
         yield f"{structure.name}: eta = {structure.eta:.3g}, so that every impact takes {lost:.0%} of the energy; tests mostly show less"
+
+
+def span_remarks(text: str) -> Iterator[str]:
+    """What is odd about spans as they are written: START:STOP:N with a unit on one of the bounds alone."""
+    for bounds in _SPAN.findall(text):
+        start, stop = map(split_quantity, bounds)
+        for one, other in ((start, stop), (stop, start)):
+            if one is not None and other is not None and one[0] and not one[1] and other[1]:
+                yield f"{':'.join(bounds)}: {one[0]:g} without a unit is in SI, not in {other[1]}"
 
 
 def grid_remarks(grid: Grid) -> Iterator[str]:

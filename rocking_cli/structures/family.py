@@ -79,7 +79,7 @@ def members(variations: Sequence[Variation]) -> int:
 def family(document: Document, variations: Sequence[Variation | str]) -> Iterator[Member]:
     """Every combination of the varied values, the last varying fastest. A member that has no solution says why.
 
-    variations: as `parse_variation` reads them. Raises DocumentError for a key that is unknown.
+    variations: as `parse_variation` reads them. Raises DocumentError for a key that is unknown, UsageError for one that takes a text.
 
     >>> (document,) = read_documents('configs/block.yaml')
     >>> [round(member.parameters.p, 4) for member in family(document, ['height=2:4:3'])]
@@ -101,6 +101,8 @@ def family(document: Document, variations: Sequence[Variation | str]) -> Iterato
             if any(key not in varied.asked for key in keys):
                 raise
             built, fault = None, str(error)
+        if built and (words := [key for key in keys if key not in varied.dimensions]):
+            raise UsageError(f"`vary` {words[0]}: takes a text; accepted are keys that take numbers")
         shown = {headed(key, units[i] or si_unit(varied.dimensions.get(key))): values[i] for i, key in enumerate(keys)}
         si = {key: parse_quantity(f"{values[i]!r} {units[i]}", varied.dimensions[key]) for i, key in enumerate(keys)} if built else {}
         if built:

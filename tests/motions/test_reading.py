@@ -70,6 +70,7 @@ def test_documents_and_pulses_are_turned_over(tmp_path):
         ({"scale_to": "PGA=-0.1g"}, "accepted is a positive intensity"),
         ({"scale_to": "PGA=1", "scale": 2.0}, "do not go together"),
         ({"scale": 0.0}, "a scale of 0"),
+        ({"scale": 1e308}, "accepted is a number that is not zero, up to 1e+100"),
         ({"component": "2"}, "accepted is 1, the only one"),
         ({"component": "1"}, None),
     ],

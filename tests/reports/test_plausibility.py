@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from written import built
 
-from rocking_cli.reports.plausibility import grid_remarks, structure_remarks
+from rocking_cli.reports.plausibility import grid_remarks, span_remarks, structure_remarks
 from rocking_cli.spectra.grid import parse_grid
 
 
@@ -29,6 +29,12 @@ def test_an_eta_below_0_3_is_said_what_it_means():
     ("a_g=1:98:3,f_g=1", []), ("a_g=10g,f_g=1", []), ("A=200,Omega=1", [])])  # fmt: skip
 def test_an_amplitude_beyond_10_g_is_said_in_g(axes, said):
     assert list(grid_remarks(parse_grid(axes))) == said
+
+
+@pytest.mark.parametrize(("text", "said"), [("a_g=0.1g:1:3,f_g=1:2:2", ["0.1g:1: 1 without a unit is in SI, not in g"]),
+    ("0.1:1 g:3", ["0.1:1 g: 0.1 without a unit is in SI, not in g"]), ("a_g=0:1g:3,f_g=1:5:2", []), ("a_g=1:2:3", []), ("10,15,20deg", [])])  # fmt: skip
+def test_a_unit_on_one_bound_alone_is_said(text, said):
+    assert list(span_remarks(text)) == said
 
 
 def test_commands_say_it_once_and_go_on(rocking):

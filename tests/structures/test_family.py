@@ -76,6 +76,8 @@ def test_a_member_without_a_solution_says_why_and_the_others_stay():
 def test_a_key_that_the_kind_does_not_take_is_refused_at_once():
     with pytest.raises(DocumentError, match="did you mean 'width'"):
         of(BLOCK, "widht=1:2:3")
+    with pytest.raises(UsageError, match="`vary` name: takes a text"):
+        of(BLOCK, "name=1:2:3")
 
 
 def test_keys_vary_once_and_members_are_counted():

@@ -8,7 +8,7 @@ from .record import Series
 from .text import Layout, RecordText
 
 NAME = "PEER AT2"
-_NUMBER = r"([-+.\dEe]+)"
+_NUMBER = r"([-+.\dEeDd]+)"
 _COUNT = re.compile(rf"NPTS\s*=\s*{_NUMBER}\s*,?\s*DT\s*=\s*{_NUMBER}", re.IGNORECASE)
 _OLDER = re.compile(rf"^\s*{_NUMBER}\s*,?\s+{_NUMBER}\s*,?\s*NPTS\s*,?\s*DT\b", re.IGNORECASE)
 _UNIT = re.compile(r"UNITS?\s*(?:OF|:|=)\s*([A-Z][A-Z0-9/^*]*)", re.IGNORECASE)

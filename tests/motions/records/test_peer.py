@@ -27,6 +27,7 @@ def body(samples=SAMPLES):
         TITLE + "NPTS= 1003, DT=   0.005 SEC\n",
         TITLE.lower() + "npts= 1003, dt=  .00500\n",
         TITLE + "NPTS=1003 DT=.5E-02 SEC\n",
+        TITLE + "NPTS=1003 DT=0.5D-02 SEC\n",
         TITLE + "\n\n\n NPTS=   1003, DT= .00500 SEC\n",
         "Title\nEvent\nStation\nSite\nFilter\nAcceleration in g\n    1003    0.0050    NPTS, DT\n",
     ],
