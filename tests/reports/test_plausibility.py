@@ -31,8 +31,16 @@ def test_an_amplitude_beyond_10_g_is_said_in_g(axes, said):
     assert list(grid_remarks(parse_grid(axes))) == said
 
 
-@pytest.mark.parametrize(("text", "said"), [("a_g=0.1g:1:3,f_g=1:2:2", ["0.1g:1: 1 without a unit is in SI, not in g"]),
-    ("0.1:1 g:3", ["0.1:1 g: 0.1 without a unit is in SI, not in g"]), ("a_g=0:1g:3,f_g=1:5:2", []), ("a_g=1:2:3", []), ("10,15,20deg", [])])  # fmt: skip
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("a_g=0.1g:1:3,f_g=1:2:2", ["0.1g:1: 1 without a unit is in SI, not in g"]),
+        ("0.1:1 g:3", ["0.1:1 g: 0.1 without a unit is in SI, not in g"]),
+        ("a_g=0:1g:3,f_g=1:5:2", []),
+        ("a_g=1:2:3", []),
+        ("10,15,20deg", []),
+    ],
+)
 def test_a_unit_on_one_bound_alone_is_said(text, said):
     assert list(span_remarks(text)) == said
 
