@@ -4,20 +4,22 @@ from __future__ import annotations
 
 import re
 
-from .record import Series
+from .record import WRITTEN_UNITS, Series, unit_of
 from .text import Layout, RecordText
 
 NAME = "PEER AT2"
 _NUMBER = r"([-+.\dEeDd]+)"
 _COUNT = re.compile(rf"NPTS\s*=\s*{_NUMBER}\s*,?\s*DT\s*=\s*{_NUMBER}", re.IGNORECASE)
 _OLDER = re.compile(rf"^\s*{_NUMBER}\s*,?\s+{_NUMBER}\s*,?\s*NPTS\s*,?\s*DT\b", re.IGNORECASE)
-_UNIT = re.compile(r"UNITS?\s*(?:OF|:|=)\s*([A-Z][A-Z0-9/^*]*)", re.IGNORECASE)
+_UNIT = re.compile(
+    r"UNITS?\s*(?:(?:(?:OF|ARE|IN)\b|[:=])\s*)+\(?([A-Z][A-Z0-9/^*]*)"
+    r"|\bACC.*(?:\bIN\s+|[(\[]\s*)(M?G|GALS?|(?:[CM]?M|IN|FT)/S[A-Z0-9/^*]*)(?![A-Z0-9/^*])",
+    re.IGNORECASE,
+)
 _KIND = re.compile(
     r"\b(ACC|VELOC|DISPL)[A-Z.]*\b.*\b(?:UNITS?|IN)\b|\b(ACC|VELOC|DISPL)[A-Z.]*\s+TIME[ -](?:HISTORY|SERIES)", re.IGNORECASE
 )
 _SAID, _TRAILER = re.compile(r"\S.*"), re.compile(r"\W*(?:END|EOF)\b", re.IGNORECASE)
-_UNITS = {"G": "g", "CM/S/S": "cm/s2", "CM/S2": "cm/s2", "CM/S^2": "cm/s2", "CM/SEC/SEC": "cm/s2", "CM/SEC2": "cm/s2",
-          "CM/SEC^2": "cm/s2", "GAL": "gal", "M/S/S": "m/s2", "M/S2": "m/s2", "M/S^2": "m/s2", "M/SEC2": "m/s2"}  # fmt: skip
 
 
 def recognise(head: str) -> bool:
@@ -37,9 +39,11 @@ def read(text: RecordText) -> list[Series]:
             raise text.fault(f"found {line.strip()!r}; accepted is an acceleration (AT2)")
         stated = _UNIT.search(line)
         if stated is not None:
-            if stated[1].upper() not in _UNITS:
-                raise text.fault(f"found the unit {stated[1]!r}; accepted is g, or another unit of acceleration")
-            unit = _UNITS[stated[1].upper()]
+            word = stated[1] or stated[2]
+            known = unit_of(word)
+            if known is None:
+                raise text.fault(f"found the unit {word!r}; accepted are {', '.join(WRITTEN_UNITS)}")
+            unit = known
     if line is None or found is None:
         raise text.fault("no line NPTS=, DT=")
     count, dt = text.count(found[1]), text.step(found[2])

@@ -13,6 +13,7 @@ from ..blocks import largest
 
 LARGEST = 1e6  # m/s2, beyond which no ground shakes
 STEPS = (1e-7, 1e3)  # s, from the shortest to the longest
+WRITTEN_UNITS = ("g", "gal", "cm/s2", "m/s2", "mm/s2")
 _PEAK_AGREES = 0.01  # part of a header's peak by which the samples' own may differ without a word
 
 
@@ -72,6 +73,12 @@ class Record:
     def label(self) -> str:
         """The name with the component."""
         return self.name if self.component is None else f"{self.name} {self.component}"
+
+
+def unit_of(word: str) -> str | None:
+    """The unit of acceleration that a file writes as cm/sec/sec, CM/S^2 or gals; None for any other word, such as cm/sec."""
+    plain = word.strip(" .").lower().replace("sec", "s").replace("**", "").replace("^", "").replace("/s/s", "/s2").replace("gals", "gal")
+    return plain if plain in WRITTEN_UNITS else None
 
 
 def record_of(series: Series, name: str, format_: str, source: str, sha256: str) -> Record:

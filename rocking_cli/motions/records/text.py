@@ -18,6 +18,7 @@ Array = np.ndarray
 
 HEAD = 1 << 16  # bytes in which a format shows itself
 _LINES_AT_ONCE = 1 << 16
+_DOS_BLOCK = 128  # bytes
 _NUMBER = re.compile(rb"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?")
 _FORTRAN = re.compile(r"\(\s*(?:\d+P\s*,?\s*)?(\d*)\s*[FEGDI]\s*(\d+)", re.IGNORECASE)
 
@@ -45,6 +46,8 @@ class RecordText:
             raw = raw.replace(b"\r\n", b"\n").replace(b"\r\n", b"\n").replace(b"\r", b"\n" if b"\n" not in raw[:HEAD] else b"")
         if b"\0" in raw:
             raw = raw.replace(b"\0", b" ")
+        if b"\x1a" in raw[-_DOS_BLOCK:]:  # where a text of DOS ends, to the end of its block
+            raw = raw.rstrip(b"\x1a\n ")
         self.source, self.raw = source, raw.removeprefix(b"\xef\xbb\xbf")
         self.head = self.raw[:HEAD].decode("latin-1")
         self.at, self.line = 0, 1

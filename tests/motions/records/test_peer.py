@@ -57,10 +57,30 @@ def test_values_beyond_those_declared_are_left_out_and_said(tmp_path):
     assert "more values than the 1000 declared" in " ".join(record.remarks)
 
 
-def test_other_units_of_acceleration(tmp_path):
+@pytest.mark.parametrize(
+    ("line", "factor"),
+    [
+        ("ACCELERATION TIME SERIES IN UNITS OF CM/S/S", 1e-2),
+        ("ACCELERATION TIME HISTORY IN UNITS OF CM/SEC**2. FILTER POINTS: HP=0.2 Hz LP=40.0 Hz", 1e-2),
+        ("ACCELERATION TIME HISTORY IN UNITS OF G. FILTER POINTS: HP=0.2 Hz LP=40.0 Hz", DEFAULT_GRAVITY),
+        ("  Acceleration in cm/s^2", 1e-2),
+        ("Acceleration (cm/sec/sec)", 1e-2),
+        ("Acc. [m/s2]", 1.0),
+        ("The units are (gal)", 1e-2),
+        ("The units are in g", DEFAULT_GRAVITY),
+        ("Accelerogram of Nowhere (MS/LA)", DEFAULT_GRAVITY),
+    ],
+)
+def test_the_unit_wherever_the_header_states_it(tmp_path, line, factor):
     path = tmp_path / "a.AT2"
-    path.write_text(TITLE.replace("UNITS OF G", "UNITS OF CM/S/S") + "NPTS= 1003, DT= .005 SEC\n" + body())
-    np.testing.assert_allclose(read_record(path).acceleration, READ / DEFAULT_GRAVITY * 1e-2, rtol=1e-15)
+    path.write_text(f"Nowhere\n{line}\nNPTS=  1003, dt=  .00500\n" + body())
+    np.testing.assert_allclose(read_record(path).acceleration, READ / DEFAULT_GRAVITY * factor, rtol=1e-15)
+
+
+def test_a_file_that_dos_ended(tmp_path):
+    path = tmp_path / "a.AT2"
+    path.write_bytes((TITLE + "NPTS= 1003, DT= .005 SEC\n" + body()).replace("\n", "\r\n").encode() + b"\x1a" * 60)
+    np.testing.assert_array_equal(read_record(path).acceleration, READ)
 
 
 def broken(line, text):
@@ -82,6 +102,9 @@ def broken(line, text):
             "a.AT2:3: found 'VELOCITY",
         ),
         (TITLE.replace("UNITS OF G", "UNITS OF CM/S") + "NPTS= 1003, DT= .005 SEC\n" + body(), "unit 'CM/S'"),
+        (TITLE.replace("UNITS OF G", "UNITS OF IN/S/S") + "NPTS= 1003, DT= .005 SEC\n" + body(), "a.AT2:3: found the unit 'IN/S/S'"),
+        ("Acceleration in mg\nNPTS= 1003, DT= .005 SEC\n" + body(), "a.AT2:1: found the unit 'mg'"),
+        (TITLE + "NPTS= 1003, DT= .005 SEC\n" + body() + "\x1a" + "velocity", "found '\\x1avelocity' after the 1003 values"),
         (broken(7, "  0.1 -0.2 0.3-0.4 0.5 0.6"), "a.AT2:12: found '0.3-0.4', two numbers run together, after 37 of 1003"),
         (broken(7, "  0.1 -0.2 0.30.4 0.5 0.6"), "a.AT2:12: found '0.30.4', two numbers run together"),
         (broken(7, "  0.1 -0.2 ******* 0.5 0.6"), "a.AT2:12: found '*******', stars in place of a number"),
