@@ -9,14 +9,18 @@ import re
 
 import numpy as np
 
-from .record import Series
+from ...documents.quantities import UNITS
+from .record import Series, unit_of
 from .text import Layout, RecordText, fortran_layout
 
 NAME = "COSMOS"
 _FIRST = re.compile(r"\(Format\s+v(\d[\d.]*)\s+with\s+(\d+)\s+text lines\)", re.IGNORECASE)
 _NUMBERS = re.compile(r"^\s*(\d+)\s*(?:integer|real)-header values follow on\s*\d+\s*lines", re.IGNORECASE)
 _COMMENTS = re.compile(r"^\s*(\d+)\s*comment line", re.IGNORECASE)
-_BLOCK = re.compile(r"^\s*(\d+)\s+(\w+(?: \w+)?)\s*(?:pts|points|counts)\b.*?units\s*=\s*([^,(]+)\(\s*(\d+)\s*\)", re.IGNORECASE)
+_BLOCK = re.compile(
+    r"^\s*(\d+)\s+([\w.]+(?: [\w.]+)?)\s*(?:pts|points|counts)\b.*?units\s*=\s*([^,(]+?)\s*(?:\(\s*(\d+)\s*\)|,)", re.IGNORECASE
+)
+_ACCELERATION = re.compile(r"\bacc", re.IGNORECASE)  # as in `acceleration` and `uncor. accel.`
 _APPROXIMATELY = re.compile(r"approx\s+([\d.]+)\s*secs", re.IGNORECASE)
 _CHANNEL = re.compile(r"^\s*Sta\s+Cha\w*\s*\S*?\s*:\s*(?:\d+\s*:)?\s*(.*?)\s*(?:\(|$)", re.IGNORECASE)
 _CODE = re.compile(r"<SCNL>\s*[^.\s]*\.([^.\s]+)\.", re.IGNORECASE)
@@ -47,21 +51,31 @@ def read(text: RecordText) -> list[Series]:
         if block is None or layout is None:
             raise text.fault(f"found {line.strip()!r}; accepted is such as 7000 acceleration pts, units=cm/sec2(04),Format=(8F10.5)")
         count = text.count(block[1])
-        if not block[2].lower().startswith("acc"):
-            others = f"{block[2]} in {block[3].strip()}"
+        if not _ACCELERATION.search(block[2]):
+            others = f"{block[2]} in {block[3]}"
             text.skip(count, layout)
             continue
-        if int(block[4]) not in _UNITS:
-            raise text.fault(f"found the unit {block[3].strip()!r} ({block[4]}); accepted are cm/s2 (04), g (02) and gal (10)")
+        unit = _unit(text, block[3], block[4])
         dt = _step(text, reals, count, line)
         component = next((m[1] for x in lines if (m := _CODE.search(x))), None) or next(
             (m[1] for x in lines if (m := _CHANNEL.match(x))), None
         )
         peak = f"{reals[_PEAK]:.6f}" if reals[_PEAK] not in (-999.0, 0.0) else None
-        found.append(Series(component or None, dt, text.numbers(count, layout), _UNITS[int(block[4])], peak))
+        found.append(Series(component or None, dt, text.numbers(count, layout), unit, peak))
     if not found:
         raise text.fault(f"no acceleration, only {others}; accepted is an acceleration with a unit" if others else "no channel")
     return found
+
+
+def _unit(text: RecordText, word: str, code: str | None) -> str:
+    """The unit of a block by its code, or by its word where it has none; raises where they contradict each other."""
+    known, coded = unit_of(word), None if code is None else _UNITS.get(int(code))
+    unit = known if code is None else coded
+    if unit is None:
+        raise text.fault(f"found the unit {word!r} ({code or 'no code'}); accepted are cm/s2 (04), g (02) and gal (10)")
+    if known is not None and UNITS["acceleration"][known] != UNITS["acceleration"][unit]:
+        raise text.fault(f"found the unit {word!r} with the code {code}, which is {unit}")
+    return unit
 
 
 def _header(text: RecordText, kind: str) -> np.ndarray:

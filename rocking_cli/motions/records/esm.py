@@ -1,15 +1,15 @@
-"""ESM and ITACA, DYNA 1.2: lines `KEY: value` from EVENT_NAME on (64 of them), then one value a line."""
+"""ESM and ITACA: lines `KEY: value` from EVENT_NAME on (64 in DYNA 1.2, 55 in 1.0, 43 in the first ITACA), then one value a line."""
 
 from __future__ import annotations
 
 import re
 
-from .record import Series
+from .record import WRITTEN_UNITS, Series, unit_of
 from .text import Layout, RecordText
 
 NAME = "ESM"
 _KEY = re.compile(r"([A-Z][A-Z0-9_/^.()-]*)\s*:\s*(.*)")
-_UNITS = {"cm/s^2": "cm/s2", "cm/s2": "cm/s2", "cm/s/s": "cm/s2", "gal": "gal", "m/s^2": "m/s2", "m/s2": "m/s2", "g": "g"}
+_KINDS = ("ACCELERATION", "PROCESSED ACCELERATION", "UNPROCESSED ACCELERATION")
 
 
 def recognise(head: str) -> bool:
@@ -34,16 +34,17 @@ def read(text: RecordText) -> list[Series]:
         return keys[key]
 
     kind, line_number = value("DATA_TYPE", "ACCELERATION")
-    if kind.upper() != "ACCELERATION":
+    if kind.upper() not in _KINDS:
         raise text.fault(f"DATA_TYPE: found {kind!r}; accepted is ACCELERATION", line_number)
     unit, line_number = value("UNITS", "a unit of acceleration")
-    if unit.lower() not in _UNITS:
-        raise text.fault(f"UNITS: found {unit!r}; accepted are {', '.join(_UNITS)}", line_number)
+    known = unit_of(unit)
+    if known is None:
+        raise text.fault(f"UNITS: found {unit!r}; accepted are {', '.join(WRITTEN_UNITS)}", line_number)
     count = text.count(*value("NDATA", "a number of values"))
     dt = text.step(*value("SAMPLING_INTERVAL_S", "a step in s"))
     if keys.get("DURATION_S", ("", 0))[0]:
         text.agree(count, dt, *keys["DURATION_S"])
     peak = next((v for k, (v, _) in keys.items() if k.startswith("PGA_") and re.fullmatch(r"[-+\d.eE]+", v)), None)
-    component = keys.get("STREAM", ("", 0))[0] or None
+    component = next((v for k in ("STREAM", "COMPONENT") if (v := keys.get(k, ("", 0))[0])), None)
     samples = text.numbers(count, Layout(1))
-    return [Series(component, dt, samples, _UNITS[unit.lower()], peak, text.surplus(count))]
+    return [Series(component, dt, samples, known, peak, text.surplus(count))]

@@ -1,4 +1,5 @@
-"""SMC (USGS): 11 lines of text, 48 integers and 50 reals in fixed columns, comments behind bars, values in cm/s2 of ten characters."""
+"""SMC (USGS): 11 lines of text, 48 integers and 50 reals in fixed columns, comments behind bars, values in cm/s2 of ten characters
+(fourteen where the header states eight digits)."""
 
 from __future__ import annotations
 
@@ -8,11 +9,12 @@ from .record import Series
 from .text import Layout, RecordText
 
 NAME = "SMC"
-_KINDS = "UNCORRECTED ACCELEROGRAM|CORRECTED ACCELEROGRAM|VELOCITY|DISPLACEMENT|RESPONSE SPECTRA|FOURIER AMPLITUDE SPECTRA"
+_KINDS = "UNCORRECTED ACCELEROGRAM|CORRECTED ACCELEROGRAM|VELOCITY|DISPLACEMENT|RESPONSE SPECTRA|FOURIER AMPLITUDE SPECTRA|UNKNOWN"
 _FIRST = re.compile(rf"^\s*([0-9])\s+({_KINDS})", re.IGNORECASE)
 _COMPONENT = re.compile(r"component\s*=\s*(\S.*?)\s*$", re.IGNORECASE)
 _TEXT, _INTEGERS, _REALS = 11, 48, 50
-_COMMENTS, _POINTS = 15, 16  # places among the integers, from 0
+_COMMENTS, _POINTS, _DIGITS = 15, 16, 46  # places among the integers, from 0
+_LAYOUTS = {8: Layout(5, 14)}  # of values, by the digits that the header states
 _NONE, _RATE, _MAXIMUM, _MINIMUM = 0, 1, 29, 31  # places among the reals
 
 
@@ -37,6 +39,6 @@ def read(text: RecordText) -> list[Series]:
     rate = text.rate(f"{reals[_RATE]:.10g}")
     component = next((m[1] for line in lines if (m := _COMPONENT.search(line))), None)
     peaks = [abs(reals[i]) for i in (_MAXIMUM, _MINIMUM) if reals[i] != reals[_NONE]]
-    samples = text.numbers(count, Layout(8, 10))
+    samples = text.numbers(count, _LAYOUTS.get(int(integers[_DIGITS]), Layout(8, 10)))
     peak = f"{max(peaks):.6e}" if peaks and max(peaks) > 0.0 else None
     return [Series(component, 1.0 / rate, samples, "cm/s2", peak, text.surplus(count))]

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from recorded import as_printed, rows, wave
 
+from rocking_cli.documents.quantities import DEFAULT_GRAVITY
 from rocking_cli.errors import DocumentError
 from rocking_cli.motions.records import read_record, read_records
 
@@ -62,6 +63,22 @@ def test_samples_step_and_peak(tmp_path, header, form, printed):
     assert record.header_pga == pytest.approx(1.61962, rel=1e-12, abs=0)
 
 
+@pytest.mark.parametrize(
+    ("changed", "factor", "printed"),
+    [
+        ({"unit": "cm/s^2"}, 1e-2, "{:10.5f}"),
+        ({"unit": "cm/s^2 (4)", "form": "10F8.3"}, 1e-2, "{:8.3f}"),  # neighbours touch
+        ({"unit": "g.     (02)"}, DEFAULT_GRAVITY, "{:10.5f}"),
+        ({"unit": "gal(04)"}, 1e-2, "{:10.5f}"),
+        ({"quantity": "uncor. accel."}, 1e-2, "{:10.5f}"),
+    ],
+)
+def test_how_writers_name_the_unit_and_the_block(tmp_path, changed, factor, printed):
+    path = tmp_path / "a.V1c"
+    path.write_text("".join(f"{line:<80}\n" for line in channel(**changed).splitlines()))  # card images
+    np.testing.assert_allclose(read_record(path).acceleration, factor * as_printed(SAMPLES, printed), rtol=1e-15)
+
+
 def test_other_quantities_in_the_file_are_passed_over(tmp_path):
     path = tmp_path / "a.V2c"
     path.write_text(channel(-SAMPLES, quantity="velocity", unit="cm/sec(05)") + channel())
@@ -83,6 +100,8 @@ def test_a_length_that_leaves_out_the_last_step_agrees(tmp_path):
         (channel(step=0.0), "a:46: a time step of 0"),
         (channel(quantity="velocity", unit="cm/sec(05)"), "no acceleration, only velocity in cm/sec"),
         (channel(unit="counts(50)"), "found the unit 'counts' (50)"),
+        (channel(unit="in/sec2"), "a:46: found the unit 'in/sec2' (no code); accepted are cm/s2 (04)"),
+        (channel(unit="g(04)"), "a:46: found the unit 'g' with the code 04, which is cm/s2"),
         (channel(count=2008, length=20.08), "after 2000 of 2008 values"),
         (channel().replace("Real-header", "Imaginary"), "100 real-header values follow"),
         ("\n".join(channel().splitlines()[:20]), "a:20: the file ends after 60 of 100 values"),

@@ -52,6 +52,15 @@ def test_samples_peak_and_component(tmp_path):
     assert record.header_pga == pytest.approx(0.875, rel=1e-14, abs=0)
 
 
+@pytest.mark.parametrize("kind", ["PROCESSED ACCELERATION", "UNPROCESSED ACCELERATION"])
+def test_the_first_header_of_itaca(tmp_path, kind):
+    path = written(tmp_path / "19971014_152309ITDPC_NCR__WEX.DAT", DATA_TYPE=kind)
+    path.write_text(path.read_text().replace("STREAM: HNE", "COMPONENT: WE"))
+    record = read_record(path)
+    assert record.component == "WE"
+    np.testing.assert_allclose(record.acceleration, 1e-2 * as_printed(SAMPLES, FORM), rtol=1e-15)
+
+
 def test_a_peak_that_the_samples_contradict_is_a_remark_with_both(tmp_path):
     (remark,) = read_record(written(tmp_path / "a", **{"PGA_CM/S^2": "-80.0"})).remarks
     assert "80" in remark
@@ -61,6 +70,7 @@ def test_a_peak_that_the_samples_contradict_is_a_remark_with_both(tmp_path):
 @pytest.mark.parametrize(
     ("changed", "words"),
     [
+        ({"DATA_TYPE": "ACCELERATION RESPONSE SPECTRUM"}, "a:21: DATA_TYPE: found 'ACCELERATION RESPONSE SPECTRUM'"),
         ({"DATA_TYPE": "VELOCITY"}, "a:21: DATA_TYPE: found 'VELOCITY'"),
         ({"UNITS": "counts"}, "a:15: UNITS: found 'counts'"),
         ({"UNITS": ""}, "a:15: no value of UNITS"),

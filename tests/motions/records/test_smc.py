@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from recorded import rows, wave
+from recorded import as_printed, rows, wave
 
 from rocking_cli.errors import DocumentError
 from rocking_cli.motions.records import read_record
@@ -19,7 +19,9 @@ def short(x):
     return f"{mantissa:>7}E{int(exponent):+d}"
 
 
-def written(path, *, values=SAMPLES, kind="2 CORRECTED ACCELEROGRAM", count=None, rate=200.0, peak=104.4, comments=3, lines=None):
+def written(
+    path, *, values=SAMPLES, kind="2 CORRECTED ACCELEROGRAM", count=None, rate=200.0, peak=104.4, comments=3, lines=None, digits=-32768
+):
     text = [
         kind,
         "*",
@@ -31,11 +33,13 @@ def written(path, *, values=SAMPLES, kind="2 CORRECTED ACCELEROGRAM", count=None
     text += [f"epicentral dist =     89.0       pk     = {peak:8.1f}", "inst type=SMA-1      data source = USGS", "*", "*", "*"]
     integers = np.full(48, -32768)
     integers[15], integers[16] = comments, len(values) if count is None else count
+    integers[46] = digits
     reals = np.full(50, NONE)
     reals[1], reals[29], reals[31] = rate, peak, -0.5 * peak
     body = "\n".join(text) + "\n" + rows(integers, 8, "{:10d}") + rows(reals, 5, "{:15.7E}") + "| a comment\n" * comments
     printed = [short(x) for x in values]
-    body += "".join("".join(printed[i : i + 8]) + "\n" for i in range(0, len(printed), 8))
+    standard = "".join("".join(printed[i : i + 8]) + "\n" for i in range(0, len(printed), 8))
+    body += rows(values, 5, "{:14.7E}") if digits == 8 else standard
     path.write_text("\n".join(body.splitlines()[:lines]) + "\n")
     return path
 
@@ -45,6 +49,11 @@ def test_numbers_of_ten_characters(tmp_path):
     assert (record.format, record.component, record.dt, record.remarks) == ("SMC", "360", 0.005, ())
     np.testing.assert_allclose(record.acceleration, 1e-2 * np.array([float(short(x)) for x in SAMPLES]), rtol=1e-15)
     assert record.header_pga == pytest.approx(1.044, rel=1e-6, abs=0)
+
+
+def test_numbers_of_eight_digits_where_the_header_says_so(tmp_path):
+    record = read_record(written(tmp_path / "a", digits=8))
+    np.testing.assert_allclose(record.acceleration, 1e-2 * as_printed(SAMPLES, "{:14.7E}"), rtol=1e-15)
 
 
 def test_a_name_padded_with_nulls_and_no_comments(tmp_path):
@@ -57,6 +66,7 @@ def test_a_name_padded_with_nulls_and_no_comments(tmp_path):
     ("changed", "words"),
     [
         ({"kind": "3 VELOCITY"}, "a:1: found '3 VELOCITY'; accepted is an accelerogram"),
+        ({"kind": "0 UNKNOWN"}, "a:1: found '0 UNKNOWN'; accepted is an accelerogram"),
         ({"count": 806}, "a:131: the file ends after 805 of 806 values"),
         ({"rate": 0.0}, "a sampling frequency of 0"),
         ({"rate": NONE}, "no sampling rate"),
