@@ -138,8 +138,6 @@ def unknown(source: str, raw: bytes) -> str:
     """What to say of a file that `records_of` knows no format for."""
     first = raw[:200].decode("latin-1").strip().split("\n", 1)[0].strip()[:60]
     formats = f"{', '.join(f.NAME for f in _formats())} and plain columns of numbers"
-    if first.lower().startswith("uncorrected accelerogram"):
-        return f"{source}:1: found {first!r}, which is not corrected (volume 1); accepted are {formats}"
     return f"{source}: no record format (it begins with {first!r}); accepted are {formats}"
 
 

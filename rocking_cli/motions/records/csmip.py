@@ -8,30 +8,25 @@ from __future__ import annotations
 
 import re
 
-from .record import Series
+from .record import WRITTEN_UNITS, Series, unit_of
 from .text import Layout, RecordText, fortran_layout
 
 NAME = "CSMIP V2"
 _FIRST = re.compile(r"(?<!UN)CORRECTED ACCELEROGRAM", re.IGNORECASE)
+_VOLUME_1 = re.compile(r"\s*UNCORRECTED ACCELEROGRAM", re.IGNORECASE)
 _CHANNEL = re.compile(r"\bChan(?:nel)?\s*\d*\s*:\s*(.+?)\s*(?:from|\(|$)", re.IGNORECASE)
 _BLOCK = re.compile(r"^\s*(\d+)\s*points of (accel|veloc|displ)\w* data(?:.*?\bat\s*([-+.\d]+)\s*sec)?", re.IGNORECASE)
 _PEAK = re.compile(r"Peak\s+accel\w*\s*=\s*([-+.\dEe]+)\s*([a-z/0-9^]+)", re.IGNORECASE)
 _POINTS = re.compile(r"^\s*(\d+)\s+points of instrument", re.IGNORECASE)
 _LENGTH = re.compile(r"Record length\s*=\s*([.\d]+)\s*sec", re.IGNORECASE)
 _UNIT = re.compile(r"(?:\bin\b|units?:?)\s*(?:units of\s*)?([a-z]+(?:/[a-z0-9/^]+)?)", re.IGNORECASE)
-_UNITS = {
-    "g": "g",
-    "gal": "gal",
-    "gals": "gal",
-    **dict.fromkeys(("cm/sec2", "cm/sec/sec", "cm/s2", "cm/s/s", "cm/s^2", "cm/sec^2"), "cm/s2"),
-}
 _REAL_HEADER = 13  # lines of the numbers before a block; the 61st of them is the step with more digits than the text has
 
 
 def recognise(head: str) -> bool:
-    """Whether the first line announces a corrected accelerogram that is not of GNS Science."""
+    """Whether the first line announces an accelerogram, corrected or not, that is not of GNS Science."""
     first = head.lstrip().split("\n", 1)[0]
-    return bool(_FIRST.search(first)) and "GNS Science" not in first and "(format v" not in first.lower()
+    return bool(_FIRST.search(first) or _VOLUME_1.match(first)) and "GNS Science" not in first and "(format v" not in first.lower()
 
 
 def read(text: RecordText) -> list[Series]:
@@ -42,6 +37,8 @@ def read(text: RecordText) -> list[Series]:
     peak: re.Match[str] | None = None
     points = length = None
     recent: list[str] = []
+    if _VOLUME_1.match(text.head):
+        raise text.fault("an uncorrected accelerogram (volume 1); accepted is the corrected one (volume 2)", 1)
     while (line := text.next_line()) is not None:
         recent = [*recent[-_REAL_HEADER:], line]
         if _FIRST.search(line):
@@ -65,10 +62,10 @@ def read(text: RecordText) -> list[Series]:
         if length is not None and not 0.5 < count * dt / max(float(length[1]), 1e-9) < 2.0:
             raise text.fault(f"{count} points every {dt:g} s, where the channel's header states a length of {length[1]} s")
         stated = _UNIT.search(line[block.end() :])
-        unit = _UNITS.get(stated[1].lower()) if stated else "cm/s2"
+        unit = unit_of(stated[1]) if stated else "cm/s2"
         if unit is None:
-            raise text.fault(f"found {line.strip()!r}; accepted are the units {', '.join(_UNITS)}")
-        same = peak is not None and _UNITS.get(peak[2].lower()) == unit
+            raise text.fault(f"found {line.strip()!r}; accepted are the units {', '.join(WRITTEN_UNITS)}")
+        same = peak is not None and unit_of(peak[2]) == unit
         found.append(Series(channel, dt, text.numbers(count, layout), unit, peak[1] if peak is not None and same else None))
     if not found:
         raise text.fault(f"no points of accel data, only of {others}" if others else "no line `n points of accel data`")

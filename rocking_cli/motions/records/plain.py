@@ -16,6 +16,7 @@ NAME = "text"
 _SEPARATORS = b",;\t"
 _ROW = re.compile(r"^\s*[-+]?(?:\d+\.?\d*|\.\d+)(?:[eEdD][-+]?\d+)?(?:[\s,;]|$)")
 _MOST_TITLE_LINES = 40
+_FEW = 10  # values, fewer than which may be as many as the first of them says
 _UNEVEN = 0.1  # part of a step by which printed times may lie off an even grid
 
 
@@ -49,6 +50,8 @@ def read(text: RecordText, unit: str | None, dt: float | None) -> list[Series]:
     if columns == 1:
         if dt is None:
             raise DocumentError(f"{text.source}: one column of numbers without times; give their step as `dt`")
+        if values[0] > _FEW and values[0] in (values.size - 1, values.size - 2):
+            raise text.fault(f"found {values[0]:g}, the number of the values below it; accepted are accelerations alone", line_number)
         return [Series(None, dt, values, unit)]
     if dt is not None:
         raise DocumentError(f"{text.source}: two columns, of which the first is the time; `dt` goes with one column")

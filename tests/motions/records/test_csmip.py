@@ -78,6 +78,14 @@ def test_any_case_and_no_format(tmp_path):
     np.testing.assert_allclose(read_record(path).acceleration, 1e-2 * as_printed(TOUCHING, FORM), rtol=1e-15)
 
 
+def test_a_unit_in_brackets_and_no_format_as_before_1990(tmp_path):
+    path = tmp_path / "a"
+    text = channel(1, 90, TOUCHING, form="").replace("sec, in cm/sec2. ", "sec.  (units: cm/sec/sec)")
+    path.write_text(text.upper())
+    assert "(UNITS: CM/SEC/SEC)" in path.read_text()
+    np.testing.assert_allclose(read_record(path).acceleration, 1e-2 * as_printed(TOUCHING, FORM), rtol=1e-15)
+
+
 def test_the_real_header_knows_the_step_to_more_digits(tmp_path):
     path = tmp_path / "a"
     path.write_text(channel(1, 90, SAMPLES / 10, dt="  .008", precise=0.0078125))
@@ -90,9 +98,13 @@ def test_channels_of_one_name_are_told_apart(tmp_path):
     assert [r.component for r in read_records(path)] == ["90 Deg (1)", "90 Deg (2)"]
 
 
+VOLUME_1 = "Uncorrected Accelerogram Data             Processed: 01/02/00, XYZ\nChan  1: 360 Deg\n" + rows([1] * 100, 16, "{:5d}")
+
+
 @pytest.mark.parametrize(
     ("text", "words"),
     [
+        (VOLUME_1, "a:1: an uncorrected accelerogram (volume 1); accepted is the corrected one (volume 2)"),
         (channel(1, 90, SAMPLES / 10, blocks="v"), "no points of accel data, only of veloc"),
         (channel(1, 90, SAMPLES / 10, blocks=""), "no line `n points of accel data`"),
         (channel(1, 90, SAMPLES / 10, points=996), "a:46: 997 points of acceleration, where the channel's header states 996"),

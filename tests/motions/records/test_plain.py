@@ -44,6 +44,8 @@ def test_times_printed_to_few_digits_are_an_even_grid(tmp_path):
 
 ROWS = [f"{0.01 * i:.2f} {x:.6f}" for i, x in enumerate(SAMPLES)]
 
+COLUMN = "".join(f"{x:.6f}\n" for x in SAMPLES)
+
 
 def lines(**changed):
     return "\n".join({**dict(enumerate(ROWS)), **{int(k[1:]): v for k, v in changed.items()}}.values()) + "\n"
@@ -63,6 +65,9 @@ def lines(**changed):
         (lines(_7="0.07 nan"), {"unit": "g"}, "a:8: found 'nan', which is no finite number"),
         (lines(_7="0.05 0.1"), {"unit": "g"}, "a:8: times that do not rise in even steps, such as 0.05 s"),
         ("t velocity\n" + lines(), {"unit": "g"}, "a:1: found 't velocity'; accepted is an acceleration"),
+        (f"400\n{COLUMN}", {"unit": "g", "dt": 0.01}, "a:1: found 400, the number of the values below it"),
+        (f"made up\n400\n0.01\n{COLUMN}", {"unit": "g", "dt": 0.01}, "a:2: found 400, the number of the values below it"),
+        (f"made up\n400 0.01\n{COLUMN}", {"unit": "g", "dt": 0.01}, "a:3: found 1 numbers, 2 on the lines before"),
         ("0 1\n0 2\n0 3\n", {"unit": "g"}, "times that do not rise"),
         ("0\n1e7\n", {"unit": "m/s2", "dt": 0.01}, "an acceleration that is not finite or beyond 1e+06 m/s2"),
         ("0\n1\n", {"unit": "g", "dt": 1e4}, "a time step of 10000 s; accepted is one from 1e-07 to 1000 s"),
