@@ -79,7 +79,7 @@ class Motion:
     """
 
     name: str
-    pieces: tuple[Piece, ...]
+    pieces: Sequence[Piece]
 
     @property
     def acceleration(self) -> float | None:

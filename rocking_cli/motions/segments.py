@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, fields
 from functools import cached_property
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
+from .blocks import blocks, largest
+from .columns import LEAF, LEAF_LEVEL, After, Column, Computed, Largest, SumsAhead, Then
 from .table import Table, table_of
-
-_LEAF_LEVEL = 3
-_LEAF = 1 << _LEAF_LEVEL  # segments that are looked through one by one
 
 
 @dataclass(frozen=True)
@@ -31,7 +31,8 @@ class Segments:
     `start`, `length` [rad]; `s_start`, `s_end` one-sided values; `sin`, `cos` of each harmonic's argument at the
     segment's start, times its amplitude; `frequency` (harmonic, segment); `slope`; `joins`: the next segment belongs to
     the same piece, so one closed form spans both; `later_max`, `later_min`: bounds of s from the segment's start to the
-    end of the motion (at least 0 and at most 0: after the motion the ground is still).
+    end of the motion (at least 0 and at most 0: after the motion the ground is still). Of long records those over segments are no arrays
+    but a `Column`.
     """
 
     start: np.ndarray
@@ -62,7 +63,9 @@ class Segments:
     def followed_by_rest(self, length: float) -> Segments:
         """The same motion and then still ground, for a phase of this length [rad]."""
 
-        def then(values: np.ndarray, last: float | bool) -> np.ndarray:
+        def then(values: np.ndarray, last: float | bool) -> Any:
+            if isinstance(values, Column):
+                return Then(values, last)
             return np.concatenate([values, np.full((*values.shape[:-1], 1), last, dtype=values.dtype)], axis=-1)
 
         end = self.start[-1] + self.length[-1]
@@ -71,14 +74,17 @@ class Segments:
 
     @cached_property
     def _blocks(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Largest s and -s over blocks of _LEAF 2^j segments, all j after one another up to the one block; where each j begins."""
-        sizes = [-(-len(self) // _LEAF)]
+        """Largest s and -s over blocks of LEAF 2^j segments, all j after one another up to the one block; where each j begins."""
+        sizes = [-(-len(self) // LEAF)]
         while sizes[-1] > 1:
             sizes.append((sizes[-1] + 1) // 2)
-        start, first = np.cumsum([0, *sizes]), np.arange(0, len(self), _LEAF)
+        start = np.cumsum([0, *sizes])
         high, low = np.empty(start[-1]), np.empty(start[-1])
-        high[: sizes[0]] = np.maximum(np.maximum.reduceat(self.s_start, first), np.maximum.reduceat(self.s_end, first))
-        low[: sizes[0]] = -np.minimum(np.minimum.reduceat(self.s_start, first), np.minimum.reduceat(self.s_end, first))
+        for part in blocks(len(self)):  # of whole leaves
+            s_start, s_end, first = self.s_start[part], self.s_end[part], np.arange(0, part.stop - part.start, LEAF)
+            leaves = slice(part.start // LEAF, part.start // LEAF + first.size)
+            high[leaves] = np.maximum(np.maximum.reduceat(s_start, first), np.maximum.reduceat(s_end, first))
+            low[leaves] = -np.minimum(np.minimum.reduceat(s_start, first), np.minimum.reduceat(s_end, first))
         for values in (high, low):
             for begin, middle, end in zip(start, start[1:], start[2:], strict=False):
                 below, above = values[begin:middle], values[middle:end]
@@ -94,22 +100,22 @@ class Segments:
         at, loud = self._in_leaf(k[lanes], above[lanes], below[lanes])
         found[lanes[loud]] = at[loud]
         lanes = lanes[~loud]
-        leaf = self._next_leaf(k[lanes] // _LEAF + 1, above[lanes], below[lanes])
-        lanes, leaf = lanes[leaf * _LEAF < len(self)], leaf[leaf * _LEAF < len(self)]
-        found[lanes], _ = self._in_leaf(leaf * _LEAF, above[lanes], below[lanes])
+        leaf = self._next_leaf(k[lanes] // LEAF + 1, above[lanes], below[lanes])
+        lanes, leaf = lanes[leaf * LEAF < len(self)], leaf[leaf * LEAF < len(self)]
+        found[lanes], _ = self._in_leaf(leaf * LEAF, above[lanes], below[lanes])
         return found
 
     def _in_leaf(self, k: np.ndarray, above: np.ndarray, below: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """The first such segment from k to the end of its block of _LEAF, and whether there is one."""
-        at = k + np.arange(_LEAF)[:, None]
-        inside = at < np.minimum((k // _LEAF + 1) * _LEAF, len(self))
+        """The first such segment from k to the end of its block of LEAF, and whether there is one."""
+        at = k + np.arange(LEAF)[:, None]
+        inside = at < np.minimum((k // LEAF + 1) * LEAF, len(self))
         at = np.minimum(at, len(self) - 1)
         start, end = self.s_start[at], self.s_end[at]
         loud = ((np.maximum(start, end) > above) | (-np.minimum(start, end) > below)) & inside
         return k + loud.argmax(axis=0), loud.any(axis=0)
 
     def _next_leaf(self, k: np.ndarray, above: np.ndarray, below: np.ndarray) -> np.ndarray:
-        """The first such block of _LEAF segments from the k-th on, the number of blocks where there is none."""
+        """The first such block of LEAF segments from the k-th on, the number of blocks where there is none."""
         high, low, start = self._blocks
         leaves = int(start[1])
         found = np.full(k.shape, leaves)
@@ -138,13 +144,13 @@ class Segments:
         while lanes.size:  # by the largest blocks that begin there and fit
             room, aligned = to[lanes] - at, at & -at
             level = np.frexp(np.where(aligned > 0, np.minimum(aligned, room), room).astype(float))[1] - 1
-            whole = (1 << level) >= _LEAF  # smaller blocks go segment by segment
-            level = np.clip(level - _LEAF_LEVEL, 0, start.size - 2)
-            block = start[level] + (at >> (level + _LEAF_LEVEL))
+            whole = (1 << level) >= LEAF  # smaller blocks go segment by segment
+            level = np.clip(level - LEAF_LEVEL, 0, start.size - 2)
+            block = start[level] + (at >> (level + LEAF_LEVEL))
             first, last = self.s_start[at], self.s_end[at]
             largest[lanes] = np.maximum(largest[lanes], np.where(whole, high[block], np.maximum(first, last)))
             least[lanes] = np.minimum(least[lanes], np.where(whole, -low[block], np.minimum(first, last)))
-            at = at + np.where(whole, _LEAF << level, 1)
+            at = at + np.where(whole, LEAF << level, 1)
             going = at < to[lanes]
             lanes, at = lanes[going], at[going]
         return largest, least
@@ -173,11 +179,63 @@ class Segments:
     @cached_property
     def sloped(self) -> bool:
         """Whether any piece has a term linear in time."""
-        return bool(np.any(self.slope != 0.0))
+        return any(bool(np.any(self.slope[part] != 0.0)) for part in blocks(len(self)))
+
+    @cached_property
+    def variation(self) -> np.ndarray | SumsAhead:
+        """How much s varies from each segment's end on until it rests at 0, added from the end of the motion."""
+        if isinstance(self.s_end, Column):
+            return SumsAhead.of(Computed(_varies, (self.s_end, After(self.s_start, 0.0), After(self.s_end, 0.0))))
+        return np.cumsum(_varies(self.s_end, np.append(self.s_start[1:], 0.0), np.append(self.s_end[1:], 0.0))[::-1])[::-1]
+
+    @cached_property
+    def largest_later(self) -> np.ndarray | After:
+        """The largest |s| after each segment's end."""
+        if isinstance(self.s_end, Column):
+            return After(Computed(np.maximum, (self.later_max, Computed(np.negative, (self.later_min,)))), 0.0)
+        sizes = np.maximum(np.abs(self.s_start), np.abs(self.s_end))
+        return np.append(np.maximum.accumulate(sizes[::-1])[::-1][1:], 0.0)
+
+    @cached_property
+    def largest(self) -> float:
+        """max |s|, of the ends of the segments."""
+        return max(largest(x[part]) for x in (self.s_start, self.s_end) for part in blocks(len(self)))
 
 
 class Samples(NamedTuple):
     """A motion of straight lines between equal steps: the step [rad], and s at each end of them, (steps + 1,)."""
 
     step: float
-    values: np.ndarray
+    values: np.ndarray | Column
+
+
+def _varies(end: np.ndarray, start: np.ndarray, to: np.ndarray) -> np.ndarray:
+    """The jump after each segment and what s varies in the next one, from `start` to `to`."""
+    return np.asarray(np.abs(start - end) + np.abs(to - start))
+
+
+def line_segments(start: Any, stop: Any, constant: Any, slope: Any) -> Segments:
+    """Straight lines s = constant + slope (phase - start), none of which is known to go on in the next; of columns, columns."""
+    count, length = start.size, _of(np.subtract, stop, start)
+    end = _of(_line_end, constant, slope, length)
+    high, low = _of(np.maximum, constant, end), _of(np.negative, _of(np.minimum, constant, end))
+    later_max, less = _ahead(high), _ahead(low)
+    none = np.zeros((0, count))
+    return Segments(
+        start=start, length=length, s_start=constant, s_end=end, sin=none, cos=none, frequency=none, slope=slope,
+        joins=np.broadcast_to(np.False_, count), later_max=later_max, later_min=_of(np.negative, less),
+    )  # fmt: skip
+
+
+def _of(function: Callable[..., np.ndarray], *columns: Any) -> Any:
+    """A function of columns, or of arrays."""
+    return Computed(function, columns) if isinstance(columns[0], Column) else function(*columns)
+
+
+def _ahead(column: Any) -> Any:
+    """The largest from there on, at least 0."""
+    return Largest.of(column) if isinstance(column, Column) else np.maximum(0.0, np.maximum.accumulate(column[::-1])[::-1])
+
+
+def _line_end(constant: np.ndarray, slope: np.ndarray, length: np.ndarray) -> np.ndarray:
+    return np.asarray(constant + slope * length)

@@ -25,6 +25,7 @@ from ..dynamics.outcome import Outcome, safe
 from ..dynamics.response import response
 from ..dynamics.system import System
 from ..motions import Motion
+from ..motions.blocks import blocks
 from ..motions.segments import Segments
 from .changes import SECTIONS, Brackets, narrowed
 from .ladder import Ladder
@@ -268,12 +269,22 @@ def _lobes(segments: Segments) -> int:
 
 
 def _path(segments: Segments) -> float:
-    """An upper bound of int |s| dphi: on a part of a monotone segment |s| is largest at one of its ends."""
+    """An upper bound of int |s| dphi: on a part of a monotone segment |s| is largest at one of its ends; of straight lines the integral."""
+    if segments.straight:
+        return sum(_under_lines(*(x[part] for x in (segments.s_start, segments.s_end, segments.length))) for part in blocks(len(segments)))
     share = np.linspace(0.0, 1.0, 65)
     k = np.repeat(np.arange(len(segments)), share.size)
     change, _, _ = segment_value(segments, k, segments.length[k] * np.tile(share, len(segments)))
     s = np.abs(segments.s_start[k] + change).reshape(len(segments), share.size)
     return float((np.maximum(s[:, 1:], s[:, :-1]).mean(axis=1) * segments.length).sum())
+
+
+def _under_lines(start: Array, end: Array, length: Array) -> float:
+    """int |s| dphi: a trapezoid, or two triangles where s changes its sign."""
+    a, b = np.abs(start), np.abs(end)
+    with np.errstate(invalid="ignore"):
+        height = np.where(start * end < 0.0, (a * a + b * b) / (a + b), a + b)
+    return float((0.5 * height * length).sum())
 
 
 def _lifts_at_once(motion: Motion) -> bool:

@@ -20,9 +20,11 @@ _MOST_UNITS = 1_000_000
 _LONG = 60.0  # s from which on the time is said beforehand
 _ENDLESS = 10 * 365.25 * 86400.0  # s of all processors together
 _CALLS = 5  # of the march in which the scan of an envelope meets such bodies
-_FLIGHT, _FLOWN = 0.3, 3e-4  # s of a batch of cells under a record, and of each of them, through which they fly
+# s of a batch of cells under a record, of each of them, through which they fly, and of the tables of a sample.
+_FLIGHT, _FLOWN, _TABLED = 0.3, 3e-4, 1e-6
 # Those through which they walk: s of a batch for one sample, and of each cell, or this part of what a segment costs on the march.
 _STRIDE, _WALKED, _OF_MARCH = 2e-4, 1.5e-7, 0.02
+_OF_CHECK = 1e-2  # part of what it costs to check a segment of a pulse that a sample takes
 _UNITS = {"s": 1.0, "min": 60.0, "h": 3600.0, "days": 86400.0, "years": 365.25 * 86400.0}
 
 
@@ -33,8 +35,10 @@ def expected_seconds(
     is one, through which the undamped linear oscillator flies, at a cost of its impacts, and any other walks."""
     rates = method.kind_of(structure).cost
     checking = rates.checked if structure.plain or not method.exact else BY_GENERAL_SOLVER
+    if record:
+        checking *= _OF_CHECK
     if record and method.system_of(structure).equation.bounded:
-        return batches * _FLIGHT + cells * _FLOWN + segments * checked * checking
+        return batches * (_FLIGHT + segments * _TABLED) + cells * _FLOWN + segments * checked * checking
     batch, cell = (_STRIDE, max(_WALKED, _OF_MARCH * rates.cell)) if record else (rates.batch, rates.cell)
     return segments * (batches * batch + cells * cell + checked * checking)
 

@@ -114,7 +114,7 @@ def test_cells_checked_by_the_general_solver_cost_more():
 
 def test_through_records_cells_fly_at_the_cost_of_their_impacts():
     block, counts = built(BLOCK), {"cells": 10**4, "batches": 1, "record": True}
-    assert expected_seconds(Method(), block, 2000, **counts) == expected_seconds(Method(), block, 42_000, **counts)
+    assert expected_seconds(Method(), block, 42_000, **counts) == pytest.approx(expected_seconds(Method(), block, 2000, **counts), rel=0.02)
     assert expected_seconds(Method(), block, 2000, **counts) < expected_seconds(Method("nonlinear"), block, 2000, **counts)
     damped = replace(block, damping=0.05)
     assert expected_seconds(Method(), damped, 4000, **counts) == 2.0 * expected_seconds(Method(), damped, 2000, **counts)

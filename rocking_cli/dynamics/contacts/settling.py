@@ -8,38 +8,30 @@ and while v^2 <= 3/4 (1 - e)^2 no arc rises above 2/3 v^2/(1 - e), since y'' <= 
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 
+from ...motions.columns import SumsAhead
 from ...motions.segments import Segments
 from ..lanes import Lanes
 
 Array = np.ndarray
 
 
-class Later(NamedTuple):
-    """Of the motion after the end of each segment, (segments,): how much s varies until it rests at 0, and the largest abs(s)."""
-
-    variation: Array
-    largest: Array
-
-    @classmethod
-    def of(cls, segments: Segments) -> Later:
-        """Sums from the end of the motion backwards."""
-        following = np.append(segments.s_start[1:], 0.0)
-        jumps, inside = np.abs(following - segments.s_end), np.abs(segments.s_end - segments.s_start)
-        variation = np.cumsum((jumps + np.append(inside[1:], 0.0))[::-1])[::-1]
-        sizes = np.maximum(np.abs(segments.s_start), np.abs(segments.s_end))
-        largest = np.append(np.maximum.accumulate(sizes[::-1])[::-1][1:], 0.0)
-        return cls(variation, largest)
-
-
-def settles(segments: Segments, later: Later, lanes: Lanes) -> Array:
+def settles(segments: Segments, lanes: Lanes) -> Array:
     """Whether lanes just after an impact stay on or near the ground until the shaking is over, and below their peak for good."""
+    if isinstance(segments.variation, SumsAhead):  # exact sums only for those that less would let settle
+        found = _settle(segments, lanes, segments.variation.least(lanes.k))
+        at = np.flatnonzero(found)
+        found[at] = _settle(segments, lanes.take(at), segments.variation[lanes.k[at]])
+        return found
+    return _settle(segments, lanes, segments.variation[lanes.k])
+
+
+def _settle(segments: Segments, lanes: Lanes, to_come: Array) -> Array:
+    """`settles` with this variation of s after the end of the segments that the lanes are in."""
     drive, ends = 1.0 + lanes.b, -lanes.side * lanes.amplitude * segments.s_end[lanes.k]
-    left = 1.0 - np.maximum(np.maximum(np.abs(drive), np.abs(ends)), lanes.amplitude * later.largest[lanes.k])
-    variation = np.abs(ends - drive) + lanes.amplitude * later.variation[lanes.k]
+    left = 1.0 - np.maximum(np.maximum(np.abs(drive), np.abs(ends)), lanes.amplitude * segments.largest_later[lanes.k])
+    variation = np.abs(ends - drive) + lanes.amplitude * to_come
     with np.errstate(over="ignore", divide="ignore", invalid="ignore"):
         fastest = lanes.v * lanes.v * np.exp(4.0 / 3.0 * variation / left)
-        return (left > 0.0) & (fastest <= 0.75 * left * left) & (fastest <= 1.5 * left * lanes.peak)
+        return np.asarray((left > 0.0) & (fastest <= 0.75 * left * left) & (fastest <= 1.5 * left * lanes.peak))

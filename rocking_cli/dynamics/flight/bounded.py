@@ -13,6 +13,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from ...motions.blocks import blocks
+from ...motions.columns import Column
 
 Array = np.ndarray
 
@@ -21,7 +22,7 @@ LONGEST = 0.5  # longest interval between samples [tau] for which the flight is 
 _FORGOTTEN = 1e-20  # a mode that has decayed to this part is no longer felt
 
 
-def bounded_response(samples: Array, pace: Array) -> Array:
+def bounded_response(samples: Array | Column, pace: Array) -> Array:
     """Y + iY' at every sample, (paces, samples); pace: interval between samples [tau], (paces,), at most `LONGEST`."""
     h = pace[:, None]
     all_of_it = -np.expm1(-h)  # int_0^h exp(-t) dt

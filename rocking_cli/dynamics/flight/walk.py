@@ -10,6 +10,8 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
+from ...motions.blocks import blocks, largest
+from ...motions.columns import After, Column, Computed
 from ...motions.segments import Samples, Segments
 from ..equations.equation import Equation, Ramp
 from ..equations.ramp import WITHIN, degrees, factors_for, last_terms
@@ -49,9 +51,9 @@ class Walk(Run):
         pool: int | None,
     ) -> None:  # fmt: skip
         super().__init__(system, segments, amplitude, omega, eta, peaks, pool or _POOL)
-        self.samples, self.gains = samples.values, np.append(np.diff(samples.values), 0.0)
+        self.samples, self.gains = samples.values, gains(samples.values)
         self.step, self.last = samples.step, samples.values.size - 1
-        self.steepest = float(np.abs(self.gains).max())
+        self.steepest = max(largest(self.gains[part]) for part in blocks(self.gains.size))
 
     def _march(self, waiting: Array) -> None:
         """Walk these cells, those of like pace together; march where samples are far apart."""
@@ -222,3 +224,10 @@ class Walk(Run):
         self._overturn(lanes, at)
         self.work += Work(certain_overturning=at.size)
         return at
+
+
+def gains(samples: Array | Column) -> Array | Column:
+    """How much s grows over the interval after each sample, 0 after the last."""
+    if isinstance(samples, Column):
+        return Computed(np.subtract, (After(samples, float(samples[-1])), samples))
+    return np.append(np.diff(samples), 0.0)

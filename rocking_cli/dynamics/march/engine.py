@@ -16,7 +16,7 @@ import numpy as np
 from ...motions.segments import Segments
 from ..body import Body
 from ..contacts.contact import Fate, Uplift
-from ..contacts.settling import Later, settles
+from ..contacts.settling import settles
 from ..contacts.trains import outlasts
 from ..drive import place
 from ..lanes import Lanes
@@ -77,7 +77,7 @@ class Run:
         ahead = (LIKELY if marched and not self.equation.bounded else np.inf) if ahead is None else ahead
         self.footing = None if watch is not None or system.body is None else Footing(system.body, self.segments, self.cells, ahead)
         self.demands = None if body is None else Demands(body, self.segments, self.shaken, self.contact, self.cells)
-        self.later = Later.of(segments) if peaks and self._only_peaks() else None
+        self.settling = peaks and self._only_peaks()
 
     def _only_peaks(self) -> bool:
         """Whether nothing is asked of bodies that nothing lifts again but their peak, and it is proved to be so."""
@@ -250,8 +250,8 @@ class Run:
         if self.equation.damping:
             self.bounced[lanes.cell[lanes.k >= self.shaken]] = True
             lanes = self._settle(lanes)
-        if self.later is not None:
-            settled = settles(seg, self.later, lanes)
+        if self.settling:
+            settled = settles(seg, lanes)
             if settled.any():
                 self._finish(lanes, np.flatnonzero(settled), Outcome.ROCKED, lanes.peak[settled])
                 self.work += Work(chatters_closed=int(settled.sum()))

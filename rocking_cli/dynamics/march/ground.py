@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ...motions.blocks import blocks
 from ...motions.segments import Segments
 from ..body import Body
 from ..contacts.contact import Contact
@@ -38,7 +39,9 @@ class Ground:
     def steepest(self) -> float:
         """A bound of |s'|, by the phase."""
         seg = self.segments
-        return float(((np.hypot(seg.sin, seg.cos) * seg.frequency).sum(axis=0) + np.abs(seg.slope)).max())
+        rates = ((np.hypot(seg.sin[:, part], seg.cos[:, part]) * seg.frequency[:, part]).sum(axis=0) + np.abs(seg.slope[part])
+                 for part in blocks(len(seg)))  # fmt: skip
+        return max(float(rate.max()) for rate in rates)
 
     def shaking(self, lanes: Lanes, h: Array) -> Shaking:
         """After h [tau] on the present side of lanes, by the closed form of the piece that they are in."""

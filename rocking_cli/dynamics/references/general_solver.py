@@ -21,7 +21,7 @@ from ...structures.kinematics import Mechanism, linearise
 from ..outcome import Outcome
 from .extrapolation import Path, Point, Rate, path, step
 from .pressing import Arm, arms_of, lets_go
-from .uplift import next_uplift
+from .uplift import lies_still, next_uplift
 
 if TYPE_CHECKING:
     from ...structures.parameters import RockingParameters, Side
@@ -222,6 +222,9 @@ class _Body:
         """At rest: on to the first instant of uplift, or to the end of the piece."""
         right, left = self.problem.right, self.problem.left
         onto = (self.drive / right.uplift, self.drive / left.uplift if left is not None else 0.0)
+        if self.up is None and lies_still(piece, *onto):
+            self.time, self.theta, self.w = end, 0.0, 0.0
+            return
         if self.up is None:
             lift = next_uplift(piece, self.omega * self.time, *onto)
         else:  # each edge has an effective motion of its own

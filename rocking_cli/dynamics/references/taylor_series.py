@@ -18,7 +18,7 @@ import numpy as np
 from ...motions.motion import Motion, Piece
 from ..outcome import Outcome
 from .pressing import Arm, lets_go
-from .uplift import next_uplift
+from .uplift import lies_still, next_uplift
 
 Series = list[float]  # coefficients of the powers from 0
 
@@ -44,7 +44,7 @@ class _Body:
         self.arm, self.let_go = arm, False
         self.pieces, self.amplitude, self.omega, self.eta = motion.pieces, amplitude, omega, eta
         self.most_steps = _MAX_STEPS + _A_SEGMENT * len(motion.segments)
-        fastest = max((h.frequency for p in motion.pieces for h in p.harmonics), default=0.0)
+        fastest = 0.0 if motion.segments.straight else max(h.frequency for p in motion.pieces for h in p.harmonics)
         self.stride = 0.25 / max(1.0, omega * fastest)
         self.y = self.v = self.peak = 0.0
         self.side = 0
@@ -53,6 +53,8 @@ class _Body:
     def run(self) -> tuple[Outcome, float]:
         steps = 0
         for piece in self.pieces:
+            if self.side == 0 and lies_still(piece, self.amplitude, self.amplitude):
+                continue
             phase, y_end = piece.start, (piece.stop - piece.start) / self.omega
             time = 0.0
             while y_end - time > 1e-14 * y_end:

@@ -24,3 +24,11 @@ def next_uplift(piece: Piece, phase: float, right: float, left: float) -> tuple[
             return high, -1 if float(piece.value(high)) > 0.0 else 1
         low = mark
     return None
+
+
+def lies_still(piece: Piece, right: float, left: float) -> bool:
+    """Whether a straight line is known to lift no body at rest, amplitudes as in `next_uplift`: a long record has little else."""
+    if piece.harmonics:
+        return False
+    start, end = piece.constant, piece.constant + piece.slope * (piece.stop - piece.start)
+    return max(left * start, left * end, -right * start, -right * end) <= 1.0

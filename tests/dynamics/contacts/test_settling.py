@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from rocking_cli import Outcome, cosine, linear_response, pulse, sine
-from rocking_cli.dynamics.contacts.settling import Later, settles
+from rocking_cli.dynamics.contacts.settling import settles
 from rocking_cli.dynamics.lanes import Lanes
 from rocking_cli.dynamics.march.engine import Run
 
@@ -14,11 +14,11 @@ MOTIONS = [sine(), sine(3), cosine(1.5), pulse("rectangular"), pulse("ricker-sym
 
 
 def test_what_a_motion_varies_later_is_counted_with_its_jumps():
-    wave, step = Later.of(sine().segments), Later.of(cosine(1).segments)
+    wave, step = sine().segments, cosine(1).segments
     assert wave.variation == pytest.approx([3.0, 1.0, 0.0], rel=1e-14)  # 1 to -1, and back to 0
-    assert wave.largest == pytest.approx([1.0, 1.0, 0.0], rel=1e-14)
+    assert wave.largest_later == pytest.approx([1.0, 1.0, 0.0], rel=1e-14)
     assert step.variation == pytest.approx([3.0, 1.0], rel=1e-14)  # -1 to 1, and down to still ground
-    assert step.largest == pytest.approx([1.0, 0.0], rel=1e-14)
+    assert step.largest_later == pytest.approx([1.0, 0.0], rel=1e-14)
 
 
 @pytest.mark.parametrize("motion", MOTIONS, ids=lambda m: m.name)
@@ -52,5 +52,5 @@ def test_a_body_at_the_bound_is_marched():
         np.arange(4), np.ones(4), np.ones(4), np.ones(4), np.full(4, 2), u, np.ones(4), np.zeros(4), v, np.full(4, -0.5), peak,
         np.ones(4), np.ones(4),
     )  # fmt: skip
-    doubled = Later(np.full(3, 0.5), np.zeros(3))  # and as much again
-    assert settles(segments, doubled, lanes).tolist() == [True, False, True, False]
+    vars(segments).update(variation=np.full(3, 0.5), largest_later=np.zeros(3))  # and as much again
+    assert settles(segments, lanes).tolist() == [True, False, True, False]

@@ -1,0 +1,105 @@
+"""Columns that are computed where they are asked for: to the last bit what arrays hold."""
+
+from __future__ import annotations
+
+import dataclasses
+import pickle
+
+import numpy as np
+import pytest
+from recorded import wave
+
+from rocking_cli import Method, load_structures
+from rocking_cli.dynamics.response import response, response_with_demands
+from rocking_cli.dynamics.speeds import response_with_speed
+from rocking_cli.motions import blocks, polyline
+from rocking_cli.motions.columns import Column
+from rocking_cli.motions.polyline import record_motion
+from rocking_cli.motions.records import Record
+from rocking_cli.responses.history import history
+
+COUNTS = [2, 8, 9, 10, 65, 66, 701]
+
+
+def both(samples, monkeypatch, dt=0.01, scale=-1.5):
+    """A record's motion with arrays, and without."""
+    record = Record("r", "text", "N", dt, np.array(samples, dtype=float), None, "m/s2", "r", "")
+    kept = record_motion(record, scale)
+    with monkeypatch.context() as patch:
+        patch.setattr(polyline, "_ARRAYS", 0)
+        computed = record_motion(record, scale)
+    assert isinstance(computed.start, Column)
+    assert not isinstance(kept.start, Column)
+    monkeypatch.setattr(blocks, "_PART", 64)
+    return kept, computed
+
+
+def equal(found, wanted):
+    for field in dataclasses.fields(wanted):
+        np.testing.assert_array_equal(np.asarray(getattr(found, field.name)), getattr(wanted, field.name), err_msg=field.name)
+
+
+@pytest.mark.parametrize("count", COUNTS)
+def test_segments_and_what_follows_from_them(count, monkeypatch):
+    kept, computed = both(wave(count, 2.0) if count > 2 else [1.0, 2.0], monkeypatch)
+    equal(computed.segments, kept.segments)
+    for own, others in ((computed, kept), (computed.scaled(-3.0), kept.scaled(-3.0))):
+        a, b = own.segments, others.segments
+        for x, y in ((a.variation, b.variation), (a.largest_later, b.largest_later), *zip(a._blocks, b._blocks, strict=True)):
+            np.testing.assert_array_equal(np.asarray(x), y)
+        assert (a.largest, a.sloped, a.straight, own.peak, own.duration) == (b.largest, b.sloped, b.straight, others.peak, others.duration)
+        np.testing.assert_array_equal(a.later_max[np.arange(len(a))[::-1]], b.later_max[::-1])
+        assert np.all(np.asarray(a.variation.least(np.arange(len(a)))) <= b.variation)
+    end = kept.duration
+    equal(computed.segments.followed_by_rest(7.0), kept.segments.followed_by_rest(7.0))
+    equal(computed.still_until(end + 7.0).segments, kept.still_until(end + 7.0).segments)
+    assert tuple(computed.pieces) == kept.pieces == tuple(pickle.loads(pickle.dumps(computed)).pieces)
+    assert (computed.pieces[-1], computed.pieces[:3], len(computed.pieces)) == (kept.pieces[-1], kept.pieces[:3], len(kept.pieces))
+    phase = np.append(np.linspace(-0.1, end + 0.1, 301), kept.start)
+    for own, others in ((computed, kept), (computed.still_until(9.0), kept.still_until(9.0))):
+        np.testing.assert_array_equal(own.value(phase), others.value(phase))
+    np.testing.assert_array_equal(np.asarray(computed.samples.values)[:-1], kept.samples.values[:-1])
+    np.testing.assert_allclose(computed.samples.values[-1], kept.samples.values[-1], rtol=0, atol=4e-16)
+    assert computed.samples.step == kept.samples.step
+
+
+def test_a_record_that_was_sampled_more_finely(monkeypatch):
+    samples = wave(137, 2.0)
+    kept, computed = both(np.interp(np.arange(5 * 136 + 1) / 5.0, np.arange(137), samples), monkeypatch)
+    assert computed.coarsest.samples.step == kept.coarsest.samples.step
+    equal(computed.coarsest.segments, kept.coarsest.segments)
+    once, other = both(samples, monkeypatch)
+    assert (other.coarsest, once.coarsest) == (other, once)
+
+
+@pytest.mark.parametrize(
+    ("count", "model", "more"),
+    [
+        (20, "linear", ""),
+        (20, "nonlinear", ""),
+        *(
+            pytest.param(400, m, x, marks=pytest.mark.soak)
+            for m in ("linear", "nonlinear")
+            for x in ("", "damping: 0.02", "one_sided: true")
+        ),
+    ],
+)
+def test_responses_are_the_same_to_the_last_bit(count, model, more, tmp_path, monkeypatch):
+    """Of every engine: flights, walks, marches for speeds and forces, and of one cell that is listened to."""
+    kept, computed = both(np.append(wave(max(count, 60), 4.0), 0.0), monkeypatch)
+    (tmp_path / "block.yaml").write_text(f"kind: block\nname: b\nwidth: 0.5 m\nheight: 2 m\n{more}\n")
+    (structure,) = load_structures(str(tmp_path / "block.yaml"))
+    system, omega = Method(model).system_of(structure), 1.0 / structure.p
+    cells = np.linspace(1.05, 6.0, count // 5), np.linspace(0.1, omega, count // 5), structure.eta
+    for answer in (response, response_with_speed, response_with_demands)[: 3 if count > 20 else 1]:
+        few = tuple(x[::10] if np.ndim(x) else x for x in cells) if answer is response_with_demands else cells
+        found, wanted = answer(system, computed, *few), answer(system, kept, *few)
+        found, wanted = ((x, {}) if answer is response else x for x in (found, wanted))
+        for name in ("theta_ratio", "outcome", "impacts"):
+            np.testing.assert_array_equal(getattr(found[0], name), getattr(wanted[0], name), err_msg=f"{answer.__name__} {name}")
+        assert found[0].work == wanted[0].work
+        np.testing.assert_equal(found[1], wanted[1])
+    if count == 20:
+        return
+    found, wanted = (history(system, m, 2.0, omega, structure.eta, duration=40.0) for m in (computed, kept))
+    assert found.events == wanted.events
