@@ -264,10 +264,23 @@ class ForceHistory:
 
         return forces
 
-    def rests(self) -> Iterator[tuple[float, float]]:
-        """The stretches [tau] in which the body stands still, or bounces too low to be seen."""
+    def rests(self) -> Iterator[tuple[float, float, float]]:
+        """The stretches [tau] in which the body bounces too low to be seen, until it stands still, and stands still."""
         marks = [0.0, *(x for arc in self.found.arcs for x in (arc.start, arc.stop)), self.found.end]
-        yield from ((a, b) for a, b in zip(marks[::2], marks[1::2], strict=True) if b > a * (1.0 + 1e-12))
+        still = [event.tau for event in self.found.events if event.event == "rest"]
+        for i, (a, b) in enumerate(zip(marks[::2], marks[1::2], strict=True)):
+            if b > a * (1.0 + 1e-12):
+                yield a, next((x for x in still if a <= x <= b), b) if i else a, b
+
+    def _lying(self, low: float, high: float) -> Iterator[tuple[float, Forces]]:
+        """The forces of bounces without speed, on each edge, at both ends of a stretch of them: one of its instants has its extremes."""
+        across, up = (along(low, high)(np.array([low, high])) for along in (self.ground.along, self.ground.up_along))
+        for side in (1.0,) if self.body.one_sided else (1.0, -1.0):
+            edge, equation = self.body.on(side), self.found.equation.on(np.full(2, side))
+            drive = -side * across / (edge.alpha * equation.uplift_amplitude)
+            bend = edge.alpha * equation.rotation(equation.force(np.zeros(2), drive, 1.0 + up))
+            found = body_forces(edge.kappa, edge.alpha, side, np.zeros(2), np.zeros(2), bend, across, up)
+            yield from ((tau, Forces(float(fx), float(fz))) for tau, fx, fz in zip((low, high), *found, strict=True))
 
     @cached_property
     def demands(self) -> Demands:
@@ -275,10 +288,14 @@ class ForceHistory:
         resting: list[Demand] = []
         rocking: list[Demand] = []
         least = (1.0, 0.0)  # Fz/(m g), tau
-        for start, stop in (cut for low, high in self.rests() for cut in self.ground.cut(low, high)):
-            lowest, demands = self._resting(start, stop)
-            least = min(least, lowest)
-            resting += demands
+        for bounces, rests, lifts in self.rests():
+            for start, stop in self.ground.cut(rests, lifts) if lifts > rests else ():
+                lowest, demands = self._resting(start, stop)
+                least = min(least, lowest)
+                resting += demands
+            for tau, (fx, fz) in self._lying(bounces, rests) if rests > bounces else ():
+                least = min(least, (fz, tau))
+                rocking.append(Demand(abs(fx) / fz if fz > 0.0 else math.inf, tau))
         for arc in self.found.arcs:
             if not arc.stop > arc.start:
                 continue

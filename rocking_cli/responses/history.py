@@ -12,6 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..dynamics.drive import drive_change
 from ..dynamics.equations.equation import Equation, Flow
 from ..dynamics.lanes import Lanes
 from ..dynamics.march.account import Rests, Round, Watch
@@ -25,6 +26,7 @@ from ..motions.segments import Segments
 Array = np.ndarray
 
 _INVISIBLE = 1e-4  # speed of a bounce, y' by tau: its height is below 1e-8
+_SUMMED, _UNSEEN = 1e-3, 1000  # part of that speed at which the rest of a bouncing is summed, and bounces until then at most
 LONGEST = 1e9  # tau: beyond, doubles do not tell the times of an arc apart
 _FALLEN = 3.0  # |theta|/alpha to which an overturning body is followed, unless it lies on its side before
 
@@ -258,13 +260,38 @@ class _Listener:
     def _rest(self, rests: Rests) -> None:
         """The end of the bouncing, by the sum of its series, and the uplift after it."""
         before, after = rests
-        start = self._tau(before)
-        wait = float(self.run.contact.bouncing_time(before, self._weight(before))[0]) * float(before.omega[0]) / self.omega
-        lifts = after.k[0] < len(self.segments)
-        if not lifts or self._tau(after) > start + wait:
-            self._note(start + wait, "rest", 1.0, 0.0, 0.0)
+        rest, lifts = self._bounced(before), after.k[0] < len(self.segments)
+        if not lifts or self._tau(after) > rest:
+            self._note(rest, "rest", 1.0, 0.0, 0.0)
         if lifts:
             self._note(self._tau(after), "uplift", float(after.side[0]), 0.0, 0.0)
+
+    def _bounced(self, lanes: Lanes) -> float:
+        """When bouncing too low to be seen comes to rest: bounce by bounce under forces that change evenly in each, and at last by the sum
+        of its series."""
+        lanes, contact = lanes.take(np.zeros(1, dtype=np.int64)), self.run.contact
+        least = _SUMMED * lanes.v
+        for _ in range(_UNSEEN):
+            if lanes.v <= least:
+                break
+            h, change = -2.0 * lanes.v / lanes.b, np.zeros(1)
+            for _ in range(3):
+                change = self._lying(lanes, h) - lanes.b
+                h = -2.0 * lanes.v / (lanes.b + change / 3.0)
+            fall, force = lanes.v + h * (lanes.b + 0.5 * change), lanes.b + change
+            lanes.u += lanes.omega * h
+            contact.strike(self.run.cells, lanes, fall, force)
+            lanes.b = self._lying(lanes, np.zeros(1))
+        rest = contact.bouncing_time(lanes, self._weight(lanes)) * lanes.omega / self.omega
+        return self._tau(lanes) + float(rest[0])
+
+    def _lying(self, lanes: Lanes, h: Array) -> Array:
+        """The force on a body on the ground after h [tau of its side]."""
+        seg, u = self.segments, lanes.u + lanes.omega * h
+        k = np.minimum(lanes.k, len(seg) - 1)  # the ground is still at the end
+        if isinstance(seg, WeighedSegments):
+            return seg.net(lanes.side, lanes.amplitude, k, u) - 1.0
+        return -lanes.side * lanes.amplitude * (seg.s_start[k] + drive_change(seg, k, u)) - 1.0
 
 
 def quarter_period(system: System, release: float) -> float:

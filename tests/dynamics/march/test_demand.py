@@ -211,7 +211,19 @@ def test_the_extremes_are_those_of_the_histories(name, model):
 def test_the_extremes_of_many_cells_are_those_of_their_histories(motion, model):
     count, friction, least = worst(BODIES["block"], model, motion, 80, 9)
     assert count >= 3  # most bodies overturn under a rectangular pulse
-    assert max(friction, least) < 1e-9
+    assert friction < 1e-9
+    assert least < 2e-9  # a history takes the bounces that are too low to be seen under forces that change evenly
+
+
+def test_bounces_that_a_history_does_not_show_press_less_than_a_body_at_rest():
+    """Just above uplift the force falls until the last of them; an integration by DOP853 follows 318 to 1e-8 of the speed."""
+    body, method = body_of(BODIES["block"]), Method("linear")
+    amplitude, omega, fz_min = 1.02779675372563, 4.887328366201234, 0.94759598
+    _, got = response_with_demands(method.system_of(body), sine(1), amplitude, omega, body.eta)
+    history = time_history(body, sine(1), parse_grid(f"A={amplitude!r},Omega={omega!r}"), [method])
+    least = history.forces["linear"].demands.fz_min
+    assert least == pytest.approx(float(got["fz_min"]), abs=2e-9)
+    assert least == pytest.approx(fz_min, abs=2e-7)
 
 
 @pytest.mark.parametrize("kind", ["one-sided", "damped"])
