@@ -7,9 +7,14 @@ printed and forgotten. So the request is remembered as well, long loops ask for 
 from __future__ import annotations
 
 import signal
+import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from types import FrameType
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from sys import UnraisableHookArgs
 
 _asked = False
 _deferred = False
@@ -19,6 +24,13 @@ def listen() -> None:
     """Make SIGINT and SIGTERM a KeyboardInterrupt that `check` raises again; for programs, from the main thread."""
     signal.signal(signal.SIGINT, _stop)
     signal.signal(signal.SIGTERM, _stop)
+    sys.unraisablehook = _forgotten
+
+
+def _forgotten(unraisable: UnraisableHookArgs) -> None:
+    """What Python says of an exception that nobody can catch; a stop is remembered, and no fault."""
+    if not issubclass(unraisable.exc_type, KeyboardInterrupt):
+        sys.__unraisablehook__(unraisable)
 
 
 def check() -> None:

@@ -114,7 +114,7 @@ def fragility(
     how = Resampling(samples, seed)
     if counts is not None:
         _refuse(context, "--counts stands alone: it takes no", lambda name: name not in _WITH_COUNTS)
-        _emit(counted(counts, how), [], curve, form, "", quiet)
+        _emit(counted(counts, how), [], curve, form, "")
         return
     structures, texts = options.structures_and_texts(files)
     if bool(recordings) == (pulses is not None):
@@ -199,13 +199,13 @@ def _rows(studies: list[Study], states: Any, methods: Any, exact: bool, curve: b
                     faults.append(f"{study.structure.name}, {word_of(state)}, {method}: {error}")
     if not fits and not (exact and curve):
         raise UsageError(faults[0] if faults else "no limit state that this method fits: first is of overturning, cloud of rotations")
-    _emit(fits, studies if exact else [], curve, form, levels, quiet)
+    _emit(fits, studies if exact else [], curve, form, levels)
     for fault in faults:
         options.note(fault, quiet)
     return len(faults)
 
 
-def _emit(fits: list[Fit], exact: list[Study], curve: bool, form: str | None, levels: str, quiet: bool) -> None:
+def _emit(fits: list[Fit], exact: list[Study], curve: bool, form: str | None, levels: str) -> None:
     """The rows of fits or of their curves; a table for people, or one in units asked for, names the measure's unit."""
     from ..documents.quantities import headed
     from ..reports.units import Units, dimension_of, parse_units

@@ -76,7 +76,7 @@ def structure_axes(axes: Axes, built: RockingParameters, sketch: Sketch, units: 
         wall = rectangle(left - 0.15 * top, left, base, top)
         axes.fill(*zip(*wall, strict=True), facecolor="none", edgecolor="0.5", hatch="///", lw=0.0, label="_backing")
     if sketch.centre is not None:
-        _mass_centre(axes, built, sketch, units, metre, unit)
+        _mass_centre(axes, built, sketch, metre, unit)
     axes.set_aspect("equal")
     axes.margins(0.08)
     axes.grid(visible=False)
@@ -84,7 +84,7 @@ def structure_axes(axes: Axes, built: RockingParameters, sketch: Sketch, units: 
     axes.set_title(f"{literal(built.name)}\n{_numbers(built, units)}", fontsize=8)
 
 
-def _mass_centre(axes: Axes, built: RockingParameters, sketch: Sketch, units: Units, metre: float, unit: str) -> None:
+def _mass_centre(axes: Axes, built: RockingParameters, sketch: Sketch, metre: float, unit: str) -> None:
     """The mass centre, and alpha at the edge that lifts first, the right one of two alike."""
     assert sketch.centre is not None
     edges = dict(sketch.pivots)

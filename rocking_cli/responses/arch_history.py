@@ -163,7 +163,7 @@ class ArchHistory:
             record["slides"] = found.friction is not None and found.friction.value > self.structure.friction
         return record
 
-    def event(self, event: Event, time: float) -> dict[str, Any]:
+    def event(self, event: Event) -> dict[str, Any]:
         """The columns at an event, after it."""
         return {name: float(x[0]) for name, x in self.columns(np.array([event.tau])).items()}
 

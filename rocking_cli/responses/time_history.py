@@ -135,7 +135,7 @@ class TimeHistory:
                 time = 1.0 if dimensionless else 1.0 / s.p
                 pushes: dict[str, Any] = {}
                 if forces and self.arch_forces:
-                    pushes = {name: _finite(x) for name, x in self.arch_forces[model].event(m, time).items()}
+                    pushes = {name: _finite(x) for name, x in self.arch_forces[model].event(m).items()}
                 elif forces:
                     pushes = _forces_at(self.forces[model], m, time)
                 yield {"model": model, "event": m.event, **row, **pushes}
