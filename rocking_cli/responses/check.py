@@ -143,7 +143,7 @@ def _seconds(structure: RockingParameters, motion: Motion) -> float:
     """Of a processor, to within a factor of a few, for one verdict."""
     method, record = governing_method(structure), motion.samples is not None
     marched = expected_seconds(method, structure, len(motion.segments), cells=_CELLS, batches=_RUNS, record=record)
-    return marched + bouncing_seconds(method, structure)
+    return marched + bouncing_seconds(method, structure, record=record)
 
 
 def tally(verdicts: Sequence[Verdict]) -> str:

@@ -20,6 +20,7 @@ _MOST_UNITS = 1_000_000
 _LONG = 60.0  # s from which on the time is said beforehand
 _ENDLESS = 10 * 365.25 * 86400.0  # s of all processors together
 _CALLS = 5  # of the march in which the scan of an envelope meets such bodies
+_BETWEEN = 20_000  # of their bounces between two uplifts under a record: after the last one they are not followed
 # s of a batch of cells under a record, of each of them, through which they fly, and of the tables of a sample.
 _FLIGHT, _FLOWN, _TABLED = 0.3, 3e-4, 1e-6
 # Those through which they walk: s of a batch for one sample, and of each cell, or this part of what a segment costs on the march.
@@ -43,12 +44,12 @@ def expected_seconds(
     return segments * (batches * batch + cells * cell + checked * checking)
 
 
-def bouncing_seconds(method: Method, structure: RockingParameters) -> float:
+def bouncing_seconds(method: Method, structure: RockingParameters, *, record: bool = False) -> float:
     """Seconds of a processor, as roughly, that a scan spends on bodies that lose next to nothing at an impact: their bounces are
-    marched one by one until their speed has fallen by twelve orders, or they are given up."""
-    keeps = abs(structure.eta)
-    bounces = MAX_STEPS if keeps >= 1.0 else min(MAX_STEPS, 28.0 / -math.log(max(keeps, 1e-12)))
-    return _CALLS * bounces * method.kind_of(structure).cost.batch
+    marched one by one until their speed has fallen by twelve orders, or they are given up, or until nothing lifts them again."""
+    keeps, calls, most = abs(structure.eta), 1 if record else _CALLS, _BETWEEN if record else MAX_STEPS
+    bounces = most if keeps >= 1.0 else min(most, 28.0 / -math.log(max(keeps, 1e-12)))
+    return calls * bounces * method.kind_of(structure).cost.batch
 
 
 def announce_sweep(

@@ -86,7 +86,7 @@ def check_tracing(tracing: Tracing, tell: Tell | None = None) -> None:
         mine = rungs * tracing.omegas(i).size
         cells += mine
         seconds += expected_seconds(scene.method, s, scene.segments, cells=int(mine), batches=len(scene.recordings), record=True)
-        seconds += bouncing_seconds(scene.method, s)
+        seconds += bouncing_seconds(scene.method, s, record=True)
     at_most = " at most" if tracing.first else ""
     sizes = sum(tracing.omegas(i).size for i in range(len(scene.structures)))
     what = f"{len(scene.recordings)} x {sizes} searches, {cells:.3g} amplitudes{at_most} under {scene.segments} segments of shaking"

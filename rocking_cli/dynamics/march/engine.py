@@ -15,6 +15,7 @@ import numpy as np
 
 from ...motions.segments import Segments
 from ..body import Body
+from ..contacts.adiabatic import bounces_on
 from ..contacts.contact import Fate, Uplift
 from ..contacts.settling import settles
 from ..contacts.trains import outlasts
@@ -77,11 +78,12 @@ class Run:
         ahead = (LIKELY if marched and not self.equation.bounded else np.inf) if ahead is None else ahead
         self.footing = None if watch is not None or system.body is None else Footing(system.body, self.segments, self.cells, ahead)
         self.demands = None if body is None else Demands(body, self.segments, self.shaken, self.contact, self.cells)
-        self.settling = peaks and self._only_peaks()
+        self.only_peaks = self._only_peaks()
+        self.settling = peaks and self.only_peaks and self.equation.bounded
 
     def _only_peaks(self) -> bool:
-        """Whether nothing is asked of bodies that nothing lifts again but their peak, and it is proved to be so."""
-        proved = self.equation.bounded and self.contact.alike and not isinstance(self.segments, WeighedSegments)
+        """Whether nothing is asked of bodies that nothing lifts again but their peak, and there are proofs that it is so."""
+        proved = self.contact.alike and not isinstance(self.segments, WeighedSegments)
         asked = self.watch is not None or self.demands is not None or (self.footing is not None and self.footing.any)
         return proved and not asked and type(self).round is Run.round
 
@@ -250,8 +252,10 @@ class Run:
         if self.equation.damping:
             self.bounced[lanes.cell[lanes.k >= self.shaken]] = True
             lanes = self._settle(lanes)
-        if self.settling:
-            settled = settles(seg, lanes)
+        if self.only_peaks:
+            settled = bounces_on(seg, lanes, self.equation)
+            if self.settling:
+                settled |= settles(seg, lanes)
             if settled.any():
                 self._finish(lanes, np.flatnonzero(settled), Outcome.ROCKED, lanes.peak[settled])
                 self.work += Work(chatters_closed=int(settled.sum()))

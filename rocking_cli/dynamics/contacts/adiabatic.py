@@ -1,0 +1,89 @@
+"""Bodies that lose next to nothing at impacts and that nothing lifts again: they bounce to the end of a record, at one action (Lemma 15).
+
+Undamped, on equal edges, under straight lines without jumps. Let c be the drive towards +x, x the displacement with its side's sign, a =
++-c the outward drive, F = 1 - a and W = y'^2/2 + L(y) - a M(y), L and M the integrals of l and m, so that W' = -a' M between impacts, which
+lower W. Bounces under a still drive have the action W^(3/2)/(1 - c^2), and with phi = -x' [2/3/(1 - c^2) + y/(3 F W)]
+
+    Q = log W - 2/3 log(1 - c^2) + c' phi
+
+changes along a line by no more than what is small with the bounce. Let |c| <= e on the line, D = 1 - e and |df/dy| <= g while |a| <= 1.
+As long as W <= 0.095 D^2/g, and so g y <= D/10, y <= 1.053 W/F, M <= 1.05 y and v^2 <= 2 W,
+
+    |Q'| <= c'^2 (2 W)^(1/2) [4/3 e/(1 - e^2)^2 + 0.74/D^3] + 2 |c'| g W/D^3,   |phi| <= (2 W)^(1/2) [2/3/(1 - e^2) + 0.36/D^2].
+
+Where a line ends Q changes by phi times the change of c'. An impact lowers it while |c' phi| <= 1: log W falls by 2 (1 - eta) at the least,
+c' phi changes by 1 - eta of itself. Where all these changes, for W = W_0 exp(G) [(1 - c^2)/(1 - c_0^2)]^(2/3), sum up to no more than G,
+W is never beyond that: it would have to come to it first.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ...motions.blocks import blocks
+from ...motions.segments import Segments
+from ..equations.equation import Equation
+from ..lanes import Lanes
+
+Array = np.ndarray
+
+_KEEPS = 0.99  # of its speed at an impact: bodies that keep less come to rest soon enough
+_FIRST = 16  # steps of a lane before the first look; then after twice as many, and so on
+_ROOM = (0.05, 0.1, 0.2, 0.4, 0.8)  # for G
+_SMALL = 0.095  # of D^2/g
+_CREST = 1.17  # over W/D: 1.053 during the shaking, and after it, where a goes to 0 with M <= 1.05 y, 1.053 (1 + 1.106 e/D) D
+_JOINED = 1e-15  # of the largest s: lines that are joined differ by no more
+_SURELY = 1.0 - 1e-6  # part of a bound that is used, which rounding never needs
+
+
+def bounces_on(segments: Segments, lanes: Lanes, equation: Equation) -> Array:
+    """Lanes of an undamped body with equal sides, just after an impact, that bounce near the ground until the shaking is over and below
+    their peak for good; looked for after so many steps of each."""
+    found = np.zeros(lanes.v.shape, dtype=bool)
+    looks = (lanes.steps >= _FIRST) & (lanes.steps & (lanes.steps - 1) == 0) & (lanes.eta > _KEEPS) & (lanes.v > 0.0)
+    at = np.flatnonzero(looks & (lanes.b < 0.0) & (lanes.b > -2.0))
+    if not at.size or not segments.straight or equation.damping:
+        return found
+    k = lanes.k[at]
+    later = np.minimum(k + 1, len(segments) - 1)
+    loudest = np.maximum(np.maximum(segments.later_max[later], -segments.later_min[later]), np.abs(segments.s_end[k]))
+    at = at[lanes.amplitude[at] * loudest < 1.0]
+    gains = np.broadcast_to(equation.on(lanes.side[at], lanes.cell[at]).gain, at.shape)
+    for lane, gain in zip(at.tolist(), gains.tolist(), strict=True):  # one by one: no sum depends on a lane's neighbours
+        found[lane] = ceiling(segments, lanes.take(slice(lane, lane + 1)), gain) <= lanes.peak[lane]
+    return found
+
+
+def ceiling(segments: Segments, lane: Lanes, gain: float) -> float:
+    """What no crest to come is above, of one body just after an impact that nothing lifts again [y]; infinite where it is not proved."""
+    (k,), (u,), (amplitude,), (omega,), (v,), (b,) = (x.tolist() for x in (lane.k, lane.u, lane.amplitude, lane.omega, lane.v, lane.b))
+    torn = _JOINED * amplitude * max(float(segments.later_max[0]), -float(segments.later_min[0]))
+    now, sums, most, steepest, tall = abs(1.0 + b), 0.0, 0.0, 0.0, 0.0
+    end, before, phase_before = now, 0.0, 0.0  # of the line before: c at its end, c', the factor of phi
+    for part in blocks(len(segments) - k):
+        at = slice(k + part.start, k + part.stop)
+        ends = np.append(end, amplitude * segments.s_end[at])
+        if np.abs(amplitude * segments.s_start[at] - ends[:-1])[0 if part.start else 1 :].max(initial=0.0) > torn:
+            return np.inf
+        e = np.maximum(np.abs(ends[:-1]), np.abs(ends[1:]))
+        force, square = 1.0 - e, 1.0 - e * e  # D, 1 - e^2
+        slope = amplitude * omega * segments.slope[at]  # c'
+        rate, lasts = np.abs(slope), segments.length[at] / omega
+        if not part.start:
+            lasts[0] -= u / omega
+            before = slope[0]
+        phase = 2.0 / 3.0 / square + 0.36 / (force * force)
+        bends = np.abs(np.diff(slope, prepend=before)) * np.maximum(np.append(phase_before, phase[:-1]), phase)
+        lines = rate * rate * lasts * (4.0 / 3.0 * e / (square * square) + 0.74 / force**3)
+        sums += float(lines.sum()) + float(bends.sum())
+        tall += 2.0 * gain * float((rate * lasts / force**3).sum())
+        most, steepest = max(most, float(e.max())), max(steepest, float((rate * phase).max()))
+        end, before, phase_before = float(ends[-1]), float(slope[-1]), float(phase[-1])
+    for room in _ROOM:
+        still = 0.5 * v * v * math.exp(room) / (1.0 - now * now) ** (2.0 / 3.0)  # the most that W could be where c = 0
+        if math.sqrt(2.0 * still) * (sums + 2.0 * steepest) + still * tall <= _SURELY * room:
+            highest = still * (1.0 - most * most) ** (2.0 / 3.0) / (1.0 - most)  # W/D, which grows with |c|
+            return _CREST * highest / _SURELY if highest <= _SMALL * (1.0 - most) / gain else np.inf
+    return np.inf

@@ -1,0 +1,152 @@
+"""Bodies that bounce on without loss: nothing that they do is above what is said of them, and marching on finds the same."""
+
+from __future__ import annotations
+
+import math
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from synthetic import noise, shaken
+
+from rocking_cli import LinearEquation, linear_response, nonlinear_response
+from rocking_cli.dynamics.contacts.adiabatic import bounces_on, ceiling
+from rocking_cli.dynamics.lanes import Lanes
+from rocking_cli.dynamics.march.engine import Run
+from rocking_cli.motions import blocks as blocks_module
+from rocking_cli.motions.polyline import Polyline
+
+
+def start(motion, amplitude, v):
+    """A body of Omega = 1 just after an impact at the beginning of a record, on the right edge."""
+    force = -amplitude * float(motion.segments.s_start[0]) - 1.0
+    whole = (np.array([n]) for n in (0, 0, 1, 16))
+    cell, k, impacts, steps = whole
+    real = (np.array([x]) for x in (amplitude, 1.0, 1.0, 0.0, 1.0, 0.0, v, force, np.inf))
+    amplitudes, omega, eta, u, side, y, v, b, peak = real
+    return Lanes(cell, amplitudes, omega, eta, k, u, side, y, v, b, peak, impacts, steps)
+
+
+def highest_crest(drive, step, v):
+    """Of the lossless linear oscillator x'' = x - sgn x + a, by closed forms from line to line and bisection; `step` apart the drive is
+    `drive`."""
+    x, side, highest = 0.0, 1.0, 0.0
+    for begins, ends in pairwise(drive):
+        rate, left, push = (ends - begins) / step, step, begins
+        while left > 0.0:
+            y0, v0, b, r = side * x, v, side * (push + x) - 1.0, side * rate
+
+            def y(h, y0=y0, v0=v0, b=b, r=r):
+                return y0 + v0 * math.sinh(h) + 2.0 * b * math.sinh(0.5 * h) ** 2 + r * (math.sinh(h) - h)
+
+            def speed(h, v0=v0, b=b, r=r):
+                return v0 * math.cosh(h) + b * math.sinh(h) + 2.0 * r * math.sinh(0.5 * h) ** 2
+
+            struck = y(left) <= 0.0  # |a| < 1: once (Lemma 1)
+            h = _root(y, left) if struck else left
+            if v0 > 0.0 > speed(h):
+                highest = max(highest, y(_root(speed, h)))
+            x, v = side * y(h), speed(h)
+            push, left = push + rate * h, left - h if struck else 0.0
+            if struck:
+                x, side, v = 0.0, -side, -v
+    return highest
+
+
+def _root(f, high):
+    """Where f falls through zero, below `high`."""
+    low = 0.0
+    for _ in range(55):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if f(middle) > 0.0 else (low, middle)
+    return high
+
+
+def fastest(motion, amplitude):
+    """The largest speed of which anything is proved."""
+    low, high = 1e-9, 1.0
+    for _ in range(40):
+        middle = math.sqrt(low * high)
+        low, high = (middle, high) if np.isfinite(ceiling(motion.segments, start(motion, amplitude, middle), 1.0)) else (low, middle)
+    return low
+
+
+def in_step(level, fall, v, cycles):
+    """A drive that falls and rises in step with the first bounces: none of its size pumps more energy into them."""
+    lasts = np.tile([2.0 * v / (1.0 - level), 2.0 * v / (1.0 + level)], cycles)
+    marks = np.append(0.0, np.cumsum(lasts))
+    step = 0.1 * lasts.min()
+    return np.interp(np.arange(0.0, marks[-1], step), marks, np.append(np.tile([level, level - fall], cycles), level)), step
+
+
+RANDOM = np.random.default_rng(7)
+IN_STEP = {"in step": (0.3, 0.02, 0.009, 6), "in step near uplift": (0.7, 0.005, 0.004, 6)}
+DRIVES = {
+    "noise": (0.6 * RANDOM.uniform(-1.0, 1.0, 8), 0.05),
+    "swings": (0.8 * np.cos(0.2 * np.arange(40)), 0.05),
+    "towards uplift": (np.linspace(0.0, 0.9, 4), 0.1),
+    "away from uplift": (np.linspace(0.9, -0.5, 4), 0.02),
+}
+
+
+@pytest.mark.parametrize("name", [*DRIVES, *IN_STEP])
+def test_no_crest_is_above_the_ceiling(name):
+    """At the largest speed of which anything is proved and at parts of it, or at the one that the drive is in step with."""
+    drive, step = in_step(*IN_STEP[name]) if name in IN_STEP else DRIVES[name]
+    motion, amplitude = shaken(-drive, step), np.abs(drive).max()
+    speeds = [IN_STEP[name][2]] if name in IN_STEP else fastest(motion, amplitude) * np.array([1.0, 0.5])
+    found = [highest_crest(drive.tolist(), step, v) / ceiling(motion.segments, start(motion, amplitude, v), 1.0) for v in speeds]
+    assert max(found) <= 1.0
+    assert max(found) > 0.35  # of a bound that means something
+
+
+@pytest.mark.parametrize(
+    ("alpha", "excess"), [(0.0, (-0.9, -0.7)), *(pytest.param(x, (-1.3, -0.7), marks=pytest.mark.soak) for x in (0.0, 0.25, 0.8))]
+)
+def test_marching_on_finds_the_same_peak(alpha, excess, monkeypatch):
+    """alpha: of a rigid body, 0: the linear oscillator; excess: of A over uplift, its logarithm."""
+    random = np.random.default_rng(3)
+    amplitude = 1.0 + 10.0 ** random.uniform(*excess, 8)
+    omega, eta = random.uniform(0.2, 0.5, 8), random.choice([0.995, 1.0], 8)
+    motion = shaken(noise(60, 0.05, 1), 0.05)
+
+    def found():
+        if alpha:
+            return nonlinear_response(motion, amplitude * math.tan(alpha) / alpha, omega, eta, alpha)
+        return linear_response(motion, amplitude, omega, eta)
+
+    early = found()
+    monkeypatch.setattr(Run, "_only_peaks", lambda self: False)
+    late = found()
+    np.testing.assert_array_equal(early.outcome, late.outcome)
+    np.testing.assert_array_equal(early.theta_ratio, late.theta_ratio)
+    assert early.work.steps < 0.8 * late.work.steps
+
+
+def test_a_body_that_is_lifted_again_is_followed():
+    motion, equation = shaken([0.0, 0.5, -1.0, 0.0], 0.1), LinearEquation()
+    lanes = start(motion, 1.0, 1e-3)
+    assert not bounces_on(motion.segments, lanes, equation)
+    lanes.amplitude[:] = 0.9
+    assert bounces_on(motion.segments, lanes, equation)
+    lanes.steps[:] = 17  # not now
+    assert not bounces_on(motion.segments, lanes, equation)
+    lanes.steps[:], lanes.eta[:] = 16, 0.98
+    assert not bounces_on(motion.segments, lanes, equation)
+
+
+def test_a_long_record_is_gone_through_part_by_part(monkeypatch):
+    motion = shaken(noise(60, 0.05, 1), 0.05)
+    lanes = start(motion, 0.9, 1e-4)
+    whole = ceiling(motion.segments, lanes, 1.0)
+    monkeypatch.setattr(blocks_module, "_PART", 7)
+    assert ceiling(motion.segments, lanes, 1.0) == pytest.approx(whole, rel=1e-14)
+
+
+def test_nothing_is_proved_of_a_motion_that_jumps(monkeypatch):
+    marks = np.array([0.0, 1.0, 2.0])
+    for after, sure in ((0.5, True), (0.499, False), (-0.5, False)):
+        motion = Polyline("step", marks[:-1], marks[1:], np.array([0.5, after]), np.zeros(2))
+        for part in (1, 2):
+            monkeypatch.setattr(blocks_module, "_PART", part)
+            assert np.isfinite(ceiling(motion.segments, start(motion, 0.5, 1e-3), 1.0)) == sure
