@@ -27,6 +27,10 @@ class DocumentError(RockingError):
     exit_code = 3
 
 
+class NoAcceleration(DocumentError):
+    """A file of a record format that holds another thing, such as velocities or spectra; of a directory it is left out."""
+
+
 class StructureError(RockingError, ValueError):
     """Numbers that make no rocking structure; of a document this becomes a DocumentError, which tells the place too."""
 

@@ -32,7 +32,7 @@ def records(files: tuple[str, ...], component: str | None, unit: str | None, dt:
     Measures are of the samples joined by straight lines, without any correction; header_pga is the peak that the file itself states,
     header_difference by how much of it the samples' own is larger, unit that of the file.
     """
-    from ..errors import DocumentError
+    from ..errors import DocumentError, NoAcceleration
     from ..motions.records import pick, read_bytes, record_files, records_of, unknown
 
     if not files:
@@ -42,7 +42,13 @@ def records(files: tuple[str, ...], component: str | None, unit: str | None, dt:
     notes: list[str] = []
     for path, named in record_files(files):
         source, raw = read_bytes(path)
-        found = records_of(source, raw, unit=unit, dt=step)
+        try:
+            found = records_of(source, raw, unit=unit, dt=step)
+        except NoAcceleration as error:
+            if named:
+                raise
+            notes.append(f"{error}; left out")
+            continue
         if found is None and named:
             raise DocumentError(unknown(source, raw))
         if found is None:

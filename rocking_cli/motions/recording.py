@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import DocumentError, UsageError
+from ..errors import DocumentError, NoAcceleration, UsageError
 from .blocks import largest
 from .intensity import Intensity, intensity
 from .motion import Motion, checked_scale
@@ -97,8 +97,14 @@ def read_motions(
     """
     say = tell or (lambda text: None)
     found: list[Recording] = []
-    for source, raw in _files(paths, say):
-        records = records_of(source, raw, unit=unit, dt=dt)
+    for source, raw, named in _files(paths, say):
+        try:
+            records = records_of(source, raw, unit=unit, dt=dt)
+        except NoAcceleration as error:
+            if named:
+                raise
+            say(f"{error}; left out")
+            continue
         if records is None and len(paths) == 1 and not found:
             return motion_of(source, raw, component=component, unit=unit, dt=dt, scale=scale, scale_to=scale_to)
         if records is None:
@@ -112,15 +118,15 @@ def read_motions(
     return with_distinct_labels(found)
 
 
-def _files(paths: Sequence[str], say: Callable[[str], None]) -> Iterator[tuple[str, bytes]]:
-    """(source, bytes) of every file; what lies in a directory and is no record is left out."""
+def _files(paths: Sequence[str], say: Callable[[str], None]) -> Iterator[tuple[str, bytes, bool]]:
+    """(source, bytes, whether it was named) of every file; what lies in a directory and is no record is left out."""
     for path, named in record_files(paths):
         if not named and not is_record(path):
             say(f"{path}: left out, no record format")
             continue
         source, raw = read_bytes(path)
         names = listed_in(raw) if path == "-" else []
-        yield from map(read_bytes, names) if names else [(source, raw)]
+        yield from ((*read_bytes(name), True) for name in names) if names else [(source, raw, named)]
 
 
 def holds_records(path: str) -> bool:

@@ -43,6 +43,14 @@ def test_a_directory_leaves_out_what_is_no_record(rocking, tmp_path):
     done = rocking("records", "set", "--json")
     assert [json.loads(x)["name"] for x in done.stdout.splitlines()] == ["b"]
     assert done.stderr.strip() == "set/LICENSE: left out, no record format"
+    (tmp_path / "set" / "b.VT2").write_text(AT2.replace("ACCELERATION", "VELOCITY"))  # a download of PEER has all three
+    done = rocking("records", "set", "--json")
+    assert [json.loads(x)["name"] for x in done.stdout.splitlines()] == ["b"]
+    assert "set/b.VT2:3: found 'VELOCITY" in done.stderr
+    assert "; left out" in done.stderr
+    (tmp_path / "set" / "a.mseed").write_bytes(b"MS\x03" + b"\0" * 100)
+    assert "set/a.mseed: miniSEED, which holds counts" in rocking("records", "set").stderr
+    assert rocking("records", "set/b.VT2").returncode == 3
     assert rocking("records", "set", "--json", "-q").stderr == ""
 
 

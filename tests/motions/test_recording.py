@@ -70,6 +70,18 @@ def test_of_a_directory_the_records_are_taken(folder):
     assert sorted(line.partition(":")[0] for line in said) == ["./binary.h5", "./block.yaml", "./list", "./pulse.yaml"]
 
 
+def test_of_a_directory_velocities_are_left_out_and_said(folder):
+    (folder / "set").mkdir()
+    at2 = (folder / "a.AT2").read_text()
+    (folder / "set" / "a.AT2").write_text(at2)
+    (folder / "set" / "a.VT2").write_text(at2.replace("ACCELERATION", "VELOCITY"))
+    said: list[str] = []
+    assert labels(read_motions(["set"], tell=said.append)) == ["a"]
+    assert [(line.split(":")[0], line[-8:]) for line in said] == [("set/a.VT2", "left out")]
+    with pytest.raises(DocumentError, match="VELOCITY"):
+        read_motions(["set/a.VT2"])
+
+
 def test_what_a_path_holds(folder):
     held = {name: holds_records(name) for name in (*sorted(os.listdir()), ".", "-", "nowhere")}
     assert {name for name, there in held.items() if there} == {"a.AT2", "b.AT2", "c.txt.gz", "list", "."}

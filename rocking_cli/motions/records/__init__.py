@@ -21,7 +21,7 @@ from pathlib import Path
 from types import ModuleType
 
 from ...documents.quantities import UNITS
-from ...errors import DocumentError, UsageError
+from ...errors import DocumentError, NoAcceleration, UsageError
 from .record import Record, Series, record_of
 from .text import HEAD, RecordText
 
@@ -223,17 +223,17 @@ def _unpacked(source: str, raw: bytes) -> bytes:
 
 
 def _refuse_binary(source: str, raw: bytes) -> None:
-    """Raise DocumentError for an empty file, for SAC and miniSEED, which hold counts, and for anything else that is no text."""
+    """Raise DocumentError for an empty file, NoAcceleration for SAC and miniSEED, which hold counts, and for all else that is no text."""
     if not (raw[:HEAD].strip() or raw.strip()):
         raise DocumentError(f"{source}: empty; accepted is a record or a motion document")
     if raw[:3] == b"MS\x03" or (raw[:6].strip(b" 0123456789") == b"" and raw[6:7] in b"DRQM" and raw[7:8] in b" \0" and len(raw) >= 48):
-        raise DocumentError(f"{source}: miniSEED, which holds {_COUNTS}")
+        raise NoAcceleration(f"{source}: miniSEED, which holds {_COUNTS}")
     if len(raw) >= 632 and raw[304:308] in (b"\x06\0\0\0", b"\0\0\0\x06", b"\x07\0\0\0", b"\0\0\0\x07"):
-        raise DocumentError(f"{source}: SAC, which holds {_COUNTS}")
+        raise NoAcceleration(f"{source}: SAC, which holds {_COUNTS}")
     if raw[:HEAD].split(None, 6)[:5] == [b"-12345.00"] * 5 or raw[:HEAD].count(b"-12345.00") > 20:
-        raise DocumentError(f"{source}: SAC (alphanumeric), which holds {_COUNTS}")
+        raise NoAcceleration(f"{source}: SAC (alphanumeric), which holds {_COUNTS}")
     if 100 * raw[:HEAD].count(0) > len(raw[:HEAD]):  # some headers of real files pad a name with a few
-        raise DocumentError(f"{source}: a binary file; accepted is a record or a motion document in text")
+        raise NoAcceleration(f"{source}: a binary file; accepted is a record or a motion document in text")
 
 
 def _distinct(series: list[Series]) -> list[Series]:

@@ -62,8 +62,10 @@ def read(text: RecordText) -> list[Series]:
         )
         peak = f"{reals[_PEAK]:.6f}" if reals[_PEAK] not in (-999.0, 0.0) else None
         found.append(Series(component or None, dt, text.numbers(count, layout), unit, peak))
+    if not found and others:
+        raise text.no_acceleration(f"no acceleration, only {others}; accepted is an acceleration with a unit")
     if not found:
-        raise text.fault(f"no acceleration, only {others}; accepted is an acceleration with a unit" if others else "no channel")
+        raise text.fault("no channel")
     return found
 
 
@@ -72,7 +74,7 @@ def _unit(text: RecordText, word: str, code: str | None) -> str:
     known, coded = unit_of(word), None if code is None else _UNITS.get(int(code))
     unit = known if code is None else coded
     if unit is None:
-        raise text.fault(f"found the unit {word!r} ({code or 'no code'}); accepted are cm/s2 (04), g (02) and gal (10)")
+        raise text.no_acceleration(f"found the unit {word!r} ({code or 'no code'}); accepted are cm/s2 (04), g (02) and gal (10)")
     if known is not None and UNITS["acceleration"][known] != UNITS["acceleration"][unit]:
         raise text.fault(f"found the unit {word!r} with the code {code}, which is {unit}")
     return unit

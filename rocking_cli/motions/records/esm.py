@@ -35,7 +35,7 @@ def read(text: RecordText) -> list[Series]:
 
     kind, line_number = value("DATA_TYPE", "ACCELERATION")
     if kind.upper() not in _KINDS:
-        raise text.fault(f"DATA_TYPE: found {kind!r}; accepted is ACCELERATION", line_number)
+        raise text.no_acceleration(f"DATA_TYPE: found {kind!r}; accepted is ACCELERATION", line_number)
     unit, line_number = value("UNITS", "a unit of acceleration")
     known = unit_of(unit)
     if known is None:

@@ -28,7 +28,7 @@ def read(text: RecordText) -> list[Series]:
     found: list[Series] = []
     while (first := text.find(_FIRST)) is not None:
         if first[1]:
-            raise text.fault("an uncorrected accelerogram (V1A); accepted is the corrected one (V2A)")
+            raise text.no_acceleration("an uncorrected accelerogram (V1A); accepted is the corrected one (V2A)")
         start = text.line
         lines = text.lines(_TEXT - 1)
         numbers = text.numbers(_NUMBERS, _LAYOUT)

@@ -36,7 +36,7 @@ def read(text: RecordText) -> list[Series]:
             break
         kind = _KIND.search(line)
         if kind is not None and not (kind[1] or kind[2]).upper().startswith("ACC"):
-            raise text.fault(f"found {line.strip()!r}; accepted is an acceleration (AT2)")
+            raise text.no_acceleration(f"found {line.strip()!r}; accepted is an acceleration (AT2)")
         stated = _UNIT.search(line)
         if stated is not None:
             word = stated[1] or stated[2]

@@ -15,6 +15,7 @@ from .text import RecordText
 NAME = "text"
 _SEPARATORS = b",;\t"
 _ROW = re.compile(r"^\s*[-+]?(?:\d+\.?\d*|\.\d+)(?:[eEdD][-+]?\d+)?(?:[\s,;]|$)")
+_WORD = re.compile(r"(?!(?:nan|inf)\b)[a-z]{2,}", re.IGNORECASE)
 _MOST_TITLE_LINES = 40
 _FEW = 10  # values, fewer than which may be as many as the first of them says
 _UNEVEN = 0.1  # part of a step by which printed times may lie off an even grid
@@ -23,8 +24,13 @@ _UNEVEN = 0.1  # part of a step by which printed times may lie off an even grid
 def recognise(head: str) -> bool:
     """Whether, after at most 40 lines of other text, lines begin with numbers."""
     lines = [line for line in head.split("\n", _MOST_TITLE_LINES + 3) if line.strip()]
-    rows = [i for i, line in enumerate(lines[: _MOST_TITLE_LINES + 1]) if _ROW.match(line)]
-    return bool(rows) and (len(lines) <= rows[0] + 1 or bool(_ROW.match(lines[rows[0] + 1])))
+    rows = [i for i, line in enumerate(lines[: _MOST_TITLE_LINES + 1]) if _is_row(line)]
+    return bool(rows) and (len(lines) <= rows[0] + 1 or _is_row(lines[rows[0] + 1]))
+
+
+def _is_row(line: str) -> bool:
+    """Whether a line begins with a number and has no word, as `1940 El Centro` and the rows of most tables have."""
+    return bool(_ROW.match(line)) and not _WORD.search(line)
 
 
 def read(text: RecordText, unit: str | None, dt: float | None) -> list[Series]:
@@ -34,7 +40,7 @@ def read(text: RecordText, unit: str | None, dt: float | None) -> list[Series]:
         line = text.next_line()
         if line is None:
             raise text.fault("no numbers")
-        if _ROW.match(line):
+        if _is_row(line):
             break
         if re.search(r"\bvel(?:oc\w*)?\b", line, re.IGNORECASE) and not re.search(r"\bacc", line, re.IGNORECASE):
             raise text.fault(f"found {line.strip()!r}; accepted is an acceleration")

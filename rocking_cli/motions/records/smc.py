@@ -28,7 +28,7 @@ def read(text: RecordText) -> list[Series]:
     first, *lines = text.lines(_TEXT)
     kind = _FIRST.match(first)
     if kind is None or "ACCELEROGRAM" not in kind[2].upper():
-        raise text.fault(f"found {first.strip()!r}; accepted is an accelerogram", 1)
+        raise text.no_acceleration(f"found {first.strip()!r}; accepted is an accelerogram", 1)
     integers = text.numbers(_INTEGERS, Layout(8, 10))
     reals = text.numbers(_REALS, Layout(5, 15))
     while text.raw[text.at : text.at + 1] == b"|":

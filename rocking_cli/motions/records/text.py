@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...errors import DocumentError
+from ...errors import DocumentError, NoAcceleration
 
 Array = np.ndarray
 
@@ -55,6 +55,10 @@ class RecordText:
     def fault(self, what: str, line: int | None = None) -> DocumentError:
         """The error for a line (default: the last one read)."""
         return DocumentError(f"{self.source}:{max(1, self.line - 1) if line is None else line}: {what}")
+
+    def no_acceleration(self, what: str, line: int | None = None) -> NoAcceleration:
+        """The error for a file that holds something else, in good order."""
+        return NoAcceleration(str(self.fault(what, line)))
 
     def next_line(self) -> str | None:
         """The next line without its end, None after the last."""

@@ -104,7 +104,8 @@ VOLUME_1 = "Uncorrected Accelerogram Data             Processed: 01/02/00, XYZ\n
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        (VOLUME_1, "a:1: an uncorrected accelerogram (volume 1); accepted is the corrected one (volume 2)"),
+        (VOLUME_1, "a:1: an uncorrected accelerogram (volume 1); accepted is the corrected accelerogram (volume 2)"),
+        ("Response and Fourier amplitude spectra (78 periods)   for\n" + channel(1, 90, SAMPLES), "a:1: spectra (volume 3); accepted is"),
         (channel(1, 90, SAMPLES / 10, blocks="v"), "no points of accel data, only of veloc"),
         (channel(1, 90, SAMPLES / 10, blocks=""), "no line `n points of accel data`"),
         (channel(1, 90, SAMPLES / 10, points=996), "a:46: 997 points of acceleration, where the channel's header states 996"),

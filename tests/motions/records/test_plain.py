@@ -11,6 +11,7 @@ from rocking_cli.motions.records import read_record
 
 SAMPLES = wave(400, 2.5)
 READ = as_printed(SAMPLES, "{:.6f}")
+COLUMN = "".join(f"{x:.6f}\n" for x in SAMPLES)
 
 
 @pytest.mark.parametrize("separator", [",", ";", "\t", "   ", ", ", "  ,\t"])
@@ -21,6 +22,19 @@ def test_two_columns(tmp_path, separator, title):
     record = read_record(path, unit="m/s2")
     assert (record.format, record.dt, record.header_pga) == ("text", 0.01, None)
     np.testing.assert_array_equal(record.acceleration, READ)
+
+
+def test_a_title_that_begins_with_a_number(tmp_path):
+    path = tmp_path / "motion.txt"
+    path.write_text("1940 Nowhere NS\n2 400 points every 0.02 s\n" + COLUMN)
+    np.testing.assert_array_equal(read_record(path, unit="m/s2", dt=0.02).acceleration, READ)
+
+
+def test_a_table_of_words_is_no_record(tmp_path):
+    path = tmp_path / "a.csv"
+    path.write_text(' Result ID, Spectral Ordinate, Event\n 1, SRSS, "Nowhere"\n 2, SRSS, "Elsewhere"\n')
+    with pytest.raises(DocumentError, match="no record format"):
+        read_record(path, unit="g")
 
 
 def test_one_column_and_a_unit(tmp_path):
@@ -43,8 +57,6 @@ def test_times_printed_to_few_digits_are_an_even_grid(tmp_path):
 
 
 ROWS = [f"{0.01 * i:.2f} {x:.6f}" for i, x in enumerate(SAMPLES)]
-
-COLUMN = "".join(f"{x:.6f}\n" for x in SAMPLES)
 
 
 def lines(**changed):
