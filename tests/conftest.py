@@ -35,6 +35,7 @@ def rocking(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Run:
         with monkeypatch.context() as patch:
             patch.chdir(tmp_path)
             patch.setattr(sys, "argv", ["rocking", *arguments])
+            patch.setattr(sys, "unraisablehook", sys.unraisablehook)  # that of pytest again afterwards
             patch.setattr(sys, "stdin", io.TextIOWrapper(io.BytesIO((stdin or "").encode()), encoding="utf-8"))
             streams = [io.TextIOWrapper(io.BytesIO(), encoding="utf-8", write_through=True) for _ in range(2)]
             patch.setattr(sys, "stdout", streams[0])
