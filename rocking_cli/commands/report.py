@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import shlex
 import sys
+from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -26,6 +27,7 @@ MOST = 12  # structures of a page
 @options.files
 @click.option("-o", "--output", required=True, type=OutputPath(), help="The page: .html.")
 @ground.motions
+@ground.vertical_of_each
 @ground.shaking
 @options.workers
 @options.overwrite
@@ -38,6 +40,7 @@ def report(
     motion: Motion | None,
     recordings: tuple[Recording, ...],
     shaking: Grid | None,
+    upwards: Callable[[Motion], Motion] | None,
     workers: int | None,
     overwrite: bool,
     quiet: bool,
@@ -67,15 +70,19 @@ def report(
     structures = with_distinct_names([build_structure(document) for document in documents])
     options.remark_on(structures)
     workers = options.at_most_the_cpus(workers, quiet)
-    pulse = None if motion is None or shaking is None else (motion, shaking)
-    shakes = [(r.motion, shaking or as_recorded(r.acceleration)) for r in recordings] if pulse is None else [pulse]
+    shakes: list[tuple[Motion, Grid]] = [(r.motion, shaking or as_recorded(r.acceleration)) for r in recordings]
+    if motion is not None and shaking is not None:
+        shakes.append((motion, shaking))
+    if upwards is not None:
+        shakes = [(upwards(shake), grid) for shake, grid in shakes]
     demands = [(structure, *shake) for shake in shakes for structure in structures]
     verdicts = check_all(demands, workers=workers, tell=partial(options.note, quiet=quiet))
     text = page(
         [Subject(document, structure) for document, structure in zip(documents, structures, strict=True)],
         verdicts,
-        pulse=pulse,
+        pulse=None if recordings else shakes[0],
         recordings=recordings,
+        vertical=context.params["vertical"],
         command=streams.printable(shlex.join(["rocking", *sys.argv[1:]])),
         made=options.now(),
         workers=workers,

@@ -85,11 +85,13 @@ def page(
     *,
     pulse: tuple[Motion, Grid] | None = None,
     recordings: Sequence[Recording] = (),
+    vertical: str | None = None,
     command: str,
     made: str,
     workers: int | None = None,
 ) -> str:
-    """The page as HTML; pulse: a motion and the demand, a grid of one cell; verdicts: of `check`, structures under all motions.
+    """The page as HTML; pulse: a motion and the demand, a grid of one cell; verdicts: of `check`, structures under all motions;
+    vertical: the name or file of the vertical motion that they all have.
 
     Raises OutputError without jinja2 or matplotlib.
     """
@@ -108,13 +110,14 @@ def page(
             heads=HEADS,
             verdicts=[{"falls": v.falls, "cells": _cells(v)} for v in verdicts],
             capacities=_image(folder, lambda figure: _capacities(figure, verdicts)),
-            structures=[_section(folder, one, verdicts, pulse, recordings, workers) for one in subjects],
+            structures=[_section(folder, one, verdicts, pulse, recordings, vertical, workers) for one in subjects],
             command=command,
             made=made,
             versions=[("rocking", __version__), ("Python", platform.python_version()), *((p, _version(p)) for p in _PACKAGES)],
             hashes=[
                 *((s.document.source, hashlib.sha256(s.document.text.encode()).hexdigest()) for s in subjects),
                 *((r.label, r.record.sha256) for r in recordings),
+                *((file, hashlib.sha256(Path(file).read_bytes()).hexdigest()) for file in (vertical,) if file and Path(file).is_file()),
             ],
         )
 
@@ -125,6 +128,7 @@ def _section(
     verdicts: Sequence[Verdict],
     pulse: tuple[Motion, Grid] | None,
     recordings: Sequence[Recording],
+    vertical: str | None,
     workers: int | None,
 ) -> dict[str, Any]:
     """What the template needs of one structure."""
@@ -140,7 +144,7 @@ def _section(
         "parameters": _parameters(structure),
         "map": drawn,
         "validity": validity,
-        "fragility": _fragility(folder, structure, recordings, workers) if recordings else None,
+        "fragility": _fragility(folder, structure, recordings, vertical, workers) if recordings else None,
         "text": subject.document.text.strip(),
     }
 
@@ -255,8 +259,12 @@ def _agreement(mine: Sequence[Verdict]) -> str:
     )
 
 
-def _fragility(folder: Path, structure: RockingParameters, recordings: Sequence[Recording], workers: int | None) -> dict[str, Any]:
+def _fragility(
+    folder: Path, structure: RockingParameters, recordings: Sequence[Recording], vertical: str | None, workers: int | None
+) -> dict[str, Any]:
     """Curves over PGA by stripes, and what the data do not bear."""
+    if vertical is not None:
+        return {"figure": None, "fits": [], "remarks": ["Fragility is of horizontal motions alone, and not fitted with a vertical one."]}
     if len(recordings) < FEWEST:
         return {"figure": None, "fits": [], "remarks": [f"{len(recordings)} records; a fit needs {FEWEST}."]}
     measure, members = MEASURES["PGA"], members_of(recordings)

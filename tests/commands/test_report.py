@@ -110,6 +110,26 @@ def test_a_few_records_bear_no_curve(tmp_path):
     assert [(row[0].strip(), row[1].strip()) for row in Page(text).rows[-2:]] == [(r.label, r.record.sha256) for r in records]
 
 
+def test_a_vertical_motion_is_in_every_verdict_and_in_no_curve(rocking, monkeypatch, tmp_path):
+    """The structures are checked under both together; its file is among the hashes, and horizontal fragility is not shown beside it."""
+    from rocking_cli.motions.biaxial import Biaxial
+    from rocking_cli.responses import check as checks
+
+    records, demands = recordings(tmp_path, 5), []
+
+    def noted(found, **_):
+        demands.extend(found)
+        return [STANDS]
+
+    monkeypatch.setattr(checks, "check_all", noted)
+    call = ("report", "configs/parameters.yaml", "--unit", "g", "--dt", "0.02", "--motion", *(f"{i}.txt" for i in range(5)), "-o", "r.html")
+    assert rocking(*call, "--vertical", "3.txt", "--vertical-unit", "g", "--vertical-dt", "0.02", "--vertical-scale", "0.5").returncode == 0
+    assert [type(motion) for _, motion, _ in demands] == [Biaxial] * 5
+    text = (tmp_path / "r.html").read_text(encoding="utf-8")
+    assert "not fitted with a vertical one" in text
+    assert [cell.strip() for cell in Page(text).rows[-1]] == ["3.txt", records[3].record.sha256]
+
+
 @pytest.mark.soak
 def test_fragility_where_records_are_given(tmp_path):
     found = Page(page([subject(STATED)], [STANDS], recordings=recordings(tmp_path, 5), command="x", made="today", workers=1))
