@@ -18,7 +18,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, reduce
 from itertools import pairwise
 from typing import Any, NamedTuple
 
@@ -26,9 +26,11 @@ import numpy as np
 
 from ..dynamics.outcome import Outcome
 from ..errors import UsageError
+from ..motions.blocks import blocks
 from ..motions.motion import Motion
+from ..motions.polyline import Polyline
 from ..structures.parameters import RockingParameters, Side
-from .extremes import extent
+from .extremes import Extent, extent
 from .history import Arc, Event, History
 
 Array = np.ndarray
@@ -186,7 +188,8 @@ class Ground:
     @cached_property
     def stops(self) -> Array:
         """Where pieces end [tau]."""
-        return np.array([piece.stop for piece in self.motion.pieces]) / self.omega
+        stop = self.motion.stop if isinstance(self.motion, Polyline) else [piece.stop for piece in self.motion.pieces]
+        return np.asarray(stop) / self.omega
 
     def along(self, low: float, high: float) -> Callable[[Array], Array]:
         """xg''/g as a function of tau on a stretch in which no piece ends: one closed form, from end to end."""
@@ -211,8 +214,30 @@ class Ground:
 
     def cut(self, low: float, high: float) -> Iterator[tuple[float, float]]:
         """A stretch of time cut where pieces end."""
-        marks = [low, *self.stops[(self.stops > low) & (self.stops < high)].tolist(), high]
-        yield from pairwise(marks)
+        first, last = self._between(low, high)
+        yield from pairwise([low, *self.stops[first:last].tolist(), high])
+
+    def _between(self, low: float, high: float) -> tuple[int, int]:
+        """The first piece that ends after `low`, and the first that does not end before `high`."""
+        return int(np.searchsorted(self.stops, low, side="right")), int(np.searchsorted(self.stops, high))
+
+    def lines(self, low: float, high: float) -> Extent | None:
+        """The extent of xg''/g on a stretch of straight lines, which is at their ends; None of another motion or with a vertical one."""
+        if not isinstance(self.motion, Polyline):
+            return None
+        if low >= self.stops[-1]:
+            return Extent(0.0, low, 0.0, low)
+        first, last = self._between(low, high)
+        found: list[Extent] = []
+        for part in blocks(min(last, self.stops.size - 1) + 1 - first):
+            k = np.arange(first + part.start, first + part.stop)
+            tau = np.array([np.maximum(self.stops[np.maximum(k - 1, 0)], low), np.minimum(self.stops[k], high)])
+            tau[0, k == 0] = low
+            phase = tau * self.omega - self.motion.start[k]
+            push = (self.amplitude * (self.motion.constant[k] + self.motion.slope[k] * phase)).ravel()
+            least, most = (tau.ravel()[push == value].max() for value in (push.min(), push.max()))  # the last of equals
+            found.append(Extent(float(push.min()), float(least), float(push.max()), float(most)))
+        return reduce(Extent.join, found)
 
 
 @dataclass(frozen=True)
@@ -289,7 +314,10 @@ class ForceHistory:
         rocking: list[Demand] = []
         least = (1.0, 0.0)  # Fz/(m g), tau
         for bounces, rests, lifts in self.rests():
-            for start, stop in self.ground.cut(rests, lifts) if lifts > rests else ():
+            pushes = self.ground.lines(rests, lifts) if lifts > rests else None
+            if pushes is not None:
+                resting += self._leaning(pushes)
+            for start, stop in self.ground.cut(rests, lifts) if lifts > rests and pushes is None else ():
                 lowest, demands = self._resting(start, stop)
                 least = min(least, lowest)
                 resting += demands
@@ -323,10 +351,14 @@ class ForceHistory:
         if weight.least <= 0.0:
             return lowest, [Demand(math.inf, weight.at_least)]
         ratio = extent(lambda tau: across(tau) / (1.0 + up(tau)), start, stop)
+        return lowest, self._leaning(ratio)
+
+    def _leaning(self, ratio: Extent) -> list[Demand]:
+        """The largest demands of either sign of a body at rest, the push over the weight being in this extent."""
         demands = [Demand(max(0.0, -ratio.least), ratio.at_least)]
         if not self.body.one_sided:
             demands.append(Demand(max(0.0, ratio.largest), ratio.at_largest))
-        return lowest, demands
+        return demands
 
     def _after(self, uplift: Event) -> Demand:
         """The demand in the first instant after an uplift."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from itertools import pairwise
 
@@ -13,8 +14,11 @@ from scipy.optimize import minimize_scalar
 from rocking_cli import build_structure, parse_documents, parse_grid, pulse, sine
 from rocking_cli.dynamics.method import Method
 from rocking_cli.errors import UsageError
-from rocking_cli.responses.forces import shenton
+from rocking_cli.motions.polyline import record_motion
+from rocking_cli.motions.records import read_record
+from rocking_cli.responses.forces import Ground, shenton
 from rocking_cli.responses.time_history import time_history
+from rocking_cli.spectra.grid import as_recorded
 
 BLOCK = "kind: block\nwidth: 0.6\nheight: 3\n"
 STATUE = "kind: rigid\nleft: 0.6\nright: 0.4\nheight: 2.0\ngyration: 0.9\n"
@@ -157,3 +161,19 @@ def test_a_backing_bears_what_nobody_knows():
 def test_what_is_not_one_rigid_body_has_no_forces(text):
     with pytest.raises(UsageError, match="arm, the distance of its mass centre"):
         answer(text, release=0.5)
+
+
+@pytest.mark.parametrize("scale", [0.3, 0.52])  # at rest throughout, rocking and at rest again
+def test_what_lines_ask_of_a_body_at_rest_is_what_each_of_them_asks(scale, monkeypatch):
+    record = read_record("configs/motions/synthetic.at2")
+    peak = int(np.abs(record.acceleration).argmax())
+    motion = record_motion(dataclasses.replace(record, acceleration=record.acceleration[peak - 100 : peak + 200].copy()), scale)
+    body = build_structure(parse_documents(BLOCK)[0])
+
+    def demands():
+        return time_history(body, motion, as_recorded(motion.acceleration), [Method("linear")]).forces["linear"].demands
+
+    found = demands()
+    assert (found.rocking is not None) == (scale > 0.4)
+    monkeypatch.setattr(Ground, "lines", lambda self, low, high: None)
+    assert demands() == found
