@@ -16,7 +16,11 @@ from .progress import ProgressLine
 if TYPE_CHECKING:
     from ..motions import Motion
     from ..motions.recording import Recording
+    from ..spectra.grid import Axis
     from ..spectra.record_envelope import Tracing
+    from ..structures import RockingParameters
+
+    Searches = list[tuple[RockingParameters, list[dict[str, Any]]]]  # a structure, and what `structure_intervals` takes for each equation
 
 
 @click.command(epilog="Example: rocking envelope --eta 0.9 --grid Omega=2:6:5")
@@ -77,18 +81,7 @@ def envelope(
     overturn a structure the linear one says that it stands.
     """
     from ..dynamics.method import Method
-    from ..spectra.envelope import (
-        CURVE_COLUMNS,
-        INTERVAL_COLUMNS,
-        NARROWEST,
-        NONE,
-        check_curves,
-        check_intervals,
-        frequency_axis,
-        misjudged,
-        structure_curves,
-        structure_intervals,
-    )
+    from ..spectra.envelope import CURVE_COLUMNS, check_curves, frequency_axis, structure_curves
     from ..spectra.record_envelope import Tracing
     from ..spectra.record_scene import scene_of_words
 
@@ -103,62 +96,66 @@ def envelope(
             raise click.UsageError("--model both goes with a pulse; of records the nonlinear equation decides")
         asked = context.get_parameter_source("model") is not click.core.ParameterSource.DEFAULT
         structures = options.lifting(options.structures_of(files, etas) if files else [], linear_uplift, models)
-        words: dict[str, Any] = {
-            "axes": axes,
-            "alphas": alphas,
-            "etas": etas,
-            "method": methods[0] if asked else None,
-            "tolerance": tolerance,
-        }
-        tracing = Tracing(scene_of_words(structures, recordings, **words), a_max.of(None), first or median)
-        _of_records(context, tracing, sign, workers, median, form, quiet)
+        scene = scene_of_words(
+            structures, recordings, axes=axes, alphas=alphas, etas=etas,
+            method=methods[0] if asked else None, tolerance=tolerance,
+        )  # fmt: skip
+        _of_records(context, Tracing(scene, a_max.of(None), first or median), sign, workers, median, form, quiet)
         return
     if alphas is not None or median:
         raise click.UsageError(f"{'--median' if median else '--alpha'} goes with records: give --motion")
     axis = frequency_axis(axes)
     structures = options.lifting(options.structures_of(files, etas), linear_uplift, models)
-    for structure in structures:  # all of them, before the first row is printed
-        if closed_form:
+    if closed_form:
+        for structure in structures:  # all of them, before the first row is printed
             check_curves(structure, motion, axis)
-        else:
-            tell = partial(options.note, quiet=quiet)
-            for method in methods:
-                check_intervals(structure, motion, axis, method=method, a_max=a_max.of(structure), sign=sign, tell=tell)
-    columns = INTERVAL_COLUMNS if len(methods) == 1 else (*INTERVAL_COLUMNS, "model")
+        options.emit((row for structure in structures for row in structure_curves(structure, motion, axis)), form, CURVE_COLUMNS)
+        return
+    searches = [
+        (structure, [{"method": method, "a_max": a_max.of(structure), "sign": sign} for method in methods]) for structure in structures
+    ]
+    _of_pulse(context, searches, motion, axis, first, workers, form, quiet)
+
+
+def _of_pulse(
+    context: click.Context, searches: Searches, motion: Motion, axis: Axis, lowest: bool, workers: int | None, form: str | None, quiet: bool
+) -> None:
+    """Print the intervals of each structure, by one equation or both."""
+    from ..spectra.envelope import INTERVAL_COLUMNS, NARROWEST, NONE, check_intervals, misjudged, structure_intervals
+
+    for structure, ways in searches:  # all of them, before the first row is printed
+        for way in ways:
+            check_intervals(structure, motion, axis, **way, tell=partial(options.note, quiet=quiet))
+    both = any(len(ways) > 1 for _, ways in searches)
     failed = 0
     silent: list[str] = []
 
     def records() -> Iterator[dict[str, Any]]:
         nonlocal failed
-        for structure in structures:
-            if closed_form:
-                yield from structure_curves(structure, motion, axis)
-                continue
-            most, compared = a_max.of(structure), []
-            for method in methods:
-                found, none = [], set()
-                search: dict[str, Any] = {"method": method, "a_max": most, "sign": sign, "lowest": first, "workers": workers}
+        for structure, ways in searches:
+            compared = []
+            for way in ways:
+                found, none, model, most = [], set(), way["method"].model, way["a_max"]
                 line = ProgressLine(structure.name, quiet, "frequencies")
-                for record in structure_intervals(structure, motion, axis, **search, progress=line):
+                for record in structure_intervals(structure, motion, axis, **way, lowest=lowest, workers=workers, progress=line):
                     failed += record["mode"] == "failed"
                     found.append(record)
                     if record["mode"] == NONE:
                         none.add(record["Omega"])
-                    yield record if len(methods) == 1 else {**record, "model": method.model}
+                    yield {**record, "model": model} if both else record
                 if none:
-                    by = f", {method.model}" if len(methods) > 1 else ""
+                    by = f", {model}" if both else ""
                     silent.append(
                         f"{structure.name}{by}: no overturning up to A = {most:g} at {len(none)} of {axis.values.size} frequencies"
                     )
                 compared.append(found)
-            if len(methods) > 1 and not first:
+            if both and not lowest:
                 silent.append(f"{structure.name}: {misjudged(*compared, a_max=most)}")
 
-    options.emit(records(), form, columns=CURVE_COLUMNS if closed_form else columns)
+    options.emit(records(), form, columns=(*INTERVAL_COLUMNS, *(["model"] if both else [])))
     for line in silent:
         options.note(line, quiet)
-    if not closed_form:
-        options.note(f"nothing is claimed of intervals narrower than {NARROWEST:g} in A, safe or overturning", quiet)
+    options.note(f"nothing is claimed of intervals narrower than {NARROWEST:g} in A, safe or overturning", quiet)
     if failed:
         options.note(f"{failed} intervals could not be decided (mode failed)", quiet)
         context.exit(4)
