@@ -18,6 +18,7 @@ _ROW = re.compile(r"^\s*[-+]?(?:\d+\.?\d*|\.\d+)(?:[eEdD][-+]?\d+)?(?:[\s,;]|$)"
 _WORD = re.compile(r"(?!(?:nan|inf)\b)[a-z]{2,}", re.IGNORECASE)
 _MOST_TITLE_LINES = 40
 _FEW = 10  # values, fewer than which may be as many as the first of them says
+_LONG = 1.0  # s, from which on a column may number its values, or hold times in ms
 _UNEVEN = 0.1  # part of a step by which printed times may lie off an even grid
 
 
@@ -66,7 +67,8 @@ def read(text: RecordText, unit: str | None, dt: float | None) -> list[Series]:
     for part in blocks(count):  # in place of the times
         values[part] = values[2 * part.start + 1 : 2 * part.stop : 2]
     values.resize(count, refcheck=False)
-    return [Series(None, step, values, unit)]
+    remark = f"a step of {step:g} s, where the first column is taken for times in s" if step >= _LONG else ""
+    return [Series(None, step, values, unit, remark=remark)]
 
 
 def _even_step(time: np.ndarray, text: RecordText, line: int) -> float:

@@ -7,13 +7,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...documents.quantities import UNITS
+from ...documents.quantities import DEFAULT_GRAVITY, UNITS
 from ...errors import DocumentError
 from ..blocks import largest
 
 LARGEST = 1e6  # m/s2, beyond which no ground shakes
 STEPS = (1e-7, 1e3)  # s, from the shortest to the longest
 WRITTEN_UNITS = ("g", "gal", "cm/s2", "m/s2", "mm/s2")
+_PEAKS = (0.002, 5.0)  # g; the largest recorded is about 4 g. A record in gal that is read as g lies above, one in g read as gal below
 _PEAK_AGREES = 0.01  # part of a header's peak by which the samples' own may differ without a word
 
 
@@ -82,17 +83,20 @@ def unit_of(word: str) -> str | None:
 
 
 def record_of(series: Series, name: str, format_: str, source: str, sha256: str) -> Record:
-    """The record of a series in SI units; a header's peak that the samples contradict becomes a remark. Raises DocumentError."""
+    """The record of a series in SI units; a header's peak that the samples contradict becomes a remark, and
+    so does a peak which says that the unit is another. Raises DocumentError."""
     factor = UNITS["acceleration"][series.unit]
     acceleration = np.multiply(series.samples, factor, out=series.samples) if series.samples.dtype == float else series.samples * factor
     remarks = [series.remark] if series.remark else []
-    header = None
+    where = "" if series.component is None else f" of {series.component}"
+    peak, header = largest(acceleration), None
+    if peak > _PEAKS[1] * DEFAULT_GRAVITY or (series.peak is None and 0.0 < peak < _PEAKS[0] * DEFAULT_GRAVITY):
+        remarks.append(f"a peak{where} of {peak / DEFAULT_GRAVITY:.3g} g, where the unit is taken to be {series.unit}")
     if series.peak is not None:
         stated = abs(float(series.peak))
         header = stated * factor
-        found = largest(acceleration) / factor
+        found = peak / factor
         if abs(found - stated) > max(_PEAK_AGREES * stated, _half_a_digit(series.peak)):
-            where = "" if series.component is None else f" of {series.component}"
             remarks.append(f"the header states a peak{where} of {stated:g} {series.unit}, the samples have {found:.6g} {series.unit}")
     return Record(name, format_, series.component, series.dt, acceleration, header, series.unit, source, sha256, tuple(remarks))
 

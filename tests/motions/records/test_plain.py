@@ -30,6 +30,32 @@ def test_a_title_that_begins_with_a_number(tmp_path):
     np.testing.assert_array_equal(read_record(path, unit="m/s2", dt=0.02).acceleration, READ)
 
 
+@pytest.mark.parametrize(("times", "step"), [("{:d}", 1.0), ("{:d}0", 10.0)])
+def test_a_first_column_that_can_hardly_be_seconds_is_a_remark(tmp_path, times, step):
+    path = tmp_path / "a"
+    path.write_text("".join(f"{times.format(i)} {x:.6f}\n" for i, x in enumerate(SAMPLES)))
+    record = read_record(path, unit="m/s2")
+    assert record.dt == step
+    assert record.remarks == (f"a step of {step:g} s, where the first column is taken for times in s",)
+
+
+@pytest.mark.parametrize(
+    ("unit", "remarks"),
+    [
+        ("m/s2", ()),
+        ("g", ()),
+        ("gal", ("a peak of 0.000765 g, where the unit is taken to be gal",)),  # m/s2 or g taken for gal
+    ],
+)
+def test_a_peak_that_speaks_against_the_unit_is_a_remark(tmp_path, unit, remarks):
+    path = tmp_path / "a"
+    path.write_text("".join(f"{0.3 * x:.6f}\n" for x in SAMPLES))
+    assert read_record(path, unit=unit, dt=0.01).remarks == remarks
+    path.write_text("".join(f"{300.0 * x:.6f}\n" for x in SAMPLES))
+    (remark,) = read_record(path, unit="g", dt=0.01).remarks
+    assert remark == "a peak of 750 g, where the unit is taken to be g"
+
+
 def test_a_table_of_words_is_no_record(tmp_path):
     path = tmp_path / "a.csv"
     path.write_text(' Result ID, Spectral Ordinate, Event\n 1, SRSS, "Nowhere"\n 2, SRSS, "Elsewhere"\n')
