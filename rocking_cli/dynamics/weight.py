@@ -14,6 +14,7 @@ from functools import lru_cache
 import numpy as np
 
 from ..motions.biaxial import Biaxial, combined
+from ..motions.extremes import extremes
 from ..motions.motion import Motion
 from ..motions.polyline import Polyline
 from ..motions.segments import Segments
@@ -99,7 +100,7 @@ def weighed(motion: Motion, right: float, left: float) -> Segments:
     if isinstance(motion.across, Polyline):
         across, vertical, at_right, at_left = (signal.segments for signal in signals)
     else:
-        inner = [_apart(sorted(x for piece in pieces for x in piece.extremes()), pieces[0].stop - pieces[0].start)
+        inner = [_apart(sorted(x for piece in pieces for x in extremes(piece)), pieces[0].stop - pieces[0].start)
                  for pieces in zip(*(signal.pieces for signal in signals[1:]), strict=True)]  # fmt: skip
         across, vertical, at_right, at_left = (signal.cut(inner) for signal in signals)
     own = motion.across.segments  # whose extremes lie between the common cuts

@@ -1,6 +1,7 @@
 """What shakes: ground motions as exact pieces. Records, and what reads files, stand in modules of their own: most sweeps need none."""
 
-from .motion import Harmonic, Motion, Piece
+from .motion import Motion
+from .piece import Harmonic, Piece
 from .pulses import (
     PULSES,
     cosine,

@@ -10,7 +10,8 @@ from itertools import pairwise
 import numpy as np
 
 from ..errors import UsageError
-from .motion import Harmonic, Motion, Piece, checked_scale
+from .motion import Motion, checked_scale
+from .piece import Harmonic, Piece
 from .polyline import Polyline
 from .segments import Samples, Segments
 

@@ -17,18 +17,31 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from functools import partial
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-if TYPE_CHECKING:
-    from .motion import Piece
+from .piece import Piece
 
 Array = np.ndarray
 
 _TERMS = 12  # of the Taylor series
 _CELLS = 4  # a turn of the fastest sinusoid, to begin with
 _HALVINGS = 64
+
+
+def extremes(piece: Piece) -> list[float]:
+    """Phases strictly inside the piece where s has an extremum, in order."""
+    if not piece.harmonics:
+        return []
+    if len(piece.harmonics) == 1 and piece.slope == 0.0:
+        h = piece.harmonics[0]
+        first = np.ceil((h.frequency * piece.start + h.phase) / np.pi - 0.5)
+        last = np.floor((h.frequency * piece.stop + h.phase) / np.pi - 0.5)
+        found = (((np.arange(first, last + 1) + 0.5) * np.pi - h.phase) / h.frequency).tolist()
+    else:
+        found = isolated_extremes(piece).tolist()
+    margin = 1e-12 * (piece.stop - piece.start)
+    return [float(x) for x in found if piece.start + margin < x < piece.stop - margin]
 
 
 def isolated_extremes(piece: Piece) -> Array:

@@ -11,64 +11,18 @@ extremum, so that s is monotone on each segment: that is what lets the engine pr
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
 
 from ..errors import MotionError
-from .extremes import isolated_extremes
+from .extremes import extremes
+from .piece import Harmonic, Piece
 from .segments import Samples, Segments
 
 LARGEST_SCALE = 1e100  # beyond it amplitudes overflow
-
-
-@dataclass(frozen=True)
-class Harmonic:
-    """One sinusoid C sin(w phi + f) of a piece: amplitude C [-], frequency w [multiples of omega_g], phase f [rad]."""
-
-    amplitude: float
-    frequency: float = 1.0
-    phase: float = 0.0
-
-
-@dataclass(frozen=True)
-class Piece:
-    """One exact piece of a motion between two phases [rad]; see the module's formula."""
-
-    start: float
-    stop: float
-    harmonics: tuple[Harmonic, ...] = ()
-    constant: float = 0.0
-    slope: float = 0.0
-
-    def value(self, phase: np.ndarray | float) -> np.ndarray:
-        """s(phase) [-], shape of `phase`."""
-        phase = np.asarray(phase, dtype=float)
-        total = self.constant + self.slope * (phase - self.start)
-        for h in self.harmonics:
-            total = total + h.amplitude * np.sin(h.frequency * phase + h.phase)
-        return np.asarray(total)
-
-    def scaled(self, factor: float) -> Piece:
-        """The piece times a factor."""
-        harmonics = tuple(replace(h, amplitude=factor * h.amplitude) for h in self.harmonics)
-        return Piece(self.start, self.stop, harmonics, factor * self.constant, factor * self.slope)
-
-    def extremes(self) -> list[float]:
-        """Phases strictly inside the piece where s has an extremum, in order."""
-        if not self.harmonics:
-            return []
-        if len(self.harmonics) == 1 and self.slope == 0.0:
-            h = self.harmonics[0]
-            first = np.ceil((h.frequency * self.start + h.phase) / np.pi - 0.5)
-            last = np.floor((h.frequency * self.stop + h.phase) / np.pi - 0.5)
-            found = (((np.arange(first, last + 1) + 0.5) * np.pi - h.phase) / h.frequency).tolist()
-        else:
-            found = isolated_extremes(self).tolist()
-        margin = 1e-12 * (self.stop - self.start)
-        return [float(x) for x in found if self.start + margin < x < self.stop - margin]
 
 
 @dataclass(frozen=True)
@@ -151,7 +105,7 @@ class Motion:
     @cached_property
     def segments(self) -> Segments:
         """The monotone segments of the motion."""
-        return self.cut([piece.extremes() for piece in self.pieces])
+        return self.cut([extremes(piece) for piece in self.pieces])
 
     def cut(self, inner: Sequence[Sequence[float]]) -> Segments:
         """The pieces cut into segments at these phases inside each of them, which are to hold its extremes."""

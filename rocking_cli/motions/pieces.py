@@ -14,7 +14,8 @@ import numpy as np
 from ..documents.document import Document, Value
 from ..documents.quantities import parse_quantity
 from ..errors import DocumentError, MotionError
-from .motion import Harmonic, Motion, Piece
+from .motion import Motion
+from .piece import Harmonic, Piece
 from .polyline import Polyline
 
 TURN = 2.0 * np.pi

@@ -15,7 +15,8 @@ import numpy as np
 from ..errors import MotionError
 from .blocks import blocks, largest
 from .columns import Column, Computed, Instants, Levels, Then
-from .motion import Motion, Piece, checked_scale
+from .motion import Motion, checked_scale
+from .piece import Piece
 from .segments import Samples, Segments, line_segments
 
 if TYPE_CHECKING:

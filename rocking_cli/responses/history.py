@@ -20,7 +20,8 @@ from ..dynamics.march.engine import Run
 from ..dynamics.outcome import Outcome
 from ..dynamics.system import System
 from ..dynamics.weight import WeighedSegments
-from ..motions.motion import Motion, Piece
+from ..motions.motion import Motion
+from ..motions.piece import Piece
 from ..motions.segments import Segments
 
 Array = np.ndarray

@@ -16,7 +16,8 @@ from itertools import pairwise
 from typing import TYPE_CHECKING, Protocol
 
 from ...motions.biaxial import plus
-from ...motions.motion import Motion, Piece
+from ...motions.motion import Motion
+from ...motions.piece import Piece
 from ...structures.kinematics import Mechanism, linearise
 from ..outcome import Outcome
 from .extrapolation import Path, Point, Rate, path, step

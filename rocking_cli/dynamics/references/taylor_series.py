@@ -15,7 +15,8 @@ from itertools import pairwise
 
 import numpy as np
 
-from ...motions.motion import Motion, Piece
+from ...motions.motion import Motion
+from ...motions.piece import Piece
 from ..outcome import Outcome
 from .pressing import Arm, lets_go
 from .uplift import lies_still, next_uplift

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from ...motions.motion import Piece
+from ...motions.extremes import extremes
+from ...motions.piece import Piece
 
 
 def next_uplift(piece: Piece, phase: float, right: float, left: float) -> tuple[float, int] | None:
@@ -16,7 +17,7 @@ def next_uplift(piece: Piece, phase: float, right: float, left: float) -> tuple[
         return (left if s > 0.0 else -right) * s - 1.0
 
     low = phase
-    for mark in (phase, *(x for x in piece.extremes() if x > phase), piece.stop):  # s is monotone from one to the next
+    for mark in (phase, *(x for x in extremes(piece) if x > phase), piece.stop):  # s is monotone from one to the next
         high = mark
         if excess(high) > 0.0:
             while low < (middle := 0.5 * (low + high)) < high:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from rocking_cli.dynamics.references.uplift import lies_still, next_uplift
-from rocking_cli.motions.motion import Harmonic, Piece
+from rocking_cli.motions.piece import Harmonic, Piece
 
 
 def test_what_lies_still_is_lifted_nowhere_and_nothing_else():

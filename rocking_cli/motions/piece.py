@@ -1,0 +1,43 @@
+"""One exact piece of a motion: a constant, a slope and sinusoids of the phase phi [rad].
+
+s(phi) = c0 + c1 (phi - start) + sum_j C_j sin(w_j phi + f_j)
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class Harmonic:
+    """One sinusoid C sin(w phi + f) of a piece: amplitude C [-], frequency w [multiples of omega_g], phase f [rad]."""
+
+    amplitude: float
+    frequency: float = 1.0
+    phase: float = 0.0
+
+
+@dataclass(frozen=True)
+class Piece:
+    """One exact piece of a motion between two phases [rad]; see the module's formula."""
+
+    start: float
+    stop: float
+    harmonics: tuple[Harmonic, ...] = ()
+    constant: float = 0.0
+    slope: float = 0.0
+
+    def value(self, phase: np.ndarray | float) -> np.ndarray:
+        """s(phase) [-], shape of `phase`."""
+        phase = np.asarray(phase, dtype=float)
+        total = self.constant + self.slope * (phase - self.start)
+        for h in self.harmonics:
+            total = total + h.amplitude * np.sin(h.frequency * phase + h.phase)
+        return np.asarray(total)
+
+    def scaled(self, factor: float) -> Piece:
+        """The piece times a factor."""
+        harmonics = tuple(replace(h, amplitude=factor * h.amplitude) for h in self.harmonics)
+        return Piece(self.start, self.stop, harmonics, factor * self.constant, factor * self.slope)
