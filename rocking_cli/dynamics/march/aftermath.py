@@ -28,11 +28,14 @@ _IMPACTS = 3  # over still ground, undamped: each edge has had its fastest
 
 def follow_on(run: Run, system: System, segments: Segments, cells: Sequence[Array]) -> None:
     """Bring the records of a run to their end; segments, cells: the motion and the A, Omega, eta that it was made with."""
-    demands = run.demands
-    if demands is None or not demands.open:
+    demands, upright = run.demands, np.isin(run.outcome, (Outcome.ROCKED, Outcome.LOST_CONTACT))
+    if demands is None:
+        return
+    demands.take_in(run.equation, upright)
+    if not demands.open:
         return
     lanes = Lanes(*(np.concatenate([getattr(part, f.name) for part in demands.open]) for f in fields(Lanes)))
-    lanes = lanes.take(np.flatnonzero(np.isin(run.outcome[lanes.cell], (Outcome.ROCKED, Outcome.LOST_CONTACT))))
+    lanes = lanes.take(np.flatnonzero(upright[lanes.cell]))
     cell = lanes.cell
     amplitude, omega, eta = (x[cell] for x in cells)
     after = Aftermath(system, segments, amplitude, omega, eta, False, run.pool, body=system.body)
@@ -50,7 +53,7 @@ class Aftermath(Run):
     def follow(self, lanes: Lanes, before: Demands) -> None:
         """Follow these lanes until they can beat no record, from those before on."""
         assert self.demands is not None
-        self.footing = None
+        self.footing, self.demands.far = None, np.inf
         self.demands.friction, self.demands.fz_min = before.friction[lanes.cell], before.fz_min[lanes.cell]
         lanes.cell, lanes.peak = np.arange(lanes.cell.size), np.full(lanes.cell.size, np.inf)
         lanes.impacts, lanes.steps = (np.zeros(lanes.cell.size, dtype=np.int32) for _ in range(2))

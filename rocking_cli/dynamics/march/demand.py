@@ -10,12 +10,15 @@ where u'' follows from the drive by the equation of motion. At rest they are xg'
 
 from __future__ import annotations
 
+from dataclasses import fields
+from typing import NamedTuple, Self
+
 import numpy as np
 
 from ...motions.segments import Segments
 from ..body import Body
 from ..contacts.contact import Contact
-from ..equations.equation import Flow
+from ..equations.equation import Equation, Flow
 from ..lanes import Cells, Lanes
 from ..weight import WeighedSegments
 from .closing import Bounds, bouncing, free_bounds, train_bounds
@@ -28,10 +31,26 @@ Array = np.ndarray
 # Stretches, over the time in which an arc bends, through which a cubic tells where an extremum may be: of exact flows, whose steps
 # are long, and of series.
 _LONGEST, _MOST_PARTS = {True: 1.0, False: 1.5}, 6
+_FAR = 1.0  # y beyond which a body on its way outwards mostly falls: its forces wait until that is known
+_TOGETHER = 16384  # lanes that are taken in at a time of those that waited
+
+
+class Waiting(NamedTuple):
+    """Lanes as they began a step, its length [tau], and y, v at its end."""
+
+    lanes: Lanes
+    stop: Array
+    y: Array
+    v: Array
+
+    def take(self, at: Array) -> Self:
+        """Of some lanes."""
+        return type(self)(self.lanes.take(at), self.stop[at], self.y[at], self.v[at])
 
 
 class Demands(Records):
-    """The records of the cells of a run; `open`: lanes that it closed, of which a record may still come.
+    """The records of the cells of a run; `open`: lanes that it closed, of which a record may still come; `far`: y of steps that wait for
+    whether their body falls.
 
     shaken: the segment from which on the ground is still.
     """
@@ -41,6 +60,7 @@ class Demands(Records):
         self.body, self.segments, self.shaken, self.contact, self.cells = body, segments, shaken, contact, cells
         self.ground = Ground(body, segments)
         self.open: list[Lanes] = []
+        self.far, self._waiting = _FAR, list[Waiting]()
         self._steepest = max(edge.uplift for edge in body.edges)
 
     def course(self, lanes: Lanes, h: Array, y: Array, v: Array) -> Course:
@@ -66,6 +86,10 @@ class Demands(Records):
 
     def follow(self, lanes: Lanes, arc: Flow, stop: Array, y: Array, v: Array, at: Array) -> None:
         """Take in the arcs of the lanes `at` until `stop` [tau], where they are at y, v; `lanes` as they are at 0."""
+        far = (y[at] > self.far) & (v[at] > 0.0)
+        if far.any():
+            self._waiting.append(Waiting(lanes, stop, y, v).take(at[far]))
+            at = at[~far]
         some, low, high = lanes.take(at), np.zeros(at.size), stop[at]
 
         def along(own: Array, h: Array) -> Course:
@@ -90,6 +114,26 @@ class Demands(Records):
             return along(own[one], h)
 
         self.search(some.cell[own], within, part * length, np.where(ends, (part + 1) * length, high[own]), left, right)
+
+    def take_in(self, equation: Equation, upright: Array) -> None:
+        """The steps that waited, of cells that stayed upright, (cells,)."""
+        if not self._waiting:
+            return
+        lanes = Lanes(*(np.concatenate([getattr(part.lanes, f.name) for part in self._waiting]) for f in fields(Lanes)))
+        every = Waiting(lanes, *(np.concatenate([part[i] for part in self._waiting]) for i in (1, 2, 3)))
+        every, self.far, self._waiting = every.take(np.flatnonzero(upright[lanes.cell])), np.inf, []
+        cell = every.lanes.cell
+        order = np.argsort(cell, kind="stable")
+        first = np.searchsorted(cell[order], cell[order])
+        turn = np.empty_like(order)  # a cell's steps are taken in one after the other, so that they depend on no other cell
+        turn[order] = np.arange(order.size) - first
+        for n in range(int(turn.max(initial=-1)) + 1):
+            at = np.flatnonzero(turn == n)
+            for begin in range(0, at.size, _TOGETHER):
+                lanes, stop, y, v = every.take(at[begin : begin + _TOGETHER])
+                with np.errstate(all="ignore"):
+                    arc = equation.on(lanes.side, lanes.cell).flow(self.segments, lanes)
+                    self.follow(lanes, arc, stop, y, v, np.arange(stop.size))
 
     def rest(self, cell: Array, k: Array, u: Array, to_k: Array, to_u: Array) -> None:
         """Bodies at rest from (k, u) to another position; to_k: the number of segments where they rest to the end."""

@@ -184,6 +184,27 @@ def test_extremes_of_many_do_not_hang_on_how_steps_are_cut(kind, model, motion, 
     assert max(apart_from_short_cuts(kind, model, motion, 1500, 5, monkeypatch)) < 1e-8
 
 
+@pytest.mark.parametrize("far", [0.0, 1.0])
+def test_steps_that_wait_for_whether_their_body_falls_bring_what_they_bring_at_once(far, monkeypatch):
+    """Bodies that turn back beyond y = 1 too, each by itself as among the others."""
+    body, _, _ = drawn("unequal", np.random.default_rng(2), 0.2, 0.4)
+    system, motion, amplitude, omega = Method("nonlinear").system_of(body), sine(2), np.linspace(4.0, 6.0, 30), 4.0
+    monkeypatch.setattr(demand, "_FAR", math.inf)
+    found, at_once = response_with_demands(system, motion, amplitude, omega, body.eta)
+    monkeypatch.setattr(demand, "_FAR", far)
+    taken, follow = [], Demands.follow
+    with monkeypatch.context() as watched:
+        watched.setattr(Demands, "follow", lambda self, *step: (taken.append((self.far, step[-1].size)), follow(self, *step))[1])
+        _, later = response_with_demands(system, motion, amplitude, omega, body.eta)
+    assert any(size > 0 for least, size in taken if least == math.inf)
+    for name, values in at_once.items():
+        assert later[name] == pytest.approx(values, abs=1e-12, nan_ok=True)
+    one = int(np.nanargmax(found.theta_ratio))
+    assert found.theta_ratio[one] > 1.0
+    _, alone = response_with_demands(system, motion, amplitude[one], omega, body.eta)
+    assert {name: float(x) for name, x in alone.items()} == {name: float(x[one]) for name, x in later.items()}
+
+
 def worst(text, model, motion, cells, seed):
     """(cells compared, largest differences of friction and of fz_min from the histories)."""
     body, method, random = body_of(text), Method(model, 1e-11), np.random.default_rng(seed)
@@ -215,6 +236,7 @@ def test_the_extremes_of_many_cells_are_those_of_their_histories(motion, model):
     assert least < 2e-9  # a history takes the bounces that are too low to be seen under forces that change evenly
 
 
+@pytest.mark.soak
 def test_bounces_that_a_history_does_not_show_press_less_than_a_body_at_rest():
     """Just above uplift the force falls until the last of them; an integration by DOP853 follows 318 to 1e-8 of the speed."""
     body, method = body_of(BODIES["block"]), Method("linear")
