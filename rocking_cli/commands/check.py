@@ -11,6 +11,7 @@ import click
 
 from . import ground, options
 from .parameter_types import OutputPath
+from .progress import ProgressLine
 
 if TYPE_CHECKING:
     from ..motions import Motion
@@ -75,7 +76,8 @@ def check(
         shakes = [(upwards(shake), grid) for shake, grid in shakes]
     demands = [(structure, *shake) for shake in shakes for structure in structures]
     tell = partial(options.note, quiet=quiet)
-    verdicts = check_all(demands, a_max=a_max, workers=options.at_most_the_cpus(workers, quiet), tell=tell)
+    progress = ProgressLine("check", quiet, "stages")
+    verdicts = check_all(demands, a_max=a_max, workers=options.at_most_the_cpus(workers, quiet), tell=tell, progress=progress)
     if sort:
         verdicts.sort(key=lambda v: float("inf") if v.capacity_demand is None else v.capacity_demand)
     in_g = _in_g(context.params)

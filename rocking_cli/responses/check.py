@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import Any
@@ -23,7 +23,9 @@ from ..structures.parameters import RockingParameters
 from .time_history import time_history
 
 Demand = tuple[RockingParameters, Motion, Grid]
+Progress = Callable[[int, int], None]
 
+_STAGES = 3  # of a verdict
 _WORTH = 3  # demands for each process that is started, at least
 _RUNS, _CELLS = 12, 1500  # of the engine and of its cells, that a search takes
 CHECK_COLUMNS = (
@@ -83,10 +85,13 @@ def governing_method(structure: RockingParameters) -> Method:
     return Method(MODELS[-1]) if known else LINEAR
 
 
-def check(structure: RockingParameters, motion: Motion, shaking: Grid, *, a_max: float = A_MAX) -> Verdict:
+def check(
+    structure: RockingParameters, motion: Motion, shaking: Grid, *, a_max: float = A_MAX, progress: Progress | None = None
+) -> Verdict:
     """Whether a structure stands under a motion, and the capacity it has left; shaking: a grid of one cell, the demand.
 
-    a_max: dimensionless amplitude up to which overturning is looked for (and twice the demand). Raises UsageError for a demand of
+    a_max: dimensionless amplitude up to which overturning is looked for (and twice the demand); progress: called with the stages done and
+    all of them: the responses, the search, the forces. Raises UsageError for a demand of
     zero, one that is beyond what a search reaches, or a structure without units.
 
     >>> (column,) = load_structures('configs/block.yaml')
@@ -99,10 +104,13 @@ def check(structure: RockingParameters, motion: Motion, shaking: Grid, *, a_max:
     amplitude, omega = (float(x[0]) for x in shaking.scaled(structure))
     if not amplitude > 0.0:
         raise UsageError("the amplitude is 0, accepted is a positive one")
-    method = governing_method(structure)
+    method, done = governing_method(structure), progress or _unheard
     governs, linear = (_respond(m, structure, motion, amplitude, omega) for m in (method, LINEAR))
+    done(1, _STAGES)
     found = capacity(structure, motion, amplitude, omega, method=method, a_max=a_max)
+    done(2, _STAGES)
     asked = _forces(method, structure, motion, shaking)
+    done(_STAGES, _STAGES)
     lifted_off = governs[0] == Outcome.ROCKED and (asked.get("fz_min", 1.0) or 0.0) <= 0.0
 
     def acceleration(a: float | None) -> float | None:
@@ -123,9 +131,16 @@ def check(structure: RockingParameters, motion: Motion, shaking: Grid, *, a_max:
     )
 
 
-def check_all(demands: Sequence[Demand], *, a_max: float = A_MAX, workers: int | None = None, tell: Tell | None = None) -> list[Verdict]:
+def check_all(
+    demands: Sequence[Demand],
+    *,
+    a_max: float = A_MAX,
+    workers: int | None = None,
+    tell: Tell | None = None,
+    progress: Progress | None = None,
+) -> list[Verdict]:
     """The verdicts on (structure, motion, shaking), in their order; workers: processes, None for all cores where they are several.
-    tell: called with a line where this will take long.
+    tell: called with a line where this will take long; progress: with what is done and all there is.
 
     Raises as `check` does, OutputError when a worker process dies.
     """
@@ -133,10 +148,18 @@ def check_all(demands: Sequence[Demand], *, a_max: float = A_MAX, workers: int |
     several = max(1, min(workers or available_cpus(), len(demands) // (1 if workers else _WORTH)))
     searches = f"{len(demands)} search{'es' if len(demands) > 1 else ''}"
     announce(sum(_seconds(s, motion) for s, motion, _ in demands), searches, several, tell)
+    done = progress or _unheard
     if several == 1:
-        return [task(demand) for demand in demands]
+        return [
+            check(*demand, a_max=a_max, progress=lambda stage, of, i=i: done(i * of + stage, len(demands) * of))  # type: ignore[misc]
+            for i, demand in enumerate(demands)
+        ]
+    verdicts: list[Verdict] = []
     with processes(several, task, "fewer `workers` need less") as run:
-        return list(run(demands))
+        for verdict in run(demands):
+            verdicts.append(verdict)
+            done(len(verdicts), len(demands))
+    return verdicts
 
 
 def _seconds(structure: RockingParameters, motion: Motion) -> float:
@@ -151,6 +174,10 @@ def tally(verdicts: Sequence[Verdict]) -> str:
     lost = sum(v.falls and not v.outcome.overturned for v in verdicts)
     overturn = f"{sum(v.outcome.overturned for v in verdicts)} of {len(verdicts)} overturn"
     return f"{overturn}, {lost} lose{'s' if lost == 1 else ''} contact with the ground" if lost else overturn
+
+
+def _unheard(done: int, total: int) -> None:
+    """Nobody asked."""
 
 
 def _check_one(a_max: float, demand: Demand) -> Verdict:

@@ -133,7 +133,10 @@ def test_friction_is_that_of_the_response():
 
 def test_workers_change_nothing():
     demands = [(structure_of(f"kind: parameters\np: {p}\nalpha: 0.2\neta: 0.8\nlambda: 0.25"), sine(), DEMAND) for p in (1.5, 2.0, 3.0)]
-    assert check_all(demands, workers=2) == check_all(demands, workers=1) == [check(*demand) for demand in demands]
+    heard: list[tuple[int, int]] = []
+    verdicts = check_all(demands, workers=1, progress=lambda *x: heard.append(x))
+    assert check_all(demands, workers=2) == verdicts == [check(*demand) for demand in demands]
+    assert heard == [(i + 1, 3 * len(demands)) for i in range(3 * len(demands))]  # three stages of each
 
 
 def test_no_demand_is_refused():
