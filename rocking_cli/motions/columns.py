@@ -155,7 +155,7 @@ class Largest(Column):
             first = part.start // LEAF
             ahead[first : first - (-values.size // LEAF)] = np.maximum.reduceat(values, np.arange(0, values.size, LEAF))
         ahead[-1] = 0.0
-        return cls(column, np.maximum.accumulate(ahead[::-1])[::-1])
+        return cls(column, np.maximum.accumulate(ahead[::-1])[::-1].copy())  # `take` copies what runs backwards, each time
 
     @property
     def size(self) -> int:  # type: ignore[override]

@@ -211,7 +211,9 @@ def record_motion(record: Record, scale: float = 1.0, name: str = "") -> Polylin
         raise MotionError(f"motion {record.label!r}: zero throughout, accepted is one with an amplitude")
     factor = float(np.copysign(1.0, checked_scale(record.label, scale))) / peak
     if record.npts > _ARRAYS:
-        return _even(name or record.label, record.dt, 1, Levels(record.npts, record.acceleration, (factor,)), abs(scale) * peak)
+        return _even(
+            name or record.label, record.dt, 1, Levels(record.npts, np.ascontiguousarray(record.acceleration), (factor,)), abs(scale) * peak
+        )
     s = factor * record.acceleration
     time = record.dt * np.arange(record.npts)
     return Polyline(name or record.label, time[:-1], time[1:], s[:-1], np.diff(s) / np.diff(time), abs(scale) * peak)
