@@ -29,10 +29,12 @@ def outlasts(segments: Segments, lanes: Lanes, equation: Equation, most: int) ->
     """
     found = np.zeros(lanes.v.shape, dtype=bool)
     at = np.flatnonzero((lanes.steps % _EVERY == 0) & (lanes.v > 0.0) & (lanes.y == 0.0) & (lanes.b < 0.0) & (lanes.b > -2.0))
+    kept = lanes.eta[at] ** most
+    at, kept = at[kept > 0.0], kept[kept > 0.0]  # others have come to rest by then
     if not at.size or equation.damping:
         return found
     k, u, v, eta, a0 = lanes.k[at], lanes.u[at], lanes.v[at], lanes.eta[at], 1.0 + lanes.b[at]
-    left, kept, gain = segments.length[k] - u, eta**most, equation.on(lanes.side[at], lanes.cell[at]).gain
+    left, gain = segments.length[k] - u, equation.on(lanes.side[at], lanes.cell[at]).gain
     outward, now = -lanes.side[at] * lanes.amplitude[at], drive_change(segments, k, u)
     begins = a0 + outward * (drive_change(segments, k, u + _SHARES[0] * left) - now)
     for share, to in pairwise(_SHARES):

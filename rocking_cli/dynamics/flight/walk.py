@@ -25,7 +25,7 @@ from .bounded import LONGEST
 Array = np.ndarray
 
 _POOL = 32768  # lanes: a round of the march costs calls, not lanes
-_BLOCK = 4096  # lanes that stride together: what they need fits the second-level cache
+_BLOCK = 5056  # lanes that stride together: what they need fits the second-level cache, and no power of two lies between its rows
 _STRIDES, _NARROW = 4, 16  # in a row, before lanes that wait get their round: of many lanes, and of fewer than a block
 _NEARLY = 0.9  # part of the displacement from which a body has overturned: beyond it the march judges
 
@@ -107,8 +107,10 @@ class Walk(Run):
         return degrees(2.0 + amplitude * np.maximum(2.0, self.steepest / pace), pace, self.equation.tolerance)
 
     def _stroll(self, lanes: Walkers, walks: Array) -> None:
-        """Some strides of all lanes that walk, in blocks; where one is not proved the lane stops."""
+        """Some strides of all lanes that walk, in blocks of like degree, whose series have no rows of zeros; where one is not proved the
+        lane stops."""
         at = np.flatnonzero(walks)
+        at = at[np.argsort(lanes.degree[at].astype(np.int8), kind="stable")]
         strides = _STRIDES if at.size > _BLOCK else _NARROW
         for first in range(0, at.size, _BLOCK):
             self._block(lanes, at[first : first + _BLOCK], walks, strides)
