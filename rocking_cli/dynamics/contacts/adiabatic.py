@@ -61,6 +61,8 @@ def ceiling(segments: Segments, lane: Lanes, gain: float) -> float:
     (k,), (u,), (amplitude,), (omega,), (v,), (b,) = (x.tolist() for x in (lane.k, lane.u, lane.amplitude, lane.omega, lane.v, lane.b))
     torn = _JOINED * amplitude * max(float(segments.later_max[0]), -float(segments.later_min[0]))
     now, sums, most, steepest, tall = abs(1.0 + b), 0.0, 0.0, 0.0, 0.0
+    if now == 1.0:  # a force that is lost beside 1
+        return np.inf
     end, before, phase_before = now, 0.0, 0.0  # of the line before: c at its end, c', the factor of phi
     for part in blocks(len(segments) - k):
         at = slice(k + part.start, k + part.stop)

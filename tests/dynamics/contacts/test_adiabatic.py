@@ -135,6 +135,12 @@ def test_a_body_that_is_lifted_again_is_followed():
     assert not bounces_on(motion.segments, lanes, equation)
 
 
+def test_a_force_that_is_lost_beside_1_proves_nothing():
+    lanes = start(shaken([0.0, 0.5, -1.0, 0.0], 0.1), 0.9, 1e-3)
+    lanes.b[:] = -1e-17
+    assert not bounces_on(shaken([0.0, 0.5, -1.0, 0.0], 0.1).segments, lanes, LinearEquation())
+
+
 def test_a_long_record_is_gone_through_part_by_part(monkeypatch):
     motion = shaken(noise(60, 0.05, 1), 0.05)
     lanes = start(motion, 0.9, 1e-4)
