@@ -26,7 +26,7 @@ Array = np.ndarray
 Lines = np.ndarray | Column
 
 _STRAIGHT = 1e-13  # of the largest s: what three points may be off a line by the rounding of one who puts points between samples
-_ARRAYS = 1 << 20  # intervals up to which a record has arrays: they take 65 bytes each, and narrow rounds two thirds of the time
+_ARRAYS = 1 << 19  # intervals up to which a record has arrays: they take 65 bytes each, and narrow rounds two thirds of the time
 _ROUNDING = 4e-16  # of the duration, and of the largest s: what equal steps and joined lines may differ by
 
 
