@@ -52,7 +52,8 @@ def bounces_on(segments: Segments, lanes: Lanes, equation: Equation) -> Array:
     at = at[lanes.amplitude[at] * loudest < 1.0]
     gains = np.broadcast_to(equation.on(lanes.side[at], lanes.cell[at]).gain, at.shape)
     for lane, gain in zip(at.tolist(), gains.tolist(), strict=True):  # one by one: no sum depends on a lane's neighbours
-        found[lane] = ceiling(segments, lanes.take(slice(lane, lane + 1)), gain) <= lanes.peak[lane]
+        highest = ceiling(segments, lanes.take(slice(lane, lane + 1)), gain)
+        found[lane] = math.isfinite(highest) and highest <= lanes.peak[lane]  # the peak is infinite where none is wanted
     return found
 
 
