@@ -45,7 +45,7 @@ def capacities(axes: Axes, verdicts: Sequence[Verdict], in_g: bool) -> None:
         ratio = "never overturns" if v.capacity_demand is None else f"{v.capacity_demand:.2f}"
         window = ", in a safe window" if v.outcome.safe and v.capacity_demand is not None and v.capacity_demand < 1.0 else ""
         axes.annotate(
-            f"{ratio}  {v.outcome.sentence}{window}", (1.0, row), xycoords=("axes fraction", "data"), xytext=(6, 0),
+            f"{ratio}  {v.sentence}{window}", (1.0, row), xycoords=("axes fraction", "data"), xytext=(6, 0),
             textcoords="offset points", va="center", fontsize=8,
         )  # fmt: skip
     axes.set_yticks(range(len(verdicts)), [v.name for v in verdicts])

@@ -152,7 +152,7 @@ def _section(
 def _cells(v: Verdict) -> list[dict[str, Any]]:
     """A row of the table of verdicts."""
     values = (
-        v.name, v.motion, v.model, v.outcome.sentence, v.theta_ratio, _in_g(v.demand_a), _in_g(v.uplift_a), _in_g(v.first_overturning_a),
+        v.name, v.motion, v.model, v.sentence, v.theta_ratio, _in_g(v.demand_a), _in_g(v.uplift_a), _in_g(v.first_overturning_a),
         v.capacity_demand, _in_g(v.safe_to), v.outcome_linear.sentence, v.friction, v.fz_min,
     )  # fmt: skip
     return [{"text": _number(x), "number": not isinstance(x, str)} for x in values]

@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 
 from ..dynamics.method import EQUATIONS, LINEAR, MODELS, Method
-from ..dynamics.outcome import Outcome
-from ..dynamics.response import response
+from ..dynamics.outcome import Outcome, safe
+from ..dynamics.response import Response, response
 from ..errors import UsageError
 from ..motions import Motion
 from ..spectra.capacity import capacity
@@ -26,6 +26,8 @@ Demand = tuple[RockingParameters, Motion, Grid]
 Progress = Callable[[int, int], None]
 
 _STAGES = 3  # of a verdict
+_BESIDE = np.array([0.0, *(sign * 10.0**-n for n in range(12, 5, -1) for sign in (-1.0, 1.0))])  # relative changes of a demand
+_SAME = 0.01  # of theta/alpha: rotations under them that differ by less are one
 _WORTH = 3  # demands for each process that is started, at least
 _RUNS, _CELLS = 12, 1500  # of the engine and of its cells, that a search takes
 CHECK_COLUMNS = (
@@ -42,7 +44,8 @@ class Verdict:
     safe_to: upper end of the stretch around the demand that stands, None where the body falls or nothing above overturns;
     theta_ratio: max |theta|/alpha, None where it falls; outcome_linear: by the linear equation; friction, fz_min: the friction that
     the motion asks of the ground (impacts apart), and the least vertical force over the weight, of a rigid body whose mass centre is
-    known; friction is None too where the ground lets go of it.
+    known; friction is None too where the ground lets go of it; unsettled: whether changes of the demand by a part of 1e-12 to 1e-6
+    decide whether it stands, or move theta_ratio by 0.01: after many impacts there is no other answer.
     """
 
     name: str
@@ -57,6 +60,12 @@ class Verdict:
     outcome_linear: Outcome
     friction: float | None = None
     fz_min: float | None = None
+    unsettled: bool = False
+
+    @property
+    def sentence(self) -> str:
+        """The outcome in words."""
+        return f"{self.outcome.sentence}, on the last digits" if self.unsettled else self.outcome.sentence
 
     @property
     def capacity_demand(self) -> float | None:
@@ -105,28 +114,35 @@ def check(
     if not amplitude > 0.0:
         raise UsageError("the amplitude is 0, accepted is a positive one")
     method, done = governing_method(structure), progress or _unheard
-    governs, linear = (_respond(m, structure, motion, amplitude, omega) for m in (method, LINEAR))
+    beside = amplitude * (1.0 + _BESIDE)
+    governs = _respond(method, structure, motion, beside, omega)
+    outcome, rotation = Outcome(int(governs.outcome[0])), float(governs.theta_ratio[0])
+    stands, falls = safe(governs.outcome), ~safe(governs.outcome) & (governs.outcome != Outcome.FAILED)
+    linear = _respond(LINEAR, structure, motion, beside[:1], omega)
     done(1, _STAGES)
     found = capacity(structure, motion, amplitude, omega, method=method, a_max=a_max)
     done(2, _STAGES)
     asked = _forces(method, structure, motion, shaking)
     done(_STAGES, _STAGES)
-    lifted_off = governs[0] == Outcome.ROCKED and (asked.get("fz_min", 1.0) or 0.0) <= 0.0
+    lifted_off = outcome == Outcome.ROCKED and (asked.get("fz_min", 1.0) or 0.0) <= 0.0
+    near = beside[falls] if stands[0] else beside[:0]
 
-    def acceleration(a: float | None) -> float | None:
-        return None if a is None else float(structure.ground_acceleration(a))
+    def acceleration(*a: float | None) -> float | None:
+        least = min((x for x in a if x is not None), default=None)
+        return None if least is None else float(structure.ground_acceleration(least))
 
     return Verdict(
         name=structure.name,
         motion=motion.name,
         model=method.model,
-        outcome=Outcome.LOST_CONTACT if lifted_off else governs[0],
-        theta_ratio=governs[1],
+        outcome=Outcome.LOST_CONTACT if lifted_off else outcome,
+        theta_ratio=rotation if np.isfinite(rotation) else None,
         demand_a=float(structure.ground_acceleration(amplitude)),
         uplift_a=acceleration(found.uplift),
-        first_overturning_a=acceleration(found.first),
-        safe_to=acceleration(found.safe_to),
-        outcome_linear=linear[0],
+        first_overturning_a=acceleration(found.first, *near),
+        safe_to=acceleration(found.safe_to, *near[near > amplitude]),
+        outcome_linear=Outcome(int(linear.outcome[0])),
+        unsettled=bool(stands.any() and (falls.any() or np.ptp(governs.theta_ratio[stands]) > _SAME)),
         **asked,
     )
 
@@ -193,7 +209,5 @@ def _forces(method: Method, structure: RockingParameters, motion: Motion, shakin
     return {"friction": friction if np.isfinite(friction) else None, "fz_min": asked.fz_min}
 
 
-def _respond(method: Method, structure: RockingParameters, motion: Motion, amplitude: float, omega: float) -> tuple[Outcome, float | None]:
-    found = response(method.system_of(structure), motion, np.array([amplitude]), np.array([omega]), structure.eta)
-    ratio = float(found.theta_ratio[0])
-    return Outcome(int(found.outcome[0])), ratio if np.isfinite(ratio) else None
+def _respond(method: Method, structure: RockingParameters, motion: Motion, amplitude: np.ndarray, omega: float) -> Response:
+    return response(method.system_of(structure), motion, amplitude, np.array([omega]), structure.eta)

@@ -162,3 +162,16 @@ def test_what_takes_minutes_is_said_beforehand(monkeypatch):
     assert told == []
     check_all([(replace(column, eta=1.0), sine(), DEMAND)], workers=1, tell=told.append)
     assert [line.startswith("1 search: up to roughly ") for line in told] == [True]
+
+
+def test_a_demand_that_the_last_digits_decide_is_called_so():
+    """After 160 impacts five of fifteen amplitudes within a part of 1e-6 stand."""
+    structure = structure_of("kind: parameters\np: 2\nalpha: 0.25\neta: 0.98\nlambda: 0.25")
+    omega_g = 1.1642588176866302 * structure.p
+    grid = Grid(Axis("A", np.array([1.046522639017664])), Axis("omega_g", np.array([omega_g])))
+    verdict = check(structure, sine(5), grid, a_max=1.2)
+    assert verdict.unsettled
+    assert verdict.sentence == f"{verdict.outcome.sentence}, on the last digits"
+    assert verdict.capacity_demand <= 1.0 + 2e-6
+    assert verdict.falls or verdict.safe_to <= verdict.demand_a * (1.0 + 2e-6)
+    assert not check(structure, sine(), grid, a_max=1.2).unsettled
