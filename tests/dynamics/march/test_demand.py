@@ -7,12 +7,11 @@ from functools import partial
 
 import numpy as np
 import pytest
-from oracle_systems import Body as Solved
-from oracle_systems import Edge
 from pressing import asked
+from stocky import ACROSS, KINDS, UP, drawn, ground
 from weighed import Shaking
 
-from rocking_cli import Method, Outcome, RockingParameters, build_structure, cosine, parse_documents, parse_grid, pulse, response, sine
+from rocking_cli import Method, Outcome, build_structure, cosine, parse_documents, parse_grid, pulse, response, sine
 from rocking_cli.dynamics.march import aftermath, demand
 from rocking_cli.dynamics.march.aftermath import Aftermath
 from rocking_cli.dynamics.march.closing import Bounds
@@ -25,13 +24,10 @@ from rocking_cli.motions.polyline import Polyline
 from rocking_cli.responses.time_history import time_history
 from rocking_cli.spectra.scene import PulseScene
 from rocking_cli.spectra.sweep import spectrum_of
-from rocking_cli.structures.parameters import Side
 
 MOTIONS = [sine(1), sine(2), pulse("rectangular-impulse"), cosine(1)]
-ACROSS = [sine(1), cosine(1.5), pulse("rectangular-impulse"), pulse("mavroeidis-papageorgiou"), sine(2).scaled(-1)]
-UP = [sine(1.5), cosine(1), sine(3)]
-KINDS = ("plain", "unequal", "one-sided", "damped")
 STEP = 0.15  # s
+ETAS = 0.4, 0.85
 
 BLOCK = "kind: block\nwidth: 0.6\nheight: 3\n"
 BODIES = {"block": BLOCK, "one-sided": BLOCK + "one_sided: true\nrestitution: -0.4\n"}
@@ -39,21 +35,6 @@ BODIES = {"block": BLOCK, "one-sided": BLOCK + "one_sided: true\nrestitution: -0
 
 def body_of(text):
     return build_structure(parse_documents(text)[0])
-
-
-def drawn(kind, random, least, most):
-    """A body of alpha between two angles, as the package takes it and as the integration does: with its arms [m]."""
-    p, alpha, kappa, eta = random.uniform(1.0, 3.0), random.uniform(least, most), random.uniform(0.6, 1.0), random.uniform(0.4, 0.85)
-    arm, zeta, nonlinear = kappa * 9.81 / p**2, 0.05 if kind == "damped" else 0.0, bool(random.integers(2))
-    if kind == "unequal":
-        other, angle = p * random.uniform(0.9, 1.1), alpha * random.uniform(0.7, 1.3)
-        sides = Side("left", p, alpha, math.tan(alpha), 1.0, eta, arm), Side("right", other, angle, math.tan(angle), 1.0, eta, arm)
-        body = RockingParameters.of_sides("b", "prism", *sides)
-        return body, Solved(Edge(other, angle, eta), Edge(p, alpha, eta), 0.0, nonlinear), (arm, arm)
-    eta = -eta if kind == "one-sided" else eta
-    body = RockingParameters("b", "block", p, alpha, eta, math.tan(alpha), 1.0, arm=arm, one_sided=kind == "one-sided", damping=zeta)
-    edge = Edge(p, alpha, eta)
-    return body, Solved(edge, None if kind == "one-sided" else edge, zeta, nonlinear), (arm, arm)
 
 
 def record(random):
@@ -71,15 +52,11 @@ def shaken(random, body, vertical, recorded):
     return motion, random.uniform(0.9, 3.0), 1.0 / body.p if recorded else random.uniform(1.0, 10.0)
 
 
-def ground(motion, a_g, omega_g, t):
-    return 0.0 if motion is None else a_g * float(motion.value(omega_g * t))
-
-
 def from_integration(kind, cells, seed, *, vertical=False, recorded=False, angles=(0.1, 0.6)):
     """Largest differences of friction and of fz_min, of bodies that stay on the ground."""
     random, worst = np.random.default_rng(seed), []
     while len(worst) < cells:
-        body, solved, arms = drawn(kind, random, *angles)
+        body, solved, arms = drawn(kind, random, angles, ETAS, 0.3)
         motion, amplitude, omega = shaken(random, body, vertical, recorded)
         system = Method("nonlinear" if solved.nonlinear else "linear", 1e-11).system_of(body)
         found, got = response_with_demands(system, motion, amplitude, omega, body.eta)
@@ -125,7 +102,7 @@ def test_those_under_records_are(kind, vertical):
 def closed_and_followed(kind, model, angles, cells, monkeypatch):
     """What is asked with all that bounds close left out, and with all of it followed to its rest."""
     random = np.random.default_rng(7)
-    body, _, _ = drawn(kind, random, *angles)
+    body, _, _ = drawn(kind, random, angles, ETAS, 0.3)
     amplitude, omega = random.uniform(1.001, 2.0, cells), random.uniform(1.0, 9.0, cells)
     motion = with_vertical(sine(1), cosine(1.0), 0.2) if kind == "plain" else cosine(1.5)
     system = Method(model).system_of(body)
@@ -160,7 +137,7 @@ def test_what_the_bounds_close_brings_nothing_to_many(kind, model, angles, monke
 def apart_from_short_cuts(kind, model, motion, cells, seed, monkeypatch):
     """Largest differences from the extremes that steps cut ten times as finely show."""
     random = np.random.default_rng(seed)
-    body, _, _ = drawn(kind, random, 0.2, 0.5)
+    body, _, _ = drawn(kind, random, (0.2, 0.5), ETAS, 0.3)
     amplitude, omega, system = random.uniform(0.8, 8.0, cells), random.uniform(0.5, 12.0, cells), Method(model, 1e-11).system_of(body)
     found, asked_for = response_with_demands(system, motion, amplitude, omega, body.eta)
     monkeypatch.setattr(demand, "_LONGEST", {True: 0.15, False: 0.2})
@@ -187,7 +164,7 @@ def test_extremes_of_many_do_not_hang_on_how_steps_are_cut(kind, model, motion, 
 @pytest.mark.parametrize("far", [0.0, 1.0])
 def test_steps_that_wait_for_whether_their_body_falls_bring_what_they_bring_at_once(far, monkeypatch):
     """Bodies that turn back beyond y = 1 too, each by itself as among the others."""
-    body, _, _ = drawn("unequal", np.random.default_rng(2), 0.2, 0.4)
+    body, _, _ = drawn("unequal", np.random.default_rng(2), (0.2, 0.4), ETAS, 0.3)
     system, motion, amplitude, omega = Method("nonlinear").system_of(body), sine(2), np.linspace(4.0, 6.0, 30), 4.0
     monkeypatch.setattr(demand, "_FAR", math.inf)
     found, at_once = response_with_demands(system, motion, amplitude, omega, body.eta)
@@ -251,7 +228,7 @@ def test_bounces_that_a_history_does_not_show_press_less_than_a_body_at_rest():
 @pytest.mark.parametrize("kind", ["one-sided", "damped"])
 def test_a_body_presses_unless_it_loses_the_ground_or_the_ground_falls_away(kind):
     random = np.random.default_rng(3)
-    body, _, _ = drawn(kind, random, 0.3, 0.6)
+    body, _, _ = drawn(kind, random, (0.3, 0.6), ETAS, 0.3)
     system, motion = Method("nonlinear").system_of(body), with_vertical(sine(1), cosine(1.0), -0.9)
     amplitude, omega = random.uniform(0.3, 4.0, 60), random.uniform(1.0, 10.0, 60)
     found, asked_for = response_with_demands(system, motion, amplitude, omega, body.eta)

@@ -7,37 +7,18 @@ from functools import partial
 
 import numpy as np
 import pytest
-from oracle_systems import Body as Solved
-from oracle_systems import Edge
 from pressing import lifting, pendulum
+from stocky import ACROSS, KINDS, UP, drawn, ground
 from weighed import Shaking, swing
 
-from rocking_cli import Method, Outcome, RockingParameters, cosine, parse_grid, pulse, response, sine
+from rocking_cli import Method, Outcome, RockingParameters, parse_grid, pulse, response, sine
 from rocking_cli.dynamics.march.engine import Run
 from rocking_cli.dynamics.response import response_with_demands
 from rocking_cli.motions.biaxial import with_vertical
 from rocking_cli.motions.polyline import Polyline
 from rocking_cli.responses.time_history import time_history
-from rocking_cli.structures.parameters import Side
 
-ACROSS = [sine(1), cosine(1.5), pulse("rectangular-impulse"), pulse("mavroeidis-papageorgiou"), sine(2).scaled(-1)]
-UP = [sine(1.5), cosine(1), sine(3)]
-KINDS = ("plain", "unequal", "one-sided", "damped")
-
-
-def drawn(kind, random):
-    """A stocky body whose mass centre is known, as the package takes it and as the integration does: with its arms [m]."""
-    p, alpha, kappa, eta = random.uniform(1.0, 3.0), random.uniform(0.3, 0.7), random.uniform(0.6, 1.0), random.uniform(0.6, 0.98)
-    arm, zeta, nonlinear = kappa * 9.81 / p**2, 0.05 if kind == "damped" else 0.0, bool(random.integers(2))
-    if kind == "unequal":
-        other, angle = p * random.uniform(0.9, 1.1), alpha * random.uniform(0.8, 1.2)
-        sides = Side("left", p, alpha, math.tan(alpha), 1.0, eta, arm), Side("right", other, angle, math.tan(angle), 1.0, eta, arm)
-        body = RockingParameters.of_sides("b", "prism", *sides)
-        return body, Solved(Edge(other, angle, eta), Edge(p, alpha, eta), 0.0, nonlinear), (arm, arm)
-    eta = -eta if kind == "one-sided" else eta
-    body = RockingParameters("b", "block", p, alpha, eta, math.tan(alpha), 1.0, arm=arm, one_sided=kind == "one-sided", damping=zeta)
-    edge = Edge(p, alpha, eta)
-    return body, Solved(edge, None if kind == "one-sided" else edge, zeta, nonlinear), (arm, arm)
+ALPHAS, ETAS = (0.3, 0.7), (0.6, 0.98)
 
 
 def shaken(random):
@@ -45,10 +26,6 @@ def shaken(random):
     if random.integers(2):
         motion = with_vertical(motion, UP[random.integers(len(UP))], random.uniform(-0.4, 0.4))
     return motion, random.uniform(1.5, 5.0), random.uniform(1.0, 10.0)
-
-
-def ground(motion, a_g, omega_g, t):
-    return 0.0 if motion is None else a_g * float(motion.value(omega_g * t))
 
 
 def least_by_momentum(solved, arms, shaking):
@@ -75,7 +52,7 @@ def by_momentum(kind, cells, seed):
     """How many cells keep and lose the ground, which both ways must tell alike."""
     random, kept, lost = np.random.default_rng(seed), 0, 0
     while kept + lost < cells:
-        (body, solved, arms), (motion, amplitude, omega) = drawn(kind, random), shaken(random)
+        (body, solved, arms), (motion, amplitude, omega) = drawn(kind, random, ALPHAS, ETAS, 0.2), shaken(random)
         system = Method("nonlinear" if solved.nonlinear else "linear").system_of(body)
         found = Outcome(int(response(system, motion, amplitude, omega, body.eta).outcome))
         if found not in (Outcome.ROCKED, Outcome.LOST_CONTACT):
@@ -107,7 +84,7 @@ def along_histories(kind, cells, seed):
     """How many cells lose the ground of those that do not overturn; the extremes of their histories must say the same."""
     random, lost, seen = np.random.default_rng(seed), 0, 0
     while seen < cells:
-        (body, solved, _), (motion, amplitude, omega) = drawn(kind, random), shaken(random)
+        (body, solved, _), (motion, amplitude, omega) = drawn(kind, random, ALPHAS, ETAS, 0.2), shaken(random)
         method = Method("nonlinear" if solved.nonlinear else "linear", 1e-11)
         found = Outcome(int(response(method.system_of(body), motion, amplitude, omega, body.eta).outcome))
         if found not in (Outcome.ROCKED, Outcome.LOST_CONTACT):

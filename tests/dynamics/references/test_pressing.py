@@ -9,6 +9,7 @@ from functools import partial
 import numpy as np
 import pytest
 from pressing import lifting, pendulum
+from stocky import ACROSS, KINDS, UP, drawn
 
 from rocking_cli import Method, Outcome, RockingParameters, cosine, load_structures, parse_grid, pulse, response, sine, spectrum
 from rocking_cli.dynamics.march.footing import Footing
@@ -18,11 +19,6 @@ from rocking_cli.dynamics.references.pressing import lets_go
 from rocking_cli.dynamics.references.scripted import Script
 from rocking_cli.motions.biaxial import with_vertical
 from rocking_cli.motions.polyline import Polyline
-from rocking_cli.structures.parameters import Side
-
-UP = [sine(1.5), cosine(1), sine(3)]
-ACROSS = [sine(1), cosine(1.5), pulse("rectangular-impulse"), pulse("mavroeidis-papageorgiou")]
-KINDS = ("plain", "unequal", "one-sided", "damped")
 
 
 @pytest.mark.parametrize("omega", [8.0, 15.0])
@@ -69,20 +65,6 @@ def test_the_ground_falls_away_where_the_weight_is_gone():
     assert found == [Outcome.NO_UPLIFT, Outcome.FAILED]
 
 
-def drawn(kind, random):
-    """A stocky body whose mass centre is known."""
-    p, alpha, kappa, eta = random.uniform(1.0, 3.0), random.uniform(0.3, 0.7), random.uniform(0.6, 1.0), random.uniform(0.6, 0.98)
-    arm, zeta = kappa * 9.81 / p**2, 0.05 if kind == "damped" else 0.0
-    if kind == "unequal":
-        other, angle = p * random.uniform(0.9, 1.1), alpha * random.uniform(0.8, 1.2)
-        sides = Side("left", p, alpha, math.tan(alpha), 1.0, eta, arm), Side("right", other, angle, math.tan(angle), 1.0, eta, arm)
-        return RockingParameters.of_sides("b", "prism", *sides)
-    one_sided = kind == "one-sided"
-    return RockingParameters(
-        "b", "block", p, alpha, -eta if one_sided else eta, math.tan(alpha), 1.0, arm=arm, one_sided=one_sided, damping=zeta
-    )
-
-
 def shaken(random, body, recorded):
     """(motion, A, Omega), of every third with weight enough throughout, of the others mostly not."""
     across, up, omega = ACROSS[random.integers(len(ACROSS))], UP[random.integers(len(UP))], random.uniform(1.0, 10.0)
@@ -98,9 +80,9 @@ def as_the_engine(kind, cells, seed, recorded):
     """How often each outcome came, the same by both."""
     random, seen = np.random.default_rng(seed), Counter()
     for _ in range(cells):
-        body = drawn(kind, random)
+        body, solved, _ = drawn(kind, random, (0.3, 0.7), (0.6, 0.98), 0.2)
         motion, amplitude, omega = shaken(random, body, recorded)
-        method = Method("nonlinear" if random.integers(2) else "linear", 1e-11)
+        method = Method("nonlinear" if solved.nonlinear else "linear", 1e-11)
         found = response(method.system_of(body), motion, amplitude, omega, body.eta)
         outcome, theta = method.reference_of(body, motion.vertical is not None)(motion, amplitude, omega, body.eta)
         assert outcome == found.outcome, (kind, motion.name, method.model, amplitude, omega)
@@ -109,7 +91,7 @@ def as_the_engine(kind, cells, seed, recorded):
     return seen
 
 
-@pytest.mark.parametrize(("kind", "recorded", "seed"), [("unequal", False, 1), ("damped", True, 2)])
+@pytest.mark.parametrize(("kind", "recorded", "seed"), [("unequal", False, 1), ("damped", True, 4)])
 def test_the_engine_and_the_slower_paths_lose_the_same_bodies(kind, recorded, seed):
     assert {Outcome.ROCKED, Outcome.LOST_CONTACT} <= set(as_the_engine(kind, 5, seed, recorded))
 
