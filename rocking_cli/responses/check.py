@@ -14,6 +14,7 @@ from ..dynamics.outcome import Outcome, safe
 from ..dynamics.response import Response, response
 from ..errors import UsageError
 from ..motions import Motion
+from ..motions.blocks import blocks, largest
 from ..spectra.capacity import capacity
 from ..spectra.cost import Tell, announce, bouncing_seconds, expected_seconds
 from ..spectra.envelope import A_MAX
@@ -163,7 +164,7 @@ def check_all(
     task = partial(_check_one, a_max)
     several = max(1, min(workers or available_cpus(), len(demands) // (1 if workers else _WORTH)))
     searches = f"{len(demands)} search{'es' if len(demands) > 1 else ''}"
-    announce(sum(_seconds(s, motion) for s, motion, _ in demands), searches, several, tell)
+    announce(sum(_seconds(a_max, *demand) for demand in demands), searches, several, tell)
     done = progress or _unheard
     if several == 1:
         return [
@@ -178,10 +179,12 @@ def check_all(
     return verdicts
 
 
-def _seconds(structure: RockingParameters, motion: Motion) -> float:
-    """Of a processor, to within a factor of a few, for one verdict."""
-    method, record = governing_method(structure), motion.samples is not None
-    marched = expected_seconds(method, structure, len(motion.segments), cells=_CELLS, batches=_RUNS, record=record)
+def _seconds(a_max: float, structure: RockingParameters, motion: Motion, shaking: Grid) -> float:
+    """Of a processor, to within a factor of a few, for one verdict; where a motion is too weak to lift the body this takes no time."""
+    method, record, segments = governing_method(structure), motion.samples is not None, motion.segments
+    top = max(a_max, 2.0 * float(shaking.scaled(structure)[0][0]))
+    strong = sum(part.stop - part.start for part in blocks(len(segments)) if top * largest(segments.s_end[part]) > 1.0)
+    marched = expected_seconds(method, structure, strong, cells=_CELLS, batches=_RUNS, record=record)
     return marched + bouncing_seconds(method, structure, record=record)
 
 
