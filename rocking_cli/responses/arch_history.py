@@ -17,7 +17,7 @@ from ..structures.fourbar import FourBar
 from ..structures.parameters import RockingParameters
 from .arch_forces import ArchForces, Resultants, State
 from .extremes import extent
-from .forces import Ground
+from .ground import Ground
 from .history import Arc, Event, History
 
 Array = np.ndarray

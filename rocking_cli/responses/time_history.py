@@ -16,7 +16,8 @@ from ..errors import UsageError
 from ..motions import Motion, Piece
 from ..spectra.grid import Grid
 from ..structures.parameters import RockingParameters
-from .forces import Body, Demands, ForceHistory, Ground
+from .forces import Body, Demands, ForceHistory
+from .ground import Ground
 from .history import Event, History, history
 
 if TYPE_CHECKING:

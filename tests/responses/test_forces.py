@@ -16,7 +16,8 @@ from rocking_cli.dynamics.method import Method
 from rocking_cli.errors import UsageError
 from rocking_cli.motions.polyline import record_motion
 from rocking_cli.motions.records import read_record
-from rocking_cli.responses.forces import Ground, shenton
+from rocking_cli.responses.forces import shenton
+from rocking_cli.responses.ground import Ground
 from rocking_cli.responses.time_history import time_history
 from rocking_cli.spectra.grid import as_recorded
 
