@@ -6,8 +6,8 @@ the last bit. Short records are faster with arrays.
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -20,15 +20,17 @@ LEAF_LEVEL = 3
 LEAF = 1 << LEAF_LEVEL  # intervals between two numbers that are kept of a column which is not computed from a sample's neighbours alone
 
 
-class Column:
+class Column(ABC):
     """Numbers by their index, as an array that cannot be written: `at` gives those of whole numbers from 0, of any shape."""
 
-    size: int
     ndim = 1
 
+    def __init__(self, size: int) -> None:
+        self.size = size
+
+    @abstractmethod
     def at(self, k: Array) -> Array:
         """The numbers of these indices."""
-        raise NotImplementedError
 
     def __getitem__(self, k: Any) -> Any:
         if isinstance(k, slice):
@@ -51,29 +53,24 @@ class Column:
         return whole
 
 
-@dataclass(frozen=True, eq=False)
 class Instants(Column):
     """first, first + by, first + 2 by ... times a step."""
 
-    size: int
-    step: float
-    first: int = 0
-    by: int = 1
+    def __init__(self, size: int, step: float, first: int = 0, by: int = 1) -> None:
+        super().__init__(size)
+        self.step, self.first, self.by = step, first, by
 
     def at(self, k: Array) -> Array:
         """The times of these indices."""
         return self.step * (self.first + self.by * k)
 
 
-@dataclass(frozen=True, eq=False)
 class Levels(Column):
     """Every `by`-th of some values from the `first` on, times factors, one after the other."""
 
-    size: int
-    values: Array
-    factors: tuple[float, ...]
-    first: int = 0
-    by: int = 1
+    def __init__(self, size: int, values: Array, factors: tuple[float, ...], first: int = 0, by: int = 1) -> None:
+        super().__init__(size)
+        self.values, self.factors, self.first, self.by = values, factors, first, by
 
     def at(self, k: Array) -> Array:
         """The values of these indices."""
@@ -82,35 +79,33 @@ class Levels(Column):
             found = factor * found
         return found
 
+    def of(self, size: int, first: int, by: int) -> Levels:
+        """So many of the same values, from another one on."""
+        return Levels(size, self.values, self.factors, first, by)
 
-@dataclass(frozen=True, eq=False)
+    def times(self, factor: float) -> Levels:
+        """These times one more factor."""
+        return Levels(self.size, self.values, (*self.factors, factor), self.first, self.by)
+
+
 class Computed(Column):
     """A function of other columns, number by number."""
 
-    function: Callable[..., Array]
-    columns: tuple[Any, ...]
-
-    @property
-    def size(self) -> int:  # type: ignore[override]
-        """As many as the others have."""
-        return int(self.columns[0].size)
+    def __init__(self, function: Callable[..., Array], columns: tuple[Any, ...]) -> None:
+        super().__init__(columns[0].size)
+        self.function, self.columns = function, columns
 
     def at(self, k: Array) -> Array:
         """Computed from the others'."""
         return self.function(*(x[k] for x in self.columns))
 
 
-@dataclass(frozen=True, eq=False)
 class Then(Column):
     """Another column and one number after it."""
 
-    column: Any
-    last: float
-
-    @property
-    def size(self) -> int:  # type: ignore[override]
-        """One more than the other."""
-        return int(self.column.size) + 1
+    def __init__(self, column: Any, last: float) -> None:
+        super().__init__(column.size + 1)
+        self.column, self.last = column, last
 
     def at(self, k: Array) -> Array:
         """Those of the other, or the last."""
@@ -118,17 +113,12 @@ class Then(Column):
         return np.where(k < before, self.column[np.minimum(k, before - 1)], self.last)
 
 
-@dataclass(frozen=True, eq=False)
 class After(Column):
     """Of another column the next number, and one more at the end."""
 
-    column: Any
-    last: float
-
-    @property
-    def size(self) -> int:  # type: ignore[override]
-        """As many as the other."""
-        return int(self.column.size)
+    def __init__(self, column: Any, last: float) -> None:
+        super().__init__(column.size)
+        self.column, self.last = column, last
 
     def at(self, k: Array) -> Array:
         """Those of the other at the next index."""
@@ -136,31 +126,22 @@ class After(Column):
         return np.where(there < self.size, self.column[np.minimum(there, self.size - 1)], self.last)
 
 
-@dataclass(frozen=True, eq=False)
 class Largest(Column):
     """The largest of all numbers of another column from an index on, and at least 0.
 
     ahead: that from every LEAF-th index on, and 0; where it does not change from one to the next, neither does it in between.
     """
 
-    column: Any
-    ahead: Array
-
-    @classmethod
-    def of(cls, column: Any) -> Largest:
-        """Gone through part by part."""
+    def __init__(self, column: Any) -> None:
+        super().__init__(column.size)
+        self.column = column
         ahead = np.zeros(-(-column.size // LEAF) + 1)
         for part in blocks(column.size):  # of whole leaves
             values = column[part]
             first = part.start // LEAF
             ahead[first : first - (-values.size // LEAF)] = np.maximum.reduceat(values, np.arange(0, values.size, LEAF))
         ahead[-1] = 0.0
-        return cls(column, np.maximum.accumulate(ahead[::-1])[::-1].copy())  # `take` copies what runs backwards, each time
-
-    @property
-    def size(self) -> int:  # type: ignore[override]
-        """As many as the other."""
-        return int(self.column.size)
+        self.ahead = np.maximum.accumulate(ahead[::-1])[::-1].copy()  # `take` copies what runs backwards, each time
 
     def at(self, k: Array) -> Array:
         """The largest from there on."""
@@ -175,31 +156,21 @@ class Largest(Column):
         return found
 
 
-@dataclass(frozen=True, eq=False)
 class SumsAhead(Column):
     """The sum of all numbers of another column, none of them negative, from an index on, added from the end.
 
     ahead: that from every LEAF-th index on, and 0.
     """
 
-    column: Any
-    ahead: Array
-
-    @classmethod
-    def of(cls, column: Any) -> SumsAhead:
-        """Gone through part by part."""
-        ahead, total = np.zeros(-(-column.size // LEAF) + 1), 0.0
+    def __init__(self, column: Any) -> None:
+        super().__init__(column.size)
+        self.column = column
+        self.ahead, total = np.zeros(-(-column.size // LEAF) + 1), 0.0
         for part in reversed(list(blocks(column.size))):
             sums = np.cumsum(np.append(total, column[part][::-1]))[:0:-1]
             total = float(sums[0])
             first = part.start // LEAF
-            ahead[first : first - (-sums.size // LEAF)] = sums[::LEAF]
-        return cls(column, ahead)
-
-    @property
-    def size(self) -> int:  # type: ignore[override]
-        """As many as the other."""
-        return int(self.column.size)
+            self.ahead[first : first - (-sums.size // LEAF)] = sums[::LEAF]
 
     def least(self, k: Array) -> Array:
         """Less than the sum, or as much."""

@@ -6,7 +6,6 @@ Its extremes are at its points, so each interval is one segment; that spares the
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
 from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any
 
@@ -120,7 +119,7 @@ class Polyline(Motion):
         count, last = self.start.size, self.duration
         if isinstance(self.start, Column):
             if isinstance(self.start, Instants) and isinstance(self.constant, Levels):
-                return Samples(last / count, replace(self.constant, size=count + 1))
+                return Samples(last / count, self.constant.of(count + 1, self.constant.first, self.constant.by))
             return None
         even = np.abs(self.start - (last / count) * np.arange(count)).max() <= _ROUNDING * last
         end = self.constant + self.slope * (self.stop - self.start)
@@ -183,7 +182,7 @@ def _then(values: Lines, last: float) -> Lines:
 def _times(factor: float, values: Lines) -> Lines:
     """A factor times each."""
     if isinstance(values, Levels):
-        return replace(values, factors=(*values.factors, factor))
+        return values.times(factor)
     return Computed(partial(np.multiply, factor), (values,)) if isinstance(values, Column) else factor * values
 
 
@@ -195,9 +194,8 @@ def _even(name: str, step: float, by: int, levels: Levels, acceleration: float |
     """Lines over every `by`-th of the levels that a motion has at equal steps."""
     count = (levels.size - 1) // by
     start, stop = Instants(count, step, 0, by), Instants(count, step, by, by)
-    levels = replace(levels, size=count, by=by)
-    slope = Computed(_rate, (levels, replace(levels, first=by), start, stop))
-    return Polyline(name, start, stop, levels, slope, acceleration)
+    now, then = levels.of(count, 0, by), levels.of(count, by, by)
+    return Polyline(name, start, stop, now, Computed(_rate, (now, then, start, stop)), acceleration)
 
 
 def record_motion(record: Record, scale: float = 1.0, name: str = "") -> Polyline:

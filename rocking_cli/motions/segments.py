@@ -185,7 +185,7 @@ class Segments:
     def variation(self) -> np.ndarray | SumsAhead:
         """How much s varies from each segment's end on until it rests at 0, added from the end of the motion."""
         if isinstance(self.s_end, Column):
-            return SumsAhead.of(Computed(_varies, (self.s_end, After(self.s_start, 0.0), After(self.s_end, 0.0))))
+            return SumsAhead(Computed(_varies, (self.s_end, After(self.s_start, 0.0), After(self.s_end, 0.0))))
         return np.cumsum(_varies(self.s_end, np.append(self.s_start[1:], 0.0), np.append(self.s_end[1:], 0.0))[::-1])[::-1]
 
     @cached_property
@@ -234,7 +234,7 @@ def _of(function: Callable[..., np.ndarray], *columns: Any) -> Any:
 
 def _ahead(column: Any) -> Any:
     """The largest from there on, at least 0."""
-    return Largest.of(column) if isinstance(column, Column) else np.maximum(0.0, np.maximum.accumulate(column[::-1])[::-1])
+    return Largest(column) if isinstance(column, Column) else np.maximum(0.0, np.maximum.accumulate(column[::-1])[::-1])
 
 
 def _line_end(constant: np.ndarray, slope: np.ndarray, length: np.ndarray) -> np.ndarray:
