@@ -201,6 +201,16 @@ class Segments:
         """max |s|, of the ends of the segments."""
         return max(largest(x[part]) for x in (self.s_start, self.s_end) for part in blocks(len(self)))
 
+    @cached_property
+    def steepest(self) -> tuple[float, float]:
+        """Bounds of |s'| and |s''|, by the phase."""
+        slope = bend = 0.0
+        for part in blocks(len(self)):
+            size, w = np.hypot(self.sin[:, part], self.cos[:, part]), self.frequency[:, part]
+            slope = max(slope, float(((size * w).sum(axis=0) + np.abs(self.slope[part])).max()))
+            bend = max(bend, float((size * w * w).sum(axis=0).max()))
+        return slope, bend
+
 
 class Samples(NamedTuple):
     """A motion of straight lines between equal steps: the step [rad], and s at each end of them, (steps + 1,)."""

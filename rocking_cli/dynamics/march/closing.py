@@ -87,7 +87,7 @@ def train_bounds(body: Body, ground: Ground, lanes: Lanes, contact: Contact) -> 
     push, weight = ground.push(lanes, zero), ground.weight(lanes, zero)
     lasts = np.minimum(_LASTS * contact.bouncing_time(lanes, weight), (seg.length[lanes.k] - lanes.u) / lanes.omega)
     if isinstance(seg, WeighedSegments):  # the push is not monotone on its own
-        spread = np.abs(lanes.amplitude * body.on(side).uplift * lanes.omega) * ground.steepest * lasts
+        spread = np.abs(lanes.amplitude * body.on(side).uplift * lanes.omega) * ground.segments.steepest[0] * lasts
         pushes = (push - spread, push + spread)
         weights: tuple[Array | float, ...] = (weight, ground.weight(lanes, lasts))
     else:

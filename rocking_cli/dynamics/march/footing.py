@@ -21,7 +21,6 @@ from typing import NamedTuple, Self
 
 import numpy as np
 
-from ...motions.blocks import blocks
 from ...motions.segments import Segments
 from ..body import Body, Edge
 from ..contacts.contact import Contact
@@ -243,9 +242,4 @@ def _loosening(body: Body, edge: Edge, s: _Shaking) -> Array:
 
 def _sizes(segments: Segments) -> _Motion:
     """Bounds over the whole motion."""
-    slope = curve = 0.0
-    for part in blocks(len(segments)):
-        size, w = np.hypot(segments.sin[:, part], segments.cos[:, part]), segments.frequency[:, part]
-        slope = max(slope, float(((size * w).sum(axis=0) + np.abs(segments.slope[part])).max()))
-        curve = max(curve, float((size * w * w).sum(axis=0).max()))
-    return _Motion(segments.largest, slope, curve)
+    return _Motion(segments.largest, *segments.steepest)

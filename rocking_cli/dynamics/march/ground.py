@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
 
-from ...motions.blocks import blocks
 from ...motions.segments import Segments
 from ..body import Body
 from ..contacts.contact import Contact
@@ -34,14 +32,6 @@ class Ground:
 
     def __init__(self, body: Body, segments: Segments) -> None:
         self.body, self.segments = body, segments
-
-    @cached_property
-    def steepest(self) -> float:
-        """A bound of |s'|, by the phase."""
-        seg = self.segments
-        rates = ((np.hypot(seg.sin[:, part], seg.cos[:, part]) * seg.frequency[:, part]).sum(axis=0) + np.abs(seg.slope[part])
-                 for part in blocks(len(seg)))  # fmt: skip
-        return max(float(rate.max()) for rate in rates)
 
     def shaking(self, lanes: Lanes, h: Array) -> Shaking:
         """After h [tau] on the present side of lanes, by the closed form of the piece that they are in."""
