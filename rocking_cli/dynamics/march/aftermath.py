@@ -7,7 +7,6 @@ cells change a digit.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import fields
 
 import numpy as np
 
@@ -34,7 +33,7 @@ def follow_on(run: Run, system: System, segments: Segments, cells: Sequence[Arra
     demands.take_in(run.equation, upright)
     if not demands.open:
         return
-    lanes = Lanes(*(np.concatenate([getattr(part, f.name) for part in demands.open]) for f in fields(Lanes)))
+    lanes = Lanes.joined(demands.open)
     lanes = lanes.take(np.flatnonzero(upright[lanes.cell]))
     cell = lanes.cell
     amplitude, omega, eta = (x[cell] for x in cells)

@@ -10,7 +10,6 @@ where u'' follows from the drive by the equation of motion. At rest they are xg'
 
 from __future__ import annotations
 
-from dataclasses import fields
 from typing import NamedTuple, Self
 
 import numpy as np
@@ -119,8 +118,9 @@ class Demands(Records):
         """The steps that waited, of cells that stayed upright, (cells,)."""
         if not self._waiting:
             return
-        lanes = Lanes(*(np.concatenate([getattr(part.lanes, f.name) for part in self._waiting]) for f in fields(Lanes)))
-        every = Waiting(lanes, *(np.concatenate([part[i] for part in self._waiting]) for i in (1, 2, 3)))
+        parts, *others = zip(*self._waiting, strict=True)
+        lanes = Lanes.joined(parts)
+        every = Waiting(lanes, *map(np.concatenate, others))
         every, self.far, self._waiting = every.take(np.flatnonzero(upright[lanes.cell])), np.inf, []
         cell = every.lanes.cell
         order = np.argsort(cell, kind="stable")
