@@ -25,7 +25,7 @@ import numpy as np
 from ...motions.blocks import blocks
 from ...motions.segments import Segments
 from ..equations.equation import Equation
-from ..lanes import Lanes
+from ..lanes import Cells, Lanes
 
 Array = np.ndarray
 
@@ -38,13 +38,18 @@ _JOINED = 1e-15  # of the largest s: lines that are joined differ by no more
 _SURELY = 1.0 - 1e-6  # part of a bound that is used, which rounding never needs
 
 
+def keeps_bouncing(equation: Equation, cells: Cells, segments: Segments) -> bool:
+    """Whether `bounces_on` can prove anything of these cells."""
+    return segments.straight and not equation.damping and bool((cells.eta > _KEEPS).any())
+
+
 def bounces_on(segments: Segments, lanes: Lanes, equation: Equation) -> Array:
     """Lanes of an undamped body with equal sides, just after an impact, that bounce near the ground until the shaking is over and below
-    their peak for good; looked for after so many steps of each."""
+    their peak for good, under straight lines; looked for after so many steps of each."""
     found = np.zeros(lanes.v.shape, dtype=bool)
     looks = (lanes.steps >= _FIRST) & (lanes.steps & (lanes.steps - 1) == 0) & (lanes.eta > _KEEPS) & (lanes.v > 0.0)
     at = np.flatnonzero(looks & (lanes.b < 0.0) & (lanes.b > -2.0))
-    if not at.size or not segments.straight or equation.damping:
+    if not at.size:
         return found
     k = lanes.k[at]
     later = np.minimum(k + 1, len(segments) - 1)

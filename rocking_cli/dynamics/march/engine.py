@@ -15,7 +15,7 @@ import numpy as np
 
 from ...motions.segments import Segments
 from ..body import Body
-from ..contacts.adiabatic import bounces_on
+from ..contacts.adiabatic import bounces_on, keeps_bouncing
 from ..contacts.contact import Fate, Uplift
 from ..contacts.settling import settles
 from ..contacts.trains import outlasts
@@ -80,6 +80,7 @@ class Run:
         self.demands = None if body is None else Demands(body, self.segments, self.shaken, self.contact, self.cells)
         self.only_peaks = self._only_peaks()
         self.settling = peaks and self.only_peaks and self.equation.bounded
+        self.keeping = self.only_peaks and keeps_bouncing(self.equation, self.cells, self.segments)
 
     def _only_peaks(self) -> bool:
         """Whether nothing is asked of bodies that nothing lifts again but their peak, and there are proofs that it is so."""
@@ -253,9 +254,9 @@ class Run:
             self.bounced[lanes.cell[lanes.k >= self.shaken]] = True
             lanes = self._settle(lanes)
         if self.only_peaks:
-            settled = bounces_on(seg, lanes, self.equation)
-            if self.settling:
-                settled |= settles(seg, lanes)
+            settled = settles(seg, lanes) if self.settling else np.zeros(lanes.k.shape, dtype=bool)
+            if self.keeping:
+                settled |= bounces_on(seg, lanes, self.equation)
             if settled.any():
                 self._finish(lanes, np.flatnonzero(settled), Outcome.ROCKED, lanes.peak[settled])
                 self.work += Work(chatters_closed=int(settled.sum()))
