@@ -167,10 +167,7 @@ def check_all(
     announce(sum(_seconds(a_max, *demand) for demand in demands), searches, several, tell)
     done = progress or _unheard
     if several == 1:
-        return [
-            check(*demand, a_max=a_max, progress=lambda stage, of, i=i: done(i * of + stage, len(demands) * of))  # type: ignore[misc]
-            for i, demand in enumerate(demands)
-        ]
+        return [check(*demand, a_max=a_max, progress=partial(_after, done, i, len(demands))) for i, demand in enumerate(demands)]
     verdicts: list[Verdict] = []
     with processes(several, task, "fewer `workers` need less") as run:
         for verdict in run(demands):
@@ -197,6 +194,11 @@ def tally(verdicts: Sequence[Verdict]) -> str:
 
 def _unheard(done: int, total: int) -> None:
     """Nobody asked."""
+
+
+def _after(progress: Progress, before: int, checks: int, stage: int, stages: int) -> None:
+    """Told of a stage of one of so many checks."""
+    progress(before * stages + stage, checks * stages)
 
 
 def _check_one(a_max: float, demand: Demand) -> Verdict:
