@@ -67,7 +67,7 @@ def test_a_factor_is_part_of_the_record(records):
     assert records[1].acceleration == pytest.approx(6.0, rel=1e-14, abs=0.0)
     assert there.acceleration == here.acceleration
     times = 0.02 * np.arange(49) + 0.007
-    assert there.value(times) == pytest.approx(here.value(times), abs=1e-15)
+    assert there.value(times) == pytest.approx(here.value(times), abs=1e-14)
 
 
 @pytest.mark.parametrize("eta", [0.5, None])
