@@ -15,11 +15,12 @@ import os
 import subprocess
 import sys
 import time
+from contextlib import nullcontext
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from unittest import mock
 
+import bounds
 import compiled
 import compiled_taylor
 import h5py
@@ -31,7 +32,6 @@ import speed
 from distributed import LocalCluster
 
 from rocking_cli import (
-    LinearEquation,
     Method,
     RockingParameters,
     linear_response,
@@ -39,7 +39,6 @@ from rocking_cli import (
     response,
     sine,
 )
-from rocking_cli.dynamics.equations.flow import LinearFlow
 from rocking_cli.spectra.chunks import pack
 from rocking_cli.structures.parameters import Side
 
@@ -111,22 +110,6 @@ def scene_l(axis, cores, rounds=4):
     return least
 
 
-def vector_functions(values):
-    """Seconds a cell that the flow's sinh, tan and root take by themselves, on arrays as wide as the pool; the flow is asked so often
-    a cell."""
-    asked, at = [], LinearFlow.at
-
-    def counted(flow, h):
-        asked.append(h.size)
-        return at(flow, h)
-
-    with mock.patch.object(LinearFlow, "at", counted):
-        cells = scenes.linear(sine(), values)
-    x = np.linspace(0.01, 1.5, LinearEquation().pool)
-    each = sum(clock(partial(function, x, out=np.empty_like(x)), 20)[0] for function in (np.sinh, np.tan, np.sqrt)) / x.size
-    return sum(asked) / cells * each, sum(asked) / cells
-
-
 def bytes_moved(count):
     """Seconds to copy so many bytes of arrays that no cache holds."""
     there = np.ones(1 << 26, dtype=np.uint8)
@@ -179,8 +162,11 @@ def main() -> None:
     for name, seconds in best.items():
         exact = agreement(theta, outcome, found.theta_ratio, found.outcome) if name == "engine, one process" else ""
         line(name, seconds, n * n, exact)
-    functions, asked = vector_functions(n // 3)
-    line("its sinh, tan and roots alone", functions, 1, f"the flow is asked {asked:.1f} times a cell")
+    rate = bounds.rates()
+    print("  an element in the cache: " + ", ".join(f"{name} {1e9 * x:.2g} ns" for name, x in zip(bounds.OPERATIONS, rate, strict=True)))
+    with bounds.counted() as work:
+        linear = scenes.linear(sine(), n // 3)
+    line("its functions, divisions, products and sums alone", bounds.seconds(work, rate), linear)
     line("its numbers, moved once: 16 bytes in, 13 out", bytes_moved(29), 1)
     heyoka, answer = peers.on_all_cores(peers.heyoka_cells, cells, ETA, None, 1e-12, workers=cores)
     line(
@@ -222,7 +208,9 @@ def main() -> None:
     line("engine, one process", engine, half.size**2)
     line("compiled Taylor kernel, one thread", kernel, half.size**2)
     exact = nonlinear_response(sine(), *cells.T, ETA, ALPHA, tolerance=1e-13)
-    mine = nonlinear_response(sine(), *cells.T, ETA, ALPHA)
+    with bounds.counted() as work:
+        mine = nonlinear_response(sine(), *cells.T, ETA, ALPHA)
+    cells_of["nonlinear_bound"] = bounds.seconds(work, rate) / len(cells)
     first = slice(0, len(cells) // 4)
     line(
         "heyoka tol 1e-9, one process",
@@ -242,7 +230,8 @@ def main() -> None:
         "sweep_process": 1e6 * best[f"the same, whole process, {cores} workers"] / n**2
     }
     figures |= {"packing": 1e6 * write / n**2, "one_cell": one_cell()}
-    figures |= other_scenes(n, cores) | {"nonlinear_command": nonlinear_command(n // 2, cores)} | processes() | many_cells(n, cores)
+    figures |= other_scenes(n, cores, rate) | {"nonlinear_command": nonlinear_command(n // 2, cores)} | processes() | many_cells(n, cores)
+    figures["start"] = 1e6 * figures["process_import"] / n**2
     print("Targets; what falls short is marked")
     for target in speed.TARGETS:
         print(target.line(figures))
@@ -250,30 +239,41 @@ def main() -> None:
         speed.write(figures)
 
 
-def other_scenes(n, cores):
-    """Figures of the scenes with one process, in its own time, least of three; of envelopes on all cores, by the wall."""
+def other_scenes(n, cores, rate):
+    """Figures of the scenes with one process, in its own time, least of three; of envelopes on all cores, by the wall; and their bounds."""
     found = {}
     for key, scene in (("linear_small", "linear-small"), *((name, name) for name in ("ricker", "mavroeidis", "arch", "lossless"))):
-        took, cells = [], 1
-        for _ in range(3):
-            start = time.process_time()
-            cells = scenes.SCENES[scene]()
-            took.append(time.process_time() - start)
-        found[key] = min(took) if key == "lossless" else 1e6 * min(took) / cells
-        print(f"Scene {scene}: {cells} cells, {min(took):.3f} s")
+        least, cells, work = counted_once(scenes.SCENES[scene], 3, time.process_time)
+        arithmetic, each = bounds.seconds(work, rate), 1.0 if key == "lossless" else 1e6 / cells
+        found |= {key: each * least, f"{key}_bound": each * arithmetic}
+        print(f"Scene {scene}: {cells} cells, {least:.3f} s, arithmetic {arithmetic:.4f} s")
     whole = 2 * n // 5
-    found["envelope"] = envelope(sine(), whole, cores, times=2)
+    found["envelope"], found["envelope_bound"] = envelope(sine(), whole, cores, rate, times=2)
     # A run waits as long for the last bodies of few frequencies as of many, so what these take is not a part of what many take.
-    few, some = (envelope(sine(5), whole // part, cores) for part in (50, 10))
-    found["envelope_cycles"] = some + (some - few) * (whole - whole // 10) / (whole // 10 - whole // 50)
+    few, some = (envelope(sine(5), whole // part, cores, rate) for part in (50, 10))
+    more = (whole - whole // 10) / (whole // 10 - whole // 50)
+    found |= {f"envelope_cycles{end}": b + (b - a) * more for end, a, b in zip(("", "_bound"), few, some, strict=True)}
     return found
 
 
-def envelope(motion, frequencies, cores, times=1):
-    """Seconds of an envelope on all cores."""
-    seconds, _ = clock(partial(scenes.envelope, motion, frequencies), times)
-    print(f"Envelope, {frequencies} frequencies 0.5 ... 12, {motion.name}, {cores} processes: {seconds:.2f} s", flush=True)
-    return seconds
+def envelope(motion, frequencies, cores, rate, times=1):
+    """Seconds of an envelope on all cores, and of its arithmetic there."""
+    least, _, work = counted_once(partial(scenes.envelope, motion, frequencies), times, time.perf_counter)
+    arithmetic = bounds.seconds(work, rate) / cores
+    what = f"Envelope, {frequencies} frequencies 0.5 ... 12, {motion.name}, {cores} processes"
+    print(f"{what}: {least:.2f} s, arithmetic {arithmetic:.3f} s", flush=True)
+    return least, arithmetic
+
+
+def counted_once(action, times, now):
+    """(least time of so many runs, their result, the operations of the first)."""
+    least, result, work = np.inf, None, None
+    for turn in range(times):
+        with nullcontext(work) if turn else bounds.counted() as work:
+            start = now()
+            result = action()
+            least = min(least, now() - start)
+    return least, result, work
 
 
 def one_cell():
