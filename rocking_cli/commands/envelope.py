@@ -94,11 +94,10 @@ def envelope(
             raise click.UsageError("--median does not go with --sign both")
         if len(methods) > 1:
             raise click.UsageError("--model both goes with a pulse; of records the nonlinear equation decides")
-        asked = context.get_parameter_source("model") is not click.core.ParameterSource.DEFAULT
         structures = options.lifting(options.structures_of(files, etas) if files else [], linear_uplift, models)
         scene = scene_of_words(
             structures, recordings, axes=axes, alphas=alphas, etas=etas,
-            method=methods[0] if asked else None, tolerance=tolerance,
+            method=methods[0] if options.given(context, "model") else None, tolerance=tolerance,
         )  # fmt: skip
         _of_records(context, Tracing(scene, a_max.of(None), first or median), sign, workers, median, form, quiet)
         return

@@ -105,11 +105,10 @@ def fragility(
     overturning, traced, the motions that never overturn as censored; cloud: regression on the rotations as recorded. Measures:
     PGA, PGV, PGD, Arias, CAV, and nPGA = PGA/(lambda g), nPGV = p PGV/(g tan alpha), nPGD = p^2 PGD/(g tan alpha).
     """
-    from ..dynamics.method import Method
+    from ..dynamics.method import Method, governing_method
     from ..spectra.fragility import Resampling
     from ..spectra.fragility_study import counted
     from ..spectra.measures import measure_of, members_of, site_pulses
-    from ..spectra.record_scene import default_method
 
     how = Resampling(samples, seed)
     if counts is not None:
@@ -127,8 +126,7 @@ def fragility(
     at = _levels(levels, measure)
     states, methods = _limits(limits), _methods(fits)
     members = site_pulses(pulses) if pulses is not None else members_of(recordings)
-    chosen = {key: context.get_parameter_source(key) is not click.core.ParameterSource.DEFAULT for key in ("model", "limits")}
-    method = Method(model, tolerance) if chosen["model"] else default_method(structures, tolerance)
+    method = Method(model, tolerance) if options.given(context, "model") else governing_method(*structures, tolerance=tolerance)
     settled = {
         "overwrite": overwrite, "resume": resume, "shard": None if shard is None else options.part_of(shard), "scheduler": scheduler,
         "documents": texts, "history": streams.printable(shlex.join(["rocking", *sys.argv[1:]])),
@@ -160,7 +158,7 @@ def fragility(
         if study.resurrections:
             what = f"{study.resurrections} of {len(members)} motions overturn it at one intensity and spare it at a larger one"
             options.note(f"{study.structure.name}: {what}", quiet)
-    if refused and chosen["limits"]:  # the default ones are those that there may be
+    if refused and options.given(context, "limits"):  # the default ones are those that there may be
         context.exit(4)
 
 

@@ -49,6 +49,11 @@ alpha = click.option(
 )
 
 
+def given(context: click.Context, name: str) -> bool:
+    """Whether the user gave this option."""
+    return context.get_parameter_source(name) is not click.core.ParameterSource.DEFAULT
+
+
 tolerance = click.option("--tolerance", type=float, default=1e-9, show_default=True, help="Error of theta/alpha aimed at (nonlinear).")
 
 

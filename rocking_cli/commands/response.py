@@ -53,9 +53,10 @@ def response(
 
     FILE holds one structure. An overturning body is followed to 3 alpha, or until it lies on its side or its linkage has
     collapsed. In the events the speed at an impact is that before it; with --json a summary of each model is the last record.
-    --forces: fx_ratio and fz_ratio, the horizontal and vertical force over m g, and the friction that they need.
+    --forces: fx_ratio and fz_ratio, the horizontal and vertical force over m g, and the friction that they need. Under a record the
+    equation is the nonlinear one where the geometry is known, unless --model is given.
     """
-    from ..dynamics.method import Method
+    from ..dynamics.method import Method, governing_method
     from ..responses.time_history import time_history
 
     structures = options.structures_of((file,))
@@ -70,11 +71,14 @@ def response(
     step = None if dt is None else options.time("--dt", dt)
     if step is not None and not step > 0.0:
         raise UsageError(f"--dt: found {dt}, accepted is a positive time")
+    methods = [Method(model, tolerance) for model in models]
+    if motion.acceleration is not None and not options.given(context, "model"):
+        methods = [governing_method(*structures, tolerance=tolerance)]
     found = time_history(
         structures[0],
         motion if shaking else None,
         shaking,
-        [Method(model, tolerance) for model in models],
+        methods,
         release=release,
         duration=None if duration is None else options.time("--duration", duration),
     )

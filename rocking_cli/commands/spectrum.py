@@ -116,10 +116,9 @@ def spectrum(
 
         structures, texts = options.structures_and_texts(files, etas) if files else ([], "")
         structures = options.lifting(structures, linear_uplift, models)
-        asked = context.get_parameter_source("model") is not click.core.ParameterSource.DEFAULT
         scene = scene_of_words(
             structures, recordings, axes=axes, alphas=alphas, etas=etas,
-            method=method if asked else None, tolerance=tolerance,
+            method=method if options.given(context, "model") else None, tolerance=tolerance,
         )  # fmt: skip
     summary = write_scene(
         scene,

@@ -230,6 +230,13 @@ class Method:
 LINEAR = Method()
 
 
+def governing_method(*structures: RockingParameters, tolerance: float = TOLERANCE) -> Method:
+    """The equation that decides: the nonlinear one where the geometry of all structures is known, since the linear one is not safe: it
+    may spare a body that Eq. 2.3 overturns, and the other way round."""
+    nonlinear = Method(MODELS[-1], tolerance)
+    return nonlinear if all(s.structure != "parameters" and nonlinear.serves(s) for s in structures) else LINEAR
+
+
 def contact_of(structure: RockingParameters, equation: Equation) -> Contact:
     """How a structure stands on the ground."""
     if structure.one_sided:

@@ -23,12 +23,12 @@ import numpy as np
 from .. import __version__
 from ..documents.document import Document
 from ..documents.quantities import DEFAULT_GRAVITY
-from ..dynamics.method import LINEAR
+from ..dynamics.method import LINEAR, governing_method
 from ..dynamics.outcome import Difference, difference
 from ..errors import DocumentError, OutputError, UsageError
 from ..motions import Motion
 from ..motions.recording import Recording
-from ..responses.check import Verdict, governing_method, tally
+from ..responses.check import Verdict, tally
 from ..spectra.exposure import exposures
 from ..spectra.fragility import FEWEST, Resampling
 from ..spectra.fragility_study import LIMITS, Study, word_of

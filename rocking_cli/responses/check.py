@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from ..dynamics.method import EQUATIONS, LINEAR, MODELS, Method
+from ..dynamics.method import LINEAR, Method, governing_method
 from ..dynamics.outcome import Outcome, safe
 from ..dynamics.response import Response, response
 from ..errors import UsageError
@@ -87,12 +87,6 @@ class Verdict:
             "outcome_linear": self.outcome_linear.flag,
         }
         return {key: own[key] for key in CHECK_COLUMNS}
-
-
-def governing_method(structure: RockingParameters) -> Method:
-    """The equation that decides: nonlinear where the geometry is known, linear for stated parameters."""
-    known = structure.structure != "parameters" and any(not kind.exact and kind.serves(structure) for kind in EQUATIONS)
-    return Method(MODELS[-1]) if known else LINEAR
 
 
 def check(

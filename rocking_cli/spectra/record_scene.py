@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from .. import __version__
-from ..dynamics.method import LINEAR, TOLERANCE, Method
+from ..dynamics.method import LINEAR, TOLERANCE, Method, governing_method
 from ..dynamics.outcome import Outcome
 from ..dynamics.response import response
 from ..errors import UsageError
@@ -206,7 +206,7 @@ def scene_of_words(
 ) -> RecordScene:
     """The scene of what a user says: `--grid` (None: as recorded), `--alpha` and `--eta` (None: of a block).
 
-    method: None for `default_method` at this tolerance. Raises UsageError, StructureError.
+    method: None for `governing_method` at this tolerance. Raises UsageError, StructureError.
     """
     found = parse_axes(axes, records=True) if axes is not None else {}
     if alphas is not None and "alpha" in found:
@@ -227,11 +227,4 @@ def scene_of_words(
     if len(found) > 1:
         raise UsageError(f"`grid`: found {written_axes(axes or '')}; accepted is one of scale, A and a_g")
     columns = next(iter(found.values()), AS_RECORDED)
-    return structures_scene(structures, recordings, columns, method or default_method(structures, tolerance))
-
-
-def default_method(structures: Sequence[RockingParameters], tolerance: float = TOLERANCE) -> Method:
-    """The equation under records: the nonlinear one where the geometry of all structures is known, since the linear one is not safe
-    there: it may spare a body that Eq. 2.3 overturns, and the other way round."""
-    nonlinear = Method("nonlinear", tolerance)
-    return nonlinear if all(s.structure != "parameters" and nonlinear.serves(s) for s in structures) else LINEAR
+    return structures_scene(structures, recordings, columns, method or governing_method(*structures, tolerance=tolerance))

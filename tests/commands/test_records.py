@@ -132,6 +132,19 @@ def test_a_response_runs_as_recorded_and_scaled(rocking):
             assert a["t"] == pytest.approx(b["t"], rel=1e-9)
 
 
+def test_the_nonlinear_equation_answers_for_a_record_where_the_geometry_is_known(rocking, tmp_path):
+    (tmp_path / "stated.yaml").write_text("kind: parameters\np: 2\nalpha: 0.25\neta: 0.9\na_scale: 1\n")
+    for file, more, model in (
+        ("configs/block.yaml", (), "nonlinear"),
+        ("configs/block.yaml", ("--model", "linear"), "linear"),
+        ("stated.yaml", (), "linear"),
+    ):
+        first = rocking("response", file, *RECORD, "--events", "--json", *more).stdout.splitlines()[0]
+        assert json.loads(first)["model"] == model
+    first = rocking("response", "configs/block.yaml", "--a-g", "0.4g", "--f-g", "1", "--events", "--json").stdout.splitlines()[0]
+    assert json.loads(first)["model"] == "linear", "of a pulse unless told otherwise"
+
+
 def test_a_record_turned_over_turns_the_response_over(rocking):
     call = ("response", "configs/block.yaml", *RECORD, "--model", "linear", "--csv")
     rows_ = [csv_rows(rocking(*call, *scale).stdout) for scale in ((), ("--scale", "-1"))]

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from rocking_cli import Axis, Grid, Outcome, UsageError, build_structure, parse_documents, parse_grid, pulse, sine, trace_envelope
-from rocking_cli.responses.check import CHECK_COLUMNS, check, check_all, governing_method, tally
+from rocking_cli.dynamics.method import governing_method
+from rocking_cli.responses.check import CHECK_COLUMNS, check, check_all, tally
 from rocking_cli.responses.time_history import time_history
 from rocking_cli.spectra.envelope import A_MAX
 
