@@ -36,7 +36,7 @@ from ..spectra.grid import Axis, Grid
 from ..spectra.measures import MEASURES, members_of
 from ..spectra.reader import SpectraFile
 from ..spectra.sweep import write_spectrum
-from ..structures import RockingParameters
+from ..structures import RockingParameters, Side
 from ..structures.kinds import sketch_of
 from .canvas import FIGURE_UNITS, canvas, literal
 from .capacity import capacities
@@ -167,20 +167,34 @@ def _number(x: float | str | None) -> str:
 
 
 def _parameters(s: RockingParameters) -> list[dict[str, str]]:
-    """The five numbers, what they are and how they come about."""
+    """The five numbers, of each edge where these differ, and the damping: what they are and how they come about."""
     known = dict(_RELATIONS.get(s.structure, {}))
     if s.eta_source != "momentum" or s.one_sided:
         known.pop("eta", None)
-    rows = (
-        ("p", "p", "frequency parameter", s.p, "rad/s", "θ̈ = p² (θ − α sgn θ − a_scale ẍg/g)"),
-        ("alpha", "α", "critical angle", s.alpha, "rad", f"{np.degrees(s.alpha):.4g}°: beyond it the structure does not come back"),
-        ("eta", "η", "coefficient of restitution", s.eta, "-", "θ̇ after = η θ̇ before an impact"),
-        ("lambda", "λ", "static uplift acceleration over g", s.uplift, "-", "it lifts at ẍg = λ g"),
-        ("a_scale", "a_scale", "scale of the ground acceleration", s.a_scale, "-", "α/λ; 1 for a single body"),
-    )
+    impact = "θ̇ after = η θ̇ before " + ("the impact that leaves this edge" if s.sides else "an impact")
+    rows = [
+        (symbol, f"{meaning}, {of.side} edge" if isinstance(of, Side) else meaning, value, unit, known.get(key, relation))
+        for of in s.sides or (s,)
+        for key, symbol, meaning, value, unit, relation in (
+            ("p", "p", "frequency parameter", of.p, "rad/s", "θ̈ = p² (θ − α sgn θ − a_scale ẍg/g)"),
+            (
+                "alpha",
+                "α",
+                "critical angle",
+                of.alpha,
+                "rad",
+                f"{np.degrees(of.alpha):.4g}°: beyond it the structure does not come back on its own",
+            ),
+            ("eta", "η", "coefficient of restitution", of.eta, "-", impact),
+            ("lambda", "λ", "static uplift acceleration over g", of.uplift, "-", "it lifts at ẍg = λ g"),
+            ("a_scale", "a_scale", "scale of the ground acceleration", of.a_scale, "-", "α/λ; 1 for a single body"),
+        )
+    ]
+    if s.damping:
+        rows.append(("ζ", "viscous damping", s.damping, "-", "θ̈ is less by 2 ζ p θ̇"))
     return [
-        {"symbol": symbol, "meaning": meaning, "value": f"{value:.6g}", "unit": unit, "relation": known.get(key, relation)}
-        for key, symbol, meaning, value, unit, relation in rows
+        {"symbol": symbol, "meaning": meaning, "value": f"{value:.6g}", "unit": unit, "relation": relation}
+        for symbol, meaning, value, unit, relation in rows
     ]
 
 
@@ -242,7 +256,7 @@ def _map(
     wrong, unsafe = (int(np.count_nonzero(x)) for x in ((codes > Difference.AGREES), codes == Difference.LINEAR_UNSAFE))
     return picture, (
         f"{wrong} of the {judged} cells of the map end otherwise by the linear equation than by the nonlinear one; in {unsafe} of "
-        f"them it says that the structure stands, and the structure falls."
+        f"them it says that the structure stands, and the structure falls.{_not_compared(codes.size - judged)}"
     )
 
 
@@ -251,12 +265,18 @@ def _agreement(mine: Sequence[Verdict]) -> str:
     if all(v.model == LINEAR.model for v in mine):
         return "Only parameters are known, so that the linear equation alone answers."
     codes = [Difference(int(difference(np.uint8(v.outcome), np.uint8(v.outcome_linear)))) for v in mine]
-    unsafe = sum(code == Difference.LINEAR_UNSAFE for code in codes)
-    wrong = sum(code not in (Difference.AGREES, Difference.NOT_COMPUTED) for code in codes)
+    judged = [code for code in codes if code != Difference.NOT_COMPUTED]
+    unsafe, agree = (judged.count(code) for code in (Difference.LINEAR_UNSAFE, Difference.AGREES))
     return (
-        f"Under {wrong} of the {len(mine)} motions the linear equation ends otherwise than the nonlinear one; under {unsafe} of them "
-        f"it says that the structure stands, and the structure falls."
+        f"Under {len(judged) - agree} of {len(judged)} motions the linear equation ends otherwise than the nonlinear one; under {unsafe} "
+        f"of them it says that the structure stands, and the structure falls.{_not_compared(len(codes) - len(judged))}"
     )
+
+
+def _not_compared(count: int) -> str:
+    """A sentence about what neither equation is held against, empty where there is none."""
+    verb = "is" if count == 1 else "are"
+    return f" {count} more {verb} not compared: by one equation or both the structure leaves the ground, or has no outcome." if count else ""
 
 
 def _fragility(

@@ -235,7 +235,7 @@ def bootstrap(records: int, estimate: Callable[[Array], Estimate], how: Resampli
     def statistic(index: Array, axis: int = -1) -> Array:
         return _drawn(estimate(np.moveaxis(np.asarray(index, dtype=np.int64), axis, -1)), x)
 
-    with warnings.catch_warnings():
+    with warnings.catch_warnings(), np.errstate(divide="ignore", invalid="ignore"):  # where all draws lie on one side of the estimate
         warnings.simplefilter("ignore", stats.DegenerateDataWarning)
         found = stats.bootstrap(
             (np.arange(records),), statistic, n_resamples=how.samples, batch=max(1, 2_000_000 // (32 * records)), vectorized=True,

@@ -161,6 +161,16 @@ def test_bands_hold_the_truth():
     assert np.all(covered(40, 40, 300) >= 33 / 40)
 
 
+def test_draws_that_all_lie_below_the_estimate_give_no_band():
+    """How many records a draw holds that differ: fewer than there are, in every one; nothing is said of the division that fails."""
+
+    def different(index):
+        count = 1.0 + np.count_nonzero(np.diff(np.sort(index, axis=-1), axis=-1), axis=-1)
+        return count, count
+
+    assert bootstrap(12, different, Resampling(100, 0)) is None
+
+
 @pytest.mark.soak
 def test_bands_hold_the_truth_as_often_as_they_say():
     share = covered(200, 40, 1000)
