@@ -36,13 +36,14 @@ from ..spectra.grid import Axis, Grid
 from ..spectra.measures import MEASURES, members_of
 from ..spectra.reader import SpectraFile
 from ..spectra.sweep import write_spectrum
-from ..structures import RockingParameters, Side
+from ..structures import RockingParameters
 from ..structures.kinds import sketch_of
 from .canvas import FIGURE_UNITS, canvas, literal
 from .capacity import capacities
 from .drawing import structure_axes
 from .fragility_curves import fragility_curves
 from .maps import outcome_map
+from .relations import parameter_rows
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -54,11 +55,6 @@ HEADS = (
     "safe up to [g]", "linear says", "friction", "least vertical force",
 )  # fmt: skip
 _PACKAGES = ("numpy", "scipy", "h5py", "matplotlib", "jinja2")
-_RELATIONS = {  # of a kind, where the paper's closed form is one line
-    "block": {"p": "p² = 3 g/(4 R)", "eta": "η = 1 − 3/2 sin² α"},
-    "point_mass": {"p": "p² = g/R", "eta": "η = cos 2α"},
-    "arch": {"p": "Eqs. 3.5 to 3.9, the linkage at its unstable equilibrium", "lambda": "least over all admissible mechanisms"},
-}
 Plan = Callable[["Figure"], object]
 
 
@@ -141,7 +137,7 @@ def _section(
         "name": structure.name,
         "kind": f"kind {structure.structure}, restitution {structure.eta_source}" if structure.eta_source else structure.structure,
         "drawing": _drawing(folder, subject),
-        "parameters": _parameters(structure),
+        "parameters": parameter_rows(structure),
         "map": drawn,
         "validity": validity,
         "fragility": _fragility(folder, structure, recordings, vertical, workers) if recordings else None,
@@ -164,38 +160,6 @@ def _in_g(acceleration: float | None) -> float | None:
 
 def _number(x: float | str | None) -> str:
     return "–" if x is None else x if isinstance(x, str) else f"{x:.4g}"
-
-
-def _parameters(s: RockingParameters) -> list[dict[str, str]]:
-    """The five numbers, of each edge where these differ, and the damping: what they are and how they come about."""
-    known = dict(_RELATIONS.get(s.structure, {}))
-    if s.eta_source != "momentum" or s.one_sided:
-        known.pop("eta", None)
-    impact = "θ̇ after = η θ̇ before " + ("the impact that leaves this edge" if s.sides else "an impact")
-    rows = [
-        (symbol, f"{meaning}, {of.side} edge" if isinstance(of, Side) else meaning, value, unit, known.get(key, relation))
-        for of in s.sides or (s,)
-        for key, symbol, meaning, value, unit, relation in (
-            ("p", "p", "frequency parameter", of.p, "rad/s", "θ̈ = p² (θ − α sgn θ − a_scale ẍg/g)"),
-            (
-                "alpha",
-                "α",
-                "critical angle",
-                of.alpha,
-                "rad",
-                f"{np.degrees(of.alpha):.4g}°: beyond it the structure does not come back on its own",
-            ),
-            ("eta", "η", "coefficient of restitution", of.eta, "-", impact),
-            ("lambda", "λ", "static uplift acceleration over g", of.uplift, "-", "it lifts at ẍg = λ g"),
-            ("a_scale", "a_scale", "scale of the ground acceleration", of.a_scale, "-", "α/λ; 1 for a single body"),
-        )
-    ]
-    if s.damping:
-        rows.append(("ζ", "viscous damping", s.damping, "-", "θ̈ is less by 2 ζ p θ̇"))
-    return [
-        {"symbol": symbol, "meaning": meaning, "value": f"{value:.6g}", "unit": unit, "relation": relation}
-        for symbol, meaning, value, unit, relation in rows
-    ]
 
 
 def _image(folder: Path, plan: Plan) -> str:
@@ -276,7 +240,9 @@ def _agreement(mine: Sequence[Verdict]) -> str:
 def _not_compared(count: int) -> str:
     """A sentence about what neither equation is held against, empty where there is none."""
     verb = "is" if count == 1 else "are"
-    return f" {count} more {verb} not compared: by one equation or both the structure leaves the ground, or has no outcome." if count else ""
+    return (
+        f" {count} more {verb} not compared: by one equation or both the structure leaves the ground, or has no outcome." if count else ""
+    )
 
 
 def _fragility(
