@@ -28,11 +28,11 @@ class DocumentError(RockingError):
 
 
 class NoAcceleration(DocumentError):
-    """A file of a record format that holds another thing, such as velocities or spectra; of a directory it is left out."""
+    """A file in a record format that holds something else, such as velocities or spectra; in a directory it is left out."""
 
 
 class StructureError(RockingError, ValueError):
-    """Numbers that make no rocking structure; of a document this becomes a DocumentError, which tells the place too."""
+    """Numbers that do not make a rocking structure; from a document this becomes a DocumentError, which names the place too."""
 
     exit_code = 3
 

@@ -24,10 +24,10 @@ SECTIONS = {
         "draw": "Draw structures to scale, with pivots, hinges and cracks.",
     },
     "What shakes it": {
-        "records": "Tell what recorded ground motions hold, and measure them.",
+        "records": "Show what recorded ground motions hold, and measure them.",
     },
     "One structure, one motion": {
-        "check": "Tell which structures stand, and how much more it takes.",
+        "check": "Say which structures stand, and how much more it takes.",
         "response": "Time history of one structure under one motion.",
         "compare": "Compare structures under one motion scaled alike, and the two equations.",
     },
@@ -40,7 +40,7 @@ SECTIONS = {
     "What came out": {
         "report": "Write a page: what stands, what falls, and by how much.",
         "plot": "Draw spectra, envelopes, responses, families.",
-        "info": "Tell what a spectra file holds, and verify it.",
+        "info": "Show what a spectra file holds, and verify it.",
         "convert": "Stream the cells of a spectra file.",
         "merge": "Put together the shards of a sweep.",
     },

@@ -37,8 +37,8 @@ def compare(
 ) -> None:
     """Compare the responses of structures to one motion scaled to equal A and Omega.
 
-    a_g and omega_g given in units are those of the first structure. Standard error tells how far the dimensionless curves lie
-    apart; of structures of equal restitution they collapse in the linear model (Fig. 8). --model both compares the
+    a_g and omega_g given in units are those of the first structure. A line on standard error says how far the dimensionless
+    curves lie apart; for structures of equal restitution they collapse in the linear model (Fig. 8). --model both compares the
     equations (Fig. 7): peaks, and quarter periods of free rocking from 0.3, 0.6 and 0.9 alpha.
     """
     from ..dynamics.method import Method

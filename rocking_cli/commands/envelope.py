@@ -72,12 +72,12 @@ def envelope(
     change, which finds most of those wider than 1e-4 and is no proof. For structures with units omega_g [rad/s], a_from and a_to
     [m/s2] are printed as well.
 
-    Records have no frequency: what is looked for is their scale, for each structure, or with --alpha and --grid T=… for blocks of
-    these critical angles and sizes T = 2 pi/p in s. A row tells A, the peak a [m/s2] and the scale of the record as it is given. The
+    Records have no frequency: what is sought is their scale, for each structure, or with --alpha and --grid T=… for blocks of
+    these critical angles and sizes T = 2 pi/p in s. A row states A, the peak a [m/s2] and the scale of the record as it is given. The
     scan's amplitudes are 0.5 % apart, and nothing is claimed of narrower intervals. The equation is the nonlinear one where the
     geometry is known, unless --model is given.
 
-    --model both traces the intervals of both equations, a row each with its model, and tells over how much of the amplitudes that
+    --model both traces the intervals of both equations, a row each with its model, and says over how much of the amplitudes that
     overturn a structure the linear one says that it stands.
     """
     from ..dynamics.method import Method

@@ -18,7 +18,7 @@ _MOST_NAMES = 12
 @options.output_form
 @click.pass_context
 def info(context: click.Context, files: tuple[str, ...], verify: bool, form: str | None) -> None:
-    """Tell what spectra files hold: scene, completeness, run time, estimated error.
+    """Show what spectra files hold: scene, completeness, run time, estimated error.
 
     A file that is damaged, or with --verify holds a damaged chunk, ends with exit code 1.
     """

@@ -13,7 +13,7 @@ from . import streams
 def init(kind: str) -> None:
     """Print a commented document of a kind of structure, which is valid as it is.
 
-    KIND is block, point_mass, spire, arch, frame, prism, drum, rigid, stack, wall or parameters; rocking help documents tells all keys.
+    KIND is block, point_mass, spire, arch, frame, prism, drum, rigid, stack, wall or parameters; rocking help documents lists all keys.
     """
     from ..structures.templates import template
 

@@ -29,7 +29,7 @@ class OutputPath(click.Path):
 
 
 class InputPath(click.Path):
-    """The name of a file to read, or - for standard input; every shell completes it, and the library tells what is wrong with it."""
+    """The name of a file to read, or - for standard input; every shell completes it, and the library says what is wrong with it."""
 
     def __init__(self) -> None:
         super().__init__(readable=False, allow_dash=True)

@@ -26,11 +26,11 @@ COLUMNS = (
 @options.output_form
 @options.quiet
 def records(files: tuple[str, ...], component: str | None, unit: str | None, dt: str | None, form: str | None, quiet: bool) -> None:
-    """Tell what records hold, a row a component: sampling and intensity measures in s, m/s2, m/s and m.
+    """Show what records hold, a row a component: sampling and intensity measures in s, m/s2, m/s and m.
 
     FILE is a record of any known format, packed with gzip or not, - for standard input, a directory, or a list of files, one a line.
     Measures are of the samples joined by straight lines, without any correction; header_pga is the peak that the file itself states,
-    header_difference by how much of it the samples' own is larger, unit that of the file.
+    header_difference by what part of it the peak of the samples exceeds it, unit that of the file.
     """
     from ..errors import DocumentError, NoAcceleration
     from ..motions.records import pick, read_bytes, record_files, records_of, unknown

@@ -175,8 +175,8 @@ class Method:
             raise UsageError(f"{structure.name}: {error}") from None
 
     def mixes(self, structure: RockingParameters) -> bool:
-        """Whether it can be a cell of one system with others of which this holds too: bodies of two edges alike, without damping, whose
-        forces are not known."""
+        """Whether its cells can share one system with those of other structures that mix: bodies whose two edges are alike, undamped,
+        and whose forces are not known."""
         return self.kind_of(structure).of_cells is not None and structure.plain and self.body_of(structure) is None
 
     def system_of_cells(self, structures: Sequence[RockingParameters], counts: Sequence[int]) -> System:

@@ -43,7 +43,7 @@ def draw(
     log: str = "",
     units: Units | None = None,
 ) -> str | None:
-    """Draw what a file holds into a PNG, SVG or PDF; of a slice tell the value of the file's that was taken.
+    """Draw what a file holds into a PNG, SVG or PDF; for a slice, return which value in the file was taken.
 
     source: a spectra file, or CSV (`-`: standard input); structure: whose map, by name, or a record's, the first of all if None; cut:
     `Omega=5`, `f_g=1.5` and the like, a slice of a spectra file; every: a panel for each structure; over: the axis of a family, `KEY` or

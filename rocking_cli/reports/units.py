@@ -77,12 +77,12 @@ class Units:
         return (_FREQUENCY.get(name, name) if unit == "Hz" else name), unit, factor
 
     def heading(self, name: str) -> tuple[str, float]:
-        """The heading of a column, which tells its unit, and the factor to SI."""
+        """The heading of a column, which states its unit, and the factor to SI."""
         column, unit, factor = self.column(name)
         return headed(column, unit), factor
 
     def shown(self, records: Iterable[Mapping[str, Any]]) -> Iterator[dict[str, Any]]:
-        """Records as they are shown: values in these units, under headings that tell them."""
+        """Records as they are shown: values in these units, under headings that state them."""
         headings: dict[str, tuple[str, float]] = {}
         for record in records:
             out = {}

@@ -66,7 +66,7 @@ class ArchHistory:
     @cached_property
     def forces(self) -> ArchForces:
         """Of its mechanism."""
-        assert isinstance(self.structure.mechanism, FourBar)  # `of_arch` says so
+        assert isinstance(self.structure.mechanism, FourBar)  # `TimeHistory.arch_forces` builds no other
         return ArchForces(self.structure.mechanism, self.structure.gravity)
 
     @cached_property

@@ -95,8 +95,8 @@ def check(
     """Whether a structure stands under a motion, and the capacity it has left; shaking: a grid of one cell, the demand.
 
     a_max: dimensionless amplitude up to which overturning is looked for (and twice the demand); progress: called with the stages done and
-    all of them: the responses, the search, the forces. Raises UsageError for a demand of
-    zero, one that is beyond what a search reaches, or a structure without units.
+    all of them: the responses, the search, the forces. Raises UsageError for a demand of zero, one beyond what a
+    search reaches, or a structure without units.
 
     >>> (column,) = load_structures('configs/block.yaml')
     >>> verdict = check(column, sine(), parse_grid('a_g=0.35g,f_g=1.5'))
@@ -108,7 +108,7 @@ def check(
     amplitude, omega = (float(x[0]) for x in shaking.scaled(structure))
     if not amplitude > 0.0:
         raise UsageError("the amplitude is 0, accepted is a positive one")
-    method, done = governing_method(structure), progress or _unheard
+    method, done = governing_method(structure), progress or _no_progress
     beside = amplitude * (1.0 + _BESIDE)
     governs = _respond(method, structure, motion, beside, omega)
     outcome, rotation = Outcome(int(governs.outcome[0])), float(governs.theta_ratio[0])
@@ -159,7 +159,7 @@ def check_all(
     several = max(1, min(workers or available_cpus(), len(demands) // (1 if workers else _WORTH)))
     searches = f"{len(demands)} search{'es' if len(demands) > 1 else ''}"
     announce(sum(_seconds(a_max, *demand) for demand in demands), searches, several, tell)
-    done = progress or _unheard
+    done = progress or _no_progress
     if several == 1:
         return [check(*demand, a_max=a_max, progress=partial(_after, done, i, len(demands))) for i, demand in enumerate(demands)]
     verdicts: list[Verdict] = []
@@ -186,8 +186,8 @@ def tally(verdicts: Sequence[Verdict]) -> str:
     return f"{overturn}, {lost} lose{'s' if lost == 1 else ''} contact with the ground" if lost else overturn
 
 
-def _unheard(done: int, total: int) -> None:
-    """Nobody asked."""
+def _no_progress(done: int, total: int) -> None:
+    """The progress that nobody asked for."""
 
 
 def _after(progress: Progress, before: int, checks: int, stage: int, stages: int) -> None:

@@ -63,7 +63,7 @@ def capacity(structure: RockingParameters, motion: Motion, amplitude: float, ome
 
 
 def narrowest(motion: Motion) -> str:
-    """Of which intervals nothing is claimed, in words."""
+    """The intervals of which nothing is claimed, in words."""
     return f"{100.0 * RATIO:g} % of the amplitude" if _ratio(motion) else "0.001 in A"
 
 

@@ -71,7 +71,7 @@ def announce_sweep(
 
 
 def announce(seconds: float, what: str, workers: int, tell: Tell | None, *, always: bool = False) -> None:
-    """Tell the time of what takes more than a minute, or always. Raises UsageError, with that time, for what takes ten years of a
+    """Announce how long it takes if more than a minute, or always. Raises UsageError, with that time, for what takes ten years of a
     processor."""
     if seconds > _ENDLESS:
         raise UsageError(f"{what} take roughly {_in_words(seconds)} of a processor, accepted are up to {_in_words(_ENDLESS)}")

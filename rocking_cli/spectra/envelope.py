@@ -137,7 +137,7 @@ def check_intervals(
     sign: str = "worse",
     tell: Tell | None = None,
 ) -> None:
-    """Raise what `structure_intervals` would, before it begins; tell where its scan will take long."""
+    """Raise what `structure_intervals` would, before it begins; say where its scan will take long."""
     _scan_of(motion, _scaled(structure, axis).size, structure, method, a_max, "worse" if sign == BOTH else sign, tell)
 
 

@@ -137,7 +137,7 @@ class Frame:
 
     @property
     def labels(self) -> tuple[str, ...]:
-        """What tells the places apart beside their dimensions, as CF's attribute `coordinates` names it."""
+        """What tells the places apart besides their dimensions, as CF's attribute `coordinates` names it."""
         return tuple(self.beside) if self.of_records else tuple(self.units)
 
     @property

@@ -64,8 +64,7 @@ def predict_exactly(structure: RockingParameters, motion: Motion, shaking: Grid)
     capacity_demand: the lowest overturning amplitude over A, below 1 where a body that falls would fall for less; margin: relative
     distance in A to the nearest amplitude at which falling begins or ends, and margin_side, on which side of A that is. They are
     None where there is no such amplitude up to A_MAX and 2 A, and at A = 0. theta_max is None where the edges differ, since the
-    largest theta/alpha does not tell on which of them. Raises UsageError for a
-    demand beyond what a scan reaches.
+    largest theta/alpha does not tell on which of them. Raises UsageError for a demand beyond what a scan reaches.
     """
     amplitude, omega = (float(x[0]) for x in shaking.scaled(structure))
     if 2.0 * amplitude > HIGHEST:

@@ -74,7 +74,7 @@ class Tracing:
 
 
 def check_tracing(tracing: Tracing, tell: Tell | None = None) -> None:
-    """Refuse a limit that is none; tell what the search takes, up to. Raises UsageError."""
+    """Refuse a limit that is not one; announce what the search takes at most. Raises UsageError."""
     scene = tracing.scene
     if not (math.isfinite(tracing.a_max) and 0.0 < tracing.a_max <= HIGHEST):
         raise UsageError(f"a-max is {tracing.a_max:g}, accepted is a positive amplitude up to {HIGHEST:g}")

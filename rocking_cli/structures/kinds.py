@@ -27,7 +27,7 @@ GROUP = "rocking.structures"
 
 
 class Kind(Protocol):
-    """What a kind of structure has to tell; a module will do."""
+    """What a kind of structure has to provide; a module will do."""
 
     @property
     def REPORTS(self) -> Sequence[str]:

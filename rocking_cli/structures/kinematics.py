@@ -70,7 +70,7 @@ class Coefficients(NamedTuple):
 
 
 class Mechanism(Protocol):
-    """What a mechanism has to tell; immutable, so that what follows from it is computed once. It may raise StructureError."""
+    """What a mechanism has to provide; immutable, so that what follows from it is computed once. It may raise StructureError."""
 
     def __hash__(self) -> int: ...
 

@@ -149,8 +149,8 @@ class RockingParameters:
         return self.alpha / self.a_scale
 
     def lifting_at_lambda(self) -> RockingParameters:
-        """A rigid body with a_scale = alpha/lambda (Eq. 3.9) on every edge, so that its linear oscillator lifts where the body does; what
-        is no rigid body (a_scale not 1) as it is."""
+        """A rigid body with a_scale = alpha/lambda (Eq. 3.9) on every edge, so that its linear oscillator lifts where the body does;
+        any other mechanism (a_scale not 1) unchanged."""
         if self.a_scale != 1.0:
             return self
         sides = tuple(replace(side, a_scale=side.alpha / side.uplift) for side in self.sides)

@@ -24,7 +24,7 @@ def gravity_of(document: Document) -> float:
 def restitution_of(document: Document, momentum: float, limit: str) -> tuple[float, str]:
     """(eta, where it comes from): the document's value, or the given one from momentum.
 
-    `limit` says in words when the momentum model stops to hold (eta < 0), which is an error unless eta is given.
+    `limit` says in words where the momentum model ceases to hold (eta < 0), which is an error unless eta is given.
     """
     if document.has("restitution") and document.values["restitution"].content != "auto":
         wanted = "a number from 0 to 1, or auto"

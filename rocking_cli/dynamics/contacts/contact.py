@@ -58,7 +58,7 @@ class Contact(Protocol):
         """Put lanes on a side: what they carry becomes that side's, in its units. `at`: their indices."""
 
     def speed(self, side: Array, rate: Array) -> Array:
-        """d(|theta|/alpha)/dtau on these sides as the same of the reference, alpha and p of which A, Omega and results are told in."""
+        """d(|theta|/alpha)/dtau on these sides, restated with the alpha and p of the reference, which A, Omega and results refer to."""
 
     def strike(self, cells: Cells, lanes: Lanes, v: Array, b: Array) -> None:
         """Impact with velocity v <= 0 and force b: the lanes' new side, velocity and force (Eq. 2.6), of the weight m g."""
