@@ -37,6 +37,12 @@ VARIABLES: dict[str, tuple[np.dtype, dict[str, Any]]] = {
         {"units": "rad", "long_name": "largest angular speed over p", "_FillValue": np.nan,
          "comment": "max over time of abs(d theta/dt)/p; NaN where overturned or not computed"},
     ),
+    "condition": (
+        np.dtype("<f8"),
+        {"units": "1", "long_name": "condition of the largest rotation", "_FillValue": np.nan,
+         "comment": "sum of abs(d theta_ratio / d ln x) over the amplitude, the frequency and the restitution, by central differences; NaN "
+                    "where overturned, failed or not computed, or where a cell beside it is"},
+    ),
     "friction": (
         np.dtype("<f8"),
         {"units": "1", "long_name": "required coefficient of friction", "_FillValue": np.nan,
@@ -46,12 +52,6 @@ VARIABLES: dict[str, tuple[np.dtype, dict[str, Any]]] = {
         np.dtype("<f8"),
         {"units": "1", "long_name": "least vertical force over weight", "_FillValue": np.nan,
          "comment": "min over time of Fz/(m g) between impacts; NaN where overturned or not computed"},
-    ),
-    "condition": (
-        np.dtype("<f8"),
-        {"units": "1", "long_name": "condition of the largest rotation", "_FillValue": np.nan,
-         "comment": "sum of abs(d theta_ratio / d ln x) over the amplitude, the frequency and the restitution, by central differences; NaN "
-                    "where overturned, failed or not computed, or where a cell beside it is"},
     ),
     "theta_ratio_linear": (
         np.dtype("<f8"),
@@ -68,6 +68,7 @@ VARIABLES: dict[str, tuple[np.dtype, dict[str, Any]]] = {
          "flag_values": np.array([d.value for d in Difference], dtype="u1"), "flag_meanings": " ".join(d.flag for d in Difference)},
     ),
 }  # fmt: skip
+"""What a file may hold of its cells; a chunk's checksum runs over its variables in this order, whatever order they were asked for in."""
 """Of each cell: type and attributes. A file has the first two, and others on request, in this order."""
 
 FLAGS: dict[str, type[Outcome] | type[Difference]] = {"outcome": Outcome, "outcome_linear": Outcome, "difference": Difference}

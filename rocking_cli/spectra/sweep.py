@@ -145,6 +145,7 @@ def write_scene(
     cluster. Raises UsageError for a scene or an output that is refused, OutputError when the file cannot be written or a worker
     process dies, Interrupted on Ctrl-C.
     """
+    from .layout import VARIABLES
     from .store import SpectraWriter
 
     method, chunk = scene.method, chunk_shape(scene.shape[1:], chunk_cells)
@@ -154,13 +155,8 @@ def write_scene(
     if method.stated_tolerance is not None:
         attributes["tolerance"] = method.stated_tolerance
     quantities = _checked(quantities, scene)
-    names: tuple[str, ...] = (
-        "theta_ratio",
-        "outcome",
-        *(["impacts"] if impacts else []),
-        *(name for quantity in quantities for name in QUANTITIES[quantity]),
-    )
-
+    wanted = {"theta_ratio", "outcome", *(["impacts"] if impacts else []), *(name for key in quantities for name in QUANTITIES[key])}
+    names = tuple(name for name in VARIABLES if name in wanted)
     identity = {**scene.identity(), "impacts": impacts, "quantities": list(quantities), "chunk": list(chunk)}
     options: dict[str, Any] = {
         "names": names, "overwrite": overwrite, "resume": resume, "strict": strict, "scene": identity, "attributes": attributes,

@@ -12,6 +12,7 @@ from rocking_cli.dynamics.outcome import Difference, Outcome, difference
 from rocking_cli.reports.maps import outcome_map
 from rocking_cli.reports.units import Units
 from rocking_cli.spectra.reader import SpectraFile
+from rocking_cli.spectra.scene import QUANTITIES
 
 STOCKY = build_structure(parse_documents("kind: block\nname: Stocky\nwidth: 1\nheight: 2")[0])
 GRID = parse_grid("A=0.8:6:14,Omega=1:6:12")
@@ -49,6 +50,19 @@ def test_cells_that_linear_misjudges_are_marked_and_counted(both):
     assert (record["cells_linear_unsafe"], record["cells_linear_false_alarm"]) == (counts["linear_unsafe"], counts["linear_false_alarm"])
     cells = list(file.cells())
     assert {c["difference"] for c in cells} == {flag for flag, n in counts.items() if n}
+
+
+def test_every_quantity_asked_for_at_once_is_read_as_it_was_computed(tmp_path):
+    """In whatever order they are asked for: a chunk's checksum runs over its variables in one order."""
+    wanted, grid = ["linear", "fz_min", "friction", "condition"], parse_grid("A=1.5:5:2,Omega=4")
+    assert {*wanted, "velocity_ratio"} == set(QUANTITIES)  # the latter of records alone
+    path = tmp_path / "all.h5"
+    write_spectrum([STOCKY], sine(), grid, path, method=NONLINEAR, quantities=wanted, impacts=True, workers=1, check=0)
+    inside = spectrum([STOCKY], sine(), grid, method=NONLINEAR, quantities=wanted, check=0)
+    with SpectraFile(path) as file:
+        assert set(file.names) == {"theta_ratio", "outcome", "impacts", *inside.beside}
+        for name, values in inside.beside.items():
+            np.testing.assert_array_equal(file.array(name), values)
 
 
 def test_what_is_not_known_is_no_difference():
