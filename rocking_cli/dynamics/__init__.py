@@ -45,7 +45,8 @@ Lemma 8 (fate). On still ground, undamped, the energy between impacts is constan
     more than the peak so far.
 Lemma 9 (nothing overturns below). Linear, undamped, equal sides: with E = v^2 + y (2 - y), dE/dtau = 2 v a and v^2 <= E below y = 1, so
     sqrt(E) grows by at most int |a| dtau and impacts lower it; a body that overturns has had
-    E >= 1. So none does while A int |s| dphi <= Omega.
+    E >= 1. So none does while A int |s| dphi <= Omega, nor from any instant on where sqrt(E) + A int |s| dphi/Omega of what is still to
+    come is below 1 (`impulse`).
 Lemma 10 (nothing returns above). The same oscillator, lifted on the motion's first segment at any amplitude: at a fixed time
     y = A J - K with K > 0 and dy/dA = J before the first impact, so where y > 0 it grows with A, and above an amplitude that overturns
     without impact every other does, and above one whose first arc outlasts the shaking every other one's does too: there the modes

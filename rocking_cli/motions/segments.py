@@ -202,6 +202,13 @@ class Segments:
         return max(largest(x[part]) for x in (self.s_start, self.s_end) for part in blocks(len(self)))
 
     @cached_property
+    def pushes(self) -> int:
+        """Stretches of the shaking that push one way, of a motion without columns."""
+        signs = np.sign(np.column_stack([self.s_start, self.s_end]).ravel())
+        signs = signs[signs != 0.0]
+        return 1 + int(np.count_nonzero(signs[1:] != signs[:-1]))
+
+    @cached_property
     def steepest(self) -> tuple[float, float]:
         """Bounds of |s'| and |s''|, by the phase."""
         slope = bend = 0.0

@@ -2,9 +2,9 @@
 
 Three theorems on the linear oscillator spare most of the scan (Lemmas 9 and 10 of `dynamics`):
 
-- Nothing overturns while A int |s| dphi <= Omega. With E = v^2 + y (2 - y), dE/dtau = 2 v a, and v^2 <= E below y = 1: the root of
-  E grows by at most int |a| dtau, impacts lower it, and a body that overturns has had E >= 1. Bodies that may lose the ground
-  without overturning are looked at from where that is not excluded (`body`).
+- Nothing overturns while A int |s| dphi <= Omega, from the first uplift on. With E = v^2 + y (2 - y), dE/dtau = 2 v a, and v^2 <= E
+  below y = 1: the root of E grows by at most int |a| dtau, impacts lower it, and a body that overturns has had E >= 1. Bodies that may
+  lose the ground without overturning are looked at from where that is not excluded (`body`).
 - Above an amplitude that overturns without impact every other does, where the motion lifts the body on its first segment
   at any amplitude. At a fixed time y = A J - K with K > 0 and dy/dA = J: where y > 0 it grows with A.
 - So above an amplitude whose first arc outlasts the shaking every other one's does, and there the outcome changes only where the energy
@@ -20,7 +20,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..dynamics.drive import segment_value
+from ..dynamics.contacts.contact import first_uplift
+from ..dynamics.impulse import FEW, ImpulseAhead
 from ..dynamics.outcome import Outcome, safe
 from ..dynamics.response import response
 from ..dynamics.system import System
@@ -35,7 +36,6 @@ Array = np.ndarray
 
 FINE_STEP = 0.999e-4  # of the closer look around changes of the outcome or of the number of impacts, where narrow intervals gather
 _AROUND = 12  # rungs on either side of such a change that are looked at closer too
-_SIMPLE = 2  # pushes of a motion that is not looked at closer: nothing lifts the body again that bounces after the second
 _WORTH = 20_000  # amplitudes in all from which bounds on those that nothing strikes take less than a look at each
 _BATCH = 1 << 20  # cells of the scan computed together
 _STRETCH = 80  # rungs that are looked at together where only the first fall is looked for
@@ -174,7 +174,7 @@ class Search:
         """The changes in gaps between rungs, with a closer look around those where the motion changes its course."""
         width = np.diff(rungs.amplitude)
         turns = (rungs.label[1:] != rungs.label[:-1]) | (rungs.impacts[1:] != rungs.impacts[:-1])
-        turns &= not self.ratio and _lobes(self.motion.segments) > _SIMPLE
+        turns &= not self.ratio and self.motion.segments.pushes > FEW
         gap = np.flatnonzero(mine & _around(turns) & (width > FINE_STEP))
         cuts = np.ceil(width[gap] / FINE_STEP).astype(np.int64) - 1
         share = (np.arange(cuts.sum()) - np.repeat(np.cumsum(cuts) - cuts, cuts) + 1.0) / np.repeat(cuts + 1, cuts)
@@ -194,20 +194,35 @@ class Search:
         if not (self.system.equation.bounded and self.system.contact.alike and self.motion.vertical is None):
             return first, last, none
         safe_to = self.system.safe_amplitude(self.motion)
-        first = ladder.below(np.minimum((1.0 - 1e-9) * omegas / _path(self.motion.segments), safe_to))
+        first = np.minimum(self._quiet(omegas, ladder), ladder.below(np.full(omegas.size, safe_to)))
         if not _lifts_at_once(self.motion):
             return first, last, none
         over, falls = self._onwards(omegas, ladder, first, last, lambda label, impacts: label == Outcome.OVERTURNED_NO_IMPACT)
         last[over] = falls
         if self.a_max > safe_to:  # what loses the ground is no matter of energy
             return first, last, none
-        if _lobes(self.motion.segments) > _SIMPLE or int((last - first).sum()) < _WORTH:
+        if self.motion.segments.pushes > FEW or int((last - first).sum()) < _WORTH:
             return first, last, none
         # From the first amplitude on whose first arc outlasts the shaking only the energy at its end matters.
         clear, lasts = self._onwards(omegas, ladder, first, last, lambda label, impacts: (impacts == 0) & (label != Outcome.FAILED))
         parts = self._unstruck(omegas, ladder, clear, lasts, last[clear], np.isin(clear, over))
         last[clear] = lasts
         return first, last, parts
+
+    def _quiet(self, omegas: Array, ladder: Ladder) -> Array:
+        """The last rung up to which the shaking from the first uplift on, A int |s| dphi <= Omega, overturns nothing."""
+        segments = self.motion.segments
+        if segments.straight:  # of all of it
+            return ladder.below((1.0 - 1e-9) * omegas / _path(segments))
+        ahead = ImpulseAhead.of(segments)
+        low, high = np.zeros(omegas.size, dtype=np.int64), np.full(omegas.size, ladder.size)
+        while np.any(high - low > 1):  # the more amplitude, the sooner the uplift
+            middle = (low + high) // 2
+            amplitude = ladder.rung(middle)
+            lift = first_uplift(segments, np.zeros(omegas.size, dtype=np.int64), np.zeros(omegas.size), amplitude, amplitude)
+            holds = amplitude * ahead.after(lift.k, lift.u) <= (1.0 - 1e-9) * omegas
+            low, high = np.where(holds, middle, low), np.where(holds, high, middle)
+        return low
 
     def _onwards(
         self, omegas: Array, ladder: Ladder, first: Array, last: Array, holds: Callable[[Array, Array], Array]
@@ -261,22 +276,9 @@ def _around(flags: Array) -> Array:
     return sums[np.minimum(at + _AROUND + 1, flags.size)] > sums[np.maximum(at - _AROUND, 0)]
 
 
-def _lobes(segments: Segments) -> int:
-    """Stretches of the shaking that push one way."""
-    pushes = np.sign(np.column_stack([segments.s_start, segments.s_end]).ravel())
-    pushes = pushes[pushes != 0.0]
-    return 1 + int(np.count_nonzero(pushes[1:] != pushes[:-1]))
-
-
 def _path(segments: Segments) -> float:
-    """An upper bound of int |s| dphi: on a part of a monotone segment |s| is largest at one of its ends; of straight lines the integral."""
-    if segments.straight:
-        return sum(_under_lines(*(x[part] for x in (segments.s_start, segments.s_end, segments.length))) for part in blocks(len(segments)))
-    share = np.linspace(0.0, 1.0, 65)
-    k = np.repeat(np.arange(len(segments)), share.size)
-    change, _, _ = segment_value(segments, k, segments.length[k] * np.tile(share, len(segments)))
-    s = np.abs(segments.s_start[k] + change).reshape(len(segments), share.size)
-    return float((np.maximum(s[:, 1:], s[:, :-1]).mean(axis=1) * segments.length).sum())
+    """int |s| dphi of straight lines."""
+    return sum(_under_lines(*(x[part] for x in (segments.s_start, segments.s_end, segments.length))) for part in blocks(len(segments)))
 
 
 def _under_lines(start: Array, end: Array, length: Array) -> float:

@@ -18,7 +18,7 @@ from rocking_cli import (
     trace_envelope,
 )
 from rocking_cli.dynamics.equations.linear import LinearEquation
-from rocking_cli.spectra import boundaries
+from rocking_cli.spectra import boundaries, changes
 from rocking_cli.spectra.boundaries import Search
 
 MOTIONS = [sine(), sine(0.5), sine(2), cosine(1.5), pulse("rectangular"), pulse("rectangular-impulse"), pulse("ricker-symmetric")]
@@ -98,7 +98,7 @@ def test_where_changes_have_no_end_only_those_that_the_scan_sees_are_traced(monk
         return trace_envelope(dimensionless_oscillator(0.9), sine(3), [1.0], a_max=1.12, workers=1)
 
     every = traced()
-    monkeypatch.setattr(boundaries, "_MOST_CHANGES", 10)
+    monkeypatch.setattr(changes, "_MOST_CHANGES", 10)
     some = traced()
     ends = [{x for i in found for x in (i.a_from, i.a_to)} for found in (every, some)]
     assert ends[1] < ends[0]
@@ -134,4 +134,4 @@ def test_no_interval_wider_than_1e_4_is_missed_under_several_cycles(motion, eta,
 
 def test_a_closer_look_is_for_motions_that_push_more_than_twice():
     for motion, lobes in ((sine(0.5), 1), (sine(), 2), (cosine(1), 3), (sine(1.5), 3), (sine(5), 10), (pulse("rectangular-impulse"), 2)):
-        assert boundaries._lobes(motion.segments) == lobes
+        assert motion.segments.pushes == lobes

@@ -20,6 +20,7 @@ from ..contacts.contact import Fate, Uplift
 from ..contacts.settling import settles
 from ..contacts.trains import outlasts
 from ..drive import place
+from ..impulse import FEW, ImpulseAhead, cannot_overturn
 from ..lanes import Lanes
 from ..outcome import Outcome
 from ..system import System
@@ -81,6 +82,8 @@ class Run:
         self.only_peaks = self._only_peaks()
         self.settling = peaks and self.only_peaks and self.equation.bounded
         self.keeping = self.only_peaks and keeps_bouncing(self.equation, self.cells, self.segments)
+        only_outcomes = not peaks and self.only_peaks and self.equation.bounded and not segments.straight
+        self.ahead = ImpulseAhead.of(segments) if only_outcomes and segments.pushes <= FEW else None
 
     def _only_peaks(self) -> bool:
         """Whether nothing is asked of bodies that nothing lifts again but their peak, and there are proofs that it is so."""
@@ -265,7 +268,14 @@ class Run:
             long = outlasts(seg, lanes, self.equation, self.most_steps)
             self._finish(lanes, np.flatnonzero(long), Outcome.FAILED, np.nan)
             lanes = lanes.take(np.flatnonzero(~long)) if long.any() else lanes
-        return self._rest(lanes)
+        lanes, rests = self._rest(lanes)
+        return (lanes if self.ahead is None else self._stand(lanes, self.ahead)), rests
+
+    def _stand(self, lanes: Landing, ahead: ImpulseAhead) -> Landing:
+        """Lanes at the ground that nothing to come overturns are done where no more is asked (Lemma 9)."""
+        stands = cannot_overturn(ahead, lanes)
+        self._finish(lanes, np.flatnonzero(stands), Outcome.ROCKED, np.nan)
+        return lanes.take(np.flatnonzero(~stands)) if stands.any() else lanes
 
     def _shaken(self, lanes: Lanes, last: Array) -> None:
         """Undamped lanes that are at the end of the shaking: their fate."""

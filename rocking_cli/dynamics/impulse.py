@@ -1,0 +1,74 @@
+"""What the shaking still can do: int |s| dphi from any place in a motion of sinusoids to its end, and the bodies that it cannot overturn.
+
+For the undamped linear oscillator on equal edges (Lemma 9).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Self
+
+import numpy as np
+
+from ..motions.segments import Segments
+from .drive import crossing, segment_value, summed
+from .lanes import Lanes
+
+Array = np.ndarray
+
+FEW = 2  # pushes of a motion: under more, an envelope looks closer where the number of impacts changes, and bodies are followed to the end
+_ROUNDING = 1e-13  # of the terms that an integral over a segment is summed from
+_SURELY = 1.0 - 1e-9
+
+
+@dataclass(frozen=True)
+class ImpulseAhead:
+    """int |s| dphi to the end of the motion. zero: the phase at which s changes its sign in a segment, its start where it does not; sign:
+    of s after that; first, turn, last: an antiderivative of s at the segment's start, at `zero` and at its end; later: what comes after
+    the segment, with room for rounding; arrays over segments."""
+
+    segments: Segments
+    zero: Array
+    sign: Array
+    turn: Array
+    last: Array
+    later: Array
+
+    @classmethod
+    def of(cls, segments: Segments) -> Self:
+        """Of a motion without jumps inside its segments, as all have it."""
+        k = np.arange(len(segments))
+        changes = segments.s_start * segments.s_end < 0.0
+        zero = np.where(changes, crossing(segments, k, np.zeros(k.size)), 0.0)
+        sign = np.sign(np.where(changes, segments.s_end, segments.s_start + segments.s_end))
+        first, turn, last = (_antiderivative(segments, k, u) for u in (np.zeros(k.size), zero, segments.length))
+        size = np.abs(segments.s_start) * segments.length + (np.hypot(segments.sin, segments.cos) / segments.frequency).sum(axis=0)
+        whole = np.abs(turn - first) + np.abs(last - turn) + _ROUNDING * size
+        return cls(segments, zero, sign, turn, last, np.append(np.cumsum(whole[::-1])[::-1][1:], 0.0) + _ROUNDING * size)
+
+    def after(self, k: Array, u: Array) -> Array:
+        """From phase u of segment k on, 0 at the end of the motion; (lanes,)."""
+        found = np.zeros(k.shape)
+        at = np.flatnonzero(k < len(self.segments))
+        k, u = k[at], u[at]
+        here = _antiderivative(self.segments, k, u)
+        before = u < self.zero[k]
+        to_come = self.sign[k] * (self.last[k] - np.where(before, self.turn[k], here))
+        found[at] = to_come + np.where(before, np.abs(self.turn[k] - here), 0.0) + self.later[k]
+        return found
+
+
+def cannot_overturn(ahead: ImpulseAhead, lanes: Lanes) -> Array:
+    """Whether nothing to come overturns lanes at y = 0: v + A int |s| dphi/Omega < 1."""
+    room = _SURELY * (1.0 - np.abs(lanes.v)) * lanes.omega
+    found = lanes.amplitude * ahead.later[lanes.k] < room
+    at = np.flatnonzero(found)
+    found[at] = lanes.amplitude[at] * ahead.after(lanes.k[at], lanes.u[at]) < room[at]
+    return found
+
+
+def _antiderivative(segments: Segments, k: Array, u: Array) -> Array:
+    """Of s by the phase, at phase u of segment k."""
+    _, _, cos = segment_value(segments, k, u)
+    level = segments.s_start[k] - summed(segments.sin.take(k, axis=1))
+    return (level + 0.5 * segments.slope[k] * u) * u - summed(cos / segments.frequency.take(k, axis=1))

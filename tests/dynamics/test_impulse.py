@@ -1,0 +1,91 @@
+"""What the shaking still can do, and that it overturns no body of which that is said."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from scipy.integrate import quad
+from scipy.optimize import brentq
+
+from rocking_cli import LinearEquation, Outcome, System, cosine, linear_response, pulse, sine
+from rocking_cli.dynamics.impulse import ImpulseAhead, cannot_overturn
+from rocking_cli.dynamics.lanes import Lanes
+from rocking_cli.dynamics.march import engine
+from rocking_cli.dynamics.march.engine import Run
+
+SMOOTH = [sine(), sine(2.5), cosine(1.5), pulse("ricker-symmetric"), pulse("mavroeidis-papageorgiou")]
+FEW_PUSHES = [sine(), sine(0.5), cosine(0.5), pulse("rectangular"), pulse("rectangular-impulse")]
+
+
+@pytest.mark.parametrize("motion", [*SMOOTH, pulse("rectangular-impulse")], ids=lambda m: m.name)
+def test_it_is_the_integral_of_the_size_of_the_drive(motion):
+    segments, random = motion.segments, np.random.default_rng(5)
+    k = random.integers(0, len(segments), 6)
+    u = random.uniform(0.0, 1.0, 6) * segments.length[k]
+    found = ImpulseAhead.of(segments).after(np.append(k, len(segments)), np.append(u, 0.0))
+    assert found[-1] == 0.0
+    zeros = [zero(motion, a, a + b) for a, b in zip(segments.start, segments.length, strict=True)]
+    for phase, there in zip(segments.start[k] + u, found, strict=False):
+        marks = [phase, *sorted(x for x in {*segments.start, *zeros} if x > phase), motion.duration]
+        size = sum(abs(quad(motion.value, a, b, epsabs=1e-14, epsrel=1e-13)[0]) for a, b in pairwise(marks))
+        assert there == pytest.approx(size, rel=1e-12, abs=1e-11)  # where rounding of the integral has room
+
+
+def zero(motion, start, stop):
+    """Where s changes its sign within a segment, its start where it does not."""
+    inside = start + 1e-9 * (stop - start), stop - 1e-9 * (stop - start)
+    return brentq(motion.value, *inside, xtol=1e-14) if np.prod(motion.value(np.array(inside))) < 0.0 else start
+
+
+def landed(motion, cells, seed, share):
+    """(run, lanes, amplitude): bodies just after an impact anywhere in a motion, with `share` of the speed at which the lemma ends."""
+    segments, random = motion.segments, np.random.default_rng(seed)
+    k = random.integers(0, len(segments), cells)
+    u, amplitude, omega = (
+        random.uniform(0.0, 1.0, cells) * segments.length[k],
+        random.uniform(0.2, 9.0, cells),
+        random.uniform(0.3, 60.0, cells),
+    )
+    v = share * (1.0 - amplitude * ImpulseAhead.of(segments).after(k, u) / omega)
+    at = np.flatnonzero(v > 0.0)
+    k, u, amplitude, omega, v = (x[at] for x in (k, u, amplitude, omega, v))
+    side, zero = random.choice([-1.0, 1.0], at.size), np.zeros(at.size)
+    eta, count = random.uniform(0.5, 1.0, at.size), np.ones(at.size, dtype=np.int32)
+    run = Run(System(LinearEquation()), segments, amplitude, omega, eta, True, at.size)
+    push = -side * amplitude * motion.value(segments.start[k] + u)
+    return run, Lanes(np.arange(at.size), amplitude, omega, eta, k, u, side, zero, v, push - 1.0, zero.copy(), count, count.copy())
+
+
+@pytest.mark.parametrize("motion", [*FEW_PUSHES, sine(3), pulse("ricker-symmetric")], ids=lambda m: m.name)
+def test_lemma_9_nothing_to_come_overturns_what_is_below_the_bound(motion):
+    run, lanes = landed(motion, 600, 6, 0.999)
+    assert np.all(cannot_overturn(ImpulseAhead.of(motion.segments), lanes))
+    with np.errstate(all="ignore"):
+        while lanes.cell.size:
+            lanes = run.round(lanes).going
+    assert set(run.outcome.tolist()) == {Outcome.ROCKED}
+
+
+def test_just_above_the_bound_short_pulses_overturn():
+    run, lanes = landed(sine(0.5), 1000, 7, 1.001)
+    assert not np.any(cannot_overturn(ImpulseAhead.of(sine(0.5).segments), lanes))
+    quick = lanes.omega > 50.0
+    with np.errstate(all="ignore"):
+        while lanes.cell.size:
+            lanes = run.round(lanes).going
+    assert np.count_nonzero(run.outcome[quick] == Outcome.OVERTURNED_AFTER_IMPACT) > 30
+
+
+@pytest.mark.parametrize("motion", [sine(), sine(0.5)], ids=lambda m: m.name)
+def test_where_only_outcomes_are_wanted_they_are_the_same(motion, monkeypatch):
+    random = np.random.default_rng(8)
+    amplitude, omega = 1.0 + 10.0 ** random.uniform(-2.0, 0.5, 300), random.uniform(0.5, 8.0, 300)
+    eta = random.choice([0.0, 0.3, 0.9], 300)
+    sooner = linear_response(motion, amplitude, omega, eta, peaks=False)
+    monkeypatch.setattr(engine, "FEW", 0)
+    followed = linear_response(motion, amplitude, omega, eta, peaks=False)
+    np.testing.assert_array_equal(sooner.outcome, followed.outcome)
+    assert np.all(sooner.impacts <= followed.impacts)
+    assert sooner.work.steps < followed.work.steps
