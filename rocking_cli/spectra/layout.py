@@ -68,8 +68,8 @@ VARIABLES: dict[str, tuple[np.dtype, dict[str, Any]]] = {
          "flag_values": np.array([d.value for d in Difference], dtype="u1"), "flag_meanings": " ".join(d.flag for d in Difference)},
     ),
 }  # fmt: skip
-"""What a file may hold of its cells; a chunk's checksum runs over its variables in this order, whatever order they were asked for in."""
-"""Of each cell: type and attributes. A file has the first two, and others on request, in this order."""
+"""Of each cell: type and attributes. A file has the first two, and others on request, in this order, in which a chunk's checksum runs over
+them too."""
 
 FLAGS: dict[str, type[Outcome] | type[Difference]] = {"outcome": Outcome, "outcome_linear": Outcome, "difference": Difference}
 """What the codes of a variable mean."""
