@@ -1,6 +1,6 @@
 """Where the outcome changes along the amplitude, for many frequencies: a scan that bounds what can be missed, then sections.
 
-Three theorems on the linear oscillator spare most of the scan (Lemmas 9 and 10 of `dynamics`):
+Theorems on the linear oscillator spare most of the scan (Lemmas 9 and 10 of `dynamics`):
 
 - Nothing overturns while A int |s| dphi <= Omega, from the first uplift on. With E = v^2 + y (2 - y), dE/dtau = 2 v a, and v^2 <= E
   below y = 1: the root of E grows by at most int |a| dtau, impacts lower it, and a body that overturns has had E >= 1. Bodies that may
@@ -8,7 +8,8 @@ Three theorems on the linear oscillator spare most of the scan (Lemmas 9 and 10 
 - Above an amplitude that overturns without impact every other does, where the motion lifts the body on its first segment
   at any amplitude. At a fixed time y = A J - K with K > 0 and dy/dA = J: where y > 0 it grows with A.
 - So above an amplitude whose first arc outlasts the shaking every other one's does, and there the outcome changes only where the energy
-  at its end crosses a level; bounds of that energy over stretches of amplitudes say where it can (`one_arc`).
+  at its end crosses a level; bounds of that energy over stretches of amplitudes say where it can (`one_arc`). Below it the first impact
+  comes the later the larger the amplitude, and bounds of what follows it settle stretches in which it comes late (`two_arcs`).
 """
 
 from __future__ import annotations
@@ -29,8 +30,9 @@ from ..motions import Motion
 from ..motions.blocks import blocks
 from ..motions.segments import Segments
 from .changes import SECTIONS, Brackets, narrowed
-from .ladder import Ladder
-from .one_arc import may_change
+from .ladder import Ladder, gaps_between, onwards
+from .one_arc import Modes, may_change, modes_at_end
+from .two_arcs import Strike, TwoPushes
 
 Array = np.ndarray
 
@@ -197,17 +199,17 @@ class Search:
         first = np.minimum(self._quiet(omegas, ladder), ladder.below(np.full(omegas.size, safe_to)))
         if not _lifts_at_once(self.motion):
             return first, last, none
-        over, falls = self._onwards(omegas, ladder, first, last, lambda label, impacts: label == Outcome.OVERTURNED_NO_IMPACT)
+        over, falls = self._outcome_from(omegas, ladder, first, last, lambda label, impacts: label == Outcome.OVERTURNED_NO_IMPACT)
         last[over] = falls
         if self.a_max > safe_to:  # what loses the ground is no matter of energy
             return first, last, none
         if self.motion.segments.pushes > FEW or int((last - first).sum()) < _WORTH:
             return first, last, none
         # From the first amplitude on whose first arc outlasts the shaking only the energy at its end matters.
-        clear, lasts = self._onwards(omegas, ladder, first, last, lambda label, impacts: (impacts == 0) & (label != Outcome.FAILED))
-        parts = self._unstruck(omegas, ladder, clear, lasts, last[clear], np.isin(clear, over))
+        clear, lasts = self._outcome_from(omegas, ladder, first, last, lambda label, impacts: (impacts == 0) & (label != Outcome.FAILED))
+        gaps = self._unstruck(omegas, ladder, clear, lasts, last[clear], np.isin(clear, over))
         last[clear] = lasts
-        return first, last, parts
+        return first, *self._struck(omegas, ladder, first, last, clear, gaps)
 
     def _quiet(self, omegas: Array, ladder: Ladder) -> Array:
         """The last rung up to which the shaking from the first uplift on, A int |s| dphi <= Omega, overturns nothing."""
@@ -224,46 +226,57 @@ class Search:
             low, high = np.where(holds, middle, low), np.where(holds, high, middle)
         return low
 
-    def _onwards(
+    def _outcome_from(
         self, omegas: Array, ladder: Ladder, first: Array, last: Array, holds: Callable[[Array, Array], Array]
     ) -> tuple[Array, Array]:
-        """(rows, the rung of each from which something holds): rows where it does at the last rung; it holds above where it holds once."""
+        """`onwards` of what holds for the outcome and the impacts of bodies that are lifted."""
 
         def there(rungs: Array, rows: Array) -> Array:
             amplitude = ladder.rung(rungs)
             return holds(*self._respond(amplitude, omegas[rows])) & (amplitude > self.uplift * (1.0 + 1e-9))
 
-        rows = np.flatnonzero(there(last, np.arange(omegas.size)))
-        low, high = first[rows] - 1, last[rows]
-        while np.any(high - low > 1):
-            at = low[:, None] + (high - low)[:, None] * np.arange(1, SECTIONS + 1) // SECTIONS
-            at = np.maximum(at, first[rows, None])
-            step = there(at, rows[:, None]).argmax(axis=1)
-            lanes = np.arange(rows.size)
-            high, low = at[lanes, step], np.where(step > 0, at[lanes, step - 1], low)
-        return rows, high
+        return onwards(np.arange(omegas.size), first, last, there)
 
-    def _unstruck(self, omegas: Array, ladder: Ladder, row: Array, low: Array, high: Array, falls: Array) -> Brackets:
-        """The changes between rungs `low` and `high` of rows whose bodies are not struck during the shaking; falls: whether they overturn
-        without impact at `high`, and only there."""
-        at = [np.column_stack([row[falls], high[falls] - 1])[low[falls] < high[falls]]]  # gaps that may hold a change
-        high = np.where(falls, high - 1, high)
-        while True:
-            ahead = np.flatnonzero(low < high)
-            row, low, high = row[ahead], low[ahead], high[ahead]
-            if not row.size:
-                break
-            doubtful = may_change(self.motion.segments, ladder.rung(low), ladder.rung(high), omegas[row], self.eta)
-            row, low, high = row[doubtful], low[doubtful], high[doubtful]
-            gap = high - low == 1
-            at.append(np.column_stack([row[gap], low[gap]]))
-            row, low, high = row[~gap], low[~gap], high[~gap]
-            middle = (low + high) // 2
-            row, low, high = np.tile(row, 2), np.concatenate([low, middle]), np.concatenate([middle, high])
-        row, rung = np.concatenate(at).T
+    def _unstruck(self, omegas: Array, ladder: Ladder, row: Array, low: Array, high: Array, falls: Array) -> Array:
+        """Gaps, (row, rung below), that may hold a change between rungs `low` and `high` of rows whose bodies are not struck during the
+        shaking; falls: whether they overturn without impact at `high`, and only there."""
+        top = np.column_stack([row[falls], high[falls] - 1])[low[falls] < high[falls]]
+
+        def modes(row: Array, rung: Array) -> Modes:
+            return modes_at_end(self.motion.segments, ladder.rung(rung), omegas[row])
+
+        def differ(one: Modes, other: Modes, row: Array, low: Array, high: Array) -> Array:
+            return may_change(one, other, ladder.rung(high) - ladder.rung(low), self.eta)
+
+        return np.concatenate([top, gaps_between(row, low, np.where(falls, high - 1, high), modes, differ)])
+
+    def _struck(self, omegas: Array, ladder: Ladder, first: Array, last: Array, clear: Array, gaps: Array) -> tuple[Array, Brackets]:
+        """(last rung that must be looked at, the changes above it); gaps: those above `last`; clear: rows whose bodies are struck below
+        `last`, and not at it."""
+        pushes = TwoPushes.of(self.motion.segments)
+        if pushes is not None:
+
+            def late(rungs: Array, rows: Array) -> Array:
+                return pushes.late(ladder.rung(rungs).ravel(), omegas[rows].ravel()).reshape(rungs.shape)
+
+            def strikes(row: Array, rung: Array) -> Strike:
+                return pushes.strikes(ladder.rung(rung), omegas[row])
+
+            def differ(one: Strike, other: Strike, row: Array, low: Array, high: Array) -> Array:
+                return pushes.may_change(one, other, ladder.rung(low), ladder.rung(high), omegas[row], self.eta)
+
+            high = last.copy()
+            high[clear] -= 1
+            row = np.flatnonzero(first < high)
+            row, low = onwards(row, first[row], high[row], late)
+            top = np.column_stack([row, high[row]])[high[row] < last[row]]
+            gaps = np.concatenate([gaps, top, gaps_between(row, low, high[row], strikes, differ)])
+            last = last.copy()
+            last[row] = low
+        row, rung = gaps.T
         ends = ladder.rung(rung), ladder.rung(rung + 1)
-        below, above = (self.outcome(amplitude, omegas[row]) for amplitude in ends)
-        return Brackets(row, *ends, below, above).take(np.flatnonzero(below != above))
+        under, above = (self.outcome(amplitude, omegas[row]) for amplitude in ends)
+        return last, Brackets(row, *ends, under, above).take(np.flatnonzero(under != above))
 
     def _narrowed(self, omegas: Array, brackets: Brackets, *, lowest: bool = False) -> Brackets:
         """Each change to `digits`, or of each bracket the lowest alone."""

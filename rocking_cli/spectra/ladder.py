@@ -1,13 +1,17 @@
-"""The amplitudes that a search along one frequency looks at first."""
+"""The amplitudes that a search along one frequency looks at first, and how it finds those that it need not look at."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Self
+from typing import NamedTuple, Self, TypeVar
 
 import numpy as np
 
+from .changes import SECTIONS
+
 Array = np.ndarray
+Ends = TypeVar("Ends", bound=NamedTuple)  # of arrays, (lanes,)
 
 SCAN_STEP = 0.999e-3  # no interval wider than 1e-3 in A escapes
 
@@ -49,3 +53,44 @@ class Ladder:
         top = self.start + self.step * (self.size - self.near.size + 1)  # a whole number holds no more of some amplitudes
         beyond = np.floor((np.minimum(amplitude, top) - self.start) / self.step).astype(np.int64) - 1 + self.near.size
         return np.clip(np.where(beyond >= self.near.size, beyond, there), 0, self.size - 1)
+
+
+def onwards(rows: Array, first: Array, last: Array, there: Callable[[Array, Array], Array]) -> tuple[Array, Array]:
+    """(those rows where something holds at their last rung, the rung of each from which it does); there: whether it holds at rungs of rows,
+    of any shapes that fit: it holds above where it holds once."""
+    at = np.flatnonzero(there(last, rows))
+    rows, first, high = rows[at], first[at], last[at]
+    low = first - 1
+    while np.any(high - low > 1):
+        rungs = low[:, None] + (high - low)[:, None] * np.arange(1, SECTIONS + 1) // SECTIONS
+        rungs = np.maximum(rungs, first[:, None])
+        step = there(rungs, np.broadcast_to(rows[:, None], rungs.shape)).argmax(axis=1)
+        lanes = np.arange(rows.size)
+        high, low = rungs[lanes, step], np.where(step > 0, rungs[lanes, step - 1], low)
+    return rows, high
+
+
+def gaps_between(
+    row: Array,
+    low: Array,
+    high: Array,
+    measure: Callable[[Array, Array], Ends],
+    differ: Callable[[Ends, Ends, Array, Array, Array], Array],
+) -> Array:
+    """(gaps, 2): row and lower rung of all between rungs `low` and `high` in which the outcome may change; measure: of rows at rungs, what
+    `differ` decides by whether it may change from one rung to the other."""
+    found = [np.zeros((0, 2), dtype=np.int64)]
+    at = np.flatnonzero(low < high)
+    row, low, high = row[at], low[at], high[at]
+    one, other = measure(row, low), measure(row, high)
+    while row.size:
+        at = np.flatnonzero(differ(one, other, row, low, high))
+        narrow = high[at] - low[at] == 1
+        found.append(np.column_stack([row[at[narrow]], low[at[narrow]]]))
+        at = at[~narrow]
+        middle = (low[at] + high[at]) // 2
+        between = measure(row[at], middle)
+        one = one._make((np.concatenate([x[at], y]) for x, y in zip(one, between, strict=True)))
+        other = other._make((np.concatenate([y, x[at]]) for x, y in zip(other, between, strict=True)))
+        row, low, high = np.tile(row[at], 2), np.concatenate([low[at], middle]), np.concatenate([middle, high[at]])
+    return np.concatenate(found)

@@ -48,8 +48,8 @@ def modes_at_end(segments: Segments, amplitude: Array, omega: Array) -> Modes:
             begin = first.u if k == 0 else np.zeros(amplitude.size)
             lasts, left = (segments.length[k] - begin) / omega, (end - segments.start[k] - begin) / omega
             for slope, sense in ((z_slope, 1.0), (x_slope, -1.0)):
-                there = _response(segments, at, segments.length[at], omega, sense) * np.exp(-sense * lasts)
-                slope += np.exp(sense * left) * (there - _response(segments, at, begin, omega, sense))
+                there = bounded_response(segments, at, segments.length[at], omega, sense) * np.exp(-sense * lasts)
+                slope += np.exp(sense * left) * (there - bounded_response(segments, at, begin, omega, sense))
         z_slope *= -first.side
         x_slope *= -first.side
         left = (end - segments.start[0] - first.u) / omega
@@ -58,7 +58,7 @@ def modes_at_end(segments: Segments, amplitude: Array, omega: Array) -> Modes:
     return Modes(z, x, z_slope, x_slope, z_noise, x_noise)
 
 
-def _response(segments: Segments, k: Array, u: Array, omega: Array, sense: float) -> Array:
+def bounded_response(segments: Segments, k: Array, u: Array, omega: Array, sense: float) -> Array:
     """The bounded g with g' - sense g = s on segment k, by tau: exp(-sense tau) g is an antiderivative of exp(-sense tau) s."""
     _, sin, cos = segment_value(segments, k, u)
     w = segments.frequency.take(k, axis=1) * omega
@@ -67,10 +67,9 @@ def _response(segments: Segments, k: Array, u: Array, omega: Array, sense: float
     return -sense * (level + segments.slope[k] * u) - rate - summed((sense * sin + w * cos) / (1.0 + w * w))
 
 
-def may_change(segments: Segments, low: Array, high: Array, omega: Array, eta: float) -> Array:
-    """Whether the outcome of bodies that fall back after the shaking may differ anywhere from `low` to `high`; (lanes,)."""
-    one, other = modes_at_end(segments, low, omega), modes_at_end(segments, high, omega)
-    width = high - low
+def may_change(one: Modes, other: Modes, width: Array, eta: float) -> Array:
+    """Whether the outcome of bodies that fall back after the shaking may differ anywhere from one amplitude to the other, `width` above;
+    (lanes,)."""
     least = 1.0 / eta**2 - 1.0 if eta else np.inf  # z x from which the impact leaves energy enough
     with np.errstate(over="ignore", invalid="ignore"):
         z = _convex(one.z, other.z, one.z_slope, other.z_slope, width, np.maximum(one.z_noise, other.z_noise))

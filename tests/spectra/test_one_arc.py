@@ -48,6 +48,6 @@ def test_where_nothing_may_change_nothing_does(motion):
         fallen = (seen.impacts > 0) | np.isin(seen.outcome, [Outcome.NO_UPLIFT, Outcome.OVERTURNED_NO_IMPACT])
         plain = ~fallen.any(axis=0)  # one arc, and falls back: what the bounds speak of
         changes = np.ptp(seen.outcome, axis=0) > 0
-        doubtful = may_change(motion.segments, low, high, omega, eta)
+        doubtful = may_change(*(modes_at_end(motion.segments, end, omega) for end in (low, high)), high - low, eta)
         assert not np.any(plain & changes & ~doubtful)
         assert np.any(plain & ~doubtful) or not plain.any()
