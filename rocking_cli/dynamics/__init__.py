@@ -75,7 +75,9 @@ Lemma 13 (pressing). Every arc that does not overturn the body begins or ends at
     push and the weight over the path between bounds the speed, and the speed Fz from below (`body`). Where that leaves Fz > 0 open,
     Fz >= min(its ends) - (h^2/8) max |Fz''| on stretches of the march that are halved until it is settled (`march.footing`).
 Lemma 14 (nothing more is asked). Bounds of Fz and |Fx|/Fz over bouncing to rest and rocking on over still ground say which of what the
-    march closes can beat the records of its cell (`march.closing`); that is followed afterwards (`march.aftermath`).
+    march closes can beat the records of its cell (`march.closing`); that is followed afterwards (`march.aftermath`). Along a step
+    whose motion is a series Fx and Fz are series too, and the Bernstein coefficients of a polynomial near each, with what that leaves out,
+    bound them (`march.hulls`): most steps hold no record.
 
 Lemma 15 (one action). Undamped, equal sides, a record that lifts the body no more: between impacts d/dtau [y'^2/2 + L - a M] = -a' M, L
     and M the integrals of l and m. Low and quick bounces under a slow drive keep W^(3/2)/(1 - a^2), W their energy at the ground, but for

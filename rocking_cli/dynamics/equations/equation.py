@@ -132,6 +132,9 @@ class Equation(Protocol):
     def on(self, side: Array, cell: Array | None = None) -> Equation:
         """The equation with the numbers of the sides, +1 or -1, that these lanes are on, and of their cells."""
 
+    def with_turn(self) -> Equation:
+        """The same equation, whose series come with those of a body's turn where it has any (`taylor.Turn`)."""
+
     def flow(self, segments: Segments, lanes: Lanes) -> Flow:
         """The flow of the lanes from their present state."""
 

@@ -50,6 +50,10 @@ class LinearEquation:
         """Both sides have the same equation in their own units."""
         return self
 
+    def with_turn(self) -> Self:
+        """Its flows have none."""
+        return self
+
     def flow(self, segments: Segments, lanes: Lanes) -> LinearFlow | SummedFlow | DampedFlow | TaylorSeries:
         """The arc that each lane is about to follow: its state and the outward drive's coefficients; a series where the weight varies."""
         if isinstance(segments, WeighedSegments):

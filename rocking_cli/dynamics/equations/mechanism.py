@@ -71,6 +71,10 @@ class MechanismEquation:
         """An arch and its mirror image rock alike."""
         return self
 
+    def with_turn(self) -> Self:
+        """Its flows have none."""
+        return self
+
     def flow(self, segments: Segments, lanes: Lanes) -> TaylorSeries:
         """The series of every lane: those of F and G about its y, composed with the series of y."""
         if segments.straight:

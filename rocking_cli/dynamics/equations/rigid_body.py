@@ -23,7 +23,7 @@ from ..weight import WeighedSegments
 from .energy import falls_by_energy
 from .equation import Ramp
 from .ramp import ramp_flow
-from .taylor import TaylorSeries, blocks, drive_series, order_for, series, weighed_series
+from .taylor import TaylorSeries, Turn, blocks, drive_series, order_for, series, weighed_series
 
 Array = np.ndarray
 
@@ -46,7 +46,7 @@ class RigidBodyEquation:
         if not 0.0 <= damping < math.inf:
             raise ValueError(f"damping is {damping:g}, accepted is a number from 0")
         self.damping = damping
-        self._by_cell = isinstance(alpha, np.ndarray)
+        self._by_cell, self._shows_turn = isinstance(alpha, np.ndarray), False
         self._edges: list[dict[str, Any]]
         if isinstance(alpha, np.ndarray):
             self._edges = [_of_cells(alpha)]
@@ -81,9 +81,22 @@ class RigidBodyEquation:
         if segments.straight:
             return ramp_flow(self, segments, lanes)
         y, fastest = np.empty((self.order + 1, lanes.y.size)), np.empty(lanes.y.size)
+        turn = self._turn(lanes.y.size, isinstance(segments, WeighedSegments)) if self._shows_turn else None
         for block in blocks(lanes.y.size):
-            fastest[block] = self._part(block)._fill(y[:, block], segments, lanes.take(block))
-        return series(y, fastest, self.tolerance, self.damping)
+            kept = None if turn is None else turn.part(block)
+            fastest[block] = self._part(block)._fill(y[:, block], segments, lanes.take(block), kept)
+        return series(y, fastest, self.tolerance, self.damping)._replace(turn=turn)
+
+    def with_turn(self) -> Self:
+        """The same, with the `turn` of every series."""
+        there = copy.copy(self)
+        there._shows_turn = True
+        return there
+
+    def _turn(self, lanes: int, weighed: bool) -> Turn:
+        """Room for it."""
+        turn, push = (np.empty((self.order - more, *shape), dtype=np.float32) for more, shape in ((1, (2, lanes)), (3, (lanes,))))
+        return Turn(turn, push, np.empty_like(push) if weighed else None)
 
     def _part(self, block: slice) -> Self:
         """The same body for some of the lanes that its numbers belong to."""
@@ -93,8 +106,8 @@ class RigidBodyEquation:
         part._take({key: getattr(self, key)[block] for key in self._edges[0]})
         return part
 
-    def _fill(self, y: Array, segments: Segments, lanes: Lanes) -> Array:
-        """Fill (order + 1, lanes) with the terms of y; returns the rate in whose powers they are."""
+    def _fill(self, y: Array, segments: Segments, lanes: Lanes, kept: Turn | None) -> Array:
+        """Fill (order + 1, lanes) with the terms of y, and what is to be kept beside; returns the rate in whose powers they are."""
         order = self.order
         weight: Array | None = None
         if isinstance(segments, WeighedSegments):
@@ -133,6 +146,13 @@ class RigidBodyEquation:
             if self.damping:
                 pushed -= (2.0 * self.damping * (n + 1)) * known.unit * y[n + 1]
             np.multiply(pushed, 1.0 / ((n + 1) * (n + 2)), out=y[n + 2])
+        if kept is not None:
+            kept.turn[:] = turn[:-1]
+            twice = np.arange(1.0, order - 2.0)[:, None]
+            over = 1.0 / (twice * (twice + 1.0))
+            np.multiply(drive[:-3], over * self.sin, out=kept.push, casting="same_kind")
+            if kept.weight is not None and weight is not None:
+                np.multiply(weight[:-3], over * unit2, out=kept.weight, casting="same_kind")
         return known.fastest
 
     def ramp_terms(self, y: Array, v: Array, ramp: Ramp) -> Array:

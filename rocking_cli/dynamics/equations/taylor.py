@@ -7,7 +7,7 @@ rejected step, and the series is the dense output on which impacts and peaks are
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from functools import lru_cache
 from typing import NamedTuple, Self
 
@@ -27,14 +27,30 @@ LOCAL = 3e-2
 LOWEST, HIGHEST = 1e-13, 1e-2  # tolerances that are accepted
 
 
+class Turn(NamedTuple):
+    """What the forces of a rigid body on the ground are made of, in single precision: terms of (h / unit)^n of sin z and cos z, (terms, 2,
+    lanes), and, from n = 2 on, of what has unit^2 times the outward push over g and the weight over m g for its second derivative by
+    h / unit, (terms, lanes); no weight where that is steady."""
+
+    turn: Array
+    push: Array
+    weight: Array | None
+
+    def part(self, block: slice) -> Self:
+        """Of some lanes, in place."""
+        return type(self)(self.turn[:, :, block], self.push[:, block], None if self.weight is None else self.weight[:, block])
+
+
 class TaylorSeries(NamedTuple):
-    """(terms, lanes) coefficients of (h / unit)^n, and how far [tau] they may be used."""
+    """(terms, lanes) coefficients of (h / unit)^n, and how far [tau] they may be used; turn: where an equation was asked for it, which
+    parts of a series do not take along."""
 
     terms: Array
     unit: Array
     longest: Array
     fastest: Array
     damping: float = 0.0
+    turn: Turn | None = None
 
     @property
     def y(self) -> Array:
@@ -54,6 +70,13 @@ class TaylorSeries(NamedTuple):
     def take(self, lanes: Array) -> Self:
         """The series of some lanes."""
         return type(self)(self.terms.take(lanes, axis=1), self.unit[lanes], self.longest[lanes], self.fastest[lanes], self.damping)
+
+    def join(self, others: Sequence[Self]) -> Self:
+        """These and others of the same equation."""
+        every = (self, *others)
+        terms = np.concatenate([x.terms for x in every], axis=1)
+        unit, longest = np.concatenate([x.unit for x in every]), np.concatenate([x.longest for x in every])
+        return type(self)(terms, unit, longest, np.concatenate([x.fastest for x in every]), self.damping)
 
     def at(self, h: Array) -> Point:
         """y and three derivatives after h."""
@@ -83,7 +106,7 @@ _TINY = 1e-90  # stands for no time at all, where derivatives are taken as n (n 
 
 def powers(x: Array, count: int) -> Array:
     """(count, ...): 1, x, x^2 ..., each doubling of the rows in one product."""
-    rows = np.empty((count, *x.shape))
+    rows = np.empty((count, *x.shape), dtype=x.dtype)
     rows[0], rows[1] = 1.0, x
     have = 2
     while have < count:

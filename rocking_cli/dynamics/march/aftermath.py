@@ -30,11 +30,10 @@ def follow_on(run: Run, system: System, segments: Segments, cells: Sequence[Arra
     demands, upright = run.demands, np.isin(run.outcome, (Outcome.ROCKED, Outcome.LOST_CONTACT))
     if demands is None:
         return
-    demands.take_in(run.equation, upright)
-    if not demands.open:
+    still_open = demands.open(upright)
+    if not still_open:
         return
-    lanes = Lanes.joined(demands.open)
-    lanes = lanes.take(np.flatnonzero(upright[lanes.cell]))
+    lanes = Lanes.joined(still_open)
     cell = lanes.cell
     amplitude, omega, eta = (x[cell] for x in cells)
     after = Aftermath(system, segments, amplitude, omega, eta, False, run.pool, body=system.body)
@@ -52,7 +51,7 @@ class Aftermath(Run):
     def follow(self, lanes: Lanes, before: Demands) -> None:
         """Follow these lanes until they can beat no record, from those before on."""
         assert self.demands is not None
-        self.footing, self.demands.far = None, np.inf
+        self.footing, self.demands.waits = None, False
         self.demands.friction, self.demands.fz_min = before.friction[lanes.cell], before.fz_min[lanes.cell]
         lanes.cell, lanes.peak = np.arange(lanes.cell.size), np.full(lanes.cell.size, np.inf)
         lanes.impacts, lanes.steps = (np.zeros(lanes.cell.size, dtype=np.int32) for _ in range(2))
@@ -77,7 +76,7 @@ class Aftermath(Run):
             return lanes, None
         train, still = train_bounds(demands.body, demands.ground, lanes, self.contact), lanes.k >= self.shaken
         until = self._rests_until(lanes.cell, self.contact.uplift(self.cells, self.segments, lanes.cell, lanes.k, lanes.u))
-        going = demands.beaten(lanes.cell, *train.bounds) | demands.rest_beats(lanes.cell, lanes.k, lanes.u, *until)
+        going = demands.beaten(lanes.cell, *train.bounds.worst(demands.rest_bounds(lanes.cell, lanes.k, lanes.u, *until)))
         going &= ~still | demands.beaten(lanes.cell, *demands.free_bounds(lanes))
         if not self.equation.damping:
             going &= ~still | (lanes.impacts < _IMPACTS)

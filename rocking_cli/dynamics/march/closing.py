@@ -41,6 +41,10 @@ class Bounds(NamedTuple):
     fz: Array
     friction: Array
 
+    def take(self, at: Array) -> Bounds:
+        """Of some lanes."""
+        return Bounds(self.fz[at], self.friction[at])
+
     def worst(self, other: Bounds) -> Bounds:
         """Of both."""
         return Bounds(np.minimum(self.fz, other.fz), np.maximum(self.friction, other.friction))

@@ -4,13 +4,12 @@ With z = alpha - u, u = |theta|, s the side and w = 1 + zg''/g, what moves the m
 
     s Fx = s xg''/g + kappa (u'' cos z + u'^2 sin z),   Fz = w + kappa (u'' sin z - u'^2 cos z)
 
-where u'' follows from the drive by the equation of motion. At rest they are xg''/g and w. What the march closes is judged by bounds
+where u'' follows from the drive by the equation of motion. At rest they are xg''/g and w. Steps wait until it is known whether their body
+falls (`waiting`), and are looked at where their hull leaves room for a record (`hulls`). What the march closes is judged by bounds
 (`closing`): where these leave room for a record it is followed afterwards (`aftermath`).
 """
 
 from __future__ import annotations
-
-from typing import NamedTuple, Self
 
 import numpy as np
 
@@ -18,11 +17,15 @@ from ...motions.segments import Segments
 from ..body import Body
 from ..contacts.contact import Contact
 from ..equations.equation import Equation, Flow
+from ..equations.taylor import TaylorSeries
 from ..lanes import Cells, Lanes
+from ..outcome import Outcome
 from ..weight import WeighedSegments
 from .closing import Bounds, bouncing, free_bounds, train_bounds
 from .extremes import EXACT, Course, Records
 from .ground import Ground, value_and_slope
+from .hulls import hull_of
+from .waiting import Steps, Waiting, joined, parts_done
 
 Array = np.ndarray
 
@@ -30,36 +33,23 @@ Array = np.ndarray
 # Stretches, over the time in which an arc bends, through which a cubic tells where an extremum may be: of exact flows, whose steps
 # are long, and of series.
 _LONGEST, _MOST_PARTS = {True: 1.0, False: 1.5}, 6
-_FAR = 1.0  # y beyond which a body on its way outwards mostly falls: its forces wait until that is known
-_TOGETHER = 16384  # lanes that are taken in at a time of those that waited
-
-
-class Waiting(NamedTuple):
-    """Lanes as they began a step, its length [tau], and y, v at its end."""
-
-    lanes: Lanes
-    stop: Array
-    y: Array
-    v: Array
-
-    def take(self, at: Array) -> Self:
-        """Of some lanes."""
-        return type(self)(self.lanes.take(at), self.stop[at], self.y[at], self.v[at])
+_HELD = 49152  # steps that wait at the most before those whose fate is known are looked at: three pools of series
+_TOGETHER = 8192  # of these are looked at in full at a time
 
 
 class Demands(Records):
-    """The records of the cells of a run; `open`: lanes that it closed, of which a record may still come; `far`: y of steps that wait for
-    whether their body falls.
+    """The records of the cells of a run, whose steps wait for whether their body falls unless not `waits`.
 
     shaken: the segment from which on the ground is still.
     """
 
-    def __init__(self, body: Body, segments: Segments, shaken: int, contact: Contact, cells: Cells) -> None:
+    def __init__(self, body: Body, equation: Equation, segments: Segments, shaken: int, contact: Contact, cells: Cells) -> None:
         super().__init__(cells.omega.shape[1])
-        self.body, self.segments, self.shaken, self.contact, self.cells = body, segments, shaken, contact, cells
+        self.body, self.equation, self.segments, self.shaken = body, equation, segments, shaken
+        self.contact, self.cells = contact, cells
         self.ground = Ground(body, segments)
-        self.open: list[Lanes] = []
-        self.far, self._waiting = _FAR, list[Waiting]()
+        self.waits, self._waiting = True, Waiting()
+        self._free, self._open = list[Lanes](), list[tuple[Lanes, Bounds]]()
         self._steepest = max(edge.uplift for edge in body.edges)
 
     def course(self, lanes: Lanes, h: Array, y: Array, v: Array) -> Course:
@@ -85,55 +75,89 @@ class Demands(Records):
 
     def follow(self, lanes: Lanes, arc: Flow, stop: Array, y: Array, v: Array, at: Array) -> None:
         """Take in the arcs of the lanes `at` until `stop` [tau], where they are at y, v; `lanes` as they are at 0."""
-        far = (y[at] > self.far) & (v[at] > 0.0)
-        if far.any():
-            self._waiting.append(Waiting(lanes, stop, y, v).take(at[far]))
-            at = at[~far]
-        some, low, high = lanes.take(at), np.zeros(at.size), stop[at]
+        hull = series = None
+        if isinstance(arc, TaylorSeries) and arc.turn is not None:
+            hull = hull_of(arc, stop, self.body.on(lanes.side).kappa, self.equation.tolerance)
+            series = arc._replace(turn=None)
+        steps = Steps(lanes, series, stop, y, v, hull)
+        if self.waits:
+            self._waiting.add(steps, at)
+        else:
+            self._look([(steps, at)])
+
+    def take_in(self, going: Lanes, outcome: Array) -> None:
+        """Look at the steps that waited, of cells that stayed upright, when there are many or no lanes go on; outcome: of each cell."""
+        if self._waiting.held < _HELD and going.cell.size:
+            return
+        done, upright = parts_done(going, outcome.size), np.isin(outcome, (Outcome.ROCKED, Outcome.LOST_CONTACT))
+        upright[going.cell] = True  # of which nothing is known
+        for part in self._waiting.ready(done, upright):
+            self._look(part)
+        if self._free:
+            self._rock_on(Lanes.joined(self._free))
+            self._free = []
+
+    def _look(self, every: list[tuple[Steps, Array]]) -> None:
+        """Find the records of steps, which are all that is looked at of their cells at this time."""
+        hulls = [(steps.lanes.cell[at], steps.hull.take(at)) for steps, at in every if steps.hull is not None]
+        least, largest = self.fz_min.copy(), self.friction.copy()  # and what steps with a hull are certain to make of them
+        for cell, hull in hulls:  # of one round, in which every cell has one step
+            fz, friction = hull.reached()
+            least[cell], largest[cell] = np.fmin(least[cell], fz), np.fmax(largest[cell], friction)
+        for i, (cell, hull) in enumerate(hulls):
+            steps, at = every[i]
+            every[i] = steps, at[hull.may_beat(least[cell], largest[cell])]
+        left = [steps.take(at) for steps, at in every if at.size]
+        if not left:
+            return
+        steps = joined(left)
+        if steps.hull is not None:
+            steps = steps.take(self._approach(steps, least, largest))
+        order = np.argsort(steps.lanes.cell, kind="stable")
+        cell = steps.lanes.cell[order]
+        turn = np.searchsorted(cell, cell) // _TOGETHER  # of each step's first one of its cell, none of which are parted
+        for some in np.split(order, np.flatnonzero(np.diff(turn)) + 1) if order.size else ():
+            lanes, arc, stop, y, v, _ = steps.take(some)
+            self._cut(lanes, self._flow(lanes) if arc is None else arc, stop, y, v)
+
+    def _approach(self, steps: Steps, least: Array, largest: Array) -> Array:
+        """Look where hulls say that the records of cells may be beaten; the steps that have to be searched, by index."""
+        lanes, arc, stop, _, _, hull = steps
+        assert hull is not None
+        assert arc is not None  # which come together
 
         def along(own: Array, h: Array) -> Course:
-            point = arc.take(at[own]).at(h)
-            return self.course(some.take(own), h, point.y, point.v)
+            point = arc.take(own).at(h)
+            return self.course(lanes.take(own), h, point.y, point.v)
 
-        one, other = self.course(some, low, some.y, some.v), self.course(some, high, y[at], v[at])
-        parts = np.clip(np.ceil(high * arc.fastest[at] / _LONGEST[self.body.linear]), 1, _MOST_PARTS).astype(np.int64)
-        own = np.repeat(np.arange(at.size), parts)
-        if own.size == at.size:
-            self.search(some.cell, along, low, high, one, other)
+        return self.approach(lanes.cell, along, stop, hull.crests(least[lanes.cell], largest[lanes.cell]))
+
+    def _flow(self, lanes: Lanes) -> Flow:
+        return self.equation.on(lanes.side, lanes.cell).flow(self.segments, lanes)
+
+    def _cut(self, lanes: Lanes, arc: Flow, stop: Array, y: Array, v: Array) -> None:
+        """Take in steps of these arcs, stretch by stretch."""
+        low = np.zeros(stop.size)
+        one, other = self.course(lanes, low, lanes.y, lanes.v), self.course(lanes, stop, y, v)
+        parts = np.clip(np.ceil(stop * arc.fastest / _LONGEST[self.body.linear]), 1, _MOST_PARTS).astype(np.int64)
+        own = np.repeat(np.arange(stop.size), parts)
+
+        def along(some: Array, h: Array) -> Course:
+            here = own[some]
+            point = arc.take(here).at(h)
+            return self.course(lanes.take(here), h, point.y, point.v)
+
+        if own.size == stop.size:
+            self.search(lanes.cell, along, low, stop, one, other)
             return
         part = np.arange(own.size) - np.repeat(np.cumsum(parts) - parts, parts)
-        length = (high / parts)[own]
+        length = (stop / parts)[own]
         begins, ends = part > 0, part + 1 < parts[own]
-        cuts = along(own[begins], (part * length)[begins])
+        cuts = along(np.flatnonzero(begins), (part * length)[begins])
         left, right = one.take(own), other.take(own)
         for row in (0, 1):
             left[row][:, begins], right[row][:, ends] = cuts[row], cuts[row]
-
-        def within(one: Array, h: Array) -> Course:
-            return along(own[one], h)
-
-        self.search(some.cell[own], within, part * length, np.where(ends, (part + 1) * length, high[own]), left, right)
-
-    def take_in(self, equation: Equation, upright: Array) -> None:
-        """The steps that waited, of cells that stayed upright, (cells,)."""
-        if not self._waiting:
-            return
-        parts, *others = zip(*self._waiting, strict=True)
-        lanes = Lanes.joined(parts)
-        every = Waiting(lanes, *map(np.concatenate, others))
-        every, self.far, self._waiting = every.take(np.flatnonzero(upright[lanes.cell])), np.inf, []
-        cell = every.lanes.cell
-        order = np.argsort(cell, kind="stable")
-        first = np.searchsorted(cell[order], cell[order])
-        turn = np.empty_like(order)  # a cell's steps are taken in one after the other, so that they depend on no other cell
-        turn[order] = np.arange(order.size) - first
-        for n in range(int(turn.max(initial=-1)) + 1):
-            at = np.flatnonzero(turn == n)
-            for begin in range(0, at.size, _TOGETHER):
-                lanes, stop, y, v = every.take(at[begin : begin + _TOGETHER])
-                with np.errstate(all="ignore"):
-                    arc = equation.on(lanes.side, lanes.cell).flow(self.segments, lanes)
-                    self.follow(lanes, arc, stop, y, v, np.arange(stop.size))
+        self.search(lanes.cell[own], along, part * length, np.where(ends, (part + 1) * length, stop[own]), left, right)
 
     def rest(self, cell: Array, k: Array, u: Array, to_k: Array, to_u: Array) -> None:
         """Bodies at rest from (k, u) to another position; to_k: the number of segments where they rest to the end."""
@@ -145,15 +169,15 @@ class Demands(Records):
         else:
             np.maximum.at(self.friction, cell, self._resting_friction(cell, k, u, to_k, to_u))
 
-    def rest_beats(self, cell: Array, k: Array, u: Array, to_k: Array, to_u: Array) -> Array:
-        """Whether such rests may beat the records."""
+    def rest_bounds(self, cell: Array, k: Array, u: Array, to_k: Array, to_u: Array) -> Bounds:
+        """Of such rests."""
         seg = self.segments
         to_k, to_u = _within(seg, to_k, to_u)
         if not isinstance(seg, WeighedSegments):
-            return self.beaten(cell, np.ones(cell.size), self._resting_friction(cell, k, u, to_k, to_u))
+            return Bounds(np.ones(cell.size), self._resting_friction(cell, k, u, to_k, to_u))
         largest, least = _range(seg.vertical, k, u, to_k, to_u)
         sway = seg.sway(np.ones(cell.size), self.cells.amplitude[0, cell])
-        return self.beaten(cell, 1.0 + np.minimum(sway * largest, sway * least), np.full(cell.size, self._steepest))
+        return Bounds(1.0 + np.minimum(sway * largest, sway * least), np.full(cell.size, self._steepest))
 
     def _push_of(self, cell: Array) -> Array:
         """The outward push over g of s = -1 on the right edge."""
@@ -192,12 +216,21 @@ class Demands(Records):
     def close(self, lanes: Lanes, to_k: Array, to_u: Array) -> None:
         """Lanes just after an impact whose bouncing ends in rest, until they lift off again at a position."""
         found = train_bounds(self.body, self.ground, lanes, self.contact).bounds
-        self._leave(lanes, self.beaten(lanes.cell, *found) | self.rest_beats(lanes.cell, lanes.k, lanes.u, to_k, to_u))
+        self._leave(lanes, found.worst(self.rest_bounds(lanes.cell, lanes.k, lanes.u, to_k, to_u)))
 
     def free(self, lanes: Lanes, at: Array, y: Array, v: Array) -> None:
         """The lanes `at`, undamped, which are at y, v (both of these lanes) when the shaking is over, and stay upright."""
+        if not at.size:
+            return
         some = lanes.take(at)
         some.k, some.u, some.y, some.v = np.full(at.size, self.shaken), np.zeros(at.size), y, v
+        if self.waits:
+            self._free.append(some)
+        else:
+            self._rock_on(some)
+
+    def _rock_on(self, some: Lanes) -> None:
+        """The same, when their shaking has been taken in."""
         eta = self.cells.eta[0, some.cell] * self.cells.eta[-1, some.cell]
         bounces = np.flatnonzero((eta > 0.0) & (eta < 1.0))  # ever lower
         for side in (some.side, -some.side):
@@ -208,11 +241,12 @@ class Demands(Records):
         found = self.free_bounds(some)
         closed = (found.fz > -np.inf) & (found.friction <= self.friction[some.cell] + EXACT)
         np.minimum.at(self.fz_min, some.cell[closed], found.fz[closed])  # met at an impact
-        self._leave(some, ~closed)
+        at = np.flatnonzero(~closed)
+        self._leave(some.take(at), found.take(at))
 
     def settle(self, lanes: Lanes) -> None:
         """Damped lanes on still ground that the march leaves."""
-        self._leave(lanes, self.beaten(lanes.cell, *self.free_bounds(lanes)))
+        self._leave(lanes, self.free_bounds(lanes))
 
     def free_bounds(self, lanes: Lanes) -> Bounds:
         """Of lanes on still ground; undamped, what is to come has the least Fz itself."""
@@ -230,10 +264,16 @@ class Demands(Records):
         """Cells from which the ground has fallen away."""
         self.note(cell, np.zeros(cell.size), np.zeros(cell.size))
 
-    def _leave(self, lanes: Lanes, where: Array) -> None:
-        at = np.flatnonzero(where)
+    def _leave(self, lanes: Lanes, bounds: Bounds) -> None:
+        """Lanes that the march is done with, and what they can still bring."""
+        at = np.flatnonzero(self.beaten(lanes.cell, *bounds))
         if at.size:
-            self.open.append(lanes.take(at))
+            self._open.append((lanes.take(at), bounds.take(at)))
+
+    def open(self, upright: Array) -> list[Lanes]:
+        """Those of which a record of an upright cell may still come when all steps have been taken in; upright: (cells,)."""
+        found = ((lanes, np.flatnonzero(self.beaten(lanes.cell, *bounds) & upright[lanes.cell])) for lanes, bounds in self._open)
+        return [lanes.take(at) for lanes, at in found if at.size]
 
 
 def _within(segments: Segments, k: Array, u: Array) -> tuple[Array, Array]:

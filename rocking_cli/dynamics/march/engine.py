@@ -58,7 +58,7 @@ class Run:
         self, system: System, segments: Segments, amplitude: Array, omega: Array, eta: Array, peaks: bool, pool: int,
         watch: Watch | None = None, body: Body | None = None, ahead: float | None = None,
     ) -> None:  # fmt: skip
-        self.equation, self.contact = system.equation, system.contact
+        self.equation, self.contact = system.equation if body is None else system.equation.with_turn(), system.contact
         self.peaks, self.pool, self.watch = peaks, pool, watch
         self.cells = self.contact.cells(self.equation, amplitude, omega, eta)
         self.segments, self.shaken = segments, len(segments)
@@ -78,7 +78,7 @@ class Run:
         marched = type(self)._march is Run._march  # one that jumps sees no forces on its way
         ahead = (LIKELY if marched and not self.equation.bounded else np.inf) if ahead is None else ahead
         self.footing = None if watch is not None or system.body is None else Footing(system.body, self.segments, self.cells, ahead)
-        self.demands = None if body is None else Demands(body, self.segments, self.shaken, self.contact, self.cells)
+        self.demands = None if body is None else Demands(body, self.equation, self.segments, self.shaken, self.contact, self.cells)
         self.only_peaks = self._only_peaks()
         self.settling = peaks and self.only_peaks and self.equation.bounded
         self.keeping = self.only_peaks and keeps_bouncing(self.equation, self.cells, self.segments)
@@ -115,6 +115,8 @@ class Run:
                     lanes = lanes.join(self._drop(self.start(waiting[taken : taken + room])))
                     taken += room
                 lanes = self.round(lanes).going
+                if self.demands is not None:
+                    self.demands.take_in(lanes, self.outcome)
 
     def start(self, cell: Array) -> Lanes:
         """Bodies at rest, taken to their first uplift; k is the number of segments where there is none."""

@@ -2,7 +2,7 @@
 
 On every stretch the extremes are those of cubics through values and slopes: a stretch is halved until they meet the value in the middle
 closely, and left as soon as it cannot beat what its cell has had. An extremum inside a stretch whose cubic has none is the end's own to
-what the cubic there leaves out.
+what the cubic there leaves out. Where a hull of the forces is known (`hulls`) it says where to look.
 """
 
 from __future__ import annotations
@@ -12,11 +12,14 @@ from typing import NamedTuple, Self
 
 import numpy as np
 
+from .hulls import Crests
+
 Array = np.ndarray
 
 EXACT = 1e-12  # by which a record must be beaten
 _NEAR = 1e-6  # difference of a cubic from the function in its middle, from which its extremum is close enough to settle
 _HALVINGS = 24
+_LOOKS, _RISE = 10, 1e-10  # evaluations on the way to an extremum; what a parabola rises beyond one that is close enough to settle
 
 
 class Course(NamedTuple):
@@ -90,6 +93,35 @@ class Records:
             low, high = np.concatenate([low, half]), np.concatenate([half, high])
             one, other = one.join(middle), middle.join(other)
             most, x, bend = cubic_extremes(one, other, high - low, size)
+
+    def approach(self, cell: Array, along: Along, length: Array, near: Crests) -> Array:
+        """Take in the extremes of stretches of this length [tau] from where hulls show them, by Newton's method; the stretches that do not
+        have them there, by index."""
+        left = np.any(near.wanted & ~near.plain, axis=0)
+        row, own = np.nonzero(near.wanted & near.plain & ~left)
+        x, bend, (x_before, slope_before) = near.x[row, own], near.bend[row, own], np.full((2, own.size), np.nan)
+        for _ in range(_LOOKS):
+            if not own.size:
+                break
+            here = along(own, x * length[own])
+            self.note(cell[own], -here.value[0], np.abs(here.value[1]))
+            value, slope = (np.where(row == 0, *both) for both in here)
+            sense = np.where((row == 1) & (value < 0.0), -1.0, 1.0)
+            slope = sense * slope * length[own]
+            chord = (slope - slope_before) / (x - x_before)
+            bend = np.where(chord < 0.0, chord, bend)
+            ends = ((x == 0.0) & (slope <= 0.0)) | ((x == 1.0) & (slope >= 0.0))
+            crest = ~ends & (bend < 0.0)
+            close = crest & (0.5 * slope * slope <= _RISE * -bend)
+            for i in (0, 1):
+                at = np.flatnonzero(close & (row == i))
+                self._settle(i, cell[own[at]], value[at], sense[at] * slope[at], sense[at] * bend[at], np.abs)
+            left[own[~(ends | crest)]] = True
+            more = np.flatnonzero(crest & ~close)
+            row, own, x_before, slope_before, bend = row[more], own[more], x[more], slope[more], bend[more]
+            x = np.clip(x_before - slope_before / bend, 0.0, 1.0)
+        left[own] = True
+        return np.flatnonzero(left)
 
     def _settle(self, row: int, cell: Array, value: Array, slope: Array, bend: Array, size: Callable[[Array], Array]) -> None:
         """An extremum nearby, with what a parabola of this second derivative still rises from there: its place then has an error of the

@@ -140,6 +140,7 @@ def apart_from_short_cuts(kind, model, motion, cells, seed, monkeypatch):
     body, _, _ = drawn(kind, random, (0.2, 0.5), ETAS, 0.3)
     amplitude, omega, system = random.uniform(0.8, 8.0, cells), random.uniform(0.5, 12.0, cells), Method(model, 1e-11).system_of(body)
     found, asked_for = response_with_demands(system, motion, amplitude, omega, body.eta)
+    monkeypatch.setattr(demand, "hull_of", lambda *step: None)
     monkeypatch.setattr(demand, "_LONGEST", {True: 0.15, False: 0.2})
     monkeypatch.setattr(demand, "_MOST_PARTS", 60)
     _, finely = response_with_demands(system, motion, amplitude, omega, body.eta)
@@ -161,25 +162,27 @@ def test_extremes_of_many_do_not_hang_on_how_steps_are_cut(kind, model, motion, 
     assert max(apart_from_short_cuts(kind, model, motion, 1500, 5, monkeypatch)) < 1e-8
 
 
-@pytest.mark.parametrize("far", [0.0, 1.0])
-def test_steps_that_wait_for_whether_their_body_falls_bring_what_they_bring_at_once(far, monkeypatch):
-    """Bodies that turn back beyond y = 1 too, each by itself as among the others."""
+@pytest.mark.parametrize("model", ["linear", "nonlinear"])
+def test_neither_other_cells_nor_the_time_of_the_look_change_a_digit(model, monkeypatch):
+    """Bodies that turn back beyond y = 1, that bounce for more steps than are looked at together, and that fall."""
     body, _, _ = drawn("unequal", np.random.default_rng(2), (0.2, 0.4), ETAS, 0.3)
-    system, motion, amplitude, omega = Method("nonlinear").system_of(body), sine(2), np.linspace(4.0, 6.0, 30), 4.0
-    monkeypatch.setattr(demand, "_FAR", math.inf)
-    found, at_once = response_with_demands(system, motion, amplitude, omega, body.eta)
-    monkeypatch.setattr(demand, "_FAR", far)
-    taken, follow = [], Demands.follow
-    with monkeypatch.context() as watched:
-        watched.setattr(Demands, "follow", lambda self, *step: (taken.append((self.far, step[-1].size)), follow(self, *step))[1])
-        _, later = response_with_demands(system, motion, amplitude, omega, body.eta)
-    assert any(size > 0 for least, size in taken if least == math.inf)
-    for name, values in at_once.items():
-        assert later[name] == pytest.approx(values, abs=1e-12, nan_ok=True)
-    one = int(np.nanargmax(found.theta_ratio))
-    assert found.theta_ratio[one] > 1.0
-    _, alone = response_with_demands(system, motion, amplitude[one], omega, body.eta)
-    assert {name: float(x) for name, x in alone.items()} == {name: float(x[one]) for name, x in later.items()}
+    system, motion, omega = Method(model).system_of(body), sine(2), 4.0
+    amplitude = np.concatenate([np.linspace(4.0, 6.0, 30), np.linspace(1.001, 1.05, 4)])
+    found, waited = response_with_demands(system, motion, amplitude, omega, body.eta)
+    monkeypatch.setattr(demand, "_HELD", 1)
+    monkeypatch.setattr(demand, "_TOGETHER", 3)
+    looks, look = [], Demands._look
+    monkeypatch.setattr(Demands, "_look", lambda self, every: (looks.append(1), look(self, every))[1])
+    _, at_once = response_with_demands(system, motion, amplitude, omega, body.eta)
+    assert len(looks) > 3
+    assert np.count_nonzero(found.theta_ratio > 1.0) > 0
+    assert np.count_nonzero(np.isnan(found.theta_ratio)) > 0
+    monkeypatch.setattr(demand, "_HELD", 1000)
+    for name, values in waited.items():
+        assert np.array_equal(values, at_once[name], equal_nan=True)
+    for i in (3, 20, 30):
+        _, alone = response_with_demands(system, motion, amplitude[i], omega, body.eta)
+        assert all(np.array_equal(values[i], alone[name], equal_nan=True) for name, values in waited.items())
 
 
 def worst(text, model, motion, cells, seed):

@@ -1,0 +1,107 @@
+"""What the forces stay between along a step, against their values along it, which follow from the state and the drive."""
+
+from __future__ import annotations
+
+from math import comb
+
+import numpy as np
+import pytest
+from stocky import ACROSS, KINDS, UP, drawn
+
+from rocking_cli import Method
+from rocking_cli.dynamics.march import hulls
+from rocking_cli.dynamics.march.demand import Demands
+from rocking_cli.dynamics.march.hulls import Hull, hull_of
+from rocking_cli.dynamics.response import response_with_demands
+from rocking_cli.motions.biaxial import with_vertical
+
+EVENLY = np.linspace(0.0, 1.0, 23)
+NODES = 0.5 - 0.5 * np.cos(np.pi * np.arange(6) / 5)
+
+
+def polynomial(coefficients, x):
+    degree = len(coefficients) - 1
+    return sum(c * comb(degree, n) * x**n * (1.0 - x) ** (degree - n) for n, c in enumerate(coefficients))
+
+
+def along_steps(demands, lanes, arc, stop, at, places):
+    """Fx and Fz over m g, (2, places, steps)."""
+    some, whole, length = lanes.take(at), arc.take(at), stop[at]
+    forces = []
+    for x in places:
+        point = whole.at(x * length)
+        least, ratio = demands.course(some, x * length, point.y, point.v).value
+        forces.append((ratio * -least, -least))
+    return np.array(forces).transpose(1, 0, 2)
+
+
+def watched(kind, seed, cells, monkeypatch, tolerance=1e-9):
+    """Along the steps of bodies drawn at random: what the forces differ from their polynomials, over what they may, (differences,)."""
+    found, follow, random = [], Demands.follow, np.random.default_rng(seed)
+
+    def look(self, lanes, arc, stop, y, v, at):
+        hull = hull_of(arc, stop, self.body.on(lanes.side).kappa, tolerance)
+        assert hull is not None
+        hull, (fx, fz) = hull.take(at), along_steps(self, lanes, arc, stop, at, EVENLY)
+        for (across, up), x in zip(zip(fx, fz, strict=True), EVENLY, strict=True):
+            there = polynomial(hull.forces.astype(float), x)
+            found.append((np.abs(there - (-across, up)) / hull.slack).ravel())
+        with np.errstate(divide="ignore", invalid="ignore"):
+            ratio = np.where(fz > 0.0, np.abs(fx / fz), np.inf)
+            assert np.all(hull.may_beat(fz.min(axis=0) + 1e-9, np.full(at.size, np.inf)))
+            largest = ratio.max(axis=0)
+            assert np.all(hull.may_beat(np.full(at.size, -np.inf), largest * (1.0 - 1e-9)) | np.isinf(largest))
+            fx, fz = along_steps(self, lanes, arc, stop, at, NODES)
+            least, largest = hull.reached()
+            assert np.all(fz.min(axis=0) <= least)
+            assert np.all(np.where(fz > 0.0, np.abs(fx / fz), np.inf).max(axis=0) >= largest)
+        follow(self, lanes, arc, stop, y, v, at)
+
+    monkeypatch.setattr(Demands, "follow", look)
+    for vertical in (False, True):
+        body, _, _ = drawn(kind, random, (0.1, 0.7), (0.4, 0.85), 0.3)
+        motion = ACROSS[random.integers(len(ACROSS))]
+        if vertical:
+            motion = with_vertical(motion, UP[random.integers(len(UP))], random.uniform(-0.4, 0.4))
+        system = Method("nonlinear", tolerance).system_of(body)
+        response_with_demands(system, motion, random.uniform(0.8, 8.0, cells), random.uniform(0.5, 12.0, cells), body.eta)
+    return np.concatenate(found)
+
+
+def test_forces_stay_within_the_hulls_of_their_steps(monkeypatch):
+    apart = watched("unequal", 2, 20, monkeypatch)
+    assert apart.max() < 1.0
+    assert apart.max() > 0.2  # not wider than it has to be
+
+
+@pytest.mark.soak
+@pytest.mark.parametrize("tolerance", [1e-13, 1e-9, 1e-6, 1e-2])
+@pytest.mark.parametrize("kind", KINDS)
+def test_forces_of_many_bodies_do(kind, tolerance, monkeypatch):
+    for seed in range(8):
+        with monkeypatch.context() as patched:
+            assert watched(kind, seed, 300, patched, tolerance).max() < 1.0
+
+
+def hull_through(across, up, slack=1e-9):
+    """Of one step, from the Bernstein coefficients of -Fx and Fz."""
+    return Hull(np.array([across, up], dtype=hulls.SINGLE).T[:, :, None], np.full((2, 1), slack, dtype=hulls.SINGLE))
+
+
+def test_a_crest_of_the_hull():
+    """Fz = 1 - x (1 - x)^4 is least at x = 1/5, by 256/3125, where its second derivative is 64/25; Fx does not change."""
+    up = [1.0, 1.0 - 1.0 / 5.0, 1.0, 1.0, 1.0, 1.0]
+    crests = hull_through([0.3] * 6, up).crests(np.array([0.95]), np.array([0.4]))
+    assert crests.wanted.ravel().tolist() == [True, False]
+    assert crests.plain[0, 0]
+    assert crests.x[0, 0] == pytest.approx(0.2, abs=1e-5)  # of single precision
+    assert crests.bend[0, 0] == pytest.approx(-64.0 / 25.0, rel=1e-4)
+
+
+def test_a_hull_with_two_places_of_one_height_is_not_plain():
+    """Fz falls to 0.8 at either end; where one end is the lower by more than may be wrong it is the place."""
+    two, one = [0.8, 1.0, 1.0, 1.0, 1.0, 0.8], [0.8, 1.0, 1.0, 1.0, 1.0, 0.79]
+    found = [hull_through([0.0] * 6, up).crests(np.array([0.95]), np.array([1.0])) for up in (two, one)]
+    assert [bool(x.wanted[0, 0]) for x in found] == [True, True]
+    assert [bool(x.plain[0, 0]) for x in found] == [False, True]
+    assert found[1].x[0, 0] == 1.0
