@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import shlex
 import sys
 from collections.abc import Callable, Iterator
@@ -34,6 +35,7 @@ def _measures() -> list[str]:
 
 _SHAPE = ("pulse", "cycles", "gamma", "phase", "scale")  # of a motion that the options describe
 _WITH_COUNTS = ("counts", "curve", "samples", "seed", "form", "units", "quiet", "workers", "overwrite")
+_IN_G = re.compile(r"g(?![a-z])", re.IGNORECASE)  # and not in gal
 
 
 def _refuse(context: click.Context, why: str, stray: Callable[[str], bool]) -> None:
@@ -216,7 +218,7 @@ def _emit(fits: list[Fit], exact: list[Study], curve: bool, form: str | None, le
     records = [fit.record() for fit in fits]
     asked = options.units_of()
     if form is None or (form == "csv" and asked is not None):
-        told = asked or (parse_units("g") if "g" in levels else Units())
+        told = asked or (parse_units("g") if _IN_G.search(levels) else Units())
         for record in records:
             dimension = dimension_of(record["im"].lower())
             unit, factor = ("", 1.0) if dimension is None else told.of(dimension)
