@@ -14,7 +14,7 @@ import numpy as np
 
 from ..drive import summed
 from ..equations.equation import Flow
-from ..equations.taylor import TaylorSeries, powers
+from ..equations.taylor import TaylorSeries, blocks, powers
 
 Array = np.ndarray
 
@@ -28,17 +28,12 @@ def falls_through_zero(arc: Flow, reach: Array, lanes: Array) -> tuple[Array, Ar
     none = np.zeros(0)
     if not lanes.size:
         return lanes, none, none
-    some, span = arc.take(lanes), reach[lanes]
-    n = np.arange(float(len(some.terms)))[:, None]
-    speed = (some.terms * n * powers(span / some.unit, len(some.terms)))[1:]  # v h, in powers of time over reach
-    begin, end, bent = speed[0], speed[0] + speed[1], np.abs(speed[2:])
-    rest = summed(bent)
-    none_there = (np.minimum(begin, end) > rest) | (np.maximum(begin, end) < -rest)
-    once = np.abs(speed[1]) > summed(bent * n[2:-1])  # y' is monotone
-    fall = np.flatnonzero(~none_there & once & (begin > 0.0) & (summed(speed) <= 0.0))
+    span = reach[lanes]
+    parts = [_plain(arc.take(lanes[part]), span[part], part.start) for part in blocks(lanes.size)]
+    fall, own = (np.concatenate([part[i] for part in parts]) for i in (0, 1))
     found: list[tuple[Array, Array, Array]] = [(fall, np.zeros(fall.size), np.ones(fall.size))]
-    own = np.flatnonzero(~(none_there | once))
-    bernstein = _apply(_from_powers(len(speed)), speed[:, own])
+    speed = np.concatenate([part[2] for part in parts], axis=1)
+    bernstein = _apply(_from_powers(len(speed)), speed)
     low, high = np.zeros(own.size), np.ones(own.size)
     for _ in range(_HALVINGS):
         falls = (bernstein[:-1] > 0.0) & (bernstein[1:] <= 0.0)
@@ -58,6 +53,23 @@ def falls_through_zero(arc: Flow, reach: Array, lanes: Array) -> tuple[Array, Ar
     order = np.lexsort((low, which))
     which, low, high = which[order], low[order], high[order]
     return lanes[which], low * span[which], high * span[which]
+
+
+def _plain(arc: TaylorSeries, span: Array, first: int) -> tuple[Array, Array, Array]:
+    """Of these lanes, counted from `first`: in which y' falls through zero once; in which that is open, and their y' `span` in powers of
+    time over it, (terms, lanes)."""
+    n = np.arange(float(len(arc.terms)))[:, None]
+    speed = arc.terms * n
+    speed *= powers(span / arc.unit, len(arc.terms))
+    speed = speed[1:]  # v h
+    bent = np.abs(speed[2:])
+    begin, end, rest = speed[0], speed[0] + speed[1], summed(bent)
+    bent *= n[2:-1]
+    none_there = (np.minimum(begin, end) > rest) | (np.maximum(begin, end) < -rest)
+    once = np.abs(speed[1]) > summed(bent)  # y' is monotone
+    (fall,) = (~none_there & once & (begin > 0.0) & (summed(speed) <= 0.0)).nonzero()
+    (own,) = (~(none_there | once)).nonzero()
+    return fall + first, own + first, speed[:, own]
 
 
 @lru_cache(maxsize=64)
