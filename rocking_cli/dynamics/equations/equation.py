@@ -135,6 +135,9 @@ class Equation(Protocol):
     def with_turn(self) -> Equation:
         """The same equation, whose series come with those of a body's turn where it has any (`taylor.Turn`)."""
 
+    def of(self, cell: Array) -> Self:
+        """The same for these of its cells, which may be there more than once."""
+
     def flow(self, segments: Segments, lanes: Lanes) -> Flow:
         """The flow of the lanes from their present state."""
 

@@ -75,6 +75,10 @@ class MechanismEquation:
         """Its flows have none."""
         return self
 
+    def of(self, cell: Array) -> Self:
+        """All cells have the same equation."""
+        return self
+
     def flow(self, segments: Segments, lanes: Lanes) -> TaylorSeries:
         """The series of every lane: those of F and G about its y, composed with the series of y."""
         if segments.straight:

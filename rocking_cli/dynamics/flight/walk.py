@@ -6,6 +6,7 @@ Lemma 12 proves that it holds no impact and no crest above the peak; other lanes
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, fields
 
 import numpy as np
@@ -27,6 +28,7 @@ Array = np.ndarray
 _POOL = 32768  # lanes: a round of the march costs calls, not lanes
 _BLOCK = 5056  # lanes that stride together: what they need fits the second-level cache, and no power of two lies between its rows
 _STRIDES, _NARROW = 4, 16  # in a row, before lanes that wait get their round: of many lanes, and of fewer than a block
+_FEW, _LONG = 2048, 1 << 15  # cells that are relayed, at the most, and intervals of a record, at least (`relay`)
 _NEARLY = 0.9  # part of the displacement from which a body has overturned: beyond it the march judges
 
 
@@ -54,6 +56,8 @@ class Walk(Run):
         self.samples, self.gains = samples.values, gains(samples.values)
         self.step, self.last = samples.step, samples.values.size - 1
         self.steepest = max(largest(self.gains[part]) for part in blocks(self.gains.size))
+        self.relays = type(self) is Walk and self.last >= _LONG
+        self.apart = self.relays
 
     def _march(self, waiting: Array) -> None:
         """Walk these cells, those of like pace together; march where samples are far apart."""
@@ -61,13 +65,19 @@ class Walk(Run):
         super()._march(waiting[pace > LONGEST])
         waiting, pace = waiting[pace <= LONGEST], pace[pace <= LONGEST]
         if waiting.size:
+            waiting = waiting[np.argsort(pace, kind="stable")]
             with np.errstate(all="ignore"):
-                self._walk(waiting[np.argsort(pace, kind="stable")])
+                if self.relays and waiting.size <= _FEW:
+                    from .relay import relay
 
-    def _walk(self, waiting: Array) -> None:
-        """Keep a pool of lanes on their feet until these cells are done."""
-        taken = min(self.pool, waiting.size)
-        lanes = self._launch(self.start(waiting[:taken]), np.arange(taken))
+                    relay(self, waiting)
+                else:
+                    self._walk(waiting.size, lambda some: self.start(waiting[some]))
+
+    def _walk(self, count: int, enter: Callable[[slice], Lanes]) -> None:
+        """Keep a pool of lanes on their feet until all those that `enter` are done."""
+        taken = min(self.pool, count)
+        lanes = self._launch(enter(slice(0, taken)), np.arange(taken))
         free = np.zeros(taken, dtype=bool)
         walks = self._ready(lanes)
         while lanes.cell.size:
@@ -80,10 +90,10 @@ class Walk(Run):
             lost = self._lost(lanes, np.flatnonzero(walks))
             free[lost], walks[lost] = True, False
             places = np.flatnonzero(free)
-            more = waiting[taken : taken + places.size]
-            if more.size:
-                taken += more.size
-                new = self._launch(self.start(more), places[: more.size])
+            more = min(places.size, count - taken)
+            if more:
+                new = self._launch(enter(slice(taken, taken + more)), places[:more])
+                taken += more
                 lanes.put(new.slot, new)
                 free[new.slot], walks[new.slot] = False, self._ready(new)
             elif 4 * places.size >= free.size:
@@ -93,7 +103,11 @@ class Walk(Run):
 
     def _ready(self, lanes: Walkers) -> Array:
         """Whether lanes stand at a sample from which they can walk."""
-        return (lanes.u == 0.0) & (lanes.k < self.last)
+        return (lanes.u == 0.0) & (lanes.k < self._stop(lanes.cell))
+
+    def _stop(self, cell: Array) -> Array | int:
+        """The sample up to which these cells are walked."""
+        return self.last
 
     def _launch(self, lanes: Lanes, slot: Array) -> Walkers:
         """Lanes with what they need to walk."""
@@ -120,7 +134,7 @@ class Walk(Run):
             getattr(lanes, name).take(at) for name in ("k", "y", "v", "peak", "pace", "outward", "degree")
         )
         go, side, cell = np.ones(at.size, dtype=bool), lanes.side[at], lanes.cell[at]
-        equation = self.equation.on(side, cell)
+        equation, stop = self.equation.on(side, cell), self._stop(cell)
         factors, last = factors_for(pace, degree), degree * at.size + np.arange(at.size)
         for _ in range(strides):
             ramp = self._ramp(k, outward, pace, factors)
@@ -129,7 +143,7 @@ class Walk(Run):
             self._look(cell, side, equation, (y, v), (end_y, end_v), ramp, go)
             y, v, peak = np.where(go, end_y, y), np.where(go, end_v, v), np.where(go, np.maximum(peak, end_y), peak)
             k += go
-            go &= k < self.last
+            go &= k < stop
             if not go.any():
                 break
         lanes.k[at], lanes.y[at], lanes.v[at], lanes.peak[at], walks[at] = k, y, v, peak, go

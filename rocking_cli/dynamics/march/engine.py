@@ -69,6 +69,8 @@ class Run:
         self.theta_ratio = np.full(amplitude.size, 0.0 if peaks else np.nan)
         self.outcome = np.full(amplitude.size, Outcome.NO_UPLIFT, dtype=np.uint8)
         self.impacts = np.zeros(amplitude.size, dtype=np.int32)
+        self.apart = False  # whether lanes know of their present excursion from rest alone, and cells keep peak and impacts of the others
+        self.risen, self.struck = np.zeros(amplitude.size), np.zeros(amplitude.size, dtype=np.int32)
         self.work = Work(cells=amplitude.size)
         self.most_steps = MAX_STEPS + 40 * len(segments)
         self.drops = FreeFall.of(self.segments, self.cells, self.shaken)
@@ -120,11 +122,17 @@ class Run:
 
     def start(self, cell: Array) -> Lanes:
         """Bodies at rest, taken to their first uplift; k is the number of segments where there is none."""
-        zero = np.zeros(cell.size)
         first = self._first_uplift(cell) if self.tabled is None else Uplift(*(x[self.tabled.of[cell]] for x in self._first_uplifts))
         if self.demands is not None and cell.size:
-            self.demands.rest(cell, np.zeros(cell.size, dtype=np.int64), zero, *self._rests_until(cell, first))
-        count = np.zeros(cell.size, dtype=np.int32)
+            self.demands.rest(cell, np.zeros(cell.size, dtype=np.int64), np.zeros(cell.size), *self._rests_until(cell, first))
+        return self._lifted(cell, first)
+
+    def at_rest(self, cell: Array, k: Array) -> Lanes:
+        """Bodies at rest where segments k begin, taken to their next uplift."""
+        return self._lifted(cell, self.contact.uplift(self.cells, self.segments, cell, k, np.zeros(cell.size)))
+
+    def _lifted(self, cell: Array, first: Uplift) -> Lanes:
+        zero, count = np.zeros(cell.size), np.zeros(cell.size, dtype=np.int32)
         peak = np.full(cell.size, 0.0 if self.peaks else np.inf)  # infinite: nothing that comes can matter to it
         row = self.cells.row(first.side)
         amplitude, omega, eta = (values[row, cell] for values in self.cells)
@@ -332,6 +340,8 @@ class Run:
         again = self.contact.uplift(self.cells, self.segments, lanes.cell[resting], lanes.k[resting], lanes.u[resting])
         if self.demands is not None:
             self.demands.close(lanes.take(resting), *self._rests_until(lanes.cell[resting], again))
+        if self.apart:
+            self._close(lanes, resting)
         lanes.k[resting], lanes.u[resting] = again.k, again.u
         lanes.y[resting], lanes.v[resting], lanes.b[resting] = 0.0, 0.0, again.b
         self.contact.turn(self.cells, lanes, resting, again.side)
@@ -340,6 +350,15 @@ class Run:
         self._finish(lanes, settled, Outcome.ROCKED, lanes.peak[settled])
         rests = None if before is None else Rests(before, lanes.take(resting))
         return lanes.take(np.flatnonzero(lanes.k < len(self.segments))), rests
+
+    def _close(self, lanes: Lanes, at: Array) -> None:
+        """The excursions of the lanes `at`, which have come to rest."""
+        cell = lanes.cell[at]
+        if self.peaks:
+            rotation = self.equation.on(lanes.side[at], cell).rotation(lanes.peak[at])
+            self.risen[cell], lanes.peak[at] = np.maximum(self.risen[cell], rotation), 0.0
+        self.struck[cell] += lanes.impacts[at]
+        lanes.impacts[at] = lanes.steps[at] = 0
 
     def _renew_drive(self, lanes: Lanes) -> None:
         """Where a piece of the motion begins the drive may jump: take the force from the new side of the jump."""
@@ -356,7 +375,7 @@ class Run:
         lanes.b[at] = self.equation.on(side, lanes.cell[at]).force(lanes.y[at], drive, weight)
 
     def _overturn(self, lanes: Lanes, at: Array) -> None:
-        bounced = lanes.impacts[at] > 0
+        bounced = (lanes.impacts[at] > 0) | (self.struck[lanes.cell[at]] > 0)
         if self.equation.damping:
             bounced |= self.bounced[lanes.cell[at]]
         self._finish(lanes, at[bounced], Outcome.OVERTURNED_AFTER_IMPACT, np.nan)
@@ -370,10 +389,11 @@ class Run:
         cell = lanes.cell[at]
         self.outcome[cell] = outcome
         if self.peaks:
-            self.theta_ratio[cell] = self.equation.on(lanes.side[at], lanes.cell[at]).rotation(np.asarray(peak))
+            rotation = self.equation.on(lanes.side[at], lanes.cell[at]).rotation(np.asarray(peak))
+            self.theta_ratio[cell] = np.maximum(self.risen[cell], rotation)  # NaN where it is
         if outcome == Outcome.ROCKED:
             if self.drops is not None:
                 self._lose(cell[self.drops.ever[cell]])
             if self.footing is not None and self.footing.any:
                 self._lose(cell[self.footing.lost[cell]])
-        self.impacts[cell] = lanes.impacts[at]
+        self.impacts[cell] = self.struck[cell] + lanes.impacts[at]

@@ -1,0 +1,118 @@
+"""The relay against a walk from end to end: the same to the last bit, whatever the legs."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from oracle_records import Rigid, lockstep
+from synthetic import allowance, assert_same, noise, shaken
+
+from rocking_cli import LinearEquation, Outcome, RigidBodyEquation, System, safe
+from rocking_cli.dynamics.contacts.one_sided import OneSided
+from rocking_cli.dynamics.contacts.unequal import Unequal
+from rocking_cli.dynamics.flight import relay
+from rocking_cli.dynamics.flight.walk import Walk
+
+ALPHA, STEP = 0.25, 0.04
+UNEQUAL = Unequal(drive=(1.0, 0.8), omega=(1.0, 1.15), eta=(1.05, 0.6), rotation=(1.0, 1.0))
+SYSTEMS = {
+    "bodies": (System(RigidBodyEquation(np.linspace(0.2, 0.3, 5))), 0.8),
+    "a damped body of unlike edges": (System(RigidBodyEquation((ALPHA, 0.2), damping=0.05), UNEQUAL), 0.9),
+    "the damped oscillator": (System(LinearEquation(0.05)), 0.9),
+    "a body on one side": (System(RigidBodyEquation(0.5), OneSided()), -0.5),
+}
+BURSTS = np.concatenate([noise(70, STEP, seed, quiet=15) for seed in (4, 5)])
+
+
+def walked(system, eta, relayed, peaks=True, apart=True, amplitude=None):
+    """A walk of five bodies, some of which fall, through two bursts."""
+    motion = shaken(BURSTS, STEP)
+    amplitude = np.array([1.05, 1.5, 3.0, 6.0, 20.0]) if amplitude is None else amplitude
+    walk = Walk(
+        system, motion.segments, motion.samples, amplitude, np.full(amplitude.size, 0.35), np.full(amplitude.size, eta), peaks, None
+    )
+    walk.relays, walk.apart = relayed, apart
+    walk.all()
+    return walk
+
+
+def the_same(one, other):
+    for name in ("outcome", "impacts", "theta_ratio"):
+        np.testing.assert_array_equal(getattr(one, name), getattr(other, name))
+
+
+@pytest.fixture
+def legs(monkeypatch):
+    """Short legs in stretches of many, and what became of each stretch."""
+    found = []
+    hand_in = relay.Legs.hand_in
+
+    def listen(self):
+        found.append((self.count, self.outcome.size, self.taken_over))
+        return hand_in(self)
+
+    monkeypatch.setattr(relay.Legs, "hand_in", listen)
+    monkeypatch.setattr(relay, "_FIRST", 60)
+    monkeypatch.setattr(relay, "_SHORTEST", 15)
+    return found
+
+
+@pytest.mark.parametrize(
+    ("name", "ahead"), [("bodies", 8), *(pytest.param(name, ahead, marks=pytest.mark.soak) for name in SYSTEMS for ahead in (0, 2))]
+)
+def test_no_digit_depends_on_the_legs(name, ahead, legs, monkeypatch):
+    monkeypatch.setattr(relay, "_AHEAD", ahead)
+    relayed = walked(*SYSTEMS[name], True)
+    the_same(relayed, walked(*SYSTEMS[name], False))
+    assert Outcome.ROCKED in relayed.outcome
+    assert not np.all(safe(relayed.outcome))
+    assert legs[0][0] == 4
+    assert 0 < legs[0][2] < legs[0][1], "some legs are taken over, others stand"
+
+
+def test_without_peaks_a_relay_is_any_walk(legs):
+    system, eta = SYSTEMS["bodies"]
+    relayed = walked(system, eta, True, peaks=False)
+    the_same(relayed, walked(system, eta, False, peaks=False, apart=False))
+    assert legs
+
+
+@pytest.mark.soak
+def test_a_small_pool_changes_nothing(legs, monkeypatch):
+    system, eta = SYSTEMS["bodies"]
+    first = walked(system, eta, True)
+    monkeypatch.setattr("rocking_cli.dynamics.flight.walk._POOL", 5)
+    the_same(walked(system, eta, True), first)
+
+
+def test_bodies_that_hardly_rest_are_walked_alone_for_a_stretch(legs, monkeypatch):
+    monkeypatch.setattr(relay, "_FIRST", 45)
+    walked(System(RigidBodyEquation(ALPHA)), 0.97, True, amplitude=np.array([3.0]))
+    assert [count for count, _, _ in legs] == [3, 1]
+
+
+def against_lockstep(count):
+    """Peaks kept excursion by excursion: within 1e-9 of each cell's condition of an integration that shares no code."""
+    motion = shaken(BURSTS, STEP)
+    amplitude = np.linspace(1.05, 14.0, count)
+    omega, eta = np.full(count, 0.35), np.full(count, 0.8)
+
+    def respond(motion, amplitude, omega, eta):
+        shape = np.broadcast_shapes(amplitude.shape, omega.shape, eta.shape)
+        cells = (np.broadcast_to(x, shape).ravel() for x in (amplitude, omega, eta))
+        walk = Walk(System(RigidBodyEquation(ALPHA)), motion.segments, motion.samples, *cells, True, None)
+        walk.relays = walk.apart = True
+        walk.all()
+        walk.theta_ratio, walk.outcome = walk.theta_ratio.reshape(shape), walk.outcome.reshape(shape)
+        return walk
+
+    outcome, theta = lockstep(*reversed(motion.samples), amplitude * (ALPHA / np.tan(ALPHA)), omega, eta, Rigid(ALPHA))
+    found = respond(motion, amplitude, omega, eta)
+    assert_same(found, theta, outcome, 1e3 * allowance(motion, amplitude, omega, eta, respond))
+    assert np.unique(outcome).size >= 2
+
+
+@pytest.mark.soak
+def test_forty_relayed_bodies_against_an_integration_that_shares_no_code(legs):
+    against_lockstep(40)
+    assert legs
