@@ -139,10 +139,9 @@ def test_the_nonlinear_equation_answers_for_a_record_where_the_geometry_is_known
         ("configs/block.yaml", ("--model", "linear"), "linear"),
         ("stated.yaml", (), "linear"),
     ):
-        first = rocking("response", file, *RECORD, "--events", "--json", *more).stdout.splitlines()[0]
-        assert json.loads(first)["model"] == model
-    first = rocking("response", "configs/block.yaml", "--a-g", "0.4g", "--f-g", "1", "--events", "--json").stdout.splitlines()[0]
-    assert json.loads(first)["model"] == "linear", "of a pulse unless told otherwise"
+        assert f", {model}: " in rocking("response", file, *RECORD, "--scale", "0.5", "--csv", *more).stderr
+    pulse = rocking("response", "configs/block.yaml", "--a-g", "0.4g", "--f-g", "1", "--csv")
+    assert ", linear: " in pulse.stderr, "unless told otherwise"
 
 
 def test_a_record_turned_over_turns_the_response_over(rocking):

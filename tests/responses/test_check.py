@@ -11,6 +11,7 @@ from rocking_cli import Axis, Grid, Outcome, UsageError, build_structure, parse_
 from rocking_cli.dynamics.method import governing_method
 from rocking_cli.responses.check import CHECK_COLUMNS, check, check_all, tally
 from rocking_cli.responses.time_history import time_history
+from rocking_cli.spectra.capacity import Capacity
 from rocking_cli.spectra.envelope import A_MAX
 
 QUICK = (sine(), sine(0.5), pulse("rectangular"))  # whose scans have bounds
@@ -158,7 +159,7 @@ def test_what_leaves_the_ground_counts_as_a_fall_and_is_told_apart():
 
 def test_what_takes_minutes_is_said_beforehand(monkeypatch):
     """Of a body that loses nothing the bounces are marched one by one for as long as the shaking lasts."""
-    monkeypatch.setattr("rocking_cli.responses.check._check_one", lambda *_: None)
+    monkeypatch.setattr("rocking_cli.responses.check.check", lambda *_, **__: None)
     column, told = structure_of("kind: block\nwidth: 0.5\nheight: 2"), []
     check_all([(column, sine(), DEMAND)], workers=1, tell=told.append)
     assert told == []
@@ -166,8 +167,11 @@ def test_what_takes_minutes_is_said_beforehand(monkeypatch):
     assert [line.startswith("1 search: up to roughly ") for line in told] == [True]
 
 
-def test_a_demand_that_the_last_digits_decide_is_called_so():
+@pytest.mark.parametrize("searched", [False, pytest.param(True, marks=pytest.mark.soak)], ids=["beside the demand", "and in a search"])
+def test_a_demand_that_the_last_digits_decide_is_called_so(searched, monkeypatch):
     """After 160 impacts five of fifteen amplitudes within a part of 1e-6 stand."""
+    if not searched:
+        monkeypatch.setattr("rocking_cli.responses.check.capacity", lambda *_, **__: Capacity(None, None, 1.0))
     structure = structure_of("kind: parameters\np: 2\nalpha: 0.25\neta: 0.98\nlambda: 0.25")
     omega_g = 1.1642588176866302 * structure.p
     grid = Grid(Axis("A", np.array([1.046522639017664])), Axis("omega_g", np.array([omega_g])))
