@@ -5,8 +5,7 @@ For the undamped linear oscillator on equal edges (Lemma 9).
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Self
+from typing import NamedTuple, Self
 
 import numpy as np
 
@@ -21,11 +20,10 @@ _ROUNDING = 1e-13  # of the terms that an integral over a segment is summed from
 _SURELY = 1.0 - 1e-9
 
 
-@dataclass(frozen=True)
-class ImpulseAhead:
+class ImpulseAhead(NamedTuple):
     """int |s| dphi to the end of the motion. zero: the phase at which s changes its sign in a segment, its start where it does not; sign:
-    of s after that; first, turn, last: an antiderivative of s at the segment's start, at `zero` and at its end; later: what comes after
-    the segment, with room for rounding; arrays over segments."""
+    of s after that; turn, last: an antiderivative of s at `zero` and at the segment's end; later: what comes after the segment, with room
+    for rounding; arrays over segments."""
 
     segments: Segments
     zero: Array
@@ -57,14 +55,13 @@ class ImpulseAhead:
         found[at] = to_come + np.where(before, np.abs(self.turn[k] - here), 0.0) + self.later[k]
         return found
 
-
-def cannot_overturn(ahead: ImpulseAhead, lanes: Lanes) -> Array:
-    """Whether nothing to come overturns lanes at y = 0: v + A int |s| dphi/Omega < 1."""
-    room = _SURELY * (1.0 - np.abs(lanes.v)) * lanes.omega
-    found = lanes.amplitude * ahead.later[lanes.k] < room
-    at = np.flatnonzero(found)
-    found[at] = lanes.amplitude[at] * ahead.after(lanes.k[at], lanes.u[at]) < room[at]
-    return found
+    def cannot_overturn(self, lanes: Lanes) -> Array:
+        """Whether nothing to come overturns lanes at y = 0: v + A int |s| dphi/Omega < 1."""
+        room = _SURELY * (1.0 - np.abs(lanes.v)) * lanes.omega
+        found = lanes.amplitude * self.later[lanes.k] < room
+        at = np.flatnonzero(found)
+        found[at] = lanes.amplitude[at] * self.after(lanes.k[at], lanes.u[at]) < room[at]
+        return found
 
 
 def _antiderivative(segments: Segments, k: Array, u: Array) -> Array:

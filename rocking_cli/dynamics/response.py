@@ -9,7 +9,6 @@ import numpy as np
 from ..motions.motion import Motion
 from .equations.linear import LinearEquation
 from .march.account import Work
-from .march.aftermath import follow_on
 from .march.engine import Run
 from .march.footing import Footing
 from .outcome import Outcome, safe
@@ -114,6 +113,8 @@ def response_with_demands(
     """The same, and by name what each body asks of the ground: `friction`, the largest |Fx|/Fz [-], and `fz_min`, the least Fz over m g
     [-], both NaN where it overturns. Under samples they are those of a march from sample to sample. Raises ValueError for a system
     without a `body`."""
+    from .march.aftermath import follow_on
+
     if system.body is None:
         raise ValueError("demands need a system with a body")
     amplitude, omega, eta = np.broadcast_arrays(*(np.asarray(x, dtype=float) for x in (amplitude, omega, eta)))

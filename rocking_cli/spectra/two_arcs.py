@@ -99,6 +99,10 @@ class TwoPushes:
         """Phase of c [rad]."""
         return float(self.segments.start[self.k] + self.u)
 
+    def segment_of(self, phase: Array) -> Array:
+        """The segments that hold these phases, or the nearest."""
+        return np.clip(np.searchsorted(self.segments.start, phase, side="right") - 1, 0, len(self.segments) - 1)
+
     def late(self, amplitude: Array, omega: Array) -> Array:
         """Whether the first impact of bodies that this motion lifts comes on the second ridge or after it and before T; (lanes,)."""
         with np.errstate(all="ignore"):
@@ -167,7 +171,7 @@ class _Arc(NamedTuple):
     def at(self, phase: Array) -> tuple[Array, Array]:
         """z and x there."""
         segments, lanes = self.pushes.segments, np.arange(phase.size)
-        k = np.clip(np.searchsorted(segments.start, phase, side="right") - 1, 0, len(segments) - 1)
+        k = self.pushes.segment_of(phase)
         u = phase - segments.start[k]
         growth, push = np.exp((u - np.where(k == 0, self.lift, 0.0)) / self.omega), self.outwards * self.amplitude
         kinds = ((self.z, self.z_response, 1.0, growth), (self.x, self.x_response, -1.0, 1.0 / growth))
@@ -198,7 +202,7 @@ class _Arc(NamedTuple):
             for mode, there in ((x, phase), (self.at(turn)[1], turn), (self.x[-1], high))
         )
         left = np.exp((phase - high) / omega)
-        k = np.clip(np.searchsorted(pushes.segments.start, phase, side="right") - 1, 0, len(pushes.segments) - 1)
+        k = pushes.segment_of(phase)
         return Strike(
             lift / omega, phase / omega, first, np.exp((turn - phase) / omega) * first - faded,
             (z - left * self.z[-1]) / amplitude, left * faded - whole,

@@ -10,9 +10,9 @@ from scipy.integrate import quad
 from scipy.optimize import brentq
 
 from rocking_cli import LinearEquation, Outcome, System, cosine, linear_response, pulse, sine
-from rocking_cli.dynamics.impulse import ImpulseAhead, cannot_overturn
+from rocking_cli.dynamics import impulse
+from rocking_cli.dynamics.impulse import ImpulseAhead
 from rocking_cli.dynamics.lanes import Lanes
-from rocking_cli.dynamics.march import engine
 from rocking_cli.dynamics.march.engine import Run
 
 SMOOTH = [sine(), sine(2.5), cosine(1.5), pulse("ricker-symmetric"), pulse("mavroeidis-papageorgiou")]
@@ -61,7 +61,7 @@ def landed(motion, cells, seed, share):
 @pytest.mark.parametrize("motion", [*FEW_PUSHES, sine(3), pulse("ricker-symmetric")], ids=lambda m: m.name)
 def test_lemma_9_nothing_to_come_overturns_what_is_below_the_bound(motion):
     run, lanes = landed(motion, 600, 6, 0.999)
-    assert np.all(cannot_overturn(ImpulseAhead.of(motion.segments), lanes))
+    assert np.all(ImpulseAhead.of(motion.segments).cannot_overturn(lanes))
     with np.errstate(all="ignore"):
         while lanes.cell.size:
             lanes = run.round(lanes).going
@@ -70,7 +70,7 @@ def test_lemma_9_nothing_to_come_overturns_what_is_below_the_bound(motion):
 
 def test_just_above_the_bound_short_pulses_overturn():
     run, lanes = landed(sine(0.5), 1000, 7, 1.001)
-    assert not np.any(cannot_overturn(ImpulseAhead.of(sine(0.5).segments), lanes))
+    assert not np.any(ImpulseAhead.of(sine(0.5).segments).cannot_overturn(lanes))
     quick = lanes.omega > 50.0
     with np.errstate(all="ignore"):
         while lanes.cell.size:
@@ -84,7 +84,7 @@ def test_where_only_outcomes_are_wanted_they_are_the_same(motion, monkeypatch):
     amplitude, omega = 1.0 + 10.0 ** random.uniform(-2.0, 0.5, 300), random.uniform(0.5, 8.0, 300)
     eta = random.choice([0.0, 0.3, 0.9], 300)
     sooner = linear_response(motion, amplitude, omega, eta, peaks=False)
-    monkeypatch.setattr(engine, "FEW", 0)
+    monkeypatch.setattr(impulse, "FEW", 0)
     followed = linear_response(motion, amplitude, omega, eta, peaks=False)
     np.testing.assert_array_equal(sooner.outcome, followed.outcome)
     assert np.all(sooner.impacts <= followed.impacts)

@@ -66,7 +66,8 @@ class Legs(Walk):
         self.outcome, self.until = np.full(own.size, _OPEN), np.tile(marks[1:], size)
         if self.equation.damping:
             self.bounced = np.zeros(own.size, dtype=bool)
-        self.begins = self.at_rest(np.arange(own.size), np.tile(marks[:-1], size))
+        every, begin = np.arange(own.size), np.tile(marks[:-1], size)  # at rest there
+        self.begins = self._lifted(every, self.contact.uplift(self.cells, self.segments, every, begin, np.zeros(own.size)))
         first = lanes.take(np.arange(size))
         first.cell = np.arange(0, own.size, self.count)
         self.begins.put(first.cell, first)

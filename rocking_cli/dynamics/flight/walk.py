@@ -57,7 +57,8 @@ class Walk(Run):
         self.step, self.last = samples.step, samples.values.size - 1
         self.steepest = max(largest(self.gains[part]) for part in blocks(self.gains.size))
         self.relays = type(self) is Walk and self.last >= _LONG
-        self.apart = self.relays
+        self.apart = self.relays  # whether lanes know of their present excursion from rest alone, and cells keep what the others came to
+        self.risen, self.struck = np.zeros(amplitude.size), np.zeros(amplitude.size, dtype=np.int32)
 
     def _march(self, waiting: Array) -> None:
         """Walk these cells, those of like pace together; march where samples are far apart."""
@@ -232,6 +233,22 @@ class Walk(Run):
         failed = ~np.isfinite(lanes.y[past])
         self._finish(lanes, past[failed], Outcome.FAILED, np.nan)
         self._shaken(lanes, past[~failed])
+
+    def _end_excursion(self, lanes: Lanes, at: Array) -> None:
+        if not self.apart:
+            return
+        cell = lanes.cell[at]
+        if self.peaks:
+            rotation = self.equation.on(lanes.side[at], cell).rotation(lanes.peak[at])
+            self.risen[cell], lanes.peak[at] = np.maximum(self.risen[cell], rotation), 0.0
+        self.struck[cell] += lanes.impacts[at]
+        lanes.impacts[at] = lanes.steps[at] = 0
+
+    def _impacts(self, lanes: Lanes, at: Array) -> Array:
+        return np.asarray(self.struck[lanes.cell[at]] + lanes.impacts[at])
+
+    def _largest(self, cell: Array, rotation: Array) -> Array:
+        return np.maximum(self.risen[cell], rotation)
 
     def _lost(self, lanes: Walkers, at: Array) -> Array:
         """Walking lanes that nothing can bring back (Lemma 6)."""

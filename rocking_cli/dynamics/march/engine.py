@@ -9,7 +9,7 @@ chatter, certain overturning, the free motion after the shaking.
 from __future__ import annotations
 
 from functools import cached_property
-from typing import TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
@@ -20,17 +20,19 @@ from ..contacts.contact import Fate, Uplift
 from ..contacts.settling import settles
 from ..contacts.trains import outlasts
 from ..drive import place
-from ..impulse import FEW, ImpulseAhead, cannot_overturn
 from ..lanes import Lanes
 from ..outcome import Outcome
 from ..system import System
 from ..weight import WeighedSegments
 from .account import Rests, Round, Watch, Work
 from .advance import Crests, Passage, advance, crests, low_bounces
-from .demand import Demands
 from .footing import LIKELY, Footing
 from .free_fall import FreeFall
 from .windows import tabled_windows
+
+if TYPE_CHECKING:
+    from ..impulse import ImpulseAhead
+    from .demand import Demands
 
 Array = np.ndarray
 Landing = TypeVar("Landing", bound=Lanes)
@@ -69,8 +71,6 @@ class Run:
         self.theta_ratio = np.full(amplitude.size, 0.0 if peaks else np.nan)
         self.outcome = np.full(amplitude.size, Outcome.NO_UPLIFT, dtype=np.uint8)
         self.impacts = np.zeros(amplitude.size, dtype=np.int32)
-        self.apart = False  # whether lanes know of their present excursion from rest alone, and cells keep peak and impacts of the others
-        self.risen, self.struck = np.zeros(amplitude.size), np.zeros(amplitude.size, dtype=np.int32)
         self.work = Work(cells=amplitude.size)
         self.most_steps = MAX_STEPS + 40 * len(segments)
         self.drops = FreeFall.of(self.segments, self.cells, self.shaken)
@@ -80,12 +80,19 @@ class Run:
         marched = type(self)._march is Run._march  # one that jumps sees no forces on its way
         ahead = (LIKELY if marched and not self.equation.bounded else np.inf) if ahead is None else ahead
         self.footing = None if watch is not None or system.body is None else Footing(system.body, self.segments, self.cells, ahead)
-        self.demands = None if body is None else Demands(body, self.equation, self.segments, self.shaken, self.contact, self.cells)
+        self.demands: Demands | None = None
+        if body is not None:
+            from .demand import Demands
+
+            self.demands = Demands(body, self.equation, self.segments, self.shaken, self.contact, self.cells)
         self.only_peaks = self._only_peaks()
         self.settling = peaks and self.only_peaks and self.equation.bounded
         self.keeping = self.only_peaks and keeps_bouncing(self.equation, self.cells, self.segments)
-        only_outcomes = not peaks and self.only_peaks and self.equation.bounded and not segments.straight
-        self.ahead = ImpulseAhead.of(segments) if only_outcomes and segments.pushes <= FEW else None
+        self.ahead: ImpulseAhead | None = None
+        if not peaks and self.only_peaks and self.equation.bounded and not segments.straight:
+            from ..impulse import FEW, ImpulseAhead
+
+            self.ahead = ImpulseAhead.of(segments) if segments.pushes <= FEW else None
 
     def _only_peaks(self) -> bool:
         """Whether nothing is asked of bodies that nothing lifts again but their peak, and there are proofs that it is so."""
@@ -127,11 +134,8 @@ class Run:
             self.demands.rest(cell, np.zeros(cell.size, dtype=np.int64), np.zeros(cell.size), *self._rests_until(cell, first))
         return self._lifted(cell, first)
 
-    def at_rest(self, cell: Array, k: Array) -> Lanes:
-        """Bodies at rest where segments k begin, taken to their next uplift."""
-        return self._lifted(cell, self.contact.uplift(self.cells, self.segments, cell, k, np.zeros(cell.size)))
-
     def _lifted(self, cell: Array, first: Uplift) -> Lanes:
+        """Bodies that have been at rest so far, at this uplift."""
         zero, count = np.zeros(cell.size), np.zeros(cell.size, dtype=np.int32)
         peak = np.full(cell.size, 0.0 if self.peaks else np.inf)  # infinite: nothing that comes can matter to it
         row = self.cells.row(first.side)
@@ -283,7 +287,7 @@ class Run:
 
     def _stand(self, lanes: Landing, ahead: ImpulseAhead) -> Landing:
         """Lanes at the ground that nothing to come overturns are done where no more is asked (Lemma 9)."""
-        stands = cannot_overturn(ahead, lanes)
+        stands = ahead.cannot_overturn(lanes)
         self._finish(lanes, np.flatnonzero(stands), Outcome.ROCKED, np.nan)
         return lanes.take(np.flatnonzero(~stands)) if stands.any() else lanes
 
@@ -340,8 +344,7 @@ class Run:
         again = self.contact.uplift(self.cells, self.segments, lanes.cell[resting], lanes.k[resting], lanes.u[resting])
         if self.demands is not None:
             self.demands.close(lanes.take(resting), *self._rests_until(lanes.cell[resting], again))
-        if self.apart:
-            self._close(lanes, resting)
+        self._end_excursion(lanes, resting)
         lanes.k[resting], lanes.u[resting] = again.k, again.u
         lanes.y[resting], lanes.v[resting], lanes.b[resting] = 0.0, 0.0, again.b
         self.contact.turn(self.cells, lanes, resting, again.side)
@@ -351,14 +354,16 @@ class Run:
         rests = None if before is None else Rests(before, lanes.take(resting))
         return lanes.take(np.flatnonzero(lanes.k < len(self.segments))), rests
 
-    def _close(self, lanes: Lanes, at: Array) -> None:
-        """The excursions of the lanes `at`, which have come to rest."""
-        cell = lanes.cell[at]
-        if self.peaks:
-            rotation = self.equation.on(lanes.side[at], cell).rotation(lanes.peak[at])
-            self.risen[cell], lanes.peak[at] = np.maximum(self.risen[cell], rotation), 0.0
-        self.struck[cell] += lanes.impacts[at]
-        lanes.impacts[at] = lanes.steps[at] = 0
+    def _end_excursion(self, lanes: Lanes, at: Array) -> None:
+        """What is kept of the lanes `at`, which have come to rest: they keep it themselves."""
+
+    def _impacts(self, lanes: Lanes, at: Array) -> Array:
+        """Those of the lanes `at` so far."""
+        return lanes.impacts[at]
+
+    def _largest(self, cell: Array, rotation: Array) -> Array:
+        """The largest rotations of cells that have come to these; NaN where they are."""
+        return rotation
 
     def _renew_drive(self, lanes: Lanes) -> None:
         """Where a piece of the motion begins the drive may jump: take the force from the new side of the jump."""
@@ -375,7 +380,7 @@ class Run:
         lanes.b[at] = self.equation.on(side, lanes.cell[at]).force(lanes.y[at], drive, weight)
 
     def _overturn(self, lanes: Lanes, at: Array) -> None:
-        bounced = (lanes.impacts[at] > 0) | (self.struck[lanes.cell[at]] > 0)
+        bounced = self._impacts(lanes, at) > 0
         if self.equation.damping:
             bounced |= self.bounced[lanes.cell[at]]
         self._finish(lanes, at[bounced], Outcome.OVERTURNED_AFTER_IMPACT, np.nan)
@@ -389,11 +394,10 @@ class Run:
         cell = lanes.cell[at]
         self.outcome[cell] = outcome
         if self.peaks:
-            rotation = self.equation.on(lanes.side[at], lanes.cell[at]).rotation(np.asarray(peak))
-            self.theta_ratio[cell] = np.maximum(self.risen[cell], rotation)  # NaN where it is
+            self.theta_ratio[cell] = self._largest(cell, self.equation.on(lanes.side[at], cell).rotation(np.asarray(peak)))
         if outcome == Outcome.ROCKED:
             if self.drops is not None:
                 self._lose(cell[self.drops.ever[cell]])
             if self.footing is not None and self.footing.any:
                 self._lose(cell[self.footing.lost[cell]])
-        self.impacts[cell] = self.struck[cell] + lanes.impacts[at]
+        self.impacts[cell] = self._impacts(lanes, at)
