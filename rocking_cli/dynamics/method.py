@@ -7,7 +7,7 @@ Equations and contacts that most structures do without are imported where one ne
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -175,17 +175,18 @@ class Method:
             raise UsageError(f"{structure.name}: {error}") from None
 
     def mixes(self, structure: RockingParameters) -> bool:
-        """Whether its cells can share one system with those of other structures that mix: bodies whose two edges are alike, undamped,
-        and whose forces are not known."""
-        return self.kind_of(structure).of_cells is not None and structure.plain and self.body_of(structure) is None
+        """Whether its cells can share one system with those of other structures that mix: bodies whose two edges are alike, undamped."""
+        return self.kind_of(structure).of_cells is not None and structure.plain
 
     def system_of_cells(self, structures: Sequence[RockingParameters], counts: Sequence[int]) -> System:
         """One system whose cells are so many of each of these structures, which are one (`shares`) or mix. Raises UsageError as
         `system_of`."""
-        of_cells = self.kind_of(structures[0]).of_cells
-        if of_cells is None or len({s.alpha for s in structures}) == 1:
-            return self.system_of(structures[0])
-        return System(of_cells(np.repeat([s.alpha for s in structures], counts), self.tolerance))
+        one, of_cells = self.system_of(structures[0]), self.kind_of(structures[0]).of_cells
+        if len({(*self.shares(s), self.body_of(s)) for s in structures}) == 1:
+            return one
+        own = tuple((self.system_of(s), count) for s, count in zip(structures, counts, strict=True))
+        equation = one.equation if of_cells is None else of_cells(np.repeat([s.alpha for s in structures], counts), self.tolerance)
+        return replace(one, equation=equation, body=None, own=own)
 
     def body_of(self, structure: RockingParameters) -> Body | None:
         """What the forces of a rigid body follow from; None where its mass centre is not known."""

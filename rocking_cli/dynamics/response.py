@@ -76,10 +76,11 @@ def response(
 
 def look_at_forces(run: Run, system: System, motion: Motion, cells: tuple[Array, Array, Array]) -> None:
     """Mark the cells of a run that lost the ground, where it did not look at them itself."""
+    doubtful = run.outcome == Outcome.ROCKED
     if run.footing is not None:
-        doubtful = ~run.footing.watched & (run.outcome == Outcome.ROCKED)
-        gone = that_left_the_ground(system, motion, cells, doubtful, run.theta_ratio if run.peaks else None)
-        run.outcome[gone], run.theta_ratio[gone] = Outcome.LOST_CONTACT, np.nan
+        doubtful &= ~run.footing.watched
+    gone = that_left_the_ground(system, motion, cells, doubtful, run.theta_ratio if run.peaks else None)
+    run.outcome[gone], run.theta_ratio[gone] = Outcome.LOST_CONTACT, np.nan
 
 
 def that_left_the_ground(
@@ -88,6 +89,15 @@ def that_left_the_ground(
     """Which of the cells (amplitude, omega, eta; one shape with the others) that are `doubtful`, bodies that rock upright, lose the
     ground, by index: those of which neither the amplitude nor the rotation, where it is given, proves that they press on it are marched
     once more."""
+    if system.own:
+        ends = np.cumsum([count for _, count in system.own])
+        found = []
+        for (own, count), end in zip(system.own, ends, strict=True):
+            some = slice(end - count, end)
+            here = cells[0][some], cells[1][some], cells[2][some]
+            turned = None if theta_ratio is None else theta_ratio[some]
+            found.append(end - count + that_left_the_ground(own, motion, here, doubtful[some], turned))
+        return np.concatenate(found)
     if system.body is None or not np.any(doubtful & (cells[0] > system.safe_amplitude(motion))):
         return np.zeros(0, dtype=np.int64)
     segments = system.segments(motion)

@@ -22,13 +22,15 @@ _SYMMETRIC = Symmetric()
 class System:
     """An equation of motion on a contact; `Symmetric` unless given.
 
-    scale: alpha/a_scale, the ground acceleration over g of A = 1 [-]; body: of what has forces on the ground that can be followed.
+    scale: alpha/a_scale, the ground acceleration over g of A = 1 [-]; body: of what has forces on the ground that can be followed; own: of
+    cells that belong to several structures, the system of each of these and how many cells it has, in the order of the cells.
     """
 
     equation: Equation
     contact: Contact = _SYMMETRIC
     scale: float | None = None
     body: Body | None = None
+    own: tuple[tuple[System, int], ...] = ()
 
     def segments(self, motion: Motion) -> Segments:
         """The segments of a motion; weighed for this body where it has a vertical part, for which the scale must be known (ValueError)."""
@@ -42,6 +44,8 @@ class System:
     def safe_amplitude(self, motion: Motion) -> float:
         """The amplitude A up to which a body of known forces is proved to press on the ground, whatever it does short of overturning [-];
         infinite without one."""
+        if self.own:
+            return min(system.safe_amplitude(motion) for system, _ in self.own)
         if self.body is None or self.scale is None or not motion.peak:
             return math.inf
         sway = 0.0 if motion.vertical is None else motion.vertical.peak / motion.peak

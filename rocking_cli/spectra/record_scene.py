@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from .. import __version__
+from ..documents.quantities import DEFAULT_GRAVITY
 from ..dynamics.method import LINEAR, TOLERANCE, Method, governing_method
 from ..dynamics.outcome import Outcome
 from ..dynamics.response import response
@@ -30,15 +31,17 @@ AS_RECORDED = Axis("scale", np.array([1.0]))
 
 
 def block_of(alpha: float, eta: float | None) -> RockingParameters:
-    """A rigid block of critical angle alpha [rad] whatever its size (p = 1 rad/s); eta: None for 1 - 3/2 sin^2 alpha.
+    """A rigid block of critical angle alpha [rad] whatever its size; eta: None for 1 - 3/2 sin^2 alpha.
 
-    Raises StructureError for a restitution out of range, which that of a block wider than high by 1.41 is.
+    It is the one of p = 1 rad/s; forces over its weight are those of any size (p^2 = 3g/(4R)). Raises StructureError for a restitution
+    out of range, which that of a block wider than high by 1.41 is.
     """
     if eta is None:
         eta, source = 1.0 - 1.5 * math.sin(alpha) ** 2, "momentum"
     else:
         source = "given"
-    return RockingParameters(f"alpha={alpha:.6g}", "block", 1.0, alpha, eta, alpha, 1.0, source)
+    arm = 0.75 * DEFAULT_GRAVITY
+    return RockingParameters(f"alpha={alpha:.6g}", "block", 1.0, alpha, eta, math.tan(alpha), 1.0, source, arm=arm)
 
 
 @dataclass(frozen=True, eq=False)

@@ -209,13 +209,15 @@ def _padded(block: np.ndarray, shape: tuple[int, int]) -> np.ndarray:
 
 def _check_bodies(scene: Scene) -> None:
     """Refuse friction and fz_min of what is no rigid body, and of structures that share rotations but not forces."""
-    bodies: dict[Any, Any] = {}
-    for s in scene.structures:
-        body = scene.method.system_of(s).body
+    bodies = [scene.method.body_of(s) for s in scene.structures]
+    for s, body in zip(scene.structures, bodies, strict=True):
         if body is None:
             raise UsageError(f"{s.name}: quantities friction and fz_min: accepted is a rigid body whose arm is known")
-        if bodies.setdefault((s.eta, scene.shares(s)), body) != body:
-            raise UsageError(f"{s.name}: shares its rotations with another structure, but not its forces; sweep them apart")
+    for first, *others in () if scene.of_records else scene.sharing():
+        for i in others:
+            if bodies[i] != bodies[first]:
+                name = scene.structures[i].name
+                raise UsageError(f"{name}: shares its rotations with another structure, but not its forces; sweep them apart")
 
 
 def _checked(names: Sequence[str], scene: Scene) -> tuple[str, ...]:

@@ -115,7 +115,7 @@ class Job:
         structures, counts = [band.structure for band in bands], [rows * width for rows, width in sizes]
         system = scene.method.system_of_cells(structures, counts)
         if scene.method.exact and not self.forces:
-            system = replace(system, body=None)  # each sharer has its own
+            system = replace(system, body=None, own=())  # each sharer has its own
         beside: dict[str, np.ndarray] = {}
         if "velocity_ratio" in self.quantities:
             from ..dynamics.speeds import response_with_speed
@@ -131,10 +131,13 @@ class Job:
             got = response(system, motion, *cells)
         if "condition" in self.quantities:
             pairs = scene.method.system_of_cells(structures * 2, counts * 2)  # cells are looked at in pairs, one set after the other
+            if scene.method.exact:
+                pairs = replace(pairs, body=None, own=())
             respond, tolerance = partial(response, pairs, motion), scene.method.stated_tolerance or 0.0
-            beside["condition"] = condition_of(respond, cells[0], cells[1], cells[2], tolerance)
+            condition = condition_of(respond, cells[0], cells[1], cells[2], tolerance)
+            beside["condition"] = np.where(got.outcome == Outcome.LOST_CONTACT, np.nan, condition)
         if "linear" in self.quantities:
-            linear = response(LINEAR.system_of(bands[0].structure), motion, *cells)
+            linear = response(LINEAR.system_of_cells(structures, counts), motion, *cells)
             beside |= {"theta_ratio_linear": linear.theta_ratio, "outcome_linear": linear.outcome}
             beside["difference"] = difference(got.outcome, linear.outcome)
         work = got.work

@@ -1,9 +1,10 @@
-"""Do the tests notice when dynamics/ is wrong? `python tests/bench/mutants.py [--count N] [--seed S] [PATH...]`, or `make mutants`.
+"""Do the tests notice when dynamics/ is wrong? `python tests/bench/mutants.py [--count N] [--seed S] [--tests TEST]... [PATH...]`, or
+`make mutants`; with paths, other files of the package too.
 
-Flips signs, comparisons and constants one at a time in a copy of the package, runs the tests of the dynamics that call the changed
-function, the quick ones first, until one fails, and prints the changes that none of them noticed. Some of those change nothing
-that can be seen (a bound that only spares work, a tolerance that another one covers); each of the others is a test that is
-missing. Which test calls what is found first, by one run of all. Exit code 0: it is a report.
+Flips signs, comparisons and constants one at a time in a copy of the package, runs those tests that call the changed function, the
+quick ones first, until one fails, and prints the changes that none of them noticed. Some of those change nothing that can be seen (a
+bound that only spares work, a tolerance that another one covers); each of the others is a test that is missing. Which test calls what
+is found first, by one run of all. Exit code 0: it is a report.
 """
 
 from __future__ import annotations
@@ -28,7 +29,7 @@ from types import FrameType
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
-ROOM = ROOT / "rocking_cli" / "dynamics"
+ROOM = ROOT / "rocking_cli"
 TESTS = ["tests/dynamics", "tests/responses/test_history.py", "tests/spectra/test_closed_form.py", "tests/spectra/test_boundaries.py"]
 SLOWER = 6.0  # times what its tests take, and a minute: a mutant that takes longer goes round in circles, which a person would notice
 CALLS = "CALLS"  # the variable that names the file of which test calls what
@@ -133,7 +134,7 @@ def pytest_runtest_protocol(item: pytest.Item) -> Iterator[None]:
     seen: set[tuple[str, str]] = set()
 
     def called(frame: FrameType, event: str, _: object) -> None:
-        _, within, path = frame.f_code.co_filename.partition("/rocking_cli/dynamics/")
+        _, within, path = frame.f_code.co_filename.partition("/rocking_cli/")
         if within and event == "call":
             seen.add((path, frame.f_code.co_qualname.partition(".<locals>")[0]))
 
@@ -152,11 +153,11 @@ class Suite:
     tests: dict[tuple[str, str], list[tuple[float, str]]]
 
     @classmethod
-    def watched(cls) -> Suite:
+    def watched(cls, which: list[str]) -> Suite:
         with tempfile.TemporaryDirectory() as folder:
             calls = Path(folder) / "calls"
             environment = {**os.environ, CALLS: str(calls), "PYTHONPATH": os.pathsep.join((str(ROOT), str(ROOT / "tests")))}
-            call = [sys.executable, "-m", "pytest", "-q", "-n", "0", "-p", "no:cacheprovider", "-p", "bench.mutants", *TESTS]
+            call = [sys.executable, "-m", "pytest", "-q", "-n", "0", "-p", "no:cacheprovider", "-p", "bench.mutants", *which]
             if subprocess.run(call, cwd=ROOT, env=environment, check=False).returncode:
                 sys.exit("the tests fail without any change")
             rows = sorted(json.loads(line) for line in calls.read_text(encoding="utf-8").splitlines())
@@ -206,13 +207,14 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--count", type=int, default=200)
     parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--tests", action="append", help="of these tests alone")
     parser.add_argument("paths", nargs="*", type=Path)
     options = parser.parse_args()
-    given = [p.resolve() for p in options.paths or [ROOM]]
+    given = [p.resolve() for p in options.paths or [ROOM / "dynamics"]]
     paths = sorted(path for p in given for path in (p.rglob("*.py") if p.is_dir() else [p]))
     every = changes(paths)
     sample = random.Random(options.seed).sample(every, min(options.count, len(every)))
-    suite, survivors = Suite.watched(), 0
+    suite, survivors = Suite.watched(options.tests or TESTS), 0
     with ThreadPoolExecutor(os.cpu_count()) as pool:
         for number, done in enumerate(as_completed([pool.submit(suite.lets_through, change) for change in sample]), start=1):
             told = done.result()

@@ -125,7 +125,9 @@ def test_structures_share_rotations_but_not_where_they_leave_the_ground(tmp_path
     assert found.summary.outcomes["lost_contact"] == lost.sum()
     assert np.array_equal(found.outcome[0][~lost[1]], found.outcome[1][~lost[1]])
     assert np.array_equal(np.isnan(found.theta_ratio), np.isin(found.outcome, (3, 4, 6)))
-    alone = [spectrum([mass], sine(), grid, check=0) for mass in masses]
+    alone = [spectrum([mass], sine(), grid, check=0, quantities=("condition",)) for mass in masses]
     assert np.array_equal(found.outcome, np.concatenate([one.outcome for one in alone]))
+    turned = spectrum(masses[::-1], sine(), grid, check=0, quantities=("condition",))
+    np.testing.assert_array_equal(turned.condition[::-1], np.concatenate([one.condition for one in alone]))
     write_spectrum(masses, sine(), grid, tmp_path / "s.h5", impacts=True, chunk_cells=4)
     assert np.array_equal(read(tmp_path / "s.h5")["outcome"], found.outcome)

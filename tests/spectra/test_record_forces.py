@@ -1,0 +1,105 @@
+"""Blocks over alpha and T that leave the ground: against an integration that shares no code, and against blocks of a size."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+
+import numpy as np
+import pytest
+from oracle_systems import Body as Solved
+from oracle_systems import Edge
+from pressing import asked
+from recorded import wave
+from weighed import Shaking
+from written import built
+
+from rocking_cli import Axis, Method, Outcome, Spectrum
+from rocking_cli.dynamics.response import response_with_demands
+from rocking_cli.motions.recording import Recording
+from rocking_cli.motions.records import Record
+from rocking_cli.spectra.record_scene import angles_scene
+from rocking_cli.spectra.sweep import spectrum_of
+
+FORCES = ("friction", "fz_min")
+
+
+def recording(samples: np.ndarray, dt: float) -> Recording:
+    return Recording(Record("r", "text", None, dt, samples, None, "m/s2", "r", "r" * 64))
+
+
+SHORT = recording(wave(12, 30.0), 0.1)
+
+
+def judged(samples: np.ndarray, dt: float, degrees: np.ndarray, periods: np.ndarray, eta: float | None, model: str) -> Counter:
+    """How often blocks keep and lose the ground, of those that do not overturn; both ways must tell the same of every cell."""
+    scene = angles_scene(Axis("alpha", np.radians(degrees)), Axis("T", periods), [recording(samples, dt)], eta, Method(model))
+    found, times, seen = spectrum_of(scene, workers=1, check=0), dt * np.arange(samples.size), Counter()
+    shaking = Shaking(lambda t: float(np.interp(t, times, samples)), lambda t: 0.0, times[-1], tuple(times[1:]))
+    for j, block in enumerate(scene.structures):
+        for k, period in enumerate(periods.tolist()):
+            p = 2.0 * math.pi / period
+            edge, arm = Edge(p, block.alpha, block.eta), 0.75 * 9.81 / p**2
+            known, said = asked(Solved(edge, edge, 0.0, model == "nonlinear"), (arm, arm), shaking), Outcome(int(found.outcome[0, j, k]))
+            if known.answer.outcome == "undecided":  # it bounces for too long
+                assert said != Outcome.ROCKED or known.fz_min > 0.0, (degrees[j], period, known)
+            elif known.answer.outcome in ("rocked", "no_uplift") and known.fz_min <= 0.0:
+                assert said == Outcome.LOST_CONTACT, (degrees[j], period, known)
+            else:
+                assert said.flag == known.answer.outcome, (degrees[j], period, known)
+            seen[said] += 1
+    return seen
+
+
+def test_blocks_of_an_angle_leave_the_ground_where_an_integration_says():
+    seen = judged(wave(12, 30.0), 0.1, np.array([12.0, 50.0]), np.array([6.0]), 0.5, "nonlinear")
+    assert min(seen[Outcome.ROCKED], seen[Outcome.LOST_CONTACT]) > 0
+
+
+@pytest.mark.soak
+@pytest.mark.parametrize(("eta", "degrees"), [(None, (30.0, 54.0)), (0.5, (30.0, 65.0)), (0.8, (30.0, 65.0)), (0.95, (30.0, 65.0))])
+@pytest.mark.parametrize("model", ["nonlinear", "linear"])
+def test_no_stocky_block_of_many_is_said_to_rock_where_it_leaves_the_ground(eta, degrees, model):
+    random, seen = np.random.default_rng(5), Counter()
+    for _ in range(6):
+        samples = np.append(random.uniform(-1.0, 1.0, 13), 0.0)
+        samples *= random.uniform(1.1, 5.0) * 9.81 / np.abs(samples).max()
+        seen += judged(samples, 0.08, np.sort(random.uniform(*degrees, 4)), np.sort(random.uniform(0.6, 8.0, 5)), eta, model)
+    assert min(seen[Outcome.ROCKED], seen[Outcome.LOST_CONTACT]) > 5
+
+
+DEGREES, PERIODS = (12.0, 50.0), (1.5, 6.0)
+
+
+def swept(method: Method, *quantities: str, check: int = 0) -> Spectrum:
+    """A slender angle beside a stocky one."""
+    axes = Axis("alpha", np.radians(DEGREES)), Axis("T", np.array(PERIODS))
+    return spectrum_of(angles_scene(*axes, [SHORT], 0.5, method), workers=1, check=check, quantities=quantities)
+
+
+@pytest.mark.parametrize("model", ["linear", "nonlinear"])
+def test_what_is_said_of_an_angle_is_said_of_blocks_of_that_angle(model):
+    """Forces and condition beside change no outcome, and the slower path agrees."""
+    method = Method(model)
+    plain, found = swept(method, check=4), swept(method, *FORCES, "condition")
+    assert (plain.summary.checked_cells, plain.summary.misjudged) == (4, 0)
+    np.testing.assert_array_equal(plain.outcome, found.outcome)
+    assert {Outcome.ROCKED, Outcome.LOST_CONTACT} <= set(found.outcome.flat)
+    for j, angle in enumerate(DEGREES):
+        for k, period in enumerate(PERIODS):
+            radius = 0.75 * 9.81 / (2.0 * math.pi / period) ** 2
+            block = built(f"kind: block\nradius: {radius!r}\nalpha: {angle!r} deg\nrestitution: 0.5")
+            at = np.atleast_1d(block.dimensionless_amplitude(SHORT.acceleration)), np.array([1.0 / block.p]), block.eta
+            alone, demands = response_with_demands(method.system_of(block), SHORT.motion, *at)
+            assert found.outcome[0, j, k] == alone.outcome[0]
+            for name in FORCES:
+                assert found.beside[name][0, j, k] == pytest.approx(demands[name][0], abs=1e-7, rel=1e-7, nan_ok=True)
+    lost = plain.outcome == Outcome.LOST_CONTACT
+    assert np.isnan(found.condition[lost]).all()
+    assert np.isnan(plain.velocity_ratio[lost]).all()
+
+
+def test_the_linear_equation_beside_looks_at_each_angle_too():
+    both = swept(Method("nonlinear"), "linear")
+    np.testing.assert_array_equal(both.beside["outcome_linear"], swept(Method()).outcome)
+    assert Outcome.LOST_CONTACT in both.beside["outcome_linear"]
