@@ -115,7 +115,7 @@ def _remarks(verdicts: list[Verdict]) -> list[str]:
 
     falls = named(v for v in verdicts if v.outcome.overturned)
     window = named(v for v in verdicts if v.outcome.safe and v.capacity_demand is not None and v.capacity_demand < 1.0)
-    unsafe = named(v for v in verdicts if v.outcome.overturned and v.outcome_linear.safe)
+    unsafe = named(v for v in verdicts if v.falls and v.outcome_linear.safe)
     lines = [f"{len(falls)} of {len(verdicts)} overturn{': ' if falls else ''}{', '.join(falls)}"]
     if lost := named(v for v in verdicts if v.falls and not v.outcome.overturned):
         lines.append(f"lose contact with the ground, after which nothing is known of them: {', '.join(lost)}")

@@ -88,6 +88,13 @@ def test_a_body_that_leaves_the_ground_does_not_pass(rocking, tmp_path):
     assert "0 of 1 overturn\nlose contact with the ground" in done.stderr
 
 
+def test_linear_is_wrong_of_a_body_that_leaves_the_ground_too(rocking):
+    done = rocking("check", "block:1.6x2,restitution=0.6", "--a-g", "1.85g", "--f-g", "1.144", "--a-max", "1", "--json")
+    verdict = json.loads(done.stdout)
+    assert (verdict["outcome"], verdict["outcome_linear"]) == ("lost_contact", "rocked")
+    assert "the linear equation says they stand, and is wrong: block" in done.stderr
+
+
 def test_a_figure_of_the_capacities(rocking, refused, stated, tmp_path):
     assert rocking("check", stated, *SHAKING, "-q", "-o", "check.svg").returncode == 0
     assert (tmp_path / "check.svg").stat().st_size > 5000
