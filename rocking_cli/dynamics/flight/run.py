@@ -19,7 +19,7 @@ from ..march.engine import STILL, Landing, Run
 from ..march.roots import hidden_turn, impact_root, turning_point
 from ..outcome import Outcome
 from ..system import System
-from .bounded import LONGEST, bounded_response, shares
+from .bounded import LONGEST, LONGEST_JUMP, BoundedResponse, shares
 from .jump import Jumpers, Leap, horizon
 from .ramp import RampFlow, impact_guess
 from .windows import windows
@@ -28,7 +28,6 @@ Array = np.ndarray
 
 _POOL = 65536  # lanes: fewer rounds outweigh what no longer fits any cache
 _TABLES = 1 << 25  # bytes of tables at a time
-_LONGEST_JUMP = 24.0  # tau: exp of it stays below 3e10, so that growth cannot bury the state in rounding
 _LEAST = 1e-8  # over 1 + A: a displacement below it, which a jump knows to 1e-15 only, is left to single intervals
 _STRAGGLERS = 8  # one in so many lanes may still be jumping when the others take their intervals; as many at rest are lifted together
 _STATE = ("k", "u", "y", "v", "b", "peak")  # what a jump changes in a lane of the pool
@@ -65,10 +64,11 @@ class Flight(Run):
         paces, which = np.unique(pace, return_inverse=True)
         which = which.reshape(pace.shape)
         order = np.argsort(which[0], kind="stable")
-        for some in shares(order, which[0][order], max(1, _TABLES // (16 * len(pace) * self.samples.size))):
+        size = BoundedResponse(self.samples, paces).size
+        for some in shares(order, which[0][order], max(1, _TABLES // (16 * len(pace) * size))):
             mine, row = np.unique(which[:, some], return_inverse=True)
-            self.rows[:, waiting[some]] = row.reshape(len(pace), -1) * self.samples.size
-            self.table = bounded_response(self.samples, paces[mine]).ravel()
+            self.bounded = BoundedResponse(self.samples, paces[mine])
+            self.rows[:, waiting[some]] = row.reshape(len(pace), -1) * self.bounded.size
             self._fly(np.sort(waiting[some]))
 
     def _fly(self, waiting: Array) -> None:
@@ -77,13 +77,15 @@ class Flight(Run):
             taken = min(self.pool, waiting.size)
             self.flown = self._begin(waiting[:taken], np.arange(taken))
             self.resting: list[Flights] = []
+            self.beyond: list[Jumpers] = []  # lanes whose next jump leads out of the stretch that is tabled
+            self.unlaunched = [self.flown.slot]  # and slots of those that are not in it
             self.free = np.zeros(taken, dtype=bool)
-            aloft = self._launch(self.flown)
+            aloft = self._move()
             while aloft.k.size or self.resting:
                 halted, aloft = self._jump(aloft)
                 parts = [aloft, self._alone(halted)]
                 at_rest = sum(lanes.k.size for lanes in self.resting)
-                if at_rest and _STRAGGLERS * at_rest >= np.count_nonzero(~self.free):
+                if at_rest and (_STRAGGLERS * at_rest >= np.count_nonzero(~self.free) or not (aloft.k.size or halted.size)):
                     parts.append(self._lift())
                 places = np.flatnonzero(self.free)[: waiting.size - taken]
                 if places.size:
@@ -91,6 +93,15 @@ class Flight(Run):
                     taken += places.size
                     parts.append(self._onto(new))
                 aloft = Jumpers.join(parts)
+                if not (aloft.k.size or self.resting) and (self.beyond or self.unlaunched):
+                    aloft = self._move()
+
+    def _move(self) -> Jumpers:
+        """To the stretch of the record where the hindmost of those lanes is that wait beyond the last one; those that can go on."""
+        beyond, slots = self.beyond, np.concatenate([np.zeros(0, dtype=np.int64), *self.unlaunched])
+        self.beyond, self.unlaunched = [], []
+        self.bounded.move(int(np.concatenate([self.flown.k[slots], *(lanes.k + 1 for lanes in beyond)]).min()))
+        return Jumpers.join([*beyond, self._launch(self.flown.take(slots))])
 
     def _begin(self, cells: Array, slot: Array) -> Flights:
         """These cells at their first uplift."""
@@ -104,15 +115,20 @@ class Flight(Run):
 
     def _launch(self, lanes: Flights) -> Jumpers:
         """Lanes ready to jump: their state as modes about the bounded response, at the next sample."""
+        n = lanes.k + (lanes.u > 0.0)
+        out = (n < self.bounded.first) | (n >= self.bounded.stop)
+        if out.any():
+            self.unlaunched.append(lanes.slot[out])
+            lanes, n = lanes.take(np.flatnonzero(~out)), n[~out]
         row, k, inside = self.rows[self.cells.row(lanes.side), lanes.cell], lanes.k, lanes.u > 0.0
         pace = self.step / lanes.omega
         drive = -lanes.side * lanes.amplitude
         left = (pace - lanes.u / lanes.omega) * inside
         there = RampFlow(lanes.y, lanes.v, lanes.b, drive * self._gain(k) / pace).at(left)
-        bounded = self.table.take(row + (k + inside))
+        bounded = self.bounded.at(row, n)
         y, v = there.y - 1.0 - drive * bounded.real, there.v - drive * bounded.imag
         fall = (lanes.v + np.sqrt(lanes.v * lanes.v - 2.0 * lanes.b * lanes.y)) / -lanes.b
-        top = np.minimum(np.frexp(_LONGEST_JUMP / pace)[1] - 1, self.windows.levels - 1).astype(np.int64)
+        top = np.minimum(np.frexp(LONGEST_JUMP / pace)[1] - 1, self.windows.levels - 1).astype(np.int64)
         level = np.clip(np.frexp(np.where(fall > 0.0, 0.5 * fall / pace, 8.0))[1], 0, top).astype(np.int64)
         state = (lanes.k, lanes.u, lanes.y, lanes.v, lanes.b, lanes.peak)
         return Jumpers(lanes.slot, *state, 0.5 * (y + v), 0.5 * (y - v), drive, pace, row, level, top)
@@ -134,10 +150,15 @@ class Flight(Run):
         lanes, go = self._part(lanes, ahead >= 1.0, ended, halted)
         ahead, past, fall = ahead[go], past[go], fall[go]
         jump = ahead.astype(np.int64)
+        out = lanes.k + jump >= self.bounded.stop
+        if out.any():
+            stay = np.flatnonzero(~out)
+            self.beyond.append(lanes.take(np.flatnonzero(out)))
+            lanes, jump, ahead, past, fall = lanes.take(stay), jump[stay], ahead[stay], past[stay], fall[stay]
         to = lanes.k + jump
         grown = np.exp((jump - (lanes.u > 0.0)) * lanes.pace)  # where u is 0 the modes belong to this sample, else to the next
         up, down = lanes.up * grown, lanes.down / grown
-        bounded = self.table.take(lanes.row + to)
+        bounded = self.bounded.at(lanes.row, to)
         y, v = lanes.drive * bounded.real, lanes.drive * bounded.imag
         y += up + down
         y += 1.0
