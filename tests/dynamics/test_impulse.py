@@ -15,7 +15,7 @@ from rocking_cli.dynamics.impulse import ImpulseAhead
 from rocking_cli.dynamics.lanes import Lanes
 from rocking_cli.dynamics.march.engine import Run
 
-SMOOTH = [sine(), sine(2.5), cosine(1.5), pulse("ricker-symmetric"), pulse("mavroeidis-papageorgiou")]
+SMOOTH = [sine(), sine(2.5), cosine(1.5), pulse("ricker-symmetric"), pulse("mavroeidis-papageorgiou", phase=0.7)]
 FEW_PUSHES = [sine(), sine(0.5), cosine(0.5), pulse("rectangular"), pulse("rectangular-impulse")]
 
 

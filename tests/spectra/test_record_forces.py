@@ -57,7 +57,7 @@ def test_blocks_of_an_angle_leave_the_ground_where_an_integration_says():
 
 
 @pytest.mark.soak
-@pytest.mark.parametrize(("eta", "degrees"), [(None, (30.0, 54.0)), (0.5, (30.0, 65.0)), (0.8, (30.0, 65.0)), (0.95, (30.0, 65.0))])
+@pytest.mark.parametrize(("eta", "degrees"), [(None, (15.0, 54.0)), (0.5, (15.0, 65.0)), (0.8, (15.0, 65.0)), (0.95, (15.0, 65.0))])
 @pytest.mark.parametrize("model", ["nonlinear", "linear"])
 def test_no_stocky_block_of_many_is_said_to_rock_where_it_leaves_the_ground(eta, degrees, model):
     random, seen = np.random.default_rng(5), Counter()
@@ -65,7 +65,7 @@ def test_no_stocky_block_of_many_is_said_to_rock_where_it_leaves_the_ground(eta,
         samples = np.append(random.uniform(-1.0, 1.0, 13), 0.0)
         samples *= random.uniform(1.1, 5.0) * 9.81 / np.abs(samples).max()
         seen += judged(samples, 0.08, np.sort(random.uniform(*degrees, 4)), np.sort(random.uniform(0.6, 8.0, 5)), eta, model)
-    assert min(seen[Outcome.ROCKED], seen[Outcome.LOST_CONTACT]) > 5
+    assert min(seen[Outcome.ROCKED], seen[Outcome.LOST_CONTACT]) > 3
 
 
 DEGREES, PERIODS = (12.0, 50.0), (1.5, 6.0)

@@ -25,6 +25,10 @@ SKEWED = pieces((2.0 * math.pi, 0.0, 0.0, (Harmonic(1.0, 1.0, 0.0), Harmonic(-0.
 UNLIKE = pieces(
     (math.pi, 0.0, 0.0, (Harmonic(1.0, 1.0, 0.0),)), (6.0, -0.4, 0.1, (Harmonic(0.3, 0.5, math.pi),))
 )  # a jump between its pushes
+CROSSING = pieces((3.1, 0.0, 0.0, (Harmonic(1.0, 1.0, 0.0),)), (6.5, 0.04, -0.25, ()))  # zero just inside its last piece
+RISING = pieces(
+    (math.pi, 0.0, 0.0, (Harmonic(1.0, 1.0, 0.0),)), (math.pi + 20.0, 0.0, -0.03, ())
+)  # to its end, with a ridge from A = 1.67 on
 MOTIONS = [sine(), cosine(0.5), SKEWED, UNLIKE]
 NAMES = ["sine", "half a cosine", "skewed", "unlike"]
 
@@ -43,9 +47,11 @@ def around(weight, there, sense):
     return lambda u: weight(sense * (u - there))
 
 
-@pytest.mark.parametrize("motion", MOTIONS, ids=NAMES)
+@pytest.mark.parametrize("motion", [*MOTIONS, CROSSING], ids=[*NAMES, "crossing"])
 def test_impacts_and_integrals_are_those_of_quadrature(motion):
     pushes, random = TwoPushes.of(motion.segments), np.random.default_rng(2)
+    before, after = motion.value(pushes.turn + np.array([-1e-9, 1e-9]))
+    assert before * after < 0.0
     amplitude, omega = random.uniform(1.1, 4.0, 40), random.uniform(0.8, 6.0, 40)
     found = pushes.strikes(amplitude, omega)
     clear = np.flatnonzero(found.clear)[:4]
@@ -127,8 +133,32 @@ def test_stretches_are_settled_close_to_a_boundary():
     assert pushes.may_change(*ends, low, high, omega, 0.9).tolist() == [False, True, False, False]
 
 
+@pytest.mark.parametrize(
+    ("motion", "low", "high", "omega", "eta"),
+    [(sine(), 1.016, 1.287, 0.851, 0.5), (sine(), 1.44, 2.15, 1.188, 1.0), (RISING, 1.38, 1.49, 2.211, 1.0)],
+    ids=["the lower end is struck before the second ridge", "the upper end is not struck", "struck once more before the end"],
+)
+def test_outcomes_change_where_a_condition_of_the_lemma_is_not_met(motion, low, high, omega, eta):
+    pushes, (low, high, omega) = TwoPushes.of(motion.segments), np.array([[low], [high], [omega]])
+    found = linear_response(motion, np.linspace(low, high, 17), omega, eta, peaks=False)
+    assert np.unique(found.outcome).size > 1
+    assert pushes.may_change(pushes.strikes(low, omega), pushes.strikes(high, omega), low, high, omega, eta).all()
+
+
+def test_a_stretch_in_which_the_second_push_gets_a_ridge_is_not_settled():
+    """Beside it stretches of as small a change are, without a ridge and with one."""
+    pushes, omega = TwoPushes.of(UNLIKE.segments), np.full(3, 4.0)
+    largest = float(np.abs(UNLIKE.value(np.linspace(math.pi, 6.0, 100_001)[1:])).max())
+    low, high = np.array([0.97, 0.99, 1.01]) / largest, np.array([0.98, 1.01, 1.02]) / largest
+    ends = pushes.strikes(low, omega), pushes.strikes(high, omega)
+    assert [x.ridge.tolist() for x in ends] == [[False, False, True], [False, True, True]]
+    assert np.all(ends[0].clear & ends[1].clear)
+    assert pushes.may_change(*ends, low, high, omega, 0.5).tolist() == [False, True, False]
+
+
 def test_other_motions_are_not_of_this_kind():
     twice = pieces((2.0 * math.pi, 0.0, 0.0, (Harmonic(1.0, 1.0, 0.0), Harmonic(0.9, 3.0, 0.0))))  # each push swells twice
-    assert twice.segments.pushes == 2
-    for motion in (sine(0.5), sine(1.5), cosine(1), pulse("rectangular-impulse"), pulse("ricker-symmetric"), twice):
+    back = pieces((math.pi, 0.0, 0.0, (Harmonic(1.0, 1.0, 0.0),)), (4.0, 0.0, -0.5, ()), (5.0, -0.3, 0.1, ()), (6.0, -0.2, -0.1, ()))
+    assert twice.segments.pushes == back.segments.pushes == 2
+    for motion in (back, sine(0.5), sine(1.5), cosine(1), pulse("rectangular-impulse"), pulse("ricker-symmetric"), twice):
         assert TwoPushes.of(motion.segments) is None
