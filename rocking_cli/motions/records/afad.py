@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 
 from .record import Series
-from .text import Layout, RecordText
+from .text import Keys, Layout, RecordText
 
 NAME = "AFAD"
 _TITLE = "STRONG GROUND MOTION RECORDS OF T"
@@ -19,7 +19,7 @@ def recognise(head: str) -> bool:
 
 def read(text: RecordText) -> list[Series]:
     """The three components. Raises DocumentError."""
-    keys: dict[str, tuple[str, int]] = {}
+    keys: Keys = {}
     names: list[str] = []
     while not names:
         line = text.next_line()
@@ -30,13 +30,8 @@ def read(text: RecordText) -> list[Series]:
         if colon:
             keys[key.strip().upper()] = value.strip(), text.line - 1
 
-    def value_of(key: str) -> tuple[str, int]:
-        if not keys.get(key, ("", 0))[0]:
-            raise text.fault(f"no value of {key}", keys.get(key, ("", 1))[1])
-        return keys[key]
-
-    count = text.count(*value_of("NUMBER OF DATA"))
-    dt = text.step(*value_of("SAMPLING INTERVAL (SEC)"))
+    count = text.count(*text.value(keys, "NUMBER OF DATA"))
+    dt = text.step(*text.value(keys, "SAMPLING INTERVAL (SEC)"))
     stated = next((v for k, (v, _) in keys.items() if "PGA VALUES" in k), "")
     peaks = dict(re.findall(r"\(([^)]+)\)\s*([-+.\dEe]+)", stated))
     unit = next((k for k in keys if "PGA VALUES" in k), "(GAL)")

@@ -8,7 +8,7 @@ from .record import WRITTEN_UNITS, Series, unit_of
 from .text import Layout, RecordText
 
 NAME = "ESM"
-_KEY = re.compile(r"([A-Z][A-Z0-9_/^.()-]*)\s*:\s*(.*)")
+_KEY = re.compile(r"\s*([A-Z][A-Z0-9_/^.()-]*)\s*:\s*(.*)")
 _KINDS = ("ACCELERATION", "PROCESSED ACCELERATION", "UNPROCESSED ACCELERATION")
 
 
@@ -19,29 +19,16 @@ def recognise(head: str) -> bool:
 
 def read(text: RecordText) -> list[Series]:
     """The one component of the file. Raises DocumentError."""
-    keys: dict[str, tuple[str, int]] = {}
-    while not text.more_numbers():
-        line = text.next_line()
-        if line is None:
-            raise text.fault("the file ends within its header")
-        found = _KEY.match(line.strip())
-        if found is not None:
-            keys[found[1]] = found[2].strip(), text.line - 1
-
-    def value(key: str, wanted: str) -> tuple[str, int]:
-        if not keys.get(key, ("", 0))[0]:
-            raise text.fault(f"no value of {key}; accepted is {wanted}", keys.get(key, ("", 1))[1])
-        return keys[key]
-
-    kind, line_number = value("DATA_TYPE", "ACCELERATION")
+    keys = text.keys(_KEY)
+    kind, line_number = text.value(keys, "DATA_TYPE", "ACCELERATION")
     if kind.upper() not in _KINDS:
         raise text.no_acceleration(f"DATA_TYPE: found {kind!r}; accepted is ACCELERATION", line_number)
-    unit, line_number = value("UNITS", "a unit of acceleration")
+    unit, line_number = text.value(keys, "UNITS", "a unit of acceleration")
     known = unit_of(unit)
     if known is None:
         raise text.fault(f"UNITS: found {unit!r}; accepted are {', '.join(WRITTEN_UNITS)}", line_number)
-    count = text.count(*value("NDATA", "a number of values"))
-    dt = text.step(*value("SAMPLING_INTERVAL_S", "a step in s"))
+    count = text.count(*text.value(keys, "NDATA", "a number of values"))
+    dt = text.step(*text.value(keys, "SAMPLING_INTERVAL_S", "a step in s"))
     if keys.get("DURATION_S", ("", 0))[0]:
         text.agree(count, dt, *keys["DURATION_S"])
     peak = next((v for k, (v, _) in keys.items() if k.startswith("PGA_") and re.fullmatch(r"[-+\d.eE]+", v)), None)

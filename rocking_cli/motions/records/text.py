@@ -15,6 +15,7 @@ import numpy as np
 from ...errors import DocumentError, NoAcceleration
 
 Array = np.ndarray
+Keys = dict[str, tuple[str, int]]
 
 HEAD = 1 << 16  # bytes in which a format shows itself
 _LINES_AT_ONCE = 1 << 16
@@ -87,6 +88,26 @@ class RecordText:
             if found is not None:
                 return found
         return None
+
+    def keys(self, pattern: re.Pattern[str]) -> Keys:
+        """Every key (the pattern's first group) with its value (the second) and its line, above the first line that begins with a number.
+        Raises DocumentError where there is none."""
+        found: Keys = {}
+        while not self.more_numbers():
+            line = self.next_line()
+            if line is None:
+                raise self.fault("the file ends within its header")
+            stated = pattern.match(line)
+            if stated is not None:
+                found[stated[1]] = stated[2].strip(), self.line - 1
+        return found
+
+    def value(self, keys: Keys, key: str, wanted: str = "") -> tuple[str, int]:
+        """The value of a key, and its line. Raises DocumentError where it has none; wanted: what it should be."""
+        text, line = keys.get(key, ("", 1))
+        if not text:
+            raise self.fault(f"no value of {key}" + (f"; accepted is {wanted}" if wanted else ""), line)
+        return text, line
 
     def number(self, text: str, line: int | None = None) -> float:
         """A number of the header. Raises DocumentError."""
