@@ -43,7 +43,7 @@ def records(files: tuple[str, ...], component: str | None, unit: str | None, dt:
     for path, named in record_files(files):
         source, raw = read_bytes(path)
         try:
-            found = records_of(source, raw, unit=unit, dt=step)
+            found = records_of(source, raw, unit=unit, dt=step, named=named)
         except NoAcceleration as error:
             if named:
                 raise
@@ -58,7 +58,7 @@ def records(files: tuple[str, ...], component: str | None, unit: str | None, dt:
             rows.append(_row(record))
             notes += [f"{source}: {remark}" for remark in record.remarks]
     options.emit(rows, form, COLUMNS)
-    for line in notes:
+    for line in dict.fromkeys(notes):
         options.note(line, quiet)
 
 

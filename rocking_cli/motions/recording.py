@@ -99,7 +99,7 @@ def read_motions(
     found: list[Recording] = []
     for source, raw, named in _files(paths, say):
         try:
-            records = records_of(source, raw, unit=unit, dt=dt)
+            records = records_of(source, raw, unit=unit, dt=dt, named=named)
         except NoAcceleration as error:
             if named:
                 raise

@@ -13,6 +13,8 @@ from written import csv_rows
 COLUMNS = ["name", "format", "component", "npts", "dt", "duration", "pga", "pga_time", "pgv", "pgd", "arias", "cav", "d5_75", "d5_95"]
 COLUMNS += ["header_pga"]
 AT2 = "Title\nEvent\nACCELERATION TIME SERIES IN UNITS OF G\nNPTS= 500, DT= .01 SEC\n" + rows(wave(500, 0.2), 5, "{:15.7E}")
+VOLUME_1 = "Uncorrected Accelerogram Data\n" + 10 * "\n" + "No. of Points = 3  Record Length = .015 sec\n\n" + 14 * "    1\n"
+VOLUME_1 += "3 Accelerogram points at 200 pts/sec in units of g. Format: (8f9.6)\n  .100000 -.200000  .100000\n"
 
 
 def test_a_row_a_component_in_si_units(rocking, tmp_path):
@@ -51,6 +53,11 @@ def test_a_directory_leaves_out_what_is_no_record(rocking, tmp_path):
     (tmp_path / "set" / "a.mseed").write_bytes(b"MS\x03" + b"\0" * 100)
     assert "set/a.mseed: miniSEED, which holds counts" in rocking("records", "set").stderr
     assert rocking("records", "set/b.VT2").returncode == 3
+    (tmp_path / "set" / "c.V1").write_text(2 * VOLUME_1)
+    assert (
+        "set/c.V1: an uncorrected accelerogram, which is taken where the file itself is named; left out" in rocking("records", "set").stderr
+    )
+    assert rocking("records", "set/c.V1").stderr.strip() == "set/c.V1: an uncorrected accelerogram"  # once for its two channels
     assert rocking("records", "set", "--json", "-q").stderr == ""
 
 
@@ -70,7 +77,7 @@ def test_a_peak_that_the_header_contradicts_is_one_line_with_both_numbers(rockin
     assert done.returncode == 0
     assert (row["component"], row["header_pga"], row["pga"]) == ("HNN", 0.505, 0.7025)
     assert row["header_difference"] == pytest.approx(70.25 / 50.5 - 1.0)
-    odd = "a.asc: the header states a peak of HNN of 50.5 cm/s2, the samples have 70.25 cm/s2"
+    odd = "a.asc: the header states a peak of component HNN of 50.5 cm/s2, the samples have 70.25 cm/s2"
     assert done.stderr.strip() == odd
     assert rocking("response", "configs/block.yaml", "--motion", "a.asc", "--json").stderr.splitlines()[0] == odd
 

@@ -82,6 +82,24 @@ def test_of_a_directory_velocities_are_left_out_and_said(folder):
         read_motions(["set/a.VT2"])
 
 
+def test_of_a_directory_uncorrected_accelerograms_are_left_out_and_said(folder):
+    """The corrected ones may lie beside them, and would be counted twice."""
+    (folder / "set").mkdir()
+    (folder / "set" / "a.AT2").write_text((folder / "a.AT2").read_text())
+    for name, first in (
+        ("b.V1", "Uncorrected Accelerogram Data"),
+        ("c.V1A", "Uncorrected accelerogram 1 GNS Science"),
+        ("d.V1", "* VOL1DS FILE"),
+    ):
+        (folder / "set" / name).write_text(f"{first}\n1 2 3\n")
+    said: list[str] = []
+    assert labels(read_motions(["set"], tell=said.append)) == ["a"]
+    assert [line.split(":")[0] for line in said] == ["set/b.V1", "set/c.V1A", "set/d.V1"]
+    assert all(line.endswith("an uncorrected accelerogram, which is taken where the file itself is named; left out") for line in said)
+    with pytest.raises(DocumentError, match="the file ends within its header"):
+        read_motions(["set/b.V1"])
+
+
 def test_what_a_path_holds(folder):
     held = {name: holds_records(name) for name in (*sorted(os.listdir()), ".", "-", "nowhere")}
     assert {name for name, there in held.items() if there} == {"a.AT2", "b.AT2", "c.txt.gz", "list", "."}

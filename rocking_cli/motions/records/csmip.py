@@ -13,7 +13,7 @@ from .text import Layout, RecordText, fortran_layout
 
 NAME = "CSMIP V2"
 _FIRST = re.compile(r"(?<!UN)CORRECTED ACCELEROGRAM", re.IGNORECASE)
-_OTHER = re.compile(r"\s*(?:(UNCORRECTED ACCELEROGRAM)|RESPONSE AND FOURIER AMPLITUDE SPECTRA)", re.IGNORECASE)  # volumes 1 and 3
+_SPECTRA = re.compile(r"\s*RESPONSE AND FOURIER AMPLITUDE SPECTRA", re.IGNORECASE)  # volume 3
 _CHANNEL = re.compile(r"\bChan(?:nel)?\s*\d*\s*:\s*(.+?)\s*(?:from|\(|$)", re.IGNORECASE)
 _BLOCK = re.compile(r"^\s*(\d+)\s*points of (accel|veloc|displ)\w* data(?:.*?\bat\s*([-+.\d]+)\s*sec)?", re.IGNORECASE)
 _PEAK = re.compile(r"Peak\s+accel\w*\s*=\s*([-+.\dEe]+)\s*([a-z/0-9^]+)", re.IGNORECASE)
@@ -24,9 +24,9 @@ _REAL_HEADER = 13  # lines of the numbers before a block; the 61st of them is th
 
 
 def recognise(head: str) -> bool:
-    """Whether the first line announces an accelerogram, corrected or not, that is not of GNS Science, or its spectra."""
+    """Whether the first line announces a corrected accelerogram that is not of GNS Science, or spectra."""
     first = head.lstrip().split("\n", 1)[0]
-    return bool(_FIRST.search(first) or _OTHER.match(first)) and "GNS Science" not in first and "(format v" not in first.lower()
+    return bool(_FIRST.search(first) or _SPECTRA.match(first)) and "GNS Science" not in first and "(format v" not in first.lower()
 
 
 def read(text: RecordText) -> list[Series]:
@@ -37,9 +37,8 @@ def read(text: RecordText) -> list[Series]:
     peak: re.Match[str] | None = None
     points = length = None
     recent: list[str] = []
-    if (other := _OTHER.match(text.head)) is not None:
-        what = "an uncorrected accelerogram (volume 1)" if other[1] else "spectra (volume 3)"
-        raise text.no_acceleration(f"{what}; accepted is the corrected accelerogram (volume 2)", 1)
+    if _SPECTRA.match(text.head):
+        raise text.no_acceleration("spectra (volume 3); accepted is an accelerogram (volume 1 or 2)", 1)
     while (line := text.next_line()) is not None:
         recent = [*recent[-_REAL_HEADER:], line]
         if _FIRST.search(line):

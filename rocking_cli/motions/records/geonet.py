@@ -1,5 +1,5 @@
-"""GeoNet V2A (GNS Science): three components a file, each 16 lines of text, 10 of numbers, then acceleration, velocity and
-displacement in mm/s2, mm/s and mm, ten values of eight characters a line."""
+"""GeoNet V2A and V1A (GNS Science): three components a file, each 16 lines of text, 10 of numbers, then acceleration, velocity and
+displacement in mm/s2, mm/s and mm, ten values of eight characters a line; V1A is uncorrected and has acceleration alone."""
 
 from __future__ import annotations
 
@@ -8,10 +8,11 @@ import re
 from .record import Series
 from .text import Layout, RecordText
 
-NAME = "GeoNet V2A"
-_FIRST = re.compile(r"^\s*(un)?corrected accelerogram.*GNS Science", re.IGNORECASE)
+NAME = "GeoNet"
+_FIRST = re.compile(r"^\s*(?:un)?corrected accelerogram.*GNS Science", re.IGNORECASE)
 _POINTS = re.compile(r"Number of points\s+(\S+)\s+Duration\s+([\d.]+)\s*s", re.IGNORECASE)
 _COMPONENT = re.compile(r"^\s*Component\s+(\S+)", re.IGNORECASE)
+_SCALE = re.compile(r"readings in units of\s+(\S+)\s*mm/s/s", re.IGNORECASE)
 _PEAK = re.compile(r"Acceleration:\s*peak\s*([-+.\dEe]+)\s*mm/s", re.IGNORECASE)
 _LAYOUT = Layout(10, 8)
 _TEXT, _NUMBERS = 16, 100
@@ -26,9 +27,7 @@ def recognise(head: str) -> bool:
 def read(text: RecordText) -> list[Series]:
     """The acceleration of every component. Raises DocumentError."""
     found: list[Series] = []
-    while (first := text.find(_FIRST)) is not None:
-        if first[1]:
-            raise text.no_acceleration("an uncorrected accelerogram (V1A); accepted is the corrected one (V2A)")
+    while text.find(_FIRST) is not None:
         start = text.line
         lines = text.lines(_TEXT - 1)
         numbers = text.numbers(_NUMBERS, _LAYOUT)
@@ -42,6 +41,8 @@ def read(text: RecordText) -> list[Series]:
                 if text.count(points[1], i) != counts[0]:
                     raise text.fault(f"{points[1]} points, where the numbers of the header state {counts[0]}", i)
                 text.agree(counts[0], dt, points[2], i)
+            if (scale := _SCALE.search(line)) is not None and text.number(scale[1], i) != 1.0:
+                raise text.fault(f"raw readings in units of {scale[1]} mm/s/s; accepted are those in units of 1", i)
             component = m[1] if (m := _COMPONENT.match(line)) else component
             peak = m[1] if (m := _PEAK.search(line)) else peak
         samples = text.numbers(counts[0], _LAYOUT)

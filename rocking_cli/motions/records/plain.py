@@ -62,7 +62,7 @@ def read(text: RecordText, unit: str | None, dt: float | None) -> list[Series]:
         return [Series(None, dt, values, unit)]
     if dt is not None:
         raise DocumentError(f"{text.source}: two columns, of which the first is the time; `dt` goes with one column")
-    step = _even_step(values[0::2], text, line_number)
+    step = even_step(values[0::2], text, line_number)
     count = values.size // 2
     for part in blocks(count):  # in place of the times
         values[part] = values[2 * part.start + 1 : 2 * part.stop : 2]
@@ -71,7 +71,7 @@ def read(text: RecordText, unit: str | None, dt: float | None) -> list[Series]:
     return [Series(None, step, values, unit, remark=remark)]
 
 
-def _even_step(time: np.ndarray, text: RecordText, line: int) -> float:
+def even_step(time: np.ndarray, text: RecordText, line: int, in_a_line: int = 1) -> float:
     """The step of times which rise evenly; line: of the first. Raises DocumentError where they do not."""
     step = float(f"{(time[-1] - time[0]) / max(1, time.size - 1):.10g}")
     level = False
@@ -85,4 +85,4 @@ def _even_step(time: np.ndarray, text: RecordText, line: int) -> float:
         bad = 0
         if step > 0.0 and not level:
             return step
-    raise text.fault(f"times that do not rise in even steps, such as {time[bad]:g} s", line + bad)
+    raise text.fault(f"times that do not rise in even steps, such as {time[bad]:g} s", line + bad // in_a_line)

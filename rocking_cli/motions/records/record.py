@@ -88,7 +88,7 @@ def record_of(series: Series, name: str, format_: str, source: str, sha256: str)
     factor = UNITS["acceleration"][series.unit]
     acceleration = np.multiply(series.samples, factor, out=series.samples) if series.samples.dtype == float else series.samples * factor
     remarks = [series.remark] if series.remark else []
-    where = "" if series.component is None else f" of {series.component}"
+    where = "" if series.component is None else f" of component {series.component}"
     peak, header = largest(acceleration), None
     if peak > _PEAKS[1] * DEFAULT_GRAVITY or (series.peak is None and 0.0 < peak < _PEAKS[0] * DEFAULT_GRAVITY):
         remarks.append(f"a peak{where} of {peak / DEFAULT_GRAVITY:.3g} g, where the unit is taken to be {series.unit}")

@@ -35,7 +35,9 @@ def read(text: RecordText) -> list[Series]:
         text.next_line()
     count = text.count(f"{integers[_POINTS]:.0f}")
     if reals[_RATE] == reals[_NONE]:
-        raise text.fault("no sampling rate in the header")
+        raise text.fault(
+            "no sampling rate in the header, as of pairs of times and accelerations; accepted are accelerations at equal steps"
+        )
     rate = text.rate(f"{reals[_RATE]:.10g}")
     component = next((m[1] for line in lines if (m := _COMPONENT.search(line))), None)
     peaks = [abs(reals[i]) for i in (_MAXIMUM, _MINIMUM) if reals[i] != reals[_NONE]]

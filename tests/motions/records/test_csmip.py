@@ -98,13 +98,9 @@ def test_channels_of_one_name_are_told_apart(tmp_path):
     assert [r.component for r in read_records(path)] == ["90 Deg (1)", "90 Deg (2)"]
 
 
-VOLUME_1 = "Uncorrected Accelerogram Data             Processed: 01/02/00, XYZ\nChan  1: 360 Deg\n" + rows([1] * 100, 16, "{:5d}")
-
-
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        (VOLUME_1, "a:1: an uncorrected accelerogram (volume 1); accepted is the corrected accelerogram (volume 2)"),
         ("Response and Fourier amplitude spectra (78 periods)   for\n" + channel(1, 90, SAMPLES), "a:1: spectra (volume 3); accepted is"),
         (channel(1, 90, SAMPLES / 10, blocks="v"), "no points of accel data, only of veloc"),
         (channel(1, 90, SAMPLES / 10, blocks=""), "no line `n points of accel data`"),

@@ -1,4 +1,4 @@
-"""GeoNet V2A: three components a file, ten numbers of eight characters a line."""
+"""GeoNet V2A and V1A: three components a file, ten numbers of eight characters a line."""
 
 from __future__ import annotations
 
@@ -49,6 +49,24 @@ def component(name, values, *, points=None, duration=None, dt=0.02, peak=None, f
     return text + rows(values, 10, FORM) + rows(values / 10, 10, FORM) + rows([1.0, 2.0, 3.0], 10, FORM)
 
 
+def uncorrected(name, values, unit="1.00"):
+    """As V1A is: no velocities and displacements, whose numbers of values are 0."""
+    lines = component(name, values, first="Uncorrected accelerogram").splitlines(keepends=True)
+    lines[10] = f"Raw readings in units of {unit} mm/s/s  at intervals of 0.020 s\n"
+    lines[19] = lines[19][:32] + rows([0.0] * 6, 6, "{:8.0f}")
+    return "".join(lines[: 26 - (-len(values) // 10)])
+
+
+def test_uncorrected_as_v1a_has_them(tmp_path):
+    path = tmp_path / "a.V1A"
+    path.write_text(uncorrected("N40W", SAMPLES / 2) + uncorrected("Up", SAMPLES / 7))
+    first, second = read_records(path)
+    assert (first.component, second.component, first.dt) == ("N40W", "Up", 0.02)
+    assert first.remarks == second.remarks == ("an uncorrected accelerogram",)
+    np.testing.assert_allclose(first.acceleration, 1e-3 * as_printed(SAMPLES / 2, FORM), rtol=1e-15)
+    np.testing.assert_allclose(second.acceleration, 1e-3 * as_printed(SAMPLES / 7, FORM), rtol=1e-15)
+
+
 def test_three_components_whose_numbers_touch(tmp_path):
     path = tmp_path / "a.V2A"
     shaken = {"N28W": np.minimum(SAMPLES, 9999.0), "S62W": -SAMPLES / 3, "Up": SAMPLES / 7}
@@ -56,7 +74,7 @@ def test_three_components_whose_numbers_touch(tmp_path):
     records = read_records(path)
     assert [r.component for r in records] == list(shaken)
     for record, samples in zip(records, shaken.values(), strict=True):
-        assert (record.format, record.dt, record.remarks) == ("GeoNet V2A", 0.02, ())
+        assert (record.format, record.dt, record.remarks) == ("GeoNet", 0.02, ())
         np.testing.assert_allclose(record.acceleration, 1e-3 * as_printed(samples, FORM), rtol=1e-15)
         assert record.header_pga == pytest.approx(np.abs(record.acceleration).max(), rel=1e-6, abs=0)
 
@@ -67,7 +85,7 @@ def test_three_components_whose_numbers_touch(tmp_path):
         (component("Up", SAMPLES / 2, points=1235), "a:10: 1235 points, where the numbers of the header state 1234"),
         (component("Up", SAMPLES / 2, duration=30.0), "a:10: 1234 values every 0.02 s make 24.68 s, where the header states 30.00 s"),
         (component("Up", SAMPLES / 2, dt=0.0, duration=24.66), "a time step of 0"),
-        (component("Up", SAMPLES / 2, first="Uncorrected accelerogram"), "a:1: an uncorrected accelerogram (V1A)"),
+        (uncorrected("Up", SAMPLES / 2, unit="0.10"), "a:11: raw readings in units of 0.10 mm/s/s; accepted are those in units of 1"),
         ("\n".join(component("Up", SAMPLES / 2).splitlines()[:60]) + "\n", "a:60: the file ends after 340 of 1234 values"),
         (component("Up", SAMPLES / 2) + "\n".join(component("N", SAMPLES / 2).splitlines()[:20]), "the file ends after"),
     ],

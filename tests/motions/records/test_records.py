@@ -63,7 +63,6 @@ SAC = struct.pack("<110f", *[-12345.0] * 110)[:304] + struct.pack("<i", 6) + b"\
         (b"000001D ABC  00HHZXX" + b"\0" * 100, "miniSEED, which holds counts"),
         (b"MS\x03" + b"\0" * 100, "miniSEED, which holds counts"),
         (b"abc\0def" * 50, "a binary file"),
-        (b"Uncorrected Accelerogram Data  Processed\n", "an uncorrected accelerogram (volume 1)"),
         (b"kind: block\n", "no record format (it begins with 'kind: block')"),
         (gzip.compress(AT2.encode(), mtime=0)[:-20], "a damaged gzip file"),
         (gzip.compress(b"", mtime=0), "empty"),
