@@ -39,7 +39,7 @@ __all__ = [
     "unknown",
 ]
 
-FORMATS = ("esm", "cosmos", "geonet", "smc", "csmip", "volume1", "knet", "afad", "peer")
+FORMATS = ("esm", "cosmos", "geonet", "smc", "csmip", "volume1", "cwb", "knet", "afad", "peer")
 LARGEST = 256 << 20  # bytes of a file, unpacked
 _STDIN = "<stdin>"
 _PATIENCE = 2.0  # s that a pipe may be without a writer
