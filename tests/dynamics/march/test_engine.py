@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
 from itertools import pairwise
 
 import numpy as np
@@ -11,6 +12,7 @@ from multiple import march
 from oracle import INTERVALS, LADDER, RTOL, condition, integrate, ladder
 
 from rocking_cli import Motion, Outcome, cosine, linear_response, overturned, pulse, sine
+from rocking_cli.dynamics.march.engine import Run
 from rocking_cli.motions import Harmonic, Piece
 
 
@@ -112,6 +114,23 @@ def test_one_lane_equals_the_same_lane_in_a_batch_to_the_last_bit():
         one = linear_response(sine(1.5), amplitude[i], omega[i], eta[i])
         assert one.theta_ratio.tobytes() == whole.theta_ratio[i].tobytes()
         assert one.outcome == whole.outcome[i]
+
+
+def test_those_that_bounce_longest_begin_in_whatever_order_cells_are_given(monkeypatch):
+    plain, rounds = Run.round, Counter()
+
+    def counted(run, lanes):
+        rounds[order] += 1
+        return plain(run, lanes)
+
+    monkeypatch.setattr(Run, "round", counted)
+    amplitude, found = 255.0 / (254.5 - np.arange(230)), {}  # each in a class of its own
+    mixed = np.random.default_rng(1).permutation(amplitude.size)
+    for order, places in {"weakest first": np.arange(amplitude.size), "last": np.arange(amplitude.size)[::-1], "mixed": mixed}.items():
+        found[order] = np.empty(amplitude.size)
+        found[order][places] = linear_response(sine(), amplitude[places], 6.0, 0.9, pool=16).theta_ratio
+    assert len(set(rounds.values())) == 1
+    assert len({theta.tobytes() for theta in found.values()}) == 1
 
 
 def test_a_motion_and_its_mirror_image_give_the_same_bits():
