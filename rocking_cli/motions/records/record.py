@@ -90,7 +90,8 @@ def record_of(series: Series, name: str, format_: str, source: str, sha256: str)
     remarks = [series.remark] if series.remark else []
     where = "" if series.component is None else f" of component {series.component}"
     peak, header = largest(acceleration), None
-    if peak > _PEAKS[1] * DEFAULT_GRAVITY or (series.peak is None and 0.0 < peak < _PEAKS[0] * DEFAULT_GRAVITY):
+    small = series.peak is None and series.unit != "g" and 0.0 < peak < _PEAKS[0] * DEFAULT_GRAVITY  # no unit is larger than g
+    if peak > _PEAKS[1] * DEFAULT_GRAVITY or small:
         remarks.append(f"a peak{where} of {peak / DEFAULT_GRAVITY:.3g} g, where the unit is taken to be {series.unit}")
     if series.peak is not None:
         stated = abs(float(series.peak))

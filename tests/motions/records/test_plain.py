@@ -51,6 +51,8 @@ def test_a_peak_that_speaks_against_the_unit_is_a_remark(tmp_path, unit, remarks
     path = tmp_path / "a"
     path.write_text("".join(f"{0.3 * x:.6f}\n" for x in SAMPLES))
     assert read_record(path, unit=unit, dt=0.01).remarks == remarks
+    path.write_text("".join(f"{1e-5 * x:.9f}\n" for x in SAMPLES))
+    assert read_record(path, unit="g", dt=0.01).remarks == ()  # far from a small earthquake
     path.write_text("".join(f"{300.0 * x:.6f}\n" for x in SAMPLES))
     (remark,) = read_record(path, unit="g", dt=0.01).remarks
     assert remark == "a peak of 750 g, where the unit is taken to be g"
