@@ -229,9 +229,11 @@ def _unpacked(source: str, raw: bytes) -> bytes:
 
 
 def _refuse_binary(source: str, raw: bytes) -> None:
-    """Raise DocumentError for an empty file, NoAcceleration for SAC and miniSEED, which hold counts, and for all else that is no text."""
+    """Raise DocumentError for an empty file, NoAcceleration for archives, SAC and miniSEED, and for all else that is no text."""
     if not (raw[:HEAD].strip() or raw.strip()):
         raise DocumentError(f"{source}: empty; accepted is a record or a motion document")
+    if raw.startswith(b"PK\x03\x04") or raw[257:262] == b"ustar":
+        raise NoAcceleration(f"{source}: an archive (zip or tar); unpack it and name the files in it")
     if raw[:3] == b"MS\x03" or (raw[:6].strip(b" 0123456789") == b"" and raw[6:7] in b"DRQM" and raw[7:8] in b" \0" and len(raw) >= 48):
         raise NoAcceleration(f"{source}: miniSEED, which holds {_COUNTS}")
     if len(raw) >= 632 and raw[304:308] in (b"\x06\0\0\0", b"\0\0\0\x06", b"\x07\0\0\0", b"\0\0\0\x07"):

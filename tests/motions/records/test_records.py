@@ -6,6 +6,7 @@ import gzip
 import hashlib
 import io
 import struct
+import tarfile
 import tracemalloc
 
 import numpy as np
@@ -50,6 +51,15 @@ def test_a_set_is_files_a_directory_or_a_list(tmp_path):
         list(record_files([str(tmp_path / "empty")]))
 
 
+def archive(text):
+    """A tar of one file, whose few nulls do not make it binary."""
+    made, info = io.BytesIO(), tarfile.TarInfo("a.AT2")
+    info.size = len(text)
+    with tarfile.open(fileobj=made, mode="w") as tar:
+        tar.addfile(info, io.BytesIO(text.encode()))
+    return made.getvalue()
+
+
 SAC = struct.pack("<110f", *[-12345.0] * 110)[:304] + struct.pack("<i", 6) + b"\0" * 400
 
 
@@ -63,6 +73,8 @@ SAC = struct.pack("<110f", *[-12345.0] * 110)[:304] + struct.pack("<i", 6) + b"\
         (b"000001D ABC  00HHZXX" + b"\0" * 100, "miniSEED, which holds counts"),
         (b"MS\x03" + b"\0" * 100, "miniSEED, which holds counts"),
         (b"abc\0def" * 50, "a binary file"),
+        (gzip.compress(archive(AT2), mtime=0), "an archive (zip or tar)"),
+        (b"PK\x03\x04" + AT2.encode(), "an archive (zip or tar)"),
         (b"kind: block\n", "no record format (it begins with 'kind: block')"),
         (gzip.compress(AT2.encode(), mtime=0)[:-20], "a damaged gzip file"),
         (gzip.compress(b"", mtime=0), "empty"),
