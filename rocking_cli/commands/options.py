@@ -84,9 +84,12 @@ linear_uplift = click.option(
 
 
 def lifting(structures: list[RockingParameters], linear_uplift: str, models: Sequence[str] = ("linear",)) -> list[RockingParameters]:
-    """The structures as --linear-uplift has them. Raises click.UsageError where another equation than the linear one is wanted."""
+    """The structures as --linear-uplift has them. Raises click.UsageError where another equation than the linear one is wanted, or
+    there is none."""
     if linear_uplift != "lambda":
         return structures
+    if not structures:
+        raise click.UsageError("--linear-uplift lambda goes with structures: give FILE")
     if tuple(models) != ("linear",):
         raise click.UsageError("--linear-uplift lambda goes with --model linear: the nonlinear equation lifts at lambda by itself")
     return [structure.lifting_at_lambda() for structure in structures]

@@ -139,7 +139,10 @@ def site_pulses(path: str | Path) -> tuple[Member, ...]:
 
         stated, key = number(given[0], frequencies[given[0]]), given[0]
         omega = stated if key == "omega_g" else 2.0 * math.pi * stated if key == "f_g" else 2.0 * math.pi / stated
-        motion, a_g = pulse((row.get("pulse") or "sine").strip()), number("a_g", "acceleration")
+        try:
+            motion, a_g = pulse((row.get("pulse") or "sine").strip()), number("a_g", "acceleration")
+        except UsageError as error:
+            raise DocumentError(f"{path}, line {line}: {error}") from None
         weight = number("weight", "number") if "weight" in columns else 1.0
         label = f"{motion.name}, {a_g:.4g} m/s2, {omega / (2.0 * math.pi):.4g} Hz"
         found.append(Member(label, a_g * motion.peak, omega, pulse_intensity(motion, a_g, omega), weight, pulse=motion))

@@ -19,7 +19,7 @@ from ..documents.quantities import DEFAULT_GRAVITY
 from ..dynamics.method import LINEAR, TOLERANCE, Method, governing_method
 from ..dynamics.outcome import Outcome
 from ..dynamics.response import response
-from ..errors import UsageError
+from ..errors import StructureError, UsageError
 from ..motions.recording import Recording
 from ..structures.parameters import RockingParameters
 from .frame import Frame, beside_records, beside_structures, varied_units
@@ -193,8 +193,14 @@ def structures_scene(
 def angles_scene(
     alphas: Axis, periods: Axis, recordings: Sequence[Recording], eta: float | None = None, method: Method = LINEAR
 ) -> RecordScene:
-    """Rigid blocks over alpha and T = 2 pi/p under records; eta: None for that of a block. Raises UsageError, StructureError."""
-    return RecordScene(tuple(block_of(a, eta) for a in alphas.values.tolist()), tuple(recordings), periods, method)
+    """Rigid blocks over alpha and T = 2 pi/p under records; eta: None for that of a block. Raises UsageError."""
+    blocks = []
+    for alpha in alphas.values.tolist():
+        try:
+            blocks.append(block_of(alpha, eta))
+        except StructureError as error:
+            raise UsageError(f"alpha {alpha:.6g} rad: {error}{'' if eta is not None else '; `eta` gives it another one'}") from None
+    return RecordScene(tuple(blocks), tuple(recordings), periods, method)
 
 
 def scene_of_words(
@@ -209,7 +215,7 @@ def scene_of_words(
 ) -> RecordScene:
     """The scene of what a user says: `--grid` (None: as recorded), `--alpha` and `--eta` (None: of a block).
 
-    method: None for `governing_method` at this tolerance. Raises UsageError, StructureError.
+    method: None for `governing_method` at this tolerance. Raises UsageError.
     """
     found = parse_axes(axes, records=True) if axes is not None else {}
     if alphas is not None and "alpha" in found:

@@ -110,6 +110,18 @@ def test_wrong_calls(refused, arguments, words):
     assert words in refused(2, "spectrum", "--eta", "0.9", *arguments, "-o", "s.h5")
 
 
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["--alpha", "60deg"], "alpha 1.0472 rad: eta is -0.125, accepted is a number from 0 to 1; --eta gives it another one"),
+        (["--alpha", "10deg", "--eta", "nan"], "alpha 0.174533 rad: eta is nan, accepted is a number from 0 to 1\n"),
+        (["--alpha", "10deg", "--model", "linear", "--linear-uplift", "lambda"], "--linear-uplift lambda goes with structures"),
+    ],
+)
+def test_wrong_calls_over_angles(refused, arguments, words):
+    assert words in refused(2, "spectrum", "--motion", "configs/motions/synthetic.at2", "--grid", "T=1", *arguments, "-o", "s.h5")
+
+
 def test_wrong_outputs(refused, tmp_path):
     (tmp_path / "there.h5").write_text("mine")
     assert "--overwrite" in refused(2, "spectrum", "--eta", "0.9", "--grid", SMALL, "-o", "there.h5")
