@@ -16,6 +16,7 @@ from ..errors import OutputError, UsageError
 from .cost import Tell
 from .scene import Unit
 from .units import Job, Report
+from .verification import Answer, Place, Verification
 
 # The job travels with every batch: data scattered before could be lost with the worker that holds them.
 _AHEAD = 3  # batches in flight for each of the cluster's threads
@@ -24,8 +25,11 @@ _TO_GREET = 15.0  # s that it may take until it knows its client
 _PATIENCE = 4.0  # s without a worker after which that is said, again and again
 
 
-def cluster_reports(job: Job, units: Sequence[Unit], address: str, tell: Tell | None = None) -> Iterator[tuple[Unit, Report]]:
-    """The reports of the units, in order, from the cluster whose scheduler is at `address`; a lost worker's batches run anew.
+def cluster_reports(
+    job: Job, units: Sequence[Unit], address: str, verification: Verification, tell: Tell | None = None
+) -> Iterator[tuple[Unit, Report]]:
+    """The reports of the units, in order, from the cluster whose scheduler is at `address`; a lost worker's batches run anew. With the
+    last of them the verification has its answers.
 
     Where the cluster has no worker, that is told, and waited for. Raises UsageError for an address that is none, OutputError without
     the extra `distributed`, without a scheduler there, or when a batch fails for good.
@@ -49,11 +53,13 @@ def cluster_reports(job: Job, units: Sequence[Unit], address: str, tell: Tell | 
             batches = [list(units[i : i + size]) for i in range(0, len(units), size)]
             waiting: deque[tuple[list[Unit], Any]] = deque()
             for batch in batches:
-                waiting.append((batch, client.submit(_run, replace(job, scene=job.scene.only(batch)), batch, pure=False, retries=3)))
+                waiting.append((batch, _submit(client, job, batch, batch)))
                 if len(waiting) > _AHEAD * threads:
-                    yield from _collect(client, *waiting.popleft(), _saying(tell, address))
+                    yield from _reports(client, *waiting.popleft(), _saying(tell, address))
+            asked = {place: _submit(client, job, place, [Unit(place[:1], *place[1:])]) for place in verification.places()}
             while waiting:
-                yield from _collect(client, *waiting.popleft(), _saying(tell, address))
+                yield from _reports(client, *waiting.popleft(), _saying(tell, address))
+            verification.answers |= {place: _result(client, future, _saying(tell, address)) for place, future in asked.items()}
 
 
 def _host_and_port(address: str) -> tuple[str, int]:
@@ -96,16 +102,24 @@ def _wait(threads: Callable[[], int], say: Callable[[float], None]) -> int:
     return found
 
 
-def _run(job: Job, units: Sequence[Unit]) -> list[Report]:
-    return job.run(units)
+def _submit(client: Any, job: Job, item: list[Unit] | Place, units: Sequence[Unit]) -> Any:
+    """Ask for some units, or for the reference of a cell in one of them; what else the scene holds does not travel."""
+    return client.submit(_answer, replace(job, scene=job.scene.only(units)), item, pure=False, retries=3)
 
 
-def _collect(client: Any, units: Sequence[Unit], future: Any, say: Callable[[float], None]) -> Iterator[tuple[Unit, Report]]:
+def _answer(job: Job, item: list[Unit] | Place) -> list[Report] | Answer:
+    return job.answer(item)
+
+
+def _reports(client: Any, units: Sequence[Unit], future: Any, say: Callable[[float], None]) -> Iterator[tuple[Unit, Report]]:
+    yield from zip(units, _result(client, future, say), strict=True)
+
+
+def _result(client: Any, future: Any, say: Callable[[float], None]) -> Any:
     try:
         while True:
             try:
-                reports = future.result(timeout=_PATIENCE)
-                break
+                return future.result(timeout=_PATIENCE)
             except TimeoutError:
                 if future.done():  # the task's own
                     raise
@@ -114,4 +128,3 @@ def _collect(client: Any, units: Sequence[Unit], future: Any, say: Callable[[flo
         raise
     except Exception as error:  # whatever a cluster may fail with, what was done stays
         raise OutputError(f"the cluster gave up a unit of work ({type(error).__name__}: {error}); what was done is kept") from None
-    yield from zip(units, reports, strict=True)

@@ -112,33 +112,41 @@ def _await_start(crew: list[_Worker], advice: str) -> None:
 
 
 def _results(crew: list[_Worker], items: Iterable[Any], advice: str) -> Iterator[Any]:
+    """The results in the order of their items, of which the first are dealt out here and now."""
     from multiprocessing.connection import wait
 
     source, idle = enumerate(items), list(crew)
     busy: dict[int, _Worker] = {}
     results: dict[int, tuple[Any, Exception | None]] = {}
-    done = sent = 0
-    while True:
-        while idle and sent < done + _AHEAD * len(crew) and (job := next(source, None)) is not None:
-            busy[sent] = idle.pop()
+
+    def deal() -> None:
+        while idle and len(busy) + len(results) < _AHEAD * len(crew) and (job := next(source, None)) is not None:
+            worker = busy[job[0]] = idle.pop()
             try:
-                busy[sent].connection.send(job[1])
+                worker.connection.send(job[1])
             except OSError:
-                raise _death(busy[sent], advice) from None
-            sent += 1
-        if done in results:
-            result, error = results.pop(done)
-            if error is not None:
-                raise error
-            yield result
-            done += 1
-        elif not busy:
-            return
-        else:
-            ready = wait([x for worker in busy.values() for x in (worker.connection, worker.process.sentinel)])
-            for number in [n for n, w in busy.items() if w.connection in ready or w.process.sentinel in ready]:
-                results[number] = _receive(busy[number], advice)
-                idle.append(busy.pop(number))
+                raise _death(worker, advice) from None
+
+    def collect() -> Iterator[Any]:
+        done = 0
+        while True:
+            deal()
+            if done in results:
+                result, error = results.pop(done)
+                if error is not None:
+                    raise error
+                yield result
+                done += 1
+            elif not busy:
+                return
+            else:
+                ready = wait([x for worker in busy.values() for x in (worker.connection, worker.process.sentinel)])
+                for number in [n for n, w in busy.items() if w.connection in ready or w.process.sentinel in ready]:
+                    results[number] = _receive(busy[number], advice)
+                    idle.append(busy.pop(number))
+
+    deal()
+    return collect()
 
 
 def _receive(worker: _Worker, advice: str) -> Any:

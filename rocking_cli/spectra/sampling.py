@@ -24,9 +24,19 @@ def default_check(scene: Scene) -> int:
     return 4 if not scene.method.exact else max(4, min(64, scene.cells // 250_000))
 
 
+def candidates(scene: Scene, check: int) -> Array:
+    """(structure, row, column) of all that may be among the cells to check, found without a march."""
+    drawn = sampled_cells(scene, check)
+    return drawn if check < 2 or _too_long(scene) else np.unique(np.concatenate([drawn, _candidates(scene)]), axis=0)
+
+
+def _too_long(scene: Scene) -> bool:
+    return scene.segments > (_LONGEST_RECORD if scene.of_records else _LONGEST)
+
+
 def checked_cells(scene: Scene, check: int) -> Array:
     """(structure, row, column, whether chosen as sensitive) of the cells to check: half of them drawn, half the most sensitive of 128."""
-    if scene.segments > (_LONGEST_RECORD if scene.of_records else _LONGEST):
+    if _too_long(scene):
         drawn = sampled_cells(scene, check)
         return np.column_stack([drawn, np.zeros(len(drawn), dtype=np.int64)])
     chosen = sensitive_cells(scene, check // 2)

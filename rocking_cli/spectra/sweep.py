@@ -22,10 +22,11 @@ from .cost import Tell, announce_sweep
 from .grid import Grid
 from .processes import available_cpus
 from .results import Spectrum, Summary
-from .sampling import checked_cells, default_check
+from .sampling import default_check
 from .scene import QUANTITIES, PulseScene, Scene, Unit, chunk_shape, cut_into_units, known_quantities
 from .units import Block, Job, unit_reports
 from .validity import validity
+from .verification import Verification
 
 CHUNK_CELLS = 131072
 SMALL_SWEEP = 100_000  # cells below which starting processes takes longer than they save
@@ -265,17 +266,17 @@ def _sweep(
     every = list(cut_into_units(scene, chunk))
     units = [unit for unit in every if todo is None or todo(unit)]
     wanted = max(1, min(_processes(scene, workers), len(units)))
-    job = Job(scene, chunk, checked_cells(scene, default_check(scene) if check is None else check), convert, quantities)
+    verification = Verification(scene, default_check(scene) if check is None else check, chunk, units)
+    job = Job(scene, chunk, verification.candidates, convert, quantities)
     total, outcomes, shared = Work(), np.zeros(len(Outcome), dtype=np.int64), 0
-    worst, misjudged, checked, sensitive, compared, otherwise = 0.0, 0, 0, 0, 0, 0
     outcomes += sum((before or {}).values(), np.zeros_like(outcomes))
     differences = np.zeros(len(Difference), dtype=np.int64)
     if scheduler is None:
-        reports = unit_reports(job, units, wanted)
+        reports = unit_reports(job, units, wanted, verification)
     else:
         from .cluster import cluster_reports
 
-        reports = cluster_reports(job, units, scheduler, tell)
+        reports = cluster_reports(job, units, scheduler, verification, tell)
     for done, (unit, report) in enumerate(reports, 1 + len(every) - len(units)):
         with deferred():
             keep(unit, report.data)
@@ -284,9 +285,7 @@ def _sweep(
         outcomes += report.outcomes
         differences += report.differences
         shared += (times - 1) * report.cells
-        worst, misjudged = max(worst, report.worst), misjudged + report.misjudged
-        checked, sensitive = checked + report.checked, sensitive + report.sensitive
-        compared, otherwise = compared + report.compared, otherwise + report.otherwise
+        verification.seen |= report.seen
         if progress:
             progress(done, len(every))
     check_for_a_stop()
@@ -300,15 +299,10 @@ def _sweep(
         work=total,
         shared_cells=shared,
         checked_by=" and ".join(sorted({scene.method.checked_by(s, scene.weighed) for s in scene.structures})),
-        checked_cells=checked,
-        sensitive_cells=sensitive,
-        estimated_error=worst,
-        misjudged=misjudged,
         model=scene.method.model,
         records=scene.shape[0] if scene.of_records else 0,
         weighed=scene.weighed,
-        compared=compared,
-        otherwise=otherwise,
         differences={d.flag: int(differences[d]) for d in Difference} if "linear" in quantities else {},
         resumed_cells=int(sum(int(counts.sum()) for counts in (before or {}).values())),
+        **verification.compared(),
     )

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
-from itertools import tee
+from itertools import chain, islice, tee
 from typing import Any
 
 import numpy as np
@@ -23,11 +23,13 @@ from ..structures.parameters import RockingParameters
 from .condition import condition_of
 from .processes import processes
 from .scene import Band, Scene, Unit
+from .verification import Answer, Place, Verification, reference
 
 
 @dataclass(frozen=True)
 class Report:
-    """What comes back from a unit: the data of each place (converted), its counters, and how its checked cells compare (see `Summary`).
+    """What comes back from a unit: the data of each place (converted), its counters, and outcome and theta/alpha of its cells that may be
+    checked.
 
     Units that ran together have their work counted with the first of them.
     """
@@ -37,12 +39,7 @@ class Report:
     cells: int
     outcomes: np.ndarray
     differences: np.ndarray
-    worst: float
-    misjudged: int
-    checked: int
-    sensitive: int
-    compared: int
-    otherwise: int
+    seen: Mapping[Place, tuple[int, float]]
 
 
 @dataclass(frozen=True)
@@ -71,7 +68,7 @@ class Job:
 
     scene: Scene
     chunk: tuple[int, int]
-    samples: np.ndarray
+    candidates: np.ndarray
     convert: Callable[[Block], Any] | None
     quantities: tuple[str, ...] = ()
 
@@ -86,6 +83,10 @@ class Job:
         if not (self.scene.method.exact and self.scene.one_system):
             return 1
         return max(1, TOGETHER // (self.chunk[0] * self.chunk[1]))
+
+    def answer(self, item: list[Unit] | Place) -> list[Report] | Answer:
+        """What a process is asked: some units, or the reference of a cell."""
+        return self.run(item) if isinstance(item, list) else reference(self.scene, item)
 
     def run(self, units: Sequence[Unit]) -> list[Report]:
         """Compute some units; those of their bands that are one system under one motion in one batch, one body where forces are asked."""
@@ -168,29 +169,17 @@ class Job:
         codes = {key: np.bincount(one.outcome.ravel(), minlength=len(Outcome)) for key, one in parts.items()}
         differ = np.bincount(part.beside.get("difference", np.zeros(0, dtype=np.uint8)).ravel(), minlength=len(Difference))
         outcomes = np.sum([codes[key] for key in keys], axis=0)
-        compared = self.compare(unit, part)
-        return Report(tuple(data[key] for key in keys), part.work, part.outcome.size, outcomes, len(keys) * differ, *compared)
+        seen = self.seen(unit, part)
+        return Report(tuple(data[key] for key in keys), part.work, part.outcome.size, outcomes, len(keys) * differ, seen)
 
-    def compare(self, unit: Unit, response: Response) -> tuple[float, int, int, int, int, int]:
-        """(largest difference, outcomes that differ, cells, of them sensitive ones) of this unit's checked cells against the reference,
-        and (cells, outcomes that differ) of those that the nonlinear equation judges too."""
-        worst, misjudged, checked, sensitive, compared, otherwise = 0.0, 0, 0, 0, 0, 0
-        for i, row, column, chosen in self.samples:
+    def seen(self, unit: Unit, response: Response) -> dict[Place, tuple[int, float]]:
+        """Outcome and theta/alpha of the candidates in this unit."""
+        found = {}
+        for i, row, column in self.candidates.tolist():
             r, c = row - unit.row, column - unit.column
-            if i != unit.places[0] or not (0 <= r < self.chunk[0] and 0 <= c < self.chunk[1]):
-                continue
-            cell = self.scene.cell(i, row, column)
-            outcome, theta = self.scene.method.reference_of(cell.structure, self.scene.weighed)(*cell[1:], cell.structure.eta)
-            if outcome == Outcome.FAILED:
-                continue
-            nonlinear = self.scene.judge_of(cell)
-            if nonlinear is not None:
-                compared, otherwise = compared + 1, otherwise + int(nonlinear.overturned != outcome.overturned)
-            checked, sensitive = checked + 1, sensitive + int(chosen)
-            misjudged += int(outcome != response.outcome[r, c])
-            if outcome == response.outcome[r, c] and np.isfinite(theta):
-                worst = max(worst, abs(theta - float(response.theta_ratio[r, c])))
-        return worst, misjudged, checked, sensitive, compared, otherwise
+            if i == unit.places[0] and 0 <= r < self.chunk[0] and 0 <= c < self.chunk[1]:
+                found[i, row, column] = int(response.outcome[r, c]), float(response.theta_ratio[r, c])
+        return found
 
 
 def joined(blocks: Sequence[Block]) -> Block:
@@ -217,17 +206,22 @@ def _batches(job: Job, units: Sequence[Unit], workers: int) -> Iterator[list[lis
         yield [batch for batch in batches if batch]
 
 
-def unit_reports(job: Job, units: Sequence[Unit], workers: int) -> Iterator[tuple[Unit, Report]]:
-    """The reports of the units, in their order. Raises OutputError when a worker process dies."""
+def unit_reports(job: Job, units: Sequence[Unit], workers: int, verification: Verification) -> Iterator[tuple[Unit, Report]]:
+    """The reports of the units, in their order; with the last of them the verification has its answers. Raises OutputError when a worker
+    process dies."""
     if workers == 1:
         for (batch,) in _batches(job, units, 1):
             some = [units[i] for i in batch]
             yield from zip(some, job.run(some), strict=True)
+        verification.answers |= {place: reference(job.scene, place) for place in verification.places()}
         return
-    with processes(workers, job.run, "fewer `workers` or a smaller `chunk_cells` need less") as run:
+    with processes(workers, job.answer, "fewer `workers` or a smaller `chunk_cells` need less") as run:
         rounds, ahead = tee(_batches(job, units, workers))
-        results = run([units[i] for i in batch] for batches in ahead for batch in batches)
+        batched = ([units[i] for i in batch] for batches in ahead for batch in batches)
+        results = run(chain(batched, verification.places()))
+        again = len(verification.sensitive)  # they are found while the workers compute
         for batches in rounds:
             reports = {i: report for batch in batches for i, report in zip(batch, next(results), strict=True)}
             for i in sorted(reports):
                 yield units[i], reports[i]
+        verification.answers |= zip(verification.places(), islice(results, again), strict=True)

@@ -27,7 +27,7 @@ from rocking_cli.dynamics.equations.summed_flow import SummedFlow
 from rocking_cli.dynamics.equations.taylor import TaylorSeries
 from rocking_cli.dynamics.lanes import Lanes
 from rocking_cli.dynamics.march import advance, engine
-from rocking_cli.spectra import boundaries, store, sweep, units
+from rocking_cli.spectra import boundaries, store, sweep, units, verification
 
 STAGES: dict[str, list[tuple[Any, str]]] = {
     "windows": [(advance, "next_step")],
@@ -42,7 +42,7 @@ STAGES: dict[str, list[tuple[Any, str]]] = {
     "lanes": [(Lanes, "take"), (Lanes, "join"), (engine.Run, "_finish")],
     "rounds": [(engine.Run, "round")],
     "boundaries": [(boundaries.Search, "rows")],
-    "check": [(sweep, "checked_cells"), (units.Job, "compare")],
+    "check": [(verification, "checked_cells"), (units, "reference")],
     "writing": [(sweep._Packing, "__call__"), (store.SpectraWriter, "write"), (store.SpectraWriter, "finish")],
 }
 

@@ -8,6 +8,7 @@ import signal
 import sys
 import time
 from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
 
@@ -93,6 +94,17 @@ def test_items_are_asked_for_as_they_are_needed():
         results = run(asked.append(n) or n for n in range(1, 1000))
         assert next(results) == 1
         assert len(asked) <= 2 * room._AHEAD + 1
+
+
+def test_the_first_items_are_under_way_before_a_result_is_asked_for(tmp_path):
+    paths = [tmp_path / "one", tmp_path / "two", tmp_path / "three"]
+    with processes(2, Path.touch, "") as run:
+        results, end = run(paths), time.monotonic() + 60.0
+        while not (paths[0].exists() and paths[1].exists()):
+            assert time.monotonic() < end
+            time.sleep(0.01)
+        assert not paths[2].exists()  # nobody has heard that one of them is idle
+        assert list(results) == [None, None, None]
 
 
 def test_large_items_and_results_travel():

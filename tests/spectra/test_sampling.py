@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 from functools import partial
 
 import numpy as np
@@ -20,7 +21,8 @@ from rocking_cli.spectra.condition import condition_of
 from rocking_cli.spectra.record_scene import structures_scene
 from rocking_cli.spectra.sampling import checked_cells
 from rocking_cli.spectra.scene import PulseScene, cut_into_units
-from rocking_cli.spectra.units import Job
+from rocking_cli.spectra.units import Job, unit_reports
+from rocking_cli.spectra.verification import Verification
 
 GRID = parse_grid("A=0.5:4:60,Omega=0.5:6:50")
 OSCILLATORS = (dimensionless_oscillator(0.5), dimensionless_oscillator(0.9))
@@ -42,15 +44,36 @@ def test_half_of_the_checked_cells_are_the_most_sensitive():
     assert chosen.min() > np.nanquantile(drawn, 0.8)
 
 
-@pytest.mark.parametrize("chunk", [(50, 60), (7, 60), (1, 13)])
-def test_the_same_cells_are_checked_however_a_sweep_is_cut(chunk):
+@pytest.mark.parametrize(("chunk", "workers"), [((50, 60), 1), ((7, 60), 2), ((1, 13), 1), ((25, 60), 2)])
+def test_the_same_cells_are_checked_however_a_sweep_is_cut(chunk, workers):
     scene = PulseScene(OSCILLATORS, GRID, sine())
-    job = Job(scene, chunk, checked_cells(scene, 6), None)
+    units = list(cut_into_units(scene, chunk))
+    verification = Verification(scene, 6, chunk, units)
+    for _, report in unit_reports(Job(scene, chunk, verification.candidates, None), units, workers, verification):
+        verification.seen |= report.seen
+    assert list(verification.answers) == [tuple(cell) for cell in checked_cells(scene, 6)[:, :3].tolist()]
     whole = spectrum(OSCILLATORS, sine(), GRID, check=6).summary
-    reports = job.run(list(cut_into_units(scene, chunk)))
-    assert sum(r.checked for r in reports) == whole.checked_cells == 6
-    assert sum(r.sensitive for r in reports) == whole.sensitive_cells == 3
-    assert max(r.worst for r in reports) == whole.estimated_error
+    found = verification.compared()
+    assert found["checked_cells"] == whole.checked_cells == 6
+    assert found["sensitive_cells"] == whole.sensitive_cells == 3
+    assert found["estimated_error"] == whole.estimated_error > 0.0
+
+
+def test_only_cells_of_the_units_are_checked_and_an_answer_that_differs_shows():
+    scene = PulseScene(OSCILLATORS, GRID, sine())
+    units = list(cut_into_units(scene, (10, 60)))[::2]
+    verification = Verification(scene, 40, (10, 60), units)
+    for _, report in unit_reports(Job(scene, (10, 60), verification.candidates, None), units, 1, verification):
+        verification.seen |= report.seen
+    every, found = checked_cells(scene, 40).tolist(), verification.compared()
+    assert [list(place) for place in verification.answers] == [cell[:3] for cell in every if (5 * cell[0] + cell[1] // 10) % 2 == 0]
+    assert 0 < found["checked_cells"] == len(verification.answers) < 40
+    assert found["misjudged"] == 0
+    place = next(place for place, answer in verification.answers.items() if answer.outcome == Outcome.ROCKED)
+    verification.seen[place] = Outcome.ROCKED, verification.seen[place][1] + 1e-3
+    assert verification.compared()["estimated_error"] == pytest.approx(1e-3, rel=1e-6)
+    verification.seen[place] = Outcome.OVERTURNED_NO_IMPACT, math.nan
+    assert verification.compared()["misjudged"] == 1
 
 
 @pytest.mark.parametrize(("check", "sensitive"), [(0, 0), (1, 0), (2, 1), (5, 2)])
