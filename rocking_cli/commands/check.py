@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -15,6 +15,7 @@ from .progress import ProgressLine
 
 if TYPE_CHECKING:
     from ..motions import Motion
+    from ..motions.biaxial import Upwards
     from ..motions.recording import Recording
     from ..responses.check import Verdict
     from ..spectra.grid import Grid
@@ -40,7 +41,7 @@ def check(
     motion: Motion | None,
     recordings: tuple[Recording, ...],
     shaking: Grid | None,
-    upwards: Callable[[Motion], Motion] | None,
+    upwards: Upwards | None,
     a_max: float,
     sort: str | None,
     fail_on: str | None,

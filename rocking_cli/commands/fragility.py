@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     import numpy as np
 
     from ..motions import Motion
+    from ..motions.biaxial import Upwards
     from ..motions.recording import Recording
     from ..spectra.fragility import Resampling
     from ..spectra.fragility_study import Fit, Study
@@ -52,6 +53,7 @@ def _refuse(context: click.Context, why: str, stray: Callable[[str], bool]) -> N
 @click.command(epilog="Example: rocking fragility configs/block.yaml --pulses configs/motions/site_pulses.csv --levels 0.2g:0.7g:11")
 @options.files
 @ground.motions
+@ground.vertical_of_each
 @click.option("--pulses", type=InputPath(), metavar="FILE", help="Site pulses instead of records: CSV of a_g, f_g, weight.")
 @click.option("--im", default="PGA", show_default=True, type=Registered(_measures), help="Intensity measure of the curves.")
 @click.option("--levels", metavar="LEVELS", help="START:STOP:N[:log] of it, or a list, with units: 0.1g:1g:10.")
@@ -78,6 +80,7 @@ def fragility(
     files: tuple[str, ...],
     motion: Motion | None,
     recordings: tuple[Recording, ...],
+    upwards: Upwards | None,
     pulses: str | None,
     im: str,
     levels: str | None,
@@ -110,7 +113,7 @@ def fragility(
     from ..dynamics.method import Method, governing_method
     from ..spectra.fragility import Resampling
     from ..spectra.fragility_study import counted
-    from ..spectra.measures import measure_of, members_of, site_pulses
+    from ..spectra.measures import measure_of, members_of, shaken_upwards, site_pulses
 
     how = Resampling(samples, seed)
     if counts is not None:
@@ -128,6 +131,8 @@ def fragility(
     at = _levels(levels, measure)
     states, methods = _limits(limits), _methods(fits)
     members = site_pulses(pulses) if pulses is not None else members_of(recordings)
+    if upwards is not None:
+        members = shaken_upwards(members, upwards)
     method = Method(model, tolerance) if options.given(context, "model") else governing_method(*structures, tolerance=tolerance)
     settled = {
         "overwrite": overwrite, "resume": resume, "shard": None if shard is None else options.part_of(shard), "scheduler": scheduler,

@@ -86,11 +86,11 @@ def vertical_of_each(command: F) -> F:
             if there:
                 raise click.UsageError(f"--vertical-{next(iter(there))} goes with --vertical")
             return command(*arguments, upwards=None, **given)
-        from ..motions.biaxial import with_vertical as biaxial
+        from ..motions.biaxial import Upwards
 
         factor = there.pop("scale", 1.0)
         up = _upwards(vertical, there, given.get("quiet", False))
-        return command(*arguments, upwards=lambda motion: biaxial(motion, up, factor), **given)
+        return command(*arguments, upwards=Upwards(up, factor), **given)
 
     for name, kind, metavar, meaning in (
         ("dt", str, "TIME", "Time between the values of a vertical record in a single column."),

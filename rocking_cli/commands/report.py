@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import shlex
 import sys
-from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -17,6 +16,7 @@ from .parameter_types import OutputPath
 
 if TYPE_CHECKING:
     from ..motions import Motion
+    from ..motions.biaxial import Upwards
     from ..motions.recording import Recording
     from ..spectra.grid import Grid
 
@@ -40,7 +40,7 @@ def report(
     motion: Motion | None,
     recordings: tuple[Recording, ...],
     shaking: Grid | None,
-    upwards: Callable[[Motion], Motion] | None,
+    upwards: Upwards | None,
     workers: int | None,
     overwrite: bool,
     quiet: bool,

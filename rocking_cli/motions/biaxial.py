@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 
 from ..errors import UsageError
+from .blocks import blocks
 from .motion import Motion, checked_scale
 from .piece import Harmonic, Piece
 from .polyline import Polyline
@@ -94,6 +97,27 @@ def with_vertical(motion: Motion, vertical: Motion, scale: float = 1.0) -> Biaxi
     marks = np.unique(np.concatenate([[0.0], *([p.stop for p in m.pieces] for m in (motion, vertical))]))
     marks = marks[np.append(True, np.diff(marks) > 1e-12 * marks[-1])]
     return Biaxial(_on(motion, marks.tolist()), _on(vertical, marks.tolist()).scaled(factor))
+
+
+@dataclass(frozen=True, eq=False)
+class Upwards:
+    """A vertical motion times `scale`, that any motion may be given."""
+
+    vertical: Motion
+    scale: float = 1.0
+
+    def __call__(self, motion: Motion) -> Biaxial:
+        """Both together, see `with_vertical`."""
+        return with_vertical(motion, self.vertical, self.scale)
+
+    def identity(self) -> list[Any]:
+        """What a result depends on: name, hash of the samples of a record, its peak [m/s2], scale."""
+        lines, found = self.vertical, hashlib.sha256()
+        if isinstance(lines, Polyline):
+            for part in blocks(lines.start.size):
+                for column in (lines.start, lines.stop, lines.constant, lines.slope):
+                    found.update(np.ascontiguousarray(column[part]).tobytes())
+        return [lines.name, found.hexdigest(), lines.acceleration, self.scale]
 
 
 def _on(motion: Motion, marks: list[float]) -> Motion:

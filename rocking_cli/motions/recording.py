@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from itertools import count
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -16,21 +16,26 @@ from ..errors import DocumentError, NoAcceleration, UsageError
 from .blocks import largest
 from .intensity import Intensity, intensity
 from .motion import Motion, checked_scale
-from .polyline import Polyline, record_motion
+from .polyline import record_motion
 from .reading import factor_of, motion_of
 from .records import Record, is_record, listed_in, pick, read_bytes, record_files, records_of, unknown
+
+if TYPE_CHECKING:
+    from .biaxial import Upwards
 
 
 @dataclass(frozen=True, eq=False)
 class Recording:
     """A record times a factor, which may be negative.
 
-    label: its name in a set. Raises MotionError for a record that is zero throughout and for a factor that is zero or not finite.
+    label: its name in a set; upwards: the vertical motion beside it, in its own amplitude. Raises MotionError for a record that is zero
+    throughout and for a factor that is zero or not finite.
     """
 
     record: Record
     factor: float = 1.0
     label: str = ""
+    upwards: Upwards | None = None
 
     def __post_init__(self) -> None:
         label = (self.label or self.record.label).encode("utf-8", "backslashreplace").decode()  # a name may hold bytes that are no text
@@ -49,20 +54,26 @@ class Recording:
         """The measures of the record itself, before the factor."""
         return intensity(self.record)
 
+    def times(self, factor: float) -> Recording:
+        """The same times a positive factor, with what is beside it."""
+        up = None if self.upwards is None else replace(self.upwards, scale=self.upwards.scale * factor)
+        return replace(self, factor=self.factor * factor, upwards=up)
+
     @property
-    def motion(self) -> Polyline:
+    def motion(self) -> Motion:
         """The motion in its own time (omega_g = 1 rad/s) by its label; made anew when it was not among the last two asked for."""
         return _motion(self)
 
     def identity(self) -> list[Any]:
-        """What a result depends on: label, hash of the file, component, dt [s], unit as it was read, factor."""
-        r = self.record
-        return [self.label, r.sha256, r.component, r.dt, r.unit, self.factor]
+        """What a result depends on: label, hash of the file, component, dt [s], unit as it was read, factor, and the vertical motion."""
+        r, up = self.record, [] if self.upwards is None else [self.upwards.identity()]
+        return [self.label, r.sha256, r.component, r.dt, r.unit, self.factor, *up]
 
 
 @lru_cache(maxsize=2)
-def _motion(recording: Recording) -> Polyline:
-    return record_motion(recording.record, recording.factor, recording.label)
+def _motion(recording: Recording) -> Motion:
+    across = record_motion(recording.record, recording.factor, recording.label)
+    return across if recording.upwards is None else recording.upwards(across)
 
 
 def with_distinct_labels(recordings: Sequence[Recording]) -> tuple[Recording, ...]:

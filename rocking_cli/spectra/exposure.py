@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -87,7 +87,7 @@ def _under_records(
     from .sweep import spectrum_of, write_scene
 
     unit = [m.measured(measure, structures[0]) ** (-1.0 / measure.power) for m in members]  # the factor to a measure of 1
-    recordings = [replace(m.recording, factor=m.recording.factor * f) for m, f in zip(members, unit, strict=True) if m.recording]
+    recordings = [m.recording.times(f) for m, f in zip(members, unit, strict=True) if m.recording]
     scene = structures_scene(structures, recordings, Axis("scale", levels ** (1.0 / measure.power)), method)
     if path is None:
         found = spectrum_of(scene, workers=workers, check=0, progress=options.get("progress"))

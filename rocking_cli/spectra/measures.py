@@ -8,8 +8,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -20,6 +21,9 @@ from ..motions import Motion, pulse
 from ..motions.intensity import Intensity
 from ..motions.recording import Recording
 from ..structures.parameters import RockingParameters
+
+if TYPE_CHECKING:
+    from ..motions.biaxial import Upwards
 
 _STEPS = 4096  # of the trapezium rule over a piece of a pulse: its measures are right to 1e-6
 Value = Callable[[Intensity, RockingParameters], float]
@@ -95,6 +99,16 @@ class Member:
         if not (math.isfinite(value) and value > 0.0):
             raise UsageError(f"{self.label}: its {measure.name} is {value:g}; accepted is a motion that has some")
         return value
+
+
+def shaken_upwards(members: Sequence[Member], upwards: Upwards) -> tuple[Member, ...]:
+    """The same motions, all of one kind, with a vertical one beside each; measures are those of the horizontal one. Raises UsageError where
+    a record would stand beside a pulse."""
+    upwards(members[0].motion)  # of records they are made later
+    return tuple(
+        replace(m, pulse=upwards(m.motion)) if m.recording is None else replace(m, recording=replace(m.recording, upwards=upwards))
+        for m in members
+    )
 
 
 def members_of(recordings: Sequence[Recording]) -> tuple[Member, ...]:

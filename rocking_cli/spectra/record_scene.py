@@ -87,6 +87,11 @@ class RecordScene(Scene):
         return self.columns.name == "T"
 
     @property
+    def weighed(self) -> bool:
+        """Whether a record has a vertical one beside it."""
+        return any(r.upwards is not None for r in self.recordings)
+
+    @property
     def shape(self) -> tuple[int, int, int]:
         """(records, structures or alphas, columns)."""
         return len(self.recordings), len(self.structures), self.columns.values.size

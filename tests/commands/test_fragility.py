@@ -43,6 +43,14 @@ def test_limit_states_and_methods_are_rows(rocking, stated):
     assert float(table[1].split()[5]) == pytest.approx(float(rows[1]["theta"]) / 9.81, rel=1e-5)
 
 
+def test_a_vertical_motion_moves_the_curves(rocking, stated):
+    call = ("fragility", stated, *SITE, "--method", "stripes,first", "--limit", "overturning", "--csv")
+    done = [rocking(*call, *more) for more in ((), ("--vertical", "sine", "--vertical-scale", "0.8"))]
+    flat, both = ([float(row["theta"]) for row in csv.DictReader(one.stdout.splitlines())] for one in done)
+    assert len(flat) == len(both) == 2, done[1].stderr
+    assert all(a < b for a, b in zip(flat, both, strict=True))  # heavier while it is pushed, it takes more
+
+
 def test_units_are_those_asked_for(rocking, stated):
     def told(*arguments):
         call = ("fragility", stated, *SITE, "--limit", "overturning", "-q", *arguments)
@@ -115,6 +123,8 @@ def test_the_measure_that_explains_most_comes_first(rocking, stated):
         ([*SITE, "--counts", "configs/motions/site_pulses.csv"], "stands alone"),
         ([*SITE, "--pulse", "cosine"], "states each pulse itself: it takes no --pulse"),
         ([*SITE, "--scale", "-1"], "it takes no --scale"),
+        ([*SITE, "--vertical", "configs/motions/synthetic.at2"], "accepted are two of a kind"),
+        ([*SITE, "--vertical-scale", "2"], "--vertical-scale goes with --vertical"),
         ([*SITE, "--curve", "--efficiency"], "--efficiency does not go with --curve"),
     ],
 )
@@ -124,7 +134,7 @@ def test_wrong_calls(refused, stated, arguments, words):
 
 def test_counts_take_no_option_that_would_change_nothing(rocking, refused, tmp_path):
     (tmp_path / "c.csv").write_text("im,n,z\n0.2,10,1\n0.4,10,4\n0.6,10,8\n")
-    for stray in (["--im", "PGV"], ["-o", "x.h5"], ["--exact"], ["--model", "linear"], ["--scale", "2"]):
+    for stray in (["--im", "PGV"], ["-o", "x.h5"], ["--exact"], ["--model", "linear"], ["--scale", "2"], ["--vertical", "sine"]):
         assert f"it takes no {stray[0].replace('-o', '--output')}" in refused(2, "fragility", "--counts", "c.csv", *stray)
     assert rocking("fragility", "--counts", "c.csv", "--seed", "1", "--bootstrap", "5", "--csv", "--units", "g", "-q").returncode == 0
 

@@ -10,6 +10,7 @@ from rocking_cli import (
     RockingParameters,
     UsageError,
     build_structure,
+    cosine,
     overturned,
     parse_documents,
     pulse,
@@ -17,11 +18,13 @@ from rocking_cli import (
     sine,
     trace_envelope,
 )
-from rocking_cli.dynamics.method import LINEAR
+from rocking_cli.dynamics.method import LINEAR, Method
+from rocking_cli.motions.biaxial import Upwards, with_vertical
+from rocking_cli.motions.polyline import record_motion
 from rocking_cli.motions.recording import Recording
 from rocking_cli.motions.records import Record
 from rocking_cli.spectra.exposure import as_recorded, exposures, first_of, share_overturned, traced
-from rocking_cli.spectra.measures import MEASURES, Member, members_of, pulse_intensity
+from rocking_cli.spectra.measures import MEASURES, Member, members_of, pulse_intensity, shaken_upwards
 
 BLOCK = build_structure(parse_documents("kind: block\nwidth: 0.5\nheight: 2\nrestitution: 0.9")[0])
 PULSES = [Member(f"{f} Hz", 2.0, 2 * np.pi * f, pulse_intensity(sine(), 2.0, 2 * np.pi * f), pulse=sine()) for f in (0.8, 1.2, 1.9)]
@@ -96,6 +99,32 @@ def test_a_file_of_cells_is_read_again_and_another_scene_refused(tmp_path):
         exposures([BLOCK, BLOCK], RECORDS, MEASURES["nPGA"], levels, LINEAR, path=tmp_path / "two.h5")
     with pytest.raises(UsageError, match="goes with records"):
         exposures([BLOCK], PULSES, MEASURES["PGA"], levels, LINEAR, path=tmp_path / "pulses.h5")
+
+
+def test_a_vertical_motion_is_beside_every_record_and_every_pulse(tmp_path):
+    """Cells are those of single responses to both together, scaled together; the measure is that of the horizontal motion."""
+    method, levels, measure = Method("nonlinear"), np.array([2.6, 4.0]), MEASURES["PGA"]
+    system = method.system_of(BLOCK)
+    upwards = {"records": Upwards(record_motion(record(7)), 0.6), "pulses": Upwards(cosine(), -0.4)}
+    for members, up in ((RECORDS[:2], upwards["records"]), (PULSES[:2], upwards["pulses"])):
+        shaken = shaken_upwards(members, up)
+        (found,), (level,) = (exposures([BLOCK], some, measure, levels, method) for some in (shaken, members))
+        assert not np.array_equal(found.theta_ratio, level.theta_ratio, equal_nan=True)
+        recorded = as_recorded(BLOCK, shaken, method)
+        for i, member in enumerate(members):
+            motion, own = with_vertical(member.motion, up.vertical, up.scale), member.acceleration
+            amplitude = BLOCK.dimensionless_amplitude(np.array([*levels, own]))
+            alone = response(system, motion, amplitude, np.array([member.omega / BLOCK.p]), BLOCK.eta)
+            assert alone.outcome.tolist() == [*found.outcome[i], recorded[1][i]]
+            assert alone.theta_ratio == pytest.approx([*found.theta_ratio[i], recorded[0][i]], rel=1e-9, nan_ok=True)
+    shaken = shaken_upwards(RECORDS[:1], upwards["records"])
+    (kept,) = exposures([BLOCK], shaken, measure, levels, method, path=tmp_path / "up.h5")
+    (again,) = exposures([BLOCK], shaken, measure, levels, method, path=tmp_path / "up.h5", resume=True)
+    assert again.outcome.tolist() == kept.outcome.tolist()
+    with pytest.raises(UsageError, match="is of another scene"):
+        exposures([BLOCK], RECORDS[:1], measure, levels, method, path=tmp_path / "up.h5", resume=True)
+    with pytest.raises(UsageError, match="accepted are two of a kind"):
+        shaken_upwards(RECORDS, upwards["pulses"])
 
 
 def test_shares_step_where_intervals_begin_and_end():
