@@ -18,7 +18,7 @@ from .equation import Ramp
 from .flow import LinearFlow
 from .ramp import ramp_flow
 from .summed_flow import SummedFlow, can_be_summed
-from .taylor import TaylorSeries, order_for, series, weighed_series
+from .taylor import Show, TaylorSeries, order_for, series, weighed_series
 
 if TYPE_CHECKING:
     from .damped_flow import DampedFlow
@@ -50,7 +50,7 @@ class LinearEquation:
         """Both sides have the same equation in their own units."""
         return self
 
-    def with_turn(self) -> Self:
+    def with_turn(self, _show: Show) -> Self:
         """Its flows have none."""
         return self
 

@@ -27,7 +27,7 @@ from .energy import falls_by_energy
 from .equation import Ramp
 from .patches import DEGREE, inverse, largest, tabulate
 from .ramp import MOST_TERMS, ramp_flow
-from .taylor import TaylorSeries, blocks, drive_series, order_for, powers, series, weighed_series
+from .taylor import Show, TaylorSeries, blocks, drive_series, order_for, powers, series, weighed_series
 
 Array = np.ndarray
 
@@ -71,7 +71,7 @@ class MechanismEquation:
         """An arch and its mirror image rock alike."""
         return self
 
-    def with_turn(self) -> Self:
+    def with_turn(self, _show: Show) -> Self:
         """Its flows have none."""
         return self
 

@@ -23,7 +23,7 @@ from ..weight import WeighedSegments
 from .energy import falls_by_energy
 from .equation import Ramp
 from .ramp import ramp_flow
-from .taylor import TaylorSeries, Turn, blocks, drive_series, order_for, series, weighed_series
+from .taylor import Show, TaylorSeries, Turn, blocks, drive_series, longest, order_for, weighed_series
 
 Array = np.ndarray
 
@@ -46,7 +46,8 @@ class RigidBodyEquation:
         if not 0.0 <= damping < math.inf:
             raise ValueError(f"damping is {damping:g}, accepted is a number from 0")
         self.damping = damping
-        self._by_cell, self._shows_turn = isinstance(alpha, np.ndarray), False
+        self._by_cell = isinstance(alpha, np.ndarray)
+        self._show: Show | None = None
         self._edges: list[dict[str, Any]]
         if isinstance(alpha, np.ndarray):
             self._edges = [_of_cells(alpha)]
@@ -89,23 +90,21 @@ class RigidBodyEquation:
         """The series of every lane from its present state."""
         if segments.straight:
             return ramp_flow(self, segments, lanes)
-        y, fastest = np.empty((self.order + 1, lanes.y.size)), np.empty(lanes.y.size)
-        turn = self._turn(lanes.y.size, isinstance(segments, WeighedSegments)) if self._shows_turn else None
+        y, shown = np.empty((self.order + 1, lanes.y.size)), list[Any]()
+        fastest, reach = np.empty((2, lanes.y.size))
         for block in blocks(lanes.y.size):
-            kept = None if turn is None else turn.part(block)
-            fastest[block] = self._part(block)._fill(y[:, block], segments, lanes.take(block), kept)
-        return series(y, fastest, self.tolerance, self.damping)._replace(turn=turn)
+            some, part = lanes.take(block), self._part(block)
+            fastest[block], turn = part._fill(y[:, block], segments, some)
+            reach[block] = turn.longest
+            if self._show is not None:
+                shown.append(self._show(some, turn))
+        return TaylorSeries(y, 1.0 / fastest, reach, fastest, self.damping, None if self._show is None else shown)
 
-    def with_turn(self) -> Self:
-        """The same, with the `turn` of every series."""
+    def with_turn(self, show: Show) -> Self:
+        """The same, with what that makes of the turn of every series."""
         there = copy.copy(self)
-        there._shows_turn = True
+        there._show = show
         return there
-
-    def _turn(self, lanes: int, weighed: bool) -> Turn:
-        """Room for it."""
-        turn, push = (np.empty((self.order - more, *shape), dtype=np.float32) for more, shape in ((1, (2, lanes)), (3, (lanes,))))
-        return Turn(turn, push, np.empty_like(push) if weighed else None)
 
     def _part(self, block: slice) -> Self:
         """The same body for some of the lanes that its numbers belong to."""
@@ -115,8 +114,8 @@ class RigidBodyEquation:
         part._take({key: getattr(self, key)[block] for key in self._edges[0]})
         return part
 
-    def _fill(self, y: Array, segments: Segments, lanes: Lanes, kept: Turn | None) -> Array:
-        """Fill (order + 1, lanes) with the terms of y, and what is to be kept beside; returns the rate in whose powers they are."""
+    def _fill(self, y: Array, segments: Segments, lanes: Lanes) -> tuple[Array, Turn]:
+        """Fill (order + 1, lanes) with the terms of y; returns the rate in whose powers they are, and how the body turns."""
         order = self.order
         weight: Array | None = None
         if isinstance(segments, WeighedSegments):
@@ -155,14 +154,12 @@ class RigidBodyEquation:
             if self.damping:
                 pushed -= (2.0 * self.damping * (n + 1)) * known.unit * y[n + 1]
             np.multiply(pushed, 1.0 / ((n + 1) * (n + 2)), out=y[n + 2])
-        if kept is not None:
-            kept.turn[:] = turn[:-1]
-            twice = np.arange(1.0, order - 2.0)[:, None]
-            over = 1.0 / (twice * (twice + 1.0))
-            np.multiply(drive[:-3], over * self.sin, out=kept.push, casting="same_kind")
-            if kept.weight is not None and weight is not None:
-                np.multiply(weight[:-3], over * unit2, out=kept.weight, casting="same_kind")
-        return known.fastest
+        if self._show is not None:
+            drive *= self.sin
+            if weight is not None:
+                weight *= unit2
+        reach = longest(y, known.fastest, self.tolerance)
+        return known.fastest, Turn(turn[:-1], drive[:-3], None if weight is None else weight[:-3], known.unit, reach)
 
     def ramp_terms(self, y: Array, v: Array, ramp: Ramp) -> Array:
         """Terms of y under a straight line: those of sin z/sin(alpha) and cos z/cos(alpha) follow from each other."""

@@ -7,9 +7,9 @@ rejected step, and the series is the dense output on which impacts and peaks are
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from functools import lru_cache
-from typing import NamedTuple, Self
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 
@@ -28,29 +28,30 @@ LOWEST, HIGHEST = 1e-13, 1e-2  # tolerances that are accepted
 
 
 class Turn(NamedTuple):
-    """What the forces of a rigid body on the ground are made of, in single precision: terms of (h / unit)^n of sin z and cos z, (terms, 2,
-    lanes), and, from n = 2 on, of what has unit^2 times the outward push over g and the weight over m g for its second derivative by
-    h / unit, (terms, lanes); no weight where that is steady."""
+    """What the forces of a rigid body on the ground are made of, in terms of (h / unit)^n: sin z and cos z, (terms, 2, lanes), and unit^2
+    times the outward push over g and the weight over m g, (terms - 2, lanes), no weight where that is steady; unit and how far they may be
+    used [tau], (lanes,)."""
 
     turn: Array
     push: Array
     weight: Array | None
+    unit: Array
+    longest: Array
 
-    def part(self, block: slice) -> Self:
-        """Of some lanes, in place."""
-        return type(self)(self.turn[:, :, block], self.push[:, block], None if self.weight is None else self.weight[:, block])
+
+Show = Callable[[Lanes, Turn], Any]  # of the lanes of a block
 
 
 class TaylorSeries(NamedTuple):
-    """(terms, lanes) coefficients of (h / unit)^n, and how far [tau] they may be used; turn: where an equation was asked for it, which
-    parts of a series do not take along."""
+    """(terms, lanes) coefficients of (h / unit)^n, and how far [tau] they may be used; shown: what was made of their turn,
+    block by block, where an equation was asked to show it; parts of a series do not take it along."""
 
     terms: Array
     unit: Array
     longest: Array
     fastest: Array
     damping: float = 0.0
-    turn: Turn | None = None
+    shown: Sequence[Any] | None = None
 
     @property
     def y(self) -> Array:
@@ -183,11 +184,15 @@ def blocks(lanes: int, size: int = 2048) -> Iterator[slice]:
 
 def series(terms: Array, fastest: Array, tolerance: float, damping: float = 0.0) -> TaylorSeries:
     """The series of these terms in powers of `fastest` h, with the step that the tolerance allows."""
+    return TaylorSeries(terms, 1.0 / fastest, longest(terms, fastest, tolerance), fastest, damping)
+
+
+def longest(terms: Array, fastest: Array, tolerance: float) -> Array:
+    """The step [tau] that the tolerance allows."""
     # Four terms, since one or two can be small by accident: after a jump from rest the series has even powers only.
     last = np.arange(terms.shape[0] - 4, terms.shape[0])[:, None]
     with np.errstate(divide="ignore"):
         room = np.log(LOCAL * tolerance / (last * np.abs(terms[-4:]) * fastest))
     room /= last - 1
     reach = np.exp(room.min(axis=0))
-    unit = 1.0 / fastest
-    return TaylorSeries(terms, unit, np.minimum(reach, 4.0 * fastest) * unit, fastest, damping)
+    return np.minimum(reach, 4.0 * fastest) * (1.0 / fastest)

@@ -11,20 +11,23 @@ falls (`waiting`), and are looked at where their hull leaves room for a record (
 
 from __future__ import annotations
 
+import copy
+from dataclasses import replace
+
 import numpy as np
 
 from ...motions.segments import Segments
 from ..body import Body
 from ..contacts.contact import Contact
 from ..equations.equation import Equation, Flow
-from ..equations.taylor import TaylorSeries
+from ..equations.taylor import TaylorSeries, Turn
 from ..lanes import Cells, Lanes
 from ..outcome import Outcome
 from ..weight import WeighedSegments
 from .closing import Bounds, bouncing, free_bounds, train_bounds
 from .extremes import EXACT, Course, Records
 from .ground import Ground, value_and_slope
-from .hulls import hull_of
+from .hulls import hull_of, hulls_of
 from .waiting import Steps, Waiting, joined, parts_done
 
 Array = np.ndarray
@@ -49,7 +52,7 @@ class Demands(Records):
         self.contact, self.cells = contact, cells
         self.ground = Ground(body, segments)
         self.waits, self._waiting = True, Waiting()
-        self._free, self._open = list[Lanes](), list[tuple[Lanes, Bounds]]()
+        self._free, self._closed, self._open = list[Lanes](), list[tuple[Lanes, Array, Array]](), list[tuple[Lanes, Bounds]]()
         self._steepest = max(edge.uplift for edge in body.edges)
 
     def course(self, lanes: Lanes, h: Array, y: Array, v: Array) -> Course:
@@ -73,17 +76,27 @@ class Demands(Records):
         fz_slope = weight_slope + k * ((jerk - rate * square) * sin - 3.0 * rate * bend * cos)
         return Course(np.array([-fz, fx / fz]), np.array([-fz_slope, (fx_slope * fz - fx * fz_slope) / (fz * fz)]))
 
-    def follow(self, lanes: Lanes, arc: Flow, stop: Array, y: Array, v: Array, at: Array) -> None:
-        """Take in the arcs of the lanes `at` until `stop` [tau], where they are at y, v; `lanes` as they are at 0."""
+    def show(self, lanes: Lanes, turn: Turn) -> tuple[Array, Array]:
+        """What the hulls of steps are made from."""
+        return hull_of(turn, self.body.on(lanes.side).kappa, self.equation.tolerance)
+
+    def follow(self, lanes: Lanes, arc: Flow, stop: Array, y: Array, v: Array, at: Array) -> Array:
+        """Take in the arcs of the lanes `at` until `stop` [tau], where they are at y, v; `lanes` as they are at 0. Those of them of which
+        their hull does not prove Fz > 0."""
         hull = series = None
-        if isinstance(arc, TaylorSeries) and arc.turn is not None:
-            hull = hull_of(arc, stop, self.body.on(lanes.side).kappa, self.equation.tolerance)
-            series = arc._replace(turn=None)
+        doubtful = at
+        if isinstance(arc, TaylorSeries) and arc.shown is not None:
+            hull = hulls_of(arc.shown, stop / arc.longest)
+            series = arc._replace(shown=None)
+            doubtful, cell = at[~(hull.possible[0, at] < 0.0)], lanes.cell[at]
+            fz, friction = hull.reached.take(at, axis=1)
+            self.fz_min[cell], self.friction[cell] = np.fmin(self.fz_min[cell], -fz), np.fmax(self.friction[cell], friction)
         steps = Steps(lanes, series, stop, y, v, hull)
         if self.waits:
             self._waiting.add(steps, at)
         else:
             self._look([(steps, at)])
+        return doubtful
 
     def take_in(self, going: Lanes, outcome: Array) -> None:
         """Look at the steps that waited, of cells that stayed upright, when there are many or no lanes go on; outcome: of each cell."""
@@ -91,7 +104,7 @@ class Demands(Records):
             return
         done, upright = parts_done(going, outcome.size), np.isin(outcome, (Outcome.ROCKED, Outcome.LOST_CONTACT))
         upright[going.cell] = True  # of which nothing is known
-        for part in self._waiting.ready(done, upright):
+        for part in self._waiting.ready(done, upright, self._promising):
             self._look(part)
         if self._free:
             self._rock_on(Lanes.joined(self._free))
@@ -99,44 +112,50 @@ class Demands(Records):
 
     def _look(self, every: list[tuple[Steps, Array]]) -> None:
         """Find the records of steps, which are all that is looked at of their cells at this time."""
-        hulls = [(steps.lanes.cell[at], steps.hull.take(at)) for steps, at in every if steps.hull is not None]
-        least, largest = self.fz_min.copy(), self.friction.copy()  # and what steps with a hull are certain to make of them
-        for cell, hull in hulls:  # of one round, in which every cell has one step
-            fz, friction = hull.reached()
-            least[cell], largest[cell] = np.fmin(least[cell], fz), np.fmax(largest[cell], friction)
-        for i, (cell, hull) in enumerate(hulls):
-            steps, at = every[i]
-            every[i] = steps, at[hull.may_beat(least[cell], largest[cell])]
-        left = [steps.take(at) for steps, at in every if at.size]
-        if not left:
+        if every[0][0].hull is not None:
+            self._approach(every)
             return
-        steps = joined(left)
-        if steps.hull is not None:
-            steps = steps.take(self._approach(steps, least, largest))
+        steps = joined([steps.take(at) for steps, at in every])
         order = np.argsort(steps.lanes.cell, kind="stable")
         cell = steps.lanes.cell[order]
         turn = np.searchsorted(cell, cell) // _TOGETHER  # of each step's first one of its cell, none of which are parted
         for some in np.split(order, np.flatnonzero(np.diff(turn)) + 1) if order.size else ():
-            lanes, arc, stop, y, v, _ = steps.take(some)
-            self._cut(lanes, self._flow(lanes) if arc is None else arc, stop, y, v)
+            self._cut(steps.take(some))
 
-    def _approach(self, steps: Steps, least: Array, largest: Array) -> Array:
-        """Look where hulls say that the records of cells may be beaten; the steps that have to be searched, by index."""
-        lanes, arc, stop, _, _, hull = steps
+    def _promising(self, steps: Steps, at: Array) -> Array:
+        """Of these steps with a hull, (2, steps): whether they may beat the record of -Fz, and of |Fx|/Fz."""
+        assert steps.hull is not None
+        cell = steps.lanes.cell[at]
+        return ~(steps.hull.possible.take(at, axis=1) <= [-self.fz_min[cell], self.friction[cell]])
+
+    def _approach(self, every: list[tuple[Steps, Array]]) -> None:
+        """Look at steps where their hulls say that records of -Fz or |Fx|/Fz may be beaten. What is found of a step hangs on no other one,
+        nor on its cell's record."""
+        wanted = [np.nonzero(self._promising(*some)) for some in every]
+        lanes, arc, stop, _, _, hull = steps = joined([steps.take(at[own]) for (steps, at), (_, own) in zip(every, wanted, strict=True)])
+        row = np.concatenate([row for row, _ in wanted])  # 0: of -Fz, 1: of |Fx|/Fz
         assert hull is not None
         assert arc is not None  # which come together
 
         def along(own: Array, h: Array) -> Course:
-            point = arc.take(own).at(h)
-            return self.course(lanes.take(own), h, point.y, point.v)
+            here, there = (arc, lanes) if own.size == stop.size else (arc.take(own), lanes.take(own))
+            point = here.at(h)
+            return self.course(there, h, point.y, point.v)
 
-        return self.approach(lanes.cell, along, stop, hull.crests(least[lanes.cell], largest[lanes.cell]))
+        left = self.approach(lanes.cell, along, stop, row, hull.crests(row))
+        for part in np.array_split(left, range(_TOGETHER, left.size, _TOGETHER)):
+            alone, some = copy.copy(self), steps.take(part)
+            Records.__init__(alone, part.size)
+            alone._cut(some._replace(lanes=replace(some.lanes, cell=np.arange(part.size))))
+            self.note_row(row[part], some.lanes.cell, alone.fz_min, alone.friction)
 
     def _flow(self, lanes: Lanes) -> Flow:
         return self.equation.on(lanes.side, lanes.cell).flow(self.segments, lanes)
 
-    def _cut(self, lanes: Lanes, arc: Flow, stop: Array, y: Array, v: Array) -> None:
-        """Take in steps of these arcs, stretch by stretch."""
+    def _cut(self, steps: Steps) -> None:
+        """Take in steps, stretch by stretch."""
+        lanes, series, stop, y, v, _ = steps
+        arc = self._flow(lanes) if series is None else series
         low = np.zeros(stop.size)
         one, other = self.course(lanes, low, lanes.y, lanes.v), self.course(lanes, stop, y, v)
         parts = np.clip(np.ceil(stop * arc.fastest / _LONGEST[self.body.linear]), 1, _MOST_PARTS).astype(np.int64)
@@ -168,6 +187,11 @@ class Demands(Records):
                 self._rest_weighed(seg, cell, k, u, to_k, to_u)
         else:
             np.maximum.at(self.friction, cell, self._resting_friction(cell, k, u, to_k, to_u))
+
+    def spread(self, of: Array, cells: Array) -> None:
+        """Give every cell the records of the one of `cells` that `of` says."""
+        for records in (self.friction, self.fz_min):
+            records[:] = records[cells][of]
 
     def rest_bounds(self, cell: Array, k: Array, u: Array, to_k: Array, to_u: Array) -> Bounds:
         """Of such rests."""
@@ -215,8 +239,18 @@ class Demands(Records):
 
     def close(self, lanes: Lanes, to_k: Array, to_u: Array) -> None:
         """Lanes just after an impact whose bouncing ends in rest, until they lift off again at a position."""
-        found = train_bounds(self.body, self.ground, lanes, self.contact).bounds
-        self._leave(lanes, found.worst(self.rest_bounds(lanes.cell, lanes.k, lanes.u, to_k, to_u)))
+        self._closed.append((lanes, to_k, to_u))
+        if sum(to_k.size for _, to_k, _ in self._closed) >= _TOGETHER:
+            self._judge()
+
+    def _judge(self) -> None:
+        """What closed lanes can still bring."""
+        if self._closed:
+            parts, to_k, to_u = zip(*self._closed, strict=True)
+            lanes, self._closed = Lanes.joined(parts), []
+            with np.errstate(all="ignore"):
+                found = train_bounds(self.body, self.ground, lanes, self.contact).bounds
+            self._leave(lanes, found.worst(self.rest_bounds(lanes.cell, lanes.k, lanes.u, np.concatenate(to_k), np.concatenate(to_u))))
 
     def free(self, lanes: Lanes, at: Array, y: Array, v: Array) -> None:
         """The lanes `at`, undamped, which are at y, v (both of these lanes) when the shaking is over, and stay upright."""
@@ -272,6 +306,7 @@ class Demands(Records):
 
     def open(self, upright: Array) -> list[Lanes]:
         """Those of which a record of an upright cell may still come when all steps have been taken in; upright: (cells,)."""
+        self._judge()
         found = ((lanes, np.flatnonzero(self.beaten(lanes.cell, *bounds) & upright[lanes.cell])) for lanes, bounds in self._open)
         return [lanes.take(at) for lanes, at in found if at.size]
 

@@ -60,7 +60,7 @@ class Run:
         self, system: System, segments: Segments, amplitude: Array, omega: Array, eta: Array, peaks: bool, pool: int,
         watch: Watch | None = None, body: Body | None = None, ahead: float | None = None,
     ) -> None:  # fmt: skip
-        self.equation, self.contact = system.equation if body is None else system.equation.with_turn(), system.contact
+        self.equation, self.contact = system.equation, system.contact
         self.peaks, self.pool, self.watch = peaks, pool, watch
         self.cells = self.contact.cells(self.equation, amplitude, omega, eta)
         self.segments, self.shaken = segments, len(segments)
@@ -85,6 +85,7 @@ class Run:
             from .demand import Demands
 
             self.demands = Demands(body, self.equation, self.segments, self.shaken, self.contact, self.cells)
+            self.equation = self.equation.with_turn(self.demands.show)
         self.only_peaks = self._only_peaks()
         self.settling = peaks and self.only_peaks and self.equation.bounded
         self.keeping = self.only_peaks and keeps_bouncing(self.equation, self.cells, self.segments)
@@ -105,9 +106,7 @@ class Run:
         lifts = self.contact.strongest(self.cells, self.segments) > 1.0
         waiting = np.flatnonzero(lifts)
         if self.demands is not None:
-            idle = np.flatnonzero(~lifts)
-            start, zero = np.zeros(idle.size, dtype=np.int64), np.zeros(idle.size)
-            self.demands.rest(idle, start, zero, *self._rests_until(idle, Uplift(start + len(self.segments), zero, zero, zero)))
+            self._rest_at_first(self.demands, lifts)
         self.work += Work(no_uplift=self.outcome.size - waiting.size)
         self._march(waiting)
         if self.demands is not None and self.drops is not None:
@@ -133,9 +132,20 @@ class Run:
     def start(self, cell: Array) -> Lanes:
         """Bodies at rest, taken to their first uplift; k is the number of segments where there is none."""
         first = self._first_uplift(cell) if self.tabled is None else Uplift(*(x[self.tabled.of[cell]] for x in self._first_uplifts))
-        if self.demands is not None and cell.size:
+        if self.demands is not None and cell.size and self.tabled is None:
             self.demands.rest(cell, np.zeros(cell.size, dtype=np.int64), np.zeros(cell.size), *self._rests_until(cell, first))
         return self._lifted(cell, first)
+
+    def _rest_at_first(self, demands: Demands, lifts: Array) -> None:
+        """The forces of bodies that stay at rest, and until their first uplift of all whose amplitudes are known."""
+        cell = np.flatnonzero(~lifts) if self.tabled is None else self.tabled.cells
+        start, zero = np.zeros(cell.size, dtype=np.int64), np.zeros(cell.size)
+        until = Uplift(start + len(self.segments), zero, zero, zero)
+        if self.tabled is not None:
+            until = Uplift(*(np.where(lifts[cell], x, never) for x, never in zip(self._first_uplifts, until, strict=True)))
+        demands.rest(cell, start, zero, *self._rests_until(cell, until))
+        if self.tabled is not None:
+            demands.spread(self.tabled.of, self.tabled.cells)
 
     def _lifted(self, cell: Array, first: Uplift) -> Lanes:
         """Bodies that have been at rest so far, at this uplift."""
@@ -198,10 +208,10 @@ class Run:
         """The forces of these lanes along their step."""
         end, hit = passage.end, passage.hit
         y, v = np.where(hit, 0.0, end.y), np.where(hit, passage.impact_v, end.v)
+        if self.demands is not None:
+            at = self.demands.follow(lanes, passage.arc, passage.reach, y, v, at)
         if self.footing is not None and self.footing.any:
             self.footing.follow(lanes, passage.arc, passage.reach, y, v, np.where(hit, passage.impact_b, passage.force), at)
-        if self.demands is not None:
-            self.demands.follow(lanes, passage.arc, passage.reach, y, v, at)
 
     def _rests_until(self, cell: Array, lift: Uplift) -> tuple[Array, Array]:
         """Where bodies at rest lift off, or the ground falls away from them."""

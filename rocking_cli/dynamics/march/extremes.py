@@ -55,6 +55,12 @@ class Records:
         np.minimum.at(self.fz_min, cell, fz)
         np.maximum.at(self.friction, cell, np.where(fz > 0.0, friction, np.inf))
 
+    def note_row(self, row: Array, cell: Array, fz: Array, friction: Array) -> None:
+        """The same, of -Fz (row 0) or |Fx|/Fz (row 1) alone."""
+        one, other = row == 0, row == 1
+        np.minimum.at(self.fz_min, cell[one], fz[one])
+        np.maximum.at(self.friction, cell[other], np.where(fz[other] > 0.0, friction[other], np.inf))
+
     def search(
         self, cell: Array, along: Along, low: Array, high: Array, one: Course, other: Course, size: Callable[[Array], Array] = np.abs
     ) -> None:
@@ -94,17 +100,16 @@ class Records:
             one, other = one.join(middle), middle.join(other)
             most, x, bend = cubic_extremes(one, other, high - low, size)
 
-    def approach(self, cell: Array, along: Along, length: Array, near: Crests) -> Array:
-        """Take in the extremes of stretches of this length [tau] from where hulls show them, by Newton's method; the stretches that do not
-        have them there, by index."""
-        left = np.any(near.wanted & ~near.plain, axis=0)
-        row, own = np.nonzero(near.wanted & near.plain & ~left)
-        x, bend, (x_before, slope_before) = near.x[row, own], near.bend[row, own], np.full((2, own.size), np.nan)
+    def approach(self, cell: Array, along: Along, length: Array, row: Array, near: Crests) -> Array:
+        """Take in the largest -Fz (row 0) or |Fx|/Fz (row 1) of stretches of this length [tau] from where hulls show it, by Newton's
+        method; the stretches that do not have it there, by index."""
+        left, own, x, bend = ~near.plain, np.arange(row.size), near.x, near.bend
+        x_before, slope_before = np.full((2, own.size), np.nan)
         for _ in range(_LOOKS):
             if not own.size:
                 break
             here = along(own, x * length[own])
-            self.note(cell[own], -here.value[0], np.abs(here.value[1]))
+            self.note_row(row, cell[own], -here.value[0], np.abs(here.value[1]))
             value, slope = (np.where(row == 0, *both) for both in here)
             sense = np.where((row == 1) & (value < 0.0), -1.0, 1.0)
             slope = sense * slope * length[own]
@@ -117,7 +122,7 @@ class Records:
                 at = np.flatnonzero(close & (row == i))
                 self._settle(i, cell[own[at]], value[at], sense[at] * slope[at], sense[at] * bend[at], np.abs)
             left[own[~(ends | crest)]] = True
-            more = np.flatnonzero(crest & ~close)
+            more = np.flatnonzero(crest & ~close & ~left[own])
             row, own, x_before, slope_before, bend = row[more], own[more], x[more], slope[more], bend[more]
             x = np.clip(x_before - slope_before / bend, 0.0, 1.0)
         left[own] = True

@@ -7,6 +7,7 @@ The mass centre is at kappa^-1 (sin z, cos z) of the edge, in the unit of m g an
 are series too. Of each the polynomial of degree d through its values at Chebyshev's extrema is taken, which leaves out of x^n no more than
 2^-2d h_(n-d-1)(nodes, 1), h the complete homogeneous sums; on a step no polynomial leaves the range of its Bernstein coefficients. So no
 step that is left out holds a record, and none that is looked at a crest higher than the one found by more than twice what is left out.
+The polynomials are those of the whole reach of a series, where sin z and cos z are at hand; a step that ends before has their beginning.
 """
 
 from __future__ import annotations
@@ -18,8 +19,7 @@ from typing import NamedTuple, Self
 
 import numpy as np
 
-from ..drive import summed
-from ..equations.taylor import TaylorSeries, blocks, powers
+from ..equations.taylor import Turn, powers
 
 Array = np.ndarray
 SINGLE = np.float32  # is enough to tell which steps are not worth a look
@@ -27,15 +27,13 @@ SINGLE = np.float32  # is enough to tell which steps are not worth a look
 _DEGREE, _STEPS = 5, 3  # of the polynomials, of Newton's method to a crest of one
 _CARRIED = 10.0  # times the tolerance of y: what the drive at the start of a step, known from the force that is carried, may be off
 _ROUNDING = 1e-5  # of every term, 80 units in the last place of a single, where powers are wrong by 20 and sums by another 20
-_BLOCK = 1024  # steps, whose terms stay in the second-level cache
 _TAIL = 2.0  # times the largest of the last four terms: what comes after them, of which each is below two thirds of the one before
 
 
 class Crests(NamedTuple):
-    """Of each step, (2, steps), of -Fz and of |Fx|/Fz: whether it may beat a record; if so, whether its hull has but one place for that;
-    which part of the step that is, and the second derivative there by that part."""
+    """Where some forces are largest, (forces,): whether the hull has but one place for that; which part of the step that is, and the
+    second derivative there by that part."""
 
-    wanted: Array
     plain: Array
     x: Array
     bend: Array
@@ -43,55 +41,41 @@ class Crests(NamedTuple):
 
 class Hull(NamedTuple):
     """Of each step the Bernstein coefficients of -Fx and Fz over m g, (degree + 1, 2, steps), and what either may differ from them,
-    (2, steps)."""
+    (2, steps); reached, possible: of -Fz and |Fx|/Fz what the largest is at least, and at most, (2, steps)."""
 
     forces: Array
     slack: Array
+    reached: Array
+    possible: Array
 
     def take(self, at: Array) -> Self:
         """Of some steps."""
-        return type(self)(self.forces.take(at, axis=2), self.slack.take(at, axis=1))
-
-    def reached(self) -> tuple[Array, Array]:
-        """(Fz, |Fx|/Fz): the least and the largest that are certainly reached at some instant of each step, or worse ones."""
-        across, up = _mixed(_values().astype(SINGLE), self.forces).swapaxes(0, 1)
-        low = (up + self.slack[1]).min(axis=0)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            ratio = (np.abs(across) - self.slack[0]) / (up + self.slack[1])
-        ratio[~((up > self.slack[1]) & (ratio > 0.0))] = 0.0
-        return low, ratio.max(axis=0)
-
-    def may_beat(self, fz: Array, friction: Array) -> Array:
-        """Whether a least Fz or a largest |Fx|/Fz may be beaten within each step; (steps,)."""
-        across, up = self.forces.swapaxes(0, 1)
-        with np.errstate(invalid="ignore"):
-            beyond = (np.abs(across) - friction * up).max(axis=0) + self.slack[0] + friction * self.slack[1]
-            return ~((up.min(axis=0) - self.slack[1] >= fz) & (~(beyond > 0.0) | (friction == np.inf)))
+        return type(self)(*(x.take(at, axis=-1) for x in self))
 
     def join(self, others: Sequence[Self]) -> Self:
         """These and others."""
-        every = (self, *others)
-        return type(self)(np.concatenate([x.forces for x in every], axis=2), np.concatenate([x.slack for x in every], axis=1))
+        return type(self)(*(np.concatenate(parts, axis=-1) for parts in zip(self, *others, strict=True)))
 
-    def crests(self, fz: Array, friction: Array) -> Crests:
-        """Where records of Fz and |Fx|/Fz, (steps,), may be beaten most; finite ones."""
-        across, up = self.forces.astype(float).swapaxes(0, 1)
-        slack = np.array([self.slack[1], self.slack[0] + friction * self.slack[1]])
-        held = friction * up
-        outward, inward = (across - held).max(axis=0), (-across - held).max(axis=0)
-        beyond = np.array([fz - up, np.where(outward >= inward, 1.0, -1.0) * across - held]).swapaxes(0, 1)  # (coefficients, 2, steps)
-        wanted = beyond.max(axis=0) + slack > 0.0
-        rises = np.diff(beyond, axis=0) > 0.0
+    def crests(self, row: Array) -> Crests:
+        """Where -Fz (row 0) or |Fx|/Fz (row 1) is largest in each step."""
+        across, up = self.forces.swapaxes(0, 1)
+        held = np.where(row, self.reached[1], SINGLE(1.0))
+        slack = np.where(row, self.slack[0], SINGLE(0.0)) + held * self.slack[1]
+        held_up = held * up
+        outward, inward = (across - held_up).max(axis=0), (-across - held_up).max(axis=0)
+        sense = np.where(row, np.where(outward >= inward, SINGLE(1.0), SINGLE(-1.0)), SINGLE(0.0))
+        beyond = sense * across - held_up
+        rises = beyond[1:] > beyond[:-1]
         turns = rises[:-1] & ~rises[1:]
         begins, ends = np.where(rises[0], -np.inf, beyond[0]), np.where(rises[-1], beyond[-1], -np.inf)
-        inside, x, bend = _crest(beyond, turns & wanted)
+        inside, x, bend = _crest(beyond, turns)
         best = np.maximum(np.maximum(begins, ends), inside)
         near = best - 2.0 * slack
         plain = ((begins >= near).astype(np.int8) + (ends >= near) + (inside >= near) == 1) & (turns.sum(axis=0) <= 1)
-        plain[1] &= np.minimum(outward, inward) + slack[1] <= 0.0
+        plain &= (row == 0) | (np.minimum(outward, inward) + slack <= 0.0)
         x = np.where(begins == best, 0.0, np.where(ends == best, 1.0, x))
-        bend[1] /= _polynomial(summed(_to_powers()[:, :, None] * up[:, None]), x[1])
-        return Crests(wanted, plain, x, bend)
+        bend /= np.where(row, _polynomial(_mixed(_to_powers().T, up.astype(float)), x), 1.0)
+        return Crests(plain, x, bend)
 
 
 def _crest(coefficients: Array, turns: Array) -> tuple[Array, Array, Array]:
@@ -99,17 +83,17 @@ def _crest(coefficients: Array, turns: Array) -> tuple[Array, Array, Array]:
     where they do not."""
     shape = turns.shape[1:]
     height, place, bend = np.full(shape, -np.inf), np.zeros(shape), np.zeros(shape)
-    row, lane = np.nonzero(turns.any(axis=0))
-    own, first, some = coefficients[:, row, lane], turns[:, row, lane].argmax(axis=0), np.arange(row.size)
+    (lane,) = np.nonzero(turns.any(axis=0))
+    own, first, some = coefficients.take(lane, axis=1), turns.take(lane, axis=1).argmax(axis=0), np.arange(lane.size)
     before, middle, after = (own[first + i, some] for i in range(3))
     x = (first + (middle - before) / (2.0 * middle - before - after)) / (_DEGREE - 1.0)
-    terms = summed(_to_powers()[:, :, None] * own[:, None])
+    terms = _mixed(_to_powers().T, own.astype(float))
     n = np.arange(1.0, _DEGREE + 1.0)[:, None]
     slope = n * terms[1:]
     rate = n[:-1] * slope[1:]
     for _ in range(_STEPS):
         x = np.clip(x - _polynomial(slope, x) / _polynomial(rate, x), 0.0, 1.0)
-    height[row, lane], place[row, lane], bend[row, lane] = _polynomial(terms, x), x, _polynomial(rate, x)
+    height[lane], place[lane], bend[lane] = _polynomial(terms, x), x, _polynomial(rate, x)
     return height, place, bend
 
 
@@ -121,36 +105,68 @@ def _polynomial(terms: Array, x: Array) -> Array:
     return np.asarray(total)
 
 
-def hull_of(series: TaylorSeries, stop: Array, kappa: Array | float, tolerance: float) -> Hull | None:
-    """Of steps to `stop` [tau] on edges of this kappa; None where the series have no `turn`."""
-    if series.turn is None:
-        return None
-    turn, push, weight = series.turn
-    rows = len(turn) - 2
+def hull_of(turn: Turn, kappa: Array | float, tolerance: float) -> tuple[Array, Array]:
+    """Forces and slack (`Hull`) of whole steps of series on edges of this kappa."""
+    rows = len(turn.push)
     interpolants, left = _matrices(rows)
-    found = Hull(np.empty((_DEGREE + 1, 2, stop.size), dtype=SINGLE), np.empty((2, stop.size), dtype=SINGLE))
-    for part in blocks(stop.size, _BLOCK):
-        terms = turn[2:, :, part] * np.asarray(kappa[part] if isinstance(kappa, np.ndarray) else kappa, dtype=SINGLE)
-        terms[:, 0] += push[:, part]
-        if weight is not None:
-            terms[:, 1] += weight[:, part]
-        unit = series.unit[part]
-        x = powers((stop[part] / unit).astype(SINGLE), rows)
-        x *= (1.0 / (unit * unit)).astype(SINGLE)
-        terms *= x[:, None]
-        found.forces[:, :, part] = _mixed(interpolants, terms)
-        if weight is None:
-            found.forces[:, 1, part] += 1.0
-        np.abs(terms, out=terms)
-        slack = _mixed(left, terms)[0]
-        slack += SINGLE(_TAIL * (rows + 1) * (rows + 2)) * terms[-4:].max(axis=0)
-        np.add(slack, SINGLE(_CARRIED * tolerance + _ROUNDING), out=found.slack[:, part])
+    unit = turn.unit
+    x = powers((turn.longest / unit).astype(SINGLE), rows)
+    x *= (1.0 / (unit * unit)).astype(SINGLE)
+    terms = turn.turn[2:].astype(SINGLE)
+    terms *= _twice(rows)[:, None, None] * np.asarray(kappa, dtype=SINGLE)
+    terms[:, 0] += turn.push.astype(SINGLE)
+    if turn.weight is not None:
+        terms[:, 1] += turn.weight.astype(SINGLE)
+    terms *= x[:, None]
+    forces = _mixed(interpolants, terms)
+    if turn.weight is None:
+        forces[:, 1] += 1.0
+    np.abs(terms, out=terms)
+    slack = _mixed(left, terms)[0]
+    slack += _TAIL * terms[-4:].max(axis=0)
+    slack += SINGLE(_CARRIED * tolerance + _ROUNDING)
+    return forces, slack
+
+
+def hulls_of(shown: Sequence[tuple[Array, Array]], share: Array) -> Hull:
+    """Of steps that end at some part of their series, from what `hull_of` shows of these, block by block."""
+    found = Hull(*(np.empty((*shape, 2, share.size), dtype=SINGLE) for shape in ((_DEGREE + 1,), (), (), ())))
+    values, end = _values().astype(SINGLE), 0
+    for forces, slack in shown:
+        part = slice(end, end := end + slack.shape[1])
+        (short,) = (share[part] < 1.0).nonzero()
+        forces[:, :, short] = _begin(forces.take(short, axis=2), share[part][short].astype(SINGLE))
+        found.forces[:, :, part], found.slack[:, part] = forces, slack
+        found.possible[:, part] = _largest(forces, slack)
+        found.reached[:, part] = _largest(_mixed(values, forces), -slack)
     return found
+
+
+def _begin(coefficients: Array, share: Array) -> Array:
+    """Those of polynomials over that share of their steps (de Casteljau)."""
+    row, found = coefficients, [coefficients[0]]
+    while len(row) > 1:
+        row = row[:-1] + share * (row[1:] - row[:-1])
+        found.append(row[0])
+    return np.array(found)
+
+
+def _largest(forces: Array, by: Array) -> Array:
+    """The largest -Fz and |Fx|/Fz of (values, 2, steps) whose Fx is larger, and whose Fz smaller, by (2, steps)."""
+    up = forces[:, 1] - by[1]
+    least = up.min(axis=0)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        ratio = ((np.abs(forces[:, 0]) + by[0]) / up).max(axis=0)
+    ratio[least <= 0.0] = np.inf
+    return np.array([-least, ratio])
 
 
 def _mixed(matrix: Array, rows: Array) -> Array:
     """The matrix times rows, (rows, 2, steps); of two columns at least, since NumPy sums a single one in another order."""
-    return np.einsum("dn,nl->dl", matrix, rows.reshape(len(rows), -1)).reshape(len(matrix), *rows.shape[1:])
+    columns = rows.reshape(len(rows), -1)
+    if columns.shape[1] == 1:
+        columns = np.repeat(columns, 2, axis=1)
+    return np.einsum("dn,nl->dl", matrix, columns)[:, : rows[0].size].reshape(len(matrix), *rows.shape[1:])
 
 
 def _nodes() -> Array:
@@ -175,7 +191,7 @@ def _to_powers() -> Array:
 
 @lru_cache(maxsize=64)
 def _matrices(rows: int) -> tuple[Array, Array]:
-    """Of (n + 1)(n + 2) x^n, n below `rows`: the Bernstein coefficients of the interpolants, (degree + 1, rows), and what these leave out,
+    """Of x^n, n below `rows`: the Bernstein coefficients of the interpolants, (degree + 1, rows), and what these leave out,
     (1, rows)."""
     x, n = _nodes(), np.arange(float(rows))
     sums = np.zeros(rows)  # of x^m over the nodes and 1, m = 0, 1 ...
@@ -185,6 +201,11 @@ def _matrices(rows: int) -> tuple[Array, Array]:
             sums[m] += node * sums[m - 1]
     left = np.zeros(rows)
     left[_DEGREE + 1 :] = 0.25**_DEGREE * sums[: max(0, rows - _DEGREE - 1)]
-    twice = (n + 1.0) * (n + 2.0)
-    interpolants = np.linalg.solve(_values(), x[:, None] ** n) * twice
-    return interpolants.astype(SINGLE), ((left + _ROUNDING) * twice).astype(SINGLE)[None]
+    return np.linalg.solve(_values(), x[:, None] ** n).astype(SINGLE), (left + _ROUNDING).astype(SINGLE)[None]
+
+
+@lru_cache(maxsize=64)
+def _twice(rows: int) -> Array:
+    """(n + 1)(n + 2), n below `rows`."""
+    n = np.arange(rows)
+    return ((n + 1) * (n + 2)).astype(SINGLE)

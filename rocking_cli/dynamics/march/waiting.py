@@ -7,7 +7,7 @@ somebody asks change a digit.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import NamedTuple, Self
 
 import numpy as np
@@ -64,20 +64,22 @@ class Waiting:
             self._steps.append((steps, at))
             self.held += at.size
 
-    def ready(self, done: Array, wanted: Array) -> Iterator[list[tuple[Steps, Array]]]:
+    def ready(self, done: Array, wanted: Array, promising: Callable[[Steps, Array], Array]) -> Iterator[list[tuple[Steps, Array]]]:
         """The parts of cells that are complete, one after the other, each over all cells; they no longer wait.
 
         done: how many parts each cell has completed; wanted: of which cells they are looked at, (cells,).
         """
         found, left = dict[int, list[tuple[Steps, Array]]](), []
         for steps, at in self._steps:
+            if steps.hull is not None:
+                at = at[promising(steps, at).any(axis=0)]
             cell, part = steps.lanes.cell[at], (steps.lanes.steps[at] - 1) // _PART
             ready = part < done[cell]
-            look = ready & wanted[cell]
-            for n in np.unique(part[look]):
-                found.setdefault(int(n), []).append((steps, at[look & (part == n)]))
+            look = np.flatnonzero(ready & wanted[cell])
+            for n in np.flatnonzero(np.bincount(part[look])).tolist():
+                found.setdefault(n, []).append((steps, at[look[part[look] == n]]))
             going = at[~ready]
-            if 2 * going.size < steps.stop.size:
+            if 4 * going.size < steps.stop.size:
                 steps, going = steps.take(going), np.arange(going.size)
             if going.size:
                 left.append((steps, going))

@@ -12,6 +12,7 @@ from stocky import ACROSS, KINDS, UP, drawn, ground
 from weighed import Shaking
 
 from rocking_cli import Method, Outcome, build_structure, cosine, parse_documents, parse_grid, pulse, response, sine
+from rocking_cli.dynamics.equations.rigid_body import RigidBodyEquation
 from rocking_cli.dynamics.march import aftermath, demand
 from rocking_cli.dynamics.march.aftermath import Aftermath
 from rocking_cli.dynamics.march.closing import Bounds
@@ -140,7 +141,7 @@ def apart_from_short_cuts(kind, model, motion, cells, seed, monkeypatch):
     body, _, _ = drawn(kind, random, (0.2, 0.5), ETAS, 0.3)
     amplitude, omega, system = random.uniform(0.8, 8.0, cells), random.uniform(0.5, 12.0, cells), Method(model, 1e-11).system_of(body)
     found, asked_for = response_with_demands(system, motion, amplitude, omega, body.eta)
-    monkeypatch.setattr(demand, "hull_of", lambda *step: None)
+    monkeypatch.setattr(RigidBodyEquation, "with_turn", lambda self, show: self)
     monkeypatch.setattr(demand, "_LONGEST", {True: 0.15, False: 0.2})
     monkeypatch.setattr(demand, "_MOST_PARTS", 60)
     _, finely = response_with_demands(system, motion, amplitude, omega, body.eta)
@@ -183,6 +184,17 @@ def test_neither_other_cells_nor_the_time_of_the_look_change_a_digit(model, monk
     for i in (3, 20, 30):
         _, alone = response_with_demands(system, motion, amplitude[i], omega, body.eta)
         assert all(np.array_equal(values[i], alone[name], equal_nan=True) for name, values in waited.items())
+
+
+@pytest.mark.parametrize("motion", [sine(2), with_vertical(sine(1), cosine(1.0), 0.2)], ids=["steady", "weighed"])
+def test_cells_of_a_grid_ask_what_they_ask_alone(motion):
+    """Rest until the first uplift is looked at once for each amplitude that comes again."""
+    body = body_of(BODIES["block"])
+    system, (amplitude, omega) = Method("nonlinear").system_of(body), np.meshgrid([0.5, 1.2, 3.0], np.linspace(3.0, 8.0, 4))
+    _, together = response_with_demands(system, motion, amplitude, omega, body.eta)
+    for i in np.ndindex(amplitude.shape):
+        _, alone = response_with_demands(system, motion, amplitude[i], omega[i], body.eta)
+        assert all(np.array_equal(values[i], alone[name], equal_nan=True) for name, values in together.items())
 
 
 def worst(text, model, motion, cells, seed):

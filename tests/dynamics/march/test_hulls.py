@@ -11,7 +11,7 @@ from stocky import ACROSS, KINDS, UP, drawn
 from rocking_cli import Method
 from rocking_cli.dynamics.march import hulls
 from rocking_cli.dynamics.march.demand import Demands
-from rocking_cli.dynamics.march.hulls import Hull, hull_of
+from rocking_cli.dynamics.march.hulls import hulls_of
 from rocking_cli.dynamics.response import response_with_demands
 from rocking_cli.motions.biaxial import with_vertical
 
@@ -40,22 +40,18 @@ def watched(kind, seed, cells, monkeypatch, tolerance=1e-9):
     found, follow, random = [], Demands.follow, np.random.default_rng(seed)
 
     def look(self, lanes, arc, stop, y, v, at):
-        hull = hull_of(arc, stop, self.body.on(lanes.side).kappa, tolerance)
-        assert hull is not None
-        hull, (fx, fz) = hull.take(at), along_steps(self, lanes, arc, stop, at, EVENLY)
+        hull, (fx, fz) = hulls_of(arc.shown, stop / arc.longest).take(at), along_steps(self, lanes, arc, stop, at, EVENLY)
         for (across, up), x in zip(zip(fx, fz, strict=True), EVENLY, strict=True):
             there = polynomial(hull.forces.astype(float), x)
             found.append((np.abs(there - (-across, up)) / hull.slack).ravel())
         with np.errstate(divide="ignore", invalid="ignore"):
             ratio = np.where(fz > 0.0, np.abs(fx / fz), np.inf)
-            assert np.all(hull.may_beat(fz.min(axis=0) + 1e-9, np.full(at.size, np.inf)))
-            largest = ratio.max(axis=0)
-            assert np.all(hull.may_beat(np.full(at.size, -np.inf), largest * (1.0 - 1e-9)) | np.isinf(largest))
+            assert np.all(-fz.min(axis=0) < hull.possible[0])
+            assert np.all((ratio.max(axis=0) < hull.possible[1]) | np.isinf(hull.possible[1]))
             fx, fz = along_steps(self, lanes, arc, stop, at, NODES)
-            least, largest = hull.reached()
-            assert np.all(fz.min(axis=0) <= least)
-            assert np.all(np.where(fz > 0.0, np.abs(fx / fz), np.inf).max(axis=0) >= largest)
-        follow(self, lanes, arc, stop, y, v, at)
+            assert np.all(-fz.min(axis=0) >= hull.reached[0])
+            assert np.all(np.where(fz > 0.0, np.abs(fx / fz), np.inf).max(axis=0) >= hull.reached[1])
+        return follow(self, lanes, arc, stop, y, v, at)
 
     monkeypatch.setattr(Demands, "follow", look)
     for vertical in (False, True):
@@ -83,25 +79,39 @@ def test_forces_of_many_bodies_do(kind, tolerance, monkeypatch):
             assert watched(kind, seed, 300, patched, tolerance).max() < 1.0
 
 
-def hull_through(across, up, slack=1e-9):
+def hull_through(across, up):
     """Of one step, from the Bernstein coefficients of -Fx and Fz."""
-    return Hull(np.array([across, up], dtype=hulls.SINGLE).T[:, :, None], np.full((2, 1), slack, dtype=hulls.SINGLE))
+    forces = np.array([across, up], dtype=hulls.SINGLE).T[:, :, None]
+    return hulls_of([(forces, np.full((2, 1), 1e-9, dtype=hulls.SINGLE))], np.ones(1))
 
 
 def test_a_crest_of_the_hull():
     """Fz = 1 - x (1 - x)^4 is least at x = 1/5, by 256/3125, where its second derivative is 64/25; Fx does not change."""
-    up = [1.0, 1.0 - 1.0 / 5.0, 1.0, 1.0, 1.0, 1.0]
-    crests = hull_through([0.3] * 6, up).crests(np.array([0.95]), np.array([0.4]))
-    assert crests.wanted.ravel().tolist() == [True, False]
-    assert crests.plain[0, 0]
-    assert crests.x[0, 0] == pytest.approx(0.2, abs=1e-5)  # of single precision
-    assert crests.bend[0, 0] == pytest.approx(-64.0 / 25.0, rel=1e-4)
+    crests = hull_through([0.3] * 6, [1.0, 1.0 - 1.0 / 5.0, 1.0, 1.0, 1.0, 1.0]).crests(np.zeros(1, dtype=np.int64))
+    assert crests.plain[0]
+    assert crests.x[0] == pytest.approx(0.2, abs=1e-5)  # of single precision
+    assert crests.bend[0] == pytest.approx(-64.0 / 25.0, rel=1e-4)
 
 
 def test_a_hull_with_two_places_of_one_height_is_not_plain():
     """Fz falls to 0.8 at either end; where one end is the lower by more than may be wrong it is the place."""
     two, one = [0.8, 1.0, 1.0, 1.0, 1.0, 0.8], [0.8, 1.0, 1.0, 1.0, 1.0, 0.79]
-    found = [hull_through([0.0] * 6, up).crests(np.array([0.95]), np.array([1.0])) for up in (two, one)]
-    assert [bool(x.wanted[0, 0]) for x in found] == [True, True]
-    assert [bool(x.plain[0, 0]) for x in found] == [False, True]
-    assert found[1].x[0, 0] == 1.0
+    found = [hull_through([0.0] * 6, up).crests(np.zeros(1, dtype=np.int64)) for up in (two, one)]
+    assert [bool(x.plain[0]) for x in found] == [False, True]
+    assert found[1].x[0] == 1.0
+
+
+def test_a_ratio_that_is_as_large_on_either_side_is_not_plain():
+    """Fx goes from -0.3 to 0.3 under a steady Fz."""
+    for begin, plain in ((-0.3, False), (-0.2, True)):
+        crests = hull_through(np.linspace(begin, 0.3, 6), [1.0] * 6).crests(np.ones(1, dtype=np.int64))
+        assert bool(crests.plain[0]) == plain
+        assert crests.x[0] == 1.0 or not plain
+
+
+def test_a_step_that_ends_before_its_series_has_the_beginning_of_its_polynomials():
+    forces = np.random.default_rng(4).uniform(0.5, 1.0, (6, 2, 1)).astype(hulls.SINGLE)
+    slack, share = np.full((2, 1), 1e-5, dtype=hulls.SINGLE), 0.3
+    begin = hulls_of([(forces.copy(), slack)], np.array([share])).forces
+    for x in EVENLY:
+        assert polynomial(begin.astype(float), x) == pytest.approx(polynomial(forces.astype(float), share * x), abs=5e-7)
