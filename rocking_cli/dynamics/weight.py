@@ -52,7 +52,8 @@ class WeighedSegments(Segments):
 
     def sway(self, side: Array, amplitude: Array) -> Array:
         """zg''/g of s_v = 1 for lanes of this side and amplitude."""
-        return np.where(side > 0.0, *self.share) * amplitude
+        right, left = self.share
+        return (right if right == left else np.where(side > 0.0, right, left)) * amplitude
 
     def weight(self, side: Array, amplitude: Array, k: Array, u: Array) -> Array:
         """w at phase u of segment k."""

@@ -187,8 +187,11 @@ def bouncing_weighed(segments: WeighedSegments, lanes: Lanes, equation: Equation
     b, v, side = lanes.b, lanes.v, lanes.side
     keeps = lanes.eta if there is None else there.eta * there.back
     amplitude = lanes.amplitude if there is None else lanes.amplitude * there.drive
-    across = 1.0 if there is None else 1.0 - segments.net(-side, amplitude, lanes.k, lanes.u)
-    gap = np.minimum(-b, across)
+    slow = np.flatnonzero((b < 0.0) & (v * v < 0.05 * b * b))
+    gap, across = np.zeros(b.size), np.ones(b.size)  # elsewhere
+    if there is not None and slow.size:
+        across[slow] -= segments.net(-side[slow], amplitude[slow], lanes.k[slow], lanes.u[slow])
+    gap[slow] = np.minimum(-b[slow], across[slow])
     proved = (keeps == 1.0) & (v < BELOW_ROUNDING * gap)
     at = np.flatnonzero((gap > 0.0) & (v * v < 0.05 * gap * gap) & (keeps < 1.0))
     if not at.size:
@@ -197,7 +200,7 @@ def bouncing_weighed(segments: WeighedSegments, lanes: Lanes, equation: Equation
     n, r, other = (np.zeros(at.size), 1.0, own) if there is None else (there.eta[at], there.time, amplitude[at])
     r = np.broadcast_to(r, lanes.v.shape)[at]
     scale = 2.0 * v / (1.0 - q)
-    beside = np.ones(at.size) if there is None else np.asarray(across)[at]
+    beside = across[at]
     trial = 1.5 * scale * (1.0 / -b + n * r / beside)
     later = np.minimum(u + lanes.omega[at] * trial, segments.length[k])
     ends = later < segments.length[k]

@@ -144,22 +144,26 @@ def drive_series(segments: Segments, lanes: Lanes, order: int) -> Drive:
     """Terms 1 ... order of the drive. The first, the drive now, follows from the force that a lane carries."""
     w = segments.frequency.take(lanes.k, axis=1) * lanes.omega
     fastest = 1.0 + w.max(axis=0, initial=0.0)
-    return Drive(_terms(segments, lanes, -lanes.side * lanes.amplitude, w, 1.0 / fastest, order), 1.0 / fastest, fastest)
+    here = segment_value(segments, lanes.k, lanes.u)
+    return Drive(_terms(segments, lanes, here, -lanes.side * lanes.amplitude, w, 1.0 / fastest, order), 1.0 / fastest, fastest)
 
 
 def weighed_series(segments: WeighedSegments, lanes: Lanes, order: int) -> tuple[Drive, Array]:
     """The same where the weight varies, and the terms of the weight over m g, from the first on."""
     across, up = (part.frequency.take(lanes.k, axis=1) * lanes.omega for part in (segments, segments.vertical))
     fastest = 1.0 + np.maximum(across.max(axis=0, initial=0.0), up.max(axis=0, initial=0.0))
-    unit = 1.0 / fastest
-    weight = _terms(segments.vertical, lanes, segments.sway(lanes.side, lanes.amplitude), up, unit, order)
-    weight[0] = segments.weight(lanes.side, lanes.amplitude, lanes.k, lanes.u)
-    return Drive(_terms(segments, lanes, -lanes.side * lanes.amplitude, across, unit, order), unit, fastest), weight
+    unit, vertical, sway = 1.0 / fastest, segments.vertical, segments.sway(lanes.side, lanes.amplitude)
+    rise = segment_value(vertical, lanes.k, lanes.u)
+    weight = _terms(vertical, lanes, rise, sway, up, unit, order)
+    change = rise[0] if vertical.table is None else vertical.table.change(lanes.k, lanes.u)
+    weight[0] = 1.0 + sway * (vertical.s_start[lanes.k] + change)
+    here = segment_value(segments, lanes.k, lanes.u)
+    return Drive(_terms(segments, lanes, here, -lanes.side * lanes.amplitude, across, unit, order), unit, fastest), weight
 
 
-def _terms(segments: Segments, lanes: Lanes, outward: Array, w: Array, unit: Array, order: int) -> Array:
-    """Terms 1 ... order of `outward` times a motion whose frequencies are w by tau."""
-    _, sin, cos = segment_value(segments, lanes.k, lanes.u)
+def _terms(segments: Segments, lanes: Lanes, here: tuple[Array, Array, Array], outward: Array, w: Array, unit: Array, order: int) -> Array:
+    """Terms 1 ... order of `outward` times a motion that is `here` (`segment_value`) and whose frequencies are w by tau."""
+    _, sin, cos = here
     terms = np.zeros((order + 1, unit.size))
     for a, b, f in zip(sin, cos, w, strict=True):
         x = f * unit

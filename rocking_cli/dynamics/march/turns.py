@@ -33,7 +33,7 @@ def falls_through_zero(arc: Flow, reach: Array, lanes: Array) -> tuple[Array, Ar
     fall, own = (np.concatenate([part[i] for part in parts]) for i in (0, 1))
     found: list[tuple[Array, Array, Array]] = [(fall, np.zeros(fall.size), np.ones(fall.size))]
     speed = np.concatenate([part[2] for part in parts], axis=1)
-    bernstein = _apply(_from_powers(len(speed)), speed)
+    bernstein = _bernstein(speed)
     low, high = np.zeros(own.size), np.ones(own.size)
     for _ in range(_HALVINGS):
         falls = (bernstein[:-1] > 0.0) & (bernstein[1:] <= 0.0)
@@ -78,12 +78,12 @@ def _from_powers(count: int) -> Array:
     return np.array([[comb(i, n) / comb(count - 1, n) for n in range(count)] for i in range(count)])
 
 
-def _apply(matrix: Array, columns: Array) -> Array:
-    """matrix @ columns, each column in the same order of sums whatever its neighbours."""
-    total = matrix[:, :1] * columns[0]
-    for n in range(1, len(columns)):
-        total += matrix[:, n : n + 1] * columns[n]
-    return total
+def _bernstein(terms: Array) -> Array:
+    """Bernstein coefficients on [0, 1] of polynomials, (terms, lanes), each summed in the same order whatever its neighbours."""
+    if terms.shape[1] == 1:  # NumPy sums a single lane in another order
+        return _bernstein(np.repeat(terms, 2, axis=1))[:, :1]
+    parts = [np.einsum("in,nl->il", _from_powers(len(terms)), terms[:, block]) for block in blocks(terms.shape[1])]
+    return np.concatenate([terms[:, :0], *parts], axis=1)
 
 
 def _halves(bernstein: Array) -> tuple[Array, Array]:
