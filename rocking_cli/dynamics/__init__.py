@@ -55,7 +55,8 @@ Lemma 10 (nothing returns above). The same oscillator, lifted on the motion's fi
 Lemma 11 (flight). Linear, undamped: Green's function sinh is not negative, so y is monotone in the drive: while a >= c,
     y(h) >= y + v sinh h + (y - 1 + c)(cosh h - 1), and no impact comes before that bound is zero; while a <= c the same is a bound from
     above. Where y > 0 and a >= c on a stretch of length T, y'' >= c - 1, and y is nowhere above the higher of its ends by more than
-    (1 - c) T^2/8. The state at the end of a stretch is exact (see `flight.bounded`), whatever happens on the way.
+    (1 - c) T^2/8. Where such a bound of y and the largest a leave y'' < 0, v falls throughout and a crest is the only one (`flight.crest`).
+    The state at the end of a stretch is exact (see `flight.bounded`), whatever happens on the way.
 Lemma 12 (stride). Any equation: on 0 <= y <= limit f >= -K, K = L + M max(0, -a), L and M the largest l and m and a the least drive of a
     stretch of length h; so that y'' + 2 zeta y' >= -K. While y + (y' - zeta h |y'|) h -
     K h^2/2 > 0 no impact comes. No crest is above the higher end by more than exp(2 zeta h) K h^2/8, since from the crest y falls at most

@@ -4,6 +4,7 @@ windows  bounds of the samples over stretches of them
 bounded  the bounded response to the record, from which the state at any later sample follows at once
 ramp     the flow within one interval between samples
 jump     the lanes that can jump, and how far
+crest    the largest rotation within a jump
 run      the engine of the undamped linear oscillator: jumps, intervals, impacts
 walk     that of every other equation: strides from sample to sample, rounds of the march where something may happen
 relay    the walk of few cells through a long record, whose legs are walked side by side

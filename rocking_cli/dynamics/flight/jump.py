@@ -7,16 +7,18 @@ from typing import NamedTuple
 
 import numpy as np
 
+from .bounded import BoundedResponse
+
 Array = np.ndarray
 
 
 class Jumpers(NamedTuple):
     """Lanes that can jump, (lanes,); all that a jump reads stands here, so that nothing else is copied where some stay behind.
 
-    slot: place in the pool; k, u, y, v, b, peak as in `Lanes`, b NaN where a jump has ended; up, down: coefficients of exp(tau) and
-    exp(-tau) in y, tau from the first sample that is not before u; drive: the outward drive of s = 1; pace: tau between samples; row:
-    where the table of the pace begins; level: of the window that is tried next, at most `top`, which follows from the pace alone: no jump
-    depends on a lane's neighbours.
+    slot: place in the pool; k, u, y, v, peak as in `Lanes`; may: whether they are not known to be held up; up, down: coefficients of
+    exp(tau) and exp(-tau) in y, tau from the first sample that is not before u; drive: the outward drive of s = 1; pace: tau between
+    samples; row: where the table of the pace begins; level: of the window that is tried next, at most `top`, which follows from the pace
+    alone: no jump depends on a lane's neighbours.
     """
 
     slot: Array
@@ -24,8 +26,8 @@ class Jumpers(NamedTuple):
     u: Array
     y: Array
     v: Array
-    b: Array
     peak: Array
+    may: Array
     up: Array
     down: Array
     drive: Array
@@ -33,6 +35,12 @@ class Jumpers(NamedTuple):
     row: Array
     level: Array
     top: Array
+
+    def at(self, n: Array, bounded: BoundedResponse) -> tuple[Array, Array]:
+        """y and v at samples n, of lanes that are at a sample."""
+        grown, there = np.exp((n - self.k) * self.pace), bounded.at(self.row, n)
+        up, down = self.up * grown, self.down / grown
+        return self.drive * there.real + (up + down) + 1.0, self.drive * there.imag + (up - down)
 
     def take(self, lanes: Array | slice) -> Jumpers:
         """Some of the lanes."""
@@ -45,8 +53,9 @@ class Jumpers(NamedTuple):
 
 
 class Leap(NamedTuple):
-    """Jumps of all lanes: state at their ends, the peak with them, 1 - a at the most, and their time [tau]."""
+    """Jumps of all lanes: samples and state at their ends, the peak with them, 1 - a at the most, and their time [tau]."""
 
+    to: Array
     y: Array
     v: Array
     peak: Array

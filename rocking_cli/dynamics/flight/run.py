@@ -20,6 +20,7 @@ from ..march.roots import hidden_turn, impact_root, turning_point
 from ..outcome import Outcome
 from ..system import System
 from .bounded import LONGEST, LONGEST_JUMP, BoundedResponse, shares
+from .crest import Rise, crest
 from .jump import Jumpers, Leap, horizon
 from .ramp import RampFlow, impact_guess
 from .windows import windows
@@ -30,7 +31,8 @@ _POOL = 65536  # lanes: fewer rounds outweigh what no longer fits any cache
 _TABLES = 1 << 25  # bytes of tables at a time
 _LEAST = 1e-8  # over 1 + A: a displacement below it, which a jump knows to 1e-15 only, is left to single intervals
 _STRAGGLERS = 8  # one in so many lanes may still be jumping when the others take their intervals; as many at rest are lifted together
-_STATE = ("k", "u", "y", "v", "b", "peak")  # what a jump changes in a lane of the pool
+_STATE = ("k", "u", "y", "v", "peak")  # what a jump changes in a lane of the pool
+_FIXED = ("slot", "cell", "amplitude", "omega", "eta")  # what no interval changes in it, the last three where the sides are alike
 _SURELY = 1.0 - 1e-6  # part of a horizon that is used: y at a jump's end may be off by 1e-15 of 1e-8
 
 
@@ -50,6 +52,7 @@ class Flight(Run):
     ) -> None:  # fmt: skip
         super().__init__(system, segments, amplitude, omega, eta, peaks, pool or _POOL)
         self.samples, self.step, self.last = samples.values, samples.step, samples.values.size - 1
+        self.changing = [f.name for f in fields(Flights) if f.name not in (_FIXED if self.contact.alike else _FIXED[:2])]
         self.rows = np.zeros(self.cells.omega.shape, dtype=np.int64)
 
     def _march(self, waiting: Array) -> None:
@@ -75,17 +78,19 @@ class Flight(Run):
         """Keep a pool of lanes in the air until these cells are done."""
         with np.errstate(all="ignore"):
             taken = min(self.pool, waiting.size)
+            self.free, self.waits = np.zeros(taken, dtype=bool), np.zeros(taken, dtype=bool)
+            self.top = np.zeros(taken)  # crests in jumps since the last interval that was taken alone
             self.flown = self._begin(waiting[:taken], np.arange(taken))
             self.resting: list[Flights] = []
             self.beyond: list[Jumpers] = []  # lanes whose next jump leads out of the stretch that is tabled
             self.unlaunched = [self.flown.slot]  # and slots of those that are not in it
-            self.free = np.zeros(taken, dtype=bool)
             aloft = self._move()
-            while aloft.k.size or self.resting:
-                halted, aloft = self._jump(aloft)
-                parts = [aloft, self._alone(halted)]
+            while aloft.k.size or self.resting or self.waits.any():
+                aloft = self._jump(aloft)
+                parts = [aloft, self._alone()]
                 at_rest = sum(lanes.k.size for lanes in self.resting)
-                if at_rest and (_STRAGGLERS * at_rest >= np.count_nonzero(~self.free) or not (aloft.k.size or halted.size)):
+                going = sum(lanes.k.size for lanes in parts) or self.waits.any()
+                if at_rest and (_STRAGGLERS * at_rest >= np.count_nonzero(~self.free) or not going):
                     parts.append(self._lift())
                 places = np.flatnonzero(self.free)[: waiting.size - taken]
                 if places.size:
@@ -93,7 +98,7 @@ class Flight(Run):
                     taken += places.size
                     parts.append(self._onto(new))
                 aloft = Jumpers.join(parts)
-                if not (aloft.k.size or self.resting) and (self.beyond or self.unlaunched):
+                if not (aloft.k.size or self.resting or self.waits.any()) and (self.beyond or self.unlaunched):
                     aloft = self._move()
 
     def _move(self) -> Jumpers:
@@ -107,6 +112,7 @@ class Flight(Run):
         """These cells at their first uplift."""
         lanes = self.start(cells)
         lanes.k, lanes.u = place(self.segments, lanes.k, lanes.u)
+        self.top[slot] = 0.0
         return Flights(**{f.name: getattr(lanes, f.name) for f in fields(Lanes)}, slot=slot)
 
     def _gain(self, k: Array) -> Array:
@@ -130,31 +136,36 @@ class Flight(Run):
         fall = (lanes.v + np.sqrt(lanes.v * lanes.v - 2.0 * lanes.b * lanes.y)) / -lanes.b
         top = np.minimum(np.frexp(LONGEST_JUMP / pace)[1] - 1, self.windows.levels - 1).astype(np.int64)
         level = np.clip(np.frexp(np.where(fall > 0.0, 0.5 * fall / pace, 8.0))[1], 0, top).astype(np.int64)
-        state = (lanes.k, lanes.u, lanes.y, lanes.v, lanes.b, lanes.peak)
+        state = (lanes.k, lanes.u, lanes.y, lanes.v, lanes.peak, np.ones(k.shape, dtype=bool))
         return Jumpers(lanes.slot, *state, 0.5 * (y + v), 0.5 * (y - v), drive, pace, row, level, top)
 
-    def _jump(self, aloft: Jumpers) -> tuple[Array, Jumpers]:
-        """Jumps of lanes until few are left; the slots of those that must take their interval alone, and the few."""
-        most, halted = aloft.k.size // _STRAGGLERS, [np.zeros(0, dtype=np.int64)]
+    def _jump(self, aloft: Jumpers) -> Jumpers:
+        """Jumps of lanes until few are left, which are returned; the others wait until they take their interval alone."""
+        most = aloft.k.size // _STRAGGLERS
+        self.crests: list[Rise] = []
         while aloft.k.size > most:
-            aloft = self._leap(aloft, halted)
-        return np.concatenate(halted), aloft
+            aloft = self._leap(aloft)
+        if self.crests:  # all at once
+            arcs = Rise.join(self.crests)
+            np.maximum.at(self.top, arcs.lanes.slot, crest(arcs, self.bounded, self.samples))
+        return aloft
 
-    def _leap(self, lanes: Jumpers, halted: list[Array]) -> Jumpers:
-        """One jump of each of these lanes; those that may jump on. The slots of lanes that are held up go to `halted`."""
-        ended = self._ended(lanes)
+    def _leap(self, lanes: Jumpers) -> Jumpers:
+        """One jump of each of these lanes; those that were held up before wait, the others are returned."""
         least = np.abs(lanes.drive) * self.windows.at((lanes.drive > 0.0) * self.windows.face, lanes.level, lanes.k)  # outward drive
         time, fall = horizon(lanes.y, lanes.v, least)
         past = lanes.u * (1.0 / self.step)  # samples since the start of the interval
         ahead = np.fmin(past + time * (_SURELY / lanes.pace), np.minimum(np.left_shift(1, lanes.level), self.last - lanes.k))
-        lanes, go = self._part(lanes, ahead >= 1.0, ended, halted)
-        ahead, past, fall = ahead[go], past[go], fall[go]
+        goes = (ahead >= 1.0) & lanes.may
+        self._wait(lanes, goes, self._lost(lanes))
         jump = ahead.astype(np.int64)
-        out = lanes.k + jump >= self.bounded.stop
-        if out.any():
-            stay = np.flatnonzero(~out)
-            self.beyond.append(lanes.take(np.flatnonzero(out)))
-            lanes, jump, ahead, past, fall = lanes.take(stay), jump[stay], ahead[stay], past[stay], fall[stay]
+        if self.bounded.stop < self.samples.size:
+            out = np.flatnonzero(goes & (lanes.k + jump >= self.bounded.stop))
+            goes[out] = False
+            self.beyond += [lanes.take(out)] if out.size else []
+        if not goes.all():
+            go = np.flatnonzero(goes)
+            lanes, jump, ahead, past, fall = lanes.take(go), jump[go], ahead[go], past[go], fall[go]
         to = lanes.k + jump
         grown = np.exp((jump - (lanes.u > 0.0)) * lanes.pace)  # where u is 0 the modes belong to this sample, else to the next
         up, down = lanes.up * grown, lanes.down / grown
@@ -163,43 +174,34 @@ class Flight(Run):
         y += up + down
         y += 1.0
         v += up - down
-        goes = y >= _LEAST * (1.0 + np.abs(lanes.drive))
+        may = y >= _LEAST * (1.0 + np.abs(lanes.drive))
         peak = np.maximum(lanes.peak, y)
-        level = np.clip(np.frexp(ahead)[1], 0, lanes.top)
-        held = self._doubtful(lanes, Leap(y, v, peak, fall, (jump - past) * lanes.pace), goes)
-        goes[held[jump[held] == 1]] = False
+        level = np.minimum(np.frexp(ahead)[1], lanes.top)
+        held = self._doubtful(lanes, Leap(to, y, v, peak, fall, (jump - past) * lanes.pace), may)
+        may[held[jump[held] == 1]] = False
         held = held[jump[held] > 1]
         level[held] = np.frexp(jump[held] // 2)[1] - 1
-        new = lanes._replace(k=to, u=np.zeros(to.size), y=y, v=v, b=np.full(to.size, np.nan), peak=peak, up=up, down=down)
-        back = np.concatenate([np.flatnonzero(~goes), held])
+        new = lanes._replace(k=to, u=np.zeros(to.size), y=y, v=v, peak=peak, up=up, down=down)
+        back = np.concatenate([np.flatnonzero(~may), held])
         for old, values in zip(lanes, new, strict=True):
             if values is not old:
                 values[back] = old[back]
-        return self._part(new._replace(level=level), goes, back[:0], halted)[0]
+        return new._replace(may=may, level=level)
 
-    def _part(self, lanes: Jumpers, goes: Array, ended: Array, halted: list[Array]) -> tuple[Jumpers, Array | slice]:
-        """The lanes that go on, and which they are; those that do not wait in the pool, those that have ended make room there."""
-        self.free[lanes.slot[ended]] = True
-        waits = ~goes
-        waits[ended] = goes[ended] = False
-        stay = np.flatnonzero(waits)
+    def _wait(self, lanes: Jumpers, goes: Array, lost: Array) -> None:
+        """Lay those that do not go into the pool, where they wait; those that are lost, which do not go either, make room there."""
+        self.free[lanes.slot[lost]] = True
+        goes[lost] = True
+        stay = np.flatnonzero(~goes)
+        goes[lost] = False
         slot = lanes.slot[stay]
+        self.waits[slot] = True
+        self.flown.b[slot[lanes.k[stay] != self.flown.k[slot]]] = np.nan  # after a jump
         for name in _STATE:
             getattr(self.flown, name)[slot] = getattr(lanes, name)[stay]
-        halted.append(slot)
-        if goes.all():
-            return lanes, slice(None)
-        go = np.flatnonzero(goes)
-        return lanes.take(go), go
 
-    def _ended(self, lanes: Jumpers) -> Array:
-        """Lanes whose fate is known: the shaking is over, or nothing can bring them back (Lemma 6)."""
-        past = np.flatnonzero(lanes.k >= self.last)
-        if past.size:
-            over = self._as_they_are(lanes, past)
-            failed = ~np.isfinite(over.y)
-            self._finish(over, np.flatnonzero(failed), Outcome.FAILED, np.nan)
-            self._shaken(over, np.flatnonzero(~failed))
+    def _lost(self, lanes: Jumpers) -> Array:
+        """Lanes that nothing to come can bring back (Lemma 6)."""
         lost = np.flatnonzero(lanes.y + lanes.v > 1.0)
         lost = lost[lanes.k[lost] < self.last]
         if lost.size:
@@ -208,7 +210,7 @@ class Flight(Run):
             lost = lost[self.equation.certainly_overturns(lanes.y[lost], lanes.v[lost], inward)]
             self._overturn(self._as_they_are(lanes, lost), np.arange(lost.size))
             self.work += Work(certain_overturning=lost.size)
-        return np.concatenate([past, lost])
+        return lost
 
     def _as_they_are(self, lanes: Jumpers, at: Array) -> Flights:
         """The lanes of the pool with the state that they have come to by jumps."""
@@ -218,17 +220,22 @@ class Flight(Run):
         return some
 
     def _doubtful(self, lanes: Jumpers, leap: Leap, flying: Array) -> Array:
-        """Flying lanes whose leap may hold a crest above the peak, by Lemma 11: they leap half as far."""
+        """Flying lanes whose leap may hold a crest above the peak that is not found, by Lemma 11: they leap half as far."""
         if not self.peaks:
             return np.zeros(0, dtype=np.int64)
-        high = np.flatnonzero((np.maximum(lanes.y, leap.y) + 0.125 * leap.fall * leap.time * leap.time > leap.peak) & flying)
+        highest = np.maximum(lanes.y, leap.y) + 0.125 * leap.fall * leap.time * leap.time
+        high = np.flatnonzero((highest > leap.peak) & flying)
         y, v, time, end_v = lanes.y[high], lanes.v[high], leap.time[high], leap.v[high]
         pull = self._strongest(lanes, high) - 1.0
         start, end = y + pull, leap.y[high] + pull
         rises = end_v >= np.maximum(end, 0.0) * (0.5 * time)  # no more than at the end
         falls = -v >= np.maximum(start, 0.0) * (0.5 * time)
         top = np.where((start < 0.0) & (v > 0.0), y + v * v / (-start + np.sqrt(start * start - v * v)), np.inf)
-        return high[~(rises | falls | (top <= leap.peak[high]))]
+        doubt = ~(rises | falls | (top <= leap.peak[high]))
+        single = doubt & (highest[high] + pull < 0.0) & (v > 0.0) & (end_v < 0.0) & (lanes.u[high] == 0.0)
+        at = high[single]
+        self.crests.append(Rise(lanes.take(at), leap.to[at], leap.v[at]))
+        return high[doubt & ~single]
 
     def _strongest(self, lanes: Jumpers, at: Array) -> Array:
         """Upper bound of the outward drive over the windows of these lanes."""
@@ -238,14 +245,28 @@ class Flight(Run):
     def _noted(self, lanes: Flights, arc: RampFlow, reach: Array, hit: Array, end: Point) -> None:
         """What a listener wants to know of intervals taken alone: `end` is the state after `reach`, with velocity and force."""
 
-    def _alone(self, at: Array) -> Jumpers:
-        """The lanes in these slots through their present interval, and ready to jump again."""
-        before = len(self.resting)
-        going = self._single(self.flown.take(at))
-        self.free[at] = True
+    def _alone(self) -> Jumpers:
+        """The lanes that wait through their present interval; those that are ready to jump again."""
+        before, at = len(self.resting), np.flatnonzero(self.waits)
+        self.flown.peak[at] = np.maximum(self.flown.peak[at], self.top[at])
+        self.top[at], self.waits[at], self.free[at] = 0.0, False, True
+        over = self.flown.k[at] >= self.last
+        self._end(self.flown.take(at[over]))
+        going = self._single(self.flown.take(at[~over]))
         for lanes in self.resting[before:]:
             self.free[lanes.slot] = False
-        return self._onto(going)
+        for name in self.changing:
+            getattr(self.flown, name)[going.slot] = getattr(going, name)
+        self.free[going.slot] = False
+        low = (going.y == 0.0) & (2.0 * going.v * going.omega < -going.b * (self.step - going.u))  # bounces within this interval
+        self.waits[going.slot[low]] = True
+        return self._launch(going.take(np.flatnonzero(~low)))
+
+    def _end(self, lanes: Flights) -> None:
+        """The fate of lanes that are at the end of the shaking."""
+        failed = ~np.isfinite(lanes.y)
+        self._finish(lanes, np.flatnonzero(failed), Outcome.FAILED, np.nan)
+        self._shaken(lanes, np.flatnonzero(~failed))
 
     def _onto(self, lanes: Flights) -> Jumpers:
         """These lanes in their slots of the pool, and ready to jump."""

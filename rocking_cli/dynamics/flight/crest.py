@@ -1,0 +1,55 @@
+"""The crest within a jump on which the body is pulled back all the time, so that there is one at the most (Lemma 11)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from ...motions.columns import Column
+from ..march.roots import turning_point
+from .bounded import BoundedResponse
+from .jump import Jumpers
+from .ramp import RampFlow
+
+Array = np.ndarray
+
+_GUESSES = 8  # Newton's, before the samples between which the crest lies are halved
+
+
+class Rise(NamedTuple):
+    """Jumps with a crest: lanes at a sample where their velocity is positive; a later sample, where it is negative, and that velocity."""
+
+    lanes: Jumpers
+    to: Array
+    end_v: Array
+
+    @staticmethod
+    def join(parts: Sequence[Rise]) -> Rise:
+        """The jumps of all parts, one after the other."""
+        return Rise(Jumpers.join([x.lanes for x in parts]), *(np.concatenate(x) for x in zip(*(part[1:] for part in parts), strict=True)))
+
+
+def crest(rise: Rise, bounded: BoundedResponse, samples: Array | Column) -> Array:
+    """y at the crests of these jumps, (lanes,)."""
+    lanes, to, end_v = rise
+    y, v, low, high = lanes.y.copy(), lanes.v.copy(), lanes.k.copy(), to.copy()
+    n = low + ((to - low) * (v / (v - end_v))).astype(np.int64)
+    going, guesses = np.flatnonzero(high - low > 1), 0
+    while going.size:
+        some = lanes.take(going)
+        i = np.clip(n[going], low[going] + 1, high[going] - 1)
+        there_y, there_v = some.at(i, bounded)
+        later = there_v >= 0.0
+        rises = going[later]
+        low[rises], y[rises], v[rises] = i[later], there_y[later], there_v[later]
+        high[going[~later]] = i[~later]
+        pull = there_y - 1.0 + some.drive * samples.take(i)
+        guesses += 1
+        n[going] = i + np.floor(there_v / (-pull * some.pace)).astype(np.int64) if guesses < _GUESSES else (low[going] + high[going]) >> 1
+        going = going[high[going] - low[going] > 1]
+    now = samples.take(low)
+    arc = RampFlow(y, v, y - 1.0 + lanes.drive * now, lanes.drive * (samples.take(low + 1) - now) / lanes.pace)
+    guess = np.clip(v / -arc.b, 0.0, lanes.pace)
+    return turning_point(arc, np.zeros(low.size), lanes.pace, guess, 1.0)[1]
