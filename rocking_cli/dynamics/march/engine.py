@@ -28,6 +28,7 @@ from .account import Rests, Round, Watch, Work
 from .advance import Crests, Passage, advance, crests, low_bounces
 from .footing import LIKELY, Footing
 from .free_fall import FreeFall
+from .memory import keep_freed_memory
 from .windows import tabled_windows
 
 if TYPE_CHECKING:
@@ -38,9 +39,6 @@ Array = np.ndarray
 Landing = TypeVar("Landing", bound=Lanes)
 
 MAX_STEPS = 120_000  # a cell that takes more, and 40 for each segment of the motion, is given up as failed
-# The C library keeps freed memory up to twice the largest block it has seen come and go. Below that it hands the arrays of each
-# round back to the system and faults them in again for the next, which takes a third of the nonlinear engine's time.
-_KEPT = 31 << 20  # bytes; glibc learns from blocks up to 32 MB
 STILL = 1e-100  # a speed whose square a double does not hold is none
 _SETTLING = 250.0  # tau, times what damping slows the unstable mode: no body is longer on its way to its last impacts that matter
 
@@ -60,6 +58,7 @@ class Run:
         self, system: System, segments: Segments, amplitude: Array, omega: Array, eta: Array, peaks: bool, pool: int,
         watch: Watch | None = None, body: Body | None = None, ahead: float | None = None,
     ) -> None:  # fmt: skip
+        keep_freed_memory()
         self.equation, self.contact = system.equation, system.contact
         self.peaks, self.pool, self.watch = peaks, pool, watch
         self.cells = self.contact.cells(self.equation, amplitude, omega, eta)
@@ -118,7 +117,6 @@ class Run:
             lift = self.contact.strongest(self.cells, self.segments)[waiting]
             waiting = waiting[np.argsort((255.0 - 255.0 / lift).astype(np.uint8), kind="stable")]  # of bytes it takes a pass each
         lanes, taken = self.start(waiting[:0]), 0
-        np.empty(_KEPT, dtype=np.uint8)  # made and freed, see _KEPT
         with np.errstate(all="ignore"):
             while taken < waiting.size or lanes.cell.size:
                 room = self.pool - lanes.cell.size
