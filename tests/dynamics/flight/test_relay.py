@@ -24,9 +24,9 @@ SYSTEMS = {
 BURSTS = np.concatenate([noise(70, STEP, seed, quiet=15) for seed in (4, 5)])
 
 
-def walked(system, eta, relayed, peaks=True, apart=True, amplitude=None):
+def walked(system, eta, relayed, peaks=True, apart=True, amplitude=None, samples=BURSTS):
     """A walk of five bodies, some of which fall, through two bursts."""
-    motion = shaken(BURSTS, STEP)
+    motion = shaken(samples, STEP)
     amplitude = np.array([1.05, 1.5, 3.0, 6.0, 20.0]) if amplitude is None else amplitude
     walk = Walk(
         system, motion.segments, motion.samples, amplitude, np.full(amplitude.size, 0.35), np.full(amplitude.size, eta), peaks, None
@@ -68,6 +68,20 @@ def test_no_digit_depends_on_the_legs(name, ahead, legs, monkeypatch):
     assert not np.all(safe(relayed.outcome))
     assert legs[0][0] == 4
     assert 0 < legs[0][2] < legs[0][1], "some legs are taken over, others stand"
+
+
+@pytest.mark.parametrize(
+    ("jolt", "push"), [(46, 0.9), (40, 0.0)], ids=["a last push overturns at once", "the largest rotation is an early one"]
+)
+def test_what_legs_that_are_over_came_to_is_kept(jolt, push, legs):
+    """A jolt in the last leg of the first stretch, noise after it, and a slow push at the end."""
+    first, second = (peak / np.abs(x).max() * x for peak, x in zip((0.35, 0.3), (BURSTS[:85], BURSTS[85:]), strict=True))
+    first[jolt : jolt + 6] += (0.5, 0.9, 1.0, 0.2, -0.6, -0.3)
+    samples = np.concatenate([first, second, push * np.sin(np.pi * np.arange(50) / 49), np.zeros(20)])
+    system, amplitude = System(RigidBodyEquation(np.linspace(0.2, 0.3, 24))), np.geomspace(1.05, 12.0, 24)
+    relayed, plain = (walked(system, 0.7, how, amplitude=amplitude, samples=samples) for how in (True, False))
+    the_same(relayed, plain)
+    assert {Outcome.ROCKED, Outcome.OVERTURNED_AFTER_IMPACT} <= set(plain.outcome)
 
 
 def test_without_peaks_a_relay_is_any_walk(legs):
