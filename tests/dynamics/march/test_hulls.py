@@ -101,6 +101,16 @@ def test_a_hull_with_two_places_of_one_height_is_not_plain():
     assert found[1].x[0] == 1.0
 
 
+def test_a_crest_of_the_ratio():
+    """|Fx| = x (1 - x)^4 under a steady Fz of 2: the second derivative is half of that of |Fx|."""
+    crests = hull_through([0.0, 1.0 / 5.0, 0.0, 0.0, 0.0, 0.0], [2.0] * 6).crests(np.ones(1, dtype=np.int64))
+    assert (crests.x[0], crests.bend[0]) == (pytest.approx(0.2, abs=1e-5), pytest.approx(-32.0 / 25.0, rel=1e-4))
+
+
+def test_a_hull_that_leaves_room_for_two_crests_is_not_plain():
+    assert not hull_through([0.0] * 6, [1.0, 0.5, 1.0, 0.6, 1.0, 1.0]).crests(np.zeros(1, dtype=np.int64)).plain[0]
+
+
 def test_a_ratio_that_is_as_large_on_either_side_is_not_plain():
     """Fx goes from -0.3 to 0.3 under a steady Fz."""
     for begin, plain in ((-0.3, False), (-0.2, True)):
