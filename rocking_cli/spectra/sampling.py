@@ -25,9 +25,9 @@ def default_check(scene: Scene) -> int:
 
 
 def candidates(scene: Scene, check: int) -> Array:
-    """(structure, row, column) of all that may be among the cells to check, found without a march."""
+    """(structure, row, column) of all that may be among the cells to check, some of them twice, found without a march."""
     drawn = sampled_cells(scene, check)
-    return drawn if check < 2 or _too_long(scene) else np.unique(np.concatenate([drawn, _candidates(scene)]), axis=0)
+    return drawn if check < 2 or _too_long(scene) else np.concatenate([drawn, _candidates(scene)])
 
 
 def _too_long(scene: Scene) -> bool:
