@@ -81,11 +81,25 @@ class TaylorSeries(NamedTuple):
 
     def at(self, h: Array) -> Point:
         """y and three derivatives after h."""
+        return self._point(*self._products(h))
+
+    def bent(self, h: Array) -> tuple[Point, Array]:
+        """The same, and how far h y' is up to there from its tangent and curvature at the start, h v + h b t, at the most."""
+        x, terms = self._products(h)
+        point, rest = self._point(x, terms), terms[3:]
+        np.abs(rest, out=rest)
+        return point, np.einsum("n,nl->l", np.arange(3.0, len(terms)), rest)[: x.size]
+
+    def _products(self, h: Array) -> tuple[Array, Array]:
+        """h over the unit, and the terms times its powers."""
         x = np.maximum(h / self.unit, _TINY)
         terms = powers(x, len(self.terms))
         terms *= self.terms
         if x.size == 1:  # NumPy sums a single lane in another order: no digit may depend on a lane's neighbours
             terms = np.repeat(terms, 2, axis=1)
+        return x, terms
+
+    def _point(self, x: Array, terms: Array) -> Point:
         y, v, b, j = np.einsum("dn,nl->dl", _falling_factors(len(terms)), terms)[:, : x.size]
         over = 1.0 / (x * self.unit)
         v *= over

@@ -12,10 +12,11 @@ import numpy as np
 from ...motions.segments import Segments
 from ..drive import phase_between
 from ..equations.equation import Equation, Flow, Point
+from ..equations.taylor import TaylorSeries
 from ..lanes import Lanes
 from ..weight import WeighedSegments
 from .roots import hidden_turn, impact_root, turning_point
-from .turns import falls_through_zero
+from .turns import falls_through_zero, keeps_sense
 from .windows import TabledWindows, Windows, window_end
 
 Array = np.ndarray
@@ -42,7 +43,8 @@ class Step(NamedTuple):
 
 
 class Passage(NamedTuple):
-    """What a step comes to: the state at its end, and where there was an impact its time, velocity and force."""
+    """What a step comes to: the state at its end, and where there was an impact its time, velocity and force; bent: where the weight
+    varies, what bends y' up to the end of the step (`TaylorSeries.bent`)."""
 
     step: Step
     arc: Flow
@@ -51,6 +53,7 @@ class Passage(NamedTuple):
     hit: Array
     impact_v: Array
     impact_b: Array
+    bent: Array | None = None
 
     @property
     def force(self) -> Array:
@@ -101,7 +104,10 @@ def advance(
     tabled: the cells' windows, where they are known."""
     arc = equation.flow(segments, lanes)
     step = next_step(segments, lanes, np.minimum(arc.longest, until), tabled)
-    end = arc.at(step.h)
+    if isinstance(segments, WeighedSegments) and isinstance(arc, TaylorSeries):
+        end, bent = arc.bent(step.h)
+    else:
+        end, bent = arc.at(step.h), None
     reach = step.h.copy()
     hit = end.y <= 0.0
     # A ridge entered inwards: its single minimum may touch the ground although both ends are above it.
@@ -121,7 +127,7 @@ def advance(
         falling = arc.take(at)
         reach[at], impact_v[at] = impact_root(falling, step.valley[at], reach[at], guess)
         impact_b[at] = falling.at_ground(reach[at])
-    return Passage(step, arc, end, reach, hit, impact_v, impact_b)
+    return Passage(step, arc, end, reach, hit, impact_v, impact_b, bent)
 
 
 def _clears(arc: Flow, end: Point, h: Array, at: Array) -> Array:
@@ -147,7 +153,11 @@ def crests(segments: Segments, lanes: Lanes, passage: Passage, wanted: Array) ->
     """The turning points of this step: one a lane at the most, and only in a valley (Lemmas 3 and 4); of bodies whose weight varies
     as many as the series has, in the order of lanes and times."""
     if isinstance(segments, WeighedSegments):
-        at, low, high = falls_through_zero(passage.arc, passage.reach, np.flatnonzero(wanted & (passage.step.kind != RIDGE)))
+        at = wanted & (passage.step.kind != RIDGE)
+        if passage.bent is not None:
+            at &= ~keeps_sense(passage.arc, passage.step.h, passage.bent)
+        at = np.flatnonzero(at)
+        at, low, high = falls_through_zero(passage.arc, passage.reach, at)
         if not at.size:
             return Crests(at, low, high)
         return Crests(at, *turning_point(passage.arc.take(at), low, high, 0.5 * (low + high), 1.0))

@@ -2,7 +2,7 @@
 
 A polynomial has in (0, 1) as many roots as its Bernstein coefficients there change sign, or fewer by an even number: none where they do
 not, one where they do once; a stretch with more changes is halved. Nothing is asked of the drive, so this holds under a weight that varies.
-Most steps need none of it: where what bends y' away from a straight line is too small for a root, or for a second one.
+Most steps need none of it: where what bends y' away from a straight line is too small for a root (`keeps_sense`), or for a second one.
 """
 
 from __future__ import annotations
@@ -55,6 +55,13 @@ def falls_through_zero(arc: Flow, reach: Array, lanes: Array) -> tuple[Array, Ar
     return lanes[which], low * span[which], high * span[which]
 
 
+def keeps_sense(arc: Flow, h: Array, bent: Array) -> Array:
+    """Whether y' is proved to have no zero on [0, h], where it is bent so much (`TaylorSeries.bent`)."""
+    begin = arc.v * h
+    end = begin + arc.b * h * h
+    return np.asarray((np.minimum(begin, end) > bent) | (np.maximum(begin, end) < -bent))
+
+
 def _plain(arc: TaylorSeries, span: Array, first: int) -> tuple[Array, Array, Array]:
     """Of these lanes, counted from `first`: in which y' falls through zero once; in which that is open, and their y' `span` in powers of
     time over it, (terms, lanes)."""
@@ -63,12 +70,10 @@ def _plain(arc: TaylorSeries, span: Array, first: int) -> tuple[Array, Array, Ar
     speed *= powers(span / arc.unit, len(arc.terms))
     speed = speed[1:]  # v h
     bent = np.abs(speed[2:])
-    begin, end, rest = speed[0], speed[0] + speed[1], summed(bent)
     bent *= n[2:-1]
-    none_there = (np.minimum(begin, end) > rest) | (np.maximum(begin, end) < -rest)
     once = np.abs(speed[1]) > summed(bent)  # y' is monotone
-    (fall,) = (~none_there & once & (begin > 0.0) & (summed(speed) <= 0.0)).nonzero()
-    (own,) = (~(none_there | once)).nonzero()
+    (fall,) = (once & (speed[0] > 0.0) & (summed(speed) <= 0.0)).nonzero()
+    (own,) = (~once).nonzero()
     return fall + first, own + first, speed[:, own]
 
 
