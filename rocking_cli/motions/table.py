@@ -82,6 +82,13 @@ class Table:
         patch += self.first[k]
         return self.terms.take(patch, axis=1), x, half
 
+    def join(self, other: Table) -> Table:
+        """Of these segments and then others."""
+        more = self.terms.shape[1]
+        half, phases = np.concatenate([self.half, other.half]), np.concatenate([self.phases, other.phases])
+        first, last = (np.concatenate([a, b + more]) for a, b in ((self.first, other.first), (self.last, other.last)))
+        return Table(first, last, half, np.concatenate([self.terms, other.terms], axis=1), phases)
+
     def phase(self, k: Array, share: Array) -> Array:
         """About where the drive has gone this share, from 0 to 1, of segment k; to a part of 1e-3 or so."""
         late = share > 0.5
@@ -99,6 +106,30 @@ class Table:
 
 def table_of(segments: Segments) -> Table | None:
     """The table of a motion; None where one closed form does without it, or where it would be too large."""
+    counts = patches_of(segments)
+    if counts is None:
+        return None
+    half = 0.5 * segments.length / counts
+    k = np.repeat(np.arange(len(segments)), counts)
+    last = np.cumsum(counts) - 1
+    first = last - counts + 1
+    centre = (2.0 * (np.arange(k.size) - first[k]) + 1.0) * half[k]
+    terms = np.zeros((DEGREE + 1, k.size))
+    for s, c, f in zip(segments.sin[:, k], segments.cos[:, k], segments.frequency[:, k], strict=True):
+        sin, cos = np.sin(f * centre), np.cos(f * centre)
+        now, grows = s * cos + c * sin, c * cos - s * sin
+        factor = np.ones(k.size)
+        for n in range(DEGREE + 1):
+            terms[n] += factor * (now - s if n == 0 else (now, grows, -now, -grows)[n % 4])
+            factor *= f * half[k] / (n + 1)
+    terms[0] += segments.slope[k] * centre
+    terms[1] += segments.slope[k] * half[k]
+    table = Table(first, last, half, terms, np.zeros((len(segments), 2, _NODES + 2)))
+    return Table(first, last, half, terms, _inverse(segments, table))
+
+
+def patches_of(segments: Segments) -> Array | None:
+    """(K,) how many patches each segment is cut into; None where there is no table."""
     if segments.harmonics == 0 or (segments.harmonics == 1 and not segments.sloped):
         return None
     size, w = np.hypot(segments.sin, segments.cos), segments.frequency  # (harmonics, K)
@@ -113,22 +144,7 @@ def table_of(segments: Segments) -> Table | None:
         counts[wide] = counts[wide] * 5 // 4 + 1
         if counts.sum() > _MOST_PATCHES:
             return None
-    k = np.repeat(np.arange(len(segments)), counts)
-    last = np.cumsum(counts) - 1
-    first = last - counts + 1
-    centre = (2.0 * (np.arange(k.size) - first[k]) + 1.0) * half[k]
-    terms = np.zeros((DEGREE + 1, k.size))
-    for s, c, f in zip(segments.sin[:, k], segments.cos[:, k], w[:, k], strict=True):
-        sin, cos = np.sin(f * centre), np.cos(f * centre)
-        now, grows = s * cos + c * sin, c * cos - s * sin
-        factor = np.ones(k.size)
-        for n in range(DEGREE + 1):
-            terms[n] += factor * (now - s if n == 0 else (now, grows, -now, -grows)[n % 4])
-            factor *= f * half[k] / (n + 1)
-    terms[0] += segments.slope[k] * centre
-    terms[1] += segments.slope[k] * half[k]
-    table = Table(first, last, half, terms, np.zeros((len(segments), 2, _NODES + 2)))
-    return Table(first, last, half, terms, _inverse(segments, table))
+    return counts
 
 
 def _inverse(segments: Segments, table: Table) -> Array:
