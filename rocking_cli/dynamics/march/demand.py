@@ -24,6 +24,7 @@ from ..equations.taylor import TaylorSeries, Turn
 from ..lanes import Cells, Lanes
 from ..outcome import Outcome
 from ..weight import WeighedSegments
+from .bends import forces_on
 from .closing import Bounds, bouncing, free_bounds, train_bounds
 from .extremes import EXACT, Course, Records
 from .ground import Ground, value_and_slope
@@ -57,24 +58,8 @@ class Demands(Records):
 
     def course(self, lanes: Lanes, h: Array, y: Array, v: Array) -> Course:
         """The course of lanes that are at y, v after h; their forces follow from the drive there, not from differences of the series."""
-        push, push_slope, weight, weight_slope = self.ground.shaking(lanes, h)
-        alpha, k, unit, _ = self.body.on(lanes.side)
-        z, rate = alpha - y * unit, v * unit
-        sin, cos = np.sin(z), np.cos(z)
-        if self.body.linear:
-            bend, jerk = push - weight * z, push_slope + weight * rate - weight_slope * z
-        else:
-            bend = push * cos - weight * sin
-            jerk = push_slope * cos + rate * (weight * cos + push * sin) - weight_slope * sin
-        if self.body.damping:
-            bend = bend - 2.0 * self.body.damping * rate
-            jerk = jerk - 2.0 * self.body.damping * bend
-        square = rate * rate
-        fx = k * (bend * cos + square * sin) - push
-        fz = weight + k * (bend * sin - square * cos)
-        fx_slope = k * ((jerk - rate * square) * cos + 3.0 * rate * bend * sin) - push_slope
-        fz_slope = weight_slope + k * ((jerk - rate * square) * sin - 3.0 * rate * bend * cos)
-        return Course(np.array([-fz, fx / fz]), np.array([-fz_slope, (fx_slope * fz - fx * fz_slope) / (fz * fz)]))
+        edge = self.body.on(lanes.side)
+        return forces_on(self.body, edge, self.ground.shaking(lanes, h), edge.unit * y, edge.unit * v).course
 
     def show(self, lanes: Lanes, turn: Turn) -> tuple[Array, Array]:
         """What the hulls of steps are made from."""

@@ -1,0 +1,137 @@
+"""The forces of a rigid body on the ground, and by how much they can bend along a step, from bounds of the motion.
+
+Along a step y is smooth, and with bounds V, B, J and Q of the first four derivatives of u = |theta| [rad by tau], P and W of the push over
+g and the weight over m g, the second derivatives of Fz and Fx over m g are at most
+
+    W'' + kappa [T |sin z| + S]   and   P'' + kappa [T + S |sin z|],   T = Q + 6 V^2 B,   S = 4 V J + 3 B^2 + V^4
+
+while V <= max(|u'| at its ends) + (h^2/8) J: between its ends neither force leaves its chord by more than h^2/8 of that.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple, Self
+
+import numpy as np
+
+from ..body import Body, Edge
+from .extremes import Course
+from .ground import Shaking
+
+Array = np.ndarray
+
+_ROOM = 0.25  # of the bound of a speed, which a longer stretch does not have
+
+
+class Ends(NamedTuple):
+    """u, u', u'' [rad by tau] and Fz/(m g) at one end of stretches, (stretches,)."""
+
+    u: Array
+    v: Array
+    b: Array
+    fz: Array
+
+    def take(self, at: Array) -> Self:
+        """Of some stretches."""
+        return type(self)(*(x[at] for x in self))
+
+    def join(self, other: Self) -> Self:
+        """These and others."""
+        return type(self)(*(np.concatenate(pair) for pair in zip(self, other, strict=True)))
+
+
+class Shakes(NamedTuple):
+    """Of each stretch: the largest push over g and its first two derivatives by tau, and the same of the weight's change over m g, of which
+    only the largest weight counts."""
+
+    push: Array
+    push1: Array
+    push2: Array
+    sway: Array
+    sway1: Array
+    sway2: Array
+
+    def take(self, at: Array) -> Self:
+        """Of some lanes; a part without any motion stays one zero."""
+        return type(self)(*(x if x.size == 1 else x[at] for x in self))
+
+
+def edge_of(edge: Edge, at: Array) -> Edge:
+    """The edges of some lanes."""
+    return Edge(*(x[at] if isinstance(x, np.ndarray) else x for x in edge))
+
+
+def fastest(body: Body, edge: Edge, s: Shakes, h: Array, u0: Array, v0: Array, u1: Array, v1: Array) -> Array:
+    """A bound of |u'| on stretches of length h between these ends; infinite where they are too long for one.
+
+    |u'''| is at most P' + W' |z| + 2 zeta (P + W |z|) and (P + W + 4 zeta^2) |u'|, |sin z| in the place of |z| for the nonlinear
+    equation; the linear one has no P |u'|.
+    """
+    zeta2, weight = 2.0 * body.damping, 1.0 + s.sway
+    by_turn = s.sway1 + zeta2 * weight
+    flat, steep = s.push1 + zeta2 * s.push, weight + zeta2 * zeta2
+    if body.linear:
+        flat, steep = flat + by_turn * (edge.alpha + 0.5 * (u0 + u1)), steep + by_turn * 0.5 * h
+    else:
+        flat, steep = flat + by_turn, steep + s.push
+    eighth = 0.125 * h * h
+    room = 1.0 - eighth * steep
+    return np.where(room > _ROOM, (np.maximum(np.abs(v0), np.abs(v1)) + eighth * flat) / np.maximum(room, _ROOM), np.inf)
+
+
+def sags(body: Body, edge: Edge, s: Shakes, h: Array, one: Ends, other: Ends) -> tuple[Array, Array]:
+    """h^2/8 times bounds of |Fx''| and |Fz''| over m g."""
+    zeta2, heavy, v = 2.0 * body.damping, 1.0 + s.sway, fastest(body, edge, s, h, one.u, one.v, other.u, other.v)
+    middle = edge.alpha - 0.5 * (one.u + other.u)
+    turn = np.abs(middle) + 0.5 * v * h
+    sin = np.sin(np.minimum(turn, 0.5 * np.pi))
+    lean = turn if body.linear else sin
+    b = s.push + heavy * lean + zeta2 * v
+    j = s.push1 + (s.push * sin + heavy) * v + s.sway1 * lean + zeta2 * b
+    b = np.minimum(b, 0.5 * (np.abs(one.b) + np.abs(other.b) + j * h))
+    square = v * v
+    q = s.push2 + 2.0 * (s.push1 * sin + s.sway1) * v + (s.push + heavy * sin) * square + (s.push * sin + heavy) * b
+    q += s.sway2 * lean + zeta2 * j + 6.0 * square * b
+    rest = 4.0 * v * j + 3.0 * b * b + square * square
+    eighth = 0.125 * h * h
+    return eighth * (s.push2 + edge.kappa * (q + rest * sin)), eighth * (s.sway2 + edge.kappa * (q * sin + rest))
+
+
+class Forces(NamedTuple):
+    """u'', Fz and the outward Fx over m g of bodies, and the slopes of the forces by tau."""
+
+    bend: Array
+    fx: Array
+    fz: Array
+    fx_slope: Array
+    fz_slope: Array
+
+    @property
+    def course(self) -> Course:
+        """What records are kept of."""
+        ratio_slope = (self.fx_slope * self.fz - self.fx * self.fz_slope) / (self.fz * self.fz)
+        return Course(np.array([-self.fz, self.fx / self.fz]), np.array([-self.fz_slope, ratio_slope]))
+
+
+def forces_on(body: Body, edge: Edge, shaking: Shaking, u: Array, rate: Array) -> Forces:
+    """Of bodies at u, u' [rad by tau] on an edge."""
+    push, push_slope, weight, weight_slope = shaking
+    z = edge.alpha - u
+    sin, cos = np.sin(z), np.cos(z)
+    if body.linear:
+        bend, jerk = push - weight * z, push_slope + weight * rate - weight_slope * z
+    else:
+        bend = push * cos - weight * sin
+        jerk = push_slope * cos + rate * (weight * cos + push * sin) - weight_slope * sin
+    if body.damping:
+        bend = bend - 2.0 * body.damping * rate
+        jerk = jerk - 2.0 * body.damping * bend
+    square, turns = rate * rate, 3.0 * rate * bend
+    jerk = jerk - rate * square
+    return Forces(
+        bend,
+        edge.kappa * (bend * cos + square * sin) - push,
+        weight + edge.kappa * (bend * sin - square * cos),
+        edge.kappa * (jerk * cos + turns * sin) - push_slope,
+        weight_slope + edge.kappa * (jerk * sin - turns * cos),
+    )
