@@ -78,7 +78,8 @@ Lemma 13 (pressing). Every arc that does not overturn the body begins or ends at
 Lemma 14 (nothing more is asked). Bounds of Fz and |Fx|/Fz over bouncing to rest and rocking on over still ground say which of what the
     march closes can beat the records of its cell (`march.closing`); that is followed afterwards (`march.aftermath`). Along a step
     whose motion is a series Fx and Fz are series too, and the Bernstein coefficients of a polynomial near each, with what that leaves out,
-    bound them (`march.hulls`): most steps hold no record.
+    bound them (`march.hulls`): most steps hold no record. Under straight lines forces leave their chords by no more than bounds of their
+    second derivatives allow, and have no turn where their slopes at both ends exceed these (`march.bends`, `march.lines`).
 
 Lemma 15 (one action). Undamped, equal sides, a record that lifts the body no more: between impacts d/dtau [y'^2/2 + L - a M] = -a' M, L
     and M the integrals of l and m. Low and quick bounces under a slow drive keep W^(3/2)/(1 - a^2), W their energy at the ground, but for

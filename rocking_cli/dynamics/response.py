@@ -7,6 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..motions.motion import Motion
+from ..motions.segments import Segments
+from .body import Body
+from .contacts.adiabatic import keeps_bouncing
 from .equations.linear import LinearEquation
 from .march.account import Work
 from .march.engine import Run
@@ -53,25 +56,35 @@ def response(
         raise ValueError("amplitude must be finite and not negative")
     if not (np.all(np.isfinite(omega)) and np.all(omega > 0.0)):
         raise ValueError("omega must be positive and finite")
-    cells, wanted, lines = (amplitude.ravel(), omega.ravel(), eta.ravel()), peaks, motion.coarsest
+    cells, wanted = (amplitude.ravel(), omega.ravel(), eta.ravel()), peaks
     peaks = peaks or bool(amplitude.max(initial=0.0) > system.safe_amplitude(motion))  # they may prove that a body presses on the ground
-    run: Run
-    if lines.samples is None:
-        run = Run(system, system.segments(motion), *cells, peaks, pool or system.equation.pool)
-    elif motion.vertical is not None:
-        from .flight.weighed_walk import WeighedWalk
-
-        run = WeighedWalk(system, system.segments(motion), lines.samples, *cells, peaks, pool)
-    else:
-        from .flight.run import Flight
-        from .flight.walk import Walk
-
-        run = (Flight if flies(system, motion) else Walk)(system, lines.segments, lines.samples, *cells, peaks, pool)
+    run, _ = _engine(system, motion, cells, peaks, pool)
     run.all()
     look_at_forces(run, system, motion, cells)
     shape = amplitude.shape
     theta_ratio = run.theta_ratio if wanted else np.full(run.outcome.size, np.nan)
     return Response(theta_ratio.reshape(shape), run.outcome.reshape(shape), run.impacts.reshape(shape), run.work)
+
+
+def _engine(
+    system: System, motion: Motion, cells: tuple[Array, Array, Array], peaks: bool, pool: int | None = None, body: Body | None = None
+) -> tuple[Run, Segments]:
+    """The run that answers for cells, and the segments it was made with; body: of what its demands on the ground are wanted too."""
+    lines = motion.coarsest
+    segments = system.segments(motion) if lines.samples is None or motion.vertical is not None else lines.segments
+    if lines.samples is None:
+        return Run(system, segments, *cells, peaks, pool or system.equation.pool, body=body), segments
+    if motion.vertical is not None:
+        from .flight.weighed_walk import WeighedWalk
+
+        return WeighedWalk(system, segments, lines.samples, *cells, peaks, pool, body), segments
+    if body is None and flies(system, motion):
+        from .flight.run import Flight
+
+        return Flight(system, segments, lines.samples, *cells, peaks, pool), segments
+    from .flight.walk import Walk
+
+    return Walk(system, segments, lines.samples, *cells, peaks, pool, body), segments
 
 
 def look_at_forces(run: Run, system: System, motion: Motion, cells: tuple[Array, Array, Array]) -> None:
@@ -121,21 +134,22 @@ def response_with_demands(
     system: System, motion: Motion, amplitude: Array, omega: Array, eta: Array | float
 ) -> tuple[Response, dict[str, Array]]:
     """The same, and by name what each body asks of the ground: `friction`, the largest |Fx|/Fz [-], and `fz_min`, the least Fz over m g
-    [-], both NaN where it overturns. Under samples they are those of a march from sample to sample. Raises ValueError for a system
+    [-], both NaN where it overturns. Raises ValueError for a system
     without a `body`."""
     from .march.aftermath import follow_on
 
     if system.body is None:
         raise ValueError("demands need a system with a body")
     amplitude, omega, eta = np.broadcast_arrays(*(np.asarray(x, dtype=float) for x in (amplitude, omega, eta)))
-    cells, lines = (amplitude.ravel(), omega.ravel(), eta.ravel()), motion.coarsest
-    jumps = lines.samples is not None
-    segments = lines.segments if jumps and motion.vertical is None else system.segments(motion)
-    run = Run(system, segments, *cells, not jumps, system.equation.pool, body=system.body)
+    cells = amplitude.ravel(), omega.ravel(), eta.ravel()
+    flown = flies(system, motion)
+    run, segments = _engine(system, motion, cells, not flown, body=system.body)
     run.all()
     follow_on(run, system, segments, cells)
     upright = safe(run.outcome) | (run.outcome == Outcome.LOST_CONTACT)
-    if jumps:  # rotations are those of the way that is taken without forces: no bit of them hangs on what else is asked
+    if flown or keeps_bouncing(
+        run.equation, run.cells, run.segments
+    ):  # rotations are those of the way that is taken without forces: no bit of them hangs on what else is asked
         found = response(system, motion, amplitude, omega, eta)
         upright &= (safe(found.outcome) | (found.outcome == Outcome.LOST_CONTACT)).ravel()
     else:

@@ -66,17 +66,25 @@ def ramp_flow(equation: Equation, segments: Segments, lanes: Lanes) -> TaylorSer
     drive = outward * segments.s_start[lanes.k] + slope * lanes.u
     unit = np.clip((segments.length[lanes.k] - lanes.u) / lanes.omega, _LEAST, LONGEST)
     gain = slope * lanes.omega * unit
-    size, weight = 2.0 + np.abs(drive) + np.abs(lanes.v) + np.abs(gain) / unit, None
+    weight = None
     if isinstance(segments, WeighedSegments):
         heavier = segments.sway(lanes.side, lanes.amplitude) * segments.vertical.slope[lanes.k] * lanes.omega * unit
         weight = segments.weight(lanes.side, lanes.amplitude, lanes.k, lanes.u), heavier
-        size += np.abs(weight[0]) + np.abs(heavier) / unit
+    return line_series(equation, lanes.y, lanes.v, Ramp(drive, gain, unit, unit, lanes.b, weight))
+
+
+def line_series(equation: Equation, y: Array, v: Array, ramp: Ramp) -> TaylorSeries:
+    """The series of lanes under ramps, whose factors are found here."""
+    unit = ramp.unit
+    size = 2.0 + np.abs(ramp.drive) + np.abs(v) + np.abs(ramp.gain) / unit
+    if ramp.weight is not None:
+        size += np.abs(ramp.weight[0]) + np.abs(ramp.weight[1]) / unit
     degree = degrees(size, unit, equation.tolerance)
-    terms = equation.ramp_terms(lanes.y, lanes.v, Ramp(drive, gain, unit, factors_for(unit, degree), lanes.b, weight))
+    terms = equation.ramp_terms(y, v, ramp._replace(factors=factors_for(unit, degree)))
     with np.errstate(divide="ignore"):
         short = (WITHIN * equation.tolerance * unit / last_terms(terms, degree * unit.size + np.arange(unit.size), unit)) ** (
             1.0 / (degree - 1.0)
         )
-    if weight is not None:  # turns are isolated by coefficients that depend on their number, and no digit may on a lane's neighbours
+    if ramp.weight is not None:  # turns are isolated by coefficients that depend on their number, and no digit may on a lane's neighbours
         terms = np.concatenate([terms, np.zeros((MOST_TERMS + 1 - len(terms), unit.size))])
     return TaylorSeries(terms, unit, np.minimum(short, 1.0) * unit, np.full(unit.shape, _GROWTH), equation.damping)

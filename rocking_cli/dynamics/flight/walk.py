@@ -14,11 +14,13 @@ import numpy as np
 from ...motions.blocks import blocks, largest
 from ...motions.columns import After, Column, Computed
 from ...motions.segments import Samples, Segments
+from ..body import Body
 from ..equations.equation import Equation, Ramp
 from ..equations.ramp import WITHIN, degrees, factors_for, last_terms
 from ..lanes import Lanes
 from ..march.account import Work
 from ..march.engine import Run
+from ..march.lines import LineDemands
 from ..outcome import Outcome
 from ..system import System
 from .bounded import LONGEST
@@ -50,9 +52,9 @@ class Walk(Run):
 
     def __init__(
         self, system: System, segments: Segments, samples: Samples, amplitude: Array, omega: Array, eta: Array, peaks: bool,
-        pool: int | None,
+        pool: int | None, body: Body | None = None,
     ) -> None:  # fmt: skip
-        super().__init__(system, segments, amplitude, omega, eta, peaks, pool or _POOL)
+        super().__init__(system, segments, amplitude, omega, eta, peaks, pool or _POOL, body=body)
         self.samples, self.gains = samples.values, gains(samples.values)
         self.step, self.last = samples.step, samples.values.size - 1
         self.steepest = max(largest(self.gains[part]) for part in blocks(self.gains.size))
@@ -74,6 +76,8 @@ class Walk(Run):
                     relay(self, waiting)
                 else:
                     self._walk(waiting.size, lambda some: self.start(waiting[some]))
+                if self.demands is not None:
+                    self.demands.take_in(self.start(waiting[:0]), self.outcome)
 
     def _walk(self, count: int, enter: Callable[[slice], Lanes]) -> None:
         """Keep a pool of lanes on their feet until all those that `enter` are done."""
@@ -193,6 +197,8 @@ class Walk(Run):
         self, cell: Array, side: Array, equation: Equation, start: tuple[Array, Array], end: tuple[Array, Array], ramp: Ramp, go: Array
     ) -> None:  # fmt: skip
         """What a listener wants to know of strides from one (y, y') to another: those in which it must look closer are no longer to go."""
+        if isinstance(self.demands, LineDemands):
+            self.demands.stride(cell, side, start, end, ramp, go)
 
     def _careful(self, lanes: Walkers) -> Walkers:
         """A round of the march, and the rest of the interval after it where that can be walked."""

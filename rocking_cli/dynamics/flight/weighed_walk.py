@@ -8,6 +8,7 @@ from __future__ import annotations
 import numpy as np
 
 from ...motions.segments import Samples, Segments
+from ..body import Body
 from ..equations.equation import Equation, Ramp
 from ..equations.ramp import degrees
 from ..system import System
@@ -22,10 +23,10 @@ class WeighedWalk(Walk):
 
     def __init__(
         self, system: System, segments: Segments, samples: Samples, amplitude: Array, omega: Array, eta: Array, peaks: bool,
-        pool: int | None,
+        pool: int | None, body: Body | None = None,
     ) -> None:  # fmt: skip
         assert isinstance(segments, WeighedSegments)
-        super().__init__(system, segments, samples, amplitude, omega, eta, peaks, pool)
+        super().__init__(system, segments, samples, amplitude, omega, eta, peaks, pool, body)
         self.share, upwards = segments.share, segments.vertical
         self.ups = np.append(upwards.s_start, upwards.s_end[-1])
         self.rises = np.append(np.diff(self.ups), 0.0)

@@ -82,8 +82,10 @@ class Run:
         self.demands: Demands | None = None
         if body is not None:
             from .demand import Demands
+            from .lines import LineDemands
 
-            self.demands = Demands(body, self.equation, self.segments, self.shaken, self.contact, self.cells)
+            kind = LineDemands if segments.straight else Demands
+            self.demands = kind(body, self.equation, self.segments, self.shaken, self.contact, self.cells)
             self.equation = self.equation.with_turn(self.demands.show)
         self.only_peaks = self._only_peaks()
         self.settling = peaks and self.only_peaks and self.equation.bounded
