@@ -14,7 +14,8 @@ import numpy as np
 
 from ..lanes import Cells, Lanes
 from ..march.account import Work
-from ..outcome import Outcome
+from ..march.lines import LineDemands
+from ..outcome import Outcome, overturned
 from .walk import Walk, Walkers
 
 Array = np.ndarray
@@ -60,7 +61,7 @@ class Legs(Walk):
         self.walk, self.lanes, self.count, size = walk, lanes, marks.size - 1, lanes.cell.size
         own = np.repeat(lanes.cell, self.count)
         self.cells = Cells(*(x[:, own] for x in walk.cells))
-        self.equation, self.apart, self.work = walk.equation.of(own), True, Work()
+        self.equation, self.apart, self.work, self.demands = walk.equation.of(own), True, Work(), None
         self.theta_ratio, self.risen = np.zeros(own.size), np.zeros(own.size)
         self.impacts, self.struck = (np.zeros(own.size, dtype=np.int32) for _ in range(2))
         self.outcome, self.until = np.full(own.size, _OPEN), np.tile(marks[1:], size)
@@ -77,7 +78,7 @@ class Legs(Walk):
 
     def run(self) -> None:
         """Until each leg that matters begins as the one before it ends."""
-        entering = self.begins
+        entering = self.begins.take(np.arange(self.outcome.size))  # copied: those that walk are changed in their place
         while entering.cell.size:
             self._walk(entering.cell.size, entering.take)
             entering = self._left()
@@ -114,6 +115,10 @@ class Legs(Walk):
         walk.struck[cell] += self.struck[leg]
         lanes = self.ends.take(leg)
         lanes.cell = cell
+        if isinstance(walk.demands, LineDemands):
+            taken = (np.arange(self.count) <= final[:, None]) & ~overturned(walk.outcome[self.lanes.cell])[:, None]
+            asked = Asking(self, walk.demands).of(np.flatnonzero(taken))
+            walk.demands.take_over(asked, np.repeat(self.lanes.cell, self.count))
         return lanes
 
     def _settle_cells(self, cell: Array, leg: Array) -> None:
@@ -191,3 +196,29 @@ class Legs(Walk):
         self.closed, shape = False, (-1, self.count)
         known = self._certain() & (self.outcome != _OPEN).reshape(shape)
         self.runner.reshape(shape)[known.any(axis=1)] = -1
+
+
+class Asking(Walk):
+    """Legs walked once more, each from where it is known to begin, for what they ask of the ground."""
+
+    def __init__(self, legs: Legs, demands: LineDemands) -> None:
+        self.__dict__.update(legs.__dict__)
+        self.begins, self.until = legs.begins, legs.until
+        self.found = LineDemands(demands.body, self.equation, self.segments, self.shaken, self.contact, self.cells)
+        self.demands, self.work = self.found, Work()
+        if self.equation.damping:
+            self.bounced = np.zeros(self.until.size, dtype=bool)
+
+    def of(self, leg: Array) -> LineDemands:
+        """Of these legs; bodies that stay at rest ask no more than was asked as they came to it."""
+        lanes = self.begins.take(leg)
+        lanes = lanes.take(np.flatnonzero((lanes.k < len(self.segments)) | (lanes.y > 0.0)))
+        self._walk(lanes.cell.size, lanes.take)
+        return self.found
+
+    def _stop(self, cell: Array) -> Array:
+        return np.minimum(self.until[cell], self.last)
+
+    def _careful(self, lanes: Walkers) -> Walkers:
+        """Lanes at the end of their leg are done."""
+        return super()._careful(lanes.take(np.flatnonzero(lanes.k < self.until[lanes.cell])))

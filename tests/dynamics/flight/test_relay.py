@@ -5,13 +5,15 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from oracle_records import Rigid, lockstep
+from stocky import KINDS, drawn
 from synthetic import allowance, assert_same, noise, shaken
 
-from rocking_cli import LinearEquation, Outcome, RigidBodyEquation, System, safe
+from rocking_cli import LinearEquation, Method, Outcome, RigidBodyEquation, System, safe
 from rocking_cli.dynamics.contacts.one_sided import OneSided
 from rocking_cli.dynamics.contacts.unequal import Unequal
 from rocking_cli.dynamics.flight import relay
 from rocking_cli.dynamics.flight.walk import Walk
+from rocking_cli.dynamics.march.aftermath import follow_on
 
 ALPHA, STEP = 0.25, 0.04
 UNEQUAL = Unequal(drive=(1.0, 0.8), omega=(1.0, 1.15), eta=(1.05, 0.6), rotation=(1.0, 1.0))
@@ -103,6 +105,39 @@ def test_bodies_that_hardly_rest_are_walked_alone_for_a_stretch(legs, monkeypatc
     monkeypatch.setattr(relay, "_FIRST", 45)
     walked(System(RigidBodyEquation(ALPHA)), 0.97, True, amplitude=np.array([3.0]))
     assert [count for count, _, _ in legs] == [3, 1]
+
+
+def asked(kind, model, relayed, count):
+    """A walk of bodies whose forces are wanted, and these forces of those that stay upright; the shaking ends in a last push."""
+    random = np.random.default_rng(1)
+    bursts = [noise(70, STEP, seed, quiet=15) for seed in (4, 5, 6, 7)]
+    motion = shaken(np.concatenate([*bursts, np.full(4, 0.8 * np.max(bursts))]), STEP)
+    body, _, _ = drawn(kind, random, (0.1, 0.5), (0.4, 0.85), 0.3)
+    system = Method(model).system_of(body)
+    cells = random.uniform(0.8, 3.0, count), random.uniform(0.25, 0.9, count), np.full(count, body.eta)
+    walk = Walk(system, motion.segments, motion.samples, *cells, True, None, system.body)
+    walk.relays, walk.apart = relayed, True
+    walk.all()
+    follow_on(walk, system, motion.segments, cells)
+    upright = safe(walk.outcome)
+    return walk, walk.demands.friction[upright], walk.demands.fz_min[upright]
+
+
+@pytest.mark.parametrize(
+    ("kind", "model"),
+    [
+        ("damped", "nonlinear"),
+        ("plain", "linear"),
+        *(pytest.param(kind, model, marks=pytest.mark.soak) for kind in KINDS for model in ("linear", "nonlinear")),
+    ],
+)
+def test_no_digit_of_the_forces_depends_on_the_legs(kind, model, legs):
+    (relayed, *forces), (walked, *others) = (asked(kind, model, way, 8) for way in (True, False))
+    the_same(relayed, walked)
+    np.testing.assert_array_equal(forces, others)
+    assert len(legs) > 1
+    assert max(count for count, _, _ in legs) > 2
+    assert len(forces[0]) > 4
 
 
 def against_lockstep(count):
