@@ -11,7 +11,7 @@ import numpy as np
 
 from ..dynamics.method import LINEAR, Method, governing_method
 from ..dynamics.outcome import Outcome, safe
-from ..dynamics.response import Response, response
+from ..dynamics.response import Response, response, response_with_demands
 from ..errors import UsageError
 from ..motions import Motion
 from ..motions.blocks import blocks, largest
@@ -110,14 +110,15 @@ def check(
         raise UsageError("the amplitude is 0, accepted is a positive one")
     method, done = governing_method(structure), progress or _no_progress
     beside = amplitude * (1.0 + _BESIDE)
-    governs = _respond(method, structure, motion, beside, omega)
+    governs, asked = _governing(method, structure, motion, beside, omega)
     outcome, rotation = Outcome(int(governs.outcome[0])), float(governs.theta_ratio[0])
     stands, falls = safe(governs.outcome), ~safe(governs.outcome) & (governs.outcome != Outcome.FAILED)
     linear = _respond(LINEAR, structure, motion, beside[:1], omega)
     done(1, _STAGES)
     found = capacity(structure, motion, amplitude, omega, method=method, a_max=a_max)
     done(2, _STAGES)
-    asked = _forces(method, structure, motion, shaking)
+    if asked is None:
+        asked = _forces(method, structure, motion, shaking)
     done(_STAGES, _STAGES)
     lifted_off = outcome == Outcome.ROCKED and (asked.get("fz_min", 1.0) or 0.0) <= 0.0
     near = beside[falls] if stands[0] else beside[:0]
@@ -199,13 +200,29 @@ def _check_one(a_max: float, demand: Demand) -> Verdict:
     return check(*demand, a_max=a_max)
 
 
+def _governing(
+    method: Method, structure: RockingParameters, motion: Motion, amplitude: np.ndarray, omega: float
+) -> tuple[Response, dict[str, float | None] | None]:
+    """The responses, and what the first of them asks of the ground where it is walked upright; None where that is left to its history."""
+    system = method.system_of(structure)
+    if system.body is None or motion.samples is None:
+        return _respond(method, structure, motion, amplitude, omega), None
+    found, asked = response_with_demands(system, motion, amplitude, np.array([omega]), structure.eta)
+    fz_min = float(asked["fz_min"][0])
+    return found, None if np.isnan(fz_min) else _stated(float(asked["friction"][0]), fz_min)
+
+
 def _forces(method: Method, structure: RockingParameters, motion: Motion, shaking: Grid) -> dict[str, float | None]:
-    """friction and fz_min of the response."""
+    """friction and fz_min of the history, as far as a body that falls is followed."""
     if structure.arm is None:
         return {}
     asked = time_history(structure, motion, shaking, [method]).forces[method.model].demands
-    friction = asked.friction.friction
-    return {"friction": friction if np.isfinite(friction) else None, "fz_min": asked.fz_min}
+    return _stated(asked.friction.friction, asked.fz_min)
+
+
+def _stated(friction: float, fz_min: float) -> dict[str, float | None]:
+    """As a verdict has them."""
+    return {"friction": friction if np.isfinite(friction) else None, "fz_min": fz_min}
 
 
 def _respond(method: Method, structure: RockingParameters, motion: Motion, amplitude: np.ndarray, omega: float) -> Response:

@@ -143,7 +143,8 @@ def test_a_record_of_a_set_goes_with_the_vertical_one(rocking, refused, tmp_path
     plain = json.loads(rocking("check", *in_columns, "--vertical-unit", "m/s2", "--vertical-dt", "0.2 s").stdout)
     assert (plain["outcome"], plain["fz_min"]) == (row["outcome"], pytest.approx(row["fz_min"], rel=1e-5))
     last = json.loads(rocking("response", *with_up, "--model", "nonlinear", "--forces", "--events").stdout.splitlines()[-1])
-    assert [row[key] for key in ("outcome", "friction", "fz_min")] == [last[key] for key in ("outcome", "friction", "fz_min")]
+    assert row["outcome"] == last["outcome"]
+    assert [row[key] for key in ("friction", "fz_min")] == pytest.approx([last[key] for key in ("friction", "fz_min")], rel=1e-9)
     # the push downwards lifts it, as far as the weight is less there: a = lambda (g - a/5)
     assert row["uplift_a"] == pytest.approx(0.25 * 9.81 / (1.0 + 0.25 * 0.2), rel=1e-12)
     assert "two of a kind" in refused(2, "check", "body.yaml", "--motion", "n.at2", "--vertical", "sine")

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from synthetic import shaken
 
 from rocking_cli import Axis, Grid, Outcome, UsageError, build_structure, parse_documents, parse_grid, pulse, sine, trace_envelope
 from rocking_cli.dynamics.method import governing_method
@@ -74,6 +75,17 @@ def test_verdicts_agree_with_envelope_and_history():
     random = np.random.default_rng(16)
     fell = [judged(*at_random(random, linear=n >= 1, pulses=QUICK), a_max=4.0) for n in range(10)]
     assert 2 < sum(x for x, _ in fell) < 8
+
+
+@pytest.mark.parametrize(("a_g", "falls"), [("3", False), ("6", True)])
+def test_forces_under_a_record_are_those_of_its_history(a_g, falls):
+    """Of a body that stands the walk tells them, of one that falls its history."""
+    structure, motion = structure_of("kind: block\nwidth: 0.5\nheight: 2"), shaken([0.0, 0.5, 0.6, -1.0, -0.7, 0.4, 0.0], 0.2)
+    demand, method = parse_grid(f"a_g={a_g},omega_g=1"), governing_method(structure)
+    verdict = check(structure, motion, demand, a_max=1.01)
+    shown = time_history(structure, motion, demand, [method]).forces[method.model].demands
+    assert verdict.falls == falls
+    assert (verdict.friction, verdict.fz_min) == pytest.approx((shown.friction.friction, shown.fz_min), rel=1e-9)
 
 
 @pytest.mark.soak
