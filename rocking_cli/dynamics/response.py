@@ -131,11 +131,10 @@ def flies(system: System, motion: Motion) -> bool:
 
 
 def response_with_demands(
-    system: System, motion: Motion, amplitude: Array, omega: Array, eta: Array | float
+    system: System, motion: Motion, amplitude: Array, omega: Array, eta: Array | float, *, found: Response | None = None
 ) -> tuple[Response, dict[str, Array]]:
     """The same, and by name what each body asks of the ground: `friction`, the largest |Fx|/Fz [-], and `fz_min`, the least Fz over m g
-    [-], both NaN where it overturns. Raises ValueError for a system
-    without a `body`."""
+    [-], both NaN where it overturns. found: the response, where it is known. Raises ValueError for a system without a `body`."""
     from .march.aftermath import follow_on
 
     if system.body is None:
@@ -147,10 +146,9 @@ def response_with_demands(
     run.all()
     follow_on(run, system, segments, cells)
     upright = safe(run.outcome) | (run.outcome == Outcome.LOST_CONTACT)
-    if flown or keeps_bouncing(
-        run.equation, run.cells, run.segments
-    ):  # rotations are those of the way that is taken without forces: no bit of them hangs on what else is asked
-        found = response(system, motion, amplitude, omega, eta)
+    if found is None and (flown or keeps_bouncing(run.equation, run.cells, run.segments)):
+        found = response(system, motion, amplitude, omega, eta)  # as without forces: no bit of a rotation hangs on what else is asked
+    if found is not None:
         upright &= (safe(found.outcome) | (found.outcome == Outcome.LOST_CONTACT)).ravel()
     else:
         look_at_forces(run, system, motion, cells)

@@ -118,18 +118,19 @@ class Job:
         if scene.method.exact and not self.forces:
             system = replace(system, body=None, own=())  # each sharer has its own
         beside: dict[str, np.ndarray] = {}
+        known: Response | None = None
         if "velocity_ratio" in self.quantities:
             from ..dynamics.speeds import response_with_speed
 
-            got, rate = response_with_speed(system, motion, *cells)
+            known, rate = response_with_speed(system, motion, *cells)
             beside["velocity_ratio"] = rate * np.concatenate(
                 [np.full(a * b, s.structure.alpha) for s, (a, b) in zip(bands, sizes, strict=True)]
             )
         if self.forces:
-            got, asked = response_with_demands(system, motion, *cells)
+            got, asked = response_with_demands(system, motion, *cells, found=known)
             beside |= asked
-        elif "velocity_ratio" not in self.quantities:
-            got = response(system, motion, *cells)
+        else:
+            got = known or response(system, motion, *cells)
         if "condition" in self.quantities:
             pairs = scene.method.system_of_cells(structures * 2, counts * 2)  # cells are looked at in pairs, one set after the other
             if scene.method.exact:

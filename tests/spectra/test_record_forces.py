@@ -99,6 +99,13 @@ def test_what_is_said_of_an_angle_is_said_of_blocks_of_that_angle(model):
     assert np.isnan(plain.velocity_ratio[lost]).all()
 
 
+def test_forces_beside_change_no_bit_of_a_rotation():
+    """Rotations are those of the run that keeps the largest speeds, which are in every such file."""
+    scene = angles_scene(Axis("alpha", np.radians((15.0, 25.0))), Axis("T", np.array(PERIODS)), [SHORT], 0.8)
+    plain, found = (spectrum_of(scene, workers=1, check=0, quantities=names) for names in ((), FORCES))
+    np.testing.assert_array_equal(plain.theta_ratio, found.theta_ratio)
+
+
 def test_the_linear_equation_beside_looks_at_each_angle_too():
     both = swept(Method("nonlinear"), "linear")
     np.testing.assert_array_equal(both.beside["outcome_linear"], swept(Method()).outcome)
