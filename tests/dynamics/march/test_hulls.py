@@ -41,16 +41,18 @@ def watched(kind, seed, cells, monkeypatch, tolerance=1e-9):
 
     def look(self, lanes, arc, stop, y, v, at):
         hull, (fx, fz) = hulls_of(arc.shown, stop / arc.longest).take(at), along_steps(self, lanes, arc, stop, at, EVENLY)
+        none = np.isnan(hull.possible[0])  # the reach of series with hardly any bend overflows: their steps are searched
+        assert not np.any(hull.take(np.flatnonzero(none)).crests(np.zeros(np.count_nonzero(none), dtype=np.int64)).plain)
         for (across, up), x in zip(zip(fx, fz, strict=True), EVENLY, strict=True):
             there = polynomial(hull.forces.astype(float), x)
-            found.append((np.abs(there - (-across, up)) / hull.slack).ravel())
+            found.append((np.abs(there - (-across, up)) / hull.slack)[:, ~none].ravel())
         with np.errstate(divide="ignore", invalid="ignore"):
             ratio = np.where(fz > 0.0, np.abs(fx / fz), np.inf)
-            assert np.all(-fz.min(axis=0) < hull.possible[0])
-            assert np.all((ratio.max(axis=0) < hull.possible[1]) | np.isinf(hull.possible[1]))
+            assert not np.any(-fz.min(axis=0) >= hull.possible[0])
+            assert not np.any((ratio.max(axis=0) >= hull.possible[1]) & np.isfinite(hull.possible[1]))
             fx, fz = along_steps(self, lanes, arc, stop, at, NODES)
-            assert np.all(-fz.min(axis=0) >= hull.reached[0])
-            assert np.all(np.where(fz > 0.0, np.abs(fx / fz), np.inf).max(axis=0) >= hull.reached[1])
+            assert not np.any(-fz.min(axis=0) < hull.reached[0])
+            assert not np.any(np.where(fz > 0.0, np.abs(fx / fz), np.inf).max(axis=0) < hull.reached[1])
         return follow(self, lanes, arc, stop, y, v, at)
 
     monkeypatch.setattr(Demands, "follow", look)
