@@ -16,13 +16,13 @@ from ..equations.equation import Point
 from ..lanes import Lanes
 from ..march.account import Rests, Work
 from ..march.engine import STILL, Landing, Run
-from ..march.roots import hidden_turn, impact_root, turning_point
 from ..outcome import Outcome
 from ..system import System
 from .bounded import LONGEST, LONGEST_JUMP, BoundedResponse, shares
 from .crest import Rise, crest
+from .interval import raise_peaks, through_interval
 from .jump import Jumpers, Leap, horizon
-from .ramp import RampFlow, impact_guess
+from .ramp import RampFlow
 from .windows import windows
 
 Array = np.ndarray
@@ -296,74 +296,26 @@ class Flight(Run):
     def _single(self, lanes: Flights) -> Flights:
         """Each lane through its present interval, up to where the drive passes 1, or to an impact; the lanes that go on."""
         lanes.steps += 1
-        k, y, v = lanes.k, lanes.y, lanes.v
-        drive, pace = -lanes.side * lanes.amplitude, self.step / lanes.omega
-        b = y - 1.0 + drive * self.samples.take(k)
-        known = np.flatnonzero(lanes.b == lanes.b)  # not NaN
-        b[known] = lanes.b[known]
-        left = pace - lanes.u / lanes.omega
-        rate = drive * self._gain(k) / pace
-        arc = RampFlow(y, v, b, rate)
-        one = (y - b) / rate  # when the drive is 1
-        ridge = (b > y) | ((b == y) & (rate > 0.0))
-        rises = (v > 0.0) | (ridge & (v >= 0.0))
-        crosses = (one > 0.0) & (one < left)
-        cut = crosses & ~(ridge & rises)
-        cuts, valleys = np.flatnonzero(cut), np.flatnonzero(crosses & ridge & rises)
-        h, low = left.copy(), np.zeros(k.size)
-        h[cuts], low[valleys] = one[cuts], one[valleys]
-        end = arc.at(h)
-        hit = end.y <= 0.0
-        reach = h.copy()
-        dips = np.flatnonzero(ridge & ~hit & (v < 0.0) & (end.v > 0.0))
-        if dips.size:
-            h_min, y_min = turning_point(arc.take(dips), np.zeros(dips.size), h[dips], 0.5 * h[dips], -1.0)
-            touched = ~(y_min > 0.0)
-            hit[dips[touched]], reach[dips[touched]] = True, h_min[touched]
-        at = np.flatnonzero(hit)
-        falling, lowest, highest = arc.take(at), low[at], reach[at]
-        guess = impact_guess(falling, Point(*(x[at] for x in end)), h[at], lowest, highest)
-        reach[at], impact_v = impact_root(falling, lowest, highest, guess)
-        struck = falling.at_ground(reach[at])
-        end.y[at], end.v[at], end.b[at] = 0.0, impact_v, struck
+        k, drive = lanes.k, -lanes.side * lanes.amplitude
+        passage = through_interval(lanes, drive, self.samples.take(k), self._gain(k), self.step)
+        reach, hit, end = passage.reach, passage.hit, passage.end
         if self.peaks:
-            self._raise_peaks(lanes, arc, end, low, reach, rises, hit, ridge & ~(rises & crosses))
-        self._noted(lanes, arc, reach, hit, end)
+            raise_peaks(lanes.peak, passage)
+        self._noted(lanes, passage.arc, reach, hit, end)
         lost = (lanes.steps > self.most_steps) | ~np.isfinite(reach)
         self._finish(lanes, np.flatnonzero(lost), Outcome.FAILED, np.nan)
+        at = np.flatnonzero(hit)
         self.work += Work(impacts=at.size, steps=hit.size)
-        landed = lanes.take(at)
-        landed, _ = self._land(landed, reach[at], impact_v, struck)
+        landed, _ = self._land(lanes.take(at), reach[at], end.v[at], end.b[at])
         on = np.flatnonzero(~(hit | lost))
         onward = lanes.take(on)
-        stays = np.flatnonzero(cut[on])  # in this interval
+        stays = np.flatnonzero(passage.cut[on])  # in this interval
         cuts = on[stays]
         onward.k, onward.u = k[on] + 1, np.zeros(on.size)
         onward.y, onward.v, onward.b = end.y[on], end.v[on], end.b[on]
-        onward.k[stays], onward.u[stays], onward.b[stays] = k[cuts], lanes.u[cuts] + one[cuts] * lanes.omega[cuts], end.y[cuts]
+        onward.k[stays], onward.u[stays] = k[cuts], lanes.u[cuts] + reach[cuts] * lanes.omega[cuts]
+        onward.b[stays] = end.y[cuts]
         onward.peak = np.maximum(onward.peak, onward.y)
         going = onward.join(landed)
         going.k, going.u = place(self.segments, going.k, going.u)
         return going
-
-    def _raise_peaks(self, lanes: Flights, arc: RampFlow, end: Point, low: Array, high: Array, rises: Array, hit: Array, no: Array) -> None:
-        """Raise the peaks to the turning points of these intervals (Lemmas 3 and 4); `no`: only a ridge, which holds none."""
-        fall = np.maximum(arc.y - arc.b, arc.y - arc.b - arc.rate * high)
-        at = np.flatnonzero((np.maximum(arc.y, end.y) + 0.125 * fall * high * high > lanes.peak) & ~no)
-        if not at.size:
-            return
-        arc, low, high, up = arc.take(at), low[at], high[at], rises[at]
-        down = hit[at] | (end.v[at] <= 0.0)
-        sure = up & down
-        slope = end.b[at]  # where v is convex its tangent at the end may prove that it keeps its sign
-        hidden = np.flatnonzero(up & ~down & (arc.rate > 0.0) & (slope * (high - low) > _SURELY * end.v[at]))
-        turn = hidden_turn(arc.take(hidden), low[hidden], high[hidden], 1.0)
-        found = np.isfinite(turn)
-        high[hidden[found]], sure[hidden[found]] = turn[found], True
-        hidden = np.flatnonzero(~up & down & (arc.rate < 0.0) & (arc.v + arc.b * high > 0.0))
-        turn = hidden_turn(arc.take(hidden), low[hidden], high[hidden], -1.0)
-        found = np.isfinite(turn)
-        low[hidden[found]], sure[hidden[found]] = turn[found], True
-        turns = np.flatnonzero(sure)
-        _, top = turning_point(arc.take(turns), low[turns], high[turns], 0.5 * (low[turns] + high[turns]), 1.0)
-        lanes.peak[at[turns]] = np.maximum(lanes.peak[at[turns]], top)
