@@ -73,6 +73,8 @@ def read(text: RecordText, unit: str | None, dt: float | None) -> list[Series]:
 
 def even_step(time: np.ndarray, text: RecordText, line: int, in_a_line: int = 1) -> float:
     """The step of times which rise evenly; line: of the first. Raises DocumentError where they do not."""
+    if time.size < 2:
+        raise text.fault(f"found {time.size} values; accepted are at least two", line)
     step = float(f"{(time[-1] - time[0]) / max(1, time.size - 1):.10g}")
     level = False
     for part in blocks(time.size):

@@ -86,7 +86,8 @@ def record_of(series: Series, name: str, format_: str, source: str, sha256: str)
     """The record of a series in SI units; a header's peak that the samples contradict becomes a remark, and
     so does a peak which says that the unit is another. Raises DocumentError."""
     factor = UNITS["acceleration"][series.unit]
-    acceleration = np.multiply(series.samples, factor, out=series.samples) if series.samples.dtype == float else series.samples * factor
+    with np.errstate(over="ignore"):  # what is not finite is refused
+        acceleration = np.multiply(series.samples, factor, out=series.samples) if series.samples.dtype == float else series.samples * factor
     remarks = [series.remark] if series.remark else []
     where = "" if series.component is None else f" of component {series.component}"
     peak, header = largest(acceleration), None

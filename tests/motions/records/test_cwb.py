@@ -12,12 +12,14 @@ from rocking_cli.motions.records import read_records
 SAMPLES = np.stack([wave(600, 12.25), wave(600, -1064.5), wave(600, -99999.125 / 128)], axis=1)
 
 
-def written(path, *, values=SAMPLES, rate="50", unit="gal. DCoffset(corr)", length="12", step=0.02, form="4F10.3 ", lines=None, more=""):
+def written(
+    path, *, values=SAMPLES, rate="50", unit="gal. DCoffset(corr)", length="12", step=0.02, form="4F10.3 ", lines=None, more="", order="UNE"
+):
     keys = ["#Earthquake Information", "#Origin Time(GMT+08): 1900/01/02-03:04:05", "#Depth(km): 10.0", "", "#Station Information"]
     keys += ["#StationCode: ABC", f"#RecordLength(sec): {length}", f"#SampleRate(Hz): {rate}", f"#AmplitudeUnit:  {unit}"]
     for name, column in zip("UNE", values.T, strict=True):
         keys.append(f"#AmplitudeMAX. {name}: {column.max():8.3f}~ {column.min():8.3f}")
-    keys += ["#DataSequence: Time U(+); N(+); E(+)", f"#Data: {form}"]
+    keys += ["#DataSequence: Time " + "; ".join(f"{name}(+)" for name in order), f"#Data: {form}"]
     times = step * np.arange(len(values))
     text = "\n".join(keys) + "\n" + rows(np.column_stack([times, values]).ravel(), 4, "{:10.3f}") + more
     path.write_text("\n".join(text.splitlines()[:lines]) + "\n")
@@ -47,7 +49,9 @@ def test_values_after_those_declared_are_a_remark(tmp_path):
         ({"length": "12.01"}, "a:7: a number of values of 600.5"),
         ({"length": "14"}, "a:614: the file ends after 2400 of 2800 values"),
         ({"step": 0.01}, "a:7: 600 values every 0.01 s make 6 s, where the header states 12 s"),
+        ({"length": "0"}, "a:15: found 0 values; accepted are at least two"),
         ({"form": "3F10.3"}, "a:14: Data: found '3F10.3' for a time and U, N, E"),
+        ({"order": "", "form": "F10.3"}, "a:14: Data: found 'F10.3' for a time and "),
         ({"lines": 14}, "a:14: the file ends within its header"),
     ],
 )

@@ -110,6 +110,7 @@ def lines(**changed):
         (f"made up\n400 0.01\n{COLUMN}", {"unit": "g", "dt": 0.01}, "a:3: found 1 numbers, 2 on the lines before"),
         ("0 1\n0 2\n0 3\n", {"unit": "g"}, "times that do not rise"),
         ("0\n1e7\n", {"unit": "m/s2", "dt": 0.01}, "an acceleration that is not finite or beyond 1e+06 m/s2"),
+        ("0\n1e308\n", {"unit": "g", "dt": 0.01}, "an acceleration that is not finite or beyond 1e+06 m/s2"),
         ("0\n1\n", {"unit": "g", "dt": 1e4}, "a time step of 10000 s; accepted is one from 1e-07 to 1000 s"),
         ("0.5\n", {"unit": "g", "dt": 0.01}, "1 samples; a record has at least two"),
     ],

@@ -62,6 +62,7 @@ def test_channels_are_read_and_said_to_be_uncorrected(tmp_path, write, form, ten
     ("text", "words"),
     [
         (paired("L", SAMPLES, uneven=0.001), "a:30: times that do not rise in even steps, such as 0.056 s"),
+        (header("CHAN 1: L", "UNITS OF UNCOR ACCEL ARE SEC AND G/10.", SAMPLES, count=0, length=0.0), "a:28: found 0 values"),
         (announced("Up", unit="cm/sec2 "), None),
         (announced("Up", unit="counts"), "a:28: found the unit 'counts'"),
         (announced("Up", points=732), "a:28: 732 points, where the channel's header states 733"),
