@@ -10,10 +10,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass, fields, replace
 from functools import cached_property, lru_cache
+from typing import Any
 
 import numpy as np
 
 from ..motions.biaxial import Biaxial, combined
+from ..motions.columns import Column, Joined, followed_by
 from ..motions.extremes import extremes
 from ..motions.motion import Motion
 from ..motions.polyline import Polyline
@@ -39,7 +41,7 @@ class WeighedSegments(Segments):
     right: Segments
     left: Segments
     edges: Segments
-    inward: tuple[Array, Array]
+    inward: tuple[Any, Any]
     share: tuple[float, float]
 
     @property
@@ -82,10 +84,9 @@ class WeighedSegments(Segments):
 
     def followed_by_rest(self, length: float) -> WeighedSegments:
         """The same motion and then still ground, for a phase of this length [rad]."""
-        whole = Segments(**{f.name: getattr(self, f.name) for f in fields(Segments)}).followed_by_rest(length)
         parts = [x.followed_by_rest(length) for x in (self.vertical, self.right, self.left)]
-        inward = (np.append(self.inward[0], 0.0), np.append(self.inward[1], 0.0))
-        return _weighed(whole, parts[0], parts[1], parts[2], inward, self.share)
+        inward = (followed_by(self.inward[0], 0.0), followed_by(self.inward[1], 0.0))
+        return _weighed(super().followed_by_rest(length), parts[0], parts[1], parts[2], inward, self.share)
 
 
 def _value(segments: Segments, k: Array, u: Array) -> Array:
@@ -110,21 +111,27 @@ class _Edges(Segments):
         return both if np.array_equal(counts, both.last - both.first + 1) else table_of(self)
 
 
-@lru_cache(maxsize=64)
 def weighed(motion: Motion, right: float, left: float) -> Segments:
     """The segments of a motion for a body whose edges have these r; those of the motion itself where it is not Biaxial."""
     if not isinstance(motion, Biaxial):
         return motion.segments
+    return (_last if isinstance(motion.segments.start, Column) else _many)(motion, right, left)
+
+
+def _made(motion: Biaxial, right: float, left: float) -> Segments:
     signals = (motion.across, motion.vertical, combined(motion, right), combined(motion, -left))
     if isinstance(motion.across, Polyline):
         across, vertical, at_right, at_left = (signal.segments for signal in signals)
-    else:
-        inner = [_apart(sorted(x for piece in pieces for x in extremes(piece)), pieces[0].stop - pieces[0].start)
-                 for pieces in zip(*(signal.pieces for signal in signals[1:]), strict=True)]  # fmt: skip
-        across, vertical, at_right, at_left = (signal.cut(inner) for signal in signals)
+        return _weighed(across, vertical, at_right, at_left, (across.later_max, across.later_min), (right, left))
+    inner = [_apart(sorted(x for piece in pieces for x in extremes(piece)), pieces[0].stop - pieces[0].start)
+             for pieces in zip(*(signal.pieces for signal in signals[1:]), strict=True)]  # fmt: skip
+    across, vertical, at_right, at_left = (signal.cut(inner) for signal in signals)
     own = motion.across.segments  # whose extremes lie between the common cuts
     at = np.maximum(np.searchsorted(own.start, across.start, side="right") - 1, 0)
     return _weighed(across, vertical, at_right, at_left, (own.later_max[at], own.later_min[at]), (right, left))
+
+
+_last, _many = lru_cache(maxsize=1)(_made), lru_cache(maxsize=64)(_made)  # what is found of a long motion is large
 
 
 def _apart(marks: list[float], length: float) -> list[float]:
@@ -136,7 +143,7 @@ def _apart(marks: list[float], length: float) -> list[float]:
 
 
 def _weighed(
-    across: Segments, vertical: Segments, right: Segments, left: Segments, inward: tuple[Array, Array], share: tuple[float, float]
+    across: Segments, vertical: Segments, right: Segments, left: Segments, inward: tuple[Any, Any], share: tuple[float, float]
 ) -> WeighedSegments:
     own = {f.name: getattr(across, f.name) for f in fields(Segments)}
     own |= {"later_max": left.later_max, "later_min": right.later_min}
@@ -146,8 +153,10 @@ def _weighed(
     return WeighedSegments(**own, vertical=vertical, right=right, left=left, edges=edges, inward=inward, share=share)
 
 
-def _joined(a: Array, b: Array) -> Array:
-    """Two arrays over segments, one after the other; of sinusoids as many as the richer one has."""
+def _joined(a: Any, b: Any) -> Any:
+    """Two columns or arrays over segments, one after the other; of sinusoids as many as the richer one has."""
+    if isinstance(a, Column):
+        return Joined(a, b)
     if a.ndim == 1:
         return np.concatenate([a, b])
     rows = max(len(a), len(b))

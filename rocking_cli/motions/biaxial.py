@@ -13,6 +13,7 @@ import numpy as np
 
 from ..errors import UsageError
 from .blocks import blocks
+from .columns import Column, Instants, Levels
 from .motion import Motion, checked_scale
 from .piece import Harmonic, Piece
 from .polyline import Polyline
@@ -91,12 +92,31 @@ def with_vertical(motion: Motion, vertical: Motion, scale: float = 1.0) -> Biaxi
         )
     factor = checked_scale(vertical.name, scale) * (1.0 if own is None or other is None else other / own)
     if isinstance(motion, Polyline) and isinstance(vertical, Polyline):
-        marks = np.union1d(np.append(motion.start, motion.stop[-1]), np.append(vertical.start, vertical.stop[-1]))
-        marks = marks[np.append(True, np.diff(marks) > 1e-12 * marks[-1])]
+        marks = _together(motion.marks, vertical.marks)
         return Biaxial(motion.on(marks), vertical.on(marks).scaled(factor))
     marks = np.unique(np.concatenate([[0.0], *([p.stop for p in m.pieces] for m in (motion, vertical))]))
     marks = marks[np.append(True, np.diff(marks) > 1e-12 * marks[-1])]
     return Biaxial(_on(motion, marks.tolist()), _on(vertical, marks.tolist()).scaled(factor))
+
+
+def _together(one: Any, other: Any) -> Any:
+    """The marks of both, those apart by rounding once; a column where one of them is."""
+    if isinstance(one, Instants) and isinstance(other, Instants):
+        fine, coarse = (one, other) if one.step * one.by <= other.step * other.by else (other, one)
+        if fine[-1] >= coarse[-1] and fine.hold(coarse):
+            return fine
+    found = np.empty(one.size + other.size)
+    for marks, first in ((one, 0), (other, one.size)):
+        for part in blocks(marks.size):
+            found[first + part.start : first + part.stop] = marks[part]
+    found.sort()
+    count, before, apart = 0, -np.inf, 1e-12 * found[-1]
+    for part in blocks(found.size):
+        here = found[part].copy()
+        kept = here[np.diff(here, prepend=before) > apart]
+        found[count : count + kept.size] = kept
+        count, before = count + kept.size, here[-1]
+    return Levels(count, found, ()) if isinstance(one, Column) or isinstance(other, Column) else found[:count]
 
 
 @dataclass(frozen=True, eq=False)

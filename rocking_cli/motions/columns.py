@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -64,6 +65,28 @@ class Instants(Column):
         """The times of these indices."""
         return self.step * (self.first + self.by * k)
 
+    def of(self, size: int, skipped: int = 0) -> Instants:
+        """So many of them from another one on, also beyond the last."""
+        return Instants(size, self.step, self.first + self.by * skipped, self.by)
+
+    def begun(self, phase: Array) -> Array:
+        """The last that is not after each phase, the first where there is none."""
+        guess = np.clip(np.floor((phase / self.step - self.first) / self.by).astype(np.int64), 0, self.size - 1)
+        guess -= self.at(guess) > phase
+        guess += self.at(guess + 1) <= phase
+        return np.asarray(np.clip(guess, 0, self.size - 1))
+
+    def goes_on(self, other: Instants) -> bool:
+        """Whether the others are these, and perhaps more."""
+        return self.size <= other.size and (self.step, self.first, self.by) == (other.step, other.first, other.by)
+
+    def hold(self, other: Instants) -> bool:
+        """Whether each of the others is one of these, beyond the last too."""
+        every = round(other.step * other.by / (self.step * self.by))
+        return self.first == other.first == 0 and all(
+            np.array_equal(other[x], self.at(every * np.arange(x.start, x.stop))) for x in blocks(other.size)
+        )
+
 
 class Levels(Column):
     """Every `by`-th of some values from the `first` on, times factors, one after the other."""
@@ -79,7 +102,7 @@ class Levels(Column):
             found = factor * found
         return found
 
-    def of(self, size: int, first: int, by: int) -> Levels:
+    def of(self, size: int, first: int = 0, by: int = 1) -> Levels:
         """So many of the same values, from another one on."""
         return Levels(size, self.values, self.factors, first, by)
 
@@ -100,17 +123,46 @@ class Computed(Column):
         return self.function(*(x[k] for x in self.columns))
 
 
-class Then(Column):
-    """Another column and one number after it."""
+def of_columns(function: Callable[..., Array], *columns: Any) -> Any:
+    """A function of columns, or of arrays."""
+    return Computed(function, columns) if isinstance(columns[0], Column) else function(*columns)
 
-    def __init__(self, column: Any, last: float) -> None:
-        super().__init__(column.size + 1)
+
+def followed_by(values: Any, last: float | bool) -> Any:
+    """A column or an array, whose last axis counts, and one number after it."""
+    if isinstance(values, Column):
+        return Then(values, last)
+    return np.concatenate([values, np.full((*values.shape[:-1], 1), last, dtype=values.dtype)], axis=-1)
+
+
+class Then(Column):
+    """Another column and one number, or several that are equal, after it."""
+
+    def __init__(self, column: Any, last: float, times: int = 1) -> None:
+        super().__init__(column.size + times)
         self.column, self.last = column, last
 
     def at(self, k: Array) -> Array:
         """Those of the other, or the last."""
         before = self.column.size
         return np.where(k < before, self.column[np.minimum(k, before - 1)], self.last)
+
+
+class Joined(Column):
+    """One column after another."""
+
+    def __init__(self, one: Any, other: Any) -> None:
+        super().__init__(one.size + other.size)
+        self.one, self.other = one, other
+
+    def at(self, k: Array) -> Array:
+        """Those of the one, or of the other."""
+        before, first = k < self.one.size, self.one.size
+        if before.all():
+            return np.asarray(self.one[k])
+        if not before.any():
+            return np.asarray(self.other[k - first])
+        return np.where(before, self.one[np.minimum(k, first - 1)], self.other[np.maximum(k - first, 0)])
 
 
 class After(Column):
@@ -135,13 +187,17 @@ class Largest(Column):
     def __init__(self, column: Any) -> None:
         super().__init__(column.size)
         self.column = column
-        ahead = np.zeros(-(-column.size // LEAF) + 1)
-        for part in blocks(column.size):  # of whole leaves
-            values = column[part]
+
+    @cached_property
+    def ahead(self) -> Array:
+        """Found when it is first asked for: of a weight and two edges some never are."""
+        ahead = np.zeros(-(-self.size // LEAF) + 1)
+        for part in blocks(self.size):  # of whole leaves
+            values = self.column[part]
             first = part.start // LEAF
             ahead[first : first - (-values.size // LEAF)] = np.maximum.reduceat(values, np.arange(0, values.size, LEAF))
         ahead[-1] = 0.0
-        self.ahead = np.maximum.accumulate(ahead[::-1])[::-1].copy()  # `take` copies what runs backwards, each time
+        return np.maximum.accumulate(ahead[::-1])[::-1].copy()  # `take` copies what runs backwards, each time
 
     def at(self, k: Array) -> Array:
         """The largest from there on."""

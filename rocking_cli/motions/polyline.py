@@ -13,7 +13,7 @@ import numpy as np
 
 from ..errors import MotionError
 from .blocks import blocks, largest
-from .columns import Column, Computed, Instants, Levels, Then
+from .columns import Column, Computed, Instants, Levels, Then, followed_by, of_columns
 from .motion import Motion, checked_scale
 from .piece import Piece
 from .segments import Samples, Segments, line_segments
@@ -79,6 +79,8 @@ class Polyline(Motion):
 
     def _at(self, phase: Array) -> Array:
         """The interval that holds each phase, or the nearest."""
+        if isinstance(self.start, Instants):
+            return self.start.begun(phase)
         if not isinstance(self.start, Column):
             return np.asarray(np.clip(np.searchsorted(self.start, phase, side="right") - 1, 0, self.start.size - 1))
         low, high = np.zeros(phase.shape, dtype=np.int64), np.full(phase.shape, self.start.size)
@@ -92,7 +94,7 @@ class Polyline(Motion):
     def still_until(self, phase: float) -> Polyline:
         """The motion with the ground at rest after it, up to a phase [rad]."""
         lasts = {"start": self.duration, "stop": phase, "constant": 0.0, "slope": 0.0}
-        columns = {key: _then(getattr(self, key), last) for key, last in lasts.items()}
+        columns = {key: followed_by(getattr(self, key), last) for key, last in lasts.items()}
         return Polyline(self.name, **columns, acceleration=self.acceleration)
 
     def scaled(self, factor: float) -> Polyline:
@@ -100,31 +102,61 @@ class Polyline(Motion):
         name = f"{self.name}, times {checked_scale(self.name, factor):g}"
         return Polyline(name, self.start, self.stop, _times(factor, self.constant), _times(factor, self.slope))
 
-    def on(self, marks: Array) -> Polyline:
+    @property
+    def marks(self) -> Lines:
+        """Where an interval begins, and the end."""
+        start = self.start
+        return start.of(start.size + 1) if isinstance(start, Instants) else followed_by(start, self.stop[-1])
+
+    def on(self, marks: Array | Instants | Levels) -> Polyline:
         """The same motion with an interval from each of these phases to the next, still after its end; they hold all of its own."""
+        if isinstance(marks, (Instants, Levels)):
+            return self._on(marks)
         start, stop = marks[:-1], marks[1:]
         i = self._at(0.5 * (start + stop))
         moves = start < self.stop[-1]
         constant = np.where(moves, self.constant[i] + self.slope[i] * (start - self.start[i]), 0.0)
         return Polyline(self.name, start, stop, constant, np.where(moves, self.slope[i], 0.0), self.acceleration)
 
+    def _on(self, marks: Instants | Levels) -> Polyline:
+        """The same, with columns."""
+        count = marks.size - 1
+        start, stop = marks.of(count), marks.of(count, 1)
+        if isinstance(self.start, Instants) and isinstance(marks, Instants) and self.start.goes_on(marks):
+            more = count - self.start.size
+            constant, slope = (Then(x, 0.0, more) if more else x for x in (self.constant, self.slope))
+            return Polyline(self.name, start, stop, constant, slope, self.acceleration)
+        constant, slope = Computed(self._start_on, (start, stop)), Computed(self._slope_on, (start, stop))
+        return Polyline(self.name, start, stop, constant, slope, self.acceleration)
+
+    def _start_on(self, start: Array, stop: Array) -> Array:
+        i = self._at(0.5 * (start + stop))
+        return np.where(start < self.duration, self.constant[i] + self.slope[i] * (start - self.start[i]), 0.0)
+
+    def _slope_on(self, start: Array, stop: Array) -> Array:
+        return np.where(start < self.duration, self.slope[self._at(0.5 * (start + stop))], 0.0)
+
     def plus(self, other: Polyline, factor: float) -> Polyline:
         """This and `factor` times another motion over the same intervals."""
-        constant, slope = (np.asarray(a) + factor * np.asarray(b) for a, b in ((self.constant, other.constant), (self.slope, other.slope)))
+        constant, slope = (
+            of_columns(partial(_plus, factor), a, b) for a, b in ((self.constant, other.constant), (self.slope, other.slope))
+        )
         return Polyline(self.name, self.start, self.stop, constant, slope)
 
     @cached_property
     def samples(self) -> Samples | None:
         """Step and samples, where the intervals are equal to rounding and the lines joined."""
-        count, last = self.start.size, self.duration
-        if isinstance(self.start, Column):
-            if isinstance(self.start, Instants) and isinstance(self.constant, Levels):
-                return Samples(last / count, self.constant.of(count + 1, self.constant.first, self.constant.by))
-            return None
-        even = np.abs(self.start - (last / count) * np.arange(count)).max() <= _ROUNDING * last
-        end = self.constant + self.slope * (self.stop - self.start)
-        joined = count == 1 or np.abs(end[:-1] - self.constant[1:]).max() <= _ROUNDING * np.abs(self.constant).max()
-        return Samples(last / count, np.append(self.constant, end[-1])) if even and joined else None
+        count, last, end = self.start.size, self.duration, self.segments.s_end
+        if isinstance(self.start, Instants) and isinstance(self.constant, Levels):
+            return Samples(last / count, self.constant.of(count + 1, self.constant.first, self.constant.by))
+        apart = _ROUNDING * max(largest(self.constant[part]) for part in blocks(count))
+        for part in blocks(count):
+            following = slice(part.start + 1, min(part.stop + 1, count))
+            if not largest(self.start[part] - (last / count) * np.arange(part.start, part.stop)) <= _ROUNDING * last:
+                return None
+            if following.start < count and not largest(end[part][: following.stop - following.start] - self.constant[following]) <= apart:
+                return None
+        return Samples(last / count, followed_by(self.constant, end[-1]))
 
     @cached_property
     def coarsest(self) -> Polyline:
@@ -174,16 +206,15 @@ class _Pieces(Sequence[Piece]):
         return Piece(start, stop, (), constant, slope)
 
 
-def _then(values: Lines, last: float) -> Lines:
-    """These and one more."""
-    return Then(values, last) if isinstance(values, Column) else np.append(values, last)
-
-
 def _times(factor: float, values: Lines) -> Lines:
     """A factor times each."""
     if isinstance(values, Levels):
         return values.times(factor)
-    return Computed(partial(np.multiply, factor), (values,)) if isinstance(values, Column) else factor * values
+    return of_columns(partial(np.multiply, factor), values)
+
+
+def _plus(factor: float, a: Array, b: Array) -> Array:
+    return np.asarray(a + factor * b)
 
 
 def _rate(now: Array, then: Array, start: Array, stop: Array) -> Array:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, fields
 from functools import cached_property
 from typing import Any, NamedTuple
@@ -10,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from .blocks import blocks, largest
-from .columns import LEAF, LEAF_LEVEL, After, Column, Computed, Largest, SumsAhead, Then
+from .columns import LEAF, LEAF_LEVEL, After, Column, Computed, Largest, SumsAhead, followed_by, of_columns
 from .table import Table, table_of
 
 
@@ -63,14 +62,9 @@ class Segments:
     def followed_by_rest(self, length: float) -> Segments:
         """The same motion and then still ground, for a phase of this length [rad]."""
 
-        def then(values: np.ndarray, last: float | bool) -> Any:
-            if isinstance(values, Column):
-                return Then(values, last)
-            return np.concatenate([values, np.full((*values.shape[:-1], 1), last, dtype=values.dtype)], axis=-1)
-
         end = self.start[-1] + self.length[-1]
         lasts = {"start": end, "length": length, "frequency": 1.0, "joins": False}
-        return Segments(**{f.name: then(getattr(self, f.name), lasts.get(f.name, 0.0)) for f in fields(self)})
+        return Segments(**{f.name: followed_by(getattr(self, f.name), lasts.get(f.name, 0.0)) for f in fields(Segments)})
 
     @cached_property
     def _blocks(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -233,20 +227,15 @@ def _varies(end: np.ndarray, start: np.ndarray, to: np.ndarray) -> np.ndarray:
 
 def line_segments(start: Any, stop: Any, constant: Any, slope: Any) -> Segments:
     """Straight lines s = constant + slope (phase - start), none of which is known to go on in the next; of columns, columns."""
-    count, length = start.size, _of(np.subtract, stop, start)
-    end = _of(_line_end, constant, slope, length)
-    high, low = _of(np.maximum, constant, end), _of(np.negative, _of(np.minimum, constant, end))
+    count, length = start.size, of_columns(np.subtract, stop, start)
+    end = of_columns(_line_end, constant, slope, length)
+    high, low = of_columns(np.maximum, constant, end), of_columns(np.negative, of_columns(np.minimum, constant, end))
     later_max, less = _ahead(high), _ahead(low)
     none = np.zeros((0, count))
     return Segments(
         start=start, length=length, s_start=constant, s_end=end, sin=none, cos=none, frequency=none, slope=slope,
-        joins=np.broadcast_to(np.False_, count), later_max=later_max, later_min=_of(np.negative, less),
+        joins=np.broadcast_to(np.False_, count), later_max=later_max, later_min=of_columns(np.negative, less),
     )  # fmt: skip
-
-
-def _of(function: Callable[..., np.ndarray], *columns: Any) -> Any:
-    """A function of columns, or of arrays."""
-    return Computed(function, columns) if isinstance(columns[0], Column) else function(*columns)
 
 
 def _ahead(column: Any) -> Any:

@@ -12,10 +12,13 @@ from recorded import wave
 from rocking_cli import Method, load_structures
 from rocking_cli.dynamics.response import response, response_with_demands
 from rocking_cli.dynamics.speeds import response_with_speed
+from rocking_cli.dynamics.weight import weighed
 from rocking_cli.motions import blocks, polyline
-from rocking_cli.motions.columns import Column
+from rocking_cli.motions.biaxial import with_vertical
+from rocking_cli.motions.columns import Column, Instants
 from rocking_cli.motions.polyline import record_motion
 from rocking_cli.motions.records import Record
+from rocking_cli.motions.segments import Segments
 from rocking_cli.responses.history import history
 
 COUNTS = [2, 8, 9, 10, 65, 66, 701]
@@ -101,5 +104,101 @@ def test_responses_are_the_same_to_the_last_bit(count, model, more, tmp_path, mo
         np.testing.assert_equal(found[1], wanted[1])
     if count == 20:
         return
+    found, wanted = (history(system, m, 2.0, omega, structure.eta, duration=40.0) for m in (computed, kept))
+    assert found.events == wanted.events
+
+
+@pytest.mark.parametrize("step", [0.01, 0.005, 0.007, 1.0 / 3.0, 0.1])
+@pytest.mark.parametrize(("first", "by"), [(0, 1), (3, 1), (0, 7)])
+def test_the_instant_before_a_phase(step, first, by):
+    """On an instant, a digit before it, between two, and outside."""
+    instants = Instants(5000, step, first, by)
+    kept = np.asarray(instants)
+    for phase in (kept, np.nextafter(kept, -1.0), kept + 0.4 * step, np.array([-1.0, kept[0] - step, kept[-1] + 9.0 * step * by])):
+        wanted = np.clip(np.searchsorted(kept, phase, side="right") - 1, 0, kept.size - 1)
+        np.testing.assert_array_equal(instants.begun(phase), wanted)
+
+
+def beside(across, up, monkeypatch, scale=0.6):
+    """Two records at once with arrays, and without; across, up: samples and their step."""
+    ways = zip(both(*across[:1], monkeypatch, dt=across[1]), both(*up[:1], monkeypatch, dt=up[1], scale=0.8), strict=True)
+    return [with_vertical(one, other, scale) for one, other in ways]
+
+
+def ending(count, peak):
+    """A wave that ends at 0."""
+    return np.append(wave(count - 1, peak), 0.0)
+
+
+VERTICALS = {
+    "alike": (ending(701, 1.2), 0.01),
+    "longer": (ending(801, 1.2), 0.01),
+    "shorter": (ending(137, 1.2), 0.01),
+    "finer": (ending(1401, 1.2), 0.005),
+    "finer and longer": (ending(1733, 1.2), 0.005),
+    "finer and shorter": (ending(1001, 1.2), 0.005),
+    "coarser": (ending(176, 1.2), 0.04),
+    "of another step": (wave(1101, 1.2), 0.007),
+}
+
+
+@pytest.mark.parametrize("up", VERTICALS)
+def test_a_vertical_motion_beside_one(up, monkeypatch):
+    kept, computed = beside((ending(701, 4.0), 0.01), VERTICALS[up], monkeypatch)
+    assert isinstance(computed.across.start, Column)
+    assert isinstance(computed.vertical.constant, Column)
+    for name in ("duration", "acceleration", "peak"):
+        assert getattr(computed, name) == getattr(kept, name)
+    assert computed.vertical.peak == kept.vertical.peak
+    assert (computed.samples is None) == (kept.samples is None) == (up in ("finer and shorter", "of another step"))  # two steps in one
+    if kept.samples is not None:
+        assert kept.samples.step == computed.samples.step
+        np.testing.assert_allclose(np.asarray(computed.samples.values), kept.samples.values, rtol=0, atol=4e-16)
+        np.testing.assert_array_equal(np.asarray(computed.samples.values)[:-1], kept.samples.values[:-1])
+    for own, others in ((computed, kept), (computed.still_until(20.0), kept.still_until(20.0))):
+        found, wanted = (weighed(motion, 0.3, 0.2) for motion in (own, others))
+        for a, b in ((found, wanted), (found.followed_by_rest(7.0), wanted.followed_by_rest(7.0))):
+            for name in ("start", "s_start", "later_max", "later_min"):
+                assert isinstance(getattr(a, name), Column)
+            for x, y in ((a, b), *((getattr(a, name), getattr(b, name)) for name in ("vertical", "right", "left", "edges"))):
+                for field in dataclasses.fields(Segments):
+                    np.testing.assert_array_equal(np.asarray(getattr(x, field.name)), getattr(y, field.name), err_msg=field.name)
+            np.testing.assert_array_equal(np.asarray(a.inward[0]), b.inward[0])
+            np.testing.assert_array_equal(np.asarray(a.inward[1]), b.inward[1])
+            mixed = np.array([[0, 2 * len(a) - 1], [len(a), len(a) - 1]])
+            np.testing.assert_array_equal(a.edges.s_end[mixed], b.edges.s_end[mixed])
+
+
+def test_a_motion_that_goes_on_beyond_a_jump_at_the_end_of_the_other_has_no_samples(monkeypatch):
+    for motion in beside((np.append(wave(700, 4.0), 2.0), 0.01), VERTICALS["longer"], monkeypatch):
+        assert motion.samples is None
+
+
+@pytest.mark.parametrize(
+    ("up", "model", "more", "scale"),
+    [
+        ("alike", "nonlinear", "", 0.6),
+        *(
+            pytest.param(up, model, more, scale, marks=pytest.mark.soak)
+            for up in VERTICALS
+            for model in ("linear", "nonlinear")
+            for more, scale in (("", 0.6), ("damping: 0.02", 0.6), ("one_sided: true", 0.6), ("", 2.4))
+        ),
+    ],
+)
+def test_responses_with_a_vertical_motion_are_the_same_to_the_last_bit(up, model, more, scale, tmp_path, monkeypatch):
+    """Also where the weight comes near to none, or to none at all."""
+    kept, computed = beside((ending(701, 4.0), 0.01), VERTICALS[up], monkeypatch, scale)
+    (tmp_path / "block.yaml").write_text(f"kind: block\nname: b\nwidth: 0.5 m\nheight: 2 m\n{more}\n")
+    (structure,) = load_structures(str(tmp_path / "block.yaml"))
+    system, omega = Method(model).system_of(structure), 1.0 / structure.p
+    cells = np.linspace(1.05, 6.0, 8), np.linspace(0.3 * omega, omega, 8), structure.eta
+    for answer in (response, response_with_demands):
+        found, wanted = answer(system, computed, *cells), answer(system, kept, *cells)
+        found, wanted = ((x, {}) if answer is response else x for x in (found, wanted))
+        for name in ("theta_ratio", "outcome", "impacts"):
+            np.testing.assert_array_equal(getattr(found[0], name), getattr(wanted[0], name), err_msg=f"{answer.__name__} {name}")
+        assert found[0].work == wanted[0].work
+        np.testing.assert_equal(found[1], wanted[1])
     found, wanted = (history(system, m, 2.0, omega, structure.eta, duration=40.0) for m in (computed, kept))
     assert found.events == wanted.events

@@ -7,13 +7,15 @@ from __future__ import annotations
 
 import numpy as np
 
+from ...motions.blocks import blocks, largest
+from ...motions.columns import followed_by
 from ...motions.segments import Samples, Segments
 from ..body import Body
 from ..equations.equation import Equation, Ramp
 from ..equations.ramp import degrees
 from ..system import System
 from ..weight import WeighedSegments
-from .walk import Walk
+from .walk import Walk, gains
 
 Array = np.ndarray
 
@@ -28,8 +30,9 @@ class WeighedWalk(Walk):
         assert isinstance(segments, WeighedSegments)
         super().__init__(system, segments, samples, amplitude, omega, eta, peaks, pool, body)
         self.share, upwards = segments.share, segments.vertical
-        self.ups = np.append(upwards.s_start, upwards.s_end[-1])
-        self.rises = np.append(np.diff(self.ups), 0.0)
+        self.ups = followed_by(upwards.s_start, float(upwards.s_end[-1]))
+        self.rises = gains(self.ups)
+        self.highest, self.steepest_up = (max(largest(x[part]) for part in blocks(x.size)) for x in (self.ups, self.rises))
 
     def _march(self, waiting: Array) -> None:
         """Those that the ground does not fall away from before it lifts them."""
@@ -40,8 +43,8 @@ class WeighedWalk(Walk):
     def _degree(self, amplitude: Array, pace: Array) -> Array:
         """Terms grow with the root of the weight."""
         drive, sway = amplitude * np.maximum(2.0, self.steepest / pace), max(abs(x) for x in self.share) * amplitude
-        added = sway * np.abs(self.ups).max()
-        weight = np.maximum(added, sway * np.abs(self.rises).max() / pace)
+        added = sway * self.highest
+        weight = np.maximum(added, sway * self.steepest_up / pace)
         return degrees(2.0 + drive + weight, pace * np.sqrt(1.0 + added), self.equation.tolerance)
 
     def _sway(self, outward: Array) -> Array:

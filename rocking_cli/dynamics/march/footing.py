@@ -51,7 +51,7 @@ class Footing:
         self.across, self.up, share = _sizes(segments), _Motion(0.0, 0.0, 0.0), (0.0, 0.0)
         if isinstance(segments, WeighedSegments):  # whose horizontal extremes lie between the ends
             most, least = segments.inward
-            largest = max(self.across.size, float(most.max()), -float(least.min()))
+            largest = max(self.across.size, float(most[0]), -float(least[0]))
             self.across, self.up, share = self.across._replace(size=largest), _sizes(segments.vertical), segments.share
         edges = body.edges
         self.sway = tuple(abs(share[i]) * self.up.size / (e.uplift * self.across.size or 1.0) for i, e in enumerate(edges))
