@@ -16,7 +16,7 @@ the primes those of the other edge; their ratio is what friction the impact need
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, NamedTuple
@@ -248,13 +248,14 @@ class ForceHistory:
         rocking: list[Demand] = []
         least = (1.0, 0.0)  # Fz/(m g), tau
         for bounces, rests, lifts in self.rests():
-            pushes = self.ground.lines(rests, lifts) if lifts > rests else None
-            if pushes is not None:
-                resting += self._leaning(pushes)
-            for start, stop in self.ground.cut(rests, lifts) if lifts > rests and pushes is None else ():
-                lowest, demands = self._resting(start, stop)
-                least = min(least, lowest)
-                resting += demands
+            lines = self.ground.lines(rests, lifts) if lifts > rests else None
+            if lines is not None:
+                stretches: Iterable[tuple[Extent, Extent]] = [lines]
+            else:
+                stretches = (self._resting(*ends) for ends in self.ground.cut(rests, lifts)) if lifts > rests else ()
+            for weight, ratio in stretches:
+                least = min(least, (weight.least, weight.at_least))
+                resting += self._leaning(ratio) if weight.least > 0.0 else [Demand(math.inf, weight.at_least)]
             for tau, (fx, fz) in self._lying(bounces, rests) if rests > bounces else ():
                 least = min(least, (fz, tau))
                 rocking.append(Demand(abs(fx) / fz if fz > 0.0 else math.inf, tau))
@@ -277,15 +278,11 @@ class ForceHistory:
         worst = [max(group, default=None) for group in (resting, lifting, rocking, impacts)]
         return Demands(worst[0], worst[1], worst[2], worst[3], *least)
 
-    def _resting(self, start: float, stop: float) -> tuple[tuple[float, float], list[Demand]]:
-        """Least Fz over m g and when, and the largest demands of either sign, in a stretch at rest."""
+    def _resting(self, start: float, stop: float) -> tuple[Extent, Extent]:
+        """The weight over m g, and the push over the weight while there is one, in a stretch at rest in which no piece ends."""
         across, up = self.ground.along(start, stop), self.ground.up_along(start, stop)
         weight = extent(lambda tau: 1.0 + up(tau), start, stop)
-        lowest = weight.least, weight.at_least
-        if weight.least <= 0.0:
-            return lowest, [Demand(math.inf, weight.at_least)]
-        ratio = extent(lambda tau: across(tau) / (1.0 + up(tau)), start, stop)
-        return lowest, self._leaning(ratio)
+        return weight, extent(lambda tau: across(tau) / (1.0 + up(tau)), start, stop) if weight.least > 0.0 else weight
 
     def _leaning(self, ratio: Extent) -> list[Demand]:
         """The largest demands of either sign of a body at rest, the push over the weight being in this extent."""

@@ -9,6 +9,7 @@ from itertools import pairwise
 
 import numpy as np
 
+from ..motions.biaxial import Biaxial
 from ..motions.blocks import blocks
 from ..motions.motion import Motion
 from ..motions.polyline import Polyline
@@ -25,10 +26,16 @@ class Ground:
     amplitude: float
     omega: float
 
+    @property
+    def _signals(self) -> tuple[Motion, ...]:
+        """The horizontal motion, and the vertical one where there is one."""
+        return (self.motion.across, self.motion.vertical) if isinstance(self.motion, Biaxial) else (self.motion,)
+
     @cached_property
     def stops(self) -> Array:
         """Where pieces end [tau]."""
-        stop = self.motion.stop if isinstance(self.motion, Polyline) else [piece.stop for piece in self.motion.pieces]
+        across = self._signals[0]
+        stop = across.stop if isinstance(across, Polyline) else [piece.stop for piece in self.motion.pieces]
         return np.asarray(stop) / self.omega
 
     def along(self, low: float, high: float) -> Callable[[Array], Array]:
@@ -61,20 +68,30 @@ class Ground:
         """The first piece that ends after `low`, and the first that does not end before `high`."""
         return int(np.searchsorted(self.stops, low, side="right")), int(np.searchsorted(self.stops, high))
 
-    def lines(self, low: float, high: float) -> Extent | None:
-        """The extent of xg''/g on a stretch of straight lines, which is at their ends; None of another motion or with a vertical one."""
-        if not isinstance(self.motion, Polyline):
+    def lines(self, low: float, high: float) -> tuple[Extent, Extent] | None:
+        """The extents of the weight over m g and of xg'' over g and that weight on a stretch of straight lines, which are at their ends,
+        the latter while there is a weight; None of another motion."""
+        signals = [x for x in self._signals if isinstance(x, Polyline)]
+        if len(signals) < len(self._signals):
             return None
+        across, *up = signals
         if low >= self.stops[-1]:
-            return Extent(0.0, low, 0.0, low)
+            return Extent(1.0, low, 1.0, low), Extent(0.0, low, 0.0, low)
         first, last = self._between(low, high)
-        found: list[Extent] = []
+        found: list[tuple[Extent, Extent]] = []
         for part in blocks(min(last, self.stops.size - 1) + 1 - first):
             k = np.arange(first + part.start, first + part.stop)
             tau = np.array([np.maximum(self.stops[np.maximum(k - 1, 0)], low), np.minimum(self.stops[k], high)])
             tau[0, k == 0] = low
-            phase = tau * self.omega - self.motion.start[k]
-            push = (self.amplitude * (self.motion.constant[k] + self.motion.slope[k] * phase)).ravel()
-            least, most = (tau.ravel()[push == value].max() for value in (push.min(), push.max()))  # the last of equals
-            found.append(Extent(float(push.min()), float(least), float(push.max()), float(most)))
-        return reduce(Extent.join, found)
+            phase = tau * self.omega - across.start[k]
+            push, *rise = (self.amplitude * (x.constant[k] + x.slope[k] * phase) for x in (across, *up))
+            weight = 1.0 + sum(rise, start=np.zeros(tau.shape))
+            with np.errstate(divide="ignore", invalid="ignore"):
+                found.append((_extent(weight, tau), _extent(push / weight, tau)))
+        return reduce(Extent.join, (weight for weight, _ in found)), reduce(Extent.join, (ratio for _, ratio in found))
+
+
+def _extent(values: Array, tau: Array) -> Extent:
+    """Of these values, and the last of equals."""
+    least, most = float(values.min()), float(values.max())
+    return Extent(least, float(tau[values == least].max(initial=-np.inf)), most, float(tau[values == most].max(initial=-np.inf)))

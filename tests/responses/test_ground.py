@@ -1,0 +1,55 @@
+"""The ground along a history: the extent of pushes and weights under straight lines is that of the lines, one by one."""
+
+from __future__ import annotations
+
+from functools import reduce
+
+import numpy as np
+import pytest
+from recorded import wave
+
+from rocking_cli.motions.biaxial import with_vertical
+from rocking_cli.motions.polyline import record_motion
+from rocking_cli.motions.pulses import sine
+from rocking_cli.motions.records import Record
+from rocking_cli.responses.extremes import Extent, extent
+from rocking_cli.responses.ground import Ground
+
+
+def lines(samples, dt):
+    return record_motion(Record("r", "text", "N", dt, samples, None, "m/s2", "r", ""))
+
+
+ACROSS = lines(wave(301, 4.0), 0.01)
+MOTIONS = {
+    "alone": ACROSS,
+    "with a vertical motion": with_vertical(ACROSS, lines(wave(401, 3.0)[::-1].copy(), 0.01)),
+    "with one of another step": with_vertical(ACROSS, lines(wave(301, 3.0), 0.007)),
+}
+
+
+@pytest.mark.parametrize("motion", MOTIONS.values(), ids=MOTIONS)
+@pytest.mark.parametrize(("low", "high"), [(0.0, 0.013), (0.4, 7.31), (0.0, 20.0), (20.0, 21.0)])
+def test_lines_at_once_are_lines_one_by_one(motion, low, high):
+    ground = Ground(motion, 0.4, 0.5)
+    across, up = ((getattr(ground, name)) for name in ("along", "up_along"))
+    wanted: list[tuple[Extent, Extent]] = []
+    for a, b in ground.cut(low, high):
+        push, rise = across(a, b), up(a, b)
+        ratio = extent(lambda tau, push=push, rise=rise: push(tau) / (1.0 + rise(tau)), a, b)
+        wanted.append((extent(lambda tau, rise=rise: 1.0 + rise(tau), a, b), ratio))
+    found = ground.lines(low, high)
+    assert found is not None
+    for x, parts in zip(found, zip(*wanted, strict=True), strict=True):
+        y = reduce(Extent.join, parts)
+        np.testing.assert_allclose((x.least, x.largest), (y.least, y.largest), rtol=0, atol=4e-16)
+
+
+def test_a_ground_without_a_weight_says_so_without_a_warning():
+    weight, _ = Ground(MOTIONS["with a vertical motion"], 4.0, 0.5).lines(0.0, 20.0)
+    assert weight.least < 0.0
+
+
+def test_other_motions_have_no_lines():
+    assert Ground(sine(), 1.0, 1.0).lines(0.0, 1.0) is None
+    assert Ground(with_vertical(sine(), sine(), 0.5), 1.0, 1.0).lines(0.0, 1.0) is None
