@@ -36,7 +36,9 @@ class Ground:
         """Where pieces end [tau]."""
         across = self._signals[0]
         stop = across.stop if isinstance(across, Polyline) else [piece.stop for piece in self.motion.pieces]
-        return np.asarray(stop) / self.omega
+        stops = np.array(stop, dtype=float)
+        stops /= self.omega
+        return stops
 
     def along(self, low: float, high: float) -> Callable[[Array], Array]:
         """xg''/g as a function of tau on a stretch in which no piece ends: one closed form, from end to end."""
