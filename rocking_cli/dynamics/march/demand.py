@@ -17,26 +17,26 @@ from dataclasses import replace
 import numpy as np
 
 from ...motions.segments import Segments
-from ..body import Body
+from ..body import Body, Edge
 from ..contacts.contact import Contact
-from ..equations.equation import Equation, Flow
+from ..equations.equation import Equation, Flow, Point
 from ..equations.taylor import TaylorSeries, Turn
 from ..lanes import Cells, Lanes
 from ..outcome import Outcome
 from ..weight import WeighedSegments
-from .bends import forces_on
+from .bends import Ends, Forces, edge_of, forces_on, fourths
 from .closing import Bounds, bouncing, free_bounds, train_bounds
 from .extremes import EXACT, Course, Records
-from .ground import Ground, value_and_slope
+from .ground import Ground, Shaking, amplitudes, value_and_slope
 from .hulls import hull_of, hulls_of
+from .quartics import Spans, search
 from .waiting import Steps, Waiting, joined, parts_done
 
 Array = np.ndarray
 
 
-# Stretches, over the time in which an arc bends, through which a cubic tells where an extremum may be: of exact flows, whose steps
-# are long, and of series.
-_LONGEST, _MOST_PARTS = {True: 1.0, False: 1.5}, 6
+_TURN = 1.2  # of the ground's motion [rad], on which quartics enclose the forces closely; two tau on still ground
+_TINY = 1e-300
 _HELD = 49152  # steps that wait at the most before those whose fate is known are looked at: three pools of series
 _TOGETHER = 8192  # of these are looked at in full at a time
 
@@ -137,31 +137,54 @@ class Demands(Records):
     def _flow(self, lanes: Lanes) -> Flow:
         return self.equation.on(lanes.side, lanes.cell).flow(self.segments, lanes)
 
+    def forces(self, lanes: Lanes, h: Array, y: Array, v: Array) -> Forces:
+        """Of lanes that are at y, v after h; from the drive there, not from differences of the series."""
+        edge = self.body.on(lanes.side)
+        return forces_on(self.body, edge, self.ground.shaking(lanes, h), edge.unit * y, edge.unit * v)
+
     def _cut(self, steps: Steps) -> None:
         """Take in steps, stretch by stretch."""
         lanes, series, stop, y, v, _ = steps
-        arc = self._flow(lanes) if series is None else series
-        low = np.zeros(stop.size)
-        one, other = self.course(lanes, low, lanes.y, lanes.v), self.course(lanes, stop, y, v)
-        parts = np.clip(np.ceil(stop * arc.fastest / _LONGEST[self.body.linear]), 1, _MOST_PARTS).astype(np.int64)
+        arc, body, every = self._flow(lanes) if series is None else series, self.body, self.body.on(lanes.side)
+        pushes, weights = self.ground.sizes(lanes, stop)
+        exact = not (isinstance(arc, TaylorSeries) or body.damping)
+        zeta2 = 2.0 * body.damping
+        steep = weights[0] + zeta2 * zeta2 + (0.0 if body.linear else pushes[0])
+        rate = np.maximum(*((x[4] / np.maximum(x[0] - still, _TINY)) ** 0.25 for x, still in ((pushes, 0.0), (weights, 1.0))))
+        parts = np.maximum(np.ceil(stop * np.maximum(0.5 + rate / _TURN, np.sqrt(0.5 * steep))), 1.0).astype(np.int64)
         own = np.repeat(np.arange(stop.size), parts)
-
-        def along(some: Array, h: Array) -> Course:
-            here = own[some]
-            point = arc.take(here).at(h)
-            return self.course(lanes.take(here), h, point.y, point.v)
-
-        if own.size == stop.size:
-            self.search(lanes.cell, along, low, stop, one, other)
-            return
         part = np.arange(own.size) - np.repeat(np.cumsum(parts) - parts, parts)
-        length = (stop / parts)[own]
-        begins, ends = part > 0, part + 1 < parts[own]
-        cuts = along(np.flatnonzero(begins), (part * length)[begins])
-        left, right = one.take(own), other.take(own)
-        for row in (0, 1):
-            left[row][:, begins], right[row][:, ends] = cuts[row], cuts[row]
-        self.search(lanes.cell[own], along, part * length, np.where(ends, (part + 1) * length, stop[own]), left, right)
+        length, inner = (stop / parts)[own], np.flatnonzero(part > 0)
+
+        def along(at: Array, h: Array) -> Forces:
+            here = own[at]
+            point = arc.take(here).at(h)
+            edge = edge_of(every, here)
+            shaking = told(edge, point) if exact else self.ground.shaking(lanes.take(here), h)
+            return forces_on(body, edge, shaking, edge.unit * point.y, edge.unit * point.v)
+
+        cut_at = (part * length)[inner]
+        point = arc.take(own[inner]).at(cut_at) if inner.size else Point(*np.empty((4, 0)))
+        at_cuts = edge_of(every, own[inner])
+        shaking = told(at_cuts, point) if exact else self.ground.shaking(lanes.take(own[inner]), cut_at)
+        first, last = np.flatnonzero(part == 0), np.flatnonzero(part + 1 == parts[own])
+        ys, vs = (np.empty((2, own.size)) for _ in range(2))
+        for ends, (begin, stop_at, mid) in ((ys, (lanes.y, y, point.y)), (vs, (lanes.v, v, point.v))):
+            ends[0, first], ends[1, last], ends[0, inner], ends[1, inner - 1] = begin, stop_at, mid, mid
+        zero, cuts = np.zeros(stop.size), forces_on(body, at_cuts, shaking, at_cuts.unit * point.y, at_cuts.unit * point.v)
+        starts, stops = self.forces(lanes, zero, lanes.y, lanes.v), self.forces(lanes, stop, y, v)
+        one, other = [], []
+        for start, cut, end in zip(starts, cuts, stops, strict=True):
+            low, high = np.empty((2, own.size))
+            low[first], low[inner], high[last], high[inner - 1] = start, cut, end, cut
+            one.append(low)
+            other.append(high)
+        edge = edge_of(every, own)
+        begins, finishes = Forces(*one), Forces(*other)
+        ends_of = [Ends(edge.unit * ys[i], edge.unit * vs[i], f.bend, f.fz) for i, f in enumerate((begins, finishes))]
+        fourth = fourths(body, edge, pushes[:, own], weights[:, own], length, *ends_of)
+        high = np.where(part + 1 < parts[own], (part + 1) * length, stop[own])
+        search(self, lanes.cell[own], along, Spans(np.arange(own.size), part * length, high, fourth, begins, finishes))
 
     def rest(self, cell: Array, k: Array, u: Array, to_k: Array, to_u: Array) -> None:
         """Bodies at rest from (k, u) to another position; to_k: the number of segments where they rest to the end."""
@@ -199,7 +222,6 @@ class Demands(Records):
 
     def _rest_weighed(self, seg: WeighedSegments, cell: Array, k: Array, u: Array, to_k: Array, to_u: Array) -> None:
         """Segment after segment, on each of which Fz is monotone and Fx/Fz is not."""
-        size = np.positive if self.body.one_sided else np.abs
         while True:
             going = np.flatnonzero((k < to_k) | ((k == to_k) & (u < to_u)))
             if not going.size:
@@ -207,20 +229,24 @@ class Demands(Records):
             cell, k, u, to_k, to_u = (x[going] for x in (cell, k, u, to_k, to_u))
             stop = np.where(k < to_k, seg.length[k], to_u)
 
-            def along(own: Array, phase: Array, cell: Array = cell, k: Array = k) -> Course:
+            def along(own: Array, phase: Array, cell: Array = cell, k: Array = k) -> Forces:
                 return self._resting(seg, cell[own], k[own], phase)
 
             every = np.arange(cell.size)
-            self.search(cell, along, u, stop, along(every, u), along(every, stop), size)
+            sizes = np.array(
+                [
+                    np.abs(self._push_of(cell)) * amplitudes(seg, k, 4),
+                    np.abs(seg.sway(np.ones(cell.size), self.cells.amplitude[0, cell])) * amplitudes(seg.vertical, k, 4),
+                ]
+            )
+            search(self, cell, along, Spans(every, u, stop, sizes, along(every, u), along(every, stop)), self.body.one_sided)
             k, u = k + 1, np.zeros(k.size)
 
-    def _resting(self, seg: WeighedSegments, cell: Array, k: Array, phase: Array) -> Course:
-        """The course of bodies at rest, by the phase; outwards is to the right edge."""
+    def _resting(self, seg: WeighedSegments, cell: Array, k: Array, phase: Array) -> Forces:
+        """The forces of bodies at rest, by the phase; outwards is to the right edge."""
         (s, slope), (rise, rise_slope) = value_and_slope(seg, k, phase), value_and_slope(seg.vertical, k, phase)
         sway, push = seg.sway(np.ones(cell.size), self.cells.amplitude[0, cell]), -self._push_of(cell)
-        weight = 1.0 + sway * rise
-        ratio = push * s / weight
-        return Course(np.array([-weight, ratio]), np.array([-sway * rise_slope, (push * slope - ratio * sway * rise_slope) / weight]))
+        return Forces(np.zeros(k.size), push * s, 1.0 + sway * rise, push * slope, sway * rise_slope)
 
     def close(self, lanes: Lanes, to_k: Array, to_u: Array) -> None:
         """Lanes just after an impact whose bouncing ends in rest, until they lift off again at a position."""
@@ -294,6 +320,11 @@ class Demands(Records):
         self._judge()
         found = ((lanes, np.flatnonzero(self.beaten(lanes.cell, *bounds) & upright[lanes.cell])) for lanes, bounds in self._open)
         return [lanes.take(at) for lanes, at in found if at.size]
+
+
+def told(edge: Edge, point: Point) -> Shaking:
+    """What shakes an undamped linear body of steady weight, from its motion."""
+    return Shaking(edge.uplift * (point.b + (1.0 - point.y)), edge.uplift * (point.j - point.v), 1.0, 0.0)
 
 
 def _within(segments: Segments, k: Array, u: Array) -> tuple[Array, Array]:
