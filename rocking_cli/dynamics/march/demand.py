@@ -37,7 +37,7 @@ Array = np.ndarray
 
 _TURN = 1.2  # of the ground's motion [rad], on which quartics enclose the forces closely; two tau on still ground
 _TINY = 1e-300
-_HELD = 49152  # steps that wait at the most before those whose fate is known are looked at: three pools of series
+_HELD = 81920  # steps that wait at the most before those whose fate is known are looked at: five pools of series
 _TOGETHER = 8192  # of these are looked at in full at a time
 
 
