@@ -60,10 +60,10 @@ class Outcome(IntEnum):
 class Difference(IntEnum):
     """How the linear equation judges a cell that the nonlinear one decides: codes of the file's `difference`, and words of a figure.
 
-    colour: None where a figure shows nothing; unsafe: linear stands where the body overturns.
+    colour: None where a figure shows nothing; unsafe: linear stands where the body falls (`Outcome.falls`).
     """
 
-    NOT_COMPUTED = 0, "one of them failed, or the body left the ground", None
+    NOT_COMPUTED = 0, "one of them failed", None
     AGREES = 1, "linear agrees", None
     LINEAR_UNSAFE = 2, "linear stands, the body falls", "#D55E00"
     LINEAR_FALSE_ALARM = 3, "linear falls, the body stands", "#0072B2"
@@ -89,9 +89,9 @@ _SAFE = np.array([o.safe for o in Outcome])
 
 def difference(nonlinear: Any, linear: Any) -> Any:
     """Codes of `Difference` of codes of `Outcome` by the two equations, arrays of one shape, uint8."""
-    known = (overturned(nonlinear) | safe(nonlinear)) & (overturned(linear) | safe(linear))
-    verdict = np.where(overturned(nonlinear) & safe(linear), Difference.LINEAR_UNSAFE, Difference.AGREES)
-    verdict = np.where(safe(nonlinear) & overturned(linear), Difference.LINEAR_FALSE_ALARM, verdict)
+    known = (falls(nonlinear) | safe(nonlinear)) & (falls(linear) | safe(linear))
+    verdict = np.where(falls(nonlinear) & safe(linear), Difference.LINEAR_UNSAFE, Difference.AGREES)
+    verdict = np.where(safe(nonlinear) & falls(linear), Difference.LINEAR_FALSE_ALARM, verdict)
     return np.where(known, verdict, Difference.NOT_COMPUTED).astype(np.uint8)
 
 

@@ -220,7 +220,7 @@ def _map(
     wrong, unsafe = (int(np.count_nonzero(x)) for x in ((codes > Difference.AGREES), codes == Difference.LINEAR_UNSAFE))
     return picture, (
         f"{wrong} of the {judged} cells of the map end otherwise by the linear equation than by the nonlinear one; in {unsafe} of "
-        f"them it says that the structure stands, and the structure falls.{_not_compared(codes.size - judged)}"
+        f"them it says that the structure stands, and the structure falls or leaves the ground.{_not_compared(codes.size - judged)}"
     )
 
 
@@ -233,16 +233,14 @@ def _agreement(mine: Sequence[Verdict]) -> str:
     unsafe, agree = (judged.count(code) for code in (Difference.LINEAR_UNSAFE, Difference.AGREES))
     return (
         f"Under {len(judged) - agree} of {len(judged)} motions the linear equation ends otherwise than the nonlinear one; under {unsafe} "
-        f"of them it says that the structure stands, and the structure falls.{_not_compared(len(codes) - len(judged))}"
+        f"of them it says that the structure stands, and the structure falls or leaves the ground.{_not_compared(len(codes) - len(judged))}"
     )
 
 
 def _not_compared(count: int) -> str:
     """A sentence about what neither equation is held against, empty where there is none."""
     verb = "is" if count == 1 else "are"
-    return (
-        f" {count} more {verb} not compared: by one equation or both the structure leaves the ground, or has no outcome." if count else ""
-    )
+    return f" {count} more {verb} not compared: by one equation or both the structure has no outcome." if count else ""
 
 
 def _fragility(

@@ -39,8 +39,8 @@ def summary_lines(summary: Summary, output: str) -> Iterator[str]:
         yield f"nonlinear: {of}{'; `model` both compares every cell' if s.validity.differ else ''}"
     if s.differences:
         unsafe, alarms = (s.differences[d.flag] for d in (Difference.LINEAR_UNSAFE, Difference.LINEAR_FALSE_ALARM))
-        fell = sum(n for flag, n in s.outcomes.items() if Outcome[flag.upper()].overturned)
-        yield f"the linear equation is unsafe in {unsafe} of the {fell} cells that overturn, and falls in {alarms} that stand"
+        fell = f"{sum(n for flag, n in s.outcomes.items() if Outcome[flag.upper()].falls)} cells that overturn or lose contact"
+        yield f"the linear equation is unsafe in {unsafe} of the {fell}, and falls in {alarms} that stand"
     yield "outcomes: " + ", ".join(f"{n} {flag}" for flag, n in s.outcomes.items() if n)
     if s.weighed or s.outcomes[Outcome.LOST_CONTACT.flag]:
         yield "lost contact: where g + z_g'' <= 0, or Fz <= 0 under a rigid body that rocks; of other mechanisms that is not looked for"

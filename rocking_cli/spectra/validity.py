@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..dynamics.method import Method
-from ..dynamics.outcome import Difference, difference, overturned
+from ..dynamics.outcome import Difference, difference, falls
 from ..dynamics.response import response
 from .sampling import sampled_cells
 from .scene import PulseScene, Scene
@@ -69,7 +69,7 @@ def _judged(scene: PulseScene, place: int, nonlinear: Method, count: int) -> _Ju
     system = scene.method.system_of(structure)
     beside = np.stack([drawn[:, 1], np.minimum(drawn[:, 1] + 1, amplitude.size - 1)])
     linear = response(system, scene.motion, amplitude[beside], omega[drawn[:, 0]], structure.eta, peaks=False).outcome
-    changes = overturned(linear[0]) != overturned(linear[1])
+    changes = falls(linear[0]) != falls(linear[1])
     near = np.flatnonzero(changes)[: count // 2]
     others = np.ones(len(drawn), dtype=bool)
     others[near] = False

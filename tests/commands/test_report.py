@@ -115,13 +115,14 @@ def test_each_edge_and_the_damping_are_stated_and_what_leaves_the_ground_is_not_
     statue = subject("{kind: rigid, name: Arch, left: 0.42, right: 0.31, height: 1.15, gyration: 0.68, damping: 0.05}")
     gone = replace(STANDS, model="nonlinear", outcome=Outcome.LOST_CONTACT, theta_ratio=None)
     falls = replace(gone, outcome=Outcome.OVERTURNED_NO_IMPACT)
-    text = page([statue], [gone, falls], recordings=recordings(tmp_path, 2), command="rocking report", made="today")
+    failed = replace(gone, outcome=Outcome.FAILED)
+    text = page([statue], [gone, falls, failed], recordings=recordings(tmp_path, 2), command="rocking report", made="today")
     rows = {(row[0].strip(), row[1].strip()): float(row[2]) for row in Page(text).rows if len(row) == 5 and row[3].strip() in ("-", "rad")}
     for side in statue.structure.sides:
         assert rows["α", f"critical angle, {side.side} edge"] == pytest.approx(side.alpha, rel=1e-5)
         assert rows["η", f"coefficient of restitution, {side.side} edge"] == pytest.approx(side.eta, rel=1e-5)
     assert rows["ζ", "viscous damping"] == 0.05
-    assert "Under 1 of 1 motions the linear equation ends otherwise" in text
+    assert "Under 2 of 2 motions the linear equation ends otherwise than the nonlinear one; under 2 of them" in text
     assert "1 more is not compared" in text
 
 

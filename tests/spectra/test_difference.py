@@ -10,6 +10,7 @@ from rocking_cli import UsageError, build_structure, parse_documents, parse_grid
 from rocking_cli.dynamics.method import Method
 from rocking_cli.dynamics.outcome import Difference, Outcome, difference
 from rocking_cli.reports.maps import outcome_map
+from rocking_cli.reports.summary import summary_lines
 from rocking_cli.reports.units import Units
 from rocking_cli.spectra.reader import SpectraFile
 from rocking_cli.spectra.scene import QUANTITIES
@@ -66,9 +67,24 @@ def test_every_quantity_asked_for_at_once_is_read_as_it_was_computed(tmp_path):
 
 
 def test_what_is_not_known_is_no_difference():
-    codes = [Outcome.FAILED, Outcome.NOT_COMPUTED, Outcome.ROCKED, Outcome.NO_UPLIFT, Outcome.OVERTURNED_NO_IMPACT]
-    other = [Outcome.ROCKED, Outcome.ROCKED, Outcome.FAILED, Outcome.ROCKED, Outcome.OVERTURNED_AFTER_IMPACT]
-    assert difference(np.array(codes), np.array(other)).tolist() == [0, 0, 0, 1, 1]
+    codes = [Outcome.FAILED, Outcome.NOT_COMPUTED, Outcome.ROCKED, Outcome.LOST_CONTACT, Outcome.NO_UPLIFT, Outcome.OVERTURNED_NO_IMPACT]
+    other = [Outcome.ROCKED, Outcome.ROCKED, Outcome.FAILED, Outcome.FAILED, Outcome.ROCKED, Outcome.OVERTURNED_AFTER_IMPACT]
+    assert difference(np.array(codes), np.array(other)).tolist() == [0, 0, 0, 0, 1, 1]
+
+
+def test_a_body_that_leaves_the_ground_is_not_safe(tmp_path):
+    """Under a pulse near 1 Hz at which a squat block lets go of the ground while the linear oscillator rocks on."""
+    body = build_structure(parse_documents("kind: block\nwidth: 1.6\nheight: 2\nrestitution: 0.6")[0])
+    grid = parse_grid("a_g=1.7g:2.5g:9,f_g=0.9:1.3:9")
+    summary = write_spectrum([body], sine(), grid, tmp_path / "f.h5", method=NONLINEAR, quantities=["linear"], workers=1, check=0)
+    with SpectraFile(tmp_path / "f.h5") as file:
+        found = [list(map(Outcome, file.array(name).ravel())) for name in ("outcome", "outcome_linear")]
+    falls, linear = ([o in (Outcome.OVERTURNED_NO_IMPACT, Outcome.OVERTURNED_AFTER_IMPACT, Outcome.LOST_CONTACT) for o in x] for x in found)
+    unsafe = [a and not b for a, b in zip(falls, linear, strict=True)]
+    assert (Outcome.LOST_CONTACT, Outcome.ROCKED) in zip(*found, strict=True)
+    assert summary.differences["linear_unsafe"] == sum(unsafe)
+    assert summary.differences["linear_false_alarm"] == sum(b and not a for a, b in zip(falls, linear, strict=True))
+    assert f"unsafe in {sum(unsafe)} of the {sum(falls)} cells that overturn or lose contact" in "\n".join(summary_lines(summary, "f.h5"))
 
 
 def test_the_linear_equation_has_nothing_beside_it():
