@@ -13,7 +13,6 @@ from .contacts.adiabatic import keeps_bouncing
 from .equations.linear import LinearEquation
 from .march.account import Work
 from .march.engine import Run
-from .march.footing import Footing
 from .outcome import Outcome, safe
 from .system import System
 
@@ -113,6 +112,8 @@ def that_left_the_ground(
         return np.concatenate(found)
     if system.body is None or not np.any(doubtful & (cells[0] > system.safe_amplitude(motion))):
         return np.zeros(0, dtype=np.int64)
+    from .march.footing import Footing
+
     segments = system.segments(motion)
     held = system.contact.cells(system.equation, *cells)
     footing = Footing(system.body, segments, held, np.inf)

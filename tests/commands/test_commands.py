@@ -101,6 +101,12 @@ def test_help_shows_an_example_that_runs(rocking, command):
     assert ran.returncode == 0, ran.stderr
 
 
+RECORD = "configs/motions/synthetic.at2"
+BODY = "rocking_cli.dynamics.equations.rigid_body"
+FOOTING = "rocking_cli.dynamics.march.footing"
+FORCES = [f"rocking_cli.dynamics.march.{name}" for name in ("demand", "lines", "extremes", "hulls", "quartics", "waiting", "closing")]
+
+
 @pytest.mark.parametrize(
     ("arguments", "unwanted"),
     [
@@ -109,11 +115,15 @@ def test_help_shows_an_example_that_runs(rocking, command):
         (["envelope", "--eta", "0.9", "--grid", "Omega=5", "--a-max", "2"], ["scipy", "h5py", "multiprocessing"]),
         (
             ["spectrum", "--eta", "0.9", "--grid", "A=1:2:2,Omega=1:2:2", "-q", "-o", "OUT"],
-            ["scipy", "yaml", "numpy.random", "numpy.ma", "rocking_cli.motions.records", "rocking_cli.dynamics.equations.rigid_body"],
+            ["scipy", "yaml", "numpy.random", "numpy.ma", "rocking_cli.motions.records", BODY, FOOTING],
         ),
         (
             ["spectrum", "block:0.5x2", "--model", "nonlinear", "--grid", "a_g=0.1g:1g:3,f_g=1:5:3", "-o", "OUT"],
-            ["scipy", "rocking_cli.motions.records", "rocking_cli.structures.arch", "rocking_cli.dynamics.flight.run"],
+            ["scipy", "rocking_cli.motions.records", "rocking_cli.structures.arch", "rocking_cli.dynamics.flight.run", *FORCES],
+        ),
+        (
+            ["spectrum", "block:0.5x2", "--model", "nonlinear", "--motion", RECORD, "--grid", "a_g=0.1g:0.5g:3", "-o", "OUT"],
+            ["scipy", "rocking_cli.structures.arch", "rocking_cli.dynamics.flight.relay", *FORCES],
         ),
     ],
     ids=lambda x: x[0],

@@ -9,14 +9,17 @@ to the last bit, is done. When all are, each leg begins as the one before it end
 from __future__ import annotations
 
 from dataclasses import dataclass, fields
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..lanes import Cells, Lanes
 from ..march.account import Work
-from ..march.lines import LineDemands
 from ..outcome import Outcome, overturned
 from .walk import Walk, Walkers
+
+if TYPE_CHECKING:
+    from ..march.lines import LineDemands
 
 Array = np.ndarray
 
@@ -115,7 +118,7 @@ class Legs(Walk):
         walk.struck[cell] += self.struck[leg]
         lanes = self.ends.take(leg)
         lanes.cell = cell
-        if isinstance(walk.demands, LineDemands):
+        if walk.demands is not None:
             taken = (np.arange(self.count) <= final[:, None]) & ~overturned(walk.outcome[self.lanes.cell])[:, None]
             asked = Asking(self, walk.demands).of(np.flatnonzero(taken))
             walk.demands.take_over(asked, np.repeat(self.lanes.cell, self.count))
@@ -204,7 +207,7 @@ class Asking(Walk):
     def __init__(self, legs: Legs, demands: LineDemands) -> None:
         self.__dict__.update(legs.__dict__)
         self.begins, self.until = legs.begins, legs.until
-        self.found = LineDemands(demands.body, self.equation, self.segments, self.shaken, self.contact, self.cells)
+        self.found = type(demands)(demands.body, self.equation, self.segments, self.shaken, self.contact, self.cells)
         self.demands, self.work = self.found, Work()
         if self.equation.damping:
             self.bounced = np.zeros(self.until.size, dtype=bool)

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, fields
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -20,10 +21,12 @@ from ..equations.ramp import WITHIN, degrees, factors_for, last_terms
 from ..lanes import Lanes
 from ..march.account import Work
 from ..march.engine import Run
-from ..march.lines import LineDemands
 from ..outcome import Outcome
 from ..system import System
 from .bounded import LONGEST
+
+if TYPE_CHECKING:
+    from ..march.lines import LineDemands
 
 Array = np.ndarray
 
@@ -49,6 +52,8 @@ class Walkers(Lanes):
 
 class Walk(Run):
     """One batch of cells of any equation under a record. Parameters as in `Run`."""
+
+    demands: LineDemands | None
 
     def __init__(
         self, system: System, segments: Segments, samples: Samples, amplitude: Array, omega: Array, eta: Array, peaks: bool,
@@ -197,7 +202,7 @@ class Walk(Run):
         self, cell: Array, side: Array, equation: Equation, start: tuple[Array, Array], end: tuple[Array, Array], ramp: Ramp, go: Array
     ) -> None:  # fmt: skip
         """What a listener wants to know of strides from one (y, y') to another: those in which it must look closer are no longer to go."""
-        if isinstance(self.demands, LineDemands):
+        if self.demands is not None:
             self.demands.stride(cell, side, start, end, ramp, go)
 
     def _careful(self, lanes: Walkers) -> Walkers:

@@ -16,7 +16,6 @@ from typing import NamedTuple, Self
 import numpy as np
 
 from ..body import Body, Edge
-from .extremes import Course
 from .ground import Shaking
 
 Array = np.ndarray
@@ -146,12 +145,6 @@ class Forces(NamedTuple):
     def join(self, other: Self) -> Self:
         """These and others."""
         return type(self)(*(np.concatenate(pair) for pair in zip(self, other, strict=True)))
-
-    @property
-    def course(self) -> Course:
-        """What records are kept of."""
-        ratio_slope = (self.fx_slope * self.fz - self.fx * self.fz_slope) / (self.fz * self.fz)
-        return Course(np.array([-self.fz, self.fx / self.fz]), np.array([-self.fz_slope, ratio_slope]))
 
 
 def forces_on(body: Body, edge: Edge, shaking: Shaking, u: Array, rate: Array) -> Forces:

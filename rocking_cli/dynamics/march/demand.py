@@ -57,9 +57,10 @@ class Demands(Records):
         self._steepest = max(edge.uplift for edge in body.edges)
 
     def course(self, lanes: Lanes, h: Array, y: Array, v: Array) -> Course:
-        """The course of lanes that are at y, v after h; their forces follow from the drive there, not from differences of the series."""
-        edge = self.body.on(lanes.side)
-        return forces_on(self.body, edge, self.ground.shaking(lanes, h), edge.unit * y, edge.unit * v).course
+        """The course of lanes that are at y, v after h."""
+        found = self.forces(lanes, h, y, v)
+        ratio_slope = (found.fx_slope * found.fz - found.fx * found.fz_slope) / (found.fz * found.fz)
+        return Course(np.array([-found.fz, found.fx / found.fz]), np.array([-found.fz_slope, ratio_slope]))
 
     def show(self, lanes: Lanes, turn: Turn) -> tuple[Array, Array]:
         """What the hulls of steps are made from."""

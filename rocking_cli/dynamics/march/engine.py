@@ -26,7 +26,6 @@ from ..system import System
 from ..weight import WeighedSegments
 from .account import Rests, Round, Watch, Work
 from .advance import Crests, Passage, advance, crests, low_bounces
-from .footing import LIKELY, Footing
 from .free_fall import FreeFall
 from .memory import keep_freed_memory
 from .windows import tabled_windows
@@ -34,11 +33,13 @@ from .windows import tabled_windows
 if TYPE_CHECKING:
     from ..impulse import ImpulseAhead
     from .demand import Demands
+    from .footing import Footing
 
 Array = np.ndarray
 Landing = TypeVar("Landing", bound=Lanes)
 
 MAX_STEPS = 120_000  # a cell that takes more, and 40 for each segment of the motion, is given up as failed
+_LIKELY = 2.0  # times the push that is proved beforehand: beyond it most cells would have to be looked at afterwards
 STILL = 1e-100  # a speed whose square a double does not hold is none
 _SETTLING = 250.0  # tau, times what damping slows the unstable mode: no body is longer on its way to its last impacts that matter
 
@@ -77,8 +78,12 @@ class Run:
             self.outcome[self.drops.ever], self.theta_ratio[self.drops.ever] = Outcome.LOST_CONTACT, np.nan
         self.tabled = tabled_windows(self.segments, self.cells.amplitude)
         marched = type(self)._march is Run._march  # one that jumps sees no forces on its way
-        ahead = (LIKELY if marched and not self.equation.bounded else np.inf) if ahead is None else ahead
-        self.footing = None if watch is not None or system.body is None else Footing(system.body, self.segments, self.cells, ahead)
+        ahead = (_LIKELY if marched and not self.equation.bounded else np.inf) if ahead is None else ahead
+        self.footing: Footing | None = None
+        if watch is None and system.body is not None:
+            from .footing import Footing
+
+            self.footing = Footing(system.body, self.segments, self.cells, ahead)
         self.demands: Demands | None = None
         if body is not None:
             from .demand import Demands

@@ -29,7 +29,6 @@ from .ground import Ground
 Array = np.ndarray
 
 _HALVINGS = 30  # a stretch this short in which Fz is positive wherever it was looked at only touches zero
-LIKELY = 2.0  # times the push that is proved beforehand: beyond it most cells would have to be looked at afterwards
 
 
 class _Motion(NamedTuple):

@@ -116,8 +116,9 @@ class LineDemands(Demands):
         at = self._doubtful(every, self, _MARGIN)
         if at.size:
             some = every.take(at)
-            weight = (some.weight, some.heavier) if isinstance(some.weight, np.ndarray) else None
-            ramp = Ramp(some.drive, some.gain, some.unit, some.unit, None, weight)  # type: ignore[arg-type]
+            ramp = Ramp(some.drive, some.gain, some.unit, some.unit)
+            if isinstance(some.weight, np.ndarray) and isinstance(some.heavier, np.ndarray):
+                ramp = ramp._replace(weight=(some.weight, some.heavier))
             self._find(some, line_series(self.equation.on(some.side, some.cell), some.y, some.v, ramp))
 
     def follow(self, lanes: Lanes, arc: Flow, stop: Array, y: Array, v: Array, at: Array) -> Array:
