@@ -1,16 +1,32 @@
-"""What the last digits of a result depend on beside its scene: the libraries, and the instructions that they use here.
+"""What a result depends on beside what is asked for: the state of this program, the libraries, and the instructions that they use here.
 
-Two machines that agree in all of this compute the same bytes; others may differ in the last digits of cells.
+Two machines that agree in all of this compute the same bytes; others with the same program may differ in the last digits of cells.
 """
 
 from __future__ import annotations
 
+import hashlib
 import json
 import platform
 from collections.abc import Mapping, Sequence
+from functools import cache
 from importlib.util import find_spec, module_from_spec, spec_from_file_location
 from pathlib import Path
 from typing import Any
+
+from .. import __version__
+
+_COMPUTES = ("dynamics", "motions", "spectra", "structures")  # packages on whose code the values of a spectrum hang
+
+
+@cache
+def version() -> str:
+    """The version of this program, and behind it a digest of the code that computes spectra, which tells states of a version apart."""
+    package, digest = Path(__file__).parents[1], hashlib.blake2b(digest_size=8)
+    for path in sorted(path for folder in _COMPUTES for path in (package / folder).rglob("*.py")):
+        code = path.read_bytes()
+        digest.update(f"{path.relative_to(package).as_posix()} {len(code)}\n".encode() + code)
+    return f"{__version__}+{digest.hexdigest()}"
 
 
 def machine() -> dict[str, Any]:

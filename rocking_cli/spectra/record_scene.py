@@ -14,7 +14,6 @@ from typing import Any
 
 import numpy as np
 
-from .. import __version__
 from ..documents.quantities import DEFAULT_GRAVITY
 from ..dynamics.method import LINEAR, TOLERANCE, Method, governing_method
 from ..dynamics.outcome import Outcome
@@ -158,13 +157,15 @@ class RecordScene(Scene):
 
     def identity(self) -> dict[str, Any]:
         """What the result depends on, by name, as JSON values; two scenes of equal identity have equal spectra."""
+        from .machine import version
+
         if self.over_angles:
             alphas = Axis("alpha", np.array([s.alpha for s in self.structures]))
             rows: dict[str, Any] = {"axis alpha": alphas.stated(), "eta": [s.eta for s in self.structures]}
         else:
             rows = {"structures": [json.loads(json.dumps(s.record())) for s in self.structures]}
         return {
-            "version": __version__,
+            "version": version(),
             "records": [r.identity() for r in self.recordings],
             **rows,
             f"axis {self.columns.name}": self.columns.stated(),

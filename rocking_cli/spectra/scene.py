@@ -14,7 +14,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from .. import __version__
 from ..dynamics.method import LINEAR, Method
 from ..dynamics.outcome import Outcome
 from ..errors import UsageError
@@ -222,8 +221,10 @@ class PulseScene(Scene):
 
     def identity(self) -> dict[str, Any]:
         """What the result depends on, by name, as JSON values; two scenes of equal identity have equal spectra."""
+        from .machine import version
+
         return {
-            "version": __version__,
+            "version": version(),
             "structures": [json.loads(json.dumps(s.record())) for s in self.structures],
             **{f"axis {axis.name}": axis.stated() for axis in (self.grid.frequency, self.grid.amplitude)},
             "motion": [self.motion.name, _plain(self.motion)],

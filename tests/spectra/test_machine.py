@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import json
 import os
+import shutil
 import subprocess
 import sys
+from pathlib import Path
 
 import numpy as np
 import scipy
 
-from rocking_cli.spectra.machine import described, machine, machines_of, together, unlike
+import rocking_cli
+from rocking_cli.spectra.machine import described, machine, machines_of, together, unlike, version
 
 
 def test_a_machine_is_told_by_versions_and_vector_instructions():
@@ -29,6 +32,21 @@ def test_instructions_that_numpy_is_told_to_leave_count_as_missing():
     second = json.loads(subprocess.run([sys.executable, "-c", code], env=env, capture_output=True, text=True, check=True).stdout)
     assert second["cpu"] == [x for x in first["cpu"] if x not in dispatched]
     assert unlike([first, second]).startswith("cpu ") == bool(dispatched)
+
+
+def test_a_version_tells_states_of_the_code_apart(tmp_path, monkeypatch):
+    """Of a copy of the package the same, and another once a character, or the name of a file, is another."""
+    copy = tmp_path / "rocking_cli"
+    shutil.copytree(Path(rocking_cli.__file__).parent, copy, ignore=shutil.ignore_patterns("__pycache__"))
+    monkeypatch.setattr("rocking_cli.spectra.machine.__file__", str(copy / "spectra" / "machine.py"))
+    engine = copy / "dynamics" / "march" / "engine.py"
+    found = [version(), version.__wrapped__()]
+    engine.write_bytes(engine.read_bytes()[:-2] + b" \n")
+    found.append(version.__wrapped__())
+    engine.rename(engine.with_name("other.py"))
+    found.append(version.__wrapped__())
+    assert found[0] == found[1]
+    assert len({text.removeprefix(f"{rocking_cli.__version__}+") for text in found}) == 3
 
 
 def test_what_differs_is_named_with_every_value():

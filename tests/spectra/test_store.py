@@ -32,7 +32,7 @@ from rocking_cli import (
 from rocking_cli.commands import main
 from rocking_cli.errors import Interrupted
 from rocking_cli.reports.summary import summary_lines
-from rocking_cli.spectra import store
+from rocking_cli.spectra import machine, store
 from rocking_cli.spectra.chunks import pack
 from rocking_cli.spectra.frame import pulse_frame
 from rocking_cli.spectra.reader import SpectraFile
@@ -321,6 +321,16 @@ def test_a_part_that_was_begun_elsewhere_is_told_and_refused_if_strict(tmp_path,
     assert any("machines that differ: " in line and "numpy 1.0 and" in line for line in summary_lines(summary, "s.h5"))
     with SpectraFile(tmp_path / "s.h5") as file:
         assert file.attributes["elsewhere"] == summary.elsewhere
+
+
+def test_a_part_that_another_state_of_the_program_began_is_refused(tmp_path, monkeypatch):
+    monkeypatch.setattr(machine, "version", lambda: "0.1.0+1234")
+    part = left_part(tmp_path / "s.h5", 3)
+    monkeypatch.undo()
+    before = part.read_bytes()
+    with pytest.raises(UsageError, match=r'its version is "0\.1\.0\+1234", this one\'s "'):
+        sweep(tmp_path / "s.h5", resume=True)
+    assert part.read_bytes() == before
 
 
 def test_a_part_in_use_is_left_alone(tmp_path):
