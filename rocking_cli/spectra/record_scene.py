@@ -205,7 +205,8 @@ def angles_scene(
         try:
             blocks.append(block_of(alpha, eta))
         except StructureError as error:
-            raise UsageError(f"alpha {alpha:.6g} rad: {error}{'' if eta is not None else '; `eta` gives it another one'}") from None
+            hint = "; `eta` gives it another one" if eta is None and str(error).startswith("eta") else ""
+            raise UsageError(f"alpha {alpha:.6g} rad: {error}{hint}") from None
     return RecordScene(tuple(blocks), tuple(recordings), periods, method)
 
 

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 VARIED = ("varied", "varied_units")  # details of a member of a family: by key the value in SI, and the name of its unit
 DIMENSIONLESS = "dimensionless"  # the structure word of an oscillator without units
 MOST_DAMPING = 1.0  # zeta below this; motions of masonry are damped by a few per cent
+LEAST_ALPHA = 1e-30  # rad; theta/alpha of a body on its side is 1/alpha, and the march takes the more steps up to there
 
 
 def _check_arm(arm: float | None) -> None:
@@ -27,6 +28,8 @@ def _check_numbers(p: float, alpha: float, uplift: float, a_scale: float) -> Non
     for label, x in (("p", p), ("alpha", alpha), ("lambda", uplift), ("a_scale", a_scale)):
         if not (math.isfinite(x) and x > 0.0):
             raise StructureError(f"{label} is {x:g}, accepted is a positive finite number")
+    if alpha < LEAST_ALPHA:
+        raise StructureError(f"alpha is {alpha:g} rad, accepted is an angle from {LEAST_ALPHA:g} rad")
 
 
 @dataclass(frozen=True)

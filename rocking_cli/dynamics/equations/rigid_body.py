@@ -18,6 +18,7 @@ from typing import Any, Self
 import numpy as np
 
 from ...motions.segments import Segments
+from ...structures.parameters import LEAST_ALPHA
 from ..lanes import Lanes
 from ..weight import WeighedSegments
 from .energy import falls_by_energy
@@ -27,14 +28,12 @@ from .taylor import Show, TaylorSeries, Turn, blocks, drive_series, longest, ord
 
 Array = np.ndarray
 
-_LEAST_ALPHA = 1e-100  # rad; the square of its sine is a double
-
 
 class RigidBodyEquation:
     """Eq. 2.3 for a body of critical angle alpha [rad].
 
     alpha: of both edges, or (right, left) of a body whose edges differ, or an array of those of both edges of each cell; tolerance:
-    error of theta/alpha that is aimed at; damping: zeta [-]. Raises ValueError when an alpha is not between 1e-100 and pi/2, the
+    error of theta/alpha that is aimed at; damping: zeta [-]. Raises ValueError when an alpha is not between 1e-30 and pi/2, the
     tolerance not between 1e-13 and 1e-2, or the damping negative.
     """
 
@@ -269,8 +268,8 @@ def _of_cells(alpha: Array) -> dict[str, Any]:
 
 
 def _numbers(alpha: float) -> dict[str, float]:
-    if not _LEAST_ALPHA <= alpha < 0.5 * math.pi:
-        raise ValueError(f"alpha is {alpha:g} rad, accepted for a rigid body is an angle from {_LEAST_ALPHA:g} rad to below 90 deg")
+    if not LEAST_ALPHA <= alpha < 0.5 * math.pi:
+        raise ValueError(f"alpha is {alpha:g} rad, accepted for a rigid body is an angle from {LEAST_ALPHA:g} rad to below 90 deg")
     sin, cos, tan = math.sin(alpha), math.cos(alpha), math.tan(alpha)
     return {
         "alpha": alpha, "sin": sin, "cos": cos, "tan": tan, "bottom": 2.0 * math.sin(0.5 * alpha) ** 2, "square": sin**2,
