@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import shlex
 import sys
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -70,11 +71,10 @@ def report(
     structures = with_distinct_names([build_structure(document) for document in documents])
     options.remark_on(structures)
     workers = options.at_most_the_cpus(workers, quiet)
+    recordings = tuple(replace(r, upwards=upwards) for r in recordings)
     shakes: list[tuple[Motion, Grid]] = [(r.motion, shaking or as_recorded(r.acceleration)) for r in recordings]
     if motion is not None and shaking is not None:
-        shakes.append((motion, shaking))
-    if upwards is not None:
-        shakes = [(upwards(shake), grid) for shake, grid in shakes]
+        shakes.append((motion if upwards is None else upwards(motion), shaking))
     demands = [(structure, *shake) for shake in shakes for structure in structures]
     verdicts = check_all(demands, workers=workers, tell=partial(options.note, quiet=quiet))
     text = page(

@@ -87,7 +87,7 @@ def page(
     workers: int | None = None,
 ) -> str:
     """The page as HTML; pulse: a motion and the demand, a grid of one cell; verdicts: of `check`, structures under all motions;
-    vertical: the name or file of the vertical motion that they all have.
+    recordings: those of the demand, with what is beside them; vertical: the name or file of the vertical motion that all have.
 
     Raises OutputError without jinja2 or matplotlib.
     """
@@ -106,7 +106,7 @@ def page(
             heads=HEADS,
             verdicts=[{"falls": v.falls, "cells": _cells(v)} for v in verdicts],
             capacities=_image(folder, lambda figure: _capacities(figure, verdicts)),
-            structures=[_section(folder, one, verdicts, pulse, recordings, vertical, workers) for one in subjects],
+            structures=[_section(folder, one, verdicts, pulse, recordings, workers) for one in subjects],
             command=command,
             made=made,
             versions=[("rocking", __version__), ("Python", platform.python_version()), *((p, _version(p)) for p in _PACKAGES)],
@@ -124,7 +124,6 @@ def _section(
     verdicts: Sequence[Verdict],
     pulse: tuple[Motion, Grid] | None,
     recordings: Sequence[Recording],
-    vertical: str | None,
     workers: int | None,
 ) -> dict[str, Any]:
     """What the template needs of one structure."""
@@ -140,7 +139,7 @@ def _section(
         "parameters": parameter_rows(structure),
         "map": drawn,
         "validity": validity,
-        "fragility": _fragility(folder, structure, recordings, vertical, workers) if recordings else None,
+        "fragility": _fragility(folder, structure, recordings, workers) if recordings else None,
         "text": subject.document.text.strip(),
     }
 
@@ -243,12 +242,8 @@ def _not_compared(count: int) -> str:
     return f" {count} more {verb} not compared: by one equation or both the structure has no outcome." if count else ""
 
 
-def _fragility(
-    folder: Path, structure: RockingParameters, recordings: Sequence[Recording], vertical: str | None, workers: int | None
-) -> dict[str, Any]:
+def _fragility(folder: Path, structure: RockingParameters, recordings: Sequence[Recording], workers: int | None) -> dict[str, Any]:
     """Curves over PGA by stripes, and what the data do not bear."""
-    if vertical is not None:
-        return {"figure": None, "fits": [], "remarks": ["Fragility is of horizontal motions alone, and not fitted with a vertical one."]}
     if len(recordings) < FEWEST:
         return {"figure": None, "fits": [], "remarks": [f"{len(recordings)} records; a fit needs {FEWEST}."]}
     measure, members = MEASURES["PGA"], members_of(recordings)
@@ -256,7 +251,8 @@ def _fragility(
     levels = own * np.geomspace(0.25, 4.0, LEVELS)
     exposure = exposures([structure], members, measure, levels, governing_method(structure), workers=workers)[0]
     study = Study(structure, members, measure, Resampling(200, 0), exposure)
-    fits, remarks = [], []
+    upwards = recordings[0].upwards is not None
+    fits, remarks = [], ["The vertical motion is scaled with each record; PGA is that of the horizontal one."] if upwards else []
     for limit in LIMITS:
         try:
             fits.append(study.fit("stripes", limit))

@@ -13,11 +13,15 @@ from dataclasses import replace
 from html.parser import HTMLParser
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from rocking_cli import Outcome, Verdict, build_structure, check, parse_documents, parse_grid, sine
+from rocking_cli.motions.biaxial import Biaxial, Upwards
 from rocking_cli.motions.recording import Recording, read_motions
 from rocking_cli.reports.page import Subject, page
+from rocking_cli.spectra.exposure import Exposure
+from rocking_cli.spectra.measures import members_of, shaken_upwards
 
 HOSTILE = """<script>document.title = "taken"</script>'"&amp; $x$ {{ 7 * 7 }}"""
 DEMAND = parse_grid("a_g=0.6g,f_g=1.2")
@@ -126,24 +130,31 @@ def test_each_edge_and_the_damping_are_stated_and_what_leaves_the_ground_is_not_
     assert "1 more is not compared" in text
 
 
-def test_a_vertical_motion_is_in_every_verdict_and_in_no_curve(rocking, monkeypatch, tmp_path):
-    """The structures are checked under both together; its file is among the hashes, and horizontal fragility is not shown beside it."""
-    from rocking_cli.motions.biaxial import Biaxial
+def test_a_vertical_motion_is_in_every_verdict_and_in_the_curves(rocking, monkeypatch, tmp_path):
+    """The structures are checked under both together, and fragility is that of the command; its file is among the hashes."""
     from rocking_cli.responses import check as checks
 
-    records, demands = recordings(tmp_path, 5), []
+    records, demands, members = recordings(tmp_path, 5), [], []
 
     def noted(found, **_):
         demands.extend(found)
         return [STANDS]
 
+    def half_of_them(structures, found, measure, levels, *_, **__):
+        members.extend(found)
+        down = np.arange(len(levels)) >= np.arange(4, 4 + len(found))[:, None]
+        return [Exposure(levels, np.where(down, np.nan, 0.5), np.where(down, Outcome.OVERTURNED_NO_IMPACT, Outcome.ROCKED))]
+
     monkeypatch.setattr(checks, "check_all", noted)
+    monkeypatch.setattr("rocking_cli.reports.page.exposures", half_of_them)
     call = ("report", "configs/parameters.yaml", "--unit", "g", "--dt", "0.02", "--motion", *(f"{i}.txt" for i in range(5)), "-o", "r.html")
     assert rocking(*call, "--vertical", "3.txt", "--vertical-unit", "g", "--vertical-dt", "0.02", "--vertical-scale", "0.5").returncode == 0
     assert [type(motion) for _, motion, _ in demands] == [Biaxial] * 5
-    text = (tmp_path / "r.html").read_text(encoding="utf-8")
-    assert "not fitted with a vertical one" in text
-    assert [cell.strip() for cell in Page(text).rows[-1]] == ["3.txt", records[3].record.sha256]
+    wanted = shaken_upwards(members_of(records), Upwards(records[3].motion, 0.5))
+    assert [m.recording.identity() for m in members] == [m.recording.identity() for m in wanted]
+    found = Page((tmp_path / "r.html").read_text(encoding="utf-8"))
+    assert len([row for row in found.rows if row[0].strip() == "overturning"]) == 1
+    assert [cell.strip() for cell in found.rows[-1]] == ["3.txt", records[3].record.sha256]
 
 
 @pytest.mark.soak
