@@ -18,6 +18,7 @@ from rocking_cli.motions.reading import read_motion
 from rocking_cli.motions.recording import holds_records, read_motions
 
 AT2 = "OF OUR OWN\n\nACCELERATION TIME SERIES IN UNITS OF G\nNPTS= 40, DT= .0200 SEC\n"
+ESM = "EVENT_NAME: \nSAMPLING_INTERVAL_S: 0.01\nNDATA: 3"
 PULSE = "points: [[0, 0], [1, 1], [2, 0]]\n"
 
 
@@ -90,11 +91,17 @@ def test_of_a_directory_uncorrected_accelerograms_are_left_out_and_said(folder):
         ("b.V1", "Uncorrected Accelerogram Data"),
         ("c.V1A", "Uncorrected accelerogram 1 GNS Science"),
         ("d.V1", "* VOL1DS FILE"),
+        ("e.V1c", "Uncorrected acceleration  (Format v01.20 with 13 text lines)"),
+        ("f.V1c", "Raw acceleration          (Format v01.20 with 13 text lines)"),
+        ("g.smc", "1 UNCORRECTED ACCELEROGRAM"),
+        ("h.DAT", f"{ESM}\nDATA_TYPE: UNPROCESSED ACCELERATION"),
+        ("i.ASC", f"{ESM}\nDATA_TYPE: ACCELERATION\nPROCESSING: none"),
     ):
         (folder / "set" / name).write_text(f"{first}\n1 2 3\n")
     said: list[str] = []
     assert labels(read_motions(["set"], tell=said.append)) == ["a"]
-    assert [line.split(":")[0] for line in said] == ["set/b.V1", "set/c.V1A", "set/d.V1"]
+    left_out = ["b.V1", "c.V1A", "d.V1", "e.V1c", "f.V1c", "g.smc", "h.DAT", "i.ASC"]
+    assert [line.split(":")[0] for line in said] == [f"set/{name}" for name in left_out]
     assert all(line.endswith("an uncorrected accelerogram, which is taken where the file itself is named; left out") for line in said)
     with pytest.raises(DocumentError, match="the file ends within its header"):
         read_motions(["set/b.V1"])

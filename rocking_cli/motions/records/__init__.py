@@ -44,7 +44,11 @@ LARGEST = 256 << 20  # bytes of a file, unpacked
 _STDIN = "<stdin>"
 _PATIENCE = 2.0  # s that a pipe may be without a writer
 _DOCUMENT = re.compile(r"^[\s{\"']*kind[\"']?\s*:", re.MULTILINE)
-_UNCORRECTED = re.compile(r"\s*(?:UNCORRECTED ACCELEROGRAM|\* VOL1DS)\b", re.IGNORECASE)
+_UNCORRECTED = re.compile(
+    r"\A\s*(?:\d\s+)?(?:UNCORRECTED ACCELER(?:OGRAM|ATION)|RAW ACCELERATION(?! COUNTS)|\* VOL1DS)\b"
+    r"|^(?:DATA_TYPE:\s*UNPROCESSED|PROCESSING:\s*NONE)\b",
+    re.IGNORECASE | re.MULTILINE,
+)  # the first words of a file, or among the keys of ESM and ITACA
 _COUNTS = "counts of an instrument and no unit; convert it to an acceleration with the station's response first"
 
 
@@ -93,9 +97,9 @@ def _formats() -> tuple[ModuleType, ...]:
 def records_of(source: str, raw: bytes, *, unit: str | None = None, dt: float | None = None, named: bool = True) -> list[Record] | None:
     """Every component of a file, or None where it has no record format; for plain text its unit, and dt [s] of a single column.
 
-    named: false for a file of a directory, where uncorrected accelerograms (volume 1) may lie beside the corrected ones.
-    Raises DocumentError where a file of a record format is not valid, or holds counts, NoAcceleration for volume 1 that is not named,
-    and UsageError for an unknown unit.
+    named: false for a file of a directory, where uncorrected accelerograms may lie beside the corrected ones.
+    Raises DocumentError where a file of a record format is not valid, or holds counts, NoAcceleration for an uncorrected one that is not
+    named, and UsageError for an unknown unit.
     """
     if unit is not None and unit not in UNITS["acceleration"]:
         raise UsageError(f"`unit`: found {unit!r}; accepted are {', '.join(UNITS['acceleration'])}")
@@ -109,7 +113,7 @@ def records_of(source: str, raw: bytes, *, unit: str | None = None, dt: float | 
     if found is not None:
         if unit is not None or dt is not None:
             raise UsageError(f"{source}: states its own `unit` and `dt` ({found.NAME}); they are given with plain numbers only")
-        uncorrected = _UNCORRECTED.match(text.head)
+        uncorrected = _UNCORRECTED.search(text.head)
         if uncorrected and not named:
             raise NoAcceleration(f"{source}: an uncorrected accelerogram, which is taken where the file itself is named")
         series = [s._replace(remark="an uncorrected accelerogram") if uncorrected else s for s in found.read(text)]
