@@ -18,6 +18,8 @@ from .system import System
 
 Array = np.ndarray
 
+_PRESSED = 1e-6  # of the weight: bodies whose least force is known to be larger are not looked at again
+
 
 @dataclass(frozen=True)
 class Response:
@@ -35,15 +37,17 @@ class Response:
 
 
 def response(
-    system: System, motion: Motion, amplitude: Array, omega: Array, eta: Array | float, *, peaks: bool = True, pool: int | None = None
-) -> Response:
+    system: System, motion: Motion, amplitude: Array, omega: Array, eta: Array | float, *, peaks: bool = True, pool: int | None = None,
+    pressed: Array | None = None,
+) -> Response:  # fmt: skip
     """Largest rotation and outcome of one system under one motion (Eqs. 2.3, 2.4, 2.6, 3.4).
 
     Parameters: amplitude A = a_scale a_g / (alpha g) [-], finite and not negative; omega Omega = omega_g / p [-], positive and
     finite; of a body with two unequal edges both are those of the edge that lifts first. eta [-]: within [0, 1], within (-1, 0]
     of a one-sided body, not used where the two edges have restitutions of their own. They are broadcast against each other.
     peaks: whether theta_ratio is wanted; without it only the outcome is computed and theta_ratio is NaN. pool: lanes advanced
-    together, None for what suits the equation. Raises ValueError when a number is out of range.
+    together, None for what suits the equation; pressed: of each cell whether it is known to press on the ground. Raises ValueError
+    when a number is out of range.
 
     >>> (column,) = load_structures('configs/block.yaml')
     >>> found = response(Method('nonlinear').system_of(column), sine(), 1.5, 6.0, column.eta)
@@ -59,7 +63,7 @@ def response(
     peaks = peaks or bool(amplitude.max(initial=0.0) > system.safe_amplitude(motion))  # they may prove that a body presses on the ground
     run, _ = _engine(system, motion, cells, peaks, pool)
     run.all()
-    look_at_forces(run, system, motion, cells)
+    look_at_forces(run, system, motion, cells, pressed)
     shape = amplitude.shape
     theta_ratio = run.theta_ratio if wanted else np.full(run.outcome.size, np.nan)
     return Response(theta_ratio.reshape(shape), run.outcome.reshape(shape), run.impacts.reshape(shape), run.work)
@@ -86,11 +90,13 @@ def _engine(
     return Walk(system, segments, lines.samples, *cells, peaks, pool, body), segments
 
 
-def look_at_forces(run: Run, system: System, motion: Motion, cells: tuple[Array, Array, Array]) -> None:
-    """Mark the cells of a run that lost the ground, where it did not look at them itself."""
+def look_at_forces(run: Run, system: System, motion: Motion, cells: tuple[Array, Array, Array], pressed: Array | None = None) -> None:
+    """Mark the cells of a run that lost the ground, where it did not look at them itself; pressed: whether each is known to press on it."""
     doubtful = run.outcome == Outcome.ROCKED
     if run.footing is not None:
         doubtful &= ~run.footing.watched
+    if pressed is not None:
+        doubtful &= ~pressed
     gone = that_left_the_ground(system, motion, cells, doubtful, run.theta_ratio if run.peaks else None)
     run.outcome[gone], run.theta_ratio[gone] = Outcome.LOST_CONTACT, np.nan
 
@@ -146,16 +152,19 @@ def response_with_demands(
     run, segments = _engine(system, motion, cells, not flown, body=system.body)
     run.all()
     follow_on(run, system, segments, cells)
+    assert run.demands is not None  # a body was given
     upright = safe(run.outcome) | (run.outcome == Outcome.LOST_CONTACT)
-    if found is None and (flown or keeps_bouncing(run.equation, run.cells, run.segments)):
-        found = response(system, motion, amplitude, omega, eta)  # as without forces: no bit of a rotation hangs on what else is asked
+    pressed = upright & (run.demands.fz_min > _PRESSED)
+    if found is None and (
+        flown or keeps_bouncing(run.equation, run.cells, run.segments)
+    ):  # no bit of a rotation hangs on what else is asked
+        found = response(system, motion, amplitude, omega, eta, pressed=pressed)
     if found is not None:
         upright &= (safe(found.outcome) | (found.outcome == Outcome.LOST_CONTACT)).ravel()
     else:
-        look_at_forces(run, system, motion, cells)
+        look_at_forces(run, system, motion, cells, pressed)
         theta_ratio, outcome, impacts = (x.reshape(amplitude.shape) for x in (run.theta_ratio, run.outcome, run.impacts))
         found = Response(theta_ratio, outcome, impacts, run.work)
-    assert run.demands is not None  # a body was given
     asked = {"friction": run.demands.friction, "fz_min": run.demands.fz_min}
     return found, {name: np.where(upright, x, np.nan).reshape(amplitude.shape) for name, x in asked.items()}
 
