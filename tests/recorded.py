@@ -4,8 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import Any
 
 import numpy as np
+import pytest
+
+from rocking_cli.errors import DocumentError
+from rocking_cli.motions.records import read_records
 
 
 def wave(count: int, peak: float = 1.0) -> np.ndarray:
@@ -24,3 +30,13 @@ def rows(values: Iterable[float], per_line: int, form: str) -> str:
 def as_printed(values: Sequence[float] | np.ndarray, form: str) -> np.ndarray:
     """The numbers that a reader can find again after printing."""
     return np.array([float(form.format(x)) for x in values])
+
+
+def refusal(path: Path, text: str | None = None, **given: Any) -> str:
+    """The line in which a file is refused, with this text where one is given; given: as `read_records` takes it."""
+    if text is not None:
+        path.write_text(text)
+    with pytest.raises(DocumentError) as error:
+        read_records(path, **given)
+    assert "\n" not in str(error.value)
+    return str(error.value)

@@ -8,8 +8,9 @@ import pickle
 import numpy as np
 import pytest
 from recorded import wave
+from written import built
 
-from rocking_cli import Method, load_structures
+from rocking_cli import Method
 from rocking_cli.dynamics.response import response, response_with_demands
 from rocking_cli.dynamics.speeds import response_with_speed
 from rocking_cli.dynamics.weight import weighed
@@ -40,6 +41,14 @@ def both(samples, monkeypatch, dt=0.01, scale=-1.5):
 def equal(found, wanted):
     for field in dataclasses.fields(wanted):
         np.testing.assert_array_equal(np.asarray(getattr(found, field.name)), getattr(wanted, field.name), err_msg=field.name)
+
+
+def same_answers(answer, system, computed, kept, cells):
+    found, wanted = ((x, {}) if answer is response else x for x in (answer(system, motion, *cells) for motion in (computed, kept)))
+    for name in ("theta_ratio", "outcome", "impacts"):
+        np.testing.assert_array_equal(getattr(found[0], name), getattr(wanted[0], name), err_msg=f"{answer.__name__} {name}")
+    assert found[0].work == wanted[0].work
+    np.testing.assert_equal(found[1], wanted[1])
 
 
 @pytest.mark.parametrize("count", COUNTS)
@@ -87,21 +96,15 @@ def test_a_record_that_was_sampled_more_finely(monkeypatch):
         ),
     ],
 )
-def test_responses_are_the_same_to_the_last_bit(count, model, more, tmp_path, monkeypatch):
+def test_responses_are_the_same_to_the_last_bit(count, model, more, monkeypatch):
     """Of every engine: flights, walks, marches for speeds and forces, and of one cell that is listened to."""
     kept, computed = both(np.append(wave(max(count, 60), 4.0), 0.0), monkeypatch)
-    (tmp_path / "block.yaml").write_text(f"kind: block\nname: b\nwidth: 0.5 m\nheight: 2 m\n{more}\n")
-    (structure,) = load_structures(str(tmp_path / "block.yaml"))
+    structure = built(f"kind: block\nwidth: 0.5 m\nheight: 2 m\n{more}")
     system, omega = Method(model).system_of(structure), 1.0 / structure.p
     cells = np.linspace(1.05, 6.0, count // 5), np.linspace(0.1, omega, count // 5), structure.eta
     for answer in (response, response_with_speed, response_with_demands)[: 3 if count > 20 else 1]:
         few = tuple(x[::10] if np.ndim(x) else x for x in cells) if answer is response_with_demands else cells
-        found, wanted = answer(system, computed, *few), answer(system, kept, *few)
-        found, wanted = ((x, {}) if answer is response else x for x in (found, wanted))
-        for name in ("theta_ratio", "outcome", "impacts"):
-            np.testing.assert_array_equal(getattr(found[0], name), getattr(wanted[0], name), err_msg=f"{answer.__name__} {name}")
-        assert found[0].work == wanted[0].work
-        np.testing.assert_equal(found[1], wanted[1])
+        same_answers(answer, system, computed, kept, few)
     if count == 20:
         return
     found, wanted = (history(system, m, 2.0, omega, structure.eta, duration=40.0) for m in (computed, kept))
@@ -186,19 +189,13 @@ def test_a_motion_that_goes_on_beyond_a_jump_at_the_end_of_the_other_has_no_samp
         ),
     ],
 )
-def test_responses_with_a_vertical_motion_are_the_same_to_the_last_bit(up, model, more, scale, tmp_path, monkeypatch):
+def test_responses_with_a_vertical_motion_are_the_same_to_the_last_bit(up, model, more, scale, monkeypatch):
     """Also where the weight comes near to none, or to none at all."""
     kept, computed = beside((ending(701, 4.0), 0.01), VERTICALS[up], monkeypatch, scale)
-    (tmp_path / "block.yaml").write_text(f"kind: block\nname: b\nwidth: 0.5 m\nheight: 2 m\n{more}\n")
-    (structure,) = load_structures(str(tmp_path / "block.yaml"))
+    structure = built(f"kind: block\nwidth: 0.5 m\nheight: 2 m\n{more}")
     system, omega = Method(model).system_of(structure), 1.0 / structure.p
     cells = np.linspace(1.05, 6.0, 8), np.linspace(0.3 * omega, omega, 8), structure.eta
     for answer in (response, response_with_demands):
-        found, wanted = answer(system, computed, *cells), answer(system, kept, *cells)
-        found, wanted = ((x, {}) if answer is response else x for x in (found, wanted))
-        for name in ("theta_ratio", "outcome", "impacts"):
-            np.testing.assert_array_equal(getattr(found[0], name), getattr(wanted[0], name), err_msg=f"{answer.__name__} {name}")
-        assert found[0].work == wanted[0].work
-        np.testing.assert_equal(found[1], wanted[1])
+        same_answers(answer, system, computed, kept, cells)
     found, wanted = (history(system, m, 2.0, omega, structure.eta, duration=40.0) for m in (computed, kept))
     assert found.events == wanted.events

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from recorded import as_printed, rows, wave
+from recorded import as_printed, refusal, rows, wave
 
-from rocking_cli.errors import DocumentError
 from rocking_cli.motions.records import read_records
 
 SAMPLES = np.stack([wave(600, 12.25), wave(600, -1064.5), wave(600, -99999.125 / 128)], axis=1)
@@ -56,6 +55,4 @@ def test_values_after_those_declared_are_a_remark(tmp_path):
     ],
 )
 def test_bad_files_are_told_with_file_and_line(tmp_path, changed, words):
-    with pytest.raises(DocumentError) as error:
-        read_records(written(tmp_path / "a", **changed))
-    assert words in str(error.value)
+    assert words in refusal(written(tmp_path / "a", **changed))

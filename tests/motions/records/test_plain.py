@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from recorded import as_printed, wave
+from recorded import as_printed, refusal, wave
 
 from rocking_cli.errors import DocumentError, UsageError
 from rocking_cli.motions.records import read_record
@@ -116,11 +116,7 @@ def lines(**changed):
     ],
 )
 def test_bad_files_are_told_with_file_and_line(tmp_path, text, given, words):
-    path = tmp_path / "a"
-    path.write_text(text)
-    with pytest.raises(DocumentError) as error:
-        read_record(path, **given)
-    assert words in str(error.value)
+    assert words in refusal(tmp_path / "a", text, **given)
 
 
 def test_a_unit_that_is_none_of_acceleration(tmp_path):
