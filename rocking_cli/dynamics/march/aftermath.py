@@ -76,7 +76,7 @@ class Aftermath(Run):
             return lanes, None
         train, still = train_bounds(demands.body, demands.ground, lanes, self.contact), lanes.k >= self.shaken
         until = self._rests_until(lanes.cell, self.contact.uplift(self.cells, self.segments, lanes.cell, lanes.k, lanes.u))
-        going = demands.beaten(lanes.cell, *train.bounds.worst(demands.rest_bounds(lanes.cell, lanes.k, lanes.u, *until)))
+        going = demands.beaten(lanes.cell, *train.bounds.worst(demands.resting.bounds(lanes.cell, lanes.k, lanes.u, *until)))
         going &= ~still | demands.beaten(lanes.cell, *demands.free_bounds(lanes))
         if not self.equation.damping:
             going &= ~still | (lanes.impacts < _IMPACTS)

@@ -4,9 +4,9 @@ With z = alpha - u, u = |theta|, s the side and w = 1 + zg''/g, what moves the m
 
     s Fx = s xg''/g + kappa (u'' cos z + u'^2 sin z),   Fz = w + kappa (u'' sin z - u'^2 cos z)
 
-where u'' follows from the drive by the equation of motion. At rest they are xg''/g and w. Steps wait until it is known whether their body
-falls (`waiting`), and are looked at where their hull leaves room for a record (`hulls`). What the march closes is judged by bounds
-(`closing`): where these leave room for a record it is followed afterwards (`aftermath`).
+where u'' follows from the drive by the equation of motion. At rest they are xg''/g and w (`resting`). Steps wait until it is known whether
+their body falls (`waiting`), and are looked at where their hull leaves room for a record (`hulls`). What the march closes is judged by
+bounds (`closing`): where these leave room for a record it is followed afterwards (`aftermath`).
 """
 
 from __future__ import annotations
@@ -23,13 +23,13 @@ from ..equations.equation import Equation, Flow, Point
 from ..equations.taylor import TaylorSeries, Turn
 from ..lanes import Cells, Lanes
 from ..outcome import Outcome
-from ..weight import WeighedSegments
 from .bends import Ends, Forces, edge_of, forces_on, fourths
 from .closing import Bounds, bouncing, free_bounds, train_bounds
 from .extremes import EXACT, Course, Records
-from .ground import Ground, Shaking, amplitudes, value_and_slope
+from .ground import Ground, Shaking
 from .hulls import hull_of, hulls_of
 from .quartics import Spans, search
+from .resting import Resting
 from .waiting import Steps, Waiting, joined, parts_done
 
 Array = np.ndarray
@@ -51,10 +51,9 @@ class Demands(Records):
         super().__init__(cells.omega.shape[1])
         self.body, self.equation, self.segments, self.shaken = body, equation, segments, shaken
         self.contact, self.cells = contact, cells
-        self.ground = Ground(body, segments)
+        self.ground, self.resting = Ground(body, segments), Resting(body, segments, cells)
         self.waits, self._waiting = True, Waiting()
         self._free, self._closed, self._open = list[Lanes](), list[tuple[Lanes, Array, Array]](), list[tuple[Lanes, Bounds]]()
-        self._steepest = max(edge.uplift for edge in body.edges)
 
     def course(self, lanes: Lanes, h: Array, y: Array, v: Array) -> Course:
         """The course of lanes that are at y, v after h."""
@@ -147,107 +146,51 @@ class Demands(Records):
         """Take in steps, stretch by stretch."""
         lanes, series, stop, y, v, _ = steps
         arc, body, every = self._flow(lanes) if series is None else series, self.body, self.body.on(lanes.side)
-        pushes, weights = self.ground.sizes(lanes, stop)
         exact = not (isinstance(arc, TaylorSeries) or body.damping)
-        zeta2 = 2.0 * body.damping
-        steep = weights[0] + zeta2 * zeta2 + (0.0 if body.linear else pushes[0])
-        rate = np.maximum(*((x[4] / np.maximum(x[0] - still, _TINY)) ** 0.25 for x, still in ((pushes, 0.0), (weights, 1.0))))
-        parts = np.maximum(np.ceil(stop * np.maximum(0.5 + rate / _TURN, np.sqrt(0.5 * steep))), 1.0).astype(np.int64)
+        pushes, weights = self.ground.sizes(lanes, stop)
+        parts = self._parts(pushes, weights, stop)
         own = np.repeat(np.arange(stop.size), parts)
         part = np.arange(own.size) - np.repeat(np.cumsum(parts) - parts, parts)
-        length, inner = (stop / parts)[own], np.flatnonzero(part > 0)
+        length, edge = (stop / parts)[own], edge_of(every, own)
+        first, inner, last = np.flatnonzero(part == 0), np.flatnonzero(part > 0), np.flatnonzero(part + 1 == parts[own])
 
-        def along(at: Array, h: Array) -> Forces:
+        def motion(at: Array, h: Array) -> tuple[Point, Forces]:
             here = own[at]
-            point = arc.take(here).at(h)
+            point = arc.take(here).at(h) if at.size else Point(*np.empty((4, 0)))
             edge = edge_of(every, here)
             shaking = told(edge, point) if exact else self.ground.shaking(lanes.take(here), h)
-            return forces_on(body, edge, shaking, edge.unit * point.y, edge.unit * point.v)
+            return point, forces_on(body, edge, shaking, edge.unit * point.y, edge.unit * point.v)
 
-        cut_at = (part * length)[inner]
-        point = arc.take(own[inner]).at(cut_at) if inner.size else Point(*np.empty((4, 0)))
-        at_cuts = edge_of(every, own[inner])
-        shaking = told(at_cuts, point) if exact else self.ground.shaking(lanes.take(own[inner]), cut_at)
-        first, last = np.flatnonzero(part == 0), np.flatnonzero(part + 1 == parts[own])
-        ys, vs = (np.empty((2, own.size)) for _ in range(2))
-        for ends, (begin, stop_at, mid) in ((ys, (lanes.y, y, point.y)), (vs, (lanes.v, v, point.v))):
-            ends[0, first], ends[1, last], ends[0, inner], ends[1, inner - 1] = begin, stop_at, mid, mid
-        zero, cuts = np.zeros(stop.size), forces_on(body, at_cuts, shaking, at_cuts.unit * point.y, at_cuts.unit * point.v)
-        starts, stops = self.forces(lanes, zero, lanes.y, lanes.v), self.forces(lanes, stop, y, v)
-        one, other = [], []
-        for start, cut, end in zip(starts, cuts, stops, strict=True):
-            low, high = np.empty((2, own.size))
-            low[first], low[inner], high[last], high[inner - 1] = start, cut, end, cut
-            one.append(low)
-            other.append(high)
-        edge = edge_of(every, own)
-        begins, finishes = Forces(*one), Forces(*other)
-        ends_of = [Ends(edge.unit * ys[i], edge.unit * vs[i], f.bend, f.fz) for i, f in enumerate((begins, finishes))]
-        fourth = fourths(body, edge, pushes[:, own], weights[:, own], length, *ends_of)
+        def laid(start: Array, cut: Array, end: Array) -> Array:
+            ends = np.empty((2, own.size))
+            ends[0, first], ends[0, inner], ends[1, last], ends[1, inner - 1] = start, cut, end, cut
+            return ends
+
+        point, cuts = motion(inner, (part * length)[inner])
+        ys, vs = laid(lanes.y, point.y, y), laid(lanes.v, point.v, v)
+        starts, stops = self.forces(lanes, np.zeros(stop.size), lanes.y, lanes.v), self.forces(lanes, stop, y, v)
+        one, other = (Forces(*found) for found in zip(*map(laid, starts, cuts, stops), strict=True))
+        ends = (Ends(edge.unit * ys[i], edge.unit * vs[i], f.bend, f.fz) for i, f in enumerate((one, other)))
+        fourth = fourths(body, edge, pushes[:, own], weights[:, own], length, *ends)
         high = np.where(part + 1 < parts[own], (part + 1) * length, stop[own])
-        search(self, lanes.cell[own], along, Spans(np.arange(own.size), part * length, high, fourth, begins, finishes))
+        spans = Spans(np.arange(own.size), part * length, high, fourth, one, other)
+        search(self, lanes.cell[own], lambda at, h: motion(at, h)[1], spans)
+
+    def _parts(self, pushes: Array, weights: Array, stop: Array) -> Array:
+        """Into how many stretches steps are cut, on each of which quartics enclose the forces closely."""
+        zeta2 = 2.0 * self.body.damping
+        steep = weights[0] + zeta2 * zeta2 + (0.0 if self.body.linear else pushes[0])
+        rate = np.maximum(*((x[4] / np.maximum(x[0] - still, _TINY)) ** 0.25 for x, still in ((pushes, 0.0), (weights, 1.0))))
+        return np.maximum(np.ceil(stop * np.maximum(0.5 + rate / _TURN, np.sqrt(0.5 * steep))), 1.0).astype(np.int64)
 
     def rest(self, cell: Array, k: Array, u: Array, to_k: Array, to_u: Array) -> None:
         """Bodies at rest from (k, u) to another position; to_k: the number of segments where they rest to the end."""
-        seg = self.segments
-        to_k, to_u = _within(seg, to_k, to_u)
-        if isinstance(seg, WeighedSegments):
-            with np.errstate(all="ignore"):  # where the ground falls away there is no weight to divide by
-                self._rest_weighed(seg, cell, k, u, to_k, to_u)
-        else:
-            np.maximum.at(self.friction, cell, self._resting_friction(cell, k, u, to_k, to_u))
+        self.resting.note(self, cell, k, u, to_k, to_u)
 
     def spread(self, of: Array, cells: Array) -> None:
         """Give every cell the records of the one of `cells` that `of` says."""
         for records in (self.friction, self.fz_min):
             records[:] = records[cells][of]
-
-    def rest_bounds(self, cell: Array, k: Array, u: Array, to_k: Array, to_u: Array) -> Bounds:
-        """Of such rests."""
-        seg = self.segments
-        to_k, to_u = _within(seg, to_k, to_u)
-        if not isinstance(seg, WeighedSegments):
-            return Bounds(np.ones(cell.size), self._resting_friction(cell, k, u, to_k, to_u))
-        largest, least = _range(seg.vertical, k, u, to_k, to_u)
-        sway = seg.sway(np.ones(cell.size), self.cells.amplitude[0, cell])
-        return Bounds(1.0 + np.minimum(sway * largest, sway * least), np.full(cell.size, self._steepest))
-
-    def _push_of(self, cell: Array) -> Array:
-        """The outward push over g of s = -1 on the right edge."""
-        return self.cells.amplitude[0, cell] * self.body.edges[0].uplift
-
-    def _resting_friction(self, cell: Array, k: Array, u: Array, to_k: Array, to_u: Array) -> Array:
-        """Where the weight is steady; of a one-sided body as far as it leans on no backing."""
-        largest, least = _range(self.segments, k, u, to_k, to_u)
-        return self._push_of(cell) * (-least if self.body.one_sided else np.maximum(-least, largest))
-
-    def _rest_weighed(self, seg: WeighedSegments, cell: Array, k: Array, u: Array, to_k: Array, to_u: Array) -> None:
-        """Segment after segment, on each of which Fz is monotone and Fx/Fz is not."""
-        while True:
-            going = np.flatnonzero((k < to_k) | ((k == to_k) & (u < to_u)))
-            if not going.size:
-                return
-            cell, k, u, to_k, to_u = (x[going] for x in (cell, k, u, to_k, to_u))
-            stop = np.where(k < to_k, seg.length[k], to_u)
-
-            def along(own: Array, phase: Array, cell: Array = cell, k: Array = k) -> Forces:
-                return self._resting(seg, cell[own], k[own], phase)
-
-            every = np.arange(cell.size)
-            sizes = np.array(
-                [
-                    np.abs(self._push_of(cell)) * amplitudes(seg, k, 4),
-                    np.abs(seg.sway(np.ones(cell.size), self.cells.amplitude[0, cell])) * amplitudes(seg.vertical, k, 4),
-                ]
-            )
-            search(self, cell, along, Spans(every, u, stop, sizes, along(every, u), along(every, stop)), self.body.one_sided)
-            k, u = k + 1, np.zeros(k.size)
-
-    def _resting(self, seg: WeighedSegments, cell: Array, k: Array, phase: Array) -> Forces:
-        """The forces of bodies at rest, by the phase; outwards is to the right edge."""
-        (s, slope), (rise, rise_slope) = value_and_slope(seg, k, phase), value_and_slope(seg.vertical, k, phase)
-        sway, push = seg.sway(np.ones(cell.size), self.cells.amplitude[0, cell]), -self._push_of(cell)
-        return Forces(np.zeros(k.size), push * s, 1.0 + sway * rise, push * slope, sway * rise_slope)
 
     def close(self, lanes: Lanes, to_k: Array, to_u: Array) -> None:
         """Lanes just after an impact whose bouncing ends in rest, until they lift off again at a position."""
@@ -262,7 +205,7 @@ class Demands(Records):
             lanes, self._closed = Lanes.joined(parts), []
             with np.errstate(all="ignore"):
                 found = train_bounds(self.body, self.ground, lanes, self.contact).bounds
-            self._leave(lanes, found.worst(self.rest_bounds(lanes.cell, lanes.k, lanes.u, np.concatenate(to_k), np.concatenate(to_u))))
+            self._leave(lanes, found.worst(self.resting.bounds(lanes.cell, lanes.k, lanes.u, np.concatenate(to_k), np.concatenate(to_u))))
 
     def free(self, lanes: Lanes, at: Array, y: Array, v: Array) -> None:
         """The lanes `at`, undamped, which are at y, v (both of these lanes) when the shaking is over, and stay upright."""
@@ -326,21 +269,3 @@ class Demands(Records):
 def told(edge: Edge, point: Point) -> Shaking:
     """What shakes an undamped linear body of steady weight, from its motion."""
     return Shaking(edge.uplift * (point.b + (1.0 - point.y)), edge.uplift * (point.j - point.v), 1.0, 0.0)
-
-
-def _within(segments: Segments, k: Array, u: Array) -> tuple[Array, Array]:
-    last = len(segments) - 1
-    return np.minimum(k, last), np.where(k > last, segments.length[last], u)
-
-
-def _range(segments: Segments, k: Array, u: Array, to_k: Array, to_u: Array) -> tuple[Array, Array]:
-    """The largest s and the least, and 0, between two positions: just after the first and just before the last."""
-    over, enters = to_k > k, to_u > 0.0
-    ends = (
-        np.where(over | (u < to_u), value_and_slope(segments, k, u)[0], 0.0),
-        np.where(over, segments.s_end[k], 0.0),
-        np.where(over & enters, segments.s_start[to_k], 0.0),
-        np.where(enters & (over | (u < to_u)), value_and_slope(segments, to_k, to_u)[0], 0.0),
-    )
-    largest, least = segments.extent(k + 1, to_k)
-    return np.maximum(np.maximum(largest, 0.0), np.max(ends, axis=0)), np.minimum(np.minimum(least, 0.0), np.min(ends, axis=0))

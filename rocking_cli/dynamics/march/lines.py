@@ -12,7 +12,6 @@ from typing import Any, NamedTuple, Self
 
 import numpy as np
 
-from ...motions.blocks import blocks
 from ...motions.segments import Segments
 from ..body import Body, Edge
 from ..contacts.contact import Contact
@@ -24,6 +23,7 @@ from .bends import Ends, Forces, Shakes, forces_on, sags
 from .demand import Demands
 from .extremes import Records
 from .ground import Shaking
+from .resting import LineResting
 
 Array = np.ndarray
 
@@ -79,6 +79,7 @@ class LineDemands(Demands):
 
     def __init__(self, body: Body, equation: Equation, segments: Segments, shaken: int, contact: Contact, cells: Cells) -> None:
         super().__init__(body, equation, segments, shaken, contact, cells)
+        self.resting = LineResting(body, segments, cells)
         self._strides, self._held = list[Stretches](), 0
 
     def stride(self, cell: Array, side: Array, start: tuple[Array, Array], end: tuple[Array, Array], ramp: Ramp, go: Array) -> None:
@@ -183,22 +184,6 @@ class LineDemands(Demands):
             point = arc.take(parts.cell).at(half)
             parts, low = parts.halves(point.y, point.v), np.concatenate([low, half])
         self.note(s.cell, own.fz_min, own.friction)
-
-    def _rest_weighed(self, seg: WeighedSegments, cell: Array, k: Array, u: Array, to_k: Array, to_u: Array) -> None:
-        """Under a line both forces are lines, and their ratio is monotone while there is a weight."""
-        count = np.maximum(to_k - k + (to_u > 0.0), 0) * ((k < to_k) | (u < to_u))
-        ends = np.cumsum(count)
-        for part in blocks(int(ends[-1]) if ends.size else 0):
-            flat = np.arange(part.start, part.stop)
-            lane = np.searchsorted(ends, flat, side="right")
-            at = k[lane] + flat - (ends - count)[lane]
-            begins, stops = np.where(at == k[lane], u[lane], 0.0), np.where(at == to_k[lane], to_u[lane], seg.length[at])
-            push, sway = -self._push_of(cell[lane]), seg.sway(np.ones(lane.size), self.cells.amplitude[0, cell[lane]])
-            for phase in (begins, stops):
-                across, up = (x.s_start[at] + x.slope[at] * phase for x in (seg, seg.vertical))
-                weight = 1.0 + sway * up
-                ratio = push * across / weight
-                self.note(cell[lane], weight, np.maximum(ratio, 0.0) if self.body.one_sided else np.abs(ratio))
 
 
 def _ends(s: Stretches) -> tuple[tuple[Array, Array, Array], tuple[Array, Array, Array]]:
