@@ -91,7 +91,7 @@ class RigidBodyEquation:
             return ramp_flow(self, segments, lanes)
         y, shown = np.empty((self.order + 1, lanes.y.size)), list[Any]()
         fastest, reach = np.empty((2, lanes.y.size))
-        for block in blocks(lanes.y.size):
+        for block in blocks(lanes.y.size, 2048 if self._show is None else 4096):  # of what is shown, calls take more than the cache gives
             some, part = lanes.take(block), self._part(block)
             fastest[block], turn = part._fill(y[:, block], segments, some)
             reach[block] = turn.longest

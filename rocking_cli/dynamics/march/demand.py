@@ -38,6 +38,7 @@ Array = np.ndarray
 _TURN = 1.2  # of the ground's motion [rad], on which quartics enclose the forces closely; two tau on still ground
 _TINY = 1e-300
 _HELD = 81920  # steps that wait at the most before those whose fate is known are looked at: five pools of series
+_WITHIN = 0.1  # of the tolerance of the motion: what a record may be off by how it is searched for
 _TOGETHER = 8192  # of these are looked at in full at a time
 
 
@@ -53,6 +54,7 @@ class Demands(Records):
         self.contact, self.cells = contact, cells
         self.ground, self.resting = Ground(body, segments), Resting(body, segments, cells)
         self.waits, self._waiting = True, Waiting()
+        self._unclear = list[tuple[Steps, Array]]()
         self._free, self._closed, self._open = list[Lanes](), list[tuple[Lanes, Array, Array]](), list[tuple[Lanes, Bounds]]()
 
     def course(self, lanes: Lanes, h: Array, y: Array, v: Array) -> Course:
@@ -91,6 +93,8 @@ class Demands(Records):
         upright[going.cell] = True  # of which nothing is known
         for part in self._waiting.ready(done, upright, self._promising):
             self._look(part)
+        if not going.cell.size or sum(row.size for _, row in self._unclear) >= _TOGETHER:
+            self._clear()
         if self._free:
             self._rock_on(Lanes.joined(self._free))
             self._free = []
@@ -127,8 +131,19 @@ class Demands(Records):
             point = here.at(h)
             return self.course(there, h, point.y, point.v)
 
-        left = self.approach(lanes.cell, along, stop, row, hull.crests(row))
-        for part in np.array_split(left, range(_TOGETHER, left.size, _TOGETHER)):
+        left = self.approach(lanes.cell, along, stop, row, hull.crests(row), max(_WITHIN * self.equation.tolerance, EXACT))
+        if left.size:
+            self._unclear.append((steps.take(left), row[left]))
+            if not self.waits:
+                self._clear()
+
+    def _clear(self) -> None:
+        """Look at steps whose hull does not show where the record is, each by itself."""
+        if not self._unclear:
+            return
+        parts, rows = zip(*self._unclear, strict=True)
+        steps, row, self._unclear = joined(parts), np.concatenate(rows), []
+        for part in np.array_split(np.arange(row.size), range(_TOGETHER, row.size, _TOGETHER)):
             alone, some = copy.copy(self), steps.take(part)
             Records.__init__(alone, part.size)
             alone._cut(some._replace(lanes=replace(some.lanes, cell=np.arange(part.size))))

@@ -16,7 +16,8 @@ Array = np.ndarray
 
 EXACT = 1e-12  # by which a record must be beaten
 _NEAR = 1e-6  # half of what a parabola may add to a value near an extremum
-_LOOKS, _RISE = 10, 1e-10  # evaluations on the way to an extremum; what a parabola rises beyond one that is close enough to settle
+_LOOKS = 10  # evaluations on the way to an extremum
+_BENT = 300.0  # times the way from one of them to the crest of a parabola, as part of the stretch: what part of its bend may be wrong
 
 
 class Course(NamedTuple):
@@ -58,9 +59,9 @@ class Records:
         np.minimum.at(self.fz_min, cell[one], fz[one])
         np.maximum.at(self.friction, cell[other], np.where(fz[other] > 0.0, friction[other], np.inf))
 
-    def approach(self, cell: Array, along: Along, length: Array, row: Array, near: Crests) -> Array:
+    def approach(self, cell: Array, along: Along, length: Array, row: Array, near: Crests, within: float) -> Array:
         """Take in the largest -Fz (row 0) or |Fx|/Fz (row 1) of stretches of this length [tau] from where hulls show it, by Newton's
-        method; the stretches that do not have it there, by index."""
+        method, `within` that of it; the stretches that do not have it there, by index."""
         left, own, x, bend = ~near.plain, np.arange(row.size), near.x, near.bend
         x_before, slope_before = np.full((2, own.size), np.nan)
         for _ in range(_LOOKS):
@@ -75,7 +76,8 @@ class Records:
             bend = np.where(chord < 0.0, chord, bend)
             ends = ((x == 0.0) & (slope <= 0.0)) | ((x == 1.0) & (slope >= 0.0))
             crest = ~ends & (bend < 0.0)
-            close = crest & (0.5 * slope * slope <= _RISE * -bend)
+            away = np.abs(slope / bend)
+            close = crest & (0.5 * away * np.abs(slope) * np.minimum(_BENT * away, 1.0) <= within)
             for i in (0, 1):
                 at = np.flatnonzero(close & (row == i))
                 self._settle(i, cell[own[at]], value[at], sense[at] * slope[at], sense[at] * bend[at])

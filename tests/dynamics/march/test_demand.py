@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from functools import partial
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -135,6 +136,30 @@ def test_what_the_bounds_close_brings_nothing(kind, model, angles, monkeypatch):
 def test_what_the_bounds_close_brings_nothing_to_many(kind, model, angles, monkeypatch):
     for closed, followed in closed_and_followed(kind, model, angles, 300, monkeypatch):
         assert closed == pytest.approx(followed, abs=2e-9)
+
+
+def test_steps_whose_hull_shows_no_place_are_searched_each_by_itself(monkeypatch):
+    """Those that waited, and those of bodies that are followed afterwards, here as if nothing had been asked before."""
+    body, _, _ = drawn("plain", np.random.default_rng(7), (0.2, 0.4), ETAS, 0.3)
+    system, motion = Method("nonlinear").system_of(body), with_vertical(sine(1), cosine(1.0), 0.2)
+    amplitude, afterwards, follow = np.linspace(1.01, 4.0, 60), [], Aftermath.follow
+
+    def from_nothing(self, lanes, before):
+        cells = before.friction.size
+        follow(self, lanes, SimpleNamespace(friction=np.zeros(cells), fz_min=np.ones(cells)))
+        afterwards.append(np.array([self.demands.friction, self.demands.fz_min]))
+
+    monkeypatch.setattr(Aftermath, "follow", from_nothing)
+    monkeypatch.setattr(Aftermath, "_come_to_rest", lambda self, demands, lanes: None)  # which mostly asks more
+    monkeypatch.setattr(Records, "beaten", lambda self, cell, fz, friction: np.ones(cell.size, dtype=bool))
+    _, shown = response_with_demands(system, motion, amplitude, 4.0, body.eta)
+    monkeypatch.setattr(Records, "approach", lambda self, cell, along, length, row, near, within: np.arange(row.size))
+    _, searched = response_with_demands(system, motion, amplitude, 4.0, body.eta)
+    for name, values in shown.items():
+        assert searched[name] == pytest.approx(values, abs=5e-10, nan_ok=True)
+    one, other = afterwards
+    assert one.shape[1] > 5
+    assert other == pytest.approx(one, abs=5e-10)
 
 
 def apart_from_short_cuts(kind, model, motion, cells, seed, monkeypatch):
