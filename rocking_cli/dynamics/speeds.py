@@ -21,7 +21,8 @@ from .flight.run import Flight, Flights
 from .flight.walk import Walk
 from .lanes import Lanes
 from .march.account import Round
-from .march.engine import Landing, Run
+from .march.batch import Landing
+from .march.engine import Run
 from .outcome import Outcome
 from .response import Response, flies, look_at_forces
 from .system import System

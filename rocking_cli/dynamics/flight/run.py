@@ -15,7 +15,8 @@ from ..drive import place
 from ..equations.equation import Point
 from ..lanes import Lanes
 from ..march.account import Rests, Work
-from ..march.engine import STILL, Landing, Run
+from ..march.batch import Landing
+from ..march.engine import STILL, Run
 from ..outcome import Outcome
 from ..system import System
 from .bounded import LONGEST, LONGEST_JUMP, BoundedResponse, shares

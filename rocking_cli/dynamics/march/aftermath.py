@@ -16,9 +16,10 @@ from ..lanes import Lanes
 from ..outcome import Outcome
 from ..system import System
 from .account import Rests
+from .batch import Landing
 from .closing import bouncing, train_bounds
 from .demand import Demands
-from .engine import Landing, Run
+from .engine import Run
 
 Array = np.ndarray
 

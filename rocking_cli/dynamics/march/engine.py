@@ -9,14 +9,14 @@ chatter, certain overturning, the free motion after the shaking.
 from __future__ import annotations
 
 from functools import cached_property
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ...motions.segments import Segments
 from ..body import Body
 from ..contacts.adiabatic import bounces_on, keeps_bouncing
-from ..contacts.contact import Fate, Uplift
+from ..contacts.contact import Uplift
 from ..contacts.settling import settles
 from ..contacts.trains import outlasts
 from ..drive import place
@@ -26,25 +26,22 @@ from ..system import System
 from ..weight import WeighedSegments
 from .account import Rests, Round, Watch, Work
 from .advance import Crests, Passage, advance, crests, low_bounces
-from .free_fall import FreeFall
+from .batch import Batch, Landing
 from .memory import keep_freed_memory
 from .windows import tabled_windows
 
 if TYPE_CHECKING:
     from ..impulse import ImpulseAhead
     from .demand import Demands
-    from .footing import Footing
 
 Array = np.ndarray
-Landing = TypeVar("Landing", bound=Lanes)
 
 MAX_STEPS = 120_000  # a cell that takes more, and 40 for each segment of the motion, is given up as failed
 _LIKELY = 2.0  # times the push that is proved beforehand: beyond it most cells would have to be looked at afterwards
 STILL = 1e-100  # a speed whose square a double does not hold is none
-_SETTLING = 250.0  # tau, times what damping slows the unstable mode: no body is longer on its way to its last impacts that matter
 
 
-class Run:
+class Run(Batch):
     """One batch of cells on its way through the pool.
 
     Parameters: amplitude, omega, eta: (cells,), as `response` takes them; peaks: whether the largest rotations are wanted; pool: lanes
@@ -53,38 +50,20 @@ class Run:
     ValueError when an eta does not fit the contact.
     """
 
-    follows_on = False  # over still ground, whatever the equation
-
     def __init__(
         self, system: System, segments: Segments, amplitude: Array, omega: Array, eta: Array, peaks: bool, pool: int,
         watch: Watch | None = None, body: Body | None = None, ahead: float | None = None,
     ) -> None:  # fmt: skip
         keep_freed_memory()
-        self.equation, self.contact = system.equation, system.contact
-        self.peaks, self.pool, self.watch = peaks, pool, watch
-        self.cells = self.contact.cells(self.equation, amplitude, omega, eta)
-        self.segments, self.shaken = segments, len(segments)
-        if (self.equation.damping or self.follows_on) and omega.size:  # no closed form of the free motion: march on over still ground
-            self.segments = segments.followed_by_rest(_SETTLING * (1.0 + 3.0 * self.equation.damping) * float(self.cells.omega.max()))
-        if self.equation.damping:
-            self.bounced = np.zeros(omega.size, dtype=bool)  # on still ground, which counts as no impact during the shaking
-        self.theta_ratio = np.full(amplitude.size, 0.0 if peaks else np.nan)
-        self.outcome = np.full(amplitude.size, Outcome.NO_UPLIFT, dtype=np.uint8)
-        self.impacts = np.zeros(amplitude.size, dtype=np.int32)
-        self.work = Work(cells=amplitude.size)
-        self.most_steps = MAX_STEPS + 40 * len(segments)
-        self.drops = FreeFall.of(self.segments, self.cells, self.shaken)
-        if self.drops is not None:  # also from under bodies that nothing lifts: one that is pushed against its wall
-            self.outcome[self.drops.ever], self.theta_ratio[self.drops.ever] = Outcome.LOST_CONTACT, np.nan
+        super().__init__(system, segments, amplitude, omega, eta, peaks, watch)
+        self.pool, self.most_steps = pool, MAX_STEPS + 40 * len(segments)
         self.tabled = tabled_windows(self.segments, self.cells.amplitude)
         marched = type(self)._march is Run._march  # one that jumps sees no forces on its way
         ahead = (_LIKELY if marched and not self.equation.bounded else np.inf) if ahead is None else ahead
-        self.footing: Footing | None = None
         if watch is None and system.body is not None:
             from .footing import Footing
 
             self.footing = Footing(system.body, self.segments, self.cells, ahead)
-        self.demands: Demands | None = None
         if body is not None:
             from .demand import Demands
             from .lines import LineDemands
@@ -222,14 +201,6 @@ class Run:
         """Where bodies at rest lift off, or the ground falls away from them."""
         return (lift.k, lift.u) if self.drops is None else self.drops.sooner(cell, lift)
 
-    def _drop(self, lanes: Lanes) -> Lanes:
-        """Bodies from which the ground has fallen away are done."""
-        if self.drops is None:
-            return lanes
-        falls = self.drops.now(lanes)
-        self._finish(lanes, np.flatnonzero(falls), Outcome.LOST_CONTACT, np.nan)
-        return lanes.take(np.flatnonzero(~falls))
-
     def _crests(self, lanes: Lanes, passage: Passage, wanted: Array) -> Crests:
         """The turning points of those steps whose peak is wanted."""
         if self.watch is not None:
@@ -246,16 +217,6 @@ class Run:
         y = passage.end.y
         certain = self._doomed(lanes, slice(None), np.minimum(k, len(self.segments) - 1), y, passage.end.v)
         return certain if self.watch is None else certain & (y >= np.where(lanes.side > 0.0, *self.watch.fallen))
-
-    def _doomed(self, lanes: Lanes, at: Array | slice, k: Array, y: Array, v: Array) -> Array:
-        """Whether the lanes `at`, were they at y, v in segments k, are beyond what any drive to come can bring back."""
-        seg, steady = self.segments, not isinstance(self.segments, WeighedSegments)
-        side, amplitude = lanes.side[at], lanes.amplitude[at]
-        if isinstance(seg, WeighedSegments):
-            inward = seg.hardest(side, amplitude, k)
-        else:
-            inward = amplitude * np.where(side > 0.0, seg.later_max[k], -seg.later_min[k])
-        return self.equation.on(side, lanes.cell[at]).certainly_overturns(y, v, inward, steady)
 
     def _onward(self, lanes: Lanes, passage: Passage, k: Array, u: Array, at: Array) -> Lanes:
         """Lanes that reached the end of their step in the air."""
@@ -303,51 +264,6 @@ class Run:
         lanes, rests = self._rest(lanes)
         return (lanes if self.ahead is None else self._stand(lanes, self.ahead)), rests
 
-    def _stand(self, lanes: Landing, ahead: ImpulseAhead) -> Landing:
-        """Lanes at the ground that nothing to come overturns are done where no more is asked (Lemma 9)."""
-        stands = ahead.cannot_overturn(lanes)
-        self._finish(lanes, np.flatnonzero(stands), Outcome.ROCKED, np.nan)
-        return lanes.take(np.flatnonzero(~stands)) if stands.any() else lanes
-
-    def _shaken(self, lanes: Lanes, last: Array) -> None:
-        """Undamped lanes that are at the end of the shaking: their fate."""
-        y, v = lanes.y[last], lanes.v[last]
-        self._meet(self.contact.fate(self.equation, lanes, last, y, v), lanes, last, y, v)
-
-    def _meet(self, fate: Fate, lanes: Lanes, last: Array, y: Array, v: Array) -> None:
-        """The fate of the lanes `last`, which are at y, v when the shaking is over."""
-        self._overturn(lanes, last[fate.overturns])
-        self._finish(lanes, last[fate.overturns_after_impact], Outcome.OVERTURNED_AFTER_IMPACT, np.nan)
-        upright = ~(fate.overturns | fate.overturns_after_impact)
-        stay, y, v = last[upright], y[upright], v[upright]
-        if self.footing is not None and self.footing.any:
-            self.footing.free(lanes, stay, y, v)
-        if self.demands is not None:
-            self.demands.free(lanes, stay, y, v)
-        self._finish(lanes, stay, Outcome.ROCKED, np.maximum(lanes.peak[stay], fate.peak[upright]))
-        self.work += Work(free_phase=last.size)
-
-    def _settle(self, lanes: Landing) -> Landing:
-        """Damped lanes on still ground of which nothing larger can come are done: without damping they would have more energy, and
-        even so neither pass the barrier nor rise above their peak."""
-        at = np.flatnonzero(lanes.k >= self.shaken)
-        if not at.size or self.watch is not None:
-            return lanes
-        y, v = lanes.y[at], lanes.v[at]
-        crest = self.equation.damped_crest(y, v)
-        known = np.flatnonzero(np.isfinite(crest))
-        y[known], v[known] = crest[known], 0.0
-        lanes.peak[at] = np.fmax(lanes.peak[at], crest)
-        most = self.contact.fate(self.equation, lanes, at, y, v)
-        below = self.equation.on(lanes.side[at], lanes.cell[at]).rotation(y) < 1.0  # from above the barrier damping may keep it there
-        settled = at[below & ~(most.overturns | most.overturns_after_impact) & (most.peak <= lanes.peak[at])]
-        if self.demands is not None:
-            self.demands.settle(lanes.take(settled))
-        self._finish(lanes, settled, Outcome.ROCKED, lanes.peak[settled])
-        going = np.ones(lanes.k.size, dtype=bool)
-        going[settled] = False
-        return lanes.take(np.flatnonzero(going))
-
     def _rest(self, lanes: Landing) -> tuple[Landing, Rests | None]:
         """Bodies whose bouncing is over skip to their next uplift, or finish."""
         ends = self.contact.bouncing_ends(self.segments, lanes, self.equation)
@@ -372,17 +288,6 @@ class Run:
         rests = None if before is None else Rests(before, lanes.take(resting))
         return lanes.take(np.flatnonzero(lanes.k < len(self.segments))), rests
 
-    def _end_excursion(self, lanes: Lanes, at: Array) -> None:
-        """What is kept of the lanes `at`, which have come to rest: they keep it themselves."""
-
-    def _impacts(self, lanes: Lanes, at: Array) -> Array:
-        """Those of the lanes `at` so far."""
-        return lanes.impacts[at]
-
-    def _largest(self, cell: Array, rotation: Array) -> Array:
-        """The largest rotations of cells that have come to these; NaN where they are."""
-        return rotation
-
     def _renew_drive(self, lanes: Lanes) -> None:
         """Where a piece of the motion begins the drive may jump: take the force from the new side of the jump."""
         seg = self.segments
@@ -396,26 +301,3 @@ class Run:
         drive = -side * amplitude * seg.s_start[k]
         weight = seg.weight(side, amplitude, k, lanes.u[at]) if isinstance(seg, WeighedSegments) else 1.0
         lanes.b[at] = self.equation.on(side, lanes.cell[at]).force(lanes.y[at], drive, weight)
-
-    def _overturn(self, lanes: Lanes, at: Array) -> None:
-        bounced = self._impacts(lanes, at) > 0
-        if self.equation.damping:
-            bounced |= self.bounced[lanes.cell[at]]
-        self._finish(lanes, at[bounced], Outcome.OVERTURNED_AFTER_IMPACT, np.nan)
-        self._finish(lanes, at[~bounced], Outcome.OVERTURNED_NO_IMPACT, np.nan)
-
-    def _lose(self, cell: Array) -> None:
-        """Cells that were thought to rock, and have left the ground."""
-        self.outcome[cell], self.theta_ratio[cell] = Outcome.LOST_CONTACT, np.nan
-
-    def _finish(self, lanes: Lanes, at: Array, outcome: Outcome, peak: Array | float) -> None:
-        cell = lanes.cell[at]
-        self.outcome[cell] = outcome
-        if self.peaks:
-            self.theta_ratio[cell] = self._largest(cell, self.equation.on(lanes.side[at], cell).rotation(np.asarray(peak)))
-        if outcome == Outcome.ROCKED:
-            if self.drops is not None:
-                self._lose(cell[self.drops.ever[cell]])
-            if self.footing is not None and self.footing.any:
-                self._lose(cell[self.footing.lost[cell]])
-        self.impacts[cell] = self._impacts(lanes, at)

@@ -1,0 +1,150 @@
+"""The cells of a run, what each has come to, and how its lane ends: fallen, on still ground, or where nothing that comes can matter."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, TypeVar
+
+import numpy as np
+
+from ...motions.segments import Segments
+from ..contacts.contact import Fate
+from ..lanes import Lanes
+from ..outcome import Outcome
+from ..system import System
+from ..weight import WeighedSegments
+from .account import Watch, Work
+from .free_fall import FreeFall
+
+if TYPE_CHECKING:
+    from ..impulse import ImpulseAhead
+    from .demand import Demands
+    from .footing import Footing
+
+Array = np.ndarray
+Landing = TypeVar("Landing", bound=Lanes)
+
+_SETTLING = 250.0  # tau, times what damping slows the unstable mode: no body is longer on its way to its last impacts that matter
+
+
+class Batch:
+    """Cells that are run together. Parameters as in `Run`; footing and demands: what looks at the forces, where they are wanted."""
+
+    follows_on = False  # over still ground, whatever the equation
+    footing: Footing | None = None
+    demands: Demands | None = None
+
+    def __init__(
+        self, system: System, segments: Segments, amplitude: Array, omega: Array, eta: Array, peaks: bool, watch: Watch | None
+    ) -> None:
+        self.equation, self.contact = system.equation, system.contact
+        self.peaks, self.watch = peaks, watch
+        self.cells = self.contact.cells(self.equation, amplitude, omega, eta)
+        self.segments, self.shaken = segments, len(segments)
+        if (self.equation.damping or self.follows_on) and omega.size:  # no closed form of the free motion: march on over still ground
+            self.segments = segments.followed_by_rest(_SETTLING * (1.0 + 3.0 * self.equation.damping) * float(self.cells.omega.max()))
+        if self.equation.damping:
+            self.bounced = np.zeros(omega.size, dtype=bool)  # on still ground, which counts as no impact during the shaking
+        self.theta_ratio = np.full(amplitude.size, 0.0 if peaks else np.nan)
+        self.outcome = np.full(amplitude.size, Outcome.NO_UPLIFT, dtype=np.uint8)
+        self.impacts = np.zeros(amplitude.size, dtype=np.int32)
+        self.work = Work(cells=amplitude.size)
+        self.drops = FreeFall.of(self.segments, self.cells, self.shaken)
+        if self.drops is not None:  # also from under bodies that nothing lifts: one that is pushed against its wall
+            self.outcome[self.drops.ever], self.theta_ratio[self.drops.ever] = Outcome.LOST_CONTACT, np.nan
+
+    def _doomed(self, lanes: Lanes, at: Array | slice, k: Array, y: Array, v: Array) -> Array:
+        """Whether the lanes `at`, were they at y, v in segments k, are beyond what any drive to come can bring back."""
+        seg, steady = self.segments, not isinstance(self.segments, WeighedSegments)
+        side, amplitude = lanes.side[at], lanes.amplitude[at]
+        if isinstance(seg, WeighedSegments):
+            inward = seg.hardest(side, amplitude, k)
+        else:
+            inward = amplitude * np.where(side > 0.0, seg.later_max[k], -seg.later_min[k])
+        return self.equation.on(side, lanes.cell[at]).certainly_overturns(y, v, inward, steady)
+
+    def _drop(self, lanes: Lanes) -> Lanes:
+        """Bodies from which the ground has fallen away are done."""
+        if self.drops is None:
+            return lanes
+        falls = self.drops.now(lanes)
+        self._finish(lanes, np.flatnonzero(falls), Outcome.LOST_CONTACT, np.nan)
+        return lanes.take(np.flatnonzero(~falls))
+
+    def _shaken(self, lanes: Lanes, last: Array) -> None:
+        """Undamped lanes that are at the end of the shaking: their fate."""
+        y, v = lanes.y[last], lanes.v[last]
+        self._meet(self.contact.fate(self.equation, lanes, last, y, v), lanes, last, y, v)
+
+    def _meet(self, fate: Fate, lanes: Lanes, last: Array, y: Array, v: Array) -> None:
+        """The fate of the lanes `last`, which are at y, v when the shaking is over."""
+        self._overturn(lanes, last[fate.overturns])
+        self._finish(lanes, last[fate.overturns_after_impact], Outcome.OVERTURNED_AFTER_IMPACT, np.nan)
+        upright = ~(fate.overturns | fate.overturns_after_impact)
+        stay, y, v = last[upright], y[upright], v[upright]
+        if self.footing is not None and self.footing.any:
+            self.footing.free(lanes, stay, y, v)
+        if self.demands is not None:
+            self.demands.free(lanes, stay, y, v)
+        self._finish(lanes, stay, Outcome.ROCKED, np.maximum(lanes.peak[stay], fate.peak[upright]))
+        self.work += Work(free_phase=last.size)
+
+    def _settle(self, lanes: Landing) -> Landing:
+        """Damped lanes on still ground of which nothing larger can come are done: without damping they would have more energy, and
+        even so neither pass the barrier nor rise above their peak."""
+        at = np.flatnonzero(lanes.k >= self.shaken)
+        if not at.size or self.watch is not None:
+            return lanes
+        y, v = lanes.y[at], lanes.v[at]
+        crest = self.equation.damped_crest(y, v)
+        known = np.flatnonzero(np.isfinite(crest))
+        y[known], v[known] = crest[known], 0.0
+        lanes.peak[at] = np.fmax(lanes.peak[at], crest)
+        most = self.contact.fate(self.equation, lanes, at, y, v)
+        below = self.equation.on(lanes.side[at], lanes.cell[at]).rotation(y) < 1.0  # from above the barrier damping may keep it there
+        settled = at[below & ~(most.overturns | most.overturns_after_impact) & (most.peak <= lanes.peak[at])]
+        if self.demands is not None:
+            self.demands.settle(lanes.take(settled))
+        self._finish(lanes, settled, Outcome.ROCKED, lanes.peak[settled])
+        going = np.ones(lanes.k.size, dtype=bool)
+        going[settled] = False
+        return lanes.take(np.flatnonzero(going))
+
+    def _stand(self, lanes: Landing, ahead: ImpulseAhead) -> Landing:
+        """Lanes at the ground that nothing to come overturns are done where no more is asked (Lemma 9)."""
+        stands = ahead.cannot_overturn(lanes)
+        self._finish(lanes, np.flatnonzero(stands), Outcome.ROCKED, np.nan)
+        return lanes.take(np.flatnonzero(~stands)) if stands.any() else lanes
+
+    def _overturn(self, lanes: Lanes, at: Array) -> None:
+        bounced = self._impacts(lanes, at) > 0
+        if self.equation.damping:
+            bounced |= self.bounced[lanes.cell[at]]
+        self._finish(lanes, at[bounced], Outcome.OVERTURNED_AFTER_IMPACT, np.nan)
+        self._finish(lanes, at[~bounced], Outcome.OVERTURNED_NO_IMPACT, np.nan)
+
+    def _lose(self, cell: Array) -> None:
+        """Cells that were thought to rock, and have left the ground."""
+        self.outcome[cell], self.theta_ratio[cell] = Outcome.LOST_CONTACT, np.nan
+
+    def _finish(self, lanes: Lanes, at: Array, outcome: Outcome, peak: Array | float) -> None:
+        cell = lanes.cell[at]
+        self.outcome[cell] = outcome
+        if self.peaks:
+            self.theta_ratio[cell] = self._largest(cell, self.equation.on(lanes.side[at], cell).rotation(np.asarray(peak)))
+        if outcome == Outcome.ROCKED:
+            if self.drops is not None:
+                self._lose(cell[self.drops.ever[cell]])
+            if self.footing is not None and self.footing.any:
+                self._lose(cell[self.footing.lost[cell]])
+        self.impacts[cell] = self._impacts(lanes, at)
+
+    def _end_excursion(self, lanes: Lanes, at: Array) -> None:
+        """What is kept of the lanes `at`, which have come to rest: they keep it themselves."""
+
+    def _impacts(self, lanes: Lanes, at: Array) -> Array:
+        """Those of the lanes `at` so far."""
+        return lanes.impacts[at]
+
+    def _largest(self, cell: Array, rotation: Array) -> Array:
+        """The largest rotations of cells that have come to these; NaN where they are."""
+        return rotation
