@@ -124,6 +124,8 @@ def _remarks(verdicts: list[Verdict]) -> list[str]:
         lines.append(f"stand in a safe window, and would fall for less: {', '.join(window)}")
     if unsettled := named(v for v in verdicts if v.unsettled):
         lines.append(f"hang on the last digits of the demand, so that another amplitude as good decides otherwise: {', '.join(unsettled)}")
+    if slides := named(v for v in verdicts if v.slides):
+        lines.append(f"would slide, their friction being less than what rocking asks for: {', '.join(slides)}")
     if unsafe:
         lines.append(f"the linear equation says they stand, and is wrong: {', '.join(unsafe)}")
     return lines

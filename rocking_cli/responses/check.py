@@ -46,7 +46,8 @@ class Verdict:
     theta_ratio: max |theta|/alpha, None where it falls; outcome_linear: by the linear equation; friction, fz_min: the friction that
     the motion asks of the ground (impacts apart), and the least vertical force over the weight, of a rigid body whose mass centre is
     known; friction is None too where the ground lets go of it; unsettled: whether changes of the demand by a part of 1e-12 to 1e-6
-    decide whether it stands, or move theta_ratio by 0.01: after many impacts there is no other answer.
+    decide whether it stands, or move theta_ratio by 0.01: after many impacts there is no other answer; slides: whether friction is more
+    than the structure's own, where that is stated.
     """
 
     name: str
@@ -62,11 +63,12 @@ class Verdict:
     friction: float | None = None
     fz_min: float | None = None
     unsettled: bool = False
+    slides: bool = False
 
     @property
     def sentence(self) -> str:
         """The outcome in words."""
-        return f"{self.outcome.sentence}, on the last digits" if self.unsettled else self.outcome.sentence
+        return self.outcome.sentence + ", on the last digits" * self.unsettled + ", though its base would slide" * self.slides
 
     @property
     def capacity_demand(self) -> float | None:
@@ -139,6 +141,7 @@ def check(
         safe_to=acceleration(found.safe_to, *near[near > amplitude]),
         outcome_linear=Outcome(int(linear.outcome[0])),
         unsettled=bool(stands.any() and (falls.any() or np.ptp(governs.theta_ratio[stands]) > _SAME)),
+        slides=structure.friction is not None and (asked.get("friction") or 0.0) > structure.friction,
         **asked,
     )
 

@@ -9,7 +9,7 @@ import pytest
 THREE = """
 {kind: block, name: Slender, width: 0.4, height: 2}
 ---
-{kind: block, name: Stocky, width: 1, height: 2}
+{kind: block, name: Stocky, width: 1, height: 2, friction: 0.3}
 ---
 {kind: parameters, name: Stated, p: 2.1, alpha: 0.2, eta: 0.8, lambda: 0.25}
 """
@@ -43,6 +43,7 @@ def test_a_row_a_structure_the_weakest_first(rocking, three):
     assert 0.2 < falls["friction"] < 0.5
     assert (stays["friction"], stays["fz_min"]) == (pytest.approx(0.35, rel=1e-12), 1.0)
     assert done.stderr.splitlines()[0] == "1 of 3 overturn: Slender"
+    assert "would slide, their friction being less than what rocking asks for: Stocky" in done.stderr.splitlines()
 
 
 def test_the_table_speaks_the_unit_of_the_request(rocking, stated):

@@ -179,6 +179,15 @@ def test_what_takes_minutes_is_said_beforehand(monkeypatch):
     assert [line.startswith("1 search: up to roughly ") for line in told] == [True]
 
 
+def test_a_body_that_needs_more_friction_than_its_document_states_slides():
+    """A block of b/h = 1/4 under 0.3 g needs as much as lifts it, 0.25, and little more."""
+    for stated, slides in ((0.2, True), (0.25, True), (0.28, False)):
+        verdict = check(structure_of(f"kind: block\nwidth: 0.5\nheight: 2\nfriction: {stated}"), sine(), DEMAND, a_max=2.0)
+        assert (verdict.slides, verdict.friction > stated) == (slides, slides)
+        assert verdict.sentence.endswith("though its base would slide") == slides
+    assert not check(structure_of("kind: block\nwidth: 0.5\nheight: 2"), sine(), DEMAND, a_max=2.0).slides
+
+
 @pytest.mark.parametrize("searched", [False, pytest.param(True, marks=pytest.mark.soak)], ids=["beside the demand", "and in a search"])
 def test_a_demand_that_the_last_digits_decide_is_called_so(searched, monkeypatch):
     """After 160 impacts five of fifteen amplitudes within a part of 1e-6 stand."""
