@@ -1,6 +1,6 @@
 """How a structure answers a motion: an equation of motion on a contact with the ground, marched from event to event.
 
-    equations/   the forms of y'' = f - 2 zeta y': linear, rigid body, mechanism; their exact flows and Taylor series
+    equations/   the forms of y'' = f - 2 zeta y': linear, rigid body, mechanism; their exact flows, Taylor series and collocation
     contacts/    where a body lifts off, what an impact does, when bouncing ends: two sides alike, two sides unequal, one side
     march/       the engine: lanes, windows of the drive, steps, roots
     flight/      the same through records: jumps and strides over samples that are proved free of impacts

@@ -218,7 +218,7 @@ class Method:
         return "Taylor series" if self._has_series(structure) and not weighed else "a Runge-Kutta method"
 
     def _has_series(self, structure: RockingParameters) -> bool:
-        """The series in small steps know the symmetric linear oscillator; the engine of other equations is a Taylor series itself."""
+        """The series in small steps know the symmetric linear oscillator; the engine of other equations takes steps itself."""
         return self.exact and structure.plain
 
     def problem_of(self, structure: RockingParameters) -> Problem:

@@ -73,7 +73,7 @@ def work_precision(scene: PulseScene, *, sample: int = 40, scipy: int = 10, seed
         cost = (time.perf_counter() - began) / a.size
         found = response(system, one.motion, np.array([x for x, _ in cells]), np.array([y for _, y in cells]), structure.eta)
         answers = [(Outcome(int(o)), float(x)) for o, x in zip(found.outcome, found.theta_ratio, strict=True)]
-        yield _compare("rocking, exact" if tolerance is None else "rocking, Taylor series", tolerance, answers, truth, cost)
+        yield _compare("rocking, exact" if tolerance is None else "rocking, in steps", tolerance, answers, truth, cost)
 
     problem = one.method.problem_of(structure)
     for method in SCIPY_METHODS if scipy else ():

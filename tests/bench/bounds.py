@@ -17,12 +17,13 @@ from unittest import mock
 import numpy as np
 from numba import njit
 
+from rocking_cli.dynamics.equations import collocation
 from rocking_cli.dynamics.equations.flow import LinearFlow
 from rocking_cli.dynamics.equations.linear import LinearEquation
 from rocking_cli.dynamics.equations.mechanism import _SHIFT, MechanismEquation
 from rocking_cli.dynamics.equations.rigid_body import RigidBodyEquation
 from rocking_cli.dynamics.equations.summed_flow import _PAIRS, SHORT, SummedFlow
-from rocking_cli.dynamics.equations.taylor import TaylorSeries
+from rocking_cli.dynamics.equations.taylor import TaylorSeries, order_for
 
 OPERATIONS = ("product and sum", "division", "tangent", "sinh", "root")
 NEAR, WIDE = 1024, 8192  # elements of blocks that the first and the second cache hold; a call of NumPy wants the wider one
@@ -59,10 +60,19 @@ def body_series(equation: RigidBodyEquation, segments: Any, lanes: Any) -> Count
     return size * int((2 * n + (n + 1) + 6).sum()), size, 2 * size, 0, 0
 
 
-def mechanism_series(equation: MechanismEquation, segments: Any, lanes: Any) -> Counts:
+def mechanism_series(equation: MechanismEquation, y: Array, segments: Any, lanes: Any) -> Counts:
     """Those of a mechanism's: F and G moved to y, powers of y - y0, F and G along the motion, the drive by G."""
-    size, n = lanes.y.size, np.arange(equation.order - 1)
+    size, n = lanes.y.size, np.arange(len(y) - 2)
     return size * int((2 * _SHIFT + n * (n - 1) // 2 + 2 * n + (n + 1) + 6).sum()), size, size, 0, 0
+
+
+def step(marks: Any, tolerance: float, segments: Any, lanes: Any, *_: Any) -> Counts:
+    """Those of a mechanism's step by collocation: the drive at its points, F and G there, sweeps, and terms of what they come to."""
+    points, size, harmonics = order_for(tolerance, collocation._POINTS), lanes.y.size, segments.harmonics
+    sweeps, last = (points + 1) * points, (points - 1) // 4
+    forces = points * (collocation._COARSE * 5 + 2 * 9 + 7 + 2 * last + 5 * harmonics)
+    whole = forces + (collocation._COARSE + 2 + last) * sweeps + 3 * sweeps // 2
+    return size * whole, size * points * harmonics, size * points * harmonics, 0, 0
 
 
 def of_series(flow: TaylorSeries, h: Array) -> Counts:
@@ -78,7 +88,8 @@ COUNTED = (
     (TaylorSeries, "at", of_series),
     (LinearEquation, "flow", arc),
     (RigidBodyEquation, "flow", body_series),
-    (MechanismEquation, "flow", mechanism_series),
+    (MechanismEquation, "_fill", mechanism_series),
+    (collocation, "_step", step),
 )
 
 

@@ -6,8 +6,10 @@ rest F0 and G0, y = q p^2/(g F0) and a the outward drive over lambda g,
     y'' = -F(y)/F0 + a G(y)/G0 - 2 zeta y'
 
 F and G are tabulated once, as power series in y about the centres of patches that are short against the distance to the
-linkage's nearest lock-up; a step composes the local series with that of y. F/G = lambda(phi) falls all the way (checked), which is what
-the sign tests of `windows` ask; where it no longer falls, or has come to -50 times its value at rest, the structure has collapsed.
+linkage's nearest lock-up. A step is found by collocation (`collocation`); where the body is damped, its weight varies, the motion is a
+sum of many sinusoids or the tolerance is too tight for that, it composes the local series with that of y. F/G = lambda(phi) falls all
+the way (checked), which is what the sign tests of `windows` ask; where it no longer falls, or has come to -50 times its value at rest, the
+structure has collapsed.
 """
 
 from __future__ import annotations
@@ -23,18 +25,20 @@ from ...motions.segments import Segments
 from ...structures.kinematics import Mechanism
 from ..lanes import Lanes
 from ..weight import WeighedSegments
+from .collocation import collocated
 from .energy import falls_by_energy
 from .equation import Ramp
 from .patches import DEGREE, inverse, largest, tabulate
 from .ramp import MOST_TERMS, ramp_flow
-from .taylor import Show, TaylorSeries, blocks, drive_series, order_for, powers, series, weighed_series
+from .taylor import LOCAL, Show, TaylorSeries, blocks, drive_series, longest, order_for, powers, series, weighed_series
 
 Array = np.ndarray
 
-_SHIFT = 6  # powers of x that a narrow patch's series is shifted with
+_SHIFT = 4  # powers of x that a narrow patch's series is shifted with
 _TOGETHER = 3  # powers of the series that are raised in one sum
 _MARKS, _NEAR = 2048, 4  # marks of a finer table: within half their distance powers above the 4th are below 1e-13
 _CHOOSE = np.array([[math.comb(j + k, k) for j in range(MOST_TERMS)] for k in range(_NEAR + 1)], dtype=float)
+_LEFT = 0.1  # of a step's error that the series about marks may leave out
 _MARGIN = 1e-6  # energy beyond a barrier from which overturning is certain, whatever the table's interpolation
 _FACTORIALS = np.array([[float(math.factorial(k))] for k in range(DEGREE + 1)])
 
@@ -46,7 +50,7 @@ class MechanismEquation:
     way there, or when the tolerance is not between 1e-13 and 1e-2.
     """
 
-    pool = 8192  # lanes: fewer rounds; the series are built in blocks of them
+    pool = 16384  # lanes: fewer rounds; the series are built in blocks of them
     uplift_amplitude = 1.0
     bounded = False
 
@@ -80,17 +84,30 @@ class MechanismEquation:
         return self
 
     def flow(self, segments: Segments, lanes: Lanes) -> TaylorSeries:
-        """The series of every lane: those of F and G about its y, composed with the series of y."""
+        """The motion of every lane over a step, as terms of a series."""
         if segments.straight:
             return ramp_flow(self, segments, lanes)
+        if self._marked_closely and segments.table is None and not isinstance(segments, WeighedSegments):
+            found, lost = collocated(self.table.marks, self.tolerance, segments, lanes)
+            if lost.size:
+                terms = np.empty((len(found.terms), lost.size))
+                self._fill(terms, segments, lanes.take(lost))
+                found.terms[:, lost], found.unit[lost] = terms, 1.0 / found.fastest[lost]
+                found.longest[lost] = longest(terms, found.fastest[lost], self.tolerance)
+            return found
         y, fastest = np.empty((self.order + 1, lanes.y.size)), np.empty(lanes.y.size)
         for block in blocks(lanes.y.size):
             fastest[block] = self._fill(y[:, block], segments, lanes.take(block))
         return series(y, fastest, self.tolerance, self.damping)
 
+    @cached_property
+    def _marked_closely(self) -> bool:
+        """Whether arcs are found by collocation: undamped ones, to a tolerance that the series about marks keep."""
+        return not self.damping and self.table.marks.left <= _LEFT * LOCAL * self.tolerance
+
     def _fill(self, y: Array, segments: Segments, lanes: Lanes) -> Array:
         """Fill (order + 1, lanes) with the terms of y; returns the rate in whose powers they are."""
-        count = self.order - 1
+        count = len(y) - 2
         weight: Array | None = None
         if isinstance(segments, WeighedSegments):
             known, weight = weighed_series(segments, lanes, count)

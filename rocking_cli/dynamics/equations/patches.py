@@ -7,7 +7,7 @@ a value takes a few terms.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 
 import numpy as np
 
@@ -16,13 +16,53 @@ from ...structures.kinematics import Mechanism, linearise
 Array = np.ndarray
 
 DEGREE = 28  # of a patch's series
-_PARTS = 64  # narrow patches that one is cut into
-_TERMS = 10  # of a narrow patch's series for a value: x is below 1/128 there, and x^9 is 1e-19
+_PARTS = 512  # narrow patches that one is cut into
+_TERMS = 6  # of a narrow patch's series for a value: x is below 1/1024 there, and x^6 is 1e-18
+_MARKS, _POWERS = 2048, 4  # marks beside each other, and powers of the series about one
+_BEYOND = 0.45  # of a patch's fitted half width that marks go on beyond its end; half of it is as far as it was fitted
 _COLLAPSED = -50.0  # lambda(phi) / lambda(0): no drive below 50 times the uplift's brings the structure back from there
+_CLOSE = 1e-9  # a Newton step this short, of all the way, leaves an error of its square
 _WIDEN = 2.0  # a patch's series is fitted on this times its width
 # A Chebyshev coefficient below this is rounding: values are of order one, and come from the linkage to 1e-14, or to 1e-15 over
 # lambda where that is small, since V' is then a small difference.
 _SMALL = 3e-14
+
+
+@dataclass(frozen=True)
+class Marks:
+    """F/F0 and G/G0 about equal marks, so close that `_POWERS` powers do: the lowest mark, their step, (2, powers, marks) coefficients
+    of powers of y less the mark, and the half width of the patch at each; left: what the next power comes to two steps away."""
+
+    low: float
+    step: float
+    rows: Array
+    halves: Array
+    left: float
+
+    def at(self, y: Array) -> Array:
+        """The nearest mark, or the last one."""
+        place = y - self.low
+        place *= 1.0 / self.step
+        np.rint(place, out=place)
+        return np.clip(place, 0.0, self.halves.size - 1.0, out=place).astype(np.int64)
+
+    def beside(self, y: Array) -> tuple[Array, Array]:
+        """(the nearest mark's y, its coefficients), for y of any shape."""
+        at = self.at(y)
+        return self.low + at * self.step, self.rows.take(at, axis=2)
+
+    def about(self, y: Array) -> Array:
+        """(2, 3, lanes): value, slope and half the bend of either at each y."""
+        near, c = self.beside(y)
+        x = y - near
+        for first in range(3):
+            for k in range(_POWERS - 1, first - 1, -1):
+                c[:, k] += x * c[:, k + 1]
+        return c[:, :3]
+
+    def half(self, y: Array) -> Array:
+        """Half the width that was fitted, of the patch at each y."""
+        return self.halves.take(self.at(y))
 
 
 @dataclass(frozen=True)
@@ -44,14 +84,28 @@ class Patches:
 
     def of(self, y: Array) -> tuple[Array, Array]:
         """(patch, argument of its series) of each displacement."""
-        at = np.clip(np.searchsorted(self.edges, y, side="right") - 1, 0, self.centre.size - 1)
-        return at, (y - self.centre[at]) / self.half[at]
+        at = np.searchsorted(self.edges[1:-1], y, side="right")
+        return at, (y - self.centre.take(at)) / self.half.take(at)
+
+    @cached_property
+    def marks(self) -> Marks:
+        """The same functions about marks from below the ground, where an arc may end, to beyond the last patch: as far as was fitted."""
+        low, high = (end + _BEYOND * width for end, width in zip(self.edges[[0, -1]], (-self.half[0], self.half[-1]), strict=True))
+        y, step = np.linspace(low, high, _MARKS + 1, retstep=True)
+        at, x = self.of(y)
+        rows = np.stack([self.lift[:, at], self.push[:, at]])
+        for first in range(_POWERS + 2):  # Horner's rule, repeated
+            for n in range(DEGREE - 1, first - 1, -1):
+                rows[:, n] += x * rows[:, n + 1]
+        rows = rows[:, : _POWERS + 2] / self.half[at] ** np.arange(_POWERS + 2)[:, None]
+        left = np.abs(rows[:, -1]).max() * (2.0 * step) ** (_POWERS + 1)
+        return Marks(float(low), float(step), np.ascontiguousarray(rows[:, :-1]), self.half[at], float(left))
 
     def value(self, coefficients: Array, y: Array) -> Array:
         """A tabulated function at y."""
         at, x = self.of(y)
-        total = np.zeros_like(x)
-        for row in coefficients[_TERMS - 1 :: -1]:
+        total = coefficients[_TERMS - 1].take(at)
+        for row in coefficients[_TERMS - 2 :: -1]:
             total *= x
             total += row.take(at)
         return total
@@ -59,10 +113,11 @@ class Patches:
     def slope(self, coefficients: Array, y: Array) -> Array:
         """Its derivative."""
         at, x = self.of(y)
-        total = np.zeros_like(x)
-        for n in range(_TERMS - 1, 0, -1):
-            total = total * x + n * coefficients[n][at]
-        return total / self.half[at]
+        total = (_TERMS - 1) * coefficients[_TERMS - 1].take(at)
+        for n in range(_TERMS - 2, 0, -1):
+            total *= x
+            total += n * coefficients[n].take(at)
+        return total / self.half.take(at)
 
 
 def largest(table: Patches, coefficients: Array) -> float:
@@ -72,12 +127,14 @@ def largest(table: Patches, coefficients: Array) -> float:
 
 
 def inverse(table: Patches, coefficients: Array, value: Array, high: float) -> Array:
-    """y in [0, high] where a rising function has a value: Newton's method inside a bracket that only shrinks."""
+    """y in [0, high] where a rising function has a value: Newton's method inside a bracket that only shrinks, from its chord on."""
     shape, value = np.shape(value), np.atleast_1d(np.asarray(value, dtype=float))
     nodes = np.linspace(0.0, high, 513)
-    at = np.clip(np.searchsorted(table.value(coefficients, nodes), value) - 1, 0, nodes.size - 2)
-    a, b = nodes[at], nodes[at + 1]
-    y = 0.5 * (a + b)
+    known = table.value(coefficients, nodes)
+    at = np.searchsorted(known[1:-1], value)
+    a, b = nodes.take(at), nodes.take(at + 1)
+    low, top = known.take(at), known.take(at + 1)
+    y = np.clip(a + (value - low) / (top - low) * (b - a), a, b)
     lanes = np.flatnonzero(~np.isnan(value))
     for _ in range(60):
         if not lanes.size:
@@ -89,7 +146,8 @@ def inverse(table: Patches, coefficients: Array, value: Array, high: float) -> A
             newton = here - gap / table.slope(coefficients, here)
         inside = (newton >= a[lanes]) & (newton <= b[lanes])
         y[lanes] = np.where(inside, newton, 0.5 * (a[lanes] + b[lanes]))
-        lanes = lanes[(np.abs(y[lanes] - here) > 1e-15 * high) & (b[lanes] - a[lanes] > 1e-15 * high)]
+        step = np.abs(y[lanes] - here)
+        lanes = lanes[(step > np.where(inside, _CLOSE, 1e-15) * high) & (b[lanes] - a[lanes] > 1e-15 * high)]
     return np.where(np.isnan(value), np.nan, y).reshape(shape)
 
 

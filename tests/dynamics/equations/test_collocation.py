@@ -1,0 +1,145 @@
+"""Steps of a mechanism by collocation: the rule of their points, arcs against another integration, and what is not left standing."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from rocking_cli import build_structure, parse_documents, pulse, sine
+from rocking_cli.dynamics.equations import collocation
+from rocking_cli.dynamics.equations.mechanism import MechanismEquation
+from rocking_cli.dynamics.lanes import Lanes
+from rocking_cli.dynamics.system import System
+
+ARCHES = {
+    "voussoirs": "radius: 10 m\nthickness: 1.5 m\nangle: 157.5 deg\nvoussoirs: 7",
+    "thick": "radius: 10 m\nthickness: 2.5 m\nangle: 150 deg",
+    "barely stands": "radius: 10 m\nthickness: 1.09 m\nangle: 180 deg",
+}
+
+
+def mechanism(name):
+    (document,) = parse_documents(f"kind: arch\n{ARCHES[name]}\nrestitution: 0.8")
+    return build_structure(document).mechanism
+
+
+def lanes_of(equation, segments, count, seed):
+    """Bodies on either side, at any phase of the motion, as fast as they may come to be, with the force that acts on them."""
+    random = np.random.default_rng(seed)
+    k = random.integers(0, len(segments), count)
+    u, side = random.uniform(0.0, segments.length[k]), random.choice([-1.0, 1.0], count)
+    amplitude, omega = random.uniform(1.0, 12.0, count), random.uniform(0.5, 12.0, count)
+    y, v = random.uniform(0.0, min(2.5, 0.5 * equation.limit), count), random.uniform(-3.0, 3.0, count)
+    here = segments.s_start[k] + segments.sin[0, k] * (np.cos(u) - 1.0) + segments.cos[0, k] * np.sin(u)
+    b, none = equation.force(y, -side * amplitude * here), np.zeros(count, dtype=np.int32)
+    return Lanes(np.arange(count), amplitude, omega, np.ones(count), k, u, side, y, v, b, np.zeros(count), none, none)
+
+
+@pytest.mark.parametrize("count", [8, 14, 17])
+def test_points_integrate_every_power_that_they_hold(count):
+    rule, n = collocation.points(count), np.arange(count + 1)[:, None]
+    t = np.append(0.0, rule.at)
+    twice = t ** (n + 2) / ((n + 1) * (n + 2))
+    assert np.abs(t**n @ rule.twice.T - twice[:, 1:]).max() < 1e-15
+    assert np.abs((t**n @ rule.chebyshev.T @ rule.terms.T) @ t ** (n + 2) - twice).max() < 1e-14
+
+
+@pytest.mark.parametrize("name", ARCHES)
+@pytest.mark.parametrize("tolerance", [1e-4, 1e-9])
+def test_arcs_are_those_of_another_integration(name, tolerance):
+    equation = MechanismEquation(mechanism(name), tolerance)
+    segments = System(equation).segments(sine())
+    lanes = lanes_of(equation, segments, 30, 7)
+    arc = equation.flow(segments, lanes)
+    assert len(arc.terms) < equation.order + 1  # no series of Taylor's
+    looked = 0
+    for i in range(lanes.y.size):
+        one = arc.take(np.full(3, i))
+        times = np.array([0.2, 0.6, 1.0]) * arc.longest[i]
+        point, state, begin = one.at(times), [lanes.y[i], lanes.v[i]], 0.0
+
+        def rate(tau, state, i=i):
+            k, u = lanes.k[i], lanes.u[i] + lanes.omega[i] * tau
+            s = segments.s_start[k] + segments.sin[0, k] * (np.cos(u) - 1.0) + segments.cos[0, k] * np.sin(u)
+            return [state[1], float(equation.force(state[:1], -lanes.side[i] * lanes.amplitude[i] * s)[0])]
+
+        for y, v, end in zip(point.y, point.v, times, strict=True):
+            state = solve_ivp(rate, (begin, end), state, method="DOP853", rtol=1e-12, atol=1e-13).y[:, -1]
+            begin = end
+            if state[0] < 0.0:  # below the ground, where `force` is not asked
+                break
+            assert y == pytest.approx(state[0], rel=0, abs=0.3 * tolerance * arc.longest[i] + 1e-12)
+            assert v == pytest.approx(state[1], rel=0, abs=0.3 * tolerance + 1e-12)
+            looked += 1
+    assert looked > 40
+
+
+def followed(equation, segments, lanes, until):
+    """y and v of every lane after these times, NaN where it has been below the ground."""
+    left, above = until.copy(), np.ones(until.shape, dtype=bool)
+    lanes = lanes.take(slice(None))
+    while left.any():
+        arc = equation.flow(segments, lanes)
+        h = np.minimum(np.minimum(arc.longest, left), 0.2 / (1.0 + np.abs(lanes.v)))  # inside the patch that a series is of
+        there = arc.at(h)
+        left -= h
+        lanes.u, lanes.y, lanes.v, lanes.b = lanes.u + h * lanes.omega, there.y, there.v, there.b
+        above &= there.y >= 0.0
+        left[~above] = 0.0
+    return np.where(above, lanes.y, np.nan), np.where(above, lanes.v, np.nan)
+
+
+@pytest.mark.parametrize(
+    ("name", "too"),
+    [
+        ("voussoirs", {}), ("voussoirs", {"_BEND": 2.0}), ("voussoirs", {"_FAR": 20.0}), ("voussoirs", {"_COARSE": 0}),
+        ("voussoirs", {"_FAR": 20.0, "_HALVED": 0}), ("barely stands", {"_STIFF": 30.0, "_BEND": 1.0}),
+    ],
+)  # fmt: skip
+def test_steps_that_are_too_long_are_halved_or_left_to_series(name, too, monkeypatch):
+    equation, closely = (MechanismEquation(mechanism(name), tolerance) for tolerance in (1e-9, 1e-12))
+    segments = System(equation).segments(sine())
+    lanes = lanes_of(equation, segments, 3000, 3)
+    for key, value in too.items():
+        monkeypatch.setattr(collocation, key, value)
+    arc = equation.flow(segments, lanes)
+    found = arc.at(arc.longest)
+    y, v = followed(closely, segments, lanes, arc.longest)
+    assert np.isfinite(y).sum() > 1500
+    assert np.nanmax(np.abs(found.y - y) / arc.longest) < 0.05 * equation.tolerance
+    assert np.nanmax(np.abs(found.v - v)) < 0.05 * equation.tolerance
+
+
+def test_series_take_what_marks_or_points_do_not_hold():
+    arch, lanes = mechanism("voussoirs"), None
+    for tolerance, damping, motion in ((1e-12, 0.0, sine()), (1e-9, 0.1, sine()), (1e-9, 0.0, pulse("ricker-symmetric"))):
+        equation = MechanismEquation(arch, tolerance, damping)
+        segments = System(equation).segments(motion)
+        lanes = lanes_of(MechanismEquation(arch), System(equation).segments(sine()), 3, 1)
+        lanes.k, lanes.u = np.zeros(3, dtype=np.int64), np.zeros(3)
+        assert len(equation.flow(segments, lanes).terms) == equation.order + 1
+
+
+def test_marks_have_the_values_of_the_patches():
+    table = MechanismEquation(mechanism("thick")).table
+    y = np.linspace(0.0, table.edges[-1], 10_001)
+    near, rows = table.marks.beside(y)
+    assert np.abs(y - near).max() <= 0.5 * table.marks.step * (1.0 + 1e-9)
+    found = np.einsum("fkl,kl->fl", rows, (y - near) ** np.arange(5)[:, None])
+    for values, function in zip(found, (table.lift, table.push), strict=True):
+        assert np.abs(values - table.value(function, y)).max() < 1e-13
+    for values, function in zip(table.marks.about(y)[:, 1], (table.lift, table.push), strict=True):
+        assert np.abs(values - table.slope(function, y)).max() < 1e-10
+
+
+def test_no_bit_of_a_lane_hangs_on_the_others():
+    """2049 lanes: a block, and one lane beside it."""
+    equation = MechanismEquation(mechanism("voussoirs"))
+    segments = System(equation).segments(sine())
+    lanes = lanes_of(equation, segments, 2049, 5)
+    whole = equation.flow(segments, lanes)
+    for some in (np.arange(2000, 2049), np.array([2048]), np.array([17])):
+        part = equation.flow(segments, lanes.take(some))
+        assert np.array_equal(part.terms, whole.terms[:, some])
+        assert np.array_equal(part.longest, whole.longest[some])
