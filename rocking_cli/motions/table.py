@@ -22,6 +22,7 @@ DEGREE = 17
 _LEFT_OUT = 1e-17  # of a polynomial, over the peak of the motion
 _MOST_PATCHES = 50_000  # beyond them the sinusoids are summed one by one
 _NODES = 64  # of the inverse, from each end of a segment to the middle of its rise
+_HALVINGS, _SHORT = 50, 1e-9  # at most, and a step of Halley's method, over the segment, that leaves nothing
 
 
 class Near(NamedTuple):
@@ -148,14 +149,25 @@ def patches_of(segments: Segments) -> Array | None:
 
 
 def _inverse(segments: Segments, table: Table) -> Array:
-    """(K, 2, _NODES + 2) phases at the nodes, by bisection."""
+    """(K, 2, _NODES + 2) phases at the nodes, by Halley's method inside brackets."""
     t = np.sqrt(0.5) / _NODES * np.arange(_NODES + 2.0)
-    share = np.minimum(1.0, np.stack([t * t, 1.0 - t * t]))[None] + np.zeros((len(segments), 1, 1))
+    at = 2.0 / np.pi * np.arcsin(t)  # between two extremes of one sinusoid
+    at, share = (np.stack([x, 1.0 - x]) * np.ones((len(segments), 1, 1)) for x in (at, t * t))
     k = np.broadcast_to(np.arange(len(segments))[:, None, None], share.shape).ravel()
-    low, high = np.zeros(k.size), segments.length[k]
-    rise, wanted = segments.s_end[k] - segments.s_start[k], share.ravel()
-    for _ in range(50):
-        middle = 0.5 * (low + high)
-        before = table.change(k, middle) * np.sign(rise) < wanted * np.abs(rise)
-        low, high = np.where(before, middle, low), np.where(before, high, middle)
-    return (0.5 * (low + high)).reshape(share.shape)
+    length, rise = segments.length[k], segments.s_end[k] - segments.s_start[k]
+    at, wanted, sense = at.ravel() * length, share.ravel() * np.abs(rise), np.sign(rise)
+    low, high = np.where(share.ravel() == 1.0, length, 0.0), np.where(share.ravel() == 0.0, 0.0, length)  # the ends are known
+    found, lanes = at.copy(), np.arange(k.size)
+    for _ in range(_HALVINGS):
+        near = table.near(k[lanes], at)
+        gap = near.change * sense[lanes] - wanted[lanes]
+        low, high = np.where(gap < 0.0, at, low), np.where(gap < 0.0, high, at)
+        with np.errstate(all="ignore"):
+            target = at - gap / (near.rate * sense[lanes] - 0.5 * gap * near.bend / near.rate)
+        before, at = at, np.where((target >= low) & (target <= high), target, 0.5 * (low + high))
+        found[lanes] = at
+        (going,) = (np.abs(at - before) > _SHORT * length[lanes]).nonzero()
+        if not going.size:
+            break
+        lanes, at, low, high = lanes[going], at[going], low[going], high[going]
+    return found.reshape(share.shape)
