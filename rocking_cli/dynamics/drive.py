@@ -43,8 +43,8 @@ def crossing(segments: Segments, k: Array, level: Array) -> Array:
 
 def summed(rows: Array) -> Array:
     """Sum of (terms, lanes) over the terms, one after the other: NumPy's own order depends on the number of lanes."""
-    total = np.zeros(rows.shape[1:])
-    for row in rows:
+    total = rows[0].copy() if len(rows) else np.zeros(rows.shape[1:])
+    for row in rows[1:]:
         total += row
     return total
 
@@ -53,13 +53,21 @@ def segment_value(segments: Segments, k: Array, u: Array) -> tuple[Array, Array,
     """s - s(segment start), and the harmonics' sine and cosine parts (harmonics, lanes), at phase u of segment k."""
     sin, cos, w = (x.take(k, axis=1) for x in (segments.sin, segments.cos, segments.frequency))  # [:, k] would lie lane by lane
     half = np.tan(0.5 * (w * u))
-    half2 = half * half
-    over = 1.0 / (1.0 + half2)
-    cosm, sinw = 2.0 * half2 * over, 2.0 * half * over
-    change = summed(cos * sinw - sin * cosm)
+    cosm = half * half
+    over = 2.0 / (1.0 + cosm)
+    half *= over  # sin(w u)
+    cosm *= over  # 1 - cos(w u)
+    into, from_ = cos * half, sin * cosm
+    change = summed(into - from_)
     if segments.sloped:
-        change = change + segments.slope[k] * u
-    return change, sin - sin * cosm + cos * sinw, cos - cos * cosm - sin * sinw
+        change += segments.slope[k] * u
+    np.subtract(sin, from_, out=from_)
+    from_ += into
+    cosm *= cos
+    half *= sin
+    np.subtract(cos, cosm, out=cosm)
+    cosm -= half
+    return change, from_, cosm
 
 
 def drive_change(segments: Segments, k: Array, u: Array) -> Array:

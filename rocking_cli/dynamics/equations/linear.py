@@ -78,10 +78,10 @@ class LinearEquation:
 
     def _series(self, segments: WeighedSegments, lanes: Lanes) -> TaylorSeries:
         order = order_for(WEIGHED)
-        known, weight = weighed_series(segments, lanes, order - 1)
+        known = weighed_series(segments, lanes, order - 1)
+        weight, drive = known.terms.swapaxes(0, 1)
         unit2 = known.unit * known.unit
-        drive = known.terms
-        drive[0] = lanes.b + weight[0] * (1.0 - lanes.y)
+        drive[0] = unit2 * lanes.b + weight[0] * (1.0 - lanes.y)
         y = np.empty((order + 1, lanes.y.size))
         y[0] = lanes.y
         np.multiply(lanes.v, known.unit, out=y[1])
@@ -90,7 +90,6 @@ class LinearEquation:
         for n in range(order - 1):
             above[n + 1] = y[n + 1]
             pushed = drive[n] + np.einsum("il,il->l", weight[: n + 1], above[n::-1])
-            pushed *= unit2
             if self.damping:
                 pushed -= (2.0 * self.damping * (n + 1)) * known.unit * y[n + 1]
             np.multiply(pushed, 1.0 / ((n + 1) * (n + 2)), out=y[n + 2])

@@ -30,7 +30,7 @@ from .energy import falls_by_energy
 from .equation import Ramp
 from .patches import DEGREE, inverse, largest, tabulate
 from .ramp import MOST_TERMS, ramp_flow
-from .taylor import LOCAL, Show, TaylorSeries, blocks, drive_series, longest, order_for, powers, series, weighed_series
+from .taylor import LOCAL, Show, TaylorSeries, blocks, drive_series, longest, order_for, powers, series
 
 Array = np.ndarray
 
@@ -108,19 +108,15 @@ class MechanismEquation:
     def _fill(self, y: Array, segments: Segments, lanes: Lanes) -> Array:
         """Fill (order + 1, lanes) with the terms of y; returns the rate in whose powers they are."""
         count = len(y) - 2
-        weight: Array | None = None
-        if isinstance(segments, WeighedSegments):
-            known, weight = weighed_series(segments, lanes, count)
-        else:
-            known = drive_series(segments, lanes, count)
+        known = drive_series(segments, lanes, count)
+        weight, drive = known.parts
         table = self.table
         at, x = table.of(lanes.y)
         lift, push = self._local(at, x, count)
-        drive = known.terms
-        drive[0] = (lanes.b + (lift[0] if weight is None else weight[0] * lift[0])) / push[0]
         unit2 = known.unit * known.unit
-        drive *= unit2
-        lift *= unit2
+        if weight is None:
+            lift *= unit2
+        drive[0] = (unit2 * lanes.b + lift[0] * (1.0 if weight is None else weight[0])) / push[0]
         over = 1.0 / table.half[at]
         y[0] = lanes.y
         np.multiply(lanes.v, known.unit, out=y[1])

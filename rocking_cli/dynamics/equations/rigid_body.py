@@ -20,11 +20,10 @@ import numpy as np
 from ...motions.segments import Segments
 from ...structures.parameters import LEAST_ALPHA
 from ..lanes import Lanes
-from ..weight import WeighedSegments
 from .energy import falls_by_energy
 from .equation import Ramp
 from .ramp import ramp_flow
-from .taylor import Show, TaylorSeries, Turn, blocks, drive_series, longest, order_for, weighed_series
+from .taylor import Show, TaylorSeries, Turn, blocks, drive_series, longest, order_for
 
 Array = np.ndarray
 
@@ -115,50 +114,42 @@ class RigidBodyEquation:
 
     def _fill(self, y: Array, segments: Segments, lanes: Lanes) -> tuple[Array, Turn]:
         """Fill (order + 1, lanes) with the terms of y; returns the rate in whose powers they are, and how the body turns."""
-        order = self.order
-        weight: Array | None = None
-        if isinstance(segments, WeighedSegments):
-            known, weight = weighed_series(segments, lanes, order - 1)
-        else:
-            known = drive_series(segments, lanes, order - 1)
-        turn = np.empty((order, 2, lanes.y.size))  # sin z, cos z
-        rate = np.empty_like(y)  # n z_n, for the recurrences of sin z and cos z
-        both, pushed, fallen = np.empty_like(turn[0]), np.empty_like(y[0]), np.empty_like(y[0])
+        if lanes.y.size == 1:  # NumPy sums a single lane in another order: no digit may depend on a lane's neighbours
+            twice = np.empty((len(y), 2))
+            fastest, pair = self._fill(twice, segments, lanes.take(np.zeros(2, dtype=np.int64)))
+            y[:] = twice[:, :1]
+            return fastest[:1], pair.first()
+        order, known = self.order, drive_series(segments, lanes, self.order - 2, -self.tan)
+        unit2 = known.unit * known.unit
+        turn = np.empty((order - 1, 2, lanes.y.size))
+        rate, both = np.empty_like(y), np.empty_like(turn[0])  # n z_n
+        (sin, cos), (by_sin, by_cos) = turn.swapaxes(0, 1), both  # of z
         half = np.tan(0.5 * (self.alpha - self.sin * lanes.y))
         over = 1.0 / (1.0 + half * half)
-        turn[0, 0] = 2.0 * half * over
-        turn[0, 1] = (1.0 - half * half) * over
-        unit2 = known.unit * known.unit
-        back = unit2 / self.sin
-        drive = known.terms
-        # The drive now, from the force that the lane carries: at uplift it is 1 to the last bit.
-        falling = turn[0, 0] / self.sin
-        drive[0] = (lanes.b + (falling if weight is None else weight[0] * falling)) * self.cos / turn[0, 1]
-        drive *= unit2 / self.cos
+        sin[0] = 2.0 * half * over
+        cos[0] = (1.0 - half * half) * over
+        pushed = unit2 * lanes.b * -self.sin  # z'' as the lane carries it: at uplift it is 0 to the last bit
+        weight, drive = known.parts
+        drive[0] = (pushed - (unit2 if weight is None else weight[0]) * sin[0]) / cos[0]
         y[0] = lanes.y
         np.multiply(lanes.v, known.unit, out=y[1])
+        np.multiply(y[1], -self.sin, out=rate[1])
         for n in range(order - 1):
             if n:
-                np.multiply(y[n], -self.sin * n, out=rate[n])
                 np.einsum("il,ijl->jl", rate[1 : n + 1], turn[n - 1 :: -1], out=both)
-                np.multiply(both[1], 1.0 / n, out=turn[n, 0])
-                np.multiply(both[0], -1.0 / n, out=turn[n, 1])
-            np.einsum("il,il->l", drive[: n + 1], turn[n::-1, 1], out=pushed)
-            if weight is None:
-                np.multiply(back, turn[n, 0], out=fallen)
-            else:
-                np.einsum("il,il->l", weight[: n + 1], turn[n::-1, 0], out=fallen)
-                fallen *= back
-            pushed -= fallen
+                np.multiply(by_cos, 1.0 / n, out=sin[n])
+                np.multiply(by_sin, -1.0 / n, out=cos[n])
+                if weight is None:
+                    np.einsum("il,il->l", drive[: n + 1], cos[n::-1], out=pushed)
+                    pushed += np.multiply(unit2, sin[n], out=half)
+                else:
+                    np.einsum("ijl,ijl->l", known.terms[: n + 1], turn[n::-1], out=pushed)
             if self.damping:
-                pushed -= (2.0 * self.damping * (n + 1)) * known.unit * y[n + 1]
-            np.multiply(pushed, 1.0 / ((n + 1) * (n + 2)), out=y[n + 2])
-        if self._show is not None:
-            drive *= self.sin
-            if weight is not None:
-                weight *= unit2
+                pushed -= 2.0 * self.damping * known.unit * rate[n + 1]
+            np.multiply(pushed, 1.0 / (n + 1), out=rate[n + 2])
+        np.multiply(rate[2:], 1.0 / (np.arange(2.0, order + 1.0)[:, None] * -self.sin), out=y[2:])
         reach = longest(y, known.fastest, self.tolerance)
-        return known.fastest, Turn(turn[:-1], drive[:-3], None if weight is None else weight[:-3], known.unit, reach)
+        return known.fastest, Turn(turn, drive[:-2], None if weight is None else weight[:-2], known.unit, reach)
 
     def ramp_terms(self, y: Array, v: Array, ramp: Ramp) -> Array:
         """Terms of y under a straight line: those of sin z/sin(alpha) and cos z/cos(alpha) follow from each other."""

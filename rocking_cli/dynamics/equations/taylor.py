@@ -29,7 +29,7 @@ LOWEST, HIGHEST = 1e-13, 1e-2  # tolerances that are accepted
 
 class Turn(NamedTuple):
     """What the forces of a rigid body on the ground are made of, in terms of (h / unit)^n: sin z and cos z, (terms, 2, lanes), and unit^2
-    times the outward push over g and the weight over m g, (terms - 2, lanes), no weight where that is steady; unit and how far they may be
+    times the inward push over g and the weight over m g, (terms - 2, lanes), no weight where that is steady; unit and how far they may be
     used [tau], (lanes,)."""
 
     turn: Array
@@ -37,6 +37,11 @@ class Turn(NamedTuple):
     weight: Array | None
     unit: Array
     longest: Array
+
+    def first(self) -> Turn:
+        """Of the first lane alone."""
+        weight = None if self.weight is None else self.weight[:, :1]
+        return Turn(self.turn[..., :1], self.push[:, :1], weight, self.unit[:1], self.longest[:1])
 
 
 Show = Callable[[Lanes, Turn], Any]  # of the lanes of a block
@@ -140,11 +145,17 @@ def _falling_factors(count: int) -> Array:
 
 
 class Drive(NamedTuple):
-    """TaylorSeries of the outward drive, without its first term: (terms, lanes) in powers of h / unit, and that unit."""
+    """unit^2 times the TaylorSeries of the outward drive, without its first term, in powers of h / unit: (terms, lanes), or with the weight
+    over m g before it, whole, (terms, 2, lanes); and that unit."""
 
     terms: Array
     unit: Array
     fastest: Array
+
+    @property
+    def parts(self) -> tuple[Array | None, Array]:
+        """The terms of the weight, None where it is steady, and those of the drive."""
+        return (self.terms[:, 0], self.terms[:, 1]) if self.terms.ndim == 3 else (None, self.terms)
 
 
 def order_for(tolerance: float, terms: float = 0.98) -> int:
@@ -154,45 +165,57 @@ def order_for(tolerance: float, terms: float = 0.98) -> int:
     return max(8, math.ceil(-terms * math.log(tolerance * LOCAL)))
 
 
-def drive_series(segments: Segments, lanes: Lanes, order: int) -> Drive:
-    """Terms 1 ... order of the drive. The first, the drive now, follows from the force that a lane carries."""
+def drive_series(segments: Segments, lanes: Lanes, order: int, gain: Array | float = 1.0) -> Drive:
+    """Terms 1 ... order of the drive times `gain`, and those of the weight where it varies. The first, the drive now, follows from the
+    force that a lane carries."""
+    if isinstance(segments, WeighedSegments):
+        return weighed_series(segments, lanes, order, gain)
     w = segments.frequency.take(lanes.k, axis=1) * lanes.omega
     fastest = 1.0 + w.max(axis=0, initial=0.0)
-    here = segment_value(segments, lanes.k, lanes.u)
-    return Drive(_terms(segments, lanes, here, -lanes.side * lanes.amplitude, w, 1.0 / fastest, order), 1.0 / fastest, fastest)
+    unit, terms = 1.0 / fastest, np.empty((order + 1, lanes.u.size))
+    _fill(terms, segments, lanes, segment_value(segments, lanes.k, lanes.u), _outward(lanes, unit, gain), w, unit)
+    return Drive(terms, unit, fastest)
 
 
-def weighed_series(segments: WeighedSegments, lanes: Lanes, order: int) -> tuple[Drive, Array]:
-    """The same where the weight varies, and the terms of the weight over m g, from the first on."""
-    across, up = (part.frequency.take(lanes.k, axis=1) * lanes.omega for part in (segments, segments.vertical))
+def weighed_series(segments: WeighedSegments, lanes: Lanes, order: int, gain: Array | float = 1.0) -> Drive:
+    """The same where the weight varies."""
+    vertical = segments.vertical
+    across, up = (part.frequency.take(lanes.k, axis=1) * lanes.omega for part in (segments, vertical))
     fastest = 1.0 + np.maximum(across.max(axis=0, initial=0.0), up.max(axis=0, initial=0.0))
-    unit, vertical, sway = 1.0 / fastest, segments.vertical, segments.sway(lanes.side, lanes.amplitude)
-    rise = segment_value(vertical, lanes.k, lanes.u)
-    weight = _terms(vertical, lanes, rise, sway, up, unit, order)
+    unit, terms = 1.0 / fastest, np.empty((order + 1, 2, lanes.u.size))
+    unit2 = unit * unit
+    sway, rise = segments.sway(lanes.side, lanes.amplitude) * unit2, segment_value(vertical, lanes.k, lanes.u)
+    _fill(terms[:, 0], vertical, lanes, rise, sway, up, unit)
     change = rise[0] if vertical.table is None else vertical.table.change(lanes.k, lanes.u)
-    weight[0] = 1.0 + sway * (vertical.s_start[lanes.k] + change)
-    here = segment_value(segments, lanes.k, lanes.u)
-    return Drive(_terms(segments, lanes, here, -lanes.side * lanes.amplitude, across, unit, order), unit, fastest), weight
+    terms[0, 0] = unit2 + sway * (vertical.s_start[lanes.k] + change)
+    _fill(terms[:, 1], segments, lanes, segment_value(segments, lanes.k, lanes.u), _outward(lanes, unit, gain), across, unit)
+    return Drive(terms, unit, fastest)
 
 
-def _terms(segments: Segments, lanes: Lanes, here: tuple[Array, Array, Array], outward: Array, w: Array, unit: Array, order: int) -> Array:
-    """Terms 1 ... order of `outward` times a motion that is `here` (`segment_value`) and whose frequencies are w by tau."""
-    _, sin, cos = here
-    terms = np.zeros((order + 1, unit.size))
-    for a, b, f in zip(sin, cos, w, strict=True):
+def _outward(lanes: Lanes, unit: Array, gain: Array | float) -> Array:
+    """unit^2 times the outward drive of s = 1, times `gain`."""
+    return unit * unit * gain * (-lanes.side * lanes.amplitude)
+
+
+def _fill(terms: Array, segments: Segments, lanes: Lanes, here: tuple[Array, Array, Array], outward: Array, w: Array, unit: Array) -> None:
+    """Fill (terms, lanes) from the second on with `outward` times a motion that is `here` (`segment_value`), its frequencies w by tau."""
+    if not len(w):
+        terms[1:] = 0.0
+    mine = terms
+    for i, (a, b, f) in enumerate(zip(*here[1:], w, strict=True)):
+        if i:
+            mine = np.empty(terms.shape)
         x = f * unit
         back = x * x
-        mine = terms if len(sin) == 1 else np.zeros_like(terms)
         np.multiply(outward * b, x, out=mine[1])  # b sin(x) + a cos(x), term by term
         np.multiply(outward * a, back * -0.5, out=mine[2])
-        for n in range(3, order + 1):
-            np.multiply(mine[n - 2], back, out=mine[n])
-            mine[n] *= -1.0 / (n * (n - 1))
-        if mine is not terms:
-            terms += mine
+        for n in range(3, len(terms)):
+            row = np.multiply(mine[n - 2], back, out=mine[n])
+            row *= -1.0 / (n * (n - 1))
+        if i:
+            terms[1:] += mine[1:]
     if segments.sloped:
         terms[1] += outward * segments.slope[lanes.k] * lanes.omega * unit
-    return terms
 
 
 def blocks(lanes: int, size: int = 2048) -> Iterator[slice]:
@@ -208,9 +231,11 @@ def series(terms: Array, fastest: Array, tolerance: float, damping: float = 0.0)
 def longest(terms: Array, fastest: Array, tolerance: float) -> Array:
     """The step [tau] that the tolerance allows."""
     # Four terms, since one or two can be small by accident: after a jump from rest the series has even powers only.
-    last = np.arange(terms.shape[0] - 4, terms.shape[0])[:, None]
+    last = np.arange(terms.shape[0] - 4.0, terms.shape[0])[:, None]
+    size = np.abs(terms[-4:])
+    size *= last / (LOCAL * tolerance)
+    size *= fastest
     with np.errstate(divide="ignore"):
-        room = np.log(LOCAL * tolerance / (last * np.abs(terms[-4:]) * fastest))
-    room /= last - 1
-    reach = np.exp(room.min(axis=0))
-    return np.minimum(reach, 4.0 * fastest) * (1.0 / fastest)
+        np.log(size, out=size)
+    size *= 1.0 / (1.0 - last)
+    return np.minimum(np.exp(size.min(axis=0)), 4.0 * fastest) * (1.0 / fastest)

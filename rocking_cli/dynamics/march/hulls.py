@@ -114,7 +114,7 @@ def hull_of(turn: Turn, kappa: Array | float, tolerance: float) -> tuple[Array, 
     x *= (1.0 / (unit * unit)).astype(SINGLE)
     terms = turn.turn[2:].astype(SINGLE)
     terms *= _twice(rows)[:, None, None] * np.asarray(kappa, dtype=SINGLE)
-    terms[:, 0] += turn.push.astype(SINGLE)
+    terms[:, 0] -= turn.push.astype(SINGLE)
     if turn.weight is not None:
         terms[:, 1] += turn.weight.astype(SINGLE)
     terms *= x[:, None]
