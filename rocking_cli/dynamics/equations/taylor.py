@@ -89,11 +89,11 @@ class TaylorSeries(NamedTuple):
         return self._point(*self._products(h))
 
     def bent(self, h: Array) -> tuple[Point, Array]:
-        """The same, and how far h y' is up to there from its tangent and curvature at the start, h v + h b t, at the most."""
+        """The same, and how far h y' and h^2 y'' up to there are from the straight line between their ends at the most, (2, lanes)."""
         x, terms = self._products(h)
         point, rest = self._point(x, terms), terms[3:]
         np.abs(rest, out=rest)
-        return point, np.einsum("n,nl->l", np.arange(3.0, len(terms)), rest)[: x.size]
+        return point, np.einsum("dn,nl->dl", _off_chords(len(terms)), rest)[:, : x.size]
 
     def _products(self, h: Array) -> tuple[Array, Array]:
         """h over the unit, and the terms times its powers."""
@@ -142,6 +142,14 @@ def _falling_factors(count: int) -> Array:
     """(4, count): 1, n, n (n - 1), n (n - 1)(n - 2)."""
     n = np.arange(float(count))
     return np.array([np.ones(count), n, n * (n - 1.0), n * (n - 1.0) * (n - 2.0)])
+
+
+@lru_cache(maxsize=64)
+def _off_chords(count: int) -> Array:
+    """(2, count - 3): n times the most of t - t^(n - 1) on [0, 1], and n (n - 1) times that of t - t^(n - 2), from n = 3 on."""
+    n = np.arange(3.0, count)
+    m = np.maximum(np.array([n - 1.0, n - 2.0]), 1.0 + 1e-9)
+    return np.array([n, n * (n - 1.0)]) * m ** (-1.0 / (m - 1.0)) * (1.0 - 1.0 / m)
 
 
 class Drive(NamedTuple):

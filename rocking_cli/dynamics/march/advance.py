@@ -16,7 +16,7 @@ from ..equations.taylor import TaylorSeries
 from ..lanes import Lanes
 from ..weight import WeighedSegments
 from .roots import hidden_turn, impact_root, turning_point
-from .turns import falls_through_zero, keeps_sense
+from .turns import falls_through_zero, sense
 from .windows import TabledWindows, Windows, window_end
 
 Array = np.ndarray
@@ -44,7 +44,7 @@ class Step(NamedTuple):
 
 class Passage(NamedTuple):
     """What a step comes to: the state at its end, and where there was an impact its time, velocity and force; bent: where the weight
-    varies, what bends y' up to the end of the step (`TaylorSeries.bent`)."""
+    varies, how far the step is bent (`TaylorSeries.bent`)."""
 
     step: Step
     arc: Flow
@@ -153,14 +153,17 @@ def crests(segments: Segments, lanes: Lanes, passage: Passage, wanted: Array) ->
     """The turning points of this step: one a lane at the most, and only in a valley (Lemmas 3 and 4); of bodies whose weight varies
     as many as the series has, in the order of lanes and times."""
     if isinstance(segments, WeighedSegments):
-        at = wanted & (passage.step.kind != RIDGE)
-        if passage.bent is not None:
-            at &= ~keeps_sense(passage.arc, passage.step.h, passage.bent)
-        at = np.flatnonzero(at)
-        at, low, high = falls_through_zero(passage.arc, passage.reach, at)
+        assert passage.bent is not None  # of a series
+        step, v = passage.step, np.where(passage.hit, passage.impact_v, passage.end.v)
+        known, at = sense(passage.arc, step.h, passage.end, passage.bent), wanted & (step.kind != RIDGE)
+        at &= ~known.kept
+        once = at & known.monotone & (lanes.v > 0.0) & (v <= 0.0)
+        at, low, high = falls_through_zero(passage.arc, passage.reach, *(np.flatnonzero(x) for x in (at & ~known.monotone, once)))
         if not at.size:
             return Crests(at, low, high)
-        return Crests(at, *turning_point(passage.arc.take(at), low, high, 0.5 * (low + high), 1.0))
+        chord = high * (lanes.v[at] / (lanes.v[at] - np.minimum(v[at], 0.0)))  # where it is the only turn of the step
+        guess = np.where(high - low == passage.reach[at], chord, 0.5 * (low + high))
+        return Crests(at, *turning_point(passage.arc.take(at), low, high, guess, 1.0))
     step, end, damping = passage.step, passage.end, passage.arc.damping
     wanted = wanted & (step.kind != RIDGE)
     rises = wanted & ((step.kind == RIDGE_THEN_VALLEY) | (lanes.v > 0.0))

@@ -2,18 +2,18 @@
 
 A polynomial has in (0, 1) as many roots as its Bernstein coefficients there change sign, or fewer by an even number: none where they do
 not, one where they do once; a stretch with more changes is halved. Nothing is asked of the drive, so this holds under a weight that varies.
-Most steps need none of it: where what bends y' away from a straight line is too small for a root (`keeps_sense`), or for a second one.
+Most steps need none of it: their y' is too near the straight line between its ends for a root, or their y'' for a second one (`Sense`).
 """
 
 from __future__ import annotations
 
 from functools import lru_cache
 from math import comb
+from typing import NamedTuple
 
 import numpy as np
 
-from ..drive import summed
-from ..equations.equation import Flow
+from ..equations.equation import Flow, Point
 from ..equations.taylor import TaylorSeries, blocks, powers
 
 Array = np.ndarray
@@ -21,18 +21,28 @@ Array = np.ndarray
 _HALVINGS = 40  # two turns closer than 1e-12 of a step are none: the height between them is the same to every digit
 
 
-def falls_through_zero(arc: Flow, reach: Array, lanes: Array) -> tuple[Array, Array, Array]:
-    """Where y' falls through zero on (0, reach) of these lanes: (lane, low, high) of every such turn, one in each bracket [tau]."""
+class Sense(NamedTuple):
+    """Of each step whether y' is proved to have no zero, and whether y' is proved to be monotone."""
+
+    kept: Array
+    monotone: Array
+
+
+def sense(arc: Flow, h: Array, end: Point, bent: Array) -> Sense:
+    """What follows for steps of h from both their ends and how far they are bent in between (`TaylorSeries.bent`)."""
+    speed, rate = (np.array([at_start * part, at_end * part]) for at_start, at_end, part in ((arc.v, end.v, h), (arc.b, end.b, h * h)))
+    return Sense(*((x.min(axis=0) > most) | (x.max(axis=0) < -most) for x, most in zip((speed, rate), bent, strict=True)))
+
+
+def falls_through_zero(arc: Flow, reach: Array, lanes: Array, once: Array) -> tuple[Array, Array, Array]:
+    """Where y' falls through zero on (0, reach): (lane, low, high) of every such turn, one in each bracket [tau]; of the lanes `once` it is
+    known to do so once."""
     if not isinstance(arc, TaylorSeries):
         raise TypeError("turns of a series only")
-    none = np.zeros(0)
-    if not lanes.size:
-        return lanes, none, none
-    span = reach[lanes]
-    parts = [_plain(arc.take(lanes[part]), span[part], part.start) for part in blocks(lanes.size)]
-    fall, own = (np.concatenate([part[i] for part in parts]) for i in (0, 1))
-    found: list[tuple[Array, Array, Array]] = [(fall, np.zeros(fall.size), np.ones(fall.size))]
-    speed = np.concatenate([part[2] for part in parts], axis=1)
+    found: list[tuple[Array, Array, Array]] = [(once, np.zeros(once.size), np.ones(once.size))]
+    parts = [_speed(arc.take(lanes[part]), reach[lanes[part]]) for part in blocks(lanes.size)]
+    speed = np.concatenate([np.zeros((len(arc.terms) - 1, 0)), *parts], axis=1)
+    own = lanes
     bernstein = _bernstein(speed)
     low, high = np.zeros(own.size), np.ones(own.size)
     for _ in range(_HALVINGS):
@@ -52,29 +62,15 @@ def falls_through_zero(arc: Flow, reach: Array, lanes: Array) -> tuple[Array, Ar
     which, low, high = (np.concatenate(parts) for parts in zip(*found, strict=True))
     order = np.lexsort((low, which))
     which, low, high = which[order], low[order], high[order]
-    return lanes[which], low * span[which], high * span[which]
+    return which, low * reach[which], high * reach[which]
 
 
-def keeps_sense(arc: Flow, h: Array, bent: Array) -> Array:
-    """Whether y' is proved to have no zero on [0, h], where it is bent so much (`TaylorSeries.bent`)."""
-    begin = arc.v * h
-    end = begin + arc.b * h * h
-    return np.asarray((np.minimum(begin, end) > bent) | (np.maximum(begin, end) < -bent))
-
-
-def _plain(arc: TaylorSeries, span: Array, first: int) -> tuple[Array, Array, Array]:
-    """Of these lanes, counted from `first`: in which y' falls through zero once; in which that is open, and their y' `span` in powers of
-    time over it, (terms, lanes)."""
-    n = np.arange(float(len(arc.terms)))[:, None]
-    speed = arc.terms * n
-    speed *= powers(span / arc.unit, len(arc.terms))
-    speed = speed[1:]  # v h
-    bent = np.abs(speed[2:])
-    bent *= n[2:-1]
-    once = np.abs(speed[1]) > summed(bent)  # y' is monotone
-    (fall,) = (once & (speed[0] > 0.0) & (summed(speed) <= 0.0)).nonzero()
-    (own,) = (~once).nonzero()
-    return fall + first, own + first, speed[:, own]
+def _speed(arc: TaylorSeries, span: Array) -> Array:
+    """span y' in powers of time over it, (terms, lanes)."""
+    terms = powers(span / arc.unit, len(arc.terms))
+    terms *= arc.terms
+    terms *= np.arange(float(len(terms)))[:, None]
+    return np.asarray(terms[1:])
 
 
 @lru_cache(maxsize=64)

@@ -50,6 +50,18 @@ def test_one_lane_is_the_same_lane_among_others():
         assert [x[0] for x in alone] == [x[i] for x in together]
 
 
+@pytest.mark.parametrize("n", [3, 4, 5, 12])
+def test_how_far_a_term_is_bent_from_the_chord_is_the_most_that_it_is(n):
+    terms, h, unit = np.zeros((13, 2)), np.array([0.7, 1.3]), np.array([0.5, 2.0])
+    terms[n] = 0.8, -0.3
+    _, most = taylor.TaylorSeries(terms, unit, h, 1.0 / unit).bent(h)
+    t = np.linspace(0.0, 1.0, 4001)[:, None]
+    for row, (m, size) in enumerate(((n - 1, n), (n - 2, n * (n - 1)))):
+        off = np.abs(size * terms[n] * (h / unit) ** n * (t**m - t)).max(axis=0)  # of h y', h^2 y''
+        assert np.all(off <= most[row] * (1.0 + 4 * EPS))
+        assert off == pytest.approx(most[row], rel=1e-6, abs=1e-7)
+
+
 @pytest.mark.parametrize("motion", [sine(), cosine(1.5), LADDER, MIXED], ids=lambda m: m.name)
 def test_the_series_of_the_drive_is_the_drive(motion):
     """Term by term against 40-digit derivatives of -side A s(phi + omega h), from positions inside the motion's segments."""
