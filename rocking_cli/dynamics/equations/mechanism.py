@@ -23,6 +23,7 @@ from numpy.lib.stride_tricks import sliding_window_view
 
 from ...motions.segments import Segments
 from ...structures.kinematics import Mechanism
+from ..drive import summed
 from ..lanes import Lanes
 from ..weight import WeighedSegments
 from .collocation import collocated
@@ -30,7 +31,7 @@ from .energy import falls_by_energy
 from .equation import Ramp
 from .patches import DEGREE, inverse, largest, tabulate
 from .ramp import MOST_TERMS, ramp_flow
-from .taylor import LOCAL, Show, TaylorSeries, blocks, drive_series, longest, order_for, powers, series
+from .taylor import LOCAL, Show, TaylorSeries, blocks, drive_series, longest, order_for, powers
 
 Array = np.ndarray
 
@@ -93,12 +94,22 @@ class MechanismEquation:
                 terms = np.empty((len(found.terms), lost.size))
                 self._fill(terms, segments, lanes.take(lost))
                 found.terms[:, lost], found.unit[lost] = terms, 1.0 / found.fastest[lost]
-                found.longest[lost] = longest(terms, found.fastest[lost], self.tolerance)
+                found.longest[lost] = self._longest(terms, found.fastest[lost])
             return found
         y, fastest = np.empty((self.order + 1, lanes.y.size)), np.empty(lanes.y.size)
         for block in blocks(lanes.y.size):
             fastest[block] = self._fill(y[:, block], segments, lanes.take(block))
-        return series(y, fastest, self.tolerance, self.damping)
+        return TaylorSeries(y, 1.0 / fastest, self._longest(y, fastest), fastest, self.damping)
+
+    def _longest(self, terms: Array, fastest: Array) -> Array:
+        """The step [tau] that the tolerance allows, and on which y stays where its patch was fitted: beyond that F and G go astray, and no
+        term shows it."""
+        step = longest(terms, fastest, self.tolerance)
+        sizes = powers(step * fastest, len(terms))
+        sizes *= terms
+        np.abs(sizes, out=sizes)
+        room = 0.5 * self.table.half.take(self.table.of(terms[0])[0])
+        return step * np.minimum(1.0, room / summed(sizes[1:]))
 
     @cached_property
     def _marked_closely(self) -> bool:

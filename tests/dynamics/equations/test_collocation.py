@@ -143,3 +143,16 @@ def test_no_bit_of_a_lane_hangs_on_the_others():
         part = equation.flow(segments, lanes.take(some))
         assert np.array_equal(part.terms, whole.terms[:, some])
         assert np.array_equal(part.longest, whole.longest[some])
+
+
+def test_series_of_taylor_end_where_their_patch_was_fitted():
+    """Beyond it they converge to what the polynomial of the patch is there, which is not the linkage's."""
+    equation = MechanismEquation(mechanism("voussoirs"), 1e-12)
+    segments = System(equation).segments(sine())
+    lanes = lanes_of(equation, segments, 6000, 3)
+    lanes = lanes.take(np.flatnonzero(np.abs(lanes.v) > 2.0))
+    arc = equation.flow(segments, lanes)
+    found, (y, v) = arc.at(arc.longest), followed(equation, segments, lanes, arc.longest)
+    assert np.isfinite(y).sum() > 1000
+    assert np.nanmax(np.abs(found.y - y)) < 1e-13
+    assert np.nanmax(np.abs(found.v - v)) < 1e-12
