@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..documents.quantities import parse_quantity
-from ..dynamics.outcome import Outcome, overturned
+from ..dynamics.outcome import Outcome, falls
 from ..errors import UsageError
 from ..spectra.reader import SpectraFile
 from .canvas import legend, literal, look
@@ -88,19 +88,20 @@ def of_record(file: SpectraFile, place: int) -> Slice:
 
 
 def spectrum_lines(axes: Axes, found: Slice, units: Units) -> None:
-    """A line each, and above it bars where it overturned. Raises UsageError where no cell is computed."""
+    """A line each, and above it bars where it overturned or left the ground. Raises UsageError where no cell is computed."""
     if not any(np.any(outcome != Outcome.NOT_COMPUTED) for outcome in found.outcome):
         raise UsageError("holds no computed cell on this line, nothing to draw")
     x = found.x / units.column(found.along)[2]
     for i, (name, theta, outcome) in enumerate(zip(found.names, found.theta, found.outcome, strict=True)):
         style: dict[str, Any] = look(i)
         axes.plot(x, theta, label=name, marker="." if x.size == 1 else None, **style)
-        bars = _spans(x, overturned(outcome))
+        bars = _spans(x, falls(outcome))
         if bars:
             axes.broken_barh(bars, (1.01 + 0.02 * i, 0.014), transform=axes.get_xaxis_transform(), color=style["color"], clip_on=False)
     raised = 6.0 + 4.5 * len(found.names)
     where = "" if found.where == "record" else f", {valued(found.where, found.value, units)}"
-    axes.set_title(f"{found.title}{where}\nbars: overturned", pad=raised if any(overturned(o).any() for o in found.outcome) else 6.0)
+    bars_are = f"overturned{' or lost contact' if any(np.any(o == Outcome.LOST_CONTACT) for o in found.outcome) else ''}"
+    axes.set_title(f"{found.title}{where}\nbars: {bars_are}", pad=raised if any(falls(o).any() for o in found.outcome) else 6.0)
     axes.set(xlabel=label(found.along, units), ylabel=label("theta_max_ratio", units))
     if len(found.names) == 1:
         axes.set_title(f"{found.names[0]}\n{axes.get_title()}", pad=raised)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from shown_lines import lines, same
 
-from rocking_cli import UsageError, overturned
+from rocking_cli import Outcome, UsageError, overturned
 from rocking_cli.reports.slices import slice_of
 from rocking_cli.spectra.reader import SpectraFile
 
@@ -18,6 +18,17 @@ def towers(rocking, tmp_path):
     call = ("spectrum", "configs/block.yaml", "configs/spire.yaml", "--grid", "a_g=0.1g:1.2g:23,f_g=0.5:2:7", "-o", "t.h5", "-q")
     assert rocking(*call).returncode == 0
     return tmp_path / "t.h5"
+
+
+def test_bars_stand_where_a_body_left_the_ground_too(rocking, drawn, tmp_path):
+    call = ("spectrum", "block:1.6x2,restitution=0.6", "--grid", "a_g=1.8g:1.9g:3,f_g=1.144", "--model", "nonlinear", "-o", "l.h5", "-q")
+    assert rocking(*call).returncode == 0
+    (axes,) = drawn(tmp_path / "l.h5", cut="f_g=1.144").axes
+    with SpectraFile(tmp_path / "l.h5") as file:
+        assert set(file.array("outcome").flat) == {Outcome.LOST_CONTACT}
+    (bars,) = axes.collections
+    assert len(bars.get_paths()) == 1
+    assert axes.get_title().endswith("bars: overturned or lost contact")
 
 
 def test_a_slice_is_a_row_of_the_file_with_bars_where_it_overturns(drawn, spectrum_file):
