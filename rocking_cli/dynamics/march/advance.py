@@ -79,7 +79,7 @@ def next_step(segments: Segments, lanes: Lanes, longest: Array, tabled: TabledWi
 
     window = window_of(lanes.k, lanes.u, slice(None))
     k, u = window.k.copy(), window.u.copy()
-    h = phase_between(segments, lanes.k, lanes.u, k, u) / lanes.omega
+    h = window.phase(lanes.u) / lanes.omega
     kind = np.where(window.ridge, RIDGE, VALLEY)
     valley = np.zeros(h.size)
     # A ridge entered outwards holds no event: go on to the end of the valley after it.
@@ -87,7 +87,7 @@ def next_step(segments: Segments, lanes: Lanes, longest: Array, tabled: TabledWi
     if on.size:
         beyond = window_of(k[on], u[on], on)
         valley[on] = h[on]
-        h[on] += phase_between(segments, k[on], u[on], beyond.k, beyond.u) / lanes.omega[on]
+        h[on] += beyond.phase(u[on]) / lanes.omega[on]
         k[on], u[on] = beyond.k, beyond.u
         kind[on] = RIDGE_THEN_VALLEY
     long = np.flatnonzero(h > longest)

@@ -28,18 +28,24 @@ _MOST, _FIRST = 100_000, 10_000  # segments times amplitudes of a table, more ar
 
 
 class Windows(NamedTuple):
-    """Where the present window ends, for every lane: segment and phase in it, and whether it is a ridge."""
+    """Where the present window ends, for every lane: segment and phase in it, whether it is a ridge, and the phase of the whole segments
+    that lie between."""
 
     k: Array
     u: Array
     ridge: Array
+    over: Array
+
+    def phase(self, u: Array) -> Array:
+        """How far it is from phase u of the present segment."""
+        return self.u - u + self.over
 
 
 class TabledWindows(NamedTuple):
     """The windows of every amplitude of a run: what a search would find again in each round.
 
     of: index of each cell's amplitude; cells: one of each amplitude; the others are flat, over the sides +1 and -1, the segments and the
-    amplitudes: cut: where a = 1 on the segment, -1 where nowhere; k, u, ridge: the window that begins there, or at the segment's start.
+    amplitudes: cut: where a = 1 on the segment, -1 where nowhere; k, u, ridge, over: the window that begins there, or with the segment.
     """
 
     of: Array
@@ -48,6 +54,7 @@ class TabledWindows(NamedTuple):
     k: Array
     u: Array
     ridge: Array
+    over: Array
     segments: int
     amplitudes: int
 
@@ -57,7 +64,8 @@ class TabledWindows(NamedTuple):
         entry += self.amplitudes * np.where(side > 0.0, k, k + self.segments)
         cut = self.cut[entry]
         before = u < cut
-        return Windows(np.where(before, k, self.k[entry]), np.where(before, cut, self.u[entry]), self.ridge[entry] ^ before)
+        to_k, to_u = np.where(before, k, self.k[entry]), np.where(before, cut, self.u[entry])
+        return Windows(to_k, to_u, self.ridge[entry] ^ before, self.over[entry] * ~before)
 
 
 def tabled_windows(segments: Segments, amplitude: Array) -> TabledWindows | None:
@@ -77,7 +85,10 @@ def tabled_windows(segments: Segments, amplitude: Array) -> TabledWindows | None
     with np.errstate(all="ignore"):
         first_of = window_end(segments, k, np.zeros(k.size), side, size)
         cut = np.where((first_of.k == k) & (first_of.u < segments.length[k]), first_of.u, -1.0)
-        rest = window_end(segments, k, np.maximum(cut, 0.0), side, size)
+        inside = np.flatnonzero(cut > 0.0)
+        rest = Windows(*(x.copy() for x in first_of))
+        for whole, part in zip(rest, window_end(segments, k[inside], cut[inside], side[inside], size[inside]), strict=True):
+            whole[inside] = part
     return TabledWindows(of, first, cut, *rest, len(segments), different.size)
 
 
@@ -89,7 +100,7 @@ def window_end(segments: Segments, k: Array, u: Array, side: Array, amplitude: A
     if isinstance(segments, WeighedSegments):
         offset = segments.offset(side)
         there = _beyond_cuts(segments.edges, window_end(segments.edges, k + offset, u, side, amplitude), side, amplitude)
-        return Windows(there.k - offset, there.u, there.ridge)
+        return there._replace(k=there.k - offset)
     inverse = 1.0 / amplitude
 
     def cut_at(lanes: Array, k: Array) -> Array:
@@ -109,7 +120,7 @@ def window_end(segments: Segments, k: Array, u: Array, side: Array, amplitude: A
     # Past the crossing (or with none) the window runs to the segment's end, and on into the next segment where that one
     # continues the closed form and turns the other way.
     falling = to_s < from_s
-    to_k, to_u = k, np.where(here, cut, length)
+    to_k, to_u, over = k, np.where(here, cut, length), np.zeros(length.shape)
     lanes = np.flatnonzero(~here & segments.joins[k] & (ridge != falling))
     if lanes.size:
         to_k = k.copy()
@@ -118,13 +129,14 @@ def window_end(segments: Segments, k: Array, u: Array, side: Array, amplitude: A
         n_cuts = np.flatnonzero(ridge[lanes] != (-side[lanes] * segments.s_end[nk] > inverse[lanes]))
         n_cut[n_cuts] = cut_at(lanes[n_cuts], nk[n_cuts])
         to_u[lanes] = n_cut
-    return Windows(to_k, to_u, ridge)
+        over[lanes] = length[lanes]
+    return Windows(to_k, to_u, ridge, over)
 
 
 def _beyond_cuts(segments: Segments, window: Windows, side: Array, amplitude: Array) -> Windows:
     """The same windows further on where a segment ends without a turn of this edge's drive, which is cut for the other one's too; a valley
     still ends at an inner maximum, so that its drive is largest at an end."""
-    k, u, ridge = window
+    k, u, ridge, over = window
     lanes = np.arange(k.size)
     while True:
         ends = lanes[(u[lanes] >= segments.length[k[lanes]]) & segments.joins[k[lanes]]]
@@ -133,9 +145,10 @@ def _beyond_cuts(segments: Segments, window: Windows, side: Array, amplitude: Ar
         )
         ends = ends[ridge[ends] | ~(rises & falls)]
         if not ends.size:
-            return Windows(k, u, ridge)
+            return Windows(k, u, ridge, over)
         following = window_end(segments, k[ends] + 1, np.zeros(ends.size), side[ends], amplitude[ends])
         same = following.ridge == ridge[ends]
         lanes = ends[same]
-        k, u = k.copy(), u.copy()
+        k, u, over = k.copy(), u.copy(), over.copy()
+        over[lanes] += segments.length[k[lanes]] + following.over[same]
         k[lanes], u[lanes] = following.k[same], following.u[same]

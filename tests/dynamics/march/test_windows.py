@@ -7,7 +7,7 @@ import pytest
 from oracle import LADDER
 
 from rocking_cli import cosine, pulse, sine
-from rocking_cli.dynamics.drive import crossing, place, segment_value
+from rocking_cli.dynamics.drive import crossing, phase_between, place, segment_value
 from rocking_cli.dynamics.march.windows import tabled_windows, window_end
 from rocking_cli.dynamics.weight import weighed
 from rocking_cli.motions import Harmonic, Motion, Piece
@@ -97,6 +97,7 @@ def test_windows_from_the_table_are_the_same_to_the_last_bit(segments, turn):
         searched = window_end(segments, k, u, side, own)
         for looked_up, found in zip(tabled.at(cell, k, u, side), searched, strict=True):
             np.testing.assert_array_equal(looked_up, found)
+        np.testing.assert_allclose(searched.phase(u), phase_between(segments, k, u, searched.k, searched.u), rtol=0.0, atol=4e-15)
         k, u = place(segments, searched.k, np.nextafter(searched.u, random.choice([-9.0, 9.0], 2000)))
         k, u = np.minimum(k, len(segments) - 1), np.where(k < len(segments), u, 0.0)
 
