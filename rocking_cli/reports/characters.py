@@ -56,7 +56,7 @@ def place_of(file: SpectraFile, name: str | None) -> int:
 def _slice_text(found: Slice, width: int, height: int) -> list[str]:
     """Bars of theta_max/alpha; as many structures as fit, each with two rows at least."""
     where = "" if found.where == "record" else f" at {found.where} = {found.value:.6g}"
-    lines = [f"theta_max/alpha{where} over {found.along} {found.x[0]:.4g} to {found.x[-1]:.4g}; blank: overturned"]
+    lines = [f"theta_max/alpha{where} over {found.along} {found.x[0]:.4g} to {found.x[-1]:.4g}; blank: fell"]
     room = height - 2
     shown = min(len(found.names), max(1, room // 5))
     tall = max(1, room // shown - 3)
