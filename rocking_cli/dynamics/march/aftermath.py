@@ -17,7 +17,7 @@ from ..outcome import Outcome
 from ..system import System
 from .account import Rests
 from .batch import Landing
-from .closing import bouncing, train_bounds
+from .closing import bouncing, still_bounds, train_bounds
 from .demand import Demands
 from .engine import Run
 
@@ -78,7 +78,7 @@ class Aftermath(Run):
         train, still = train_bounds(demands.body, demands.ground, lanes, self.contact), lanes.k >= self.shaken
         until = self._rests_until(lanes.cell, self.contact.uplift(self.cells, self.segments, lanes.cell, lanes.k, lanes.u))
         going = demands.beaten(lanes.cell, *train.bounds.worst(demands.resting.bounds(lanes.cell, lanes.k, lanes.u, *until)))
-        going &= ~still | demands.beaten(lanes.cell, *demands.free_bounds(lanes))
+        going &= ~still | demands.beaten(lanes.cell, *still_bounds(demands.body, lanes))
         if not self.equation.damping:
             going &= ~still | (lanes.impacts < _IMPACTS)
         ended = np.flatnonzero(going & train.ended)

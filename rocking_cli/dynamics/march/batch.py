@@ -102,6 +102,8 @@ class Batch:
         most = self.contact.fate(self.equation, lanes, at, y, v)
         below = self.equation.on(lanes.side[at], lanes.cell[at]).rotation(y) < 1.0  # from above the barrier damping may keep it there
         settled = at[below & ~(most.overturns | most.overturns_after_impact) & (most.peak <= lanes.peak[at])]
+        if self.footing is not None and self.footing.any:
+            settled = settled[~self.footing.doubtful(lanes.take(settled))]
         if self.demands is not None:
             self.demands.settle(lanes.take(settled))
         self._finish(lanes, settled, Outcome.ROCKED, lanes.peak[settled])

@@ -69,6 +69,19 @@ def free_bounds(body: Body, edge: Edge, square: Array) -> Bounds:
     return Bounds(np.where(falls, least, -np.inf), np.where(falls, most, np.inf))
 
 
+def still_bounds(body: Body, lanes: Lanes) -> Bounds:
+    """Of lanes on still ground; undamped, what is to come has the least Fz itself."""
+    here, there = body.on(lanes.side), body.on(-lanes.side)
+    u = here.unit * lanes.y
+    square = (here.unit * lanes.v) ** 2 + body.fall(here, u)
+    found = free_bounds(body, here, square)
+    if len(body.alpha) > 1:
+        beyond = free_bounds(body, there, square * (lanes.eta * there.unit / here.unit) ** 2)
+        found = Bounds(*(np.where(lanes.eta > 0.0, both, one) for both, one in zip(found.worst(beyond), found, strict=True)))
+    inside = u <= 2.0 * here.alpha
+    return Bounds(np.where(inside, found.fz, -np.inf), np.where(inside, found.friction, np.inf))
+
+
 def bouncing(body: Body, edge: Edge, push: Array | float, weight: Array | float, by: Array | float = 0.0) -> Bounds:
     """Of bounces on an edge that have no speed, under this outward push [g] and weight over m g; by: what either force may differ by."""
     fz = body.lying(edge, push, weight) - by

@@ -24,7 +24,7 @@ from ..equations.taylor import TaylorSeries, Turn
 from ..lanes import Cells, Lanes
 from ..outcome import Outcome
 from .bends import Ends, Forces, edge_of, forces_on, fourths
-from .closing import Bounds, bouncing, free_bounds, train_bounds
+from .closing import Bounds, bouncing, still_bounds, train_bounds
 from .extremes import EXACT, Course, Records
 from .ground import Ground, Shaking
 from .hulls import hull_of, hulls_of
@@ -242,7 +242,7 @@ class Demands(Records):
             self.note(some.cell[bounces], settling.fz, settling.friction)
             if self.body.one_sided:
                 break
-        found = self.free_bounds(some)
+        found = still_bounds(self.body, some)
         closed = (found.fz > -np.inf) & (found.friction <= self.friction[some.cell] + EXACT)
         np.minimum.at(self.fz_min, some.cell[closed], found.fz[closed])  # met at an impact
         at = np.flatnonzero(~closed)
@@ -250,19 +250,7 @@ class Demands(Records):
 
     def settle(self, lanes: Lanes) -> None:
         """Damped lanes on still ground that the march leaves."""
-        self._leave(lanes, self.free_bounds(lanes))
-
-    def free_bounds(self, lanes: Lanes) -> Bounds:
-        """Of lanes on still ground; undamped, what is to come has the least Fz itself."""
-        here, there = self.body.on(lanes.side), self.body.on(-lanes.side)
-        u = here.unit * lanes.y
-        square = (here.unit * lanes.v) ** 2 + self.body.fall(here, u)
-        found = free_bounds(self.body, here, square)
-        if len(self.body.alpha) > 1:
-            beyond = free_bounds(self.body, there, square * (lanes.eta * there.unit / here.unit) ** 2)
-            found = Bounds(*(np.where(lanes.eta > 0.0, both, one) for both, one in zip(found.worst(beyond), found, strict=True)))
-        inside = u <= 2.0 * here.alpha
-        return Bounds(np.where(inside, found.fz, -np.inf), np.where(inside, found.friction, np.inf))
+        self._leave(lanes, still_bounds(self.body, lanes))
 
     def fell_away(self, cell: Array) -> None:
         """Cells from which the ground has fallen away."""

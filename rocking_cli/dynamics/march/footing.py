@@ -8,7 +8,7 @@ more of than its bound there.
 A stretch that is not settled is halved; one in which Fz <= 0 at an end has lost the ground.
 
 Bounces that are summed press as bodies do that bounce without speed, on either edge. After the shaking Fz is least at the next impact,
-on either edge; bodies that settle by damping have done that before.
+on either edge; damped it may be least after one, and bodies march on until a bound says that Fz > 0.
 """
 
 from __future__ import annotations
@@ -24,6 +24,7 @@ from ..equations.equation import Flow
 from ..lanes import Cells, Lanes
 from ..weight import WeighedSegments
 from .bends import Ends, Shakes, edge_of, fastest, sags
+from .closing import still_bounds
 from .ground import Ground
 
 Array = np.ndarray
@@ -96,8 +97,10 @@ class Footing:
         for _ in range(_HALVINGS):
             gone = ~((one.fz > 0.0) & (other.fz > 0.0))
             self.lost[lanes.cell[own[gone]]] = True
-            open_ = np.minimum(one.fz, other.fz) <= sags(self.body, edge_of(edge, own), shaking.take(own), high - low, one, other)[1]
-            more = np.flatnonzero(open_ & ~self.lost[lanes.cell[own]])
+            with np.errstate(invalid="ignore"):  # of a stretch too long for a bound of its speed nothing is proved
+                sag = sags(self.body, edge_of(edge, own), shaking.take(own), high - low, one, other)[1]
+                proved = np.minimum(one.fz, other.fz) > sag
+            more = np.flatnonzero(~proved & ~self.lost[lanes.cell[own]])
             if not more.size:
                 return
             own, low, high, one, other = own[more], low[more], high[more], one.take(more), other.take(more)
@@ -150,6 +153,10 @@ class Footing:
             there = self.body.on(-side)
             least = np.minimum(least, self.body.at_impact(there, square * (lanes.eta[at] * there.unit / edge.unit) ** 2))
         self.lost[lanes.cell[at[np.flatnonzero(least <= 0.0)]]] = True
+
+    def doubtful(self, lanes: Lanes) -> Array:
+        """Which of these damped lanes on still ground may still lose it."""
+        return self.watched[lanes.cell] & ~self.lost[lanes.cell] & ~(still_bounds(self.body, lanes).fz > 0.0)
 
 
 def _loosening(body: Body, edge: Edge, s: Shakes) -> Array:

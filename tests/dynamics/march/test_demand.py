@@ -115,7 +115,10 @@ def closed_and_followed(kind, model, angles, cells, monkeypatch):
     assert np.count_nonzero(upright) > cells / 5
     rests, come_to_rest = [], Aftermath._come_to_rest
     monkeypatch.setattr(aftermath, "_IMPACTS", 1000)
-    monkeypatch.setattr(Demands, "free_bounds", lambda self, lanes: Bounds(np.full(lanes.v.size, -np.inf), np.full(lanes.v.size, np.inf)))
+    for module in (demand, aftermath):
+        monkeypatch.setattr(
+            module, "still_bounds", lambda body, lanes: Bounds(np.full(lanes.v.size, -np.inf), np.full(lanes.v.size, np.inf))
+        )
     monkeypatch.setattr(Records, "beaten", lambda self, cell, fz, friction: np.ones(cell.size, dtype=bool))
     monkeypatch.setattr(Aftermath, "_come_to_rest", lambda self, demands, lanes: (rests.append(1), come_to_rest(self, demands, lanes))[1])
     _, followed = response_with_demands(system, motion, amplitude, omega, body.eta)

@@ -11,7 +11,7 @@ from pressing import lifting, pendulum
 from stocky import ACROSS, KINDS, UP, drawn, ground
 from weighed import Shaking, swing
 
-from rocking_cli import Method, Outcome, RockingParameters, parse_grid, pulse, response, sine
+from rocking_cli import Method, Outcome, RockingParameters, cosine, parse_grid, pulse, response, sine
 from rocking_cli.dynamics.march.engine import Run
 from rocking_cli.dynamics.response import response_with_demands
 from rocking_cli.motions.biaxial import with_vertical
@@ -121,6 +121,25 @@ def test_they_are_the_cells_whose_least_force_is_not_positive(model):
     assert np.array_equal(response(system, sine(), amplitude, omega, body.eta, peaks=False).outcome, found.outcome)
     one = response(system, sine(), amplitude[3, 7], omega[3, 7], body.eta)
     assert int(one.outcome) == found.outcome[3, 7]
+
+
+@pytest.mark.parametrize(
+    ("model", "alpha", "eta", "zeta", "motion", "amplitude", "omega", "least"),
+    [
+        ("nonlinear", 1.04, -0.95, 0.3, cosine(1), 2.82, 1.2, -0.07596778403958),
+        ("nonlinear", 1.0, 0.99, 0.6, cosine(1), 2.4, 1.41, -0.04265350447360),
+        ("linear", 0.8, 0.3, 0.5, sine(1), 2.62, 2.0, -0.12540632586296),
+    ],
+    ids=["after an impact, one-sided", "after an impact", "within a long step"],
+)
+def test_a_damped_body_may_lose_it_at_the_end_of_the_shaking_and_later(model, alpha, eta, zeta, motion, amplitude, omega, least):
+    """least: Fz/(m g), from a Runge-Kutta integration of order 8 in small steps that shares no code."""
+    body = RockingParameters("b", "block", 1.0, alpha, eta, math.tan(alpha), 1.0, arm=0.75 * 9.81, one_sided=eta < 0.0, damping=zeta)
+    system, scene = Method(model, 1e-11).system_of(body), (motion, amplitude, omega, eta)
+    assert int(response(system, *scene).outcome) == Outcome.LOST_CONTACT
+    found, asked = response_with_demands(system, *scene)
+    assert int(found.outcome) == Outcome.LOST_CONTACT
+    assert float(asked["fz_min"]) == pytest.approx(least, abs=1e-9)
 
 
 def test_what_a_rotation_proves_to_press_does():
