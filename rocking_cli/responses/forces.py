@@ -256,7 +256,7 @@ class ForceHistory:
             for weight, ratio in stretches:
                 least = min(least, (weight.least, weight.at_least))
                 resting += self._leaning(ratio) if weight.least > 0.0 else [Demand(math.inf, weight.at_least)]
-            for tau, (fx, fz) in self._lying(bounces, rests) if rests > bounces else ():
+            for tau, (fx, fz) in self._lying(bounces, rests) if rests > bounces * (1.0 + 1e-12) else ():
                 least = min(least, (fz, tau))
                 rocking.append(Demand(abs(fx) / fz if fz > 0.0 else math.inf, tau))
         for arc in self.found.arcs:

@@ -88,11 +88,13 @@ class Aftermath(Run):
 
     def _come_to_rest(self, demands: Demands, lanes: Lanes) -> None:
         """Bouncing too slow to have a force of its own, and the rest after it."""
-        zero, lasts = np.zeros(lanes.cell.size), demands.ground.bouncing_lasts(lanes, self.contact)
-        for h in (zero, lasts):
-            push, weight = demands.ground.push(lanes, h), demands.ground.weight(lanes, h)
+        lasts = demands.ground.bouncing_lasts(lanes, self.contact)
+        at = np.flatnonzero(lanes.v > 0.0)
+        bouncers = lanes.take(at)
+        for h in (np.zeros(at.size), lasts[at]):
+            push, weight = demands.ground.push(bouncers, h), demands.ground.weight(bouncers, h)
             for sense in (1.0,) if demands.body.one_sided else (1.0, -1.0):
-                demands.note(lanes.cell, *bouncing(demands.body, demands.body.on(sense * lanes.side), sense * push, weight))
+                demands.note(bouncers.cell, *bouncing(demands.body, demands.body.on(sense * bouncers.side), sense * push, weight))
         k, u = place(self.segments, lanes.k, lanes.u + lanes.omega * lasts)
         shaking = np.flatnonzero(k < self.shaken)
         k, u, cell = k[shaking], u[shaking], lanes.cell[shaking]

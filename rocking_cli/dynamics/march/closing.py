@@ -98,7 +98,7 @@ class Train(NamedTuple):
 
 
 def train_bounds(body: Body, ground: Ground, lanes: Lanes, contact: Contact) -> Train:
-    """Of lanes just after an impact, whose bouncing is proved to end in rest."""
+    """Of lanes just after an impact, whose bouncing is proved to end in rest; of those that it left no speed there is none."""
     seg, zero = ground.segments, np.zeros(lanes.v.size)
     side = lanes.side
     push, weight = ground.push(lanes, zero), ground.weight(lanes, zero)
@@ -132,7 +132,9 @@ def train_bounds(body: Body, ground: Ground, lanes: Lanes, contact: Contact) -> 
         changes = np.maximum(changes, by)
     assert found is not None
     drift = np.maximum(np.abs(pushes[1] - pushes[0]), np.abs(weights[-1] - weights[0]))
+    bounces = lanes.v > 0.0
+    fz, friction = np.nan_to_num(found.fz, nan=-np.inf), np.nan_to_num(found.friction, nan=np.inf)
     return Train(
-        Bounds(np.nan_to_num(found.fz, nan=-np.inf), np.nan_to_num(found.friction, nan=np.inf)),
+        Bounds(np.where(bounces, fz, np.inf), np.where(bounces, friction, 0.0)),
         (changes <= NO_MORE) & (drift * drift <= _DRIFT * np.minimum(*reach)),
     )

@@ -129,7 +129,7 @@ class Footing:
 
     def settle(self, lanes: Lanes, contact: Contact) -> None:
         """Bodies whose bouncing is summed from now on, under a drive that is monotone until they rest."""
-        some = lanes.take(np.flatnonzero(self.watched[lanes.cell]))
+        some = lanes.take(np.flatnonzero(self.watched[lanes.cell] & (lanes.v > 0.0)))
         if not some.cell.size:
             return
         here, there = self.body.on(some.side), self.body.on(-some.side)

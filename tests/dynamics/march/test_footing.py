@@ -142,6 +142,17 @@ def test_a_damped_body_may_lose_it_at_the_end_of_the_shaking_and_later(model, al
     assert float(asked["fz_min"]) == pytest.approx(least, abs=1e-9)
 
 
+def test_a_body_that_an_impact_leaves_no_speed_does_not_bounce():
+    """Linear, eta = 0: bounces of no height would lose the ground, with Fz = -0.205 m g; the least and |Fx|/Fz are of that integration."""
+    body = RockingParameters("b", "block", 1.0, 1.15, 0.0, math.tan(1.15), 1.0, arm=0.9 * 9.81)
+    system, scene = Method().system_of(body), (sine(1), 1.1, 4.0, 0.0)
+    found, asked = response_with_demands(system, *scene)
+    assert int(response(system, *scene).outcome) == int(found.outcome) == Outcome.ROCKED
+    assert [float(asked[name]) for name in ("fz_min", "friction")] == pytest.approx([0.31447055220054, 1.97191430146448], abs=1e-12)
+    demands = time_history(body, sine(1), parse_grid("A=1.1,Omega=4"), [Method()]).forces["linear"].demands
+    assert [demands.fz_min, demands.friction.friction] == pytest.approx([0.31447055220054, 1.97191430146448], abs=1e-12)
+
+
 def test_what_a_rotation_proves_to_press_does():
     """Every cell that the bound settles has a positive least force, and it settles most."""
     body = RockingParameters("b", "block", 1.0, 0.35, 0.9, math.tan(0.35), 1.0, arm=0.75 * 9.81)
