@@ -23,6 +23,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ..dynamics.march.demand import FAR
 from ..dynamics.outcome import Outcome
 from ..errors import UsageError
 from ..structures.parameters import RockingParameters, Side
@@ -260,7 +261,7 @@ class ForceHistory:
                 least = min(least, (fz, tau))
                 rocking.append(Demand(abs(fx) / fz if fz > 0.0 else math.inf, tau))
         for arc in self.found.arcs:
-            if not arc.stop > arc.start:
+            if not arc.stop > arc.start or self._far(arc):
                 continue
             forces = self.on(arc)
             low, at_low, *_ = extent(_vertical(forces), arc.start, arc.stop)
@@ -277,6 +278,11 @@ class ForceHistory:
         impacts = [Demand(j.friction, e.tau) for e in self.found.events if e.event == "impact" and (j := self.body.impulses(e))]
         worst = [max(group, default=None) for group in (resting, lifting, rocking, impacts)]
         return Demands(worst[0], worst[1], worst[2], worst[3], *least)
+
+    def _far(self, arc: Arc) -> bool:
+        """Whether a body begins an arc where what it asks of the ground is not looked at."""
+        begin = arc.flow.take(np.zeros(1, dtype=np.int64)).at(np.zeros(1)).y
+        return bool(self.body.on(arc.side).alpha * self.found.equation.on(np.full(1, arc.side)).rotation(begin)[0] >= FAR)
 
     def _resting(self, start: float, stop: float) -> tuple[Extent, Extent]:
         """The weight over m g, and the push over the weight while there is one, in a stretch at rest in which no piece ends."""

@@ -36,6 +36,7 @@ Array = np.ndarray
 
 
 _TURN = 1.2  # of the ground's motion [rad], on which quartics enclose the forces closely; two tau on still ground
+FAR = 100.0  # of a body that this far [rad] cannot have kept to the ground, what it asks of it is not looked at
 _TINY = 1e-300
 _HELD = 81920  # steps that wait at the most before those whose fate is known are looked at: five pools of series
 _WITHIN = 0.1  # of the tolerance of the motion: what a record may be off by how it is searched for
@@ -71,7 +72,7 @@ class Demands(Records):
         """Take in the arcs of the lanes `at` until `stop` [tau], where they are at y, v; `lanes` as they are at 0. Those of them of which
         their hull does not prove Fz > 0."""
         hull = series = None
-        doubtful = at
+        doubtful, near = at, at[self.body.on(lanes.side[at]).unit * lanes.y[at] < FAR]
         if isinstance(arc, TaylorSeries) and arc.shown is not None:
             hull = hulls_of(arc.shown, stop / arc.longest)
             series = arc._replace(shown=None)
@@ -80,9 +81,9 @@ class Demands(Records):
             self.fz_min[cell], self.friction[cell] = np.fmin(self.fz_min[cell], -fz), np.fmax(self.friction[cell], friction)
         steps = Steps(lanes, series, stop, y, v, hull)
         if self.waits:
-            self._waiting.add(steps, at)
+            self._waiting.add(steps, near)
         else:
-            self._look([(steps, at)])
+            self._look([(steps, near)])
         return doubtful
 
     def take_in(self, going: Lanes, outcome: Array) -> None:
