@@ -70,7 +70,7 @@ def step(marks: Any, tolerance: float, segments: Any, lanes: Any, *_: Any) -> Co
     """Those of a mechanism's step by collocation: the drive at its points, F and G there, sweeps, and terms of what they come to."""
     points, size, harmonics = order_for(tolerance, collocation._POINTS), lanes.y.size, segments.harmonics
     sweeps, last = (points + 1) * points, (points - 1) // 4
-    forces = points * (collocation._COARSE * 5 + 2 * 9 + 7 + 2 * last + 5 * harmonics)
+    forces = points * (3 + collocation._COARSE * 2 + 5 + 2 * 4 + 3 + 2 * last + 5 * harmonics)
     whole = forces + (collocation._COARSE + 2 + last) * sweeps + 3 * sweeps // 2
     return size * whole, size * points * harmonics, size * points * harmonics, 0, 0
 

@@ -111,16 +111,18 @@ def _step(
         return y
 
     y = straight + (0.5 * lanes.b) * (time * time)
+    force = _combined(start[:, :3], a)
     for _ in range(_COARSE):
-        _force(start[:, :3, None], y - lanes.y, a, later)
+        _sum(force, y - lanes.y, later)
         y = swept()
-    near, rows = marks.beside(y)
+    at, near = marks.nearest(y)
+    force = _combined(marks.rows, a, at)
     for _ in range(2):
         x = y - near
-        _force(rows, x, a, later)
+        _sum(force, x, later)
         change, y = y, swept()
-        np.subtract(y, change, out=change)
-    slope = _slope(rows, x, a)
+    np.subtract(y, change, out=change)
+    slope = _slope(force, x)
     bent = np.abs(change).max(axis=0)
     bent *= bent * (np.abs(start[0, 2]) + np.abs(lanes.amplitude * start[1, 2]))
     for _ in range((count - 1) // 4):
@@ -160,21 +162,29 @@ def _change(segments: Segments, lanes: Lanes, w: Array, time: Array) -> Array:
     return total
 
 
-def _force(rows: Array, x: Array, a: Array, out: Array) -> None:
-    """-F + a G from their series, (2, powers, points, lanes), in powers of x."""
-    both = rows[:, -1] * x
-    for k in range(rows.shape[1] - 2, 0, -1):
-        both += rows[:, k]
-        both *= x
-    both += rows[:, 0]
-    np.multiply(a, both[1], out=out)
-    out -= both[0]
+def _combined(rows: Array, a: Array, at: Array | None = None) -> list[Array]:
+    """-F + a G in powers of what y is off, (points, lanes) each, from rows (2, powers, lanes), or (2, powers, marks) and the marks."""
+    force = []
+    for falls, pushes in zip(*rows, strict=True):
+        both = a * (pushes if at is None else pushes.take(at))
+        both -= falls if at is None else falls.take(at)
+        force.append(both)
+    return force
 
 
-def _slope(rows: Array, x: Array, a: Array) -> Array:
-    """Its derivative by y, short of the last power."""
-    both = (1.5 * x) * rows[:, 3]
-    both += rows[:, 2]
-    both *= 2.0 * x
-    both += rows[:, 1]
-    return a * both[1] - both[0]
+def _sum(force: list[Array], x: Array, out: Array) -> None:
+    """The force at x."""
+    np.multiply(force[-1], x, out=out)
+    for row in force[-2:0:-1]:
+        out += row
+        out *= x
+    out += force[0]
+
+
+def _slope(force: list[Array], x: Array) -> Array:
+    """Its derivative by y there, short of the last power."""
+    total = (1.5 * x) * force[3]
+    total += force[2]
+    total *= 2.0 * x
+    total += force[1]
+    return total

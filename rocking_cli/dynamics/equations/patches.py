@@ -46,15 +46,15 @@ class Marks:
         np.rint(place, out=place)
         return np.clip(place, 0.0, self.halves.size - 1.0, out=place).astype(np.int64)
 
-    def beside(self, y: Array) -> tuple[Array, Array]:
-        """(the nearest mark's y, its coefficients), for y of any shape."""
+    def nearest(self, y: Array) -> tuple[Array, Array]:
+        """(the nearest mark, its y), for y of any shape."""
         at = self.at(y)
-        return self.low + at * self.step, self.rows.take(at, axis=2)
+        return at, self.low + at * self.step
 
     def about(self, y: Array) -> Array:
         """(2, 3, lanes): value, slope and half the bend of either at each y."""
-        near, c = self.beside(y)
-        x = y - near
+        at, near = self.nearest(y)
+        c, x = self.rows.take(at, axis=2), y - near
         for first in range(3):
             for k in range(_POWERS - 1, first - 1, -1):
                 c[:, k] += x * c[:, k + 1]

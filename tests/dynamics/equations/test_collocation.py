@@ -124,9 +124,9 @@ def test_series_take_what_marks_or_points_do_not_hold():
 def test_marks_have_the_values_of_the_patches():
     table = MechanismEquation(mechanism("thick")).table
     y = np.linspace(0.0, table.edges[-1], 10_001)
-    near, rows = table.marks.beside(y)
+    at, near = table.marks.nearest(y)
     assert np.abs(y - near).max() <= 0.5 * table.marks.step * (1.0 + 1e-9)
-    found = np.einsum("fkl,kl->fl", rows, (y - near) ** np.arange(5)[:, None])
+    found = np.einsum("fkl,kl->fl", table.marks.rows[..., at], (y - near) ** np.arange(5)[:, None])
     for values, function in zip(found, (table.lift, table.push), strict=True):
         assert np.abs(values - table.value(function, y)).max() < 1e-13
     for values, function in zip(table.marks.about(y)[:, 1], (table.lift, table.push), strict=True):
