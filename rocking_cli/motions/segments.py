@@ -166,6 +166,13 @@ class Segments:
         return float((fastest[moving] ** 2 * (size / w).sum(axis=0)[moving] / weight[moving]).max(initial=1.0))
 
     @cached_property
+    def pace(self) -> np.ndarray:
+        """The sinusoids' frequency in each segment, (segments,): root mean square by their sizes, 0 on still ground."""
+        size = np.hypot(self.sin, self.cos)
+        total = size.sum(axis=0)
+        return np.asarray(np.sqrt((size * self.frequency**2).sum(axis=0) / np.where(total > 0.0, total, 1.0)))
+
+    @cached_property
     def table(self) -> Table | None:
         """The segments as polynomials where they are sums of sinusoids; see `table_of`."""
         return table_of(self)

@@ -6,10 +6,9 @@ rest F0 and G0, y = q p^2/(g F0) and a the outward drive over lambda g,
     y'' = -F(y)/F0 + a G(y)/G0 - 2 zeta y'
 
 F and G are tabulated once, as power series in y about the centres of patches that are short against the distance to the
-linkage's nearest lock-up. A step is found by collocation (`collocation`); where the body is damped, its weight varies, the motion is a
-sum of many sinusoids or the tolerance is too tight for that, it composes the local series with that of y. F/G = lambda(phi) falls all
-the way (checked), which is what the sign tests of `windows` ask; where it no longer falls, or has come to -50 times its value at rest, the
-structure has collapsed.
+linkage's nearest lock-up. A step is found by collocation (`collocation`); where the body is damped, its weight varies or the tolerance
+is too tight for that, it composes the local series with that of y. F/G = lambda(phi) falls all the way (checked), which is what the
+sign tests of `windows` ask; where it no longer falls, or has come to -50 times its value at rest, the structure has collapsed.
 """
 
 from __future__ import annotations
@@ -88,7 +87,7 @@ class MechanismEquation:
         """The motion of every lane over a step, as terms of a series."""
         if segments.straight:
             return ramp_flow(self, segments, lanes)
-        if self._marked_closely and segments.table is None and not isinstance(segments, WeighedSegments):
+        if self._marked_closely and not isinstance(segments, WeighedSegments):
             found, lost = collocated(self.table.marks, self.tolerance, segments, lanes)
             if lost.size:
                 terms = np.empty((len(found.terms), lost.size))

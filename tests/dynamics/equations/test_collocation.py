@@ -24,6 +24,12 @@ def mechanism(name):
     return build_structure(document).mechanism
 
 
+def drive(segments, k, u):
+    """s at phase u of segment k, or beyond its end."""
+    angle = segments.frequency[:, k] * u
+    return segments.s_start[k] + (segments.sin[:, k] * (np.cos(angle) - 1.0) + segments.cos[:, k] * np.sin(angle)).sum(axis=0)
+
+
 def lanes_of(equation, segments, count, seed):
     """Bodies on either side, at any phase of the motion, as fast as they may come to be, with the force that acts on them."""
     random = np.random.default_rng(seed)
@@ -31,8 +37,7 @@ def lanes_of(equation, segments, count, seed):
     u, side = random.uniform(0.0, segments.length[k]), random.choice([-1.0, 1.0], count)
     amplitude, omega = random.uniform(1.0, 12.0, count), random.uniform(0.5, 12.0, count)
     y, v = random.uniform(0.0, min(2.5, 0.5 * equation.limit), count), random.uniform(-3.0, 3.0, count)
-    here = segments.s_start[k] + segments.sin[0, k] * (np.cos(u) - 1.0) + segments.cos[0, k] * np.sin(u)
-    b, none = equation.force(y, -side * amplitude * here), np.zeros(count, dtype=np.int32)
+    b, none = equation.force(y, -side * amplitude * drive(segments, k, u)), np.zeros(count, dtype=np.int32)
     return Lanes(np.arange(count), amplitude, omega, np.ones(count), k, u, side, y, v, b, np.zeros(count), none, none)
 
 
@@ -45,11 +50,14 @@ def test_points_integrate_every_power_that_they_hold(count):
     assert np.abs((t**n @ rule.chebyshev.T @ rule.terms.T) @ t ** (n + 2) - twice).max() < 1e-14
 
 
-@pytest.mark.parametrize("name", ARCHES)
-@pytest.mark.parametrize("tolerance", [1e-4, 1e-9])
-def test_arcs_are_those_of_another_integration(name, tolerance):
+@pytest.mark.parametrize(
+    ("name", "tolerance", "motion"),
+    [*((name, tolerance, sine()) for name in ARCHES for tolerance in (1e-4, 1e-9)), ("voussoirs", 1e-9, pulse("ricker-symmetric"))],
+    ids=lambda x: getattr(x, "name", x),
+)
+def test_arcs_are_those_of_another_integration(name, tolerance, motion):
     equation = MechanismEquation(mechanism(name), tolerance)
-    segments = System(equation).segments(sine())
+    segments = System(equation).segments(motion)
     lanes = lanes_of(equation, segments, 30, 7)
     arc = equation.flow(segments, lanes)
     assert len(arc.terms) < equation.order + 1  # no series of Taylor's
@@ -60,8 +68,7 @@ def test_arcs_are_those_of_another_integration(name, tolerance):
         point, state, begin = one.at(times), [lanes.y[i], lanes.v[i]], 0.0
 
         def rate(tau, state, i=i):
-            k, u = lanes.k[i], lanes.u[i] + lanes.omega[i] * tau
-            s = segments.s_start[k] + segments.sin[0, k] * (np.cos(u) - 1.0) + segments.cos[0, k] * np.sin(u)
+            s = drive(segments, lanes.k[i], lanes.u[i] + lanes.omega[i] * tau)
             return [state[1], float(equation.force(state[:1], -lanes.side[i] * lanes.amplitude[i] * s)[0])]
 
         for y, v, end in zip(point.y, point.v, times, strict=True):
@@ -111,14 +118,11 @@ def test_steps_that_are_too_long_are_halved_or_left_to_series(name, too, monkeyp
     assert np.nanmax(np.abs(found.v - v)) < 0.05 * equation.tolerance
 
 
-def test_series_take_what_marks_or_points_do_not_hold():
-    arch, lanes = mechanism("voussoirs"), None
-    for tolerance, damping, motion in ((1e-12, 0.0, sine()), (1e-9, 0.1, sine()), (1e-9, 0.0, pulse("ricker-symmetric"))):
-        equation = MechanismEquation(arch, tolerance, damping)
-        segments = System(equation).segments(motion)
-        lanes = lanes_of(MechanismEquation(arch), System(equation).segments(sine()), 3, 1)
-        lanes.k, lanes.u = np.zeros(3, dtype=np.int64), np.zeros(3)
-        assert len(equation.flow(segments, lanes).terms) == equation.order + 1
+@pytest.mark.parametrize(("tolerance", "damping"), [(1e-12, 0.0), (1e-9, 0.1)])
+def test_series_take_what_marks_or_points_do_not_hold(tolerance, damping):
+    equation = MechanismEquation(mechanism("voussoirs"), tolerance, damping)
+    segments = System(equation).segments(sine())
+    assert len(equation.flow(segments, lanes_of(equation, segments, 3, 1)).terms) == equation.order + 1
 
 
 def test_marks_have_the_values_of_the_patches():
