@@ -20,7 +20,7 @@ from ..equations.ramp import line_series
 from ..lanes import Cells, Lanes
 from ..weight import WeighedSegments
 from .bends import Ends, Forces, Shakes, forces_on, sags
-from .demand import Demands
+from .demand import FAR, Demands
 from .extremes import Records
 from .ground import Shaking
 from .resting import LineResting
@@ -124,7 +124,7 @@ class LineDemands(Demands):
 
     def follow(self, lanes: Lanes, arc: Flow, stop: Array, y: Array, v: Array, at: Array) -> Array:
         """Take in the arcs of the lanes `at` until `stop` [tau], where they are at y, v; `lanes` as they are at 0. The lanes `at`."""
-        every, at = at, at[stop[at] > 0.0]
+        every, at = at, at[(stop[at] > 0.0) & (self.body.on(lanes.side[at]).unit * lanes.y[at] < FAR)]
         seg, k, u, side = self.segments, lanes.k[at], lanes.u[at], lanes.side[at]
         outward, phase = -side * lanes.amplitude[at], lanes.omega[at] * stop[at]
         drive = outward * (seg.s_start[k] + seg.slope[k] * u)
@@ -161,7 +161,7 @@ class LineDemands(Demands):
         pull, pulls = sense * one.fx_slope - ratio * one.fz_slope, sense * other.fx_slope - ratio * other.fz_slope
         steady = (one.fx * other.fx > 0.0) & _monotone(pull, pulls, across + ratio * up, s.unit)
         steady &= np.maximum(-np.abs(one.fx) - ratio * one.fz, -np.abs(other.fx) - ratio * other.fz) + across + ratio * up < 0.0
-        return np.flatnonzero(maybe | (more & ~steady))
+        return np.flatnonzero((maybe | (more & ~steady)) & (edge.unit * s.y < FAR))
 
     def _sags(self, s: Stretches, edge: Edge, one: Forces, other: Forces) -> tuple[Array, Array]:
         """By how much Fx and Fz may leave their chords."""
