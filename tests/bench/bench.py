@@ -255,6 +255,8 @@ def other_scenes(n, cores, rate):
         arithmetic, each = bounds.seconds(work, rate), 1.0 if key == "lossless" else 1e6 / cells
         found |= {key: each * least, f"{key}_bound": each * arithmetic}
         print(f"Scene {scene}: {cells} cells, {least:.3f} s, arithmetic {arithmetic:.4f} s")
+        if scene == "arch":
+            print(f"  its steps alone, by the same calls in full blocks: {bounds.steps_alone(scenes.SCENES[scene]):.4f} s")
     whole = 2 * n // 5
     found["envelope"], found["envelope_bound"] = envelope(sine(), whole, cores, rate, times=2)
     # A run waits as long for the last bodies of few frequencies as of many, so what these take is not a part of what many take.

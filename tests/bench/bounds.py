@@ -26,6 +26,7 @@ from rocking_cli.dynamics.equations.summed_flow import _PAIRS, SHORT, SummedFlow
 from rocking_cli.dynamics.equations.taylor import TaylorSeries, order_for
 
 OPERATIONS = ("product and sum", "division", "tangent", "sinh", "root")
+BLOCK = 2048  # lanes of a full block (`taylor.blocks`)
 NEAR, WIDE = 1024, 8192  # elements of blocks that the first and the second cache hold; a call of NumPy wants the wider one
 Array = np.ndarray
 Counts = tuple[int, int, int, int, int]  # of OPERATIONS
@@ -132,6 +133,22 @@ def rates() -> Array:
     out = x.copy()
     functions = [partial(np.divide, 1.0, x, out=out), *(partial(f, x, out=out) for f in (np.tan, np.sinh, np.sqrt))]
     return np.array([products, *(_least(f) / WIDE for f in functions)])
+
+
+def steps_alone(scene: Any) -> float:
+    """Seconds that a mechanism's steps of a scene take by the calls of NumPy that make them, all of them in full blocks."""
+    lanes, full, step = 0, partial(int), collocation._step
+
+    def counting(*arguments: Any) -> Any:
+        nonlocal lanes, full
+        size = arguments[3].y.size
+        lanes += size
+        full = partial(step, *arguments) if size == BLOCK else full
+        return step(*arguments)
+
+    with mock.patch.object(collocation, "_step", counting):
+        scene()
+    return lanes * _least(full) / BLOCK
 
 
 def _least(action: Any) -> float:
