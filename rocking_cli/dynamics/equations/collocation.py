@@ -23,14 +23,15 @@ Array = np.ndarray
 
 _POINTS = 0.57  # points of a step for each factor e of its error
 _COARSE = 2  # sweeps with parabolas: then all but one step in a hundred are near their marks
-_BEND = 0.18  # a step times the drive's pace is this for each point, at the most,
-_STIFF = 1.0  # the square of a step times the slope of the force this, so that each sweep leaves a tenth or less,
-_FAR = 2.0  # and y comes this far in half widths of a patch, which are short against the distance to the linkage's lock-up
+_BEND = 0.17  # a step times the drive's pace is this for each point, at the most,
+_STIFF = 0.8  # the square of a step times the slope of the force this, so that each sweep leaves a tenth or less,
+_FAR = 2.0  # and y comes this far in half widths of a patch, which are short against the distance to the linkage's lock-up,
+# and half as deep as the lowest mark
 _HALVED = 8  # times that a step is, before it is left to others
 _NEAR = 2.0  # marks by which y may miss the one it was looked up at
 # Inside a step the velocity may be off by so many times what it may be at the end, where the points' weights are good to twice as many
 # powers and an error that grows fast along the step has hardly been summed up.
-_INSIDE = 10.0
+_INSIDE = 3.0
 
 
 class Points(NamedTuple):
@@ -72,8 +73,10 @@ def collocated(marks: Marks, tolerance: float, segments: Segments, lanes: Lanes)
     drive = (lanes.b + start[0, 0]) / start[1, 0]
     stiff = np.abs(start[0, 1]) + np.abs(lanes.amplitude * start[1, 1])
     moves = (np.abs(lanes.v) + np.sqrt(0.5 * far * np.abs(lanes.b))) / far
-    pace = 1.0 + segments.pace.take(lanes.k) * lanes.omega
-    length = 1.0 / np.maximum(np.maximum(pace / (_BEND * count), moves), np.sqrt(stiff / _STIFF))
+    deep = lanes.y - 0.5 * marks.low
+    falls = (np.sqrt(lanes.v * lanes.v + 2.0 * deep * np.maximum(-lanes.b, 0.0)) - lanes.v) / (2.0 * deep)
+    pace = (1.0 + segments.pace.take(lanes.k) * lanes.omega) / (_BEND * count)
+    length = 1.0 / np.maximum(np.maximum(pace, np.sqrt(stiff / _STIFF)), np.maximum(moves, falls))
     terms, holds = np.empty((count + 3, lanes.y.size)), np.empty(lanes.y.size, dtype=bool)
 
     def fill(some: Array | slice) -> None:

@@ -101,7 +101,7 @@ def followed(equation, segments, lanes, until):
     ("name", "too"),
     [
         ("voussoirs", {}), ("voussoirs", {"_BEND": 2.0}), ("voussoirs", {"_FAR": 20.0}), ("voussoirs", {"_COARSE": 0}),
-        ("voussoirs", {"_FAR": 20.0, "_HALVED": 0}), ("barely stands", {"_STIFF": 30.0, "_BEND": 1.0}),
+        ("voussoirs", {"_FAR": 20.0, "_HALVED": 0}), ("barely stands", {"_STIFF": 30.0, "_BEND": 0.3}),
     ],
 )  # fmt: skip
 def test_steps_that_are_too_long_are_halved_or_left_to_series(name, too, monkeypatch):
