@@ -25,6 +25,7 @@ Array = np.ndarray
 SINGLE = np.float32  # is enough to tell which steps are not worth a look
 
 _DEGREE, _STEPS = 5, 3  # of the polynomials, of Newton's method to a crest of one
+_ROWS = 16  # terms of the forces at the most; a series for 1e-9 has 22, of which the last change a hull by less than its rounding
 _CARRIED = 10.0  # times the tolerance of y: what the drive at the start of a step, known from the force that is carried, may be off
 _ROUNDING = 1e-5  # of every term, 80 units in the last place of a single, where powers are wrong by 20 and sums by another 20
 _TAIL = 2.0  # times the largest of the last four terms: what comes after them, of which each is below two thirds of the one before
@@ -107,16 +108,16 @@ def _polynomial(terms: Array, x: Array) -> Array:
 
 def hull_of(turn: Turn, kappa: Array | float, tolerance: float) -> tuple[Array, Array]:
     """Forces and slack (`Hull`) of whole steps of series on edges of this kappa."""
-    rows = len(turn.push)
+    rows = min(len(turn.push), _ROWS)
     interpolants, left = _matrices(rows)
     unit = turn.unit
     x = powers((turn.longest / unit).astype(SINGLE), rows)
     x *= (1.0 / (unit * unit)).astype(SINGLE)
-    terms = turn.turn[2:].astype(SINGLE)
+    terms = turn.turn[2 : rows + 2].astype(SINGLE)
     terms *= _twice(rows)[:, None, None] * np.asarray(kappa, dtype=SINGLE)
-    terms[:, 0] -= turn.push.astype(SINGLE)
+    terms[:, 0] -= turn.push[:rows].astype(SINGLE)
     if turn.weight is not None:
-        terms[:, 1] += turn.weight.astype(SINGLE)
+        terms[:, 1] += turn.weight[:rows].astype(SINGLE)
     terms *= x[:, None]
     forces = _mixed(interpolants, terms)
     if turn.weight is None:
