@@ -88,6 +88,12 @@ class TaylorSeries(NamedTuple):
         """y and three derivatives after h."""
         return self._point(*self._products(h))
 
+    def state(self, h: Array) -> tuple[Array, Array]:
+        """y and y' after h."""
+        x, terms = self._products(h)
+        y, v = np.einsum("dn,nl->dl", _falling_factors(len(terms))[:2], terms)[:, : x.size]
+        return y, v / (x * self.unit)
+
     def bent(self, h: Array) -> tuple[Point, Array]:
         """The same, and how far h y' and h^2 y'' up to there are from the straight line between their ends at the most, (2, lanes)."""
         x, terms = self._products(h)

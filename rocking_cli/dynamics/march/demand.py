@@ -129,8 +129,7 @@ class Demands(Records):
 
         def along(own: Array, h: Array) -> Course:
             here, there = (arc, lanes) if own.size == stop.size else (arc.take(own), lanes.take(own))
-            point = here.at(h)
-            return self.course(there, h, point.y, point.v)
+            return self.course(there, h, *here.state(h))
 
         left = self.approach(lanes.cell, along, stop, row, hull.crests(row), max(_WITHIN * self.equation.tolerance, EXACT))
         if left.size:
