@@ -41,13 +41,23 @@ class Edge(NamedTuple):
 @dataclass(frozen=True)
 class Body:
     """A rigid body: alpha [rad] and kappa = m R^2/I [-] of its edges (right and left, one where they are alike), whether its equation is
-    the linear one, zeta [-], and whether it stands on its right edge only."""
+    the linear one, zeta [-], whether it stands on its right edge only, and a_scale [-] of its edges, 1 where none is given.
+
+    The linear equation moves a body of another a_scale as one of a_scale 1 under that many times the push, and Fz, which follows from
+    the motion and the weight, is the same. So pushes are those: only Fx asks for the ground's own (`moves_with_the_ground`).
+    """
 
     alpha: tuple[float, ...]
     kappa: tuple[float, ...]
     linear: bool
     damping: float = 0.0
     one_sided: bool = False
+    a_scale: tuple[float, ...] = ()
+
+    @property
+    def moves_with_the_ground(self) -> bool:
+        """Whether the push that moves it is the ground's, so that Fx is known too."""
+        return all(scale == 1.0 for scale in self.a_scale)
 
     @property
     def edges(self) -> tuple[Edge, ...]:

@@ -191,10 +191,11 @@ class Method:
     def body_of(self, structure: RockingParameters) -> Body | None:
         """What the forces of a rigid body follow from; None where its mass centre is not known."""
         edges: list[Side | RockingParameters] = [*reversed(structure.sides)] or [structure]
-        kappa = tuple(e.arm * e.p**2 / structure.gravity for e in edges if e.arm is not None and e.a_scale == 1.0)
+        kappa = tuple(e.arm * e.p**2 / structure.gravity for e in edges if e.arm is not None)
         if len(kappa) < len(edges):
             return None
-        return Body(tuple(e.alpha for e in edges), kappa, self.exact, structure.damping, structure.one_sided)
+        a_scale = tuple(e.a_scale for e in edges)
+        return Body(tuple(e.alpha for e in edges), kappa, self.exact, structure.damping, structure.one_sided, a_scale)
 
     def shares(self, structure: RockingParameters) -> tuple[Any, ...]:
         """Structures for which this is equal are one system; with equal restitutions too they share one dimensionless computation,

@@ -141,11 +141,12 @@ def response_with_demands(
     system: System, motion: Motion, amplitude: Array, omega: Array, eta: Array | float, *, found: Response | None = None
 ) -> tuple[Response, dict[str, Array]]:
     """The same, and by name what each body asks of the ground: `friction`, the largest |Fx|/Fz [-], and `fz_min`, the least Fz over m g
-    [-], both NaN where it overturns. found: the response, where it is known. Raises ValueError for a system without a `body`."""
+    [-], both NaN where it overturns. found: the response, where it is known. Raises ValueError for a system without a `body` of
+    a_scale 1."""
     from .march.aftermath import follow_on
 
-    if system.body is None:
-        raise ValueError("demands need a system with a body")
+    if system.body is None or not system.body.moves_with_the_ground:
+        raise ValueError("demands need a system with a body, whose a_scale is 1")
     amplitude, omega, eta = np.broadcast_arrays(*(np.asarray(x, dtype=float) for x in (amplitude, omega, eta)))
     cells = amplitude.ravel(), omega.ravel(), eta.ravel()
     flown = flies(system, motion)

@@ -49,7 +49,9 @@ class System:
         if self.body is None or self.scale is None or not motion.peak:
             return math.inf
         sway = 0.0 if motion.vertical is None else motion.vertical.peak / motion.peak
-        return min(self.body.safe_push((sway,) * len(self.body.alpha))) / (self.scale * motion.peak)
+        scales = self.body.a_scale or (1.0,) * len(self.body.alpha)
+        pushes = self.body.safe_push(tuple(sway / scale for scale in scales))
+        return min(push / scale for push, scale in zip(pushes, scales, strict=True)) / (self.scale * motion.peak)
 
     def least_uplift(self, motion: Motion) -> float:
         """The amplitude A from which a motion lifts the body [-], or drops the ground from under it; infinite where it never does."""

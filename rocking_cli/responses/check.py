@@ -208,7 +208,7 @@ def _governing(
 ) -> tuple[Response, dict[str, float | None] | None]:
     """The responses, and what the first of them asks of the ground where it is walked upright; None where that is left to its history."""
     system = method.system_of(structure)
-    if system.body is None or motion.samples is None:
+    if system.body is None or not system.body.moves_with_the_ground or motion.samples is None:
         return _respond(method, structure, motion, amplitude, omega), None
     found, asked = response_with_demands(system, motion, amplitude, np.array([omega]), structure.eta)
     fz_min = float(asked["fz_min"][0])

@@ -214,6 +214,10 @@ def _check_bodies(scene: Scene) -> None:
     for s, body in zip(scene.structures, bodies, strict=True):
         if body is None:
             raise UsageError(f"{s.name}: quantities friction and fz_min: accepted is a rigid body whose arm is known")
+        if not body.moves_with_the_ground:
+            raise UsageError(
+                f"{s.name}: quantities friction and fz_min: found a_scale {s.a_scale:.6g}; accepted is 1, as of --linear-uplift alpha"
+            )
     for first, *others in () if scene.of_records else scene.sharing():
         for i in others:
             if bodies[i] != bodies[first]:

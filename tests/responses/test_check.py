@@ -77,10 +77,11 @@ def test_verdicts_agree_with_envelope_and_history():
     assert 2 < sum(x for x, _ in fell) < 8
 
 
-@pytest.mark.parametrize(("a_g", "falls"), [("3", False), ("6", True)])
-def test_forces_under_a_record_are_those_of_its_history(a_g, falls):
-    """Of a body that stands the walk tells them, of one that falls its history."""
+@pytest.mark.parametrize(("a_g", "falls", "at_lambda"), [("3", False, False), ("6", True, False), ("3", False, True)])
+def test_forces_under_a_record_are_those_of_its_history(a_g, falls, at_lambda):
+    """Of a body that stands the walk tells them, of one that falls its history, and of one that the linear equation lifts at lambda."""
     structure, motion = structure_of("kind: block\nwidth: 0.5\nheight: 2"), shaken([0.0, 0.5, 0.6, -1.0, -0.7, 0.4, 0.0], 0.2)
+    structure = structure.lifting_at_lambda() if at_lambda else structure
     demand, method = parse_grid(f"a_g={a_g},omega_g=1"), governing_method(structure)
     verdict = check(structure, motion, demand, a_max=1.01)
     shown = time_history(structure, motion, demand, [method]).forces[method.model].demands

@@ -24,7 +24,6 @@ from ..equations.equation import Flow
 from ..lanes import Cells, Lanes
 from ..weight import WeighedSegments
 from .bends import Ends, Shakes, edge_of, fastest, sags
-from .closing import still_bounds
 from .ground import Ground
 
 Array = np.ndarray
@@ -156,6 +155,8 @@ class Footing:
 
     def doubtful(self, lanes: Lanes) -> Array:
         """Which of these damped lanes on still ground may still lose it."""
+        from .closing import still_bounds
+
         return self.watched[lanes.cell] & ~self.lost[lanes.cell] & ~(still_bounds(self.body, lanes).fz > 0.0)
 
 

@@ -36,7 +36,7 @@ class Arm(NamedTuple):
 def arms_of(structure: RockingParameters) -> tuple[Arm, Arm] | None:
     """The arms from the right edge and the left one of a rigid body; None where its forces are not known."""
     edges: tuple[Side | RockingParameters, ...] = structure.sides or (structure, structure)
-    arms = [Arm(e.alpha, e.arm * structure.p**2 / structure.gravity) for e in edges if e.arm is not None and e.a_scale == 1.0]
+    arms = [Arm(e.alpha, e.arm * structure.p**2 / structure.gravity) for e in edges if e.arm is not None]
     return (arms[1], arms[0]) if len(arms) == len(edges) else None
 
 

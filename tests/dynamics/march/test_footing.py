@@ -21,6 +21,22 @@ from rocking_cli.responses.time_history import time_history
 ALPHAS, ETAS = (0.3, 0.7), (0.6, 0.98)
 
 
+@pytest.mark.parametrize("kind", ["plain", "damped"])
+@pytest.mark.parametrize("vertical", [0.0, 0.3])
+def test_a_body_that_the_linear_equation_lifts_at_lambda_leaves_the_ground_where_the_same_motion_does(kind, vertical):
+    """At equal A and weight the motion is that of a_scale = 1, and Fz follows from the motion."""
+    body, _, _ = drawn(kind, np.random.default_rng(4), (0.5, 0.7), ETAS, 0.2)
+    lifted, found = body.lifting_at_lambda(), []
+    for one, factor in ((body, vertical * body.uplift / body.alpha), (lifted, vertical)):
+        motion = with_vertical(sine(), cosine(1.0), factor) if vertical else sine()
+        found.append(response(Method().system_of(one), motion, np.linspace(0.8, 4.0, 60), np.linspace(2.0, 9.0, 5)[:, None], body.eta))
+    assert np.count_nonzero(found[0].outcome == Outcome.LOST_CONTACT) > 10
+    assert np.count_nonzero(found[0].outcome == Outcome.ROCKED) > 10
+    assert np.array_equal(*(x.outcome for x in found))
+    with pytest.raises(ValueError, match="whose a_scale is 1"):
+        response_with_demands(Method().system_of(lifted), sine(), 2.0, 3.0, body.eta)
+
+
 def shaken(random):
     motion = ACROSS[random.integers(len(ACROSS))]
     if random.integers(2):
