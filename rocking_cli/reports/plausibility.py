@@ -22,7 +22,7 @@ def structure_remarks(structure: RockingParameters) -> Iterator[str]:
     """What is odd about a structure, a sentence each; its size is that of the block of equal p, R = 3 g/(4 p^2)."""
     if structure.dimensionless:
         return
-    radius = 0.75 * structure.gravity / structure.p**2
+    radius = 0.75 * (structure.gravity / structure.p) / structure.p  # p^2 may be beyond a double
     if not SMALLEST <= radius <= LARGEST:
         size = "large" if radius > LARGEST else "small"
         yield f"{structure.name}: as {size} as a block of {2.0 * radius:.3g} m from corner to corner; a length without a unit is in m"

@@ -10,6 +10,8 @@ from .parameters import DIMENSIONLESS, VARIED, RockingParameters, Side, weaker_s
 from .shared_keys import ONE_SIDED_RESTITUTION, gravity_of, one_sided_of
 
 REPORTS = ()
+LARGEST_P = 1e150  # rad/s; the squares of it and of its inverse, which sizes follow from, are within a double's range
+P_RANGE = f"a positive number, from {1.0 / LARGEST_P:g} to {LARGEST_P:g} rad/s"
 
 
 def build(document: Document, name: str) -> RockingParameters:
@@ -54,7 +56,7 @@ def _demand_varied(document: Document, details: dict[str, Any]) -> None:
 
 
 def _numbers(document: Document, one_sided: bool = False) -> dict[str, Any]:
-    p = document.quantity("p", "frequency parameter", above=0.0, where="a positive number")
+    p = document.quantity("p", "frequency parameter", least=1.0 / LARGEST_P, most=LARGEST_P, where=P_RANGE)
     alpha = document.quantity("alpha", "angle", above=0.0, below=math.pi, where="an angle between 0 and 180 deg")
     if one_sided:
         eta = document.quantity("eta", "number", above=-1.0, most=0.0, where=ONE_SIDED_RESTITUTION)

@@ -38,6 +38,8 @@ def test_sides_are_read_with_lambda_or_a_scale():
         (ONE_SIDED + "eta: 0.4", r"f.yaml:6:6: eta: found 0.4; accepted is a number above -1 and up to 0"),
         (ONE_SIDED + "eta: -1", "found -1; accepted is a number above -1"),
         (ONE_SIDED.replace("true", "yes") + "eta: -0.4", "one_sided: found yes; accepted is true or false"),
+        (ONE_SIDED.replace("p: 2", "p: 1e200") + "eta: -0.4", "f.yaml:2:4: p: found 1e200; accepted is a positive number, from 1e-150 to"),
+        (ONE_SIDED.replace("p: 2", "p: 1e-200") + "eta: -0.4\narm: 1", "p: found 1e-200; accepted is a positive number, from 1e-150 to"),
         (SIDES, "sides: found a list; accepted is a list of two"),
         (SIDES + OTHER.replace("right", "left"), "sides: found the left side twice"),
         (SIDES + OTHER.replace("right", "rigth"), "side: found rigth; accepted is one of left, right"),
