@@ -16,6 +16,7 @@ from pathlib import Path
 
 from ..errors import OutputError, UsageError
 from .raw_file import PATIENCE, SIGNATURE, RawFile, lock, open_regular
+from .reader import SpectraFile
 from .seal import read
 
 _NO_LINKS = (errno.EPERM, errno.EOPNOTSUPP, errno.ENOSYS, errno.EMLINK, errno.ENOTSUP)
@@ -36,7 +37,8 @@ def _target(path: Path) -> Path:
 
 
 def check_output(path: Path, overwrite: bool, resume: bool = False) -> None:
-    """Refuse an output that cannot or must not be written, before any work is done. Raises UsageError, OutputError if in use."""
+    """Refuse an output that cannot or must not be written, before any work is done. Raises UsageError, OutputError if in use or, with
+    resume, if what stands there is damaged."""
     if str(path) in ("-", ".", ""):
         raise UsageError(f"{str(path)!r} is not the name of a file; an HDF5 file cannot be written to standard output")
     if path.suffix.lower() in _OF_OTHERS:
@@ -61,10 +63,26 @@ def check_output(path: Path, overwrite: bool, resume: bool = False) -> None:
 
 def _refuse_existing(path: Path, overwrite: bool, resume: bool, own_part: bool = False) -> None:
     if os.path.lexists(path) and not overwrite:
+        if resume:
+            _demand_whole(path)
         raise UsageError(f"{path}: exists{' and is complete' if resume else ''}; `overwrite` replaces it")
     part = part_of(path)
     if os.path.lexists(part) and not (overwrite or resume or own_part):
         raise UsageError(f"{part}: exists, left by a sweep that did not finish; `resume` goes on with it, `overwrite` begins anew")
+
+
+def _demand_whole(path: Path) -> None:
+    """Raise OutputError unless a file is a finished spectra file, every chunk of it as it was written."""
+    try:
+        with SpectraFile(path) as file:
+            damaged = len(file.damaged_chunks())
+            fault = f"is damaged: {damaged} of its chunks are not what was written" if damaged else ""
+            if not (fault or file.sealed or file.complete):
+                fault = f"is not complete: {int((~file.done).sum())} of its {file.done.size} chunks are missing"
+    except OutputError as error:
+        raise OutputError(f"{error}; `overwrite` replaces it") from None
+    if fault:
+        raise OutputError(f"{path}: {fault}; `overwrite` replaces it")
 
 
 _KINDS = {

@@ -115,6 +115,27 @@ def test_resume_takes_only_its_own_scene(rocking, refused, whole, tmp_path):
     assert "is complete" in refused(2, "spectrum", *SMALL_SCENE, "-o", "b.h5", "--resume")
 
 
+def test_resume_calls_no_damaged_file_complete(refused, whole, tmp_path):
+    data = whole.read_bytes()
+    with h5py.File(whole) as file:
+        chunk = file["theta_ratio"].id.get_chunk_info(0)
+    flipped = bytearray(data)
+    flipped[chunk.byte_offset + chunk.size // 2] ^= 1
+    for bytes_, said in ((data[:-10000], "or is damaged ("), (b"", "is not an HDF5 file, or is damaged"), (flipped, "1 of its chunks")):
+        (tmp_path / "b.h5").write_bytes(bytes_)
+        found = refused(1, "spectrum", *SMALL_SCENE, "-o", "b.h5", "--resume")
+        assert said in found
+        assert "--overwrite replaces it" in found
+        assert "complete" not in found
+        assert (tmp_path / "b.h5").read_bytes() == bytes_
+    (tmp_path / "b.h5").unlink()
+    shutil.copy(whole, tmp_path / "b.h5")
+    with h5py.File(tmp_path / "b.h5", "r+") as file:  # which takes the seal off
+        file["chunk_done"][0] = 0
+    found = refused(1, "spectrum", *SMALL_SCENE, "-o", "b.h5", "--resume")
+    assert "is not complete: 1 of its" in found
+
+
 def test_resume_computes_damaged_chunks_again(rocking, whole, tmp_path):
     part = tmp_path / "cut.h5.part"
     part.write_bytes(whole.read_bytes())
