@@ -72,7 +72,8 @@ class Demands(Records):
         """Take in the arcs of the lanes `at` until `stop` [tau], where they are at y, v; `lanes` as they are at 0. Those of them of which
         their hull does not prove Fz > 0."""
         hull = series = None
-        doubtful, near = at, at[self.body.on(lanes.side[at]).unit * lanes.y[at] < FAR]
+        doubtful, far = at, self.body.on(lanes.side).unit * lanes.y >= FAR
+        near = at[~far[at]] if far.any() else at
         if isinstance(arc, TaylorSeries) and arc.shown is not None:
             hull = hulls_of(arc.shown, stop / arc.longest)
             series = arc._replace(shown=None)
