@@ -91,7 +91,7 @@ class Demands(Records):
         """Look at the steps that waited, of cells that stayed upright, when there are many or no lanes go on; outcome: of each cell."""
         if self._waiting.held < _HELD and going.cell.size:
             return
-        done, upright = parts_done(going, outcome.size), np.isin(outcome, (Outcome.ROCKED, Outcome.LOST_CONTACT))
+        done, upright = parts_done(going, outcome.size), (outcome == Outcome.ROCKED) | (outcome == Outcome.LOST_CONTACT)
         upright[going.cell] = True  # of which nothing is known
         for part in self._waiting.ready(done, upright, self._promising):
             self._look(part)
@@ -116,8 +116,8 @@ class Demands(Records):
     def _promising(self, steps: Steps, at: Array) -> Array:
         """Of these steps with a hull, (2, steps): whether they may beat the record of -Fz, and of |Fx|/Fz."""
         assert steps.hull is not None
-        cell = steps.lanes.cell[at]
-        return ~(steps.hull.possible.take(at, axis=1) <= [-self.fz_min[cell], self.friction[cell]])
+        cell, (loose, slips) = steps.lanes.cell[at], steps.hull.possible
+        return ~np.array([loose[at] <= -self.fz_min[cell], slips[at] <= self.friction[cell]])
 
     def _approach(self, every: list[tuple[Steps, Array]]) -> None:
         """Look at steps where their hulls say that records of -Fz or |Fx|/Fz may be beaten. What is found of a step hangs on no other one,
