@@ -74,7 +74,7 @@ class Hull(NamedTuple):
         near = best - 2.0 * slack
         plain = ((begins >= near).astype(np.int8) + (ends >= near) + (inside >= near) == 1) & (turns.sum(axis=0) <= 1)
         plain &= (row == 0) | (np.minimum(outward, inward) + slack <= 0.0)
-        x = np.where(begins == best, 0.0, np.where(ends == best, 1.0, x))
+        x = np.nan_to_num(np.where(begins == best, 0.0, np.where(ends == best, 1.0, x)))  # NaN: the slope vanished with its rate
         bend /= np.where(row, _polynomial(_mixed(_to_powers().T, up.astype(float)), x), 1.0)
         return Crests(plain, x, bend)
 

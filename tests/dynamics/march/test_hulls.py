@@ -113,6 +113,14 @@ def test_a_hull_that_leaves_room_for_two_crests_is_not_plain():
     assert not hull_through([0.0] * 6, [1.0, 0.5, 1.0, 0.6, 1.0, 1.0]).crests(np.zeros(1, dtype=np.int64)).plain[0]
 
 
+def test_a_hull_that_is_level_where_its_crest_is_looked_for_is_not_plain():
+    """Newton's method comes to x = 0, where neither the slope 6 x^2 (1 - x)^2 + x^4 of -Fz nor its rate says where to go."""
+    with np.errstate(invalid="ignore"):  # as a march does
+        crests = hull_through([0.0] * 6, [1.0, 1.0, 1.0, 0.75, 0.75, 0.5]).crests(np.zeros(1, dtype=np.int64))
+    assert not crests.plain[0]
+    assert 0.0 <= crests.x[0] <= 1.0  # a place to begin with
+
+
 def test_a_ratio_that_is_as_large_on_either_side_is_not_plain():
     """Fx goes from -0.3 to 0.3 under a steady Fz."""
     for begin, plain in ((-0.3, False), (-0.2, True)):
