@@ -247,17 +247,18 @@ def contact_of(structure: RockingParameters, equation: Equation) -> Contact:
         return OneSided()
     if not structure.sides:
         return Symmetric()
-    from .contacts.unequal import Unequal
+    from .contacts.unequal import Unequal, exchange
 
     left, right = structure.sides
     there = equation.on(np.array([1.0, -1.0]))
     turns, lifts = (np.broadcast_to(x, 2).tolist() for x in (there.rotation(np.ones(2)), there.uplift_amplitude))
     unit = [side.alpha * side.p * turn for side, turn in zip((right, left), turns, strict=True)]  # of the speed y'
+    onto_left, onto_right = exchange(*unit)
     drive = [(side.a_scale / side.alpha) / (structure.a_scale / structure.alpha) / x for side, x in zip((right, left), lifts, strict=True)]
     return Unequal(
         drive=(drive[0], drive[1]),
         omega=(structure.p / right.p, structure.p / left.p),
-        eta=(right.eta * unit[0] / unit[1], left.eta * unit[1] / unit[0]),
+        eta=(right.eta * onto_left, left.eta * onto_right),
         rotation=(turns[0], turns[1]),
         pace=(right.alpha * right.p / (structure.alpha * structure.p), left.alpha * left.p / (structure.alpha * structure.p)),
     )

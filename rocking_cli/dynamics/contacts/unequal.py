@@ -6,6 +6,7 @@ may exceed 1; eta_12 eta_21 < 1.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,6 +17,16 @@ from ..lanes import Cells, Lanes
 from .contact import Bounce, Fate, Uplift, bouncing_ends, bouncing_time, first_uplift
 
 Array = np.ndarray
+
+
+def exchange(one: float, other: float) -> tuple[float, float]:
+    """one/other and other/one of positive units, to a few roundings: their product is 1 to every digit, so that impacts which take nothing
+    take nothing in these units either."""
+    there, back = one / other, other / one
+    while 0.0 < abs(there * back - 1.0) < 1.0:
+        there = math.nextafter(there, math.inf)
+        back = 1.0 / there
+    return there, back
 
 
 @dataclass(frozen=True)

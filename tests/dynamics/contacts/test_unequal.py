@@ -30,6 +30,17 @@ def test_units_of_the_edges_come_from_their_geometry(model):
     assert contact.eta[0] * contact.eta[1] == pytest.approx(0.63, rel=1e-14, abs=0)
 
 
+@pytest.mark.parametrize("model", ["linear", "nonlinear"])
+def test_impacts_that_take_nothing_take_nothing_in_the_units_of_the_edges_either(model):
+    """A product above 1 would be refused, and bouncing settle under one below; as they are multiplied a quarter of such pairs are off."""
+    random, products = np.random.default_rng(1), set()
+    for p, other, alpha, angle in random.uniform((1.0, 1.0, 0.1, 0.1), (4.0, 4.0, 0.9, 0.9), (300, 4)).tolist():
+        left, right = Side("left", p, alpha, math.tan(alpha), 1.0, 1.0), Side("right", other, angle, math.tan(angle), 1.0, 1.0)
+        contact = Method(model).system_of(RockingParameters.of_sides("body", "prism", left, right)).contact
+        products.add(contact.eta[0] * contact.eta[1])
+    assert products == {1.0}
+
+
 def test_the_weaker_edge_lifts_first_whichever_way_the_ground_moves_first():
     system = Method().system_of(BODY)
     cells = system.contact.cells(system.equation, np.array([1.2]), np.array([4.0]), np.array([0.9]))
