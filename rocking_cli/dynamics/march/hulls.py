@@ -27,6 +27,7 @@ SINGLE = np.float32  # is enough to tell which steps are not worth a look
 _DEGREE, _STEPS = 5, 3  # of the polynomials, of Newton's method to a crest of one
 _ROWS = 16  # terms of the forces at the most; a series for 1e-9 has 22, of which the last change a hull by less than its rounding
 _CARRIED = 10.0  # times the tolerance of y: what the drive at the start of a step, known from the force that is carried, may be off
+_STEEP = 2.0 * _DEGREE  # times what values may be off: what differences of coefficients at an end may be, slopes over the degree (Markov)
 _ROUNDING = 1e-5  # of every term, 80 units in the last place of a single, where powers are wrong by 20 and sums by another 20
 _TAIL = 2.0  # times the largest of the last four terms: what comes after them, of which each is below two thirds of the one before
 
@@ -68,7 +69,9 @@ class Hull(NamedTuple):
         beyond = sense * across - held_up
         rises = beyond[1:] > beyond[:-1]
         turns = rises[:-1] & ~rises[1:]
-        begins, ends = np.where(rises[0], -np.inf, beyond[0]), np.where(rises[-1], beyond[-1], -np.inf)
+        steep = _STEEP * slack
+        begins = np.where(beyond[1] - beyond[0] > steep, -np.inf, beyond[0])
+        ends = np.where(beyond[-1] - beyond[-2] < -steep, -np.inf, beyond[-1])
         inside, x, bend = _crest(beyond, turns)
         best = np.maximum(np.maximum(begins, ends), inside)
         near = best - 2.0 * slack

@@ -81,10 +81,10 @@ def test_forces_of_many_bodies_do(kind, tolerance, monkeypatch):
             assert watched(kind, seed, 300, patched, tolerance).max() < 1.0
 
 
-def hull_through(across, up):
-    """Of one step, from the Bernstein coefficients of -Fx and Fz."""
+def hull_through(across, up, slack=1e-9):
+    """Of one step, from the Bernstein coefficients of -Fx and Fz, and what these may be off."""
     forces = np.array([across, up], dtype=hulls.SINGLE).T[:, :, None]
-    return hulls_of([(forces, np.full((2, 1), 1e-9, dtype=hulls.SINGLE))], np.ones(1))
+    return hulls_of([(forces, np.full((2, 1), slack, dtype=hulls.SINGLE))], np.ones(1))
 
 
 def test_a_crest_of_the_hull():
@@ -119,6 +119,16 @@ def test_a_hull_that_is_level_where_its_crest_is_looked_for_is_not_plain():
         crests = hull_through([0.0] * 6, [1.0, 1.0, 1.0, 0.75, 0.75, 0.5]).crests(np.zeros(1, dtype=np.int64))
     assert not crests.plain[0]
     assert 0.0 <= crests.x[0] <= 1.0  # a place to begin with
+
+
+@pytest.mark.parametrize(
+    "lower", [[0.0] * 6, [0.0, 1.0, 2.0, 3.0, 4.0, 5.0], [0.0, 1.0, 4.0, 4.0, -10.0, -100.0]], ids=["level", "end", "inside"]
+)
+def test_a_hull_that_falls_by_less_than_it_may_be_off_is_not_plain(lower):
+    """What is least may as well be where it begins."""
+    up = 0.9 - 1e-6 * np.array(lower)
+    plain = [hull_through([0.0] * 6, up, slack).crests(np.zeros(1, dtype=np.int64)).plain[0] for slack in (1e-5, 1e-7)]
+    assert plain == [False, any(lower)]
 
 
 def test_a_ratio_that_is_as_large_on_either_side_is_not_plain():
