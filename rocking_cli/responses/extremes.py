@@ -59,6 +59,20 @@ def extent(f: Callable[[Array], Array], low: float, high: float, depth: int = 0)
     return Extent(float(values[i]), float(t[i]), float(values[j]), float(t[j]))
 
 
+def first_below(f: Callable[[Array], Array], low: float, high: float, level: float) -> float | None:
+    """The first instant of [low, high] at which f <= level, which is far above the rounding of f; f as in `extent`, None: nowhere."""
+    reach = extent(f, low, high)
+    if reach.least > level:
+        return None
+    if float(f(np.array([low]))[0]) <= level:
+        return low
+    high, middle = reach.at_least, 0.5 * (low + reach.at_least)
+    if not low < middle < high:
+        return high
+    found = first_below(f, low, middle, level)
+    return first_below(f, middle, high, level) if found is None else found
+
+
 @cache
 def _nodes() -> tuple[Array, Array]:
     """Chebyshev points of the second kind, from -1 to 1, and the matrix from values there to the coefficients."""

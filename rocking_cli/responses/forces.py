@@ -18,7 +18,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -27,7 +27,7 @@ from ..dynamics.march.demand import FAR
 from ..dynamics.outcome import Outcome
 from ..errors import UsageError
 from ..structures.parameters import RockingParameters, Side
-from .extremes import Extent, extent
+from .extremes import Extent, extent, first_below
 from .ground import Ground
 from .history import Arc, Event, History
 
@@ -279,6 +279,20 @@ class ForceHistory:
         worst = [max(group, default=None) for group in (resting, lifting, rocking, impacts)]
         return Demands(worst[0], worst[1], worst[2], worst[3], *least)
 
+    @cached_property
+    def lost(self) -> float | None:
+        """The first instant tau at which Fz <= 0; None where the body presses on the ground throughout."""
+        if self.demands.fz_min > 0.0:
+            return None
+        found = [self.demands.fz_min_tau] + [self.found.end] * (self.found.outcome == Outcome.LOST_CONTACT)
+        for bounces, rests, _ in self.rests():
+            found += [tau for tau, (_, fz) in (self._lying(bounces, rests) if rests > bounces * (1.0 + 1e-12) else ()) if fz <= 0.0]
+        for arc in self.found.arcs:
+            if arc.start < min(found) and arc.stop > arc.start and not self._far(arc):
+                first = first_below(partial(_pressed, self.on(arc)), arc.start, arc.stop, 1.0)
+                found += [] if first is None else [first]
+        return min(found)
+
     def _far(self, arc: Arc) -> bool:
         """Whether a body begins an arc where what it asks of the ground is not looked at."""
         begin = arc.flow.take(np.zeros(1, dtype=np.int64)).at(np.zeros(1)).y
@@ -308,6 +322,11 @@ class ForceHistory:
 
 def _vertical(forces: Callable[[Array], Forces]) -> Callable[[Array], Array]:
     return lambda tau: forces(tau).fz
+
+
+def _pressed(forces: Callable[[Array], Forces], tau: Array) -> Array:
+    """1 + Fz/(m g): of a root of Fz, too, the series of this ends."""
+    return 1.0 + forces(tau).fz
 
 
 def _ratio(forces: Callable[[Array], Forces]) -> Callable[[Array], Array]:

@@ -29,6 +29,7 @@ Array = np.ndarray
 _INVISIBLE = 1e-4  # speed of a bounce, y' by tau: its height is below 1e-8
 _SUMMED, _UNSEEN = 1e-3, 1000  # part of that speed at which the rest of a bouncing is summed, and bounces until then at most
 LONGEST = 1e9  # tau: beyond, doubles do not tell the times of an arc apart
+LOST = "lost contact"
 _FALLEN = 3.0  # |theta|/alpha to which an overturning body is followed, unless it lies on its side before
 
 
@@ -43,8 +44,8 @@ class Arc(NamedTuple):
 
 
 class Event(NamedTuple):
-    """What happened at a time tau: release, uplift, impact, peak, rest or overturning; theta/alpha and its rate by tau (before an
-    impact), and the side, +1 or -1. alpha is that of the side the body is on, tau = p t that of the edge that lifts first."""
+    """At a time tau: release, uplift, impact, peak, rest, overturning or lost contact; theta/alpha and its rate by tau (before
+    an impact), and the side, +1 or -1. alpha is that of the side the body is on, tau = p t that of the edge that lifts first."""
 
     tau: float
     event: str
@@ -165,7 +166,7 @@ class _Listener:
             self._lose(float(self.segments.start[drop.k[0]] + drop.u[0]) / self.omega)
         if self._doomed and not any(e.event == "overturning" for e in self.events):
             self._overturn(self.arcs[-1], self.arcs[-1].stop)  # decided at the end of the shaking, and then left to fall
-        end = min([duration, *(e.tau for e in self.events if e.event in ("overturning", "lost contact"))])
+        end = min([duration, *(e.tau for e in self.events if e.event in ("overturning", LOST))])
         events = [e for e in self.events if e.tau <= end]
         arcs = tuple(a._replace(stop=min(a.stop, end)) for a in self.arcs if a.start <= end)
         return History(self.equation, arcs, tuple(events), end, self._became(), float(self.run.theta_ratio[0]))
@@ -179,7 +180,7 @@ class _Listener:
         if self.run.outcome[0] == Outcome.FAILED:
             return Outcome.FAILED
         words = [e.event for e in self.events]
-        if "lost contact" in words:
+        if LOST in words:
             return Outcome.LOST_CONTACT
         if "overturning" in words:
             return Outcome.OVERTURNED_AFTER_IMPACT if "impact" in words else Outcome.OVERTURNED_NO_IMPACT
@@ -256,7 +257,7 @@ class _Listener:
         self.events = [e for e in self.events if e.tau <= tau]
         found = History(self.equation, tuple(self.arcs), (), tau, Outcome.LOST_CONTACT, math.nan)
         ratio, rate = (float(x[0]) for x in found.at(np.array([tau])))
-        self.events.append(Event(tau, "lost contact", ratio, rate, self.arcs[-1].side if self.arcs else 1.0))
+        self.events.append(Event(tau, LOST, ratio, rate, self.arcs[-1].side if self.arcs else 1.0))
 
     def _rest(self, rests: Rests) -> None:
         """The end of the bouncing, by the sum of its series, and the uplift after it."""

@@ -18,7 +18,7 @@ from ..spectra.grid import Grid
 from ..structures.parameters import RockingParameters
 from .forces import Body, Demands, ForceHistory
 from .ground import Ground
-from .history import Event, History, history
+from .history import LOST, Event, History, history
 
 if TYPE_CHECKING:
     from .arch_history import ArchHistory
@@ -74,13 +74,25 @@ class TimeHistory:
 
     def outcome(self, model: str) -> Outcome:
         """What became of the structure by one equation: a body whose forces are known has lost contact where it rocks and Fz <= 0."""
-        found = self.histories[model].outcome
-        if found != Outcome.ROCKED:
-            return found
+        return self.histories[model].outcome if self._lost(model) is None else Outcome.LOST_CONTACT
+
+    def _lost(self, model: str) -> float | None:
+        """The first instant tau at which Fz <= 0 under a body that does not overturn; None without one, and where forces are not known."""
+        if self.histories[model].outcome not in (Outcome.ROCKED, Outcome.LOST_CONTACT):
+            return None
         try:
-            return Outcome.LOST_CONTACT if self.forces[model].demands.fz_min <= 0.0 else found
+            return self.forces[model].lost
         except UsageError:  # forces of other mechanisms
-            return found
+            return None
+
+    def _events(self, model: str) -> Iterator[Event]:
+        """What happened until the end of what is shown, or until contact is lost."""
+        found, lost = self.histories[model], self._lost(model)
+        stop = self.shown if lost is None else min(lost, self.shown)
+        yield from (m for m in found.events if m.tau <= stop and (lost is None or m.event != LOST))
+        if lost is not None and lost <= self.shown:
+            at = np.array([lost])
+            yield Event(lost, LOST, *(float(x[0]) for x in (*found.at(at), found.sides(at))))
 
     @cached_property
     def arch_forces(self) -> dict[str, ArchHistory]:
@@ -121,13 +133,14 @@ class TimeHistory:
             yield {k: None if math.isnan(x) else float(x) for k, x in zip(keys, row, strict=True)}
 
     def events(self, *, dimensionless: bool = False, forces: bool = False) -> Iterator[dict[str, Any]]:
-        """One record for each uplift, impact, peak, rest and overturning; the rate is that before an impact.
+        """One record for each uplift, impact, peak, rest, overturning and loss of contact, which is the last; the rate is that before an
+        impact.
 
         forces: with those on the ground before and after it, over m g, and an impact's impulses over m g [s].
         """
         s = self.structure
-        for model, found in self.histories.items():
-            for m in (m for m in found.events if m.tau <= self.shown):
+        for model in self.histories:
+            for m in self._events(model):
                 if dimensionless:
                     row = {"tau": m.tau, "theta_ratio": m.theta_ratio, "theta_ratio_rate": m.rate}
                 else:

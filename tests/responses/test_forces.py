@@ -11,9 +11,10 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.optimize import minimize_scalar
 
-from rocking_cli import build_structure, parse_documents, parse_grid, pulse, sine
+from rocking_cli import build_structure, cosine, parse_documents, parse_grid, pulse, sine
 from rocking_cli.dynamics.method import Method
 from rocking_cli.errors import UsageError
+from rocking_cli.motions.biaxial import with_vertical
 from rocking_cli.motions.polyline import record_motion
 from rocking_cli.motions.records import read_record
 from rocking_cli.responses.forces import shenton
@@ -178,3 +179,30 @@ def test_what_lines_ask_of_a_body_at_rest_is_what_each_of_them_asks(scale, monke
     assert (found.rocking is not None) == (scale > 0.4)
     monkeypatch.setattr(Ground, "lines", lambda self, low, high: None)
     assert demands() == found
+
+
+def test_contact_is_lost_at_the_first_instant_without_force_though_a_free_fall_is_ahead():
+    """Against an integration that stops where its own Fz is 0: -u'' = sin(alpha - u) (1 + zg''/g) + s xg''/g cos(alpha - u)."""
+    motion = with_vertical(cosine(2), sine(3), 1.3)
+    body, found, _ = answer("kind: block\nwidth: 0.7\nheight: 1.6\nrestitution: 0.8", motion, "a_g=0.8g,f_g=1")
+    history = found.histories["nonlinear"]
+    *_, last = found.events(dimensionless=True)
+    omega, a, up = found.omega, 0.8, 1.3 * 0.8
+    assert (last["event"], history.events[-1].event) == ("lost contact", "lost contact")
+    assert up * math.sin(omega * history.end) == pytest.approx(-1.0, abs=1e-9)
+    arc = next(arc for arc in history.arcs if arc.start <= last["tau"] <= arc.stop)
+    lifts = max(e.tau for e in history.events if e.event in ("uplift", "impact") and e.tau < last["tau"])
+    u, rate = (abs(float(x[0])) * body.alpha for x in history.at(np.array([lifts + 1e-9])))
+
+    def bend(t, u):
+        z = body.alpha - u
+        return -math.sin(z) * (1.0 + up * math.sin(omega * t)) - arc.side * a * math.cos(omega * t) * math.cos(z)
+
+    def fz(t, y):
+        z = body.alpha - y[0]
+        return 1.0 + up * math.sin(omega * t) + 0.75 * (bend(t, y[0]) * math.sin(z) - y[1] * y[1] * math.cos(z))
+
+    fz.terminal = True
+    solved = solve_ivp(lambda t, y: (y[1], bend(t, y[0])), (lifts + 1e-9, history.end), (u, rate), events=fz, rtol=1e-12, atol=1e-14)
+    assert solved.t_events[0][0] == pytest.approx(last["tau"], abs=1e-8)
+    assert last["tau"] < history.end - 1e-2
