@@ -165,7 +165,7 @@ class _Listener:
             drop = self.run.drops
             self._lose(float(self.segments.start[drop.k[0]] + drop.u[0]) / self.omega)
         if self._doomed and not any(e.event == "overturning" for e in self.events):
-            self._overturn(self.arcs[-1], self.arcs[-1].stop)  # decided at the end of the shaking, and then left to fall
+            self._overturn(self.arcs[-1].stop)  # decided at the end of the shaking, and then left to fall
         end = min([duration, *(e.tau for e in self.events if e.event in ("overturning", LOST))])
         events = [e for e in self.events if e.tau <= end]
         arcs = tuple(a._replace(stop=min(a.stop, end)) for a in self.arcs if a.start <= end)
@@ -236,20 +236,27 @@ class _Listener:
         if passage.hit[0]:
             self._note(stop, "impact", side, 0.0, float(passage.impact_v[0]), 1.0 / pace)
         if heard.overturned[0]:
-            self._overturn(self.arcs[-1], summit)
+            self._overturn(summit)
         if heard.rests is not None:
             self._rest(heard.rests)
 
-    def _overturn(self, arc: Arc, summit: float) -> None:
-        """The time at which the body passes the height to which it is followed."""
+    def _overturn(self, summit: float) -> None:
+        """The last time up to the summit at which the body passes the height to which it is followed; it may be many steps before it is
+        certain that it falls."""
+        arc, high = self.arcs[-1], summit
         fallen = self._fallen(arc.side)
-        low, high = arc.start, summit
+        for before in self.arcs[-2::-1]:
+            if float(arc.flow.at(np.zeros(1)).y[0]) < fallen:
+                break
+            arc, high = before, before.stop
+        low = arc.start
         for _ in range(80):
             middle = 0.5 * (low + high)
             beyond = float(arc.flow.at(np.array([(middle - arc.start) * arc.pace])).y[0]) >= fallen
             low, high = (low, middle) if beyond else (middle, high)
         point = arc.flow.at(np.array([(high - arc.start) * arc.pace]))
         if float(point.y[0]) >= fallen * (1.0 - 1e-9):
+            self.events = [e for e in self.events if e.tau <= high]
             self._note(high, "overturning", arc.side, float(point.y[0]), float(point.v[0]), arc.pace)
 
     def _lose(self, tau: float) -> None:

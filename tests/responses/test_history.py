@@ -9,12 +9,14 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from rocking_cli import Outcome, build_structure, cosine, parse_documents, pulse, sine
+from rocking_cli import Outcome, build_structure, cosine, parse_documents, parse_grid, pulse, sine
 from rocking_cli.dynamics.equations.linear import LinearEquation
 from rocking_cli.dynamics.equations.mechanism import MechanismEquation
 from rocking_cli.dynamics.equations.rigid_body import RigidBodyEquation
+from rocking_cli.dynamics.method import Method
 from rocking_cli.dynamics.response import response
 from rocking_cli.dynamics.system import System
+from rocking_cli.motions.biaxial import with_vertical
 from rocking_cli.responses.history import history
 
 ARCH = build_structure(parse_documents("kind: arch\nradius: 10\nthickness: 1.5\nangle: 157.5 deg\nvoussoirs: 7")[0])
@@ -141,3 +143,18 @@ def test_a_body_that_falls_after_the_shaking_falls_whatever_is_followed_of_it():
         found = history(system, motion, amplitude, omega, ARCH.eta, duration=duration)
         assert found.outcome == whole.outcome == Outcome.OVERTURNED_NO_IMPACT
         assert found.end == pytest.approx(min(duration, fall.tau), rel=1e-9, abs=0)
+
+
+@pytest.mark.parametrize("more", ["", "damping: 0.05"])
+@pytest.mark.parametrize("model", ["linear", "nonlinear"])
+@pytest.mark.parametrize("motion", [cosine(4), with_vertical(cosine(4), sine(5), 0.5)], ids=["across", "up"])
+def test_a_body_that_falls_is_followed_to_3_alpha(more, model, motion):
+    """Nor further where it is certain only later that it falls: it has passed 3 alpha for the last time."""
+    body = build_structure(parse_documents(f"kind: block\nwidth: 0.4\nheight: 3\n{more}")[0])
+    for a in np.linspace(0.3, 1.5, 6):
+        amplitude, omega = (float(x[0]) for x in parse_grid(f"a_g={a}g,f_g=0.8").scaled(body))
+        found = history(Method(model, 1e-9).system_of(body), motion, amplitude, omega, body.eta, duration=40.0)
+        last = found.events[-1]
+        assert (last.event, abs(last.theta_ratio)) == ("overturning", pytest.approx(3.0, rel=1e-9))
+        assert found.arcs[-1].stop == found.end == last.tau
+        assert np.array_equal(np.sort([e.tau for e in found.events]), [e.tau for e in found.events])
