@@ -67,7 +67,7 @@ def ricker_symmetric() -> Motion:
 
 
 def ricker_antisymmetric() -> Motion:
-    """x (x^2 - 3) exp(-x^2/2) / 1.3801, x = (phi - phi_0)/sqrt(3): the derivative of the symmetric one, of peak 1."""
+    """x (x^2 - 3) exp(-x^2/2), x = (phi - phi_0)/sqrt(3), over its peak: the derivative of the symmetric one."""
     x2 = 3.0 - math.sqrt(6.0)
     peak = math.sqrt(x2) * (3.0 - x2) * math.exp(-0.5 * x2)
     return Motion("antisymmetric Ricker", (_ricker(math.sqrt(3.0), lambda k: (-k / peak, 0.0)),))
