@@ -23,7 +23,7 @@ from ..motions import Motion, pulse
 from ..structures.parameters import RockingParameters
 from .boundaries import Row, Search
 from .cost import Tell, announce, bouncing_seconds, expected_seconds
-from .grid import Axis, parse_axes, written_axes
+from .grid import Axis, parse_axes, scaled_frequency, written_axes
 from .ladder import SCAN_STEP
 from .processes import available_cpus, processes
 
@@ -168,11 +168,9 @@ def frequency_axis(text: str | None) -> Axis:
 
 
 def _scaled(structure: RockingParameters, axis: Axis) -> np.ndarray:
-    if axis.name == "Omega":
-        return axis.values
-    if structure.dimensionless:
+    if structure.dimensionless and axis.name != "Omega":
         raise UsageError("a restitution alone has no units: give a structure document, or the axis Omega")
-    return axis.values / structure.p
+    return scaled_frequency(axis, structure)
 
 
 def structure_intervals(

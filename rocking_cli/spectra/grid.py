@@ -14,6 +14,7 @@ from ..structures.parameters import RockingParameters
 
 MAX_CELLS = 10**10
 MAX_VALUES = 10**7
+MOST_OMEGA = 1e10  # omega_g/p, at which theta is of the order of 1e-20 alpha; beyond 1e13 all that is judged is rounding
 
 _AXES = {
     "A": ("A", "number"),
@@ -98,12 +99,21 @@ class Grid:
         return self.frequency.values.size, self.amplitude.values.size
 
     def scaled(self, structure: RockingParameters) -> tuple[np.ndarray, np.ndarray]:
-        """(A, Omega) values of the axes for one structure."""
-        a, omega = self.amplitude.values, self.frequency.values
+        """(A, Omega) values of the axes for one structure. Raises UsageError beyond `MOST_OMEGA`."""
+        a = self.amplitude.values
         return (
             a if self.amplitude.name == "A" else structure.dimensionless_amplitude(a),
-            omega if self.frequency.name == "Omega" else omega / structure.p,
+            scaled_frequency(self.frequency, structure),
         )
+
+
+def scaled_frequency(axis: Axis, structure: RockingParameters) -> np.ndarray:
+    """The Omega of an axis Omega or omega_g for one structure. Raises UsageError beyond `MOST_OMEGA`."""
+    omega = axis.values if axis.name == "Omega" else axis.values / structure.p
+    if (highest := float(np.max(omega))) > MOST_OMEGA:
+        found = f"found Omega = omega_g/p = {highest:.3g}; accepted is one up to {MOST_OMEGA:g}"
+        raise UsageError(f"{structure.name}: {found}, beyond which doubles do not hold how little it rocks")
+    return omega
 
 
 def parse_axes(text: str, *, records: bool = False) -> dict[str, Axis]:

@@ -145,8 +145,8 @@ def test_an_input_is_never_the_output(refused, tmp_path):
 
 
 def test_numbers_beyond_double_precision_are_refused(refused):
-    document = "kind: block\nwidth: 1\nheight: 5\ngravity: 1e-320"
-    assert "range of double precision" in refused(2, "spectrum", "-", "--grid", "a_g=1:3:3,f_g=1:2:2", "-o", "s.h5", stdin=document)
+    document = "kind: parameters\np: 1\nalpha: 1e-30\nlambda: 1e-30\neta: 0.9\ngravity: 1e-290"
+    assert "range of double precision" in refused(2, "spectrum", "-", "--grid", "a_g=1:3:3,f_g=1:2:2", "-o", "s.h5", "-q", stdin=document)
 
 
 def test_nonlinear_sweep_of_the_reference_block(rocking, tmp_path):

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from written import built
 
-from rocking_cli import UsageError, build_structure, parse_documents, parse_grid
+from rocking_cli import UsageError, build_structure, dimensionless_oscillator, parse_documents, parse_grid
 from rocking_cli.spectra.grid import Axis, Grid
 
 
@@ -97,3 +97,11 @@ def test_a_motion_with_a_time_of_its_own_has_one_axis():
     for text in ("A=1:2:3,Omega=1", "a_g=1,T_g=1", "T_g=1"):
         with pytest.raises(UsageError, match="accepted is A or a_g, since a record runs in its own time"):
             parse_grid(text, own_time=True)
+
+
+@pytest.mark.parametrize("axes", ["a_g=5,f_g=1e10", "A=2,Omega=1.1e10"])
+def test_frequencies_at_which_nothing_is_left_of_the_motion_are_refused(axes):
+    body = dimensionless_oscillator(0.9) if "Omega" in axes else built("kind: block\nwidth: 0.5\nheight: 2")
+    with pytest.raises(UsageError, match="accepted is one up to 1e\\+10"):
+        parse_grid(axes).scaled(body)
+    assert parse_grid(axes.replace("1e10", "1e9").replace("1.1e9", "1e10")).scaled(body)[1] <= 1e10
