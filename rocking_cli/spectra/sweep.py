@@ -216,7 +216,7 @@ def _check_bodies(scene: Scene) -> None:
             raise UsageError(f"{s.name}: quantities friction and fz_min: accepted is a rigid body whose arm is known")
         if not body.moves_with_the_ground:
             raise UsageError(
-                f"{s.name}: quantities friction and fz_min: found a_scale {s.a_scale:.6g}; accepted is 1, as of --linear-uplift alpha"
+                f"{s.name}: quantities friction and fz_min: found a_scale {s.a_scale:.6g}; accepted is 1, of an uplift at alpha"
             )
     for first, *others in () if scene.of_records else scene.sharing():
         for i in others:
