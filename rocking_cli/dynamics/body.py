@@ -25,6 +25,7 @@ Array = np.ndarray
 _PARTS = 32  # of the path from the ground to the crest, on each of which the bound takes the worst of every term
 _PUSHES = np.geomspace(1e-2, 1e2, 256)  # over g, of which the largest that is proved is taken
 _TURNS, _STEPS = 2.0, 64  # of alpha, and parts of that, for which the largest push is kept
+FAR = 100.0  # of a body that this far [rad] cannot have kept to the ground, what it asks of it is not looked at
 _LOWEST = -0.5 * np.pi  # z of what is still looked at
 
 

@@ -37,17 +37,15 @@ class Response:
 
 
 def response(
-    system: System, motion: Motion, amplitude: Array, omega: Array, eta: Array | float, *, peaks: bool = True, pool: int | None = None,
-    pressed: Array | None = None,
-) -> Response:  # fmt: skip
+    system: System, motion: Motion, amplitude: Array, omega: Array, eta: Array | float, *, peaks: bool = True, pool: int | None = None
+) -> Response:
     """Largest rotation and outcome of one system under one motion (Eqs. 2.3, 2.4, 2.6, 3.4).
 
     Parameters: amplitude A = a_scale a_g / (alpha g) [-], finite and not negative; omega Omega = omega_g / p [-], positive and
     finite; of a body with two unequal edges both are those of the edge that lifts first. eta [-]: within [0, 1], within (-1, 0]
     of a one-sided body, not used where the two edges have restitutions of their own. They are broadcast against each other.
     peaks: whether theta_ratio is wanted; without it only the outcome is computed and theta_ratio is NaN. pool: lanes advanced
-    together, None for what suits the equation; pressed: of each cell whether it is known to press on the ground. Raises ValueError
-    when a number is out of range.
+    together, None for what suits the equation. Raises ValueError when a number is out of range.
 
     >>> (column,) = load_structures('configs/block.yaml')
     >>> found = response(Method('nonlinear').system_of(column), sine(), 1.5, 6.0, column.eta)
@@ -59,13 +57,24 @@ def response(
         raise ValueError("amplitude must be finite and not negative")
     if not (np.all(np.isfinite(omega)) and np.all(omega > 0.0)):
         raise ValueError("omega must be positive and finite")
-    cells, wanted = (amplitude.ravel(), omega.ravel(), eta.ravel()), peaks
-    peaks = peaks or bool(amplitude.max(initial=0.0) > system.safe_amplitude(motion))  # they may prove that a body presses on the ground
-    run, _ = _engine(system, motion, cells, peaks, pool)
+    return _answer(system, motion, (amplitude, omega, eta), peaks, pool)
+
+
+def _answer(
+    system: System, motion: Motion, scene: tuple[Array, Array, Array], peaks: bool, pool: int | None = None, pressed: Array | None = None
+) -> Response:
+    """The response of cells (amplitude, omega, eta; one shape), by a run of their own; pressed: as `look_at_forces` takes it."""
+    amplitude, omega, eta = scene
+    cells = amplitude.ravel(), omega.ravel(), eta.ravel()
+    prove = bool(amplitude.max(initial=0.0) > system.safe_amplitude(motion))  # peaks may, that a body presses on the ground
+    run, _ = _engine(system, motion, cells, peaks or prove, pool)
     run.all()
     look_at_forces(run, system, motion, cells, pressed)
-    shape = amplitude.shape
-    theta_ratio = run.theta_ratio if wanted else np.full(run.outcome.size, np.nan)
+    return _response_of(run, amplitude.shape, peaks)
+
+
+def _response_of(run: Run, shape: tuple[int, ...], peaks: bool = True) -> Response:
+    theta_ratio = run.theta_ratio if peaks else np.full(run.outcome.size, np.nan)
     return Response(theta_ratio.reshape(shape), run.outcome.reshape(shape), run.impacts.reshape(shape), run.work)
 
 
@@ -156,16 +165,12 @@ def response_with_demands(
     assert run.demands is not None  # a body was given
     upright = safe(run.outcome) | (run.outcome == Outcome.LOST_CONTACT)
     pressed = upright & (run.demands.fz_min > _PRESSED)
-    if found is None and (
-        flown or keeps_bouncing(run.equation, run.cells, run.segments)
-    ):  # no bit of a rotation hangs on what else is asked
-        found = response(system, motion, amplitude, omega, eta, pressed=pressed)
-    if found is not None:
-        upright &= (safe(found.outcome) | (found.outcome == Outcome.LOST_CONTACT)).ravel()
-    else:
+    if found is None and (flown or keeps_bouncing(run.equation, run.cells, run.segments)):
+        found = _answer(system, motion, (amplitude, omega, eta), True, pressed=pressed)  # no bit of it hangs on what else is asked
+    if found is None:
         look_at_forces(run, system, motion, cells, pressed)
-        theta_ratio, outcome, impacts = (x.reshape(amplitude.shape) for x in (run.theta_ratio, run.outcome, run.impacts))
-        found = Response(theta_ratio, outcome, impacts, run.work)
+        found = _response_of(run, amplitude.shape)
+    upright &= (safe(found.outcome) | (found.outcome == Outcome.LOST_CONTACT)).ravel()
     asked = {"friction": run.demands.friction, "fz_min": run.demands.fz_min}
     return found, {name: np.where(upright, x, np.nan).reshape(amplitude.shape) for name, x in asked.items()}
 

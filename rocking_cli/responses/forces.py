@@ -23,7 +23,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..dynamics.march.demand import FAR
+from ..dynamics.body import FAR
 from ..dynamics.outcome import Outcome
 from ..errors import UsageError
 from ..structures.parameters import RockingParameters, Side
@@ -233,7 +233,10 @@ class ForceHistory:
                 yield a, next((x for x in still if a <= x <= b), b) if i else a, b
 
     def _lying(self, low: float, high: float) -> Iterator[tuple[float, Forces]]:
-        """The forces of bounces without speed, on each edge, at both ends of a stretch of them: one of its instants has its extremes."""
+        """The forces of bounces without speed, on each edge, at both ends of a stretch of them, if it is one: one of its instants has its
+        extremes."""
+        if not high > low * (1.0 + 1e-12):
+            return
         across, up = (along(low, high)(np.array([low, high])) for along in (self.ground.along, self.ground.up_along))
         for side in (1.0,) if self.body.one_sided else (1.0, -1.0):
             edge, equation = self.body.on(side), self.found.equation.on(np.full(2, side))
@@ -257,7 +260,7 @@ class ForceHistory:
             for weight, ratio in stretches:
                 least = min(least, (weight.least, weight.at_least))
                 resting += self._leaning(ratio) if weight.least > 0.0 else [Demand(math.inf, weight.at_least)]
-            for tau, (fx, fz) in self._lying(bounces, rests) if rests > bounces * (1.0 + 1e-12) else ():
+            for tau, (fx, fz) in self._lying(bounces, rests):
                 least = min(least, (fz, tau))
                 rocking.append(Demand(abs(fx) / fz if fz > 0.0 else math.inf, tau))
         for arc in self.found.arcs:
@@ -286,7 +289,7 @@ class ForceHistory:
             return None
         found = [self.demands.fz_min_tau] + [self.found.end] * (self.found.outcome == Outcome.LOST_CONTACT)
         for bounces, rests, _ in self.rests():
-            found += [tau for tau, (_, fz) in (self._lying(bounces, rests) if rests > bounces * (1.0 + 1e-12) else ()) if fz <= 0.0]
+            found += [tau for tau, (_, fz) in self._lying(bounces, rests) if fz <= 0.0]
         for arc in self.found.arcs:
             if arc.start < min(found) and arc.stop > arc.start and not self._far(arc):
                 first = first_below(partial(_pressed, self.on(arc)), arc.start, arc.stop, 1.0)

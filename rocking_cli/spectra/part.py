@@ -16,7 +16,6 @@ from pathlib import Path
 
 from ..errors import OutputError, UsageError
 from .raw_file import PATIENCE, SIGNATURE, RawFile, lock, open_regular
-from .reader import SpectraFile
 from .seal import read
 
 _NO_LINKS = (errno.EPERM, errno.EOPNOTSUPP, errno.ENOSYS, errno.EMLINK, errno.ENOTSUP)
@@ -73,6 +72,8 @@ def _refuse_existing(path: Path, overwrite: bool, resume: bool, own_part: bool =
 
 def _demand_whole(path: Path) -> None:
     """Raise OutputError unless a file is a finished spectra file, every chunk of it as it was written."""
+    from .reader import SpectraFile
+
     try:
         with SpectraFile(path) as file:
             damaged = len(file.damaged_chunks())

@@ -17,7 +17,7 @@ from dataclasses import replace
 import numpy as np
 
 from ...motions.segments import Segments
-from ..body import Body, Edge
+from ..body import FAR, Body, Edge
 from ..contacts.contact import Contact
 from ..equations.equation import Equation, Flow, Point
 from ..equations.taylor import TaylorSeries, Turn
@@ -36,7 +36,6 @@ Array = np.ndarray
 
 
 _TURN = 1.2  # of the ground's motion [rad], on which quartics enclose the forces closely; two tau on still ground
-FAR = 100.0  # of a body that this far [rad] cannot have kept to the ground, what it asks of it is not looked at
 _TINY = 1e-300
 _HELD = 81920  # steps that wait at the most before those whose fate is known are looked at: five pools of series
 _WITHIN = 0.1  # of the tolerance of the motion: what a record may be off by how it is searched for

@@ -25,7 +25,7 @@ Array = np.ndarray
 SINGLE = np.float32  # is enough to tell which steps are not worth a look
 
 _DEGREE, _STEPS = 5, 3  # of the polynomials, of Newton's method to a crest of one
-_ROWS = 16  # terms of the forces at the most; a series for 1e-9 has 22, of which the last change a hull by less than its rounding
+_ROWS = 16  # terms of the forces at the most: the six more of a series for 1e-9 move a hull by 2e-6 of m g, its slack is 1.5 times
 _CARRIED = 10.0  # times the tolerance of y: what the drive at the start of a step, known from the force that is carried, may be off
 _STEEP = 2.0 * _DEGREE  # times what values may be off: what differences of coefficients at an end may be, slopes over the degree (Markov)
 _ROUNDING = 1e-5  # of every term, 80 units in the last place of a single, where powers are wrong by 20 and sums by another 20

@@ -13,14 +13,14 @@ from typing import Any, NamedTuple, Self
 import numpy as np
 
 from ...motions.segments import Segments
-from ..body import Body, Edge
+from ..body import FAR, Body, Edge
 from ..contacts.contact import Contact
 from ..equations.equation import Equation, Flow, Ramp
 from ..equations.ramp import line_series
 from ..lanes import Cells, Lanes
 from ..weight import WeighedSegments
 from .bends import Ends, Forces, Shakes, forces_on, sags
-from .demand import FAR, Demands
+from .demand import Demands
 from .extremes import Records
 from .ground import Shaking
 from .resting import LineResting
