@@ -83,7 +83,7 @@ def check(
         verdicts.sort(key=lambda v: float("inf") if v.capacity_demand is None else v.capacity_demand)
     in_g = _in_g(context.params)
     if output is not None:
-        from ..reports.capacity import draw_capacities
+        from ..reports.figures.capacities import draw_capacities
 
         draw_capacities(verdicts, output, in_g=in_g)
     options.emit([v.record() for v in verdicts], form, CHECK_COLUMNS, table_units="g" if in_g else None)

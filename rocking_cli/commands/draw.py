@@ -23,7 +23,7 @@ def draw(files: tuple[str, ...], output: Path, overwrite: bool) -> None:
     An arch has its voussoirs, its hinges numbered from springing A, and the linkage displaced; a cracked spire its crack; a stack
     what stays below the interface it rocks on. Kind parameters has no geometry. Figures need the extra: pip install 'rocking[plot]'.
     """
-    from ..reports.drawing import draw_structures
+    from ..reports.figures.drawing import draw_structures
     from ..structures import read_documents
 
     if not files:

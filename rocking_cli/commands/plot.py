@@ -57,7 +57,7 @@ def plot(
     if over is not None and is_spectra_file(file):
         raise click.UsageError("--over goes with the CSV of params --vary")
     if text:
-        from ..reports.characters import text_map
+        from ..reports.figures.characters import text_map
 
         with SpectraFile(file) as spectrum:
             for line in text_map(spectrum, structure, cut):

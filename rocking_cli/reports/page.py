@@ -38,11 +38,11 @@ from ..spectra.reader import SpectraFile
 from ..spectra.sweep import write_spectrum
 from ..structures import RockingParameters
 from ..structures.kinds import sketch_of
-from .canvas import FIGURE_UNITS, canvas, literal
-from .capacity import capacities
-from .drawing import structure_axes
-from .fragility_curves import fragility_curves
-from .maps import outcome_map
+from .figures.canvas import FIGURE_UNITS, canvas, literal
+from .figures.capacities import capacities
+from .figures.drawing import structure_axes
+from .figures.fragility_curves import fragility_curves
+from .figures.maps import outcome_map
 from .relations import parameter_rows
 
 if TYPE_CHECKING:

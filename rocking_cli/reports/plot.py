@@ -13,16 +13,16 @@ import numpy as np
 
 from ..errors import UsageError
 from ..spectra.reader import SpectraFile
-from .canvas import MARKERS, canvas, legend, look, panels, refuse_empty, units_of_figures
-from .characters import place_of
-from .envelopes import bands, curves, record_bars
-from .families import family
-from .fragility_curves import fragility_curves, overturning_spectra
-from .histories import comparison, response
-from .maps import outcome_map
-from .record_spectra import record_spectra
+from .figures.canvas import MARKERS, canvas, legend, look, panels, refuse_empty, units_of_figures
+from .figures.characters import place_of
+from .figures.envelopes import bands, curves, record_bars
+from .figures.families import family
+from .figures.fragility_curves import fragility_curves, overturning_spectra
+from .figures.histories import comparison, response
+from .figures.maps import outcome_map
+from .figures.record_spectra import record_spectra
+from .figures.slices import of_record, slice_of, spectrum_lines
 from .rows import Rows, column, groups, rows_of
-from .slices import of_record, slice_of, spectrum_lines
 from .units import Units
 
 if TYPE_CHECKING:

@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..structures.fourbar import FourBar
+from ..structures.mechanics.fourbar import FourBar
 
 Array = np.ndarray
 

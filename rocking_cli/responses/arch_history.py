@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..errors import UsageError
-from ..structures.fourbar import FourBar
+from ..structures.mechanics.fourbar import FourBar
 from ..structures.parameters import RockingParameters
 from .arch_forces import ArchForces, Resultants, State
 from .extremes import extent

@@ -97,7 +97,7 @@ class TimeHistory:
     @cached_property
     def arch_forces(self) -> dict[str, ArchHistory]:
         """The forces in an arch by Eq. 3.4; empty of what is none. Raises UsageError."""
-        from ..structures.fourbar import FourBar
+        from ..structures.mechanics.fourbar import FourBar
         from .arch_history import ArchHistory
 
         s = self.structure

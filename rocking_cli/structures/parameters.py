@@ -11,7 +11,7 @@ from ..documents.quantities import DEFAULT_GRAVITY
 from ..errors import StructureError
 
 if TYPE_CHECKING:
-    from .kinematics import Mechanism
+    from .mechanics.kinematics import Mechanism
 
 VARIED = ("varied", "varied_units")  # details of a member of a family: by key the value in SI, and the name of its unit
 DIMENSIONLESS = "dimensionless"  # the structure word of an oscillator without units

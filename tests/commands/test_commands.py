@@ -119,11 +119,11 @@ FORCES = [f"rocking_cli.dynamics.march.{name}" for name in ("demand", "lines", "
         ),
         (
             ["spectrum", "block:0.5x2", "--model", "nonlinear", "--grid", "a_g=0.1g:1g:3,f_g=1:5:3", "-o", "OUT"],
-            ["scipy", "rocking_cli.motions.records", "rocking_cli.structures.arch", "rocking_cli.dynamics.flight.run", *FORCES],
+            ["scipy", "rocking_cli.motions.records", "rocking_cli.structures.kinds.arch", "rocking_cli.dynamics.flight.run", *FORCES],
         ),
         (
             ["spectrum", "block:0.5x2", "--model", "nonlinear", "--motion", RECORD, "--grid", "a_g=0.1g:0.5g:3", "-o", "OUT"],
-            ["scipy", "rocking_cli.structures.arch", "rocking_cli.dynamics.flight.relay", *FORCES],
+            ["scipy", "rocking_cli.structures.kinds.arch", "rocking_cli.dynamics.flight.relay", *FORCES],
         ),
         (["response", "block:0.5x2", "--a-g", "0.3g", "--f-g", "1", "--events"], ["h5py", *FORCES]),
     ],

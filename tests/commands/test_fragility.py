@@ -8,7 +8,7 @@ import json
 import pytest
 from matplotlib.figure import Figure
 
-from rocking_cli.reports.fragility_curves import LABELS, fragility_curves
+from rocking_cli.reports.figures.fragility_curves import LABELS, fragility_curves
 from rocking_cli.reports.units import parse_units
 
 SITE = ("--pulses", "configs/motions/site_pulses.csv", "--levels", "0.2g:0.45g:4", "--bootstrap", "50")

@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from shown_lines import lines, numbers, same
 
 from rocking_cli import OutputError, UsageError
-from rocking_cli.reports.canvas import canvas, legend
+from rocking_cli.reports.figures.canvas import canvas, legend
 
 
 @pytest.mark.parametrize(("log", "scales"), [("", ("linear", "linear")), ("x", ("log", "linear")), ("xy", ("log", "log"))])

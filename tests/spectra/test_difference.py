@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from rocking_cli import UsageError, build_structure, parse_documents, parse_grid, sine, spectrum, write_spectrum
 from rocking_cli.dynamics.method import Method
 from rocking_cli.dynamics.outcome import Difference, Outcome, difference
-from rocking_cli.reports.maps import outcome_map
+from rocking_cli.reports.figures.maps import outcome_map
 from rocking_cli.reports.summary import summary_lines
 from rocking_cli.reports.units import Units
 from rocking_cli.spectra.reader import SpectraFile

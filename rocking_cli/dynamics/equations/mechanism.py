@@ -21,7 +21,7 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
 from ...motions.segments import Segments
-from ...structures.kinematics import Mechanism
+from ...structures.mechanics.kinematics import Mechanism
 from ..drive import summed
 from ..lanes import Lanes
 from ..weight import WeighedSegments

@@ -11,7 +11,7 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 
-from ...structures.kinematics import Mechanism, linearise
+from ...structures.mechanics.kinematics import Mechanism, linearise
 
 Array = np.ndarray
 

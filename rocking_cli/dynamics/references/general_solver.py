@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Protocol
 from ...motions.biaxial import plus
 from ...motions.motion import Motion
 from ...motions.piece import Piece
-from ...structures.kinematics import Mechanism, linearise
+from ...structures.mechanics.kinematics import Mechanism, linearise
 from ..outcome import Outcome
 from .extrapolation import Path, Point, Rate, path, step
 from .pressing import Arm, arms_of, lets_go

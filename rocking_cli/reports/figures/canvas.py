@@ -1,0 +1,122 @@
+"""What all figures share: style, colours, names as they are, legends that cover nothing, and the file that they go to.
+
+Colours are those of Okabe and Ito, which the colour-blind tell apart, and lines differ in dash as well, for print. No display is
+needed. matplotlib is the extra `plot`.
+"""
+
+from __future__ import annotations
+
+import io
+import os
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ...errors import OutputError, UsageError
+from ..units import Units, parse_units
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#000000")
+DASHES = ("-", "--", "-.", ":", (0, (5, 1, 1, 1, 1, 1)))
+MARKERS = "osv^D"
+STYLE: dict[Any, Any] = {
+    "font.size": 9, "axes.grid": True, "grid.alpha": 0.3, "grid.linewidth": 0.5, "axes.axisbelow": True, "axes.titlesize": 9,
+    "legend.fontsize": 8, "legend.framealpha": 0.9, "savefig.dpi": 200, "figure.constrained_layout.use": True, "svg.hashsalt": "rocking",
+}  # fmt: skip
+PANEL = (4.2, 3.2)  # inches
+MOST_ACROSS = 3
+_UNDATED: dict[str, dict[str, Any]] = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}  # equal figures are equal files
+_SHORT = 5  # entries that a legend holds inside its axes
+_NARROW = 28  # characters of an entry there
+FIGURE_UNITS = parse_units("g,Hz")  # unless --units says otherwise
+
+
+def units_of_figures(units: Units | None) -> Units:
+    """The units of figures: those asked for, and g and Hz otherwise."""
+    return FIGURE_UNITS if units is None else Units({**FIGURE_UNITS.chosen, **units.chosen})
+
+
+@contextmanager
+def canvas(target: str | Path) -> Iterator[Figure]:
+    """An empty figure in the house's style, which is written to `target` at the end, whole.
+
+    Raises OutputError without matplotlib or where the figure cannot be written.
+    """
+    target = Path(target)
+    try:
+        import matplotlib as mpl
+        from matplotlib.figure import Figure
+    except ImportError:
+        raise OutputError("figures need matplotlib: pip install 'rocking[plot]'; `text` needs nothing") from None
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(5.6, 4.0))
+        yield figure
+        form, drawn = target.suffix[1:].lower(), io.BytesIO()
+        try:
+            figure.savefig(drawn, format=form, metadata=_UNDATED.get(form))
+        except (OSError, ValueError) as error:
+            raise OutputError(f"{target}: cannot be drawn: {error}") from None
+    _publish(target, drawn.getvalue())
+
+
+def _publish(target: Path, content: bytes) -> None:
+    """The content under its name all at once, or not at all. Raises OutputError."""
+    part = target.with_name(f"{target.name}.part")
+    try:
+        part.write_bytes(content)
+        os.replace(part, target)
+    except OSError as error:
+        with suppress(OSError):
+            part.unlink()
+        raise OutputError(f"{target}: cannot be written: {error.strerror or error}") from None
+
+
+def literal(text: str) -> str:
+    """A name as it is: a dollar sign in it begins no formula."""
+    return text.replace("$", r"\$")
+
+
+def look(number: int) -> dict[str, Any]:
+    """Colour and dash of the line of that number."""
+    return {"color": COLOURS[number % len(COLOURS)], "ls": DASHES[number % len(DASHES)]}
+
+
+def panels(figure: Figure, count: int) -> list[Axes]:
+    """That many axes of one size, side by side; the figure grows with them."""
+    across = min(count, MOST_ACROSS)
+    down = -(-count // across)
+    if count > 1:
+        figure.set_size_inches(PANEL[0] * across, PANEL[1] * down)
+    axes = list(figure.subplots(down, across, squeeze=False).ravel())
+    for spare in axes[count:]:
+        spare.remove()
+    return axes[:count]
+
+
+def legend(axes: Axes, handles: Sequence[Any] | None = None) -> None:
+    """A legend where it covers no data: inside where it is short, else beside the figure; none of a single line or of none."""
+    entries = axes.get_legend_handles_labels()[0] if handles is None else list(handles)
+    if not entries or (handles is None and len(entries) < 2):
+        return
+    if len(entries) <= _SHORT and max(len(str(entry.get_label())) for entry in entries) <= _NARROW:
+        axes.legend(handles=entries)
+    else:
+        figure: Any = axes.figure
+        figure.legend(handles=entries, loc="outside right upper")
+        width, height = figure.get_size_inches()
+        figure.set_size_inches(width + 0.065 * max(len(str(entry.get_label())) for entry in entries) + 0.6, height)
+
+
+def refuse_empty(axes: Iterable[Axes], source: str) -> None:
+    """Raise UsageError where no axes show anything."""
+    for one in axes:
+        lines = [line.get_xydata() for line in one.get_lines()]
+        if one.collections or one.patches or any(np.isfinite(points).all(axis=1).any() for points in lines):
+            return
+    raise UsageError(f"{source}: holds nothing to draw")

@@ -1,0 +1,77 @@
+"""A quick look in a terminal of 80 columns and 24 rows: outcome maps and slices in characters."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ...dynamics.outcome import Outcome
+from ...spectra.reader import SpectraFile
+from .slices import Slice, of_record, slice_of
+
+WIDTH, HEIGHT = 80, 24  # of the terminal, the prompt that follows included
+_MARGIN = 11  # of the numbers at the left
+
+
+def text_map(file: SpectraFile, name: str | None, cut: str | None, width: int = WIDTH, height: int = HEIGHT) -> list[str]:
+    """The outcome map of a structure (or record), or a slice, in up to width x height characters less a line for the prompt."""
+    (_, places), *both = file.frame.dimensions.items()
+    if cut:
+        return _slice_text(slice_of(file, cut), width, height)
+    place = place_of(file, name)
+    if any(isinstance(values, list) for _, values in both):
+        return _slice_text(of_record(file, place), width, height)
+    (across, x), (up, y) = both if not file.frame.of_records else reversed(both)
+    x, y = np.asarray(x), np.asarray(y)
+    outcome = file.block(place, slice(None))["outcome"]
+    shown = outcome.T if not file.frame.of_records else outcome
+    head = _head([f"{places[place]}:", *(f"'{o.sign}' {o.sentence}" for o in Outcome if np.any(shown == o))], width)
+    rows = np.linspace(y.size - 1, 0, min(height - len(head) - 3, y.size)).astype(int)
+    columns = np.linspace(0, x.size - 1, min(width - _MARGIN, x.size)).astype(int)
+    lines = [f"{y[r]:>9.3g} |" + "".join(Outcome(int(shown[r, c])).sign for c in columns) for r in rows]
+    return [*head, *lines, " " * 10 + "+" + "-" * columns.size, f"{up:>9}   {across} {x[0]:.4g} to {x[-1]:.4g}"]
+
+
+def _head(items: list[str], width: int) -> list[str]:
+    """Items in as few lines as hold them whole."""
+    lines = [items[0][:width]]
+    for i, item in enumerate(items[1:]):
+        gap = "  " if i else " "
+        fits = len(lines[-1]) + len(gap) + len(item) <= width
+        lines[-1:] = [lines[-1] + gap + item] if fits else [lines[-1], item]
+    return lines
+
+
+def place_of(file: SpectraFile, name: str | None) -> int:
+    """The place of a structure, or of a record, on the first dimension; the first one of all without a name. Raises UsageError."""
+    from ...errors import UsageError
+
+    word, names = next(iter(file.frame.dimensions.items()))
+    if name is None:
+        return 0
+    if name not in names:
+        raise UsageError(f"{file.path}: no {word} {name!r}; accepted are {', '.join(map(str, names))}")
+    return list(names).index(name)
+
+
+def _slice_text(found: Slice, width: int, height: int) -> list[str]:
+    """Bars of theta_max/alpha; as many structures as fit, each with two rows at least."""
+    where = "" if found.where == "record" else f" at {found.where} = {found.value:.6g}"
+    lines = [f"theta_max/alpha{where} over {found.along} {found.x[0]:.4g} to {found.x[-1]:.4g}; blank: fell"]
+    room = height - 2
+    shown = min(len(found.names), max(1, room // 5))
+    tall = max(1, room // shown - 3)
+    for name, theta in list(zip(found.names, found.theta, strict=True))[:shown]:
+        picked = theta[np.linspace(0, theta.size - 1, min(width - _MARGIN, theta.size)).astype(int)]
+        lines += [_plain(name), *_bars(picked, tall)]
+    return [line[:width] for line in lines]
+
+
+def _plain(name: str) -> str:
+    return name.replace(r"$\eta$", "eta").replace(r"\$", "$")
+
+
+def _bars(values: np.ndarray, height: int) -> list[str]:
+    top = float(np.nanmax(np.append(values, 1e-300)))
+    filled = [-1 if np.isnan(v) else round(height * v / top) for v in values]
+    marks = [f"{top * r / height:>9.3g} |" + "".join("*" if f == r else " " for f in filled) for r in range(height, -1, -1)]
+    return [*marks, " " * 10 + "+" + "-" * len(filled)]

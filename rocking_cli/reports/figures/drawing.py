@@ -1,0 +1,114 @@
+"""Structures to scale: what rocks and what stays, pivots or numbered hinges, mass centre, alpha, cracks, and the shape at alpha."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from ...documents.document import Document
+from ...structures import RockingParameters, build_structure
+from ...structures.kinds import sketch_of
+from ...structures.sketch import Outline, Point, Sketch, rectangle
+from ..units import Units
+from .canvas import canvas, literal
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+_WIDTH = 4.2  # inches a panel
+_MOST_ACROSS = 3
+_PLAIN = {"facecolor": "w", "edgecolor": "none", "alpha": 0.7, "pad": 0.8}
+STONE, GROUND, INK = "#D9CBB8", "#EFEFEF", "#333333"
+
+
+def draw_structures(documents: Sequence[Document], target: str | Path, *, units: Units | None = None) -> None:
+    """Draw each document's structure in a panel of its own into a PNG, SVG or PDF.
+
+    Raises DocumentError for a document that is not valid or has no geometry, OutputError without matplotlib or where the figure
+    cannot be written.
+
+    >>> draw_structures(read_documents('configs/arch.yaml'), 'arch.svg')
+    """
+    built = [build_structure(document) for document in documents]
+    sketches = [sketch_of(document, one) for document, one in zip(documents, built, strict=True)]
+    across = min(len(built), _MOST_ACROSS)
+    down = math.ceil(len(built) / across)
+    with canvas(target) as figure:
+        figure.set_size_inches(_WIDTH * across, (_WIDTH + 0.4) * down)
+        panels = figure.subplots(down, across, squeeze=False).ravel()
+        for axes, one, sketch in zip(panels, built, sketches, strict=False):
+            structure_axes(axes, one, sketch, units or Units())
+        for axes in panels[len(built) :]:
+            axes.remove()
+
+
+def structure_axes(axes: Axes, built: RockingParameters, sketch: Sketch, units: Units) -> None:
+    """One structure; a unit of length is that of x and z, one of angle that of alpha."""
+    unit, metre = units.of("length")
+
+    def scaled(outline: Outline) -> list[Point]:
+        return [(x / metre, z / metre) for x, z in outline]
+
+    for outline in sketch.still:
+        axes.fill(*zip(*scaled(outline), strict=True), facecolor=GROUND, edgecolor="0.6", lw=0.8, label="_stays")
+    for outline in sketch.bodies:
+        axes.fill(*zip(*scaled(outline), strict=True), facecolor=STONE, edgecolor=INK, lw=0.9, label="_rocks")
+    for outline in sketch.hollows:
+        axes.plot(*zip(*scaled((*outline, outline[0])), strict=True), color="0.45", lw=0.7, ls=(0, (4, 3)), label="_hollow")
+    for outline in sketch.moved:
+        axes.fill(*zip(*scaled(outline), strict=True), facecolor="none", edgecolor="#0072B2", lw=0.9, ls="--", label="_moved")
+    for i, (label, course) in enumerate(sketch.lines):
+        axes.plot(*zip(*scaled(course), strict=True), color="#D55E00", lw=1.6 if i == 0 else 0.8, ls="-" if i == 0 else ":", label=label)
+        if i == 0:
+            axes.annotate(label, scaled(course)[-1], xytext=(-4, 6), textcoords="offset points", ha="right", color="#D55E00", fontsize=8)
+    for name, point in sketch.pivots:
+        ((x, z),) = scaled((point,))
+        axes.plot(x, z, "o", color="#D55E00", ms=4.5, label=f"_pivot {name}")
+        if name.isdigit():
+            axes.annotate(name, (x, z), xytext=(5, 5), textcoords="offset points", color="#D55E00", fontweight="bold")
+    base = min(z for outline in (*sketch.bodies, *sketch.still) for _, z in outline) / metre
+    axes.axhline(base, color=INK, lw=1.2, zorder=0.5)
+    if built.one_sided:
+        left = min(x for outline in sketch.bodies for x, _ in outline) / metre
+        top = max(z for outline in sketch.bodies for _, z in outline) / metre
+        wall = rectangle(left - 0.15 * top, left, base, top)
+        axes.fill(*zip(*wall, strict=True), facecolor="none", edgecolor="0.5", hatch="///", lw=0.0, label="_backing")
+    if sketch.centre is not None:
+        _mass_centre(axes, built, sketch, metre, unit)
+    axes.set_aspect("equal")
+    axes.margins(0.08)
+    axes.grid(visible=False)
+    axes.set(xlabel=f"$x$ [{unit}]", ylabel=f"$z$ [{unit}]")
+    axes.set_title(f"{literal(built.name)}\n{_numbers(built, units)}", fontsize=8)
+
+
+def _mass_centre(axes: Axes, built: RockingParameters, sketch: Sketch, metre: float, unit: str) -> None:
+    """The mass centre, and alpha at the edge that lifts first, the right one of two alike."""
+    assert sketch.centre is not None
+    edges = dict(sketch.pivots)
+    side = "right"
+    if built.sides and built.sides[0].uplift <= built.sides[1].uplift:
+        side = "left"
+    (px, pz), (cx, cz) = ((x / metre, z / metre) for x, z in (edges[side], sketch.centre))
+    axes.plot(cx, cz, "P", color="k", ms=7, mec="w", mew=0.8, label="_mass centre")
+    axes.plot([px, cx], [pz, cz], color=INK, lw=0.9, label="_R")
+    axes.plot([px, px], [pz, cz], color=INK, lw=0.9, ls=":", label="_vertical")
+    radius, alpha = math.hypot(cx - px, cz - pz), math.atan2(cx - px, cz - pz)  # signed, from the vertical towards the mass centre
+    arc = [alpha * i / 24 for i in range(25)]
+    reach = 0.55 * radius
+    axes.plot([px + reach * math.sin(a) for a in arc], [pz + reach * math.cos(a) for a in arc], color=INK, lw=0.9, label="_alpha")
+    away = math.copysign(6, -alpha)
+    axes.annotate(r"$\alpha$", (px, pz + reach), xytext=(away, 0), textcoords="offset points", ha="left" if away > 0 else "right")
+    axes.annotate(
+        f"$R$ = {radius:.3g} {unit}", (0.5 * (px + cx), 0.5 * (pz + cz)), xytext=(-away, 0), textcoords="offset points",
+        ha="right" if away > 0 else "left", va="center", fontsize=8, bbox=_PLAIN,
+    )  # fmt: skip
+
+
+def _numbers(built: RockingParameters, units: Units) -> str:
+    name, radian = units.of("angle") if "angle" in units.chosen else ("deg", math.pi / 180.0)
+    angle = f"{built.alpha / radian:.4g}{'°' if name == 'deg' else f' {name}'}"
+    scale = f", $a_{{scale}}$ = {built.a_scale:.4g}" if built.a_scale != 1.0 else ""
+    return rf"$p$ = {built.p:.4g} rad/s, $\alpha$ = {angle}, $\eta$ = {built.eta:.3g}, $\lambda$ = {built.uplift:.4g}{scale}"

@@ -1,0 +1,49 @@
+"""What stands at an axis: symbols as formulas, and the unit."""
+
+from __future__ import annotations
+
+from ..units import Units
+
+SYMBOLS = {
+    "A": r"$A = a_{scale}\,a_g/(\alpha g)$",
+    "Omega": r"$\Omega = \omega_g/p$",
+    "a_g": r"$a_g$",
+    "omega_g": r"$\omega_g$",
+    "f_g": r"$f_g$",
+    "t": "time $t$",
+    "tau": r"$p\,t$",
+    "theta": r"rotation $\theta$",
+    "theta_ratio": r"$\theta/\alpha$",
+    "theta_max_ratio": r"$\theta_{max}/\alpha$",
+    "ground_acceleration": r"$\ddot{x}_g$",
+    "A_s": r"$A\,s$",
+    "p": "$p$",
+    "alpha": r"$\alpha$",
+    "eta": r"$\eta$",
+    "lambda": r"$\lambda$",
+    "a_scale": r"$a_{scale}$",
+    "T": r"$T = 2\pi/p$",
+    "scale": "factor of the record",
+}
+PLAIN = {"m/s2": "m/s²", "cm/s2": "cm/s²"}
+
+
+def label(column: str, units: Units) -> str:
+    """`$a_g$ [m/s²]` of a column in these units."""
+    name, unit, _ = units.column(column)
+    return f"{SYMBOLS.get(name, name.replace('_', ' '))} [{PLAIN.get(unit, unit) or '-'}]"
+
+
+def valued(column: str, value: float, units: Units) -> str:
+    """`$f_g$ = 1.5 Hz` of a value in SI."""
+    name, unit, factor = units.column(column)
+    short = {"A": "$A$", "Omega": r"$\Omega$", "T": "$T$"}.get(name) or SYMBOLS.get(name, name)
+    return f"{short} = {value / factor:.4g} {PLAIN.get(unit, unit)}".rstrip()
+
+
+def titled(name: str, eta: float) -> str:
+    """A structure's name and its restitution, each once: an oscillator is called after it."""
+    from .canvas import literal
+
+    own = f"eta={eta:g}"
+    return rf"$\eta$ = {eta:.4g}" if name == own else rf"{literal(name)}, $\eta$ = {eta:.4g}"

@@ -1,0 +1,150 @@
+"""Overturning maps: the outcome of every cell of a spectra file, with the closed-form curves where they hold."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ...dynamics.method import LINEAR
+from ...dynamics.outcome import Difference, Outcome
+from ...errors import UsageError
+from ...spectra.reader import SpectraFile
+from ..units import Units
+from .canvas import DASHES, literal
+from .labels import label, titled
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+_Curves = dict[str, dict[float, float]]  # of each curve A by Omega
+_OMEGAS = 80  # points of a curve
+_ALONG = {"initiation": 0.7, "no_impact": 0.9, "after_impact_upper": 0.75, "after_impact_lower": 0.5}  # of what is seen, its name
+_NOSE = 40  # halvings of the step in which a curve ends
+
+
+def outcome_map(axes: Axes, file: SpectraFile, place: int, units: Units) -> list[Any]:
+    """The map at one place of the first dimension, a structure or a record; the entries of its legend.
+
+    Raises UsageError where no cell is computed, or the cells do not lie on two axes of numbers.
+    """
+    from matplotlib.colors import BoundaryNorm, ListedColormap
+    from matplotlib.patches import Patch
+
+    (_, names), *both = file.frame.dimensions.items()
+    across, up = both if not file.frame.of_records else reversed(both)  # frequency and amplitude; T and alpha
+    if isinstance(up[1], list) or isinstance(across[1], list):
+        raise UsageError(f"{file.path}: has structures on an axis, accepted for a map are two axes of numbers")
+    block = file.block(place, slice(None))
+    outcome = block["outcome"]
+    shown = outcome.T if not file.frame.of_records else outcome  # (up, across)
+    if not np.any(shown != Outcome.NOT_COMPUTED):
+        raise UsageError(f"{file.path}: holds no computed cell of {names[place]}, nothing to draw")
+    x, y = (np.asarray(values) / units.column(name)[2] for name, values in (across, up))
+    colours = [o.colour for o in Outcome]
+    norm = BoundaryNorm(np.arange(-0.5, len(colours)), len(colours))
+    axes.pcolormesh(x, y, shown, cmap=ListedColormap(colours), norm=norm, shading="nearest", rasterized=True)
+    entries: list[Any] = [Patch(facecolor=o.colour, edgecolor="0.5", label=o.sentence) for o in Outcome if np.any(shown == o)]
+    if "difference" in block:
+        entries += _differences(axes, x, y, block["difference"] if file.frame.of_records else block["difference"].T)
+    if "friction" in block and min(shown.shape) > 1:
+        _frictions(axes, x, y, block["friction"].T)
+    if x.size > 1 and y.size > 1:
+        axes.set(xlim=(x[0], x[-1]), ylim=(y[0], y[-1]))
+    if not file.frame.of_records:
+        _closed_form(axes, file, place, units)
+    axes.set(xlabel=label(across[0], units), ylabel=label(up[0], units), title=_title(file, place))
+    return entries
+
+
+def _differences(axes: Axes, x: np.ndarray, y: np.ndarray, codes: np.ndarray) -> list[Any]:
+    """Over the map the cells that the linear equation judges otherwise, (up, across), and their entries of the legend."""
+    from matplotlib.colors import ListedColormap
+    from matplotlib.patches import Patch
+
+    entries = []
+    for one in Difference:
+        there = np.ma.masked_not_equal(codes, int(one))
+        if one.colour is not None and there.count():
+            axes.pcolormesh(x, y, there, cmap=ListedColormap([one.colour]), shading="nearest", rasterized=True, gid=one.flag)
+            entries.append(Patch(facecolor=one.colour, edgecolor="0.5", label=one.sentence))
+    return entries
+
+
+def _frictions(axes: Axes, x: np.ndarray, y: np.ndarray, friction: np.ndarray) -> None:
+    """Lines of equal required friction over the map, (up, across), where the body stays upright."""
+    lines = axes.contour(x, y, np.ma.masked_invalid(friction), colors="0.25", linewidths=0.7)
+    axes.clabel(lines, fmt=lambda level: f"μ = {level:g}", fontsize=6)
+
+
+def _title(file: SpectraFile, place: int) -> str:
+    model = file.scene["model"]
+    if file.frame.of_records:
+        return f"{literal(str(next(iter(file.frame.dimensions.values()))[place]))}, {model} equation"
+    s = file.structures[place]
+    return f"{titled(s.name, s.eta)}\n{literal(file.scene['motion'][0])}, {model} equation"
+
+
+def _closed_form(axes: Axes, file: SpectraFile, place: int, units: Units) -> None:
+    """Curves i-iv of Fig. 2 over the map of a linear spectrum of a body that they hold for, each with its name on it."""
+    from ...motions import pulse
+    from ...spectra.closed_form import PULSES, closed_form_curves
+
+    if "vertical" in file.scene:
+        return
+    s, pieces, grid = file.structures[place], file.motion().pieces, file.grid
+    name = next((p for p in PULSES if pulse(p).pieces == pieces), None)
+    if name is None or file.scene["model"] != LINEAR.model or not s.plain:
+        return
+    low, high = grid.frequency.values[[0, -1]] / (1.0 if grid.dimensionless else s.p)
+
+    def at(omegas: np.ndarray) -> _Curves:
+        found: _Curves = {}
+        for point in closed_form_curves(omegas, s.eta, name):
+            found.setdefault(point.curve, {})[point.omega] = point.amplitude
+        return found
+
+    omegas = np.linspace(low, high, _OMEGAS)
+    curves = at(omegas)
+    for curve in ("after_impact_lower", "after_impact_upper"):
+        for end in _ends(curves.get(curve, {}), omegas):
+            curves[curve] |= _to_the_nose(at, curve, *end)
+    for (curve, points), dash in zip(curves.items(), DASHES, strict=False):
+        omega = np.array(sorted(points))
+        amplitude = np.array([points[w] for w in omega])
+        if not grid.dimensionless:
+            omega, amplitude = omega * s.p, s.ground_acceleration(amplitude)
+        x, y = omega / units.column(grid.frequency.name)[2], amplitude / units.column(grid.amplitude.name)[2]
+        axes.plot(x, y, color="k", ls=dash, lw=1.2, label=f"closed form: {curve.replace('_', ' ')}")
+        _named(axes, curve.replace("_", " "), x, y, _ALONG.get(curve, 0.5))
+
+
+def _ends(points: dict[float, float], omegas: np.ndarray) -> list[tuple[float, float]]:
+    """(inside, outside) of each place between two neighbouring Omega where a curve ends."""
+    there = [float(w) in points for w in omegas]
+    pairs = [(i, i + 1) for i in range(len(omegas) - 1) if there[i] != there[i + 1]]
+    return [(float(omegas[a if there[a] else b]), float(omegas[b if there[a] else a])) for a, b in pairs]
+
+
+def _to_the_nose(at: Callable[[np.ndarray], _Curves], curve: str, inside: float, outside: float) -> dict[float, float]:
+    """The points of a curve from the last known one to where it ends, by halving."""
+    found: dict[float, float] = {}
+    for _ in range(_NOSE):
+        middle = 0.5 * (inside + outside)
+        points = at(np.array([middle])).get(curve, {})
+        found |= points
+        inside, outside = (middle, outside) if points else (inside, middle)
+        if abs(outside - inside) < 1e-4 * abs(inside):
+            break
+    return found
+
+
+def _named(axes: Axes, text: str, x: np.ndarray, y: np.ndarray, along: float) -> None:
+    """The name of a curve on it, where it is in the picture."""
+    (left, right), (bottom, top) = axes.get_xlim(), axes.get_ylim()
+    inside = np.flatnonzero((x >= left) & (x <= right) & (y >= bottom) & (y <= top))
+    if inside.size:
+        at = inside[int(along * (inside.size - 1))]
+        axes.annotate(text, (x[at], y[at]), ha="center", va="center", fontsize=7,
+                      bbox={"facecolor": "w", "edgecolor": "none", "alpha": 0.75, "pad": 0.6})  # fmt: skip

@@ -1,0 +1,115 @@
+"""Rocking spectra (Fig. 2 right): theta_max/alpha along one axis of a spectra file, with the stretches that overturn marked."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ...documents.quantities import parse_quantity
+from ...dynamics.outcome import Outcome, falls
+from ...errors import UsageError
+from ...spectra.reader import SpectraFile
+from ..units import Units
+from .canvas import legend, literal, look
+from .labels import label, titled, valued
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+_REQUESTS = {"f_g": ("omega_g", "frequency"), "T_g": ("omega_g", "time"), "p": ("T", "angular frequency")}
+_DIMENSIONS = {"a_g": "acceleration", "omega_g": "angular frequency", "T": "time", "alpha": "angle"}
+_SLACK = 1e-5  # by which an end value may be off: as it is printed
+
+
+@dataclass(frozen=True)
+class Slice:
+    """A line of cells: where it is, the axis along it [SI], and a name, theta_max/alpha and outcome of each structure (or record)."""
+
+    where: str
+    value: float
+    along: str
+    x: np.ndarray
+    names: tuple[str, ...]
+    theta: tuple[np.ndarray, ...]
+    outcome: tuple[np.ndarray, ...]
+    title: str
+
+
+def slice_of(file: SpectraFile, cut: str) -> Slice:
+    """The cells nearest to `NAME=VALUE`, NAME an axis of the file or of the request that made it (f_g, T_g). Raises UsageError."""
+    key, _, text = (x.strip() for x in cut.partition("="))
+    rows, columns = list(file.frame.dimensions.items())[1:]
+    axes = {name: np.asarray(values) for name, values in (rows, columns) if not isinstance(values, list)}
+    name, dimension = _REQUESTS.get(key, (key, _DIMENSIONS.get(key, "number")))
+    try:
+        value = parse_quantity(text, dimension)
+        value = 2.0 * math.pi * value if key == "f_g" else 2.0 * math.pi / value if key in ("T_g", "p") else value
+        values = axes[name]
+        if not values[0] * (1.0 - _SLACK) <= value <= values[-1] * (1.0 + _SLACK):
+            raise ValueError
+    except (KeyError, ValueError, ZeroDivisionError):
+        wanted = " or ".join(_accepted(name, values) for name, values in axes.items())
+        raise UsageError(f"`slice`: found {cut!r}; accepted is {wanted}") from None
+    at = int(np.abs(values - value).argmin())
+    first, places = next(iter(file.frame.dimensions.items()))
+    along, x = columns if name == rows[0] else rows
+    if isinstance(x, list):
+        raise UsageError(f"`slice`: found {cut!r}; accepted is an axis beside another one of numbers")
+    cells = (slice(at, at + 1), slice(None)) if name == rows[0] else (slice(None), slice(at, at + 1))
+    blocks = [file.block(i, *cells) for i in range(len(places))]
+    names = [titled(s.name, s.eta) for s in file.structures] if first == "structure" else [literal(str(r)) for r in places]
+    title = f"{file.scene['model']} equation"
+    if first == "structure":
+        title = f"{literal(file.scene['motion'][0])}, {title}"
+    return Slice(
+        name, float(values[at]), along, np.asarray(x), tuple(names), tuple(b["theta_ratio"].ravel() for b in blocks),
+        tuple(b["outcome"].ravel() for b in blocks), title,
+    )  # fmt: skip
+
+
+def _accepted(name: str, values: np.ndarray) -> str:
+    text = f"{name}={values[0]:.6g} to {values[-1]:.6g}"
+    if name == "omega_g":
+        low, high = values[[0, -1]] / (2.0 * math.pi)
+        text += f" (f_g={low:.6g} to {high:.6g}, T_g={1.0 / high:.6g} to {1.0 / low:.6g})"
+    return text
+
+
+def of_record(file: SpectraFile, place: int) -> Slice:
+    """Of spectra of records over structures: the structures under one record."""
+    (_, records), (_, structures), (along, x) = file.frame.dimensions.items()
+    block = file.block(place, slice(None))
+    title = f"{literal(str(records[place]))}, {file.scene['model']} equation"
+    names = tuple(literal(str(s)) for s in structures)
+    return Slice("record", float(place), along, np.asarray(x), names, tuple(block["theta_ratio"]), tuple(block["outcome"]), title)
+
+
+def spectrum_lines(axes: Axes, found: Slice, units: Units) -> None:
+    """A line each, and above it bars where it overturned or left the ground. Raises UsageError where no cell is computed."""
+    if not any(np.any(outcome != Outcome.NOT_COMPUTED) for outcome in found.outcome):
+        raise UsageError("holds no computed cell on this line, nothing to draw")
+    x = found.x / units.column(found.along)[2]
+    for i, (name, theta, outcome) in enumerate(zip(found.names, found.theta, found.outcome, strict=True)):
+        style: dict[str, Any] = look(i)
+        axes.plot(x, theta, label=name, marker="." if x.size == 1 else None, **style)
+        bars = _spans(x, falls(outcome))
+        if bars:
+            axes.broken_barh(bars, (1.01 + 0.02 * i, 0.014), transform=axes.get_xaxis_transform(), color=style["color"], clip_on=False)
+    raised = 6.0 + 4.5 * len(found.names)
+    where = "" if found.where == "record" else f", {valued(found.where, found.value, units)}"
+    bars_are = f"overturned{' or lost contact' if any(np.any(o == Outcome.LOST_CONTACT) for o in found.outcome) else ''}"
+    axes.set_title(f"{found.title}{where}\nbars: {bars_are}", pad=raised if any(falls(o).any() for o in found.outcome) else 6.0)
+    axes.set(xlabel=label(found.along, units), ylabel=label("theta_max_ratio", units))
+    if len(found.names) == 1:
+        axes.set_title(f"{found.names[0]}\n{axes.get_title()}", pad=raised)
+    legend(axes)
+
+
+def _spans(x: np.ndarray, where: np.ndarray) -> list[tuple[float, float]]:
+    """(begin, width) of the stretches where the outcome is so, to half way to the neighbours."""
+    edges = np.concatenate([x[:1], 0.5 * (x[1:] + x[:-1]), x[-1:]])
+    steps = np.flatnonzero(np.diff(np.concatenate([[0], where.astype(int), [0]])))
+    return [(float(edges[a]), float(edges[b] - edges[a])) for a, b in zip(steps[::2], steps[1::2], strict=True)]

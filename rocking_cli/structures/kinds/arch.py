@@ -1,0 +1,207 @@
+"""The masonry arch (Figs. 5-7): the four-hinge mechanism it rocks in, from geometry alone.
+
+`uplift` is the least acceleration over all admissible mechanisms; the others follow from the linkage linearised at its
+unstable equilibrium (Eqs. 3.5-3.9). phi is the rotation of link A-B, whose end hinge A is on the intrados.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from itertools import pairwise
+from typing import TYPE_CHECKING, Any
+
+from ...documents.document import Document, Value
+from ...documents.quantities import SMALLEST_LENGTH, parse_quantity
+from ..mechanics.kinematics import linearise
+from ..parameters import RockingParameters
+from ..shared_keys import gravity_of, one_sided_of, restitution_of
+from ..sketch import Outline, Sketch
+
+if TYPE_CHECKING:
+    from ..mechanics.fourbar import FourBar, Ring
+
+REPORTS = ("a_scale_3_7", "hinges", "direction", "lambda_governing")
+SIZES = ("radius", "thickness", "angle")
+MOST_VOUSSOIRS = 200
+DIRECTION = "sways towards +x, away from springing A; the mirror image has the same parameters"
+MEASURED = {"centre-line": 0.0, "intrados": 0.5, "extrados": -0.5}  # thicknesses from there out to the centre line
+PAIRS = (("radius", "angle"), ("span", "rise"))
+_HINGES = "four angles from springing A, rising, or four of {angle, face} with faces intrados and extrados in turn"
+
+
+def build(document: Document, name: str) -> RockingParameters:
+    """thickness; radius and angle (inclusion), or span and rise; measured: centre-line (default), intrados or extrados.
+
+    voussoirs (absent: continuous); hinges (absent: searched).
+    """
+    from ..mechanics.fourbar import FACES
+
+    if one_sided_of(document):
+        raise document.fault("one_sided", "true", "false: an arch sways to both sides")
+    mechanism, governing = find_mechanism(document)
+    if document.has("voussoirs"):
+        mechanism = replace(mechanism, voussoirs=document.integer("voussoirs", 4, MOST_VOUSSOIRS))
+    found = linearise(mechanism)
+    gravity = gravity_of(document)
+    eta, source = restitution_of(document, found.eta, "an arch whose mechanism does not throw it backwards")
+    return RockingParameters(
+        name=name,
+        structure="arch",
+        p=math.sqrt(gravity * found.stiffness),
+        alpha=found.alpha,
+        eta=eta,
+        uplift=found.uplift,
+        a_scale=found.a_scale,
+        eta_source=source,
+        gravity=gravity,
+        details={
+            "a_scale_3_7": found.a_scale_3_7,
+            "hinges": [
+                {"angle": s, "face": face, "x": float(x), "z": float(z)}  # from the centre of the ring
+                for s, face, (x, z) in zip(mechanism.hinges, FACES, mechanism.points, strict=True)
+            ],
+            "direction": DIRECTION,
+            **({"lambda_governing": governing} if document.has("hinges") else {}),
+        },
+        mechanism=mechanism,
+    )
+
+
+def find_mechanism(document: Document) -> tuple[FourBar, float | None]:
+    """The arch's mechanism, from the given hinges, checked, or the governing ones; and the lambda that governs.
+
+    Raises DocumentError when the arch cannot stand or no linkage of four hinges governs.
+    """
+    import numpy as np
+
+    from ..mechanics.fourbar import FourBar
+    from ..mechanics.hinges import search_continuous, search_joints
+    from ..mechanics.statics import static_uplift
+
+    ring = ring_of(document)
+    angle = ring.angle
+    voussoirs = document.integer("voussoirs", 4, MOST_VOUSSOIRS) if document.has("voussoirs") else None
+    joints = None if voussoirs is None else np.linspace(0.0, angle, voussoirs + 1)
+    found = search_continuous(ring) if joints is None else search_joints(ring, joints)
+    carried = (found[1] if found else None) if joints is None else static_uplift(ring, joints)
+    if (joints is not None and carried is None) or (found is not None and not found[1] > 0.0):
+        raise document.fault("thickness", f"{document.values['thickness']}: the arch cannot carry its own weight", "a thicker arch")
+    if document.has("hinges"):
+        return _given(document, ring, joints), carried
+    # Where the static theorem allows less than the best linkage, joints part over their whole depth before four hinges form.
+    if found is None or carried is None or found[1] > carried + 1e-6 or any(a == b for a, b in pairwise(found[0])):
+        wanted = "an arch longer or thinner, which rocks before its joints part"
+        raise document.fault(None, "no linkage of four hinges that governs", wanted)
+    return FourBar(ring, found[0]), found[1]
+
+
+def ring_of(document: Document) -> Ring:
+    """The ring from radius and angle, or from span and rise: R = (span^2/4 + rise^2)/(2 rise), angle = 4 atan(2 rise/span).
+
+    `measured` tells where radius, span and rise are taken; faces are half a thickness off the centre line, springings radial.
+    """
+    from ..mechanics.fourbar import Ring
+
+    line = document.choice("measured", list(MEASURED), "centre-line")
+    pairs = [pair for pair in PAIRS if any(document.has(key) for key in pair)]
+    if len(pairs) > 1 or not all(document.has(key) for key in (pairs or [PAIRS[0]])[0]):
+        found = " and ".join(key for pair in pairs for key in pair if document.has(key)) or "none of them"
+        raise document.fault(None, found, ", or ".join(" and ".join(pair) for pair in PAIRS))
+    if pairs == [PAIRS[1]]:
+        span, rise = document.length("span"), document.length("rise")
+        radius, angle = 0.5 * (0.25 * span * span / rise + rise), 4.0 * math.atan2(2.0 * rise, span)
+    else:
+        radius = document.length("radius")
+        angle = document.quantity("angle", "angle", above=0.0, below=2.0 * math.pi, where="an angle between 0 and 360 deg")
+    outward = MEASURED[line]  # centre line = what is measured + outward thickness, and its radius is above half the thickness
+    most = radius / (0.5 - outward) if outward < 0.5 else math.inf
+    where = f"a length between {SMALLEST_LENGTH:g} m and {most:g} m, where the intrados has no radius left"
+    thickness = document.quantity("thickness", "length", above=SMALLEST_LENGTH, below=most, where=where)
+    return Ring(radius + outward * thickness, thickness, angle)
+
+
+def _given(document: Document, ring: Ring, joints: Any) -> FourBar:
+    import numpy as np
+
+    from ..mechanics.fourbar import FACES, FourBar
+
+    value = document.values["hinges"]
+    if not isinstance(value.content, list) or len(value.content) != 4:
+        raise document.fault("hinges", str(value), _HINGES)
+    hinges, faces = zip(*(_hinge(document, child, face) for child, face in zip(value.content, FACES, strict=True)), strict=True)
+    if not all(a < b for a, b in pairwise(hinges)):
+        raise document.fault("hinges", "angles out of order", _HINGES)
+    if any(a == b for a, b in pairwise(faces)):
+        raise document.fault("hinges", "faces that do not alternate", _HINGES)
+    if not (hinges[0] >= -1e-12 and hinges[-1] <= ring.angle * (1.0 + 1e-12)):
+        raise document.fault(
+            "hinges", "a hinge beyond the springings", f"angles from 0 to {math.degrees(ring.angle):g} deg (a bare number is in rad)"
+        )
+    if joints is not None:
+        nearest = np.abs(np.subtract.outer(hinges, joints)).argmin(axis=1)
+        if np.max(np.abs(joints[nearest] - hinges)) > 1e-6:
+            raise document.fault(
+                "hinges", "a hinge between two joints", f"multiples of {math.degrees(joints[1]):g} deg, the voussoirs' joints"
+            )
+        hinges = tuple(float(joints[i]) for i in nearest)
+    a, b, c, d = (min(max(s, 0.0), ring.angle) for s in hinges)
+    mechanism = FourBar(ring, (a, b, c, d) if faces[0] == FACES[0] else (ring.angle - d, ring.angle - c, ring.angle - b, ring.angle - a))
+    at = mechanism.at_rest()
+    if not (bool(at.admissible) and float(at.push) > 0.0):
+        raise document.fault("hinges", "hinges that do not open on their far faces", "hinges of a mechanism that sways")
+    if not float(at.lift) > 0.0:
+        raise document.fault("hinges", "an arch that collapses in this mechanism under its own weight", "a thicker arch, or other hinges")
+    return mechanism
+
+
+def _hinge(document: Document, value: Value, face: str) -> tuple[float, str]:
+    from ..mechanics.fourbar import EXTRADOS, INTRADOS
+
+    if isinstance(value.content, dict):
+        part = document.part("hinges", value)
+        found = part.quantity("angle", "angle"), part.choice("face", [INTRADOS, EXTRADOS])
+        part.finish()
+        return found
+    if isinstance(value.content, str):
+        try:
+            return parse_quantity(value.content, "angle"), face
+        except ValueError:
+            pass
+    raise document.fault("hinges", str(value), _HINGES)
+
+
+def sketch(document: Document, built: RockingParameters) -> Sketch:
+    """The voussoirs (of a continuous arch its links), the numbered hinges, and the linkage at alpha."""
+    from ..mechanics.fourbar import FourBar
+
+    mechanism = built.mechanism
+    assert isinstance(mechanism, FourBar)
+    ring = mechanism.ring
+    count = document.integer("voussoirs", 4, MOST_VOUSSOIRS) if document.has("voussoirs") else 0
+    joints = [ring.angle * i / count for i in range(1, count)]
+    a, *_, d = mechanism.hinges
+    ends = sorted({0.0, ring.angle, *mechanism.hinges, *joints})
+    parts = [(s, e) for s, e in pairwise(ends) if e - s > 1e-9]
+    links = list(zip(mechanism.hinges[:-1], mechanism.hinges[1:], mechanism.displaced(built.alpha), strict=True))
+    bodies, still, moved = [], [], []
+    for s, e in parts:
+        outline = _sector(ring, s, e)
+        if not a - 1e-9 <= s < d - 1e-9:
+            still.append(outline)
+            continue
+        bodies.append(outline)
+        move = next(move for low, high, move in links if low - 1e-9 <= s < high - 1e-9)
+        moved.append(tuple(move(x, z) for x, z in outline))
+    pivots = tuple((str(i), (float(x), float(z))) for i, (x, z) in enumerate(mechanism.points, 1))
+    return Sketch(bodies=tuple(bodies), still=tuple(still), moved=tuple(moved), pivots=pivots)
+
+
+def _sector(ring: Ring, start: float, stop: float) -> Outline:
+    steps = max(2, math.ceil((stop - start) / 0.03))
+    along = [start + (stop - start) * i / steps for i in range(steps + 1)]
+    return tuple(
+        (float(x), float(z))
+        for face, angles in (("intrados", along), ("extrados", along[::-1]))
+        for x, z in (ring.point(s, face) for s in angles)
+    )

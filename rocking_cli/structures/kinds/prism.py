@@ -1,0 +1,130 @@
+"""A rigid block of any polygonal section, on the ends of its base.
+
+An unsymmetric section has two sides. A one-sided one meets its backing at its highest corner, the left one of several.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from ...documents.document import Document, Value
+from ...documents.quantities import parse_quantity
+from ..mechanics.kinematics import Moments
+from ..mechanics.single_body import body_on_edges
+from ..parameters import RockingParameters
+from ..sketch import Sketch, rocker
+
+REPORTS = ("direction",)
+
+Corner = tuple[float, float]
+
+
+def polygon_moments(corners: Sequence[Corner]) -> Moments:
+    """Moments of a polygon of unit density; corners [m] in order, counterclockwise for a positive mass (Green's theorem)."""
+    mass = x = z = polar = 0.0
+    for (x1, z1), (x2, z2) in zip(corners, [*corners[1:], corners[0]], strict=True):
+        cross = x1 * z2 - x2 * z1
+        mass += cross / 2.0
+        x += cross * (x1 + x2) / 6.0
+        z += cross * (z1 + z2) / 6.0
+        polar += cross * (x1 * x1 + x1 * x2 + x2 * x2 + z1 * z1 + z1 * z2 + z2 * z2) / 12.0
+    return Moments(mass, x, z, polar)
+
+
+def build(document: Document, name: str) -> RockingParameters:
+    """corners: the section's corners in order, [[x, z], ...]; it stands on its lowest points."""
+    corners = _corners(document)
+    size = max(math.dist(a, b) for a in corners for b in corners)
+    lowest, left, right = _base(corners)
+    if right - left <= 1e-9 * size:
+        raise document.fault("corners", "a section that rests on one point", "a base of two lowest corners or more")
+    middle = 0.5 * (left + right)
+    placed = [(x - middle, z - lowest) for x, z in corners]
+    highest = max(z for _, z in placed)
+    return body_on_edges(
+        document,
+        "prism",
+        name,
+        polygon_moments(placed),
+        0.5 * (right - left),
+        limit="a section more slender than this one",
+        top=min(corner for corner in placed if highest - corner[1] <= 1e-9 * size),
+    )
+
+
+def _corners(document: Document) -> list[Corner]:
+    wanted = "a list of three or more corners [x, z], lengths in m or with a unit"
+    if not document.has("corners"):
+        raise document.missing("corners", wanted)
+    value = document.values["corners"]
+    if not isinstance(value.content, list) or len(value.content) < 3:
+        raise document.fault("corners", str(value), wanted)
+    corners = [_corner(document, child, wanted) for child in value.content]
+    if corners[0] == corners[-1]:  # a closed ring, as drawing programs write it
+        corners.pop()
+    if len(corners) < 3 or len(set(corners)) < len(corners):
+        raise document.fault("corners", "a corner given twice", wanted)
+    if _crosses_itself(corners):
+        raise document.fault("corners", "a section that crosses itself", "corners in order around the section")
+    area = polygon_moments(corners).mass
+    if abs(area) <= 1e-12 * max(math.dist(a, b) for a in corners for b in corners) ** 2:
+        raise document.fault("corners", "a section without area", wanted)
+    return corners if area > 0.0 else corners[::-1]
+
+
+def _corner(document: Document, value: Value, wanted: str) -> Corner:
+    if isinstance(value.content, list) and len(value.content) == 2:
+        texts = [v.content for v in value.content]
+        try:
+            x, z = (parse_quantity(t, "length") for t in texts if isinstance(t, str))
+        except ValueError:
+            pass
+        else:
+            return x, z
+    raise document.fault("corners", f"a corner that is not a pair of lengths (line {value.place.line})", wanted)
+
+
+def _crosses_itself(corners: Sequence[Corner]) -> bool:
+    """Whether two edges that are not neighbours touch, or two neighbours fold back on each other."""
+    edges = list(zip(corners, [*corners[1:], corners[0]], strict=True))
+    count = len(edges)
+    for i, (a, b) in enumerate(edges):
+        c = edges[(i + 1) % count][1]
+        if _turn(a, b, c) == 0.0 and (b[0] - a[0]) * (c[0] - b[0]) + (b[1] - a[1]) * (c[1] - b[1]) < 0.0:
+            return True
+        for j in range(i + 2, count):
+            if (j + 1) % count != i and _touch(a, b, *edges[j]):
+                return True
+    return False
+
+
+def _turn(a: Corner, b: Corner, c: Corner) -> float:
+    return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+
+
+def _touch(a: Corner, b: Corner, c: Corner, d: Corner) -> bool:
+    def within(p: Corner, q: Corner, r: Corner) -> bool:
+        return min(p[0], q[0]) <= r[0] <= max(p[0], q[0]) and min(p[1], q[1]) <= r[1] <= max(p[1], q[1])
+
+    t = (_turn(a, b, c), _turn(a, b, d), _turn(c, d, a), _turn(c, d, b))
+    if t[0] * t[1] < 0.0 and t[2] * t[3] < 0.0:
+        return True
+    pairs = ((t[0], a, b, c), (t[1], a, b, d), (t[2], c, d, a), (t[3], c, d, b))
+    return any(x == 0.0 and within(p, q, r) for x, p, q, r in pairs)
+
+
+def sketch(document: Document, _: RockingParameters) -> Sketch:
+    """The section."""
+    corners = _corners(document)
+    base, left, right = _base(corners)
+    body = polygon_moments(corners)
+    return rocker([tuple(corners)], (left, base), (right, base), (body.x / body.mass, body.z / body.mass))
+
+
+def _base(corners: Sequence[Corner]) -> tuple[float, float, float]:
+    """Level and ends of the lowest points [m]."""
+    lowest = min(z for _, z in corners)
+    size = max(math.dist(a, b) for a in corners for b in corners)
+    feet = [x for x, z in corners if z - lowest <= 1e-9 * size]
+    return lowest, min(feet), max(feet)

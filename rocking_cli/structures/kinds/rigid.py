@@ -1,0 +1,51 @@
+"""A rigid body that was measured or modelled elsewhere: its edges, its mass centre and its inertia."""
+
+from __future__ import annotations
+
+import math
+
+from ...documents.document import Document
+from ..mechanics.kinematics import Moments
+from ..mechanics.single_body import body_on_edges
+from ..parameters import RockingParameters
+from ..sketch import Sketch, circle, rocker
+
+_WIDEST = 1000.0  # the moments are taken from the middle between the edges: this cancels six digits of sixteen
+REPORTS = ("mass", "direction")
+
+
+def build(document: Document, name: str) -> RockingParameters:
+    """left, right: horizontal distance from each edge to the mass centre; height of the mass centre above them.
+
+    gyration: radius of gyration about the mass centre, or inertia about it beside mass. mass is optional otherwise.
+    """
+    left, right, height = (document.length(key) for key in ("left", "right", "height"))
+    mass = document.quantity("mass", "mass", above=0.0, where="a positive mass") if document.has("mass") else None
+    half, x = 0.5 * (left + right), 0.5 * (left - right)
+    square = _gyration(document, mass) ** 2
+    near, far = sorted(("left", "right"), key=document.length)
+    if (distance := document.length(far)) > _WIDEST * (reach := math.hypot(document.length(near), height)):
+        raise document.fault(far, f"{distance:g} m", f"up to {_WIDEST:g} times the {reach:g} m from the other edge to the mass centre")
+    body = Moments(1.0, x, height, square + x * x + height * height)
+    details = {} if mass is None else {"mass": mass}
+    return body_on_edges(document, "rigid", name, body, half, limit="a body more slender than this one", details=details)
+
+
+def _gyration(document: Document, mass: float | None) -> float:
+    """Radius of gyration about the mass centre [m]."""
+    if not document.has("inertia"):
+        return document.length("gyration")
+    if document.has("gyration"):
+        raise document.fault("inertia", "inertia beside gyration", "gyration, or inertia and mass, not both")
+    inertia = document.quantity("inertia", "moment of inertia", above=0.0, where="a positive moment of inertia about the mass centre")
+    if mass is None:
+        raise document.missing("mass", "the mass [kg] that goes with inertia")
+    return math.sqrt(inertia / mass)
+
+
+def sketch(document: Document, built: RockingParameters) -> Sketch:
+    """Its base and, for want of an outline, the circle of its radius of gyration."""
+    left, right, height = (document.length(key) for key in ("left", "right", "height"))
+    mass = built.details.get("mass")
+    ring = circle((0.0, height), _gyration(document, mass))
+    return rocker([ring, ((-left, 0.0), (right, 0.0))], (-left, 0.0), (right, 0.0), (0.0, height))

@@ -1,0 +1,182 @@
+"""The conical masonry spire (Fig. 3): uncracked on the edge of its base, or cracked diagonally below its solid tip.
+
+Outer cone of base radius r_b and height H, wall of horizontal thickness t at the base; the inner cone closes at the tip's
+base z_t = H (1 - t/r_b), above which the tip is solid. The crack plane passes through the pivot (r_b, 0) and the windward
+point of the outer face at z_c; what lies above it rocks, and the mirrored crack opens on the other side. The paper gives
+Eqs. 3.1-3.3 for the uncracked thin wall; for the crack its equations are "not shown".
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from typing import TYPE_CHECKING, NamedTuple
+
+from ...documents.document import Document
+from ..mechanics.kinematics import EdgeRocker, Moments
+from ..mechanics.single_body import symmetric_body
+from ..parameters import RockingParameters
+from ..sketch import Sketch, rocker
+
+if TYPE_CHECKING:
+    import numpy as np
+
+REPORTS = ("tip_height", "crack_height")
+SIZES = ("base_radius", "height")
+_NODES = 64  # Gauss points a stretch; with the square roots at the ends taken out, 32 already give 1e-13
+
+
+class Cone(NamedTuple):
+    """A solid cone on z = 0 [m], or (thin) its lateral shell of unit horizontal thickness."""
+
+    radius: float
+    height: float
+    thin: bool = False
+
+    def whole(self) -> Moments:
+        """Moments of the whole cone."""
+        r, h = self.radius, self.height
+        if self.thin:
+            mass = math.pi * r * h
+            return Moments(mass, 0.0, mass * h / 3.0, mass * (0.25 * r**2 + h**2 / 6.0))
+        mass = math.pi * r**2 * h / 3.0
+        return Moments(mass, 0.0, mass * h / 4.0, mass * (0.15 * r**2 + 0.1 * h**2))
+
+    def above(self, edge: float, slope: float, both: bool = False) -> Moments:
+        """Moments of the part above the plane that leaves (edge, 0) and rises by `slope` towards -x; both: and its mirror.
+
+        Slices are circles (or rings) cut by chords, whose moments are closed; the integral over z is Gauss-Legendre after
+        z = middle - half cos(theta), which takes out the square roots where the plane enters and leaves the cone.
+        """
+        import numpy as np
+
+        nodes, weights = np.polynomial.legendre.leggauss(_NODES)
+        theta = 0.5 * math.pi * (nodes + 1.0)
+        total = Moments(0.0, 0.0, 0.0, 0.0)
+        for start, stop in self._stretches(edge, slope):
+            half = 0.5 * (stop - start)
+            z = 0.5 * (start + stop) - half * np.cos(theta)
+            weight = 0.5 * math.pi * weights * half * np.sin(theta)
+            radius = self.radius * (1.0 - z / self.height)
+            with np.errstate(over="ignore"):  # a crack next to flat
+                angle = np.arccos(np.clip((edge - z / slope) / radius, -1.0, 1.0))
+            area, x, xx = self._slice(radius, angle)
+            if both:
+                beyond = self._slice(radius, math.pi - angle)
+                area, x, xx = (np.where(angle > 0.5 * math.pi, a - b, 0.0) for a, b in zip((area, x, xx), beyond, strict=True))
+            total = total.plus(Moments(*(float((weight * f).sum()) for f in (area, x, area * z, xx + area * z * z))))
+        return total
+
+    def _slice(self, radius: np.ndarray, angle: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """int dA, int x dA, int x^2 dA over the part x >= R cos(angle) of a circle or ring of radius R."""
+        import numpy as np
+
+        sin, cos = np.sin(angle), np.cos(angle)
+        if self.thin:
+            return 2.0 * radius * angle, 2.0 * radius**2 * sin, radius**3 * (angle + sin * cos)
+        chord = radius**2 * (angle - sin * cos)
+        return chord, 2.0 / 3.0 * (radius * sin) ** 3, 0.25 * radius**4 * (angle - 0.25 * np.sin(4.0 * angle))
+
+    def _stretches(self, edge: float, slope: float) -> list[tuple[float, float]]:
+        """The cone's height, cut where the plane meets its faces and its axis."""
+        marks = [0.0, self.height, slope * edge]
+        for side in (1.0, -1.0):  # edge - z / slope = side R (1 - z / H)
+            fall = 1.0 / slope - side * self.radius / self.height
+            if fall != 0.0:
+                marks.append((edge - side * self.radius) / fall)
+        marks = sorted(z for z in marks if 0.0 <= z <= self.height)
+        return [(a, b) for a, b in itertools.pairwise(marks) if b > a]
+
+
+class Spire(NamedTuple):
+    """Geometry of a spire [m]: thickness 0 is the thin wall, crack_height 0 the uncracked spire."""
+
+    base_radius: float
+    height: float
+    thickness: float
+    tip_height: float
+    crack_height: float
+
+    def rocking(self, both: bool = False) -> Moments:
+        """Moments of what lies above the crack; both: and above its mirror image."""
+        outer = self._part(Cone(self.base_radius, self.height, thin=self.thickness == 0.0), both)
+        if self.thickness == 0.0:
+            return outer
+        return outer.minus(self._part(Cone(self.base_radius - self.thickness, self.tip_height), both))
+
+    def _part(self, cone: Cone, both: bool) -> Moments:
+        if self.crack_height == 0.0:
+            return cone.whole()
+        windward = self.base_radius * (1.0 - self.crack_height / self.height)
+        return cone.above(self.base_radius, self.crack_height / (self.base_radius + windward), both)
+
+    def mechanism(self) -> EdgeRocker:
+        """The rocking body on its pivot, and what it shares with its mirror image."""
+        return EdgeRocker(self.rocking(), self.base_radius, self.rocking(both=True))
+
+
+def build(document: Document, name: str) -> RockingParameters:
+    """base_radius, height, thickness (absent: thin wall), tip_height, crack: none | diagonal, crack_height."""
+    spire = _read(document)
+    mechanism = spire.mechanism()
+    shared, own = mechanism.overlap()
+    details = {"tip_height": spire.tip_height, "crack_height": spire.crack_height} if spire.crack_height else {}
+    limit = "a spire more slender, or cracked lower"
+    top = None if spire.crack_height else (0.0, spire.height)
+    return symmetric_body(
+        document, "spire", name, mechanism.body, spire.base_radius, limit=limit, eta=shared / own, top=top,
+        whole=not spire.crack_height, details=details,
+    )  # fmt: skip
+
+
+def _read(document: Document) -> Spire:
+    base, height = document.length("base_radius"), document.length("height")
+    thickness = 0.0
+    if document.has("thickness"):
+        thinnest = 1e-9 * base  # of a thinner one the difference of two cones keeps no digits
+        wall = f"a positive length below base_radius ({base:g} m) and above {thinnest:g} m; absent: a thin wall"
+        thickness = document.quantity("thickness", "length", above=thinnest, below=base, where=wall)
+    tip = height * (1.0 - thickness / base)
+    if document.has("tip_height"):
+        if thickness == 0.0:
+            raise document.fault("tip_height", "a solid tip on a thin wall", "tip_height beside thickness only")
+        tip = document.quantity(
+            "tip_height", "length", above=1e-9 * height, most=height, where=f"a positive length up to height ({height:g} m)"
+        )
+    crack = document.choice("crack", ["none", "diagonal"], "diagonal" if document.has("crack_height") else "none")
+    if crack == "none":
+        if document.has("crack_height"):
+            raise document.fault("crack_height", "a crack height", "crack_height beside crack: diagonal only")
+        return Spire(base, height, thickness, tip, 0.0)
+    crack_height = tip
+    if document.has("crack_height"):
+        where = f"a length from 0 (the base) to {tip:g} m (where the solid tip begins)"
+        crack_height = document.quantity("crack_height", "length", least=0.0, most=tip, where=where)
+    if crack_height > (1.0 - 1e-3) * height:
+        raise document.fault("crack_height", "a crack up to the apex, above which nothing is left", f"crack_height well below {height:g} m")
+    if crack_height < 1e-16 * height:  # no digit of the result tells it from none
+        crack_height = 0.0
+    return Spire(base, height, thickness, tip, crack_height)
+
+
+def sketch(document: Document, _: RockingParameters) -> Sketch:
+    """Its section, and the crack it rocks on beside its mirror image."""
+    spire = _read(document)
+    r, h = spire.base_radius, spire.height
+    body = spire.rocking()
+    centre = (body.x / body.mass, body.z / body.mass)
+    void = ((-(r - spire.thickness), 0.0), (r - spire.thickness, 0.0), (0.0, spire.tip_height)) if spire.thickness else ()
+    hollows = [void] if void else []
+    if not spire.crack_height:
+        return rocker([((-r, 0.0), (r, 0.0), (0.0, h))], (-r, 0.0), (r, 0.0), centre, hollows=hollows)
+    windward = (-r * (1.0 - spire.crack_height / h), spire.crack_height)
+    crack = ((r, 0.0), windward)
+    return rocker(
+        [(windward, (r, 0.0), (0.0, h))],
+        (-r, 0.0),
+        (r, 0.0),
+        centre,
+        still=[((-r, 0.0), (r, 0.0), windward)],
+        hollows=hollows,
+        lines=[("crack", crack), ("its mirror image", tuple((-x, z) for x, z in crack))],
+    )

@@ -1,0 +1,50 @@
+"""Pieces of any plan on each other: a statue on its plinth, drums under a capital, a finial on a gable (`pieces`)."""
+
+from __future__ import annotations
+
+from ...documents.document import Document
+from ..mechanics.kinematics import Moments
+from ..mechanics.stacked_pieces import Piece, cuboid_moments, offset_of, round_piece, sketch_of_pieces, stacked
+from ..parameters import RockingParameters
+from ..sketch import Sketch
+
+REPORTS = ("rocks_on", "interfaces", "direction")
+_WANTED = "a list of pieces from below, each with height and width (and depth), or radius, or base_radius and top_radius"
+
+
+def build(document: Document, name: str) -> RockingParameters:
+    """pieces: from below, each with height and width (in the direction of rocking; depth across it, as wide if absent), or radius,
+    or base_radius and top_radius; offset of its axis towards +x; density, of all or of none."""
+    return stacked(document, "stack", name, "pieces", "piece", pieces_of(document))
+
+
+def pieces_of(document: Document) -> list[Piece]:
+    """The pieces from below. Raises DocumentError."""
+    parts = document.parts("pieces", _WANTED)
+    pieces = [_piece(part) for part in parts]
+    dense = [part for part in parts if part.has("density")]
+    if dense and len(dense) < len(parts):
+        raise dense[0].fault("density", "a density beside pieces without one", "density for every piece, or for none")
+    return pieces
+
+
+def _piece(part: Document) -> Piece:
+    piece = _cuboid(part) if part.has("width") or part.has("depth") else round_piece(part)
+    if not part.has("density"):
+        return piece
+    density = part.quantity("density", "density", above=0.0, where="a positive density")
+    return piece._replace(body=Moments(*(density * moment for moment in piece.body)))
+
+
+def _cuboid(part: Document) -> Piece:
+    for key in ("radius", "base_radius", "top_radius"):
+        if part.has(key):
+            raise part.fault(key, f"{key} beside width or depth", "width and depth of a rectangular piece, or radii of a round one")
+    width, height = part.length("width"), part.length("height")
+    depth = part.length("depth") if part.has("depth") else width
+    return Piece(0.5 * width, 0.5 * width, height, offset_of(part), cuboid_moments(width, depth, height))
+
+
+def sketch(document: Document, _: RockingParameters) -> Sketch:
+    """The pieces in section."""
+    return sketch_of_pieces(document, "pieces", "piece", pieces_of(document))

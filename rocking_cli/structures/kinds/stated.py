@@ -1,0 +1,102 @@
+"""Rocking parameters stated directly: what `rocking params --json` prints, whatever kind it came from."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from ...documents.document import Document
+from ..parameters import DIMENSIONLESS, VARIED, RockingParameters, Side, weaker_side
+from ..shared_keys import ONE_SIDED_RESTITUTION, gravity_of, one_sided_of
+
+REPORTS = ()
+LARGEST_P = 1e150  # rad/s; the squares of it and of its inverse, which sizes follow from, are within a double's range
+P_RANGE = f"a positive number, from {1.0 / LARGEST_P:g} to {LARGEST_P:g} rad/s"
+
+
+def build(document: Document, name: str) -> RockingParameters:
+    """The parameters as a document of kind `parameters` states them; lambda and a_scale give each other (Eq. 3.9)."""
+    from . import reports_of
+
+    structure = document.word("structure_kind", "parameters")
+    if structure == DIMENSIONLESS:
+        raise document.fault("structure_kind", structure, "the kind of a structure, which has units")
+    reported = (*reports_of(structure), *VARIED)
+    more: dict[str, Any] = {
+        "eta_source": document.word("eta_source", "given"),
+        "gravity": gravity_of(document),
+        "details": {key: document.values[key].plain() for key in document.values if key in reported and document.has(key)},
+    }
+    _demand_varied(document, more["details"])
+    one_sided = one_sided_of(document)
+    if not document.has("sides"):
+        numbers = _numbers(document, one_sided)
+        arm = _arm(document, numbers["p"], more["gravity"])
+        return RockingParameters(name, structure, **numbers, one_sided=one_sided, arm=arm, **more)
+    if one_sided:
+        raise document.fault("one_sided", "a one-sided body of two sides", "sides, or one_sided: true, not both")
+    left, right = _sides(document, more["gravity"])
+    weaker = weaker_side((left, right))
+    for key, number in weaker.numbers().items():
+        dimension = {"p": "frequency parameter", "alpha": "angle"}.get(key, "number")
+        if document.has(key) and document.quantity(key, dimension) != number:
+            raise document.fault(key, str(document.values[key]), f"{number!r} as in sides, where the {weaker.side} edge lifts first")
+    if document.has("arm") and document.quantity("arm", "length") != weaker.arm:
+        raise document.fault("arm", str(document.values["arm"]), f"that of the {weaker.side} edge in sides, which lifts first")
+    return RockingParameters.of_sides(name, structure, left, right, **more)
+
+
+def _demand_varied(document: Document, details: dict[str, Any]) -> None:
+    """Raise DocumentError unless what a family varied are numbers by key, and their units are names by the same keys."""
+    values, units = (details.get(key, {}) for key in VARIED)
+    numbers = isinstance(values, dict) and all(isinstance(value, float) for value in values.values())
+    names = isinstance(units, dict) and all(isinstance(unit, str) or unit is None for unit in units.values())
+    if not (numbers and names and (not units or units.keys() == values.keys())):
+        raise document.fault("varied", "what no family varies", "numbers by key and, as varied_units, the names of their units by key")
+
+
+def _numbers(document: Document, one_sided: bool = False) -> dict[str, Any]:
+    p = document.quantity("p", "frequency parameter", least=1.0 / LARGEST_P, most=LARGEST_P, where=P_RANGE)
+    alpha = document.quantity("alpha", "angle", above=0.0, below=math.pi, where="an angle between 0 and 180 deg")
+    if one_sided:
+        eta = document.quantity("eta", "number", above=-1.0, most=0.0, where=ONE_SIDED_RESTITUTION)
+    else:
+        eta = document.quantity("eta", "number", least=0.0, most=1.0, where="a number from 0 to 1")
+    given = {
+        key: document.quantity(key, "number", above=0.0, where="a positive number") for key in ("lambda", "a_scale") if document.has(key)
+    }
+    if not given:
+        raise document.fault(None, "neither lambda nor a_scale", "one of them, or both")
+    return {
+        "p": p,
+        "alpha": alpha,
+        "eta": eta,
+        "uplift": given.get("lambda", alpha / given.get("a_scale", 1.0)),
+        "a_scale": given.get("a_scale", alpha / given.get("lambda", 1.0)),
+    }
+
+
+def _arm(document: Document, p: float, gravity: float) -> float | None:
+    """R [m], at most the g/p^2 of a point mass, since R p^2/g = m R^2/I; None unless given."""
+    if not document.has("arm"):
+        return None
+    most = gravity / p**2
+    where = f"a positive length up to g/p^2, {most:g} m (the mass centre's distance from the edge)"
+    return document.quantity("arm", "length", above=0.0, most=most * (1.0 + 1e-9), where=where)
+
+
+def _sides(document: Document, gravity: float) -> tuple[Side, Side]:
+    wanted = "a list of two, one with side: left and one with side: right, each with p, alpha, eta, and lambda or a_scale"
+    value = document.values["sides"]
+    if not isinstance(value.content, list) or len(value.content) != 2:
+        raise document.fault("sides", str(value), wanted)
+    found: dict[str, Side] = {}
+    for child in value.content:
+        part = document.part("sides", child)
+        side = part.choice("side", ["left", "right"])
+        numbers = _numbers(part)
+        found[side] = Side(side, **numbers, arm=_arm(part, numbers["p"], gravity))
+        part.finish()
+    if len(found) < 2:
+        raise document.fault("sides", f"the {next(iter(found))} side twice", wanted)
+    return found["left"], found["right"]

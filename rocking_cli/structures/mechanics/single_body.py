@@ -1,0 +1,191 @@
+"""A single rigid body that rocks about the ends of its base: the paper's section 2 for any section, with edges that may differ.
+
+With l and r the horizontal distances of the left and the right edge from the mass centre, z its height and I_G the inertia
+about it, the body stands on its right edge while theta > 0. A change of edges keeps the angular momentum about the new one:
+
+    eta_right = (I_G + m (z^2 - l r)) / (I_G + m (z^2 + l^2)),   eta_left = (I_G + m (z^2 - l r)) / (I_G + m (z^2 + r^2))
+
+A one-sided body stands on its right edge only. Coming back it hits its base, the backing and its base again, and returns by
+e = eta_right eta_left (I_G + m r_L.r_T) / (I_G + m r_T^2), r_L and r_T from its left edge and from the point where it meets
+the backing to the mass centre (Sorrentino et al. 2011).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+from ...documents.document import Document
+from ..parameters import RockingParameters, Side
+from ..shared_keys import gravity_of, one_sided_of, one_sided_restitution_of, restitution_of
+from .kinematics import Moments, spin_about
+
+Point = tuple[float, float]
+
+
+def rigid_body(
+    document: Document,
+    kind: str,
+    name: str,
+    *,
+    radius: float,
+    alpha: float,
+    inertia: float,
+    limit: str,
+    eta: float | None = None,
+    backing: float | None = None,
+    whole: bool = True,
+    details: Mapping[str, Any] | None = None,
+) -> RockingParameters:
+    """Parameters of one rigid body of equal edges from its distance R to the centroid, critical angle and inertia about the pivot.
+
+    radius R [m]; alpha [rad]; inertia I_P / (M R^2) [-]; limit: the words for where eta < 0; eta: from momentum, where it
+    is not that of a body which rocks as a whole on two edges, 1 - (M R^2/I_P)(1 - cos 2 alpha) (Eqs. 2.6, 3.3); backing:
+    the factor of the impact on a backing, None where the geometry does not say; whole: whether it is one body that rocks as a whole
+    on both edges, whose forces on the ground follow from its mass centre.
+    p^2 = M g R / I_P, lambda = tan alpha (Eq. 2.2), a_scale = 1 (Eq. 2.4).
+    """
+    gravity = gravity_of(document)
+    momentum = 1.0 - 2.0 * math.sin(alpha) ** 2 / inertia if eta is None else eta
+    one_sided = one_sided_of(document)
+    if one_sided:
+        restitution, source = one_sided_restitution_of(document, (momentum, momentum), backing)
+    else:
+        restitution, source = restitution_of(document, momentum, limit)
+    return RockingParameters(
+        name=name,
+        structure=kind,
+        p=math.sqrt(gravity / (radius * inertia)),
+        alpha=alpha,
+        eta=restitution,
+        uplift=math.tan(alpha),
+        a_scale=1.0,
+        eta_source=source,
+        gravity=gravity,
+        details=details or {},
+        one_sided=one_sided,
+        arm=radius if whole else None,
+    )
+
+
+def symmetric_body(
+    document: Document,
+    kind: str,
+    name: str,
+    body: Moments,
+    half: float,
+    *,
+    limit: str,
+    eta: float | None = None,
+    top: Point | None = None,
+    whole: bool = True,
+    details: Mapping[str, Any] | None = None,
+) -> RockingParameters:
+    """The same from the moments of a body on its right edge (half, 0) [m]; what rocks on the left one is its mirror image.
+
+    top: (x, z) [m] where a one-sided body meets its backing, None where the geometry does not say. Raises DocumentError when
+    the centroid is not above the base.
+    """
+    _, right, z = _distances(document, kind, body, half)
+    radius = math.hypot(right, z)
+    inertia, alpha = body.about(half, 0.0) / (body.mass * radius**2), math.atan2(right, z)
+    backing = _against_backing(body, half, top)
+    return rigid_body(
+        document, kind, name, radius=radius, alpha=alpha, inertia=inertia, limit=limit, eta=eta, backing=backing, whole=whole,
+        details=details,
+    )  # fmt: skip
+
+
+def body_on_edges(
+    document: Document,
+    kind: str,
+    name: str,
+    body: Moments,
+    half: float,
+    *,
+    limit: str,
+    top: Point | None = None,
+    details: Mapping[str, Any] | None = None,
+) -> RockingParameters:
+    """The same for a body that rocks as a whole on both edges, (half, 0) and (-half, 0), which need not be alike."""
+    if abs(body.x) <= 1e-13 * math.sqrt(body.mass * body.polar):  # within rounding of the middle is in the middle
+        body = body._replace(x=0.0)
+    left, right, _ = _distances(document, kind, body, half)
+    gravity, more = gravity_of(document), dict(details or {})
+    edges = edges_of(body, half, gravity)
+    from_left, from_right = edges["left"].eta, edges["right"].eta
+    if body.x == 0.0:
+        return symmetric_body(document, kind, name, body, half, limit=limit, eta=from_right, top=top, details=details)
+
+    def on(side: str, eta: float) -> Side:
+        edge = edges[side]
+        return Side(side, edge.p, edge.alpha, edge.uplift, 1.0, eta, edge.arm)
+
+    if one_sided_of(document):
+        e, source = one_sided_restitution_of(document, (from_right, from_left), _against_backing(body, half, top))
+        s = on("right", 0.0)
+        return RockingParameters(name, kind, s.p, s.alpha, e, s.uplift, s.a_scale, source, gravity, more, one_sided=True, arm=s.arm)
+    eta_left, source = restitution_of(document, from_left, limit)
+    eta_right, _ = restitution_of(document, from_right, limit)
+    more["direction"] = "over the left edge" if left < right else "over the right edge"
+    sides = on("left", eta_left), on("right", eta_right)
+    return RockingParameters.of_sides(name, kind, *sides, eta_source=source, gravity=gravity, details=more)
+
+
+class Edge(NamedTuple):
+    """A body on one of its edges: p [rad/s], alpha [rad], lambda [-], eta from momentum on leaving it for the other, negative where
+    the body is too squat, and the distance R of its mass centre [m]."""
+
+    p: float
+    alpha: float
+    uplift: float
+    eta: float
+    arm: float
+
+
+def edges_of(body: Moments, half: float, gravity: float) -> dict[str, Edge]:
+    """A body whose mass centre is above its base, on its edges (-half, 0) and (half, 0) [m]; the formulas of this module."""
+    z = body.z / body.mass
+    shared = spin_about(half, 0.0).product(spin_about(-half, 0.0), body)  # I_G + m (z^2 - l r)
+    found = {}
+    for side, edge in (("left", -half), ("right", half)):
+        distance = abs(edge - body.x / body.mass)
+        arm = math.hypot(distance, z)
+        p = math.sqrt(gravity * arm * body.mass / body.about(edge, 0.0))
+        found[side] = Edge(p, math.atan2(distance, z), distance / z, shared / body.about(-edge, 0.0), arm)
+    return found
+
+
+def _distances(document: Document, kind: str, body: Moments, half: float) -> tuple[float, float, float]:
+    """Distances [m] of the centroid from the left edge, the right edge and the base."""
+    x, z = body.x / body.mass, body.z / body.mass
+    if not (half + x > 0.0 and half - x > 0.0 and z > 0.0):
+        raise document.fault(None, "a centroid that is not above the base", f"a {kind} that stands")
+    return half + x, half - x, z
+
+
+def _against_backing(body: Moments, half: float, top: Point | None) -> float | None:
+    """(I_G + m r_L.r_T)/(I_G + m r_T^2): the angular speed about T over that about the left edge L."""
+    if top is None:
+        return None
+    x, z = body.x / body.mass, body.z / body.mass
+    central = body.about(x, z)
+    return (central + body.mass * ((x + half) * (x - top[0]) + z * (z - top[1]))) / body.about(*top)
+
+
+def radius_and_alpha(document: Document, half_width: float, centroid_height: float) -> tuple[float, float]:
+    """(R, alpha) from radius and alpha, or from width and height.
+
+    `half_width`, `centroid_height`: the centroid's distance from the pivot as parts of width and of height.
+    """
+    sizes = [key for key in ("width", "height") if document.has(key)]
+    polar = [key for key in ("radius", "alpha") if document.has(key)]
+    if sizes and polar:
+        raise document.fault(polar[0], f"{polar[0]} beside {sizes[0]}", "width and height, or radius and alpha, not both")
+    if sizes or not polar:
+        x = half_width * document.length("width")
+        z = centroid_height * document.length("height")
+        return math.hypot(x, z), math.atan2(x, z)
+    below = "an angle between 0 and 90 deg"
+    return document.length("radius"), document.quantity("alpha", "angle", above=0.0, below=math.pi / 2, where=below)

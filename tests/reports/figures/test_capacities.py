@@ -1,0 +1,21 @@
+"""The figure of capacities: what its bars and lines are."""
+
+from __future__ import annotations
+
+import pytest
+from matplotlib.figure import Figure
+
+from rocking_cli import build_structure, parse_documents, parse_grid, sine
+from rocking_cli.reports.figures.capacities import capacities
+from rocking_cli.responses.check import check
+
+
+def test_bars_end_at_the_first_overturning_and_lines_stand_at_the_demand():
+    texts = ("kind: block\nwidth: 0.4\nheight: 2", "kind: block\nwidth: 1\nheight: 2\ngravity: 9.81")
+    verdicts = [check(build_structure(parse_documents(t)[0]), sine(), parse_grid("a_g=0.35g,f_g=1.2")) for t in texts]
+    axes = Figure().add_subplot()
+    capacities(axes, verdicts, in_g=True)
+    assert [bar.get_width() for bar in axes.patches] == pytest.approx([v.first_overturning_a / 9.81 for v in verdicts])
+    assert [line.get_xdata()[0] for line in axes.lines] == pytest.approx([0.2, 0.35, 0.5, 0.35])
+    assert [t.get_text() for t in axes.get_yticklabels()] == [v.name for v in verdicts]
+    assert [text.get_text().split()[0] for text in axes.texts] == [f"{v.capacity_demand:.2f}" for v in verdicts]

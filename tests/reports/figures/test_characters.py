@@ -1,0 +1,33 @@
+"""Maps and slices in characters."""
+
+from __future__ import annotations
+
+import pytest
+
+from rocking_cli import Outcome
+from rocking_cli.reports.figures.characters import text_map
+from rocking_cli.spectra.reader import SpectraFile
+
+
+def test_a_map_has_the_sign_of_each_cell(spectrum_file):
+    with SpectraFile(spectrum_file) as file:
+        outcome = file.block(0, slice(None))["outcome"]
+        told = text_map(file, None, None, width=500, height=500)
+    rows = [line.partition("|")[2] for line in told if " |" in line]
+    assert rows == ["".join(Outcome(int(o)).sign for o in row) for row in outcome.T[::-1]]
+
+
+@pytest.mark.parametrize("cut", [None, "Omega=5", "A=3"])
+def test_it_fits_a_terminal_of_80_columns_and_24_rows_with_its_prompt(spectrum_file, cut):
+    with SpectraFile(spectrum_file) as file:
+        told = text_map(file, None, cut)
+    assert len(told) <= 23
+    assert max(map(len, told)) <= 80
+
+
+def test_slices_of_many_structures_fit_too(rocking, tmp_path):
+    names = [f"block:0.5x{height}" for height in range(2, 9)]
+    rocking("spectrum", *names, "--grid", "a_g=0.1g:1g:5,f_g=1:2:3", "-o", "many.h5", "-q")
+    lines = rocking("plot", "many.h5", "--text", "--slice", "f_g=1.5").stdout.splitlines()
+    assert len(lines) <= 23
+    assert lines[0].startswith("theta_max/alpha at omega_g = 9.42478 over a_g")

@@ -1,0 +1,86 @@
+"""Drawings by what they draw, read back from the figure that would be saved."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+
+from rocking_cli.reports.figures.drawing import draw_structures
+from rocking_cli.reports.units import parse_units
+from rocking_cli.structures import read_documents
+
+
+@pytest.fixture
+def drawn(monkeypatch, tmp_path, pytestconfig):
+    """Draw shipped documents and give the panels instead of saving the figure."""
+    saved = []
+    monkeypatch.setattr(Figure, "savefig", lambda figure, target, **_: saved.append(figure))
+
+    def run(*names, **options):
+        documents = [d for name in names for d in read_documents(pytestconfig.rootpath / "configs" / f"{name}.yaml")]
+        draw_structures(documents, tmp_path / "figure.png", **options)
+        return saved[-1].axes
+
+    return run
+
+
+def labelled(axes, label):
+    return [np.array(line.get_data()).T for line in axes.get_lines() if line.get_label() == label]
+
+
+def test_a_block_has_its_pivots_mass_centre_and_alpha(drawn):
+    (axes,) = drawn("block")
+    assert axes.get_aspect() == 1.0
+    assert (axes.get_xlabel(), axes.get_ylabel()) == ("$x$ [m]", "$z$ [m]")
+    body, moved = (patch.get_xy()[:4] for patch in axes.patches)
+    assert body == pytest.approx(np.array([(-0.25, 0), (0.25, 0), (0.25, 2), (-0.25, 2)]), abs=1e-14)
+    assert moved[1] == pytest.approx((0.25, 0), abs=1e-14)
+    assert [labelled(axes, f"_pivot {side}")[0].tolist() for side in ("left", "right")] == [[[-0.25, 0]], [[0.25, 0]]]
+    assert labelled(axes, "_mass centre")[0] == pytest.approx(np.array([[0, 1]]), abs=1e-14)
+    (arc,) = labelled(axes, "_alpha")
+    ends = np.arctan2(arc[[0, -1], 0] - 0.25, arc[[0, -1], 1])
+    assert ends == pytest.approx([0, -math.atan(0.25)], abs=1e-12)
+    assert axes.get_title() == (
+        "Column\n$p$ = 2.672 rad/s, $\\alpha$ = 14.04°, $\\eta$ = 0.912, $\\lambda$ = 0.25"
+    )  # fmt: skip
+    assert "$R$ = 1.03 m" in [text.get_text() for text in axes.texts]
+
+
+def test_hinges_are_numbered_and_a_crack_is_named(drawn):
+    arch, spire = drawn("arch", "spire_cracked")
+    assert [text.get_text() for text in arch.texts] == ["1", "2", "3", "4"]
+    assert len(arch.patches) == 14  # seven voussoirs, and the same displaced
+    assert "$a_{scale}$ = 0.1867" in arch.get_title()
+    (crack,) = labelled(spire, "crack")
+    assert crack == pytest.approx(np.array([(1.5, 0), (-0.15, 10.8)]), abs=1e-12)
+    assert "crack" in [text.get_text() for text in spire.texts]
+
+
+def test_what_leans_the_other_way_has_alpha_on_its_left(drawn, tmp_path, pytestconfig):
+    (tmp_path / "left.yaml").write_text("kind: rigid\nleft: 0.2\nright: 0.3\nheight: 1\ngyration: 0.6\n")
+    (axes,) = drawn(tmp_path / "left")
+    (arc,) = labelled(axes, "_alpha")
+    ends = np.arctan2(arc[[0, -1], 0] + 0.2, arc[[0, -1], 1])
+    assert ends == pytest.approx([0, math.atan(0.2)], abs=1e-12)
+
+
+def test_lengths_and_angles_are_in_the_units_asked_for(drawn):
+    (axes,) = drawn("block", units=parse_units("cm,rad"))
+    assert axes.get_xlabel() == "$x$ [cm]"
+    assert axes.patches[0].get_xy()[2] == pytest.approx((25, 200), rel=1e-14)
+    assert "$\\alpha$ = 0.245 rad" in axes.get_title()
+
+
+def test_a_one_sided_body_has_its_backing_on_the_left(drawn):
+    (axes,) = drawn("wall")
+    (backing,) = [patch for patch in axes.patches if patch.get_hatch()]
+    assert backing.get_xy()[:, 0].max() == pytest.approx(-0.6)
+
+
+def test_a_dollar_in_a_name_is_a_dollar(drawn, tmp_path):
+    (tmp_path / "dollar.yaml").write_text('kind: block\nname: "a $ b $ c"\nwidth: 1\nheight: 5\n')
+    (axes,) = drawn(tmp_path / "dollar")
+    assert axes.get_title().startswith("a \\$ b \\$ c\n")

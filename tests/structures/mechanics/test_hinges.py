@@ -1,0 +1,89 @@
+"""Where an arch hinges: the search against its line of thrust, brute force and published values."""
+
+from __future__ import annotations
+
+import itertools
+import math
+
+import numpy as np
+import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+from scipy.optimize import brentq
+from thrust import largest_tilt
+from written import built
+
+from rocking_cli import DocumentError
+from rocking_cli.structures.mechanics import hinges
+from rocking_cli.structures.mechanics.fourbar import FourBar, Ring
+from rocking_cli.structures.mechanics.hinges import search_continuous, search_joints
+
+RING = Ring(10.0, 1.5, math.radians(157.5))
+
+
+def test_continuous_minimum_leaves_the_springing_as_the_static_theorem_proves():
+    """The governing hinge A is 1.5 deg above the springing: lambda is 0.353384, below the 0.353498 of A on the springing."""
+    found, uplift = search_continuous(RING)
+    assert np.degrees(found) == pytest.approx([1.513526, 59.287414, 117.061302, 157.5], abs=1e-6)
+    assert uplift == pytest.approx(0.3533838581583, abs=1e-12)
+    fine = largest_tilt(1.0, 0.15, RING.angle, 630)
+    assert uplift < fine < uplift + 2e-6 < 0.353498
+
+
+@pytest.mark.parametrize(
+    ("beta", "thickness", "count"), [(157.5, 0.15, 7), (157.5, 0.15, 40), (180, 0.13, 25), (120, 0.1, 30), (200, 0.25, 24)]
+)
+def test_search_equals_the_static_theorem(beta, thickness, count):
+    ring = Ring(1.0, thickness, math.radians(beta))
+    _, uplift = search_joints(ring, np.linspace(0, ring.angle, count + 1))
+    assert uplift == pytest.approx(largest_tilt(1.0, thickness, ring.angle, count), abs=1e-12)
+
+
+def test_search_equals_brute_force():
+    ring, joints = Ring(1.0, 0.16, math.radians(165)), np.linspace(0, math.radians(165), 13)
+    every = []
+    for some in itertools.combinations(range(13), 4):
+        at = FourBar(ring, tuple(joints[list(some)])).at_rest()
+        if at.admissible and at.push > 0:
+            every.append((float(at.lift / at.push), some))
+    found, uplift = search_joints(ring, joints)
+    assert uplift == pytest.approx(min(every)[0], rel=1e-13, abs=0)
+    assert found == tuple(joints[list(min(every)[1])])
+
+
+def test_a_hundred_voussoirs_are_searched_by_pairs_of_hinges(monkeypatch):
+    """4.6 million mechanisms of 101 joints in 5151 batches, one for each choice of the first two hinges."""
+    kept, batches = hinges.rates, []
+    monkeypatch.setattr(hinges, "rates", lambda points, links: batches.append(1) or kept(points, links))
+    _, uplift = search_joints(RING, np.linspace(0, RING.angle, 101))
+    assert len(batches) == 101 * 102 / 2
+    assert uplift == pytest.approx(largest_tilt(1.0, 0.15, RING.angle, 100), abs=1e-12)
+
+
+def test_semicircle_of_least_thickness():
+    """lambda reaches 0 at t/r = 0.1075, the thinnest semicircle that carries its own weight.
+
+    Milankovitch (1907) for radial joints, as quoted by Makris and Alexakis, Arch. Appl. Mech. 83 (2013) 1511-1533.
+    """
+    limit = brentq(lambda t: search_continuous(Ring(1.0, t, math.pi))[1], 0.105, 0.12, xtol=1e-9)
+    assert limit == pytest.approx(0.1075, abs=5e-5)
+    assert largest_tilt(1.0, limit - 2e-5, math.pi, 900) is None
+    assert largest_tilt(1.0, limit + 2e-5, math.pi, 900) > 0.0
+    with pytest.raises(DocumentError, match="cannot carry its own weight"):
+        built("kind: arch\nradius: 1\nthickness: 0.107\nangle: 180 deg")
+    assert built("kind: arch\nradius: 1\nthickness: 0.108\nangle: 180 deg").uplift > 0
+
+
+@settings(max_examples=12)
+@given(st.floats(130, 200), st.floats(0.13, 0.3), st.integers(0, 2**32 - 1))
+def test_minimum_is_not_above_any_admissible_mechanism(beta, thickness, seed):
+    ring = Ring(1.0, thickness, math.radians(beta))
+    found = search_continuous(ring)
+    assume(found is not None)  # short thick arches: the hinges run together
+    random, tried = np.random.default_rng(seed), 0
+    for _ in range(300):
+        at = FourBar(ring, tuple(ring.angle * np.sort(random.uniform(size=4)))).at_rest()
+        if at.admissible and at.push > 0:
+            assert found[1] <= at.lift / at.push + 1e-12
+            tried += 1
+    assert tried > 5
