@@ -43,8 +43,8 @@ def accuracy(
     independent reference (Taylor series in small steps for the linear equation, a Runge-Kutta method in small steps otherwise).
     """
     from ..dynamics.method import Method
+    from ..motions.grid import parse_grid
     from ..reports.accuracy import work_precision
-    from ..spectra.grid import parse_grid
     from ..spectra.scene import PulseScene
 
     grid = parse_grid(axes, own_time=motion.acceleration is not None)

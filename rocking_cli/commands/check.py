@@ -16,9 +16,9 @@ from .progress import ProgressLine
 if TYPE_CHECKING:
     from ..motions import Motion
     from ..motions.biaxial import Upwards
+    from ..motions.grid import Grid
     from ..motions.recording import Recording
     from ..responses.check import Verdict
-    from ..spectra.grid import Grid
 
 
 @click.command(epilog="Example: rocking check configs/block.yaml configs/arch.yaml --a-g 0.35g --f-g 1.5 --sort capacity")
@@ -61,9 +61,9 @@ def check(
     Accelerations are in m/s2 (JSON, CSV) or in the unit of the request (table), unless --units says otherwise.
     """
     from ..dynamics.outcome import Outcome
+    from ..envelopes.capacity import narrowest
+    from ..motions.grid import as_recorded
     from ..responses.check import CHECK_COLUMNS, check_all
-    from ..spectra.capacity import narrowest
-    from ..spectra.grid import as_recorded
 
     structures = options.structures_of(files)
     if shaking is None and not recordings:

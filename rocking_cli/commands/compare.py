@@ -10,7 +10,7 @@ from . import ground, options
 
 if TYPE_CHECKING:
     from ..motions import Motion
-    from ..spectra.grid import Grid
+    from ..motions.grid import Grid
 
 
 @click.command(epilog="Example: rocking compare configs/block.yaml configs/spire.yaml configs/arch.yaml --A 2 --Omega 4 --eta 0.8")

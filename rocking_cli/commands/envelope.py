@@ -15,8 +15,8 @@ from .progress import ProgressLine
 
 if TYPE_CHECKING:
     from ..motions import Motion
+    from ..motions.grid import Axis
     from ..motions.recording import Recording
-    from ..spectra.grid import Axis
     from ..spectra.record_envelope import Tracing
     from ..structures import RockingParameters
 
@@ -81,7 +81,7 @@ def envelope(
     overturn a structure the linear one says that it stands.
     """
     from ..dynamics.method import Method
-    from ..spectra.envelope import CURVE_COLUMNS, check_curves, frequency_axis, structure_curves
+    from ..envelopes.envelope import CURVE_COLUMNS, check_curves, frequency_axis, structure_curves
     from ..spectra.record_envelope import Tracing
     from ..spectra.record_scene import scene_of_words
 
@@ -120,7 +120,7 @@ def _of_pulse(
     context: click.Context, searches: Searches, motion: Motion, axis: Axis, lowest: bool, workers: int | None, form: str | None, quiet: bool
 ) -> None:
     """Print the intervals of each structure, by one equation or both."""
-    from ..spectra.envelope import INTERVAL_COLUMNS, NARROWEST, NONE, check_intervals, misjudged, structure_intervals
+    from ..envelopes.envelope import INTERVAL_COLUMNS, NARROWEST, NONE, check_intervals, misjudged, structure_intervals
 
     for structure, ways in searches:  # all of them, before the first row is printed
         for way in ways:
@@ -164,8 +164,8 @@ def _of_records(
     context: click.Context, tracing: Tracing, sign: str, workers: int | None, median: bool, form: str | None, quiet: bool
 ) -> None:
     """Print the overturning scales of records, or their quantiles."""
-    from ..spectra.capacity import RATIO
-    from ..spectra.envelope import NONE
+    from ..envelopes.capacity import RATIO
+    from ..envelopes.envelope import NONE
     from ..spectra.overturning_spectrum import overturning_spectrum
     from ..spectra.record_envelope import check_tracing, tracing_records
 

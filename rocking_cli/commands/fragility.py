@@ -20,16 +20,16 @@ from .progress import ProgressLine
 if TYPE_CHECKING:
     import numpy as np
 
+    from ..fragility.fits import Resampling
+    from ..fragility.measures import Measure
+    from ..fragility.study import Fit, Study
     from ..motions import Motion
     from ..motions.biaxial import Upwards
     from ..motions.recording import Recording
-    from ..spectra.fragility import Resampling
-    from ..spectra.fragility_study import Fit, Study
-    from ..spectra.measures import Measure
 
 
 def _measures() -> list[str]:
-    from ..spectra.measures import MEASURES
+    from ..fragility.measures import MEASURES
 
     return list(MEASURES)
 
@@ -111,9 +111,9 @@ def fragility(
     PGA, PGV, PGD, Arias, CAV, and nPGA = PGA/(lambda g), nPGV = p PGV/(g tan alpha), nPGD = p^2 PGD/(g tan alpha).
     """
     from ..dynamics.method import Method, governing_method
-    from ..spectra.fragility import Resampling
-    from ..spectra.fragility_study import counted
-    from ..spectra.measures import measure_of, members_of, shaken_upwards, site_pulses
+    from ..fragility.fits import Resampling
+    from ..fragility.measures import measure_of, members_of, shaken_upwards, site_pulses
+    from ..fragility.study import counted
 
     how = Resampling(samples, seed)
     if counts is not None:
@@ -155,7 +155,7 @@ def fragility(
         return
     refused = 0
     if efficiency:
-        from ..spectra.fragility_study import EFFICIENCY_COLUMNS
+        from ..fragility.study import EFFICIENCY_COLUMNS
 
         options.emit([row for study in studies for row in study.efficiency()], form, EFFICIENCY_COLUMNS, without=("theta",))
     else:
@@ -174,8 +174,8 @@ def _studies(
     settled: dict[str, Any], wanted: dict[str, bool], quiet: bool,
 ) -> Iterator[Study]:  # fmt: skip
     """What each structure comes to under the set."""
-    from ..spectra.exposure import as_recorded, exposures, traced
-    from ..spectra.fragility_study import Study
+    from ..fragility.exposure import as_recorded, exposures, traced
+    from ..fragility.study import Study
 
     line = ProgressLine("fragility", quiet, "chunks")
     found = exposures(structures, members, measure, at, method, path=output, workers=workers, progress=line, **settled)
@@ -199,7 +199,7 @@ def _rows(studies: list[Study], states: Any, methods: Any, exact: bool, curve: b
                 try:
                     fits.append(study.fit(method, state))
                 except UsageError as error:
-                    from ..spectra.fragility_study import word_of
+                    from ..fragility.study import word_of
 
                     faults.append(f"{study.structure.name}, {word_of(state)}, {method}: {error}")
     if not fits and not (exact and curve):
@@ -213,8 +213,8 @@ def _rows(studies: list[Study], states: Any, methods: Any, exact: bool, curve: b
 def _emit(fits: list[Fit], exact: list[Study], curve: bool, form: str | None, levels: str) -> None:
     """The rows of fits or of their curves; a table for people, or one in units asked for, names the measure's unit."""
     from ..documents.quantities import headed
+    from ..fragility.study import CURVE_COLUMNS, FRAGILITY_COLUMNS
     from ..reports.units import Units, dimension_of, parse_units
-    from ..spectra.fragility_study import CURVE_COLUMNS, FRAGILITY_COLUMNS
 
     if curve:
         rows = [row for fit in fits for row in fit.points_of_curve()] + [row for study in exact for row in study.exact_rows()]
@@ -237,8 +237,8 @@ def _levels(text: str | None, measure: Measure) -> np.ndarray:
     import numpy as np
 
     from ..documents.quantities import parse_quantity
-    from ..spectra.fragility import check_levels
-    from ..spectra.grid import parse_span
+    from ..fragility.fits import check_levels
+    from ..motions.grid import parse_span
 
     if text is None:
         raise click.UsageError(f"no --levels; accepted is START:STOP:N[:log] of {measure.name}, or a list, such as 0.1g:1g:10")
@@ -269,7 +269,7 @@ def _limits(text: str) -> list[float | None]:
 
 
 def _methods(text: str) -> list[str]:
-    from ..spectra.fragility_study import METHODS
+    from ..fragility.study import METHODS
 
     found = [x.strip() for x in text.split(",")]
     for name in found:

@@ -200,7 +200,7 @@ def shaking(command: F) -> F:
 
     @wraps(command)
     def with_shaking(*arguments: Any, **given: Any) -> Any:
-        from ..spectra.grid import parse_grid
+        from ..motions.grid import parse_grid
 
         own = given["motion"].acceleration if given.get("motion") is not None else None
         records = bool(given.get("recordings"))

@@ -18,9 +18,9 @@ from .parameter_types import InputPath, LimitType, OutputPath, Registered, Resti
 from .terms import in_options
 
 if TYPE_CHECKING:
+    from ..motions.grid import Grid
     from ..motions.recording import Recording
     from ..reports.units import Units
-    from ..spectra.grid import Grid
     from ..structures import RockingParameters
 
 F = Callable[..., Any]
@@ -149,7 +149,7 @@ def emit(
 
 def at_most_the_cpus(workers: int | None, quiet: bool) -> int | None:
     """The processes that --workers comes to: more than there are CPUs to use only get into each other's way, as a line says."""
-    from ..spectra.processes import available_cpus
+    from ..processes import available_cpus
 
     cpus = available_cpus()
     if workers is None or workers <= cpus:

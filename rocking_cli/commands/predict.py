@@ -10,7 +10,7 @@ from . import ground, options
 from .parameter_types import InputPath
 
 if TYPE_CHECKING:
-    from ..spectra.grid import Grid
+    from ..motions.grid import Grid
 
 
 @click.command(epilog="Example: rocking predict shared.h5 configs/block.yaml --a-g 0.35g --f-g 1.5")

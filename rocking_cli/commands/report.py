@@ -18,8 +18,8 @@ from .parameter_types import OutputPath
 if TYPE_CHECKING:
     from ..motions import Motion
     from ..motions.biaxial import Upwards
+    from ..motions.grid import Grid
     from ..motions.recording import Recording
-    from ..spectra.grid import Grid
 
 MOST = 12  # structures of a page
 
@@ -53,9 +53,9 @@ def report(
     are given; then the command, versions and hashes. It needs the extra: pip install 'rocking[report]'.
     """
     from ..dynamics.outcome import Outcome
+    from ..motions.grid import as_recorded
     from ..reports.page import Subject, demand_extra, page
     from ..responses.check import check_all, tally
-    from ..spectra.grid import as_recorded
     from ..structures import build_structure, read_documents, with_distinct_names
 
     if not files:

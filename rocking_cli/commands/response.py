@@ -13,7 +13,7 @@ from .parameter_types import InputPath
 
 if TYPE_CHECKING:
     from ..motions import Motion
-    from ..spectra.grid import Grid
+    from ..motions.grid import Grid
 
 
 @click.command(epilog="Example: rocking response configs/arch.yaml --pulse rectangular-impulse --a-g 0.9g --T-g 0.4 --model both --events")

@@ -89,8 +89,8 @@ def spectrum(
     is given.
     """
     from ..dynamics.method import Method
+    from ..motions.grid import parse_grid
     from ..reports.summary import summary_lines
-    from ..spectra.grid import parse_grid
     from ..spectra.part import check_output
     from ..spectra.scene import PulseScene, Scene
     from ..spectra.sweep import CHUNK_CELLS, write_scene

@@ -12,7 +12,7 @@ from ..documents.quantities import parse_quantity
 from ..errors import DocumentError, UsageError
 from .intensity import intensity
 from .motion import Motion
-from .pieces import build_motion
+from .motion_document import build_motion
 from .polyline import record_motion
 from .records import Record, pick, read_bytes, records_of
 

@@ -26,14 +26,14 @@ from ..documents.quantities import DEFAULT_GRAVITY
 from ..dynamics.method import LINEAR, governing_method
 from ..dynamics.outcome import Difference, difference
 from ..errors import DocumentError, OutputError, UsageError
+from ..fragility.exposure import exposures
+from ..fragility.fits import FEWEST, Resampling
+from ..fragility.measures import MEASURES, members_of
+from ..fragility.study import LIMITS, Study, word_of
 from ..motions import Motion
+from ..motions.grid import Axis, Grid
 from ..motions.recording import Recording
 from ..responses.check import Verdict, tally
-from ..spectra.exposure import exposures
-from ..spectra.fragility import FEWEST, Resampling
-from ..spectra.fragility_study import LIMITS, Study, word_of
-from ..spectra.grid import Axis, Grid
-from ..spectra.measures import MEASURES, members_of
 from ..spectra.reader import SpectraFile
 from ..spectra.sweep import write_spectrum
 from ..structures import RockingParameters

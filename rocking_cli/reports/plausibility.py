@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from ..documents.quantities import DEFAULT_GRAVITY, split_quantity
 
 if TYPE_CHECKING:
-    from ..spectra.grid import Grid
+    from ..motions.grid import Grid
     from ..structures.parameters import RockingParameters
 
 LARGEST, SMALLEST = 100.0, 0.02  # m, half diagonals of blocks that anybody has built or shaken

@@ -12,14 +12,14 @@ import numpy as np
 from ..dynamics.method import LINEAR, Method, governing_method
 from ..dynamics.outcome import Outcome, safe
 from ..dynamics.response import Response, response, response_with_demands
+from ..envelopes.capacity import capacity
+from ..envelopes.envelope import A_MAX
 from ..errors import UsageError
 from ..motions import Motion
 from ..motions.blocks import blocks, largest
-from ..spectra.capacity import capacity
+from ..motions.grid import Grid
+from ..processes import available_cpus, processes
 from ..spectra.cost import Tell, announce, bouncing_seconds, expected_seconds
-from ..spectra.envelope import A_MAX
-from ..spectra.grid import Grid
-from ..spectra.processes import available_cpus, processes
 from ..structures.parameters import RockingParameters
 from .time_history import time_history
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..dynamics.method import Method
 from ..motions import Motion
-from ..spectra.grid import Axis, Grid
+from ..motions.grid import Axis, Grid
 from ..structures.parameters import RockingParameters
 from .history import quarter_period
 from .time_history import TimeHistory, time_history

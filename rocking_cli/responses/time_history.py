@@ -14,7 +14,7 @@ from ..dynamics.method import Method
 from ..dynamics.outcome import Outcome
 from ..errors import UsageError
 from ..motions import Motion, Piece
-from ..spectra.grid import Grid
+from ..motions.grid import Grid
 from ..structures.parameters import RockingParameters
 from .forces import Body, Demands, ForceHistory
 from .ground import Ground

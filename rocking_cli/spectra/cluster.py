@@ -15,8 +15,8 @@ from typing import Any
 from ..errors import OutputError, UsageError
 from .cost import Tell
 from .scene import Unit
+from .trust.verification import Answer, Place, Verification
 from .units import Job, Report
-from .verification import Answer, Place, Verification
 
 # The job travels with every batch: data scattered before could be lost with the worker that holds them.
 _AHEAD = 3  # batches in flight for each of the cluster's threads

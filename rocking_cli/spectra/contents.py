@@ -13,11 +13,11 @@ from typing import Any
 import h5py
 import numpy as np
 
+from ..motions.grid import Axis
 from ..structures.parameters import RockingParameters
 from .chunks import GZIP_LEVEL, ChunkGrid
 from .digest import DIGEST, digest_of, filters_of, plain
 from .frame import ABOUT, EDGE_PARAMETERS, VARIED, Form, Frame, Values, beside_structures, form_among, varied_units
-from .grid import Axis
 from .layout import CHUNK_TABLES, REQUIRED, VARIABLES
 
 _FILTERS = {

@@ -9,8 +9,8 @@ from ..dynamics.march.engine import MAX_STEPS
 from ..dynamics.method import BY_GENERAL_SOLVER, Method
 from ..errors import UsageError
 from ..structures.parameters import RockingParameters
-from .sampling import default_check
 from .scene import Scene
+from .trust.sampling import default_check
 from .units import TOGETHER
 
 Tell = Callable[[str], None]

@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from ..motions.grid import LONG_NAMES, UNITS, Grid
 from ..structures.parameters import RockingParameters
-from .grid import LONG_NAMES, UNITS, Grid
 
 if TYPE_CHECKING:
     from ..motions.recording import Recording

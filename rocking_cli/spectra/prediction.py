@@ -10,11 +10,11 @@ import numpy as np
 from ..dynamics.method import LINEAR
 from ..dynamics.outcome import Outcome, safe
 from ..dynamics.response import response
+from ..envelopes.envelope import A_MAX, HIGHEST, trace_envelope
 from ..errors import UsageError
 from ..motions import Motion
+from ..motions.grid import Grid
 from ..structures.parameters import RockingParameters
-from .envelope import A_MAX, HIGHEST, trace_envelope
-from .grid import Grid
 from .reader import SpectraFile
 
 ETA_TOLERANCE = 1e-6  # spectra of restitutions closer than this are taken for the same

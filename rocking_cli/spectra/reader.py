@@ -15,9 +15,9 @@ import numpy as np
 from ..dynamics.outcome import Outcome
 from ..errors import FAULTS, OutputError, UsageError
 from ..motions import Harmonic, Motion, Piece
+from ..motions.grid import Axis, Grid
 from .chunks import stored_chunk, unpack
 from .contents import contents_of, reason
-from .grid import Axis, Grid
 from .layout import FLAGS, VARIABLES
 from .raw_file import SIGNATURE, RawFile, lock, open_regular
 from .seal import read, sealed

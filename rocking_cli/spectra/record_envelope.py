@@ -14,12 +14,12 @@ from typing import Any
 import numpy as np
 
 from ..dynamics.outcome import Outcome
+from ..envelopes.boundaries import Search
+from ..envelopes.capacity import RATIO
+from ..envelopes.envelope import A_MAX, BOTH, HIGHEST, NONE, SIGNS, Steps, worse
 from ..errors import UsageError
-from .boundaries import Search
-from .capacity import RATIO
+from ..processes import available_cpus, processes
 from .cost import Tell, announce, bouncing_seconds, expected_seconds
-from .envelope import A_MAX, BOTH, HIGHEST, NONE, SIGNS, Steps, worse
-from .processes import available_cpus, processes
 from .record_scene import RecordScene
 
 Array = np.ndarray

@@ -19,10 +19,10 @@ from ..dynamics.method import LINEAR, TOLERANCE, Method, governing_method
 from ..dynamics.outcome import Outcome
 from ..dynamics.response import response
 from ..errors import StructureError, UsageError
+from ..motions.grid import MAX_CELLS, Axis, parse_angles, parse_axes, written_axes
 from ..motions.recording import Recording
 from ..structures.parameters import RockingParameters
 from .frame import Frame, beside_records, beside_structures, varied_units
-from .grid import MAX_CELLS, Axis, parse_angles, parse_axes, written_axes
 from .scene import Array, Band, Cell, Scene, Unit
 
 COLUMNS = ("scale", "A", "a_g", "T")

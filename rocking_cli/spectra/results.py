@@ -12,7 +12,7 @@ from ..dynamics.march.account import Work
 from ..dynamics.method import LINEAR
 from ..dynamics.outcome import Outcome
 from .scene import Scene
-from .validity import Validity
+from .trust.validity import Validity
 
 if TYPE_CHECKING:
     import xarray

@@ -18,9 +18,9 @@ from ..dynamics.method import LINEAR, Method
 from ..dynamics.outcome import Outcome
 from ..errors import UsageError
 from ..motions import Motion
+from ..motions.grid import Grid
 from ..structures.parameters import RockingParameters
 from .frame import Frame, pulse_frame
-from .grid import Grid
 
 Array = np.ndarray
 

@@ -17,16 +17,16 @@ from ..errors import Interrupted, UsageError
 from ..interruption import check as check_for_a_stop
 from ..interruption import deferred
 from ..motions import Motion
+from ..motions.grid import Grid
+from ..processes import available_cpus
 from ..structures.parameters import RockingParameters
 from .cost import Tell, announce_sweep
-from .grid import Grid
-from .processes import available_cpus
 from .results import Spectrum, Summary
-from .sampling import default_check
 from .scene import QUANTITIES, PulseScene, Scene, Unit, chunk_shape, cut_into_units, known_quantities
+from .trust.sampling import default_check
+from .trust.validity import validity
+from .trust.verification import Verification
 from .units import Block, Job, unit_reports
-from .validity import validity
-from .verification import Verification
 
 CHUNK_CELLS = 131072
 SMALL_SWEEP = 100_000  # cells below which starting processes takes longer than they save

@@ -19,11 +19,11 @@ from ..dynamics.method import LINEAR
 from ..dynamics.outcome import Difference, Outcome, difference
 from ..dynamics.response import Response, response, response_with_demands, that_left_the_ground
 from ..motions import Motion
+from ..processes import processes
 from ..structures.parameters import RockingParameters
-from .condition import condition_of
-from .processes import processes
 from .scene import Band, Scene, Unit
-from .verification import Answer, Place, Verification, reference
+from .trust.condition import condition_of
+from .trust.verification import Answer, Place, Verification, reference
 
 
 @dataclass(frozen=True)

@@ -30,7 +30,7 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
 ROOM = ROOT / "rocking_cli"
-TESTS = ["tests/dynamics", "tests/responses/test_history.py", "tests/spectra/test_closed_form.py", "tests/spectra/test_boundaries.py"]
+TESTS = ["tests/dynamics", "tests/responses/test_history.py", "tests/envelopes/test_closed_form.py", "tests/envelopes/test_boundaries.py"]
 SLOWER = 6.0  # times what its tests take, and a minute: a mutant that takes longer goes round in circles, which a person would notice
 CALLS = "CALLS"  # the variable that names the file of which test calls what
 OPERATORS = {  # not < for <=: of floats that differ in nothing but a tie

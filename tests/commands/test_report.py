@@ -17,11 +17,11 @@ import numpy as np
 import pytest
 
 from rocking_cli import Outcome, Verdict, build_structure, check, parse_documents, parse_grid, sine
+from rocking_cli.fragility.exposure import Exposure
+from rocking_cli.fragility.measures import members_of, shaken_upwards
 from rocking_cli.motions.biaxial import Biaxial, Upwards
 from rocking_cli.motions.recording import Recording, read_motions
 from rocking_cli.reports.page import Subject, page
-from rocking_cli.spectra.exposure import Exposure
-from rocking_cli.spectra.measures import members_of, shaken_upwards
 
 HOSTILE = """<script>document.title = "taken"</script>'"&amp; $x$ {{ 7 * 7 }}"""
 DEMAND = parse_grid("a_g=0.6g,f_g=1.2")

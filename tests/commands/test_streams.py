@@ -153,7 +153,7 @@ def test_a_message_is_one_line_whatever_it_quotes(capsys, monkeypatch):
 
 
 def test_more_workers_than_cpus_are_reduced_with_a_line(capsys, monkeypatch):
-    monkeypatch.setattr("rocking_cli.spectra.processes.available_cpus", lambda: 3)
+    monkeypatch.setattr("rocking_cli.processes.available_cpus", lambda: 3)
     assert [options.at_most_the_cpus(n, False) for n in (None, 1, 3)] == [None, 1, 3]
     assert capsys.readouterr().err == ""
     assert options.at_most_the_cpus(64, False) == 3

@@ -13,7 +13,7 @@ from rocking_cli.documents.document import parse_documents
 from rocking_cli.dynamics.references.general_solver import Problem, RigidBodyRates, solve_cell
 from rocking_cli.dynamics.references.taylor_series import reference_cell
 from rocking_cli.motions import PULSES, pulse
-from rocking_cli.motions.pieces import build_motion
+from rocking_cli.motions.motion_document import build_motion
 
 
 def ricker(unit, shape):

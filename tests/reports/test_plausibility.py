@@ -6,8 +6,8 @@ import pytest
 from written import built
 
 from rocking_cli import RockingParameters
+from rocking_cli.motions.grid import parse_grid
 from rocking_cli.reports.plausibility import grid_remarks, span_remarks, structure_remarks
-from rocking_cli.spectra.grid import parse_grid
 
 
 def test_a_block_500_wide_is_said_to_be_large():

@@ -10,10 +10,10 @@ from synthetic import shaken
 
 from rocking_cli import Axis, Grid, Outcome, UsageError, build_structure, parse_documents, parse_grid, pulse, sine, trace_envelope
 from rocking_cli.dynamics.method import governing_method
+from rocking_cli.envelopes.capacity import Capacity
+from rocking_cli.envelopes.envelope import A_MAX
 from rocking_cli.responses.check import CHECK_COLUMNS, check, check_all, tally
 from rocking_cli.responses.time_history import time_history
-from rocking_cli.spectra.capacity import Capacity
-from rocking_cli.spectra.envelope import A_MAX
 
 QUICK = (sine(), sine(0.5), pulse("rectangular"))  # whose scans have bounds
 PULSES = (*QUICK, pulse("cosine"), pulse("rectangular-impulse"))

@@ -15,12 +15,12 @@ from rocking_cli import build_structure, cosine, parse_documents, parse_grid, pu
 from rocking_cli.dynamics.method import Method
 from rocking_cli.errors import UsageError
 from rocking_cli.motions.biaxial import with_vertical
+from rocking_cli.motions.grid import as_recorded
 from rocking_cli.motions.polyline import record_motion
 from rocking_cli.motions.records import read_record
 from rocking_cli.responses.forces import shenton
 from rocking_cli.responses.ground import Ground
 from rocking_cli.responses.time_history import time_history
-from rocking_cli.spectra.grid import as_recorded
 
 BLOCK = "kind: block\nwidth: 0.6\nheight: 3\n"
 STATUE = "kind: rigid\nleft: 0.6\nright: 0.4\nheight: 2.0\ngyration: 0.9\n"

@@ -10,9 +10,9 @@ from written import built
 
 from rocking_cli import Axis, RockingParameters, UsageError, dimensionless_oscillator, parse_grid, sine, write_spectrum
 from rocking_cli.dynamics.method import Method
+from rocking_cli.envelopes.envelope import check_intervals
 from rocking_cli.spectra import sweep
 from rocking_cli.spectra.cost import announce, expected_seconds
-from rocking_cli.spectra.envelope import check_intervals
 
 BLOCK = "kind: block\nwidth: 1\nheight: 5\nrestitution: 0.9"
 ARCH = "kind: arch\nradius: 10 m\nthickness: 1.5 m\nangle: 157.5 deg\nrestitution: 0.9"

@@ -88,8 +88,8 @@ def _title(file: SpectraFile, place: int) -> str:
 
 def _closed_form(axes: Axes, file: SpectraFile, place: int, units: Units) -> None:
     """Curves i-iv of Fig. 2 over the map of a linear spectrum of a body that they hold for, each with its name on it."""
+    from ...envelopes.closed_form import PULSES, closed_form_curves
     from ...motions import pulse
-    from ...spectra.closed_form import PULSES, closed_form_curves
 
     if "vertical" in file.scene:
         return

@@ -11,7 +11,7 @@ from rocking_cli import (
     sine,
     trace_envelope,
 )
-from rocking_cli.spectra.closed_form import no_impact_amplitude
+from rocking_cli.envelopes.closed_form import no_impact_amplitude
 
 
 @pytest.mark.parametrize("eta", [0.5, 0.9, *(pytest.param(eta, marks=pytest.mark.soak) for eta in (0.7, 1.0))])

@@ -12,9 +12,9 @@ import numpy as np
 from ..documents.table import named_rows
 from ..errors import DocumentError, UsageError
 from ..structures.parameters import RockingParameters
-from . import fragility
+from . import fits as fragility
 from .exposure import Exposure, Interval, first_of, share_overturned
-from .fragility import Band, Curve, Resampling
+from .fits import Band, Curve, Resampling
 from .measures import MEASURES, Measure, Member
 
 Array = np.ndarray

@@ -10,11 +10,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..dynamics.method import Method
-from ..dynamics.outcome import Difference, difference, falls
-from ..dynamics.response import response
+from ...dynamics.method import Method
+from ...dynamics.outcome import Difference, difference, falls
+from ...dynamics.response import response
+from ..scene import PulseScene, Scene
 from .sampling import sampled_cells
-from .scene import PulseScene, Scene
 
 Array = np.ndarray
 

@@ -10,7 +10,7 @@ from rocking_cli.commands.help import page
 from rocking_cli.dynamics.method import Method
 from rocking_cli.dynamics.outcome import Difference, falls
 from rocking_cli.spectra.scene import PulseScene
-from rocking_cli.spectra.validity import validity
+from rocking_cli.spectra.trust.validity import validity
 
 GRID = parse_grid("A=0.5:6:60,Omega=1:6:30")
 

@@ -9,7 +9,7 @@ import pytest
 from scipy.integrate import quad
 
 from rocking_cli import Outcome, cosine, linear_response, pulse, sine
-from rocking_cli.spectra.one_arc import may_change, modes_at_end
+from rocking_cli.envelopes.one_arc import may_change, modes_at_end
 
 MOTIONS = [sine(), sine(0.5), cosine(1.5), pulse("rectangular")]
 AT_ONCE = [sine(), sine(0.5), sine(2), cosine(1), cosine(1.5), pulse("rectangular-impulse")]

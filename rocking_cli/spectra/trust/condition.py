@@ -7,7 +7,7 @@ from typing import Protocol
 
 import numpy as np
 
-from ..dynamics.outcome import Outcome
+from ...dynamics.outcome import Outcome
 
 Array = np.ndarray
 

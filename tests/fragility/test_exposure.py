@@ -19,12 +19,12 @@ from rocking_cli import (
     trace_envelope,
 )
 from rocking_cli.dynamics.method import LINEAR, Method
+from rocking_cli.fragility.exposure import as_recorded, exposures, first_of, share_overturned, traced
+from rocking_cli.fragility.measures import MEASURES, Member, members_of, pulse_intensity, shaken_upwards
 from rocking_cli.motions.biaxial import Upwards, with_vertical
 from rocking_cli.motions.polyline import record_motion
 from rocking_cli.motions.recording import Recording
 from rocking_cli.motions.records import Record
-from rocking_cli.spectra.exposure import as_recorded, exposures, first_of, share_overturned, traced
-from rocking_cli.spectra.measures import MEASURES, Member, members_of, pulse_intensity, shaken_upwards
 
 BLOCK = build_structure(parse_documents("kind: block\nwidth: 0.5\nheight: 2\nrestitution: 0.9")[0])
 PULSES = [Member(f"{f} Hz", 2.0, 2 * np.pi * f, pulse_intensity(sine(), 2.0, 2 * np.pi * f), pulse=sine()) for f in (0.8, 1.2, 1.9)]

@@ -18,8 +18,8 @@ from rocking_cli import (
     trace_envelope,
 )
 from rocking_cli.dynamics.equations.linear import LinearEquation
-from rocking_cli.spectra import boundaries, changes
-from rocking_cli.spectra.boundaries import Search
+from rocking_cli.envelopes import boundaries, changes
+from rocking_cli.envelopes.boundaries import Search
 
 MOTIONS = [sine(), sine(0.5), sine(2), cosine(1.5), pulse("rectangular"), pulse("rectangular-impulse"), pulse("ricker-symmetric")]
 

@@ -10,9 +10,9 @@ from scipy.integrate import quad
 from scipy.optimize import brentq
 
 from rocking_cli import Motion, Outcome, cosine, linear_response, pulse, sine
+from rocking_cli.envelopes.closed_form import _FirstSide
+from rocking_cli.envelopes.two_arcs import TwoPushes
 from rocking_cli.motions import Harmonic, Piece
-from rocking_cli.spectra.closed_form import _FirstSide
-from rocking_cli.spectra.two_arcs import TwoPushes
 
 
 def pieces(*parts):

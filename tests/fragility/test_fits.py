@@ -8,7 +8,7 @@ from scipy.optimize import minimize
 from scipy.stats import binom, norm
 
 from rocking_cli import UsageError
-from rocking_cli.spectra.fragility import (
+from rocking_cli.fragility.fits import (
     LEAST,
     Resampling,
     bootstrap,

@@ -7,10 +7,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..dynamics.outcome import Outcome
-from ..dynamics.response import response
+from ...dynamics.outcome import Outcome
+from ...dynamics.response import response
+from ..scene import PulseScene, Scene
 from .condition import STEP
-from .scene import PulseScene, Scene
 
 Array = np.ndarray
 

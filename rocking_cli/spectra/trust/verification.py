@@ -8,9 +8,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..dynamics.outcome import Outcome
+from ...dynamics.outcome import Outcome
+from ..scene import Scene, Unit
 from .sampling import candidates, checked_cells
-from .scene import Scene, Unit
 
 Place = tuple[int, int, int]  # (structure, row, column) of a cell
 

@@ -21,8 +21,8 @@ from rocking_cli import (
 )
 from rocking_cli.dynamics.references.general_solver import Problem, RigidBodyRates, solve_cell
 from rocking_cli.errors import UsageError
-from rocking_cli.spectra.condition import condition_of
 from rocking_cli.spectra.scene import QUANTITIES
+from rocking_cli.spectra.trust.condition import condition_of
 
 
 def test_condition_under_a_rectangular_pulse_is_its_derivative():

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from rocking_cli.spectra.ladder import Ladder
+from rocking_cli.envelopes.scan_grid import Ladder
 
 
 def test_amplitudes_beyond_any_whole_number_lie_above_the_last_rung():

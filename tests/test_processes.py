@@ -12,9 +12,9 @@ from pathlib import Path
 
 import pytest
 
+from rocking_cli import processes as room
 from rocking_cli.errors import OutputError, UsageError
-from rocking_cli.spectra import processes as room
-from rocking_cli.spectra.processes import available_cpus, processes
+from rocking_cli.processes import available_cpus, processes
 
 linux = pytest.mark.skipif(sys.platform != "linux", reason="forks")
 

@@ -9,7 +9,7 @@ import pytest
 
 from rocking_cli import DocumentError
 from rocking_cli.documents.document import parse_documents
-from rocking_cli.motions.pieces import build_motion
+from rocking_cli.motions.motion_document import build_motion
 
 OWN = """
 name: Two pulses

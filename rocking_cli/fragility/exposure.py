@@ -13,14 +13,14 @@ import numpy as np
 from ..dynamics.method import Method
 from ..dynamics.outcome import Outcome, falls
 from ..dynamics.response import response
+from ..envelopes.boundaries import Search
+from ..envelopes.capacity import LONGEST_FINE, RATIO
 from ..errors import UsageError
+from ..motions.grid import Axis
+from ..processes import available_cpus, processes
+from ..spectra.cost import Tell, announce, expected_seconds
 from ..structures.parameters import RockingParameters
-from .boundaries import Search
-from .capacity import LONGEST_FINE, RATIO
-from .cost import Tell, announce, expected_seconds
-from .grid import Axis
 from .measures import Measure, Member
-from .processes import available_cpus, processes
 
 Array = np.ndarray
 Interval = tuple[float, float]
@@ -82,9 +82,9 @@ def _under_records(
     structures: list[RockingParameters], members: Sequence[Member], measure: Measure, levels: Array, path: Path | None, method: Method,
     workers: int | None, options: dict[str, Any],
 ) -> list[Exposure]:  # fmt: skip
-    from .reader import SpectraFile
-    from .record_scene import structures_scene
-    from .sweep import spectrum_of, write_scene
+    from ..spectra.reader import SpectraFile
+    from ..spectra.record_scene import structures_scene
+    from ..spectra.sweep import spectrum_of, write_scene
 
     unit = [m.measured(measure, structures[0]) ** (-1.0 / measure.power) for m in members]  # the factor to a measure of 1
     recordings = [m.recording.times(f) for m, f in zip(members, unit, strict=True) if m.recording]

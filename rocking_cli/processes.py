@@ -18,7 +18,7 @@ from contextlib import contextmanager
 from time import monotonic
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from ..errors import OutputError
+from .errors import OutputError
 
 if TYPE_CHECKING:
     from multiprocessing.connection import Connection

@@ -20,12 +20,12 @@ from ..dynamics.method import LINEAR, Method
 from ..dynamics.outcome import Outcome
 from ..errors import UsageError
 from ..motions import Motion, pulse
+from ..motions.grid import Axis, parse_axes, scaled_frequency, written_axes
+from ..processes import available_cpus, processes
+from ..spectra.cost import Tell, announce, bouncing_seconds, expected_seconds
 from ..structures.parameters import RockingParameters
 from .boundaries import Row, Search
-from .cost import Tell, announce, bouncing_seconds, expected_seconds
-from .grid import Axis, parse_axes, scaled_frequency, written_axes
-from .ladder import SCAN_STEP
-from .processes import available_cpus, processes
+from .scan_grid import SCAN_STEP
 
 A_MAX = 20.0
 NARROWEST = 1e-3  # width in A from which no interval is missed

@@ -24,7 +24,7 @@ from rocking_cli import (
     trace_envelope,
 )
 from rocking_cli.dynamics.method import Method
-from rocking_cli.spectra.envelope import misjudged
+from rocking_cli.envelopes.envelope import misjudged
 
 
 def test_traced_intervals_are_those_of_the_reference_table():

@@ -7,7 +7,7 @@ import pytest
 
 from rocking_cli import UsageError, build_structure, dimensionless_oscillator, parse_documents, pulse, sine
 from rocking_cli.dynamics.method import LINEAR, Method
-from rocking_cli.spectra.capacity import capacity
+from rocking_cli.envelopes.capacity import capacity
 
 BLOCK = build_structure(parse_documents("kind: block\nradius: 1.6065856\nalpha: 0.25\nrestitution: 0.9")[0])  # p = 2.14 rad/s
 

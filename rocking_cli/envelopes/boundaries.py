@@ -30,8 +30,8 @@ from ..motions import Motion
 from ..motions.blocks import blocks
 from ..motions.segments import Segments
 from .changes import SECTIONS, Brackets, narrowed
-from .ladder import Ladder, gaps_between, onwards
 from .one_arc import Modes, may_change, modes_at_end
+from .scan_grid import Ladder, gaps_between, onwards
 from .two_arcs import Strike, TwoPushes
 
 Array = np.ndarray

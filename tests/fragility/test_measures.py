@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from rocking_cli import DocumentError, UsageError, build_structure, parse_documents, pulse, sine
-from rocking_cli.spectra.measures import MEASURES, Member, measure_of, pulse_intensity, site_pulses
+from rocking_cli.fragility.measures import MEASURES, Member, measure_of, pulse_intensity, site_pulses
 
 BLOCK = build_structure(parse_documents("kind: block\nwidth: 0.5\nheight: 2")[0])
 

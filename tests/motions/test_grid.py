@@ -9,7 +9,7 @@ import pytest
 from written import built
 
 from rocking_cli import UsageError, build_structure, dimensionless_oscillator, parse_documents, parse_grid
-from rocking_cli.spectra.grid import Axis, Grid
+from rocking_cli.motions.grid import Axis, Grid
 
 
 def test_units_and_spacing():

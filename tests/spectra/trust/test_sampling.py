@@ -16,13 +16,13 @@ from rocking_cli.motions import Motion, Piece
 from rocking_cli.motions.recording import Recording
 from rocking_cli.motions.records import Record
 from rocking_cli.reports.summary import summary_lines
-from rocking_cli.spectra import sampling
-from rocking_cli.spectra.condition import condition_of
 from rocking_cli.spectra.record_scene import structures_scene
-from rocking_cli.spectra.sampling import checked_cells
 from rocking_cli.spectra.scene import PulseScene, cut_into_units
+from rocking_cli.spectra.trust import sampling
+from rocking_cli.spectra.trust.condition import condition_of
+from rocking_cli.spectra.trust.sampling import checked_cells
+from rocking_cli.spectra.trust.verification import Verification
 from rocking_cli.spectra.units import Job, unit_reports
-from rocking_cli.spectra.verification import Verification
 
 GRID = parse_grid("A=0.5:4:60,Omega=0.5:6:50")
 OSCILLATORS = (dimensionless_oscillator(0.5), dimensionless_oscillator(0.9))
