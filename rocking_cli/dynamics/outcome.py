@@ -7,6 +7,8 @@ from typing import Any, Self
 
 import numpy as np
 
+FALLEN = 3.0  # |theta|/alpha from which a body counts as overturned when the ground falls away, and to which its history goes
+
 
 class Outcome(IntEnum):
     """Outcome codes as they stand in the spectra file; the names in lower case are its flag meanings.

@@ -23,17 +23,20 @@ from .segments import Samples, Segments
 class Biaxial(Motion):
     """A horizontal and a vertical motion cut into the same pieces; as a motion it is the horizontal one.
 
-    The vertical acceleration, upwards, is s_v a_g as the horizontal one is s a_g. Raises UsageError, see `with_vertical`.
+    The vertical acceleration, upwards, is s_v a_g as the horizontal one is s a_g; told: the name of the vertical motion as it was
+    recorded. Raises UsageError, see `with_vertical`.
     """
 
     across: Motion
     _vertical: Motion
+    told: str
 
     __eq__ = object.__eq__  # what follows from it is kept by the object; its pieces may be many
     __hash__ = object.__hash__
 
-    def __init__(self, across: Motion, vertical: Motion) -> None:
-        for key, value in {"name": f"{across.name} with {vertical.name} upwards", "across": across, "_vertical": vertical}.items():
+    def __init__(self, across: Motion, vertical: Motion, told: str) -> None:
+        name = f"{across.name} with {told} upwards"
+        for key, value in {"name": name, "across": across, "_vertical": vertical, "told": told}.items():
             object.__setattr__(self, key, value)
 
     @property
@@ -67,11 +70,12 @@ class Biaxial(Motion):
 
     def still_until(self, phase: float) -> Biaxial:
         """Both, with the ground at rest after them."""
-        return Biaxial(self.across.still_until(phase), self._vertical.still_until(phase))
+        return Biaxial(self.across.still_until(phase), self._vertical.still_until(phase), self.told)
 
     def scaled(self, factor: float) -> Biaxial:
         """Both times a factor; a negative one turns the horizontal motion over, and leaves up what is up."""
-        return Biaxial(self.across.scaled(factor), self._vertical.scaled(abs(factor)))
+        share = abs(factor)
+        return Biaxial(self.across.scaled(factor), self._vertical.scaled(share), _times(self.told, share))
 
     @cached_property
     def segments(self) -> Segments:
@@ -91,12 +95,18 @@ def with_vertical(motion: Motion, vertical: Motion, scale: float = 1.0) -> Biaxi
             "the vertical motion is a record and the horizontal one is not, or the other way round; accepted are two of a kind"
         )
     factor = checked_scale(vertical.name, scale) * (1.0 if own is None or other is None else other / own)
+    told = _times(vertical.name, scale)
     if isinstance(motion, Polyline) and isinstance(vertical, Polyline):
         marks = _together(motion.marks, vertical.marks)
-        return Biaxial(motion.on(marks), vertical.on(marks).scaled(factor))
+        return Biaxial(motion.on(marks), vertical.on(marks).scaled(factor), told)
     marks = np.unique(np.concatenate([[0.0], *([p.stop for p in m.pieces] for m in (motion, vertical))]))
     marks = marks[np.append(True, np.diff(marks) > 1e-12 * marks[-1])]
-    return Biaxial(_on(motion, marks.tolist()), _on(vertical, marks.tolist()).scaled(factor))
+    return Biaxial(_on(motion, marks.tolist()), _on(vertical, marks.tolist()).scaled(factor), told)
+
+
+def _times(name: str, factor: float) -> str:
+    """A name with its factor, where that changes anything."""
+    return name if factor == 1.0 else f"{name}, times {factor:g}"
 
 
 def _together(one: Any, other: Any) -> Any:

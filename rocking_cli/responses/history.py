@@ -17,7 +17,7 @@ from ..dynamics.equations.equation import Equation, Flow
 from ..dynamics.lanes import Lanes
 from ..dynamics.march.account import Rests, Round, Watch
 from ..dynamics.march.engine import Run
-from ..dynamics.outcome import Outcome
+from ..dynamics.outcome import FALLEN, Outcome
 from ..dynamics.system import System
 from ..dynamics.weight import WeighedSegments
 from ..motions.motion import Motion
@@ -30,7 +30,6 @@ _INVISIBLE = 1e-4  # speed of a bounce, y' by tau: its height is below 1e-8
 _SUMMED, _UNSEEN = 1e-3, 1000  # part of that speed at which the rest of a bouncing is summed, and bounces until then at most
 LONGEST = 1e9  # tau: beyond, doubles do not tell the times of an arc apart
 LOST = "lost contact"
-_FALLEN = 3.0  # |theta|/alpha to which an overturning body is followed, unless it lies on its side before
 
 
 class Arc(NamedTuple):
@@ -150,9 +149,9 @@ class _Listener:
         self.arcs, self.events = list[Arc](), list[Event]()
 
     def _fallen(self, side: float) -> float:
-        """y at which a body on a side is lost: `_FALLEN`, or where it lies on its side."""
+        """y at which a body on a side is lost: at `FALLEN`, or where it lies on its side."""
         equation = self.equation.on(np.array([side]))
-        return min(float(np.min(equation.limit)), float(equation.displacement(np.array([_FALLEN]))[0]))
+        return min(float(np.min(equation.limit)), float(equation.displacement(np.array([FALLEN]))[0]))
 
     def record(self, release: float, duration: float) -> History:
         lanes = self._first(release)

@@ -162,6 +162,16 @@ def test_free_fall_is_an_outcome_of_its_own_at_its_instant():
     assert heard.end == pytest.approx(math.asin(1.0 / (8.0 * 1.2 * body.alpha)) / 4.0, rel=1e-12)
 
 
+@pytest.mark.parametrize("model", ["linear", "nonlinear"])
+def test_a_body_that_overturned_before_the_ground_falls_away_has_overturned(model):
+    body, method = block(), Method(model)
+    motion = with_vertical(sine(), Motion("late", (Piece(0.0, 20.0), Piece(20.0, 21.0, (), -1.0))))
+    amplitude, wanted = 1.2 / body.alpha, Outcome.OVERTURNED_NO_IMPACT  # the linear body comes to ten thousand alpha before it
+    assert response(method.system_of(body), motion, [amplitude], 2.0, body.eta).outcome.tolist() == [wanted]
+    assert history(method.system_of(body), motion, amplitude, 2.0, body.eta, duration=20.0).outcome == wanted
+    assert method.reference_of(body, True)(motion, amplitude, 2.0, body.eta)[0] == wanted
+
+
 @pytest.mark.parametrize("lifts", [False, True], ids=["never lifted", "at rest again"])
 @pytest.mark.parametrize("model", ["linear", "nonlinear"])
 def test_the_ground_falls_away_from_a_body_that_is_pushed_against_its_wall(model, lifts):
@@ -180,6 +190,14 @@ def test_the_ground_falls_away_from_a_body_that_is_pushed_against_its_wall(model
     words = [e.event for e in heard.events]
     assert (heard.outcome, heard.end, words[-1]) == (Outcome.LOST_CONTACT, pytest.approx(at, rel=1e-12), "lost contact")
     assert ("rest" in words) == lifts
+
+
+def test_a_vertical_motion_is_named_as_it_was_recorded():
+    lines = np.array([0.0]), np.array([0.2]), np.array([1.0]), np.array([-5.0])
+    one, two = (Polyline(name, *lines, peak) for name, peak in (("one", 4.0), ("two", 2.0)))
+    names = [with_vertical(one, two, *scale).name for scale in ((), (0.5,))]
+    assert names == ["one with two upwards", "one with two, times 0.5 upwards"]
+    assert with_vertical(sine(), cosine()).scaled(-1.0).name == "sine, 1 cycle, times -1 with cosine, 1 cycle upwards"
 
 
 def test_records_keep_the_ratio_of_their_amplitudes_and_others_do_not_go_with_them():

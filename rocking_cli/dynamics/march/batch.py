@@ -9,7 +9,7 @@ import numpy as np
 from ...motions.segments import Segments
 from ..contacts.contact import Fate
 from ..lanes import Lanes
-from ..outcome import Outcome
+from ..outcome import FALLEN, Outcome
 from ..system import System
 from ..weight import WeighedSegments
 from .account import Watch, Work
@@ -63,11 +63,13 @@ class Batch:
         return self.equation.on(side, lanes.cell[at]).certainly_overturns(y, v, inward, steady)
 
     def _drop(self, lanes: Lanes) -> Lanes:
-        """Bodies from which the ground has fallen away are done."""
+        """Bodies from which the ground has fallen away are done: beyond `FALLEN` they have overturned before, others have lost contact."""
         if self.drops is None:
             return lanes
         falls = self.drops.now(lanes)
-        self._finish(lanes, np.flatnonzero(falls), Outcome.LOST_CONTACT, np.nan)
+        over = falls & (self.equation.on(lanes.side, lanes.cell).rotation(lanes.y) >= FALLEN)
+        self._overturn(lanes, np.flatnonzero(over))
+        self._finish(lanes, np.flatnonzero(falls & ~over), Outcome.LOST_CONTACT, np.nan)
         return lanes.take(np.flatnonzero(~falls))
 
     def _shaken(self, lanes: Lanes, last: Array) -> None:

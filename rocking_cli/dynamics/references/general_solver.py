@@ -19,7 +19,7 @@ from ...motions.biaxial import plus
 from ...motions.motion import Motion
 from ...motions.piece import Piece
 from ...structures.mechanics.kinematics import Mechanism, linearise
-from ..outcome import Outcome
+from ..outcome import FALLEN, Outcome
 from .extrapolation import Path, Point, Rate, path, step
 from .pressing import Arm, arms_of, lets_go
 from .uplift import lies_still, next_uplift
@@ -174,6 +174,8 @@ def _solved(motion: Motion, body: _Body) -> tuple[Outcome, float]:
                 body.move(piece, end)
             if body.theta > body.here.limit or (body.side and body.theta > body.here.alpha and body.lost(motion)):
                 return body.overturned(), math.nan
+        if fall is not None and body.theta >= FALLEN * body.here.alpha:
+            return body.overturned(), math.nan
         if fall is not None:  # a mechanism on its way down may have collapsed before, of which this path knows nothing
             known = body.theta <= body.here.alpha or not isinstance(body.here, MechanismRates)
             return Outcome.LOST_CONTACT if known else Outcome.FAILED, math.nan
