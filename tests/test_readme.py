@@ -5,10 +5,10 @@ from __future__ import annotations
 import re
 
 from bench.speed import in_readme
-from shown import README, ROOT, written
+from support.shown_commands import README, ROOT, written
 
 TEXT = README.read_text(encoding="utf-8")
-ANEW = "python tests/shown.py writes it anew"
+ANEW = "python tests/support/shown_commands.py writes it anew"
 
 
 def test_every_command_runs_in_order_and_prints_what_is_shown(rocking, tmp_path):

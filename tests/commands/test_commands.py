@@ -9,7 +9,7 @@ import sys
 import click
 import pytest
 from click.shell_completion import ShellComplete
-from watching import PROGRAM
+from support.watched_processes import PROGRAM
 
 from rocking_cli.commands import COMMANDS, cli, main
 

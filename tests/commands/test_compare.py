@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 
 import pytest
-from written import csv_rows
+from support.documents import csv_rows
 
 
 def test_comparison_collapses_and_tells_the_models_apart(rocking):

@@ -6,7 +6,7 @@ import re
 
 import click
 import pytest
-from shown import shell
+from support.shown_commands import shell
 
 from rocking_cli.commands import COMMANDS, cli
 from rocking_cli.commands.help import TOPICS, page

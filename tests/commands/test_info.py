@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from dataclasses import replace
 
-from written import SMALL_SCENE
+from support.documents import SMALL_SCENE
 
 from rocking_cli import dimensionless_oscillator, parse_grid, sine, write_spectrum
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from written import SMALL_SCENE, same_file
+from support.documents import SMALL_SCENE, same_file
 
 
 def test_shards_come_together(rocking, tmp_path):

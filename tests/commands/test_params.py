@@ -6,7 +6,7 @@ import json
 import math
 
 import pytest
-from written import csv_rows
+from support.documents import csv_rows
 
 
 def test_json_lines_are_documents_again(rocking):

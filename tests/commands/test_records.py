@@ -7,8 +7,8 @@ import json
 
 import numpy as np
 import pytest
-from recorded import rows, wave
-from written import csv_rows
+from support.documents import csv_rows
+from support.record_layouts import rows, wave
 
 COLUMNS = ["name", "format", "component", "npts", "dt", "duration", "pga", "pga_time", "pgv", "pgd", "arias", "cav", "d5_75", "d5_95"]
 COLUMNS += ["header_pga"]

@@ -6,7 +6,7 @@ import json
 import math
 
 import pytest
-from written import csv_rows
+from support.documents import csv_rows
 
 IMPULSE = ("--pulse", "rectangular-impulse", "--a-g", "0.5g", "--T-g", "0.4")
 

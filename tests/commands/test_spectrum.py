@@ -11,7 +11,7 @@ import subprocess
 import h5py
 import numpy as np
 import pytest
-from watching import PATIENCE, PROGRAM, grows
+from support.watched_processes import PATIENCE, PROGRAM, grows
 
 from rocking_cli import Outcome, sine
 from rocking_cli.dynamics.equations.linear import LinearEquation

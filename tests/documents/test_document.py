@@ -9,7 +9,7 @@ import math
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from written import built
+from support.documents import built
 
 from rocking_cli import DocumentError, RockingParameters, build_structure, parse_documents
 

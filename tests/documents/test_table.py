@@ -7,7 +7,7 @@ import io
 from dataclasses import replace
 
 import pytest
-from written import built
+from support.documents import built
 
 from rocking_cli import DocumentError, build_structure, parse_documents
 from rocking_cli.documents.table import delimiter_of

@@ -7,8 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from recorded import wave
-from written import built
+from support.documents import built
+from support.record_layouts import wave
 
 from rocking_cli import Method, Outcome, response
 from rocking_cli.dynamics.speeds import SpeedRun, response_with_speed

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
-from oracle import condition
-from oracle_systems import Body, Edge, conditioning, integrate
+from oracles.collocation import Body, Edge, conditioning, integrate
+from oracles.single_cell import condition
 
 from rocking_cli import Method, Motion, Outcome, RockingParameters, cosine, pulse, response, sine
 from rocking_cli.dynamics.contacts.unequal import Unequal

@@ -7,9 +7,9 @@ from functools import partial
 
 import numpy as np
 import pytest
-from oracle_systems import Body, Edge
-from weighed import Shaking, swing
-from written import built
+from oracles.collocation import Body, Edge
+from oracles.vertical_motion import Shaking, swing
+from support.documents import built
 
 from rocking_cli import Motion, Outcome, RockingParameters, cosine, pulse, response, sine
 from rocking_cli.dynamics.method import Method

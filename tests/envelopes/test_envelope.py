@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from oracle import INTERVALS
+from oracles.single_cell import INTERVALS
 
 from rocking_cli import (
     RockingParameters,

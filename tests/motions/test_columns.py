@@ -7,8 +7,8 @@ import pickle
 
 import numpy as np
 import pytest
-from recorded import wave
-from written import built
+from support.documents import built
+from support.record_layouts import wave
 
 from rocking_cli import Method
 from rocking_cli.dynamics.response import response, response_with_demands

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from written import built
+from support.documents import built
 
 from rocking_cli import UsageError, build_structure, dimensionless_oscillator, parse_documents, parse_grid
 from rocking_cli.motions.grid import Axis, Grid

@@ -7,7 +7,7 @@ import math
 
 import numpy as np
 import pytest
-from recorded import wave
+from support.record_layouts import wave
 
 from rocking_cli.motions import blocks
 from rocking_cli.motions.intensity import intensity

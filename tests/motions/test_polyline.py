@@ -7,7 +7,7 @@ import pickle
 
 import numpy as np
 import pytest
-from recorded import wave
+from support.record_layouts import wave
 
 from rocking_cli.dynamics.response import linear_response
 from rocking_cli.errors import MotionError

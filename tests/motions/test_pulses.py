@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from oracle import integrate
+from oracles.single_cell import integrate
 
 from rocking_cli import Outcome, UsageError, dimensionless_oscillator, linear_response, nonlinear_response, trace_envelope
 from rocking_cli.documents.document import parse_documents

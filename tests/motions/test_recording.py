@@ -10,7 +10,7 @@ import threading
 
 import numpy as np
 import pytest
-from recorded import rows, wave
+from support.record_layouts import rows, wave
 
 from rocking_cli import DocumentError, Motion, UsageError
 from rocking_cli.motions.intensity import intensity

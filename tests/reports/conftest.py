@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 from matplotlib.figure import Figure
-from written import csv_rows
+from support.documents import csv_rows
 
 from rocking_cli.reports.plot import draw
 

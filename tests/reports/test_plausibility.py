@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from written import built
+from support.documents import built
 
 from rocking_cli import RockingParameters
 from rocking_cli.motions.grid import parse_grid

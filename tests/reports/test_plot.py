@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from matplotlib.figure import Figure
-from shown_lines import lines, numbers, same
+from support.axes import lines, numbers, same
 
 from rocking_cli import OutputError, UsageError
 from rocking_cli.reports.figures.canvas import canvas, legend

@@ -6,8 +6,8 @@ from functools import partial
 
 import numpy as np
 import pytest
-from linkage import SECOND, Linkage, carried, places
-from weighed import Shaking
+from oracles.arch_linkage import SECOND, Linkage, carried, places
+from oracles.vertical_motion import Shaking
 
 from rocking_cli import Method, build_structure, cosine, load_structures, parse_documents, parse_grid, response, sine
 from rocking_cli.motions.biaxial import with_vertical

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from synthetic import shaken
+from support.synthetic_records import shaken
 
 from rocking_cli import Axis, Grid, Outcome, UsageError, build_structure, parse_documents, parse_grid, pulse, sine, trace_envelope
 from rocking_cli.dynamics.method import governing_method

@@ -6,7 +6,7 @@ from functools import reduce
 
 import numpy as np
 import pytest
-from recorded import wave
+from support.record_layouts import wave
 
 from rocking_cli.motions.biaxial import with_vertical
 from rocking_cli.motions.polyline import record_motion

@@ -12,7 +12,7 @@ import sys
 import h5py
 import numpy as np
 import pytest
-from watching import PATIENCE, PROGRAM, grows
+from support.watched_processes import PATIENCE, PROGRAM, grows
 
 from rocking_cli import dimensionless_oscillator, parse_grid, sine, write_spectrum
 from rocking_cli.spectra import cluster as room

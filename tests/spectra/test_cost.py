@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from written import built
+from support.documents import built
 
 from rocking_cli import Axis, RockingParameters, UsageError, dimensionless_oscillator, parse_grid, sine, write_spectrum
 from rocking_cli.dynamics.method import Method

@@ -7,8 +7,8 @@ import math
 
 import numpy as np
 import pytest
-from recorded import rows, wave
-from written import built
+from support.documents import built
+from support.record_layouts import rows, wave
 
 from rocking_cli import Axis, Method, UsageError
 from rocking_cli.dynamics.references.general_solver import solve_cell

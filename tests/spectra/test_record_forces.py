@@ -7,12 +7,12 @@ from collections import Counter
 
 import numpy as np
 import pytest
-from oracle_systems import Body as Solved
-from oracle_systems import Edge
-from pressing import asked
-from recorded import wave
-from weighed import Shaking
-from written import built
+from oracles.collocation import Body as Solved
+from oracles.collocation import Edge
+from oracles.ground_forces import asked
+from oracles.vertical_motion import Shaking
+from support.documents import built
+from support.record_layouts import wave
 
 from rocking_cli import Axis, Method, Outcome, Spectrum
 from rocking_cli.dynamics.response import response_with_demands

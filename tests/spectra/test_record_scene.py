@@ -9,8 +9,8 @@ import h5py
 import numpy as np
 import pytest
 import xarray
-from recorded import wave
-from written import built, same_file
+from support.documents import built, same_file
+from support.record_layouts import wave
 
 from rocking_cli import Axis, Method, UsageError, dimensionless_oscillator, overturned, response
 from rocking_cli.dynamics.speeds import response_with_speed

@@ -15,8 +15,8 @@ import h5py
 import numpy as np
 import pytest
 import xarray
-from watching import PATIENCE, PROGRAM, children, grows
-from written import SMALL_SCENE, same_file
+from support.documents import SMALL_SCENE, same_file
+from support.watched_processes import PATIENCE, PROGRAM, children, grows
 
 from rocking_cli import (
     Outcome,

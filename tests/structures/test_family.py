@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 import pytest
-from written import built
+from support.documents import built
 
 from rocking_cli import DocumentError, UsageError, parse_documents
 from rocking_cli.structures.family import MAX_MEMBERS, family, members, parse_variation

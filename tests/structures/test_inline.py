@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import pytest
-from written import built
+from support.documents import built
 
 from rocking_cli import DocumentError, load_structures
 

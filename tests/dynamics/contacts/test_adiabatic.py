@@ -7,7 +7,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from synthetic import noise, shaken
+from support.synthetic_records import noise, shaken
 
 from rocking_cli import LinearEquation, linear_response, nonlinear_response
 from rocking_cli.dynamics.contacts.adiabatic import bounces_on, ceiling

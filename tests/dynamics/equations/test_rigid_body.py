@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from oracle import integrate_rigid_body
+from oracles.single_cell import integrate_rigid_body
 from scipy.integrate import quad
 from scipy.optimize import brentq
 

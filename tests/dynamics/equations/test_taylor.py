@@ -7,7 +7,7 @@ import math
 import mpmath
 import numpy as np
 import pytest
-from oracle import LADDER
+from oracles.single_cell import LADDER
 
 from rocking_cli import cosine, sine
 from rocking_cli.dynamics.equations import taylor

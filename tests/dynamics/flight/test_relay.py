@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from oracle_records import Rigid, lockstep
-from stocky import KINDS, drawn
-from synthetic import allowance, assert_same, noise, shaken
+from oracles.record_lockstep import Rigid, lockstep
+from support.stocky_bodies import KINDS, drawn
+from support.synthetic_records import allowance, assert_same, noise, shaken
 
 from rocking_cli import LinearEquation, Method, Outcome, RigidBodyEquation, System, safe
 from rocking_cli.dynamics.contacts.one_sided import OneSided

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from oracle_records import lockstep
-from synthetic import RECORDS, allowance, assert_same, cells, noise, shaken
+from oracles.record_lockstep import lockstep
+from support.synthetic_records import RECORDS, allowance, assert_same, cells, noise, shaken
 
 from rocking_cli import LinearEquation, System, linear_response, response
 from rocking_cli.dynamics.contacts.one_sided import OneSided

@@ -6,8 +6,8 @@ import math
 
 import numpy as np
 import pytest
-from oracle_records import Rigid, lockstep
-from synthetic import RECORDS, allowance, assert_same, cells, shaken
+from oracles.record_lockstep import Rigid, lockstep
+from support.synthetic_records import RECORDS, allowance, assert_same, cells, shaken
 
 from rocking_cli import LinearEquation, Method, Outcome, RigidBodyEquation, System, load_structures, nonlinear_response, response, sine
 from rocking_cli.dynamics.contacts.one_sided import OneSided

@@ -7,9 +7,9 @@ from functools import partial
 
 import numpy as np
 import pytest
-from oracle_systems import Body, Edge
-from synthetic import RECORDS, allowance, assert_same, cells, noise, shaken
-from weighed import Shaking, swing
+from oracles.collocation import Body, Edge
+from oracles.vertical_motion import Shaking, swing
+from support.synthetic_records import RECORDS, allowance, assert_same, cells, noise, shaken
 
 from rocking_cli import LinearEquation, Method, Outcome, RigidBodyEquation, RockingParameters, System, load_structures, response
 from rocking_cli.dynamics.contacts.one_sided import OneSided

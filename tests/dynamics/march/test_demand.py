@@ -8,9 +8,9 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from pressing import asked
-from stocky import ACROSS, KINDS, UP, drawn, ground
-from weighed import Shaking
+from oracles.ground_forces import asked
+from oracles.vertical_motion import Shaking
+from support.stocky_bodies import ACROSS, KINDS, UP, drawn, ground
 
 from rocking_cli import Method, Outcome, build_structure, cosine, parse_documents, parse_grid, pulse, response, sine
 from rocking_cli.dynamics.equations.rigid_body import RigidBodyEquation

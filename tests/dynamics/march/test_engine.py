@@ -8,8 +8,8 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from multiple import march
-from oracle import INTERVALS, LADDER, RTOL, condition, integrate, ladder
+from oracles.multiple_precision import march
+from oracles.single_cell import INTERVALS, LADDER, RTOL, condition, integrate, ladder
 
 from rocking_cli import Motion, Outcome, cosine, linear_response, overturned, pulse, sine
 from rocking_cli.dynamics.march.engine import Run

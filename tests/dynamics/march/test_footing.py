@@ -7,9 +7,9 @@ from functools import partial
 
 import numpy as np
 import pytest
-from pressing import lifting, pendulum
-from stocky import ACROSS, KINDS, UP, drawn, ground
-from weighed import Shaking, swing
+from oracles.ground_forces import lifting, pendulum
+from oracles.vertical_motion import Shaking, swing
+from support.stocky_bodies import ACROSS, KINDS, UP, drawn, ground
 
 from rocking_cli import Method, Outcome, RockingParameters, cosine, parse_grid, pulse, response, sine
 from rocking_cli.dynamics.march.engine import Run

@@ -6,7 +6,7 @@ from math import comb
 
 import numpy as np
 import pytest
-from stocky import ACROSS, KINDS, UP, drawn
+from support.stocky_bodies import ACROSS, KINDS, UP, drawn
 
 from rocking_cli import Method
 from rocking_cli.dynamics.march import hulls

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from stocky import KINDS, drawn
-from synthetic import RECORDS, noise, shaken
+from support.stocky_bodies import KINDS, drawn
+from support.synthetic_records import RECORDS, noise, shaken
 
 from rocking_cli import Method, response
 from rocking_cli.dynamics.body import Body

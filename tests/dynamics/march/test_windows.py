@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from oracle import LADDER
+from oracles.single_cell import LADDER
 
 from rocking_cli import cosine, pulse, sine
 from rocking_cli.dynamics.drive import crossing, phase_between, place, segment_value

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from oracle import integrate_rigid_body
+from oracles.single_cell import integrate_rigid_body
 
 from rocking_cli import Outcome, nonlinear_response, pulse, sine
 from rocking_cli.dynamics.references.general_solver import Problem, RigidBodyRates, solve_cell

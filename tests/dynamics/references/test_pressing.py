@@ -8,8 +8,8 @@ from functools import partial
 
 import numpy as np
 import pytest
-from pressing import lifting, pendulum
-from stocky import ACROSS, KINDS, UP, drawn
+from oracles.ground_forces import lifting, pendulum
+from support.stocky_bodies import ACROSS, KINDS, UP, drawn
 
 from rocking_cli import Method, Outcome, RockingParameters, cosine, load_structures, parse_grid, pulse, response, sine, spectrum
 from rocking_cli.dynamics.march.footing import Footing

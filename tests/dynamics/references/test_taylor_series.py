@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from multiple import march
-from oracle import LADDER, condition
-from oracle_records import lockstep
-from recorded import wave
-from synthetic import shaken
+from oracles.multiple_precision import march
+from oracles.record_lockstep import lockstep
+from oracles.single_cell import LADDER, condition
+from support.record_layouts import wave
+from support.synthetic_records import shaken
 
 from rocking_cli import Outcome, cosine, linear_response, sine
 from rocking_cli.dynamics.references import taylor_series

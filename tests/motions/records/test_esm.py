@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from recorded import as_printed, refusal, rows, wave
+from support.record_layouts import as_printed, refusal, rows, wave
 
 from rocking_cli.motions.records import read_record
 

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from recorded import rows, wave
+from support.record_layouts import rows, wave
 
 from rocking_cli.errors import DocumentError, RockingError, UsageError
 from rocking_cli.motions import records

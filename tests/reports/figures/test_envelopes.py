@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from shown_lines import lines, numbers, same
+from support.axes import lines, numbers, same
 
 from rocking_cli import Outcome, UsageError
 

@@ -6,7 +6,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from shown_lines import lines, numbers, same
+from support.axes import lines, numbers, same
 
 from rocking_cli import UsageError
 

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from shown_lines import lines, numbers, same
+from support.axes import lines, numbers, same
 
 from rocking_cli.reports.figures.histories import with_jumps
 from rocking_cli.reports.units import parse_units

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from matplotlib import colors
 from matplotlib.figure import Figure
-from recorded import rows, wave
-from shown_lines import lines
+from support.axes import lines
+from support.record_layouts import rows, wave
 
 from rocking_cli import Outcome, UsageError, closed_form_curves
 from rocking_cli.reports.plot import draw

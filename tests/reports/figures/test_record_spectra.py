@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from recorded import wave
+from support.record_layouts import wave
 
 from rocking_cli import Axis, Method, Outcome
 from rocking_cli.motions.recording import Recording

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from shown_lines import lines, same
+from support.axes import lines, same
 
 from rocking_cli import Outcome, UsageError, overturned
 from rocking_cli.reports.figures.slices import slice_of

@@ -8,8 +8,8 @@ from functools import partial
 
 import numpy as np
 import pytest
-from recorded import wave
-from written import built
+from support.documents import built
+from support.record_layouts import wave
 
 from rocking_cli import Axis, Outcome, dimensionless_oscillator, linear_response, parse_grid, sine, spectrum
 from rocking_cli.motions import Motion, Piece

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from thrust import largest_tilt
-from written import built
+from oracles.thrust_line import largest_tilt
+from support.documents import built
 
 from rocking_cli import DocumentError, build_structure, parse_documents
 from rocking_cli.structures.kinds.arch import find_mechanism, ring_of

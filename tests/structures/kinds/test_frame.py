@@ -7,7 +7,7 @@ import math
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from written import built
+from support.documents import built
 
 from rocking_cli import DocumentError, build_structure, parse_documents
 

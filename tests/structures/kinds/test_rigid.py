@@ -6,7 +6,7 @@ import json
 import math
 
 import pytest
-from written import built
+from support.documents import built
 
 from rocking_cli import DocumentError
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from written import built
+from support.documents import built
 
 from rocking_cli import DocumentError, build_structure, parse_documents
 from rocking_cli.structures.kinds.spire import Spire

@@ -6,7 +6,7 @@ import json
 from dataclasses import replace
 
 import pytest
-from written import built
+from support.documents import built
 
 from rocking_cli import DocumentError, RockingParameters
 from rocking_cli.structures.parameters import Side

@@ -6,7 +6,7 @@ import math
 from dataclasses import replace
 
 import pytest
-from written import built
+from support.documents import built
 
 WALL = "kind: wall\nthickness: 0.6\nheight: 5\n"
 

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
+from oracles.thrust_line import largest_tilt
 from scipy.optimize import brentq
-from thrust import largest_tilt
-from written import built
+from support.documents import built
 
 from rocking_cli import DocumentError
 from rocking_cli.structures.mechanics import hinges

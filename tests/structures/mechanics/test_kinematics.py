@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 import pytest
-from written import built
+from support.documents import built
 
 from rocking_cli.structures.kinds.prism import polygon_moments
 from rocking_cli.structures.kinds.spire import Spire

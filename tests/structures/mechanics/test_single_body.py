@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from written import built
+from support.documents import built
 
 from rocking_cli import DocumentError
 

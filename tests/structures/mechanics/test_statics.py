@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from thrust import largest_tilt
+from oracles.thrust_line import largest_tilt
 
 from rocking_cli.structures.mechanics.fourbar import Ring
 from rocking_cli.structures.mechanics.hinges import search_joints

@@ -13,9 +13,9 @@ from itertools import pairwise
 
 import numpy as np
 from numpy.polynomial import Chebyshev
+from oracles.vertical_motion import Crossing, Shaking
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
-from weighed import Crossing, Shaking
 
 FIRST = {1: 4 / 5, 2: -1 / 5, 3: 4 / 105, 4: -1 / 280}  # derivatives: weights over the step, +- so many steps off
 SECOND = {0: -205 / 72, 1: 8 / 5, 2: -1 / 5, 3: 8 / 315, 4: -1 / 560}

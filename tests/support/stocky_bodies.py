@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from oracle_systems import Body as Solved
-from oracle_systems import Edge
+from oracles.collocation import Body as Solved
+from oracles.collocation import Edge
 
 from rocking_cli import Motion, RockingParameters, cosine, pulse, sine
 from rocking_cli.structures.parameters import Side

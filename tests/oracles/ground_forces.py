@@ -12,10 +12,10 @@ from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
-from oracle_systems import Body
+from oracles.collocation import Body
+from oracles.vertical_motion import Answer, Shaking, acceleration, swing
 from scipy.integrate import OdeSolution
 from scipy.optimize import minimize_scalar
-from weighed import Answer, Shaking, acceleration, swing
 
 from rocking_cli import RockingParameters
 

@@ -13,7 +13,7 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
-from oracle_systems import Body
+from oracles.collocation import Body
 from scipy.integrate import OdeSolution, solve_ivp
 from scipy.optimize import brentq
 

@@ -7,8 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from oracle import integrate as symmetric
-from oracle_systems import Answer, Body, Edge, conditioning, integrate
+from oracles.collocation import Answer, Body, Edge, conditioning, integrate
+from oracles.single_cell import integrate as symmetric
 
 G = 9.81
 RIGHT, LEFT = Edge(2.1, 0.25, 0.85), Edge(1.7, 0.15, 0.95)

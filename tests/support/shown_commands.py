@@ -1,4 +1,4 @@
-"""Commands that a text shows, run as a reader would run them; `python tests/shown.py` writes anew what the README shows of them."""
+"""Commands that a text shows, run as a reader would run them; `python tests/support/shown_commands.py` writes anew what the README shows of them."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import sys
 from collections.abc import Callable
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parent.parent
+ROOT = Path(__file__).resolve().parents[2]
 README = ROOT / "README.md"
 BLOCK = re.compile(r"```yaml\n# (?P<name>\S+)\n(?P<document>.*?)```|```sh\n(?P<commands>.*?)```(?:\n\n```\n(?P<output>.*?)```)?", re.DOTALL)
 Run = Callable[..., subprocess.CompletedProcess[str]]
