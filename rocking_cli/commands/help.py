@@ -16,6 +16,8 @@ TOPICS = {
     "files": "What a spectra file holds, and what guards it.",
     "output": "Streams, tables, JSON and CSV, exit codes, completion.",
     "python": "The same from Python.",
+    "words": "The words of commands, columns and files, each with one meaning.",
+    "changes": "What is stable, and what has changed.",
 }
 
 
