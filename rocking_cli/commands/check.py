@@ -63,13 +63,14 @@ def check(
     from ..dynamics.outcome import Outcome
     from ..envelopes.capacity import narrowest
     from ..motions.grid import as_recorded
+    from ..publishing import check_target
     from ..responses.check import CHECK_COLUMNS, check_all
 
     structures = options.structures_of(files)
     if shaking is None and not recordings:
         raise click.UsageError("no shaking: give --a-g and --omega-g (or --f-g, --T-g), or --motion FILE")
     if output is not None:
-        options.refuse_figure(output, overwrite)
+        check_target(output, overwrite, options.FIGURES)
     shakes: list[tuple[Motion, Grid]] = [(r.motion, shaking or as_recorded(r.acceleration)) for r in recordings]
     if motion is not None and shaking is not None:
         shakes.append((motion, shaking))
@@ -85,7 +86,7 @@ def check(
     if output is not None:
         from ..reports.figures.capacities import draw_capacities
 
-        draw_capacities(verdicts, output, in_g=in_g)
+        draw_capacities(verdicts, output, in_g=in_g, overwrite=overwrite)
     options.emit([v.record() for v in verdicts], form, CHECK_COLUMNS, table_units="g" if in_g else None)
     for line in _remarks(verdicts):
         options.note(line, quiet)

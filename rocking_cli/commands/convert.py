@@ -16,6 +16,8 @@ def convert(file: str, form: str | None) -> None:
     from ..spectra.reader import SpectraFile
 
     with SpectraFile(file) as spectrum:
+        if not spectrum.done.any():
+            options.note(f"{file}: none of its cells is computed yet", quiet=False)
         options.emit(
             spectrum.cells(),
             form or "csv",

@@ -23,13 +23,14 @@ def draw(files: tuple[str, ...], output: Path, overwrite: bool) -> None:
     An arch has its voussoirs, its hinges numbered from springing A, and the linkage displaced; a cracked spire its crack; a stack
     what stays below the interface it rocks on. Kind parameters has no geometry. Figures need the extra: pip install 'rocking[plot]'.
     """
+    from ..publishing import check_target
     from ..reports.figures.drawing import draw_structures
     from ..structures import read_documents
 
     if not files:
         raise click.UsageError("no structure: give FILE, or - for standard input")
-    options.refuse_figure(output, overwrite)
+    check_target(output, overwrite, options.FIGURES)
     documents = [document for path in files for document in read_documents(path)]
     if len(documents) > MOST:
         raise click.UsageError(f"found {len(documents)} structures; accepted are up to {MOST} in a figure")
-    draw_structures(documents, output, units=options.units_of())
+    draw_structures(documents, output, units=options.units_of(), overwrite=overwrite)

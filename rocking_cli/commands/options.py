@@ -38,6 +38,7 @@ csv_output = click.option("--csv", "form", flag_value="csv", help="CSV on standa
 quiet = click.option("-q", "--quiet", is_flag=True, help="No progress and no summary on standard error.")
 output = click.option("-o", "--output", required=True, type=OutputPath(), help="The HDF5 file to write.")
 overwrite = click.option("--overwrite", is_flag=True, help="Replace an output that exists.")
+FIGURES = (".png", ".svg", ".pdf")
 strict = click.option("--strict", is_flag=True, help="Refuse data of a machine or of libraries that may differ in the last digits.")
 workers = click.option("--workers", type=click.IntRange(1), help="Processes to use (default: all cores).")
 eta = click.option(
@@ -209,16 +210,6 @@ def part_of(text: str) -> tuple[int, int]:
     if part is None or count is None or not 1 <= part <= count <= 1_000_000:
         raise click.UsageError(f"--shard: found {text!r}; accepted is I/N with I from 1 to N, such as 2/8")
     return part, count
-
-
-def refuse_figure(output: Path, overwrite: bool) -> None:
-    """Refuse a figure that cannot or must not be written, before any work is done. Raises UsageError."""
-    if output.suffix.lower() not in (".png", ".svg", ".pdf"):
-        raise click.UsageError(f"{output}: accepted is a name that ends in .png, .svg or .pdf")
-    if not output.parent.is_dir():
-        raise click.UsageError(f"{output}: the folder {output.parent} does not exist")
-    if output.exists() and not overwrite:
-        raise click.UsageError(f"{output}: exists; --overwrite replaces it")
 
 
 def refuse_own_input(output: Path, recordings: Sequence[Recording] = ()) -> None:

@@ -41,6 +41,7 @@ def plot(
     FILE may be - for CSV on standard input. Axes carry units: g and Hz unless --units says otherwise. Figures need the extra:
     pip install 'rocking[plot]'.
     """
+    from ..publishing import check_target
     from ..reports.plot import draw, is_spectra_file
     from ..spectra.reader import SpectraFile
 
@@ -65,7 +66,9 @@ def plot(
         return
     if output is None:
         raise click.UsageError("no output: give -o FIGURE.png (or .svg, .pdf), or --text")
-    options.refuse_figure(output, overwrite)
-    told = draw(file, output, structure=structure, cut=cut, every=every, over=over, log=log or "", units=options.units_of())
+    check_target(output, overwrite, options.FIGURES)
+    told = draw(
+        file, output, structure=structure, cut=cut, every=every, over=over, log=log or "", units=options.units_of(), overwrite=overwrite
+    )
     if told:
         options.note(told, quiet)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import shlex
 import sys
 from dataclasses import replace
@@ -54,6 +53,7 @@ def report(
     """
     from ..dynamics.outcome import Outcome
     from ..motions.grid import as_recorded
+    from ..publishing import check_target, published
     from ..reports.page import Subject, demand_extra, page
     from ..responses.check import check_all, tally
     from ..structures import build_structure, read_documents, with_distinct_names
@@ -62,7 +62,7 @@ def report(
         raise click.UsageError("no structure: give FILE, or - for standard input")
     if shaking is None and not recordings:
         raise click.UsageError("no shaking: give --a-g and --omega-g (or --f-g, --T-g), or --motion FILE")
-    _refuse(output, overwrite)
+    check_target(output, overwrite, (".html", ".htm"))
     options.refuse_own_input(output, recordings)
     demand_extra()
     documents = [document for path in files for document in read_documents(path)]
@@ -87,19 +87,8 @@ def report(
         made=options.now(),
         workers=workers,
     )
-    part = output.with_name(f"{output.name}.part")
-    part.write_text(text, encoding="utf-8")
-    os.replace(part, output)
+    with published(output, overwrite) as file:
+        file.write(text.encode())
     options.note(f"{output}: {tally(verdicts)}", quiet)
     if any(v.outcome == Outcome.FAILED for v in verdicts):
         context.exit(4)
-
-
-def _refuse(output: Path, overwrite: bool) -> None:
-    """Refuse a page that cannot or must not be written, before any work is done. Raises UsageError."""
-    if output.suffix.lower() not in (".html", ".htm"):
-        raise click.UsageError(f"{output}: accepted is a name that ends in .html")
-    if not output.parent.is_dir():
-        raise click.UsageError(f"{output}: the folder {output.parent} does not exist")
-    if output.exists() and not overwrite:
-        raise click.UsageError(f"{output}: exists; --overwrite replaces it")

@@ -42,12 +42,14 @@ def draw(
     over: str | None = None,
     log: str = "",
     units: Units | None = None,
+    overwrite: bool = True,
 ) -> str | None:
     """Draw what a file holds into a PNG, SVG or PDF; for a slice, return which value in the file was taken.
 
     source: a spectra file, or CSV (`-`: standard input); structure: whose map, by name, or a record's, the first of all if None; cut:
     `Omega=5`, `f_g=1.5` and the like, a slice of a spectra file; every: a panel for each structure; over: the axis of a family, `KEY` or
-    `KEY/KEY`; log: x, y or xy; units: None for g and Hz. Raises UsageError for a file that is none of those or has nothing to draw,
+    `KEY/KEY`; log: x, y or xy; units: None for g and Hz; overwrite: replace a file of
+    that name. Raises UsageError for a file that is none of those or has nothing to draw,
     OutputError without matplotlib or where the figure cannot be written.
 
     >>> _ = write_spectrum([dimensionless_oscillator(0.9)], sine(), parse_grid('A=1:8:50,Omega=4:5:2'), 'd.h5', workers=1)
@@ -55,7 +57,7 @@ def draw(
     'slice at Omega = 5, the nearest of the file'
     """
     source, shown, told = Path(source), units_of_figures(units), None
-    with canvas(target) as figure:
+    with canvas(target, overwrite) as figure:
         if is_spectra_file(source):
             with SpectraFile(source) as file:
                 if cut is not None:

@@ -49,6 +49,7 @@ def merge(paths: Sequence[str | Path], output: str | Path, *, overwrite: bool = 
         machines = together([machines_of(f.attributes.get("computed_on")) for f in files])
         if strict and unlike(machines):
             raise UsageError(f"{output}: its shards come from machines that compute otherwise ({unlike(machines)})")
+        totals = _totals(files)
         kept = {key: value for key, value in first.attributes.items() if key in KEPT}
         options: dict[str, Any] = {"names": first.names, "scene": first.scene, "attributes": kept, "shard": None, "machines": machines}
         chunk, target = first.cut.chunk[1:], Path(output)
@@ -67,16 +68,25 @@ def merge(paths: Sequence[str | Path], output: str | Path, *, overwrite: bool = 
         counts = {f"cells_{o.flag}": int(outcomes[o]) for o in Outcome}
         cells = int(np.prod(first.cut.shape))
         counts["cells_not_computed"] = cells - int(outcomes.sum())
-        writer.finish(
-            {
-                "cells": cells,
-                "run_time": sum(float(f.attributes.get("run_time", 0.0)) for f in files),
-                "checked_cells": sum(int(f.attributes.get("checked_cells", 0)) for f in files),
-                "estimated_error": max(float(f.attributes.get("estimated_error", 0.0)) for f in files),
-                **counts,
-            }
-        )
+        writer.finish({"cells": cells, **totals, **counts})
         return Merged(writer.written, writer.chunks, writer.elsewhere)
+
+
+def _totals(files: Sequence[SpectraFile]) -> dict[str, float]:
+    """The run time and checked cells of all shards together, and the largest estimated error. Raises OutputError."""
+
+    def of_each(key: str, kind: type[int] | type[float]) -> list[float]:
+        try:
+            return [kind(f.attributes.get(key, 0)) for f in files]
+        except (TypeError, ValueError):
+            paths = [str(f.path) for f in files if not isinstance(f.attributes.get(key, 0), int | float)]
+            raise OutputError(f"{', '.join(paths)}: the attribute {key} is no number") from None
+
+    return {
+        "run_time": sum(of_each("run_time", float)),
+        "checked_cells": sum(of_each("checked_cells", int)),
+        "estimated_error": max(of_each("estimated_error", float)),
+    }
 
 
 def _demand_one_scene(files: Sequence[SpectraFile]) -> None:

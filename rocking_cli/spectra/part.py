@@ -8,13 +8,13 @@ from __future__ import annotations
 
 import errno
 import os
-import stat
 import time
 import weakref
 from contextlib import suppress
 from pathlib import Path
 
 from ..errors import OutputError, UsageError
+from ..publishing import check_target, followed, kind_of
 from .raw_file import PATIENCE, SIGNATURE, RawFile, lock, open_regular
 from .seal import read
 
@@ -30,28 +30,18 @@ def part_of(path: Path) -> Path:
     return path.with_name(path.name + ".part")
 
 
-def _target(path: Path) -> Path:
-    """What a path leads to: a link stays, and the file that it names is replaced."""
-    return Path(os.path.realpath(path)) if os.path.islink(path) and os.path.exists(path) else path
-
-
 def check_output(path: Path, overwrite: bool, resume: bool = False) -> None:
     """Refuse an output that cannot or must not be written, before any work is done. Raises UsageError, OutputError if in use or, with
     resume, if what stands there is damaged."""
-    if str(path) in ("-", ".", ""):
-        raise UsageError(f"{str(path)!r} is not the name of a file; an HDF5 file cannot be written to standard output")
     if path.suffix.lower() in _OF_OTHERS:
         raise UsageError(f"{path}: what is written is HDF5, which {path.suffix} does not say; accepted is a name such as {path.stem}.h5")
     if resume and overwrite:
         raise UsageError("`resume` does not go with `overwrite`")
-    path = _target(path)
+    check_target(path, overwrite=True)
+    path = followed(path)
     part = part_of(path)
     try:
-        if not path.parent.is_dir():
-            raise UsageError(f"{path}: the folder {path.parent} does not exist")
-        if kind := _kind(path):
-            raise UsageError(f"{path}: is {kind}{' that leads nowhere' if os.path.islink(path) else ''}, accepted is the name of a file")
-        if kind := _kind(part):
+        if kind := kind_of(part):
             raise UsageError(f"{part}: is {kind}, where a sweep would keep what is done; give another output")
         if os.path.exists(part) and not (overwrite or resume) and _locked(part):
             raise OutputError(f"{part}: is in use by another process")
@@ -86,24 +76,6 @@ def _demand_whole(path: Path) -> None:
         raise OutputError(f"{path}: {fault}; `overwrite` replaces it")
 
 
-_KINDS = {
-    stat.S_IFDIR: "a folder",
-    stat.S_IFIFO: "a pipe",
-    stat.S_IFCHR: "a device",
-    stat.S_IFBLK: "a device",
-    stat.S_IFLNK: "a link",
-}
-
-
-def _kind(path: Path) -> str:
-    """What a path is that is neither free nor a regular file; empty otherwise. Raises OSError."""
-    try:
-        mode = os.lstat(path).st_mode
-    except FileNotFoundError:
-        return ""
-    return "" if stat.S_ISREG(mode) else _KINDS.get(stat.S_IFMT(mode), "not a regular file")
-
-
 def _locked(part: Path) -> bool:
     descriptor = open_regular(part)
     try:
@@ -120,7 +92,7 @@ class Part:
 
     def __init__(self, output: Path, image: bytes, *, overwrite: bool, resume: bool) -> None:
         check_output(output, overwrite, resume)
-        self.output = _target(output)
+        self.output = followed(output)
         self.part, self.overwrite, self.descriptor, self.created = part_of(self.output), overwrite, -1, False
         _open_parts.add(self)
         try:
@@ -219,7 +191,7 @@ class Part:
                 kept = f"{self.part} has vanished meanwhile, or is another's"
                 raise FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT))
             if self.overwrite and os.path.lexists(self.output):
-                if kind := _kind(self.output):
+                if kind := kind_of(self.output):
                     raise OutputError(f"{self.output}: is {kind}; {kept}")
                 os.replace(self.part, self.output)
             else:

@@ -7,15 +7,15 @@ needed. matplotlib is the extra `plot`.
 from __future__ import annotations
 
 import io
-import os
 from collections.abc import Iterable, Iterator, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ...errors import OutputError, UsageError
+from ...publishing import published
 from ..units import Units, parse_units
 
 if TYPE_CHECKING:
@@ -43,8 +43,8 @@ def units_of_figures(units: Units | None) -> Units:
 
 
 @contextmanager
-def canvas(target: str | Path) -> Iterator[Figure]:
-    """An empty figure in the house's style, which is written to `target` at the end, whole.
+def canvas(target: str | Path, overwrite: bool = True) -> Iterator[Figure]:
+    """An empty figure in the house's style, which is written to `target` at the end, whole; without overwrite it replaces no file.
 
     Raises OutputError without matplotlib or where the figure cannot be written.
     """
@@ -62,19 +62,8 @@ def canvas(target: str | Path) -> Iterator[Figure]:
             figure.savefig(drawn, format=form, metadata=_UNDATED.get(form))
         except (OSError, ValueError) as error:
             raise OutputError(f"{target}: cannot be drawn: {error}") from None
-    _publish(target, drawn.getvalue())
-
-
-def _publish(target: Path, content: bytes) -> None:
-    """The content under its name all at once, or not at all. Raises OutputError."""
-    part = target.with_name(f"{target.name}.part")
-    try:
-        part.write_bytes(content)
-        os.replace(part, target)
-    except OSError as error:
-        with suppress(OSError):
-            part.unlink()
-        raise OutputError(f"{target}: cannot be written: {error.strerror or error}") from None
+    with published(target, overwrite) as file:
+        file.write(drawn.getvalue())
 
 
 def literal(text: str) -> str:

@@ -18,15 +18,16 @@ if TYPE_CHECKING:
 _ROW = 0.32  # inches
 
 
-def draw_capacities(verdicts: Sequence[Verdict], target: str | Path, *, in_g: bool = False) -> None:
-    """Draw the verdicts on structures under one demand into a PNG, SVG or PDF; in_g: accelerations in g, else m/s2.
+def draw_capacities(verdicts: Sequence[Verdict], target: str | Path, *, in_g: bool = False, overwrite: bool = True) -> None:
+    """Draw the verdicts on structures under one demand into a PNG, SVG or PDF; in_g: accelerations in g, else m/s2; overwrite:
+    replace a file of that name.
 
     Raises OutputError without matplotlib or where the figure cannot be written.
 
     >>> (arch,) = load_structures('configs/parameters.yaml')
     >>> draw_capacities([check(arch, sine(), parse_grid('a_g=0.35g,f_g=1.5'))], 'capacity.svg')
     """
-    with canvas(target) as figure:
+    with canvas(target, overwrite) as figure:
         figure.set_size_inches(6.4, 1.6 + _ROW * len(verdicts))
         capacities(figure.add_subplot(), verdicts, in_g)
 

@@ -23,8 +23,8 @@ _PLAIN = {"facecolor": "w", "edgecolor": "none", "alpha": 0.7, "pad": 0.8}
 STONE, GROUND, INK = "#D9CBB8", "#EFEFEF", "#333333"
 
 
-def draw_structures(documents: Sequence[Document], target: str | Path, *, units: Units | None = None) -> None:
-    """Draw each document's structure in a panel of its own into a PNG, SVG or PDF.
+def draw_structures(documents: Sequence[Document], target: str | Path, *, units: Units | None = None, overwrite: bool = True) -> None:
+    """Draw each document's structure in a panel of its own into a PNG, SVG or PDF; overwrite: replace a file of that name.
 
     Raises DocumentError for a document that is not valid or has no geometry, OutputError without matplotlib or where the figure
     cannot be written.
@@ -35,7 +35,7 @@ def draw_structures(documents: Sequence[Document], target: str | Path, *, units:
     sketches = [sketch_of(document, one) for document, one in zip(documents, built, strict=True)]
     across = min(len(built), _MOST_ACROSS)
     down = math.ceil(len(built) / across)
-    with canvas(target) as figure:
+    with canvas(target, overwrite) as figure:
         figure.set_size_inches(_WIDTH * across, (_WIDTH + 0.4) * down)
         panels = figure.subplots(down, across, squeeze=False).ravel()
         for axes, one, sketch in zip(panels, built, sketches, strict=False):

@@ -1,0 +1,156 @@
+"""Files that are written are whole, replace nothing unasked, and leave nothing behind."""
+
+from __future__ import annotations
+
+import errno
+import os
+import subprocess
+import sys
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import pytest
+
+from rocking_cli import OutputError, UsageError
+from rocking_cli.publishing import check_target, published
+
+
+def names(folder: Path) -> list[str]:
+    return sorted(p.name for p in folder.iterdir())
+
+
+def write(target: Path, content: bytes, overwrite: bool = False) -> None:
+    with published(target, overwrite) as file:
+        file.write(content)
+
+
+def test_a_file_that_appears_meanwhile_is_kept(tmp_path):
+    target = tmp_path / "o.svg"
+
+    def write_too_late() -> None:
+        with published(target, overwrite=False):
+            target.write_bytes(b"theirs")
+
+    with pytest.raises(OutputError, match=r"o\.svg: has appeared meanwhile; `overwrite` replaces it"):
+        write_too_late()
+    assert target.read_bytes() == b"theirs"
+    assert names(tmp_path) == ["o.svg"]
+    write(target, b"mine", overwrite=True)
+    assert target.read_bytes() == b"mine"
+
+
+@pytest.mark.parametrize("links", [True, False], ids=["links", "no links"])
+def test_one_of_many_writers_has_the_name(tmp_path, monkeypatch, links):
+    if not links:
+
+        def refuse(*_, **__):
+            raise OSError(errno.EPERM, "Operation not permitted")
+
+        monkeypatch.setattr(os, "link", refuse)
+    target = tmp_path / "o.svg"
+
+    def one(number: int) -> int | None:
+        try:
+            write(target, b"%d" % number)
+        except OutputError:
+            return None
+        return number
+
+    with ThreadPoolExecutor(16) as pool:
+        winners = [n for n in pool.map(one, range(16)) if n is not None]
+    assert len(winners) == 1
+    assert target.read_bytes() == b"%d" % winners[0]
+    assert names(tmp_path) == ["o.svg"]
+
+
+def test_three_commands_at_once_give_one_file_and_two_refusals(tmp_path):
+    calls = [
+        subprocess.Popen([sys.executable, "-m", "rocking_cli", "draw", n, "-o", "o.svg"], cwd=tmp_path, stderr=subprocess.PIPE, text=True)
+        for n in ("block:0.5x2", "block:0.3x2", "wall:0.4x3")
+    ]
+    said = [call.communicate(timeout=300)[1] for call in calls]
+    assert sorted(call.returncode != 0 for call in calls) == [False, True, True]
+    for call, text in zip(calls, said, strict=True):
+        assert "--overwrite replaces it" in text if call.returncode else text == ""
+    assert names(tmp_path) == ["o.svg"]
+
+
+def test_the_partial_file_is_a_new_one(tmp_path):
+    """Neither a link nor a file of another is taken for it, whatever they are called."""
+    victim = tmp_path / "victim"
+    victim.write_bytes(b"precious")
+    (tmp_path / "s.png.part").symlink_to("victim")
+    with published(tmp_path / "s.png", overwrite=False) as file:
+        (partial,) = (p for p in tmp_path.iterdir() if p.name.startswith("s.png.") and p.name != "s.png.part")
+        assert os.path.samestat(os.fstat(file.fileno()), partial.stat())
+        file.write(b"figure")
+    assert victim.read_bytes() == b"precious"
+    assert names(tmp_path) == ["s.png", "s.png.part", "victim"]
+
+
+def test_a_link_to_a_file_stays_and_the_file_is_replaced(tmp_path):
+    (tmp_path / "target.svg").write_bytes(b"old")
+    (tmp_path / "o.svg").symlink_to("target.svg")
+    write(tmp_path / "o.svg", b"new", overwrite=True)
+    assert (tmp_path / "o.svg").is_symlink()
+    assert (tmp_path / "target.svg").read_bytes() == b"new"
+
+
+def test_a_full_disk_names_the_file_and_leaves_nothing(tmp_path):
+    """A limit on the length of files is what the system offers; a figure is longer."""
+    call = f"ulimit -f 1; exec {sys.executable} -m rocking_cli draw block:0.5x2 -o o.svg"
+    done = subprocess.run(["bash", "-c", call], cwd=tmp_path, capture_output=True, text=True, timeout=300, check=False)
+    assert (done.returncode, done.stderr) == (1, "rocking: o.svg: cannot be written: File too large\n")
+    assert names(tmp_path) == []
+
+
+def test_what_stops_the_writing_leaves_nothing(tmp_path):
+    for error in (KeyboardInterrupt, OSError(errno.ENOSPC, "No space left on device"), ValueError):
+        expected = OutputError if isinstance(error, OSError) else error
+        with pytest.raises(expected), published(tmp_path / "o.svg", overwrite=False):
+            raise error
+    assert names(tmp_path) == []
+    with pytest.raises(OutputError, match=r"nowhere/o\.svg: cannot be written: No such file"):
+        write(tmp_path / "nowhere" / "o.svg", b"")
+
+
+@pytest.mark.parametrize("stream", ["/dev/stdout", "/dev/stderr", "/dev/fd/1", "-"])
+@pytest.mark.parametrize("into_a_file", [False, True])
+def test_standard_streams_are_no_file(tmp_path, stream, into_a_file):
+    call = [sys.executable, "-m", "rocking_cli", "draw", "block:0.5x2", "-o", stream]
+    with open(tmp_path / "out", "wb") as out:
+        std = out if into_a_file else subprocess.PIPE
+        done = subprocess.run(call, stdout=std, stderr=subprocess.PIPE, text=True, timeout=300, check=False)
+    assert done.returncode == 2
+    assert "accepted is a name that ends in .png" in done.stderr or "is not the name of a file" in done.stderr
+    assert (tmp_path / "out").read_bytes() == b""
+
+
+def test_what_cannot_be_written_is_refused_before_the_work(tmp_path, monkeypatch):
+    (tmp_path / "folder.svg").mkdir()
+    os.mkfifo(tmp_path / "pipe.svg")
+    (tmp_path / "lost.svg").symlink_to("nowhere")
+    (tmp_path / "there.svg").write_bytes(b"")
+    for name, words in (
+        ("folder.svg", "is a folder, accepted is the name of a file"),
+        ("pipe.svg", "is a pipe, accepted"),
+        ("lost.svg", "is a link that leads nowhere, accepted"),
+        ("there.svg", "exists; `overwrite` replaces it"),
+        ("nowhere/x.svg", "the folder .*nowhere does not exist"),
+        ("x" * 250 + ".svg", "File name too long"),
+        ("x.jpg", r"accepted is a name that ends in \.png or \.svg"),
+    ):
+        with pytest.raises(UsageError, match=words):
+            check_target(tmp_path / name, False, (".png", ".svg"))
+    with pytest.raises(UsageError, match="is a device, accepted"):
+        check_target(Path("/dev/full"), overwrite=True)
+    monkeypatch.setattr(os, "access", lambda *_: False)
+    with pytest.raises(UsageError, match=r"x\.svg: cannot be written: nothing may be written in the folder"):
+        check_target(tmp_path / "x.svg", overwrite=False)
+
+
+def test_a_standard_stream_that_is_a_file_is_refused(tmp_path):
+    code = "from rocking_cli.publishing import check_target; from pathlib import Path; check_target(Path('/dev/stdout'), True)"
+    with open(tmp_path / "out", "wb") as out:
+        done = subprocess.run([sys.executable, "-c", code], stdout=out, stderr=subprocess.PIPE, text=True, check=False)
+    assert "/dev/stdout: is a standard stream of this call; accepted is the name of a file" in done.stderr
