@@ -5,7 +5,7 @@ CODE := $(shell find rocking_cli -type f -not -path '*/__pycache__/*')
 CONFIGS := $(shell find configs -type f)
 TESTS := $(shell find tests -type f -not -path '*/__pycache__/*')
 
-.PHONY: demo test lint figures study bench database trace soak ladder mutants clean
+.PHONY: demo test lint figures study bench database golden trace soak ladder mutants clean
 
 demo: out/demo.h5
 test: $(STAMPS)/test
@@ -80,6 +80,13 @@ bench: $(STAMPS)/dev
 # Records at the scale of a database, minutes: 200 x 10^4 cells, the nonlinear equation, first and all intervals of overturning.
 database: $(STAMPS)/dev
 	.venv/bin/python tests/bench/database.py 200 --long
+
+# Which results of a commit the working tree changes, by bits: make golden BASE=HEAD.
+BASE ?= HEAD
+golden: $(STAMPS)/dev
+	rm -rf out/golden && mkdir -p out/golden/base && git archive $(BASE) rocking_cli | tar -x -C out/golden/base
+	PYTHONPATH=$(CURDIR)/out/golden/base .venv/bin/python tests/bench/golden.py write out/golden/base.json
+	PYTHONPATH=$(CURDIR) .venv/bin/python tests/bench/golden.py compare out/golden/base.json
 
 # Where the time of a scene goes, stage by stage: make trace SCENE="linear arch", all scenes without.
 trace: $(STAMPS)/dev
