@@ -1,1 +1,1 @@
-"""Documents that people write: YAML or JSON, numbers with units, and the place of every fault."""
+"""Documents that users write (YAML, JSON, CSV): text to checked values in SI units, each with its file, line and column."""

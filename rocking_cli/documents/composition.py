@@ -1,11 +1,12 @@
-"""Text to nodes: YAML documents, or JSON objects one after the other, each node with its place; what is too large is not read.
+"""Text to YAML nodes with their places. The text holds YAML documents, or JSON objects one after the other.
 
-JSON's own grammar decides what is JSON, YAML's composer (JSON is its subset) gives the places.
+A file above a size limit is refused before it costs time and memory.
 """
 
 from __future__ import annotations
 
 import json
+import re
 import sys
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -15,14 +16,15 @@ import yaml
 from ..errors import DocumentError, UsageError
 
 LARGEST = 64 << 20  # bytes of a file, which may be a stream of JSON objects
-LONGEST = 2 << 20  # characters of a YAML file, and of one JSON object
-MOST_VALUES = 100_000  # values of a document, aliases counted each time
-DEEPEST = 20  # levels of lists and mappings in each other
+LONGEST = 2 << 20  # characters of a YAML file, or of one JSON object
+MOST_VALUES = 100_000  # values of a document; an alias counts each time
+DEEPEST = 20  # levels of nested lists and mappings
+_BLANKS = re.compile(r"\s*")
 
 
 @dataclass(frozen=True)
 class Place:
-    """Where a key or a value stands."""
+    """The file, line and column of a key or a value; line 0 if the value comes from no file."""
 
     source: str
     line: int
@@ -32,14 +34,14 @@ class Place:
         return f"{self.source}:{self.line}:{self.column}" if self.line else self.source
 
     def below(self, lines: int) -> Place:
-        """The same place where that many lines stand before the text."""
+        """The same place after `lines` more lines."""
         return replace(self, line=self.line + lines)
 
 
 def read_text(path: str | Path) -> tuple[str, str]:
-    """(text, name of its source) of a file, `-` for standard input.
+    """(text, source name) of a file; `-` is standard input.
 
-    Raises UsageError when it cannot be read and DocumentError when it is too large or no text.
+    Raises UsageError if the file cannot be read, and DocumentError if it is too large or is not UTF-8.
     """
     source = str(path)
     try:
@@ -57,38 +59,38 @@ def read_text(path: str | Path) -> tuple[str, str]:
 
 
 def text_of(raw: bytes, source: str) -> str:
-    """The text of a file's bytes. Raises DocumentError when it is too large or no text."""
+    """The text of a file's bytes. Raises DocumentError if it is too large or is not UTF-8."""
     if len(raw) > LARGEST:
         raise DocumentError(f"{_place_in(raw.decode(errors='replace'), LARGEST, source)}: {_too_long(LARGEST)}")
     try:
         return raw.decode("utf-8-sig")
     except UnicodeDecodeError as error:
-        before = error.object[: error.start].decode()  # without the mark of a UTF-8 file, as `start` counts
+        before = error.object[: error.start].decode()  # `error.object` lacks the byte order mark, and `start` counts without it
         place = _place_in(before, len(before), source)
-        raise DocumentError(f"{place}: not a text in UTF-8 (byte {error.start})") from None
+        raise DocumentError(f"{place}: not a UTF-8 text (byte {error.start})") from None
 
 
 def compose(text: str, source: str) -> list[tuple[yaml.Node, int]]:
-    """The root nodes of a text, each with the number of lines before the text in which its marks count. Raises DocumentError."""
+    """(root node, line offset) of each document of a text; the offset is added to the line numbers of the node. Raises DocumentError."""
     return _compose_json(text, source) if text.lstrip().startswith("{") else _compose_yaml(text, source, 0)
 
 
 def _too_long(limit: int) -> str:
-    return f"goes on beyond {limit >> 20} MiB, which no structure document does"
+    return f"longer than {limit >> 20} MiB, the limit of a structure document"
 
 
 def _place_in(text: str, at: int, source: str) -> Place:
-    """The place of a character of a text."""
+    """The place of character `at` of a text."""
     before = text[:at]
     return Place(source, before.count("\n") + 1, len(before) - before.rfind("\n"))
 
 
 class _Unlikely(yaml.MarkedYAMLError):
-    """Valid YAML that is no structure document."""
+    """Valid YAML that is too large for a structure document."""
 
 
 class _Composer(yaml.SafeLoader):
-    """A composer that stops where a document grows beyond all bounds, before that costs time and memory."""
+    """PyYAML's composer with limits on depth and number of values; it raises _Unlikely beyond them."""
 
     def __init__(self, stream: str) -> None:
         super().__init__(stream)
@@ -130,6 +132,7 @@ def _marked(error: yaml.MarkedYAMLError, source: str, first: int) -> Place:
 
 
 def _compose_json(text: str, source: str) -> list[tuple[yaml.Node, int]]:
+    """Nodes of JSON objects one after the other: JSON's grammar finds where each ends, YAML's composer gives the places in it."""
     nodes: list[tuple[yaml.Node, int]] = []
     decoder, at = json.JSONDecoder(), _after_blanks(text, 0)
     first = text.count("\n", 0, at)
@@ -137,11 +140,11 @@ def _compose_json(text: str, source: str) -> list[tuple[yaml.Node, int]]:
         try:
             _, end = decoder.raw_decode(text, at)
         except json.JSONDecodeError as error:
-            if not nodes:  # a YAML flow mapping may begin with a brace too
+            if not nodes:  # a YAML flow mapping also begins with a brace
                 return _compose_yaml(text, source, 0)
             raise DocumentError(f"{source}:{error.lineno}:{error.colno}: not valid JSON: {error.msg.removesuffix(' at')}") from None
         except RecursionError:
-            end = len(text)  # the composer tells where it becomes too deep
+            end = len(text)  # the composer reports the place that is too deep
         nodes += _compose_yaml(text[at:end].replace("\t", " "), source, first)
         after = _after_blanks(text, end)
         first, at = first + text.count("\n", at, after), after
@@ -149,6 +152,5 @@ def _compose_json(text: str, source: str) -> list[tuple[yaml.Node, int]]:
 
 
 def _after_blanks(text: str, at: int) -> int:
-    while at < len(text) and text[at].isspace():
-        at += 1
-    return at
+    blanks = _BLANKS.match(text, at)
+    return blanks.end() if blanks else at

@@ -1,7 +1,7 @@
-"""Structure documents: YAML or JSON text to checked values, with the place of every fault.
+"""Documents as values by key; each error message names file, line, column, key, the value found and the values accepted.
 
-PyYAML's composer gives the nodes and their places; scalars keep their text and are read by our own rules, which closes
-YAML 1.1's surprises (`1e-3` a string, `010` eight, `no` a boolean, `1:30` ninety).
+Scalars keep their text, and `quantities` reads them. This avoids YAML 1.1's own rules, by which `1e-3` is a string,
+`010` is eight, `no` is a boolean and `1:30` is ninety.
 """
 
 from __future__ import annotations
@@ -22,14 +22,12 @@ from .quantities import SMALLEST_LENGTH, accepted, parse_quantity, split_quantit
 from .table import Cell, delimiter_of, rows_of
 
 MEANT = {"eta": "restitution", "e": "restitution", "zeta": "damping", "g": "gravity", "r": "radius", "h": "height", "b": "width"}
-
-
-_ITEM = re.compile(r"([a-z_]+)_(\d{1,4})_([a-z_]+)")  # the column of an item of a list
+_ITEM = re.compile(r"([a-z_]+)_(\d{1,4})_([a-z_]+)")  # a CSV column for an item of a list, such as pieces_1_width
 
 
 @dataclass(frozen=True)
 class Value:
-    """A node's content: a scalar's text, a list of values, or a mapping (kept only to be refused or passed on)."""
+    """The content of a node: the text of a scalar, a list of values, or a mapping."""
 
     content: str | list[Value] | dict[str, Value]
     place: Place
@@ -43,7 +41,7 @@ class Value:
         return "a list" if isinstance(self.content, list) else "a mapping"
 
     def plain(self) -> Any:
-        """As JSON would hold it."""
+        """The value as JSON holds it: a number without a unit is a float, `true`, `false` and null are themselves."""
         if isinstance(self.content, list):
             return [v.plain() for v in self.content]
         if isinstance(self.content, dict):
@@ -58,9 +56,10 @@ class Value:
 
 @dataclass
 class Document:
-    """One structure document: values by key, read once each; `finish` refuses the keys that nobody asked for.
+    """One document: its values by key. Each reading method marks its key as asked; `finish` refuses the other keys.
 
-    asked: the keys that were; inner: documents in its lists; dimensions: of the quantities that were read.
+    keys: the place of each key; index: number of the document in its file; asked: keys that were asked for; inner: documents
+    inside the lists of this one; dimensions: the dimension of each quantity that was read.
     """
 
     source: str
@@ -74,20 +73,20 @@ class Document:
     dimensions: dict[str, str] = field(default_factory=dict)
 
     def has(self, key: str) -> bool:
-        """Whether the key is there (and not null)."""
+        """True if the document has the key and its value is not null."""
         self.asked.add(key)
         value = self.values.get(key)
         return value is not None and (value.quoted or value.content not in ("", "~", "null"))
 
     def fault(self, key: str | None, found: str, wanted: str) -> DocumentError:
-        """The error for a key: file, line, column, key, what was found and what is accepted."""
+        """The error for a key (None: for the document), with its place, the value found and the values accepted."""
         place = self.place
         if key is not None and key in self.keys:
             place = self.values[key].place if key in self.values else self.keys[key]
         return DocumentError(f"{place}: {key + ': ' if key else ''}found {found}; accepted is {wanted}")
 
     def missing(self, key: str, wanted: str) -> DocumentError:
-        """The error for a required key that is not there, or is there under a misspelt name."""
+        """The error for a required key that is absent or misspelt."""
         from difflib import get_close_matches
 
         for other in get_close_matches(key, [k for k in self.keys if k not in self.asked], n=1, cutoff=0.75):
@@ -105,7 +104,10 @@ class Document:
         most: float = math.inf,
         where: str = "",
     ) -> float:
-        """The SI value of a required key; DocumentError when it is absent, has the wrong unit or is out of range."""
+        """The SI value of a required key. Raises DocumentError if the key is absent, or its value has a wrong unit or is out of range.
+
+        `where` states the range in words.
+        """
         self.dimensions[key] = dimension
         if not self.has(key):
             raise self.missing(key, accepted(dimension))
@@ -126,7 +128,7 @@ class Document:
         return self.quantity(key, "length", least=SMALLEST_LENGTH, where=f"a positive length, from {SMALLEST_LENGTH:g} m")
 
     def choice(self, key: str, options: Sequence[str], default: str | None = None) -> str:
-        """One of the given words."""
+        """One of the words `options`; `default` if the key is absent. Raises DocumentError."""
         if not self.has(key):
             if default is None:
                 raise self.missing(key, f"one of {', '.join(options)}")
@@ -137,7 +139,7 @@ class Document:
         return str(value.content)
 
     def flag(self, key: str) -> bool:
-        """`true` or `false`, false when the key is absent."""
+        """True or false; false if the key is absent. Raises DocumentError."""
         if not self.has(key):
             return False
         value = self.values[key]
@@ -146,14 +148,14 @@ class Document:
         return value.content == "true"
 
     def integer(self, key: str, least: int, most: int) -> int:
-        """A whole number in a range."""
+        """A whole number from `least` to `most`. Raises DocumentError."""
         number = self.quantity(key, "number", least=least, most=most, where=f"a whole number from {least} to {most}")
         if number != int(number):
             raise self.fault(key, str(self.values[key]), f"a whole number from {least} to {most}")
         return int(number)
 
     def word(self, key: str, default: str) -> str:
-        """Any non-empty text."""
+        """A text of printable characters, not empty; `default` if the key is absent. Raises DocumentError."""
         if not self.has(key):
             return default
         content = self.values[key].content
@@ -162,13 +164,13 @@ class Document:
         return content
 
     def part(self, key: str, value: Value) -> Document:
-        """A mapping inside the value of a key, as a document of its own."""
+        """A mapping inside the value of `key`, as a document. Raises DocumentError if `value` is not a mapping."""
         if not isinstance(value.content, dict):
             raise DocumentError(f"{value.place}: {key}: found {value}; accepted is a mapping of keys to values")
         return Document(self.source, value.place, value.content, {k: v.place for k, v in value.content.items()})
 
     def parts(self, key: str, wanted: str) -> list[Document]:
-        """The mappings of a list that is not empty, each as a document that shares nothing; `finish` of this one finishes them."""
+        """The mappings of a non-empty list, each as a document; `finish` of this document finishes them. Raises DocumentError."""
         value = self.values[key] if self.has(key) else None
         if value is None:
             raise self.missing(key, wanted)
@@ -179,7 +181,7 @@ class Document:
         return found
 
     def finish(self) -> None:
-        """Refuse the keys that no reader asked for."""
+        """Raise DocumentError if the document holds a key that no method asked for."""
         for part in self.inner:
             part.finish()
         for key, place in self.keys.items():
@@ -190,7 +192,7 @@ class Document:
                 )
 
     def with_value(self, key: str, text: str, source: str) -> Document:
-        """The same document with one value replaced or added."""
+        """A copy of the document with one value replaced or added; `source` is the place of the value in error messages."""
         place = Place(source, 0, 0)
         values = {**self.values, key: Value(text, place)}
         return replace(self, values=values, keys={**self.keys, key: place}, asked=set(), inner=[], dimensions={})
@@ -203,9 +205,9 @@ def _range_text(above: float, below: float, least: float, most: float) -> str:
 
 
 def read_documents(path: str | Path) -> list[Document]:
-    """All documents of a YAML or JSON file, `-` for standard input.
+    """All documents of a YAML, JSON or CSV file; `-` is standard input.
 
-    Raises UsageError when the file cannot be read and DocumentError when it holds no valid document.
+    Raises UsageError if the file cannot be read, and DocumentError if it holds no valid document.
     """
     return parse_documents(*read_text(path))
 
@@ -216,7 +218,7 @@ def documents_of(raw: bytes, source: str) -> list[Document]:
 
 
 def parse_documents(text: str, source: str = "<text>") -> list[Document]:
-    """All documents of a text: YAML documents, JSON objects one after the other, or CSV with a row a document. Raises DocumentError.
+    """All documents of a text: YAML documents, JSON objects one after the other, or the rows of a CSV table. Raises DocumentError.
 
     >>> [document.values['kind'].content for document in parse_documents('{"kind": "block"} {"kind": "arch"}')]
     ['block', 'arch']
@@ -231,7 +233,7 @@ def parse_documents(text: str, source: str = "<text>") -> list[Document]:
 
 
 def document_of(cells: Sequence[Cell], source: str, index: int = 0) -> Document:
-    """The document of the cells of a row, or of whatever states keys and texts one by one. Raises DocumentError."""
+    """The document that states these keys and texts, such as the cells of a CSV row. Raises DocumentError."""
     values: dict[str, Value] = {}
     keys: dict[str, Place] = {}
     for key, text, place in cells:
@@ -244,12 +246,12 @@ def document_of(cells: Sequence[Cell], source: str, index: int = 0) -> Document:
             keys.setdefault(name, place)
             items = whole.content
             if not isinstance(items, list) or not 1 <= int(number) <= len(items) + 1:
-                raise DocumentError(f"{place}: {key}: found item {number}; accepted are items in turn, from {name}_1")
+                raise DocumentError(f"{place}: {key}: found item {number}; accepted are items in order, from {name}_1")
             if int(number) > len(items):
                 items.append(Value({}, place))
             content = items[int(number) - 1].content
             if not isinstance(content, dict):
-                raise DocumentError(f"{place}: {key}: found beside {name}, which states the same item; accepted is one of them")
+                raise DocumentError(f"{place}: {key}: found together with {name}, which states the same item; accepted is one of them")
             content[part] = value
         else:
             values[key], keys[key] = value, place
@@ -261,7 +263,7 @@ def _only_node(text: str, place: Place) -> yaml.Node:
     try:
         ((node, _),) = compose(text, place.source)
     except (DocumentError, ValueError):
-        raise DocumentError(f"{place}: found {text[:60]}; accepted is a list as YAML writes it, such as [[0, 0], [1, 0], [1, 3]]") from None
+        raise DocumentError(f"{place}: found {text[:60]}; accepted is a YAML list, such as [[0, 0], [1, 0], [1, 3]]") from None
     return node
 
 
@@ -302,7 +304,7 @@ def _value(node: yaml.Node, source: str, first: int, depth: int, count: list[int
 
 
 def _whole_characters(text: str, place: Place) -> str:
-    """Characters that JSON wrote as two escapes put together; half a character is an error."""
+    """The text with each pair of surrogates joined to one character. Raises DocumentError for a lone surrogate."""
     if text.isascii() or not any("\ud800" <= c <= "\udfff" for c in text):
         return text
     try:

@@ -1,12 +1,12 @@
-"""Numbers with units, as people write them: `157.5 deg`, `25 mm`, `0.3 g`; a bare number is SI."""
+"""Numbers with units, such as `157.5 deg`, `25 mm` or `0.3 g`. A number without a unit is in SI units."""
 
 from __future__ import annotations
 
 import math
 import re
 
-DEFAULT_GRAVITY = 9.81  # m/s^2, the unit `g` and the gravity of a structure unless given: the paper's value, not standard gravity (9.80665)
-SMALLEST_LENGTH, LARGEST_LENGTH = 1e-9, 1e9  # m; their fifth powers, which moments hold, are far from a double's limits
+DEFAULT_GRAVITY = 9.81  # m/s^2: the unit `g`, and the default gravity of a structure. The paper uses it, not standard gravity (9.80665).
+SMALLEST_LENGTH, LARGEST_LENGTH = 1e-9, 1e9  # m; moments of inertia hold fifth powers, which must stay within double precision
 
 UNITS: dict[str, dict[str, float]] = {
     "length": {"m": 1.0, "mm": 1e-3, "cm": 1e-2, "km": 1e3, "in": 0.0254, "ft": 0.3048},
@@ -33,16 +33,16 @@ _QUANTITY = re.compile(rf"\s*({_NUMBER})\s*(.*?)\s*\Z", re.DOTALL)
 
 
 def split_quantity(text: str) -> tuple[float, str] | None:
-    """(number, unit text) of a quantity, or None when it does not begin with a decimal number.
+    """(number, unit text) of a quantity, or None if the text does not begin with a decimal number.
 
-    `1e-3` is a number, `010` is ten, `no`, `0x10`, `1:30`, `.inf` and `nan` are not numbers.
+    `1e-3` is a number and `010` is ten; `no`, `.inf` and `nan` are not numbers, `0x10` and `1:30` have no valid unit.
     """
     match = _QUANTITY.match(text)
     return None if match is None else (float(match[1]), match[2])
 
 
 def parse_quantity(text: str, dimension: str) -> float:
-    """The SI value of a finite quantity. Raises ValueError whose text says what is accepted instead."""
+    """The SI value of a finite quantity. Raises ValueError; its text states the values accepted."""
     parts = split_quantity(text)
     if parts is None or (parts[1] and parts[1] not in UNITS[dimension]):
         raise ValueError(accepted(dimension))
@@ -56,23 +56,23 @@ def parse_quantity(text: str, dimension: str) -> float:
 
 
 def parse_whole(text: str) -> int | None:
-    """The whole number that a text of up to 18 plain digits states, or None (`2e3`, `1_000`, `²` and `-1` are none)."""
+    """The whole number of a text of 1 to 18 plain digits, or None for any other text (`2e3`, `1_000`, `²`, `-1`)."""
     text = text.strip()
     return int(text) if text.isascii() and text.isdecimal() and len(text) <= 18 else None
 
 
 def si_unit(dimension: str | None) -> str:
-    """The name of the SI unit of a dimension, empty for a number."""
+    """The SI unit of a dimension, empty for a number."""
     return next(iter(UNITS.get(dimension or "number", {})), "")
 
 
 def headed(name: str, unit: str) -> str:
-    """What stands above a column: its name, and its unit where it has one."""
+    """The heading of a column: its name, and its unit in brackets if it has one."""
     return f"{name} [{unit}]" if unit else name
 
 
 def accepted(dimension: str) -> str:
-    """What a quantity of this dimension may look like, in words."""
+    """The accepted forms of a quantity of this dimension, in words."""
     if dimension == "number":
         return "a number without a unit"
     units = UNITS[dimension]

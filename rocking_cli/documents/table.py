@@ -1,8 +1,8 @@
-"""CSV: any file by its columns, and lists of structures.
+"""CSV files: rows by column name, and tables of structures.
 
-Of such a list a row is a document, columns are its keys, and a heading tells the unit of its numbers. Columns `pieces_1_width`,
-`pieces_1_height`, `pieces_2_width` ... are a list of mappings; a cell that begins with a bracket is a list as YAML writes it. An
-empty cell is a key that is not there.
+In a table of structures a row is a document, a column is a key, and the heading may state the unit. The columns `pieces_1_width`,
+`pieces_1_height`, `pieces_2_width` ... form a list of mappings. A cell that begins with a bracket is a YAML list. An empty cell
+means that the key is absent.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from ..errors import DocumentError, UsageError
 from .composition import LONGEST, Place
 from .quantities import UNITS, split_quantity
 
-KIND = "kind"  # the column that tells such a table from everything else
+KIND = "kind"  # only a table of structures has this column
 _DELIMITERS = (",", ";", "\t")
 _HEADING = re.compile(r"\s*(?P<key>.*?)\s*(?:[\[(]\s*(?P<unit>[^\])]*?)\s*[\])])?\s*", re.DOTALL)
 _FIRST_LINE = re.compile(r"\s*([^\r\n]{1,10000})")
@@ -27,7 +27,7 @@ _WORDS = {"True": "true", "TRUE": "true", "False": "false", "FALSE": "false"}  #
 
 
 class Cell(NamedTuple):
-    """A cell that is not empty: its key, its text as YAML would have it, and where it stands, the column counted in cells."""
+    """A non-empty cell: its key, its text in YAML form, and its place (the column counts cells)."""
 
     key: str
     text: str
@@ -35,7 +35,7 @@ class Cell(NamedTuple):
 
 
 def delimiter_of(text: str) -> str | None:
-    """What separates the columns of a text whose first line names a column `kind` beside others; None of any other text."""
+    """The delimiter of a table of structures, or None for any other text. Its first line names a column `kind` and at least one more."""
     match = _FIRST_LINE.match(text)
     first = match[1] if match else ""
     for delimiter in _DELIMITERS if KIND in first else ():
@@ -49,9 +49,9 @@ def delimiter_of(text: str) -> str | None:
 
 
 def rows_of(text: str, source: str, delimiter: str) -> Iterator[list[Cell]]:
-    """The cells of each row that is not blank. Raises DocumentError."""
+    """The non-empty cells of each row that is not blank. Raises DocumentError."""
     if len(text) > LONGEST:
-        raise DocumentError(f"{source}: goes on beyond {LONGEST >> 20} MiB, which no list of structures does")
+        raise DocumentError(f"{source}: longer than {LONGEST >> 20} MiB, the limit of a table of structures")
     reader = csv.reader(io.StringIO(text, newline=""), delimiter=delimiter, strict=True)
     columns: list[tuple[str, str]] | None = None
     line = 1
@@ -75,14 +75,14 @@ def rows_of(text: str, source: str, delimiter: str) -> Iterator[list[Cell]]:
 
 
 def named_rows(path: str | Path) -> tuple[list[str], list[tuple[int, dict[str, str]]]]:
-    """The columns of any CSV file and its rows by them, each with its line; of an empty file there are none.
+    """(column names, rows) of any CSV file; a row is (line number, cells by column). An empty file has no columns.
 
-    Raises UsageError for a file that cannot be read and DocumentError for one that is not CSV.
+    Raises UsageError if the file cannot be read, and DocumentError if it is not CSV.
     """
     try:
         with open(path, encoding="utf-8-sig", newline="") as handle:
             reader = csv.DictReader(handle, strict=True)
-            columns = list(reader.fieldnames or ())  # asked for while it can be read
+            columns = list(reader.fieldnames or ())
             return columns, [(reader.line_num, row) for row in reader]
     except OSError as error:
         raise UsageError(f"{path}: cannot be read: {error.strerror or error}") from None

@@ -20,10 +20,10 @@ BLOCK = "kind: block\nwidth: 1\nheight: 5\n"
     [
         (b"", "1:1: empty"),
         (b"# nothing\n", "1:1: empty"),
-        (b"kind: block\nname: S\xe4ule\n", r"2:8: not a text in UTF-8 \(byte 19\)"),
-        (b"\xef\xbb\xbfkind: block\nname: S\xe4ule\n", r"2:8: not a text in UTF-8"),
-        ("name: Säule".encode() + b"\n\xff\n", r"2:1: not a text in UTF-8"),
-        ("kind: block".encode("utf-16"), r"1:1: not a text in UTF-8"),
+        (b"kind: block\nname: S\xe4ule\n", r"2:8: not a UTF-8 text \(byte 19\)"),
+        (b"\xef\xbb\xbfkind: block\nname: S\xe4ule\n", r"2:8: not a UTF-8 text"),
+        ("name: Säule".encode() + b"\n\xff\n", r"2:1: not a UTF-8 text"),
+        ("kind: block".encode("utf-16"), r"1:1: not a UTF-8 text"),
         (b"kind: block\nname: a\x1b[31m\n", "2:8: not valid YAML: holds the control character U\\+001B"),
         (b'{"kind": "block"}\n\n{"kind":\n "a\x7f"}', "4:4: not valid YAML: holds the control character U\\+007F"),
         (b"a: " + b"[" * 100, "1:23: nested too deeply"),
@@ -42,10 +42,10 @@ def test_a_file_beyond_the_limit_is_not_composed(tmp_path, monkeypatch):
     monkeypatch.setattr(composition, "_Composer", None)  # would fail
     path = tmp_path / "f.yaml"
     path.write_text("# a comment\n" * 200_000)
-    with pytest.raises(DocumentError, match=r"f\.yaml:174763:9: goes on beyond 2 MiB, which no structure document does$"):
+    with pytest.raises(DocumentError, match=r"f\.yaml:174763:9: longer than 2 MiB, the limit of a structure document$"):
         read_documents(path)
     monkeypatch.setattr(composition, "LARGEST", 1 << 20)
-    with pytest.raises(DocumentError, match=r"f\.yaml:87382:5: goes on beyond 1 MiB"):
+    with pytest.raises(DocumentError, match=r"f\.yaml:87382:5: longer than 1 MiB"):
         read_documents(path)
 
 

@@ -74,10 +74,10 @@ def test_every_row_of_a_table_is_a_structure_of_a_command(rocking, tmp_path):
         ("kind,width,heigth\nblock,1,2", "f.csv:2:3: unknown key 'heigth' .did you mean 'height'"),
         ('kind,width\n"block,1', "f.csv:2:1: not valid CSV"),
         ("kind,name\n", "f.csv:1:1: empty"),
-        ("kind,pieces_2_width\nstack,1", "f.csv:2:2: pieces_2_width: found item 2; accepted are items in turn, from pieces_1"),
-        ("kind,pieces,pieces_1_width\nstack,[[3]],1", "f.csv:2:3: pieces_1_width: found beside pieces"),
+        ("kind,pieces_2_width\nstack,1", "f.csv:2:2: pieces_2_width: found item 2; accepted are items in order, from pieces_1"),
+        ("kind,pieces,pieces_1_width\nstack,[[3]],1", "f.csv:2:3: pieces_1_width: found together with pieces"),
         ("kind,pieces,pieces_1_width\nstack,3,1", "f.csv:2:3: pieces_1_width: found item 1"),
-        ("kind,corners\nprism,[[0", "f.csv:2:2: found ..0; accepted is a list as YAML writes it"),
+        ("kind,corners\nprism,[[0", "f.csv:2:2: found ..0; accepted is a YAML list"),
     ],
 )
 def test_refusals(text, words):
