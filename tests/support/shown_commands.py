@@ -1,4 +1,7 @@
-"""Commands that a text shows, run as a reader would run them; `python tests/support/shown_commands.py` writes anew what the README shows of them."""
+"""Commands that a text shows, run as a reader would run them.
+
+`python tests/support/shown_commands.py` writes what they print into the README.
+"""
 
 from __future__ import annotations
 

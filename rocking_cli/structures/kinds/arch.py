@@ -77,14 +77,17 @@ def find_mechanism(document: Document) -> tuple[FourBar, float | None]:
 
     from ..mechanics.fourbar import FourBar
     from ..mechanics.hinges import search_continuous, search_joints
-    from ..mechanics.statics import static_uplift
+    from ..mechanics.statics import carried_through, static_uplift
 
     ring = ring_of(document)
     angle = ring.angle
     voussoirs = document.integer("voussoirs", 4, MOST_VOUSSOIRS) if document.has("voussoirs") else None
     joints = None if voussoirs is None else np.linspace(0.0, angle, voussoirs + 1)
     found = search_continuous(ring) if joints is None else search_joints(ring, joints)
-    carried = (found[1] if found else None) if joints is None else static_uplift(ring, joints)
+    if joints is None or (found is not None and carried_through(ring, joints, found[0])):
+        carried = found[1] if found else None
+    else:
+        carried = static_uplift(ring, joints)
     if (joints is not None and carried is None) or (found is not None and not found[1] > 0.0):
         raise document.fault("thickness", f"{document.values['thickness']}: the arch cannot carry its own weight", "a thicker arch")
     if document.has("hinges"):

@@ -1,18 +1,53 @@
 """The static theorem for a voussoir arch: the largest horizontal acceleration that some thrust without tension can carry.
 
-A linear program over the force and moment on every radial joint. It bounds lambda from below where the mechanism bounds it
-from above; the two meet where four hinges govern, and part where an arch is so short and thick that its joints open whole.
+It bounds lambda from below where the mechanism bounds it from above. The two meet where four hinges govern: the thrust through the
+hinges then stays inside every joint. They part where an arch is so short and thick that its joints open over their whole depth.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
-from .fourbar import Ring
+from .fourbar import FACES, Ring
+
+_ROUNDING = 1e-9  # of the thickness, by which rounding may move the thrust out of a joint
+
+
+def carried_through(ring: Ring, joints: np.ndarray, hinges: Sequence[float]) -> bool:
+    """True if the thrust through four hinges [rad] stays inside every joint [rad]: then their mechanism governs.
+
+    Force and moment at the left springing and lambda are four unknowns; that the thrust passes through the hinges gives four
+    linear equations. The equilibrium of the arch up to a joint gives the thrust there.
+    """
+    unit = np.eye(5)  # Fx, Fz and moment about the centre at the left springing, lambda, and 1: every force is linear in them
+
+    def thrust(s: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        part = ring.sector(np.zeros(s.size), s)
+        mass, x, z = (np.asarray(moment)[:, None] for moment in part[:3])
+        return unit[0] + mass * unit[3], unit[1] - mass * unit[4], unit[2] - z * unit[3] - x * unit[4]
+
+    places = np.array(hinges)
+    x, z = (np.array(c)[:, None] for c in zip(*(ring.point(s, face) for s, face in zip(places, FACES, strict=True)), strict=True))
+    fx, fz, moment = thrust(places)
+    equations = moment + z * fx - x * fz
+    try:
+        found = np.append(np.linalg.solve(equations[:, :4], -equations[:, 4]), 1.0)
+    except np.linalg.LinAlgError:
+        return False
+    polar = 0.5 * np.pi + 0.5 * ring.angle - joints
+    fx, fz, moment = (force @ found for force in thrust(joints))
+    normal = np.sin(polar) * fx - np.cos(polar) * fz
+    eccentric = moment + ring.radius * (np.sin(polar) * fx - np.cos(polar) * fz)
+    return bool(np.all(normal > 0.0) and np.all(np.abs(eccentric) <= (0.5 + _ROUNDING) * ring.thickness * normal))
 
 
 def static_uplift(ring: Ring, joints: np.ndarray) -> float | None:
-    """lambda of the arch cut by these joints [rad], None if no thrust carries even its own weight."""
+    """lambda of the arch cut by these joints [rad], None if no thrust carries even its own weight.
+
+    A linear program over the force and moment on every joint.
+    """
     from scipy.optimize import linprog
     from scipy.sparse import csr_array
 
