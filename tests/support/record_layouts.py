@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -30,6 +30,15 @@ def rows(values: Iterable[float], per_line: int, form: str) -> str:
 def as_printed(values: Sequence[float] | np.ndarray, form: str) -> np.ndarray:
     """The numbers that a reader can find again after printing."""
     return np.array([float(form.format(x)) for x in values])
+
+
+def with_a_line_missing_or_twice(text: str) -> Iterator[tuple[int, str]]:
+    """The number of a line of numbers, from 1, and the text without it or with it twice; of every such line."""
+    lines = text.splitlines(keepends=True)
+    for i, line in enumerate(lines):
+        if line.strip() and not set(line.strip()) - set(" 0123456789.-+eE*"):
+            yield i + 1, "".join(lines[:i] + lines[i + 1 :])
+            yield i + 1, "".join(lines[: i + 1] + lines[i:])
 
 
 def refusal(path: Path, text: str | None = None, **given: Any) -> str:

@@ -249,8 +249,10 @@ def _refuse_binary(source: str, raw: bytes) -> None:
 
 
 def _distinct(series: list[Series]) -> list[Series]:
-    """Components of equal names told apart by their number in the file."""
+    """Components of equal names, or of none among several, told apart by their number in the file."""
     names = [s.component for s in series]
+    alone = [names.count(name) == 1 and (name is not None or len(names) == 1) for name in names]
     return [
-        s if names.count(s.component) == 1 else s._replace(component=f"{s.component or 'channel'} ({i})") for i, s in enumerate(series, 1)
+        s if one else s._replace(component=f"{s.component or 'channel'} ({i})")
+        for i, (s, one) in enumerate(zip(series, alone, strict=True), 1)
     ]

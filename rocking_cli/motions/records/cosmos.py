@@ -54,6 +54,7 @@ def read(text: RecordText) -> list[Series]:
         if not _ACCELERATION.search(block[2]):
             others = f"{block[2]} in {block[3]}"
             text.skip(count, layout)
+            text.demand_end(count)
             continue
         unit = _unit(text, block[3], block[4])
         dt = _step(text, reals, count, line)
@@ -62,6 +63,7 @@ def read(text: RecordText) -> list[Series]:
         )
         peak = f"{reals[_PEAK]:.6f}" if reals[_PEAK] not in (-999.0, 0.0) else None
         found.append(Series(component or None, dt, text.numbers(count, layout), unit, peak))
+        text.demand_end(count)
     if not found and others:
         raise text.no_acceleration(f"no acceleration, only {others}; accepted is an acceleration with a unit")
     if not found:

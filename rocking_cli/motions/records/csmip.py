@@ -43,7 +43,7 @@ def read(text: RecordText) -> list[Series]:
         recent = [*recent[-_REAL_HEADER:], line]
         if _FIRST.search(line):
             named = _CHANNEL.search(line)
-            channel, peak, points, length = named[1] if named else None, None, None, None
+            channel = named[1] if named else None
         peak = _PEAK.search(line) or peak
         points = _POINTS.search(line) or points
         length = _LENGTH.search(line) or length
@@ -55,6 +55,7 @@ def read(text: RecordText) -> list[Series]:
         if block[2].lower() != "accel":
             others = block[2].lower()
             text.skip(count, layout)
+            text.demand_end(count)
             continue
         if points is not None and int(points[1]) != count:
             raise text.fault(f"{count} points of acceleration, where the channel's header states {points[1]}")
@@ -67,6 +68,8 @@ def read(text: RecordText) -> list[Series]:
             raise text.fault(f"found {line.strip()!r}; accepted are the units {', '.join(WRITTEN_UNITS)}")
         same = peak is not None and unit_of(peak[2]) == unit
         found.append(Series(channel, dt, text.numbers(count, layout), unit, peak[1] if peak is not None and same else None))
+        text.demand_end(count)
+        channel = peak = points = length = None
     if not found and others:
         raise text.no_acceleration(f"no points of accel data, only of {others}")
     if not found:

@@ -10,6 +10,7 @@ from .text import Layout, RecordText
 
 NAME = "GeoNet"
 _FIRST = re.compile(r"^\s*(?:un)?corrected accelerogram.*GNS Science", re.IGNORECASE)
+_SAID = re.compile(r".*\S.*")
 _POINTS = re.compile(r"Number of points\s+(\S+)\s+Duration\s+([\d.]+)\s*s", re.IGNORECASE)
 _COMPONENT = re.compile(r"^\s*Component\s+(\S+)", re.IGNORECASE)
 _SCALE = re.compile(r"readings in units of\s+(\S+)\s*mm/s/s", re.IGNORECASE)
@@ -27,7 +28,9 @@ def recognise(head: str) -> bool:
 def read(text: RecordText) -> list[Series]:
     """The acceleration of every component. Raises DocumentError."""
     found: list[Series] = []
-    while text.find(_FIRST) is not None:
+    while (first := text.find(_SAID)) is not None:
+        if not _FIRST.match(first[0]):
+            raise text.fault(f"found {first[0].strip()[:60]!r}; accepted is the first line of a component, Corrected accelerogram …")
         start = text.line
         lines = text.lines(_TEXT - 1)
         numbers = text.numbers(_NUMBERS, _LAYOUT)
@@ -48,7 +51,6 @@ def read(text: RecordText) -> list[Series]:
         samples = text.numbers(counts[0], _LAYOUT)
         for count in counts[1:]:
             text.skip(count, _LAYOUT)
+        text.demand_end(next(n for n in reversed(counts) if n))
         found.append(Series(component, dt, samples, "mm/s2", peak))
-    if not found:
-        raise text.fault("no component")
     return found

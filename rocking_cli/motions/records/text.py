@@ -21,6 +21,7 @@ HEAD = 1 << 16  # bytes in which a format shows itself
 _LINES_AT_ONCE = 1 << 16
 _DOS_BLOCK = 128  # bytes
 _NUMBER = re.compile(rb"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?")
+_OF_NUMBERS = b" \t0123456789+-.eEdD*"
 _FORTRAN = re.compile(r"\(\s*(?:\d+P\s*,?\s*)?(\d*)\s*[FEGDI]\s*(\d+)", re.IGNORECASE)
 
 
@@ -154,7 +155,8 @@ class RecordText:
         return bool(rest) and _NUMBER.fullmatch(rest[0]) is not None
 
     def numbers(self, count: int, layout: Layout) -> Array:
-        """The next `count` numbers, from as many lines as hold them. Raises DocumentError at the line that holds another thing."""
+        """The next `count` numbers, from as many lines as hold them. Raises DocumentError at the line that holds another thing, and in
+        columns of a fixed width at a line that is not full."""
         if count > len(self.raw) - self.at + 1:
             raise self.fault(f"{count} values are declared, more than a file of {len(self.raw)} bytes holds")
         values, done = np.empty(count), 0
@@ -163,24 +165,46 @@ class RecordText:
             end = self._after(lines)
             if end == self.at:
                 raise self.fault(f"the file ends after {done} of {count} values")
-            block = self.raw[self.at : end]
+            block, first = self.raw[self.at : end], self.line
             found = _parse(block, layout.width, min(count - done, lines * layout.columns))
             if found is None or found.size > count - done:
                 found = self._one_by_one(block, count, done, layout.width)
             else:
                 self.at, self.line = end, self.line + block.count(b"\n") + (not block.endswith(b"\n"))
+            self._demand_full_lines(block, layout, count, count - done, first)
             values[done : done + found.size] = found
             done += found.size
         return values
 
     def skip(self, count: int, layout: Layout) -> None:
-        """Pass over `count` numbers without reading them. Raises DocumentError where the file ends before."""
-        end = self._after(-(-count // layout.columns))
+        """Pass over `count` numbers, of which stars may stand in place. Raises DocumentError at a line that holds another thing."""
+        end, first = self._after(-(-count // layout.columns)), self.line
         block = self.raw[self.at : end]
-        lines = block.count(b"\n") + bool(block and not block.endswith(b"\n"))
-        self.at, self.line = end, self.line + lines
-        if lines * layout.columns < count:
-            raise self.fault(f"the file ends after {lines} lines of {count} values")
+        lines = block.splitlines()
+        self.at, self.line = end, first + len(lines)
+        if len(lines) * layout.columns < count:
+            raise self.fault(f"the file ends after {len(lines)} lines of {count} values")
+        for i, line in enumerate(lines, first):
+            if line.translate(None, _OF_NUMBERS):
+                raise self.fault(f"found {_short(line.strip())}; accepted are {count} numbers from line {first} on", i)
+        self._demand_full_lines(block, layout, count, count, first)
+
+    def demand_end(self, count: int) -> None:
+        """Raise DocumentError where another line of numbers follows the `count` values that are declared."""
+        line = self.raw[self.at : self.at + 4096].lstrip().split(b"\n", 1)[0]
+        if line and not line.translate(None, _OF_NUMBERS):
+            blank = self.raw[self.at : self.at + 4096].partition(line)[0].count(b"\n")
+            raise self.fault(f"found a line of numbers after the {count} values declared", self.line + blank)
+
+    def _demand_full_lines(self, block: bytes, layout: Layout, count: int, left: int, first: int) -> None:
+        """Raise DocumentError at a line that does not hold as many numbers as the columns and the `left` of `count` values ask for;
+        first: the number of the block's first line."""
+        if layout.width is None:
+            return
+        for i, line in enumerate(block.splitlines()):
+            wanted, line = min(layout.columns, left - i * layout.columns), line.rstrip()
+            if wanted not in (-(-len(line) // layout.width), held := len(line.split())):
+                raise self.fault(f"found {held} numbers on a line; accepted are {wanted} (the header announces {count} values)", first + i)
 
     def table(self, separators: bytes = b"") -> tuple[Array, int]:
         """All numbers of the lines to come, and how many stand on each. Raises DocumentError where the lines differ."""
@@ -249,8 +273,7 @@ class RecordText:
             value = float(_exponent(token))
             if np.isfinite(value):
                 return value
-        shown = token.decode("latin-1")
-        shown = repr(shown if len(shown) <= 40 else shown[:37] + "...")
+        shown = _short(token)
         if not token:
             shown = "blanks in place of a number"
         elif set(token) == {42}:
@@ -260,6 +283,12 @@ class RecordText:
         else:
             shown += ", which is no finite number"
         raise self.fault(f"found {shown}{where}", line)
+
+
+def _short(text: bytes) -> str:
+    """The beginning of a text in quotes."""
+    shown = text.decode("latin-1")
+    return repr(shown if len(shown) <= 40 else shown[:37] + "...")
 
 
 def _exponent(text: bytes) -> bytes:

@@ -50,6 +50,7 @@ def read(text: RecordText) -> list[Series]:
                 dt, samples = even_step(pairs[:, 0], text, line, _PAIRS.columns // 2), pairs[:, 1] / 10.0
         else:
             dt, unit, samples = _announced(text, count)
+        text.demand_end(count)
         text.agree(count, dt, points[2])
         stated = peak[1] if peak is not None and unit == "g" else None
         found.append(Series(channel[1] if channel else None, dt, samples, unit, stated))

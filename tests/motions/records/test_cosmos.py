@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from support.record_layouts import as_printed, refusal, rows, wave
+from support.record_layouts import as_printed, refusal, rows, wave, with_a_line_missing_or_twice
 
 from rocking_cli.documents.quantities import DEFAULT_GRAVITY
 from rocking_cli.motions.records import read_record, read_records
@@ -108,3 +108,12 @@ def test_a_length_that_leaves_out_the_last_step_agrees(tmp_path):
 )
 def test_bad_files_are_told_with_file_and_line(tmp_path, text, words):
     assert words in refusal(tmp_path / "a", text)
+
+
+@pytest.mark.parametrize("count", [45, 48])
+def test_a_line_of_numbers_missing_or_twice_is_told(tmp_path, count):
+    text = channel(wave(count, 99.0), length=count / 100) + channel(
+        wave(count, 9.0), length=count / 100, quantity="velocity", unit="cm/sec(05)"
+    )
+    told = [refusal(tmp_path / "a", spoilt) for _, spoilt in with_a_line_missing_or_twice(text)]
+    assert len(told) == 2 * 2 * (10 + 17 + 6)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from support.record_layouts import as_printed, refusal, rows, wave
+from support.record_layouts import as_printed, refusal, rows, wave, with_a_line_missing_or_twice
 
 from rocking_cli.motions.records import read_record, read_records
 
@@ -116,3 +116,25 @@ def test_channels_of_one_name_are_told_apart(tmp_path):
 )
 def test_bad_files_are_told_with_file_and_line(tmp_path, text, words):
     assert words in refusal(tmp_path / "a", text)
+
+
+@pytest.mark.parametrize("count", [43, 48])
+def test_a_line_of_a_block_missing_or_twice_is_told(tmp_path, count):
+    text = channel(1, 90, wave(count, 99.0)) + channel(2, 360, wave(count, 88.0))
+    told = [refusal(tmp_path / "a", spoilt) for i, spoilt in with_a_line_missing_or_twice(text) if i in _of_blocks(text)]
+    assert len(told) == 2 * 6 * 6
+
+
+def test_a_channel_without_a_name_has_not_the_name_of_the_one_before(tmp_path):
+    (tmp_path / "a").write_text(channel(1, 90, SAMPLES / 10) + channel(2, 360, SAMPLES / 20).partition("\n")[2])
+    assert [r.component for r in read_records(tmp_path / "a")] == ["90 Deg", "channel (2)"]
+
+
+def _of_blocks(text):
+    """The lines below a line that announces points."""
+    below, found = False, set()
+    for i, line in enumerate(text.splitlines(), 1):
+        numbers = not set(line.strip()) - set(" 0123456789.-")
+        below = (below and numbers) or " points of " in line
+        found |= {i} if below and numbers else set()
+    return found

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from support.record_layouts import as_printed, refusal, rows, wave
+from support.record_layouts import as_printed, refusal, rows, wave, with_a_line_missing_or_twice
 
 from rocking_cli.motions.records import read_records
 
@@ -91,3 +91,17 @@ def test_three_components_whose_numbers_touch(tmp_path):
 )
 def test_bad_files_are_told_with_file_and_line(tmp_path, text, words):
     assert words in refusal(tmp_path / "a", text)
+
+
+@pytest.mark.parametrize("count", [37, 40])
+def test_a_line_of_numbers_missing_or_twice_loses_no_component(tmp_path, count):
+    text = component("N", wave(count, 900.0)) + component("E", wave(count, 800.0)) + component("Up", wave(count, 70.0))
+    for number, spoilt in with_a_line_missing_or_twice(text):
+        assert refusal(tmp_path / "a", spoilt).count(":") >= 2, number
+
+
+def test_a_component_without_its_first_line_is_not_passed_over(tmp_path):
+    lines = component("E", SAMPLES / 2).splitlines(keepends=True)
+    first = component("N", SAMPLES / 2)
+    words = f"a:{first.count(chr(10)) + 1}: found 'Site ABCD      42 37 10S  173 03 13E'; accepted is the first line of a component"
+    assert words in refusal(tmp_path / "a", first + "".join(lines[1:]) + component("Up", SAMPLES / 2))
