@@ -21,6 +21,10 @@ class MotionError(UsageError):
     """A motion that cannot be built."""
 
 
+class NoComponent(UsageError):
+    """A record file without the component that is asked for; in a directory it is left out."""
+
+
 class DocumentError(RockingError):
     """A structure document that cannot be read, or a structure that the theory does not cover."""
 

@@ -13,7 +13,7 @@ import click
 
 from ..errors import RockingError, UsageError
 from .options import note, remark_on, time
-from .parameter_types import InputPath, PulseOrPath, Registered, pulse_names
+from .parameter_types import STATION, InputPath, PulseOrPath, Registered, pulse_names
 
 if TYPE_CHECKING:
     from ..motions import Motion
@@ -34,7 +34,10 @@ motion_files = click.option(
 )  # fmt: skip
 scale = click.option("--scale", type=float, metavar="FACTOR", help="Factor of the motion; a negative one turns it over.")
 scale_to = click.option("--scale-to", metavar="IM=VALUE", help="Scale a record to an intensity measure, such as PGA=0.35g.")
-component = click.option("--component", metavar="NAME", help="The component of a record that holds several, by name or number.")
+component = click.option(
+    "--component", metavar="horizontal|all|NAME",
+    help="Components of a record, one by name or number (default: of each file of a set the horizontal ones, as motions of their own).",
+)  # fmt: skip
 unit = click.option("--unit", metavar="UNIT", help="Unit of a record in plain columns of numbers, such as g or m/s2.")
 
 
@@ -54,7 +57,8 @@ def motion(command: F | None = None, *, dt_flag: str = "--dt") -> F:
         there = {k: v for k, v in mine.items() if v is not None}
         if os.path.isdir(there.get("motion_file", "")):
             raise click.UsageError(f"--motion: {there['motion_file']} is a directory; accepted here is one motion")
-        return command(*arguments, motion=_motion_of(there, dt_flag, given.get("quiet", False)), **given)
+        found = _motion_of(there | _of_the_station(given), dt_flag, given.get("quiet", False), [])
+        return command(*arguments, motion=found, **given)
 
     for option in (scale_to, scale, dt(dt_flag, "motion_dt"), unit, component, motion_file, phase, gamma, cycles, pulse):
         with_motion = option(with_motion)
@@ -82,6 +86,8 @@ def vertical_of_each(command: F) -> F:
     def with_vertical(*arguments: Any, vertical: str | None, **given: Any) -> Any:
         own = {key: given.pop(f"vertical_{key}") for key in ("scale", *_OF_RECORDS)}
         there = {key: value for key, value in own.items() if value is not None}
+        if vertical == STATION:  # the motions have it already
+            return command(*arguments, upwards=None, **given)
         if vertical is None:
             if there:
                 raise click.UsageError(f"--vertical-{next(iter(there))} goes with --vertical")
@@ -99,7 +105,7 @@ def vertical_of_each(command: F) -> F:
         ("scale", float, "FACTOR", "Factor of the vertical motion (default 1)."),
     ):
         with_vertical = click.option(f"--vertical-{name}", type=kind, metavar=metavar, help=meaning)(with_vertical)
-    told = "Vertical motion, upwards: a pulse by name, a motion document or a record."
+    told = f"Vertical motion, upwards: a pulse by name, a motion document, a record, or {STATION}: the component of the same file."
     return click.option("--vertical", type=PulseOrPath(), metavar="MOTION", help=told)(with_vertical)
 
 
@@ -143,21 +149,42 @@ def motions(command: F) -> F:
             given["files"] = tuple(path for path in given["files"] if not own[path])
             if "-" in there["motion_files"] and "-" in given["files"]:
                 raise click.UsageError("standard input is given as structure and as motion; accepted is one of them")
-        found = _motion_of(there, "--dt", given.get("quiet", False))
+        unread: list[str] = []
+        found = _motion_of(there | _of_the_station(given), "--dt", given.get("quiet", False), unread)
         is_set = isinstance(found, tuple)
-        return command(*arguments, motion=None if is_set else found, recordings=found if is_set else (), **given)
+        result = command(*arguments, motion=None if is_set else found, recordings=found if is_set else (), **given)
+        end_unread(unread)
+        return result
 
     for option in (scale_to, scale, dt("--dt", "motion_dt"), unit, component, motion_files, phase, gamma, cycles, pulse):
         with_motions = option(with_motions)
     return with_motions
 
 
+def _of_the_station(given: dict[str, Any]) -> dict[str, float]:
+    """The factor of the vertical component of the same file, where --vertical asks for it."""
+    if given.get("vertical") != STATION:
+        return {}
+    for key in _OF_RECORDS:
+        if given[f"vertical_{key}"] is not None:
+            raise click.UsageError(f"--vertical-{key} does not go with --vertical {STATION}")
+    factor = given["vertical_scale"]
+    return {"vertical": 1.0 if factor is None else factor}
+
+
+def end_unread(files: list[str]) -> None:
+    """End with exit code 4 where files of a directory could not be read."""
+    if files:
+        click.get_current_context().exit(4)
+
+
 _PULSE = ("pulse", "cycles", "gamma", "phase")
 _FILE = ("motion_file", "component", "unit", "motion_dt", "scale", "scale_to")
 
 
-def _motion_of(given: dict[str, Any], dt_flag: str, quiet: bool) -> Motion | tuple[Recording, ...]:
-    """The motion that the options describe; the records of a set where they are `motion_files`."""
+def _motion_of(given: dict[str, Any], dt_flag: str, quiet: bool, unread: list[str]) -> Motion | tuple[Recording, ...]:
+    """The motion that the options describe; the records of a set where they are `motion_files`, and then in `unread` the files of a
+    directory that cannot be read."""
     from ..motions import pulse as named_pulse
 
     if "phase" in given:
@@ -176,15 +203,25 @@ def _motion_of(given: dict[str, Any], dt_flag: str, quiet: bool) -> Motion | tup
         from ..motions.reading import read_motion
         from ..motions.recording import read_motions
 
+        def leave_out(line: str) -> None:
+            note(line, quiet=False)
+            unread.append(line)
+
         tell = partial(note, quiet=quiet)
         try:
             if "motion_file" in given:
                 return read_motion(given.pop("motion_file"), tell=tell, **given)
-            return read_motions(given.pop("motion_files"), tell=tell, **given)
+            return read_motions(given.pop("motion_files"), tell=tell, unread=leave_out, **given)
         except RockingError as error:
             error.args = (str(error).replace("`dt`", dt_flag),)
             raise
-    for key, flag in (("component", "--component"), ("unit", "--unit"), ("dt", dt_flag), ("scale_to", "--scale-to")):
+    for key, flag in (
+        ("component", "--component"),
+        ("unit", "--unit"),
+        ("dt", dt_flag),
+        ("scale_to", "--scale-to"),
+        ("vertical", f"--vertical {STATION}"),
+    ):
         if key in given:
             raise click.UsageError(f"{flag} goes with a record: give --motion")
     factor = given.pop("scale", None)

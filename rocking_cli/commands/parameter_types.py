@@ -89,11 +89,17 @@ class LimitType(click.ParamType):
         raise click.BadParameter(f"found {value!r}, accepted is a number A, or an acceleration with a unit, such as 1g", ctx, param)
 
 
+STATION = "station"
+
+
 class PulseOrPath(InputPath):
-    """A pulse by name or the name of a file; both are completed."""
+    """A pulse by name, `station` or the name of a file; all are completed."""
 
     def shell_complete(self, ctx: click.Context, param: click.Parameter, incomplete: str) -> list[CompletionItem]:
-        return [*Registered(pulse_names).shell_complete(ctx, param, incomplete), *super().shell_complete(ctx, param, incomplete)]
+        return [
+            *Registered(lambda: (*pulse_names(), STATION)).shell_complete(ctx, param, incomplete),
+            *super().shell_complete(ctx, param, incomplete),
+        ]
 
 
 def pulse_names() -> Iterable[str]:

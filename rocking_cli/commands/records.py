@@ -29,37 +29,32 @@ def records(files: tuple[str, ...], component: str | None, unit: str | None, dt:
     """Show what records hold, a row a component: sampling and intensity measures in s, m/s2, m/s and m.
 
     FILE is a record of any known format, packed with gzip or not, - for standard input, a directory, or a list of files, one a line.
+    --component horizontal, all (default) or a name or number says which are shown. Files of a directory that cannot be read are left
+    out and named (exit code 4).
     Measures are of the samples joined by straight lines, without any correction; header_pga is the peak that the file itself states,
     header_difference by what part of it the peak of the samples exceeds it, unit that of the file.
     """
-    from ..errors import DocumentError, NoAcceleration
-    from ..motions.records import pick, read_bytes, record_files, records_of, unknown
+    from ..motions.records.components import ALL, chosen
+    from ..motions.records.sets import read_set
 
     if not files:
         raise click.UsageError("no record: give FILE, or - for standard input")
     step = None if dt is None else options.time("--dt", dt)
-    rows: list[dict[str, Any]] = []
     notes: list[str] = []
-    for path, named in record_files(files):
-        source, raw = read_bytes(path)
-        try:
-            found = records_of(source, raw, unit=unit, dt=step, named=named)
-        except NoAcceleration as error:
-            if named:
-                raise
-            notes.append(f"{error}; left out")
-            continue
-        if found is None and named:
-            raise DocumentError(unknown(source, raw))
-        if found is None:
-            notes.append(f"{source}: left out, no record format")
-            continue
-        for record in found if component is None else [pick(found, component)]:
-            rows.append(_row(record))
-            notes += [f"{source}: {remark}" for remark in record.remarks]
-    options.emit(rows, form, COLUMNS)
+    unread: list[str] = []
+
+    def rows(found: list[Record]) -> list[dict[str, Any]]:
+        records = chosen(found, component or ALL)
+        notes.extend(f"{record.source}: {remark}" for record in records for remark in record.remarks)
+        return [_row(record) for record in records]
+
+    taken = list(read_set(files, rows, unit=unit, dt=step, tell=notes.append, unread=unread.append))
+    options.emit(taken, form, COLUMNS)
     for line in dict.fromkeys(notes):
         options.note(line, quiet)
+    for line in unread:
+        options.note(line, quiet=False)
+    ground.end_unread(unread)
 
 
 def _row(record: Record) -> dict[str, Any]:

@@ -71,7 +71,8 @@ def report(
     structures = with_distinct_names([build_structure(document) for document in documents])
     options.remark_on(structures)
     workers = options.at_most_the_cpus(workers, quiet)
-    recordings = tuple(replace(r, upwards=upwards) for r in recordings)
+    if upwards is not None:
+        recordings = tuple(replace(r, upwards=upwards) for r in recordings)
     shakes: list[tuple[Motion, Grid]] = [(r.motion, shaking or as_recorded(r.acceleration)) for r in recordings]
     if motion is not None and shaking is not None:
         shakes.append((motion if upwards is None else upwards(motion), shaking))

@@ -10,11 +10,13 @@ from typing import Any
 from ..documents.document import documents_of
 from ..documents.quantities import parse_quantity
 from ..errors import DocumentError, UsageError
+from .biaxial import with_vertical
 from .intensity import intensity
 from .motion import Motion
 from .motion_document import build_motion
 from .polyline import record_motion
 from .records import Record, pick, read_bytes, records_of
+from .records.components import vertical_of
 
 MEASURES = {"PGA": "acceleration", "PGV": "velocity", "PGD": "length", "Arias": "velocity", "CAV": "velocity"}  # and their dimensions
 
@@ -27,13 +29,15 @@ def read_motion(
     dt: float | None = None,
     scale: float | None = None,
     scale_to: str | None = None,
+    vertical: float | None = None,
     tell: Callable[[str], None] | None = None,
 ) -> Motion:
     """The motion of a document or of a record, `-` for standard input, times `scale` (which may be negative).
 
     Of a record: the component, where the file holds several; unit and dt [s] of plain numbers; scale_to: `PGA=0.35g` and the like
-    instead of `scale`. tell: called with what is odd about the record, in a sentence. Raises UsageError for a file that cannot be
-    read or a choice that does not fit, and DocumentError.
+    instead of `scale`; vertical: factor of the vertical component of the same file, which then shakes with it. tell: called with what
+    is odd about the record, in a sentence. Raises UsageError for a file that cannot be read or a choice that does not fit, and
+    DocumentError.
 
     >>> read_motion('configs/motions/two_pulses.yaml').name
     'Two pulses'
@@ -48,8 +52,10 @@ def read_motion(
         if tell is not None:
             for remark in record.remarks:
                 tell(f"{source}: {remark}")
-        return record_motion(record, factor_of(record, scale, scale_to))
-    return motion_of(source, raw, component=component, unit=unit, dt=dt, scale=scale, scale_to=scale_to)
+        motion = record_motion(record, factor_of(record, scale, scale_to))
+        return motion if vertical is None else with_vertical(motion, record_motion(vertical_of(records)), vertical)
+    of_records = {"component": component, "unit": unit, "dt": dt, "scale_to": scale_to, "vertical": vertical}
+    return motion_of(source, raw, scale=scale, **of_records)
 
 
 def motion_of(source: str, raw: bytes, *, scale: float | None = None, **of_records: Any) -> Motion:

@@ -4,24 +4,25 @@ from __future__ import annotations
 
 import os
 from collections import Counter
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from itertools import count
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
-from ..errors import DocumentError, NoAcceleration, UsageError
+from ..errors import DocumentError, UsageError
+from .biaxial import Upwards
 from .blocks import largest
 from .intensity import Intensity, intensity
 from .motion import Motion, checked_scale
 from .polyline import record_motion
 from .reading import factor_of, motion_of
-from .records import Record, is_record, listed_in, pick, read_bytes, record_files, records_of, unknown
-
-if TYPE_CHECKING:
-    from .biaxial import Upwards
+from .records import Record, is_record
+from .records.components import chosen, vertical_of
+from .records.opening import STDIN
+from .records.sets import NoRecord, read_set, record_files
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,47 +98,40 @@ def read_motions(
     dt: float | None = None,
     scale: float | None = None,
     scale_to: str | None = None,
+    vertical: float | None = None,
     tell: Callable[[str], None] | None = None,
+    unread: Callable[[str], None] | None = None,
 ) -> Motion | tuple[Recording, ...]:
     """The motion of the one document that a path names, or the records of files, directories and lists of files (`record_files`),
     also of a list on standard input.
 
-    The other arguments are those of `read_motion`, for each record. tell: called with what is odd about one, in a sentence; of a
-    directory only those files are taken that are records, which it tells too. Raises UsageError and DocumentError as `read_motion`
-    does, and where there is no record at all.
+    component: `horizontal`, `all`, or one by name or number; None: both horizontal ones of each file, as motions of their own. vertical:
+    factor of the vertical component of the same file, which then shakes with each of them. The others are those of `read_motion`, for
+    each record. tell: called with what is odd about one and with what is left out of a directory, in a sentence; unread: with each file
+    of a directory that cannot be read, which is an error without it. Raises UsageError and DocumentError as `read_motion` does, and
+    where there is no record at all.
     """
     say = tell or (lambda text: None)
+
+    def shaken(records: list[Record]) -> list[Recording]:
+        upwards = None if vertical is None else Upwards(record_motion(vertical_of(records)), vertical)
+        return [Recording(record, upwards=upwards) for record in chosen(records, component)]
+
     found: list[Recording] = []
-    for source, raw, named in _files(paths, say):
-        try:
-            records = records_of(source, raw, unit=unit, dt=dt, named=named)
-        except NoAcceleration as error:
-            if named:
-                raise
-            say(f"{error}; left out")
-            continue
-        if records is None and len(paths) == 1 and not found:
-            return motion_of(source, raw, component=component, unit=unit, dt=dt, scale=scale, scale_to=scale_to)
-        if records is None:
-            raise DocumentError(f"{unknown(source, raw)}; a set holds records only")
-        record = pick(records, component)
-        for remark in record.remarks:
-            say(f"{source}: {remark}")
-        found.append(Recording(record, factor_of(record, scale, scale_to)))
+    try:
+        for recording in read_set(paths, shaken, unit=unit, dt=dt, tell=say, unread=unread):
+            record = recording.record
+            found.append(replace(recording, factor=factor_of(record, scale, scale_to)))
+            for remark in record.remarks:
+                say(f"{record.source}: {remark}")
+    except NoRecord as error:
+        if len(paths) > 1 or error.source not in (paths[0], STDIN):
+            raise DocumentError(f"{error}; a set holds records only") from None
+        of_records = {"component": component, "unit": unit, "dt": dt, "scale_to": scale_to, "vertical": vertical}
+        return motion_of(error.source, error.raw, scale=scale, **of_records)
     if not found:
         raise UsageError(f"{', '.join(paths)}: no record among the files")
     return with_distinct_labels(found)
-
-
-def _files(paths: Sequence[str], say: Callable[[str], None]) -> Iterator[tuple[str, bytes, bool]]:
-    """(source, bytes, whether it was named) of every file; what lies in a directory and is no record is left out."""
-    for path, named in record_files(paths):
-        if not named and not is_record(path):
-            say(f"{path}: left out, no record format")
-            continue
-        source, raw = read_bytes(path)
-        names = listed_in(raw) if path == "-" else []
-        yield from ((*read_bytes(name), True) for name in names) if names else [(source, raw, named)]
 
 
 def holds_records(path: str) -> bool:

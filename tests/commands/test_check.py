@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 
 import pytest
+from support.record_layouts import of_a_station, wave
 
 THREE = """
 {kind: block, name: Slender, width: 0.4, height: 2}
@@ -149,3 +150,30 @@ def test_a_record_of_a_set_goes_with_the_vertical_one(rocking, refused, tmp_path
     # the push downwards lifts it, as far as the weight is less there: a = lambda (g - a/5)
     assert row["uplift_a"] == pytest.approx(0.25 * 9.81 / (1.0 + 0.25 * 0.2), rel=1e-12)
     assert "two of a kind" in refused(2, "check", "body.yaml", "--motion", "n.at2", "--vertical", "sine")
+
+
+def test_a_directory_gives_both_horizontal_components_and_the_station_its_vertical(rocking, stated, tmp_path):
+    (tmp_path / "set").mkdir()
+    (tmp_path / "set" / "a.txt").write_text(of_a_station(wave(60, 900.0), wave(60, 200.0), wave(60, 90.0), dt=0.1))
+    done = rocking("check", "block:0.5x2", "--motion", "set", "--vertical", "station", "--json")
+    rows = [json.loads(line) for line in done.stdout.splitlines()]
+    assert (done.returncode, [r["motion"].split(" with")[0] for r in rows]) == (0, ["a N-S", "a E-W"])
+    named = ("--component", "N-S", "--vertical", "set/a.txt", "--vertical-component", "U-D")
+    assert json.loads(rocking("check", "block:0.5x2", "--motion", "set/a.txt", *named, "--json").stdout) == rows[0]
+
+    (tmp_path / "set" / "b.csv").write_text("0 0\n0.1 1\n0.2 0\n")
+    done = rocking("check", stated, "--motion", "set", "-q")
+    assert (done.returncode, len(done.stdout.splitlines()), done.stderr.count("\n")) == (4, 3, 1)
+    assert rocking("check", stated, "--motion", "set", "--scale", "9", "--fail-on", "overturning").returncode == 5
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (SHAKING, "--vertical station goes with a record: give --motion"),
+        (("--motion", "configs/motions/synthetic.at2"), "holds no vertical component beside one without a name"),
+        (("--motion", "configs/motions/synthetic.at2", "--vertical-unit", "g"), "--vertical-unit does not go with --vertical station"),
+    ],
+)
+def test_a_station_is_that_of_a_record(refused, stated, arguments, words):
+    assert words in refused(2, "check", stated, "--vertical", "station", *arguments)

@@ -8,7 +8,7 @@ import json
 import numpy as np
 import pytest
 from support.documents import csv_rows
-from support.record_layouts import rows, wave
+from support.record_layouts import of_a_station, rows, wave
 
 COLUMNS = ["name", "format", "component", "npts", "dt", "duration", "pga", "pga_time", "pgv", "pgd", "arias", "cav", "d5_75", "d5_95"]
 COLUMNS += ["header_pga"]
@@ -201,3 +201,18 @@ def test_plain_columns_as_a_motion(rocking, tmp_path):
 )
 def test_what_does_not_go_with_a_record(refused, arguments, code, words):
     assert words in refused(code, *arguments)
+
+
+def test_a_directory_is_read_to_its_end(rocking, tmp_path):
+    (tmp_path / "set").mkdir()
+    (tmp_path / "set" / "a.txt").write_text(of_a_station(wave(50, 200.0), wave(50, 150.0), wave(50, 90.0)))
+    (tmp_path / "set" / "b.csv").write_text("0 0\n0.1 1\n0.2 0\n")
+    (tmp_path / "set" / "c.AT2").write_text(AT2)
+    for asked, names in ((), ["N-S", "E-W", "U-D", None]), (("--component", "horizontal"), ["N-S", "E-W", None]):
+        done = rocking("records", "set", "--json", "-q", *asked)
+        assert [json.loads(x)["component"] for x in done.stdout.splitlines()] == names
+        assert done.returncode == 4
+        assert done.stderr.startswith("set/b.csv: plain numbers without a unit; give it as --unit")
+        assert done.stderr.endswith("; left out\n")
+    (tmp_path / "set" / "b.csv").unlink()
+    assert rocking("records", "set").returncode == 0

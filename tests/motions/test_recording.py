@@ -10,7 +10,7 @@ import threading
 
 import numpy as np
 import pytest
-from support.record_layouts import rows, wave
+from support.record_layouts import of_a_station, rows, wave
 
 from rocking_cli import DocumentError, Motion, UsageError
 from rocking_cli.motions.intensity import intensity
@@ -107,6 +107,63 @@ def test_of_a_directory_uncorrected_accelerograms_are_left_out_and_said(folder):
         read_motions(["set/b.V1"])
 
 
+@pytest.fixture
+def mixed(folder):
+    """A station of three components, numbers without a unit, half a file, and text that is no record."""
+    (folder / "set").mkdir()
+    (folder / "set" / "station.txt").write_text(of_a_station(wave(50, 200.0), wave(50, 150.0), wave(50, 90.0)))
+    (folder / "set" / "a.AT2").write_text((folder / "a.AT2").read_text())
+    (folder / "set" / "up.AT2").write_text((folder / "a.AT2").read_text().replace("\n\n", "\nNowhere, 1/2/1900, Some Station, UP\n"))
+    (folder / "set" / "half.AT2").write_text((folder / "a.AT2").read_text()[:-100])
+    (folder / "set" / "still.csv").write_text("0 0\n0.1 0\n0.2 0\n")
+    (folder / "set" / "plain.csv").write_text("0 0\n0.1 1\n0.2 0\n")
+    (folder / "set" / "README").write_text("free\n")
+    (folder / "set" / "link").symlink_to("nowhere")
+    return folder
+
+
+def test_one_file_ends_no_set(mixed):
+    said: list[str] = []
+    unread: list[str] = []
+    found = read_motions(["set"], tell=said.append, unread=unread.append)
+    assert labels(found) == ["a", "station N-S", "station E-W"]
+    assert said == [
+        "set/README: left out, no record format",
+        "set/up.AT2: holds UP and no horizontal component; left out, `component` all takes it",
+    ]
+    assert [line.split(":")[0] for line in unread] == ["set/half.AT2", "set/link", "set/plain.csv", "set/still.csv"]
+    assert all(line.endswith("; left out") for line in unread)
+    with pytest.raises(DocumentError, match=r"half\.AT2:\d+: the file ends after"):
+        read_motions(["set/half.AT2"], unread=unread.append)
+
+
+def test_a_unit_goes_to_the_plain_numbers_of_a_directory(mixed):
+    unread: list[str] = []
+    found = read_motions(["set"], unit="g", component="all", unread=unread.append)
+    assert labels(found) == ["a", "plain", "station N-S", "station E-W", "station U-D", "up UP"]
+    assert [line for line in unread if "still" in line] == [
+        "set/still.csv: motion 'still': zero throughout, accepted is one with an amplitude; left out"
+    ]
+    with pytest.raises(UsageError, match="`unit`: found 'furlong'"):
+        read_motions(["set"], unit="furlong", unread=unread.append)
+
+
+def test_the_vertical_component_of_the_same_file_shakes_with_each_horizontal_one(mixed):
+    unread: list[str] = []
+    found = read_motions(["set"], vertical=0.5, unread=unread.append)
+    assert labels(found) == ["station N-S", "station E-W"]
+    assert "set/a.AT2: holds no vertical component beside one without a name" in unread[0]
+    for r, peak in zip(found, (200.0, 150.0), strict=True):
+        up = r.motion.vertical
+        assert up is not None
+        assert up.peak * r.acceleration == pytest.approx(0.5 * 0.9, rel=1e-12)
+        assert r.acceleration == pytest.approx(0.01 * peak, rel=1e-12)
+    one = read_motion("set/station.txt", component="E-W", vertical=0.5)
+    assert one.vertical.value([0.3, 0.5]) == pytest.approx(found[1].motion.vertical.value([0.3, 0.5]), rel=1e-14)
+    with pytest.raises(UsageError, match="`vertical` goes with a record"):
+        read_motions(["pulse.yaml"], vertical=1.0)
+
+
 def test_what_a_path_holds(folder):
     held = {name: holds_records(name) for name in (*sorted(os.listdir()), ".", "-", "nowhere")}
     assert {name for name, there in held.items() if there} == {"a.AT2", "b.AT2", "c.txt.gz", "list", "."}
@@ -145,7 +202,7 @@ def test_what_does_not_fit_is_refused(folder, paths, more, words):
 
 
 def test_a_pipe_is_read_where_somebody_writes_to_it(folder, monkeypatch):
-    monkeypatch.setattr("rocking_cli.motions.records._PATIENCE", 0.01)
+    monkeypatch.setattr("rocking_cli.motions.records.opening._PATIENCE", 0.01)
     os.mkfifo("pipe")
     with pytest.raises(UsageError, match="pipe: a pipe that nobody writes to"):
         read_motion("pipe")

@@ -32,6 +32,13 @@ def as_printed(values: Sequence[float] | np.ndarray, form: str) -> np.ndarray:
     return np.array([float(form.format(x)) for x in values])
 
 
+def of_a_station(*columns: np.ndarray, dt: float = 0.02) -> str:
+    """A file of AFAD's layout with the components N-S, E-W and U-D [gal]."""
+    keys = f"NUMBER OF DATA: {len(columns[0])}\nSAMPLING INTERVAL (SEC): {dt}\n"
+    lines = "".join(rows(values, 3, "{:12.5f}") for values in zip(*columns, strict=True))
+    return f"STRONG GROUND MOTION RECORDS OF TURKIYE\n{keys}N-S E-W U-D\n{lines}"
+
+
 def with_a_line_missing_or_twice(text: str) -> Iterator[tuple[int, str]]:
     """The number of a line of numbers, from 1, and the text without it or with it twice; of every such line."""
     lines = text.splitlines(keepends=True)

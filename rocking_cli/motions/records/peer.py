@@ -19,6 +19,7 @@ _UNIT = re.compile(
 _KIND = re.compile(
     r"\b(ACC|VELOC|DISPL)[A-Z.]*\b.*\b(?:UNITS?|IN)\b|\b(ACC|VELOC|DISPL)[A-Z.]*\s+TIME[ -](?:HISTORY|SERIES)", re.IGNORECASE
 )
+_UPWARDS = re.compile(r",\s*(UP|U-?D|DN|DWN|DOWN|VER|VERT[A-Z]*|V|Z)\s*(?:\(|$)", re.IGNORECASE)
 _SAID, _TRAILER = re.compile(r"\S.*"), re.compile(r"\W*(?:END|EOF)\b", re.IGNORECASE)
 
 
@@ -28,13 +29,14 @@ def recognise(head: str) -> bool:
 
 
 def read(text: RecordText) -> list[Series]:
-    """The one component of the file. Raises DocumentError."""
-    unit = "g"
+    """The one component of the file, by its name where that is a vertical one: others are in the name of the file. Raises DocumentError."""
+    unit, component = "g", None
     while (line := text.next_line()) is not None:
         found = _COUNT.search(line) or _OLDER.search(line)
         if found is not None:
             break
-        kind = _KIND.search(line)
+        upwards, kind = _UPWARDS.search(line), _KIND.search(line)
+        component = component if upwards is None else upwards[1]
         if kind is not None and not (kind[1] or kind[2]).upper().startswith("ACC"):
             raise text.no_acceleration(f"found {line.strip()!r}; accepted is an acceleration (AT2)")
         stated = _UNIT.search(line)
@@ -55,4 +57,4 @@ def read(text: RecordText) -> list[Series]:
         raise text.fault(
             f"found {trailer[0].strip()[:60]!r} after the {count} values declared; accepted is nothing, or a line that says end"
         )
-    return [Series(None, dt, samples, unit, remark=remark)]
+    return [Series(component, dt, samples, unit, remark=remark)]

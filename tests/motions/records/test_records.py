@@ -17,7 +17,8 @@ from support.record_layouts import rows, wave
 
 from rocking_cli.errors import DocumentError, RockingError, UsageError
 from rocking_cli.motions import records
-from rocking_cli.motions.records import read_record, read_records, record_files
+from rocking_cli.motions.records import read_record, read_records
+from rocking_cli.motions.records.sets import record_files
 
 AT2 = "PEER\nNowhere\nACCELERATION TIME SERIES IN UNITS OF G\nNPTS= 500, DT= .01 SEC\n" + rows(wave(500, 0.2), 5, "{:15.7E}")
 
@@ -98,7 +99,7 @@ def test_a_file_too_large_is_refused_before_it_is_read(tmp_path, monkeypatch):
     assert tracemalloc.get_traced_memory()[1] < 1_000_000
     tracemalloc.stop()
     (tmp_path / "packed.gz").write_bytes(gzip.compress(b"0 0\n" * 1000))
-    monkeypatch.setattr(records, "LARGEST", 3999)
+    monkeypatch.setattr(records.opening, "LARGEST", 3999)
     with pytest.raises(DocumentError, match="when unpacked"):
         read_records(tmp_path / "packed.gz")
 

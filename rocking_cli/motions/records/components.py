@@ -1,0 +1,64 @@
+"""The components of a file: which is vertical, and which of them a call takes."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+
+from ...errors import NoComponent, UsageError
+from .record import Record
+
+HORIZONTAL, ALL, STATION = "horizontal", "all", "station"
+_VERTICAL = re.compile(r"\b(?:up|u-d|ud|dn|down|dwn|ver|vrt|vert\w*)\b|^(?:[uvz]|[a-z]{2}z)(?: \(\d+\))?$", re.IGNORECASE)
+_OF_A_STATION = 2  # horizontal components; more of them are those of a building or an array
+
+
+def is_vertical(record: Record) -> bool:
+    """True if the file calls the component vertical, as in Up, U-D, Vert, HNZ or, in KiK-net, 3 and 6."""
+    name = record.component or ""
+    return bool(_VERTICAL.search(name)) or (record.format == "K-NET" and name in ("3", "6"))
+
+
+def pick(records: Sequence[Record], component: str | None) -> Record:
+    """The one record of a component, by its name or its number from 1; None for the only one there is. Raises UsageError."""
+    found = list(records) if component is None else chosen(records, component)
+    if len(found) == 1:
+        return found[0]
+    raise UsageError(f"{records[0].source}: holds the components {names_of(found or records)}; give one as component")
+
+
+def chosen(records: Sequence[Record], component: str | None) -> list[Record]:
+    """The records of a file that a set takes: `horizontal`, `all`, or one by its name or its number from 1; None: the horizontal ones
+    of a station. There may be no horizontal one.
+
+    Raises NoComponent for a name that the file does not have, UsageError without a component where more than two are horizontal.
+    """
+    source, word = records[0].source, None if component is None else component.strip().casefold()
+    if word == ALL:
+        return list(records)
+    if word in (None, HORIZONTAL):
+        found = [r for r in records if not is_vertical(r)]
+        if word is None and len(found) > _OF_A_STATION:
+            raise UsageError(f"{source}: holds the components {names_of(records)}; give one as component, or {HORIZONTAL} for all of those")
+        return found
+    for record in records:
+        if record.component is not None and record.component.casefold() == word:
+            return [record]
+    if word and word.isdigit() and 1 <= int(word) <= len(records):
+        return [records[int(word) - 1]]
+    accepted = f"are {names_of(records)}" if records[0].component is not None else "is 1, the only one, which has no name"
+    raise NoComponent(f"{source}: component: found {component!r}; accepted {accepted}, {HORIZONTAL} and {ALL}")
+
+
+def vertical_of(records: Sequence[Record]) -> Record:
+    """The one vertical component of a file. Raises UsageError where it has none or several."""
+    found = [r for r in records if is_vertical(r)]
+    if len(found) != 1:
+        held = f"{len(found)} vertical components ({names_of(found)})" if found else f"no vertical component beside {names_of(records)}"
+        raise UsageError(f"{records[0].source}: holds {held}; accepted is one where `vertical` is {STATION}")
+    return found[0]
+
+
+def names_of(records: Sequence[Record]) -> str:
+    """What a file calls these components."""
+    return ", ".join(r.component or "one without a name" for r in records)

@@ -1,0 +1,85 @@
+"""The bytes of a file of numbers, read once and unpacked, and what is no text refused."""
+
+from __future__ import annotations
+
+import gzip
+import io
+import os
+import select
+import stat
+import sys
+import zlib
+from pathlib import Path
+
+from ...errors import DocumentError, NoAcceleration, UsageError
+from .text import HEAD
+
+LARGEST = 256 << 20  # bytes of a file, unpacked
+STDIN = "<stdin>"
+_PATIENCE = 2.0  # s that a pipe may be without a writer
+_COUNTS = "counts of an instrument and no unit; convert it to an acceleration with the station's response first"
+
+
+def read_bytes(path: str | Path) -> tuple[str, bytes]:
+    """The source's name and what the file holds, `-` for standard input. Raises UsageError, and DocumentError for one too large."""
+    source = str(path)
+    try:
+        if source == "-":
+            if sys.stdin is None:
+                raise UsageError("standard input is closed")
+            source, raw = STDIN, sys.stdin.buffer.read(LARGEST + 1)
+        else:
+            with open(path, "rb", opener=_with_a_writer) as file:
+                size = os.fstat(file.fileno()).st_size
+                raw = b"" if size > LARGEST else file.read(LARGEST + 1)
+    except OSError as error:
+        raise UsageError(f"{source}: cannot be read: {error.strerror or error}") from None
+    if len(raw) > LARGEST or (source != STDIN and size > LARGEST):
+        raise DocumentError(f"{source}: larger than {LARGEST >> 20} MiB, which no record is")
+    return source, raw
+
+
+def _with_a_writer(path: str, flags: int) -> int:
+    """Open a file; of a pipe only one that somebody writes to, since it would be waited for without end. Raises UsageError."""
+    if not stat.S_ISFIFO(os.stat(path).st_mode):
+        return os.open(path, flags)
+    descriptor = os.open(path, flags | os.O_NONBLOCK)
+    ready = select.select([descriptor], [], [], _PATIENCE)[0]
+    try:
+        nobody = not ready and os.read(descriptor, 1) == b""
+    except BlockingIOError:  # there is a writer, who has not begun
+        nobody = False
+    if nobody:
+        os.close(descriptor)
+        raise UsageError(f"{path}: a pipe that nobody writes to")
+    os.set_blocking(descriptor, True)
+    return descriptor
+
+
+def unpacked(source: str, raw: bytes) -> bytes:
+    if not raw.startswith(b"\x1f\x8b"):
+        return raw
+    try:
+        with gzip.open(io.BytesIO(raw)) as file:
+            unpacked = file.read(LARGEST + 1)
+    except (OSError, EOFError, zlib.error) as error:
+        raise DocumentError(f"{source}: a damaged gzip file ({error})") from None
+    if len(unpacked) > LARGEST:
+        raise DocumentError(f"{source}: larger than {LARGEST >> 20} MiB when unpacked, which no record is")
+    return unpacked
+
+
+def refuse_binary(source: str, raw: bytes) -> None:
+    """Raise DocumentError for an empty file, NoAcceleration for archives, SAC and miniSEED, and for all else that is no text."""
+    if not (raw[:HEAD].strip() or raw.strip()):
+        raise DocumentError(f"{source}: empty; accepted is a record or a motion document")
+    if raw.startswith(b"PK\x03\x04") or raw[257:262] == b"ustar":
+        raise NoAcceleration(f"{source}: an archive (zip or tar); unpack it and name the files in it")
+    if raw[:3] == b"MS\x03" or (raw[:6].strip(b" 0123456789") == b"" and raw[6:7] in b"DRQM" and raw[7:8] in b" \0" and len(raw) >= 48):
+        raise NoAcceleration(f"{source}: miniSEED, which holds {_COUNTS}")
+    if len(raw) >= 632 and raw[304:308] in (b"\x06\0\0\0", b"\0\0\0\x06", b"\x07\0\0\0", b"\0\0\0\x07"):
+        raise NoAcceleration(f"{source}: SAC, which holds {_COUNTS}")
+    if raw[:HEAD].split(None, 6)[:5] == [b"-12345.00"] * 5 or raw[:HEAD].count(b"-12345.00") > 20:
+        raise NoAcceleration(f"{source}: SAC (alphanumeric), which holds {_COUNTS}")
+    if 100 * raw[:HEAD].count(0) > len(raw[:HEAD]):  # some headers of real files pad a name with a few
+        raise NoAcceleration(f"{source}: a binary file; accepted is a record or a motion document in text")
