@@ -5,11 +5,21 @@ CODE := $(shell find rocking_cli -type f -not -path '*/__pycache__/*')
 CONFIGS := $(shell find configs -type f)
 TESTS := $(shell find tests -type f -not -path '*/__pycache__/*')
 
-.PHONY: demo test lint figures study bench database golden trace soak ladder mutants clean
+.PHONY: help demo test lint quick figures study bench database golden trace soak ladder mutants clean
 
-demo: out/demo.h5
-test: $(STAMPS)/test
-lint: $(STAMPS)/lint
+.DEFAULT_GOAL := help
+help: ## This list
+	@sed -n 's/^\([a-z]*\):.*## \(.*\)/  \1\t\2/p' $(MAKEFILE_LIST) | expand -t 14
+
+demo: out/demo.h5 ## Set up .venv and compute a first spectrum, out/demo.h5
+test: $(STAMPS)/test ## Set up .venv and run the tests
+lint: $(STAMPS)/lint ## Format, rules and types
+
+# The rooms whose files differ from the last commit, or ROOMS="tests/structures tests/motions".
+ROOMS ?= $(shell git diff --name-only HEAD -- rocking_cli tests | sed -nE 's,^(rocking_cli|tests)/([a-z]+)/.*,tests/\2,p' | sort -u)
+quick: $(STAMPS)/dev ## What a small change needs: rules, types, and the quick tests of the rooms that it touches
+	.venv/bin/ruff check --quiet . && .venv/bin/mypy
+	.venv/bin/python -m pytest -n 2 -m 'not soak and not slow' $(or $(wildcard $(ROOMS)),tests/documents tests/structures)
 
 $(STAMPS)/install: pyproject.toml
 	$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11) and "Python 3.11 or newer is needed: make PYTHON=...")'
@@ -40,7 +50,7 @@ $(STAMPS)/lint: $(STAMPS)/dev $(CODE) $(TESTS)
 # Figs. 2 to 8 of the paper: Fig. 4 over r_b/H, Fig. 6 for a continuous arch with beta = 150 to 180 deg and t/r = 0.12 to 0.2.
 ROCKING := .venv/bin/rocking
 FIG := out/figures
-figures: $(STAMPS)/dev
+figures: $(STAMPS)/dev ## The figures of the paper, out/figures
 	mkdir -p $(FIG)
 	$(ROCKING) spectrum --eta 0.9 --grid A=0.2:12:600,Omega=0.2:8:500 -o $(FIG)/fig2.h5 --overwrite
 	$(ROCKING) plot $(FIG)/fig2.h5 -o $(FIG)/fig2_left.png --overwrite
@@ -61,14 +71,14 @@ figures: $(STAMPS)/dev
 
 # How often the linear equation calls safe what overturns: blocks of b/h from 0.05 to 0.6 over A and Omega.
 STUDY := out/study
-study: $(STAMPS)/dev
+study: $(STAMPS)/dev ## How often the linear equation calls safe what overturns
 	mkdir -p $(STUDY)
 	$(ROCKING) params configs/block.yaml --vary width=0.1:1.2:12 --json -q > $(STUDY)/blocks.jsonl
 	$(ROCKING) spectrum $(STUDY)/blocks.jsonl --grid A=1:8:281,Omega=1:8:57 --model both --tolerance 1e-6 -o $(STUDY)/validity.h5 --overwrite
 	$(ROCKING) plot $(STUDY)/validity.h5 --all -o $(STUDY)/validity.png --overwrite
 	.venv/bin/python tests/bench/validity.py $(STUDY)/validity.h5
 
-bench: $(STAMPS)/dev
+bench: $(STAMPS)/dev ## Speed and error of every scene
 	.venv/bin/python -m pip install --quiet --disable-pip-version-check --editable '.[bench]'
 	.venv/bin/python tests/bench/bench.py
 	.venv/bin/python tests/bench/records.py
@@ -78,31 +88,31 @@ bench: $(STAMPS)/dev
 	.venv/bin/python tests/bench/database.py
 
 # Records at the scale of a database, minutes: 200 x 10^4 cells, the nonlinear equation, first and all intervals of overturning.
-database: $(STAMPS)/dev
+database: $(STAMPS)/dev ## Records at the scale of a database, minutes
 	.venv/bin/python tests/bench/database.py 200 --long
 
 # Which results of a commit the working tree changes, by bits: make golden BASE=HEAD.
 BASE ?= HEAD
-golden: $(STAMPS)/dev
+golden: $(STAMPS)/dev ## Which results of the commit BASE the working tree changes, by bits
 	rm -rf out/golden && mkdir -p out/golden/base && git archive $(BASE) rocking_cli | tar -x -C out/golden/base
 	PYTHONPATH=$(CURDIR)/out/golden/base .venv/bin/python tests/bench/golden.py write out/golden/base.json
 	PYTHONPATH=$(CURDIR) .venv/bin/python tests/bench/golden.py compare out/golden/base.json
 
 # Where the time of a scene goes, stage by stage: make trace SCENE="linear arch", all scenes without.
-trace: $(STAMPS)/dev
+trace: $(STAMPS)/dev ## Where the time of a scene goes: make trace SCENE="linear arch"
 	.venv/bin/python tests/bench/trace.py $(SCENE)
 
-soak: $(STAMPS)/dev
+soak: $(STAMPS)/dev ## The long checks
 	.venv/bin/python -m pytest -m soak
 
 # The numeric tests with other processors' kernels of OpenBLAS, NumPy and the C library.
-ladder: $(STAMPS)/dev
+ladder: $(STAMPS)/dev ## The numeric tests with other processors' kernels
 	.venv/bin/python tests/bench/ladder.py
 
 # Which of the tests of dynamics/ notice that a sign, a comparison or a constant there is another.
-mutants: $(STAMPS)/dev
+mutants: $(STAMPS)/dev ## Which changes of a sign or a constant the tests notice
 	.venv/bin/python tests/bench/mutants.py
 
-clean:
+clean: ## Remove all that was made
 	rm -rf .venv out dist .mypy_cache .ruff_cache .pytest_cache .hypothesis
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +
