@@ -123,7 +123,7 @@ FORCES = [f"rocking_cli.dynamics.march.{name}" for name in ("demand", "lines", "
         ),
         (
             ["spectrum", "block:0.5x2", "--model", "nonlinear", "--motion", RECORD, "--grid", "a_g=0.1g:0.5g:3", "-o", "OUT"],
-            ["scipy", "rocking_cli.structures.kinds.arch", "rocking_cli.dynamics.flight.relay", *FORCES],
+            ["scipy", "rocking_cli.structures.kinds.arch", *FORCES],
         ),
         (["response", "block:0.5x2", "--a-g", "0.3g", "--f-g", "1", "--events"], ["h5py", *FORCES]),
     ],

@@ -7,6 +7,5 @@ jump     the lanes that can jump, and how far
 crest    the largest rotation within a jump
 run      the engine of the undamped linear oscillator: jumps, intervals, impacts
 walk     that of every other equation: strides from sample to sample, rounds of the march where something may happen
-relay    the walk of few cells through a long record, whose legs are walked side by side
 weighed_walk  the walk where the ground moves upwards too
 """

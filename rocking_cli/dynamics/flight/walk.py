@@ -6,7 +6,6 @@ Lemma 12 proves that it holds no impact and no crest above the peak; other lanes
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING
 
@@ -33,7 +32,6 @@ Array = np.ndarray
 _POOL = 32768  # lanes: a round of the march costs calls, not lanes
 _BLOCK = 5056  # lanes that stride together: what they need fits the second-level cache, and no power of two lies between its rows
 _STRIDES, _NARROW = 4, 16  # in a row, before lanes that wait get their round: of many lanes, and of fewer than a block
-_FEW, _LONG = 2048, 1 << 15  # cells that are relayed, at the most, and intervals of a record, at least (`relay`)
 _NEARLY = 0.9  # part of the displacement from which a body has overturned: beyond it the march judges
 
 
@@ -63,9 +61,6 @@ class Walk(Run):
         self.samples, self.gains = samples.values, gains(samples.values)
         self.step, self.last = samples.step, samples.values.size - 1
         self.steepest = max(largest(self.gains[part]) for part in blocks(self.gains.size))
-        self.relays = type(self) is Walk and self.last >= _LONG
-        self.apart = self.relays  # whether lanes know of their present excursion from rest alone, and cells keep what the others came to
-        self.risen, self.struck = np.zeros(amplitude.size), np.zeros(amplitude.size, dtype=np.int32)
 
     def _march(self, waiting: Array) -> None:
         """Walk these cells, those of like pace together; march where samples are far apart."""
@@ -75,19 +70,14 @@ class Walk(Run):
         if waiting.size:
             waiting = waiting[np.argsort(pace, kind="stable")]
             with np.errstate(all="ignore"):
-                if self.relays and waiting.size <= _FEW:
-                    from .relay import relay
-
-                    relay(self, waiting)
-                else:
-                    self._walk(waiting.size, lambda some: self.start(waiting[some]))
+                self._walk(waiting)
                 if self.demands is not None:
                     self.demands.take_in(self.start(waiting[:0]), self.outcome)
 
-    def _walk(self, count: int, enter: Callable[[slice], Lanes]) -> None:
-        """Keep a pool of lanes on their feet until all those that `enter` are done."""
-        taken = min(self.pool, count)
-        lanes = self._launch(enter(slice(0, taken)), np.arange(taken))
+    def _walk(self, waiting: Array) -> None:
+        """Advance these cells, as many at once as the pool holds, until all are done."""
+        taken = min(self.pool, waiting.size)
+        lanes = self._launch(self.start(waiting[:taken]), np.arange(taken))
         free = np.zeros(taken, dtype=bool)
         walks = self._ready(lanes)
         while lanes.cell.size:
@@ -100,9 +90,9 @@ class Walk(Run):
             lost = self._lost(lanes, np.flatnonzero(walks))
             free[lost], walks[lost] = True, False
             places = np.flatnonzero(free)
-            more = min(places.size, count - taken)
+            more = min(places.size, waiting.size - taken)
             if more:
-                new = self._launch(enter(slice(taken, taken + more)), places[:more])
+                new = self._launch(self.start(waiting[taken : taken + more]), places[:more])
                 taken += more
                 lanes.put(new.slot, new)
                 free[new.slot], walks[new.slot] = False, self._ready(new)
@@ -113,11 +103,7 @@ class Walk(Run):
 
     def _ready(self, lanes: Walkers) -> Array:
         """Whether lanes stand at a sample from which they can walk."""
-        return (lanes.u == 0.0) & (lanes.k < self._stop(lanes.cell))
-
-    def _stop(self, cell: Array) -> Array | int:
-        """The sample up to which these cells are walked."""
-        return self.last
+        return (lanes.u == 0.0) & (lanes.k < self.last)
 
     def _launch(self, lanes: Lanes, slot: Array) -> Walkers:
         """Lanes with what they need to walk."""
@@ -144,7 +130,7 @@ class Walk(Run):
             getattr(lanes, name).take(at) for name in ("k", "y", "v", "peak", "pace", "outward", "degree")
         )
         go, side, cell = np.ones(at.size, dtype=bool), lanes.side[at], lanes.cell[at]
-        equation, stop = self.equation.on(side, cell), self._stop(cell)
+        equation = self.equation.on(side, cell)
         factors, last = factors_for(pace, degree), degree * at.size + np.arange(at.size)
         for _ in range(strides):
             ramp = self._ramp(k, outward, pace, factors)
@@ -153,7 +139,7 @@ class Walk(Run):
             self._look(cell, side, equation, (y, v), (end_y, end_v), ramp, go)
             y, v, peak = np.where(go, end_y, y), np.where(go, end_v, v), np.where(go, np.maximum(peak, end_y), peak)
             k += go
-            go &= k < stop
+            go &= k < self.last
             if not go.any():
                 break
         lanes.k[at], lanes.y[at], lanes.v[at], lanes.peak[at], walks[at] = k, y, v, peak, go
@@ -244,22 +230,6 @@ class Walk(Run):
         failed = ~np.isfinite(lanes.y[past])
         self._finish(lanes, past[failed], Outcome.FAILED, np.nan)
         self._shaken(lanes, past[~failed])
-
-    def _end_excursion(self, lanes: Lanes, at: Array) -> None:
-        if not self.apart:
-            return
-        cell = lanes.cell[at]
-        if self.peaks:
-            rotation = self.equation.on(lanes.side[at], cell).rotation(lanes.peak[at])
-            self.risen[cell], lanes.peak[at] = np.maximum(self.risen[cell], rotation), 0.0
-        self.struck[cell] += lanes.impacts[at]
-        lanes.impacts[at] = lanes.steps[at] = 0
-
-    def _impacts(self, lanes: Lanes, at: Array) -> Array:
-        return np.asarray(self.struck[lanes.cell[at]] + lanes.impacts[at])
-
-    def _largest(self, cell: Array, rotation: Array) -> Array:
-        return np.maximum(self.risen[cell], rotation)
 
     def _lost(self, lanes: Walkers, at: Array) -> Array:
         """Walking lanes that nothing can bring back (Lemma 6)."""

@@ -120,7 +120,7 @@ class Batch:
         return lanes.take(np.flatnonzero(~stands)) if stands.any() else lanes
 
     def _overturn(self, lanes: Lanes, at: Array) -> None:
-        bounced = self._impacts(lanes, at) > 0
+        bounced = lanes.impacts[at] > 0
         if self.equation.damping:
             bounced |= self.bounced[lanes.cell[at]]
         self._finish(lanes, at[bounced], Outcome.OVERTURNED_AFTER_IMPACT, np.nan)
@@ -134,21 +134,10 @@ class Batch:
         cell = lanes.cell[at]
         self.outcome[cell] = outcome
         if self.peaks:
-            self.theta_ratio[cell] = self._largest(cell, self.equation.on(lanes.side[at], cell).rotation(np.asarray(peak)))
+            self.theta_ratio[cell] = self.equation.on(lanes.side[at], cell).rotation(np.asarray(peak))
         if outcome == Outcome.ROCKED:
             if self.drops is not None:
                 self._lose(cell[self.drops.ever[cell]])
             if self.footing is not None and self.footing.any:
                 self._lose(cell[self.footing.lost[cell]])
-        self.impacts[cell] = self._impacts(lanes, at)
-
-    def _end_excursion(self, lanes: Lanes, at: Array) -> None:
-        """What is kept of the lanes `at`, which have come to rest: they keep it themselves."""
-
-    def _impacts(self, lanes: Lanes, at: Array) -> Array:
-        """Those of the lanes `at` so far."""
-        return lanes.impacts[at]
-
-    def _largest(self, cell: Array, rotation: Array) -> Array:
-        """The largest rotations of cells that have come to these; NaN where they are."""
-        return rotation
+        self.impacts[cell] = lanes.impacts[at]

@@ -278,7 +278,6 @@ class Run(Batch):
         again = self.contact.uplift(self.cells, self.segments, lanes.cell[resting], lanes.k[resting], lanes.u[resting])
         if self.demands is not None:
             self.demands.close(lanes.take(resting), *self._rests_until(lanes.cell[resting], again))
-        self._end_excursion(lanes, resting)
         lanes.k[resting], lanes.u[resting] = again.k, again.u
         lanes.y[resting], lanes.v[resting], lanes.b[resting] = 0.0, 0.0, again.b
         self.contact.turn(self.cells, lanes, resting, again.side)

@@ -98,17 +98,6 @@ class LineDemands(Demands):
             self._sift()
         super().take_in(going, outcome)
 
-    def take_over(self, legs: LineDemands, cell: Array) -> None:
-        """What was found of cells in legs of theirs; cell: of each leg."""
-        legs._sift()
-        legs._judge()
-        np.minimum.at(self.fz_min, cell, legs.fz_min)
-        np.maximum.at(self.friction, cell, legs.friction)
-        for lanes in (*legs._free, *(lanes for lanes, _ in legs._open)):
-            lanes.cell = cell[lanes.cell]
-        self._free += legs._free
-        self._open += legs._open
-
     def _sift(self) -> None:
         """Judge the strides that are held."""
         if not self._held:
