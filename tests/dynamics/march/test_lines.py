@@ -181,21 +181,6 @@ def test_strides_ask_what_is_seen_at_a_thousand_instants_of_theirs(kind, model, 
         assert np.all(worse(found, asked)[pressed] == found[pressed]) or np.abs(worse(found, asked) - found)[pressed].max() < 1e-10
 
 
-def test_what_legs_leave_open_goes_on_as_that_of_their_cells():
-    _, legs = demands_of("plain", "linear", 3)
-    _, demands = demands_of("plain", "linear", 2)
-    zero, one, count = np.zeros(3), np.ones(3), np.zeros(3, dtype=np.int32)
-    lanes = Lanes(np.arange(3), one, one, one, count + 1, zero, one, 0.1 * one, zero, zero, zero, count, count)
-    legs.free(lanes, np.array([0, 2]), 0.1 * one[:2], zero[:2])
-    legs._leave(lanes.take(np.array([1])), Bounds(np.array([-1.0]), np.array([9.0])))
-    legs.note(np.arange(3), np.array([0.5, 0.9, 0.7]), np.array([0.1, 0.3, 0.2]))
-    demands.take_over(legs, np.array([1, 0, 0]))
-    assert demands._free[0].cell.tolist() == [1, 0]
-    assert [lanes.cell.tolist() for lanes, _ in demands._open] == [[0]]
-    assert demands.fz_min.tolist() == [0.7, 0.5]
-    assert demands.friction.tolist() == [0.3, 0.1]
-
-
 @pytest.mark.parametrize(("dip", "monotone"), [(0.4, True), (0.9, False), (1.2, False)])
 def test_a_turn_may_hide_where_slopes_change_by_as_much_as_they_are(dip, monotone):
     """Of slope 1 - 4 dip x (1 - x), which is negative in the middle for a dip above 1; the chord is left by dip/2 at most."""
