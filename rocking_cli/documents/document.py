@@ -103,14 +103,17 @@ class Document:
         least: float = -math.inf,
         most: float = math.inf,
         where: str = "",
+        default: float | None = None,
     ) -> float:
-        """The SI value of a required key. Raises DocumentError if the key is absent, or its value has a wrong unit or is out of range.
+        """The SI value of a key, or `default` if the key is absent; `where` states the range in words.
 
-        `where` states the range in words.
+        Raises DocumentError if the value has a wrong unit or is out of range, or if the key is absent and has no default.
         """
         self.dimensions[key] = dimension
         if not self.has(key):
-            raise self.missing(key, accepted(dimension))
+            if default is None:
+                raise self.missing(key, accepted(dimension))
+            return default
         value = self.values[key]
         if not isinstance(value.content, str):
             raise self.fault(key, str(value), accepted(dimension))

@@ -1,4 +1,4 @@
-"""What rocks: from structure documents to rocking parameters."""
+"""Structures: from structure documents to rocking parameters."""
 
 from __future__ import annotations
 
@@ -18,13 +18,14 @@ if TYPE_CHECKING:
 
 
 def build_structure(document: Document) -> RockingParameters:
-    """The rocking parameters of one document. Raises DocumentError, which names the file, line, key and what is accepted.
+    """The rocking parameters of one document. Raises DocumentError, which names file, line, key and the values accepted.
 
     >>> round(build_structure(parse_documents('{kind: block, width: 0.5, height: 2}')[0]).p, 6)
     2.671671
     """
     word, kind = kind_of(document)
-    stem = "structure" if document.source.startswith("<") else Path(document.source).stem.replace(",", " ")  # a list of names stays one
+    # Names stand in lists with commas between them, so a name holds none.
+    stem = "structure" if document.source.startswith("<") else Path(document.source).stem.replace(",", " ")
     name = document.word("name", stem if document.index == 0 else f"{stem}-{document.index + 1}")
     try:
         built = replace(kind.build(document, name), damping=damping_of(document), friction=friction_of(document))
@@ -35,9 +36,9 @@ def build_structure(document: Document) -> RockingParameters:
 
 
 def read_documents(path: str | Path) -> list[Document]:
-    """All documents of a YAML, JSON or CSV file, `-` for standard input, or the one that `block:0.5x2` states.
+    """All documents of a YAML, JSON or CSV file (`-` is standard input), or the document that a text like `block:0.5x2` states.
 
-    Raises UsageError when the file cannot be read and DocumentError when it holds no valid document.
+    Raises UsageError if the file cannot be read, and DocumentError if it holds no valid document.
 
     >>> [document.source for document in read_documents('configs/arch.yaml')]
     ['configs/arch.yaml']
@@ -49,9 +50,9 @@ def read_documents(path: str | Path) -> list[Document]:
 
 
 def load_structures(paths: str | Path | Iterable[str | Path]) -> list[RockingParameters]:
-    """The rocking parameters of every document in these files, in order; `-` is standard input, `block:0.5x2` a document itself.
+    """The rocking parameters of every document of these paths, in order; `read_documents` lists the accepted forms of a path.
 
-    Raises UsageError for a file that cannot be read and DocumentError for a document that is not valid.
+    Raises UsageError if a file cannot be read, and DocumentError if a document is not valid.
 
     >>> [structure.name for structure in load_structures(['configs/block.yaml', 'configs/arch.yaml'])]
     ['Column', 'Oppenheim']
@@ -61,7 +62,7 @@ def load_structures(paths: str | Path | Iterable[str | Path]) -> list[RockingPar
 
 
 def with_distinct_names(structures: Iterable[RockingParameters]) -> list[RockingParameters]:
-    """The same structures; a name that was there before gets a number, so that a file's coordinate tells them apart."""
+    """The same structures with distinct names: a repeated name gets a number. Spectra files identify structures by name."""
     taken: set[str] = set()
     named = []
     for structure in structures:

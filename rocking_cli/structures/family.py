@@ -1,4 +1,4 @@
-"""Families of structures: one document with some of its values varied over all combinations (Figs. 4 and 6)."""
+"""Families of structures: one document with some values varied, in all combinations (Figs. 4 and 6)."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ MAX_MEMBERS = 1_000_000
 
 
 class Variation(NamedTuple):
-    """One key and the numbers it takes; `unit` is the text after each number, None for the document's own unit."""
+    """A key and the numbers that it takes; `unit` is their unit, None for the unit in the document."""
 
     key: str
     values: tuple[float, ...]
@@ -25,8 +25,11 @@ class Variation(NamedTuple):
 
 
 class Member(NamedTuple):
-    """One member of a family: the varied values in SI, the same under headings that tell the unit of the option, and its parameters;
-    or no values, and the reason why it has no parameters."""
+    """One member of a family.
+
+    varied: the varied values by key, in SI units; shown: the same values in the units of the option, by heading with unit;
+    parameters: None if the document has no solution, and then `varied` is empty and `fault` states the reason.
+    """
 
     varied: dict[str, float]
     shown: dict[str, float]
@@ -35,9 +38,7 @@ class Member(NamedTuple):
 
 
 def parse_variation(text: str) -> Variation:
-    """`KEY=START:STOP:N`; bounds may carry a unit, bare bounds take the unit that the document uses for the key.
-
-    Raises UsageError.
+    """The variation that `KEY=START:STOP:N` states. Bounds without a unit take the unit of the document. Raises UsageError.
 
     >>> parse_variation('angle=150deg:160deg:3')
     Variation(key='angle', values=(150.0, 155.0, 160.0), unit='deg')
@@ -66,7 +67,7 @@ def parse_variation(text: str) -> Variation:
 
 
 def members(variations: Sequence[Variation]) -> int:
-    """How many structures a family has. Raises UsageError when a key is varied twice or they are too many."""
+    """The number of structures of a family. Raises UsageError if a key is varied twice or the number is too large."""
     keys = [v.key for v in variations]
     if len(set(keys)) < len(keys):
         raise UsageError("`vary`: a key is varied twice")
@@ -77,9 +78,9 @@ def members(variations: Sequence[Variation]) -> int:
 
 
 def family(document: Document, variations: Sequence[Variation | str]) -> Iterator[Member]:
-    """Every combination of the varied values, the last varying fastest. A member that has no solution says why.
+    """Every combination of the varied values; the last key varies fastest. A text among `variations` goes through `parse_variation`.
 
-    variations: as `parse_variation` reads them. Raises DocumentError for a key that is unknown, UsageError for one that takes a text.
+    Raises DocumentError if a key is unknown, and UsageError if a key takes a text.
 
     >>> (document,) = read_documents('configs/block.yaml')
     >>> [round(member.parameters.p, 4) for member in family(document, ['height=2:4:3'])]

@@ -1,4 +1,4 @@
-"""A structure on the command line itself: `block:0.5x2`, `spire:1.5x12,thickness=0.15,crack=diagonal`."""
+"""Structures stated on the command line, such as `block:0.5x2` or `spire:1.5x12,thickness=0.15,crack=diagonal`."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ _KIND = re.compile(r"([A-Za-z_][A-Za-z0-9_]+):(.*)", re.DOTALL)
 
 
 def inline_document(text: str) -> Document | None:
-    """The document that `KIND:SIZES,KEY=VALUE,…` states, or None where this is the name of a file.
+    """The document that `KIND:SIZES,KEY=VALUE,…` states, or None if the text is a file name or has another form.
 
-    Sizes are those of SIZES of the kind, with an x between them. Raises DocumentError.
+    The sizes are the keys SIZES of the kind, with an x between them. Raises DocumentError.
     """
     match = _KIND.fullmatch(text)
     if match is None or os.path.exists(text):
@@ -36,22 +36,21 @@ def inline_document(text: str) -> Document | None:
         key, equals, value = (x.strip() for x in part.partition("="))
         if equals:
             cells.append(Cell(key, value, place))
-        elif word in KINDS:  # of another word the kind is at fault
+        elif word in KINDS:  # `build_structure` refuses any other word
             given = [size.strip() for size in part.split("x")]
             if i or not sizes or len(given) != len(sizes) or not all(given):
                 raise DocumentError(f"{text}: found {part.strip()!r}; accepted is {_form(word, sizes)}")
             cells += [Cell(key, size, place) for key, size in zip(sizes, given, strict=True)]
     keys = [cell.key for cell in cells]
-    for key in keys:
-        if keys.count(key) > 1:
-            raise DocumentError(f"{text}: {key} is given twice")
+    if twice := [key for key in keys if keys.count(key) > 1]:
+        raise DocumentError(f"{text}: {twice[0]} is given twice")
     if "name" not in keys:
         cells.append(Cell("name", text.replace(",", " "), place))
     return document_of(cells, text)
 
 
 def _parts(text: str) -> list[str]:
-    """What stands between commas that no bracket encloses."""
+    """The parts of a text between commas, except commas inside brackets."""
     parts, depth = [""], 0
     for character in text:
         depth += (character in "[{") - (character in "]}")

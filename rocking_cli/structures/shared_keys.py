@@ -1,4 +1,4 @@
-"""Keys that documents of several kinds share: gravity, restitution, one_sided, damping, friction."""
+"""Keys that documents of several kinds share: gravity, restitution, damping, friction."""
 
 from __future__ import annotations
 
@@ -15,40 +15,30 @@ ONE_SIDED_RESTITUTION = "a number above -1 and up to 0 (one_sided: it returns to
 
 
 def gravity_of(document: Document) -> float:
-    """The document's gravity [m/s2], 9.81 unless given."""
-    if not document.has("gravity"):
-        return DEFAULT_GRAVITY
-    return document.quantity("gravity", "acceleration", above=0.0, where="a positive acceleration")
+    """The document's gravity [m/s2], 9.81 by default."""
+    return document.quantity("gravity", "acceleration", above=0.0, where="a positive acceleration", default=DEFAULT_GRAVITY)
 
 
 def restitution_of(document: Document, momentum: float, limit: str) -> tuple[float, str]:
-    """(eta, where it comes from): the document's value, or the given one from momentum.
+    """(eta, its source): the document's value, or `momentum`, the value from conservation of angular momentum.
 
-    `limit` says in words where the momentum model ceases to hold (eta < 0), which is an error unless eta is given.
+    `limit` states for which bodies the momentum model holds. Raises DocumentError if eta is not given and `momentum` is negative.
     """
-    if document.has("restitution") and document.values["restitution"].content != "auto":
-        wanted = "a number from 0 to 1, or auto"
-        try:
-            return abs(document.quantity("restitution", "number", least=0.0, most=1.0, where=wanted)), "given"
-        except DocumentError:
-            raise document.fault("restitution", str(document.values["restitution"]), wanted) from None
+    if _given(document):
+        return abs(_stated(document, 0.0, "a number from 0 to 1, or auto")), "given"
     if momentum < 0.0:
         raise document.fault(None, f"a restitution of {momentum:.4g} from momentum", f"{limit}; or give restitution")
     return momentum, "momentum"
 
 
 def one_sided_restitution_of(document: Document, base: tuple[float, float], backing: float | None) -> tuple[float, str]:
-    """The same for a one-sided body, (e, where it comes from): e is above -1 and up to 0.
+    """(e, its source) of a one-sided body, -1 < e <= 0: the document's value, or the product of three impacts.
 
-    From momentum it is the product of three impacts: `base`, on leaving the right edge for the left and back; `backing`,
-    None where the geometry does not say where the body meets it.
+    base: eta of the impact on the right edge and on the left edge; backing: the factor of the impact on the backing, None if the
+    geometry does not define the point of impact. Raises DocumentError.
     """
-    if document.has("restitution") and document.values["restitution"].content != "auto":
-        wanted = ONE_SIDED_RESTITUTION + ("" if backing is None else ", or auto")
-        try:
-            return document.quantity("restitution", "number", above=-1.0, most=0.0, where=wanted) + 0.0, "given"
-        except DocumentError:
-            raise document.fault("restitution", str(document.values["restitution"]), wanted) from None
+    if _given(document):
+        return _stated(document, -1.0, ONE_SIDED_RESTITUTION + ("" if backing is None else ", or auto")) + 0.0, "given"
     if backing is None:
         found = "a one-sided body whose geometry does not say where it meets its backing"
         raise document.fault("one_sided", found, f"restitution beside it: {ONE_SIDED_RESTITUTION}")
@@ -59,21 +49,28 @@ def one_sided_restitution_of(document: Document, base: tuple[float, float], back
     return e, "momentum"
 
 
-def one_sided_of(document: Document) -> bool:
-    """Whether the body leaves the ground on its right edge only, false unless the document says so."""
-    return document.flag("one_sided")
+def _given(document: Document) -> bool:
+    return document.has("restitution") and document.values["restitution"].content != "auto"
+
+
+def _stated(document: Document, low: float, wanted: str) -> float:
+    """The document's restitution: from 0 to 1 if `low` is 0, above -1 and up to 0 if `low` is -1. Raises DocumentError."""
+    try:
+        if low < 0.0:
+            return document.quantity("restitution", "number", above=low, most=0.0)
+        return document.quantity("restitution", "number", least=low, most=1.0)
+    except DocumentError:  # its sentence lacks `auto`
+        raise document.fault("restitution", str(document.values["restitution"]), wanted) from None
 
 
 def damping_of(document: Document) -> float:
-    """The document's viscous damping zeta [-], 0 unless given."""
-    if not document.has("damping"):
-        return 0.0
+    """The document's viscous damping zeta [-], 0 by default."""
     where = f"a number from 0 to below {MOST_DAMPING:g} (zeta)"
-    return document.quantity("damping", "number", least=0.0, below=MOST_DAMPING, where=where)
+    return document.quantity("damping", "number", least=0.0, below=MOST_DAMPING, where=where, default=0.0)
 
 
 def friction_of(document: Document) -> float | None:
-    """The document's coefficient of friction [-], None unless given."""
+    """The document's coefficient of friction [-], None if absent."""
     if not document.has("friction"):
         return None
     return document.quantity("friction", "number", above=0.0, where="a positive number (a coefficient of friction)")

@@ -1,4 +1,4 @@
-"""A commented document of each kind: the shipped configs, which a wheel carries inside the package."""
+"""A commented example document of each kind, from the configs that are shipped with the package."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from ..errors import UsageError
 
 
 def template(kind: str) -> str:
-    """The text of the shipped document of a kind. Raises UsageError for a kind without one."""
+    """The text of the example document of a kind. Raises UsageError if there is none."""
     name = f"{kind}.yaml"
     inside, beside = files("rocking_cli") / "configs" / name, Path(__file__).resolve().parents[2] / "configs" / name
     for place in (inside, beside):

@@ -1,7 +1,7 @@
-"""The masonry arch (Figs. 5-7): the four-hinge mechanism it rocks in, from geometry alone.
+"""The masonry arch (Figs. 5-7): its governing four-hinge mechanism and rocking parameters, from the geometry.
 
-`uplift` is the least acceleration over all admissible mechanisms; the others follow from the linkage linearised at its
-unstable equilibrium (Eqs. 3.5-3.9). phi is the rotation of link A-B, whose end hinge A is on the intrados.
+lambda is the least uplift acceleration of all admissible mechanisms. The other parameters follow from the linkage, linearised at
+its unstable equilibrium (Eqs. 3.5-3.9).
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from ...documents.document import Document, Value
 from ...documents.quantities import SMALLEST_LENGTH, parse_quantity
 from ..mechanics.kinematics import linearise
 from ..parameters import RockingParameters
-from ..shared_keys import gravity_of, one_sided_of, restitution_of
+from ..shared_keys import gravity_of, restitution_of
 from ..sketch import Outline, Sketch
 
 if TYPE_CHECKING:
@@ -25,23 +25,22 @@ REPORTS = ("a_scale_3_7", "hinges", "direction", "lambda_governing")
 SIZES = ("radius", "thickness", "angle")
 MOST_VOUSSOIRS = 200
 DIRECTION = "sways towards +x, away from springing A; the mirror image has the same parameters"
-MEASURED = {"centre-line": 0.0, "intrados": 0.5, "extrados": -0.5}  # thicknesses from there out to the centre line
+MEASURED = {"centre-line": 0.0, "intrados": 0.5, "extrados": -0.5}  # distance outwards to the centre line, over the thickness
 PAIRS = (("radius", "angle"), ("span", "rise"))
 _HINGES = "four angles from springing A, rising, or four of {angle, face} with faces intrados and extrados in turn"
 
 
 def build(document: Document, name: str) -> RockingParameters:
-    """thickness; radius and angle (inclusion), or span and rise; measured: centre-line (default), intrados or extrados.
+    """The parameters of an arch. Raises DocumentError.
 
-    voussoirs (absent: continuous); hinges (absent: searched).
+    Keys: thickness; radius and angle (inclusion), or span and rise; measured: centre-line (default), intrados or extrados;
+    voussoirs (absent: a continuous arch); hinges (absent: the governing ones).
     """
     from ..mechanics.fourbar import FACES
 
-    if one_sided_of(document):
+    if document.flag("one_sided"):
         raise document.fault("one_sided", "true", "false: an arch sways to both sides")
     mechanism, governing = find_mechanism(document)
-    if document.has("voussoirs"):
-        mechanism = replace(mechanism, voussoirs=document.integer("voussoirs", 4, MOST_VOUSSOIRS))
     found = linearise(mechanism)
     gravity = gravity_of(document)
     eta, source = restitution_of(document, found.eta, "an arch whose mechanism does not throw it backwards")
@@ -69,9 +68,9 @@ def build(document: Document, name: str) -> RockingParameters:
 
 
 def find_mechanism(document: Document) -> tuple[FourBar, float | None]:
-    """The arch's mechanism, from the given hinges, checked, or the governing ones; and the lambda that governs.
+    """(mechanism, governing lambda). The mechanism has the document's hinges, or else the governing ones.
 
-    Raises DocumentError when the arch cannot stand or no linkage of four hinges governs.
+    Raises DocumentError if the arch does not stand, the given hinges are not admissible, or no linkage of four hinges governs.
     """
     import numpy as np
 
@@ -81,7 +80,7 @@ def find_mechanism(document: Document) -> tuple[FourBar, float | None]:
 
     ring = ring_of(document)
     angle = ring.angle
-    voussoirs = document.integer("voussoirs", 4, MOST_VOUSSOIRS) if document.has("voussoirs") else None
+    voussoirs = _voussoirs(document)
     joints = None if voussoirs is None else np.linspace(0.0, angle, voussoirs + 1)
     found = search_continuous(ring) if joints is None else search_joints(ring, joints)
     if joints is None or (found is not None and carried_through(ring, joints, found[0])):
@@ -91,18 +90,22 @@ def find_mechanism(document: Document) -> tuple[FourBar, float | None]:
     if (joints is not None and carried is None) or (found is not None and not found[1] > 0.0):
         raise document.fault("thickness", f"{document.values['thickness']}: the arch cannot carry its own weight", "a thicker arch")
     if document.has("hinges"):
-        return _given(document, ring, joints), carried
-    # Where the static theorem allows less than the best linkage, joints part over their whole depth before four hinges form.
+        return replace(_given(document, ring, joints), voussoirs=voussoirs), carried
+    # If the static bound is below that of the linkage, joints open over their whole depth before four hinges form.
     if found is None or carried is None or found[1] > carried + 1e-6 or any(a == b for a, b in pairwise(found[0])):
         wanted = "an arch longer or thinner, which rocks before its joints part"
         raise document.fault(None, "no linkage of four hinges that governs", wanted)
-    return FourBar(ring, found[0]), found[1]
+    return FourBar(ring, found[0], voussoirs), found[1]
+
+
+def _voussoirs(document: Document) -> int | None:
+    return document.integer("voussoirs", 4, MOST_VOUSSOIRS) if document.has("voussoirs") else None
 
 
 def ring_of(document: Document) -> Ring:
     """The ring from radius and angle, or from span and rise: R = (span^2/4 + rise^2)/(2 rise), angle = 4 atan(2 rise/span).
 
-    `measured` tells where radius, span and rise are taken; faces are half a thickness off the centre line, springings radial.
+    The key `measured` states the line on which radius, span and rise are taken. Springings are radial. Raises DocumentError.
     """
     from ..mechanics.fourbar import Ring
 
@@ -117,7 +120,7 @@ def ring_of(document: Document) -> Ring:
     else:
         radius = document.length("radius")
         angle = document.quantity("angle", "angle", above=0.0, below=2.0 * math.pi, where="an angle between 0 and 360 deg")
-    outward = MEASURED[line]  # centre line = what is measured + outward thickness, and its radius is above half the thickness
+    outward = MEASURED[line]  # radius of the centre line = measured radius + outward x thickness, and it exceeds thickness/2
     most = radius / (0.5 - outward) if outward < 0.5 else math.inf
     where = f"a length between {SMALLEST_LENGTH:g} m and {most:g} m, where the intrados has no radius left"
     thickness = document.quantity("thickness", "length", above=SMALLEST_LENGTH, below=most, where=where)
@@ -175,13 +178,13 @@ def _hinge(document: Document, value: Value, face: str) -> tuple[float, str]:
 
 
 def sketch(document: Document, built: RockingParameters) -> Sketch:
-    """The voussoirs (of a continuous arch its links), the numbered hinges, and the linkage at alpha."""
+    """The voussoirs (or the links of a continuous arch), the numbered hinges, and the linkage at alpha."""
     from ..mechanics.fourbar import FourBar
 
     mechanism = built.mechanism
     assert isinstance(mechanism, FourBar)
     ring = mechanism.ring
-    count = document.integer("voussoirs", 4, MOST_VOUSSOIRS) if document.has("voussoirs") else 0
+    count = mechanism.voussoirs or 0
     joints = [ring.angle * i / count for i in range(1, count)]
     a, *_, d = mechanism.hinges
     ends = sorted({0.0, ring.angle, *mechanism.hinges, *joints})

@@ -7,16 +7,17 @@ import math
 from ...documents.document import Document
 from ..mechanics.single_body import radius_and_alpha, rigid_body
 from ..parameters import RockingParameters
-from ..sketch import Sketch, rectangle, rocker
+from ..sketch import Sketch, standing_rectangle
 
 REPORTS = ()
 SIZES = ("width", "height")
 
 
 def build(document: Document, name: str) -> RockingParameters:
-    """width and height are full dimensions, radius half the diagonal: p^2 = 3g/(4R), eta = 1 - 3/2 sin^2 alpha.
+    """The parameters of a block: p^2 = 3g/(4R), eta = 1 - 3/2 sin^2 alpha. Raises DocumentError.
 
-    One-sided it meets its backing at its top: e = (1 - 3/2 sin^2 alpha)^2 (1 - 3/2 cos^2 alpha).
+    Keys: width and height (full dimensions), or radius (half the diagonal) and alpha. A one-sided block hits its backing at its
+    top: e = (1 - 3/2 sin^2 alpha)^2 (1 - 3/2 cos^2 alpha).
     """
     radius, alpha = radius_and_alpha(document, 0.5, 0.5)
     limit = "a block with alpha up to 54.7 deg (width/height up to 1.414)"
@@ -27,5 +28,4 @@ def build(document: Document, name: str) -> RockingParameters:
 def sketch(document: Document, _: RockingParameters) -> Sketch:
     """The rectangle."""
     radius, alpha = radius_and_alpha(document, 0.5, 0.5)
-    half, height = radius * math.sin(alpha), 2.0 * radius * math.cos(alpha)
-    return rocker([rectangle(-half, half, 0.0, height)], (-half, 0.0), (half, 0.0), (0.0, 0.5 * height))
+    return standing_rectangle(radius * math.sin(alpha), 2.0 * radius * math.cos(alpha))

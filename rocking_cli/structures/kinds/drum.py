@@ -1,10 +1,10 @@
-"""A solid of revolution on the edge of its base circle: a cylinder, the frustum of a cone, or drums stacked (`pieces`)."""
+"""A solid of revolution on the edge of its base circle: a cylinder, a frustum of a cone, or a stack of drums."""
 
 from __future__ import annotations
 
 from ...documents.document import Document
 from ..mechanics.single_body import body_on_edges, symmetric_body
-from ..mechanics.stacked_pieces import moved, outline_of, round_piece, sketch_of_pieces, stacked
+from ..mechanics.stacked_pieces import outline_of, round_piece, sketch_of_pieces, stacked
 from ..parameters import RockingParameters
 from ..sketch import Sketch, rocker
 
@@ -13,9 +13,10 @@ SIZES = ("radius", "height")
 
 
 def build(document: Document, name: str) -> RockingParameters:
-    """radius and height (cylinder); base_radius, top_radius and height (frustum); or drums: a list of such, from below.
+    """The parameters of a drum or a stack of drums. Raises DocumentError.
 
-    offset: towards +x, of the mass centre of a single drum from its axis, or of a drum's axis from the line of the stack.
+    Keys: radius and height (cylinder); base_radius, top_radius and height (frustum); or drums: a list of these, from below.
+    offset [m, towards +x]: of the mass centre of a single drum from its axis, or of a drum of a stack from the line of the stack.
     """
     if document.has("drums"):
         wanted = "a list of drums from below, each with radius, or base_radius and top_radius, and height"
@@ -23,16 +24,15 @@ def build(document: Document, name: str) -> RockingParameters:
         return stacked(document, "drum", name, "drums", "drum", drums)
     drum = round_piece(document)
     if not abs(drum.axis) < drum.foot:
-        raise document.fault(
-            "offset", str(document.values["offset"]), f"a length between -{drum.foot:g} and {drum.foot:g} m, above its base"
-        )
-    body, top = moved(drum.body, drum.axis), (-drum.head, drum.height)
+        wanted = f"a length between -{drum.foot:g} and {drum.foot:g} m, above its base"
+        raise document.fault("offset", str(document.values["offset"]), wanted)
+    body, top = drum.body.shifted(drum.axis), (-drum.head, drum.height)
     rock = body_on_edges if drum.axis else symmetric_body
     return rock(document, "drum", name, body, drum.foot, limit="a drum more slender than this one", top=top)
 
 
 def sketch(document: Document, _: RockingParameters) -> Sketch:
-    """The drum in section, or the drums."""
+    """The section of the drum or drums."""
     if document.has("drums"):
         return sketch_of_pieces(document, "drums", "drum", [round_piece(part) for part in document.parts("drums", "")])
     drum = round_piece(document)

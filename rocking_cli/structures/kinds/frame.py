@@ -1,7 +1,7 @@
 """A frame of free-standing columns that carry a rigid beam (Makris and Vassiliou 2013).
 
-N equal rectangular columns of half diagonal R and slenderness alpha rock together; the beam translates with their tops.
-With gamma = beam mass / mass of all columns the frame is a single block of the same alpha and
+N equal rectangular columns of half diagonal R and slenderness alpha rock together, and the beam translates with their tops.
+With gamma = mass of the beam / mass of all columns, the frame rocks as one block of the same alpha with
 
     p_hat = p sqrt((1 + 2 gamma)/(1 + 3 gamma)),   eta = (1 - 3/2 sin^2 alpha + 3 gamma cos 2 alpha)/(1 + 3 gamma)
 """
@@ -19,12 +19,15 @@ REPORTS = ("cap_ratio",)
 
 
 def build(document: Document, name: str) -> RockingParameters:
-    """columns: their number; width and height (or radius and alpha) of one; cap_ratio: beam mass over columns' mass."""
+    """The parameters of a frame. Raises DocumentError.
+
+    Keys: columns: their number; width and height (or radius and alpha) of one column; cap_ratio: gamma.
+    """
     document.integer("columns", 1, 1_000_000)
     where = "a number from 0, the mass of the beam over that of all columns"
     gamma = document.quantity("cap_ratio", "number", least=0.0, where=where)
     radius, alpha = radius_and_alpha(document, 0.5, 0.5)
-    # The beam adds 2 gamma to the moment M R of gravity and 4 gamma to the inertia: its mass moves on the diagonal 2 R.
+    # The mass of the beam moves on the diagonal 2 R: it adds 2 gamma to M R and 4 gamma to I/(M R^2).
     inertia = (4.0 / 3.0 + 4.0 * gamma) / (1.0 + 2.0 * gamma)
     eta = (1.0 - 1.5 * math.sin(alpha) ** 2 + 3.0 * gamma * math.cos(2.0 * alpha)) / (1.0 + 3.0 * gamma)
     return rigid_body(
@@ -34,7 +37,7 @@ def build(document: Document, name: str) -> RockingParameters:
 
 
 def sketch(document: Document, built: RockingParameters) -> Sketch:
-    """Up to six of the columns, a width and a half apart, under the beam."""
+    """Up to six of the columns, and the beam."""
     radius, alpha = radius_and_alpha(document, 0.5, 0.5)
     half, height = radius * math.sin(alpha), 2.0 * radius * math.cos(alpha)
     count = min(document.integer("columns", 1, 1_000_000), 6)
@@ -43,7 +46,7 @@ def sketch(document: Document, built: RockingParameters) -> Sketch:
     columns = [rectangle(x - half, x + half, 0.0, height) for x in axes]
     beam = rectangle(axes[0] - 2.0 * half, axes[-1] + 2.0 * half, height, height * 1.08)
     leaning = [turned(column, (x + half, 0.0), alpha) for column, x in zip(columns, axes, strict=True)]
-    (corner,) = turned([(axes[0] - half, height)], (axes[0] + half, 0.0), alpha)  # on which the beam rests
+    (corner,) = turned([(axes[0] - half, height)], (axes[0] + half, 0.0), alpha)  # the beam rests on it
     lifted = tuple((x + corner[0] - axes[0] + half, z + corner[1] - height) for x, z in beam)
     pivots = [(name, (x + side * half, 0.0)) for x in axes for name, side in (("left", -1.0), ("right", 1.0))]
     return Sketch(bodies=(*columns, beam), moved=(*leaning, lifted), pivots=tuple(pivots))

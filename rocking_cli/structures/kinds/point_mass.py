@@ -14,7 +14,10 @@ SIZES = ("width", "height")
 
 
 def build(document: Document, name: str) -> RockingParameters:
-    """width: distance of the two supports; height: of the mass above them; or radius, the strut, and alpha."""
+    """The parameters of a point mass. Raises DocumentError.
+
+    Keys: width: distance of the two supports; height: of the mass above them; or radius (length of a strut) and alpha.
+    """
     radius, alpha = radius_and_alpha(document, 0.5, 1.0)
     return rigid_body(document, "point_mass", name, radius=radius, alpha=alpha, inertia=1.0, limit="a point mass with alpha up to 45 deg")
 

@@ -1,6 +1,6 @@
-"""A rigid block of any polygonal section, on the ends of its base.
+"""A rigid block with a polygonal section, on the two ends of its base.
 
-An unsymmetric section has two sides. A one-sided one meets its backing at its highest corner, the left one of several.
+An unsymmetric section has two sides. A one-sided block hits its backing at its highest corner, the leftmost of several.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ Corner = tuple[float, float]
 
 
 def polygon_moments(corners: Sequence[Corner]) -> Moments:
-    """Moments of a polygon of unit density; corners [m] in order, counterclockwise for a positive mass (Green's theorem)."""
+    """Moments of a polygon of unit density by Green's theorem; corners (x, z) [m], counterclockwise for a positive mass."""
     mass = x = z = polar = 0.0
     for (x1, z1), (x2, z2) in zip(corners, [*corners[1:], corners[0]], strict=True):
         cross = x1 * z2 - x2 * z1
@@ -33,9 +33,9 @@ def polygon_moments(corners: Sequence[Corner]) -> Moments:
 
 
 def build(document: Document, name: str) -> RockingParameters:
-    """corners: the section's corners in order, [[x, z], ...]; it stands on its lowest points."""
+    """The parameters of a prism from the key `corners`, [[x, z], ...] in order; its lowest corners are the base. Raises DocumentError."""
     corners = _corners(document)
-    size = max(math.dist(a, b) for a in corners for b in corners)
+    size = _size(corners)
     lowest, left, right = _base(corners)
     if right - left <= 1e-9 * size:
         raise document.fault("corners", "a section that rests on one point", "a base of two lowest corners or more")
@@ -61,14 +61,14 @@ def _corners(document: Document) -> list[Corner]:
     if not isinstance(value.content, list) or len(value.content) < 3:
         raise document.fault("corners", str(value), wanted)
     corners = [_corner(document, child, wanted) for child in value.content]
-    if corners[0] == corners[-1]:  # a closed ring, as drawing programs write it
+    if corners[0] == corners[-1]:  # drawing programs repeat the first corner
         corners.pop()
     if len(corners) < 3 or len(set(corners)) < len(corners):
         raise document.fault("corners", "a corner given twice", wanted)
     if _crosses_itself(corners):
         raise document.fault("corners", "a section that crosses itself", "corners in order around the section")
     area = polygon_moments(corners).mass
-    if abs(area) <= 1e-12 * max(math.dist(a, b) for a in corners for b in corners) ** 2:
+    if abs(area) <= 1e-12 * _size(corners) ** 2:
         raise document.fault("corners", "a section without area", wanted)
     return corners if area > 0.0 else corners[::-1]
 
@@ -86,7 +86,7 @@ def _corner(document: Document, value: Value, wanted: str) -> Corner:
 
 
 def _crosses_itself(corners: Sequence[Corner]) -> bool:
-    """Whether two edges that are not neighbours touch, or two neighbours fold back on each other."""
+    """True if two edges that are not neighbours touch, or if an edge runs back along its neighbour."""
     edges = list(zip(corners, [*corners[1:], corners[0]], strict=True))
     count = len(edges)
     for i, (a, b) in enumerate(edges):
@@ -123,8 +123,11 @@ def sketch(document: Document, _: RockingParameters) -> Sketch:
 
 
 def _base(corners: Sequence[Corner]) -> tuple[float, float, float]:
-    """Level and ends of the lowest points [m]."""
+    """(z, left x, right x) of the lowest corners [m]."""
     lowest = min(z for _, z in corners)
-    size = max(math.dist(a, b) for a in corners for b in corners)
-    feet = [x for x, z in corners if z - lowest <= 1e-9 * size]
+    feet = [x for x, z in corners if z - lowest <= 1e-9 * _size(corners)]
     return lowest, min(feet), max(feet)
+
+
+def _size(corners: Sequence[Corner]) -> float:
+    return max(math.dist(a, b) for a in corners for b in corners)

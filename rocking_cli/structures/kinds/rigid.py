@@ -1,4 +1,4 @@
-"""A rigid body that was measured or modelled elsewhere: its edges, its mass centre and its inertia."""
+"""A rigid body with known edges, mass centre and moment of inertia."""
 
 from __future__ import annotations
 
@@ -10,14 +10,15 @@ from ..mechanics.single_body import body_on_edges
 from ..parameters import RockingParameters
 from ..sketch import Sketch, circle, rocker
 
-_WIDEST = 1000.0  # the moments are taken from the middle between the edges: this cancels six digits of sixteen
+_WIDEST = 1000.0  # moments about the middle between the edges then lose six digits of sixteen
 REPORTS = ("mass", "direction")
 
 
 def build(document: Document, name: str) -> RockingParameters:
-    """left, right: horizontal distance from each edge to the mass centre; height of the mass centre above them.
+    """The parameters of a rigid body. Raises DocumentError.
 
-    gyration: radius of gyration about the mass centre, or inertia about it beside mass. mass is optional otherwise.
+    Keys: left, right: horizontal distance from each edge to the mass centre; height of the mass centre above the edges; gyration:
+    radius of gyration about the mass centre, or inertia about it and mass; mass is optional with gyration.
     """
     left, right, height = (document.length(key) for key in ("left", "right", "height"))
     mass = document.quantity("mass", "mass", above=0.0, where="a positive mass") if document.has("mass") else None
@@ -32,7 +33,7 @@ def build(document: Document, name: str) -> RockingParameters:
 
 
 def _gyration(document: Document, mass: float | None) -> float:
-    """Radius of gyration about the mass centre [m]."""
+    """The radius of gyration about the mass centre [m]. Raises DocumentError."""
     if not document.has("inertia"):
         return document.length("gyration")
     if document.has("gyration"):
@@ -44,7 +45,7 @@ def _gyration(document: Document, mass: float | None) -> float:
 
 
 def sketch(document: Document, built: RockingParameters) -> Sketch:
-    """Its base and, for want of an outline, the circle of its radius of gyration."""
+    """The base, and the circle of the radius of gyration in place of an outline."""
     left, right, height = (document.length(key) for key in ("left", "right", "height"))
     mass = built.details.get("mass")
     ring = circle((0.0, height), _gyration(document, mass))

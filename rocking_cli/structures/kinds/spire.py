@@ -1,9 +1,9 @@
-"""The conical masonry spire (Fig. 3): uncracked on the edge of its base, or cracked diagonally below its solid tip.
+"""The conical masonry spire (Fig. 3), uncracked or with a diagonal crack below its solid tip.
 
-Outer cone of base radius r_b and height H, wall of horizontal thickness t at the base; the inner cone closes at the tip's
-base z_t = H (1 - t/r_b), above which the tip is solid. The crack plane passes through the pivot (r_b, 0) and the windward
-point of the outer face at z_c; what lies above it rocks, and the mirrored crack opens on the other side. The paper gives
-Eqs. 3.1-3.3 for the uncracked thin wall; for the crack its equations are "not shown".
+The outer cone has the base radius r_b and the height H; its wall has the horizontal thickness t at the base. The spire is solid
+above z_t = H (1 - t/r_b). The crack plane passes through the pivot (r_b, 0) and the outer face on the other side at z_c. The part
+above it rocks; a mirrored crack opens in the other direction. The paper gives Eqs. 3.1-3.3 for the uncracked thin wall, and no
+equations for the crack.
 """
 
 from __future__ import annotations
@@ -23,18 +23,18 @@ if TYPE_CHECKING:
 
 REPORTS = ("tip_height", "crack_height")
 SIZES = ("base_radius", "height")
-_NODES = 64  # Gauss points a stretch; with the square roots at the ends taken out, 32 already give 1e-13
+_NODES = 64  # Gauss points for each interval; 32 already give 1e-13
 
 
 class Cone(NamedTuple):
-    """A solid cone on z = 0 [m], or (thin) its lateral shell of unit horizontal thickness."""
+    """A solid cone on z = 0: base radius [m], height [m]; thin: only its lateral shell, of unit horizontal thickness."""
 
     radius: float
     height: float
     thin: bool = False
 
     def whole(self) -> Moments:
-        """Moments of the whole cone."""
+        """The moments of the whole cone."""
         r, h = self.radius, self.height
         if self.thin:
             mass = math.pi * r * h
@@ -43,22 +43,22 @@ class Cone(NamedTuple):
         return Moments(mass, 0.0, mass * h / 4.0, mass * (0.15 * r**2 + 0.1 * h**2))
 
     def above(self, edge: float, slope: float, both: bool = False) -> Moments:
-        """Moments of the part above the plane that leaves (edge, 0) and rises by `slope` towards -x; both: and its mirror.
+        """The moments of the part above the plane through (edge, 0) that rises by `slope` towards -x; both: and above its mirror image.
 
-        Slices are circles (or rings) cut by chords, whose moments are closed; the integral over z is Gauss-Legendre after
-        z = middle - half cos(theta), which takes out the square roots where the plane enters and leaves the cone.
+        A slice is a circle or ring cut by a chord and has closed forms. The integral over z is Gauss-Legendre in theta, with
+        z = middle - half cos(theta), which removes the square roots at the ends of an interval.
         """
         import numpy as np
 
         nodes, weights = np.polynomial.legendre.leggauss(_NODES)
         theta = 0.5 * math.pi * (nodes + 1.0)
         total = Moments(0.0, 0.0, 0.0, 0.0)
-        for start, stop in self._stretches(edge, slope):
+        for start, stop in self._intervals(edge, slope):
             half = 0.5 * (stop - start)
             z = 0.5 * (start + stop) - half * np.cos(theta)
             weight = 0.5 * math.pi * weights * half * np.sin(theta)
             radius = self.radius * (1.0 - z / self.height)
-            with np.errstate(over="ignore"):  # a crack next to flat
+            with np.errstate(over="ignore"):  # the slope of a nearly flat crack
                 angle = np.arccos(np.clip((edge - z / slope) / radius, -1.0, 1.0))
             area, x, xx = self._slice(radius, angle)
             if both:
@@ -68,7 +68,7 @@ class Cone(NamedTuple):
         return total
 
     def _slice(self, radius: np.ndarray, angle: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """int dA, int x dA, int x^2 dA over the part x >= R cos(angle) of a circle or ring of radius R."""
+        """(int dA, int x dA, int x^2 dA) over the part x >= R cos(angle) of a circle or ring of radius R."""
         import numpy as np
 
         sin, cos = np.sin(angle), np.cos(angle)
@@ -77,8 +77,8 @@ class Cone(NamedTuple):
         chord = radius**2 * (angle - sin * cos)
         return chord, 2.0 / 3.0 * (radius * sin) ** 3, 0.25 * radius**4 * (angle - 0.25 * np.sin(4.0 * angle))
 
-    def _stretches(self, edge: float, slope: float) -> list[tuple[float, float]]:
-        """The cone's height, cut where the plane meets its faces and its axis."""
+    def _intervals(self, edge: float, slope: float) -> list[tuple[float, float]]:
+        """The intervals of z between the base, the apex, and the points where the plane meets the faces and the axis."""
         marks = [0.0, self.height, slope * edge]
         for side in (1.0, -1.0):  # edge - z / slope = side R (1 - z / H)
             fall = 1.0 / slope - side * self.radius / self.height
@@ -89,7 +89,7 @@ class Cone(NamedTuple):
 
 
 class Spire(NamedTuple):
-    """Geometry of a spire [m]: thickness 0 is the thin wall, crack_height 0 the uncracked spire."""
+    """The geometry of a spire [m]; thickness 0 means a thin wall, crack_height 0 an uncracked spire."""
 
     base_radius: float
     height: float
@@ -98,7 +98,7 @@ class Spire(NamedTuple):
     crack_height: float
 
     def rocking(self, both: bool = False) -> Moments:
-        """Moments of what lies above the crack; both: and above its mirror image."""
+        """The moments of the part above the crack; both: and above its mirror image."""
         outer = self._part(Cone(self.base_radius, self.height, thin=self.thickness == 0.0), both)
         if self.thickness == 0.0:
             return outer
@@ -111,12 +111,15 @@ class Spire(NamedTuple):
         return cone.above(self.base_radius, self.crack_height / (self.base_radius + windward), both)
 
     def mechanism(self) -> EdgeRocker:
-        """The rocking body on its pivot, and what it shares with its mirror image."""
+        """The rocking part on its pivot; the part above both cracks moves before and after an impact."""
         return EdgeRocker(self.rocking(), self.base_radius, self.rocking(both=True))
 
 
 def build(document: Document, name: str) -> RockingParameters:
-    """base_radius, height, thickness (absent: thin wall), tip_height, crack: none | diagonal, crack_height."""
+    """The parameters of a spire. Raises DocumentError.
+
+    Keys: base_radius, height, thickness (absent: thin wall), tip_height, crack: none | diagonal, crack_height.
+    """
     spire = _read(document)
     mechanism = spire.mechanism()
     shared, own = mechanism.overlap()
@@ -133,7 +136,7 @@ def _read(document: Document) -> Spire:
     base, height = document.length("base_radius"), document.length("height")
     thickness = 0.0
     if document.has("thickness"):
-        thinnest = 1e-9 * base  # of a thinner one the difference of two cones keeps no digits
+        thinnest = 1e-9 * base  # for a thinner wall the difference of the two cones has no digits left
         wall = f"a positive length below base_radius ({base:g} m) and above {thinnest:g} m; absent: a thin wall"
         thickness = document.quantity("thickness", "length", above=thinnest, below=base, where=wall)
     tip = height * (1.0 - thickness / base)
@@ -154,19 +157,19 @@ def _read(document: Document) -> Spire:
         crack_height = document.quantity("crack_height", "length", least=0.0, most=tip, where=where)
     if crack_height > (1.0 - 1e-3) * height:
         raise document.fault("crack_height", "a crack up to the apex, above which nothing is left", f"crack_height well below {height:g} m")
-    if crack_height < 1e-16 * height:  # no digit of the result tells it from none
+    if crack_height < 1e-16 * height:  # the same as no crack in double precision
         crack_height = 0.0
     return Spire(base, height, thickness, tip, crack_height)
 
 
 def sketch(document: Document, _: RockingParameters) -> Sketch:
-    """Its section, and the crack it rocks on beside its mirror image."""
+    """The section of the spire, the crack and its mirror image."""
     spire = _read(document)
     r, h = spire.base_radius, spire.height
     body = spire.rocking()
     centre = (body.x / body.mass, body.z / body.mass)
     void = ((-(r - spire.thickness), 0.0), (r - spire.thickness, 0.0), (0.0, spire.tip_height)) if spire.thickness else ()
-    hollows = [void] if void else []
+    hollows = (void,) if void else ()
     if not spire.crack_height:
         return rocker([((-r, 0.0), (r, 0.0), (0.0, h))], (-r, 0.0), (r, 0.0), centre, hollows=hollows)
     windward = (-r * (1.0 - spire.crack_height / h), spire.crack_height)
@@ -176,7 +179,7 @@ def sketch(document: Document, _: RockingParameters) -> Sketch:
         (-r, 0.0),
         (r, 0.0),
         centre,
-        still=[((-r, 0.0), (r, 0.0), windward)],
+        still=(((-r, 0.0), (r, 0.0), windward),),
         hollows=hollows,
-        lines=[("crack", crack), ("its mirror image", tuple((-x, z) for x, z in crack))],
+        lines=(("crack", crack), ("its mirror image", tuple((-x, z) for x, z in crack))),
     )

@@ -1,4 +1,4 @@
-"""Pieces of any plan on each other: a statue on its plinth, drums under a capital, a finial on a gable (`pieces`)."""
+"""A stack of round and rectangular pieces, such as a statue on its plinth, drums under a capital, or a finial on a gable."""
 
 from __future__ import annotations
 
@@ -13,8 +13,11 @@ _WANTED = "a list of pieces from below, each with height and width (and depth), 
 
 
 def build(document: Document, name: str) -> RockingParameters:
-    """pieces: from below, each with height and width (in the direction of rocking; depth across it, as wide if absent), or radius,
-    or base_radius and top_radius; offset of its axis towards +x; density, of all or of none."""
+    """The parameters of a stack from the key `pieces`, a list from below. Raises DocumentError.
+
+    Keys of a piece: height; width (in the direction of rocking) and depth (default: the width), or radius, or base_radius and
+    top_radius; offset of its axis towards +x; density, for all pieces or for none.
+    """
     return stacked(document, "stack", name, "pieces", "piece", pieces_of(document))
 
 
@@ -46,5 +49,5 @@ def _cuboid(part: Document) -> Piece:
 
 
 def sketch(document: Document, _: RockingParameters) -> Sketch:
-    """The pieces in section."""
+    """The sections of the pieces."""
     return sketch_of_pieces(document, "pieces", "piece", pieces_of(document))

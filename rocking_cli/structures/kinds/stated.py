@@ -1,4 +1,4 @@
-"""Rocking parameters stated directly: what `rocking params --json` prints, whatever kind it came from."""
+"""Rocking parameters stated directly, as `rocking params --json` prints them for every kind."""
 
 from __future__ import annotations
 
@@ -7,15 +7,15 @@ from typing import Any
 
 from ...documents.document import Document
 from ..parameters import DIMENSIONLESS, VARIED, RockingParameters, Side, weaker_side
-from ..shared_keys import ONE_SIDED_RESTITUTION, gravity_of, one_sided_of
+from ..shared_keys import ONE_SIDED_RESTITUTION, gravity_of
 
 REPORTS = ()
-LARGEST_P = 1e150  # rad/s; the squares of it and of its inverse, which sizes follow from, are within a double's range
+LARGEST_P = 1e150  # rad/s; p^2 and 1/p^2 must be within double precision
 P_RANGE = f"a positive number, from {1.0 / LARGEST_P:g} to {LARGEST_P:g} rad/s"
 
 
 def build(document: Document, name: str) -> RockingParameters:
-    """The parameters as a document of kind `parameters` states them; lambda and a_scale give each other (Eq. 3.9)."""
+    """The parameters that the document states; a_scale = alpha/lambda if one of these is absent (Eq. 3.9). Raises DocumentError."""
     from . import reports_of
 
     structure = document.word("structure_kind", "parameters")
@@ -27,8 +27,8 @@ def build(document: Document, name: str) -> RockingParameters:
         "gravity": gravity_of(document),
         "details": {key: document.values[key].plain() for key in document.values if key in reported and document.has(key)},
     }
-    _demand_varied(document, more["details"])
-    one_sided = one_sided_of(document)
+    _check_varied(document, more["details"])
+    one_sided = document.flag("one_sided")
     if not document.has("sides"):
         numbers = _numbers(document, one_sided)
         arm = _arm(document, numbers["p"], more["gravity"])
@@ -46,13 +46,13 @@ def build(document: Document, name: str) -> RockingParameters:
     return RockingParameters.of_sides(name, structure, left, right, **more)
 
 
-def _demand_varied(document: Document, details: dict[str, Any]) -> None:
-    """Raise DocumentError unless what a family varied are numbers by key, and their units are names by the same keys."""
+def _check_varied(document: Document, details: dict[str, Any]) -> None:
+    """Raise DocumentError unless `varied` holds numbers by key, and `varied_units` names of units by the same keys."""
     values, units = (details.get(key, {}) for key in VARIED)
     numbers = isinstance(values, dict) and all(isinstance(value, float) for value in values.values())
     names = isinstance(units, dict) and all(isinstance(unit, str) or unit is None for unit in units.values())
     if not (numbers and names and (not units or units.keys() == values.keys())):
-        raise document.fault("varied", "what no family varies", "numbers by key and, as varied_units, the names of their units by key")
+        raise document.fault("varied", "values of another form", "numbers by key and, as varied_units, the names of their units by key")
 
 
 def _numbers(document: Document, one_sided: bool = False) -> dict[str, Any]:
@@ -77,7 +77,7 @@ def _numbers(document: Document, one_sided: bool = False) -> dict[str, Any]:
 
 
 def _arm(document: Document, p: float, gravity: float) -> float | None:
-    """R [m], at most the g/p^2 of a point mass, since R p^2/g = m R^2/I; None unless given."""
+    """R [m], None if absent. It is at most g/p^2, the value of a point mass, since R p^2/g = m R^2/I. Raises DocumentError."""
     if not document.has("arm"):
         return None
     most = gravity / p**2

@@ -1,4 +1,4 @@
-"""A wall that rocks out of its plane, as a block whose width is its thickness; openings are ignored, as is what it is bonded to."""
+"""A wall that rocks out of its plane, as a block as wide as the wall is thick; without openings and without bonded walls."""
 
 from __future__ import annotations
 
@@ -7,16 +7,17 @@ import math
 from ...documents.document import Document
 from ..mechanics.single_body import rigid_body
 from ..parameters import RockingParameters
-from ..sketch import Sketch, rectangle, rocker
+from ..sketch import Sketch, standing_rectangle
 
 REPORTS = ("length",)
 SIZES = ("thickness", "height")
 
 
 def build(document: Document, name: str) -> RockingParameters:
-    """thickness and height; length, which changes nothing but is reported; one_sided: true where it stands against others.
+    """The parameters of a wall. Raises DocumentError.
 
-    One-sided it meets them at its top, as the block does: e = (1 - 3/2 sin^2 alpha)^2 (1 - 3/2 cos^2 alpha).
+    Keys: thickness, height, and length (only reported). A one-sided wall hits its backing at its top, as a block does:
+    e = (1 - 3/2 sin^2 alpha)^2 (1 - 3/2 cos^2 alpha).
     """
     thickness, height = document.length("thickness"), document.length("height")
     radius, alpha = 0.5 * math.hypot(thickness, height), math.atan2(thickness, height)
@@ -28,6 +29,5 @@ def build(document: Document, name: str) -> RockingParameters:
 
 
 def sketch(document: Document, _: RockingParameters) -> Sketch:
-    """Its section."""
-    half, height = 0.5 * document.length("thickness"), document.length("height")
-    return rocker([rectangle(-half, half, 0.0, height)], (-half, 0.0), (half, 0.0), (0.0, 0.5 * height))
+    """The section."""
+    return standing_rectangle(0.5 * document.length("thickness"), document.length("height"))

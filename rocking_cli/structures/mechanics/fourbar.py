@@ -1,8 +1,8 @@
-"""The arch as a four-bar linkage (Fig. 5): annular sectors between four hinges, at rest and displaced.
+"""The arch as a four-bar linkage (Fig. 5), at rest and displaced; per unit width and unit density.
 
-Positions along the arch are angles s from springing A; A is on the left and the mechanism sways towards +x, to the right.
-Hinges A, B, C, D lie on the intrados, extrados, intrados, extrados. Links A-B, B-C and C-D turn; phi is the rotation of
-A-B. What lies outside A and D stays on the ground. Everything is per unit width and unit density.
+A position along the arch is an angle s [rad] from the left springing. The links are the sectors between the hinges A, B, C, D,
+which lie on the intrados, extrados, intrados, extrados. Link A-B turns by phi, clockwise, and the linkage sways to the right
+(+x). The parts outside A and D do not move.
 """
 
 from __future__ import annotations
@@ -21,20 +21,20 @@ FACES = (INTRADOS, EXTRADOS, INTRADOS, EXTRADOS)
 
 
 class Ring(NamedTuple):
-    """An arch: centre-line radius r [m], thickness t [m], inclusion angle beta [rad]."""
+    """The ring of an arch: centre-line radius r [m], thickness t [m], inclusion angle beta [rad]."""
 
     radius: float
     thickness: float
     angle: float
 
     def point(self, s: Any, face: str) -> tuple[Any, Any]:
-        """(x, z) on a face at the angle s from springing A."""
+        """(x, z) [m] on a face at the angle s, from the centre of the ring."""
         rho = self.radius + (0.5 if face == EXTRADOS else -0.5) * self.thickness
         polar = 0.5 * np.pi + 0.5 * self.angle - s
         return rho * np.cos(polar), rho * np.sin(polar)
 
     def sector(self, start: Any, stop: Any) -> Moments:
-        """Moments of the part between two angles, in closed form."""
+        """Moments of the sector between two angles, in closed form."""
         r, t = self.radius, self.thickness
         a, b = (0.5 * np.pi + 0.5 * self.angle - s for s in (start, stop))
         lever = r * r * t + t**3 / 12.0  # (r_o^3 - r_i^3) / 3
@@ -45,7 +45,7 @@ class Ring(NamedTuple):
 
 
 class Rates(NamedTuple):
-    """Rotations of the links per rotation of A-B, and the virtual work: V'/g = lift, B = push."""
+    """Rotations of links B-C and C-D per rotation of A-B [-], and the virtual work (Eq. 3.4): lift = V'/g, push = B."""
 
     second: Any
     third: Any
@@ -54,14 +54,14 @@ class Rates(NamedTuple):
 
     @property
     def admissible(self) -> Any:
-        """Each hinge opens on its far face: relative rotations alternate in sign."""
+        """True if the relative rotations alternate in sign, so that each hinge opens on the face opposite to it."""
         return (self.third > 0.0) & (self.second < 1.0) & (self.second < self.third)
 
 
 def rates(points: Any, links: Any) -> Rates:
-    """First-order kinematics of the linkage in any position.
+    """First-order kinematics of the linkage in any position, from AB + w2 BC + w3 CD = 0.
 
-    points: (x, z) of A, B, C, D; links: (mass, first moment of x, of z) of the three. The loop closes: AB + w2 BC + w3 CD = 0.
+    points: (x, z) of A, B, C, D; links: (mass, first moment of x, first moment of z) of the three links.
     """
     (xa, za), (xb, zb), (xc, zc), (xd, zd) = points
     abx, abz, bcx, bcz, cdx, cdz = xb - xa, zb - za, xc - xb, zc - zb, xd - xc, zd - zc
@@ -76,9 +76,9 @@ def rates(points: Any, links: Any) -> Rates:
 
 @dataclass(frozen=True)
 class FourBar:
-    """A mechanism of an arch: the ring and its four hinges, angles [rad] from springing A, rising.
+    """A mechanism of an arch: its ring and the angles [rad] of its four hinges, in rising order.
 
-    voussoirs: into how many the ring is cut, which changes nothing here; None where it is not.
+    voussoirs: their number, None for a continuous arch; it has no effect on the mechanism.
     """
 
     ring: Ring
@@ -87,7 +87,7 @@ class FourBar:
 
     @cached_property
     def points(self) -> np.ndarray:
-        """Hinge points at rest, (4, 2)."""
+        """Hinge points at rest [m], shape (4, 2)."""
         return np.array([self.ring.point(s, face) for s, face in zip(self.hinges, FACES, strict=True)])
 
     @cached_property
@@ -101,13 +101,13 @@ class FourBar:
 
     @cached_property
     def reach(self) -> float:
-        """Largest phi before two links lie in line and the linkage locks, and at most a quarter turn."""
+        """Largest phi [rad] before two links lie in line and the linkage locks, at most pi/2."""
         scan = np.linspace(0.0, 0.5 * np.pi, 2001)
         fits = np.isfinite(self._angles(scan)[0])
         return float(scan[np.argmin(fits) - 1]) if not fits.all() else float(scan[-1])
 
     def _angles(self, phi: Any) -> tuple[Any, Any]:
-        """Rotations of B-C and C-D, towards +x, when A-B has turned by phi; NaN where the links do not meet."""
+        """Clockwise rotations [rad] of B-C and C-D at phi; NaN where the links do not meet."""
         a, b, c, d = self.points
         phi = np.asarray(phi, dtype=float)
         ab = b - a
@@ -120,13 +120,13 @@ class FourBar:
         with np.errstate(invalid="ignore"):
             aside = np.sqrt(long2**2 / span2 - along**2)
         cd, bd = d - c, d - b
-        side = np.sign((c - b)[0] * bd[1] - (c - b)[1] * bd[0])  # which side of B-D the hinge C lies on, at rest and after
+        side = np.sign((c - b)[0] * bd[1] - (c - b)[1] * bd[0])  # C stays on the same side of B-D
         bcx, bcz = along * across + side * aside * up, along * up - side * aside * across
         cdx, cdz = across - bcx, up - bcz
         return _turned((c - b), bcx, bcz), _turned(cd, cdx, cdz)
 
     def displaced(self, phi: float) -> list[Callable[[float, float], tuple[float, float]]]:
-        """Of each link the map from a point at rest to where it is when A-B has turned by phi."""
+        """For each link a function from the (x, z) of a point at rest to its (x, z) at phi [m]."""
         a, b, _, d = self.points
         second, third = (float(turn) for turn in self._angles(phi))
         b_now = a + _rotate(b - a, np.array([phi]))[:, 0]
@@ -141,7 +141,7 @@ class FourBar:
         return [link(a, a, phi), link(b, b_now, second), link(d, d, third)]
 
     def coefficients(self, phi: Any) -> Coefficients:
-        """M, V'/g and B of Eq. 3.4 at finite rotations, from the position of the links."""
+        """M, V'/g and B of Eq. 3.4 at rotations phi [rad] of any size and shape."""
         a, b, c, d = self.points
         phi = np.asarray(phi, dtype=float)
         second, third = self._angles(phi)
@@ -167,7 +167,7 @@ class FourBar:
         return Coefficients(inertia.reshape(shape), at.lift.reshape(shape), at.push.reshape(shape))
 
     def fields(self) -> list[tuple[float, float, Spin]]:
-        """(start, stop, velocity field) of each link at rest."""
+        """(start angle, stop angle, velocity field) of each link at rest, for phi' = 1 rad/s."""
         at, (a, b, _, d) = self.at_rest(), self.points
         w2, w3 = float(at.second), float(at.third)
         first = Spin(-a[1], a[0], 1.0)
@@ -177,7 +177,7 @@ class FourBar:
         return [(*ends, f) for ends, f in zip(zip(self.hinges[:-1], self.hinges[1:], strict=True), (first, second, third), strict=True)]
 
     def overlap(self) -> tuple[float, float]:
-        """The mechanism rocking back against its mirror image about the crown rocking on, over what moves in both."""
+        """The integrals of `Mechanism.overlap`: this mechanism moves before the impact, its mirror image about the crown after it."""
         beta = self.ring.angle
         back = [(s, e, Spin(-f.x0, -f.z0, -f.omega)) for s, e, f in self.fields()]
         onward = [(beta - e, beta - s, Spin(-f.x0, f.z0, -f.omega)) for s, e, f in self.fields()]
@@ -191,7 +191,7 @@ class FourBar:
 
 
 def _rotate(vector: np.ndarray, angle: np.ndarray) -> np.ndarray:
-    """(2, n): a vector turned by angles towards +x (clockwise)."""
+    """A vector turned clockwise by n angles [rad], shape (2, n)."""
     cos, sin = np.cos(angle), np.sin(angle)
     return np.array([cos * vector[0] + sin * vector[1], cos * vector[1] - sin * vector[0]])
 

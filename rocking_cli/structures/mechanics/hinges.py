@@ -1,7 +1,7 @@
-"""Where an arch hinges: the admissible four-hinge mechanism of least uplift acceleration (the kinematic theorem).
+"""The hinges of an arch: the admissible four-hinge mechanism with the least uplift acceleration (kinematic theorem).
 
-With n voussoirs every choice of four of the n + 1 joints is tried. A continuous arch starts from the best of a coarse set
-of joints and is refined until the gradient vanishes along every hinge that is free to move.
+For n voussoirs the search tries every choice of four of the n + 1 joints. For a continuous arch it starts from the best of a
+coarse set of joints, and refines until the gradient is zero for every hinge that can move.
 """
 
 from __future__ import annotations
@@ -14,22 +14,22 @@ from .fourbar import FACES, Rates, Ring, rates
 
 Hinges = tuple[float, float, float, float]
 
-_COARSE = 36  # joints from which the refinement starts; a basin is several of them wide
+_COARSE = 36  # joints of the coarse set; the neighbourhood of a minimum is several joints wide
 _LATTICE = np.array(list(product((-1.0, -0.5, 0.0, 0.5, 1.0), repeat=4)))
-_STEP = 1e-30  # of the complex-step derivative, which is exact: nothing is subtracted
+_STEP = 1e-30  # of the complex-step derivative, which subtracts nothing and so loses no digits
 
 
 def search_joints(ring: Ring, joints: np.ndarray) -> tuple[Hinges, float] | None:
-    """Best mechanism with hinges on these joints [rad]: (hinges, lambda), or None if none is admissible.
+    """(hinges, lambda) of the governing mechanism with hinges on these joints [rad], or None if no mechanism is admissible.
 
-    Exhaustive: for each pair (A, B) all pairs (C, D) at once. lambda <= 0 means that the arch does not stand. Two hinges on
-    one joint are a joint that opens over its whole depth, which is no four-bar linkage but may govern short thick arches.
+    lambda <= 0 means that the arch does not stand. Two hinges on one joint mean that the joint opens over its whole depth. That is
+    no four-bar linkage, but it may govern short thick arches.
     """
     count = joints.size
     inner, outer = np.array(ring.point(joints, FACES[0])), np.array(ring.point(joints, FACES[1]))
     upto = ring.sector(0.0, joints)
     best: tuple[float, tuple[int, int, int, int]] | None = None
-    for a in range(count):
+    for a in range(count):  # for each pair (A, B) all pairs (C, D) at once
         for b in range(a, count):
             c, d = np.arange(b, count)[:, None], np.arange(b, count)[None, :]
             links = [(upto.mass[j] - upto.mass[i], upto.x[j] - upto.x[i], upto.z[j] - upto.z[i]) for i, j in ((a, b), (b, c), (c, d))]
@@ -43,21 +43,20 @@ def search_joints(ring: Ring, joints: np.ndarray) -> tuple[Hinges, float] | None
                 best = least, (a, b, b + i, b + j)
     if best is None:
         return None
-    s = joints[list(best[1])]
-    return (float(s[0]), float(s[1]), float(s[2]), float(s[3])), best[0]
+    return _hinges(joints[list(best[1])]), best[0]
 
 
 def search_continuous(ring: Ring) -> tuple[Hinges, float] | None:
-    """Best mechanism of a continuous arch, hinge angles to 1e-10 rad: (hinges, lambda), or None if none is admissible.
+    """(hinges, lambda) of the governing mechanism of a continuous arch, with angles to 1e-10 rad.
 
-    Short thick arches have no least mechanism: the hinges run together, and that counts as none.
+    None if no mechanism is admissible, or if two hinges converge, as in short thick arches, which have no least mechanism.
     """
     start = search_joints(ring, np.linspace(0.0, ring.angle, _COARSE + 1))
     if start is None:
         return None
     s, least = np.array(start[0]), start[1]
     width = ring.angle / _COARSE
-    while width > 1e-7 * ring.angle:  # pattern search on a lattice that follows its best point and shrinks around it
+    while width > 1e-7 * ring.angle:  # pattern search: the lattice moves to its best point, or shrinks
         tried = np.clip(s + width * _LATTICE, 0.0, ring.angle)
         values = _uplifts(ring, tried)
         at = int(np.argmin(values))
@@ -73,7 +72,7 @@ def search_continuous(ring: Ring) -> tuple[Hinges, float] | None:
         free = ~(((s <= 0.0) & (slope > 0.0)) | ((s >= ring.angle) & (slope < 0.0)))
         move = np.zeros(4)
         move[free] = -np.linalg.lstsq(_curvature(ring, s)[np.ix_(free, free)], slope[free], rcond=None)[0]
-        if np.max(np.abs(move)) > 1e-3 * ring.angle:  # no minimum inside: it lies on the edge of what is admissible
+        if np.max(np.abs(move)) > 1e-3 * ring.angle:  # the minimum lies on the boundary of the admissible mechanisms
             break
         following = np.clip(s + move, 0.0, ring.angle)
         done = float(np.max(np.abs(following - s))) < 1e-12
@@ -81,13 +80,16 @@ def search_continuous(ring: Ring) -> tuple[Hinges, float] | None:
         if done:
             break
     polished = float(_uplifts(ring, s[None, :])[0])
-    if polished <= least + 1e-15:
-        return (float(s[0]), float(s[1]), float(s[2]), float(s[3])), polished
-    return (float(rough[0]), float(rough[1]), float(rough[2]), float(rough[3])), least
+    return (_hinges(s), polished) if polished <= least + 1e-15 else (_hinges(rough), least)
+
+
+def _hinges(s: np.ndarray) -> Hinges:
+    a, b, c, d = s.tolist()
+    return a, b, c, d
 
 
 def _uplifts(ring: Ring, s: np.ndarray) -> np.ndarray:
-    """lambda of many mechanisms, (count, 4) angles; infinite where not admissible."""
+    """lambda [-] of mechanisms with hinge angles s, shape (count, 4); infinite for one that is not admissible."""
     ordered = np.all(np.diff(s, axis=1) > 0.0, axis=1)
     with np.errstate(all="ignore"):
         found = _rates(ring, s.T)
@@ -101,7 +103,7 @@ def _rates(ring: Ring, s: np.ndarray) -> Rates:
 
 
 def uplift_at(ring: Ring, s: np.ndarray) -> complex:
-    """lambda of the mechanism with hinges at (complex) angles s, without a look at whether it is admissible."""
+    """lambda [-] of the mechanism with hinges at angles s, which may be complex; admissible or not."""
     found = _rates(ring, s)
     return complex(found.lift / found.push)
 

@@ -1,11 +1,11 @@
-"""Any mechanism of one degree of freedom: what it takes to be one, and what it comes to (section 3.2 of the paper).
+"""Mechanisms of one degree of freedom, and their rocking parameters (section 3.2 of the paper).
 
-Rigid links are moved by one coordinate phi >= 0, which is 0 at rest. With the velocity field u = dx/dphi,
+One coordinate phi >= 0 moves rigid links; phi = 0 at rest. With the velocity field u = dx/dphi,
 
     M(phi) = int rho u.u dV,   V'(phi) = g int rho u_z dV,   B(phi) = int rho u_x dV
     M phi'' + M'/2 phi'^2 + V' = -B xg''                                                          (Eq. 3.4)
 
-A new mechanism is a class with `coefficients` and `overlap`; a single rigid body has closed forms (`single_body`).
+A new mechanism is a class with the methods of `Mechanism`. A single rigid body has closed forms (`single_body`).
 """
 
 from __future__ import annotations
@@ -16,12 +16,11 @@ from typing import Any, NamedTuple, Protocol
 
 from ...errors import StructureError
 
-# Central differences of eighth order: weights of the values at 1 ... 4 steps on either side.
-_WEIGHTS = (4.0 / 5.0, -1.0 / 5.0, 4.0 / 105.0, -1.0 / 280.0)
+_WEIGHTS = (4.0 / 5.0, -1.0 / 5.0, 4.0 / 105.0, -1.0 / 280.0)  # central differences of eighth order, at 1 to 4 steps
 
 
 class Moments(NamedTuple):
-    """Integrals of a body over its section: mass [kg], first moments of x and z [kg m], of x^2 + z^2 [kg m2]; any density."""
+    """Integrals over the section of a body: mass [kg], first moments of x and z [kg m], moment of x^2 + z^2 [kg m2]."""
 
     mass: Any
     x: Any
@@ -29,27 +28,32 @@ class Moments(NamedTuple):
     polar: Any
 
     def plus(self, other: Moments) -> Moments:
-        """Of two bodies together."""
+        """The moments of two bodies together."""
         return Moments(*(a + b for a, b in zip(self, other, strict=True)))
 
     def minus(self, other: Moments) -> Moments:
-        """Of the body that is left when another is cut out."""
+        """The moments of this body without another one that is cut out of it."""
         return Moments(*(a - b for a, b in zip(self, other, strict=True)))
 
+    def shifted(self, x: float = 0.0, z: float = 0.0) -> Moments:
+        """The moments of the body moved by x and z [m]."""
+        polar = self.polar + x * (2.0 * self.x + x * self.mass) + z * (2.0 * self.z + z * self.mass)
+        return Moments(self.mass, self.x + x * self.mass, self.z + z * self.mass, polar)
+
     def about(self, x: Any, z: Any) -> Any:
-        """Moment of inertia about the point (x, z)."""
+        """The moment of inertia about the point (x, z) [kg m2]."""
         return self.polar - 2.0 * (x * self.x + z * self.z) + (x * x + z * z) * self.mass
 
 
 class Spin(NamedTuple):
-    """Velocity field of a rigid link, u = (x0 + omega z, z0 - omega x), omega positive when it leans towards +x."""
+    """The velocity field of a rigid link, u = (x0 + omega z, z0 - omega x); omega is positive clockwise, towards +x."""
 
     x0: Any
     z0: Any
     omega: Any
 
     def product(self, other: Spin, body: Moments) -> Any:
-        """int rho u.w dV over a body that moves in both fields."""
+        """int rho u.w dV over a body, u this field and w the other."""
         straight = self.x0 * other.x0 + self.z0 * other.z0
         along_x = self.z0 * other.omega + other.z0 * self.omega
         along_z = self.x0 * other.omega + other.x0 * self.omega
@@ -57,12 +61,12 @@ class Spin(NamedTuple):
 
 
 def spin_about(x: float, z: float, omega: float = 1.0) -> Spin:
-    """Rotation about the point (x, z)."""
+    """The velocity field of a rotation about the point (x, z)."""
     return Spin(-omega * z, omega * x, omega)
 
 
 class Coefficients(NamedTuple):
-    """M(phi) [kg m2], V'(phi)/g [kg m] and B(phi) [kg m] of Eq. 3.4, for any density; B > 0."""
+    """M(phi) [kg m2], V'(phi)/g [kg m] and B(phi) > 0 [kg m] of Eq. 3.4, for any density."""
 
     inertia: Any
     lift: Any
@@ -70,13 +74,13 @@ class Coefficients(NamedTuple):
 
 
 class Mechanism(Protocol):
-    """What a mechanism has to provide; immutable, so that what follows from it is computed once. It may raise StructureError."""
+    """A mechanism for Eq. 3.4. It is immutable and hashable, so that derived values can be cached. It may raise StructureError."""
 
     def __hash__(self) -> int: ...
 
     @property
     def reach(self) -> float:
-        """Largest rotation phi [rad] at which the links still fit together."""
+        """The largest rotation phi [rad] at which the links still fit together."""
         ...
 
     def coefficients(self, phi: Any) -> Coefficients:
@@ -84,7 +88,10 @@ class Mechanism(Protocol):
         ...
 
     def overlap(self) -> tuple[float, float]:
-        """(int u.w over the material that moves before and after an impact, int w.w after it), from momentum."""
+        """(int rho u.w, int rho w.w), u before an impact and w after it; the first only over the parts that move in both fields.
+
+        Their ratio is eta from conservation of angular momentum.
+        """
         ...
 
 
@@ -92,8 +99,8 @@ class Mechanism(Protocol):
 class Linearised:
     """A mechanism linearised at its unstable equilibrium (Eqs. 3.5-3.9).
 
-    alpha [rad]; uplift lambda [-]; stiffness: G_eq/I_eq [1/m], p^2 = g times it; a_scale (Eq. 3.9) and a_scale_3_7
-    (Eq. 3.7) [-]; eta from momentum [-].
+    alpha [rad]; uplift: lambda [-]; stiffness: p^2/g [1/m]; a_scale (Eq. 3.9) [-]; a_scale_3_7 (Eq. 3.7) [-]; eta from
+    angular momentum [-].
     """
 
     alpha: float
@@ -105,7 +112,7 @@ class Linearised:
 
 
 def linearise(mechanism: Mechanism) -> Linearised:
-    """Parameters of a mechanism from its coefficients. Raises StructureError when it does not stand or never becomes unstable."""
+    """The parameters of a mechanism. Raises StructureError if it does not stand or has no unstable equilibrium."""
     at_rest = mechanism.coefficients(0.0)
     uplift = float(at_rest.lift / at_rest.push)
     if not uplift > 0.0:
@@ -127,8 +134,8 @@ def linearise(mechanism: Mechanism) -> Linearised:
 
 
 def _slope_of_lift(mechanism: Mechanism, alpha: float) -> float:
-    """V''(alpha)/g. The step is a hundredth of the way to rest or to where the links lock, on which the lift is smooth."""
-    step = 0.01 * min(alpha, mechanism.reach - alpha)
+    """V''(alpha)/g [kg m], or 0 if alpha is too close to the rotation at which the links lock."""
+    step = 0.01 * min(alpha, mechanism.reach - alpha)  # V' is smooth between rest and the locked position
     if not step > 1e-9 * alpha:
         return 0.0
     return sum(
@@ -138,7 +145,7 @@ def _slope_of_lift(mechanism: Mechanism, alpha: float) -> float:
 
 
 def equilibrium(mechanism: Mechanism) -> float:
-    """alpha: the first rotation at which V' = 0 [rad]. Raises StructureError when there is none within reach."""
+    """alpha, the first rotation with V' = 0 [rad]. Raises StructureError if there is none within reach."""
     import numpy as np
     from scipy.optimize import brentq
 
@@ -156,7 +163,10 @@ def equilibrium(mechanism: Mechanism) -> float:
 
 @dataclass(frozen=True)
 class EdgeRocker:
-    """The mechanism of one rigid body that rocks about (pivot, 0) and, after an impact, about (-pivot, 0)."""
+    """One rigid body that rocks about (pivot, 0) and, after an impact, about (-pivot, 0).
+
+    shared: the part that moves before and after the impact, None for the whole body.
+    """
 
     body: Moments
     pivot: float
@@ -164,11 +174,11 @@ class EdgeRocker:
 
     @property
     def reach(self) -> float:
-        """A body may turn until it lies on its side."""
+        """pi/2: the body lies on its side."""
         return math.pi / 2
 
     def coefficients(self, phi: Any) -> Coefficients:
-        """M R^2-like constants times the sine and cosine of alpha - phi (Eq. 2.1)."""
+        """M, V'/g and B at rotations phi [rad], of any shape (Eq. 2.1)."""
         import numpy as np
 
         x, z = self.pivot * self.body.mass - self.body.x, self.body.z
@@ -176,11 +186,7 @@ class EdgeRocker:
         return Coefficients(self.body.about(self.pivot, 0.0) + 0.0 * sin, x * cos - z * sin, z * cos + x * sin)
 
     def overlap(self) -> tuple[float, float]:
-        """Rotation back about one edge against rotation on about the other, over what moves in both."""
-        back, onward = spin_about(self.pivot, 0.0, -1.0), spin_about(-self.pivot, 0.0, -1.0)
-        return back.product(onward, self.shared or self.body), onward.product(onward, mirrored(self.body))
-
-
-def mirrored(body: Moments) -> Moments:
-    """The mirror image in x."""
-    return Moments(body.mass, -body.x, body.z, body.polar)
+        """The integrals of `Mechanism.overlap`: a rotation about one edge before the impact, about the other edge after it."""
+        before, after = spin_about(self.pivot, 0.0, -1.0), spin_about(-self.pivot, 0.0, -1.0)
+        mirrored = self.body._replace(x=-self.body.x)
+        return before.product(after, self.shared or self.body), after.product(after, mirrored)

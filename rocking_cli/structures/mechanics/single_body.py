@@ -1,13 +1,13 @@
-"""A single rigid body that rocks about the ends of its base: the paper's section 2 for any section, with edges that may differ.
+"""A single rigid body that rocks about the two edges of its base (section 2 of the paper, extended to unequal edges).
 
-With l and r the horizontal distances of the left and the right edge from the mass centre, z its height and I_G the inertia
-about it, the body stands on its right edge while theta > 0. A change of edges keeps the angular momentum about the new one:
+The mass centre is at the horizontal distances l and r from the left and right edge, at height z; I_G is the moment of inertia
+about it. The body stands on its right edge while theta > 0. An impact keeps the angular momentum about the new edge:
 
     eta_right = (I_G + m (z^2 - l r)) / (I_G + m (z^2 + l^2)),   eta_left = (I_G + m (z^2 - l r)) / (I_G + m (z^2 + r^2))
 
-A one-sided body stands on its right edge only. Coming back it hits its base, the backing and its base again, and returns by
-e = eta_right eta_left (I_G + m r_L.r_T) / (I_G + m r_T^2), r_L and r_T from its left edge and from the point where it meets
-the backing to the mass centre (Sorrentino et al. 2011).
+A one-sided body rocks on its right edge only. It returns, hits its base, then the backing, then its base again. With the vectors
+r_L from its left edge and r_T from the impact point on the backing to the mass centre, its restitution is
+e = eta_right eta_left (I_G + m r_L.r_T) / (I_G + m r_T^2) (Sorrentino et al. 2011).
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from typing import Any, NamedTuple
 
 from ...documents.document import Document
 from ..parameters import RockingParameters, Side
-from ..shared_keys import gravity_of, one_sided_of, one_sided_restitution_of, restitution_of
+from ..shared_keys import gravity_of, one_sided_restitution_of, restitution_of
 from .kinematics import Moments, spin_about
 
 Point = tuple[float, float]
@@ -38,17 +38,16 @@ def rigid_body(
     whole: bool = True,
     details: Mapping[str, Any] | None = None,
 ) -> RockingParameters:
-    """Parameters of one rigid body of equal edges from its distance R to the centroid, critical angle and inertia about the pivot.
+    """The parameters of a rigid body with equal edges: p^2 = M g R/I_P, lambda = tan alpha (Eq. 2.2), a_scale = 1 (Eq. 2.4).
 
-    radius R [m]; alpha [rad]; inertia I_P / (M R^2) [-]; limit: the words for where eta < 0; eta: from momentum, where it
-    is not that of a body which rocks as a whole on two edges, 1 - (M R^2/I_P)(1 - cos 2 alpha) (Eqs. 2.6, 3.3); backing:
-    the factor of the impact on a backing, None where the geometry does not say; whole: whether it is one body that rocks as a whole
-    on both edges, whose forces on the ground follow from its mass centre.
-    p^2 = M g R / I_P, lambda = tan alpha (Eq. 2.2), a_scale = 1 (Eq. 2.4).
+    radius: R, from the edge to the mass centre [m]; alpha [rad]; inertia: I_P/(M R^2) about the edge [-]; limit: states for which
+    bodies eta >= 0; eta: from angular momentum, by default 1 - (M R^2/I_P)(1 - cos 2 alpha) (Eqs. 2.6, 3.3); backing: the factor of
+    the impact on a backing, None if the geometry does not define it; whole: true if the same body rocks on both edges, so that its
+    ground forces are known; details: as in `RockingParameters`. Raises DocumentError.
     """
     gravity = gravity_of(document)
     momentum = 1.0 - 2.0 * math.sin(alpha) ** 2 / inertia if eta is None else eta
-    one_sided = one_sided_of(document)
+    one_sided = document.flag("one_sided")
     if one_sided:
         restitution, source = one_sided_restitution_of(document, (momentum, momentum), backing)
     else:
@@ -70,31 +69,18 @@ def rigid_body(
 
 
 def symmetric_body(
-    document: Document,
-    kind: str,
-    name: str,
-    body: Moments,
-    half: float,
-    *,
-    limit: str,
-    eta: float | None = None,
-    top: Point | None = None,
-    whole: bool = True,
-    details: Mapping[str, Any] | None = None,
+    document: Document, kind: str, name: str, body: Moments, half: float, *, top: Point | None = None, **more: Any
 ) -> RockingParameters:
-    """The same from the moments of a body on its right edge (half, 0) [m]; what rocks on the left one is its mirror image.
+    """The parameters of a body on its right edge (half, 0) [m]; the body that rocks on the left edge is its mirror image.
 
-    top: (x, z) [m] where a one-sided body meets its backing, None where the geometry does not say. Raises DocumentError when
-    the centroid is not above the base.
+    top: (x, z) [m] of the impact point on a backing, None if the geometry does not define it; more: as for `rigid_body`.
+    Raises DocumentError if the mass centre is not above the base.
     """
     _, right, z = _distances(document, kind, body, half)
     radius = math.hypot(right, z)
     inertia, alpha = body.about(half, 0.0) / (body.mass * radius**2), math.atan2(right, z)
     backing = _against_backing(body, half, top)
-    return rigid_body(
-        document, kind, name, radius=radius, alpha=alpha, inertia=inertia, limit=limit, eta=eta, backing=backing, whole=whole,
-        details=details,
-    )  # fmt: skip
+    return rigid_body(document, kind, name, radius=radius, alpha=alpha, inertia=inertia, backing=backing, **more)
 
 
 def body_on_edges(
@@ -108,8 +94,8 @@ def body_on_edges(
     top: Point | None = None,
     details: Mapping[str, Any] | None = None,
 ) -> RockingParameters:
-    """The same for a body that rocks as a whole on both edges, (half, 0) and (-half, 0), which need not be alike."""
-    if abs(body.x) <= 1e-13 * math.sqrt(body.mass * body.polar):  # within rounding of the middle is in the middle
+    """The parameters of a body that rocks as a whole on the edges (-half, 0) and (half, 0) [m]; arguments as for `symmetric_body`."""
+    if abs(body.x) <= 1e-13 * math.sqrt(body.mass * body.polar):  # the offset is rounding
         body = body._replace(x=0.0)
     left, right, _ = _distances(document, kind, body, half)
     gravity, more = gravity_of(document), dict(details or {})
@@ -122,7 +108,7 @@ def body_on_edges(
         edge = edges[side]
         return Side(side, edge.p, edge.alpha, edge.uplift, 1.0, eta, edge.arm)
 
-    if one_sided_of(document):
+    if document.flag("one_sided"):
         e, source = one_sided_restitution_of(document, (from_right, from_left), _against_backing(body, half, top))
         s = on("right", 0.0)
         return RockingParameters(name, kind, s.p, s.alpha, e, s.uplift, s.a_scale, source, gravity, more, one_sided=True, arm=s.arm)
@@ -134,8 +120,8 @@ def body_on_edges(
 
 
 class Edge(NamedTuple):
-    """A body on one of its edges: p [rad/s], alpha [rad], lambda [-], eta from momentum on leaving it for the other, negative where
-    the body is too squat, and the distance R of its mass centre [m]."""
+    """A body on one edge: p [rad/s], alpha [rad], lambda [-], eta from angular momentum at the impact that leaves this edge
+    (negative if the body is too squat to rock), and the distance R to the mass centre [m]."""
 
     p: float
     alpha: float
@@ -145,7 +131,7 @@ class Edge(NamedTuple):
 
 
 def edges_of(body: Moments, half: float, gravity: float) -> dict[str, Edge]:
-    """A body whose mass centre is above its base, on its edges (-half, 0) and (half, 0) [m]; the formulas of this module."""
+    """The parameters on each of the edges (-half, 0) and (half, 0) [m], by side; the mass centre must be above the base."""
     z = body.z / body.mass
     shared = spin_about(half, 0.0).product(spin_about(-half, 0.0), body)  # I_G + m (z^2 - l r)
     found = {}
@@ -158,7 +144,7 @@ def edges_of(body: Moments, half: float, gravity: float) -> dict[str, Edge]:
 
 
 def _distances(document: Document, kind: str, body: Moments, half: float) -> tuple[float, float, float]:
-    """Distances [m] of the centroid from the left edge, the right edge and the base."""
+    """Distances [m] of the mass centre from the left edge, the right edge and the base. Raises DocumentError."""
     x, z = body.x / body.mass, body.z / body.mass
     if not (half + x > 0.0 and half - x > 0.0 and z > 0.0):
         raise document.fault(None, "a centroid that is not above the base", f"a {kind} that stands")
@@ -166,7 +152,7 @@ def _distances(document: Document, kind: str, body: Moments, half: float) -> tup
 
 
 def _against_backing(body: Moments, half: float, top: Point | None) -> float | None:
-    """(I_G + m r_L.r_T)/(I_G + m r_T^2): the angular speed about T over that about the left edge L."""
+    """(I_G + m r_L.r_T)/(I_G + m r_T^2), the factor of the impact on the backing at T = `top`; None without `top`."""
     if top is None:
         return None
     x, z = body.x / body.mass, body.z / body.mass
@@ -175,9 +161,9 @@ def _against_backing(body: Moments, half: float, top: Point | None) -> float | N
 
 
 def radius_and_alpha(document: Document, half_width: float, centroid_height: float) -> tuple[float, float]:
-    """(R, alpha) from radius and alpha, or from width and height.
+    """(R [m], alpha [rad]) from radius and alpha, or from width and height. Raises DocumentError.
 
-    `half_width`, `centroid_height`: the centroid's distance from the pivot as parts of width and of height.
+    The mass centre is half_width x width and centroid_height x height away from the edge.
     """
     sizes = [key for key in ("width", "height") if document.has(key)]
     polar = [key for key in ("radius", "alpha") if document.has(key)]

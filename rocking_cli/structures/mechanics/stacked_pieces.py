@@ -1,8 +1,7 @@
-"""Pieces that stand on each other, circular or rectangular in plan, and what rocks where they part.
+"""Stacks of pieces that are circular or rectangular in plan.
 
-A stack rocks on the interface with the least uplift acceleration, and what is above it as one body: on the base of a tapered
-column, on the plinth of a statue. Pieces that an earthquake has moved stand off the line of the others; what rocks then has
-two sides, the edges of the overlap that it stands on.
+A stack rocks on the interface with the least uplift acceleration, and the pieces above it move as one body. A piece may be
+offset, for example after an earthquake; the edges are then the ends of the overlap with the piece below.
 """
 
 from __future__ import annotations
@@ -23,7 +22,8 @@ NOTHING = Moments(0.0, 0.0, 0.0, 0.0)
 
 
 class Piece(NamedTuple):
-    """A piece of a stack [m]: half widths of its base and top, height, place of its axis in x, moments about its base's middle."""
+    """A piece of a stack: half widths of its base (foot) and top (head) [m], height [m], x of its axis [m], and its moments about
+    the middle of its base."""
 
     foot: float
     head: float
@@ -33,9 +33,9 @@ class Piece(NamedTuple):
 
 
 def frustum_moments(low: float, high: float, height: float) -> Moments:
-    """Moments of a solid frustum of unit density on z = 0: radii at its base and top, and height [m].
+    """Moments of a solid frustum of a cone of unit density on z = 0; low, high: radii at its base and top [m].
 
-    With q = high/low and R(z) linear, int R^2, int R^2 z, int R^2 z^2 and int R^4 are polynomials in the two radii.
+    int R^2, int R^2 z, int R^2 z^2 and int R^4 over z are polynomials in the two radii.
     """
     a, b = low, high
     area = math.pi * height * (a * a + a * b + b * b) / 3.0
@@ -46,23 +46,13 @@ def frustum_moments(low: float, high: float, height: float) -> Moments:
 
 
 def cuboid_moments(width: float, depth: float, height: float) -> Moments:
-    """Moments of a cuboid of unit density on z = 0: width in the direction of rocking, depth across it, and height [m]."""
+    """Moments of a cuboid of unit density on z = 0; width [m] in the direction of rocking, depth [m] across it."""
     mass = width * depth * height
     return Moments(mass, 0.0, 0.5 * mass * height, mass * (width * width / 12.0 + height * height / 3.0))
 
 
-def raised(body: Moments, by: float) -> Moments:
-    """The same body, `by` higher."""
-    return Moments(body.mass, body.x, body.z + by * body.mass, body.polar + by * (2.0 * body.z + by * body.mass))
-
-
-def moved(body: Moments, by: float) -> Moments:
-    """The same body, `by` further in x."""
-    return Moments(body.mass, body.x + by * body.mass, body.z, body.polar + by * (2.0 * body.x + by * body.mass))
-
-
 def round_piece(document: Document) -> Piece:
-    """radius and height, or base_radius, top_radius and height; offset of the axis."""
+    """A piece from the keys radius and height, or base_radius, top_radius and height; and offset of its axis. Raises DocumentError."""
     height, offset = document.length("height"), offset_of(document)
     if document.has("radius"):
         for key in ("base_radius", "top_radius"):
@@ -76,12 +66,12 @@ def round_piece(document: Document) -> Piece:
 
 
 def offset_of(document: Document) -> float:
-    """The document's offset in x [m], 0 unless given."""
-    return document.quantity("offset", "length") if document.has("offset") else 0.0
+    """The document's offset in x [m], 0 by default."""
+    return document.quantity("offset", "length", default=0.0)
 
 
 class Bed(NamedTuple):
-    """An interface: its left and right edge in x [m], and what stands on it as one body, about (0, its level)."""
+    """An interface: x of its left and right edge [m], and the moments of the pieces above it about (0, its level)."""
 
     left: float
     right: float
@@ -89,7 +79,7 @@ class Bed(NamedTuple):
 
     @property
     def margin(self) -> float:
-        """Uplift acceleration over g, over the nearer edge; negative where the body falls."""
+        """Uplift acceleration over g on the weaker edge [-]; negative if the body falls under its own weight."""
         mass, x, z, _ = self.body
         return min(self.right * mass - x, x - self.left * mass) / z
 
@@ -100,17 +90,17 @@ class Bed(NamedTuple):
 
     @property
     def centred(self) -> Moments:
-        """The body about the middle between the edges."""
-        return moved(self.body, -0.5 * (self.left + self.right))
+        """The moments about the middle between the edges."""
+        return self.body.shifted(-0.5 * (self.left + self.right))
 
 
 def beds_of(document: Document, key: str, word: str, pieces: Sequence[Piece]) -> list[Bed]:
-    """Every interface from below, the ground first. Raises DocumentError for a piece beside the one that it should stand on."""
+    """Every interface from the ground upwards. Raises DocumentError if a piece does not stand on the one below it."""
     beds: list[Bed] = []
     body = NOTHING
     for i in range(len(pieces) - 1, -1, -1):
         piece = pieces[i]
-        body = moved(piece.body, piece.axis).plus(raised(body, piece.height))
+        body = piece.body.shifted(x=piece.axis).plus(body.shifted(z=piece.height))
         left, right = piece.axis - piece.foot, piece.axis + piece.foot
         if i:
             below = pieces[i - 1]
@@ -123,17 +113,17 @@ def beds_of(document: Document, key: str, word: str, pieces: Sequence[Piece]) ->
 
 
 def weakest_of(beds: Sequence[Bed]) -> int:
-    """The interface that lifts first, the lowest of several."""
+    """The number of the interface with the least margin, the lowest if several are equal."""
     return min(range(len(beds)), key=lambda i: beds[i].margin)
 
 
 def name_of(interface: int, word: str) -> str:
-    """What stands below an interface, in words."""
+    """The support below an interface, in words."""
     return "its base" if interface == 0 else f"{word} {interface} from below"
 
 
 def stacked(document: Document, kind: str, name: str, key: str, word: str, pieces: Sequence[Piece]) -> RockingParameters:
-    """Parameters of pieces on each other. Raises DocumentError where they do not stand."""
+    """The parameters of a stack of pieces. Raises DocumentError if it does not stand."""
     beds = beds_of(document, key, word, pieces)
     weakest = weakest_of(beds)
     bed = beds[weakest]
@@ -147,29 +137,28 @@ def stacked(document: Document, kind: str, name: str, key: str, word: str, piece
         details["rocks_on"] = name_of(weakest, word)
         details["interfaces"] = [{"on": name_of(i, word), **_numbers(bed, gravity)} for i, bed in enumerate(beds)]
     rock = body_on_edges if bed.centred.x else symmetric_body
-    return rock(
-        document, kind, name, bed.centred, bed.half, limit=f"a {word} more slender than this one", top=top, details=details
-    )  # fmt: skip
+    limit = f"a {word} more slender than this one"
+    return rock(document, kind, name, bed.centred, bed.half, limit=limit, top=top, details=details)
 
 
 def _numbers(bed: Bed, gravity: float) -> dict[str, float | None]:
-    """Parameters of an interface, on the edge that lifts first; eta None where the body is too squat to rock on it."""
+    """The parameters on the weaker edge of an interface; eta is None if the body is too squat to rock on it."""
     p, alpha, uplift, eta, _ = min(edges_of(bed.centred, bed.half, gravity).values(), key=lambda edge: edge[2])
     return {"p": p, "alpha": alpha, "eta": eta if eta >= 0.0 else None, "lambda": uplift}
 
 
 def sketch_of_pieces(document: Document, key: str, word: str, pieces: Sequence[Piece]) -> Sketch:
-    """What is above the weakest interface, and what it rocks on."""
+    """The pieces above and below the weakest interface."""
     levels = list(accumulate((piece.height for piece in pieces), initial=0.0))
     outlines = [outline_of(piece, piece.axis, level) for piece, level in zip(pieces, levels, strict=False)]
     beds = beds_of(document, key, word, pieces)
     weakest = weakest_of(beds)
     bed, base = beds[weakest], levels[weakest]
     centre = (bed.body.x / bed.body.mass, base + bed.body.z / bed.body.mass)
-    return rocker(outlines[weakest:], (bed.left, base), (bed.right, base), centre, still=outlines[:weakest])
+    return rocker(outlines[weakest:], (bed.left, base), (bed.right, base), centre, still=tuple(outlines[:weakest]))
 
 
 def outline_of(piece: Piece, axis: float, level: float) -> Outline:
-    """The section of a piece."""
+    """The section of a piece whose axis is at x = `axis` and whose base is at z = `level` [m]."""
     foot, head, top = piece.foot, piece.head, level + piece.height
     return ((axis - foot, level), (axis + foot, level), (axis + head, top), (axis - head, top))

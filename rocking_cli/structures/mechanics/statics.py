@@ -1,7 +1,8 @@
-"""The static theorem for a voussoir arch: the largest horizontal acceleration that some thrust without tension can carry.
+"""The static theorem for a voussoir arch: the largest horizontal acceleration that a thrust without tension can carry.
 
-It bounds lambda from below where the mechanism bounds it from above. The two meet where four hinges govern: the thrust through the
-hinges then stays inside every joint. They part where an arch is so short and thick that its joints open over their whole depth.
+A linear program over the force and moment on every radial joint gives a lower bound of lambda; the mechanism gives an upper
+bound. They are equal where four hinges govern: the thrust through the hinges then stays inside every joint. They differ for short
+thick arches, whose joints open over their whole depth.
 """
 
 from __future__ import annotations
@@ -44,14 +45,11 @@ def carried_through(ring: Ring, joints: np.ndarray, hinges: Sequence[float]) -> 
 
 
 def static_uplift(ring: Ring, joints: np.ndarray) -> float | None:
-    """lambda of the arch cut by these joints [rad], None if no thrust carries even its own weight.
-
-    A linear program over the force and moment on every joint.
-    """
+    """lambda [-] of the arch with these joints [rad] by the linear program, None if no thrust carries its own weight."""
     from scipy.optimize import linprog
     from scipy.sparse import csr_array
 
-    ring = Ring(1.0, ring.thickness / ring.radius, ring.angle)  # lambda has no scale, the solver's tolerances have one
+    ring = Ring(1.0, ring.thickness / ring.radius, ring.angle)  # lambda does not depend on the scale, but the solver's tolerances do
     count = joints.size - 1
     polar = 0.5 * np.pi + 0.5 * ring.angle - joints
     x, z = ring.radius * np.cos(polar), ring.radius * np.sin(polar)
@@ -63,7 +61,7 @@ def static_uplift(ring: Ring, joints: np.ndarray) -> float | None:
         balance[3 * i + 2, 3 * joint], balance[3 * i + 2, 3 * joint + 1] = -sign * z[joint], sign * x[joint]
     balance[3 * i, -1], balance[3 * i + 2, -1] = body.mass, -body.z
     load[3 * i + 1], load[3 * i + 2] = body.mass, body.x
-    inside = np.zeros((2 * (count + 1), unknowns))  # |moment| <= half the thickness times the thrust
+    inside = np.zeros((2 * (count + 1), unknowns))  # |moment| <= thickness/2 times the thrust
     j = np.arange(count + 1)
     for side, sign in ((0, 1.0), (1, -1.0)):
         inside[2 * j + side, 3 * j] = -0.5 * ring.thickness * np.sin(polar)
