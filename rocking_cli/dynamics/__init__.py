@@ -50,8 +50,7 @@ Lemma 9 (nothing overturns below). Linear, undamped, equal sides: with E = v^2 +
 Lemma 10 (nothing returns above). The same oscillator, lifted on the motion's first segment at any amplitude: at a fixed time
     y = A J - K with K > 0 and dy/dA = J before the first impact, so where y > 0 it grows with A, and above an amplitude that overturns
     without impact every other does, and above one whose first arc outlasts the shaking every other one's does too: there the modes
-    y - 1 + v and v + 1 - y at its end are convex in A (see `spectra.one_arc`). The larger A, the later the first impact comes
-    (`spectra.two_arcs`).
+    y - 1 + v and v + 1 - y at its end are convex in A (see `envelopes.one_arc`).
 Lemma 11 (flight). Linear, undamped: Green's function sinh is not negative, so y is monotone in the drive: while a >= c,
     y(h) >= y + v sinh h + (y - 1 + c)(cosh h - 1), and no impact comes before that bound is zero; while a <= c the same is a bound from
     above. Where y > 0 and a >= c on a stretch of length T, y'' >= c - 1, and y is nowhere above the higher of its ends by more than

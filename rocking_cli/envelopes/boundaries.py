@@ -8,8 +8,7 @@ Theorems on the linear oscillator spare most of the scan (Lemmas 9 and 10 of `dy
 - Above an amplitude that overturns without impact every other does, where the motion lifts the body on its first segment
   at any amplitude. At a fixed time y = A J - K with K > 0 and dy/dA = J: where y > 0 it grows with A.
 - So above an amplitude whose first arc outlasts the shaking every other one's does, and there the outcome changes only where the energy
-  at its end crosses a level; bounds of that energy over stretches of amplitudes say where it can (`one_arc`). Below it the first impact
-  comes the later the larger the amplitude, and bounds of what follows it settle stretches in which it comes late (`two_arcs`).
+  at its end crosses a level; bounds of that energy over stretches of amplitudes say where it can (`one_arc`).
 """
 
 from __future__ import annotations
@@ -32,7 +31,6 @@ from ..motions.segments import Segments
 from .changes import SECTIONS, Brackets, narrowed
 from .one_arc import Modes, may_change, modes_at_end
 from .scan_grid import Ladder, gaps_between, onwards
-from .two_arcs import Strike, TwoPushes
 
 Array = np.ndarray
 
@@ -207,9 +205,11 @@ class Search:
             return first, last, none
         # From the first amplitude on whose first arc outlasts the shaking only the energy at its end matters.
         clear, lasts = self._outcome_from(omegas, ladder, first, last, lambda label, impacts: (impacts == 0) & (label != Outcome.FAILED))
-        gaps = self._unstruck(omegas, ladder, clear, lasts, last[clear], np.isin(clear, over))
+        row, rung = self._unstruck(omegas, ladder, clear, lasts, last[clear], np.isin(clear, over)).T
         last[clear] = lasts
-        return first, *self._struck(omegas, ladder, first, last, clear, gaps)
+        ends = ladder.rung(rung), ladder.rung(rung + 1)
+        under, above = (self.outcome(amplitude, omegas[row]) for amplitude in ends)
+        return first, last, Brackets(row, *ends, under, above).take(np.flatnonzero(under != above))
 
     def _quiet(self, omegas: Array, ladder: Ladder) -> Array:
         """The last rung up to which the shaking from the first uplift on, A int |s| dphi <= Omega, overturns nothing."""
@@ -249,34 +249,6 @@ class Search:
             return may_change(one, other, ladder.rung(high) - ladder.rung(low), self.eta)
 
         return np.concatenate([top, gaps_between(row, low, np.where(falls, high - 1, high), modes, differ)])
-
-    def _struck(self, omegas: Array, ladder: Ladder, first: Array, last: Array, clear: Array, gaps: Array) -> tuple[Array, Brackets]:
-        """(last rung that must be looked at, the changes above it); gaps: those above `last`; clear: rows whose bodies are struck below
-        `last`, and not at it."""
-        pushes = TwoPushes.of(self.motion.segments)
-        if pushes is not None:
-
-            def late(rungs: Array, rows: Array) -> Array:
-                return pushes.late(ladder.rung(rungs).ravel(), omegas[rows].ravel()).reshape(rungs.shape)
-
-            def strikes(row: Array, rung: Array) -> Strike:
-                return pushes.strikes(ladder.rung(rung), omegas[row])
-
-            def differ(one: Strike, other: Strike, row: Array, low: Array, high: Array) -> Array:
-                return pushes.may_change(one, other, ladder.rung(low), ladder.rung(high), omegas[row], self.eta)
-
-            high = last.copy()
-            high[clear] -= 1
-            row = np.flatnonzero(first < high)
-            row, low = onwards(row, first[row], high[row], late)
-            top = np.column_stack([row, high[row]])[high[row] < last[row]]
-            gaps = np.concatenate([gaps, top, gaps_between(row, low, high[row], strikes, differ)])
-            last = last.copy()
-            last[row] = low
-        row, rung = gaps.T
-        ends = ladder.rung(rung), ladder.rung(rung + 1)
-        under, above = (self.outcome(amplitude, omegas[row]) for amplitude in ends)
-        return last, Brackets(row, *ends, under, above).take(np.flatnonzero(under != above))
 
     def _narrowed(self, omegas: Array, brackets: Brackets, *, lowest: bool = False) -> Brackets:
         """Each change to `digits`, or of each bracket the lowest alone."""

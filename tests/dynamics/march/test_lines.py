@@ -11,9 +11,7 @@ from rocking_cli import Method, response
 from rocking_cli.dynamics.body import Body
 from rocking_cli.dynamics.equations.equation import Ramp
 from rocking_cli.dynamics.equations.ramp import line_series
-from rocking_cli.dynamics.lanes import Lanes
 from rocking_cli.dynamics.march import bends, lines
-from rocking_cli.dynamics.march.closing import Bounds
 from rocking_cli.dynamics.march.demand import Demands
 from rocking_cli.dynamics.march.ground import Shaking
 from rocking_cli.dynamics.march.lines import LineDemands
