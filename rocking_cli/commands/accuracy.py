@@ -28,7 +28,7 @@ def accuracy(
     axes: str,
     etas: tuple[float, ...],
     motion: Motion,
-    model: str,
+    model: str | None,
     tolerance: float,
     sample: int,
     scipy: int,
@@ -42,7 +42,7 @@ def accuracy(
     and DOP853 with events: run time a cell, largest and 99th-percentile error of theta/alpha, and misjudged outcomes, against an
     independent reference (Taylor series in small steps for the linear equation, a Runge-Kutta method in small steps otherwise).
     """
-    from ..dynamics.method import Method
+    from ..dynamics.method import governing_method, model_in_words
     from ..motions.grid import parse_grid
     from ..reports.accuracy import work_precision
     from ..spectra.scene import PulseScene
@@ -51,6 +51,8 @@ def accuracy(
     structures = options.structures_of(files, etas)
     if len(structures) > 1:
         raise click.UsageError(f"found {len(structures)} structures, accepted is one")
-    scene = PulseScene(tuple(structures), grid, motion, Method(model, tolerance))
-    options.note(f"{structures[0].name}, {motion.name}, {model}; {sample} cells, seed {seed}; times in s a cell", quiet)
+    method = governing_method(*structures, model=model, tolerance=tolerance, dimensionless=grid.dimensionless)
+    scene = PulseScene(tuple(structures), grid, motion, method)
+    options.note(model_in_words(method, *structures, model=model, dimensionless=grid.dimensionless), quiet)
+    options.note(f"{structures[0].name}, {motion.name}; {sample} cells, seed {seed}; times in s a cell", quiet)
     options.emit((line.record() for line in work_precision(scene, sample=sample, scipy=scipy, seed=seed)), form)

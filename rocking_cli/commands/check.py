@@ -53,12 +53,13 @@ def check(
 ) -> None:
     """Check which structures stand under a motion, and how much more it would take to overturn them.
 
-    A row a structure and motion: the outcome and theta_max/alpha by the equation that governs (nonlinear where the geometry is known,
-    linear for stated parameters); uplift_a and first_overturning_a, the least amplitudes that lift and overturn it; capacity_demand,
-    the latter over the demand, below 1 where the body falls or would for less, empty where nothing overturns up to --a-max and
-    twice the demand; safe_to, where the stretch around the demand that stands ends; outcome_linear, the linear verdict; friction
-    and fz_min, the coefficient that the ground must have and the least vertical force over the weight of a rigid body.
-    Accelerations are in m/s2 (JSON, CSV) or in the unit of the request (table), unless --units says otherwise.
+    A row a structure and motion: the outcome and theta_max/alpha by the equation that governs (nonlinear for a known geometry in units:
+    a_g, f_g, a record; linear on dimensionless axes, A, Omega, and for stated parameters); demand_a, the amplitude asked for;
+    uplift_a and first_overturning_a, the least amplitudes that lift and overturn it; capacity_demand, the latter over the demand,
+    below 1 where the body falls or would for less, empty where nothing overturns up to --a-max and twice the demand; safe_to, where
+    the stretch around the demand that stands ends; outcome_linear, the linear verdict; friction and fz_min, the coefficient
+    that the ground must have and the least vertical force over the weight of a rigid body. Accelerations are in m/s2
+    (JSON, CSV) or in the unit of the request (table), unless --units says otherwise.
     """
     from ..dynamics.outcome import Outcome
     from ..envelopes.capacity import narrowest
@@ -88,6 +89,8 @@ def check(
 
         draw_capacities(verdicts, output, in_g=in_g, overwrite=overwrite)
     options.emit([v.record() for v in verdicts], form, CHECK_COLUMNS, table_units="g" if in_g else None)
+    options.note_demand(shakes, quiet)
+    options.note_governing(structures, shakes[0][1].dimensionless, quiet)
     for line in _remarks(verdicts):
         options.note(line, quiet)
     width = " or ".join(dict.fromkeys(narrowest(shake) for shake, _ in shakes))

@@ -41,7 +41,7 @@ def compare(
     curves lie apart; for structures of equal restitution they collapse in the linear model (Fig. 8). --model both compares the
     equations (Fig. 7): peaks, and quarter periods of free rocking from 0.3, 0.6 and 0.9 alpha.
     """
-    from ..dynamics.method import Method
+    from ..dynamics.method import governing_method
     from ..responses import comparison
 
     structures = options.structures_of(files)
@@ -52,9 +52,11 @@ def compare(
             structures = [s.with_restitution(eta) for s in structures]
         except ValueError as error:
             raise click.UsageError(f"--eta: {error}") from None
-    methods = [Method(model, tolerance) for model in models]
+    bare = shaking.dimensionless
+    methods = [governing_method(*structures, model=model, tolerance=tolerance, dimensionless=bare) for model in models]
     responses = comparison.compare(structures, motion, shaking, methods)
     options.emit((comparison.curve_records if curves else comparison.comparison_records)(responses, methods), form)
+    options.note_models(methods, structures, models, bare, quiet)
     for method in methods:
         if len(structures) > 1:
             distance = comparison.collapse(responses, method.model)

@@ -74,32 +74,31 @@ def envelope(
 
     Records have no frequency: what is sought is their scale, for each structure, or with --alpha and --grid T=… for blocks of
     these critical angles and sizes T = 2 pi/p in s. A row states A, the peak a [m/s2] and the scale of the record as it is given. The
-    scan's amplitudes are 0.5 % apart, and nothing is claimed of narrower intervals. The equation is the nonlinear one where the
-    geometry is known, unless --model is given.
+    scan's amplitudes are 0.5 % apart, and nothing is claimed of narrower intervals.
 
     --model both traces the intervals of both equations, a row each with its model, and says over how much of the amplitudes that
     overturn a structure the linear one says that it stands.
     """
-    from ..dynamics.method import Method
+    from ..dynamics.method import governing_method, model_in_words
     from ..envelopes.envelope import CURVE_COLUMNS, check_curves, frequency_axis, structure_curves
     from ..spectra.record_envelope import Tracing
     from ..spectra.record_scene import scene_of_words
 
-    methods = [Method(model, tolerance) for model in models]
     workers = options.at_most_the_cpus(workers, quiet)
     if motion is None:
         if closed_form:
             raise click.UsageError("--closed-form does not go with records")
         if median and sign == "both":
             raise click.UsageError("--median does not go with --sign both")
-        if len(methods) > 1:
+        if len(models) > 1:
             raise click.UsageError("--model both goes with a pulse; of records the nonlinear equation decides")
         structures = options.lifting(options.structures_of(files, etas) if files else [], linear_uplift, models)
         scene = scene_of_words(
             structures, recordings, axes=axes, alphas=alphas, etas=etas,
-            method=methods[0] if options.given(context, "model") else None, tolerance=tolerance,
+            model=models[0], tolerance=tolerance,
         )  # fmt: skip
-        _of_records(context, Tracing(scene, a_max.of(None), first or median), sign, workers, median, form, quiet)
+        told = [model_in_words(scene.method, *structures, model=models[0])]
+        _of_records(context, Tracing(scene, a_max.of(None), first or median), told, sign, workers, median, form, quiet)
         return
     if alphas is not None or median:
         raise click.UsageError(f"{'--median' if median else '--alpha'} goes with records: give --motion")
@@ -110,14 +109,27 @@ def envelope(
             check_curves(structure, motion, axis)
         options.emit((row for structure in structures for row in structure_curves(structure, motion, axis)), form, CURVE_COLUMNS)
         return
+    dimensionless = axis.name == "Omega"
+    methods = [governing_method(*structures, model=model, tolerance=tolerance, dimensionless=dimensionless) for model in models]
     searches = [
         (structure, [{"method": method, "a_max": a_max.of(structure), "sign": sign} for method in methods]) for structure in structures
     ]
-    _of_pulse(context, searches, motion, axis, first, workers, form, quiet)
+    told = [
+        model_in_words(method, *structures, model=model, dimensionless=dimensionless) for method, model in zip(methods, models, strict=True)
+    ]
+    _of_pulse(context, searches, told, motion, axis, first, workers, form, quiet)
 
 
 def _of_pulse(
-    context: click.Context, searches: Searches, motion: Motion, axis: Axis, lowest: bool, workers: int | None, form: str | None, quiet: bool
+    context: click.Context,
+    searches: Searches,
+    told: list[str],
+    motion: Motion,
+    axis: Axis,
+    lowest: bool,
+    workers: int | None,
+    form: str | None,
+    quiet: bool,
 ) -> None:
     """Print the intervals of each structure, by one equation or both."""
     from ..envelopes.envelope import INTERVAL_COLUMNS, NARROWEST, NONE, check_intervals, misjudged, structure_intervals
@@ -127,7 +139,7 @@ def _of_pulse(
             check_intervals(structure, motion, axis, **way, tell=partial(options.note, quiet=quiet))
     both = any(len(ways) > 1 for _, ways in searches)
     failed = 0
-    silent: list[str] = []
+    silent = told
 
     def records() -> Iterator[dict[str, Any]]:
         nonlocal failed
@@ -161,7 +173,7 @@ def _of_pulse(
 
 
 def _of_records(
-    context: click.Context, tracing: Tracing, sign: str, workers: int | None, median: bool, form: str | None, quiet: bool
+    context: click.Context, tracing: Tracing, told: list[str], sign: str, workers: int | None, median: bool, form: str | None, quiet: bool
 ) -> None:
     """Print the overturning scales of records, or their quantiles."""
     from ..envelopes.capacity import RATIO
@@ -170,7 +182,6 @@ def _of_records(
     from ..spectra.record_envelope import check_tracing, tracing_records
 
     check_tracing(tracing, tell=partial(options.note, quiet=quiet))
-    options.note(f"model: {tracing.scene.method.model}", quiet)
     modes: Counter[str] = Counter()
 
     def records() -> Iterator[dict[str, Any]]:
@@ -184,6 +195,8 @@ def _of_records(
         options.emit(overturning_spectrum(tracing.scene, records()), form)
     else:
         options.emit(records(), form, columns=(*places, "A_from", *([] if tracing.first else ["A_to"]), "mode"))
+    for line in told:
+        options.note(line, quiet)
     if modes[NONE]:
         options.note(f"no overturning up to A = {tracing.a_max:g} in {modes[NONE]} searches", quiet)
     options.note(f"nothing is claimed of intervals narrower than {100.0 * RATIO:g} % of the amplitude, safe or overturning", quiet)

@@ -93,7 +93,7 @@ def fragility(
     samples: int,
     seed: int,
     output: Path | None,
-    model: str,
+    model: str | None,
     tolerance: float,
     workers: int | None,
     overwrite: bool,
@@ -110,7 +110,7 @@ def fragility(
     overturning, traced, the motions that never overturn as censored; cloud: regression on the rotations as recorded. Measures:
     PGA, PGV, PGD, Arias, CAV, and nPGA = PGA/(lambda g), nPGV = p PGV/(g tan alpha), nPGD = p^2 PGD/(g tan alpha).
     """
-    from ..dynamics.method import Method, governing_method
+    from ..dynamics.method import governing_method
     from ..fragility.fits import Resampling
     from ..fragility.measures import measure_of, members_of, shaken_upwards, site_pulses
     from ..fragility.study import counted
@@ -133,7 +133,7 @@ def fragility(
     members = site_pulses(pulses) if pulses is not None else members_of(recordings)
     if upwards is not None:
         members = shaken_upwards(members, upwards)
-    method = Method(model, tolerance) if options.given(context, "model") else governing_method(*structures, tolerance=tolerance)
+    method = governing_method(*structures, model=model, tolerance=tolerance)
     settled = {
         "overwrite": overwrite, "resume": resume, "shard": None if shard is None else options.part_of(shard), "scheduler": scheduler,
         "documents": texts, "history": streams.printable(shlex.join(["rocking", *sys.argv[1:]])),
@@ -160,7 +160,8 @@ def fragility(
         options.emit([row for study in studies for row in study.efficiency()], form, EFFICIENCY_COLUMNS, without=("theta",))
     else:
         refused = _rows(studies, states, methods, exact, curve, form, levels or "", quiet)
-    options.note(f"model: {method.model}, {len(members)} motions", quiet)
+    options.note_models([method], structures, [model], False, quiet)
+    options.note(f"{len(members)} motions", quiet)
     for study in studies:
         if study.resurrections:
             what = f"{study.resurrections} of {len(members)} motions overturn it at one intensity and spare it at a larger one"
@@ -243,7 +244,7 @@ def _levels(text: str | None, measure: Measure) -> np.ndarray:
     if text is None:
         raise click.UsageError(f"no --levels; accepted is START:STOP:N[:log] of {measure.name}, or a list, such as 0.1g:1g:10")
     if ":" in text:
-        options.remark_on(spans=text)
+        options.remark_on(spans=f"{measure.name}={text}")
         return check_levels(parse_span("--levels", text, measure.dimension))
     found = []
     for part in text.split(","):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -18,7 +19,9 @@ from .parameter_types import InputPath, LimitType, OutputPath, Registered, Resti
 from .terms import in_options
 
 if TYPE_CHECKING:
+    from ..dynamics.method import Method
     from ..motions.grid import Grid
+    from ..motions.motion import Motion
     from ..motions.recording import Recording
     from ..reports.units import Units
     from ..structures import RockingParameters
@@ -58,24 +61,76 @@ def given(context: click.Context, name: str) -> bool:
 tolerance = click.option("--tolerance", type=float, default=1e-9, show_default=True, help="Error of theta/alpha aimed at (nonlinear).")
 
 
+_RULE = (
+    "Equation of motion{both}. Default: nonlinear for a known geometry in units (a_g, f_g, a record), linear on dimensionless axes "
+    "(A, Omega) and for stated parameters."
+)
+
+
 def method(command: F) -> F:
-    """--model and --tolerance."""
-    model = click.option("--model", type=Registered(model_names), default="linear", show_default=True, help="Equation of motion.")
+    """--model and --tolerance; the command gets None for the equation of the rule."""
+    model = click.option("--model", type=Registered(model_names), help=_RULE.format(both=""))
     return model(tolerance(command))
 
 
 def methods(command: F) -> F:
-    """--model, which may be both, and --tolerance; the command gets `models`."""
+    """--model, which may be both, and --tolerance; the command gets `models`, (None,) for the equation of the rule."""
 
     @wraps(command)
-    def with_models(*arguments: Any, model: str, **others: Any) -> Any:
+    def with_models(*arguments: Any, model: str | None, **others: Any) -> Any:
         from ..dynamics.method import MODELS
 
+        if model is None and others.get("linear_uplift") == "lambda":
+            model = "linear"
         return command(*arguments, models=MODELS if model == "both" else (model,), **others)
 
     words = Registered(lambda: (*model_names(), "both"))
-    model = click.option("--model", type=words, default="linear", show_default=True, help="Equation of motion, or both.")
+    model = click.option("--model", type=words, help=_RULE.format(both=", or both"))
     return model(tolerance(with_models))
+
+
+def note_demand(shakes: Sequence[tuple[Motion, Grid]], quiet: bool) -> None:
+    """Say how strong the shaking is that is asked for, with the acceleration in m/s2 and g."""
+    from ..documents.quantities import DEFAULT_GRAVITY
+    from ..reports.plausibility import bare_remarks
+
+    values = [float(grid.amplitude.values[0]) for _, grid in shakes]
+    motion, grid = shakes[0]
+    name, own_time = grid.amplitude.name, motion.acceleration is not None
+
+    def span(unit: float, digits: int) -> str:
+        return " to ".join(dict.fromkeys(f"{x / unit:.{digits}g}" for x in (min(values), max(values))))
+
+    text = f"{'PGA' if own_time and name == 'a_g' else name} {span(1.0, 5)}"
+    if name == "a_g":
+        text += f" m/s2 = {span(DEFAULT_GRAVITY, 3)} g"
+    if not own_time:
+        frequency = float(grid.frequency.values[0])
+        text += f", Omega {frequency:.5g}" if grid.dimensionless else f", f_g {frequency / math.tau:.5g} Hz"
+    note(f"demand: {text}{f', {len(shakes)} motions' if len(shakes) > 1 else ''}", quiet)
+    asked = click.get_current_context().params
+    for remark in bare_remarks(f"a_g={asked['a_g']}" if asked["a_g"] else asked.get("scale_to") or ""):
+        note(remark, quiet)
+
+
+def note_governing(structures: Iterable[RockingParameters], dimensionless: bool, quiet: bool) -> None:
+    """Say which equation answers for each structure by itself."""
+    from ..dynamics.method import governing_method, model_in_words
+
+    for line in dict.fromkeys(
+        model_in_words(governing_method(one, dimensionless=dimensionless), one, dimensionless=dimensionless) for one in structures
+    ):
+        note(line, quiet)
+
+
+def note_models(
+    methods: Iterable[Method], structures: Sequence[RockingParameters], models: Iterable[str | None], dimensionless: bool, quiet: bool
+) -> None:
+    """Say which equation a run takes."""
+    from ..dynamics.method import model_in_words
+
+    for method, model in zip(methods, models, strict=True):
+        note(model_in_words(method, *structures, model=model, dimensionless=dimensionless), quiet)
 
 
 linear_uplift = click.option(
@@ -84,7 +139,7 @@ linear_uplift = click.option(
 )  # fmt: skip
 
 
-def lifting(structures: list[RockingParameters], linear_uplift: str, models: Sequence[str] = ("linear",)) -> list[RockingParameters]:
+def lifting(structures: list[RockingParameters], linear_uplift: str, models: Sequence[str | None]) -> list[RockingParameters]:
     """The structures as --linear-uplift has them. Raises click.UsageError where another equation than the linear one is wanted, or
     there is none."""
     if linear_uplift != "lambda":
@@ -188,10 +243,10 @@ def structures_and_texts(files: tuple[str, ...], etas: tuple[float | None, ...] 
 
 def remark_on(structures: Iterable[RockingParameters] = (), grid: Grid | None = None, spans: str = "") -> None:
     """Say on standard error what is odd about structures, amplitudes and spans as they are written, up to three lines of it."""
-    from ..reports.plausibility import grid_remarks, span_remarks, structure_remarks
+    from ..reports.plausibility import bare_remarks, grid_remarks, span_remarks, structure_remarks
 
     remarks = [remark for one in structures for remark in structure_remarks(one)] + ([] if grid is None else list(grid_remarks(grid)))
-    remarks += span_remarks(spans)
+    remarks += [*span_remarks(spans), *bare_remarks(spans)]
     quiet = click.get_current_context().params.get("quiet", False)
     for remark in remarks[:_REMARKS]:
         note(remark, quiet)

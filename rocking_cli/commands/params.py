@@ -51,7 +51,7 @@ def params(
 
     def records() -> Iterator[dict[str, Any]]:
         if not variations:
-            built = options.lifting(with_distinct_names([build_structure(document) for document in documents]), linear_uplift)
+            built = options.lifting(with_distinct_names([build_structure(document) for document in documents]), linear_uplift, ("linear",))
             options.remark_on(built)
             early.extend(s for s in built if form is None and s.uplift > 1.01 * s.linear_uplift)
             plain = [structure.record() for structure in built]
@@ -70,7 +70,7 @@ def params(
                     varied = ", ".join(f"{key} = {value:g}" for key, value in member.shown.items())
                     options.note(f"no solution for {varied}: {member.fault}", quiet)
                 else:
-                    (structure,) = options.lifting([member.parameters], linear_uplift)
+                    (structure,) = options.lifting([member.parameters], linear_uplift, ("linear",))
                     yield from _rows(structure.record(), form, member.shown)
 
     options.emit(records(), form)

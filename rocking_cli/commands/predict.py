@@ -47,6 +47,7 @@ def predict(
         else:
             records = [beside_spectrum(s, file, shaking) for s in structures]
     options.emit(records, form)
+    options.note("model: linear, as the spectrum's", quiet)
     failed = sum(r["outcome"] == Outcome.FAILED.flag for r in records)
     if failed:
         options.note(f"{failed} structures could not be decided (outcome failed)", quiet)

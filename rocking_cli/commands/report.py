@@ -49,7 +49,8 @@ def report(
 
     One HTML file that opens in a browser without a network: the table of rocking check, and for each structure its drawing,
     parameters and their relations, the map with the demand on it, how often the linear equation is wrong, fragility where records
-    are given; then the command, versions and hashes. It needs the extra: pip install 'rocking[report]'.
+    are given; then the command, versions and hashes. The equation is that of
+    rocking check. It needs the extra: pip install 'rocking[report]'.
     """
     from ..dynamics.outcome import Outcome
     from ..motions.grid import as_recorded
@@ -90,6 +91,8 @@ def report(
     )
     with published(output, overwrite) as file:
         file.write(text.encode())
+    options.note_demand(shakes, quiet)
+    options.note_governing(structures, shakes[0][1].dimensionless, quiet)
     options.note(f"{output}: {tally(verdicts)}", quiet)
     if any(v.outcome == Outcome.FAILED for v in verdicts):
         context.exit(4)

@@ -53,10 +53,9 @@ def response(
 
     FILE holds one structure. An overturning body is followed to 3 alpha, or until it lies on its side or its linkage has
     collapsed. In the events the speed at an impact is that before it; with --json a summary of each model is the last record.
-    --forces: fx_ratio and fz_ratio, the horizontal and vertical force over m g, and the friction that they need. Under a record the
-    equation is the nonlinear one where the geometry is known, unless --model is given.
+    --forces: fx_ratio and fz_ratio, the horizontal and vertical force over m g, and the friction that they need.
     """
-    from ..dynamics.method import Method, governing_method
+    from ..dynamics.method import governing_method
     from ..responses.time_history import time_history
 
     structures = options.structures_of((file,))
@@ -71,9 +70,8 @@ def response(
     step = None if dt is None else options.time("--dt", dt)
     if step is not None and not step > 0.0:
         raise UsageError(f"--dt: found {dt}, accepted is a positive time")
-    methods = [Method(model, tolerance) for model in models]
-    if motion.acceleration is not None and not options.given(context, "model"):
-        methods = [governing_method(*structures, tolerance=tolerance)]
+    bare = shaking is not None and shaking.dimensionless
+    methods = [governing_method(*structures, model=model, tolerance=tolerance, dimensionless=bare) for model in models]
     found = time_history(
         structures[0],
         motion if shaking else None,
@@ -86,6 +84,9 @@ def response(
     records = found.events(**shown) if events else found.records(dt=step, steps=steps, **shown)
     closing = found.summaries(**shown) if events and form == "json" else ()
     options.emit(chain(records, closing), form, ("model", "event") if events else ())
+    if shaking is not None:
+        options.note_demand([(motion, shaking)], quiet)
+    options.note_models(methods, structures, models, bare, quiet)
     for line in found.summary(forces=forces):
         options.note(line, quiet)
     if found.failed:

@@ -85,17 +85,15 @@ def spectrum(
     Records shake in their own time. Structures under them have an axis scale=START:STOP:N (factor of each record; 1 if there is no
     --grid), A or a_g (its peak). Without structures --alpha gives the critical angles of blocks and the axis T=START:STOP:N their
     sizes as 2 pi/p in s (no period), or p in rad/s; alpha and tan_alpha may stand in --grid too. The file has the dimensions
-    record, structure and scale (A, a_g), or record, alpha and T. The equation is the nonlinear one where it holds, unless --model
-    is given.
+    record, structure and scale (A, a_g), or record, alpha and T.
     """
-    from ..dynamics.method import Method
+    from ..dynamics.method import governing_method
     from ..motions.grid import parse_grid
     from ..reports.summary import summary_lines
     from ..spectra.part import check_output
     from ..spectra.scene import PulseScene, Scene
     from ..spectra.sweep import CHUNK_CELLS, write_scene
 
-    method = Method(models[-1], tolerance)
     wanted = [name.strip() for name in quantities.split(",")] if quantities is not None else []
     if motion is not None and axes is None:
         raise click.UsageError("no --grid; accepted are two axes, such as a_g=0.1g:1g:50,f_g=0.5:5:40, or records as --motion")
@@ -103,23 +101,21 @@ def spectrum(
         raise click.UsageError("--alpha goes with records: give --motion")
     grid = None if motion is None else parse_grid(axes or "")
     check_output(output, overwrite, resume)
-    options.remark_on(grid=grid, spans=axes or "")
     options.refuse_own_input(output, recordings)
     scene: Scene
     texts = ""
     if grid is not None and motion is not None:
         structures, texts = options.structures_and_texts(files, etas)
         structures = options.lifting(structures, linear_uplift, models)
+        method = governing_method(*structures, model=models[-1], tolerance=tolerance, dimensionless=grid.dimensionless)
         scene = PulseScene(tuple(structures), grid, motion, method)
     else:
         from ..spectra.record_scene import scene_of_words
 
         structures, texts = options.structures_and_texts(files, etas) if files else ([], "")
         structures = options.lifting(structures, linear_uplift, models)
-        scene = scene_of_words(
-            structures, recordings, axes=axes, alphas=alphas, etas=etas,
-            method=method if options.given(context, "model") else None, tolerance=tolerance,
-        )  # fmt: skip
+        scene = scene_of_words(structures, recordings, axes=axes, alphas=alphas, etas=etas, model=models[-1], tolerance=tolerance)
+    options.remark_on(grid=grid, spans=axes or "")
     summary = write_scene(
         scene,
         output,
@@ -139,6 +135,7 @@ def spectrum(
         progress=ProgressLine("spectrum", quiet, "chunks"),
         tell=partial(options.note, quiet=quiet),
     )
+    options.note_models([scene.method], structures, models[-1:], grid is not None and grid.dimensionless, quiet)
     for line in summary_lines(summary, str(output)):
         options.note(line, quiet)
     if json_:

@@ -232,11 +232,33 @@ class Method:
 LINEAR = Method()
 
 
-def governing_method(*structures: RockingParameters, tolerance: float = TOLERANCE) -> Method:
-    """The equation that decides: the nonlinear one where the geometry of all structures is known, since the linear one is not safe: it
-    may spare a body that Eq. 2.3 overturns, and the other way round."""
-    nonlinear = Method(MODELS[-1], tolerance)
-    return nonlinear if all(s.structure != "parameters" and nonlinear.serves(s) for s in structures) else LINEAR
+def governing_method(
+    *structures: RockingParameters, model: str | None = None, tolerance: float = TOLERANCE, dimensionless: bool = False
+) -> Method:
+    """The equation of a run: that of `model` where it is given; else the nonlinear one where the geometry of all structures is known and
+    the motion has units (a_g, f_g, a record); else the linear one, on dimensionless axes (A, Omega) and for stated parameters. Raises
+    UsageError for an unknown model or a tolerance out of range.
+
+    The linear equation is not safe: it may spare a body that Eq. 2.3 overturns.
+    """
+    nonlinear = Method(MODELS[-1] if model is None else model, tolerance)
+    return nonlinear if model is not None or (not dimensionless and all(map(_known, structures))) else LINEAR
+
+
+def _known(structure: RockingParameters) -> bool:
+    """Whether the geometry of a structure is known, and the nonlinear equation has a form for it."""
+    return structure.structure != "parameters" and Method(MODELS[-1]).serves(structure)
+
+
+def model_in_words(method: Method, *structures: RockingParameters, model: str | None = None, dimensionless: bool = False) -> str:
+    """The line that names the equation of a run; of the linear one that nobody asked for, why it is. Arguments of `governing_method`."""
+    line = f"model: {method.model}"
+    if model is not None or method != LINEAR:
+        return line
+    if dimensionless:
+        return f"{line}, on dimensionless axes (A, Omega)"
+    stated = [s.name for s in structures if not _known(s)]
+    return f"{line}, since the geometry of {', '.join(stated[:3])}{' and others' * (len(stated) > 3)} is not known"
 
 
 def contact_of(structure: RockingParameters, equation: Equation) -> Contact:

@@ -192,7 +192,7 @@ def _map(
     most = 2.0 * max([amplitude, *(v.first_overturning_a for v in mine if v.first_overturning_a is not None)])
     most = min(most, 8.0 * amplitude)
     grid = Grid(Axis("a_g", most * np.arange(1, SIDE + 1) / SIDE), Axis("omega_g", omega * np.geomspace(0.25, 4.0, SIDE)))
-    method = governing_method(structure)
+    method = governing_method(structure, dimensionless=demand.dimensionless)
     path = folder / "map.h5"
     beside = () if method.exact else ("linear",)
     write_spectrum([structure], motion, grid, path, method=method, quantities=beside, check=0, workers=workers, overwrite=True)
@@ -213,7 +213,7 @@ def _map(
 
         picture = _image(folder, plan)
         if method == LINEAR:
-            return picture, "Only parameters are known, so that the linear equation alone answers."
+            return picture, "The linear equation alone answers here."
         codes = file.block(0, slice(None))["difference"]
     judged = int(np.count_nonzero(codes != Difference.NOT_COMPUTED))
     wrong, unsafe = (int(np.count_nonzero(x)) for x in ((codes > Difference.AGREES), codes == Difference.LINEAR_UNSAFE))
@@ -226,7 +226,7 @@ def _map(
 def _agreement(mine: Sequence[Verdict]) -> str:
     """The linear verdicts beside those that govern."""
     if all(v.model == LINEAR.model for v in mine):
-        return "Only parameters are known, so that the linear equation alone answers."
+        return "The linear equation alone answers here."
     codes = [Difference(int(difference(np.uint8(v.outcome), np.uint8(v.outcome_linear)))) for v in mine]
     judged = [code for code in codes if code != Difference.NOT_COMPUTED]
     unsafe, agree = (judged.count(code) for code in (Difference.LINEAR_UNSAFE, Difference.AGREES))

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 LARGEST, SMALLEST = 100.0, 0.02  # m, half diagonals of blocks that anybody has built or shaken
 LEAST_RESTITUTION = 0.3
 _SPAN = re.compile(r"([^,=:]+):([^,=:]+):")
+_ACCELERATION = re.compile(r"\b(a_g|PGA)\s*=\s*([^,]+)", re.IGNORECASE)
 MOST_ACCELERATION = 10.0 * DEFAULT_GRAVITY  # several times what was ever recorded
 
 
@@ -38,6 +39,15 @@ def span_remarks(text: str) -> Iterator[str]:
         for one, other in ((start, stop), (stop, start)):
             if one is not None and other is not None and one[0] and not one[1] and other[1]:
                 yield f"{':'.join(bounds)}: {one[0]:g} without a unit is in SI, not in {other[1]}"
+
+
+def bare_remarks(text: str) -> Iterator[str]:
+    """Both readings of each acceleration without a unit, as it is written: NAME=VALUE, or NAME=START:STOP:N, of which STOP counts."""
+    for name, written in _ACCELERATION.findall(text):
+        stop = split_quantity(written.split(":")[1 if ":" in written else 0])
+        if stop is not None and stop[0] and not stop[1] and abs(stop[0]) <= MOST_ACCELERATION:
+            x, g = stop[0], DEFAULT_GRAVITY
+            yield f"{name}={written}: {x:g} without a unit is {x:g} m/s2 = {x / g:.3g} g; {x:g} g would be {x * g:.4g} m/s2"
 
 
 def grid_remarks(grid: Grid) -> Iterator[str]:

@@ -16,8 +16,8 @@ def summary_lines(summary: Summary, output: str) -> Iterator[str]:
     s, w = summary, summary.work
     records = f" under {s.records} record{'s' if s.records != 1 else ''}" if s.records else ""
     yield f"{output}: {s.cells} cell{'s' if s.cells != 1 else ''}, {s.structures} structure{'s' if s.structures != 1 else ''}{records}"
-    if s.records:
-        yield f"model: {s.model}{'' if s.model != LINEAR.model else ', which is not safe under records; `model` nonlinear decides'}"
+    if s.records and s.model == LINEAR.model:
+        yield "the linear equation is not safe under records; `model` nonlinear decides"
     yield f"run time: {s.run_time:.3g} s, {1e6 * s.time_per_cell:.3g} us a cell, {s.workers} worker{'s' if s.workers != 1 else ''}"
     if s.resumed_cells:
         yield f"resumed: {s.resumed_cells} cells were there before; times, checks and what was left out are those of this run"

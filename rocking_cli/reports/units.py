@@ -23,7 +23,7 @@ SI = {
 COLUMNS = {
     **dict.fromkeys(("alpha", "theta", "theta_max", "angle"), "angle"),
     "p": "frequency parameter", "theta_dot": "angular velocity", "omega_g": "circular frequency",
-    **dict.fromkeys(("a_g", "a_from", "a_to", "uplift_a", "first_overturning_a", "safe_to"), "acceleration"),
+    **dict.fromkeys(("a_g", "a_from", "a_to", "demand_a", "uplift_a", "first_overturning_a", "safe_to"), "acceleration"),
     **dict.fromkeys(("ground_acceleration", "pga", "header_pga"), "acceleration"),
     **dict.fromkeys(("t", "t_max", "dt", "duration", "pga_time", "d5_75", "d5_95", "T", "run_time", "time_per_cell"), "time"),
     "pgv": "velocity", "arias": "intensity", "cav": "intensity", "gravity": "gravity", "mass": "mass",

@@ -32,7 +32,7 @@ _SAME = 0.01  # of theta/alpha: rotations under them that differ by less are one
 _WORTH = 3  # demands for each process that is started, at least
 _RUNS, _CELLS = 12, 1500  # of the engine and of its cells, that a search takes
 CHECK_COLUMNS = (
-    "name", "motion", "model", "outcome", "theta_ratio", "uplift_a", "first_overturning_a", "capacity_demand", "safe_to",
+    "name", "motion", "model", "outcome", "theta_ratio", "demand_a", "uplift_a", "first_overturning_a", "capacity_demand", "safe_to",
     "outcome_linear", "friction", "fz_min",
 )  # fmt: skip
 
@@ -110,7 +110,7 @@ def check(
     amplitude, omega = (float(x[0]) for x in shaking.scaled(structure))
     if not amplitude > 0.0:
         raise UsageError("the amplitude is 0, accepted is a positive one")
-    method, done = governing_method(structure), progress or _no_progress
+    method, done = governing_method(structure, dimensionless=shaking.dimensionless), progress or _no_progress
     beside = amplitude * (1.0 + _BESIDE)
     governs, asked = _governing(method, structure, motion, beside, omega)
     outcome, rotation = Outcome(int(governs.outcome[0])), float(governs.theta_ratio[0])
@@ -176,7 +176,7 @@ def check_all(
 
 def _seconds(a_max: float, structure: RockingParameters, motion: Motion, shaking: Grid) -> float:
     """Of a processor, to within a factor of a few, for one verdict; where a motion is too weak to lift the body this takes no time."""
-    method, record, segments = governing_method(structure), motion.samples is not None, motion.segments
+    method, record, segments = governing_method(structure, dimensionless=shaking.dimensionless), motion.samples is not None, motion.segments
     top = max(a_max, 2.0 * float(shaking.scaled(structure)[0][0]))
     strong = sum(part.stop - part.start for part in blocks(len(segments)) if top * largest(segments.s_end[part]) > 1.0)
     marched = expected_seconds(method, structure, strong, cells=_CELLS, batches=_RUNS, record=record)

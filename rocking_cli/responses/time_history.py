@@ -175,6 +175,8 @@ class TimeHistory:
                     f"fz_min_{when}": asked.fz_min_tau * time,
                     **({} if s.friction is None else {"slides": asked.slides(s.friction)}),
                 }
+            if self.amplitude and not dimensionless:
+                demanded["demand_a"] = float(s.ground_acceleration(self.amplitude))
             yield {"model": model, "event": "summary", **demanded, "theta_ratio": found.theta_ratio, "outcome": self.outcome(model).flag}
 
     def summary(self, *, forces: bool = False) -> Iterator[str]:

@@ -217,12 +217,12 @@ def scene_of_words(
     axes: str | None = None,
     alphas: str | None = None,
     etas: Sequence[float | None] = (),
-    method: Method | None = None,
+    model: str | None = None,
     tolerance: float = TOLERANCE,
 ) -> RecordScene:
     """The scene of what a user says: `--grid` (None: as recorded), `--alpha` and `--eta` (None: of a block).
 
-    method: None for `governing_method` at this tolerance. Raises UsageError.
+    model, tolerance: those of `governing_method`. Raises UsageError.
     """
     found = parse_axes(axes, records=True) if axes is not None else {}
     if alphas is not None and "alpha" in found:
@@ -239,8 +239,10 @@ def scene_of_words(
             raise UsageError(f"found {' and '.join(named)}; accepted are `alpha` and `grid` T=START:STOP:N together")
         if len(etas) > 1:
             raise UsageError(f"`eta` is given {len(etas)} times; accepted over alpha and T is one")
-        return angles_scene(found["alpha"], found["T"], recordings, etas[0] if etas else None, method or Method("nonlinear", tolerance))
+        return angles_scene(
+            found["alpha"], found["T"], recordings, etas[0] if etas else None, governing_method(model=model, tolerance=tolerance)
+        )
     if len(found) > 1:
         raise UsageError(f"`grid`: found {written_axes(axes or '')}; accepted is one of scale, A and a_g")
     columns = next(iter(found.values()), AS_RECORDED)
-    return structures_scene(structures, recordings, columns, method or governing_method(*structures, tolerance=tolerance))
+    return structures_scene(structures, recordings, columns, governing_method(*structures, model=model, tolerance=tolerance))

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from ..dynamics.march.account import Work
-from ..dynamics.method import LINEAR, Method
+from ..dynamics.method import Method, governing_method
 from ..dynamics.outcome import Difference, Outcome
 from ..errors import Interrupted, UsageError
 from ..interruption import check as check_for_a_stop
@@ -39,21 +39,25 @@ def spectrum(
     motion: Motion,
     grid: Grid,
     *,
-    method: Method = LINEAR,
+    method: Method | None = None,
     workers: int | None = None,
     check: int | None = None,
     quantities: Sequence[str] = (),
 ) -> Spectrum:
     """The rocking spectrum of structures over a grid, in memory.
 
-    method: the equation of motion; workers: processes, None for all cores; check: cells computed again by the reference,
-    None for a few; quantities: names of `QUANTITIES` to compute as well. Raises UsageError.
+    method: the equation of motion, None for `governing_method`; workers: processes, None for all cores; check: cells computed again
+    by the reference, None for a few; quantities: names of `QUANTITIES` to compute as well. Raises UsageError.
 
     >>> found = spectrum([dimensionless_oscillator(0.9)], sine(), parse_grid('A=1:8:50,Omega=1:8:40'), workers=1)
     >>> found.theta_ratio.shape, int(overturned(found.outcome).sum())
     ((1, 40, 50), 1163)
     """
-    return spectrum_of(PulseScene(tuple(structures), grid, motion, method), workers=workers, check=check, quantities=quantities)
+    return spectrum_of(_pulse_scene(structures, motion, grid, method), workers=workers, check=check, quantities=quantities)
+
+
+def _pulse_scene(structures: Sequence[RockingParameters], motion: Motion, grid: Grid, method: Method | None) -> PulseScene:
+    return PulseScene(tuple(structures), grid, motion, method or governing_method(*structures, dimensionless=grid.dimensionless))
 
 
 def spectrum_of(
@@ -87,7 +91,7 @@ def write_spectrum(
     grid: Grid,
     path: str | Path,
     *,
-    method: Method = LINEAR,
+    method: Method | None = None,
     workers: int | None = None,
     chunk_cells: int = CHUNK_CELLS,
     check: int | None = None,
@@ -109,7 +113,7 @@ def write_spectrum(
     >>> write_spectrum([dimensionless_oscillator(0.9)], sine(), grid, 'shared.h5', workers=1).cells
     2000
     """
-    scene = PulseScene(tuple(structures), grid, motion, method)
+    scene = _pulse_scene(structures, motion, grid, method)
     return write_scene(
         scene, path, workers=workers, chunk_cells=chunk_cells, check=check, impacts=impacts, quantities=quantities, overwrite=overwrite,
         resume=resume, strict=strict, shard=shard, scheduler=scheduler, documents=documents, history=history, progress=progress, tell=tell,

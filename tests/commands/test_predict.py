@@ -54,7 +54,7 @@ def test_prediction_near_a_boundary_is_decided_and_outside_the_spectrum_refused(
 def test_without_shaking_nothing_moves(rocking, spectrum_file, tmp_path):
     (tmp_path / "two.yaml").write_text(STRUCTURE)
     done = rocking("predict", str(spectrum_file), "two.yaml", "--A", "0", "--Omega", "5", "--exact", "--json")
-    assert done.stderr == ""
+    assert done.stderr == "model: linear, as the spectrum's\n"
     record = json.loads(done.stdout.splitlines()[0])
     assert (record["outcome"], record["theta_max"], record["a_g"]) == ("no_uplift", 0.0, 0.0)
     assert [record[key] for key in ("capacity_demand", "margin", "margin_side")] == [None] * 3

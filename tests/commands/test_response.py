@@ -17,7 +17,7 @@ def test_time_history_has_the_documented_columns(rocking):
     assert list(found[0]) == ["t", "theta", "theta_dot", "ground_acceleration"]
     assert [float(r["t"]) for r in found[:3]] == pytest.approx([0.0, 0.01, 0.02])
     assert float(found[10]["ground_acceleration"]) == pytest.approx(3.5 * math.sin(2 * math.pi * 1.5 * 0.1))
-    assert "Column, linear: rocks and survives, largest theta" in done.stderr
+    assert "Column, nonlinear: rocks and survives, largest theta" in done.stderr
 
 
 def test_both_models_side_by_side_and_their_events(rocking):
@@ -113,15 +113,15 @@ def test_forces_in_the_history_and_in_the_closing_record(rocking, tmp_path):
     impact = next(e for e in events if e["event"] == "impact")
     assert abs(impact["impulse_x"]) / impact["impulse_z"] == pytest.approx(last["friction_impact"], rel=1e-12)
     bare = [json.loads(x) for x in rocking(*call, "--events", "--json").stdout.splitlines()][-1]
-    assert bare == {key: last[key] for key in ("model", "event", "theta_ratio", "outcome")}
+    assert bare == {key: last[key] for key in ("model", "event", "demand_a", "theta_ratio", "outcome")}
     again = rocking("params", "b.yaml", "--json").stdout
     assert json.loads(rocking("response", "-", *call[2:], "--forces", "--events", "--json", stdin=again).stdout.splitlines()[-1]) == last
 
 
 def test_forces_of_an_arch_need_its_own_equation(refused, rocking):
     call = ("response", "configs/arch.yaml", "--a-g", "0.45g", "--f-g", "1", "--forces")
-    assert "give --model nonlinear" in refused(2, *call)
-    done = rocking(*call, "--model", "nonlinear", "--events", "--json")
+    assert "give --model nonlinear" in refused(2, *call, "--model", "linear")
+    done = rocking(*call, "--events", "--json")
     *_, before, last = [json.loads(x) for x in done.stdout.splitlines()]
     assert before["event"] != "summary"
     assert 0.0 < last["thrust_min"] < 1.0 < last["eccentricity"]

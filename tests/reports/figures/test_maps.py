@@ -81,7 +81,19 @@ def test_a_map_with_units_is_in_g_and_hz_or_in_those_asked_for(drawn, towers):
 
 
 def test_curves_over_a_map_with_units_are_in_them(drawn, rocking, tmp_path):
-    call = ("spectrum", "configs/block.yaml", "--pulse", "rectangular", "--grid", "a_g=0.2g:1g:9,f_g=0.5:2:7", "-o", "t.h5", "-q")
+    call = (
+        "spectrum",
+        "configs/block.yaml",
+        "--pulse",
+        "rectangular",
+        "--grid",
+        "a_g=0.2g:1g:9,f_g=0.5:2:7",
+        "--model",
+        "linear",
+        "-o",
+        "t.h5",
+        "-q",
+    )
     assert rocking(*call).returncode == 0
     curves = lines(drawn(tmp_path / "t.h5").axes[0])
     x, y = curves["closed form: initiation"]

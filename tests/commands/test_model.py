@@ -1,0 +1,67 @@
+"""One rule for the equation in every command: of motion itself for a known geometry in units, else the linear one; each run says which."""
+
+from __future__ import annotations
+
+import pytest
+
+UNITS, BARE = ("--a-g", "0.3g", "--f-g", "2"), ("--A", "2", "--Omega", "3")
+COMMANDS = {
+    "response": ((*UNITS, "--csv"), (*BARE, "--csv")),
+    "compare": (UNITS, BARE),
+    "check": (UNITS, BARE),
+    "envelope": (("--grid", "f_g=2", "--first", "--a-max", "4"), ("--grid", "Omega=3", "--first", "--a-max", "4")),
+    "spectrum": (("--grid", "a_g=0.2g:0.3g:2,f_g=2", "-o", "s.h5"), ("--grid", "A=2,Omega=3", "-o", "s.h5")),
+    "accuracy": (
+        ("--grid", "a_g=0.5g:0.6g:2,f_g=1", "--sample", "1", "--scipy", "0"),
+        ("--grid", "A=2,Omega=3", "--sample", "1", "--scipy", "0"),
+    ),
+}
+WITH_MODEL = ("response", "compare", "envelope", "spectrum", "accuracy")
+LINEAR, NONLINEAR = "model: linear, on dimensionless axes (A, Omega)", "model: nonlinear"
+
+
+def said(done) -> list[str]:
+    assert done.returncode == 0, done.stderr
+    return [line for line in done.stderr.splitlines() if line.startswith("model:")]
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_the_axes_and_the_geometry_decide(rocking, command):
+    units, bare = COMMANDS[command]
+    again = ("--overwrite",) if command == "spectrum" else ()
+    assert said(rocking(command, "configs/block.yaml", *units)) == [NONLINEAR]
+    assert said(rocking(command, "configs/block.yaml", *bare, *again)) == [LINEAR]
+    stated = "model: linear, since the geometry of Measured arch is not known"
+    assert said(rocking(command, "configs/parameters.yaml", *units, *again)) == [stated]
+    if command in WITH_MODEL:
+        assert said(rocking(command, "configs/block.yaml", *units, *again, "--model", "linear")) == ["model: linear"]
+        assert said(rocking(command, "configs/block.yaml", *bare, *again, "--model", "nonlinear")) == [NONLINEAR]
+
+
+@pytest.mark.parametrize("command", [*COMMANDS, "fragility"])
+def test_help_states_the_rule(rocking, command):
+    text = " ".join(rocking(command, "--help").stdout.split()).casefold()
+    assert "nonlinear for a known geometry in units" in text
+    assert "linear on dimensionless axes" in text
+
+
+def test_free_rocking_and_records_have_units(rocking):
+    record = ("--motion", "configs/motions/synthetic.at2")
+    assert said(rocking("response", "configs/block.yaml", "--release", "0.5", "--csv")) == [NONLINEAR]
+    assert said(rocking("response", "configs/block.yaml", *record, "--A", "1.5", "--csv")) == [NONLINEAR]
+    assert said(rocking("check", "configs/block.yaml", "configs/parameters.yaml", *record, "--a-max", "2")) == [
+        NONLINEAR,
+        "model: linear, since the geometry of Measured arch is not known",
+    ]
+
+
+def test_quiet_says_nothing(rocking):
+    assert rocking("response", "configs/block.yaml", *UNITS, "--csv", "-q").stderr == ""
+
+
+def test_the_functions_follow_the_rule():
+    from rocking_cli import load_structures, parse_grid, sine, spectrum
+
+    column = load_structures("configs/block.yaml")
+    for axes, model in (("a_g=0.3g,f_g=2", "nonlinear"), ("A=2,Omega=3", "linear")):
+        assert spectrum(column, sine(), parse_grid(axes), check=0).scene.identity()["model"] == model
