@@ -1,4 +1,4 @@
-"""Error against run time, for one scene: the engine and SciPy's solvers, against an independent reference."""
+"""Error and run time of the engine and of SciPy's solvers for one scene; an independent method gives the reference."""
 
 from __future__ import annotations
 
@@ -23,15 +23,15 @@ from ..spectra.trust.sampling import sampled_cells
 TOLERANCES = (1e-4, 1e-6, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12)
 SCIPY_METHODS = ("RK45", "LSODA", "DOP853")
 SCIPY_TOLERANCES = (1e-4, 1e-6, 1e-8, 1e-10, 1e-12)
-TIMED_CELLS = 50_000  # of the grid, given to the engine at once for its time a cell
+TIMED_CELLS = 50_000  # the engine computes about so many cells at once to measure its time per cell
 
 
 @dataclass(frozen=True)
 class WorkPrecision:
-    """One line of the table: a method at a tolerance (None: exact), and how it did on the sample.
+    """The accuracy of one method at one tolerance (None: exact) for a sample of cells.
 
-    time_per_cell [s]; error_max and error_99: largest and 99th percentile of the error of theta/alpha where the outcome is right;
-    misjudged: cells with another outcome.
+    time_per_cell [s]; error_max, error_99: maximum and 99th percentile of the error of theta/alpha over the cells with the right
+    outcome; misjudged: number of the other cells.
     """
 
     method: str
@@ -43,14 +43,15 @@ class WorkPrecision:
     misjudged: int
 
     def record(self) -> dict[str, Any]:
-        """As one record."""
+        """The fields by name."""
         return dict(vars(self))
 
 
 def work_precision(scene: PulseScene, *, sample: int = 40, scipy: int = 10, seed: int = 0) -> Iterator[WorkPrecision]:
-    """The table of a scene's first structure; sample, scipy: cells for the engine's error and for each of SciPy's solvers.
+    """The accuracy of each method for the first structure of a scene.
 
-    Raises UsageError when no cell of the grid leaves the ground.
+    sample: number of cells for the error of the engine; scipy: number of cells for each SciPy solver, 0 for none.
+    Raises UsageError if no cell of the grid lifts.
     """
     structure = scene.structures[0]
     one = PulseScene((structure,), scene.grid, scene.motion, scene.method)
@@ -85,7 +86,7 @@ def work_precision(scene: PulseScene, *, sample: int = 40, scipy: int = 10, seed
 
 
 def _timed(grid: Grid, amplitude: np.ndarray, omega: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Up to TIMED_CELLS cells, evenly over the grid."""
+    """(A, Omega) of about TIMED_CELLS cells, evenly over the grid."""
     thin = max(1, math.ceil(math.sqrt(amplitude.size * omega.size / TIMED_CELLS)))
     a, w = np.meshgrid(amplitude[::thin], omega[::thin])
     return a.ravel(), w.ravel()

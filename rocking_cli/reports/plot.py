@@ -1,4 +1,4 @@
-"""Figures of what the commands write: spectra files, and the CSV of envelopes, responses, comparisons, families and accuracy.
+"""Figures of spectra files and of the CSV tables that the commands write.
 
 A new figure is one file with a function of figure, rows and units, and one line in TABLES.
 """
@@ -44,13 +44,13 @@ def draw(
     units: Units | None = None,
     overwrite: bool = True,
 ) -> str | None:
-    """Draw what a file holds into a PNG, SVG or PDF; for a slice, return which value in the file was taken.
+    """Draw a file into a PNG, SVG or PDF; for a slice, return a sentence that states its value.
 
-    source: a spectra file, or CSV (`-`: standard input); structure: whose map, by name, or a record's, the first of all if None; cut:
-    `Omega=5`, `f_g=1.5` and the like, a slice of a spectra file; every: a panel for each structure; over: the axis of a family, `KEY` or
-    `KEY/KEY`; log: x, y or xy; units: None for g and Hz; overwrite: replace a file of
-    that name. Raises UsageError for a file that is none of those or has nothing to draw,
-    OutputError without matplotlib or where the figure cannot be written.
+    source: a spectra file, or CSV (`-`: standard input); structure: name of the structure or record of a map, None for the first; cut:
+    a slice of a spectra file, such as `Omega=5` or `f_g=1.5`; every: a panel for each structure; over: the abscissa of a family,
+    `KEY` or `KEY/KEY`; log: x, y or xy; units: None for g and Hz; overwrite: an existing file may be replaced.
+    Raises UsageError if the source is another file or has nothing to draw, and OutputError if matplotlib is not installed or the
+    figure cannot be written.
 
     >>> _ = write_spectrum([dimensionless_oscillator(0.9)], sine(), parse_grid('A=1:8:50,Omega=4:5:2'), 'd.h5', workers=1)
     >>> draw('d.h5', 'slice.svg', cut='Omega=5')
@@ -79,7 +79,7 @@ def draw(
 
 
 def is_spectra_file(source: Path) -> bool:
-    """By its name; anything else is read as CSV."""
+    """True if the suffix is that of a spectra file; any other file is read as CSV."""
     return source.suffix.lower() in (".h5", ".hdf5", ".nc", ".part")
 
 
@@ -89,8 +89,10 @@ def _told(where: str, value: float, units: Units) -> str:
 
 
 def _places(figure: Figure, file: SpectraFile, name: str | None, every: bool, units: Units) -> list[Axes]:
-    """The map of one structure or record, or of all of them; of records over structures the responses; of records over alpha and T
-    their statistics, unless one of them is asked for."""
+    """Draw a spectra file: the map of one structure or record, or of all with `every`.
+
+    Records over structures are drawn as lines. Records over alpha and T are drawn as quantiles, unless a record is named.
+    """
     word, names = next(iter(file.frame.dimensions.items()))
     if "alpha" in file.frame.dimensions and name is None and not every:
         return record_spectra(figure, file, units)
@@ -106,13 +108,12 @@ def _places(figure: Figure, file: SpectraFile, name: str | None, every: bool, un
         else:
             entries |= {entry.get_label(): entry for entry in outcome_map(one, file, place, units)}
     if entries:
-        below: dict[str, Any] = {"loc": "outside lower center", "ncols": min(3, len(entries))}
-        figure.legend(handles=list(entries.values()), **below)
+        figure.legend(handles=list(entries.values()), loc="outside lower center", ncols=min(3, len(entries)))
     return axes
 
 
 def accuracy(figure: Figure, rows: Rows, _: Units) -> list[Axes]:
-    """Largest error over run time, a line a method."""
+    """Draw the largest error over run time, one line for each method."""
     axes = figure.add_subplot()
     for i, ((method,), some) in enumerate(groups(rows, "method").items()):
         error = np.maximum(column(some, "error_max"), 1e-17)
@@ -134,7 +135,7 @@ TABLES: tuple[tuple[set[str], Callable[[Figure, Rows, Units], list[Axes]]], ...]
     ({"t"}, response),
     ({"tau"}, response),
 )
-"""The columns that a table has, the first that fits, and its figure."""
+"""Columns and figure of each table; the first entry whose columns are all there applies."""
 
 
 def _table(figure: Figure, source: str, rows: Rows, units: Units, over: str | None) -> list[Axes]:

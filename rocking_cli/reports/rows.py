@@ -1,4 +1,4 @@
-"""The rows of a CSV that a command printed, in SI under plain names."""
+"""The rows of CSV that a command printed, in SI units by column name."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ Rows = list[dict[str, str]]
 
 
 def rows_of(source: str) -> Rows:
-    """All rows of a file, `-` for standard input. Raises UsageError where it is no CSV or holds none."""
+    """All rows of a CSV file; `-` is standard input. Raises UsageError if it is not CSV or has no rows."""
     try:
         text, name = read_text(source)
         rows = [_in_si(row) for row in csv.DictReader(io.StringIO(text, newline=""), strict=True)]
@@ -29,12 +29,12 @@ def rows_of(source: str) -> Rows:
 
 
 def _in_si(row: dict[str, str]) -> dict[str, str]:
-    """A row in SI; what stands before the name is what a family varied, which keeps its headings."""
+    """A row in SI units. The columns before `name` are the varied keys of a family, which keep their headings and units."""
     found = {}
-    headings = list(row)
-    varied = set(headings[: headings.index("name")]) if "name" in row else set()
+    varied = "name" in row
     for heading, text in row.items():
-        column, factor = si_of(heading or "") if heading not in varied else (heading, 1.0)
+        varied = varied and heading != "name"
+        column, factor = (heading, 1.0) if varied else si_of(heading or "")
         if factor != 1.0 and text:
             with suppress(ValueError):
                 text = repr(float(text) * factor)
@@ -43,12 +43,12 @@ def _in_si(row: dict[str, str]) -> dict[str, str]:
 
 
 def column(rows: Iterable[dict[str, str]], key: str) -> np.ndarray:
-    """A column as numbers, NaN where it is empty. Raises ValueError."""
+    """A column as numbers, NaN for an empty cell. Raises ValueError."""
     return np.array([float(row[key]) if row[key] else np.nan for row in rows])
 
 
 def groups(rows: Rows, *keys: str) -> dict[tuple[str, ...], Rows]:
-    """The rows by what stands in these columns, of those that there are, in order."""
+    """The rows by their texts in the columns `keys` (without absent columns), in order."""
     found: dict[tuple[str, ...], Rows] = {}
     for row in rows:
         found.setdefault(tuple(row[key] for key in keys if key in row), []).append(row)

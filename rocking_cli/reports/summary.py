@@ -1,4 +1,4 @@
-"""The closing summary of a sweep, for people."""
+"""The summary at the end of a sweep, in sentences."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ from ..dynamics.method import LINEAR
 from ..dynamics.outcome import Difference, Outcome
 from ..spectra.results import Summary
 
-SENSITIVE = 1e-6  # a larger difference between two accurate paths is the scene's own sensitivity
+SENSITIVE = 1e-6  # both paths are more accurate, so a larger difference means that the scene is sensitive to rounding
 
 
 def summary_lines(summary: Summary, output: str) -> Iterator[str]:
-    """What was computed, how long it took, how far it can be trusted, and what was left out."""
+    """The sentences of the summary: size, run time, estimated error, outcomes, and work that was skipped."""
     s, w = summary, summary.work
     records = f" under {s.records} record{'s' if s.records != 1 else ''}" if s.records else ""
     yield f"{output}: {s.cells} cell{'s' if s.cells != 1 else ''}, {s.structures} structure{'s' if s.structures != 1 else ''}{records}"

@@ -1,4 +1,4 @@
-"""Records on standard output: a table for people, JSON Lines or CSV for programs."""
+"""Rows on standard output, as an aligned table, JSON Lines or CSV. A row is a mapping of column names to values."""
 
 from __future__ import annotations
 
@@ -13,28 +13,23 @@ from .units import Units
 
 Record = Mapping[str, Any]
 
-_FORMULA = ("=", "+", "-", "@")  # a spreadsheet computes a text that begins with one of them
+_FORMULA = ("=", "+", "-", "@")  # a spreadsheet reads a text that begins so as a formula
 
 
 def json_line(record: Record, encoding: str = "utf-8") -> str:
-    """One JSON object on one line; NaN and infinities become null, which is what JSON knows.
+    """One JSON object on one line; NaN and infinity become null.
 
-    All in ASCII where it holds characters that no screen shows (JSON escapes only some of them) or that the encoding lacks.
+    All non-ASCII characters are escaped if one of them is not printable or not in the encoding.
     """
     line = json.dumps(_plain(record), ensure_ascii=False, allow_nan=False)
-    try:
-        line.encode(encoding)
-    except UnicodeEncodeError:
-        shows = False
-    else:
-        shows = line.isprintable()
-    return line if shows else json.dumps(_plain(record), allow_nan=False)
+    fits = line.encode(encoding, "ignore").decode(encoding, "ignore") == line
+    return line if fits and line.isprintable() else json.dumps(_plain(record), allow_nan=False)
 
 
 def csv_lines(records: Iterable[Record], columns: Sequence[str] = ()) -> Iterator[str]:
-    """A header and one row a record, columns in order of the first record (or given).
+    """CSV lines: a header with the columns of the first row (or `columns` if there is no row), then the rows.
 
-    A text that a spreadsheet would take for a formula begins with an apostrophe instead.
+    A text that a spreadsheet reads as a formula gets a leading apostrophe.
     """
     header: list[str] | None = None
     for record in records:
@@ -47,7 +42,7 @@ def csv_lines(records: Iterable[Record], columns: Sequence[str] = ()) -> Iterato
 
 
 def table_lines(records: Iterable[Record], digits: int = 6) -> Iterator[str]:
-    """An aligned table; numbers to `digits` significant digits, to the right."""
+    """The lines of an aligned table; numbers have `digits` significant digits and stand at the right."""
     rows = list(records)
     if not rows:
         return
@@ -61,7 +56,7 @@ def table_lines(records: Iterable[Record], digits: int = 6) -> Iterator[str]:
 
 
 def flat(record: Record) -> dict[str, Any]:
-    """The record with a column for each item of its lists and mappings: hinges_1_angle, sides_2_p."""
+    """The row with one column for each item of its lists and mappings, such as hinges_1_angle or sides_2_p."""
     out: dict[str, Any] = {}
     for key, value in record.items():
         items = value.items() if isinstance(value, Mapping) else enumerate(value, 1) if isinstance(value, list | tuple) else None
@@ -72,8 +67,10 @@ def flat(record: Record) -> dict[str, Any]:
 def lines(
     records: Iterable[Record], form: str, columns: Sequence[str] = (), *, encoding: str = "utf-8", units: Units | None = None
 ) -> Iterator[str]:
-    """Records in the form `json`, `csv` or `table`; columns: the header of a CSV without records; encoding: of the output; units: of
-    a table and of CSV (None: SI), where headings tell them."""
+    """The rows as lines of `json`, `csv` or `table`.
+
+    columns: the header of CSV without rows; encoding: of the output; units: for tables and CSV (None: SI), stated in the headings.
+    """
     if form == "json":
         return (json_line(r, encoding) for r in records)
     units = units or Units()

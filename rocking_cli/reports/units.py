@@ -1,6 +1,6 @@
-"""The unit of every column that a command prints, and the units that a reader may ask for instead.
+"""The unit of every printed column, and the units that the option `--units` offers.
 
-Records are in SI, and so are JSON and spectra files; tables, CSV and figures show the units asked for, in their headings.
+JSON and spectra files are always in SI units. Tables, CSV and figures show the units asked for and state them in their headings.
 """
 
 from __future__ import annotations
@@ -9,6 +9,7 @@ import math
 import re
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
+from functools import cache
 from typing import Any
 
 from ..documents.quantities import DEFAULT_GRAVITY, headed
@@ -18,7 +19,7 @@ SI = {
     "angle": "rad", "angular velocity": "rad/s", "frequency parameter": "rad/s", "circular frequency": "rad/s",
     "acceleration": "m/s2", "velocity": "m/s", "length": "m", "mass": "kg", "time": "s", "intensity": "m/s", "gravity": "m/s2",
 }  # fmt: skip
-"""Of each dimension; gravity and Arias intensity are dimensions of their own, which keep their units."""
+"""The SI unit of each dimension. Gravity and Arias intensity are separate dimensions, because `--units` must not change them."""
 
 COLUMNS = {
     **dict.fromkeys(("alpha", "theta", "theta_max", "angle"), "angle"),
@@ -29,7 +30,7 @@ COLUMNS = {
     "pgv": "velocity", "arias": "intensity", "cav": "intensity", "gravity": "gravity", "mass": "mass",
     **dict.fromkeys(("pgd", "x", "z", "arm", "length", "tip_height", "crack_height"), "length"),
 }  # fmt: skip
-"""The dimension of every column that has one."""
+"""The dimension of each column that has a unit."""
 
 _CHOICES: dict[str, dict[str, tuple[str, float]]] = {
     "g": {"acceleration": ("g", DEFAULT_GRAVITY)},
@@ -47,29 +48,29 @@ _CHOICES: dict[str, dict[str, tuple[str, float]]] = {
     "cm/s": {"velocity": ("cm/s", 1e-2)},
     "m/s": {"velocity": ("m/s", 1.0)},
 }
-"""What may be asked for: of each dimension that it changes, the unit's name and what it is in SI."""
+"""The choices of `--units`: for each dimension that a choice changes, the unit and its factor to SI."""
 
-_OF_ONE = re.compile(r"(?:left|right|[a-z]+_\d+)_(.+)|(.+)_(?:linear|nonlinear)")  # of a side, of an item of a list, by a model
-_FREQUENCY = {"omega_g": "f_g"}  # what a column is called in Hz
+_OF_ONE = re.compile(r"(?:left|right|[a-z]+_\d+)_(.+)|(.+)_(?:linear|nonlinear)")  # a column for a side, a list item or an equation
+_FREQUENCY = {"omega_g": "f_g"}  # the name of a column in Hz
 HEADING = re.compile(r"(?P<column>.*?) \[(?P<unit>[^\]]*)\]")
 
 
 @dataclass(frozen=True)
 class Units:
-    """The units of a table: of each dimension the name of the unit and what it is in SI; SI where it does not say.
+    """The units of a table.
 
-    without: columns that have no unit of their own in this table, whatever their name means elsewhere.
+    chosen: unit and its factor to SI by dimension, SI for any other dimension; without: columns that have no unit in this table.
     """
 
     chosen: Mapping[str, tuple[str, float]] = field(default_factory=dict)
     without: frozenset[str] = frozenset()
 
     def of(self, dimension: str) -> tuple[str, float]:
-        """(name, factor to SI) of the unit of a dimension."""
+        """(unit, factor to SI) of a dimension."""
         return self.chosen.get(dimension, (SI[dimension], 1.0))
 
     def column(self, name: str) -> tuple[str, str, float]:
-        """(name, unit, factor to SI) of a column in these units; no unit and 1 for one without a dimension."""
+        """(name, unit, factor to SI) of a column; the unit is empty and the factor 1 for a column without a dimension."""
         dimension = None if name in self.without else dimension_of(name)
         if dimension is None:
             return name, "", 1.0
@@ -77,25 +78,23 @@ class Units:
         return (_FREQUENCY.get(name, name) if unit == "Hz" else name), unit, factor
 
     def heading(self, name: str) -> tuple[str, float]:
-        """The heading of a column, which states its unit, and the factor to SI."""
+        """(heading with unit, factor to SI) of a column."""
         column, unit, factor = self.column(name)
         return headed(column, unit), factor
 
     def shown(self, records: Iterable[Mapping[str, Any]]) -> Iterator[dict[str, Any]]:
-        """Records as they are shown: values in these units, under headings that state them."""
-        headings: dict[str, tuple[str, float]] = {}
+        """The rows in these units, by heading with unit."""
+        heading = cache(self.heading)
         for record in records:
             out = {}
             for name, value in record.items():
-                if name not in headings:
-                    headings[name] = self.heading(name)
-                heading, factor = headings[name]
-                out[heading] = value / factor if factor != 1.0 and isinstance(value, int | float) else value
+                title, factor = heading(name)
+                out[title] = value / factor if factor != 1.0 and isinstance(value, int | float) else value
             yield out
 
 
 def dimension_of(column: str) -> str | None:
-    """The dimension of a column, of one for a side (left_p), an item (hinges_1_angle) or a model (theta_linear) too."""
+    """The dimension of a column, also for a side (left_p), a list item (hinges_1_angle) or an equation (theta_linear); None if none."""
     found = COLUMNS.get(column)
     if found is None and (match := _OF_ONE.fullmatch(column)):
         return dimension_of(match[1] or match[2])
@@ -103,7 +102,7 @@ def dimension_of(column: str) -> str | None:
 
 
 def parse_units(text: str) -> Units:
-    """The units of `g,Hz,deg`. Raises UsageError for one that is unknown, or two of one dimension."""
+    """The units of a text such as `g,Hz,deg`. Raises UsageError for an unknown unit, or for two units of one dimension."""
     chosen: dict[str, tuple[str, float]] = {}
     names: dict[str, str] = {}
     for name in (part.strip() for part in text.split(",")):
@@ -117,7 +116,7 @@ def parse_units(text: str) -> Units:
 
 
 def si_of(heading: str) -> tuple[str, float]:
-    """(column, factor to SI) of a heading that `Units` wrote, a column in Hz being its circular frequency; others stay as they are."""
+    """(column, factor to SI) of a heading that `Units.heading` wrote; (heading, 1) for any other. f_g [Hz] becomes omega_g."""
     match = HEADING.fullmatch(heading)
     if match is None:
         return heading, 1.0

@@ -1,7 +1,7 @@
-"""What all figures share: style, colours, names as they are, legends that cover nothing, and the file that they go to.
+"""The parts common to all figures: style, colours, panels, legends and the output file.
 
-Colours are those of Okabe and Ito, which the colour-blind tell apart, and lines differ in dash as well, for print. No display is
-needed. matplotlib is the extra `plot`.
+The colours of Okabe and Ito are distinct for colour-blind readers; lines also differ in dash. No display is needed. matplotlib is
+the extra `plot`.
 """
 
 from __future__ import annotations
@@ -31,22 +31,22 @@ STYLE: dict[Any, Any] = {
 }  # fmt: skip
 PANEL = (4.2, 3.2)  # inches
 MOST_ACROSS = 3
-_UNDATED: dict[str, dict[str, Any]] = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}  # equal figures are equal files
-_SHORT = 5  # entries that a legend holds inside its axes
-_NARROW = 28  # characters of an entry there
-FIGURE_UNITS = parse_units("g,Hz")  # unless --units says otherwise
+_UNDATED: dict[str, dict[str, Any]] = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}  # equal figures give equal files
+_SHORT = 5  # a legend inside the axes has at most so many entries
+_NARROW = 28  # and so many characters in each
+FIGURE_UNITS = parse_units("g,Hz")  # the default
 
 
 def units_of_figures(units: Units | None) -> Units:
-    """The units of figures: those asked for, and g and Hz otherwise."""
+    """The units for a figure: the units asked for; g and Hz by default."""
     return FIGURE_UNITS if units is None else Units({**FIGURE_UNITS.chosen, **units.chosen})
 
 
 @contextmanager
 def canvas(target: str | Path, overwrite: bool = True) -> Iterator[Figure]:
-    """An empty figure in the house's style, which is written to `target` at the end, whole; without overwrite it replaces no file.
+    """An empty figure in the common style; it is written to `target` at the end. Without overwrite it replaces no file.
 
-    Raises OutputError without matplotlib or where the figure cannot be written.
+    Raises OutputError if matplotlib is not installed or the figure cannot be written.
     """
     target = Path(target)
     try:
@@ -67,21 +67,22 @@ def canvas(target: str | Path, overwrite: bool = True) -> Iterator[Figure]:
 
 
 def literal(text: str) -> str:
-    """A name as it is: a dollar sign in it begins no formula."""
+    """The text with its dollar signs escaped, so that matplotlib reads no formula in it."""
     return text.replace("$", r"\$")
 
 
 def look(number: int) -> dict[str, Any]:
-    """Colour and dash of the line of that number."""
+    """Colour and dash of line `number`, as arguments of `plot`."""
     return {"color": COLOURS[number % len(COLOURS)], "ls": DASHES[number % len(DASHES)]}
 
 
-def panels(figure: Figure, count: int) -> list[Axes]:
-    """That many axes of one size, side by side; the figure grows with them."""
+def panels(figure: Figure, count: int, size: tuple[float, float] | None = None) -> list[Axes]:
+    """`count` axes in rows of three; size: width and height of each [inches], by default the whole figure for one, PANEL for more."""
     across = min(count, MOST_ACROSS)
     down = -(-count // across)
-    if count > 1:
-        figure.set_size_inches(PANEL[0] * across, PANEL[1] * down)
+    if size or count > 1:
+        width, height = size or PANEL
+        figure.set_size_inches(width * across, height * down)
     axes = list(figure.subplots(down, across, squeeze=False).ravel())
     for spare in axes[count:]:
         spare.remove()
@@ -89,7 +90,7 @@ def panels(figure: Figure, count: int) -> list[Axes]:
 
 
 def legend(axes: Axes, handles: Sequence[Any] | None = None) -> None:
-    """A legend where it covers no data: inside where it is short, else beside the figure; none of a single line or of none."""
+    """Add a legend: inside the axes if it is short, else beside the figure; none for a single line."""
     entries = axes.get_legend_handles_labels()[0] if handles is None else list(handles)
     if not entries or (handles is None and len(entries) < 2):
         return
@@ -103,7 +104,7 @@ def legend(axes: Axes, handles: Sequence[Any] | None = None) -> None:
 
 
 def refuse_empty(axes: Iterable[Axes], source: str) -> None:
-    """Raise UsageError where no axes show anything."""
+    """Raise UsageError if all axes are empty."""
     for one in axes:
         lines = [line.get_xydata() for line in one.get_lines()]
         if one.collections or one.patches or any(np.isfinite(points).all(axis=1).any() for points in lines):

@@ -1,4 +1,4 @@
-"""A quick look in a terminal of 80 columns and 24 rows: outcome maps and slices in characters."""
+"""Outcome maps and slices in characters, for a terminal of 80 columns and 24 rows."""
 
 from __future__ import annotations
 
@@ -8,12 +8,12 @@ from ...dynamics.outcome import Outcome
 from ...spectra.reader import SpectraFile
 from .slices import Slice, of_record, slice_of
 
-WIDTH, HEIGHT = 80, 24  # of the terminal, the prompt that follows included
-_MARGIN = 11  # of the numbers at the left
+WIDTH, HEIGHT = 80, 24  # of the terminal, with a line for the prompt
+_MARGIN = 11  # columns for the numbers at the left
 
 
 def text_map(file: SpectraFile, name: str | None, cut: str | None, width: int = WIDTH, height: int = HEIGHT) -> list[str]:
-    """The outcome map of a structure (or record), or a slice, in up to width x height characters less a line for the prompt."""
+    """The outcome map of a structure (or record), or a slice, as lines of text: up to `width` characters and `height` - 1 lines."""
     (_, places), *both = file.frame.dimensions.items()
     if cut:
         return _slice_text(slice_of(file, cut), width, height)
@@ -32,7 +32,7 @@ def text_map(file: SpectraFile, name: str | None, cut: str | None, width: int = 
 
 
 def _head(items: list[str], width: int) -> list[str]:
-    """Items in as few lines as hold them whole."""
+    """The items in as few lines as possible; no item is broken."""
     lines = [items[0][:width]]
     for i, item in enumerate(items[1:]):
         gap = "  " if i else " "
@@ -42,7 +42,7 @@ def _head(items: list[str], width: int) -> list[str]:
 
 
 def place_of(file: SpectraFile, name: str | None) -> int:
-    """The place of a structure, or of a record, on the first dimension; the first one of all without a name. Raises UsageError."""
+    """The index of a structure or record on the first dimension, 0 without a name. Raises UsageError for an unknown name."""
     from ...errors import UsageError
 
     word, names = next(iter(file.frame.dimensions.items()))
@@ -54,7 +54,7 @@ def place_of(file: SpectraFile, name: str | None) -> int:
 
 
 def _slice_text(found: Slice, width: int, height: int) -> list[str]:
-    """Bars of theta_max/alpha; as many structures as fit, each with two rows at least."""
+    """Bars of theta_max/alpha for as many structures as fit, each with at least two rows."""
     where = "" if found.where == "record" else f" at {found.where} = {found.value:.6g}"
     lines = [f"theta_max/alpha{where} over {found.along} {found.x[0]:.4g} to {found.x[-1]:.4g}; blank: fell"]
     room = height - 2

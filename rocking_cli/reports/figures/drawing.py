@@ -1,4 +1,4 @@
-"""Structures to scale: what rocks and what stays, pivots or numbered hinges, mass centre, alpha, cracks, and the shape at alpha."""
+"""Drawings of structures to scale: bodies at rest and at alpha, pivots or numbered hinges, mass centre, alpha, and cracks."""
 
 from __future__ import annotations
 
@@ -10,42 +10,36 @@ from typing import TYPE_CHECKING
 from ...documents.document import Document
 from ...structures import RockingParameters, build_structure
 from ...structures.kinds import sketch_of
+from ...structures.parameters import weaker_side
 from ...structures.sketch import Outline, Point, Sketch, rectangle
 from ..units import Units
-from .canvas import canvas, literal
+from .canvas import canvas, literal, panels
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-_WIDTH = 4.2  # inches a panel
-_MOST_ACROSS = 3
+_PANEL = (4.2, 4.6)  # inches
 _PLAIN = {"facecolor": "w", "edgecolor": "none", "alpha": 0.7, "pad": 0.8}
 STONE, GROUND, INK = "#D9CBB8", "#EFEFEF", "#333333"
 
 
 def draw_structures(documents: Sequence[Document], target: str | Path, *, units: Units | None = None, overwrite: bool = True) -> None:
-    """Draw each document's structure in a panel of its own into a PNG, SVG or PDF; overwrite: replace a file of that name.
+    """Draw the structure of each document in its own panel of a PNG, SVG or PDF file; overwrite: an existing file may be replaced.
 
-    Raises DocumentError for a document that is not valid or has no geometry, OutputError without matplotlib or where the figure
-    cannot be written.
+    Raises DocumentError if a document is not valid or its kind has no geometry, and OutputError if matplotlib is not installed or
+    the figure cannot be written.
 
     >>> draw_structures(read_documents('configs/arch.yaml'), 'arch.svg')
     """
     built = [build_structure(document) for document in documents]
     sketches = [sketch_of(document, one) for document, one in zip(documents, built, strict=True)]
-    across = min(len(built), _MOST_ACROSS)
-    down = math.ceil(len(built) / across)
     with canvas(target, overwrite) as figure:
-        figure.set_size_inches(_WIDTH * across, (_WIDTH + 0.4) * down)
-        panels = figure.subplots(down, across, squeeze=False).ravel()
-        for axes, one, sketch in zip(panels, built, sketches, strict=False):
+        for axes, one, sketch in zip(panels(figure, len(built), _PANEL), built, sketches, strict=True):
             structure_axes(axes, one, sketch, units or Units())
-        for axes in panels[len(built) :]:
-            axes.remove()
 
 
 def structure_axes(axes: Axes, built: RockingParameters, sketch: Sketch, units: Units) -> None:
-    """One structure; a unit of length is that of x and z, one of angle that of alpha."""
+    """Draw one structure; `units` sets the length unit of x and z and the angle unit of alpha."""
     unit, metre = units.of("length")
 
     def scaled(outline: Outline) -> list[Point]:
@@ -85,17 +79,14 @@ def structure_axes(axes: Axes, built: RockingParameters, sketch: Sketch, units: 
 
 
 def _mass_centre(axes: Axes, built: RockingParameters, sketch: Sketch, metre: float, unit: str) -> None:
-    """The mass centre, and alpha at the edge that lifts first, the right one of two alike."""
+    """Draw the mass centre, and alpha at the weaker edge (the right edge if both are equal)."""
     assert sketch.centre is not None
-    edges = dict(sketch.pivots)
-    side = "right"
-    if built.sides and built.sides[0].uplift <= built.sides[1].uplift:
-        side = "left"
-    (px, pz), (cx, cz) = ((x / metre, z / metre) for x, z in (edges[side], sketch.centre))
+    side = weaker_side(built.sides).side if built.sides else "right"
+    (px, pz), (cx, cz) = ((x / metre, z / metre) for x, z in (dict(sketch.pivots)[side], sketch.centre))
     axes.plot(cx, cz, "P", color="k", ms=7, mec="w", mew=0.8, label="_mass centre")
     axes.plot([px, cx], [pz, cz], color=INK, lw=0.9, label="_R")
     axes.plot([px, px], [pz, cz], color=INK, lw=0.9, ls=":", label="_vertical")
-    radius, alpha = math.hypot(cx - px, cz - pz), math.atan2(cx - px, cz - pz)  # signed, from the vertical towards the mass centre
+    radius, alpha = math.hypot(cx - px, cz - pz), math.atan2(cx - px, cz - pz)  # alpha is signed: negative towards the left
     arc = [alpha * i / 24 for i in range(25)]
     reach = 0.55 * radius
     axes.plot([px + reach * math.sin(a) for a in arc], [pz + reach * math.cos(a) for a in arc], color=INK, lw=0.9, label="_alpha")

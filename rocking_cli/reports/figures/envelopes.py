@@ -1,4 +1,4 @@
-"""Overturning envelopes: bands of amplitude over frequency, a panel a structure; and the closed-form curves."""
+"""Overturning envelopes: intervals of amplitude over frequency, one panel for each structure; and the closed-form curves."""
 
 from __future__ import annotations
 
@@ -19,15 +19,15 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 _MODES = {o.mode: o for o in Outcome}
-_APART = ("structure", "record", "alpha", "sign", "model")  # columns whose values have a panel each
-_MOST = 24  # of them
-Band = tuple[float, float, float]  # frequency, from, to
+_APART = ("structure", "record", "alpha", "sign", "model")  # each combination of their values has its panel
+_MOST = 24  # panels
+Interval = tuple[float, float, float]  # frequency, lower and upper amplitude
 
 
 def bands(figure: Figure, rows: Rows, units: Units) -> list[Axes]:
-    """Amplitude over frequency (or, of records, over 2 pi/p), a panel each; in g and Hz (or the units asked for) where there are any.
+    """Draw overturning amplitudes over frequency (of records: over T = 2 pi/p), one panel for each structure and record.
 
-    Intervals of neighbouring frequencies that overlap are joined, those of records are bars. Raises ValueError for too many panels.
+    Intervals of neighbouring frequencies that overlap are joined; intervals of records are bars. Raises ValueError for too many panels.
     """
     dimensional = all(row.get("omega_g") for row in rows)
     over = "omega_g" if dimensional else "Omega" if "Omega" in rows[0] else "T"
@@ -37,10 +37,8 @@ def bands(figure: Figure, rows: Rows, units: Units) -> list[Axes]:
     for axes, (key, some) in zip(drawn, found.items(), strict=True):
         x = column(some, over) / units.column(over)[2]
         frequencies = sorted(set(x.tolist()))
-        if over == "T":  # under a record intervals of one size say little of the next
-            _draw(axes, some, (low, high), x, units, [], width=2.5)
-        else:
-            _draw(axes, some, (low, high), x, units, frequencies)
+        bars = over == "T"  # under a record the intervals of neighbouring sizes are unrelated
+        _draw(axes, some, (low, high), x, units, [] if bars else frequencies, 2.5 if bars else 1.0)
         margin = 0.02 * (frequencies[-1] - frequencies[0]) or 0.5
         axes.set(xlim=(frequencies[0] - margin, frequencies[-1] + margin))
         axes.set(xlabel=label(over, units), ylabel=label("a_g" if dimensional else "A", units), title=_title(some[0], key, units))
@@ -48,7 +46,7 @@ def bands(figure: Figure, rows: Rows, units: Units) -> list[Axes]:
 
 
 def record_bars(figure: Figure, rows: Rows, units: Units) -> list[Axes]:
-    """The overturning amplitudes of records, a bar each, in g (or the unit asked for); a panel a structure."""
+    """Draw the overturning amplitudes of records, a bar for each, one panel for each structure."""
     records = list(dict.fromkeys(row["record"] for row in rows))
     found = groups(rows, *(name for name in _APART if name != "record"))
     drawn = _panels(figure, len(found))
@@ -73,7 +71,7 @@ def _title(row: dict[str, str], key: tuple[str, ...], units: Units) -> str:
 
 
 def _draw(axes: Axes, some: Rows, ends: tuple[str, str], x: np.ndarray, units: Units, frequencies: list[float], width: float = 1.0) -> None:
-    """The intervals at each x, those of neighbouring frequencies joined; of rows without their ends where they begin."""
+    """Draw the intervals at each x, joined between neighbouring `frequencies`; only their lower ends if the rows have no upper end."""
     from matplotlib.collections import PolyCollection
     from matplotlib.patches import Patch
 
@@ -84,7 +82,7 @@ def _draw(axes: Axes, some: Rows, ends: tuple[str, str], x: np.ndarray, units: U
     entries: list[Any] = []
     for mode in dict.fromkeys(row["mode"] for row in some):
         outcome = _MODES.get(mode)
-        if outcome is None:  # one that never overturns
+        if outcome is None:  # mode "none"
             continue
         mine = np.array([row["mode"] == mode for row in some]) & ~np.isnan(low)
         upto = np.where(np.isnan(high), top, high)
@@ -99,8 +97,8 @@ def _draw(axes: Axes, some: Rows, ends: tuple[str, str], x: np.ndarray, units: U
         legend(axes, entries)
 
 
-def _joined(intervals: list[Band], frequencies: list[float]) -> Iterator[list[tuple[float, float]]]:
-    """The quadrilaterals between intervals at neighbouring frequencies that overlap."""
+def _joined(intervals: list[Interval], frequencies: list[float]) -> Iterator[list[tuple[float, float]]]:
+    """The quadrilaterals between overlapping intervals at neighbouring frequencies."""
     at: dict[float, list[tuple[float, float]]] = {x: [] for x in frequencies}
     for x, low, high in intervals if frequencies else ():
         at[x].append((low, high))
@@ -112,7 +110,7 @@ def _joined(intervals: list[Band], frequencies: list[float]) -> Iterator[list[tu
 
 
 def curves(figure: Figure, rows: Rows, units: Units) -> list[Axes]:
-    """The closed-form curves, a line each."""
+    """Draw the closed-form curves A(Omega), one line for each."""
     axes = figure.add_subplot()
     for i, (key, some) in enumerate(groups(rows, "structure", "curve").items()):
         axes.plot(column(some, "Omega"), column(some, "A"), label=literal(" ".join(key).replace("_", " ")), **look(i))

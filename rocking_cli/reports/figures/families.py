@@ -1,4 +1,4 @@
-"""Families of structures: their parameters over what was varied (Figs. 4 and 6)."""
+"""Families of structures: their parameters over the varied values (Figs. 4 and 6)."""
 
 from __future__ import annotations
 
@@ -16,14 +16,15 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-_MOVED = 0.02  # rad; a hinge that moves less within a step of the family has not changed its place
-_LEAP = 4.0  # times the usual step
+_MOVED = 0.02  # rad; a hinge that moves less between two members is still the same hinge
+_LEAP = 4.0  # times the median step
+_X = "over"  # a column for the abscissa
 
 
 def family(figure: Figure, rows: Rows, units: Units, over: str | None = None) -> list[Axes]:
-    """p, alpha, eta, lambda (and a_scale) over the first varied key, or over `KEY/KEY`, one line for each value of the others.
+    """Draw p, alpha, eta, lambda (and a_scale) over the first varied key, or over `KEY/KEY`; one line for each value of the others.
 
-    Lines are broken where the mechanism changes, which the hinges tell, and where members have no solution. Raises UsageError.
+    Lines have a gap where the hinges change their places, and where members have no solution. Raises UsageError.
     """
     head = list(rows[0])
     varied = head[: head.index("name")] if "name" in head else []
@@ -53,11 +54,8 @@ def family(figure: Figure, rows: Rows, units: Units, over: str | None = None) ->
     return panels[: len(keys)]
 
 
-_X = "over"
-
-
 def _abscissa(rows: Rows, varied: list[str], over: str | None) -> tuple[np.ndarray, str, list[str]]:
-    """Values, label, and the columns that a line has one value of each of."""
+    """(values, label, other columns) of the abscissa; the other columns are constant along a line. Raises UsageError."""
     names = {_key(heading): heading for heading in varied}
     if over is None:
         return column(rows, varied[0]), varied[0].replace("_", " "), varied[1:]
@@ -76,7 +74,7 @@ def _abscissa(rows: Rows, varied: list[str], over: str | None) -> tuple[np.ndarr
 
 
 def _broken(some: Rows, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """A line over what was varied, with a gap (NaN) where the mechanism changes or a member is missing."""
+    """(x, y) of a line, with NaN where the mechanism changes or a member is missing."""
     x = column(some, _X)
     order = np.argsort(x)
     x, y = x[order], y[order]
@@ -97,6 +95,6 @@ def _key(heading: str) -> str:
 
 
 def _valued(heading: str, value: str) -> str:
-    """`height = 8 m` of a column `height [m]`."""
+    """A column heading and a value as text: `height = 8 m` from `height [m]` and 8."""
     key, _, unit = heading.partition(" [")
     return f"{key.replace('_', ' ')} = {float(value):.4g} {unit.removesuffix(']')}".rstrip()

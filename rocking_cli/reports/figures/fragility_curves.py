@@ -1,4 +1,4 @@
-"""Fragility curves over an intensity measure, a line for each structure, limit state and method."""
+"""Fragility curves over an intensity measure, and overturning spectra."""
 
 from __future__ import annotations
 
@@ -23,7 +23,10 @@ LABELS = {
 
 
 def fragility_curves(figure: Figure, rows: Rows, units: Units) -> list[Axes]:
-    """Curves with their bands and the fractions that they were fitted to; exact shares as steps."""
+    """Draw a fragility curve with its confidence band and the observed fractions for each structure, limit state and method.
+
+    A method without a fitted curve is drawn as steps of its fractions.
+    """
     axes = figure.add_subplot()
     im = rows[0]["im"]
     dimension = dimension_of(im.lower())
@@ -44,7 +47,7 @@ def fragility_curves(figure: Figure, rows: Rows, units: Units) -> list[Axes]:
 
 
 def overturning_spectra(figure: Figure, rows: Rows, _: Units) -> list[Axes]:
-    """First overturnings over p: the median of the records as a line, from 16 to 84 % as a band, for each critical angle."""
+    """Draw the first overturning PGA over p: the median of the records as a line, 16 to 84 % as a band, for each critical angle."""
     axes = figure.add_subplot()
     for i, (group, some) in enumerate(groups(rows, "alpha").items()):
         p = column(some, "p")

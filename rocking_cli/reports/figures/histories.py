@@ -1,4 +1,4 @@
-"""Responses in time above their motion, and responses of several structures that collapse (Fig. 8)."""
+"""Time histories: one response above its ground motion, and responses of several structures compared (Fig. 8)."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-_JUMP = 8.0  # times the steps beside it: what a motion that does not jump never does between samples
+_JUMP = 8.0  # a step so many times larger than its neighbours is a jump of the motion
 
 
 def response(figure: Figure, rows: Rows, units: Units) -> list[Axes]:
-    """Rotation over the ground acceleration; a line for each equation. Forces, where there are any, stand between them."""
+    """Draw the rotation (a line for each equation), below it the forces if the rows have any, and the ground acceleration."""
     x, y, ground = ("t", "theta", "ground_acceleration") if "t" in rows[0] else ("tau", "theta_ratio", "A")
     pushes = [c for c in rows[0] if c.startswith(("fx_ratio", "fz_ratio")) and not c.endswith("_after")]
     ratios = [3, *([1.5] if pushes else []), 1]
@@ -37,13 +37,13 @@ def response(figure: Figure, rows: Rows, units: Units) -> list[Axes]:
             word, model = name[:2], name[len("fx_ratio") :].strip("_")
             text = f"$F_{word[1]}/mg$" + (f", {model} equation" if model else "")
             one.plot(*with_jumps(_in(rows, x, units), _in(rows, name, units)), label=text, **look(i))
-        one.set_ylabel("$F/mg$ [-]")  # as short as its panel is low
+        one.set_ylabel("$F/mg$ [-]")
         legend(one)
     return [axes, *between, below]
 
 
 def with_jumps(t: np.ndarray, a: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """The samples with a point more at each jump, so that it is drawn upright, at the later sample."""
+    """The samples with one more point at each jump, which makes its line vertical at the later sample."""
     step = np.abs(np.diff(a, prepend=a[:1], append=a[-1:]))
     beside = np.maximum(step[:-2], step[2:]) if a.size > 1 else np.zeros(0)
     jumps = np.flatnonzero((step[1:-1] > _JUMP * beside) & (step[1:-1] > 0.05 * np.max(np.abs(a), initial=0.0))) + 1
@@ -51,7 +51,7 @@ def with_jumps(t: np.ndarray, a: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def comparison(figure: Figure, rows: Rows, units: Units) -> list[Axes]:
-    """Dimensional responses beside the dimensionless ones, which collapse (Fig. 8)."""
+    """Draw theta over t, and theta/alpha over p t, in which the responses coincide (Fig. 8)."""
     figure.set_size_inches(8.0, 3.6)
     axes = list(figure.subplots(1, 2))
     for i, (key, some) in enumerate(groups(rows, "structure", "model").items()):

@@ -1,4 +1,4 @@
-"""What stands at an axis: symbols as formulas, and the unit."""
+"""Axis labels: symbols as formulas, and units."""
 
 from __future__ import annotations
 
@@ -29,20 +29,20 @@ PLAIN = {"m/s2": "m/s²", "cm/s2": "cm/s²"}
 
 
 def label(column: str, units: Units) -> str:
-    """`$a_g$ [m/s²]` of a column in these units."""
+    """The axis label of a column in these units, such as `$a_g$ [m/s²]`."""
     name, unit, _ = units.column(column)
     return f"{SYMBOLS.get(name, name.replace('_', ' '))} [{PLAIN.get(unit, unit) or '-'}]"
 
 
 def valued(column: str, value: float, units: Units) -> str:
-    """`$f_g$ = 1.5 Hz` of a value in SI."""
+    """A column and a value (in SI units) as text, such as `$f_g$ = 1.5 Hz`."""
     name, unit, factor = units.column(column)
     short = {"A": "$A$", "Omega": r"$\Omega$", "T": "$T$"}.get(name) or SYMBOLS.get(name, name)
     return f"{short} = {value / factor:.4g} {PLAIN.get(unit, unit)}".rstrip()
 
 
 def titled(name: str, eta: float) -> str:
-    """A structure's name and its restitution, each once: an oscillator is called after it."""
+    """The name of a structure and its eta; only eta if the name states it, as that of a dimensionless oscillator."""
     from .canvas import literal
 
     own = f"eta={eta:g}"

@@ -1,4 +1,4 @@
-"""Overturning maps: the outcome of every cell of a spectra file, with the closed-form curves where they hold."""
+"""Overturning maps: the outcome of every cell of a spectra file, with the closed-form curves where they apply."""
 
 from __future__ import annotations
 
@@ -18,16 +18,16 @@ from .labels import label, titled
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-_Curves = dict[str, dict[float, float]]  # of each curve A by Omega
+_Curves = dict[str, dict[float, float]]  # A by Omega, by curve
 _OMEGAS = 80  # points of a curve
-_ALONG = {"initiation": 0.7, "no_impact": 0.9, "after_impact_upper": 0.75, "after_impact_lower": 0.5}  # of what is seen, its name
-_NOSE = 40  # halvings of the step in which a curve ends
+_ALONG = {"initiation": 0.7, "no_impact": 0.9, "after_impact_upper": 0.75, "after_impact_lower": 0.5}  # place of the name on a curve
+_NOSE = 40  # halvings of the interval in which a curve ends
 
 
 def outcome_map(axes: Axes, file: SpectraFile, place: int, units: Units) -> list[Any]:
-    """The map at one place of the first dimension, a structure or a record; the entries of its legend.
+    """Draw the map of the structure or record with index `place`; returns the legend entries.
 
-    Raises UsageError where no cell is computed, or the cells do not lie on two axes of numbers.
+    Raises UsageError if no cell is computed or an axis has no numbers.
     """
     from matplotlib.colors import BoundaryNorm, ListedColormap
     from matplotlib.patches import Patch
@@ -59,7 +59,7 @@ def outcome_map(axes: Axes, file: SpectraFile, place: int, units: Units) -> list
 
 
 def _differences(axes: Axes, x: np.ndarray, y: np.ndarray, codes: np.ndarray) -> list[Any]:
-    """Over the map the cells that the linear equation judges otherwise, (up, across), and their entries of the legend."""
+    """Draw the cells for which the linear equation gives another outcome; codes: `Difference`, (up, across). Returns legend entries."""
     from matplotlib.colors import ListedColormap
     from matplotlib.patches import Patch
 
@@ -73,7 +73,7 @@ def _differences(axes: Axes, x: np.ndarray, y: np.ndarray, codes: np.ndarray) ->
 
 
 def _frictions(axes: Axes, x: np.ndarray, y: np.ndarray, friction: np.ndarray) -> None:
-    """Lines of equal required friction over the map, (up, across), where the body stays upright."""
+    """Draw lines of equal required friction, (up, across), where the body stays upright."""
     lines = axes.contour(x, y, np.ma.masked_invalid(friction), colors="0.25", linewidths=0.7)
     axes.clabel(lines, fmt=lambda level: f"μ = {level:g}", fontsize=6)
 
@@ -87,7 +87,7 @@ def _title(file: SpectraFile, place: int) -> str:
 
 
 def _closed_form(axes: Axes, file: SpectraFile, place: int, units: Units) -> None:
-    """Curves i-iv of Fig. 2 over the map of a linear spectrum of a body that they hold for, each with its name on it."""
+    """Draw the curves i-iv of Fig. 2 with their names, if they apply: linear equation, plain body, a pulse with closed forms."""
     from ...envelopes.closed_form import PULSES, closed_form_curves
     from ...motions import pulse
 
@@ -121,14 +121,14 @@ def _closed_form(axes: Axes, file: SpectraFile, place: int, units: Units) -> Non
 
 
 def _ends(points: dict[float, float], omegas: np.ndarray) -> list[tuple[float, float]]:
-    """(inside, outside) of each place between two neighbouring Omega where a curve ends."""
+    """(Omega on the curve, neighbouring Omega beyond its end) for each end of a curve."""
     there = [float(w) in points for w in omegas]
     pairs = [(i, i + 1) for i in range(len(omegas) - 1) if there[i] != there[i + 1]]
     return [(float(omegas[a if there[a] else b]), float(omegas[b if there[a] else a])) for a, b in pairs]
 
 
 def _to_the_nose(at: Callable[[np.ndarray], _Curves], curve: str, inside: float, outside: float) -> dict[float, float]:
-    """The points of a curve from the last known one to where it ends, by halving."""
+    """Points of a curve between its last known Omega and its end, by bisection."""
     found: dict[float, float] = {}
     for _ in range(_NOSE):
         middle = 0.5 * (inside + outside)
@@ -141,7 +141,7 @@ def _to_the_nose(at: Callable[[np.ndarray], _Curves], curve: str, inside: float,
 
 
 def _named(axes: Axes, text: str, x: np.ndarray, y: np.ndarray, along: float) -> None:
-    """The name of a curve on it, where it is in the picture."""
+    """Write the name of a curve on its visible part."""
     (left, right), (bottom, top) = axes.get_xlim(), axes.get_ylim()
     inside = np.flatnonzero((x >= left) & (x <= right) & (y >= bottom) & (y <= top))
     if inside.size:

@@ -1,7 +1,7 @@
-"""Rocking spectra of a set of records: theta_max/alpha over T = 2 pi/p, its median and its 16 and 84 % quantiles over the records.
+"""Rocking spectra of a set of records: median, 16 and 84 % quantiles of theta_max/alpha over T = 2 pi/p.
 
-A body that falls, or leaves the ground, has no largest rotation: it counts as larger than all others, so that a line ends where more than
-its share of the records do that. The quantiles are observed values (the inverse of the empirical distribution), nothing is interpolated.
+A cell that overturns or loses contact counts as infinite, so a line ends where its quantile is infinite. The quantiles are
+observed values (the inverse of the empirical distribution), without interpolation.
 """
 
 from __future__ import annotations
@@ -25,17 +25,17 @@ _LEVELS = (0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.8, 1.0)
 
 
 def record_quantiles(file: SpectraFile) -> np.ndarray:
-    """Quantiles of theta_max/alpha over the records at `SHARES`, (shares, alpha, T); inf where so many fall, NaN without cells."""
+    """The quantiles SHARES of theta_max/alpha over the records, (shares, alpha, T); inf where too many overturn, NaN without cells."""
     theta = file.array("theta_ratio")
     theta[falls(file.array("outcome"))] = np.inf
-    ordered = np.sort(theta, axis=0)  # NaN, of cells that failed or are not computed, comes last
+    ordered = np.sort(theta, axis=0)  # NaN (failed or not computed) is sorted to the end
     known = (~np.isnan(theta)).sum(axis=0)
     rank = [np.clip(np.ceil(share * known).astype(int) - 1, 0, None) for share in SHARES]
     return np.stack([np.take_along_axis(ordered, r[None], axis=0)[0] for r in rank])
 
 
 def record_spectra(figure: Figure, file: SpectraFile, units: Units) -> list[Axes]:
-    """A line for each alpha with its band; beside it the median as contours over tan alpha and p, where there are several of both."""
+    """Draw the quantiles over T for each alpha, and contours of the median over tan alpha and p if there are several of both."""
     alpha, period = (np.asarray(file.frame.dimensions[name]) for name in ("alpha", "T"))
     found = record_quantiles(file)
     finite = np.where(np.isfinite(found), found, np.nan)
@@ -46,7 +46,7 @@ def record_spectra(figure: Figure, file: SpectraFile, units: Units) -> list[Axes
     first, *others = figure.subplots(1, 2 if contours else 1, squeeze=False)[0]
     for i, a in enumerate(alpha):
         first.plot(period, finite[1, i], label=valued("alpha", float(a), units), **look(i))
-        if count > 1:  # where the upper quantile falls the band ends at the top of what is drawn
+        if count > 1:  # an infinite upper quantile is drawn at the top
             low, high = finite[0, i], np.where(np.isinf(found[2, i]), max(1.0, float(np.nanmax(finite, initial=0.0))), finite[2, i])
             first.fill_between(period, low, high, color=look(i)["color"], alpha=0.15, lw=0.0)
     many = f"median and 16 to 84 % of {count} records" if count > 1 else literal(str(file.frame.dimensions["record"][0]))
@@ -59,7 +59,7 @@ def record_spectra(figure: Figure, file: SpectraFile, units: Units) -> list[Axes
 
 
 def _contours(axes: Axes, alpha: np.ndarray, period: np.ndarray, median: np.ndarray) -> None:
-    """The median over tan alpha and p; where half of the records overturn it is grey."""
+    """Draw the median over tan alpha and p; grey where half of the records overturn."""
     x, y = np.tan(alpha), 2.0 * np.pi / period[::-1]
     z = median[:, ::-1].T
     axes.set_facecolor("0.8")

@@ -1,4 +1,4 @@
-"""Rocking spectra (Fig. 2 right): theta_max/alpha along one axis of a spectra file, with the stretches that overturn marked."""
+"""Rocking spectra (Fig. 2 right): theta_max/alpha along one axis of a spectra file; bars mark the overturning intervals."""
 
 from __future__ import annotations
 
@@ -21,12 +21,13 @@ if TYPE_CHECKING:
 
 _REQUESTS = {"f_g": ("omega_g", "frequency"), "T_g": ("omega_g", "time"), "p": ("T", "angular frequency")}
 _DIMENSIONS = {"a_g": "acceleration", "omega_g": "angular frequency", "T": "time", "alpha": "angle"}
-_SLACK = 1e-5  # by which an end value may be off: as it is printed
+_SLACK = 1e-5  # rounding of a printed end value
 
 
 @dataclass(frozen=True)
 class Slice:
-    """A line of cells: where it is, the axis along it [SI], and a name, theta_max/alpha and outcome of each structure (or record)."""
+    """A line of cells: axis `where` = `value`, the axis `along` it with values `x` (SI units), and the name, theta_max/alpha and
+    outcome of each structure or record."""
 
     where: str
     value: float
@@ -39,7 +40,7 @@ class Slice:
 
 
 def slice_of(file: SpectraFile, cut: str) -> Slice:
-    """The cells nearest to `NAME=VALUE`, NAME an axis of the file or of the request that made it (f_g, T_g). Raises UsageError."""
+    """The cells nearest to `NAME=VALUE`; NAME is an axis of the file, or f_g, T_g or p. Raises UsageError."""
     key, _, text = (x.strip() for x in cut.partition("="))
     rows, columns = list(file.frame.dimensions.items())[1:]
     axes = {name: np.asarray(values) for name, values in (rows, columns) if not isinstance(values, list)}
@@ -79,7 +80,7 @@ def _accepted(name: str, values: np.ndarray) -> str:
 
 
 def of_record(file: SpectraFile, place: int) -> Slice:
-    """Of spectra of records over structures: the structures under one record."""
+    """The responses of the structures to one record, from a file with the dimensions record, structure and amplitude."""
     (_, records), (_, structures), (along, x) = file.frame.dimensions.items()
     block = file.block(place, slice(None))
     title = f"{literal(str(records[place]))}, {file.scene['model']} equation"
@@ -88,7 +89,7 @@ def of_record(file: SpectraFile, place: int) -> Slice:
 
 
 def spectrum_lines(axes: Axes, found: Slice, units: Units) -> None:
-    """A line each, and above it bars where it overturned or left the ground. Raises UsageError where no cell is computed."""
+    """Draw a line for each structure or record, and bars where it overturned or lost contact. Raises UsageError without a computed cell."""
     if not any(np.any(outcome != Outcome.NOT_COMPUTED) for outcome in found.outcome):
         raise UsageError("holds no computed cell on this line, nothing to draw")
     x = found.x / units.column(found.along)[2]
@@ -109,7 +110,7 @@ def spectrum_lines(axes: Axes, found: Slice, units: Units) -> None:
 
 
 def _spans(x: np.ndarray, where: np.ndarray) -> list[tuple[float, float]]:
-    """(begin, width) of the stretches where the outcome is so, to half way to the neighbours."""
+    """(start, width) of the intervals in which `where` is true; they end halfway to the neighbours."""
     edges = np.concatenate([x[:1], 0.5 * (x[1:] + x[:-1]), x[-1:]])
     steps = np.flatnonzero(np.diff(np.concatenate([[0], where.astype(int), [0]])))
     return [(float(edges[a]), float(edges[b] - edges[a])) for a, b in zip(steps[::2], steps[1::2], strict=True)]
