@@ -38,7 +38,7 @@ Lemma 6 (certain overturning). Linear: beyond z = y - 1 + g v = e, g the rate of
     or with the energy to pass it, since a weaker drive pushes back less and the energy over that barrier does not fall; damped: beyond
     its equilibrium only. theta = pi/2, or a collapsed linkage, is overturning whatever comes.
 Lemma 7 (end of bouncing). See `contacts.contact.bouncing_ends`: bounds on the sum of the series, inside one monotone segment; and
-    `contacts.settling`: bouncing to the end of the shaking that nothing lifts again (under a record `contacts.adiabatic`, Lemma 15);
+    `contacts.settling`: bouncing to the end of the shaking that nothing lifts again (under a record `contacts.adiabatic`, Lemma 14);
     `contacts.trains`: more bounces than the march follows.
 Lemma 8 (fate). On still ground, undamped, the energy between impacts is constant; on a body with equal sides only the next crest and the
     next impact matter, on an unequal one the next two. Damped bodies are marched on until these, which damping only lowers, come to no
@@ -74,13 +74,7 @@ Lemma 12 holds with w_+ L in the place of L, w_+ the largest weight of a stretch
 Lemma 13 (pressing). Every arc that does not overturn the body begins or ends at rest, at a crest, so that the work of the strongest inward
     push and the weight over the path between bounds the speed, and the speed Fz from below (`body`). Where that leaves Fz > 0 open,
     Fz >= min(its ends) - (h^2/8) max |Fz''| on stretches of the march that are halved until it is settled (`march.footing`).
-Lemma 14 (nothing more is asked). Bounds of Fz and |Fx|/Fz over bouncing to rest and rocking on over still ground say which of what the
-    march closes can beat the records of its cell (`march.closing`); that is followed afterwards (`march.aftermath`). Along a step
-    whose motion is a series Fx and Fz are series too, and the Bernstein coefficients of a polynomial near each, with what that leaves out,
-    bound them (`march.hulls`): most steps hold no record. Under straight lines forces leave their chords by no more than bounds of their
-    second derivatives allow, and have no turn where their slopes at both ends exceed these (`march.bends`, `march.lines`).
-
-Lemma 15 (one action). Undamped, equal sides, a record that lifts the body no more: between impacts d/dtau [y'^2/2 + L - a M] = -a' M, L
+Lemma 14 (one action). Undamped, equal sides, a record that lifts the body no more: between impacts d/dtau [y'^2/2 + L - a M] = -a' M, L
     and M the integrals of l and m. Low and quick bounces under a slow drive keep W^(3/2)/(1 - a^2), W their energy at the ground, but for
     what the bends and slopes of the drive do within a bounce, which is summed (see `contacts.adiabatic`).
 

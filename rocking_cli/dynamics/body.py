@@ -84,6 +84,10 @@ class Body:
         """Fz/(m g) of bounces on an edge that are too low to have a speed, under this outward push [g] and weight over m g."""
         return weight + edge.kappa * self.lifting(edge, push, weight) * np.sin(edge.alpha)
 
+    def low_bounces(self, edge: Edge, push: Array | float, weight: Array | float) -> tuple[Any, Any]:
+        """(outward Fx, Fz) over m g of the same bounces."""
+        return edge.kappa * self.lifting(edge, push, weight) * np.cos(edge.alpha) - push, self.lying(edge, push, weight)
+
     def fall(self, edge: Edge, u: Array) -> Array:
         """u'^2 that still ground adds on the way from u to an impact, undamped."""
         z = edge.alpha - u

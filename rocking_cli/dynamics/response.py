@@ -7,7 +7,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..motions.motion import Motion
-from ..motions.segments import Segments
 from .body import Body
 from .contacts.adiabatic import keeps_bouncing
 from .equations.linear import LinearEquation
@@ -67,7 +66,7 @@ def _answer(
     amplitude, omega, eta = scene
     cells = amplitude.ravel(), omega.ravel(), eta.ravel()
     prove = bool(amplitude.max(initial=0.0) > system.safe_amplitude(motion))  # peaks may, that a body presses on the ground
-    run, _ = _engine(system, motion, cells, peaks or prove, pool)
+    run = _engine(system, motion, cells, peaks or prove, pool)
     run.all()
     look_at_forces(run, system, motion, cells, pressed)
     return _response_of(run, amplitude.shape, peaks)
@@ -80,23 +79,23 @@ def _response_of(run: Run, shape: tuple[int, ...], peaks: bool = True) -> Respon
 
 def _engine(
     system: System, motion: Motion, cells: tuple[Array, Array, Array], peaks: bool, pool: int | None = None, body: Body | None = None
-) -> tuple[Run, Segments]:
-    """The run that answers for cells, and the segments it was made with; body: of what its demands on the ground are wanted too."""
+) -> Run:
+    """The run that answers for cells; body: of what its demands on the ground are wanted too."""
     lines = motion.coarsest
     segments = system.segments(motion) if lines.samples is None or motion.vertical is not None else lines.segments
     if lines.samples is None:
-        return Run(system, segments, *cells, peaks, pool or system.equation.pool, body=body), segments
+        return Run(system, segments, *cells, peaks, pool or system.equation.pool, body=body)
     if motion.vertical is not None:
         from .flight.weighed_walk import WeighedWalk
 
-        return WeighedWalk(system, segments, lines.samples, *cells, peaks, pool, body), segments
+        return WeighedWalk(system, segments, lines.samples, *cells, peaks, pool, body)
     if body is None and flies(system, motion):
         from .flight.run import Flight
 
-        return Flight(system, segments, lines.samples, *cells, peaks, pool), segments
+        return Flight(system, segments, lines.samples, *cells, peaks, pool)
     from .flight.walk import Walk
 
-    return Walk(system, segments, lines.samples, *cells, peaks, pool, body), segments
+    return Walk(system, segments, lines.samples, *cells, peaks, pool, body)
 
 
 def look_at_forces(run: Run, system: System, motion: Motion, cells: tuple[Array, Array, Array], pressed: Array | None = None) -> None:
@@ -152,26 +151,24 @@ def response_with_demands(
     """The same, and by name what each body asks of the ground: `friction`, the largest |Fx|/Fz [-], and `fz_min`, the least Fz over m g
     [-], both NaN where it overturns. found: the response, where it is known. Raises ValueError for a system without a `body` of
     a_scale 1."""
-    from .march.aftermath import follow_on
-
     if system.body is None or not system.body.moves_with_the_ground:
         raise ValueError("demands need a system with a body, whose a_scale is 1")
     amplitude, omega, eta = np.broadcast_arrays(*(np.asarray(x, dtype=float) for x in (amplitude, omega, eta)))
     cells = amplitude.ravel(), omega.ravel(), eta.ravel()
     flown = flies(system, motion)
-    run, segments = _engine(system, motion, cells, not flown, body=system.body)
+    run = _engine(system, motion, cells, not flown, body=system.body)
     run.all()
-    follow_on(run, system, segments, cells)
     assert run.demands is not None  # a body was given
+    friction, fz_min = run.demands.result(run.outcome)
     upright = safe(run.outcome) | (run.outcome == Outcome.LOST_CONTACT)
-    pressed = upright & (run.demands.fz_min > _PRESSED)
+    pressed = upright & (fz_min > _PRESSED)
     if found is None and (flown or keeps_bouncing(run.equation, run.cells, run.segments)):
         found = _answer(system, motion, (amplitude, omega, eta), True, pressed=pressed)  # no bit of it hangs on what else is asked
     if found is None:
         look_at_forces(run, system, motion, cells, pressed)
         found = _response_of(run, amplitude.shape)
     upright &= (safe(found.outcome) | (found.outcome == Outcome.LOST_CONTACT)).ravel()
-    asked = {"friction": run.demands.friction, "fz_min": run.demands.fz_min}
+    asked = {"friction": friction, "fz_min": fz_min}
     return found, {name: np.where(upright, x, np.nan).reshape(amplitude.shape) for name, x in asked.items()}
 
 

@@ -104,7 +104,7 @@ def test_help_shows_an_example_that_runs(rocking, command):
 RECORD = "configs/motions/synthetic.at2"
 BODY = "rocking_cli.dynamics.equations.rigid_body"
 FOOTING = "rocking_cli.dynamics.march.footing"
-FORCES = [f"rocking_cli.dynamics.march.{name}" for name in ("demand", "lines", "extremes", "hulls", "quartics", "waiting", "closing")]
+FORCES = [f"rocking_cli.dynamics.observers.{name}" for name in ("ground_forces", "forces", "resting")]
 
 
 @pytest.mark.parametrize(

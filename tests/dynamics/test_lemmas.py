@@ -1,7 +1,6 @@
 """The lemmas on which the march rests (numbered in `rocking_cli.dynamics`), each with what tries to break it.
 
-Lemmas 5 and the tangents of 2 stand in march/test_advance, 8 in contacts/test_contact, 9 and 10 in spectra/test_boundaries,
-the hulls of 14 in march/test_hulls.
+Lemmas 5 and the tangents of 2 stand in march/test_advance, 8 in contacts/test_contact, 9 and 10 in spectra/test_boundaries.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Bodies that lose next to nothing at impacts and that nothing lifts again: they bounce to the end of a record, at one action (Lemma 15).
+"""Bodies that lose next to nothing at impacts and that nothing lifts again: they bounce to the end of a record, at one action (Lemma 14).
 
 Undamped, on equal edges, under straight lines without jumps. Let c be the drive towards +x, x the displacement with its side's sign, a =
 +-c the outward drive, F = 1 - a and W = y'^2/2 + L(y) - a M(y), L and M the integrals of l and m, so that W' = -a' M between impacts, which

@@ -132,9 +132,6 @@ class Equation(Protocol):
     def on(self, side: Array, cell: Array | None = None) -> Equation:
         """The equation with the numbers of the sides, +1 or -1, that these lanes are on, and of their cells."""
 
-    def with_turn(self, show: Any) -> Equation:
-        """The same equation, whose series come with what `show` (`taylor.Show`) makes of those of a body's turn, where it has any."""
-
     def of(self, cell: Array) -> Self:
         """The same for these of its cells, which may be there more than once."""
 

@@ -18,7 +18,7 @@ from .equation import Ramp
 from .flow import LinearFlow
 from .ramp import ramp_flow
 from .summed_flow import SummedFlow, can_be_summed
-from .taylor import Show, TaylorSeries, order_for, series, weighed_series
+from .taylor import TaylorSeries, order_for, series, weighed_series
 
 if TYPE_CHECKING:
     from .damped_flow import DampedFlow
@@ -48,10 +48,6 @@ class LinearEquation:
 
     def on(self, side: Array, cell: Array | None = None) -> Self:
         """Both sides have the same equation in their own units."""
-        return self
-
-    def with_turn(self, _show: Show) -> Self:
-        """Its flows have none."""
         return self
 
     def of(self, cell: Array) -> Self:

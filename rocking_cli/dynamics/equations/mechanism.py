@@ -30,7 +30,7 @@ from .energy import falls_by_energy
 from .equation import Ramp
 from .patches import DEGREE, inverse, largest, tabulate
 from .ramp import MOST_TERMS, ramp_flow
-from .taylor import LOCAL, Show, TaylorSeries, blocks, drive_series, longest, order_for, powers
+from .taylor import LOCAL, TaylorSeries, blocks, drive_series, longest, order_for, powers
 
 Array = np.ndarray
 
@@ -73,10 +73,6 @@ class MechanismEquation:
 
     def on(self, side: Array, cell: Array | None = None) -> Self:
         """An arch and its mirror image rock alike."""
-        return self
-
-    def with_turn(self, _show: Show) -> Self:
-        """Its flows have none."""
         return self
 
     def of(self, cell: Array) -> Self:

@@ -23,7 +23,7 @@ from ..lanes import Lanes
 from .energy import falls_by_energy
 from .equation import Ramp
 from .ramp import ramp_flow
-from .taylor import Show, TaylorSeries, Turn, blocks, drive_series, longest, order_for
+from .taylor import TaylorSeries, blocks, drive_series, order_for, series
 
 Array = np.ndarray
 
@@ -45,7 +45,6 @@ class RigidBodyEquation:
             raise ValueError(f"damping is {damping:g}, accepted is a number from 0")
         self.damping = damping
         self._by_cell = isinstance(alpha, np.ndarray)
-        self._show: Show | None = None
         self._edges: list[dict[str, Any]]
         if isinstance(alpha, np.ndarray):
             self._edges = [_of_cells(alpha)]
@@ -88,21 +87,10 @@ class RigidBodyEquation:
         """The series of every lane from its present state."""
         if segments.straight:
             return ramp_flow(self, segments, lanes)
-        y, shown = np.empty((self.order + 1, lanes.y.size)), list[Any]()
-        fastest, reach = np.empty((2, lanes.y.size))
-        for block in blocks(lanes.y.size, 2048 if self._show is None else 4096):  # of what is shown, calls take more than the cache gives
-            some, part = lanes.take(block), self._part(block)
-            fastest[block], turn = part._fill(y[:, block], segments, some)
-            reach[block] = turn.longest
-            if self._show is not None:
-                shown.append(self._show(some, turn))
-        return TaylorSeries(y, 1.0 / fastest, reach, fastest, self.damping, None if self._show is None else shown)
-
-    def with_turn(self, show: Show) -> Self:
-        """The same, with what that makes of the turn of every series."""
-        there = copy.copy(self)
-        there._show = show
-        return there
+        y, fastest = np.empty((self.order + 1, lanes.y.size)), np.empty(lanes.y.size)
+        for block in blocks(lanes.y.size):
+            fastest[block] = self._part(block)._fill(y[:, block], segments, lanes.take(block))
+        return series(y, fastest, self.tolerance, self.damping)
 
     def _part(self, block: slice) -> Self:
         """The same body for some of the lanes that its numbers belong to."""
@@ -112,13 +100,13 @@ class RigidBodyEquation:
         part._take({key: getattr(self, key)[block] for key in self._edges[0]})
         return part
 
-    def _fill(self, y: Array, segments: Segments, lanes: Lanes) -> tuple[Array, Turn]:
-        """Fill (order + 1, lanes) with the terms of y; returns the rate in whose powers they are, and how the body turns."""
+    def _fill(self, y: Array, segments: Segments, lanes: Lanes) -> Array:
+        """Fill (order + 1, lanes) with the terms of y; returns the rate in whose powers they are."""
         if lanes.y.size == 1:  # NumPy sums a single lane in another order: no digit may depend on a lane's neighbours
             twice = np.empty((len(y), 2))
-            fastest, pair = self._fill(twice, segments, lanes.take(np.zeros(2, dtype=np.int64)))
+            fastest = self._fill(twice, segments, lanes.take(np.zeros(2, dtype=np.int64)))
             y[:] = twice[:, :1]
-            return fastest[:1], pair.first()
+            return fastest[:1]
         order, known = self.order, drive_series(segments, lanes, self.order - 2, -self.tan)
         unit2 = known.unit * known.unit
         turn = np.empty((order - 1, 2, lanes.y.size))
@@ -148,8 +136,7 @@ class RigidBodyEquation:
                 pushed -= 2.0 * self.damping * known.unit * rate[n + 1]
             np.multiply(pushed, 1.0 / (n + 1), out=rate[n + 2])
         np.multiply(rate[2:], 1.0 / (np.arange(2.0, order + 1.0)[:, None] * -self.sin), out=y[2:])
-        reach = longest(y, known.fastest, self.tolerance)
-        return known.fastest, Turn(turn, drive[:-2], None if weight is None else weight[:-2], known.unit, reach)
+        return known.fastest
 
     def ramp_terms(self, y: Array, v: Array, ramp: Ramp) -> Array:
         """Terms of y under a straight line: those of sin z/sin(alpha) and cos z/cos(alpha) follow from each other."""

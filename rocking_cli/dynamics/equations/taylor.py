@@ -7,9 +7,9 @@ rejected step, and the series is the dense output on which impacts and peaks are
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator
 from functools import lru_cache
-from typing import Any, NamedTuple, Self
+from typing import NamedTuple, Self
 
 import numpy as np
 
@@ -27,36 +27,14 @@ LOCAL = 3e-2
 LOWEST, HIGHEST = 1e-13, 1e-2  # tolerances that are accepted
 
 
-class Turn(NamedTuple):
-    """What the forces of a rigid body on the ground are made of, in terms of (h / unit)^n: sin z and cos z, (terms, 2, lanes), and unit^2
-    times the inward push over g and the weight over m g, (terms - 2, lanes), no weight where that is steady; unit and how far they may be
-    used [tau], (lanes,)."""
-
-    turn: Array
-    push: Array
-    weight: Array | None
-    unit: Array
-    longest: Array
-
-    def first(self) -> Turn:
-        """Of the first lane alone."""
-        weight = None if self.weight is None else self.weight[:, :1]
-        return Turn(self.turn[..., :1], self.push[:, :1], weight, self.unit[:1], self.longest[:1])
-
-
-Show = Callable[[Lanes, Turn], Any]  # of the lanes of a block
-
-
 class TaylorSeries(NamedTuple):
-    """(terms, lanes) coefficients of (h / unit)^n, and how far [tau] they may be used; shown: what was made of their turn,
-    block by block, where an equation was asked to show it; parts of a series do not take it along."""
+    """(terms, lanes) coefficients of (h / unit)^n, and how far [tau] they may be used."""
 
     terms: Array
     unit: Array
     longest: Array
     fastest: Array
     damping: float = 0.0
-    shown: Sequence[Any] | None = None
 
     @property
     def y(self) -> Array:
@@ -77,22 +55,9 @@ class TaylorSeries(NamedTuple):
         """The series of some lanes."""
         return type(self)(self.terms.take(lanes, axis=1), self.unit[lanes], self.longest[lanes], self.fastest[lanes], self.damping)
 
-    def join(self, others: Sequence[Self]) -> Self:
-        """These and others of the same equation."""
-        every = (self, *others)
-        terms = np.concatenate([x.terms for x in every], axis=1)
-        unit, longest = np.concatenate([x.unit for x in every]), np.concatenate([x.longest for x in every])
-        return type(self)(terms, unit, longest, np.concatenate([x.fastest for x in every]), self.damping)
-
     def at(self, h: Array) -> Point:
         """y and three derivatives after h."""
         return self._point(*self._products(h))
-
-    def state(self, h: Array) -> tuple[Array, Array]:
-        """y and y' after h."""
-        x, terms = self._products(h)
-        y, v = np.einsum("dn,nl->dl", _falling_factors(len(terms))[:2], terms)[:, : x.size]
-        return y, v / (x * self.unit)
 
     def bent(self, h: Array) -> tuple[Point, Array]:
         """The same, and how far h y' and h^2 y'' up to there are from the straight line between their ends at the most, (2, lanes)."""

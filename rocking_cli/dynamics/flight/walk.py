@@ -7,7 +7,6 @@ Lemma 12 proves that it holds no impact and no crest above the peak; other lanes
 from __future__ import annotations
 
 from dataclasses import dataclass, fields
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -23,9 +22,6 @@ from ..march.engine import Run
 from ..outcome import Outcome
 from ..system import System
 from .bounded import LONGEST
-
-if TYPE_CHECKING:
-    from ..march.lines import LineDemands
 
 Array = np.ndarray
 
@@ -51,8 +47,6 @@ class Walkers(Lanes):
 class Walk(Run):
     """One batch of cells of any equation under a record. Parameters as in `Run`."""
 
-    demands: LineDemands | None
-
     def __init__(
         self, system: System, segments: Segments, samples: Samples, amplitude: Array, omega: Array, eta: Array, peaks: bool,
         pool: int | None, body: Body | None = None,
@@ -71,8 +65,6 @@ class Walk(Run):
             waiting = waiting[np.argsort(pace, kind="stable")]
             with np.errstate(all="ignore"):
                 self._walk(waiting)
-                if self.demands is not None:
-                    self.demands.take_in(self.start(waiting[:0]), self.outcome)
 
     def _walk(self, waiting: Array) -> None:
         """Advance these cells, as many at once as the pool holds, until all are done."""
@@ -189,7 +181,7 @@ class Walk(Run):
     ) -> None:  # fmt: skip
         """What a listener wants to know of strides from one (y, y') to another: those in which it must look closer are no longer to go."""
         if self.demands is not None:
-            self.demands.stride(cell, side, start, end, ramp, go)
+            self.demands.taylor_steps(cell, side, start, end, ramp, go)
 
     def _careful(self, lanes: Walkers) -> Walkers:
         """A round of the march, and the rest of the interval after it where that can be walked."""

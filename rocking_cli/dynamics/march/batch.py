@@ -17,7 +17,7 @@ from .free_fall import FreeFall
 
 if TYPE_CHECKING:
     from ..impulse import ImpulseAhead
-    from .demand import Demands
+    from ..observers.ground_forces import GroundForces
     from .footing import Footing
 
 Array = np.ndarray
@@ -29,9 +29,8 @@ _SETTLING = 250.0  # tau, times what damping slows the unstable mode: no body is
 class Batch:
     """Cells that are run together. Parameters as in `Run`; footing and demands: what looks at the forces, where they are wanted."""
 
-    follows_on = False  # over still ground, whatever the equation
     footing: Footing | None = None
-    demands: Demands | None = None
+    demands: GroundForces | None = None
 
     def __init__(
         self, system: System, segments: Segments, amplitude: Array, omega: Array, eta: Array, peaks: bool, watch: Watch | None
@@ -40,7 +39,7 @@ class Batch:
         self.peaks, self.watch = peaks, watch
         self.cells = self.contact.cells(self.equation, amplitude, omega, eta)
         self.segments, self.shaken = segments, len(segments)
-        if (self.equation.damping or self.follows_on) and omega.size:  # no closed form of the free motion: march on over still ground
+        if self.equation.damping and omega.size:  # no closed form of the free motion: march on over still ground
             self.segments = segments.followed_by_rest(_SETTLING * (1.0 + 3.0 * self.equation.damping) * float(self.cells.omega.max()))
         if self.equation.damping:
             self.bounced = np.zeros(omega.size, dtype=bool)  # on still ground, which counts as no impact during the shaking
@@ -107,7 +106,7 @@ class Batch:
         if self.footing is not None and self.footing.any:
             settled = settled[~self.footing.doubtful(lanes.take(settled))]
         if self.demands is not None:
-            self.demands.settle(lanes.take(settled))
+            self.demands.close(lanes.take(settled))
         self._finish(lanes, settled, Outcome.ROCKED, lanes.peak[settled])
         going = np.ones(lanes.k.size, dtype=bool)
         going[settled] = False

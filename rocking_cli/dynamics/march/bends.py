@@ -10,13 +10,11 @@ while V <= max(|u'| at its ends) + (h^2/8) J: between its ends neither force lea
 
 from __future__ import annotations
 
-from math import factorial
 from typing import NamedTuple, Self
 
 import numpy as np
 
 from ..body import Body, Edge
-from .ground import Shaking
 
 Array = np.ndarray
 
@@ -95,77 +93,3 @@ def sags(body: Body, edge: Edge, s: Shakes, h: Array, one: Ends, other: Ends) ->
     rest = 4.0 * v * j + 3.0 * b * b + square * square
     eighth = 0.125 * h * h
     return eighth * (s.push2 + edge.kappa * (q + rest * sin)), eighth * (s.sway2 + edge.kappa * (q * sin + rest))
-
-
-def fourths(body: Body, edge: Edge, pushes: Array, weights: Array, h: Array, one: Ends, other: Ends) -> Array:
-    """(2, stretches): bounds of |Fx''''| and |Fz''''| over m g on stretches of length h; pushes, weights: of the
-    push and the weight and of their first four derivatives by tau, (5, stretches).
-
-    Majorants of the Taylor series of u, sin z and cos z about any instant, by the recurrences of the equation.
-    """
-    shakes = Shakes(pushes[0], pushes[1], pushes[2], weights[0] - 1.0, weights[1], weights[2])
-    v, zeta2 = fastest(body, edge, shakes, h, one.u, one.v, other.u, other.v), 2.0 * body.damping
-    turn = np.abs(edge.alpha - 0.5 * (one.u + other.u)) + 0.5 * v * h
-    sin = np.sin(np.minimum(turn, 0.5 * np.pi))
-    push, weight = ([x[n] / factorial(n) for n in range(5)] for x in (pushes, weights))
-    heavy = 5 if weights[1:].any() else 1
-    lean = turn if body.linear else sin
-    b = pushes[0] + weights[0] * lean + zeta2 * v
-    j = pushes[1] + weights[0] * v + weights[1] * lean + zeta2 * b
-    if not body.linear:
-        j = j + pushes[0] * sin * v
-    b = np.minimum(b, 0.5 * (np.abs(one.b) + np.abs(other.b) + j * h))
-    u, rates, sins, coss = [turn, v, 0.5 * b], [v, b], [sin, v], [np.ones(h.size), sin * v]
-    for n in range(1, 6):  # u_{n+2} (n + 2)(n + 1) = f_n + 2 zeta (n + 1) u_{n+1}
-        sins.append(sum(rates[i] * coss[n - i] for i in range(n + 1)) / (n + 1))
-        coss.append(sum(rates[i] * sins[n - i] for i in range(n + 1)) / (n + 1))
-        if n == 5:
-            break
-        leans = u if body.linear else sins
-        force = sum(weight[i] * leans[n - i] for i in range(min(n + 1, heavy)))
-        force = force + (push[n] if body.linear else sum(push[i] * coss[n - i] for i in range(n + 1)))
-        u.append((force + zeta2 * rates[n]) / ((n + 1) * (n + 2)))
-        rates.append((n + 2) * u[-1])
-    return np.array([pushes[4] + edge.kappa * 720.0 * sins[6], weights[4] + edge.kappa * 720.0 * coss[6]])
-
-
-class Forces(NamedTuple):
-    """u'', Fz and the outward Fx over m g of bodies, and the slopes of the forces by tau."""
-
-    bend: Array
-    fx: Array
-    fz: Array
-    fx_slope: Array
-    fz_slope: Array
-
-    def take(self, at: Array) -> Self:
-        """Of some."""
-        return type(self)(*(x[at] for x in self))
-
-    def join(self, other: Self) -> Self:
-        """These and others."""
-        return type(self)(*(np.concatenate(pair) for pair in zip(self, other, strict=True)))
-
-
-def forces_on(body: Body, edge: Edge, shaking: Shaking, u: Array, rate: Array) -> Forces:
-    """Of bodies at u, u' [rad by tau] on an edge."""
-    push, push_slope, weight, weight_slope = shaking
-    z = edge.alpha - u
-    sin, cos = np.sin(z), np.cos(z)
-    if body.linear:
-        bend, jerk = push - weight * z, push_slope + weight * rate - weight_slope * z
-    else:
-        bend = push * cos - weight * sin
-        jerk = push_slope * cos + rate * (weight * cos + push * sin) - weight_slope * sin
-    if body.damping:
-        bend = bend - 2.0 * body.damping * rate
-        jerk = jerk - 2.0 * body.damping * bend
-    square, turns = rate * rate, 3.0 * rate * bend
-    jerk = jerk - rate * square
-    return Forces(
-        bend,
-        edge.kappa * (bend * cos + square * sin) - push,
-        weight + edge.kappa * (bend * sin - square * cos),
-        edge.kappa * (jerk * cos + turns * sin) - push_slope,
-        weight_slope + edge.kappa * (jerk * sin - turns * cos),
-    )

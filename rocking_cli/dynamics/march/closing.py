@@ -21,10 +21,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..body import Body, Edge
-from ..contacts.contact import Contact
 from ..lanes import Lanes
-from ..weight import WeighedSegments
-from .ground import Ground
 
 Array = np.ndarray
 
@@ -88,53 +85,3 @@ def bouncing(body: Body, edge: Edge, push: Array | float, weight: Array | float,
     fx = np.abs(edge.kappa * body.lifting(edge, push, weight) * np.cos(edge.alpha) - push) + by
     with np.errstate(divide="ignore", invalid="ignore"):
         return Bounds(fz, np.where(fz > 0.0, fx / fz, np.inf))
-
-
-class Train(NamedTuple):
-    """What bouncing to rest asks at most, and whether it has as good as ended: no force changes any more by NO_MORE."""
-
-    bounds: Bounds
-    ended: Array
-
-
-def train_bounds(body: Body, ground: Ground, lanes: Lanes, contact: Contact) -> Train:
-    """Of lanes just after an impact, whose bouncing is proved to end in rest; of those that it left no speed there is none."""
-    seg, zero = ground.segments, np.zeros(lanes.v.size)
-    side = lanes.side
-    push, weight = ground.push(lanes, zero), ground.weight(lanes, zero)
-    lasts = np.minimum(_LASTS * contact.bouncing_time(lanes, weight), (seg.length[lanes.k] - lanes.u) / lanes.omega)
-    if isinstance(seg, WeighedSegments):  # the push is not monotone on its own
-        spread = np.abs(lanes.amplitude * body.on(side).uplift * lanes.omega) * ground.segments.steepest[0] * lasts
-        pushes = (push - spread, push + spread)
-        weights: tuple[Array | float, ...] = (weight, ground.weight(lanes, lasts))
-    else:
-        pushes, weights = (push, ground.push(lanes, lasts)), (1.0,)
-    sides = [(body.on(side), 1.0, lanes.v)]
-    sides.append(sides[0] if body.one_sided else (body.on(-side), -1.0, lanes.eta * lanes.v))
-    reach, growth = [], np.ones(zero.size)
-    for edge, sense, _ in sides:
-        forces = [-body.lifting(edge, sense * p, w) / edge.unit for p in pushes for w in weights]
-        low, high = np.minimum.reduce(forces), np.maximum.reduce(forces)
-        reach.append(low)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            growth = growth * np.where(low > 0.0, high / low, np.inf)
-    found, changes = None, zero
-    heaviest, strongest = np.maximum.reduce([w + zero for w in weights]), np.maximum.reduce([np.abs(p) for p in pushes])
-    for (edge, sense, v), low in zip(sides, reach, strict=True):
-        with np.errstate(divide="ignore", invalid="ignore"):
-            square = np.where(v > 0.0, v * v * growth, 0.0)
-            fast, high = edge.unit * np.sqrt(square), edge.unit * np.where(square > 0.0, square / low, 0.0)
-        by = edge.kappa * ((strongest + 2.0 * heaviest) * high + fast * fast + 2.0 * body.damping * fast)
-        for p in pushes:
-            for w in weights:
-                here = bouncing(body, edge, sense * p, w, by)
-                found = here if found is None else found.worst(here)
-        changes = np.maximum(changes, by)
-    assert found is not None
-    drift = np.maximum(np.abs(pushes[1] - pushes[0]), np.abs(weights[-1] - weights[0]))
-    bounces = lanes.v > 0.0
-    fz, friction = np.nan_to_num(found.fz, nan=-np.inf), np.nan_to_num(found.friction, nan=np.inf)
-    return Train(
-        Bounds(np.where(bounces, fz, np.inf), np.where(bounces, friction, 0.0)),
-        (changes <= NO_MORE) & (drift * drift <= _DRIFT * np.minimum(*reach)),
-    )

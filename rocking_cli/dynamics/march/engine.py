@@ -32,7 +32,7 @@ from .windows import tabled_windows
 
 if TYPE_CHECKING:
     from ..impulse import ImpulseAhead
-    from .demand import Demands
+    from ..observers.ground_forces import GroundForces
 
 Array = np.ndarray
 
@@ -65,12 +65,10 @@ class Run(Batch):
 
             self.footing = Footing(system.body, self.segments, self.cells, ahead)
         if body is not None:
-            from .demand import Demands
-            from .lines import LineDemands
+            from ..observers.ground_forces import GroundForces
 
-            kind = LineDemands if segments.straight else Demands
-            self.demands = kind(body, self.equation, self.segments, self.shaken, self.contact, self.cells)
-            self.equation = self.equation.with_turn(self.demands.show)
+            given = body, self.equation, self.segments, self.shaken, self.contact, self.cells
+            self.demands = GroundForces(*given, self.drops)
         self.only_peaks = self._only_peaks()
         self.settling = peaks and self.only_peaks and self.equation.bounded
         self.keeping = self.only_peaks and keeps_bouncing(self.equation, self.cells, self.segments)
@@ -94,8 +92,6 @@ class Run(Batch):
             self._rest_at_first(self.demands, lifts)
         self.work += Work(no_uplift=self.outcome.size - waiting.size)
         self._march(waiting)
-        if self.demands is not None and self.drops is not None:
-            self.demands.fell_away(np.flatnonzero(self.drops.ever & (self.outcome == Outcome.LOST_CONTACT)))
 
     def _march(self, waiting: Array) -> None:
         """Run these cells, which leave the ground, round by round; those that are hardly lifted bounce longest, so they begin."""
@@ -110,8 +106,6 @@ class Run(Batch):
                     lanes = lanes.join(self._drop(self.start(waiting[taken : taken + room])))
                     taken += room
                 lanes = self.round(lanes).going
-                if self.demands is not None:
-                    self.demands.take_in(lanes, self.outcome)
 
     def start(self, cell: Array) -> Lanes:
         """Bodies at rest, taken to their first uplift; k is the number of segments where there is none."""
@@ -120,7 +114,7 @@ class Run(Batch):
             self.demands.rest(cell, np.zeros(cell.size, dtype=np.int64), np.zeros(cell.size), *self._rests_until(cell, first))
         return self._lifted(cell, first)
 
-    def _rest_at_first(self, demands: Demands, lifts: Array) -> None:
+    def _rest_at_first(self, demands: GroundForces, lifts: Array) -> None:
         """The forces of bodies that stay at rest, and until their first uplift of all whose amplitudes are known."""
         cell = np.flatnonzero(~lifts) if self.tabled is None else self.tabled.cells
         start, zero = np.zeros(cell.size, dtype=np.int64), np.zeros(cell.size)
@@ -193,7 +187,7 @@ class Run(Batch):
         end, hit = passage.end, passage.hit
         y, v = np.where(hit, 0.0, end.y), np.where(hit, passage.impact_v, end.v)
         if self.demands is not None:
-            at = self.demands.follow(lanes, passage.arc, passage.reach, y, v, at)
+            self.demands.arcs(lanes, passage.arc, passage.reach, y, v, at)
         if self.footing is not None and self.footing.any:
             self.footing.follow(lanes, passage.arc, passage.reach, y, v, np.where(hit, passage.impact_b, passage.force), at)
 
@@ -277,7 +271,7 @@ class Run(Batch):
             self.footing.settle(lanes.take(resting), self.contact)
         again = self.contact.uplift(self.cells, self.segments, lanes.cell[resting], lanes.k[resting], lanes.u[resting])
         if self.demands is not None:
-            self.demands.close(lanes.take(resting), *self._rests_until(lanes.cell[resting], again))
+            self.demands.close(lanes.take(resting))
         lanes.k[resting], lanes.u[resting] = again.k, again.u
         lanes.y[resting], lanes.v[resting], lanes.b[resting] = 0.0, 0.0, again.b
         self.contact.turn(self.cells, lanes, resting, again.side)

@@ -31,6 +31,11 @@ class FreeFall:
         ever = first.k < shaken
         return cls(segments, first, ever) if ever.any() else None
 
+    def of_cells(self, cell: Array) -> FreeFall:
+        """That of these cells."""
+        zero = np.zeros(cell.size)
+        return FreeFall(self.segments, Uplift(self.k[cell], self.u[cell], zero, zero), self.ever[cell])
+
     def until(self, lanes: Lanes) -> Array:
         """The time [tau] that is left until then."""
         k, start = self.k[lanes.cell], self.segments.start

@@ -44,19 +44,6 @@ class Ground:
         rise, rise_slope = value_and_slope(self.segments.vertical, lanes.k, phase)
         return Shaking(outward * push, outward * lanes.omega * push_slope, 1.0 + sway * rise, sway * lanes.omega * rise_slope)
 
-    def sizes(self, lanes: Lanes, stop: Array) -> tuple[Array, Array]:
-        """Bounds of the push over g and of the weight over m g until `stop` [tau], and of their first four derivatives by tau, (5, lanes)
-        each."""
-        reach = lanes.u + lanes.omega * stop
-        push = np.abs(lanes.amplitude) * self.body.on(lanes.side).uplift
-        pushes = np.array([push * lanes.omega**n * amplitudes(self.segments, lanes.k, n, reach) for n in range(5)])
-        weights = np.zeros(pushes.shape)
-        if isinstance(self.segments, WeighedSegments):
-            sway = np.abs(self.segments.sway(lanes.side, lanes.amplitude))
-            weights = np.array([sway * lanes.omega**n * amplitudes(self.segments.vertical, lanes.k, n, reach) for n in range(5)])
-        weights[0] += 1.0
-        return pushes, weights
-
     def push(self, lanes: Lanes, h: Array) -> Array:
         """The outward push over g after h."""
         change = segment_value(self.segments, lanes.k, lanes.u + lanes.omega * h)[0]
@@ -87,14 +74,3 @@ def value_and_slope(segments: Segments, k: Array, phase: Array) -> tuple[Array, 
     """s and its slope by the phase."""
     change, _, cos = segment_value(segments, k, phase)
     return segments.s_start[k] + change, summed(segments.frequency.take(k, axis=1) * cos) + segments.slope[k]
-
-
-def amplitudes(segments: Segments, k: Array, order: int, reach: Array | float = 0.0) -> Array:
-    """A bound of the derivative of this order of s by the phase, on the piece of segment k, up to `reach` behind the segment's start."""
-    sin, cos, w = (x.take(k, axis=1) for x in (segments.sin, segments.cos, segments.frequency))
-    bound = summed(np.hypot(sin, cos) * w**order)
-    if order == 0:
-        bound = bound + np.abs(segments.s_start[k] - summed(sin))
-    if order <= 1 and segments.sloped:
-        bound = bound + np.abs(segments.slope[k]) * (1.0 if order else reach)
-    return bound
