@@ -15,17 +15,17 @@ from typing import Any
 import numpy as np
 
 from ..motions.biaxial import Biaxial, combined
-from ..motions.columns import Column, Joined, followed_by
 from ..motions.extremes import extremes
 from ..motions.motion import Motion
 from ..motions.polyline import Polyline
-from ..motions.segments import Segments
+from ..motions.segments import Segments, followed_by
 from ..motions.table import Table, patches_of, table_of
 from .drive import drive_change
 
 Array = np.ndarray
 
 _ALIKE = 1e-9  # of a piece: extremes this close are one
+_LONG = 1 << 16  # segments, from which on those of one motion are kept: they take 400 bytes each
 
 
 @dataclass(frozen=True)
@@ -115,7 +115,7 @@ def weighed(motion: Motion, right: float, left: float) -> Segments:
     """The segments of a motion for a body whose edges have these r; those of the motion itself where it is not Biaxial."""
     if not isinstance(motion, Biaxial):
         return motion.segments
-    return (_last if isinstance(motion.segments.start, Column) else _many)(motion, right, left)
+    return (_last if len(motion.segments) > _LONG else _many)(motion, right, left)
 
 
 def _made(motion: Biaxial, right: float, left: float) -> Segments:
@@ -154,9 +154,7 @@ def _weighed(
 
 
 def _joined(a: Any, b: Any) -> Any:
-    """Two columns or arrays over segments, one after the other; of sinusoids as many as the richer one has."""
-    if isinstance(a, Column):
-        return Joined(a, b)
+    """Two arrays over segments, one after the other; of sinusoids as many as the richer one has."""
     if a.ndim == 1:
         return np.concatenate([a, b])
     rows = max(len(a), len(b))

@@ -13,7 +13,6 @@ import numpy as np
 
 from ..errors import UsageError
 from .blocks import blocks
-from .columns import Column, Instants, Levels
 from .motion import Motion, checked_scale
 from .piece import Harmonic, Piece
 from .polyline import Polyline
@@ -109,24 +108,10 @@ def _times(name: str, factor: float) -> str:
     return name if factor == 1.0 else f"{name}, times {factor:g}"
 
 
-def _together(one: Any, other: Any) -> Any:
-    """The marks of both, those apart by rounding once; a column where one of them is."""
-    if isinstance(one, Instants) and isinstance(other, Instants):
-        fine, coarse = (one, other) if one.step * one.by <= other.step * other.by else (other, one)
-        if fine[-1] >= coarse[-1] and fine.hold(coarse):
-            return fine
-    found = np.empty(one.size + other.size)
-    for marks, first in ((one, 0), (other, one.size)):
-        for part in blocks(marks.size):
-            found[first + part.start : first + part.stop] = marks[part]
-    found.sort()
-    count, before, apart = 0, -np.inf, 1e-12 * found[-1]
-    for part in blocks(found.size):
-        here = found[part].copy()
-        kept = here[np.diff(here, prepend=before) > apart]
-        found[count : count + kept.size] = kept
-        count, before = count + kept.size, here[-1]
-    return Levels(count, found, ()) if isinstance(one, Column) or isinstance(other, Column) else found[:count]
+def _together(one: np.ndarray, other: np.ndarray) -> np.ndarray:
+    """The marks of both, those apart by rounding once."""
+    found = np.sort(np.concatenate([one, other]))
+    return found[np.diff(found, prepend=-np.inf) > 1e-12 * found[-1]]
 
 
 @dataclass(frozen=True, eq=False)

@@ -18,6 +18,7 @@ from .polyline import record_motion
 from .records import Record, pick, read_bytes, records_of
 from .records.components import vertical_of
 
+LONG, _BYTES = 5_000_000, 200  # samples from which the memory is said beforehand, and what each of them takes
 MEASURES = {"PGA": "acceleration", "PGV": "velocity", "PGD": "length", "Arias": "velocity", "CAV": "velocity"}  # and their dimensions
 
 
@@ -50,7 +51,7 @@ def read_motion(
     if records is not None:
         record = pick(records, component)
         if tell is not None:
-            for remark in record.remarks:
+            for remark in remarks_on(record):
                 tell(f"{source}: {remark}")
         motion = record_motion(record, factor_of(record, scale, scale_to))
         return motion if vertical is None else with_vertical(motion, record_motion(vertical_of(records)), vertical)
@@ -68,6 +69,14 @@ def motion_of(source: str, raw: bytes, *, scale: float | None = None, **of_recor
         if given is not None:
             raise UsageError(f"{source}: a motion document, which has no amplitude and time of its own; `{name}` goes with a record")
     return motion if scale is None else motion.scaled(scale)
+
+
+def remarks_on(record: Record) -> tuple[str, ...]:
+    """The remarks on a record, and of a long one the memory that a response to it takes, in a sentence each."""
+    if record.npts < LONG:
+        return record.remarks
+    memory = f"{record.npts:,} samples; a response to them takes about {_BYTES * record.npts / 1e9:.2g} GB of memory"
+    return (*record.remarks, memory)
 
 
 def factor_of(record: Record, scale: float | None, scale_to: str | None) -> float:

@@ -18,7 +18,7 @@ from .blocks import largest
 from .intensity import Intensity, intensity
 from .motion import Motion, checked_scale
 from .polyline import record_motion
-from .reading import factor_of, motion_of
+from .reading import factor_of, motion_of, remarks_on
 from .records import Record, is_record
 from .records.components import chosen, vertical_of
 from .records.opening import STDIN
@@ -122,7 +122,7 @@ def read_motions(
         for recording in read_set(paths, shaken, unit=unit, dt=dt, tell=say, unread=unread):
             record = recording.record
             found.append(replace(recording, factor=factor_of(record, scale, scale_to)))
-            for remark in record.remarks:
+            for remark in remarks_on(record):
                 say(f"{record.source}: {remark}")
     except NoRecord as error:
         if len(paths) > 1 or error.source not in (paths[0], STDIN):

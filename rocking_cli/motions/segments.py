@@ -4,13 +4,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass, fields
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from .blocks import blocks, largest
-from .columns import LEAF, LEAF_LEVEL, After, Column, Computed, Largest, SumsAhead, followed_by, of_columns
 from .table import Table, table_of
+
+LEAF_LEVEL = 3
+LEAF = 1 << LEAF_LEVEL  # segments in the smallest block whose largest and least s are kept
 
 
 @dataclass(frozen=True)
@@ -30,8 +32,7 @@ class Segments:
     `start`, `length` [rad]; `s_start`, `s_end` one-sided values; `sin`, `cos` of each harmonic's argument at the
     segment's start, times its amplitude; `frequency` (harmonic, segment); `slope`; `joins`: the next segment belongs to
     the same piece, so one closed form spans both; `later_max`, `later_min`: bounds of s from the segment's start to the
-    end of the motion (at least 0 and at most 0: after the motion the ground is still). Of long records those over segments are no arrays
-    but a `Column`.
+    end of the motion (at least 0 and at most 0: after the motion the ground is still).
     """
 
     start: np.ndarray
@@ -180,31 +181,28 @@ class Segments:
     @cached_property
     def sloped(self) -> bool:
         """Whether any piece has a term linear in time."""
-        return any(bool(np.any(self.slope[part] != 0.0)) for part in blocks(len(self)))
+        return bool(np.any(self.slope != 0.0))
 
     @cached_property
-    def variation(self) -> np.ndarray | SumsAhead:
+    def variation(self) -> np.ndarray:
         """How much s varies from each segment's end on until it rests at 0, added from the end of the motion."""
-        if isinstance(self.s_end, Column):
-            return SumsAhead(Computed(_varies, (self.s_end, After(self.s_start, 0.0), After(self.s_end, 0.0))))
-        return np.cumsum(_varies(self.s_end, np.append(self.s_start[1:], 0.0), np.append(self.s_end[1:], 0.0))[::-1])[::-1]
+        start, to = np.append(self.s_start[1:], 0.0), np.append(self.s_end[1:], 0.0)
+        return np.cumsum((np.abs(start - self.s_end) + np.abs(to - start))[::-1])[::-1]
 
     @cached_property
-    def largest_later(self) -> np.ndarray | After:
+    def largest_later(self) -> np.ndarray:
         """The largest |s| after each segment's end."""
-        if isinstance(self.s_end, Column):
-            return After(Computed(np.maximum, (self.later_max, Computed(np.negative, (self.later_min,)))), 0.0)
         sizes = np.maximum(np.abs(self.s_start), np.abs(self.s_end))
         return np.append(np.maximum.accumulate(sizes[::-1])[::-1][1:], 0.0)
 
     @cached_property
     def largest(self) -> float:
         """max |s|, of the ends of the segments."""
-        return max(largest(x[part]) for x in (self.s_start, self.s_end) for part in blocks(len(self)))
+        return max(largest(self.s_start), largest(self.s_end))
 
     @cached_property
     def pushes(self) -> int:
-        """Stretches of the shaking that push one way, of a motion without columns."""
+        """Stretches of the shaking that push one way."""
         signs = np.sign(np.column_stack([self.s_start, self.s_end]).ravel())
         signs = signs[signs != 0.0]
         return 1 + int(np.count_nonzero(signs[1:] != signs[:-1]))
@@ -224,31 +222,26 @@ class Samples(NamedTuple):
     """A motion of straight lines between equal steps: the step [rad], and s at each end of them, (steps + 1,)."""
 
     step: float
-    values: np.ndarray | Column
+    values: np.ndarray
 
 
-def _varies(end: np.ndarray, start: np.ndarray, to: np.ndarray) -> np.ndarray:
-    """The jump after each segment and what s varies in the next one, from `start` to `to`."""
-    return np.asarray(np.abs(start - end) + np.abs(to - start))
-
-
-def line_segments(start: Any, stop: Any, constant: Any, slope: Any) -> Segments:
-    """Straight lines s = constant + slope (phase - start), none of which is known to go on in the next; of columns, columns."""
-    count, length = start.size, of_columns(np.subtract, stop, start)
-    end = of_columns(_line_end, constant, slope, length)
-    high, low = of_columns(np.maximum, constant, end), of_columns(np.negative, of_columns(np.minimum, constant, end))
-    later_max, less = _ahead(high), _ahead(low)
+def line_segments(start: np.ndarray, stop: np.ndarray, constant: np.ndarray, slope: np.ndarray) -> Segments:
+    """Straight lines s = constant + slope (phase - start), none of which is known to go on in the next."""
+    count, length = start.size, stop - start
+    end = constant + slope * length
     none = np.zeros((0, count))
     return Segments(
         start=start, length=length, s_start=constant, s_end=end, sin=none, cos=none, frequency=none, slope=slope,
-        joins=np.broadcast_to(np.False_, count), later_max=later_max, later_min=of_columns(np.negative, less),
+        joins=np.broadcast_to(np.False_, count), later_max=_largest_ahead(np.maximum(constant, end)),
+        later_min=-_largest_ahead(-np.minimum(constant, end)),
     )  # fmt: skip
 
 
-def _ahead(column: Any) -> Any:
+def _largest_ahead(values: np.ndarray) -> np.ndarray:
     """The largest from there on, at least 0."""
-    return Largest(column) if isinstance(column, Column) else np.maximum(0.0, np.maximum.accumulate(column[::-1])[::-1])
+    return np.maximum(0.0, np.maximum.accumulate(values[::-1])[::-1])
 
 
-def _line_end(constant: np.ndarray, slope: np.ndarray, length: np.ndarray) -> np.ndarray:
-    return np.asarray(constant + slope * length)
+def followed_by(values: np.ndarray, last: float | bool) -> np.ndarray:
+    """An array, whose last axis counts, and one number after it."""
+    return np.concatenate([values, np.full((*values.shape[:-1], 1), last, dtype=values.dtype)], axis=-1)

@@ -93,3 +93,11 @@ def test_what_goes_with_a_record_only(tmp_path):
     path.write_text("kind: block\n")
     with pytest.raises(DocumentError, match="neither pieces nor points"):
         read_motion(path)
+
+
+def test_the_memory_of_a_long_record_is_said_beforehand(plain, monkeypatch):
+    monkeypatch.setattr("rocking_cli.motions.reading.LONG", 3)
+    monkeypatch.setattr("rocking_cli.motions.reading._BYTES", 1e9)
+    said = []
+    motion = read_motion(plain, unit="m/s2", dt=0.02, tell=said.append)
+    assert said == [f"{plain}: {motion.start.size + 1:,} samples; a response to them takes about {motion.start.size + 1:.2g} GB of memory"]

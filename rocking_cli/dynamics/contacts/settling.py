@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...motions.columns import SumsAhead
 from ...motions.segments import Segments
 from ..lanes import Lanes
 
@@ -19,19 +18,9 @@ Array = np.ndarray
 
 def settles(segments: Segments, lanes: Lanes) -> Array:
     """Whether lanes just after an impact stay on or near the ground until the shaking is over, and below their peak for good."""
-    if isinstance(segments.variation, SumsAhead):  # exact sums only for those that less would let settle
-        found = _settle(segments, lanes, segments.variation.least(lanes.k))
-        at = np.flatnonzero(found)
-        found[at] = _settle(segments, lanes.take(at), segments.variation[lanes.k[at]])
-        return found
-    return _settle(segments, lanes, segments.variation[lanes.k])
-
-
-def _settle(segments: Segments, lanes: Lanes, to_come: Array) -> Array:
-    """`settles` with this variation of s after the end of the segments that the lanes are in."""
     drive, ends = 1.0 + lanes.b, -lanes.side * lanes.amplitude * segments.s_end[lanes.k]
     left = 1.0 - np.maximum(np.maximum(np.abs(drive), np.abs(ends)), lanes.amplitude * segments.largest_later[lanes.k])
-    variation = np.abs(ends - drive) + lanes.amplitude * to_come
+    variation = np.abs(ends - drive) + lanes.amplitude * segments.variation[lanes.k]
     with np.errstate(over="ignore", divide="ignore", invalid="ignore"):
         fastest = lanes.v * lanes.v * np.exp(4.0 / 3.0 * variation / left)
         return np.asarray((left > 0.0) & (fastest <= 0.75 * left * left) & (fastest <= 1.5 * left * lanes.peak))

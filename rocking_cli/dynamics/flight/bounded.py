@@ -13,7 +13,6 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from ...motions.blocks import blocks
-from ...motions.columns import Column
 
 Array = np.ndarray
 
@@ -30,7 +29,7 @@ class BoundedResponse:
     pace: interval between samples [tau], (paces,), at most `LONGEST`. No digit depends on the stretch.
     """
 
-    def __init__(self, samples: Array | Column, pace: Array) -> None:
+    def __init__(self, samples: Array, pace: Array) -> None:
         self.samples, self.pace = samples, pace
         self.size = min(samples.size, max(_STRETCH, 1 + int(LONGEST_JUMP / pace.min())))
         self.first, self.table = samples.size, np.zeros(0, dtype=complex)  # none yet
@@ -51,7 +50,7 @@ class BoundedResponse:
         return self.table.take(row + n - self.first if self.first else row + n)
 
 
-def bounded_response(samples: Array | Column, pace: Array, first: int = 0, stop: int | None = None) -> Array:
+def bounded_response(samples: Array, pace: Array, first: int = 0, stop: int | None = None) -> Array:
     """Y + iY' at the samples from `first` to before `stop`, (paces, samples); pace: as above."""
     stop = samples.size if stop is None else stop
     all_of_it = -np.expm1(-pace)  # int_0^h exp(-t) dt
@@ -74,7 +73,7 @@ def bounded_response(samples: Array | Column, pace: Array, first: int = 0, stop:
     return result
 
 
-def _mode(samples: Array | Column, first: int, stop: int, weights: Sequence[float], decays: Sequence[float]) -> Array:
+def _mode(samples: Array, first: int, stop: int, weights: Sequence[float], decays: Sequence[float]) -> Array:
     """The integral of one mode from each sample to the last of them; they are taken from `first` to before `stop`, backwards too."""
     (near, far), sense = weights, 1 if stop > first else -1
     total = np.zeros(abs(stop - first))

@@ -7,7 +7,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...motions.columns import Column
 from ..march.roots import turning_point
 from .bounded import BoundedResponse
 from .jump import Jumpers
@@ -31,7 +30,7 @@ class Rise(NamedTuple):
         return Rise(Jumpers.join([x.lanes for x in parts]), *(np.concatenate(x) for x in zip(*(part[1:] for part in parts), strict=True)))
 
 
-def crest(rise: Rise, bounded: BoundedResponse, samples: Array | Column) -> Array:
+def crest(rise: Rise, bounded: BoundedResponse, samples: Array) -> Array:
     """y at the crests of these jumps, (lanes,)."""
     lanes, to, end_v = rise
     y, v, low, high = lanes.y.copy(), lanes.v.copy(), lanes.k.copy(), to.copy()

@@ -10,8 +10,7 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
-from ...motions.blocks import blocks, largest
-from ...motions.columns import After, Column, Computed
+from ...motions.blocks import largest
 from ...motions.segments import Samples, Segments
 from ..body import Body
 from ..equations.equation import Equation, Ramp
@@ -54,7 +53,7 @@ class Walk(Run):
         super().__init__(system, segments, amplitude, omega, eta, peaks, pool or _POOL, body=body)
         self.samples, self.gains = samples.values, gains(samples.values)
         self.step, self.last = samples.step, samples.values.size - 1
-        self.steepest = max(largest(self.gains[part]) for part in blocks(self.gains.size))
+        self.steepest = largest(self.gains)
 
     def _march(self, waiting: Array) -> None:
         """Walk these cells, those of like pace together; march where samples are far apart."""
@@ -232,8 +231,6 @@ class Walk(Run):
         return at
 
 
-def gains(samples: Array | Column) -> Array | Column:
+def gains(samples: Array) -> Array:
     """How much s grows over the interval after each sample, 0 after the last."""
-    if isinstance(samples, Column):
-        return Computed(np.subtract, (After(samples, float(samples[-1])), samples))
     return np.append(np.diff(samples), 0.0)

@@ -7,9 +7,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...motions.blocks import blocks, largest
-from ...motions.columns import followed_by
-from ...motions.segments import Samples, Segments
+from ...motions.blocks import largest
+from ...motions.segments import Samples, Segments, followed_by
 from ..body import Body
 from ..equations.equation import Equation, Ramp
 from ..equations.ramp import degrees
@@ -32,7 +31,7 @@ class WeighedWalk(Walk):
         self.share, upwards = segments.share, segments.vertical
         self.ups = followed_by(upwards.s_start, float(upwards.s_end[-1]))
         self.rises = gains(self.ups)
-        self.highest, self.steepest_up = (max(largest(x[part]) for part in blocks(x.size)) for x in (self.ups, self.rises))
+        self.highest, self.steepest_up = largest(self.ups), largest(self.rises)
 
     def _march(self, waiting: Array) -> None:
         """Those that the ground does not fall away from before it lifts them."""

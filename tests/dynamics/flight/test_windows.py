@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from rocking_cli.dynamics.flight.windows import SLACK, blockwise, tabled
+from rocking_cli.dynamics.flight.windows import SLACK, windows
 
 
 @pytest.mark.parametrize("count", [2, 3, 17, 300])
@@ -13,7 +13,7 @@ def test_each_bound_is_below_its_stretch_and_not_below_a_stretch_a_quarter_longe
     samples = np.random.default_rng(count).standard_normal(count)
     slack = SLACK * np.abs(samples).max()
     levels = 1 + int(np.ceil(np.log2(count)))
-    bounds = tabled(samples, levels)
+    bounds = windows(samples, levels)
     n = np.arange(count)
     for face, outward in ((0, -samples), (bounds.face, samples)):
         for level in range(levels):
@@ -23,13 +23,3 @@ def test_each_bound_is_below_its_stretch_and_not_below_a_stretch_a_quarter_longe
             wide = np.array([outward[i // late * late : i // late * late + late + reach].min() for i in n])
             assert np.all(found <= least - 0.9 * slack)
             assert np.all(found >= wide - 1.1 * slack)
-
-
-@pytest.mark.parametrize("count", [2, 3, 17, 300, 1025])
-def test_bounds_by_blocks_are_those_of_the_table(count, monkeypatch):
-    monkeypatch.setattr("rocking_cli.motions.blocks._PART", 64)
-    samples = np.random.default_rng(count).standard_normal(count)
-    levels = 1 + int(np.ceil(np.log2(count)))
-    table, by_blocks = tabled(samples, levels), blockwise(samples, levels)
-    side, level, n = (x.ravel() for x in np.meshgrid([0, 1], np.arange(levels), np.arange(count), indexing="ij"))
-    np.testing.assert_array_equal(by_blocks.at(side * by_blocks.face, level, n), table.at(side * table.face, level, n))
