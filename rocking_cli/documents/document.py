@@ -19,7 +19,7 @@ import yaml
 from ..errors import DocumentError, did_you_mean
 from .composition import DEEPEST, MOST_VALUES, Place, compose, read_text, text_of
 from .quantities import SMALLEST_LENGTH, accepted, parse_quantity, split_quantity
-from .table import Cell, delimiter_of, rows_of
+from .table import Cell, delimiter_of, demand_no_table, rows_of
 
 MEANT = {"eta": "restitution", "e": "restitution", "zeta": "damping", "g": "gravity", "r": "radius", "h": "height", "b": "width"}
 _ITEM = re.compile(r"([a-z_]+)_(\d{1,4})_([a-z_]+)")  # a CSV column for an item of a list, such as pieces_1_width
@@ -229,6 +229,7 @@ def parse_documents(text: str, source: str = "<text>") -> list[Document]:
     if delimiter := delimiter_of(text):
         documents = [document_of(cells, source, i) for i, cells in enumerate(rows_of(text, source, delimiter))]
     else:
+        demand_no_table(text, source)
         documents = [_document(node, source, i, first) for i, (node, first) in enumerate(compose(text, source))]
     if not documents:
         raise DocumentError(f"{Place(source, 1, 1)}: empty; accepted is a structure document, such as `kind: block` with width and height")

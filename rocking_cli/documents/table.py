@@ -22,6 +22,8 @@ KIND = "kind"  # only a table of structures has this column
 _DELIMITERS = (",", ";", "\t")
 _HEADING = re.compile(r"\s*(?P<key>.*?)\s*(?:[\[(]\s*(?P<unit>[^\])]*?)\s*[\])])?\s*", re.DOTALL)
 _FIRST_LINE = re.compile(r"\s*([^\r\n]{1,10000})")
+_LONGEST_HEADING = 100_000  # characters
+_NO_HEADING = re.compile(r":(?:\s|$)|^\s*[-#\[{&%\"'|>]|^\s*-?[\d.]")  # what YAML begins with, and a row of numbers
 _FACTORS = {unit: factor for units in UNITS.values() for unit, factor in units.items()}
 _WORDS = {"True": "true", "TRUE": "true", "False": "false", "FALSE": "false"}  # as spreadsheets write them
 
@@ -46,6 +48,17 @@ def delimiter_of(text: str) -> str | None:
         if len(names) > 1 and KIND in names:
             return delimiter
     return None
+
+
+def demand_no_table(text: str, source: str) -> None:
+    """Raise DocumentError for a text of two lines or more with the same columns, words in the first, none of which is `kind`."""
+    first, _, rest = text.lstrip().partition("\n")
+    for delimiter in _DELIMITERS if len(first) <= _LONGEST_HEADING and not _NO_HEADING.search(first) else ():
+        names = first.split(delimiter)
+        if len(names) > 1 and all(name.strip() for name in names) and rest.partition("\n")[0].count(delimiter) == len(names) - 1:
+            found = ", ".join(_split(name)[0] for name in names)
+            shown = found if len(found) <= 60 else found[:57] + "..."
+            raise DocumentError(f"{Place(source, 1, 1)}: CSV without a column {KIND!r}; found {shown}; accepted is such as kind,name,width")
 
 
 def rows_of(text: str, source: str, delimiter: str) -> Iterator[list[Cell]]:
@@ -97,12 +110,14 @@ def _split(heading: str) -> tuple[str, str]:
 
 def _columns(row: list[str], source: str, line: int) -> list[tuple[str, str]]:
     columns = [_split(heading) for heading in row]
+    before: set[str] = set()
     for i, (key, unit) in enumerate(columns, 1):
         place = Place(source, line, i)
         if not key:
             raise DocumentError(f"{place}: a column without a name; accepted is a key, and a unit in brackets")
-        if key in (other for other, _ in columns[: i - 1]):
+        if key in before:
             raise DocumentError(f"{place}: duplicate column {key!r}")
+        before.add(key)
         if unit not in ("", "-", "1") and unit not in _FACTORS:
             raise DocumentError(f"{place}: {key}: found the unit {unit!r}; accepted is one of {', '.join(_FACTORS)}")
     return columns

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from ..errors import DocumentError, StructureError
 from .inline import inline_document
-from .kinds import KINDS, kind_of
+from .kinds import KINDS, built_by
 from .parameters import RockingParameters, Side
 from .shared_keys import damping_of, friction_of
 
@@ -23,14 +23,13 @@ def build_structure(document: Document) -> RockingParameters:
     >>> round(build_structure(parse_documents('{kind: block, width: 0.5, height: 2}')[0]).p, 6)
     2.671671
     """
-    word, kind = kind_of(document)
     # Names stand in lists with commas between them, so a name holds none.
     stem = "structure" if document.source.startswith("<") else Path(document.source).stem.replace(",", " ")
     name = document.word("name", stem if document.index == 0 else f"{stem}-{document.index + 1}")
     try:
-        built = replace(kind.build(document, name), damping=damping_of(document), friction=friction_of(document))
+        built = replace(built_by(document, name), damping=damping_of(document), friction=friction_of(document))
     except StructureError as error:
-        raise DocumentError(f"{document.place}: {word}: {error}") from None
+        raise DocumentError(f"{document.place}: {document.values['kind'].content}: {error}") from None
     document.finish()
     return built
 

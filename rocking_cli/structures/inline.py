@@ -19,7 +19,8 @@ _KIND = re.compile(r"([A-Za-z_][A-Za-z0-9_]+):(.*)", re.DOTALL)
 def inline_document(text: str) -> Document | None:
     """The document that `KIND:SIZES,KEY=VALUE,…` states, or None if the text is a file name or has another form.
 
-    The sizes are the keys SIZES of the kind, with an x between them. Raises DocumentError.
+    The sizes are the keys SIZES of the kind, with an x between them. A unit of length after the last size holds for the sizes that have
+    none. Raises DocumentError.
     """
     match = _KIND.fullmatch(text)
     if match is None or os.path.exists(text):
@@ -40,13 +41,24 @@ def inline_document(text: str) -> Document | None:
             given = [size.strip() for size in part.split("x")]
             if i or not sizes or len(given) != len(sizes) or not all(given):
                 raise DocumentError(f"{text}: found {part.strip()!r}; accepted is {_form(word, sizes)}")
-            cells += [Cell(key, size, place) for key, size in zip(sizes, given, strict=True)]
+            cells += [Cell(key, size, place) for key, size in zip(sizes, _in_one_unit(given), strict=True)]
     keys = [cell.key for cell in cells]
     if twice := [key for key in keys if keys.count(key) > 1]:
         raise DocumentError(f"{text}: {twice[0]} is given twice")
     if "name" not in keys:
         cells.append(Cell("name", text.replace(",", " "), place))
     return document_of(cells, text)
+
+
+def _in_one_unit(sizes: list[str]) -> list[str]:
+    """The sizes; the unit of length of the last size holds for the sizes that have none, so 45x180cm is 45 cm by 180 cm."""
+    from ..documents.quantities import UNITS, split_quantity
+
+    parts = [split_quantity(size) for size in sizes]
+    unit = parts[-1][1] if parts[-1] else ""
+    if unit not in UNITS["length"]:
+        return sizes
+    return [f"{size} {unit}" if part and not part[1] else size for size, part in zip(sizes, parts, strict=True)]
 
 
 def _parts(text: str) -> list[str]:

@@ -1,4 +1,4 @@
-"""Keys that documents of several kinds share: gravity, restitution, damping, friction."""
+"""Keys that documents of several kinds share: gravity, restitution, damping, friction, mass."""
 
 from __future__ import annotations
 
@@ -74,3 +74,8 @@ def friction_of(document: Document) -> float | None:
     if not document.has("friction"):
         return None
     return document.quantity("friction", "number", above=0.0, where="a positive number (a coefficient of friction)")
+
+
+def mass_of(document: Document) -> float | None:
+    """The document's mass [kg], None unless given."""
+    return document.quantity("mass", "mass", above=0.0, where="a positive mass") if document.has("mass") else None

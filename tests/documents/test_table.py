@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
+import time
 from dataclasses import replace
 
 import pytest
@@ -107,3 +108,30 @@ def test_items_may_come_in_any_order_of_columns():
 def test_lengths_of_two_rows_do_not_mix():
     one, two = parse_documents("kind,width [cm],height\nblock,50,2\nblock,0.5 m,2", "f.csv")
     assert replace(build_structure(one), name="x") == replace(build_structure(two), name="x")
+
+
+@pytest.mark.parametrize(
+    ("text", "found"),
+    [
+        ("name,width,height\nA,0.5,2\n", "name, width, height"),
+        ("name;width [cm];height\nA;50;2\n", "name, width, height"),
+        ("\nwidth\theight\n0.5\t2\n", "width, height"),
+    ],
+)
+def test_a_list_without_kinds_is_answered_as_csv(text, found):
+    with pytest.raises(DocumentError, match=rf"f.csv:1:1: CSV without a column 'kind'; found {found}; accepted is such as kind,name,width"):
+        parse_documents(text, "f.csv")
+
+
+@pytest.mark.parametrize(
+    "text", ["kind: arch\nhinges: [1, 2,\n 3, 4]", "# a, b\n# c, d\nkind: block", "{kind: block,\nwidth: 1, height: 2}"]
+)
+def test_yaml_with_commas_is_no_list(text):
+    assert parse_documents(text)[0].values["kind"].content in ("arch", "block")
+
+
+def test_a_list_of_many_columns_is_read_once():
+    began = time.process_time()
+    (document,) = parse_documents("kind," + ",".join(f"c{i}" for i in range(200_000)) + "\nblock\n")
+    assert list(document.values) == ["kind"]
+    assert time.process_time() - began < 20.0  # 0.5 s; a minute where each column is held against all before

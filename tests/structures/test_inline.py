@@ -57,3 +57,19 @@ def test_a_file_of_that_name_comes_first(rocking, tmp_path):
 def test_refusals(stated, words):
     with pytest.raises(DocumentError, match=words):
         load_structures([stated])
+
+
+@pytest.mark.parametrize(
+    ("text", "same"),
+    [
+        ("block:45x180cm", "block:45cmx180cm"),
+        ("block:45 x 180 cm", "block:0.45x1.8"),
+        ("block:0.45m x 180cm", "block:0.45x1.8"),
+        ("block:45x180cm,friction=0.6", "block:0.45x1.8,friction=0.6"),
+        ("block:0.45x1.8", "block:0.45x1.8m"),
+        ("arch:10x1.5x157.5deg", "arch:10mx1.5mx157.5deg"),
+    ],
+)
+def test_a_unit_behind_the_last_size_holds_for_those_without_one(text, same):
+    first, second = load_structures([text, same])
+    assert first.record() | {"name": ""} == pytest.approx(second.record() | {"name": ""}, rel=1e-14)

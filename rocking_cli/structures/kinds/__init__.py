@@ -12,10 +12,12 @@ Entry points are read only for a `kind` that is not in KINDS.
 from __future__ import annotations
 
 from collections import UserDict
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from importlib import import_module
 from typing import TYPE_CHECKING, Protocol, cast
 
+from ...errors import RockingError
 from ..parameters import RockingParameters
 
 if TYPE_CHECKING:
@@ -64,9 +66,31 @@ def kind_of(document: Document) -> tuple[str, Kind]:
     if word in KINDS:
         return word, KINDS[word]
     entry = installed[word]
-    try:
+    with _blamed(document, word, entry):
         return word, _load(entry)
-    except Exception as error:  # the import of a foreign package may raise anything
+
+
+def built_by(document: Document, name: str) -> RockingParameters:
+    """The parameters that the kind of a document builds. Raises DocumentError and StructureError as the kind does, and DocumentError
+    for a package that raises another error, exits, or returns something else."""
+    word, kind = kind_of(document)
+    if word in KINDS:
+        return kind.build(document, name)
+    with _blamed(document, word, _installed()[word]):
+        built = kind.build(document, name)
+        if not isinstance(built, RockingParameters):
+            raise TypeError(f"build returns {type(built).__name__}, which is no RockingParameters")
+    return built
+
+
+@contextmanager
+def _blamed(document: Document, word: str, entry: EntryPoint) -> Iterator[None]:
+    """What a foreign package raises as a DocumentError that names the package; errors of this one pass."""
+    try:
+        yield
+    except RockingError:
+        raise
+    except (Exception, SystemExit) as error:
         package = f"the package {entry.dist.name}" if entry.dist else entry.value
         found = f"{word}, which {package} adds and which cannot be used: {type(error).__name__}: {error}"
         raise document.fault("kind", found, f"a package that works, or one of {', '.join(KINDS)}") from error
@@ -79,7 +103,7 @@ def reports_of(word: str) -> Sequence[str]:
     entry = _installed().get(word)
     try:
         return () if entry is None else _load(entry).REPORTS
-    except Exception:  # its details are then refused by name, as for a kind that is not installed
+    except (Exception, SystemExit):  # its details are then refused by name, as for a kind that is not installed
         return ()
 
 

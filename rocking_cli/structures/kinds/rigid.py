@@ -8,10 +8,11 @@ from ...documents.document import Document
 from ..mechanics.kinematics import Moments
 from ..mechanics.single_body import body_on_edges
 from ..parameters import RockingParameters
+from ..shared_keys import mass_of
 from ..sketch import Sketch, circle, rocker
 
 _WIDEST = 1000.0  # moments about the middle between the edges then lose six digits of sixteen
-REPORTS = ("mass", "direction")
+REPORTS = ("direction",)
 
 
 def build(document: Document, name: str) -> RockingParameters:
@@ -21,25 +22,23 @@ def build(document: Document, name: str) -> RockingParameters:
     radius of gyration about the mass centre, or inertia about it and mass; mass is optional with gyration.
     """
     left, right, height = (document.length(key) for key in ("left", "right", "height"))
-    mass = document.quantity("mass", "mass", above=0.0, where="a positive mass") if document.has("mass") else None
     half, x = 0.5 * (left + right), 0.5 * (left - right)
-    square = _gyration(document, mass) ** 2
+    square = _gyration(document) ** 2
     near, far = sorted(("left", "right"), key=document.length)
     if (distance := document.length(far)) > _WIDEST * (reach := math.hypot(document.length(near), height)):
         raise document.fault(far, f"{distance:g} m", f"up to {_WIDEST:g} times the {reach:g} m from the other edge to the mass centre")
     body = Moments(1.0, x, height, square + x * x + height * height)
-    details = {} if mass is None else {"mass": mass}
-    return body_on_edges(document, "rigid", name, body, half, limit="a body more slender than this one", details=details)
+    return body_on_edges(document, "rigid", name, body, half, limit="a body more slender than this one")
 
 
-def _gyration(document: Document, mass: float | None) -> float:
+def _gyration(document: Document) -> float:
     """The radius of gyration about the mass centre [m]. Raises DocumentError."""
     if not document.has("inertia"):
         return document.length("gyration")
     if document.has("gyration"):
         raise document.fault("inertia", "inertia beside gyration", "gyration, or inertia and mass, not both")
     inertia = document.quantity("inertia", "moment of inertia", above=0.0, where="a positive moment of inertia about the mass centre")
-    if mass is None:
+    if (mass := mass_of(document)) is None:
         raise document.missing("mass", "the mass [kg] that goes with inertia")
     return math.sqrt(inertia / mass)
 
@@ -47,6 +46,5 @@ def _gyration(document: Document, mass: float | None) -> float:
 def sketch(document: Document, built: RockingParameters) -> Sketch:
     """The base, and the circle of the radius of gyration in place of an outline."""
     left, right, height = (document.length(key) for key in ("left", "right", "height"))
-    mass = built.details.get("mass")
-    ring = circle((0.0, height), _gyration(document, mass))
+    ring = circle((0.0, height), _gyration(document))
     return rocker([ring, ((-left, 0.0), (right, 0.0))], (-left, 0.0), (right, 0.0), (0.0, height))

@@ -21,7 +21,7 @@ def build(document: Document, name: str) -> RockingParameters:
     structure = document.word("structure_kind", "parameters")
     if structure == DIMENSIONLESS:
         raise document.fault("structure_kind", structure, "the kind of a structure, which has units")
-    reported = (*reports_of(structure), *VARIED)
+    reported = (*reports_of(structure), "mass", *VARIED)
     more: dict[str, Any] = {
         "eta_source": document.word("eta_source", "given"),
         "gravity": gravity_of(document),

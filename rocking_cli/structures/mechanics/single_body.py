@@ -18,7 +18,7 @@ from typing import Any, NamedTuple
 
 from ...documents.document import Document
 from ..parameters import RockingParameters, Side
-from ..shared_keys import gravity_of, one_sided_restitution_of, restitution_of
+from ..shared_keys import gravity_of, mass_of, one_sided_restitution_of, restitution_of
 from .kinematics import Moments, spin_about
 
 Point = tuple[float, float]
@@ -62,7 +62,7 @@ def rigid_body(
         a_scale=1.0,
         eta_source=source,
         gravity=gravity,
-        details=details or {},
+        details=_with_mass(document, details),
         one_sided=one_sided,
         arm=radius if whole else None,
     )
@@ -98,7 +98,7 @@ def body_on_edges(
     if abs(body.x) <= 1e-13 * math.sqrt(body.mass * body.polar):  # the offset is rounding
         body = body._replace(x=0.0)
     left, right, _ = _distances(document, kind, body, half)
-    gravity, more = gravity_of(document), dict(details or {})
+    gravity, more = gravity_of(document), _with_mass(document, details)
     edges = edges_of(body, half, gravity)
     from_left, from_right = edges["left"].eta, edges["right"].eta
     if body.x == 0.0:
@@ -117,6 +117,12 @@ def body_on_edges(
     more["direction"] = "over the left edge" if left < right else "over the right edge"
     sides = on("left", eta_left), on("right", eta_right)
     return RockingParameters.of_sides(name, kind, *sides, eta_source=source, gravity=gravity, details=more)
+
+
+def _with_mass(document: Document, details: Mapping[str, Any] | None) -> dict[str, Any]:
+    """The details of a body, and its mass [kg] where the document states it."""
+    mass = mass_of(document)
+    return {**(details or {}), **({} if mass is None else {"mass": mass})}
 
 
 class Edge(NamedTuple):

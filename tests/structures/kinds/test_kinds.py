@@ -6,6 +6,7 @@ import json
 import math
 import re
 import sys
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -145,6 +146,52 @@ def test_a_package_that_cannot_be_used_is_named(install, monkeypatch, source, wo
     monkeypatch.delitem(sys.modules, "rocking_broken", raising=False)
     with pytest.raises(DocumentError, match=f"kind: found broken, which the package of-broken adds and which cannot be used: .*{words}"):
         parameters_of("kind: broken")
+
+
+BUILDS = "REPORTS = ()\ndef build(document, name):\n    {}\n"
+
+
+@pytest.mark.parametrize(
+    ("body", "words"),
+    [
+        ("return 1 / 0", "ZeroDivisionError: division by zero"),
+        ("return None", "TypeError: build returns NoneType, which is no RockingParameters"),
+        ("raise SystemExit(0)", "SystemExit: 0"),
+        ("raise ValueError('\\x1b[31mred\\x07')", r"ValueError: \x1b[31mred\x07"),
+    ],
+)
+def test_a_package_whose_build_fails_is_named(install, rocking, tmp_path, monkeypatch, body, words):
+    install("failing", BUILDS.format(body))
+    monkeypatch.delitem(sys.modules, "rocking_failing", raising=False)
+    (tmp_path / "f.yaml").write_text("name: F\nkind: failing\n")
+    done = rocking("params", "f.yaml")
+    told = "rocking: f.yaml:2:7: kind: found failing, which the package of-failing adds and which cannot be used: "
+    assert (done.returncode, done.stdout) == (3, "")
+    assert done.stderr.startswith(f"{told}{words}; accepted is a package that works"), done.stderr
+
+
+def test_a_package_that_exits_when_it_is_loaded_is_named(install, monkeypatch):
+    install("leaving", "raise SystemExit('goodbye')")
+    monkeypatch.delitem(sys.modules, "rocking_leaving", raising=False)
+    with pytest.raises(DocumentError, match="the package of-leaving adds and which cannot be used: SystemExit: goodbye"):
+        parameters_of("kind: leaving")
+
+
+def test_what_a_package_finds_wrong_in_a_document_is_told_as_it_is(install):
+    install("tower", TOWER)
+    with pytest.raises(DocumentError, match=r"f.yaml:2:10: storeys: found 100; accepted is a whole number from 1 to 99"):
+        parameters_of("kind: tower\nstoreys: 100")
+
+
+@pytest.mark.parametrize("name", ["block", "point_mass", "spire", "spire_cracked", "frame", "prism", "drum", "rigid", "stack", "wall"])
+def test_every_rigid_kind_takes_a_mass_which_changes_nothing_else(name):
+    text = (Path(__file__).parents[3] / "configs" / f"{name}.yaml").read_text()
+    with_mass, without = parameters_of(f"{text}\nmass: 1.5 t\n"), parameters_of(text)
+    assert with_mass.details["mass"] == 1500.0
+    assert replace(with_mass, details=without.details) == without
+    assert parameters_of(json.dumps(with_mass.record())) == with_mass
+    with pytest.raises(DocumentError, match="mass: found -1; accepted is a positive mass"):
+        parameters_of(f"{text}\nmass: -1\n")
 
 
 @pytest.mark.parametrize("kind", ["[block]", "{block: 1}"])
