@@ -14,6 +14,7 @@ from .parameter_types import OutputPath
 from .progress import ProgressLine
 
 if TYPE_CHECKING:
+    from ..envelopes.limit import Limit
     from ..motions import Motion
     from ..motions.biaxial import Upwards
     from ..motions.grid import Grid
@@ -26,7 +27,7 @@ if TYPE_CHECKING:
 @ground.motions
 @ground.vertical_of_each
 @ground.shaking
-@click.option("--a-max", type=float, default=20.0, show_default=True, help="Dimensionless amplitude A up to which falling is looked for.")
+@options.a_max
 @click.option("--sort", type=click.Choice(["capacity"]), help="The weakest first, those that never overturn last.")
 @click.option("--fail-on", type=click.Choice(["overturning"]), help="Exit code 5 where a structure falls or loses the ground.")
 @click.option("-o", "--output", type=OutputPath(), help="A figure of the capacities: .png, .svg or .pdf.")
@@ -42,7 +43,7 @@ def check(
     recordings: tuple[Recording, ...],
     shaking: Grid | None,
     upwards: Upwards | None,
-    a_max: float,
+    a_max: Limit,
     sort: str | None,
     fail_on: str | None,
     output: Path | None,
@@ -87,7 +88,7 @@ def check(
     if output is not None:
         from ..reports.figures.capacities import draw_capacities
 
-        draw_capacities(verdicts, output, in_g=in_g, overwrite=overwrite)
+        draw_capacities(verdicts, output, in_g=in_g, overwrite=overwrite, tell=tell)
     options.emit([v.record() for v in verdicts], form, CHECK_COLUMNS, table_units="g" if in_g else None)
     options.note_demand(shakes, quiet)
     options.note_governing(structures, shakes[0][1].dimensionless, quiet)

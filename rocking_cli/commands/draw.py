@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 
 import click
@@ -33,4 +34,4 @@ def draw(files: tuple[str, ...], output: Path, overwrite: bool) -> None:
     documents = [document for path in files for document in read_documents(path)]
     if len(documents) > MOST:
         raise click.UsageError(f"found {len(documents)} structures; accepted are up to {MOST} in a figure")
-    draw_structures(documents, output, units=options.units_of(), overwrite=overwrite)
+    draw_structures(documents, output, units=options.units_of(), overwrite=overwrite, tell=partial(options.note, quiet=False))

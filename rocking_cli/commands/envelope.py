@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from . import ground, options
-from .parameter_types import Limit
 from .progress import ProgressLine
 
 if TYPE_CHECKING:
+    from ..envelopes.limit import Limit
     from ..motions import Motion
     from ..motions.grid import Axis
     from ..motions.recording import Recording
@@ -98,7 +98,7 @@ def envelope(
             model=models[0], tolerance=tolerance,
         )  # fmt: skip
         told = [model_in_words(scene.method, *structures, model=models[0])]
-        _of_records(context, Tracing(scene, a_max.of(None), first or median), told, sign, workers, median, form, quiet)
+        _of_records(context, Tracing(scene, a_max, first or median), told, sign, workers, median, form, quiet)
         return
     if alphas is not None or median:
         raise click.UsageError(f"{'--median' if median else '--alpha'} goes with records: give --motion")
@@ -198,7 +198,7 @@ def _of_records(
     for line in told:
         options.note(line, quiet)
     if modes[NONE]:
-        options.note(f"no overturning up to A = {tracing.a_max:g} in {modes[NONE]} searches", quiet)
+        options.note(f"no overturning up to {tracing.most} in {modes[NONE]} searches", quiet)
     options.note(f"nothing is claimed of intervals narrower than {100.0 * RATIO:g} % of the amplitude, safe or overturning", quiet)
     if modes["failed"]:
         options.note(f"{modes['failed']} intervals could not be decided (mode failed)", quiet)

@@ -5,15 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from contextlib import suppress
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import click
 from click.shell_completion import CompletionItem
 
-from ..errors import UsageError
-
 if TYPE_CHECKING:
-    from ..structures import RockingParameters
+    from ..envelopes.limit import Limit
 
 
 class OutputPath(click.Path):
@@ -60,21 +58,6 @@ class Restitution(click.FloatRange):
         return None if value == "block" else super().convert(value, param, ctx)
 
 
-class Limit(NamedTuple):
-    """The largest amplitude of a search: A, or an acceleration [m/s2]."""
-
-    value: float
-    acceleration: bool = False
-
-    def of(self, structure: RockingParameters | None) -> float:
-        """It as A of a structure. Raises UsageError for an acceleration where there are no units."""
-        if not self.acceleration:
-            return self.value
-        if structure is None or structure.dimensionless:
-            raise UsageError("`a_max`: found an acceleration; accepted is a number A, where there is no single structure with units")
-        return float(structure.dimensionless_amplitude(self.value))
-
-
 class LimitType(click.ParamType):
     """`20` is A, `1g` and `5 m/s2` are accelerations."""
 
@@ -82,6 +65,7 @@ class LimitType(click.ParamType):
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Limit:
         from ..documents.quantities import parse_quantity
+        from ..envelopes.limit import Limit
 
         for dimension in ("number", "acceleration"):
             with suppress(ValueError):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 
 import click
@@ -34,7 +35,8 @@ def plot(
     overwrite: bool,
     quiet: bool,
 ) -> None:
-    """Draw a spectra file (overturning map or slice), or the CSV of envelope, response, compare --curves, params --vary or accuracy.
+    """Draw a spectra file (overturning map or slice), or the CSV of check, envelope, response, compare --curves, params --vary,
+    fragility --curve or accuracy.
 
     Of records over alpha and T it draws theta_max/alpha, median and 16 to 84 %, and the map of one of them where it is named.
 
@@ -68,7 +70,16 @@ def plot(
         raise click.UsageError("no output: give -o FIGURE.png (or .svg, .pdf), or --text")
     check_target(output, overwrite, options.FIGURES)
     told = draw(
-        file, output, structure=structure, cut=cut, every=every, over=over, log=log or "", units=options.units_of(), overwrite=overwrite
+        file,
+        output,
+        structure=structure,
+        cut=cut,
+        every=every,
+        over=over,
+        log=log or "",
+        units=options.units_of(),
+        overwrite=overwrite,
+        tell=partial(options.note, quiet=quiet),
     )
     if told:
         options.note(told, quiet)

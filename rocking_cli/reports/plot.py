@@ -14,6 +14,7 @@ import numpy as np
 from ..errors import UsageError
 from ..spectra.reader import SpectraFile
 from .figures.canvas import MARKERS, canvas, legend, look, panels, refuse_empty, units_of_figures
+from .figures.capacities import verdicts
 from .figures.characters import place_of
 from .figures.envelopes import bands, curves, record_bars
 from .figures.families import family
@@ -29,6 +30,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+DRAWN = "check, envelope, response, compare --curves, params --vary, fragility --curve or accuracy"
 MOST_PANELS = 24
 
 
@@ -43,21 +45,22 @@ def draw(
     log: str = "",
     units: Units | None = None,
     overwrite: bool = True,
+    tell: Callable[[str], None] | None = None,
 ) -> str | None:
     """Draw a file into a PNG, SVG or PDF; for a slice, return a sentence that states its value.
 
     source: a spectra file, or CSV (`-`: standard input); structure: name of the structure or record of a map, None for the first; cut:
     a slice of a spectra file, such as `Omega=5` or `f_g=1.5`; every: a panel for each structure; over: the abscissa of a family,
-    `KEY` or `KEY/KEY`; log: x, y or xy; units: None for g and Hz; overwrite: an existing file may be replaced.
-    Raises UsageError if the source is another file or has nothing to draw, and OutputError if matplotlib is not installed or the
-    figure cannot be written.
+    `KEY` or `KEY/KEY`; log: x, y or xy; units: None for g and Hz; overwrite: an existing file may be replaced;
+    tell: called with the characters that the font lacks. Raises UsageError if the source is another file or has nothing to draw, and OutputError if matplotlib
+    is not installed or the figure cannot be written.
 
     >>> _ = write_spectrum([dimensionless_oscillator(0.9)], sine(), parse_grid('A=1:8:50,Omega=4:5:2'), 'd.h5', workers=1)
     >>> draw('d.h5', 'slice.svg', cut='Omega=5')
     'slice at Omega = 5, the nearest of the file'
     """
     source, shown, told = Path(source), units_of_figures(units), None
-    with canvas(target, overwrite) as figure:
+    with canvas(target, overwrite, tell=tell, instead="; `text` needs nothing" if is_spectra_file(source) else "") as figure:
         if is_spectra_file(source):
             with SpectraFile(source) as file:
                 if cut is not None:
@@ -127,6 +130,7 @@ TABLES: tuple[tuple[set[str], Callable[[Figure, Rows, Units], list[Axes]]], ...]
     ({"Omega", "A_from", "A_to", "mode"}, bands),
     ({"T", "A_from", "mode"}, bands),
     ({"record", "a_from", "mode"}, record_bars),
+    ({"motion", "outcome_linear", "first_overturning_a", "capacity_demand"}, verdicts),
     ({"curve", "Omega", "A"}, curves),
     ({"structure", "tau", "theta_ratio", "t", "theta"}, comparison),
     ({"method", "time_per_cell", "error_max"}, accuracy),
@@ -150,4 +154,4 @@ def _table(figure: Figure, source: str, rows: Rows, units: Units, over: str | No
             return family(figure, rows, units, over)
     except (ValueError, TypeError, KeyError) as error:
         raise UsageError(f"{source}: cannot be drawn: {error}") from None
-    raise UsageError(f"{source}: its columns ({', '.join(sorted(there))[:80]}) are none that a command of this program writes")
+    raise UsageError(f"{source}: no figure is drawn of the columns {', '.join(sorted(there))[:80]}; accepted is the CSV of {DRAWN}")

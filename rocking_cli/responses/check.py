@@ -14,6 +14,7 @@ from ..dynamics.outcome import Outcome, safe
 from ..dynamics.response import Response, response, response_with_demands
 from ..envelopes.capacity import capacity
 from ..envelopes.envelope import A_MAX
+from ..envelopes.limit import Limit, limit_of
 from ..errors import UsageError
 from ..motions import Motion
 from ..motions.blocks import blocks, largest
@@ -149,23 +150,28 @@ def check(
 def check_all(
     demands: Sequence[Demand],
     *,
-    a_max: float = A_MAX,
+    a_max: float | Limit = A_MAX,
     workers: int | None = None,
     tell: Tell | None = None,
     progress: Progress | None = None,
 ) -> list[Verdict]:
-    """The verdicts on (structure, motion, shaking), in their order; workers: processes, None for all cores where they are several.
-    tell: called with a line where this will take long; progress: with what is done and all there is.
+    """The verdicts on (structure, motion, shaking), in their order.
+
+    a_max: A, or an acceleration for each; workers: processes, None for all cores where they are several; tell: called with a line where
+    this will take long; progress: with what is done and all there is.
 
     Raises as `check` does, OutputError when a worker process dies.
     """
     task = partial(_check_one, a_max)
     several = max(1, min(workers or available_cpus(), len(demands) // (1 if workers else _WORTH)))
     searches = f"{len(demands)} search{'es' if len(demands) > 1 else ''}"
-    announce(sum(_seconds(a_max, *demand) for demand in demands), searches, several, tell)
+    announce(sum(_seconds(limit_of(a_max, demand[0]), *demand) for demand in demands), searches, several, tell)
     done = progress or _no_progress
     if several == 1:
-        return [check(*demand, a_max=a_max, progress=partial(_after, done, i, len(demands))) for i, demand in enumerate(demands)]
+        return [
+            check(*demand, a_max=limit_of(a_max, demand[0]), progress=partial(_after, done, i, len(demands)))
+            for i, demand in enumerate(demands)
+        ]
     verdicts: list[Verdict] = []
     with processes(several, task, "fewer `workers` need less") as run:
         for verdict in run(demands):
@@ -199,8 +205,8 @@ def _after(progress: Progress, before: int, checks: int, stage: int, stages: int
     progress(before * stages + stage, checks * stages)
 
 
-def _check_one(a_max: float, demand: Demand) -> Verdict:
-    return check(*demand, a_max=a_max)
+def _check_one(a_max: float | Limit, demand: Demand) -> Verdict:
+    return check(*demand, a_max=limit_of(a_max, demand[0]))
 
 
 def _governing(

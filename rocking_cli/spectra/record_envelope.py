@@ -17,6 +17,7 @@ from ..dynamics.outcome import Outcome
 from ..envelopes.boundaries import Search
 from ..envelopes.capacity import RATIO
 from ..envelopes.envelope import A_MAX, BOTH, HIGHEST, NONE, SIGNS, Steps, worse
+from ..envelopes.limit import Limit, limit_of
 from ..errors import UsageError
 from ..processes import available_cpus, processes
 from .cost import Tell, announce, bouncing_seconds, expected_seconds
@@ -43,8 +44,17 @@ class Tracing:
     """What is traced: a scene, whose columns are T, or one that is not used; first: the lowest overturning amplitude alone."""
 
     scene: RecordScene
-    a_max: float = A_MAX
+    a_max: float | Limit = A_MAX
     first: bool = False
+
+    def limit(self, structure: int) -> float:
+        """A up to which a structure is looked at."""
+        return limit_of(self.a_max, self.scene.structures[structure])
+
+    @property
+    def most(self) -> str:
+        """The limit in words."""
+        return f"{self.a_max.value:g} m/s2" if isinstance(self.a_max, Limit) and self.a_max.acceleration else f"A = {self.limit(0):g}"
 
     def omegas(self, structure: int) -> Array:
         """Omega = 1/p of a structure [s/rad], or of every size."""
@@ -58,8 +68,9 @@ class Tracing:
         system, digits = self.scene.method.system_of(structure), self.scene.method.stated_tolerance or 4e-16
         factors = (1.0,) if system.contact.alike else SIGNS[task.sign]
         motions = [motion if f > 0.0 else motion.scaled(f) for f in factors]
-        found = [Search(system, m, structure.eta, self.a_max, ratio=RATIO, digits=digits, parts=_PARTS) for m in motions]
-        return [search for search in found if search.lowest < self.a_max]
+        most = self.limit(task.structure)
+        found = [Search(system, m, structure.eta, most, ratio=RATIO, digits=digits, parts=_PARTS) for m in motions]
+        return [search for search in found if search.lowest < most]
 
     def __call__(self, task: Task) -> list[Steps]:
         """(amplitude, outcome from there on), rising, at each Omega of a task; nothing where nothing lifts the body."""
@@ -76,14 +87,16 @@ class Tracing:
 def check_tracing(tracing: Tracing, tell: Tell | None = None) -> None:
     """Refuse a limit that is not one; announce what the search takes at most. Raises UsageError."""
     scene = tracing.scene
-    if not (math.isfinite(tracing.a_max) and 0.0 < tracing.a_max <= HIGHEST):
-        raise UsageError(f"a-max is {tracing.a_max:g}, accepted is a positive amplitude up to {HIGHEST:g}")
+    limits = [tracing.limit(i) for i in range(len(scene.structures))]
+    for most in limits:
+        if not (math.isfinite(most) and 0.0 < most <= HIGHEST):
+            raise UsageError(f"a-max is {most:g}, accepted is a positive amplitude up to {HIGHEST:g}")
     if scene.columns.name != "T" and scene.columns.values.tolist() != [1.0]:
         raise UsageError(f"`grid`: found {scene.columns.name}; accepted is none, since the scale is what is looked for")
-    rungs = len(scene.recordings) * math.log(max(2.0, tracing.a_max)) / math.log1p(RATIO)
+    rungs = [len(scene.recordings) * math.log(max(2.0, most)) / math.log1p(RATIO) for most in limits]
     cells, seconds = 0.0, 0.0
     for i, s in enumerate(scene.structures):
-        mine = rungs * tracing.omegas(i).size
+        mine = rungs[i] * tracing.omegas(i).size
         cells += mine
         seconds += expected_seconds(scene.method, s, scene.segments, cells=int(mine), batches=len(scene.recordings), record=True)
         seconds += bouncing_seconds(scene.method, s, record=True)
@@ -105,7 +118,7 @@ def tracing_records(
     """
     scene = tracing.scene
     tasks = list(_tasks(tracing, sign, 1))
-    cells = sum(len(task.omegas) for task in tasks) * math.log(max(2.0, tracing.a_max)) / math.log1p(RATIO)
+    cells = sum(len(task.omegas) * math.log(max(2.0, tracing.limit(task.structure))) for task in tasks) / math.log1p(RATIO)
     workers = workers or (1 if cells < _SMALL else available_cpus())
     if len(tasks) < 4 * workers:
         tasks = list(_tasks(tracing, sign, workers))

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import csv
+import io
 import json
 
 import pytest
@@ -190,3 +192,15 @@ def test_a_directory_gives_both_horizontal_components_and_the_station_its_vertic
 )
 def test_a_station_is_that_of_a_record(refused, stated, arguments, words):
     assert words in refused(2, "check", stated, "--vertical", "station", *arguments)
+
+
+def test_the_limit_of_the_search_is_written_as_for_an_envelope(rocking, refused, stated):
+    """0.3 g is A = 1.5 of a body that lifts at 0.2 g; neither reaches its first overturning."""
+    both = [rocking("check", stated, "--a-g", "0.1g", "--f-g", "1.2", "--a-max", most, "--csv").stdout for most in ("0.3g", "1.5")]
+    assert both[0] == both[1]
+    assert csv.DictReader(io.StringIO(both[0])).__next__()["first_overturning_a [m/s2]"] == ""
+    record = ("--motion", "configs/motions/synthetic.at2")
+    traced = [rocking("envelope", stated, *record, "--a-max", most, "--first", "--csv") for most in ("0.3g", "1.5")]
+    assert traced[0].stdout == traced[1].stdout != ""
+    assert "up to 2.943 m/s2" in traced[0].stderr
+    assert "found an acceleration; accepted is a number A" in refused(2, "envelope", "--eta", "0.9", "--grid", "Omega=2", "--a-max", "1g")

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import sys
+
 import pytest
 
 
@@ -22,7 +24,7 @@ def test_refusals(rocking, refused, spectrum_file, tmp_path):
     (tmp_path / "foreign.csv").write_text("a,b\n1,2\n")
     (tmp_path / "there.png").write_text("mine")
     assert "exists" in refused(2, "plot", "params.csv", "-o", "there.png")
-    assert "are none that a command" in refused(2, "plot", "foreign.csv", "-o", "x.png")
+    assert "no figure is drawn of the columns a, b; accepted is the CSV of check" in refused(2, "plot", "foreign.csv", "-o", "x.png")
     assert "ends in .png" in refused(2, "plot", "params.csv", "-o", "x.bmp")
     assert "--slice" in refused(2, "plot", str(spectrum_file), "--text", "--slice", "B=3")
     assert "Omega=1 to 8" in refused(2, "plot", str(spectrum_file), "--text", "--slice", "Omega=99")
@@ -43,3 +45,23 @@ def test_a_slice_says_which_value_it_took(rocking, spectrum_file):
     done = rocking("plot", str(spectrum_file), "--slice", "Omega=5.003", "-o", "slice.png")
     assert done.stderr.startswith("slice at Omega = 5.0")
     assert rocking("plot", str(spectrum_file), "--slice", "Omega=5", "-o", "quiet.png", "-q").stderr == ""
+
+
+def test_the_rows_of_a_check_are_drawn_as_check_draws_them(rocking, tmp_path):
+    call = ("check", "configs/block.yaml", "configs/parameters.yaml", "--a-g", "0.35g", "--f-g", "1.5")
+    done = rocking(*call, "--csv", "-o", "own.svg", "--units", "g")
+    (tmp_path / "verdicts.csv").write_text(done.stdout)
+    assert rocking("plot", "verdicts.csv", "-o", "plotted.svg").returncode == 0
+    assert (tmp_path / "plotted.svg").read_text() == (tmp_path / "own.svg").read_text()
+
+
+def test_only_plot_advises_text_where_matplotlib_is_not_there(rocking, monkeypatch, spectrum_file):
+    monkeypatch.setitem(sys.modules, "matplotlib", None)
+    missing = "rocking: figures need matplotlib: pip install 'rocking[plot]'"
+    assert rocking("draw", "block:0.5x2", "-o", "x.svg").stderr == f"{missing}\n"
+    assert rocking("plot", str(spectrum_file), "-o", "x.svg").stderr == f"{missing}; --text needs nothing\n"
+
+
+def test_characters_that_the_font_has_not_are_told_in_a_sentence(rocking):
+    done = rocking("draw", "block:0.5x2,name=柱", "-o", "x.png")
+    assert (done.returncode, done.stderr) == (0, "x.png: the font of the figure has no 柱; boxes stand there\n")

@@ -7,7 +7,9 @@ the extra `plot`.
 from __future__ import annotations
 
 import io
-from collections.abc import Iterable, Iterator, Sequence
+import re
+import warnings
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -32,6 +34,7 @@ STYLE: dict[Any, Any] = {
 PANEL = (4.2, 3.2)  # inches
 MOST_ACROSS = 3
 _UNDATED: dict[str, dict[str, Any]] = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}  # equal figures give equal files
+_NO_GLYPH = r"Glyph (\d+) "  # the beginning of a warning of matplotlib
 _SHORT = 5  # a legend inside the axes has at most so many entries
 _NARROW = 28  # and so many characters in each
 FIGURE_UNITS = parse_units("g,Hz")  # the default
@@ -43,25 +46,31 @@ def units_of_figures(units: Units | None) -> Units:
 
 
 @contextmanager
-def canvas(target: str | Path, overwrite: bool = True) -> Iterator[Figure]:
+def canvas(target: str | Path, overwrite: bool = True, *, tell: Callable[[str], None] | None = None, instead: str = "") -> Iterator[Figure]:
     """An empty figure in the common style; it is written to `target` at the end. Without overwrite it replaces no file.
 
-    Raises OutputError if matplotlib is not installed or the figure cannot be written.
+    tell: called with the characters that the font lacks, in a sentence; instead: what needs no matplotlib, for the error. Raises
+    OutputError if matplotlib is not installed or the figure cannot be written.
     """
     target = Path(target)
     try:
         import matplotlib as mpl
         from matplotlib.figure import Figure
     except ImportError:
-        raise OutputError("figures need matplotlib: pip install 'rocking[plot]'; `text` needs nothing") from None
+        raise OutputError(f"figures need matplotlib: pip install 'rocking[plot]'{instead}") from None
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(5.6, 4.0))
         yield figure
         form, drawn = target.suffix[1:].lower(), io.BytesIO()
-        try:
-            figure.savefig(drawn, format=form, metadata=_UNDATED.get(form))
-        except (OSError, ValueError) as error:
-            raise OutputError(f"{target}: cannot be drawn: {error}") from None
+        with warnings.catch_warnings(record=True) as raised:
+            warnings.filterwarnings("always", message=_NO_GLYPH)
+            try:
+                figure.savefig(drawn, format=form, metadata=_UNDATED.get(form))
+            except (OSError, ValueError) as error:
+                raise OutputError(f"{target}: cannot be drawn: {error}") from None
+    missing = sorted({chr(int(found[1])) for w in raised if (found := re.match(_NO_GLYPH, str(w.message)))})
+    if missing and tell is not None:
+        tell(f"{target}: the font of the figure has no {' '.join(missing)}; boxes stand there")
     with published(target, overwrite) as file:
         file.write(drawn.getvalue())
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -12,24 +12,60 @@ from .canvas import canvas
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
     from ...responses.check import Verdict
+    from ..rows import Rows
+    from ..units import Units
 
 _ROW = 0.32  # inches
 
 
-def draw_capacities(verdicts: Sequence[Verdict], target: str | Path, *, in_g: bool = False, overwrite: bool = True) -> None:
+def draw_capacities(
+    verdicts: Sequence[Verdict], target: str | Path, *, in_g: bool = False, overwrite: bool = True,
+    tell: Callable[[str], None] | None = None,
+) -> None:  # fmt: skip
     """Draw the verdicts on structures under one demand into a PNG, SVG or PDF; in_g: accelerations in g, else m/s2; overwrite:
-    replace a file of that name.
+    replace a file of that name; tell: called with characters that the font lacks.
 
     Raises OutputError without matplotlib or where the figure cannot be written.
 
     >>> (arch,) = load_structures('configs/parameters.yaml')
     >>> draw_capacities([check(arch, sine(), parse_grid('a_g=0.35g,f_g=1.5'))], 'capacity.svg')
     """
-    with canvas(target, overwrite) as figure:
-        figure.set_size_inches(6.4, 1.6 + _ROW * len(verdicts))
-        capacities(figure.add_subplot(), verdicts, in_g)
+    with canvas(target, overwrite, tell=tell) as figure:
+        _bars(figure, verdicts, in_g)
+
+
+def verdicts(figure: Figure, rows: Rows, units: Units) -> list[Axes]:
+    """The same of the rows that `rocking check --csv` printed. Raises ValueError where one tells neither its demand nor its capacity."""
+    return [_bars(figure, [_verdict(row) for row in rows], units.of("acceleration")[0] == "g")]
+
+
+def _verdict(row: dict[str, str]) -> Verdict:
+    from ...responses.check import Verdict
+
+    def number(key: str) -> float | None:
+        return float(row[key]) if row.get(key) else None
+
+    name = row.get("structure") or row["name"]
+    demand, first, ratio = (number(key) for key in ("demand_a", "first_overturning_a", "capacity_demand"))
+    if demand is None:
+        if first is None or ratio is None:
+            raise ValueError(f"{name} never overturns, and no column demand_a tells the demand")
+        demand = first / ratio
+    outcomes = [next(o for o in Outcome if o.flag == row[key]) for key in ("outcome", "outcome_linear")]
+    return Verdict(
+        name, row["motion"], row["model"], outcomes[0], number("theta_ratio"), demand, number("uplift_a"), first, number("safe_to"),
+        outcomes[1],
+    )  # fmt: skip
+
+
+def _bars(figure: Figure, verdicts: Sequence[Verdict], in_g: bool) -> Axes:
+    figure.set_size_inches(6.4, 1.6 + _ROW * len(verdicts))
+    axes = figure.add_subplot()
+    capacities(axes, verdicts, in_g)
+    return axes
 
 
 def capacities(axes: Axes, verdicts: Sequence[Verdict], in_g: bool) -> None:

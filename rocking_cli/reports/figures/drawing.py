@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -23,8 +23,13 @@ _PLAIN = {"facecolor": "w", "edgecolor": "none", "alpha": 0.7, "pad": 0.8}
 STONE, GROUND, INK = "#D9CBB8", "#EFEFEF", "#333333"
 
 
-def draw_structures(documents: Sequence[Document], target: str | Path, *, units: Units | None = None, overwrite: bool = True) -> None:
-    """Draw the structure of each document in its own panel of a PNG, SVG or PDF file; overwrite: an existing file may be replaced.
+def draw_structures(
+    documents: Sequence[Document], target: str | Path, *, units: Units | None = None, overwrite: bool = True,
+    tell: Callable[[str], None] | None = None,
+) -> None:  # fmt: skip
+    """Draw the structure of each document in its own panel of a PNG, SVG or PDF file.
+
+    overwrite: an existing file may be replaced; tell: called with the characters that the font lacks.
 
     Raises DocumentError if a document is not valid or its kind has no geometry, and OutputError if matplotlib is not installed or
     the figure cannot be written.
@@ -33,7 +38,7 @@ def draw_structures(documents: Sequence[Document], target: str | Path, *, units:
     """
     built = [build_structure(document) for document in documents]
     sketches = [sketch_of(document, one) for document, one in zip(documents, built, strict=True)]
-    with canvas(target, overwrite) as figure:
+    with canvas(target, overwrite, tell=tell) as figure:
         for axes, one, sketch in zip(panels(figure, len(built), _PANEL), built, sketches, strict=True):
             structure_axes(axes, one, sketch, units or Units())
 

@@ -1,0 +1,28 @@
+"""The largest amplitude of a search, which may be an acceleration and then differs between structures."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from ..errors import UsageError
+from ..structures.parameters import RockingParameters
+
+
+class Limit(NamedTuple):
+    """The largest amplitude of a search: A, or an acceleration [m/s2]."""
+
+    value: float
+    acceleration: bool = False
+
+    def of(self, structure: RockingParameters) -> float:
+        """It as A of a structure. Raises UsageError for an acceleration where the structure has no units."""
+        if not self.acceleration:
+            return self.value
+        if structure.dimensionless:
+            raise UsageError("`a_max`: found an acceleration; accepted is a number A for a structure without units")
+        return float(structure.dimensionless_amplitude(self.value))
+
+
+def limit_of(a_max: float | Limit, structure: RockingParameters) -> float:
+    """A of a limit, which may be A itself. Raises UsageError as `Limit.of`."""
+    return a_max.of(structure) if isinstance(a_max, Limit) else a_max
