@@ -130,7 +130,8 @@ def test_without_a_structure_only_what_the_command_takes_is_offered(refused):
         ([], "no shaking"),
         (["--a-g", "0", "--f-g", "1"], "the amplitude is 0"),
         (["--a-g", "1:2:3", "--f-g", "1"], "one value of each"),
-        ([*SHAKING, "--a-max", "nan"], "accepted is up to 100000"),
+        ([*SHAKING, "--a-max", "nan"], "accepted is a number A, or an acceleration"),
+        ([*SHAKING, "--a-max", "1e6"], "accepted is up to 100000"),
     ],
 )
 def test_wrong_calls(refused, stated, arguments, words):
