@@ -51,8 +51,8 @@ def draw(
 
     source: a spectra file, or CSV (`-`: standard input); structure: name of the structure or record of a map, None for the first; cut:
     a slice of a spectra file, such as `Omega=5` or `f_g=1.5`; every: a panel for each structure; over: the abscissa of a family,
-    `KEY` or `KEY/KEY`; log: x, y or xy; units: None for g and Hz; overwrite: an existing file may be replaced;
-    tell: called with the characters that the font lacks. Raises UsageError if the source is another file or has nothing to draw, and OutputError if matplotlib
+    `KEY` or `KEY/KEY`; log: x, y or xy; units: None for g and Hz; overwrite: an existing file may be replaced; tell: called with the
+    characters that the font lacks. Raises UsageError if the source is another file or has nothing to draw, and OutputError if matplotlib
     is not installed or the figure cannot be written.
 
     >>> _ = write_spectrum([dimensionless_oscillator(0.9)], sine(), parse_grid('A=1:8:50,Omega=4:5:2'), 'd.h5', workers=1)
