@@ -9,6 +9,8 @@ import click
 from . import options
 from .parameter_types import InputPath
 
+MOST = 20  # missing shards that are named
+
 
 @click.command(epilog="Example: rocking merge part-1.h5 part-2.h5 -o whole.h5")
 @click.argument("files", nargs=-1, type=InputPath(), required=True, metavar="FILE...")
@@ -25,5 +27,8 @@ def merge(context: click.Context, files: tuple[str, ...], output: Path, overwrit
     options.note(f"{output}: {merged.there} of {merged.whole} chunks", quiet)
     if merged.elsewhere:
         options.note(f"computed on machines that differ: {merged.elsewhere}; the last digits of cells may differ", quiet)
+    if merged.missing:
+        shown = ", ".join(merged.missing[:MOST]) + (f" and {len(merged.missing) - MOST} more" if len(merged.missing) > MOST else "")
+        options.note(f"missing or not complete: shard {shown}", quiet=False)
     if merged.there < merged.whole:
         context.exit(4)

@@ -8,12 +8,13 @@ import json
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
+from unicodedata import normalize
 
 from .units import Units
 
 Record = Mapping[str, Any]
 
-_FORMULA = ("=", "+", "-", "@")  # a spreadsheet reads a text that begins so as a formula
+_FORMULA = ("=", "+", "-", "@")  # a spreadsheet reads a text that begins so as a formula, after blanks and in full width too
 
 
 def json_line(record: Record, encoding: str = "utf-8") -> str:
@@ -97,7 +98,7 @@ def _csv_row(cells: list[Any]) -> str:
 
 def _csv_cell(value: Any) -> Any:
     value = _plain(value)
-    if isinstance(value, str) and value.startswith(_FORMULA):
+    if isinstance(value, str) and normalize("NFKC", value).lstrip().startswith(_FORMULA):
         return f"'{value}"
     return "" if value is None else value
 

@@ -21,6 +21,7 @@ from .units import Job, Report
 # The job travels with every batch: data scattered before could be lost with the worker that holds them.
 _AHEAD = 3  # batches in flight for each of the cluster's threads
 _TO_ANSWER = 4.0  # s that a scheduler may take to accept a connection, and to begin to speak
+_LONGEST_GREETING = 1 << 32  # bytes
 _TO_GREET = 15.0  # s that it may take until it knows its client
 _PATIENCE = 4.0  # s without a worker after which that is said, again and again
 
@@ -42,8 +43,8 @@ def cluster_reports(
     with _silent_library():
         try:
             with socket.create_connection((host, port), timeout=_TO_ANSWER) as connection:
-                if not address.startswith("tls:") and not connection.recv(1):  # a scheduler speaks first; the client waits for ever
-                    raise ConnectionError("the connection was closed")
+                if not address.startswith("tls:"):  # a scheduler speaks first; the client would wait for ever
+                    _demand_greeting(connection)
             client = Client(address, timeout=_TO_GREET, set_as_default=False)
         except (OSError, ValueError) as error:
             raise OutputError(f"`scheduler`: no dask scheduler answers at {address}: {str(error) or type(error).__name__}") from None
@@ -67,6 +68,18 @@ def _host_and_port(address: str) -> tuple[str, int]:
     if found is None or not 0 < int(found[3]) < 65536:
         raise UsageError(f"`scheduler`: found {address!r}; accepted is HOST:PORT or tcp://HOST:PORT, such as tcp://localhost:8786")
     return found[1] or found[2], int(found[3])
+
+
+def _demand_greeting(connection: socket.socket) -> None:
+    """Raise ConnectionError unless a message of dask begins, by the number of its bytes or parts in eight bytes; a text is no such one."""
+    begun = b""
+    while len(begun) < 8:
+        more = connection.recv(8 - len(begun))
+        if not more:
+            raise ConnectionError(f"it says {begun!r} and closes the connection" if begun else "the connection was closed")
+        begun += more
+    if int.from_bytes(begun, "little") > _LONGEST_GREETING:
+        raise ConnectionError(f"it begins with {begun!r}, which is no message of a scheduler")
 
 
 @contextmanager

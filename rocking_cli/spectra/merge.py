@@ -23,11 +23,13 @@ KEPT = ("history", "documents", "motion", "model", "tolerance")
 
 @dataclass(frozen=True)
 class Merged:
-    """What came of a merge: chunks there, chunks of the whole, and how the machines differ that computed them."""
+    """The result of a merge: chunks there, chunks of the whole, how the machines differ that computed them, and the shards ("2/8") that
+    were not given or are not complete."""
 
     there: int
     whole: int
     elsewhere: str
+    missing: tuple[str, ...] = ()
 
 
 def merge(paths: Sequence[str | Path], output: str | Path, *, overwrite: bool = False, strict: bool = False) -> Merged:
@@ -69,7 +71,23 @@ def merge(paths: Sequence[str | Path], output: str | Path, *, overwrite: bool = 
         cells = int(np.prod(first.cut.shape))
         counts["cells_not_computed"] = cells - int(outcomes.sum())
         writer.finish({"cells": cells, **totals, **counts})
-        return Merged(writer.written, writer.chunks, writer.elsewhere)
+        return Merged(writer.written, writer.chunks, writer.elsewhere, _missing_shards(files, writer.chunks))
+
+
+def _missing_shards(files: Sequence[SpectraFile], chunks: int) -> tuple[str, ...]:
+    """The shards that hold fewer of the chunks than their part; none if the files are parts of different numbers."""
+    there: dict[int, int] = {}
+    counts = set()
+    for file in files:
+        part, _, of = str(file.attributes.get("shard", "")).partition("/")
+        if not (part.isdecimal() and of.isdecimal()):
+            return ()
+        counts.add(int(of))
+        there[int(part)] = max(there.get(int(part), 0), int(np.count_nonzero(file.done)))
+    if len(counts) != 1:
+        return ()
+    (count,) = counts
+    return tuple(f"{i}/{count}" for i in range(1, min(count, chunks) + 1) if there.get(i, 0) < len(range(i - 1, chunks, count)))
 
 
 def _totals(files: Sequence[SpectraFile]) -> dict[str, float]:

@@ -137,6 +137,16 @@ def test_one_file_ends_no_set(mixed):
         read_motions(["set/half.AT2"], unread=unread.append)
 
 
+def test_what_a_list_names_is_not_quoted(folder):
+    (folder / "secret").write_text("root:secret\n")
+    (folder / "names").write_text("secret\n")
+    with pytest.raises(DocumentError) as error:
+        read_motions(["names"])
+    assert str(error.value) == "secret: no record format; a set holds records only"
+    with pytest.raises(DocumentError, match="it begins with 'root:secret'"):
+        read_motions(["a.AT2", "secret"])
+
+
 def test_a_unit_goes_to_the_plain_numbers_of_a_directory(mixed):
     unread: list[str] = []
     found = read_motions(["set"], unit="g", component="all", unread=unread.append)

@@ -9,7 +9,7 @@ import pytest
 
 from rocking_cli.reports.tables import csv_lines, json_line, lines
 
-FORMULAS = ["=1+1", "+1", "-1", "@SUM(A1)", '=HYPERLINK("http://x","y")']
+FORMULAS = ["=1+1", "  =1+1", "\t=1+1", "＝1+1", "＋1", "\u3000＠SUM(A1)", "+1", "-1", "@SUM(A1)", '=HYPERLINK("http://x","y")']
 
 
 @pytest.mark.parametrize("name", FORMULAS)

@@ -8,6 +8,7 @@ import signal
 import socket
 import subprocess
 import sys
+import threading
 
 import h5py
 import numpy as np
@@ -88,6 +89,23 @@ def test_a_server_that_is_no_scheduler_is_a_sentence_too(refused, monkeypatch):
     with socket.create_server(("127.0.0.1", 0)) as server:
         address = f"127.0.0.1:{server.getsockname()[1]}"
         assert f"no dask scheduler answers at {address}: " in refused(1, *SMALL, "-o", "s.h5", "--scheduler", address)
+
+
+def test_a_text_is_no_scheduler(refused):
+    """At once, and without the client, which would wait for it and leave a traceback."""
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        address = f"127.0.0.1:{server.getsockname()[1]}"
+
+        def speak():
+            connection, _ = server.accept()
+            with connection:
+                connection.sendall(b"SSH-2.0-OpenSSH_9.2\r\n")
+
+        speaker = threading.Thread(target=speak)
+        speaker.start()
+        said = refused(1, *SMALL, "-o", "s.h5", "--scheduler", address)
+        speaker.join()
+    assert f"no dask scheduler answers at {address}: it begins with b'SSH-2.0-', which is no message of a scheduler" in said
 
 
 def test_a_cluster_without_workers_is_told_and_waited_for(tmp_path, monkeypatch):

@@ -17,10 +17,10 @@ Taken = TypeVar("Taken")
 
 
 class NoRecord(DocumentError):
-    """A file that is no record, with what it holds."""
+    """A file that is no record, with what it holds; quoted: the error quotes its beginning."""
 
-    def __init__(self, source: str, raw: bytes) -> None:
-        super().__init__(unknown(source, raw))
+    def __init__(self, source: str, raw: bytes, quoted: bool) -> None:
+        super().__init__(unknown(source, raw) if quoted else f"{source}: no record format")
         self.source, self.raw = source, raw
 
 
@@ -45,7 +45,7 @@ def read_set(
             source, raw = held or read_bytes(path)
             records = records_of(source, raw, unit=unit, dt=dt, named=named)
             if records is None:
-                raise NoRecord(source, raw)
+                raise NoRecord(source, raw, quoted=path in paths)  # a list may name a file that is not its reader's to see
             taken = take(records)
             if not taken:
                 tell(f"{source}: holds {names_of(records)} and no horizontal component; left out, `component` all takes it")
