@@ -166,6 +166,17 @@ class Document:
             raise self.fault(key, str(self.values[key]), "a text of printable characters")
         return content
 
+    def pair(self, key: str, value: Value, dimension: str, name: str, wanted: str) -> tuple[float, float]:
+        """The SI values of a list of two quantities inside the value of `key`; `name` is that of the pair. Raises DocumentError."""
+        if isinstance(value.content, list) and len(value.content) == 2:
+            try:
+                first, second = (parse_quantity(v.content, dimension) for v in value.content if isinstance(v.content, str))
+            except ValueError:
+                pass
+            else:
+                return first, second
+        raise self.fault(key, f"a {name} that is not a pair of {dimension}s (line {value.place.line})", wanted)
+
     def part(self, key: str, value: Value) -> Document:
         """A mapping inside the value of `key`, as a document. Raises DocumentError if `value` is not a mapping."""
         if not isinstance(value.content, dict):

@@ -1,4 +1,4 @@
-"""What shakes: ground motions as exact pieces. Records, and what reads files, stand in modules of their own: most sweeps need none."""
+"""Ground motions as exact pieces: pulses here; records and files in other modules, because most sweeps do not need them."""
 
 from .motion import Motion
 from .piece import Harmonic, Piece

@@ -1,4 +1,4 @@
-"""Ground that moves sideways and upwards at once: two motions in one time, over one amplitude."""
+"""Horizontal and vertical ground motion together, with one time and one amplitude."""
 
 from __future__ import annotations
 
@@ -20,17 +20,17 @@ from .segments import Samples, Segments
 
 
 class Biaxial(Motion):
-    """A horizontal and a vertical motion cut into the same pieces; as a motion it is the horizontal one.
+    """A horizontal and a vertical motion cut into the same pieces. The methods of `Motion` are those of the horizontal motion.
 
-    The vertical acceleration, upwards, is s_v a_g as the horizontal one is s a_g; told: the name of the vertical motion as it was
-    recorded. Raises UsageError, see `with_vertical`.
+    The horizontal acceleration is s a_g and the vertical one, positive upwards, is s_v a_g. told: name of the vertical motion as
+    recorded.
     """
 
     across: Motion
     _vertical: Motion
     told: str
 
-    __eq__ = object.__eq__  # what follows from it is kept by the object; its pieces may be many
+    __eq__ = object.__eq__  # caches hold results by motion, and a comparison of all pieces would be slow
     __hash__ = object.__hash__
 
     def __init__(self, across: Motion, vertical: Motion, told: str) -> None:
@@ -50,17 +50,17 @@ class Biaxial(Motion):
 
     @property
     def acceleration(self) -> float | None:
-        """That of the horizontal motion."""
+        """The amplitude of the horizontal motion, see `Motion.acceleration`."""
         return self.across.acceleration
 
     @property
     def duration(self) -> float:
-        """Phase at which both have ended [rad]."""
+        """Phase at which both motions have ended [rad]."""
         return self.across.duration
 
     @property
     def samples(self) -> Samples | None:
-        """The horizontal samples, where those of the vertical motion are at the same instants."""
+        """The horizontal samples; None if the vertical motion has no samples at the same instants."""
         return None if self._vertical.samples is None else self.across.samples
 
     def value(self, phase: np.ndarray | float) -> np.ndarray:
@@ -68,31 +68,29 @@ class Biaxial(Motion):
         return self.across.value(phase)
 
     def still_until(self, phase: float) -> Biaxial:
-        """Both, with the ground at rest after them."""
+        """Both motions, with the ground at rest after them up to a phase [rad]."""
         return Biaxial(self.across.still_until(phase), self._vertical.still_until(phase), self.told)
 
     def scaled(self, factor: float) -> Biaxial:
-        """Both times a factor; a negative one turns the horizontal motion over, and leaves up what is up."""
+        """Both motions times a factor. A negative factor reverses the horizontal motion only; the vertical one takes |factor|."""
         share = abs(factor)
         return Biaxial(self.across.scaled(factor), self._vertical.scaled(share), _times(self.told, share))
 
     @cached_property
     def segments(self) -> Segments:
-        """Those of the horizontal motion."""
+        """The segments of the horizontal motion."""
         return self.across.segments
 
 
 def with_vertical(motion: Motion, vertical: Motion, scale: float = 1.0) -> Biaxial:
-    """A motion with a vertical one, times `scale`, which may be negative.
+    """A horizontal motion together with a vertical one times `scale`, which may be negative.
 
-    A record keeps its own amplitude over that of the horizontal record, and both are scaled together; a pulse or motion document
-    is over the a_g and in the phase of the horizontal one. Raises UsageError for a record beside what has no time of its own.
+    Two records keep the ratio of their amplitudes. Two pulses or motion documents share a_g and phase.
+    Raises UsageError if only one of the two is a record.
     """
     own, other = motion.acceleration, vertical.acceleration
     if (own is None) != (other is None):
-        raise UsageError(
-            "the vertical motion is a record and the horizontal one is not, or the other way round; accepted are two of a kind"
-        )
+        raise UsageError("only one of the horizontal and the vertical motion is a record; accepted are two records, or none")
     factor = checked_scale(vertical.name, scale) * (1.0 if own is None or other is None else other / own)
     told = _times(vertical.name, scale)
     if isinstance(motion, Polyline) and isinstance(vertical, Polyline):
@@ -104,29 +102,29 @@ def with_vertical(motion: Motion, vertical: Motion, scale: float = 1.0) -> Biaxi
 
 
 def _times(name: str, factor: float) -> str:
-    """A name with its factor, where that changes anything."""
+    """A name with its factor, or without a factor of 1."""
     return name if factor == 1.0 else f"{name}, times {factor:g}"
 
 
 def _together(one: np.ndarray, other: np.ndarray) -> np.ndarray:
-    """The marks of both, those apart by rounding once."""
+    """The marks of both motions, without duplicates that differ by rounding."""
     found = np.sort(np.concatenate([one, other]))
     return found[np.diff(found, prepend=-np.inf) > 1e-12 * found[-1]]
 
 
 @dataclass(frozen=True, eq=False)
 class Upwards:
-    """A vertical motion times `scale`, that any motion may be given."""
+    """A vertical motion times `scale`, to be added to horizontal motions."""
 
     vertical: Motion
     scale: float = 1.0
 
     def __call__(self, motion: Motion) -> Biaxial:
-        """Both together, see `with_vertical`."""
+        """The horizontal motion `motion` together with this one, see `with_vertical`."""
         return with_vertical(motion, self.vertical, self.scale)
 
     def identity(self) -> list[Any]:
-        """What a result depends on: name, hash of the samples of a record, its peak [m/s2], scale."""
+        """The data on which a result depends: name, hash of the samples of a record, its amplitude [m/s2], scale."""
         lines, found = self.vertical, hashlib.sha256()
         if isinstance(lines, Polyline):
             for part in blocks(lines.start.size):
@@ -136,7 +134,7 @@ class Upwards:
 
 
 def _on(motion: Motion, marks: list[float]) -> Motion:
-    """The motion with a piece from each mark to the next."""
+    """The motion cut at these phases [rad]: a piece from each mark to the next."""
     pieces = []
     for start, stop in pairwise(marks):
         middle = 0.5 * (start + stop)
@@ -146,7 +144,7 @@ def _on(motion: Motion, marks: list[float]) -> Motion:
 
 
 def combined(motion: Biaxial, factor: float) -> Motion:
-    """The horizontal motion plus `factor` times the vertical one, as a motion."""
+    """The horizontal motion plus `factor` times the vertical one, as one motion."""
     across, up = motion.across, motion.vertical
     if isinstance(across, Polyline) and isinstance(up, Polyline):
         return across.plus(up, factor)
@@ -154,7 +152,7 @@ def combined(motion: Biaxial, factor: float) -> Motion:
 
 
 def plus(a: Piece, b: Piece) -> Piece:
-    """The sum of two pieces, their sinusoids of one frequency in one."""
+    """The sum of two pieces; sinusoids of equal frequency become one."""
     waves: dict[float, complex] = {}
     for h in (*a.harmonics, *b.harmonics):
         waves[h.frequency] = waves.get(h.frequency, 0.0) + h.amplitude * np.exp(1j * h.phase)

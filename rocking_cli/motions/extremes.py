@@ -1,15 +1,15 @@
-"""Extremes of a sum of sinusoids and a ramp, isolated by proof: none is missed however close it lies to the next.
+"""Extremes of a sum of sinusoids and a ramp. The method proves that it misses none, however close two extremes are.
 
-A cell of half width d about m is settled by the Taylor series of the rate r = ds/dphase there, T_n = r^(n)(m) d^n/n!, and the bound
-sum_j |C_j| w_j^(n+1) of its derivatives, which bounds the remainder:
+An interval of half width d about m is tested with the Taylor series of r = ds/dphase, T_n = r^(n)(m) d^n/n!. Its remainder follows
+from the bound sum_j |C_j| w_j^(n+1) of the derivatives:
 
     free      |T_0| > sum_{n>=1} |T_n|               r has no root
-    monotone  |T_1| > sum_{n>=2} n |T_n|             r has one root or none: its signs at the ends tell
-    curved    2 |T_2| > sum_{n>=3} n (n-1) |T_n|     r has a single turn, which tells between two roots, one and none
-    flat      sum |T_n| below rounding               s does not change in it
+    monotone  |T_1| > sum_{n>=2} n |T_n|             r has one root or none; its signs at the ends decide
+    curved    2 |T_2| > sum_{n>=3} n (n-1) |T_n|     r has one turning point, whose sign decides between two roots, one and none
+    flat      sum |T_n| below rounding               s is constant
 
-and halved otherwise. A turn of r that comes to zero within rounding (an inflection with a level tangent, two extremes closer than
-1e-7 or so) is no extreme: s is monotone across it to its last digit.
+An interval that passes no test is halved. A turning point of r that is zero within rounding (an inflection with a level tangent, or
+two extremes about 1e-7 apart) is no extreme: s is monotone there in double precision.
 """
 
 from __future__ import annotations
@@ -25,12 +25,12 @@ from .piece import Piece
 Array = np.ndarray
 
 _TERMS = 12  # of the Taylor series
-_CELLS = 4  # a turn of the fastest sinusoid, to begin with
+_CELLS = 4  # first intervals for each period of the fastest sinusoid
 _HALVINGS = 64
 
 
 def extremes(piece: Piece) -> list[float]:
-    """Phases strictly inside the piece where s has an extremum, in order."""
+    """Phases [rad] strictly inside the piece where s has an extreme, in order."""
     if not piece.harmonics:
         return []
     if len(piece.harmonics) == 1 and piece.slope == 0.0:
@@ -45,7 +45,7 @@ def extremes(piece: Piece) -> list[float]:
 
 
 def isolated_extremes(piece: Piece) -> Array:
-    """Phases [rad] within the piece where s turns, in order."""
+    """Phases [rad] of the extremes of s within the piece, in order; the piece must have sinusoids."""
     fastest = max(h.frequency for h in piece.harmonics)
     edges = np.linspace(piece.start, piece.stop, math.ceil((piece.stop - piece.start) * fastest / (2.0 * math.pi) * _CELLS) + 2)
     low, high = edges[:-1], edges[1:]
@@ -67,12 +67,12 @@ def isolated_extremes(piece: Piece) -> Array:
         middle = 0.5 * (low[open_] + high[open_])
         low, high = np.concatenate([low[open_], middle]), np.concatenate([middle, high[open_]])
     before, after = (np.concatenate(x) for x in zip(*ends, strict=True))
-    change = (_rate(piece, before) >= 0.0) != (_rate(piece, after) >= 0.0)  # zero is positive: neighbours agree on their common end
+    change = (_rate(piece, before) >= 0.0) != (_rate(piece, after) >= 0.0)  # zero counts as positive in both neighbours
     return np.unique(_bisected(partial(_rate, piece), before[change], after[change]))
 
 
 def _series(piece: Piece, low: Array, high: Array) -> tuple[Array, Array, Array]:
-    """(terms, cells) T_n; the bound of the remainder; (3, cells) what rounding leaves uncertain in r, r' d and r'' d^2."""
+    """T_n (terms, intervals); bound of the remainder (intervals); bound of rounding in r, r' d and r'' d^2 (3, intervals)."""
     middle, half = 0.5 * (low + high), 0.5 * (high - low)
     terms, rest, rounding = np.zeros((_TERMS, middle.size)), np.zeros(middle.size), np.zeros((3, middle.size))
     terms[0] = piece.slope
@@ -91,7 +91,7 @@ def _series(piece: Piece, low: Array, high: Array) -> tuple[Array, Array, Array]
 
 
 def _about_turns(piece: Piece, low: Array, high: Array, rounding: Array) -> list[tuple[Array, Array]]:
-    """The parts before and after the one turn of r in each cell, where r comes to another sign there."""
+    """The parts before and after the turning point of r in each interval, if r changes its sign in the interval."""
     if not low.size:
         return []
     turn = _bisected(partial(_rate, piece, order=1), low, high)
@@ -100,7 +100,7 @@ def _about_turns(piece: Piece, low: Array, high: Array, rounding: Array) -> list
 
 
 def _rate(piece: Piece, phase: Array, order: int = 0) -> Array:
-    """ds/dphase, or (order 1) the derivative of that, at one-dimensional phases."""
+    """ds/dphase (order 0) or its derivative (order 1) at phases [rad], one-dimensional."""
     amplitude, w, f = np.array([(h.amplitude, h.frequency, h.phase) for h in piece.harmonics]).T[:, :, None]
     argument = w * phase + f
     total = (amplitude * w * np.cos(argument) if order == 0 else -amplitude * w * w * np.sin(argument)).sum(axis=0)
@@ -108,7 +108,7 @@ def _rate(piece: Piece, phase: Array, order: int = 0) -> Array:
 
 
 def _bisected(function: Callable[[Array], Array], low: Array, high: Array) -> Array:
-    """Where the sign of a function changes between two ends, to the last bit; one of the ends where it does not."""
+    """Points where a function changes its sign between two ends, to the last bit; without a change one of the ends."""
     sign = function(low) >= 0.0
     for _ in range(_HALVINGS if low.size else 0):
         middle = 0.5 * (low + high)

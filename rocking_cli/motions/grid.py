@@ -1,4 +1,4 @@
-"""The grid of a sweep: an amplitude axis and a frequency axis, with units or dimensionless."""
+"""The grid of a sweep: an amplitude axis and a frequency axis, both with units or both dimensionless."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from ..structures.parameters import RockingParameters
 
 MAX_CELLS = 10**10
 MAX_VALUES = 10**7
-MOST_OMEGA = 1e10  # omega_g/p, at which theta is of the order of 1e-20 alpha; beyond 1e13 all that is judged is rounding
+MOST_OMEGA = 1e10  # omega_g/p; theta is then about 1e-20 alpha, and above 1e13 an outcome is only rounding
 
 _AXES = {
     "A": ("A", "number"),
@@ -50,8 +50,8 @@ _FROM_ZERO = ("A", "a_g", "scale")
 
 @dataclass(frozen=True, eq=False)
 class Axis:
-    """One axis: its name in the file (`A`, `a_g`, `Omega`, `omega_g`, of records `scale`, `T`, `alpha`) and its values in SI units,
-    rising."""
+    """One axis: its name in the file (`A`, `a_g`, `Omega`, `omega_g`, or for records `scale`, `T`, `alpha`) and its rising values in SI
+    units. Raises UsageError if the values are not valid for this axis."""
 
     name: str
     values: np.ndarray
@@ -69,15 +69,14 @@ class Axis:
             raise UsageError(f"axis alpha: found {v[-1]:g} rad, accepted are angles below a right one")
 
     def stated(self) -> list[float | int]:
-        """First and last value, their number and CRC-32: what tells this axis from another one."""
+        """[first value, last value, number, CRC-32] of the values, to compare two axes."""
         v = self.values
         return [float(v[0]), float(v[-1]), v.size, zlib.crc32(v.tobytes())]
 
 
 @dataclass(frozen=True, eq=False)
 class Grid:
-    """Amplitudes and frequencies: both dimensionless (A, Omega) or both with units (a_g [m/s2], omega_g [rad/s]); for a motion that
-    has a time of its own also A with omega_g."""
+    """The axes A and Omega, or a_g [m/s2] and omega_g [rad/s]; for a record also A and omega_g. Raises UsageError for other pairs."""
 
     amplitude: Axis
     frequency: Axis
@@ -90,40 +89,41 @@ class Grid:
 
     @property
     def dimensionless(self) -> bool:
-        """Whether the axes are A and Omega."""
+        """True if the axes are A and Omega."""
         return self.frequency.name == "Omega"
 
     @property
     def shape(self) -> tuple[int, int]:
-        """(frequencies, amplitudes)."""
+        """(number of frequencies, number of amplitudes)."""
         return self.frequency.values.size, self.amplitude.values.size
 
     def scaled(self, structure: RockingParameters) -> tuple[np.ndarray, np.ndarray]:
         """(A, Omega) values of the axes for one structure. Raises UsageError beyond `MOST_OMEGA`."""
         a = self.amplitude.values
-        return (
-            a if self.amplitude.name == "A" else structure.dimensionless_amplitude(a),
-            scaled_frequency(self.frequency, structure),
-        )
+        a = a if self.amplitude.name == "A" else structure.dimensionless_amplitude(a)
+        return a, scaled_frequency(self.frequency, structure)
 
 
 def scaled_frequency(axis: Axis, structure: RockingParameters) -> np.ndarray:
-    """The Omega of an axis Omega or omega_g for one structure. Raises UsageError beyond `MOST_OMEGA`."""
+    """The Omega values of an axis Omega or omega_g for one structure. Raises UsageError beyond `MOST_OMEGA`."""
     omega = axis.values if axis.name == "Omega" else axis.values / structure.p
     if (highest := float(np.max(omega))) > MOST_OMEGA:
-        found = f"found Omega = omega_g/p = {highest:.3g}; accepted is one up to {MOST_OMEGA:g}"
-        raise UsageError(f"{structure.name}: {found}, beyond which doubles do not hold how little it rocks")
+        found = f"found Omega = omega_g/p = {highest:.3g}; accepted are values up to {MOST_OMEGA:g}"
+        raise UsageError(f"{structure.name}: {found}; above it the rotation is below double precision")
     return omega
 
 
 def parse_axes(text: str, *, records: bool = False) -> dict[str, Axis]:
-    """Axes by name from `a_g=0.1g:1g:50,omega_g=1:20:40:log` and the like; records: those of records. Raises UsageError."""
+    """Axes by name from a text such as `a_g=0.1g:1g:50,omega_g=1:20:40:log`; records: accept the axes of records instead.
+
+    Raises UsageError.
+    """
     axes: dict[str, Axis] = {}
     known = _RECORD_AXES if records else _AXES
     for part in text.split(","):
         key, equals, span = (x.strip() for x in part.partition("="))
         if not equals or not span:
-            raise UsageError(f"`grid`: found {part.strip()!r}; accepted is {_FORM}, axes parted by commas")
+            raise UsageError(f"`grid`: found {part.strip()!r}; accepted is {_FORM}, with commas between axes")
         if key in _AXES and key not in known:
             raise UsageError(f"`grid`: found {key}; accepted are {', '.join(known)}, since a record runs in its own time")
         if key not in known:
@@ -145,22 +145,22 @@ def parse_axes(text: str, *, records: bool = False) -> dict[str, Axis]:
 
 
 def written_axes(text: str) -> str:
-    """The axes of a grid by the names that its user wrote, where `parse_axes` gives those of what they are turned into."""
+    """The names of the axes in the user's text, for messages; `parse_axes` gives the names in the file."""
     return " and ".join(part.partition("=")[0].strip() for part in text.split(","))
 
 
-OWN_TIME = Axis("omega_g", np.array([1.0]))  # the phase of a record is its time in s
+OWN_TIME = Axis("omega_g", np.array([1.0]))  # rad/s; then the phase of a record is its time in s
 
 
 def as_recorded(acceleration: float) -> Grid:
-    """The grid of one cell of a motion in its own time, of this peak [m/s2]."""
+    """The grid of one cell for a motion in its own time with this peak acceleration [m/s2]."""
     return Grid(Axis("a_g", np.array([acceleration])), OWN_TIME)
 
 
 def parse_grid(text: str, structures: int = 1, *, own_time: bool = False) -> Grid:
-    """The grid of `--grid`: two axes, both with units or both dimensionless. Raises UsageError.
+    """The grid of the option `--grid`: two axes, both with units or both dimensionless. Raises UsageError.
 
-    own_time: of a motion that has a time of its own, so that the grid has no frequency but one axis, its peak as A or a_g.
+    structures: their number, for the limit of cells; own_time: for a record, whose grid has only the axis A or a_g of its peak.
 
     >>> parse_grid('a_g=0.1g:1g:50,f_g=0.5:5:40').shape  # frequencies, amplitudes
     (40, 50)
@@ -184,8 +184,10 @@ def parse_grid(text: str, structures: int = 1, *, own_time: bool = False) -> Gri
 
 
 def parse_angles(text: str) -> Axis:
-    """The critical angles of `--alpha`: `10,15,20deg`, where a bare number takes the unit of the next that has one, or
-    START:STOP:N. Raises UsageError."""
+    """The axis of critical angles from a text such as `10,15,20deg` or START:STOP:N. Raises UsageError.
+
+    A number without a unit takes the next unit to its right.
+    """
     if ":" in text:
         return Axis("alpha", parse_span("`alpha`", text, "angle"))
     unit, found = "", []
@@ -195,17 +197,17 @@ def parse_angles(text: str) -> Axis:
         try:
             found.append(parse_quantity(f"{parts[0]!r} {unit}" if parts is not None else part, "angle"))
         except ValueError as error:
-            raise UsageError(f"`alpha`: found {part.strip()!r}; accepted is {error}, or several parted by commas") from None
+            raise UsageError(f"`alpha`: found {part.strip()!r}; accepted is {error}, or several with commas between them") from None
     values = np.unique(found)
     if values.size < len(found):
-        raise UsageError(f"`alpha`: found {text!r}, an angle twice; accepted is each once")
+        raise UsageError(f"`alpha`: found {text!r}, which states an angle twice; accepted are distinct angles")
     if values[0] <= 0.0:
         raise UsageError(f"`alpha`: found {text!r}; accepted are positive angles")
     return Axis("alpha", values)
 
 
 def parse_span(key: str, span: str, dimension: str) -> np.ndarray:
-    """Values of START:STOP:N[:log], or of a single VALUE. Raises UsageError; bounds need not be positive."""
+    """The values of START:STOP:N[:log] or of a single VALUE, in SI units, of any sign. Raises UsageError."""
     parts = span.split(":")
     if len(parts) not in (1, 3, 4) or (len(parts) == 4 and parts[3] != "log"):
         raise UsageError(f"{key}: found {span!r}; accepted is START:STOP:N[:log] or a single VALUE")
@@ -226,10 +228,10 @@ def parse_span(key: str, span: str, dimension: str) -> np.ndarray:
     if start == stop:
         raise UsageError(f"{key}: START and STOP are both {parts[0]}; a single value is written {key}={parts[0]}")
     if start > stop:
-        raise UsageError(f"{key}: runs backwards from {parts[0]} to {parts[1]}; accepted is START below STOP")
+        raise UsageError(f"{key}: found START {parts[0]} above STOP {parts[1]}; accepted is START below STOP")
     if len(parts) == 4:
         if start <= 0.0:
-            raise UsageError(f"{key}: a logarithmic axis begins above zero, found {parts[0]}")
+            raise UsageError(f"{key}: found START {parts[0]}; accepted for a logarithmic axis is a positive START")
         return np.asarray(np.geomspace(start, stop, count))
     return np.linspace(start, stop, count)
 

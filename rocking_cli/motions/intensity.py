@@ -1,7 +1,7 @@
-"""Intensity measures of a record: integrals of the polyline of its samples, exact, without any correction.
+"""Intensity measures of a record: exact integrals of its samples joined by straight lines, without any correction.
 
-On an interval from a0 to a1 of length dt the velocity is a parabola and the displacement a cubic, so their largest values lie at
-samples or where a, or v, is zero inside an interval.
+In an interval dt the velocity is a parabola and the displacement a cubic. Their largest values are at samples, or at a zero of a (or
+of v) inside an interval.
 """
 
 from __future__ import annotations
@@ -20,8 +20,8 @@ Array = np.ndarray
 
 @dataclass(frozen=True)
 class Intensity:
-    """What a record measures: peak ground acceleration [m/s2] and its time [s], velocity [m/s] and displacement [m], Arias intensity
-    [m/s], cumulative absolute velocity [m/s], and the durations from 5 % to 75 and 95 % of the Arias intensity [s]."""
+    """The measures of a record: peak ground acceleration [m/s2] and its time [s], peak velocity [m/s] and displacement [m], Arias
+    intensity [m/s], cumulative absolute velocity [m/s], and the durations from 5 % to 75 and 95 % of the Arias intensity [s]."""
 
     pga: float
     pga_time: float
@@ -34,7 +34,7 @@ class Intensity:
 
 
 def intensity(record: Record) -> Intensity:
-    """The intensity measures of a record, which begins at rest.
+    """The intensity measures of a record; velocity and displacement start at zero.
 
     >>> measured = intensity(read_record('configs/motions/synthetic.at2'))
     >>> round(measured.pga, 3), round(measured.pgv, 3)
@@ -67,12 +67,12 @@ def intensity(record: Record) -> Intensity:
 
 
 def velocity(a: Array, dt: float, begin: float = 0.0) -> Array:
-    """Velocity at the samples, shape of `a`, which begins with this one."""
+    """Velocity at the samples, shape of `a`; `begin` is its first value."""
     return np.cumsum(np.concatenate([[begin], 0.5 * dt * (a[:-1] + a[1:])]))
 
 
 def displacement(a: Array, v: Array, dt: float, begin: float = 0.0) -> Array:
-    """Displacement at the samples, shape of `a`, which begins with this one; v: the velocity there."""
+    """Displacement at the samples, shape of `a`; v: velocity at the samples; `begin` is its first value."""
     return np.cumsum(np.concatenate([[begin], dt * v[:-1] + dt * dt / 6.0 * (2.0 * a[:-1] + a[1:])]))
 
 
@@ -98,9 +98,9 @@ def _largest_velocity(a: Array, v: Array, dt: float) -> float:
 
 
 def _largest_displacement(a: Array, v: Array, d: Array, dt: float) -> float:
-    """At samples, or where v0 + a0 s + (a1 - a0)/dt s^2/2 = 0 inside an interval: up to two roots, found without cancellation."""
+    """max |d| over samples and roots of v = v0 + a0 s + (a1 - a0)/dt s^2/2 inside an interval, solved without cancellation."""
     most = largest(d)
-    # v can only be zero inside where it changes sign, or where its parabola has its vertex inside.
+    # v has a root inside only if it changes its sign, or if the vertex of its parabola is inside.
     i = np.flatnonzero((v[:-1] * v[1:] <= 0.0) | (a[:-1] * a[1:] < 0.0))
     curved, sloped, flat = 0.5 * dt * (a[i + 1] - a[i]), dt * a[i], v[i]
     with np.errstate(all="ignore"):
@@ -115,8 +115,10 @@ def _largest_displacement(a: Array, v: Array, d: Array, dt: float) -> float:
 
 
 def _reached(a: Array, dt: float, energy: Array, part: float) -> float:
-    """Time at which the integral of a^2 first reaches a part of its end; 0 for a record that is zero throughout; energy: at the beginning
-    of every block of intervals, and at the end."""
+    """Time [s] at which the integral of a^2 first reaches `part` of its final value; 0 if the record is zero.
+
+    energy: the integral at the start of every block of intervals, and at the end.
+    """
     target = part * float(energy[-1])
     if not target > 0.0:
         return 0.0
@@ -127,7 +129,7 @@ def _reached(a: Array, dt: float, energy: Array, part: float) -> float:
     i = within.start + before
     a0, rise, wanted = float(a[i]), float(a[i + 1] - a[i]) / dt, target - float(sums[before])
     low, high = 0.0, dt
-    for _ in range(60):  # the integral rises, so halving is sure, and 60 halvings are exact
+    for _ in range(60):  # bisection of a rising function; 60 steps reach double precision
         middle = 0.5 * (low + high)
         gained = middle * (a0 * a0 + middle * (a0 * rise + middle * rise * rise / 3.0))
         low, high = (low, middle) if gained >= wanted else (middle, high)

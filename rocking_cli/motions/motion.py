@@ -1,11 +1,7 @@
-"""A motion: ground acceleration over its amplitude, as exact pieces over the pulse's own phase.
+"""A motion: ground acceleration over its amplitude a_g, as exact pieces over the phase phi = omega_g t.
 
-The phase is phi = omega_g t, so that one motion serves every frequency. On a piece
-
-    s(phi) = c0 + c1 (phi - start) + sum_j C_j sin(w_j phi + f_j)
-
-which is a drive for which the linear oscillator has a closed-form flow. `Segments` cuts the pieces where s has an
-extremum, so that s is monotone on each segment: that is what lets the engine prove where a root can and cannot be.
+One motion serves every frequency. For the s(phi) of a piece (see `piece`) the linear oscillator has a closed-form solution.
+`Segments` cuts the pieces at the extremes of s. On a segment s is monotone, and so the engine can prove where roots are.
 """
 
 from __future__ import annotations
@@ -22,14 +18,14 @@ from .extremes import extremes
 from .piece import Harmonic, Piece
 from .segments import Samples, Segments
 
-LARGEST_SCALE = 1e100  # beyond it amplitudes overflow
+LARGEST_SCALE = 1e100  # larger amplitudes may overflow
 
 
 @dataclass(frozen=True)
 class Motion:
-    """A named motion: contiguous pieces that begin at phase 0; amplitude 1 scales to a_g.
+    """A named motion: contiguous pieces from phase 0; the ground acceleration is a_g s(phi).
 
-    Raises MotionError when there is no piece, when pieces overlap or leave a gap, or when a number is not finite.
+    Raises MotionError if there is no piece, if pieces overlap or leave a gap, or if a number is not finite.
     """
 
     name: str
@@ -37,22 +33,22 @@ class Motion:
 
     @property
     def acceleration(self) -> float | None:
-        """The amplitude a_g [m/s2] that the motion has of its own, in its own time (omega_g = 1 rad/s); None where it has none."""
+        """The amplitude a_g of a record [m/s2], which runs in its own time (omega_g = 1 rad/s); None for any other motion."""
         return None
 
     @property
     def vertical(self) -> Motion | None:
-        """The vertical acceleration of the ground that goes with it, upwards, over the same amplitude; None where there is none."""
+        """The vertical motion, positive upwards, over the same amplitude; None if there is none."""
         return None
 
     @property
     def samples(self) -> Samples | None:
-        """The motion as samples joined by straight lines at equal steps; None for any other."""
+        """The samples of a motion of straight lines at equal steps; None for any other motion."""
         return None
 
     @property
     def coarsest(self) -> Motion:
-        """The same motion without intervals that only go on as the one before; itself where it has none."""
+        """The same motion with consecutive intervals of the same line joined."""
         return self
 
     def __post_init__(self) -> None:
@@ -77,15 +73,15 @@ class Motion:
 
     @property
     def duration(self) -> float:
-        """Phase at which shaking ends [rad]; the time is duration / omega_g."""
+        """Phase at which the shaking ends [rad]; the time is duration / omega_g."""
         return self.pieces[-1].stop
 
     def still_until(self, phase: float) -> Motion:
-        """The motion with the ground at rest after it, up to a phase [rad]."""
+        """The motion with the ground at rest after it up to a phase [rad]."""
         return Motion(self.name, (*self.pieces, Piece(self.duration, phase)))
 
     def scaled(self, factor: float) -> Motion:
-        """The motion times a factor, which may be negative. Raises MotionError for one that is zero or not finite."""
+        """The motion times a factor, which may be negative. Raises MotionError, see `checked_scale`."""
         return Motion(f"{self.name}, times {checked_scale(self.name, factor):g}", tuple(p.scaled(factor) for p in self.pieces))
 
     @property
@@ -94,7 +90,7 @@ class Motion:
         return float(max(self.segments.later_max[0], -self.segments.later_min[0]))
 
     def value(self, phase: np.ndarray | float) -> np.ndarray:
-        """s(phase) [-], any shape; right-hand values at jumps, zero outside the motion."""
+        """s [-] at phases [rad] of any shape; the value after a jump, zero outside the motion."""
         phase = np.asarray(phase, dtype=float)
         result = np.zeros_like(phase)
         for piece in self.pieces:
@@ -108,7 +104,7 @@ class Motion:
         return self.cut([extremes(piece) for piece in self.pieces])
 
     def cut(self, inner: Sequence[Sequence[float]]) -> Segments:
-        """The pieces cut into segments at these phases inside each of them, which are to hold its extremes."""
+        """The segments of the pieces; `inner`: for each piece the phases [rad] of the cuts inside it, which must include its extremes."""
         cuts: list[tuple[int, float, float]] = []
         for i, (piece, within) in enumerate(zip(self.pieces, inner, strict=True)):
             marks = [piece.start, *within, piece.stop]
@@ -143,8 +139,10 @@ class Motion:
         )
 
     def _lengths(self, index: np.ndarray, start: np.ndarray, stop: np.ndarray) -> np.ndarray:
-        """Lengths of the segments; between quarter turns of a piece's one sinusoid without the rounding of the phases there,
-        which would stand against sines that are exact, and add up."""
+        """Lengths [rad] of the segments, exact between quarter turns of a single sinusoid.
+
+        The sines there are exact, and the rounding of phases would add up over many cycles.
+        """
         length = stop - start
         for i, piece in enumerate(self.pieces):
             if len(piece.harmonics) == 1:
@@ -156,14 +154,14 @@ class Motion:
 
 
 def checked_scale(name: str, factor: float) -> float:
-    """The factor of a motion of that name. Raises MotionError for one that is zero, not finite or beyond what can be computed with."""
+    """The factor itself. Raises MotionError, with the motion's name, if it is zero, not finite or above LARGEST_SCALE."""
     if 0.0 < abs(factor) <= LARGEST_SCALE:
         return factor
     raise MotionError(f"motion {name!r}: a scale of {factor:g}, accepted is a number that is not zero, up to {LARGEST_SCALE:g}")
 
 
 def _quarters(h: Harmonic, phase: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """The argument of a sinusoid as quarter turns and the rest [rad], 0 where rounding of the phase explains it."""
+    """(quarter turns, rest [rad]) of the argument of a sinusoid; a rest within rounding is 0."""
     argument = h.frequency * phase + h.phase
     quarter = np.rint(argument / (np.pi / 2))
     rest = argument - quarter * (np.pi / 2)
@@ -171,18 +169,15 @@ def _quarters(h: Harmonic, phase: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _sin_cos(h: Harmonic, phase: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Amplitude times sin and cos of the argument, exact (0 or 1) at quarter turns so that 10^4 cycles do not drift."""
+    """C times sin and cos of the argument, exact (0 or 1) at quarter turns, so that 10^4 cycles do not drift."""
     quarter, rest = _quarters(h, phase)
     turn = quarter.astype(np.int64) % 4
     sin, cos = np.sin(rest), np.cos(rest)
-    return (
-        h.amplitude * np.choose(turn, [sin, cos, -sin, -cos]),
-        h.amplitude * np.choose(turn, [cos, -sin, -cos, sin]),
-    )
+    return h.amplitude * np.choose(turn, [sin, cos, -sin, -cos]), h.amplitude * np.choose(turn, [cos, -sin, -cos, sin])
 
 
 def _exact_value(piece: Piece, phase: np.ndarray) -> np.ndarray:
-    """s(phase) with sin(pi) = 0 and sin(pi/2 + 2 pi k) = 1 to the last bit."""
+    """s [-] of a piece at phases [rad], with exact sines at quarter turns."""
     total = piece.constant + piece.slope * (phase - piece.start)
     for h in piece.harmonics:
         total = total + _sin_cos(h, phase)[0]

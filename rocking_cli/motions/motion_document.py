@@ -1,7 +1,7 @@
-"""A motion of the user's own, from a YAML or JSON document: exact pieces, or points joined by straight lines.
+"""Motions from a YAML or JSON document: exact pieces, or points joined by straight lines.
 
-Times are in periods T_g = 2 pi / omega_g, accelerations in a_g, so that the document, like a pulse, serves every amplitude and
-frequency; with T_g = 1 s and a_g = 1 m/s2 they are in s and m/s2.
+Times are in periods T_g = 2 pi / omega_g and accelerations in a_g, so that one document serves every amplitude and frequency. With
+T_g = 1 s and a_g = 1 m/s2 they are in s and m/s2.
 """
 
 from __future__ import annotations
@@ -12,22 +12,20 @@ from pathlib import Path
 import numpy as np
 
 from ..documents.document import Document, Value
-from ..documents.quantities import parse_quantity
 from ..errors import DocumentError, MotionError
 from .motion import Motion
 from .piece import Harmonic, Piece
 from .polyline import Polyline
+from .pulses import MOST_CYCLES, TURN
 
-TURN = 2.0 * np.pi
-MOST_CYCLES = 1e5  # length of a motion, and of any of its sines in its own periods
-LARGEST = 1e6  # accelerations, over a_g, and phases
+LARGEST = 1e6  # of an acceleration over a_g, and of a phase
 SHORTEST = 1e-9  # periods
 _PIECES = "a list of pieces, each with from, to, and constant, slope or sines"
 _POINTS = "a list of two or more points [t/T_g, acceleration/a_g], in order of time"
 
 
 def build_motion(document: Document) -> Motion:
-    """pieces or points, and a name. Raises DocumentError."""
+    """The motion of a document with `pieces` or `points`, and `name`. Raises DocumentError."""
     stem = "motion" if document.source.startswith("<") else Path(document.source).stem
     name = document.word("name", stem)
     if document.has("pieces") == document.has("points"):
@@ -39,7 +37,7 @@ def build_motion(document: Document) -> Motion:
         raise DocumentError(f"{document.place}: {error}") from None
     document.finish()
     if not motion.peak > 0.0:
-        raise document.fault(None, "a motion that is zero throughout", "one with an amplitude")
+        raise document.fault(None, "a motion that is zero throughout", "a motion with a non-zero value")
     return motion
 
 
@@ -64,8 +62,7 @@ def _pieces(document: Document) -> tuple[Piece, ...]:
             raise part.fault("from", f"{start:g}, where piece {i} {what}", f"{before:g}, the end of the piece before" if i > 1 else "0")
         steepest = LARGEST / (stop - start)
         constant, slope = (
-            part.quantity(key, "number", least=-most, most=most) if part.has(key) else 0.0
-            for key, most in (("constant", LARGEST), ("slope", steepest))
+            part.quantity(key, "number", least=-most, most=most, default=0.0) for key, most in (("constant", LARGEST), ("slope", steepest))
         )
         sines = _children(part, "sines", "a list of sines", 1) if part.has("sines") else []
         harmonics = tuple(_sine(part, child, stop - start) for child in sines)
@@ -81,14 +78,14 @@ def _sine(part: Document, value: Value, length: float) -> Harmonic:
     amplitude = sine.quantity("amplitude", "number", least=-LARGEST, most=LARGEST)
     highest = MOST_CYCLES / length
     where = f"a positive multiple of omega_g, up to {highest:g} for {MOST_CYCLES:g} cycles in this piece"
-    frequency = sine.quantity("frequency", "number", above=0.0, most=highest, where=where) if sine.has("frequency") else 1.0
-    phase = sine.quantity("phase", "angle", least=-LARGEST, most=LARGEST) if sine.has("phase") else 0.0
+    frequency = sine.quantity("frequency", "number", above=0.0, most=highest, where=where, default=1.0)
+    phase = sine.quantity("phase", "angle", least=-LARGEST, most=LARGEST, default=0.0)
     sine.finish()
     return Harmonic(amplitude, frequency, phase)
 
 
 def _lines(document: Document, name: str) -> Motion:
-    points = [_point(document, value) for value in _children(document, "points", _POINTS, 2)]
+    points = [document.pair("points", value, "number", "point", _POINTS) for value in _children(document, "points", _POINTS, 2)]
     if points[0][0] != 0.0:
         raise document.fault("points", f"a first point at {points[0][0]:g}", "a motion that begins at 0")
     for (t0, s0), (t1, s1) in pairwise(points):
@@ -98,14 +95,3 @@ def _lines(document: Document, name: str) -> Motion:
             raise document.fault("points", f"an acceleration of {s0 if abs(s0) > abs(s1) else s1:g}", f"one up to {LARGEST:g} a_g")
     time, level = np.array(points).T
     return Polyline(name, TURN * time[:-1], TURN * time[1:], level[:-1], np.diff(level) / (TURN * np.diff(time)))
-
-
-def _point(document: Document, value: Value) -> tuple[float, float]:
-    if isinstance(value.content, list) and len(value.content) == 2:
-        try:
-            t, s = (parse_quantity(v.content, "number") for v in value.content if isinstance(v.content, str))
-        except ValueError:
-            pass
-        else:
-            return t, s
-    raise document.fault("points", f"a point that is not a pair of numbers (line {value.place.line})", _POINTS)

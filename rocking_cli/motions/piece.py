@@ -12,7 +12,7 @@ import numpy as np
 
 @dataclass(frozen=True)
 class Harmonic:
-    """One sinusoid C sin(w phi + f) of a piece: amplitude C [-], frequency w [multiples of omega_g], phase f [rad]."""
+    """A sinusoid C sin(w phi + f): amplitude C [-], frequency w [multiples of omega_g], phase f [rad]."""
 
     amplitude: float
     frequency: float = 1.0
@@ -21,7 +21,7 @@ class Harmonic:
 
 @dataclass(frozen=True)
 class Piece:
-    """One exact piece of a motion between two phases [rad]; see the module's formula."""
+    """One piece of a motion between two phases [rad]: harmonics, constant c0 [-], slope c1 [1/rad]."""
 
     start: float
     stop: float

@@ -1,6 +1,6 @@
-"""The pulses of the literature by name. A new pulse is one function that returns its pieces and one line in PULSES.
+"""The pulses of the literature by name, over phi = omega_g t; for a pulse with a duration, omega_g = 2 pi / duration.
 
-phi = omega_g t. For pulses that have a duration instead of a frequency, omega_g = 2 pi / duration.
+A new pulse is one function that returns a motion, and one line in PULSES.
 """
 
 from __future__ import annotations
@@ -18,13 +18,11 @@ from .piece import Harmonic, Piece
 
 MOST_CYCLES = 100_000
 TURN = 2.0 * np.pi
-_TAIL = 8.5  # a Ricker wavelet is below 1e-13 beyond this many of its own units, in time and in frequency
+_TAIL = 8.5  # a Ricker wavelet and its spectrum are below 1e-13 beyond this distance, in units of x
 
 
 def sine(cycles: float = 1.0) -> Motion:
-    """sin(phi) for `cycles` cycles, any number of half cycles (0.5, 1, 1.5, ...). Section 2 of the paper.
-
-    Raises MotionError when `cycles` is not a positive multiple of one half.
+    """sin(phi) for `cycles` cycles, a multiple of 0.5 (section 2 of the paper). Raises MotionError for other values.
 
     >>> sine(cycles=1.5).name
     'sine, 1.5 cycles'
@@ -33,9 +31,7 @@ def sine(cycles: float = 1.0) -> Motion:
 
 
 def cosine(cycles: float = 1.0) -> Motion:
-    """cos(phi) for `cycles` cycles, any number of half cycles; it begins with a jump, so uplift is at t = 0+.
-
-    Raises MotionError when `cycles` is not a positive multiple of one half.
+    """cos(phi) for `cycles` cycles, a multiple of 0.5; it begins with a jump. Raises MotionError for other values.
 
     >>> cosine().name
     'cosine, 1 cycle'
@@ -54,20 +50,20 @@ def rectangular() -> Motion:
 
 
 def rectangular_impulse() -> Motion:
-    """+1 for t_p = 2 pi / omega_g, then -1/2 for 2 t_p: the impulse of Fig. 7c, which leaves no velocity behind."""
+    """+1 for t_p = 2 pi / omega_g, then -1/2 for 2 t_p: the impulse of Fig. 7c; the ground velocity at its end is zero."""
     return Motion("rectangular impulse", (Piece(0.0, TURN, constant=1.0), Piece(TURN, 3.0 * TURN, constant=-0.5)))
 
 
 def ricker_symmetric() -> Motion:
     """(1 - x^2) exp(-x^2/2), x = (phi - phi_0)/sqrt(2): the Ricker wavelet of predominant frequency omega_g.
 
-    Its spectrum ends where the wavelet does, so a sum of 23 cosines is that wavelet to 1e-13, an exact piece like any other.
+    A sum of 23 cosines gives it to 1e-13.
     """
     return Motion("symmetric Ricker", (_ricker(math.sqrt(2.0), lambda k: (1.0, 0.5 * np.pi)),))
 
 
 def ricker_antisymmetric() -> Motion:
-    """x (x^2 - 3) exp(-x^2/2), x = (phi - phi_0)/sqrt(3), over its peak: the derivative of the symmetric one."""
+    """x (x^2 - 3) exp(-x^2/2), x = (phi - phi_0)/sqrt(3), over its largest value: the derivative of the symmetric wavelet."""
     x2 = 3.0 - math.sqrt(6.0)
     peak = math.sqrt(x2) * (3.0 - x2) * math.exp(-0.5 * x2)
     return Motion("antisymmetric Ricker", (_ricker(math.sqrt(3.0), lambda k: (-k / peak, 0.0)),))
@@ -76,8 +72,8 @@ def ricker_antisymmetric() -> Motion:
 def mavroeidis_papageorgiou(gamma: float = 2.0, phase: float = 0.0) -> Motion:
     """The near-fault pulse of Mavroeidis and Papageorgiou (2003), scaled to a peak acceleration of 1.
 
-    Its velocity is cos(phi' + phase) (1 + cos(phi'/gamma))/2 with phi' = phi - pi gamma, gamma >= 1 the ratio of duration to
-    period and the phase in rad; the acceleration is a sum of three sinusoids. Raises MotionError.
+    Its velocity is cos(phi' + phase) (1 + cos(phi'/gamma))/2 with phi' = phi - pi gamma. gamma >= 1 is the ratio of duration to
+    period; phase is in rad. The acceleration is a sum of three sinusoids. Raises MotionError.
     """
     if not 1.0 <= gamma <= MOST_CYCLES:
         raise MotionError(f"mavroeidis-papageorgiou pulse: gamma is {gamma:g}, accepted is a number from 1 to {MOST_CYCLES}")
@@ -124,7 +120,7 @@ PULSES: dict[str, Callable[..., Motion]] = {
 
 
 def pulse(name: str, **parameters: Any) -> Motion:
-    """The pulse of that name; parameters: `cycles`, or `gamma` and `phase`. Raises MotionError when one does not fit the pulse.
+    """The pulse of that name; parameters: `cycles`, or `gamma` and `phase`. Raises MotionError if the pulse does not take one of them.
 
     >>> pulse('mavroeidis-papageorgiou', gamma=2.0, phase=0.5).name
     'Mavroeidis-Papageorgiou, gamma 2, phase 0.5'

@@ -1,4 +1,4 @@
-"""The motion of a file: a motion document or a record, told apart by what it holds, and scaled."""
+"""The motion of a file, scaled. The content of the file shows if it is a motion document or a record."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ from .polyline import record_motion
 from .records import Record, pick, read_bytes, records_of
 from .records.components import vertical_of
 
-LONG, _BYTES = 5_000_000, 200  # samples from which the memory is said beforehand, and what each of them takes
-MEASURES = {"PGA": "acceleration", "PGV": "velocity", "PGD": "length", "Arias": "velocity", "CAV": "velocity"}  # and their dimensions
+LONG, _BYTES = 5_000_000, 200  # a record with so many samples gets a remark on memory; bytes for each sample
+MEASURES = {"PGA": "acceleration", "PGV": "velocity", "PGD": "length", "Arias": "velocity", "CAV": "velocity"}  # dimensions by name
 
 
 def read_motion(
@@ -33,12 +33,11 @@ def read_motion(
     vertical: float | None = None,
     tell: Callable[[str], None] | None = None,
 ) -> Motion:
-    """The motion of a document or of a record, `-` for standard input, times `scale` (which may be negative).
+    """The motion of a motion document or a record, times `scale`, which may be negative; path `-` is standard input.
 
-    Of a record: the component, where the file holds several; unit and dt [s] of plain numbers; scale_to: `PGA=0.35g` and the like
-    instead of `scale`; vertical: factor of the vertical component of the same file, which then shakes with it. tell: called with what
-    is odd about the record, in a sentence. Raises UsageError for a file that cannot be read or a choice that does not fit, and
-    DocumentError.
+    For a record only: component of a file with several; unit and dt [s] of a file of plain numbers; scale_to, instead of `scale`: a
+    text such as `PGA=0.35g`; vertical: factor of the vertical component of the same file, which is added; tell: called with each
+    remark about the record. Raises UsageError if the file cannot be read or an option does not apply, and DocumentError.
 
     >>> read_motion('configs/motions/two_pulses.yaml').name
     'Two pulses'
@@ -60,19 +59,19 @@ def read_motion(
 
 
 def motion_of(source: str, raw: bytes, *, scale: float | None = None, **of_records: Any) -> Motion:
-    """The motion of a document's bytes, times `scale`. Raises DocumentError, and UsageError where an option of records is given."""
+    """The motion of the bytes of a document, times `scale`. Raises DocumentError, and UsageError if an option of records is given."""
     documents = documents_of(raw, source)
     if len(documents) > 1:
         raise DocumentError(f"{documents[1].place}: a second document; a motion file holds one")
     motion = build_motion(documents[0])
     for name, given in of_records.items():
         if given is not None:
-            raise UsageError(f"{source}: a motion document, which has no amplitude and time of its own; `{name}` goes with a record")
+            raise UsageError(f"{source}: found a motion document; `{name}` applies to a record only")
     return motion if scale is None else motion.scaled(scale)
 
 
 def remarks_on(record: Record) -> tuple[str, ...]:
-    """The remarks on a record, and of a long one the memory that a response to it takes, in a sentence each."""
+    """The remarks on a record, one sentence each; for a long record also the memory that a response needs."""
     if record.npts < LONG:
         return record.remarks
     memory = f"{record.npts:,} samples; a response to them takes about {_BYTES * record.npts / 1e9:.2g} GB of memory"
@@ -80,31 +79,28 @@ def remarks_on(record: Record) -> tuple[str, ...]:
 
 
 def factor_of(record: Record, scale: float | None, scale_to: str | None) -> float:
-    """The factor that `--scale` and `--scale-to` come to: one of them, or both where the scale is -1. Raises UsageError."""
+    """The factor from `--scale` or `--scale-to`; both may be given only if the scale is -1. Raises UsageError."""
     if scale_to is None:
         return 1.0 if scale is None else scale
     if scale not in (None, -1.0):
-        raise UsageError("`scale` and `scale_to` do not go together, but for a scale of -1, which turns a record over: give one of them")
+        raise UsageError("found both `scale` and `scale_to`; accepted is one of them, or both with a scale of -1, which reverses a record")
     return factor_to(record, scale_to) * (scale or 1.0)
 
 
 def factor_to(record: Record, text: str) -> float:
-    """The factor by which a record is scaled to an intensity measure, such as PGA=0.35g.
-
-    Raises UsageError.
-    """
+    """The factor that scales a record to an intensity measure, such as PGA=0.35g. Raises UsageError."""
     name, equals, value = (x.strip() for x in text.partition("="))
     measure = next((m for m in MEASURES if m.casefold() == name.casefold()), None)
     if measure is None or not equals:
-        raise UsageError(f"`scale_to`: found {text!r}; accepted is such as PGA=0.35g, of {', '.join(MEASURES)}")
+        raise UsageError(f"`scale_to`: found {text!r}; accepted is MEASURE=VALUE, such as PGA=0.35g, with one of {', '.join(MEASURES)}")
     try:
         wanted = parse_quantity(value, MEASURES[measure])
     except ValueError as error:
         raise UsageError(f"`scale_to` {measure}: found {value!r}; accepted is {error}") from None
     own = float(getattr(intensity(record), measure.casefold()))
     if not own > 0.0:
-        raise UsageError(f"`scale_to`: the record has a {measure} of {own:g}; accepted is one that is not zero")
+        raise UsageError(f"`scale_to`: the record has a {measure} of {own:g}; accepted is a non-zero {measure}")
     if not wanted > 0.0:
-        raise UsageError(f"`scale_to`: found {text!r}; accepted is a positive intensity; a scale of -1 turns a record over")
+        raise UsageError(f"`scale_to`: found {text!r}; accepted is a positive intensity; a scale of -1 reverses a record")
     ratio = wanted / own
     return math.sqrt(ratio) if measure == "Arias" else ratio

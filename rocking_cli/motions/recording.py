@@ -1,4 +1,4 @@
-"""A record as it shakes: times a factor, in its own time. A set of records is a tuple of them."""
+"""Records with a scale factor, each in its own time, and sets of them."""
 
 from __future__ import annotations
 
@@ -29,8 +29,8 @@ from .records.sets import NoRecord, read_set, record_files
 class Recording:
     """A record times a factor, which may be negative.
 
-    label: its name in a set; upwards: the vertical motion beside it, in its own amplitude. Raises MotionError for a record that is zero
-    throughout and for a factor that is zero or not finite.
+    label: its name in a set; upwards: the vertical motion. Raises MotionError if the record is zero throughout, or the factor is zero
+    or not finite.
     """
 
     record: Record
@@ -39,34 +39,34 @@ class Recording:
     upwards: Upwards | None = None
 
     def __post_init__(self) -> None:
-        label = (self.label or self.record.label).encode("utf-8", "backslashreplace").decode()  # a name may hold bytes that are no text
+        label = (self.label or self.record.label).encode("utf-8", "backslashreplace").decode()  # file names may not be valid text
         object.__setattr__(self, "label", label)
         checked_scale(self.record.label, self.factor)
         if not np.any(self.record.acceleration):
-            record_motion(self.record)  # which says what is wrong with it
+            record_motion(self.record)  # raises the MotionError
 
     @property
     def acceleration(self) -> float:
-        """The peak with which it shakes [m/s2]."""
+        """The peak ground acceleration of the scaled record [m/s2]."""
         return abs(self.factor) * largest(self.record.acceleration)
 
     @cached_property
     def intensity(self) -> Intensity:
-        """The measures of the record itself, before the factor."""
+        """The intensity measures of the record without the factor."""
         return intensity(self.record)
 
     def times(self, factor: float) -> Recording:
-        """The same times a positive factor, with what is beside it."""
+        """The recording times a positive factor, which also scales its vertical motion."""
         up = None if self.upwards is None else replace(self.upwards, scale=self.upwards.scale * factor)
         return replace(self, factor=self.factor * factor, upwards=up)
 
     @property
     def motion(self) -> Motion:
-        """The motion in its own time (omega_g = 1 rad/s) by its label; made anew when it was not among the last two asked for."""
+        """The motion in its own time (omega_g = 1 rad/s), named by its label; only the last two motions are kept in memory."""
         return _motion(self)
 
     def identity(self) -> list[Any]:
-        """What a result depends on: label, hash of the file, component, dt [s], unit as it was read, factor, and the vertical motion."""
+        """The data on which a result depends: label, hash of the file, component, dt [s], unit in the file, factor, vertical motion."""
         r, up = self.record, [] if self.upwards is None else [self.upwards.identity()]
         return [self.label, r.sha256, r.component, r.dt, r.unit, self.factor, *up]
 
@@ -78,7 +78,7 @@ def _motion(recording: Recording) -> Motion:
 
 
 def with_distinct_labels(recordings: Sequence[Recording]) -> tuple[Recording, ...]:
-    """The same, those of equal labels told apart by their number among them."""
+    """The same recordings with distinct labels: equal labels get a number."""
     times, found = Counter(r.label for r in recordings), []
     taken = set(times)
     for r in recordings:
@@ -102,14 +102,12 @@ def read_motions(
     tell: Callable[[str], None] | None = None,
     unread: Callable[[str], None] | None = None,
 ) -> Motion | tuple[Recording, ...]:
-    """The motion of the one document that a path names, or the records of files, directories and lists of files (`record_files`),
-    also of a list on standard input.
+    """The motion of a single motion document, or the records of files, directories and lists of files (see `record_files`).
 
-    component: `horizontal`, `all`, or one by name or number; None: both horizontal ones of each file, as motions of their own. vertical:
-    factor of the vertical component of the same file, which then shakes with each of them. The others are those of `read_motion`, for
-    each record. tell: called with what is odd about one and with what is left out of a directory, in a sentence; unread: with each file
-    of a directory that cannot be read, which is an error without it. Raises UsageError and DocumentError as `read_motion` does, and
-    where there is no record at all.
+    component: `horizontal`, `all`, or a name or number; None: each horizontal component of each file; vertical: factor of the vertical
+    component of the same file, which is added to each; tell: called with each remark and each file of a directory that is left out;
+    unread: called with each file of a directory that cannot be read, an error if None; other arguments as for `read_motion`.
+    Raises UsageError and DocumentError as `read_motion` does, and UsageError if there is no record.
     """
     say = tell or (lambda text: None)
 
@@ -135,7 +133,7 @@ def read_motions(
 
 
 def holds_records(path: str) -> bool:
-    """Whether a path names records by what it holds: a record, a directory, or a list of files; standard input does not."""
+    """True if a path is a record, a directory or a list of files, by its content; false for standard input."""
     if path == "-" or not os.path.exists(path):
         return False
     return os.path.isdir(path) or (os.path.isfile(path) and (is_record(path) or next(record_files([path]))[0] != path))

@@ -190,7 +190,7 @@ def test_plain_columns_as_a_motion(rocking, tmp_path):
         (("response", "configs/block.yaml", "--scale-to", "PGA=1g", "--a-g", "1", "--T-g", "1"), 2, "--scale-to goes with a record"),
         (("response", "configs/block.yaml", *RECORD, "--pulse", "sine"), 2, "--motion does not go with --pulse"),
         (("response", "configs/block.yaml", *RECORD, "--scale", "0"), 2, "a scale of 0"),
-        (("response", "configs/block.yaml", *RECORD, "--scale", "2", "--scale-to", "PGA=1"), 2, "do not go together"),
+        (("response", "configs/block.yaml", *RECORD, "--scale", "2", "--scale-to", "PGA=1"), 2, "found both"),
         (("spectrum", "configs/block.yaml", *RECORD, "--grid", "a_g=1:2:3,T_g=1", "-o", "x.h5"), 2, "a record runs in its own time"),
         (("envelope", "configs/block.yaml", *RECORD, "--grid", "T_g=1"), 2, "a record runs in its own time"),
         (("envelope", "configs/block.yaml"), 2, "no --grid"),

@@ -91,7 +91,7 @@ def test_quiet_says_nothing(rocking):
     ("arguments", "words"),
     [
         (["--grid", "A=1:2"], "START:STOP:N"),
-        (["--grid", "A=2:1:9,Omega=1:2:3"], "runs backwards"),
+        (["--grid", "A=2:1:9,Omega=1:2:3"], "found START 2 above STOP 1"),
         (["--grid", "A=1:1:9,Omega=1:2:3"], "a single value is written"),
         (["--grid", "A=1:2:0,Omega=1:2:3"], "N = '0'"),
         (["--grid", "A=1:2:1000000,Omega=1:2:1000000"], "cells"),

@@ -208,7 +208,7 @@ def test_records_keep_the_ratio_of_their_amplitudes_and_others_do_not_go_with_th
     assert isinstance(both, Biaxial)
     assert both.vertical.value(np.array([0.0, 0.05, 0.1, 0.25])) == pytest.approx([0.25, 0.1875, 0.125, 0.0], abs=1e-15)
     assert (float(both.value(0.05)), both.duration) == pytest.approx((0.5, 0.3), rel=1e-14)
-    with pytest.raises(UsageError, match="two of a kind"):
+    with pytest.raises(UsageError, match="two records, or none"):
         with_vertical(one, sine(1))
 
 

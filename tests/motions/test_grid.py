@@ -52,7 +52,7 @@ def test_scaling_to_a_structure():
         ("A=1:2:3,Omga=1:2:3", "unknown axis 'Omga'"),
         ("A=1:2,Omega=1:2:3", "START:STOP:N"),
         ("A=1:2:3:lin,Omega=1:2:3", "START:STOP:N"),
-        ("A=2:1:3,Omega=1:2:3", "runs backwards"),
+        ("A=2:1:3,Omega=1:2:3", "found START 2 above STOP 1"),
         ("A=1:1:3,Omega=1:2:3", "a single value is written"),
         ("A=1:2:1,Omega=1:2:3", "N = '1'"),
         ("A=1:2:0,Omega=1:2:3", "N = '0'"),
@@ -62,7 +62,7 @@ def test_scaling_to_a_structure():
         (f"A=1:2:{'9' * 5000},Omega=1:2:3", "N = '999"),
         ("A=-1:2:3,Omega=1:2:3", "positive values or zero"),
         ("A=1:2:3,Omega=0:2:3", "positive values"),
-        ("A=0:2:3:log,Omega=1:2:3", "begins above zero"),
+        ("A=0:2:3:log,Omega=1:2:3", "a positive START"),
         ("A=1:inf:3,Omega=1:2:3", "found 'inf'"),
         ("A=1:nan:3,Omega=1:2:3", "found 'nan'"),
         ("A=1:2g:3,Omega=1:2:3", "without a unit"),
@@ -102,6 +102,6 @@ def test_a_motion_with_a_time_of_its_own_has_one_axis():
 @pytest.mark.parametrize("axes", ["a_g=5,f_g=1e10", "A=2,Omega=1.1e10"])
 def test_frequencies_at_which_nothing_is_left_of_the_motion_are_refused(axes):
     body = dimensionless_oscillator(0.9) if "Omega" in axes else built("kind: block\nwidth: 0.5\nheight: 2")
-    with pytest.raises(UsageError, match="accepted is one up to 1e\\+10"):
+    with pytest.raises(UsageError, match="accepted are values up to 1e\\+10"):
         parse_grid(axes).scaled(body)
     assert parse_grid(axes.replace("1e10", "1e9").replace("1.1e9", "1e10")).scaled(body)[1] <= 1e10

@@ -63,12 +63,15 @@ def test_documents_and_pulses_are_turned_over(tmp_path):
 @pytest.mark.parametrize(
     ("given", "words"),
     [
-        ({"scale_to": "PGA"}, "`scale_to`: found 'PGA'; accepted is such as PGA=0.35g, of PGA, PGV, PGD, Arias, CAV"),
+        (
+            {"scale_to": "PGA"},
+            "`scale_to`: found 'PGA'; accepted is MEASURE=VALUE, such as PGA=0.35g, with one of PGA, PGV, PGD, Arias, CAV",
+        ),
         ({"scale_to": "SA=1g"}, "`scale_to`: found 'SA=1g'"),
         ({"scale_to": "PGA=1 m"}, "`scale_to` PGA: found '1 m'; accepted is an acceleration"),
         ({"scale_to": "PGA=0"}, "accepted is a positive intensity"),
         ({"scale_to": "PGA=-0.1g"}, "accepted is a positive intensity"),
-        ({"scale_to": "PGA=1", "scale": 2.0}, "do not go together"),
+        ({"scale_to": "PGA=1", "scale": 2.0}, "found both"),
         ({"scale": 0.0}, "a scale of 0"),
         ({"scale": 1e308}, "accepted is a number that is not zero, up to 1e+100"),
         ({"component": "2"}, "accepted is 1, the only one"),
@@ -88,7 +91,7 @@ def test_what_goes_with_a_record_only(tmp_path):
     path = tmp_path / "own.yaml"
     path.write_text("points: [[0, 0], [0.25, 1], [1, 0]]\n")
     for given in ({"component": "NS"}, {"unit": "g"}, {"dt": 0.1}, {"scale_to": "PGA=1"}):
-        with pytest.raises(UsageError, match="goes with a record"):
+        with pytest.raises(UsageError, match="applies to a record only"):
             read_motion(path, **given)
     path.write_text("kind: block\n")
     with pytest.raises(DocumentError, match="neither pieces nor points"):

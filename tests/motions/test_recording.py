@@ -170,7 +170,7 @@ def test_the_vertical_component_of_the_same_file_shakes_with_each_horizontal_one
         assert r.acceleration == pytest.approx(0.01 * peak, rel=1e-12)
     one = read_motion("set/station.txt", component="E-W", vertical=0.5)
     assert one.vertical.value([0.3, 0.5]) == pytest.approx(found[1].motion.vertical.value([0.3, 0.5]), rel=1e-14)
-    with pytest.raises(UsageError, match="`vertical` goes with a record"):
+    with pytest.raises(UsageError, match="`vertical` applies to a record only"):
         read_motions(["pulse.yaml"], vertical=1.0)
 
 
@@ -201,7 +201,7 @@ def test_a_set_is_scaled_record_by_record(folder):
         (["a.AT2"], {"scale_to": "PGA=-1g"}, "found 'PGA=-1g'; accepted is a positive intensity"),
         (["a.AT2"], {"scale_to": "PGA=0"}, "accepted is a positive intensity"),
         (["a.AT2"], {"component": "99"}, "component: found '99'; accepted is 1, the only one"),
-        (["a.AT2"], {"scale": 2.0, "scale_to": "PGA=1"}, "do not go together"),
+        (["a.AT2"], {"scale": 2.0, "scale_to": "PGA=1"}, "found both"),
         (["nowhere"], {}, "nowhere: cannot be read"),
     ],
 )

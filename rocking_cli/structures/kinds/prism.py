@@ -8,8 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from ...documents.document import Document, Value
-from ...documents.quantities import parse_quantity
+from ...documents.document import Document
 from ..mechanics.kinematics import Moments
 from ..mechanics.single_body import body_on_edges
 from ..parameters import RockingParameters
@@ -60,7 +59,7 @@ def _corners(document: Document) -> list[Corner]:
     value = document.values["corners"]
     if not isinstance(value.content, list) or len(value.content) < 3:
         raise document.fault("corners", str(value), wanted)
-    corners = [_corner(document, child, wanted) for child in value.content]
+    corners = [document.pair("corners", child, "length", "corner", wanted) for child in value.content]
     if corners[0] == corners[-1]:  # drawing programs repeat the first corner
         corners.pop()
     if len(corners) < 3 or len(set(corners)) < len(corners):
@@ -71,18 +70,6 @@ def _corners(document: Document) -> list[Corner]:
     if abs(area) <= 1e-12 * _size(corners) ** 2:
         raise document.fault("corners", "a section without area", wanted)
     return corners if area > 0.0 else corners[::-1]
-
-
-def _corner(document: Document, value: Value, wanted: str) -> Corner:
-    if isinstance(value.content, list) and len(value.content) == 2:
-        texts = [v.content for v in value.content]
-        try:
-            x, z = (parse_quantity(t, "length") for t in texts if isinstance(t, str))
-        except ValueError:
-            pass
-        else:
-            return x, z
-    raise document.fault("corners", f"a corner that is not a pair of lengths (line {value.place.line})", wanted)
 
 
 def _crosses_itself(corners: Sequence[Corner]) -> bool:
