@@ -89,7 +89,7 @@ class ArchHistory:
         the end."""
         names = ("fx_ratio", "fz_ratio", "thrust_min", "shear_ratio", "eccentricity", *HINGE_COLUMNS)
         found = {name: np.full(tau.shape, np.nan) for name in names}
-        for arc in self.found.arcs:
+        for arc in self.found.arcs.each():
             inside = np.flatnonzero((tau >= arc.start) & (tau <= min(arc.stop * (1.0 + 1e-14), self.found.end)))
             if not inside.size:
                 continue
@@ -120,7 +120,7 @@ class ArchHistory:
     def demands(self) -> JointDemands:
         """Of each quantity the worst joint of every arc, of 25 instants, and the extreme on it, in time."""
         worst: dict[str, Worst] = {}
-        for arc in self.found.arcs:
+        for arc in self.found.arcs.each():
             if not arc.stop > arc.start:
                 continue
             state = self.state(arc, arc.start + (arc.stop - arc.start) * _INSTANTS)

@@ -24,14 +24,18 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..dynamics.body import FAR
+from ..dynamics.equations.taylor import blocks
 from ..dynamics.outcome import Outcome
 from ..errors import UsageError
 from ..structures.parameters import RockingParameters, Side
 from .extremes import Extent, extent, first_below
 from .ground import Ground
-from .history import Arc, Event, History
+from .history import LATE, Event, History
 
 Array = np.ndarray
+
+_INSTANTS = 0.5 * (1.0 - np.cos(np.linspace(0.0, np.pi, 17)))  # of an arc
+_TOGETHER = 4096  # arcs
 
 
 class Forces(NamedTuple):
@@ -95,7 +99,7 @@ def kappa(p: float, arm: float, gravity: float) -> float:
     return arm * p * p / gravity
 
 
-def body_forces(kappa: float, alpha: float, side: float, u: Array, rate: Array, bend: Array, ground: Array, vertical: Array) -> Forces:
+def body_forces(kappa: Any, alpha: Any, side: Any, u: Array, rate: Array, bend: Array, ground: Array, vertical: Array) -> Forces:
     """Forces over m g on one side, +1 or -1.
 
     u = |theta| [rad], its first and second derivative by tau = p t of the side, and the ground acceleration xg''/g and zg''/g [-],
@@ -188,10 +192,8 @@ class ForceHistory:
         tau = np.asarray(tau, dtype=float)
         fx, fz = self.ground.at(tau)
         fz = 1.0 + fz
-        for arc in self.found.arcs:
-            inside = np.flatnonzero((tau >= arc.start) & (tau <= arc.stop * (1.0 + 1e-14)))
-            if inside.size:
-                fx[inside], fz[inside] = self.on(arc)(np.minimum(tau[inside], arc.stop))
+        inside, arc = self.found.arcs.at(tau)
+        fx[inside], fz[inside] = self.along(arc, np.minimum(tau[inside], self.found.arcs.stop[arc]))
         fx[tau > self.found.end] = fz[tau > self.found.end] = np.nan
         return Forces(fx, fz)
 
@@ -202,35 +204,53 @@ class ForceHistory:
 
     def around(self, tau: float) -> tuple[Forces, Forces]:
         """The forces just before and just after an instant; they differ at impacts and where the ground acceleration jumps."""
-        arcs = self.found.arcs
-        before = next((arc for arc in arcs if arc.start < tau <= arc.stop * (1.0 + 1e-14)), None)
-        after = next((arc for arc in arcs if arc.start <= tau * (1.0 + 1e-14) and tau < arc.stop), None)
-        found = [self.at(np.array([tau])) if arc is None else self.on(arc)(np.array([min(tau, arc.stop)])) for arc in (before, after)]
+        arcs, at = self.found.arcs, np.array([tau])
+        before = np.flatnonzero((arcs.start < tau) & (tau <= arcs.stop * LATE))[:1]
+        after = np.flatnonzero((arcs.start <= tau * LATE) & (tau < arcs.stop))[:1]
+        found = [self.along(arc, np.minimum(at, arcs.stop[arc])) if arc.size else self.at(at) for arc in (before, after)]
         first, then = (Forces(float(f.fx[0]), float(f.fz[0])) for f in found)
         return first, then
 
-    def on(self, arc: Arc) -> Callable[[Array], Forces]:
-        """The forces along an arc, from end to end, as a function of tau."""
-        edge = self.body.on(arc.side)
-        across, up = self.ground.along(arc.start, arc.stop), self.ground.up_along(arc.start, arc.stop)
+    def along(self, arc: Array, tau: Array) -> Forces:
+        """The forces at times tau on these arcs, by index, each from end to end its own."""
+        arcs = self.found.arcs
+        side, start, stop, pace = (x[arc] for x in (arcs.side, arcs.start, arcs.stop, arcs.pace))
+        point, equation = arcs.flow.take(arc).at((tau - start) * pace), self.found.equation.on(side)  # of which the rotation is linear in y
+        right, left = self.body.right, self.body.left
+        alpha, kappa = (np.where(side > 0.0, *pair) for pair in ((right.alpha, left.alpha), (right.kappa, left.kappa)))
+        u, rate, bend = (alpha * equation.rotation(x) for x in (point.y, point.v, point.b))
+        return body_forces(kappa, alpha, side, u, rate, bend, *self.ground.during(0.5 * (start + stop), tau))
 
-        def forces(tau: Array) -> Forces:
-            side = np.full(tau.size, arc.side)
-            point = arc.flow.take(np.zeros(tau.size, dtype=np.int64)).at((tau - arc.start) * arc.pace)
-            equation = self.found.equation.on(side)  # of which the rotation is linear in y
-            u, rate, bend = equation.rotation(point.y), equation.rotation(point.v), equation.rotation(point.b)
-            a = edge.alpha
-            return body_forces(edge.kappa, a, arc.side, a * u, a * rate, a * bend, across(tau), up(tau))
+    def _on(self, arc: int) -> Callable[[Array], Forces]:
+        """The same as a function of tau on one arc."""
+        return lambda tau: self.along(np.full(tau.size, arc), tau)
 
-        return forces
+    @cached_property
+    def _bounds(self) -> tuple[Array, Array, Array]:
+        """(arcs, by index; the least that Fz and the most that |Fx|/Fz may come to on each): of 17 instants, and a twentieth more than they
+        lie apart. A body that begins an arc too far is not looked at."""
+        arcs = self.found.arcs
+        alpha = np.where(arcs.side > 0.0, self.body.right.alpha, self.body.left.alpha)
+        arc = np.flatnonzero((arcs.stop > arcs.start) & (alpha * self.found.equation.on(arcs.side).rotation(arcs.flow.y) < FAR))
+        low, high = np.empty(arc.size), np.empty(arc.size)
+        for part in blocks(arc.size, _TOGETHER):
+            some = arc[part]
+            tau = arcs.start[some, None] + (arcs.stop - arcs.start)[some, None] * _INSTANTS
+            fx, fz = (x.reshape(tau.shape) for x in self.along(np.repeat(some, _INSTANTS.size), tau.ravel()))
+            with np.errstate(all="ignore"):
+                friction = np.where(fz > 0.0, np.abs(fx) / fz, np.inf)
+                low[part] = fz.min(axis=1) - 0.05 * np.ptp(fz, axis=1)
+                high[part] = np.where(low[part] > 0.0, friction.max(axis=1) + 0.05 * np.ptp(friction, axis=1), np.inf)
+        return arc, low, high
 
     def rests(self) -> Iterator[tuple[float, float, float]]:
         """The stretches [tau] in which the body bounces too low to be seen, until it stands still, and stands still."""
-        marks = [0.0, *(x for arc in self.found.arcs for x in (arc.start, arc.stop)), self.found.end]
-        still = [event.tau for event in self.found.events if event.event == "rest"]
-        for i, (a, b) in enumerate(zip(marks[::2], marks[1::2], strict=True)):
-            if b > a * (1.0 + 1e-12):
-                yield a, next((x for x in still if a <= x <= b), b) if i else a, b
+        arcs, found = self.found.arcs, self.found
+        begins, ends = np.append(0.0, arcs.stop), np.append(arcs.start, found.end)
+        still = [event.tau for event in found.events if event.event == "rest"]
+        for i in np.flatnonzero(ends > begins * (1.0 + 1e-12)).tolist():
+            a, b = float(begins[i]), float(ends[i])
+            yield a, next((x for x in still if a <= x <= b), b) if i else a, b
 
     def _lying(self, low: float, high: float) -> Iterator[tuple[float, Forces]]:
         """The forces of bounces without speed, on each edge, at both ends of a stretch of them, if it is one: one of its instants has its
@@ -263,17 +283,23 @@ class ForceHistory:
             for tau, (fx, fz) in self._lying(bounces, rests):
                 least = min(least, (fz, tau))
                 rocking.append(Demand(abs(fx) / fz if fz > 0.0 else math.inf, tau))
-        for arc in self.found.arcs:
-            if not arc.stop > arc.start or self._far(arc):
-                continue
-            forces = self.on(arc)
-            low, at_low, *_ = extent(_vertical(forces), arc.start, arc.stop)
+        arcs, lows, highs = self._bounds
+        for i in np.argsort(lows, kind="stable").tolist():
+            if lows[i] > max(least[0], 0.0):
+                break
+            arc = int(arcs[i])
+            low, at_low, *_ = extent(_vertical(self._on(arc)), *self._ends(arc))
             least = min(least, (low, at_low))
             if low <= 0.0:
                 rocking.append(Demand(math.inf, at_low))
-                continue
-            ratio = extent(_ratio(forces), arc.start, arc.stop)
+        most = max((demand.friction for demand in rocking), default=0.0)
+        for i in np.argsort(-highs, kind="stable").tolist():
+            if highs[i] < most or math.isinf(most):
+                break
+            arc = int(arcs[i])
+            ratio = extent(_ratio(self._on(arc)), *self._ends(arc))
             rocking.append(max(Demand(-ratio.least, ratio.at_least), Demand(ratio.largest, ratio.at_largest)))
+            most = max(most, rocking[-1].friction)
         lifting = [self._after(event) for event in self.found.events if event.event == "uplift"][:1]
         if self.found.outcome == Outcome.LOST_CONTACT:  # from a jump on there may be no weight, and none before it shows that
             least = min(least, (0.0, self.found.end))
@@ -290,16 +316,16 @@ class ForceHistory:
         found = [self.demands.fz_min_tau] + [self.found.end] * (self.found.outcome == Outcome.LOST_CONTACT)
         for bounces, rests, _ in self.rests():
             found += [tau for tau, (_, fz) in self._lying(bounces, rests) if fz <= 0.0]
-        for arc in self.found.arcs:
-            if arc.start < min(found) and arc.stop > arc.start and not self._far(arc):
-                first = first_below(partial(_pressed, self.on(arc)), arc.start, arc.stop, 1.0)
+        arcs, lows, _ = self._bounds
+        for arc in arcs[lows <= 0.0].tolist():
+            low, high = self._ends(arc)
+            if low < min(found):
+                first = first_below(partial(_pressed, self._on(arc)), low, high, 1.0)
                 found += [] if first is None else [first]
         return min(found)
 
-    def _far(self, arc: Arc) -> bool:
-        """Whether a body begins an arc where what it asks of the ground is not looked at."""
-        begin = arc.flow.take(np.zeros(1, dtype=np.int64)).at(np.zeros(1)).y
-        return bool(self.body.on(arc.side).alpha * self.found.equation.on(np.full(1, arc.side)).rotation(begin)[0] >= FAR)
+    def _ends(self, arc: int) -> tuple[float, float]:
+        return float(self.found.arcs.start[arc]), float(self.found.arcs.stop[arc])
 
     def _resting(self, start: float, stop: float) -> tuple[Extent, Extent]:
         """The weight over m g, and the push over the weight while there is one, in a stretch at rest in which no piece ends."""
@@ -316,10 +342,10 @@ class ForceHistory:
 
     def _after(self, uplift: Event) -> Demand:
         """The demand in the first instant after an uplift."""
-        arc = next((arc for arc in self.found.arcs if arc.stop > uplift.tau), None)
-        if arc is None:  # the ground falls away in the same instant
+        arc = np.flatnonzero(self.found.arcs.stop > uplift.tau)[:1]
+        if not arc.size:  # the ground falls away in the same instant
             return Demand(math.inf, uplift.tau)
-        fx, fz = (float(x[0]) for x in self.on(arc)(np.array([arc.start])))
+        fx, fz = (float(x[0]) for x in self.along(arc, self.found.arcs.start[arc]))
         return Demand(abs(fx) / fz if fz > 0.0 else math.inf, uplift.tau)
 
 

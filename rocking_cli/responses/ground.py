@@ -55,6 +55,22 @@ class Ground:
         piece = motion.pieces[at]
         return lambda tau: self.amplitude * piece.value(tau * self.omega)
 
+    def during(self, inside: Array, tau: Array) -> tuple[Array, Array]:
+        """(xg''/g, zg''/g) at times tau, each by the closed form of the piece in which the time `inside` lies."""
+        k = np.searchsorted(self.stops, inside)
+        found = [np.zeros(tau.shape) for _ in range(2)]
+        shaken = np.flatnonzero(k < self.stops.size)
+        for values, signal in zip(found, self._signals, strict=False):
+            if isinstance(signal, Polyline):
+                at = k[shaken]
+                phase = tau[shaken] * self.omega - signal.start[at]
+                values[shaken] = self.amplitude * (signal.constant[at] + signal.slope[at] * phase)
+            else:
+                for piece in np.unique(k[shaken]).tolist():
+                    at = np.flatnonzero(k == piece)
+                    values[at] = self.amplitude * signal.pieces[piece].value(tau[at] * self.omega)
+        return found[0], found[1]
+
     def at(self, tau: Array) -> tuple[Array, Array]:
         """(xg''/g, zg''/g) at times tau; right-hand values where they jump."""
         motions = (self.motion, self.motion.vertical)

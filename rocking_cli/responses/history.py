@@ -1,25 +1,30 @@
-"""The response of one body in time: every arc with its exact flow or series, and what happened when.
+"""The response of one body in time: every arc as a series, and what happened when.
 
-It listens to the march of a single cell: nothing is closed early but the last, invisible part of a chatter, and the ground goes on
+It listens to the march of one body on floats: nothing is closed early but the last, invisible part of a chatter, and the ground goes on
 standing still after the motion.
 """
 
 from __future__ import annotations
 
 import math
+from array import array
+from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
 
 from ..dynamics.drive import drive_change
-from ..dynamics.equations.equation import Equation, Flow
+from ..dynamics.equations.equation import Equation
+from ..dynamics.equations.taylor import TaylorSeries
 from ..dynamics.lanes import Lanes
-from ..dynamics.march.account import Rests, Round, Watch
-from ..dynamics.march.engine import Run
+from ..dynamics.march.engine import MAX_STEPS
 from ..dynamics.outcome import FALLEN, Outcome
+from ..dynamics.single.lane import Lane, Listener
 from ..dynamics.system import System
 from ..dynamics.weight import WeighedSegments
+from ..motions.blocks import blocks
 from ..motions.motion import Motion
 from ..motions.piece import Piece
 from ..motions.segments import Segments
@@ -30,16 +35,45 @@ _INVISIBLE = 1e-4  # speed of a bounce, y' by tau: its height is below 1e-8
 _SUMMED, _UNSEEN = 1e-3, 1000  # part of that speed at which the rest of a bouncing is summed, and bounces until then at most
 LONGEST = 1e9  # tau: beyond, doubles do not tell the times of an arc apart
 LOST = "lost contact"
+LATE = 1.0 + 1e-14  # of a time: what still belongs to the arc that ends there
 
 
 class Arc(NamedTuple):
-    """The motion between two times tau on one side, along one flow; pace: tau of the side over tau of the history."""
+    """The motion between two times tau on one side, along one series; pace: tau of the side over tau of the history."""
 
     start: float
     stop: float
     side: float
-    flow: Flow
+    flow: TaylorSeries
     pace: float
+
+
+class Arcs(NamedTuple):
+    """All arcs in the order of time, arrays (arcs,), and one series a lane."""
+
+    start: Array
+    stop: Array
+    side: Array
+    flow: TaylorSeries
+    pace: Array
+
+    def __len__(self) -> int:
+        return int(self.start.size)
+
+    def one(self, i: int) -> Arc:
+        """An arc."""
+        flow = self.flow.take(np.array([i]))
+        return Arc(float(self.start[i]), float(self.stop[i]), float(self.side[i]), flow, float(self.pace[i]))
+
+    def each(self) -> Iterator[Arc]:
+        """One after the other."""
+        return (self.one(i) for i in range(len(self)))
+
+    def at(self, tau: Array) -> tuple[Array, Array]:
+        """(the times, by index, at which an arc goes on, the arc of each of them)."""
+        arc = np.searchsorted(self.start, tau, side="right") - 1
+        inside = np.flatnonzero((arc >= 0) & (tau <= self.stop.take(arc) * LATE)) if len(self) else np.zeros(0, dtype=np.int64)
+        return inside, arc[inside]
 
 
 class Event(NamedTuple):
@@ -59,7 +93,7 @@ class History:
     |theta|/alpha of all, also after that (NaN where it overturned)."""
 
     equation: Equation
-    arcs: tuple[Arc, ...]
+    arcs: Arcs
     events: tuple[Event, ...]
     end: float
     outcome: Outcome
@@ -68,30 +102,30 @@ class History:
     def at(self, tau: Array) -> tuple[Array, Array]:
         """theta/alpha [-] and its derivative by tau [-] at times tau, arrays of one shape; zero at rest, NaN after the end."""
         tau = np.asarray(tau, dtype=float)
-        ratio, rate = np.zeros(tau.shape), np.zeros(tau.shape)
-        for arc in self.arcs:
-            inside = np.flatnonzero((tau >= arc.start) & (tau <= arc.stop * (1.0 + 1e-14)))
+        ratio, rate = np.zeros(tau.size), np.zeros(tau.size)
+        for part in blocks(tau.size):
+            here = tau.ravel()[part]
+            inside, arc = self.arcs.at(here)
             if inside.size:
-                point = arc.flow.take(np.zeros(inside.size, dtype=np.int64)).at((tau[inside] - arc.start) * arc.pace)
-                equation = self.equation.on(np.full(inside.size, arc.side))
-                ratio[inside] = arc.side * equation.rotation(point.y)
-                rate[inside] = arc.side * equation.rotation_rate(point.y, point.v) * arc.pace
-        ratio, rate = ratio + 0.0, rate + 0.0  # no -0
-        ratio[tau > self.end] = rate[tau > self.end] = np.nan
-        return ratio, rate
+                side, pace = self.arcs.side[arc], self.arcs.pace[arc]
+                point = self.arcs.flow.take(arc).at((here[inside] - self.arcs.start[arc]) * pace)
+                equation = self.equation.on(side)
+                ratio[part][inside] = side * equation.rotation(point.y)
+                rate[part][inside] = side * equation.rotation_rate(point.y, point.v) * pace
+        over = tau.ravel() > self.end
+        ratio[over] = rate[over] = np.nan
+        return (ratio + 0.0).reshape(tau.shape), (rate + 0.0).reshape(tau.shape)  # no -0
 
     def sides(self, tau: Array) -> Array:
         """The side, +1 or -1, that the body is on at times tau; +1 at rest."""
-        tau = np.asarray(tau, dtype=float)
-        side = np.ones(tau.shape)
-        for arc in self.arcs:
-            side[(tau >= arc.start) & (tau <= arc.stop * (1.0 + 1e-14))] = arc.side
-        return side
+        side: Array = np.ones(np.size(tau))
+        inside, arc = self.arcs.at(np.ravel(tau))
+        side[inside] = self.arcs.side[arc]
+        return side.reshape(np.shape(tau))
 
     def steps(self) -> Array:
         """The ends of the solver's own arcs, with the events, in tau."""
-        marks = {0.0, self.end, *(a.start for a in self.arcs), *(a.stop for a in self.arcs), *(e.tau for e in self.events)}
-        return np.array(sorted(marks))
+        return np.unique(np.concatenate([[0.0, self.end], self.arcs.start, self.arcs.stop, [e.tau for e in self.events]]))
 
     @property
     def theta_ratio(self) -> float | None:
@@ -102,7 +136,7 @@ class History:
             return None
         return self.highest if self.peak is None else max(self.highest, abs(self.peak.theta_ratio))
 
-    @property
+    @cached_property
     def peak(self) -> Event | None:
         """The event of the largest |theta|/alpha up to the end; None where the body never left the ground, or overturned."""
         if self.outcome != Outcome.ROCKED:
@@ -133,151 +167,116 @@ def history(
     if motion.duration / omega > LONGEST:
         raise ValueError(f"omega is {omega:g}, accepted is one with which the shaking ends before tau = {LONGEST:g}")
     duration = max(motion.duration / omega, duration)
-    listener = _Listener(system, system.segments(motion.still_until(1.001 * duration * omega)), amplitude, omega, eta)
-    return listener.record(release, duration)
+    segments = system.segments(motion.coarsest.still_until(1.001 * duration * omega))
+    return _Writer(system, segments, omega, eta).record(amplitude, release, duration)
 
 
-class _Listener:
-    """Runs one cell round by round and writes down what it hears; times are tau of the history, phase over its omega."""
+class _Writer:
+    """Writes down the march of one body; times are tau of the history, phase over its omega."""
 
-    def __init__(self, system: System, segments: Segments, amplitude: float, omega: float, eta: float) -> None:
-        self.equation, self.segments, self.omega = system.equation, segments, omega
-        right, left = (self._fallen(side) for side in (1.0, -1.0))
-        watch = Watch((right, left), _INVISIBLE)
-        a, w, n = (np.array([x]) for x in (amplitude, omega, eta))
-        self.run = Run(system, segments, a, w, n, True, 1, watch)
-        self.arcs, self.events = list[Arc](), list[Event]()
+    def __init__(self, system: System, segments: Segments, omega: float, eta: float) -> None:
+        self.system, self.equation, self.omega = system, system.equation, omega
+        self.lane = Lane(system, segments, omega, eta)
+        self.segments = self.lane.segments
+        self.numbers, self.terms, self.lengths = array("d"), array("d"), array("l")
+        self.events = list[Event]()
 
     def _fallen(self, side: float) -> float:
         """y at which a body on a side is lost: at `FALLEN`, or where it lies on its side."""
         equation = self.equation.on(np.array([side]))
         return min(float(np.min(equation.limit)), float(equation.displacement(np.array([FALLEN]))[0]))
 
-    def record(self, release: float, duration: float) -> History:
-        lanes = self._first(release)
+    def record(self, amplitude: float, release: float, duration: float) -> History:
+        listener = Listener(self._keep, self._note, self._rest, _INVISIBLE, (self._fallen(1.0), self._fallen(-1.0)))
         with np.errstate(all="ignore"):
-            while lanes.cell.size:
-                heard = self.run.round(lanes)
-                self._hear(heard)
-                lanes = heard.going
-        if self.run.outcome[0] == Outcome.LOST_CONTACT and self.run.drops is not None:
-            drop = self.run.drops
-            self._lose(float(self.segments.start[drop.k[0]] + drop.u[0]) / self.omega)
-        if self._doomed and not any(e.event == "overturning" for e in self.events):
-            self._overturn(self.arcs[-1].stop)  # decided at the end of the shaking, and then left to fall
+            ended = self.lane.run(amplitude, True, listener, release, MAX_STEPS + 40 * len(self.segments))
+            arcs = self._arcs()
+            if ended.outcome.overturned:
+                self._overturn(arcs)
+            if ended.outcome == Outcome.LOST_CONTACT and ended.lost is not None:
+                self._lose(arcs, ended.lost)
         end = min([duration, *(e.tau for e in self.events if e.event in ("overturning", LOST))])
-        events = [e for e in self.events if e.tau <= end]
-        arcs = tuple(a._replace(stop=min(a.stop, end)) for a in self.arcs if a.start <= end)
-        return History(self.equation, arcs, tuple(events), end, self._became(), float(self.run.theta_ratio[0]))
+        events = tuple(e for e in self.events if e.tau <= end)
+        kept = int(np.searchsorted(arcs.start, end, side="right"))
+        flow = arcs.flow.take(np.arange(kept))
+        arcs = Arcs(arcs.start[:kept], np.minimum(arcs.stop[:kept], end), arcs.side[:kept], flow, arcs.pace[:kept])
+        return History(self.equation, arcs, events, end, self._became(ended.outcome), ended.theta_ratio)
 
-    @property
-    def _doomed(self) -> bool:
-        """Whether the shaking is over and the body falls for certain."""
-        return Outcome(int(self.run.outcome[0])).overturned
-
-    def _became(self) -> Outcome:
-        if self.run.outcome[0] == Outcome.FAILED:
-            return Outcome.FAILED
+    def _became(self, outcome: Outcome) -> Outcome:
         words = [e.event for e in self.events]
-        if LOST in words:
-            return Outcome.LOST_CONTACT
-        if "overturning" in words:
+        if outcome.overturned and "overturning" in words:
             return Outcome.OVERTURNED_AFTER_IMPACT if "impact" in words else Outcome.OVERTURNED_NO_IMPACT
-        if self._doomed:  # though not yet fallen as far as it is followed
-            return Outcome(int(self.run.outcome[0]))
-        return Outcome.ROCKED if words else Outcome.NO_UPLIFT
+        if outcome in (Outcome.ROCKED, Outcome.NO_UPLIFT):
+            return Outcome.ROCKED if words else Outcome.NO_UPLIFT
+        return outcome
 
-    def _first(self, release: float) -> Lanes:
-        """The body before its first step: about to lift off, or released."""
-        lanes = self.run.start(np.array([0]))
-        if release == 0.0:
-            if lanes.k[0] >= len(self.segments):
-                return lanes.take(np.zeros(0, dtype=np.int64))
-            self._note(self._tau(lanes), "uplift", lanes.side[0], 0.0, 0.0)
-            return lanes
-        lanes.k[:], lanes.u[:], lanes.v[:] = 0, 0.0, 0.0
-        self.run.contact.turn(self.run.cells, lanes, np.array([0]), np.ones(1))
-        equation = self.equation.on(lanes.side)
-        lanes.y[:] = equation.displacement(np.array([release]))
-        lanes.b[:] = equation.force(lanes.y, -lanes.side * lanes.amplitude * self.segments.s_start[0], self._weight(lanes))
-        self._note(0.0, "release", 1.0, lanes.y[0], 0.0)
-        return lanes
+    def _arcs(self) -> Arcs:
+        """What was kept, the series in as many terms as the longest has."""
+        start, reach, side, pace, unit = np.array(self.numbers).reshape(-1, 5).T
+        lengths, most = np.array(self.lengths, dtype=np.int64), max(self.lengths, default=5)
+        terms = np.zeros((start.size, most))
+        terms[np.arange(most) < lengths[:, None]] = self.terms
+        flow = TaylorSeries(np.ascontiguousarray(terms.T), unit, unit, np.ones(unit.size), self.lane.zeta)
+        return Arcs(start, start + reach / pace, side, flow, pace)
 
-    def _weight(self, lanes: Lanes) -> Array | float:
-        """The weight over m g [-] where and when the body is."""
-        seg = self.segments
-        return seg.weight(lanes.side, lanes.amplitude, lanes.k, lanes.u) if isinstance(seg, WeighedSegments) else 1.0
+    def _keep(self, start: float, reach: float, side: float, pace: float, h: float, terms: tuple[float, ...]) -> None:
+        self.numbers.extend((start, reach, side, pace, h))
+        self.terms.extend(terms)
+        self.lengths.append(len(terms))
 
-    def _tau(self, lanes: Lanes) -> float:
-        k = min(int(lanes.k[0]), len(self.segments) - 1)
-        whole = float(self.segments.length[k]) if lanes.k[0] >= len(self.segments) else float(lanes.u[0])
-        return (float(self.segments.start[k]) + whole) / self.omega
-
-    def _note(self, tau: float, event: str, side: float, y: float, v: float, pace: float = 1.0) -> None:
+    def _note(self, tau: float, event: str, side: float, y: float, v: float) -> None:
         tau = max(tau, self.events[-1].tau if self.events else 0.0)  # in order, whatever the last digit
-        equation = self.equation.on(np.array([side]))
+        equation, pace = self.equation.on(np.array([side])), self.omega / self.lane.omega_of(side)
         rotation, rate = equation.rotation(np.array([y])), equation.rotation_rate(np.array([y]), np.array([v]))
         self.events.append(Event(tau, event, float(side * rotation[0]) + 0.0, float(side * rate[0]) * pace + 0.0, float(side)))  # no -0
 
-    def _hear(self, heard: Round) -> None:
-        """Write down the arc of a round, its crest, and how it ended."""
-        before, passage = heard.lanes, heard.passage
-        side, reach, start = float(before.side[0]), float(passage.reach[0]), self._tau(heard.lanes)
-        pace = float(before.omega[0]) / self.omega  # tau of the history over tau of the side: omega is omega_g over p
-        stop = summit = start + reach * pace
-        self.arcs.append(Arc(start, stop, side, passage.arc, 1.0 / pace))
-        limit = float(np.min(self.equation.on(np.array([side])).limit))
-        for h, y in zip(heard.crests.h, heard.crests.y, strict=True):
-            if y >= limit:
-                summit = start + float(h) * pace  # beyond its limit, and perhaps back within this step
-            else:
-                self._note(start + float(h) * pace, "peak", side, float(y), 0.0)
-        if passage.hit[0]:
-            self._note(stop, "impact", side, 0.0, float(passage.impact_v[0]), 1.0 / pace)
-        if heard.overturned[0]:
-            self._overturn(summit)
-        if heard.rests is not None:
-            self._rest(heard.rests)
-
-    def _overturn(self, summit: float) -> None:
-        """The last time up to the summit at which the body passes the height to which it is followed; it may be many steps before it is
-        certain that it falls."""
-        arc, high = self.arcs[-1], summit
-        fallen = self._fallen(arc.side)
-        for before in self.arcs[-2::-1]:
-            if float(arc.flow.at(np.zeros(1)).y[0]) < fallen:
-                break
-            arc, high = before, before.stop
-        low = arc.start
+    def _overturn(self, arcs: Arcs) -> None:
+        """The last time at which the body passes the height to which it is followed; it may be many arcs before it is certain that it
+        falls."""
+        i = len(arcs) - 1
+        fallen = self._fallen(float(arcs.side[i]))
+        while i and arcs.flow.terms[0, i] >= fallen:
+            i -= 1
+        arc = arcs.one(i)
+        share = np.linspace(0.0, 1.0, 65)  # beyond it, and perhaps back within this arc
+        beyond = np.flatnonzero(arc.flow.take(np.zeros(65, dtype=np.int64)).at(share * ((arc.stop - arc.start) * arc.pace)).y >= fallen)
+        low, high = arc.start, arc.start + float(share[beyond[0]] if beyond.size else 1.0) * (arc.stop - arc.start)
         for _ in range(80):
             middle = 0.5 * (low + high)
-            beyond = float(arc.flow.at(np.array([(middle - arc.start) * arc.pace])).y[0]) >= fallen
-            low, high = (low, middle) if beyond else (middle, high)
+            passed = float(arc.flow.at(np.array([(middle - arc.start) * arc.pace])).y[0]) >= fallen
+            low, high = (low, middle) if passed else (middle, high)
         point = arc.flow.at(np.array([(high - arc.start) * arc.pace]))
         if float(point.y[0]) >= fallen * (1.0 - 1e-9):
             self.events = [e for e in self.events if e.tau <= high]
-            self._note(high, "overturning", arc.side, float(point.y[0]), float(point.v[0]), arc.pace)
+            self._note(high, "overturning", arc.side, float(point.y[0]), float(point.v[0]))
 
-    def _lose(self, tau: float) -> None:
+    def _lose(self, arcs: Arcs, tau: float) -> None:
         """The instant from which the ground falls as fast as the body."""
         self.events = [e for e in self.events if e.tau <= tau]
-        found = History(self.equation, tuple(self.arcs), (), tau, Outcome.LOST_CONTACT, math.nan)
+        found = History(self.equation, arcs, (), tau, Outcome.LOST_CONTACT, math.nan)
         ratio, rate = (float(x[0]) for x in found.at(np.array([tau])))
-        self.events.append(Event(tau, LOST, ratio, rate, self.arcs[-1].side if self.arcs else 1.0))
+        self.events.append(Event(tau, LOST, ratio, rate, float(arcs.side[-1]) if len(arcs) else 1.0))
 
-    def _rest(self, rests: Rests) -> None:
+    def _rest(self, before: Lanes, after: Lanes) -> None:
         """The end of the bouncing, by the sum of its series, and the uplift after it."""
-        before, after = rests
         rest, lifts = self._bounced(before), after.k[0] < len(self.segments)
         if not lifts or self._tau(after) > rest:
             self._note(rest, "rest", 1.0, 0.0, 0.0)
         if lifts:
             self._note(self._tau(after), "uplift", float(after.side[0]), 0.0, 0.0)
 
+    def _tau(self, lanes: Lanes) -> float:
+        return self.lane.tau(int(lanes.k[0]), float(lanes.u[0]))
+
+    def _weight(self, lanes: Lanes) -> Array | float:
+        """The weight over m g [-] where and when the body is."""
+        seg = self.segments
+        return seg.weight(lanes.side, lanes.amplitude, lanes.k, lanes.u) if isinstance(seg, WeighedSegments) else 1.0
+
     def _bounced(self, lanes: Lanes) -> float:
         """When bouncing too low to be seen comes to rest: bounce by bounce under forces that change evenly in each, and at last by the sum
         of its series."""
-        lanes, contact = lanes.take(np.zeros(1, dtype=np.int64)), self.run.contact
+        lanes, contact = lanes.take(np.zeros(1, dtype=np.int64)), self.system.contact
         least = _SUMMED * lanes.v
         for _ in range(_UNSEEN):
             if lanes.v <= least:
@@ -288,7 +287,7 @@ class _Listener:
                 h = -2.0 * lanes.v / (lanes.b + change / 3.0)
             fall, force = lanes.v + h * (lanes.b + 0.5 * change), lanes.b + change
             lanes.u += lanes.omega * h
-            contact.strike(self.run.cells, lanes, fall, force)
+            contact.strike(self.lane.cells, lanes, fall, force)
             lanes.b = self._lying(lanes, np.zeros(1))
         rest = contact.bouncing_time(lanes, self._weight(lanes)) * lanes.omega / self.omega
         return self._tau(lanes) + float(rest[0])

@@ -35,7 +35,7 @@ def swaying():
 def test_each_link_moves_as_the_forces_at_its_hinges_say(swaying, side):
     """Newton and Euler of every link: its forces at both hinges and its weight, against second differences of its place."""
     history, forces = swaying.histories["nonlinear"], swaying.arch_forces["nonlinear"]
-    arc = max((a for a in history.arcs if a.side == side and a.stop > a.start), key=lambda a: a.stop - a.start)
+    arc = max((a for a in history.arcs.each() if a.side == side and a.stop > a.start), key=lambda a: a.stop - a.start)
     tau, h, p, g = 0.5 * (arc.start + arc.stop), 0.04 * (arc.stop - arc.start), ARCH.p, ARCH.gravity
     mirror = np.array([side, 1.0])
     weight = forces.forces.weight

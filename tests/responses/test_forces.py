@@ -190,7 +190,7 @@ def test_contact_is_lost_at_the_first_instant_without_force_though_a_free_fall_i
     omega, a, up = found.omega, 0.8, 1.3 * 0.8
     assert (last["event"], history.events[-1].event) == ("lost contact", "lost contact")
     assert up * math.sin(omega * history.end) == pytest.approx(-1.0, abs=1e-9)
-    arc = next(arc for arc in history.arcs if arc.start <= last["tau"] <= arc.stop)
+    arc = next(arc for arc in history.arcs.each() if arc.start <= last["tau"] <= arc.stop)
     lifts = max(e.tau for e in history.events if e.event in ("uplift", "impact") and e.tau < last["tau"])
     u, rate = (abs(float(x[0])) * body.alpha for x in history.at(np.array([lifts + 1e-9])))
 

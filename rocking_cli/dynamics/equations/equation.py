@@ -12,6 +12,7 @@ its canonical coordinate. Uplift, windows, impacts and chatter need nothing else
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any, NamedTuple, Protocol, Self
 
 import numpy as np
@@ -87,6 +88,27 @@ class Ramp(NamedTuple):
         return Ramp(self.drive + self.gain * share, self.gain * left, self.unit * left, self.factors, None, weight)
 
 
+class Law(NamedTuple):
+    """An equation of motion as text, y'' = -w F(y) + a G(y) - 2 zeta y', from which `single.recurrence` makes straight-line code.
+
+    name: of the equation, by which compiled code is kept; start: lines that find F0 and G0 from y; term: lines that find F<n> and G<n>
+    from Y1 ... Y<n> and earlier ones; numbers: floats that the lines name; constant: whether G = 1, which no line finds; local: what gives
+    at a y the room |y - y(0)| in which it holds and, for so many terms, the argument `local` of the lines.
+    """
+
+    name: str
+    start: tuple[str, ...]
+    term: Callable[[int], tuple[str, ...]]
+    numbers: dict[str, float]
+    constant: bool = False
+    local: Callable[[float, int], tuple[float, tuple[tuple[float, ...], ...]]] | None = None
+
+
+def convolution(a: str, b: str, n: int, first: int = 0) -> str:
+    """Text of the sum over i from `first` to n of a_i b_(n - i)."""
+    return " + ".join(f"{a}{i}*{b}{n - i}" for i in range(first, n + 1))
+
+
 class Equation(Protocol):
     """An equation of motion in the form above; y, v in its own unit, per tau.
 
@@ -140,6 +162,9 @@ class Equation(Protocol):
 
     def ramp_terms(self, y: Array, v: Array, ramp: Ramp) -> Array:
         """Terms of y in powers of time over `ramp.unit` under a straight line, (degrees + 2, lanes); see `ramp`."""
+
+    def law(self, side: float) -> Law:
+        """The equation of one side as text."""
 
     def force(self, y: Array, a: Array, weight: Array | float = 1.0) -> Array:
         """f at displacement y under the outward drive a and the weight w (`weight`)."""

@@ -14,7 +14,7 @@ from ...motions.segments import Segments
 from ..drive import segment_value
 from ..lanes import Lanes
 from ..weight import WeighedSegments
-from .equation import Ramp
+from .equation import Law, Ramp
 from .flow import LinearFlow
 from .ramp import ramp_flow
 from .summed_flow import SummedFlow, can_be_summed
@@ -110,6 +110,10 @@ class LinearEquation:
             pushed -= drag * ((n + 1) * terms[n + 1])
             pushed *= factor
         return terms
+
+    def law(self, side: float) -> Law:
+        """F = 1 - y, G = 1."""
+        return Law("linear", ("F0 = 1.0 - y",), lambda n: (f"F{n} = -Y{n}",), {}, constant=True)
 
     def force(self, y: Array, a: Array, weight: Array | float = 1.0) -> Array:
         """w (y - 1) + a."""

@@ -27,7 +27,7 @@ from ..lanes import Lanes
 from ..weight import WeighedSegments
 from .collocation import collocated
 from .energy import falls_by_energy
-from .equation import Ramp
+from .equation import Law, Ramp
 from .patches import DEGREE, inverse, largest, tabulate
 from .ramp import MOST_TERMS, ramp_flow
 from .taylor import LOCAL, TaylorSeries, blocks, drive_series, longest, order_for, powers
@@ -182,6 +182,23 @@ class MechanismEquation:
                 pushed -= drag * ((n + 1) * terms[n + 1])
             pushed *= ramp.factors[n]
         return terms
+
+    def law(self, side: float) -> Law:
+        """F and G are power series of y about each y, composed with the series of the motion."""
+
+        def term(n: int) -> tuple[str, ...]:
+            powers = [f"P{j}_{n} = {' + '.join(f'Y{i}*P{j - 1}_{n - i}' for i in range(1, n - j + 2))}" for j in range(2, n + 1)]
+            sums = (f"{name}{n} = {' + '.join(f'{name}[{j}]*P{j}_{n}' for j in range(1, n + 1))}" for name in ("F", "G"))
+            return (f"P1_{n} = Y{n}", *powers, *sums)
+
+        return Law("mechanism", ("F, G = local", "F0 = F[0]", "G0 = G[0]"), term, {}, local=self._about)
+
+    def _about(self, y: float, count: int) -> tuple[float, tuple[tuple[float, ...], ...]]:
+        """(half of what the patch at y was fitted on, the first terms of F and G in powers of y less this one)."""
+        at, x = self.table.of(np.array([y]))
+        half = float(self.table.half[at[0]])
+        rows = self._local(at, x, count)[:, :, 0] / half ** np.arange(count)
+        return 0.5 * half, tuple(tuple(row) for row in rows.tolist())
 
     def _beside(self, y: Array, count: int) -> Array:
         """(2, count, lanes): the series of F and G in powers of y - y0, from those about the nearest of many marks."""

@@ -21,7 +21,7 @@ from ...motions.segments import Segments
 from ...structures.parameters import LEAST_ALPHA
 from ..lanes import Lanes
 from .energy import falls_by_energy
-from .equation import Ramp
+from .equation import Law, Ramp, convolution
 from .ramp import ramp_flow
 from .taylor import TaylorSeries, blocks, drive_series, order_for, series
 
@@ -179,6 +179,23 @@ class RigidBodyEquation:
                 pushed -= np.multiply(drag, (n + 1) * terms[n + 1], out=half)
             pushed *= ramp.factors[n]
         return terms
+
+    def law(self, side: float) -> Law:
+        """F = sin z/sin(alpha) and G = cos z/cos(alpha) follow from each other: n F_n = -cos(alpha) sum i Y_i G_(n-i)."""
+        there = self.on(np.array([side]))
+        alpha, sin, cos = (float(np.ravel(x)[0]) for x in (there.alpha, there.sin, there.cos))
+        numbers = {"alpha": alpha, "sine": sin, "falls": -cos, "pushes": sin * sin / cos, "by_sin": 2.0 / sin, "by_cos": 1.0 / cos}
+        start = ("t = tan(0.5*(alpha - sine*y))", "o = 1.0/(1.0 + t*t)", "F0 = by_sin*t*o", "G0 = by_cos*(1.0 - t*t)*o")
+
+        def term(n: int) -> tuple[str, ...]:
+            part = f"{1.0 / n!r}*"
+            return (
+                f"R{n} = {float(n)}*Y{n}",
+                f"F{n} = falls*{part}({convolution('R', 'G', n, 1)})",
+                f"G{n} = pushes*{part}({convolution('R', 'F', n, 1)})",
+            )
+
+        return Law("rigid body", start, term, numbers)
 
     @property
     def bounds(self) -> tuple[Any, Any]:

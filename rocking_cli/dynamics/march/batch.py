@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 Array = np.ndarray
 Landing = TypeVar("Landing", bound=Lanes)
 
-_SETTLING = 250.0  # tau, times what damping slows the unstable mode: no body is longer on its way to its last impacts that matter
+SETTLING = 250.0  # tau, times what damping slows the unstable mode: no body is longer on its way to its last impacts that matter
 
 
 class Batch:
@@ -40,7 +40,7 @@ class Batch:
         self.cells = self.contact.cells(self.equation, amplitude, omega, eta)
         self.segments, self.shaken = segments, len(segments)
         if self.equation.damping and omega.size:  # no closed form of the free motion: march on over still ground
-            self.segments = segments.followed_by_rest(_SETTLING * (1.0 + 3.0 * self.equation.damping) * float(self.cells.omega.max()))
+            self.segments = segments.followed_by_rest(SETTLING * (1.0 + 3.0 * self.equation.damping) * float(self.cells.omega.max()))
         if self.equation.damping:
             self.bounced = np.zeros(omega.size, dtype=bool)  # on still ground, which counts as no impact during the shaking
         self.theta_ratio = np.full(amplitude.size, 0.0 if peaks else np.nan)

@@ -78,7 +78,7 @@ def test_oppenheims_arch_rocks_slower_than_its_linear_oscillator(oppenheim):
 def test_energy_is_constant_between_impacts(arch):
     model = MechanismEquation(arch.mechanism, 1e-12)
     free = history(System(model), sine(), 0.0, 1.0, 0.8, release=0.9, duration=2.0)
-    for stretch in free.arcs:
+    for stretch in free.arcs.each():
         tau = np.linspace(0.0, stretch.stop - stretch.start, 50)
         point = stretch.flow.take(np.zeros(50, dtype=np.int64)).at(tau)
         energy = 0.5 * point.v**2 + model.table.value(model.table.work, point.y)

@@ -1,0 +1,10 @@
+"""One body at a time, on plain Python floats: where a person waits for one structure under one motion.
+
+    recurrence  the Taylor recurrence of an equation of motion as text, compiled to straight-line code
+    drive       the motion as lists of floats, segment by segment
+    lane        the march of one body from event to event, with the proofs of `dynamics` (Lemmas 1, 2, 7, 8 and 12)
+    response    outcomes and rotations of cells, one after the other
+
+An array costs a call for every operation, whatever it holds: below a few hundred cells a record is marched sooner on floats. A command
+chooses this way by what it is asked, never by the number of cells, so that no bit depends on a cell's neighbours.
+"""

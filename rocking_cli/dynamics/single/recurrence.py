@@ -1,0 +1,112 @@
+"""The Taylor recurrence of an equation of motion, as text that is compiled to straight-line code on floats.
+
+Every equation is y'' = -w F(y) + a G(y) - 2 zeta y' (`equations.equation`, where F and G are l and m). Over a step h the code finds the
+terms Y_n = y_n h^n from those of F and G along the motion:
+
+    Y_(n+2) = h^2/((n + 1)(n + 2)) [(a G)_n - (w F)_n] - 2 zeta h Y_(n+1)/(n + 2)
+
+The drive a and the weight w are straight lines over the step, or terms that are given.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from functools import lru_cache
+from types import CodeType
+from typing import Any, NamedTuple
+
+from ..equations.equation import Law
+
+Terms = Callable[..., tuple[float, ...]]
+
+
+class Code(NamedTuple):
+    """Compiled for one side of a body, series to Y_order. terms(y, v, h, drive ..., force): Y_0 ... Y_order; coast: the march over whole
+    straight segments (`lane`), None where the equation needs more than numbers at each step."""
+
+    order: int
+    terms: Terms
+    coast: Callable[..., tuple[int, float, float]] | None
+
+
+def compiled(law: Law, order: int, zeta: float, straight: bool, weighed: bool) -> Code:
+    """The code of a law to terms of this order."""
+    space: dict[str, Any] = {"tan": math.tan, **law.numbers, "drag": 2.0 * zeta}
+    exec(_code(law.name, law, order, zeta != 0.0, straight, weighed), space)
+    return Code(order, space["terms"], space.get("coast"))
+
+
+@lru_cache(maxsize=64)
+def _kept(key: tuple[Any, ...]) -> list[CodeType]:
+    return []
+
+
+def _code(name: str, law: Law, order: int, damped: bool, straight: bool, weighed: bool) -> CodeType:
+    kept = _kept((name, order, damped, straight, weighed))
+    if not kept:
+        kept.append(compile(_text(law, order, damped, straight, weighed), f"<{name}>", "exec"))
+    return kept[0]
+
+
+def _text(law: Law, order: int, damped: bool, straight: bool, weighed: bool) -> str:
+    """Two functions."""
+    numbers = "".join(f", {name}={name}" for name in (*law.numbers, "drag", "tan"))
+    given = ("a", "g", *(("w", "e") if weighed else ())) if straight else ("d", *(("w",) if weighed else ()))
+    body = _lines(law, order, damped, straight, weighed)
+    every = ", ".join(f"Y{n}" for n in range(2, order + 1))
+    text = [f"def terms(y, v, h, {', '.join(given)}, force=None, local=None{numbers}):", "    Y1 = v*h", *(f"    {line}" for line in body)]
+    text.append(f"    return (y, Y1, {every})")
+    if straight and law.local is None:
+        text += _coast(law, order, damped, weighed, numbers)
+    return "\n".join(text)
+
+
+def _lines(law: Law, order: int, damped: bool, straight: bool, weighed: bool, forced: bool = True) -> list[str]:
+    """The terms from Y2 on."""
+    lines = ["q = h*h", *law.start]
+    for n in range(order - 1):
+        if n:
+            lines += law.term(n)
+        pushed = _product("G", n, straight, ("a", "g"), "d", law.constant)
+        held = _product("F", n, straight, ("w", "e"), "w", False) if weighed else f"F{n}"
+        pushed = f"({pushed}) - ({held})" if pushed else f"-({held})"
+        if n == 0:
+            lines.append(f"f = {pushed}" if not forced else f"f = {pushed} if force is None else force")
+            pushed = "f"
+        drag = f" - drag*h*Y{n + 1}*{1.0 / (n + 2)!r}" if damped else ""
+        lines.append(f"Y{n + 2} = q*({pushed})*{1.0 / ((n + 1) * (n + 2))!r}{drag}")
+    return lines
+
+
+def _product(of: str, n: int, straight: bool, line: tuple[str, str], terms: str, constant: bool) -> str:
+    """Text of term n of the drive, or weight, times a function along the motion."""
+    if constant:
+        return line[n] if straight and n < 2 else "" if straight else f"{terms}[{n}]"
+    if straight:
+        return f"{line[0]}*{of}{n}" + (f" + {line[1]}*{of}{n - 1}" if n else "")
+    return " + ".join(f"{terms}[{i}]*{of}{n - i}" for i in range(n + 1))
+
+
+def _coast(law: Law, order: int, damped: bool, weighed: bool, numbers: str) -> list[str]:
+    """The march over whole segments k, k + 1 ... of straight lines while Lemma 12 proves that nothing is struck, the series holds, and no
+    turn outwards may be above `peak`; each step is told to `keep`."""
+    lists = ", W, E" if weighed else ""
+    out = [f"def coast(k, last, y, v, S, R, L{lists}, m, pace, floor, top, peak, least, keep, sway=0.0{numbers}):", "    while k < last:"]
+    lines = ["h = L[k]*pace", "Y1 = v*h"]
+    lines += [f"if y + Y1{' - 0.5*drag*h*abs(Y1)' if damped else ''} <= floor*h*h: break", "a = m*S[k]", "g = m*R[k]"]
+    lines += ["w = 1.0 + sway*W[k]", "e = sway*E[k]"] if weighed else []
+    lines += _lines(law, order, damped, True, weighed, forced=False)
+    low, high = f"Y{order - 1}", f"Y{order}"
+    lines += [f"if abs({high}) + 0.25*h*abs({low}) > least*h: break"]
+    lines += [
+        f"V = Y1 + {' + '.join(f'{float(n)}*Y{n}' for n in range(2, order + 1))}",
+        f"Y = y + Y1 + {' + '.join(f'Y{n}' for n in range(2, order + 1))}",
+    ]
+    bend = " + ".join(f"{0.125 * n * (n - 1) * (n - 2)}*abs(Y{n})" for n in range(3, order + 1))
+    size = " + ".join(f"abs(Y{n})" for n in range(1, order + 1))
+    lines += ["if Y >= top and V > 0.0: break"]
+    lines += [f"if (Y1 > 0.0 >= V or (abs(Y1) < (bend := {bend}) or abs(V) < bend)) and y + {size} > peak: break"]
+    lines += [f"if keep is not None: keep(k, h, (y, Y1, {', '.join(f'Y{n}' for n in range(2, order + 1))}))"]
+    lines += ["k += 1", "y = Y", "v = V/h"]
+    return [*out, *(f"        {line}" for line in lines), "    return k, y, v"]
