@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-DRAWN = "check, envelope, response, compare --curves, params --vary, fragility --curve or accuracy"
+DRAWN = "check, envelope, response, compare (curves), params (a family), fragility (curves) or accuracy"
 MOST_PANELS = 24
 
 
