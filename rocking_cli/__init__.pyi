@@ -45,9 +45,9 @@ from .responses.check import Verdict as Verdict
 from .responses.check import check as check
 from .responses.history import History as History
 from .responses.history import history as history
-from .spectra.merge import merge as merge
+from .spectra.file.merge import merge as merge
+from .spectra.file.reader import SpectraFile as SpectraFile
 from .spectra.prediction import predict as predict
-from .spectra.reader import SpectraFile as SpectraFile
 from .spectra.results import Spectrum as Spectrum
 from .spectra.results import Summary as Summary
 from .spectra.sweep import spectrum as spectrum

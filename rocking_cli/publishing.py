@@ -57,15 +57,20 @@ def check_target(path: Path, overwrite: bool, suffixes: tuple[str, ...] = ()) ->
 
 
 @contextmanager
-def published(path: Path, overwrite: bool) -> Iterator[BinaryIO]:
+def published(path: Path, overwrite: bool, partial: Path | None = None) -> Iterator[BinaryIO]:
     """A new file to write to, which takes its name when the block ends, and is removed when the block fails.
+
+    partial: its name until then, of which a file that is there is one that a kill left.
 
     Without overwrite no file is replaced, not even one that has appeared meanwhile. Raises OutputError.
     """
     target = followed(path)
-    partial = _partial(target)
     try:
-        with open(partial, "xb") as file:
+        if partial is None:
+            partial = _partial(target)
+        else:
+            partial.unlink(missing_ok=True)
+        with open(partial, "x+b") as file:
             try:
                 yield file
                 file.flush()

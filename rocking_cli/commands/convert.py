@@ -13,7 +13,7 @@ from .parameter_types import InputPath
 @options.output_form
 def convert(file: str, form: str | None) -> None:
     """Stream the computed cells of a spectra file, one a row (CSV unless --json)."""
-    from ..spectra.reader import SpectraFile
+    from ..spectra.file.reader import SpectraFile
 
     with SpectraFile(file) as spectrum:
         if not spectrum.done.any():

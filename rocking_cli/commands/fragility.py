@@ -140,7 +140,7 @@ def fragility(
         "tell": partial(options.note, quiet=quiet),
     }  # fmt: skip
     if output is not None:
-        from ..spectra.part import check_output
+        from ..spectra.file.partial import check_output
 
         if not (resume and output.is_file()):
             check_output(output, overwrite, resume)

@@ -22,8 +22,8 @@ def info(context: click.Context, files: tuple[str, ...], verify: bool, form: str
 
     A file that is damaged, or with --verify holds a damaged chunk, ends with exit code 1.
     """
+    from ..spectra.file.reader import SpectraFile
     from ..spectra.machine import described, machines_of
-    from ..spectra.reader import SpectraFile
 
     damaged = []
     records: list[dict[str, Any]] = []
@@ -47,8 +47,8 @@ def info(context: click.Context, files: tuple[str, ...], verify: bool, form: str
                     "estimated_error": attributes.get("estimated_error"),
                     "checked_cells": attributes.get("checked_cells"),
                     "source": attributes.get("source"),
-                    "sealed": "yes" if file.sealed else "no",
-                    "digest": attributes.get("layout_digest"),
+                    "sealed": "yes" if file.digest else "no",
+                    "digest": file.digest,
                     "computed_on": "; ".join(described(m) for m in machines_of(attributes.get("computed_on"))) or None,
                 }
             )

@@ -45,7 +45,7 @@ def plot(
     """
     from ..publishing import check_target
     from ..reports.plot import draw, is_spectra_file
-    from ..spectra.reader import SpectraFile
+    from ..spectra.file.reader import SpectraFile
 
     if text and output is not None:
         raise click.UsageError("--text does not go with -o")

@@ -34,9 +34,9 @@ def predict(
     distance from the computed value.
     """
     from ..dynamics.outcome import Outcome
+    from ..spectra.file.reader import SpectraFile
     from ..spectra.prediction import predict as beside_spectrum
     from ..spectra.prediction import predict_exactly
-    from ..spectra.reader import SpectraFile
 
     structures = options.structures_of(files)
     if shaking is None:

@@ -90,7 +90,7 @@ def spectrum(
     from ..dynamics.method import governing_method
     from ..motions.grid import parse_grid
     from ..reports.summary import summary_lines
-    from ..spectra.part import check_output
+    from ..spectra.file.partial import check_output
     from ..spectra.scene import PulseScene, Scene
     from ..spectra.sweep import CHUNK_CELLS, write_scene
 

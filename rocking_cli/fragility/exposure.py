@@ -82,7 +82,7 @@ def _under_records(
     structures: list[RockingParameters], members: Sequence[Member], measure: Measure, levels: Array, path: Path | None, method: Method,
     workers: int | None, options: dict[str, Any],
 ) -> list[Exposure]:  # fmt: skip
-    from ..spectra.reader import SpectraFile
+    from ..spectra.file.reader import SpectraFile
     from ..spectra.record_scene import structures_scene
     from ..spectra.sweep import spectrum_of, write_scene
 

@@ -34,7 +34,7 @@ from ..motions import Motion
 from ..motions.grid import Axis, Grid
 from ..motions.recording import Recording
 from ..responses.check import Verdict, tally
-from ..spectra.reader import SpectraFile
+from ..spectra.file.reader import SpectraFile
 from ..spectra.sweep import write_spectrum
 from ..structures import RockingParameters
 from ..structures.kinds import sketch_of

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..errors import UsageError
-from ..spectra.reader import SpectraFile
+from ..spectra.file.reader import SpectraFile
 from .figures.canvas import MARKERS, canvas, legend, look, panels, refuse_empty, units_of_figures
 from .figures.capacities import verdicts
 from .figures.characters import place_of

@@ -15,7 +15,7 @@ from ..errors import UsageError
 from ..motions import Motion
 from ..motions.grid import Grid
 from ..structures.parameters import RockingParameters
-from .reader import SpectraFile
+from .file.reader import SpectraFile
 
 ETA_TOLERANCE = 1e-6  # spectra of restitutions closer than this are taken for the same
 

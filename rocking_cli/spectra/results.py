@@ -116,7 +116,7 @@ class Spectrum:
 
     def to_xarray(self) -> xarray.Dataset:
         """As an xarray Dataset of the names, dimensions and attributes that the file has. Raises OutputError without xarray."""
-        from .dataset import dataset_of
+        from .file.dataset import dataset_of
 
         cells = {"theta_ratio": self.theta_ratio, "outcome": self.outcome, "impacts": self.impacts}
         return dataset_of(self.scene.frame(), cells | dict(self.beside))

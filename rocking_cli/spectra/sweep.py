@@ -150,8 +150,8 @@ def write_scene(
     cluster. Raises UsageError for a scene or an output that is refused, OutputError when the file cannot be written or a worker
     process dies, Interrupted on Ctrl-C.
     """
-    from .layout import VARIABLES
-    from .store import SpectraWriter
+    from .file.layout import VARIABLES
+    from .file.writer import SpectraWriter
 
     method, chunk = scene.method, chunk_shape(scene.shape[1:], chunk_cells)
     processes = 1 if scheduler else _processes(scene, workers)  # a cluster's are not known yet
@@ -198,7 +198,7 @@ class _Packing:
     chunk: tuple[int, int]
 
     def __call__(self, response: Block) -> dict[str, bytes]:
-        from .chunks import pack
+        from .file.chunks import pack
 
         return {name: pack(_padded(response.variable(name), self.chunk)) for name in self.names}
 
@@ -243,7 +243,7 @@ def _checked(names: Sequence[str], scene: Scene) -> tuple[str, ...]:
 
 def _blank(name: str) -> tuple[Any, np.dtype]:
     """What stands for a cell that is not computed, and the type of a variable."""
-    from .layout import VARIABLES
+    from .file.layout import VARIABLES
 
     dtype, about = VARIABLES[name]
     return about.get("_FillValue", 0), dtype

@@ -39,7 +39,7 @@ from rocking_cli import (
     response,
     sine,
 )
-from rocking_cli.spectra.chunks import pack
+from rocking_cli.spectra.file.chunks import pack
 from rocking_cli.structures.parameters import Side
 
 ETA, ALPHA = scenes.ETA, scenes.ALPHA

@@ -28,7 +28,8 @@ from rocking_cli.dynamics.equations.taylor import TaylorSeries
 from rocking_cli.dynamics.lanes import Lanes
 from rocking_cli.dynamics.march import advance, engine
 from rocking_cli.envelopes import boundaries
-from rocking_cli.spectra import store, sweep, units
+from rocking_cli.spectra import sweep, units
+from rocking_cli.spectra.file import writer as store
 from rocking_cli.spectra.trust import verification
 
 STAGES: dict[str, list[tuple[Any, str]]] = {

@@ -11,7 +11,7 @@ import sys
 import numpy as np
 
 from rocking_cli.dynamics.outcome import Difference, falls
-from rocking_cli.spectra.reader import SpectraFile
+from rocking_cli.spectra.file.reader import SpectraFile
 
 BANDS = ((1.0, 2.0), (2.0, 3.0), (3.0, 4.0), (4.0, 5.0), (5.0, 6.0))  # of Omega
 

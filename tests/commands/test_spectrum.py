@@ -18,6 +18,7 @@ from rocking_cli.dynamics.equations.linear import LinearEquation
 from rocking_cli.dynamics.march import engine
 from rocking_cli.dynamics.system import System
 from rocking_cli.responses.history import history
+from rocking_cli.spectra.file.reader import SpectraFile
 
 SMALL = "A=0.5:9:40,Omega=0.5:12:30"
 
@@ -181,8 +182,8 @@ def test_ctrl_c_and_sigterm_keep_what_was_done(tmp_path, workers, stop):
     with pytest.raises(ProcessLookupError):  # no worker is left behind
         os.killpg(process.pid, 0)
     assert not (tmp_path / "s.h5").exists()
-    with h5py.File(part) as f:
-        assert 0 < f["chunk_done"][...].sum() < f["chunk_done"].size
+    with SpectraFile(part) as f:
+        assert 0 < f.done.sum() < f.done.size
 
 
 def test_a_step_count_that_runs_away_is_a_failed_cell(monkeypatch, tmp_path):

@@ -12,7 +12,7 @@ from rocking_cli.dynamics.outcome import Difference, Outcome, difference
 from rocking_cli.reports.figures.maps import outcome_map
 from rocking_cli.reports.summary import summary_lines
 from rocking_cli.reports.units import Units
-from rocking_cli.spectra.reader import SpectraFile
+from rocking_cli.spectra.file.reader import SpectraFile
 from rocking_cli.spectra.scene import QUANTITIES
 
 STOCKY = build_structure(parse_documents("kind: block\nname: Stocky\nwidth: 1\nheight: 2")[0])

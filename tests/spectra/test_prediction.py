@@ -21,8 +21,8 @@ from rocking_cli import (
     trace_envelope,
     write_spectrum,
 )
+from rocking_cli.spectra.file.reader import SpectraFile
 from rocking_cli.spectra.prediction import predict, predict_exactly
-from rocking_cli.spectra.reader import SpectraFile
 
 
 def cell(amplitude, omega):

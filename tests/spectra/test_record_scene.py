@@ -14,13 +14,14 @@ from support.record_layouts import wave
 
 from rocking_cli import Axis, Method, UsageError, dimensionless_oscillator, overturned, response
 from rocking_cli.dynamics.speeds import response_with_speed
+from rocking_cli.errors import Interrupted
 from rocking_cli.motions.intensity import intensity
 from rocking_cli.motions.polyline import record_motion
 from rocking_cli.motions.recording import Recording, with_distinct_labels
 from rocking_cli.motions.records import Record
 from rocking_cli.reports.summary import summary_lines
-from rocking_cli.spectra.merge import merge
-from rocking_cli.spectra.reader import SpectraFile
+from rocking_cli.spectra.file.merge import merge
+from rocking_cli.spectra.file.reader import SpectraFile
 from rocking_cli.spectra.record_scene import angles_scene, block_of, scene_of_words, structures_scene
 from rocking_cli.spectra.scene import cut_into_units
 from rocking_cli.spectra.sweep import spectrum_of, write_scene
@@ -134,8 +135,12 @@ def test_shards_and_workers_change_no_bit(records, tmp_path):
 
 def test_a_sweep_of_other_records_does_not_go_on(records, tmp_path):
     columns = Axis("scale", np.array([1.0]))
-    write_scene(structures_scene([BLOCK], records, columns), tmp_path / "s.h5", workers=1, check=0, shard=(1, 2))
-    (tmp_path / "s.h5").rename(tmp_path / "s.h5.part")
+
+    def stop(done, total):
+        raise KeyboardInterrupt
+
+    with pytest.raises(Interrupted):
+        write_scene(structures_scene([BLOCK], records, columns), tmp_path / "s.h5", workers=1, check=0, shard=(1, 2), progress=stop)
     others = (records[0], Recording(records[1].record, 2.0))
     with pytest.raises(UsageError, match=r"is of another scene: its records\[1\] is"):
         write_scene(structures_scene([BLOCK], others, columns), tmp_path / "s.h5", workers=1, check=0, shard=(1, 2), resume=True)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from rocking_cli.spectra.reader import SpectraFile
+from rocking_cli.spectra.file.reader import SpectraFile
 
 FAMILY = ("--vary", "width=40cm:60cm:3", "--vary", "restitution=0.8:0.9:2")
 

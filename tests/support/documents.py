@@ -31,4 +31,4 @@ def same_file(one: Path, other: Path) -> None:
         assert a["theta_ratio"][...].tobytes() == b["theta_ratio"][...].tobytes()
         assert a["outcome"][...].tobytes() == b["outcome"][...].tobytes()
         assert [a.attrs[k] for k in counts] == [b.attrs[k] for k in counts]
-        assert a["chunk_done"][...].all()
+        assert a["bookkeeping/chunk_done"][...].all()

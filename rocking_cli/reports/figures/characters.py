@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ...dynamics.outcome import Outcome
-from ...spectra.reader import SpectraFile
+from ...spectra.file.reader import SpectraFile
 from .slices import Slice, of_record, slice_of
 
 WIDTH, HEIGHT = 80, 24  # of the terminal, with a line for the prompt

@@ -10,7 +10,7 @@ import numpy as np
 from ...dynamics.method import LINEAR
 from ...dynamics.outcome import Difference, Outcome
 from ...errors import UsageError
-from ...spectra.reader import SpectraFile
+from ...spectra.file.reader import SpectraFile
 from ..units import Units
 from .canvas import DASHES, literal
 from .labels import label, titled

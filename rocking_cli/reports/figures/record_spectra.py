@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...dynamics.outcome import falls
-from ...spectra.reader import SpectraFile
+from ...spectra.file.reader import SpectraFile
 from ..units import Units
 from .canvas import PANEL, legend, literal, look
 from .labels import SYMBOLS, label, valued

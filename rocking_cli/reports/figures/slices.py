@@ -11,7 +11,7 @@ import numpy as np
 from ...documents.quantities import parse_quantity
 from ...dynamics.outcome import Outcome, falls
 from ...errors import UsageError
-from ...spectra.reader import SpectraFile
+from ...spectra.file.reader import SpectraFile
 from ..units import Units
 from .canvas import legend, literal, look
 from .labels import label, titled, valued

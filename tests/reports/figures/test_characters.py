@@ -6,7 +6,7 @@ import pytest
 
 from rocking_cli import Outcome
 from rocking_cli.reports.figures.characters import text_map
-from rocking_cli.spectra.reader import SpectraFile
+from rocking_cli.spectra.file.reader import SpectraFile
 
 
 def test_a_map_has_the_sign_of_each_cell(spectrum_file):

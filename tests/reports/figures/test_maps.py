@@ -14,7 +14,7 @@ from support.record_layouts import rows, wave
 from rocking_cli import Outcome, UsageError, closed_form_curves
 from rocking_cli.reports.plot import draw
 from rocking_cli.reports.units import parse_units
-from rocking_cli.spectra.reader import SpectraFile
+from rocking_cli.spectra.file.reader import SpectraFile
 
 
 def entries(figure):

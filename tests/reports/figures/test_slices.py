@@ -10,7 +10,7 @@ from support.axes import lines, same
 
 from rocking_cli import Outcome, UsageError, overturned
 from rocking_cli.reports.figures.slices import slice_of
-from rocking_cli.spectra.reader import SpectraFile
+from rocking_cli.spectra.file.reader import SpectraFile
 
 
 @pytest.fixture

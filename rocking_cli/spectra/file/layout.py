@@ -1,7 +1,6 @@
 """The layout of a spectra file: which datasets it has, built in memory, so that no half of one ever stands on a disk.
 
-Everything but the state of the chunks is settled when the file begins, and a digest of it stands in the file. The tables below
-are all that a new variable, parameter or coordinate needs.
+A new variable is one entry of a table below.
 """
 
 from __future__ import annotations
@@ -14,11 +13,10 @@ from typing import Any
 import h5py
 import numpy as np
 
-from .. import __version__
-from ..dynamics.outcome import Difference, Outcome
+from ... import __version__
+from ...dynamics.outcome import Difference, Outcome
+from ..frame import About, Frame, Values
 from .chunks import GZIP_LEVEL, ChunkGrid
-from .digest import DIGEST, digest_of
-from .frame import About, Frame, Values
 
 VARIABLES: dict[str, tuple[np.dtype, dict[str, Any]]] = {
     "theta_ratio": (
@@ -77,15 +75,17 @@ FLAGS: dict[str, type[Outcome] | type[Difference]] = {"outcome": Outcome, "outco
 REQUIRED = ("theta_ratio", "outcome")
 
 CHUNK_TABLES: dict[str, tuple[np.dtype, dict[str, Any]]] = {
+    "chunk": (np.dtype("<i4"), {"units": "1", "long_name": "unit of work, row-major over the chunks of the data"}),
     "chunk_done": (
         np.dtype("u1"),
         {"units": "1", "long_name": "whether this chunk's data are written",
          "flag_values": np.array([0, 1], dtype="u1"), "flag_meanings": "open done"},
     ),
     "chunk_checksum": (np.dtype("<u4"), {"units": "1", "long_name": "CRC-32 of this chunk's stored bytes"}),
-    "chunk": (np.dtype("<i4"), {"units": "1", "long_name": "unit of work, row-major over the chunks of the data"}),
 }  # fmt: skip
-"""Of each chunk: type and attributes."""
+"""Of each chunk, in the group of bookkeeping: type and attributes."""
+
+BOOKKEEPING = "bookkeeping"
 
 
 def image(frame: Frame, chunk: tuple[int, ...], names: Sequence[str], scene: Mapping[str, Any], attributes: Mapping[str, Any]) -> bytes:
@@ -109,13 +109,12 @@ def image(frame: Frame, chunk: tuple[int, ...], names: Sequence[str], scene: Map
                 compression="gzip", compression_opts=GZIP_LEVEL, fillvalue=about.get("_FillValue", 0),
             )  # fmt: skip
             _describe(datasets[name], {**about, **labels}, *(datasets[dimension] for dimension in frame.dimensions))
-        for name, (dtype, _) in CHUNK_TABLES.items():
-            values = np.arange(cut.size, dtype=dtype) if name == "chunk" else np.zeros(cut.size, dtype=dtype)
-            datasets[name] = file.create_dataset(name, data=values)
-        datasets["chunk"].make_scale("chunk")
-        for name, (_, about) in CHUNK_TABLES.items():
-            _describe(datasets[name], about, *([] if name == "chunk" else [datasets["chunk"]]))
-        file.attrs[DIGEST] = digest_of(file.attrs, datasets)
+        tables = file.create_group(BOOKKEEPING, track_order=True)
+        for name, (dtype, about) in CHUNK_TABLES.items():
+            tables[name] = np.arange(cut.size, dtype=dtype) if name == "chunk" else np.zeros(cut.size, dtype=dtype)
+            if name == "chunk":
+                tables[name].make_scale(name)
+            _describe(tables[name], about, *([] if name == "chunk" else [tables["chunk"]]))
     return buffer.getvalue()
 
 

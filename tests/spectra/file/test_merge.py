@@ -8,12 +8,12 @@ import h5py
 import pytest
 
 from rocking_cli import OutputError, UsageError, dimensionless_oscillator, parse_grid, sine, write_spectrum
-from rocking_cli.spectra import store
-from rocking_cli.spectra.chunks import pack, unpack
-from rocking_cli.spectra.layout import VARIABLES
-from rocking_cli.spectra.merge import merge
-from rocking_cli.spectra.reader import SpectraFile
-from rocking_cli.spectra.store import SpectraWriter
+from rocking_cli.spectra.file import writer as store
+from rocking_cli.spectra.file.chunks import pack, unpack
+from rocking_cli.spectra.file.layout import VARIABLES
+from rocking_cli.spectra.file.merge import merge
+from rocking_cli.spectra.file.reader import SpectraFile
+from rocking_cli.spectra.file.writer import SpectraWriter
 
 GRID = parse_grid("A=0.5:12:40,Omega=0.5:12:30")
 
@@ -57,7 +57,7 @@ def test_shards_that_overlap_and_agree_are_one(tmp_path):
     merged = merge([half, whole], tmp_path / "m.h5")
     assert (merged.there, merged.whole, merged.elsewhere) == (6, 6, "")
     with SpectraFile(tmp_path / "m.h5") as one, SpectraFile(whole) as other:
-        assert one.sealed
+        assert one.digest
         assert one.complete
         assert all(one.packed(i) == other.packed(i) for i in range(6))
 

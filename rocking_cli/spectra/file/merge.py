@@ -10,13 +10,13 @@ from typing import Any
 
 import numpy as np
 
-from ..dynamics.outcome import Outcome
-from ..errors import OutputError, UsageError
+from ...dynamics.outcome import Outcome
+from ...errors import OutputError, UsageError
+from ..machine import machines_of, together, unlike
 from .chunks import stored_outcomes, unpack
 from .layout import VARIABLES
-from .machine import machines_of, together, unlike
-from .reader import SpectraFile
-from .store import SpectraWriter, brief, difference
+from .reader import SpectraFile, brief, difference
+from .writer import SpectraWriter
 
 KEPT = ("history", "documents", "motion", "model", "tolerance")
 
@@ -51,7 +51,6 @@ def merge(paths: Sequence[str | Path], output: str | Path, *, overwrite: bool = 
         machines = together([machines_of(f.attributes.get("computed_on")) for f in files])
         if strict and unlike(machines):
             raise UsageError(f"{output}: its shards come from machines that compute otherwise ({unlike(machines)})")
-        totals = _totals(files)
         kept = {key: value for key, value in first.attributes.items() if key in KEPT}
         options: dict[str, Any] = {"names": first.names, "scene": first.scene, "attributes": kept, "shard": None, "machines": machines}
         chunk, target = first.cut.chunk[1:], Path(output)
@@ -70,6 +69,8 @@ def merge(paths: Sequence[str | Path], output: str | Path, *, overwrite: bool = 
         counts = {f"cells_{o.flag}": int(outcomes[o]) for o in Outcome}
         cells = int(np.prod(first.cut.shape))
         counts["cells_not_computed"] = cells - int(outcomes.sum())
+        run_time, checked, error = ([f.attributes.get(key, 0) for f in files] for key in ("run_time", "checked_cells", "estimated_error"))
+        totals = {"run_time": sum(run_time), "checked_cells": sum(checked), "estimated_error": max(error)}
         writer.finish({"cells": cells, **totals, **counts})
         return Merged(writer.written, writer.chunks, writer.elsewhere, _missing_shards(files, writer.chunks))
 
@@ -88,23 +89,6 @@ def _missing_shards(files: Sequence[SpectraFile], chunks: int) -> tuple[str, ...
         return ()
     (count,) = counts
     return tuple(f"{i}/{count}" for i in range(1, min(count, chunks) + 1) if there.get(i, 0) < len(range(i - 1, chunks, count)))
-
-
-def _totals(files: Sequence[SpectraFile]) -> dict[str, float]:
-    """The run time and checked cells of all shards together, and the largest estimated error. Raises OutputError."""
-
-    def of_each(key: str, kind: type[int] | type[float]) -> list[float]:
-        try:
-            return [kind(f.attributes.get(key, 0)) for f in files]
-        except (TypeError, ValueError):
-            paths = [str(f.path) for f in files if not isinstance(f.attributes.get(key, 0), int | float)]
-            raise OutputError(f"{', '.join(paths)}: the attribute {key} is no number") from None
-
-    return {
-        "run_time": sum(of_each("run_time", float)),
-        "checked_cells": sum(of_each("checked_cells", int)),
-        "estimated_error": max(of_each("estimated_error", float)),
-    }
 
 
 def _demand_one_scene(files: Sequence[SpectraFile]) -> None:

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import io
+import json
 import os
-from collections.abc import Iterator
+import stat
+from collections.abc import Iterator, Mapping, Sequence
 from functools import lru_cache
 from pathlib import Path
 from types import TracebackType
@@ -12,75 +15,99 @@ from typing import Any
 import h5py
 import numpy as np
 
-from ..dynamics.outcome import Outcome
-from ..errors import FAULTS, OutputError, UsageError
-from ..motions import Harmonic, Motion, Piece
-from ..motions.grid import Axis, Grid
-from .chunks import stored_chunk, unpack
-from .contents import contents_of, reason
-from .layout import FLAGS, VARIABLES
-from .raw_file import SIGNATURE, RawFile, lock, open_regular
-from .seal import read, sealed
-from .trial import trial
+from ...dynamics.outcome import Outcome
+from ...errors import FAULTS, OutputError, UsageError
+from ...motions import Harmonic, Motion, Piece
+from ...motions.grid import Axis, Grid
+from ...structures.parameters import RockingParameters
+from ..frame import EDGE_PARAMETERS, VARIED, Frame, Values, form_among, varied_units
+from .chunks import ChunkGrid, split, stored_chunk, unpack
+from .digest import checked_digest, read
+from .layout import BOOKKEEPING, CHUNK_TABLES, FLAGS, VARIABLES
+from .partial import SIGNATURE, Records
 
 _FAULTS = (*FAULTS, UsageError)
 UNPACKED = 8  # chunks that are kept as arrays
 
 
 class SpectraFile:
-    """A spectra file, open for reading; a context manager.
+    """A spectra file, finished or partial, open for reading; a context manager.
 
-    frame: what its cells lie on; structures: parameters as stored; names: of the variables; cut, done, sums: how it is cut, which
-    chunks are there, and their checksums; attributes: of the root; sealed: it came to its end and is as it was then. Nothing is read
-    from it that its seal, its digest or a checksum does not vouch for. Raises UsageError when the file cannot be opened and
-    OutputError when it is not a whole spectra file, or is being written.
+    frame: what its cells lie on; structures: parameters as stored; names: of the variables; cut, done: how it is cut, and which chunks
+    are there; attributes: of the root; digest: of a finished file, None of a partial one. Every byte that is read has been checked
+    against the digest or a checksum. Raises UsageError when the file cannot be opened and OutputError when it is no spectra file, or
+    is not as it was written.
     """
 
     def __init__(self, path: str | Path) -> None:
         self.path = Path(path)
         try:
-            descriptor = open_regular(self.path)
+            if not stat.S_ISREG(os.stat(path).st_mode):
+                raise UsageError(f"{path}: cannot be read: not a regular file")
+            self._raw = io.FileIO(path)
         except OSError as error:
-            what = "no such file" if isinstance(error, FileNotFoundError | IsADirectoryError) else error.strerror
+            what = "no such file" if isinstance(error, FileNotFoundError) else error.strerror
             raise UsageError(f"{path}: cannot be read: {what}") from None
-        self._raw = RawFile(descriptor)
         try:
-            self._open(descriptor)
+            self._open()
         except BaseException as error:
-            os.close(descriptor)
+            self._raw.close()
             if isinstance(error, _FAULTS):
-                raise OutputError(f"{path}: is not a spectra file of this program, or is damaged ({reason(error)})") from None
+                raise OutputError(
+                    f"{path}: is not a spectra file as this program wrote it: changed by another one, or damaged ({reason(error)})"
+                ) from None
             raise
         self._arrays = lru_cache(UNPACKED)(self._unpacked)
 
-    def _open(self, descriptor: int) -> None:
-        if read(descriptor, 0, len(SIGNATURE)) != SIGNATURE:
+    def _open(self) -> None:
+        if read(self._raw, 0, len(SIGNATURE)) != SIGNATURE:
             raise OutputError(f"{self.path}: is not an HDF5 file, or is damaged")
-        self.sealed = sealed(descriptor)
-        if not self.sealed:
-            if not lock(descriptor, shared=True):
-                raise OutputError(f"{self.path}: is in use by another process")
-            trial(self.path)
-        self.file = h5py.File(self._raw, "r")
+        self.digest = checked_digest(self._raw)
+        self._records = Records(self._raw) if self.digest is None else None
+        self.file = h5py.File(self._raw if self._records is None else io.BytesIO(self._records.image), "r")
         try:
-            found = contents_of(self.file, self._raw.end)
+            self._understand()
         except BaseException:
             self.file.close()
             raise
-        self.names, self.structures, self.frame, self.cut = found.names, found.structures, found.frame, found.cut
-        self.scene, self.attributes, self.done, self.sums = found.scene, found.attributes, found.done, found.sums
+
+    def _understand(self) -> None:
+        """Read what the file says of itself, whose bytes have been checked. Raises one of FAULTS, or UsageError."""
+        file = self.file
+        tables = file.get(BOOKKEEPING, file)  # of an earlier version they stand at the root
+        names = {name for name in file if name not in CHUNK_TABLES and name != BOOKKEEPING}
+        for group, some in ((file, names), (tables, CHUNK_TABLES)):
+            for name in some:
+                _demand_own(group, name)
+        form = form_among(names)
+        beside = dict(form.beside)
+        if "structure" in form.dimensions:
+            beside |= dict.fromkeys(sorted(n for n in names if n in EDGE_PARAMETERS or n.startswith(VARIED)), "structure")
+        self.attributes = {key: _plain(file.attrs[key]) for key in file.attrs}
+        self.scene: dict[str, Any] = json.loads(self.attributes["scene"])
+        stated = self.scene["structures"] if "structure" in form.dimensions else ()
+        self.structures = tuple(RockingParameters.from_record(record) for record in stated)
+        dimensions = {name: _values(file[name]) for name in form.dimensions}
+        self.frame = Frame(dimensions, {name: (d, _values(file[name])) for name, d in beside.items()}, varied_units(self.structures))
+        self.names = tuple(name for name in VARIABLES if name in names)
+        self.cut = ChunkGrid(self.frame.shape, file["outcome"].chunks)
+        for name in self.names:
+            if (file[name].dtype, file[name].shape, file[name].chunks) != (VARIABLES[name][0], self.cut.shape, self.cut.chunk):
+                raise ValueError(f"its {name} does not fit its axes")
+        self.done, self._sums = tables["chunk_done"][...] == 1, tables["chunk_checksum"][...]
+        if self._records is not None:
+            self.attributes["computed_on"] = json.dumps(self._records.notes.get("computed_on"))
+            self.done = np.isin(np.arange(self.cut.size), list(self._records.places))
 
     def close(self) -> None:
         """Close the file."""
         self.file.close()
-        if not self._raw.closed:
-            self._raw.close()
-            os.close(self._raw.descriptor)
+        self._raw.close()
 
     @property
     def complete(self) -> bool:
         """Whether every chunk is there and the sweep came to its end."""
-        return bool(self.done.all()) and self.path.suffix != ".part"
+        return bool(self.done.all()) and self.digest is not None
 
     @property
     def grid(self) -> Grid:
@@ -109,7 +136,9 @@ class SpectraFile:
     def packed(self, index: int) -> dict[str, bytes]:
         """The stored bytes of a chunk, checked. Raises OutputError."""
         try:
-            return stored_chunk(self.file, self.names, self.cut.offset(index), int(self.sums[index]))
+            if self._records is not None:
+                return split(self._records.content(index), self.names)
+            return stored_chunk(self.file, self.names, self.cut.offset(index), int(self._sums[index]))
         except _FAULTS as error:
             raise OutputError(f"{self.path}: chunk {index} is damaged: {reason(error)}") from None
 
@@ -195,3 +224,58 @@ def _told(name: str, value: np.generic) -> float | int | str | None:
         return FLAGS[name](int(value.item())).flag
     number: float | int = value.item()
     return number if np.isfinite(number) else None
+
+
+def reason(error: BaseException) -> str:
+    """What a fault says, in words."""
+    text = str(error.args[0]) if isinstance(error, KeyError) and error.args else str(error)
+    return text if " " in text else f"it has no {text!r}"
+
+
+def chunk_places(file: h5py.File, names: Sequence[str]) -> list[tuple[int, int]]:
+    """(offset, length) in the file of every chunk of the variables."""
+    places: list[tuple[int, int]] = []
+    for name in names:
+        file[name].id.chunk_iter(lambda info: places.append((info.byte_offset, info.size)))
+    return places
+
+
+def _plain(value: Any) -> Any:
+    """An attribute's value as Python has it."""
+    return value.item() if isinstance(value, np.generic) else value.tolist() if isinstance(value, np.ndarray) else value
+
+
+def _demand_own(group: h5py.Group, name: str) -> None:
+    """Demand that a dataset and its data stand in the file itself. Raises ValueError."""
+    if not isinstance(group.get(name, getlink=True), h5py.HardLink) or not isinstance(group[name], h5py.Dataset):
+        raise ValueError(f"its {name} is not a dataset of its own")
+    if group[name].external or group[name].is_virtual:
+        raise ValueError(f"its {name} is stored in another file")
+
+
+def _values(data: h5py.Dataset) -> Values:
+    """A list of numbers or of texts."""
+    values = data[...]
+    return [text.decode() for text in values] if data.dtype.hasobject else values
+
+
+def difference(one: Any, other: Any, place: str = "") -> tuple[str, Any, Any] | None:
+    """Where two scenes first differ, and what each has there. A list that begins with a name differs by that name."""
+    if one == other:
+        return None
+    if isinstance(one, Mapping) and isinstance(other, Mapping):
+        key = next(k for k in [*one, *other] if k not in one or k not in other or one[k] != other[k])
+        place = f"{place}.{key}" if place else key
+        return difference(one[key], other[key], place) if key in one and key in other else (place, one.get(key), other.get(key))
+    if isinstance(one, list) and isinstance(other, list) and any(isinstance(x, list | Mapping) for x in [*one, *other]):
+        if len(one) != len(other):
+            return f"number of {place}", len(one), len(other)
+        i = next(i for i, (a, b) in enumerate(zip(one, other, strict=True)) if a != b)
+        return difference(one[i], other[i], place if isinstance(one[i], str) else f"{place}[{i}]")
+    return place, one, other
+
+
+def brief(value: Any) -> str:
+    """A value of a scene in at most 60 characters."""
+    text = json.dumps(value)
+    return text if len(text) <= 60 else text[:57] + "..."

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import random
 from contextlib import suppress
 
@@ -10,47 +9,46 @@ import numpy as np
 import pytest
 
 from rocking_cli import RockingError
-from rocking_cli.spectra.reader import SpectraFile
-from rocking_cli.spectra.seal import seal, sealed
+from rocking_cli.spectra.file.digest import checked_digest, digest_line
+from rocking_cli.spectra.file.reader import SpectraFile
 
 
 @pytest.fixture
 def raw(tmp_path):
     path = tmp_path / "x"
     path.write_bytes(bytes(range(200)))
-    descriptor = os.open(path, os.O_RDWR)
-    yield path, descriptor
-    os.close(descriptor)
+    with open(path, "r+b", buffering=0) as file:
+        yield path, file
 
 
-def test_every_bit_but_the_chunks_is_sealed(raw):
-    path, descriptor = raw
-    end = seal(descriptor, [(50, 30), (20, 10), (80, 5)])
+def test_every_bit_but_those_of_chunks_counts(raw):
+    path, file = raw
+    end = digest_line(file, [(50, 30), (20, 10), (80, 5)])
     whole = path.read_bytes() + end
     for at in range(len(whole)):
         data = bytearray(whole)
         data[at] ^= 1 << at % 8
         path.write_bytes(data)
         if 20 <= at < 30 or 50 <= at < 85:
-            assert sealed(descriptor)
+            assert checked_digest(file)
         elif at < 200:
-            with pytest.raises(ValueError, match="not what was sealed"):
-                sealed(descriptor)
+            with pytest.raises(ValueError, match="does not fit its digest"):
+                checked_digest(file)
         else:
             with suppress(ValueError):
-                assert not sealed(descriptor)
+                assert not checked_digest(file)
     path.write_bytes(whole)
-    assert sealed(descriptor)
+    assert checked_digest(file)
     assert whole[: -len(end)] == bytes(range(200))
 
 
-def test_chunks_that_overlap_are_never_sealed(raw):
+def test_chunks_that_overlap_are_refused(raw):
     with pytest.raises(ValueError, match="two chunks lie at byte 25"):
-        seal(raw[1], [(20, 10), (25, 10)])
+        digest_line(raw[1], [(20, 10), (25, 10)])
 
 
-def test_a_seal_that_is_not_one_is_a_sentence(raw):
-    path, descriptor = raw
+def test_a_digest_that_is_not_one_is_a_sentence(raw):
+    path, file = raw
     for line in (
         b"[]",
         b"{}",
@@ -59,10 +57,10 @@ def test_a_seal_that_is_not_one_is_a_sentence(raw):
         b'{"size": 1, "metadata": 3, "digest": 3}',
     ):
         path.write_bytes(bytes(200) + b"\n" + line + b"\nrocking seal 1 %010d\n" % len(line))
-        with pytest.raises(ValueError, match="its seal is damaged"):
-            sealed(descriptor)
+        with pytest.raises(ValueError, match="its digest is damaged"):
+            checked_digest(file)
     path.write_bytes(b"\nrocking seal 1 9999999999\n")
-    assert not sealed(descriptor)
+    assert not checked_digest(file)
 
 
 def test_a_flipped_bit_never_gives_another_number(spectrum_file, tmp_path):
@@ -94,7 +92,7 @@ def test_a_chunk_is_checked_whenever_it_is_read(spectrum_file, tmp_path):
     data[at] ^= 4
     (tmp_path / "d.h5").write_bytes(data)
     with SpectraFile(tmp_path / "d.h5") as file:
-        assert file.sealed
+        assert file.digest
         assert file.damaged_chunks() == [3]
         assert np.isfinite(file.block(0, slice(0, 3 * rows))["theta_ratio"]).any()
         with pytest.raises(RockingError, match="chunk 3 is damaged: its checksum does not fit"):

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from ..errors import OutputError
-from .frame import ABOUT, Frame
+from ...errors import OutputError
+from ..frame import ABOUT, Frame
 from .layout import VARIABLES
 
 if TYPE_CHECKING:

@@ -32,11 +32,13 @@ from rocking_cli import (
 from rocking_cli.commands import main
 from rocking_cli.errors import Interrupted
 from rocking_cli.reports.summary import summary_lines
-from rocking_cli.spectra import machine, store
-from rocking_cli.spectra.chunks import pack
+from rocking_cli.spectra import machine
+from rocking_cli.spectra.file import writer as store
+from rocking_cli.spectra.file.chunks import pack
+from rocking_cli.spectra.file.partial import Partial
+from rocking_cli.spectra.file.reader import SpectraFile, difference
+from rocking_cli.spectra.file.writer import SpectraWriter
 from rocking_cli.spectra.frame import pulse_frame
-from rocking_cli.spectra.reader import SpectraFile
-from rocking_cli.spectra.store import SpectraWriter, difference
 
 
 def kill_loop(folder, kills, seed, values):
@@ -62,8 +64,8 @@ def kill_loop(folder, kills, seed, values):
             (folder / "cut.h5").unlink()
             finished += 1
         elif part.exists():
-            with h5py.File(part) as file:
-                assert file["chunk_done"].shape == file["chunk"].shape
+            with SpectraFile(part) as file:
+                assert file.damaged_chunks() == []
             opened += 1
     return finished, opened
 
@@ -83,25 +85,21 @@ def whole(tmp_path_factory):
     return path
 
 
-@pytest.mark.parametrize("chunk", [2, 5, 8])
-def test_resume_reads_on_beyond_the_end_that_a_killed_writer_stated(rocking, whole, tmp_path, chunk):
-    """HDF5 flushes the index of a chunk before the superblock: a kill in between leaves addresses beyond the stated end."""
-    part = tmp_path / "cut.h5.part"
-    with h5py.File(whole) as file:
-        begins = file["theta_ratio"].id.get_chunk_info(chunk).byte_offset
-        last = file["chunk_done"].id.get_offset()
-    data = bytearray(whole.read_bytes())
-    assert data[8] == 0
-    data[40:48] = begins.to_bytes(8, "little")
-    data[last + chunk] = 0
-    part.write_bytes(data)
-    done = rocking("spectrum", *SMALL_SCENE, "-o", "cut.h5", "--resume")
-    assert done.returncode == 0, done.stderr
-    same_file(tmp_path / "cut.h5", whole)
+@pytest.fixture
+def left(tmp_path, rocking, monkeypatch):
+    """The partial file of the small scene, with all its chunks, as a kill before the end leaves it."""
+
+    def stop(*_):
+        raise KeyboardInterrupt
+
+    with monkeypatch.context() as patch:
+        patch.setattr(SpectraWriter, "finish", stop)
+        assert rocking("spectrum", *SMALL_SCENE, "-o", "cut.h5").returncode == 130
+    return tmp_path / "cut.h5.part"
 
 
-def test_resume_takes_only_its_own_scene(rocking, refused, whole, tmp_path):
-    shutil.copy(whole, tmp_path / "b.h5.part")
+def test_resume_takes_only_its_own_scene(rocking, refused, left, tmp_path):
+    left.rename(tmp_path / "b.h5.part")
     other = ["--grid", "A=0.5:12:120,Omega=0.5:12:121", *SMALL_SCENE[2:]]
     assert "its axis Omega is" in refused(2, "spectrum", *other, "-o", "b.h5", "--resume")
     said = refused(2, "spectrum", *SMALL_SCENE, "--pulse", "cosine", "-o", "b.h5", "--resume")
@@ -121,35 +119,38 @@ def test_resume_calls_no_damaged_file_complete(refused, whole, tmp_path):
         chunk = file["theta_ratio"].id.get_chunk_info(0)
     flipped = bytearray(data)
     flipped[chunk.byte_offset + chunk.size // 2] ^= 1
-    for bytes_, said in ((data[:-10000], "or is damaged ("), (b"", "is not an HDF5 file, or is damaged"), (flipped, "1 of its chunks")):
+    for bytes_, said in ((data[:-10000], "or damaged ("), (b"", "is not an HDF5 file, or is damaged"), (flipped, "1 of its chunks")):
         (tmp_path / "b.h5").write_bytes(bytes_)
         found = refused(1, "spectrum", *SMALL_SCENE, "-o", "b.h5", "--resume")
         assert said in found
         assert "--overwrite replaces it" in found
         assert "complete" not in found
         assert (tmp_path / "b.h5").read_bytes() == bytes_
-    (tmp_path / "b.h5").unlink()
-    shutil.copy(whole, tmp_path / "b.h5")
-    with h5py.File(tmp_path / "b.h5", "r+") as file:  # which takes the seal off
-        file["chunk_done"][0] = 0
-    found = refused(1, "spectrum", *SMALL_SCENE, "-o", "b.h5", "--resume")
-    assert "is not complete: 1 of its" in found
 
 
-def test_resume_computes_damaged_chunks_again(rocking, whole, tmp_path):
-    part = tmp_path / "cut.h5.part"
-    part.write_bytes(whole.read_bytes())
-    with h5py.File(part, "r+") as file:
-        offset, size = file["theta_ratio"].id.get_chunk_info(3).byte_offset, file["theta_ratio"].id.get_chunk_info(3).size
-        file["chunk_done"][7] = 0
-    with open(part, "r+b") as raw:
-        raw.seek(offset + size // 2)
-        raw.write(b"\x00" * 8)
+def test_resume_computes_damaged_chunks_again(rocking, whole, left, tmp_path):
+    with SpectraFile(left) as file:
+        at, length = file._records.places[3]
+    data = bytearray(left.read_bytes())
+    data[at + length // 2] ^= 8
+    left.write_bytes(data)
     info = rocking("info", "cut.h5.part", "--verify")
     assert info.returncode == 1
     assert "chunk 3 is damaged" in info.stderr
     assert rocking("spectrum", *SMALL_SCENE, "-o", "cut.h5", "--resume").returncode == 0
     same_file(tmp_path / "cut.h5", whole)
+
+
+@pytest.mark.parametrize("byte", range(40, 48))
+def test_an_end_that_hdf5_states_wrongly_is_a_sentence(left, refused, byte):
+    """Bytes 40 to 47 of the superblock: the end of the layout."""
+    data = bytearray(left.read_bytes())
+    data[byte] ^= 16
+    left.write_bytes(data)
+    said = refused(1, "spectrum", *SMALL_SCENE, "-o", "cut.h5", "--resume")
+    assert "cut.h5.part: is not a sweep that can go on (it" in said
+    assert "it is kept, --overwrite begins anew" in said
+    assert left.read_bytes() == data
 
 
 def test_a_worker_that_dies_loses_nothing_that_was_done(rocking, tmp_path):
@@ -165,7 +166,7 @@ def test_a_worker_that_dies_loses_nothing_that_was_done(rocking, tmp_path):
 
 
 def test_a_full_disk_keeps_what_was_done(rocking, whole, tmp_path):
-    most = 3 * whole.stat().st_size // 4096  # kB, three quarters
+    most = whole.stat().st_size // 2048  # kB, half
     call = f"ulimit -f {most}; exec {sys.executable} -m rocking_cli spectrum {' '.join(SMALL_SCENE)} -o cut.h5"
     done = subprocess.run(["bash", "-c", call], cwd=tmp_path, capture_output=True, text=True, timeout=PATIENCE, check=False)
     assert done.returncode == 1
@@ -176,7 +177,7 @@ def test_a_full_disk_keeps_what_was_done(rocking, whole, tmp_path):
 
 
 def test_a_disk_full_before_the_first_chunk_claims_to_keep_nothing(rocking, tmp_path):
-    call = f"ulimit -f 32; exec {sys.executable} -m rocking_cli spectrum {' '.join(SMALL_SCENE)} -o cut.h5"
+    call = f"ulimit -f 13; exec {sys.executable} -m rocking_cli spectrum {' '.join(SMALL_SCENE)} -o cut.h5"
     done = subprocess.run(["bash", "-c", call], cwd=tmp_path, capture_output=True, text=True, timeout=PATIENCE, check=False)
     assert done.returncode == 1
     assert done.stderr == "rocking: cut.h5.part: cannot be written: File too large\n"
@@ -232,10 +233,10 @@ def test_hdf5_file_is_chunked_compressed_and_marked_done(tmp_path):
         assert theta.chunks == (1, 9, 53)
         assert theta.compression == "gzip"
         assert theta.shuffle
-        assert f["chunk_done"][...].all()
-        assert f["chunk_done"].size == 2 * 5
+        assert f["bookkeeping/chunk_done"][...].all()
+        assert f["bookkeeping/chunk_done"].size == 2 * 5
         assert [scale.name for scale in (d[0] for d in theta.dims)] == ["/structure", "/Omega", "/A"]
-        assert "theta_ratio" in list(f)[-5:]
+        assert list(f)[-3:] == ["theta_ratio", "outcome", "bookkeeping"]
 
 
 def left_part(path, chunks, **options):
@@ -280,52 +281,62 @@ def with_one_chunk(path):
         writer.finish({})
 
 
-def test_a_file_that_is_not_what_was_written_is_not_published(tmp_path, monkeypatch):
-    """A bit that flips on the way to the disk, before the seal is set."""
+def test_a_chunk_that_is_damaged_before_the_end_is_not_published(tmp_path):
+    """A bit that flips in the partial file while the sweep goes on."""
 
-    def flipped(writer):
-        at = writer.part.read_bytes().find(np.float64(0.9).tobytes())
-        with open(writer.part, "r+b") as raw:
-            raw.seek(at)
-            raw.write(np.float64(0.8).tobytes())
-        return seal_it(writer)
+    def flip(done, total):
+        if done == 4:
+            part = tmp_path / "s.h5.part"
+            data = part.read_bytes()
+            with open(part, "r+b") as raw:
+                raw.seek(len(data) - 9)
+                raw.write(bytes([data[-9] ^ 1]))
 
-    seal_it = SpectraWriter._seal
-    monkeypatch.setattr(SpectraWriter, "_seal", flipped)
-    with pytest.raises(OutputError, match=r"is not what was written .* does not fit its digest"):
-        sweep(tmp_path / "s.h5")
+    with pytest.raises(OutputError, match=r"cannot be finished: its checksum does not fit; the result is kept as .*s\.h5\.part"):
+        sweep(tmp_path / "s.h5", progress=flip)
     assert [p.name for p in tmp_path.iterdir()] == ["s.h5.part"]
+    assert sweep(tmp_path / "s.h5", resume=True).resumed_cells == 1000
 
 
-def test_a_part_that_is_cut_is_kept(tmp_path):
-    """Within its layout, and within its chunk index: refused, and not a byte of it is touched."""
+def test_a_part_whose_layout_is_cut_is_kept(tmp_path):
     part = left_part(tmp_path / "s.h5", 3)
     whole = part.read_bytes()
-    for length in (9, 2500, 4000, whole.find(b"TREE") + 100):
+    for length in (9, 2500, 4000):
         part.write_bytes(whole[:length])
         with pytest.raises(OutputError, match=r"is not a sweep that can go on \(.*\); it is kept"):
             sweep(tmp_path / "s.h5", resume=True)
         assert part.read_bytes() == whole[:length]
 
 
-def test_a_disk_that_fills_up_keeps_the_part_whole(tmp_path, monkeypatch):
-    """Space is taken before HDF5 writes: what is refused is refused before a byte of the part has changed."""
+@pytest.mark.parametrize("at", ["chunk", "finish"])
+def test_a_disk_that_fills_up_keeps_the_part_whole(tmp_path, monkeypatch, at):
     sweep(tmp_path / "whole.h5")
-    reserve, calls = os.posix_fallocate, []
+    write, copy, calls = Partial._write, SpectraWriter._copy_into, []
 
-    def full(descriptor, offset, length):
-        calls.append(length)
-        if len(calls) == 4:
+    def full(partial, offset, content):
+        calls.append(offset)
+        if len(calls) == 7:  # layout, signature, two notes, two chunks
+            write(partial, offset, content[: len(content) // 2])
             raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
-        reserve(descriptor, offset, length)
+        write(partial, offset, content)
 
-    monkeypatch.setattr(os, "posix_fallocate", full)
-    with pytest.raises(OutputError, match=r"s\.h5\.part: cannot be written: No space left on device; what was done is kept"):
-        sweep(tmp_path / "s.h5")
+    def full_at_the_end(writer, file, attributes):
+        copy(writer, file, attributes)
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    with monkeypatch.context() as patch:
+        if at == "chunk":
+            patch.setattr(Partial, "_write", full)
+        else:
+            patch.setattr(SpectraWriter, "_copy_into", full_at_the_end)
+        with pytest.raises(OutputError, match=r"cannot be written: No space left on device; .* is kept"):
+            sweep(tmp_path / "s.h5")
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["s.h5.part", "whole.h5"]
+    done = 2 if at == "chunk" else 6
     with SpectraFile(tmp_path / "s.h5.part") as part:
-        assert int(part.done.sum()) == 2
+        assert int(part.done.sum()) == done
         assert part.damaged_chunks() == []
-    assert sweep(tmp_path / "s.h5", resume=True).resumed_cells == 400
+    assert sweep(tmp_path / "s.h5", resume=True).resumed_cells == 200 * done
     same_file(tmp_path / "s.h5", tmp_path / "whole.h5")
 
 
@@ -364,8 +375,8 @@ def test_a_part_in_use_is_left_alone(tmp_path):
                 with pytest.raises(OutputError, match=r"in use by another process$") as refusal:
                     sweep(path, **options)
                 refusals.append(str(refusal.value))
-            with pytest.raises(OutputError, match="in use by another process"):
-                SpectraFile(tmp_path / "s.h5.part")
+            with SpectraFile(tmp_path / "s.h5.part") as part:  # which may be read meanwhile
+                assert int(part.done.sum()) == 2
 
     sweep(path, progress=meanwhile)
     sweep(tmp_path / "whole.h5")

@@ -6,19 +6,20 @@ import collections
 import random
 import signal
 import subprocess
-import sys
 import time
 from pathlib import Path
 from typing import NamedTuple
 
 import pytest
 
+from support.watched_processes import PROGRAM
+
 from rocking_cli import dimensionless_oscillator, parse_grid, sine, write_spectrum
 from rocking_cli.errors import Interrupted, RockingError
-from rocking_cli.spectra.reader import SpectraFile
+from rocking_cli.spectra.file.reader import SpectraFile
 
 pytestmark = pytest.mark.soak
-SWEEP = [sys.executable, "-m", "rocking_cli", "spectrum", "--eta", "0.9", "--workers", "1", "-q"]
+SWEEP = [*PROGRAM, "spectrum", "--eta", "0.9", "--workers", "1", "-q"]
 SCENE = ["--grid", "A=0.5:12:100,Omega=0.5:12:100", "--chunk", "1500"]
 
 
@@ -169,6 +170,25 @@ def test_races_of_four_sweeps_on_one_output(tmp_path, table, option):
         counts[f"whole by {winners} of four" if good else "BAD"] += 1
         output.unlink(missing_ok=True)
     table(f"races of four sweeps {option.replace('-q', '')}", counts)
+
+
+def test_races_of_merges_and_sweeps(tmp_path, table):
+    chance, counts = random.Random(19), collections.Counter()
+    subprocess.run([*SWEEP, *SCENE, "-o", "whole.h5"], cwd=tmp_path, check=True)
+    for i in (1, 2):
+        subprocess.run([*SWEEP, *SCENE, "--shard", f"{i}/2", "-o", f"{i}.h5"], cwd=tmp_path, check=True)
+    whole, output = numbers(tmp_path / "whole.h5"), tmp_path / "z.h5"
+    merge, sweep = [*PROGRAM, "merge", "1.h5", "2.h5", "-q"], [*SWEEP, *SCENE]
+    for _ in range(20):
+        calls = [[*chance.choice((merge, sweep)), "-o", "z.h5", *chance.choice(([], ["--overwrite"]))] for _ in range(3)]
+        calls.append([*sweep, "-o", "z.h5", "--resume"])
+        ends = started(tmp_path, calls, [chance.choice((0.0, 0.02, 0.3)) for _ in calls])
+        alone = [p.name for p in tmp_path.glob("z.h5*")] == ["z.h5"]
+        good = told(ends) and alone and 0 in [code for code, _ in ends] and numbers(output).chunks == whole.chunks
+        counts["whole" if good else "BAD"] += 1
+        for path in tmp_path.glob("z.h5*"):
+            path.unlink()
+    table("races of merges and sweeps", counts)
 
 
 def test_overwriting_an_output_that_another_scene_is_written_to(tmp_path, table):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import struct
 import zlib
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -9,7 +10,7 @@ from dataclasses import dataclass
 import h5py
 import numpy as np
 
-from ..dynamics.outcome import Outcome
+from ...dynamics.outcome import Outcome
 
 _ZLIB = b"\x78\x01"  # the header of RFC 1950: deflate, a window of 32 KiB, the fastest level
 _NOISY = 5  # lower bytes of a double, after those of a sign, an exponent and three digits
@@ -92,6 +93,23 @@ def checksum(packed: Mapping[str, bytes], names: Sequence[str]) -> int:
     for name in names:
         total = zlib.crc32(packed[name], total)
     return total
+
+
+def joined(packed: Mapping[str, bytes], names: Sequence[str]) -> bytes:
+    """The packed variables of a chunk as the record of a partial file: their lengths, and their bytes."""
+    return struct.pack(f"<{len(names)}Q", *(len(packed[name]) for name in names)) + b"".join(packed[name] for name in names)
+
+
+def split(record: bytes, names: Sequence[str]) -> dict[str, bytes]:
+    """The inverse of `joined`. Raises ValueError."""
+    begin = 8 * len(names)
+    if len(record) < begin:
+        raise ValueError("its record is too short")
+    packed = {}
+    for name, length in zip(names, struct.unpack(f"<{len(names)}Q", record[:begin]), strict=True):
+        packed[name] = record[begin : begin + length]
+        begin += length
+    return packed
 
 
 def stored_chunk(file: h5py.File, names: Sequence[str], offset: tuple[int, ...], sum_: int) -> dict[str, bytes]:

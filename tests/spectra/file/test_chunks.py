@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from rocking_cli import Outcome
-from rocking_cli.spectra.chunks import GZIP_LEVEL, ChunkGrid, pack, stored_outcomes, unpack
+from rocking_cli.spectra.file.chunks import GZIP_LEVEL, ChunkGrid, pack, stored_outcomes, unpack
 
 
 @pytest.mark.parametrize("dtype", ["<f8", "<i4", "u1"])
