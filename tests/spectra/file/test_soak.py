@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import NamedTuple
 
 import pytest
-
 from support.watched_processes import PROGRAM
 
 from rocking_cli import dimensionless_oscillator, parse_grid, sine, write_spectrum
