@@ -221,15 +221,21 @@ def _emit(fits: list[Fit], exact: list[Study], curve: bool, form: str | None, le
         rows = [row for fit in fits for row in fit.points_of_curve()] + [row for study in exact for row in study.exact_rows()]
         options.emit(rows, form, CURVE_COLUMNS, without=("x",))
         return
-    records = [fit.record() for fit in fits]
     asked = options.units_of()
-    if form is None or (form == "csv" and asked is not None):
-        told = asked or (parse_units("g") if _IN_G.search(levels) else Units())
-        for record in records:
+    told = asked or (parse_units("g") if form is None and _IN_G.search(levels) else Units())
+    records = []
+    for record in (fit.record() for fit in fits):
+        if form != "json":
             dimension = dimension_of(record["im"].lower())
             unit, factor = ("", 1.0) if dimension is None else told.of(dimension)
-            record |= {k: record[k] / factor for k in ("theta", "theta_low", "theta_high") if record[k] is not None}
-            record["im"] = headed(record["im"], unit)
+            record |= {k: x / factor for k, x in record.items() if k.startswith(("median", "theta")) and x is not None}
+            if form is None or asked is not None:
+                record["im"] = headed(record["im"], unit)
+            if form is None:  # theta is the median under its old name, for programs
+                record = {k: x for k, x in record.items() if not k.startswith("theta")}
+            else:
+                record = {headed(k, unit) if k.startswith("median") else k: x for k, x in record.items()}
+        records.append(record)
     options.emit(records, form, FRAGILITY_COLUMNS, without=("theta",))
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import os
 import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -91,23 +90,10 @@ def methods(command: F) -> F:
 
 def note_demand(shakes: Sequence[tuple[Motion, Grid]], quiet: bool) -> None:
     """Say how strong the shaking is that is asked for, with the acceleration in m/s2 and g."""
-    from ..documents.quantities import DEFAULT_GRAVITY
+    from ..motions.grid import demand_in_words
     from ..reports.plausibility import bare_remarks
 
-    values = [float(grid.amplitude.values[0]) for _, grid in shakes]
-    motion, grid = shakes[0]
-    name, own_time = grid.amplitude.name, motion.acceleration is not None
-
-    def span(unit: float, digits: int) -> str:
-        return " to ".join(dict.fromkeys(f"{x / unit:.{digits}g}" for x in (min(values), max(values))))
-
-    text = f"{'PGA' if own_time and name == 'a_g' else name} {span(1.0, 5)}"
-    if name == "a_g":
-        text += f" m/s2 = {span(DEFAULT_GRAVITY, 3)} g"
-    if not own_time:
-        frequency = float(grid.frequency.values[0])
-        text += f", Omega {frequency:.5g}" if grid.dimensionless else f", f_g {frequency / math.tau:.5g} Hz"
-    note(f"demand: {text}{f', {len(shakes)} motions' if len(shakes) > 1 else ''}", quiet)
+    note(f"demand: {demand_in_words(shakes)}", quiet)
     asked = click.get_current_context().params
     for remark in bare_remarks(f"a_g={asked['a_g']}" if asked["a_g"] else asked.get("scale_to") or ""):
         note(remark, quiet)

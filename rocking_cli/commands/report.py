@@ -53,7 +53,7 @@ def report(
     rocking check. It needs the extra: pip install 'rocking[report]'.
     """
     from ..dynamics.outcome import Outcome
-    from ..motions.grid import as_recorded
+    from ..motions.grid import as_recorded, demand_in_words
     from ..publishing import check_target, published
     from ..reports.page import Subject, demand_extra, page
     from ..responses.check import check_all, tally
@@ -83,6 +83,7 @@ def report(
         [Subject(document, structure) for document, structure in zip(documents, structures, strict=True)],
         verdicts,
         pulse=None if recordings else shakes[0],
+        demand=demand_in_words(shakes),
         recordings=recordings,
         vertical=context.params["vertical"],
         command=streams.printable(shlex.join(["rocking", *sys.argv[1:]])),

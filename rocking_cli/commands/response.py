@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 @options.methods
 @click.option("--release", type=float, default=0.0, metavar="RATIO", help="Release from theta/alpha = RATIO; alone: free rocking.")
 @click.option("--duration", metavar="TIME", help="Time to show (default: the shaking and 30/p after it).")
-@click.option("--dt", metavar="TIME", help="Time between two rows (default: 500 rows).")
+@click.option("--dt", metavar="TIME", help="Time between two rows (default: the samples of a record, 500 rows of a pulse).")
 @click.option("--steps", is_flag=True, help="Rows at the solver's own steps instead.")
 @click.option("--events", is_flag=True, help="Uplifts, impacts, peaks, rest and overturning instead of the time history.")
 @click.option("--forces", is_flag=True, help="Also the forces on the ground, or on the joints of an arch, over m g.")

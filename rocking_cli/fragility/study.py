@@ -21,7 +21,8 @@ Array = np.ndarray
 METHODS = ("stripes", "first", "cloud")
 LIMITS: tuple[float | None, ...] = (0.1, 0.5, 1.0, None)
 FRAGILITY_COLUMNS = (
-    "structure", "im", "limit_state", "method", "theta", "beta", "theta_low", "theta_high", "beta_low", "beta_high", "n",
+    "structure", "im", "limit_state", "method", "median", "beta", "median_low", "median_high", "beta_low", "beta_high",
+    "n", "theta", "theta_low", "theta_high",
 )  # fmt: skip
 CURVE_COLUMNS = ("structure", "im", "limit_state", "method", "x", "probability", "low", "high", "fraction")
 EFFICIENCY_COLUMNS = ("structure", "im", "theta", "beta", "efficiency", "n")
@@ -50,7 +51,10 @@ class Fit:
         """As one row."""
         c, b = self.curve, self.band
         ends = {key: None if b is None else getattr(b, key) for key in ("theta_low", "theta_high", "beta_low", "beta_high")}
-        return {**self._names(), "theta": c.theta, "beta": c.beta, **ends, "n": round(c.n)}
+        median, low, high = c.theta, ends["theta_low"], ends["theta_high"]
+        fitted = {"median": median, "beta": c.beta, "median_low": low, "median_high": high}
+        fitted |= {key: ends[key] for key in ("beta_low", "beta_high")}
+        return {**self._names(), **fitted, "n": round(c.n), "theta": median, "theta_low": low, "theta_high": high}
 
     def points_of_curve(self) -> Iterator[dict[str, Any]]:
         """The curve as rows, with the band, and the fraction at the levels."""

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import math
 import zlib
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from ..documents.quantities import parse_quantity, parse_whole, split_quantity
+from ..documents.quantities import DEFAULT_GRAVITY, parse_quantity, parse_whole, split_quantity
 from ..errors import UsageError, did_you_mean
 from ..structures.parameters import RockingParameters
+from .motion import Motion
 
 MAX_CELLS = 10**10
 MAX_VALUES = 10**7
@@ -155,6 +157,24 @@ OWN_TIME = Axis("omega_g", np.array([1.0]))  # rad/s; then the phase of a record
 def as_recorded(acceleration: float) -> Grid:
     """The grid of one cell for a motion in its own time with this peak acceleration [m/s2]."""
     return Grid(Axis("a_g", np.array([acceleration])), OWN_TIME)
+
+
+def demand_in_words(shakes: Sequence[tuple[Motion, Grid]]) -> str:
+    """How strong and how fast the shaking is of motions with a grid of one cell each, accelerations in m/s2 and g."""
+    values = [float(grid.amplitude.values[0]) for _, grid in shakes]
+    motion, grid = shakes[0]
+    name, own_time = grid.amplitude.name, motion.acceleration is not None
+
+    def span(unit: float, digits: int) -> str:
+        return " to ".join(dict.fromkeys(f"{x / unit:.{digits}g}" for x in (min(values), max(values))))
+
+    text = f"{'PGA' if own_time and name == 'a_g' else name} {span(1.0, 5)}"
+    if name == "a_g":
+        text += f" m/s2 = {span(DEFAULT_GRAVITY, 3)} g"
+    if not own_time:
+        frequency = float(grid.frequency.values[0])
+        text += f", Omega {frequency:.5g}" if grid.dimensionless else f", f_g {frequency / math.tau:.5g} Hz"
+    return f"{text}{f', {len(shakes)} motions' if len(shakes) > 1 else ''}"
 
 
 def parse_grid(text: str, structures: int = 1, *, own_time: bool = False) -> Grid:

@@ -82,12 +82,14 @@ def page(
     pulse: tuple[Motion, Grid] | None = None,
     recordings: Sequence[Recording] = (),
     vertical: str | None = None,
+    demand: str,
     command: str,
     made: str,
     workers: int | None = None,
 ) -> str:
     """The page as HTML; pulse: a motion and the demand, a grid of one cell; verdicts: of `check`, structures under all motions;
-    recordings: those of the demand, with what is beside them; vertical: the name or file of the vertical motion that all have.
+    recordings: those of the demand, with what is beside them; vertical: the name or file of the vertical motion that all have;
+    demand: how strong the shaking is, in words.
 
     Raises OutputError without jinja2 or matplotlib.
     """
@@ -102,7 +104,7 @@ def page(
         folder = Path(name)
         return template.render(
             title=f"Rocking of {', '.join(s.structure.name for s in subjects)}",
-            lead=f"{tally(verdicts)}, under {motions}.",
+            lead=f"{tally(verdicts)}, under {motions}: {demand}.",
             heads=HEADS,
             verdicts=[{"falls": v.falls, "cells": _cells(v)} for v in verdicts],
             capacities=_image(folder, lambda figure: _capacities(figure, verdicts)),
@@ -110,12 +112,21 @@ def page(
             command=command,
             made=made,
             versions=[("rocking", __version__), ("Python", platform.python_version()), *((p, _version(p)) for p in _PACKAGES)],
-            hashes=[
-                *((s.document.source, hashlib.sha256(s.document.text.encode()).hexdigest()) for s in subjects),
-                *((r.label, r.record.sha256) for r in recordings),
-                *((file, hashlib.sha256(Path(file).read_bytes()).hexdigest()) for file in (vertical,) if file and Path(file).is_file()),
-            ],
+            hashes=_hashes(subjects, recordings, vertical),
         )
+
+
+def _hashes(subjects: Sequence[Subject], recordings: Sequence[Recording], vertical: str | None) -> list[tuple[str, str]]:
+    """Each input and its SHA-256: that of the file where it is one, else of the document's text."""
+    texts: dict[str, str] = {}
+    for s in subjects:
+        texts[s.document.source] = texts.get(s.document.source, "") + s.document.text
+    found = {source: hashlib.sha256(text.encode()).hexdigest() for source, text in texts.items()}
+    found |= {
+        source: hashlib.sha256(Path(source).read_bytes()).hexdigest() for source in (*texts, vertical or "") if Path(source).is_file()
+    }
+    found |= {r.record.source: r.record.sha256 for r in recordings}
+    return list(found.items())
 
 
 def _section(
@@ -275,8 +286,8 @@ def _fitted(record: dict[str, Any]) -> dict[str, str]:
 
     return {
         "limit": record["limit_state"],
-        "theta": f"{record['theta'] / DEFAULT_GRAVITY:.4g}",
-        "theta_band": band("theta", DEFAULT_GRAVITY),
+        "theta": f"{record['median'] / DEFAULT_GRAVITY:.4g}",
+        "theta_band": band("median", DEFAULT_GRAVITY),
         "beta": f"{record['beta']:.3g}",
         "beta_band": band("beta", 1.0),
     }

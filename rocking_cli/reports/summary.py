@@ -8,8 +8,6 @@ from ..dynamics.method import LINEAR
 from ..dynamics.outcome import Difference, Outcome
 from ..spectra.results import Summary
 
-SENSITIVE = 1e-6  # both paths are more accurate, so a larger difference means that the scene is sensitive to rounding
-
 
 def summary_lines(summary: Summary, output: str) -> Iterator[str]:
     """The sentences of the summary: size, run time, estimated error, outcomes, and work that was skipped."""
@@ -28,8 +26,9 @@ def summary_lines(summary: Summary, output: str) -> Iterator[str]:
         sensitive = f" ({s.sensitive_cells} for their sensitivity)" if s.sensitive_cells else ""
         many = f"{s.checked_cells} cell{'s' if s.checked_cells != 1 else ''}{sensitive} computed again by {s.checked_by}"
         yield f"estimated error: {s.estimated_error:.1e} in theta/alpha at {many}, {agree}"
-        if s.misjudged or s.estimated_error > SENSITIVE:
-            yield "warning: the two paths differ, as where cells depend on the last digits of their input; do not rely on single cells"
+        if s.misjudged or s.beyond_tolerance:
+            cells = f"{s.misjudged + s.beyond_tolerance} of these cells"
+            yield f"warning: the two paths differ by more than the tolerance times the condition at {cells}; do not rely on single cells"
     else:
         yield "estimated error: not checked"
     if s.compared:

@@ -54,15 +54,29 @@ class TimeHistory:
         return any(h.outcome == Outcome.FAILED for h in self.histories.values())
 
     def times(self, dt: float | None, steps: bool) -> np.ndarray:
-        """tau every dt [tau], at the solver's own steps, or POINTS of them. Raises UsageError."""
+        """tau every dt [tau], at the solver's own steps, of a record at its samples, impacts and peaks, or POINTS of them. Raises
+        UsageError."""
         if steps:
             marks = np.unique(np.concatenate([h.steps() for h in self.histories.values()]))
             return np.append(marks[marks < self.end], self.end)
+        if dt is None and self.motion.acceleration is not None:
+            return self._at_samples()
         if dt is None:
             return np.linspace(0.0, self.end, POINTS + 1)
         if not (dt > 0.0 and self.end / dt <= MOST_POINTS):
             raise UsageError(f"`dt`: found {dt / self.structure.p:g} s, accepted is a positive time that gives up to {MOST_POINTS} points")
         return dt * np.arange(math.floor(self.end / dt * (1.0 + 1e-12)) + 1)
+
+    def _at_samples(self) -> np.ndarray:
+        """tau of the samples of a record, and on at their mean step, with the impacts and peaks."""
+        stops = Ground(self.motion, self.amplitude, self.omega).stops
+        last, step = float(stops[-1]), float(stops[-1]) / stops.size
+        if self.end / step > MOST_POINTS:
+            raise UsageError(f"the record gives more than {MOST_POINTS} rows; `dt` sets their step")
+        after = last + step * np.arange(1, max(1, math.ceil((self.end - last) / step)))
+        turns = [event.tau for found in self.histories.values() for event in found.events if event.event in ("impact", "peak")]
+        marks = np.unique(np.concatenate([[0.0], stops, after, turns]))
+        return np.append(marks[marks < self.end], self.end)
 
     @cached_property
     def forces(self) -> dict[str, ForceHistory]:

@@ -23,7 +23,8 @@ class Summary:
     """What a sweep took and left out.
 
     run_time [s]; estimated_error: largest difference of theta/alpha from another path on the checked cells; sensitive_cells: checked
-    cells that were not drawn but chosen for their sensitivity; misjudged: checked cells whose outcome differs; shared_cells: cells
+    cells that were not drawn but chosen for their sensitivity; misjudged: checked cells whose outcome differs; beyond_tolerance: those
+    where theta/alpha differs by more than the tolerance times the condition; shared_cells: cells
     taken from another structure of equal restitution; resumed_cells:
     cells that were there before; elsewhere: how the machine differs on which those were computed; records: how many shake, 0 for a
     pulse; compared, otherwise: checked cells of a linear sweep of records that the nonlinear equation judged too, and how many of
@@ -53,6 +54,7 @@ class Summary:
     differences: Mapping[str, int] = field(default_factory=dict)
     validity: Validity | None = None
     weighed: bool = False
+    beyond_tolerance: int = 0
 
     @property
     def time_per_cell(self) -> float:
@@ -81,6 +83,7 @@ class Summary:
             "checked_cells": self.checked_cells,
             "sensitive_cells": self.sensitive_cells,
             "misjudged_cells": self.misjudged,
+            "beyond_tolerance": self.beyond_tolerance,
             **({"compared_cells": self.compared, "otherwise_cells": self.otherwise} if self.compared else {}),
             **{f"cells_{k}": v for k, v in self.outcomes.items()},
             **({} if self.validity is None else {f"nonlinear_{k}": v for k, v in asdict(self.validity).items()}),

@@ -27,7 +27,8 @@ def test_counts_that_exist_are_fitted(rocking, tmp_path):
     (row,) = (json.loads(x) for x in rocking("fragility", "--counts", "c.csv", "--json").stdout.splitlines())
     assert (row["theta"], row["beta"], row["n"]) == (pytest.approx(1.0761158, abs=5.1e-8), pytest.approx(0.4292372, abs=5.1e-8), 40)
     assert list(row) == [
-        "structure", "im", "limit_state", "method", "theta", "beta", "theta_low", "theta_high", "beta_low", "beta_high", "n",
+        "structure", "im", "limit_state", "method", "median", "beta", "median_low", "median_high", "beta_low", "beta_high", "n",
+        "theta", "theta_low", "theta_high",
     ]  # fmt: skip
 
 
@@ -38,6 +39,7 @@ def test_limit_states_and_methods_are_rows(rocking, stated):
     assert all(float(r["theta_low"]) < float(r["theta"]) < float(r["theta_high"]) for r in rows)
     assert float(rows[0]["theta"]) < float(rows[1]["theta"])
     assert {r["n"] for r in rows} == {"9"}
+    assert rows[0]["median [m/s2]"] == rows[0]["theta"]
     table = rocking("fragility", stated, *SITE, "--limit", "overturning", "-q").stdout.splitlines()
     assert table[1].split()[1:3] == ["PGA", "[g]"]
     assert float(table[1].split()[5]) == pytest.approx(float(rows[1]["theta"]) / 9.81, rel=1e-5)

@@ -214,3 +214,14 @@ def test_a_directory_is_read_to_its_end(rocking, tmp_path):
         assert done.stderr.endswith("; left out\n")
     (tmp_path / "set" / "b.csv").unlink()
     assert rocking("records", "set").returncode == 0
+
+
+def test_rows_under_a_record_stand_at_its_samples(rocking):
+    call = ("response", "configs/block.yaml", *RECORD, "--scale-to", "PGA=0.35g")
+    found = csv_rows(rocking(*call, "--csv").stdout)
+    times, peak = [float(r["t"]) for r in found], max(abs(float(r["ground_acceleration"])) for r in found)
+    assert peak == pytest.approx(0.35 * 9.81, rel=1e-12)
+    assert all(any(abs(t - x) < 1e-9 for t in times) for x in (0.01, 0.02, 15.99))
+    events = csv_rows(rocking(*call, "--csv", "--events").stdout)
+    assert {float(e["t"]) for e in events if e["event"] in ("impact", "peak")} <= set(times)
+    assert [float(r["t"]) for r in csv_rows(rocking(*call, "--csv", "--dt", "0.5").stdout)][:3] == [0.0, 0.5, 1.0]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import hashlib
 import json
 import math
 import re
@@ -75,7 +76,7 @@ def verdict() -> Verdict:
 @pytest.fixture(scope="module")
 def text(verdict) -> str:
     """The page of a block with a hostile name and document."""
-    return page([subject(BLOCK)], [verdict], pulse=(sine(), DEMAND), command=f"rocking {HOSTILE}", made="today", workers=1)
+    return page([subject(BLOCK)], [verdict], pulse=(sine(), DEMAND), demand="strong", command=f"rocking {HOSTILE}", made="today", workers=1)
 
 
 def test_the_page_holds_the_verdict_and_trusts_no_name(text, verdict):
@@ -110,9 +111,9 @@ STANDS = Verdict("Arch", "0", "linear", Outcome.ROCKED, 0.5, 4.0, 3.6, None, Non
 
 def test_a_few_records_bear_no_curve(tmp_path):
     records = recordings(tmp_path, 2)
-    text = page([subject(STATED)], [STANDS], recordings=records, command="rocking report", made="today")
+    text = page([subject(STATED)], [STANDS], recordings=records, demand="", command="rocking report", made="today")
     assert "2 records; a fit needs 4" in text
-    assert [(row[0].strip(), row[1].strip()) for row in Page(text).rows[-2:]] == [(r.label, r.record.sha256) for r in records]
+    assert [(row[0].strip(), row[1].strip()) for row in Page(text).rows[-2:]] == [(r.record.source, r.record.sha256) for r in records]
 
 
 def test_each_edge_and_the_damping_are_stated_and_what_leaves_the_ground_is_not_called_agreed(tmp_path):
@@ -120,7 +121,7 @@ def test_each_edge_and_the_damping_are_stated_and_what_leaves_the_ground_is_not_
     gone = replace(STANDS, model="nonlinear", outcome=Outcome.LOST_CONTACT, theta_ratio=None)
     falls = replace(gone, outcome=Outcome.OVERTURNED_NO_IMPACT)
     failed = replace(gone, outcome=Outcome.FAILED)
-    text = page([statue], [gone, falls, failed], recordings=recordings(tmp_path, 2), command="rocking report", made="today")
+    text = page([statue], [gone, falls, failed], recordings=recordings(tmp_path, 2), demand="", command="rocking report", made="today")
     rows = {(row[0].strip(), row[1].strip()): float(row[2]) for row in Page(text).rows if len(row) == 5 and row[3].strip() in ("-", "rad")}
     for side in statue.structure.sides:
         assert rows["α", f"critical angle, {side.side} edge"] == pytest.approx(side.alpha, rel=1e-5)
@@ -154,12 +155,23 @@ def test_a_vertical_motion_is_in_every_verdict_and_in_the_curves(rocking, monkey
     assert [m.recording.identity() for m in members] == [m.recording.identity() for m in wanted]
     found = Page((tmp_path / "r.html").read_text(encoding="utf-8"))
     assert len([row for row in found.rows if row[0].strip() == "overturning"]) == 1
-    assert [cell.strip() for cell in found.rows[-1]] == ["3.txt", records[3].record.sha256]
+    rows = [[cell.strip() for cell in row] for row in found.rows]
+    assert rows.count(["3.txt", records[3].record.sha256]) == 1
+
+
+def test_an_input_has_one_hash_and_the_top_names_the_frequency(rocking, tmp_path):
+    text = "".join(f"kind: parameters\nname: S{i}\np: 2\nalpha: 0.2\neta: 0.9\na_scale: 1\n---\n" for i in range(3)).removesuffix("---\n")
+    (tmp_path / "three.yaml").write_text(text)
+    assert rocking("report", "three.yaml", "--a-g", "0.35g", "--f-g", "1.5", "-o", "r.html").returncode == 0
+    shown = (tmp_path / "r.html").read_text(encoding="utf-8")
+    rows = [[cell.strip() for cell in row] for row in Page(shown).rows]
+    assert [row for row in rows if row[0] == "three.yaml"] == [["three.yaml", hashlib.sha256(text.encode()).hexdigest()]]
+    assert "under sine, 1 cycle: a_g 3.4335 m/s2 = 0.35 g, f_g 1.5 Hz." in shown
 
 
 @pytest.mark.soak
 def test_fragility_where_records_are_given(tmp_path):
-    found = Page(page([subject(STATED)], [STANDS], recordings=recordings(tmp_path, 5), command="x", made="today", workers=1))
+    found = Page(page([subject(STATED)], [STANDS], recordings=recordings(tmp_path, 5), demand="", command="x", made="today", workers=1))
     assert len([row for row in found.rows if row[0].strip() == "overturning"]) == 1
     assert len(found.sources) == 2  # capacities and curves
 

@@ -202,3 +202,10 @@ def test_a_step_count_that_runs_away_is_a_failed_cell(monkeypatch, tmp_path):
 def test_an_output_whose_name_promises_another_format_is_refused(refused):
     for name in ("x.csv", "x.JSON", "x.png"):
         assert "what is written is HDF5" in refused(2, "spectrum", "--eta", "0.9", "--grid", "A=1:2:3,Omega=5", "-o", name)
+
+
+def test_two_paths_are_said_to_differ_beyond_the_tolerance_and_not_below_it(rocking):
+    call = ("spectrum", "configs/block.yaml", "--grid", "a_g=0.5g:0.9g:5,f_g=1:2:3", "--cycles", "3", "--tolerance", "1e-3", "-o", "s.h5")
+    done = rocking(*call, "--json")
+    assert json.loads(done.stdout)["estimated_error"] > 1e-6
+    assert "do not rely" not in done.stderr

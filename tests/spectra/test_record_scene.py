@@ -182,7 +182,7 @@ def test_what_travels_with_a_unit_is_its_own_records(records):
     ("words", "dimensions", "model"),
     [
         ({"axes": "scale=1:2:3"}, {"record": 2, "structure": 1, "scale": 3}, "nonlinear"),
-        ({"method": Method()}, {"record": 2, "structure": 1, "scale": 1}, "linear"),
+        ({"model": "linear"}, {"record": 2, "structure": 1, "scale": 1}, "linear"),
         ({"axes": "T=1:8:4", "alphas": "10deg,0.2rad,20deg"}, {"record": 2, "alpha": 3, "T": 4}, "nonlinear"),
         ({"axes": "p=1:4:3,tan_alpha=0.1:0.3:2"}, {"record": 2, "alpha": 2, "T": 3}, "nonlinear"),
     ],

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from ...documents.quantities import DEFAULT_GRAVITY
 from ...dynamics.outcome import Outcome
-from .canvas import canvas
+from .canvas import canvas, literal
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -85,8 +85,13 @@ def capacities(axes: Axes, verdicts: Sequence[Verdict], in_g: bool) -> None:
             f"{ratio}  {v.sentence}{window}", (1.0, row), xycoords=("axes fraction", "data"), xytext=(6, 0),
             textcoords="offset points", va="center", fontsize=8,
         )  # fmt: skip
-    axes.set_yticks(range(len(verdicts)), [v.name for v in verdicts])
+    motions, names = (list(dict.fromkeys(x)) for x in ((v.motion for v in verdicts), (v.name for v in verdicts)))
+    of_motion = [v.motion if len(names) == 1 else f"{v.name}, {v.motion}" for v in verdicts]
+    axes.set_yticks(range(len(verdicts)), [literal(x) for x in (of_motion if len(motions) > 1 else [v.name for v in verdicts])])
     axes.invert_yaxis()
     axes.set(xlim=(0.0, most), xlabel=f"a_g [{'g' if in_g else 'm/s²'}]: bar to first overturning, dots uplift, line demand")
-    axes.set_title(f"capacity over demand: {', '.join(dict.fromkeys(v.motion for v in verdicts))}")
+    under = (
+        motions[0] if len(motions) == 1 else f"{', '.join(names)}, {len(motions)} motions" if len(names) == 1 else f"{len(motions)} motions"
+    )
+    axes.set_title(literal(f"capacity over demand: {under}"))
     axes.grid(axis="y", visible=False)

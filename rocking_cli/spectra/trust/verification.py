@@ -9,9 +9,13 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ...dynamics.outcome import Outcome
+from ...dynamics.response import Response, response
 from ..scene import Scene, Unit
+from .condition import condition_of
 from .sampling import candidates, checked_cells
 
+Array = np.ndarray
+_EXACT = 1e-10  # in place of a tolerance where the method has none: two paths round differently
 Place = tuple[int, int, int]  # (structure, row, column) of a cell
 
 
@@ -58,7 +62,7 @@ class Verification:
 
     def compared(self) -> Mapping[str, Any]:
         """What it came to, by the names of `Summary`."""
-        worst, misjudged, checked, sensitive, compared, otherwise = 0.0, 0, 0, 0, 0, 0
+        worst, misjudged, checked, sensitive, compared, otherwise, beyond = 0.0, 0, 0, 0, 0, 0, 0
         for place, answer in self.answers.items():
             if answer.outcome == Outcome.FAILED:
                 continue
@@ -68,8 +72,24 @@ class Verification:
             checked, sensitive = checked + 1, sensitive + int(self.sensitive[place])
             misjudged += int(answer.outcome != outcome)
             if answer.outcome == outcome and np.isfinite(answer.theta_ratio):
-                worst = max(worst, abs(answer.theta_ratio - theta))
+                apart = abs(answer.theta_ratio - theta)
+                worst, beyond = max(worst, apart), beyond + int(self._unexplained(place, apart))
         return {
             "estimated_error": worst, "misjudged": misjudged, "checked_cells": checked, "sensitive_cells": sensitive,
-            "compared": compared, "otherwise": otherwise,
+            "compared": compared, "otherwise": otherwise, "beyond_tolerance": beyond,
         }  # fmt: skip
+
+    def _unexplained(self, place: Place, apart: float) -> bool:
+        """Whether a difference of theta/alpha exceeds the tolerance times the condition of the cell, or the tolerance where that is below 1
+        or not known."""
+        method, cell = self.scene.method, self.scene.cell(*place)
+        tolerance = method.stated_tolerance or _EXACT
+        if not apart > tolerance:
+            return False
+
+        def respond(amplitude: Array, omega: Array, eta: Array) -> Response:
+            return response(method.system_of(cell.structure), cell.motion, amplitude, omega, eta)
+
+        amplitude, omega, eta = (np.array([x]) for x in (cell.amplitude, cell.omega, cell.structure.eta))
+        (condition,) = condition_of(respond, amplitude, omega, eta, method.stated_tolerance or 0.0)
+        return not apart <= tolerance * np.nanmax([1.0, condition])

@@ -68,10 +68,11 @@ def test_only_cells_of_the_units_are_checked_and_an_answer_that_differs_shows():
     every, found = checked_cells(scene, 40).tolist(), verification.compared()
     assert [list(place) for place in verification.answers] == [cell[:3] for cell in every if (5 * cell[0] + cell[1] // 10) % 2 == 0]
     assert 0 < found["checked_cells"] == len(verification.answers) < 40
-    assert found["misjudged"] == 0
+    assert found["misjudged"] == found["beyond_tolerance"] == 0
     place = next(place for place, answer in verification.answers.items() if answer.outcome == Outcome.ROCKED)
     verification.seen[place] = Outcome.ROCKED, verification.seen[place][1] + 1e-3
     assert verification.compared()["estimated_error"] == pytest.approx(1e-3, rel=1e-6)
+    assert verification.compared()["beyond_tolerance"] == 1
     verification.seen[place] = Outcome.OVERTURNED_NO_IMPACT, math.nan
     assert verification.compared()["misjudged"] == 1
 
