@@ -63,7 +63,7 @@ def _refuse(context: click.Context, why: str, stray: Callable[[str], bool]) -> N
 @click.option("--efficiency", is_flag=True, help="Instead, the dispersion of the first overturning over every measure.")
 @click.option("--curve", is_flag=True, help="Instead, points of the curves with their bands: what rocking plot draws.")
 @click.option("--counts", type=InputPath(), metavar="FILE", help="Fit counts that exist already: CSV of im, n, z.")
-@click.option("--bootstrap", "samples", type=click.IntRange(0), default=1000, show_default=True, help="Draws for the bands; 0 for none.")
+@click.option("--bootstrap", "samples", type=click.IntRange(0, 100_000), default=1000, show_default=True, help="Draws for bands; 0: none.")
 @click.option("--seed", type=click.IntRange(0), default=0, show_default=True, help="Seed of these draws.")
 @click.option("-o", "--output", type=OutputPath(), help="The HDF5 file of all cells to write (records).")
 @options.method

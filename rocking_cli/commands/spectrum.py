@@ -42,7 +42,7 @@ if TYPE_CHECKING:
 @click.option("--no-validity", is_flag=True, help="Do not compare cells of a linear sweep with the nonlinear equation.")
 @options.workers
 @click.option("--chunk", "chunk_cells", type=click.IntRange(1), metavar="CELLS", help="Cells in one unit of work.")
-@click.option("--check", type=click.IntRange(0), metavar="N", help="Cells computed again by the independent path.")
+@click.option("--check", type=click.IntRange(0, 10_000), metavar="N", help="Cells computed again by the independent path.")
 @options.overwrite
 @click.option("--resume", is_flag=True, help="Go on with an interrupted sweep of the same scene (OUTPUT.part).")
 @options.strict
