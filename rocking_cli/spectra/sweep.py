@@ -143,7 +143,7 @@ def write_scene(
     """Compute a scene and stream it, chunk by chunk, into an HDF5 file (layout: `rocking help files`).
 
     quantities: names of `QUANTITIES`, stored as well. scheduler: address of a dask.distributed cluster to compute on. shard: (i, n)
-    computes the i-th of n parts, for `merge`. resume: go on with what an interrupted sweep of the same scene left in PATH.part,
+    computes the i-th of n parts, for `merge`. resume: go on with the partial file of an interrupted sweep of the same scene, PATH.part,
     strict: unless it was begun on a machine whose results may differ in the last digits. documents, history: texts kept in the
     file. sample_validity: compare some cells of a linear sweep with the nonlinear equation.
     progress: called with (units done, units). tell: called with a line where the sweep will take long, or waits for its

@@ -12,8 +12,6 @@ import numpy as np
 
 from ...dynamics.outcome import Outcome
 
-_ZLIB = b"\x78\x01"  # the header of RFC 1950: deflate, a window of 32 KiB, the fastest level
-_NOISY = 5  # lower bytes of a double, after those of a sign, an exponent and three digits
 GZIP_LEVEL = 1  # on these data level 4 takes three times as long and saves 2 %
 
 
@@ -55,22 +53,11 @@ class ChunkGrid:
 
 
 def pack(block: np.ndarray) -> bytes:
-    """A chunk as HDF5's shuffle and gzip filters read it; a worker does this so that the writer only writes.
-
-    In the lower bytes of doubles nothing repeats but what is not computed: there only runs are sought, in half the time and to the
-    same length.
-    """
+    """A chunk as HDF5's shuffle and gzip filters read it; a worker does this so that the writer only writes."""
     size = block.dtype.itemsize
     if size > 1:
         block = block.reshape(-1).view(np.uint8).reshape(-1, size).T
-    raw = np.ascontiguousarray(block).tobytes()
-    if size < 8:
-        return zlib.compress(raw, GZIP_LEVEL)
-    cut = len(raw) * _NOISY // size
-    low = zlib.compressobj(GZIP_LEVEL, zlib.DEFLATED, -zlib.MAX_WBITS, strategy=zlib.Z_RLE)
-    high = zlib.compressobj(GZIP_LEVEL, zlib.DEFLATED, -zlib.MAX_WBITS)
-    blocks = low.compress(raw[:cut]), low.flush(zlib.Z_FULL_FLUSH), high.compress(raw[cut:]), high.flush()
-    return b"".join((_ZLIB, *blocks, zlib.adler32(raw).to_bytes(4, "big")))
+    return zlib.compress(np.ascontiguousarray(block).tobytes(), GZIP_LEVEL)
 
 
 def unpack(raw: bytes, dtype: np.dtype, shape: tuple[int, ...]) -> np.ndarray:

@@ -125,7 +125,9 @@ class Records:
             else:
                 self.places[index] = self.end, _RECORD.size + length
             self.end += _RECORD.size + length
-        if self.notes.get("layout") != _digest(self.image):
+        if "layout" not in self.notes:
+            raise ValueError("it has neither a digest nor the records of a partial file")
+        if self.notes["layout"] != _digest(self.image):
             raise ValueError("its layout is damaged")
 
     def content(self, index: int, place: tuple[int, int] | None = None) -> bytes:

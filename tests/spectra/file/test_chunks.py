@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import io
-import zlib
 
 import h5py
 import numpy as np
@@ -27,14 +26,13 @@ def test_packed_chunks_are_what_hdf5_reads_and_writes(dtype):
         assert np.array_equal(data[...], block + 1)
 
 
-def test_doubles_of_every_kind_survive_the_two_ways_of_packing():
+def test_doubles_of_every_kind_survive_packing():
     random = np.random.default_rng(2)
     block = random.uniform(size=(40, 50))
     block[random.uniform(size=block.shape) < 0.4] = np.nan
     block[:5] = [0.0, -0.0, np.inf, 5e-324, 1.7976931348623157e308] * 10
     packed = pack(block)
     assert unpack(packed, block.dtype, block.shape).tobytes() == block.tobytes()
-    assert len(packed) < 1.02 * len(zlib.compress(block.reshape(-1).view(np.uint8).reshape(-1, 8).T.tobytes(), GZIP_LEVEL))
     for some in (block[:1, :1], block[:0]):
         assert unpack(pack(some), some.dtype, some.shape).tobytes() == some.tobytes()
 
