@@ -16,7 +16,7 @@ import numpy as np
 from ..errors import MotionError
 from .extremes import extremes
 from .piece import Harmonic, Piece
-from .segments import Samples, Segments
+from .segments import Samples, Segments, largest_from
 
 LARGEST_SCALE = 1e100  # larger amplitudes may overflow
 
@@ -123,7 +123,6 @@ class Motion:
         for i, piece in enumerate(self.pieces):
             mine = index == i
             s_start[mine], s_end[mine] = _exact_value(piece, start[mine]), _exact_value(piece, stop[mine])
-        high, low = np.maximum(s_start, s_end), np.minimum(s_start, s_end)
         return Segments(
             start=start,
             length=self._lengths(index, start, stop),
@@ -134,8 +133,8 @@ class Motion:
             frequency=frequency,
             slope=np.array([p.slope for p in self.pieces])[index],
             joins=np.append(index[1:] == index[:-1], False),
-            later_max=np.maximum(0.0, np.maximum.accumulate(high[::-1])[::-1]),
-            later_min=np.minimum(0.0, np.minimum.accumulate(low[::-1])[::-1]),
+            later_max=largest_from(np.maximum(s_start, s_end)),
+            later_min=0.0 - largest_from(-np.minimum(s_start, s_end)),  # no negative zero
         )
 
     def _lengths(self, index: np.ndarray, start: np.ndarray, stop: np.ndarray) -> np.ndarray:

@@ -1,6 +1,6 @@
-"""A motion of straight lines, kept in arrays: a record, or points joined by straight lines.
+"""Motions of straight lines, as arrays: records, and points joined by straight lines.
 
-Its extremes are at its points, so each interval is one segment; that spares the objects and the search that other motions need.
+All extremes are at points, so each interval is one segment and needs no search.
 """
 
 from __future__ import annotations
@@ -22,16 +22,15 @@ if TYPE_CHECKING:
 
 Array = np.ndarray
 
-_STRAIGHT = 1e-13  # of the largest s: what three points may be off a line by the rounding of one who puts points between samples
-_ROUNDING = 4e-16  # of the duration, and of the largest s: what equal steps and joined lines may differ by
+_STRAIGHT = 1e-13  # second difference over the largest s of three points on a line: the rounding of an interpolation
+_ROUNDING = 4e-16  # rounding of equal steps over the duration, and of joined lines over the largest s
 
 
 class Polyline(Motion):
-    """Straight lines over contiguous intervals of phase: s = constant + slope (phase - start), like so many pieces without harmonics.
+    """Straight lines over contiguous intervals of phase: s = constant + slope (phase - start).
 
-    start, stop [rad], constant [-], slope [1/rad]: arrays of one shape (n,), start[0] = 0. acceleration:
-    the a_g [m/s2] that with omega_g = 1 rad/s gives the motion as it was recorded, None where it has no amplitude of its own.
-    Raises MotionError when an interval is empty or a number is not finite.
+    start, stop [rad], constant [-], slope [1/rad]: arrays of shape (n,), start[0] = 0; acceleration: see `Motion.acceleration`.
+    Raises MotionError if an interval is empty or a number is not finite.
     """
 
     start: Array
@@ -53,49 +52,49 @@ class Polyline(Motion):
 
     @property
     def acceleration(self) -> float | None:
-        """The amplitude a_g [m/s2] that the motion has of its own, in its own time (omega_g = 1 rad/s); None where it has none."""
+        """See `Motion.acceleration`."""
         return self._acceleration
 
     @cached_property
     def pieces(self) -> Sequence[Piece]:
-        """The intervals as pieces, one by one: for callers that have no use for arrays."""
+        """The intervals as pieces."""
         rows = zip(*(x.tolist() for x in (self.start, self.stop, self.constant, self.slope)), strict=True)
         return tuple(Piece(start, stop, (), constant, slope) for start, stop, constant, slope in rows)
 
     @property
     def duration(self) -> float:
-        """Phase at which shaking ends [rad]; the time is duration / omega_g."""
+        """Phase at which the shaking ends [rad]."""
         return float(self.stop[-1])
 
     def value(self, phase: Array | float) -> Array:
-        """s(phase) [-], any shape; right-hand values at jumps, zero outside the motion."""
+        """s [-] at phases [rad] of any shape; the value after a jump, zero outside the motion."""
         phase = np.asarray(phase, dtype=float)
         i = self._at(phase)
         inside = (phase >= self.start[0]) & (phase < self.stop[-1])
         return np.where(inside, self.constant[i] + self.slope[i] * (phase - self.start[i]), 0.0)
 
     def _at(self, phase: Array) -> Array:
-        """The interval that holds each phase, or the nearest."""
+        """The index of the interval that holds each phase [rad], or of the nearest interval."""
         return np.asarray(np.clip(np.searchsorted(self.start, phase, side="right") - 1, 0, self.start.size - 1))
 
     def still_until(self, phase: float) -> Polyline:
-        """The motion with the ground at rest after it, up to a phase [rad]."""
+        """The motion with the ground at rest after it up to a phase [rad]."""
         lasts = {"start": self.duration, "stop": phase, "constant": 0.0, "slope": 0.0}
         columns = {key: np.append(getattr(self, key), last) for key, last in lasts.items()}
         return Polyline(self.name, **columns, acceleration=self.acceleration)
 
     def scaled(self, factor: float) -> Polyline:
-        """The motion times a factor, which may be negative. Raises MotionError for one that is zero or not finite."""
+        """The motion times a factor, which may be negative. Raises MotionError, see `checked_scale`."""
         name = f"{self.name}, times {checked_scale(self.name, factor):g}"
         return Polyline(name, self.start, self.stop, factor * self.constant, factor * self.slope)
 
     @property
     def marks(self) -> Array:
-        """Where an interval begins, and the end."""
+        """The starts of the intervals and the end of the last one [rad], shape (n + 1,)."""
         return np.append(self.start, self.stop[-1])
 
     def on(self, marks: Array) -> Polyline:
-        """The same motion with an interval from each of these phases to the next, still after its end; they hold all of its own."""
+        """The same motion with an interval between each two of these phases [rad], which include all its own marks; zero after its end."""
         start, stop = marks[:-1], marks[1:]
         i = self._at(0.5 * (start + stop))
         moves = start < self.stop[-1]
@@ -103,13 +102,13 @@ class Polyline(Motion):
         return Polyline(self.name, start, stop, constant, np.where(moves, self.slope[i], 0.0), self.acceleration)
 
     def plus(self, other: Polyline, factor: float) -> Polyline:
-        """This and `factor` times another motion over the same intervals."""
+        """The sum of this motion and `factor` times another motion with the same intervals."""
         constant, slope = self.constant + factor * other.constant, self.slope + factor * other.slope
         return Polyline(self.name, self.start, self.stop, constant, slope)
 
     @cached_property
     def samples(self) -> Samples | None:
-        """Step and samples, where the intervals are equal to rounding and the lines joined."""
+        """Step and samples; None if the intervals are not equal within rounding, or the lines are not joined."""
         count, last, end = self.start.size, self.duration, self.segments.s_end
         apart = _ROUNDING * largest(self.constant)
         if not largest(self.start - (last / count) * np.arange(count)) <= _ROUNDING * last:
@@ -120,7 +119,7 @@ class Polyline(Motion):
 
     @cached_property
     def coarsest(self) -> Polyline:
-        """The same lines in the fewest equal intervals that hold all their kinks: a record that was sampled more finely afterwards."""
+        """The same lines in the fewest equal intervals with a point at every kink; it undoes an interpolation between samples."""
         if self.samples is None:
             return self
         s = self.samples.values
@@ -133,19 +132,18 @@ class Polyline(Motion):
 
     @cached_property
     def segments(self) -> Segments:
-        """The monotone segments of the motion: its intervals, none of which is known to go on in the next."""
+        """The monotone segments of the motion, one for each interval."""
         return line_segments(self.start, self.stop, self.constant, self.slope)
 
 
 def record_motion(record: Record, scale: float = 1.0, name: str = "") -> Polyline:
-    """The motion of a record in its own time, times `scale`: phase = t in s, so omega_g = 1 rad/s; s is 1 at the larger peak.
+    """The motion of a record in its own time, times `scale`: omega_g = 1 rad/s, max |s| = 1, `acceleration` = |scale| PGA [m/s2].
 
-    Its `acceleration` is then |scale| PGA; name: in place of the record's label. Raises MotionError for a record that is zero
-    throughout, or a scale of zero.
+    name: by default the label of the record. Raises MotionError if the record is zero throughout, or for the scale.
     """
     peak = largest(record.acceleration)
     if not peak > 0.0:
-        raise MotionError(f"motion {record.label!r}: zero throughout, accepted is one with an amplitude")
+        raise MotionError(f"motion {record.label!r}: zero throughout; the motion must have a non-zero value")
     factor = float(np.copysign(1.0, checked_scale(record.label, scale))) / peak
     s = factor * record.acceleration
     time = record.dt * np.arange(record.npts)

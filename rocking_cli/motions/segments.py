@@ -1,4 +1,4 @@
-"""A motion cut where s has an extremum: segments on which s is monotone, as columns, and the largest and least s over any of them."""
+"""Segments: a motion cut at the extremes of s, as arrays; s is monotone on a segment. Fast search for large values of s."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from .blocks import blocks, largest
 from .table import Table, table_of
 
 LEAF_LEVEL = 3
-LEAF = 1 << LEAF_LEVEL  # segments in the smallest block whose largest and least s are kept
+LEAF = 1 << LEAF_LEVEL  # segments of the smallest block with stored extremes of s
 
 
 @dataclass(frozen=True)
 class Wave:
-    """A motion of single sinusoids, each segment as its rising form: sign (s - offset) = radius sin(angle + w u)."""
+    """Segments with a single sinusoid in rising form: sign (s - offset) = radius sin(angle + w u), u the phase from the start [rad]."""
 
     sign: np.ndarray
     offset: np.ndarray
@@ -27,12 +27,11 @@ class Wave:
 
 @dataclass(frozen=True)
 class Segments:
-    """The motion cut into K monotone segments; arrays over segments, `sin`/`cos` over (harmonic, segment).
+    """The K monotone segments of a motion. Arrays have the shape (K,), or (harmonics, K) for sin, cos and frequency.
 
-    `start`, `length` [rad]; `s_start`, `s_end` one-sided values; `sin`, `cos` of each harmonic's argument at the
-    segment's start, times its amplitude; `frequency` (harmonic, segment); `slope`; `joins`: the next segment belongs to
-    the same piece, so one closed form spans both; `later_max`, `later_min`: bounds of s from the segment's start to the
-    end of the motion (at least 0 and at most 0: after the motion the ground is still).
+    start, length [rad]; s_start, s_end: s at the ends, inside the segment; sin, cos: of the argument of each sinusoid at the start,
+    times its amplitude; frequency: over omega_g; slope [1/rad]; joins: the next segment belongs to the same piece; later_max,
+    later_min: largest and least s from the start of the segment on, with 0 for the ground at rest after the motion.
     """
 
     start: np.ndarray
@@ -52,30 +51,29 @@ class Segments:
 
     @property
     def harmonics(self) -> int:
-        """Number of sinusoids of the richest piece."""
+        """The largest number of sinusoids of a piece."""
         return int(self.sin.shape[0])
 
     @property
     def straight(self) -> bool:
-        """Whether every piece is a straight line."""
+        """True if every piece is a straight line."""
         return not self.harmonics
 
     def followed_by_rest(self, length: float) -> Segments:
-        """The same motion and then still ground, for a phase of this length [rad]."""
-
+        """The same motion, then the ground at rest for a phase of this length [rad]."""
         end = self.start[-1] + self.length[-1]
         lasts = {"start": end, "length": length, "frequency": 1.0, "joins": False}
         return Segments(**{f.name: followed_by(getattr(self, f.name), lasts.get(f.name, 0.0)) for f in fields(Segments)})
 
     @cached_property
     def _blocks(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Largest s and -s over blocks of LEAF 2^j segments, all j after one another up to the one block; where each j begins."""
+        """(largest s, largest -s, first index of each level j) over blocks of LEAF 2^j segments, level by level up to a single block."""
         sizes = [-(-len(self) // LEAF)]
         while sizes[-1] > 1:
             sizes.append((sizes[-1] + 1) // 2)
         start = np.cumsum([0, *sizes])
         high, low = np.empty(start[-1]), np.empty(start[-1])
-        for part in blocks(len(self)):  # of whole leaves
+        for part in blocks(len(self)):  # a multiple of LEAF segments
             s_start, s_end, first = self.s_start[part], self.s_end[part], np.arange(0, part.stop - part.start, LEAF)
             leaves = slice(part.start // LEAF, part.start // LEAF + first.size)
             high[leaves] = np.maximum(np.maximum.reduceat(s_start, first), np.maximum.reduceat(s_end, first))
@@ -85,11 +83,11 @@ class Segments:
                 below, above = values[begin:middle], values[middle:end]
                 pairs = below.size // 2
                 np.maximum(below[: 2 * pairs : 2], below[1::2], out=above[:pairs])
-                above[pairs:] = below[2 * pairs :]  # the odd one at the end
+                above[pairs:] = below[2 * pairs :]  # the last block if their number is odd
         return high, low, start
 
     def next_beyond(self, k: np.ndarray, above: np.ndarray, below: np.ndarray) -> np.ndarray:
-        """The first segment from k on in which s > above or -s > below, the number of segments where there is none; (lanes,)."""
+        """The first segment from k on with s > above or -s > below; K if there is none; shape of k, (lanes,)."""
         found = np.full(k.shape, len(self))
         lanes = np.flatnonzero(k < len(self))
         at, loud = self._in_leaf(k[lanes], above[lanes], below[lanes])
@@ -101,7 +99,7 @@ class Segments:
         return found
 
     def _in_leaf(self, k: np.ndarray, above: np.ndarray, below: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """The first such segment from k to the end of its block of LEAF, and whether there is one."""
+        """(first such segment from k to the end of its block of LEAF segments, true if there is one)."""
         at = k + np.arange(LEAF)[:, None]
         inside = at < np.minimum((k // LEAF + 1) * LEAF, len(self))
         at = np.minimum(at, len(self) - 1)
@@ -110,13 +108,13 @@ class Segments:
         return k + loud.argmax(axis=0), loud.any(axis=0)
 
     def _next_leaf(self, k: np.ndarray, above: np.ndarray, below: np.ndarray) -> np.ndarray:
-        """The first such block of LEAF segments from the k-th on, the number of blocks where there is none."""
+        """The first such block of LEAF segments from block k on; the number of blocks if there is none."""
         high, low, start = self._blocks
         leaves = int(start[1])
         found = np.full(k.shape, leaves)
         lanes = np.flatnonzero(k < leaves)
         at, above, below, level = k[lanes], above[lanes], below[lanes], np.zeros(lanes.size, dtype=np.int64)
-        while lanes.size:  # up the blocks while they are quiet, down into the first that is not
+        while lanes.size:  # to larger blocks while no value is large, then down into the first block with a large value
             block = start[level] + (at >> level)
             loud = (high[block] > above) | (low[block] > below)
             over = ((at >> level) + 1) << level
@@ -131,15 +129,15 @@ class Segments:
         return found
 
     def extent(self, k: np.ndarray, to: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """The largest and the least s on segments k to to - 1, minus and plus infinity where there are none; (lanes,)."""
+        """(largest s, least s) on segments k to `to` - 1; minus and plus infinity for no segment; shape of k, (lanes,)."""
         high, low, start = self._blocks
         largest, least = np.full(k.shape, -np.inf), np.full(k.shape, np.inf)
         lanes = np.flatnonzero(k < to)
         at = k[lanes]
-        while lanes.size:  # by the largest blocks that begin there and fit
+        while lanes.size:  # take the largest block that begins at the segment and fits
             room, aligned = to[lanes] - at, at & -at
             level = np.frexp(np.where(aligned > 0, np.minimum(aligned, room), room).astype(float))[1] - 1
-            whole = (1 << level) >= LEAF  # smaller blocks go segment by segment
+            whole = (1 << level) >= LEAF  # else take a single segment
             level = np.clip(level - LEAF_LEVEL, 0, start.size - 2)
             block = start[level] + (at >> (level + LEAF_LEVEL))
             first, last = self.s_start[at], self.s_end[at]
@@ -152,14 +150,14 @@ class Segments:
 
     @cached_property
     def wave(self) -> Wave:
-        """The segments' sinusoids; only of a motion with one harmonic and no slope."""
+        """The sinusoids of the segments; only for a motion with one harmonic and no slope."""
         s, c = self.sin[0], self.cos[0]
         sign = np.where(self.s_end > self.s_start, 1.0, -1.0)
         return Wave(sign, self.s_start - s, s * s + c * c, np.arctan2(sign * s, sign * c))
 
     @cached_property
     def spread(self) -> float:
-        """How far apart the sinusoids' frequencies w lie: w_max^2 sum |C|/w over sum |C| w, the most of all segments."""
+        """The spread of the frequencies w: max over segments of w_max^2 sum(|C|/w) / sum(|C| w) [-]; 1 for one sinusoid."""
         size, w = np.hypot(self.sin, self.cos), self.frequency
         weight = (size * w).sum(axis=0)
         moving = weight > 0.0
@@ -168,48 +166,48 @@ class Segments:
 
     @cached_property
     def pace(self) -> np.ndarray:
-        """The sinusoids' frequency in each segment, (segments,): root mean square by their sizes, 0 on still ground."""
+        """The root mean square of the frequencies in each segment, weighted by |C|, (K,); 0 for the ground at rest."""
         size = np.hypot(self.sin, self.cos)
         total = size.sum(axis=0)
         return np.asarray(np.sqrt((size * self.frequency**2).sum(axis=0) / np.where(total > 0.0, total, 1.0)))
 
     @cached_property
     def table(self) -> Table | None:
-        """The segments as polynomials where they are sums of sinusoids; see `table_of`."""
+        """The segments as polynomials, see `table_of`."""
         return table_of(self)
 
     @cached_property
     def sloped(self) -> bool:
-        """Whether any piece has a term linear in time."""
+        """True if a piece has a term linear in the phase."""
         return bool(np.any(self.slope != 0.0))
 
     @cached_property
     def variation(self) -> np.ndarray:
-        """How much s varies from each segment's end on until it rests at 0, added from the end of the motion."""
+        """The total variation of s from the end of each segment until the ground is at rest, (K,)."""
         start, to = np.append(self.s_start[1:], 0.0), np.append(self.s_end[1:], 0.0)
         return np.cumsum((np.abs(start - self.s_end) + np.abs(to - start))[::-1])[::-1]
 
     @cached_property
     def largest_later(self) -> np.ndarray:
-        """The largest |s| after each segment's end."""
+        """The largest |s| after the end of each segment, (K,)."""
         sizes = np.maximum(np.abs(self.s_start), np.abs(self.s_end))
         return np.append(np.maximum.accumulate(sizes[::-1])[::-1][1:], 0.0)
 
     @cached_property
     def largest(self) -> float:
-        """max |s|, of the ends of the segments."""
+        """max |s| over the ends of the segments."""
         return max(largest(self.s_start), largest(self.s_end))
 
     @cached_property
     def pushes(self) -> int:
-        """Stretches of the shaking that push one way."""
+        """The number of intervals in which s has one sign."""
         signs = np.sign(np.column_stack([self.s_start, self.s_end]).ravel())
         signs = signs[signs != 0.0]
         return 1 + int(np.count_nonzero(signs[1:] != signs[:-1]))
 
     @cached_property
     def steepest(self) -> tuple[float, float]:
-        """Bounds of |s'| and |s''|, by the phase."""
+        """Bounds of |ds/dphase| [1/rad] and |d2s/dphase2| [1/rad2]."""
         slope = bend = 0.0
         for part in blocks(len(self)):
             size, w = np.hypot(self.sin[:, part], self.cos[:, part]), self.frequency[:, part]
@@ -219,29 +217,29 @@ class Segments:
 
 
 class Samples(NamedTuple):
-    """A motion of straight lines between equal steps: the step [rad], and s at each end of them, (steps + 1,)."""
+    """Straight lines over equal steps: the step [rad] and s at the ends of the steps, (steps + 1,)."""
 
     step: float
     values: np.ndarray
 
 
 def line_segments(start: np.ndarray, stop: np.ndarray, constant: np.ndarray, slope: np.ndarray) -> Segments:
-    """Straight lines s = constant + slope (phase - start), none of which is known to go on in the next."""
+    """The segments of straight lines s = constant + slope (phase - start)."""
     count, length = start.size, stop - start
     end = constant + slope * length
     none = np.zeros((0, count))
     return Segments(
         start=start, length=length, s_start=constant, s_end=end, sin=none, cos=none, frequency=none, slope=slope,
-        joins=np.broadcast_to(np.False_, count), later_max=_largest_ahead(np.maximum(constant, end)),
-        later_min=-_largest_ahead(-np.minimum(constant, end)),
+        joins=np.broadcast_to(np.False_, count), later_max=largest_from(np.maximum(constant, end)),
+        later_min=-largest_from(-np.minimum(constant, end)),
     )  # fmt: skip
 
 
-def _largest_ahead(values: np.ndarray) -> np.ndarray:
-    """The largest from there on, at least 0."""
+def largest_from(values: np.ndarray) -> np.ndarray:
+    """The largest value from each index on, at least 0."""
     return np.maximum(0.0, np.maximum.accumulate(values[::-1])[::-1])
 
 
 def followed_by(values: np.ndarray, last: float | bool) -> np.ndarray:
-    """An array, whose last axis counts, and one number after it."""
+    """The array with one more value at the end of its last axis."""
     return np.concatenate([values, np.full((*values.shape[:-1], 1), last, dtype=values.dtype)], axis=-1)

@@ -1,9 +1,9 @@
-"""Segments of many sinusoids as Taylor polynomials, patch by patch: one short polynomial in place of a sine and a cosine a harmonic.
+"""Segments of many sinusoids as Taylor polynomials: one polynomial is faster than a sine and a cosine for each sinusoid.
 
-A segment is cut into equal patches, so short that what a polynomial leaves out is below rounding: its remainder is at most
-sum_j |C_j| (w_j d)^(n+1)/(n+1)! on a patch of half width d. The inverse, the phase at which a monotone segment has a value, is
-looked up: with t the root of the value's share of the segment's rise, counted from the nearer end, the phase is a smooth function of t
-at an extremum (where the share grows as the square of the phase) as well as at an end that is none.
+A segment is cut into equal patches. On a patch of half width d the remainder is at most sum_j |C_j| (w_j d)^(n+1)/(n+1)!, which is
+below rounding. A second table holds the inverse, the phase at which s has a value. Its argument t is the square root of the share
+of the segment's rise, counted from the nearer end: near an extreme the share grows with the square of the phase, so the phase is a
+smooth function of t there too.
 """
 
 from __future__ import annotations
@@ -19,14 +19,14 @@ if TYPE_CHECKING:
 Array = np.ndarray
 
 DEGREE = 17
-_LEFT_OUT = 1e-17  # of a polynomial, over the peak of the motion
-_MOST_PATCHES = 50_000  # beyond them the sinusoids are summed one by one
-_NODES = 64  # of the inverse, from each end of a segment to the middle of its rise
-_HALVINGS, _SHORT = 50, 1e-9  # at most, and a step of Halley's method, over the segment, that leaves nothing
+_REMAINDER = 1e-17  # of a polynomial, over the largest |s|
+_MOST_PATCHES = 50_000  # above it there is no table
+_NODES = 64  # of the inverse, from each end of a segment to half of its rise
+_STEPS, _SHORT = 50, 1e-9  # Halley's method stops after so many steps, or after a step below this part of the segment
 
 
 class Near(NamedTuple):
-    """s - s(segment start) and its first two derivatives by phase, (lanes,)."""
+    """s - s_start and its first two derivatives by phase, (lanes,)."""
 
     change: Array
     rate: Array
@@ -35,9 +35,11 @@ class Near(NamedTuple):
 
 @dataclass(frozen=True)
 class Table:
-    """Of K segments and P patches. first: (K,) a segment's first patch; last: (K,) its last; half: (K,) half width of its patches
-    [rad]; terms: (DEGREE + 1, P) of powers of (u - centre)/half; phases: (K, 2, _NODES + 2) the inverse, from the start and from the
-    end."""
+    """The polynomials of K segments with P patches.
+
+    first, last: first and last patch of a segment, (K,); half: half width of its patches [rad], (K,); terms: coefficients of the
+    powers of (u - centre)/half, (DEGREE + 1, P); phases: the inverse from the start and from the end [rad], (K, 2, _NODES + 2).
+    """
 
     first: Array
     last: Array
@@ -46,7 +48,7 @@ class Table:
     phases: Array
 
     def near(self, k: Array, u: Array) -> Near:
-        """The drive about phase u of segment k."""
+        """s - s_start and its derivatives at phase u [rad] from the start of segment k."""
         rows, x, half = self._patch(k, u)
         value, rate, bend = rows[-1].copy(), np.zeros(x.shape), np.zeros(x.shape)
         for row in rows[-2::-1]:  # Horner's rule for the value and both derivatives
@@ -63,7 +65,7 @@ class Table:
         return Near(value, rate, bend)
 
     def change(self, k: Array, u: Array) -> Array:
-        """s - s(segment start) alone, to the same digits."""
+        """s - s_start alone, equal to `near(k, u).change` to the last bit."""
         rows, x, _ = self._patch(k, u)
         value: Array = rows[-1].copy()
         for row in rows[-2::-1]:
@@ -72,7 +74,7 @@ class Table:
         return value
 
     def _patch(self, k: Array, u: Array) -> tuple[Array, Array, Array]:
-        """The terms of the patches that hold these phases, the places in them from -1 to 1, and their half widths."""
+        """(terms, place from -1 to 1, half width [rad]) of the patches that hold these phases."""
         half = self.half[k]
         x = 0.5 * u / half
         patch = x.astype(np.int64)
@@ -84,14 +86,14 @@ class Table:
         return self.terms.take(patch, axis=1), x, half
 
     def join(self, other: Table) -> Table:
-        """Of these segments and then others."""
+        """The table of these segments followed by those of another table."""
         more = self.terms.shape[1]
         half, phases = np.concatenate([self.half, other.half]), np.concatenate([self.phases, other.phases])
         first, last = (np.concatenate([a, b + more]) for a, b in ((self.first, other.first), (self.last, other.last)))
         return Table(first, last, half, np.concatenate([self.terms, other.terms], axis=1), phases)
 
     def phase(self, k: Array, share: Array) -> Array:
-        """About where the drive has gone this share, from 0 to 1, of segment k; to a part of 1e-3 or so."""
+        """The phase [rad] in segment k at which s has gone this share (0 to 1) of its rise, to about 1e-3."""
         late = share > 0.5
         place = np.sqrt(np.where(late, 1.0 - share, share))
         place *= _NODES / np.sqrt(0.5)
@@ -106,7 +108,7 @@ class Table:
 
 
 def table_of(segments: Segments) -> Table | None:
-    """The table of a motion; None where one closed form does without it, or where it would be too large."""
+    """The table of a motion; None if it has at most one sinusoid and no slope, or if the table is too large."""
     counts = patches_of(segments)
     if counts is None:
         return None
@@ -130,7 +132,7 @@ def table_of(segments: Segments) -> Table | None:
 
 
 def patches_of(segments: Segments) -> Array | None:
-    """(K,) how many patches each segment is cut into; None where there is no table."""
+    """The number of patches of each segment, (K,); None if there is no table."""
     if segments.harmonics == 0 or (segments.harmonics == 1 and not segments.sloped):
         return None
     size, w = np.hypot(segments.sin, segments.cos), segments.frequency  # (harmonics, K)
@@ -139,7 +141,7 @@ def patches_of(segments: Segments) -> Array | None:
     over = float(np.prod(np.arange(2.0, DEGREE + 2.0)))
     for _ in range(64):
         half = 0.5 * segments.length / counts
-        wide = (size * (w * half) ** (DEGREE + 1)).sum(axis=0) > _LEFT_OUT * peak * over
+        wide = (size * (w * half) ** (DEGREE + 1)).sum(axis=0) > _REMAINDER * peak * over
         if not wide.any():
             break
         counts[wide] = counts[wide] * 5 // 4 + 1
@@ -149,7 +151,7 @@ def patches_of(segments: Segments) -> Array | None:
 
 
 def _inverse(segments: Segments, table: Table) -> Array:
-    """(K, 2, _NODES + 2) phases at the nodes, by Halley's method inside brackets."""
+    """Phases [rad] at the nodes by Halley's method inside brackets, (K, 2, _NODES + 2)."""
     t = np.sqrt(0.5) / _NODES * np.arange(_NODES + 2.0)
     at = 2.0 / np.pi * np.arcsin(t)  # between two extremes of one sinusoid
     at, share = (np.stack([x, 1.0 - x]) * np.ones((len(segments), 1, 1)) for x in (at, t * t))
@@ -158,7 +160,7 @@ def _inverse(segments: Segments, table: Table) -> Array:
     at, wanted, sense = at.ravel() * length, share.ravel() * np.abs(rise), np.sign(rise)
     low, high = np.where(share.ravel() == 1.0, length, 0.0), np.where(share.ravel() == 0.0, 0.0, length)  # the ends are known
     found, lanes = at.copy(), np.arange(k.size)
-    for _ in range(_HALVINGS):
+    for _ in range(_STEPS):
         near = table.near(k[lanes], at)
         gap = near.change * sense[lanes] - wanted[lanes]
         low, high = np.where(gap < 0.0, at, low), np.where(gap < 0.0, high, at)

@@ -1,4 +1,4 @@
-"""Remarks on numbers that can be right and mostly are not: a unit that was left out, a body that loses nearly all it has."""
+"""Remarks on numbers that are valid but probably wrong, such as a missing unit or a very small restitution."""
 
 from __future__ import annotations
 
@@ -12,18 +12,18 @@ if TYPE_CHECKING:
     from ..motions.grid import Grid
     from ..structures.parameters import RockingParameters
 
-LARGEST, SMALLEST = 100.0, 0.02  # m, half diagonals of blocks that anybody has built or shaken
+LARGEST, SMALLEST = 100.0, 0.02  # m; half diagonals of blocks that were built or tested
 LEAST_RESTITUTION = 0.3
 _SPAN = re.compile(r"([^,=:]+):([^,=:]+):")
 _ACCELERATION = re.compile(r"\b(a_g|PGA)\s*=\s*([^,]+)", re.IGNORECASE)
-MOST_ACCELERATION = 10.0 * DEFAULT_GRAVITY  # several times what was ever recorded
+MOST_ACCELERATION = 10.0 * DEFAULT_GRAVITY  # several times the largest recorded acceleration
 
 
 def structure_remarks(structure: RockingParameters) -> Iterator[str]:
-    """What is odd about a structure, a sentence each; its size is that of the block of equal p, R = 3 g/(4 p^2)."""
+    """Remarks on the size and restitution of a structure; the size is that of the block with equal p, R = 3 g/(4 p^2)."""
     if structure.dimensionless:
         return
-    radius = 0.75 * (structure.gravity / structure.p) / structure.p  # p^2 may be beyond a double
+    radius = 0.75 * (structure.gravity / structure.p) / structure.p  # p^2 may overflow
     if not SMALLEST <= radius <= LARGEST:
         size = "large" if radius > LARGEST else "small"
         yield f"{structure.name}: as {size} as a block of {2.0 * radius:.3g} m from corner to corner; a length without a unit is in m"
@@ -33,7 +33,7 @@ def structure_remarks(structure: RockingParameters) -> Iterator[str]:
 
 
 def span_remarks(text: str) -> Iterator[str]:
-    """What is odd about spans as they are written: START:STOP:N with a unit on one of the bounds alone."""
+    """Remarks on spans START:STOP:N in a text that state a unit for only one bound."""
     for bounds in _SPAN.findall(text):
         start, stop = map(split_quantity, bounds)
         for one, other in ((start, stop), (stop, start)):
@@ -42,7 +42,7 @@ def span_remarks(text: str) -> Iterator[str]:
 
 
 def bare_remarks(text: str) -> Iterator[str]:
-    """Both readings of each acceleration without a unit, as it is written: NAME=VALUE, or NAME=START:STOP:N, of which STOP counts."""
+    """Remarks with both readings, m/s2 and g, of each acceleration without a unit in a text: NAME=VALUE, or STOP of NAME=START:STOP:N."""
     for name, written in _ACCELERATION.findall(text):
         stop = split_quantity(written.split(":")[1 if ":" in written else 0])
         if stop is not None and stop[0] and not stop[1] and abs(stop[0]) <= MOST_ACCELERATION:
@@ -51,7 +51,7 @@ def bare_remarks(text: str) -> Iterator[str]:
 
 
 def grid_remarks(grid: Grid) -> Iterator[str]:
-    """What is odd about amplitudes."""
+    """Remarks on the amplitudes of a grid."""
     highest = float(grid.amplitude.values[-1])
     if grid.amplitude.name == "a_g" and highest > MOST_ACCELERATION:
         yield f"a_g = {highest:.4g} m/s2 is {highest / DEFAULT_GRAVITY:.3g} g; a number without a unit is in m/s2"

@@ -1,4 +1,4 @@
-"""Motions of the user: what they say, and what is refused."""
+"""Motion documents: the motion that they state, and refusals."""
 
 from __future__ import annotations
 
@@ -6,27 +6,13 @@ import math
 
 import numpy as np
 import pytest
+from support.documents import TWO_PULSES, built_motion
 
 from rocking_cli import DocumentError
-from rocking_cli.documents.document import parse_documents
-from rocking_cli.motions.motion_document import build_motion
-
-OWN = """
-name: Two pulses
-pieces:
-  - {from: 0, to: 0.5, sines: [{amplitude: 1}]}
-  - {from: 0.5, to: 0.8, constant: 0}
-  - {from: 0.8, to: 1.2, constant: -0.6, slope: 1.5}
-  - {from: 1.2, to: 2.2, sines: [{amplitude: 0.5, phase: 90 deg}, {amplitude: 0.2, frequency: 3}]}
-"""
-
-
-def own(text):
-    return build_motion(parse_documents(text)[0])
 
 
 def test_own_pieces_are_what_they_say():
-    motion = own(OWN)
+    motion = built_motion(TWO_PULSES)
     cycle = np.array([0.25, 0.6, 0.8, 1.0, 1.2, 1.45])
     third = 2 * math.pi * 1.45
     last = 0.5 * math.cos(third) + 0.2 * math.sin(3 * third)
@@ -54,16 +40,6 @@ def test_own_pieces_are_what_they_say():
         ("points: [[1, 1], [2, 2]]", "begins at 0"),
         ("points: [[0, 1], [1, x]]", "not a pair of numbers"),
         ("points: [[0, 1], [1, 1]]\nunits: g", "unknown key 'units'"),
-    ],
-)
-def test_faulty_motion_documents_name_the_fault(text, words):
-    with pytest.raises(DocumentError, match=words):
-        own(text)
-
-
-@pytest.mark.parametrize(
-    ("text", "words"),
-    [
         ("pieces: [{from: 0, to: 1, sines: [{amplitude: 1, frequency: 1e300}]}]", "frequency: found 1e300"),
         ("pieces: [{from: 0, to: 1, sines: [{amplitude: 1, phase: 1e20}]}]", "phase: found 1e20"),
         ("pieces: [{from: 0, to: 1, constant: 1e308, slope: 1e308}]", "constant: found 1e308"),
@@ -72,6 +48,6 @@ def test_faulty_motion_documents_name_the_fault(text, words):
         ("points: [[0, 0], [1, 1e300]]", "acceleration"),
     ],
 )
-def test_numbers_without_sense_are_refused(text, words):
+def test_faulty_motion_documents_name_the_fault(text, words):
     with pytest.raises(DocumentError, match=words):
-        own(text)
+        built_motion(text)

@@ -7,13 +7,12 @@ import math
 import numpy as np
 import pytest
 from oracles.single_cell import integrate
+from support.documents import TWO_PULSES, built_motion
 
 from rocking_cli import Outcome, UsageError, dimensionless_oscillator, linear_response, nonlinear_response, trace_envelope
-from rocking_cli.documents.document import parse_documents
 from rocking_cli.dynamics.references.general_solver import Problem, RigidBodyRates, solve_cell
 from rocking_cli.dynamics.references.taylor_series import reference_cell
 from rocking_cli.motions import PULSES, pulse
-from rocking_cli.motions.motion_document import build_motion
 
 
 def ricker(unit, shape):
@@ -85,23 +84,10 @@ def test_cells_under_a_ricker_wavelet_against_its_formula(name):
         assert math.isnan(theta) or abs(float(found.theta_ratio) - theta) < 1e-8
 
 
-OWN = """
-name: Two pulses
-pieces:
-  - {from: 0, to: 0.5, sines: [{amplitude: 1}]}
-  - {from: 0.5, to: 0.8, constant: 0}
-  - {from: 0.8, to: 1.2, constant: -0.6, slope: 1.5}
-  - {from: 1.2, to: 2.2, sines: [{amplitude: 0.5, phase: 90 deg}, {amplitude: 0.2, frequency: 3}]}
-"""
-
-
-def own(text):
-    return build_motion(parse_documents(text)[0])
-
-
 @pytest.mark.parametrize(
     "motion",
-    [pulse(n) for n in PULSES if "ricker" not in n] + [own(OWN), own("points: [[0, 0], [0.25, 1], [0.75, -1.2], [1, 0.1]]")],
+    [pulse(n) for n in PULSES if "ricker" not in n]
+    + [built_motion(TWO_PULSES), built_motion("points: [[0, 0], [0.25, 1], [0.75, -1.2], [1, 0.1]]")],
     ids=lambda m: m.name,
 )
 def test_both_models_agree_with_their_references_under_every_motion(motion):
@@ -146,7 +132,7 @@ pieces:
     ("motion", "cell", "theta"),
     [
         # A valley of the drive entered inwards, in which the body turns outwards and then crests; by a Runge-Kutta program.
-        (own(STEP), (1.5, 2 * math.pi, 0.0), 0.75639),
+        (built_motion(STEP), (1.5, 2 * math.pi, 0.0), 0.75639),
         (pulse("mavroeidis-papageorgiou", gamma=3, phase=0.06), (1.5788, 2.698, 0.9), 0.882476),
         (pulse("mavroeidis-papageorgiou", gamma=3, phase=0.0610721), (1.5788487654715873, 2.6981940340400308, 0.9), 0.881604),
         (pulse("mavroeidis-papageorgiou", gamma=3, phase=6.21634), (1.5133430666785952, 2.5930464639444697, 0.9), 0.902486),

@@ -152,7 +152,7 @@ def test_a_unit_goes_to_the_plain_numbers_of_a_directory(mixed):
     found = read_motions(["set"], unit="g", component="all", unread=unread.append)
     assert labels(found) == ["a", "plain", "station N-S", "station E-W", "station U-D", "up UP"]
     assert [line for line in unread if "still" in line] == [
-        "set/still.csv: motion 'still': zero throughout, accepted is one with an amplitude; left out"
+        "set/still.csv: motion 'still': zero throughout; the motion must have a non-zero value; left out"
     ]
     with pytest.raises(UsageError, match="`unit`: found 'furlong'"):
         read_motions(["set"], unit="furlong", unread=unread.append)

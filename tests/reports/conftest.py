@@ -10,15 +10,21 @@ from rocking_cli.reports.plot import draw
 
 
 @pytest.fixture
-def drawn(monkeypatch, tmp_path):
-    """Draw a file and give the figure instead of saving it; what `draw` told is its `told`."""
+def figures(monkeypatch):
+    """The figures that would be saved, in order."""
     saved = []
     monkeypatch.setattr(Figure, "savefig", lambda figure, target, **_: saved.append(figure))
+    return saved
+
+
+@pytest.fixture
+def drawn(figures, tmp_path):
+    """A function that draws a file and returns the figure; its attribute `told` is the sentence that `draw` returned."""
 
     def run(source, **options):
         told = draw(source, tmp_path / "figure.png", **options)
-        saved[-1].told = told
-        return saved[-1]
+        figures[-1].told = told
+        return figures[-1]
 
     return run
 

@@ -9,14 +9,30 @@ from pathlib import Path
 import h5py
 
 from rocking_cli import RockingParameters, build_structure, parse_documents
+from rocking_cli.motions import Motion
+from rocking_cli.motions.motion_document import build_motion
 
 SMALL_SCENE = ("--grid", "A=0.5:12:120,Omega=0.5:12:120", "--eta", "0.9", "--eta", "0.7", "--chunk", "1800", "-q")
+
+TWO_PULSES = """
+name: Two pulses
+pieces:
+  - {from: 0, to: 0.5, sines: [{amplitude: 1}]}
+  - {from: 0.5, to: 0.8, constant: 0}
+  - {from: 0.8, to: 1.2, constant: -0.6, slope: 1.5}
+  - {from: 1.2, to: 2.2, sines: [{amplitude: 0.5, phase: 90 deg}, {amplitude: 0.2, frequency: 3}]}
+"""
 
 
 def built(text: str) -> RockingParameters:
     """The structure of the only document in a text."""
     (document,) = parse_documents(text, "f.yaml")
     return build_structure(document)
+
+
+def built_motion(text: str) -> Motion:
+    """The motion of the first document in a text."""
+    return build_motion(parse_documents(text)[0])
 
 
 def csv_rows(text: str) -> list[dict[str, str]]:

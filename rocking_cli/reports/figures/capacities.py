@@ -1,4 +1,4 @@
-"""A figure of capacities against the demand: a bar a structure, from uplift to its first overturning."""
+"""A figure of capacity and demand: one bar for each structure, up to its first overturning."""
 
 from __future__ import annotations
 
@@ -25,10 +25,10 @@ def draw_capacities(
     verdicts: Sequence[Verdict], target: str | Path, *, in_g: bool = False, overwrite: bool = True,
     tell: Callable[[str], None] | None = None,
 ) -> None:  # fmt: skip
-    """Draw the verdicts on structures under one demand into a PNG, SVG or PDF; in_g: accelerations in g, else m/s2; overwrite:
-    replace a file of that name; tell: called with characters that the font lacks.
+    """Draw the verdicts of a check into a PNG, SVG or PDF file.
 
-    Raises OutputError without matplotlib or where the figure cannot be written.
+    in_g: accelerations in g, else in m/s2; overwrite: an existing file may be replaced; tell: called with characters that the font
+    lacks. Raises OutputError if matplotlib is not installed or the figure cannot be written.
 
     >>> (arch,) = load_structures('configs/parameters.yaml')
     >>> draw_capacities([check(arch, sine(), parse_grid('a_g=0.35g,f_g=1.5'))], 'capacity.svg')
@@ -38,7 +38,7 @@ def draw_capacities(
 
 
 def verdicts(figure: Figure, rows: Rows, units: Units) -> list[Axes]:
-    """The same of the rows that `rocking check --csv` printed. Raises ValueError where one tells neither its demand nor its capacity."""
+    """Draw the rows of `rocking check --csv`. Raises ValueError if a row states neither its demand nor its capacity."""
     return [_bars(figure, [_verdict(row) for row in rows], units.of("acceleration")[0] == "g")]
 
 
@@ -52,7 +52,7 @@ def _verdict(row: dict[str, str]) -> Verdict:
     demand, first, ratio = (number(key) for key in ("demand_a", "first_overturning_a", "capacity_demand"))
     if demand is None:
         if first is None or ratio is None:
-            raise ValueError(f"{name} never overturns, and no column demand_a tells the demand")
+            raise ValueError(f"{name} never overturns, and no column demand_a states the demand")
         demand = first / ratio
     outcomes = [next(o for o in Outcome if o.flag == row[key]) for key in ("outcome", "outcome_linear")]
     return Verdict(
@@ -69,7 +69,7 @@ def _bars(figure: Figure, verdicts: Sequence[Verdict], in_g: bool) -> Axes:
 
 
 def capacities(axes: Axes, verdicts: Sequence[Verdict], in_g: bool) -> None:
-    """The bars: what a body takes before it falls, its uplift, the demand, and in words what becomes of it."""
+    """Draw for each structure a bar up to its first overturning, marks at uplift and demand, and the outcome in words."""
     unit = DEFAULT_GRAVITY if in_g else 1.0
     most = 1.15 * max(x for v in verdicts for x in (v.demand_a, v.uplift_a, v.first_overturning_a) if x is not None) / unit
     for row, v in enumerate(verdicts):

@@ -6,7 +6,6 @@ import math
 
 import numpy as np
 import pytest
-from matplotlib.figure import Figure
 
 from rocking_cli.reports.figures.drawing import draw_structures
 from rocking_cli.reports.units import parse_units
@@ -14,15 +13,13 @@ from rocking_cli.structures import read_documents
 
 
 @pytest.fixture
-def drawn(monkeypatch, tmp_path, pytestconfig):
-    """Draw shipped documents and give the panels instead of saving the figure."""
-    saved = []
-    monkeypatch.setattr(Figure, "savefig", lambda figure, target, **_: saved.append(figure))
+def drawn(figures, tmp_path, pytestconfig):
+    """A function that draws shipped documents and returns the panels."""
 
     def run(*names, **options):
         documents = [d for name in names for d in read_documents(pytestconfig.rootpath / "configs" / f"{name}.yaml")]
         draw_structures(documents, tmp_path / "figure.png", **options)
-        return saved[-1].axes
+        return figures[-1].axes
 
     return run
 

@@ -153,9 +153,7 @@ def test_a_file_without_a_cell_is_refused(drawn, spectrum_file, monkeypatch):
         drawn(spectrum_file)
 
 
-def test_a_map_with_forces_has_lines_of_equal_friction_and_none_of_a_vertical_motion_the_closed_forms(rocking, tmp_path, monkeypatch):
-    saved = []
-    monkeypatch.setattr(Figure, "savefig", lambda figure, target, **_: saved.append(figure))
+def test_a_map_with_forces_has_lines_of_equal_friction_and_none_of_a_vertical_motion_the_closed_forms(rocking, tmp_path, figures):
     call = ("spectrum", "configs/block.yaml", "--grid", "A=0.5:3:6,Omega=2:6:5", "--check", "0", "--no-validity", "-q")
     assert rocking(*call, "--quantity", "friction", "-o", "f.h5").returncode == 0
     assert rocking(*call, "--vertical", "cosine", "--vertical-scale", "0.5", "-o", "v.h5").returncode == 0
@@ -163,9 +161,9 @@ def test_a_map_with_forces_has_lines_of_equal_friction_and_none_of_a_vertical_mo
         draw(tmp_path / f"{name}.h5", tmp_path / f"{name}.png")
     with SpectraFile(tmp_path / "f.h5") as file:
         friction = file.block(0, slice(None))["friction"]
-    (contours,) = [c for c in saved[0].axes[0].collections if hasattr(c, "levels")]
+    (contours,) = [c for c in figures[0].axes[0].collections if hasattr(c, "levels")]
     assert np.nanmin(friction) <= contours.levels[-2] <= np.nanmax(friction)
-    assert any("closed form" in line.get_label() for line in saved[0].axes[0].get_lines())
-    assert not saved[1].axes[0].get_lines()
+    assert any("closed form" in line.get_label() for line in figures[0].axes[0].get_lines())
+    assert not figures[1].axes[0].get_lines()
     with SpectraFile(tmp_path / "v.h5") as file, pytest.raises(UsageError, match="under a vertical motion too"):
         file.motion()

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from support.documents import built
 
-from rocking_cli import DocumentError, build_structure, parse_documents
+from rocking_cli import DocumentError
 from rocking_cli.structures.mechanics.stacked_pieces import frustum_moments
 
 
@@ -106,6 +106,5 @@ REFUSED = [
 
 @pytest.mark.parametrize(("text", "words"), REFUSED, ids=range(len(REFUSED)))
 def test_refusals(text, words):
-    (document,) = parse_documents(text, "f.yaml")
     with pytest.raises(DocumentError, match=words):
-        build_structure(document)
+        built(text)

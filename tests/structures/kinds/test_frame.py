@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from support.documents import built
 
-from rocking_cli import DocumentError, build_structure, parse_documents
+from rocking_cli import DocumentError
 
 
 @given(st.floats(0.01, 5), st.floats(0.05, 0.4), st.integers(1, 40))
@@ -36,6 +36,5 @@ REFUSED = [
 
 @pytest.mark.parametrize(("text", "words"), REFUSED, ids=range(len(REFUSED)))
 def test_refusals(text, words):
-    (document,) = parse_documents(text, "f.yaml")
     with pytest.raises(DocumentError, match=words):
-        build_structure(document)
+        built(text)

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from support.documents import built
 
-from rocking_cli import DocumentError, build_structure, parse_documents
+from rocking_cli import DocumentError
 
 
 @given(st.floats(0.1, 1.3), st.floats(1, 20), st.floats(-50, 50), st.booleans())
@@ -58,6 +58,5 @@ REFUSED = [
 
 @pytest.mark.parametrize(("text", "words"), REFUSED, ids=range(len(REFUSED)))
 def test_refusals(text, words):
-    (document,) = parse_documents(text, "f.yaml")
     with pytest.raises(DocumentError, match=words):
-        build_structure(document)
+        built(text)

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from support.documents import built
 
-from rocking_cli import DocumentError, build_structure, parse_documents
+from rocking_cli import DocumentError
 
 STATUE = "kind: stack\npieces: [{width: 1.2, depth: 1, height: 0.9}, {radius: 0.35, height: 0.2}, {radius: 0.3, height: 1.9}]"
 
@@ -103,6 +103,5 @@ REFUSED = [
 
 @pytest.mark.parametrize(("text", "words"), REFUSED, ids=range(len(REFUSED)))
 def test_refusals(text, words):
-    (document,) = parse_documents(text, "f.yaml")
     with pytest.raises(DocumentError, match=words):
-        build_structure(document)
+        built(text)
