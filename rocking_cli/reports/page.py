@@ -1,7 +1,7 @@
-"""A page about structures under a motion: verdicts, drawings, parameters, maps, validity and fragility, in one HTML file of its own.
+"""A report on structures under a motion as one HTML file: verdicts, drawings, parameters, maps, validity and fragility.
 
-It asks nothing of a network: figures are images inside the page, and its policy forbids everything else. Every text that came from
-outside goes through the template, which escapes it. jinja2 and matplotlib are the extra `report`.
+The page loads nothing from a network: its figures are embedded, and its content policy forbids other sources. The template escapes
+every text of the user. jinja2 and matplotlib are the extra `report`.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 SIDE = 80  # values on each axis of a map
-LEVELS = 16  # of PGA, for fragility
+LEVELS = 16  # PGA levels of a fragility curve
 HEADS = (
     "structure", "motion", "model", "outcome", "θ max/α", "demand [g]", "uplift [g]", "overturns from [g]", "capacity over demand",
     "safe up to [g]", "linear says", "friction", "least vertical force",
@@ -60,14 +60,14 @@ Plan = Callable[["Figure"], object]
 
 @dataclass(frozen=True)
 class Subject:
-    """A structure and the document that it came from."""
+    """A structure and its document."""
 
     document: Document
     structure: RockingParameters
 
 
 def demand_extra() -> None:
-    """Raise OutputError where a package is missing that a page needs, before any work is done."""
+    """Raise OutputError if a package of the extra `report` is not installed."""
     for package in ("jinja2", "matplotlib"):
         try:
             import_module(package)
@@ -87,11 +87,11 @@ def page(
     made: str,
     workers: int | None = None,
 ) -> str:
-    """The page as HTML; pulse: a motion and the demand, a grid of one cell; verdicts: of `check`, structures under all motions;
-    recordings: those of the demand, with what is beside them; vertical: the name or file of the vertical motion that all have;
-    demand: how strong the shaking is, in words.
+    """The page as HTML.
 
-    Raises OutputError without jinja2 or matplotlib.
+    verdicts: of `check`, for each structure and motion; pulse: a motion and the demand, a grid of one cell; recordings: the records
+    of the demand; vertical: name or file of the vertical motion; demand: the strength of the shaking in words.
+    Raises OutputError if jinja2 or matplotlib is not installed.
     """
     demand_extra()
     from jinja2 import Environment, StrictUndefined
@@ -117,7 +117,7 @@ def page(
 
 
 def _hashes(subjects: Sequence[Subject], recordings: Sequence[Recording], vertical: str | None) -> list[tuple[str, str]]:
-    """Each input and its SHA-256: that of the file where it is one, else of the document's text."""
+    """(name, SHA-256) of each input: of its file, or of the text of a document without a file."""
     texts: dict[str, str] = {}
     for s in subjects:
         texts[s.document.source] = texts.get(s.document.source, "") + s.document.text
@@ -137,7 +137,7 @@ def _section(
     recordings: Sequence[Recording],
     workers: int | None,
 ) -> dict[str, Any]:
-    """What the template needs of one structure."""
+    """The template's values for one structure."""
     structure = subject.structure
     mine = [v for v in verdicts if v.name == structure.name]
     drawn, validity = None, _agreement(mine)
@@ -156,7 +156,7 @@ def _section(
 
 
 def _cells(v: Verdict) -> list[dict[str, Any]]:
-    """A row of the table of verdicts."""
+    """The cells of a row of the table of verdicts."""
     values = (
         v.name, v.motion, v.model, v.sentence, v.theta_ratio, _in_g(v.demand_a), _in_g(v.uplift_a), _in_g(v.first_overturning_a),
         v.capacity_demand, _in_g(v.safe_to), v.outcome_linear.sentence, v.friction, v.fz_min,
@@ -173,7 +173,7 @@ def _number(x: float | str | None) -> str:
 
 
 def _image(folder: Path, plan: Plan) -> str:
-    """A figure as an image that stands in the page itself."""
+    """A figure as a data URL for the page."""
     target = folder / "figure.svg"
     with canvas(target) as figure:
         plan(figure)
@@ -186,7 +186,7 @@ def _capacities(figure: Figure, verdicts: Sequence[Verdict]) -> None:
 
 
 def _drawing(folder: Path, subject: Subject) -> str | None:
-    """The structure to scale; None of one without geometry."""
+    """A drawing of the structure as a data URL; None if its kind has no geometry."""
     try:
         sketch = sketch_of(subject.document, subject.structure)
     except DocumentError:
@@ -197,7 +197,7 @@ def _drawing(folder: Path, subject: Subject) -> str | None:
 def _map(
     folder: Path, structure: RockingParameters, motion: Motion, demand: Grid, mine: Sequence[Verdict], workers: int | None
 ) -> tuple[str, str]:
-    """The map around the demand with the demand on it, and in how many of its cells the linear equation is wrong."""
+    """(map around the demand as a data URL, sentence on the number of cells in which the linear equation is wrong)."""
     (omega,) = demand.frequency.values / (1.0 if demand.frequency.name == "omega_g" else 1.0 / structure.p)
     amplitude = mine[0].demand_a
     most = 2.0 * max([amplitude, *(v.first_overturning_a for v in mine if v.first_overturning_a is not None)])
@@ -235,7 +235,7 @@ def _map(
 
 
 def _agreement(mine: Sequence[Verdict]) -> str:
-    """The linear verdicts beside those that govern."""
+    """A sentence that compares the linear outcomes with the governing ones."""
     if all(v.model == LINEAR.model for v in mine):
         return "The linear equation alone answers here."
     codes = [Difference(int(difference(np.uint8(v.outcome), np.uint8(v.outcome_linear)))) for v in mine]
@@ -248,13 +248,13 @@ def _agreement(mine: Sequence[Verdict]) -> str:
 
 
 def _not_compared(count: int) -> str:
-    """A sentence about what neither equation is held against, empty where there is none."""
+    """A sentence on the number of cases without an outcome by one of the equations, empty for none."""
     verb = "is" if count == 1 else "are"
     return f" {count} more {verb} not compared: by one equation or both the structure has no outcome." if count else ""
 
 
 def _fragility(folder: Path, structure: RockingParameters, recordings: Sequence[Recording], workers: int | None) -> dict[str, Any]:
-    """Curves over PGA by stripes, and what the data do not bear."""
+    """The template's values for fragility curves over PGA by stripes: figure, fitted parameters, remarks."""
     if len(recordings) < FEWEST:
         return {"figure": None, "fits": [], "remarks": [f"{len(recordings)} records; a fit needs {FEWEST}."]}
     measure, members = MEASURES["PGA"], members_of(recordings)
@@ -278,7 +278,7 @@ def _fragility(folder: Path, structure: RockingParameters, recordings: Sequence[
 
 
 def _fitted(record: dict[str, Any]) -> dict[str, str]:
-    """A fitted curve as the table shows it."""
+    """The parameters of a fitted curve as texts."""
 
     def band(key: str, unit: float) -> str:
         low, high = (record[f"{key}_{end}"] for end in ("low", "high"))
