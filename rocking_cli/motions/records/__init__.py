@@ -95,14 +95,14 @@ def read_record(path: str | Path, *, component: str | None = None, unit: str | N
 
 
 def unknown(source: str, raw: bytes) -> str:
-    """What to say of a file that `records_of` knows no format for."""
+    """The message for a file whose format `records_of` does not recognise."""
     first = raw[:200].decode("latin-1").strip().split("\n", 1)[0].strip()[:60]
     formats = f"{', '.join(f.NAME for f in _formats())} and plain columns of numbers"
     return f"{source}: no record format (it begins with {first!r}); accepted are {formats}"
 
 
 def is_record(path: str) -> bool:
-    """Whether the head of a file is that of a record, which is not read further; structure documents and motion documents are none."""
+    """True if a file begins as a record does; only its beginning is read. Structure and motion documents are not records."""
     with open(path, "rb") as file:
         head = file.read(2)
         file.seek(0)

@@ -13,7 +13,7 @@ _COLUMNS = re.compile(r"^\s*N-?S\s+E-?W\s+(?:U-?D|Z|V)\s*$", re.IGNORECASE)
 
 
 def recognise(head: str) -> bool:
-    """Whether the first line is the network's title."""
+    """True if the first line is the network's title."""
     return head.lstrip().upper().startswith(_TITLE)
 
 

@@ -60,5 +60,5 @@ def vertical_of(records: Sequence[Record]) -> Record:
 
 
 def names_of(records: Sequence[Record]) -> str:
-    """What a file calls these components."""
+    """The names of these components in their file."""
     return ", ".join(r.component or "one without a name" for r in records)

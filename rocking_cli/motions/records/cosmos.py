@@ -29,7 +29,7 @@ _STEP_MS, _LENGTH, _PEAK, _RAW_STEP = 61, 62, 63, 33  # places among the real-he
 
 
 def recognise(head: str) -> bool:
-    """Whether the first line states the COSMOS format."""
+    """True if the first line states the COSMOS format."""
     return bool(_FIRST.search(head.lstrip().split("\n", 1)[0]))
 
 

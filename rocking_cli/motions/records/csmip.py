@@ -24,7 +24,7 @@ _REAL_HEADER = 13  # lines of the numbers before a block; the 61st of them is th
 
 
 def recognise(head: str) -> bool:
-    """Whether the first line announces a corrected accelerogram that is not of GNS Science, or spectra."""
+    """True if the first line announces a corrected accelerogram that is not of GNS Science, or spectra."""
     first = head.lstrip().split("\n", 1)[0]
     return bool(_FIRST.search(first) or _SPECTRA.match(first)) and "GNS Science" not in first and "(format v" not in first.lower()
 

@@ -14,7 +14,7 @@ _COMPONENT, _PEAK = re.compile(r"([A-Z])\s*\([-+]\)"), re.compile(r"\d*\.\d+")
 
 
 def recognise(head: str) -> bool:
-    """Whether lines of keys tell the rate, the unit and the order of the columns."""
+    """True if the header lines state the rate, the unit and the order of the columns."""
     return head.lstrip().startswith("#") and all(key in head for key in ("#SampleRate(Hz):", "#AmplitudeUnit:", "#DataSequence:"))
 
 

@@ -13,7 +13,7 @@ _KINDS = ("ACCELERATION", "PROCESSED ACCELERATION", "UNPROCESSED ACCELERATION")
 
 
 def recognise(head: str) -> bool:
-    """Whether the first line is EVENT_NAME and the keys of the sampling are there."""
+    """True if the first line is EVENT_NAME and the keys of the sampling are there."""
     return head.lstrip().startswith("EVENT_NAME:") and "SAMPLING_INTERVAL_S" in head and "NDATA" in head
 
 

@@ -21,7 +21,7 @@ _COUNTS, _STEP = (33, 34, 35), 65  # places among the numbers, from 0: values of
 
 
 def recognise(head: str) -> bool:
-    """Whether the first line is that of an accelerogram of GNS Science."""
+    """True if the first line is that of an accelerogram of GNS Science."""
     return bool(_FIRST.match(head.lstrip().split("\n", 1)[0]))
 
 

@@ -18,7 +18,7 @@ _SCALE = re.compile(r"([\d.]+)\s*\(gal\)\s*/\s*([\d.]+)", re.IGNORECASE)
 
 
 def recognise(head: str) -> bool:
-    """Whether the file begins with Origin Time and states a sampling frequency."""
+    """True if the file begins with Origin Time and states a sampling frequency."""
     return head.lstrip().lower().startswith("origin time") and "Sampling Freq" in head
 
 

@@ -24,7 +24,7 @@ _SAID, _TRAILER = re.compile(r"\S.*"), re.compile(r"\W*(?:END|EOF)\b", re.IGNORE
 
 
 def recognise(head: str) -> bool:
-    """Whether a line among the first 50 states points and step as AT2 files do."""
+    """True if a line among the first 50 states points and step as AT2 files do."""
     return any(_COUNT.search(line) or _OLDER.search(line) for line in head.split("\n", 50)[:50])
 
 

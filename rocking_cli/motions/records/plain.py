@@ -30,7 +30,7 @@ def recognise(head: str) -> bool:
 
 
 def _is_row(line: str) -> bool:
-    """Whether a line begins with a number and has no word, as `1940 El Centro` and the rows of most tables have."""
+    """True if a line begins with a number and has no word (`1940 El Centro` has words, as most table rows do)."""
     return bool(_ROW.match(line)) and not _WORD.search(line)
 
 

@@ -19,7 +19,7 @@ _NONE, _RATE, _MAXIMUM, _MINIMUM = 0, 1, 29, 31  # places among the reals
 
 
 def recognise(head: str) -> bool:
-    """Whether the first line names one of the kinds of SMC files."""
+    """True if the first line names one of the kinds of SMC files."""
     return bool(_FIRST.match(head.split("\n", 1)[0]))
 
 

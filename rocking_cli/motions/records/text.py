@@ -150,7 +150,7 @@ class RecordText:
         return f"more values than the {count} declared, which are left out" if self.more_numbers() else ""
 
     def more_numbers(self) -> bool:
-        """Whether the next line that is not blank begins with a number."""
+        """True if the next line that is not blank begins with a number."""
         rest = self.raw[self.at : self.at + 4096].split(None, 1)
         return bool(rest) and _NUMBER.fullmatch(rest[0]) is not None
 

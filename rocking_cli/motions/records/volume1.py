@@ -26,7 +26,7 @@ _PAIRS, _ALONE = Layout(10, 7), Layout(10, 13)
 
 
 def recognise(head: str) -> bool:
-    """Whether the first line is that of a volume 1; those of GNS Science and COSMOS, which begin alike, are looked for before."""
+    """True if the first line is that of a volume 1. Test for GNS Science and COSMOS first: their files begin in the same way."""
     return bool(_FIRST.match(head.lstrip().split("\n", 1)[0]))
 
 

@@ -85,7 +85,7 @@ def built_by(document: Document, name: str) -> RockingParameters:
 
 @contextmanager
 def _blamed(document: Document, word: str, entry: EntryPoint) -> Iterator[None]:
-    """What a foreign package raises as a DocumentError that names the package; errors of this one pass."""
+    """Convert an exception of a foreign package to a DocumentError that names the package; this package's errors pass unchanged."""
     try:
         yield
     except RockingError:
