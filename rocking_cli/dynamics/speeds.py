@@ -90,7 +90,7 @@ class SpeedRun(_Speeds):
     """A march that keeps the largest speed of each cell."""
 
     def __init__(self, system: System, motion: Motion, amplitude: Array, omega: Array, eta: Array) -> None:
-        super().__init__(system, motion.segments, amplitude, omega, eta, True, system.equation.pool)
+        super().__init__(system, system.segments(motion), amplitude, omega, eta, True, system.equation.pool)
         self.fastest = np.zeros(amplitude.size)
 
 

@@ -10,8 +10,9 @@ import pytest
 from support.documents import built
 from support.record_layouts import wave
 
-from rocking_cli import Method, Outcome, response
+from rocking_cli import Method, Outcome, history, response
 from rocking_cli.dynamics.speeds import SpeedRun, response_with_speed
+from rocking_cli.motions.biaxial import with_vertical
 from rocking_cli.motions.polyline import record_motion
 from rocking_cli.motions.records import Record
 from rocking_cli.structures.parameters import RockingParameters, Side
@@ -134,3 +135,19 @@ def test_a_step_throws_a_body_that_falls_back_as_its_energy_says():
     assert y[1:].min() > 0.0 > y[-1] + v[-1] - 1.0, "it neither lands before the end nor overturns after it"
     at_ground = math.sqrt(v[-1] ** 2 + y[-1] * (2.0 - y[-1]))
     assert speed[0] == pytest.approx(max(float(v.max()), at_ground), rel=1e-8)
+
+
+@pytest.mark.parametrize("model", ["linear", "nonlinear"])
+def test_a_vertical_record_shakes_those_whose_speed_is_kept_too(model):
+    """Outcome and rotation are those of `response`, and the speed is that of the history, to what its rows resolve."""
+    up = record_motion(Record("v", "text", None, 0.05, wave(40, 4.0)[::-1].copy(), None, "m/s2", "v", "v"))
+    motion, system = with_vertical(MOTION, up, 1.5), Method(model, 1e-10).system_of(BLOCK)
+    amplitude, omega = np.array([1.2, 1.6, 2.4]), np.array([1.0 / BLOCK.p])
+    got, speed = response_with_speed(system, motion, amplitude, omega, BLOCK.eta)
+    plain, still = (response(system, shaken, amplitude, omega, BLOCK.eta) for shaken in (motion, MOTION))
+    assert got.outcome.tolist() == plain.outcome.tolist()
+    np.testing.assert_allclose(got.theta_ratio, plain.theta_ratio, rtol=0.0, atol=1e-10)
+    assert np.nanmax(np.abs(plain.theta_ratio - still.theta_ratio)) > 0.01  # the vertical part matters here
+    for a, found in zip(amplitude, speed, strict=True):
+        _, rate = history(system, motion, float(a), float(omega[0]), BLOCK.eta, duration=60.0).at(np.linspace(0.0, 60.0, 600_001))
+        assert np.isnan(found) or np.nanmax(np.abs(rate)) == pytest.approx(found, rel=5e-3)
