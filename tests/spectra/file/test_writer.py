@@ -35,7 +35,7 @@ from rocking_cli.reports.summary import summary_lines
 from rocking_cli.spectra import machine
 from rocking_cli.spectra.file import writer as store
 from rocking_cli.spectra.file.chunks import pack
-from rocking_cli.spectra.file.partial import Partial
+from rocking_cli.spectra.file.partial import Partial, Records
 from rocking_cli.spectra.file.reader import SpectraFile, difference
 from rocking_cli.spectra.file.writer import SpectraWriter
 from rocking_cli.spectra.frame import pulse_frame
@@ -423,3 +423,13 @@ def test_a_file_that_appears_meanwhile_is_kept(tmp_path):
         write_spectrum(TWO, sine(), GRID, path, workers=1, progress=lambda done, total: path.write_text("mine"))
     assert path.read_text() == "mine"
     assert h5py.is_hdf5(tmp_path / "s.h5.part")
+
+
+def test_what_a_kill_leaves_of_the_finished_file_is_removed(tmp_path):
+    """The finished file has a name that the partial file states until it is complete."""
+    part = left_part(tmp_path / "s.h5", 3)
+    with open(part, "rb") as file:
+        half = tmp_path / f"s.h5.{Records(file).notes['token']}.part"
+    half.write_bytes(b"half")
+    sweep(tmp_path / "s.h5", resume=True)
+    assert [p.name for p in tmp_path.iterdir()] == ["s.h5"]
