@@ -131,6 +131,10 @@ def _remarks(verdicts: list[Verdict]) -> list[str]:
         lines.append(f"hang on the last digits of the demand, so that another amplitude as good decides otherwise: {', '.join(unsettled)}")
     if slides := named(v for v in verdicts if v.slides):
         lines.append(f"would slide, their friction being less than what rocking asks for: {', '.join(slides)}")
+    for v in verdicts:
+        if v.dust:
+            share = f"{100.0 * v.dust:.2g} % of the amplitudes within 5 % of it"
+            lines.append(f"{named([v])[0]}: above first_overturning {share} overturn, and narrower intervals may begin below")
     if unsafe:
         lines.append(f"the linear equation says they stand, and is wrong: {', '.join(unsafe)}")
     return lines

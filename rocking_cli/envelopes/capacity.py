@@ -7,12 +7,16 @@ itself is one of the amplitudes that it looks at, so that what it says and the r
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from itertools import pairwise
 
 import numpy as np
 
 from ..dynamics.method import Method
-from ..dynamics.outcome import Outcome
+from ..dynamics.outcome import Outcome, safe
+from ..dynamics.response import response
+from ..dynamics.single.response import response_alone
+from ..dynamics.system import System
 from ..errors import UsageError
 from ..motions import Motion
 from ..structures.parameters import RockingParameters
@@ -20,8 +24,13 @@ from .boundaries import Search
 from .changes import Brackets
 from .envelope import HIGHEST
 
+Array = np.ndarray
+
 LONGEST_FINE = 200  # segments of a motion up to which the scan is as fine as an envelope's
-RATIO = 5e-3  # of neighbouring amplitudes, less 1, beyond that: a cell costs a thousand times one of a pulse
+RATIO = 5e-3  # of neighbouring amplitudes, less 1, of an envelope beyond that: a cell costs a thousand times one of a pulse
+_COARSE, _FINE = 1e-3, 1e-4  # the same of a search for the lowest fall alone: everywhere, and in the tenth below a fall that is found
+_NEAR, _BESIDE = 0.9, 1.05  # of the lowest fall: from where the search is fine, and to where it tells how many amplitudes fall
+_STRETCH = 100  # amplitudes that are looked at together at first
 _FIRST_WINDOW = 1.5  # in A, looked at together: that many cells cost about as much as one batch
 _PARTS = 256  # that a change is cut into at once: few changes, so that a batch costs the same whatever its size
 
@@ -29,11 +38,15 @@ _PARTS = 256  # that a change is cut into at once: few changes, so that a batch 
 @dataclass(frozen=True)
 class Capacity:
     """first: the lowest amplitude A that overturns, None where none does; safe_to: where the stretch around the demand that stands
-    ends, None where the body falls under it or nothing above overturns. uplift: the A that lifts the body, None where none does."""
+    ends, None where the body falls under it or nothing above overturns. uplift: the A that lifts the body, None where none does.
+
+    dust: under a record, the share of amplitudes within 5 % of the first that fall, where these are no single interval, else 0.
+    """
 
     first: float | None
     safe_to: float | None
     uplift: float | None
+    dust: float = 0.0
 
 
 def capacity(structure: RockingParameters, motion: Motion, amplitude: float, omega: float, *, method: Method, a_max: float) -> Capacity:
@@ -49,7 +62,14 @@ def capacity(structure: RockingParameters, motion: Motion, amplitude: float, ome
         raise UsageError(f"{structure.name}: a search up to A = {top:.6g}, accepted is up to {HIGHEST:g}")
     if not lowest < top:
         return Capacity(None, None, lowest if np.isfinite(lowest) else None)
-    search = Search(system, motion, structure.eta, top, ratio=_ratio(motion), digits=method.stated_tolerance or 4e-16, parts=_PARTS)
+    if _long(motion):
+        stretches = _Stretches(system, motion, structure.eta, np.array([omega]), method.stated_tolerance or 4e-16)
+        below = stretches.first_fall(lowest, min(amplitude, top)) if lowest < amplitude else None
+        stands = amplitude <= lowest or bool(safe(stretches.alone(amplitude)))
+        above = stretches.first_fall(max(lowest, amplitude), top) if stands else amplitude
+        first = below or (above if stands else stretches.narrowed(amplitude * (1.0 - _COARSE), amplitude))
+        return Capacity(first, above if stands else None, lowest, 0.0 if first is None else stretches.dust(first))
+    search = Search(system, motion, structure.eta, top, digits=method.stated_tolerance or 4e-16, parts=_PARTS)
     falls: list[Brackets] = []  # of each window that holds one, until it is clear what becomes of the demand
     above = False  # whether the last of them is above a demand that stands
     for begin, end in _windows(lowest, amplitude, top, at_once=system.equation.bounded):
@@ -64,11 +84,76 @@ def capacity(structure: RockingParameters, motion: Motion, amplitude: float, ome
 
 def narrowest(motion: Motion) -> str:
     """The intervals of which nothing is claimed, in words."""
-    return f"{100.0 * RATIO:g} % of the amplitude" if _ratio(motion) else "0.001 in A"
+    return f"{100.0 * _COARSE:g} % of the amplitude ({100.0 * _FINE:g} % in the tenth below a fall)" if _long(motion) else "0.001 in A"
 
 
-def _ratio(motion: Motion) -> float:
-    return RATIO if len(motion.segments) > LONGEST_FINE else 0.0
+def _long(motion: Motion) -> bool:
+    return len(motion.segments) > LONGEST_FINE
+
+
+@dataclass(frozen=True)
+class _Stretches:
+    """The outcomes of one system at one Omega under a long motion: many amplitudes by `response`, single ones by `response_alone`.
+
+    seen: amplitudes `_COARSE` apart that were looked at, and whether each falls.
+    """
+
+    system: System
+    motion: Motion
+    eta: float
+    omega: Array
+    digits: float
+    seen: list[tuple[Array, Array]] = field(default_factory=list)
+
+    def falls(self, low: float, high: float, ratio: float) -> tuple[Array, Array]:
+        """Amplitudes from one to another, both included, and whether each falls."""
+        amplitude = np.geomspace(low, high, 2 + int(np.log(high / low) / np.log1p(ratio)))
+        found = response(self.system, self.motion, amplitude, self.omega, self.eta, peaks=False)
+        if ratio == _COARSE:
+            self.seen.append((amplitude, ~safe(found.outcome)))
+        return amplitude, ~safe(found.outcome)
+
+    def alone(self, amplitude: float) -> Array:
+        """The outcome at one amplitude."""
+        return response_alone(self.system, self.motion, amplitude, self.omega, self.eta, peaks=False).outcome
+
+    def first_fall(self, begin: float, end: float) -> float | None:
+        """The lowest amplitude between these that falls, None where none does."""
+        low, stretch = begin, _STRETCH
+        while low < end:
+            high = min(end, low * (1.0 + _COARSE) ** stretch)
+            amplitude, falls = self.falls(low, high, _COARSE)
+            if falls.any():
+                break
+            low, stretch = high, 2 * stretch
+        else:
+            return None
+        at = int(falls.argmax())
+        if not at:
+            return float(amplitude[0])
+        below, found, known = float(amplitude[at - 1]), float(amplitude[at]), float(amplitude[at])
+        while known > (fine := max(begin, _NEAR * found)) * (1.0 + _FINE):
+            amplitude, falls = self.falls(fine, known, _FINE)
+            known = fine
+            if falls[0]:
+                return float(amplitude[0])
+            if falls.any():
+                at = int(falls.argmax())
+                below, found = float(amplitude[at - 1]), float(amplitude[at])
+        return self.narrowed(below, found)
+
+    def narrowed(self, low: float, high: float) -> float:
+        """The amplitude, within `digits`, from which a body falls that stands at one and falls at the other."""
+        while high - low > self.digits * high and low < (middle := 0.5 * (low + high)) < high:
+            low, high = (middle, high) if safe(self.alone(middle)) else (low, middle)
+        return high
+
+    def dust(self, first: float) -> float:
+        """The share of the amplitudes `_COARSE` apart, within 5 % of the first fall, that fall; 0 where these are one interval."""
+        seen = sorted((a, bool(fall)) for amplitude, falls in self.seen for a, fall in zip(amplitude.tolist(), falls, strict=True))
+        falls = [fall for a, fall in seen if first < a < _BESIDE * first]
+        single = sum(one != other for one, other in pairwise([True, *falls])) <= 1
+        return 0.0 if single else 0.5 * sum(falls) / len(falls)
 
 
 def _windows(lowest: float, demand: float, top: float, at_once: bool) -> Iterator[tuple[float, float]]:

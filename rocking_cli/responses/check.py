@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
@@ -11,7 +12,8 @@ import numpy as np
 
 from ..dynamics.method import LINEAR, Method, governing_method
 from ..dynamics.outcome import Outcome, safe
-from ..dynamics.response import Response, response, response_with_demands
+from ..dynamics.response import Response
+from ..dynamics.single.response import response_alone
 from ..envelopes.capacity import capacity
 from ..envelopes.envelope import A_MAX
 from ..envelopes.limit import Limit, limit_of
@@ -47,7 +49,8 @@ class Verdict:
     theta_ratio: max |theta|/alpha, None where it falls; outcome_linear: by the linear equation; friction, fz_min: the friction that
     the motion asks of the ground (impacts apart), and the least vertical force over the weight, of a rigid body whose mass centre is
     known; friction is None too where the ground lets go of it; unsettled: whether changes of the demand by a part of 1e-12 to 1e-6
-    decide whether it stands, or move theta_ratio by 0.01: after many impacts there is no other answer; slides: whether friction is more
+    decide whether it stands, or move theta_ratio by 0.01: after many impacts there is no other answer; dust: of many
+    narrow intervals that overturn, the share of amplitudes within 5 % of the first that do; slides: whether friction is more
     than the structure's own, where that is stated.
     """
 
@@ -64,6 +67,7 @@ class Verdict:
     friction: float | None = None
     fz_min: float | None = None
     unsettled: bool = False
+    dust: float = 0.0
     slides: bool = False
 
     @property
@@ -113,15 +117,14 @@ def check(
         raise UsageError("the amplitude is 0, accepted is a positive one")
     method, done = governing_method(structure, dimensionless=shaking.dimensionless), progress or _no_progress
     beside = amplitude * (1.0 + _BESIDE)
-    governs, asked = _governing(method, structure, motion, beside, omega)
+    governs = _respond(method, structure, motion, beside, omega)
     outcome, rotation = Outcome(int(governs.outcome[0])), float(governs.theta_ratio[0])
     stands, falls = safe(governs.outcome), ~safe(governs.outcome) & (governs.outcome != Outcome.FAILED)
     linear = _respond(LINEAR, structure, motion, beside[:1], omega)
     done(1, _STAGES)
     found = capacity(structure, motion, amplitude, omega, method=method, a_max=a_max)
     done(2, _STAGES)
-    if asked is None:
-        asked = _forces(method, structure, motion, shaking)
+    asked = _forces(method, structure, motion, shaking)
     done(_STAGES, _STAGES)
     lifted_off = outcome == Outcome.ROCKED and (asked.get("fz_min", 1.0) or 0.0) <= 0.0
     near = beside[falls] if stands[0] else beside[:0]
@@ -129,6 +132,14 @@ def check(
     def acceleration(*a: float | None) -> float | None:
         least = min((x for x in a if x is not None), default=None)
         return None if least is None else float(structure.ground_acceleration(least))
+
+    def limit(*a: float | None) -> float | None:
+        """Of falls that are dust with the four digits that they have, rounded down."""
+        least = acceleration(*a)
+        if least is None or not found.dust:
+            return least
+        unit = 10.0 ** (math.floor(math.log10(least)) - 3)
+        return math.floor(least / unit) * unit
 
     return Verdict(
         name=structure.name,
@@ -138,10 +149,11 @@ def check(
         theta_ratio=rotation if np.isfinite(rotation) else None,
         demand_a=float(structure.ground_acceleration(amplitude)),
         uplift_a=acceleration(found.uplift),
-        first_overturning_a=acceleration(found.first, *near),
-        safe_to=acceleration(found.safe_to, *near[near > amplitude]),
+        first_overturning_a=limit(found.first, *near),
+        safe_to=limit(found.safe_to, *near[near > amplitude]),
         outcome_linear=Outcome(int(linear.outcome[0])),
         unsettled=bool(stands.any() and (falls.any() or np.ptp(governs.theta_ratio[stands]) > _SAME)),
+        dust=found.dust,
         slides=structure.friction is not None and (asked.get("friction") or 0.0) > structure.friction,
         **asked,
     )
@@ -209,30 +221,13 @@ def _check_one(a_max: float | Limit, demand: Demand) -> Verdict:
     return check(*demand, a_max=limit_of(a_max, demand[0]))
 
 
-def _governing(
-    method: Method, structure: RockingParameters, motion: Motion, amplitude: np.ndarray, omega: float
-) -> tuple[Response, dict[str, float | None] | None]:
-    """The responses, and what the first of them asks of the ground where it is walked upright; None where that is left to its history."""
-    system = method.system_of(structure)
-    if system.body is None or not system.body.moves_with_the_ground or motion.samples is None:
-        return _respond(method, structure, motion, amplitude, omega), None
-    found, asked = response_with_demands(system, motion, amplitude, np.array([omega]), structure.eta)
-    fz_min = float(asked["fz_min"][0])
-    return found, None if np.isnan(fz_min) else _stated(float(asked["friction"][0]), fz_min)
-
-
 def _forces(method: Method, structure: RockingParameters, motion: Motion, shaking: Grid) -> dict[str, float | None]:
     """friction and fz_min of the history, as far as a body that falls is followed."""
     if structure.arm is None:
         return {}
     asked = time_history(structure, motion, shaking, [method]).forces[method.model].demands
-    return _stated(asked.friction.friction, asked.fz_min)
-
-
-def _stated(friction: float, fz_min: float) -> dict[str, float | None]:
-    """As a verdict has them."""
-    return {"friction": friction if np.isfinite(friction) else None, "fz_min": fz_min}
+    return {"friction": asked.friction.friction if np.isfinite(asked.friction.friction) else None, "fz_min": asked.fz_min}
 
 
 def _respond(method: Method, structure: RockingParameters, motion: Motion, amplitude: np.ndarray, omega: float) -> Response:
-    return response(method.system_of(structure), motion, amplitude, np.array([omega]), structure.eta)
+    return response_alone(method.system_of(structure), motion, amplitude, omega, structure.eta)

@@ -18,13 +18,13 @@ from typing import NamedTuple
 import numpy as np
 
 from ...motions.segments import Segments
-from ..contacts.contact import Uplift
+from ..contacts.contact import BELOW_ROUNDING, Uplift
 from ..drive import place
 from ..equations.ramp import LONGEST, MOST_TERMS, WITHIN, degrees
 from ..lanes import Cells, Lanes
 from ..march.batch import SETTLING
 from ..march.free_fall import FreeFall
-from ..outcome import Outcome
+from ..outcome import FALLEN, Outcome
 from ..system import System
 from ..weight import WeighedSegments
 from .drive import Reel
@@ -281,8 +281,9 @@ class _Body:
         h = min(whole, LONGEST, self.reach)
         if self.drop is not None and self.drop.ever[0]:
             left = float(self.drop.until(self._lanes())[0])
-            if left <= 1e-9:
-                self._finish(Outcome.LOST_CONTACT)
+            if self.drop.now(self._lanes())[0]:
+                fallen = float(self.equation.on(np.array([face.side])).rotation(np.array([self.y]))[0]) >= FALLEN
+                self._finish(self._overturned() if fallen else Outcome.LOST_CONTACT)
                 return
             h = min(h, left)
         s0, up0 = self.reel.value(k, u)
@@ -401,19 +402,29 @@ class _Body:
         self.bounced = True
         to = self.faces.get(-face.side, face)
         self.face, self.y, self.v = to, 0.0, -face.keeps * v
-        fall, room = 1.0 - self._net(to, self.k, self.u), 0.0
+        fall = 1.0 - self._net(to, self.k, self.u)
         self.force = -fall
-        if self.k >= self.reel.count:
-            return
-        if fall > 0.0 and self.v * self.v < 0.05 * fall * fall:
-            block = self.reel.at(self.k)
-            room = (block.length[self.k - block.first] - self.u) / to.omega
-        if self.v < _STILL or (
-            (self.listener is None or self.v < self.listener.visible) and (3.0 * self.v <= room * (1.0 - to.cycle) * fall or self.v < 1e-12)
-        ):
+        if self.k < self.reel.count and (self.v < _STILL or self._may_rest(to, fall)):
             lanes = self._lanes()
             if self.v < _STILL or self.contact.bouncing_ends(self.segments, lanes, self.equation)[0]:
                 self._uplift(lanes=lanes)
+
+    def _may_rest(self, face: Face, fall: float) -> bool:
+        """Whether Lemma 7 may prove that the bouncing ends in rest within this segment: what it asks that takes no arrays."""
+        v = self.v
+        if fall <= 0.0 or v * v >= 0.05 * fall * fall or (self.listener is not None and v >= self.listener.visible):
+            return False
+        if v < BELOW_ROUNDING or face.cycle >= 1.0:
+            return v < BELOW_ROUNDING
+        there = self.faces.get(-face.side)
+        lasts = 1.0 / fall
+        if there is not None:
+            beyond = 1.0 - self._net(there, self.k, self.u)
+            if beyond <= 0.0:
+                return False
+            lasts += face.keeps * there.omega / (face.omega * beyond)
+        block = self.reel.at(self.k)
+        return 3.0 * v * lasts * face.omega <= (1.0 - face.cycle) * (block.length[self.k - block.first] - self.u)
 
     def _uplift(self, first: bool = False, lanes: Lanes | None = None) -> None:
         """From rest to the next uplift, if any."""

@@ -1,0 +1,52 @@
+"""The response of cells one after the other, on floats: for a command that asks for one structure under one motion."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ...motions.motion import Motion
+from ..march.account import Work
+from ..outcome import Outcome
+from ..response import Response, response, that_left_the_ground
+from ..system import System
+from .lane import Lane
+
+Array = np.ndarray
+
+_STEPS, _FOR_EACH = (
+    20_000,
+    10,
+)  # that a cell may take, and for each segment of the motion: one that bounces for longer is left to `response`
+
+
+def response_alone(
+    system: System, motion: Motion, amplitude: Array | float, omega: Array | float, eta: Array | float, *, peaks: bool = True
+) -> Response:
+    """The same as `response`, for a system of one structure, with numbers that `response` takes.
+
+    Bodies that bounce for very long, and those of which neither the amplitude nor the rotation proves that they press on the ground,
+    are decided as `response` does.
+    """
+    cells = tuple(np.asarray(x, dtype=float) for x in np.broadcast_arrays(amplitude, omega, eta))
+    shape, (amplitude, omega, eta) = cells[0].shape, (x.ravel() for x in cells)
+    prove = bool(amplitude.max(initial=0.0) > system.safe_amplitude(motion))  # peaks may, that a body presses on the ground
+    segments = system.segments(motion.coarsest)
+    most = _STEPS + _FOR_EACH * len(segments)
+    lanes: dict[tuple[float, float], Lane] = {}
+    theta_ratio, outcome, impacts = (np.empty(amplitude.size, dtype=kind) for kind in (float, np.uint8, np.int32))
+    with np.errstate(all="ignore"):
+        for i, (a, w, e) in enumerate(zip(amplitude.tolist(), omega.tolist(), eta.tolist(), strict=True)):
+            lane = lanes.get((w, e)) or lanes.setdefault((w, e), Lane(system, segments, w, e))
+            ended = lane.run(a, peaks or prove, most=most)
+            outcome[i], theta_ratio[i], impacts[i] = ended.outcome, ended.theta_ratio, ended.impacts
+    failed = np.flatnonzero(outcome == Outcome.FAILED)
+    if failed.size:
+        again = response(system, motion, amplitude[failed], omega[failed], eta[failed], peaks=peaks)
+        outcome[failed], theta_ratio[failed], impacts[failed] = again.outcome, again.theta_ratio, again.impacts
+    doubtful = outcome == Outcome.ROCKED
+    doubtful[failed] = False
+    gone = that_left_the_ground(system, motion, (amplitude, omega, eta), doubtful, theta_ratio)
+    outcome[gone], theta_ratio[gone] = Outcome.LOST_CONTACT, np.nan
+    if not peaks:
+        theta_ratio[:] = np.nan
+    return Response(theta_ratio.reshape(shape), outcome.reshape(shape), impacts.reshape(shape), Work(cells=amplitude.size))
