@@ -13,7 +13,7 @@ from .body import Body
 from .contacts.contact import Contact
 from .contacts.symmetric import Symmetric
 from .equations.equation import Equation
-from .weight import WeighedSegments, weighed
+from .weight import weighed
 
 _SYMMETRIC = Symmetric()
 
@@ -57,6 +57,6 @@ class System:
         """The amplitude A from which a motion lifts the body [-], or drops the ground from under it; infinite where it never does."""
         one, segments = self.contact.cells(self.equation, np.ones(1), np.ones(1), np.zeros(1)), self.segments(motion)
         strongest = float(self.contact.strongest(one, segments)[0])
-        if isinstance(segments, WeighedSegments):  # w < 0 above 1/|w - 1| of A = 1, also where a wall holds the body
-            strongest = max(strongest, 1.0 - float(segments.least_weight(np.ones(1), one.amplitude[0], np.zeros(1, dtype=np.int64))[0]))
+        if (weighed := segments.weighed) is not None:  # w < 0 above 1/|w - 1| of A = 1, also where a wall holds the body
+            strongest = max(strongest, 1.0 - float(weighed.least_weight(np.ones(1), one.amplitude[0], np.zeros(1, dtype=np.int64))[0]))
         return 1.0 / strongest if strongest > 0.0 else math.inf

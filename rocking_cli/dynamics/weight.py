@@ -49,6 +49,11 @@ class WeighedSegments(Segments):
         """Whether both motions are straight lines."""
         return self.edges.straight
 
+    @property
+    def weighed(self) -> WeighedSegments:
+        """These themselves."""
+        return self
+
     def offset(self, side: Array) -> Array:
         """What turns a segment into that of the edge in `edges`."""
         return np.where(side > 0.0, 0, len(self)).astype(np.int64)
@@ -65,6 +70,10 @@ class WeighedSegments(Segments):
     def net(self, side: Array, amplitude: Array, k: Array, u: Array) -> Array:
         """c at phase u of segment k, on this side."""
         return -side * amplitude * _value(self.edges, k + self.offset(side), u)
+
+    def force_at_impact(self, side: Array, amplitude: Array, k: Array, u: Array, _b: Array) -> Array:
+        """c - 1, on each side its own."""
+        return self.net(side, amplitude, k, u) - 1.0
 
     def least_weight(self, side: Array, amplitude: Array, k: Array) -> Array:
         """The least w from segment k on."""

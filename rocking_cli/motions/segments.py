@@ -59,6 +59,27 @@ class Segments:
         """True if every piece is a straight line."""
         return not self.harmonics
 
+    @property
+    def weighed(self) -> Any:
+        """The segments of a motion under which the weight varies (`dynamics.weight`); None where it is constant."""
+        return None
+
+    def weight(self, _side: np.ndarray, _amplitude: np.ndarray, _k: np.ndarray, _u: np.ndarray) -> np.ndarray | float:
+        """The weight over m g at phase u of segment k, 1 under a motion without a vertical part."""
+        return 1.0
+
+    def greatest_weight(self, _side: np.ndarray, _amplitude: np.ndarray) -> np.ndarray | float:
+        """The largest weight over m g of the whole motion."""
+        return 1.0
+
+    def force_at_impact(self, _side: np.ndarray, _amplitude: np.ndarray, _k: np.ndarray, _u: np.ndarray, b: np.ndarray) -> np.ndarray:
+        """The force on bodies at the ground; b: what an impact makes of it under a constant weight."""
+        return b
+
+    def hardest(self, side: np.ndarray, amplitude: np.ndarray, k: np.ndarray) -> np.ndarray:
+        """The strongest inward drive from segment k on, over the least weight to come; infinite where that is none."""
+        return amplitude * np.where(side > 0.0, self.later_max[k], -self.later_min[k])
+
     def followed_by_rest(self, length: float) -> Segments:
         """The same motion, then the ground at rest for a phase of this length [rad]."""
         end = self.start[-1] + self.length[-1]

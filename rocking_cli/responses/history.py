@@ -23,7 +23,6 @@ from ..dynamics.march.engine import MAX_STEPS
 from ..dynamics.outcome import FALLEN, Outcome
 from ..dynamics.single.lane import Lane, Listener
 from ..dynamics.system import System
-from ..dynamics.weight import WeighedSegments
 from ..motions.blocks import blocks
 from ..motions.motion import Motion
 from ..motions.piece import Piece
@@ -271,7 +270,7 @@ class _Writer:
     def _weight(self, lanes: Lanes) -> Array | float:
         """The weight over m g [-] where and when the body is."""
         seg = self.segments
-        return seg.weight(lanes.side, lanes.amplitude, lanes.k, lanes.u) if isinstance(seg, WeighedSegments) else 1.0
+        return seg.weight(lanes.side, lanes.amplitude, lanes.k, lanes.u)
 
     def _bounced(self, lanes: Lanes) -> float:
         """When bouncing too low to be seen comes to rest: bounce by bounce under forces that change evenly in each, and at last by the sum
@@ -296,9 +295,8 @@ class _Writer:
         """The force on a body on the ground after h [tau of its side]."""
         seg, u = self.segments, lanes.u + lanes.omega * h
         k = np.minimum(lanes.k, len(seg) - 1)  # the ground is still at the end
-        if isinstance(seg, WeighedSegments):
-            return seg.net(lanes.side, lanes.amplitude, k, u) - 1.0
-        return -lanes.side * lanes.amplitude * (seg.s_start[k] + drive_change(seg, k, u)) - 1.0
+        b = -lanes.side * lanes.amplitude * (seg.s_start[k] + drive_change(seg, k, u)) - 1.0
+        return seg.force_at_impact(lanes.side, lanes.amplitude, k, u, b)
 
 
 def quarter_period(system: System, release: float) -> float:

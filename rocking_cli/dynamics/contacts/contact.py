@@ -80,9 +80,9 @@ def first_uplift(segments: Segments, k: Array, u: Array, right: Array, left: Arr
     right, left: amplitudes in units of each edge's uplift, 0 where an edge cannot be stood on. The force is 0 there unless
     the drive jumps. Where the weight varies each edge has an effective motion of its own, and the earlier uplift counts.
     """
-    if isinstance(segments, WeighedSegments):
-        one = first_uplift(segments.right, k, u, right, np.zeros_like(right))
-        other = first_uplift(segments.left, k, u, np.zeros_like(left), left)
+    if (weighed := segments.weighed) is not None:
+        one = first_uplift(weighed.right, k, u, right, np.zeros_like(right))
+        other = first_uplift(weighed.left, k, u, np.zeros_like(left), left)
         before = (one.k < other.k) | ((one.k == other.k) & (one.u <= other.u))
         return Uplift(*(np.where(before, a, b) for a, b in zip(one, other, strict=True)))
     k, u = k.copy(), u.copy()
@@ -144,8 +144,8 @@ def bouncing_ends(segments: Segments, lanes: Lanes, equation: Equation, there: B
     those here then by G^2 = (1 + d a_+)/(1 + d a_-), while those there, which are shorter by G^2, need no H; and the other
     way round where a falls. Lanes whose arcs could rise above their peak so far are left to go on.
     """
-    if isinstance(segments, WeighedSegments):
-        return bouncing_weighed(segments, lanes, equation, there)
+    if segments.weighed is not None:
+        return bouncing_weighed(segments.weighed, lanes, equation, there)
     drive, v = 1.0 + lanes.b, lanes.v
     keeps = there.eta * there.back
     gap = np.minimum(1.0 - drive, 1.0 + there.drive * drive)
@@ -239,8 +239,8 @@ def _drive_after(segments: Segments, lanes: Lanes, at: Array, k: Array, u: Array
 
 def settled_on_one_side(segments: Segments, lanes: Lanes, equation: Equation) -> Array:
     """Lemma 7 for a body that always returns to the same side: 2 v / (1 - eta) / (1 - a_+ - e), and any inward drive holds it."""
-    if isinstance(segments, WeighedSegments):
-        return bouncing_weighed(segments, lanes, equation, None)
+    if segments.weighed is not None:
+        return bouncing_weighed(segments.weighed, lanes, equation, None)
     drive, v, eta = 1.0 + lanes.b, lanes.v, lanes.eta
     gap = 1.0 - drive
     ends = np.zeros(v.shape, dtype=bool)

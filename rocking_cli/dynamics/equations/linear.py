@@ -56,8 +56,8 @@ class LinearEquation:
 
     def flow(self, segments: Segments, lanes: Lanes) -> LinearFlow | SummedFlow | DampedFlow | TaylorSeries:
         """The arc that each lane is about to follow: its state and the outward drive's coefficients; a series where the weight varies."""
-        if isinstance(segments, WeighedSegments):
-            return ramp_flow(self, segments, lanes) if segments.straight else self._series(segments, lanes)
+        if (weighed := segments.weighed) is not None:
+            return ramp_flow(self, segments, lanes) if segments.straight else self._series(weighed, lanes)
         _, sin, cos = segment_value(segments, lanes.k, lanes.u)
         outward = -lanes.side * lanes.amplitude
         ramp = outward * segments.slope[lanes.k] * lanes.omega if segments.sloped else None

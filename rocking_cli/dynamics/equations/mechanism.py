@@ -24,7 +24,6 @@ from ...motions.segments import Segments
 from ...structures.mechanics.kinematics import Mechanism
 from ..drive import summed
 from ..lanes import Lanes
-from ..weight import WeighedSegments
 from .collocation import collocated
 from .energy import falls_by_energy
 from .equation import Law, Ramp
@@ -83,7 +82,7 @@ class MechanismEquation:
         """The motion of every lane over a step, as terms of a series."""
         if segments.straight:
             return ramp_flow(self, segments, lanes)
-        if self._marked_closely and not isinstance(segments, WeighedSegments):
+        if self._marked_closely and segments.weighed is None:
             found, lost = collocated(self.table.marks, self.tolerance, segments, lanes)
             if lost.size:
                 terms = np.empty((len(found.terms), lost.size))

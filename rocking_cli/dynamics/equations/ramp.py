@@ -10,7 +10,6 @@ import numpy as np
 
 from ...motions.segments import Segments
 from ..lanes import Lanes
-from ..weight import WeighedSegments
 from .equation import Equation, Ramp
 from .taylor import LOCAL, TaylorSeries
 
@@ -67,9 +66,9 @@ def ramp_flow(equation: Equation, segments: Segments, lanes: Lanes) -> TaylorSer
     unit = np.clip((segments.length[lanes.k] - lanes.u) / lanes.omega, _LEAST, LONGEST)
     gain = slope * lanes.omega * unit
     weight = None
-    if isinstance(segments, WeighedSegments):
-        heavier = segments.sway(lanes.side, lanes.amplitude) * segments.vertical.slope[lanes.k] * lanes.omega * unit
-        weight = segments.weight(lanes.side, lanes.amplitude, lanes.k, lanes.u), heavier
+    if (weighed := segments.weighed) is not None:
+        heavier = weighed.sway(lanes.side, lanes.amplitude) * weighed.vertical.slope[lanes.k] * lanes.omega * unit
+        weight = weighed.weight(lanes.side, lanes.amplitude, lanes.k, lanes.u), heavier
     return line_series(equation, lanes.y, lanes.v, Ramp(drive, gain, unit, unit, lanes.b, weight))
 
 

@@ -147,8 +147,8 @@ def order_for(tolerance: float, terms: float = 0.98) -> int:
 def drive_series(segments: Segments, lanes: Lanes, order: int, gain: Array | float = 1.0) -> Drive:
     """Terms 1 ... order of the drive times `gain`, and those of the weight where it varies. The first, the drive now, follows from the
     force that a lane carries."""
-    if isinstance(segments, WeighedSegments):
-        return weighed_series(segments, lanes, order, gain)
+    if segments.weighed is not None:
+        return weighed_series(segments.weighed, lanes, order, gain)
     w = segments.frequency.take(lanes.k, axis=1) * lanes.omega
     fastest = 1.0 + w.max(axis=0, initial=0.0)
     unit, terms = 1.0 / fastest, np.empty((order + 1, lanes.u.size))

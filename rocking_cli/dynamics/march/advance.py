@@ -14,7 +14,6 @@ from ..drive import phase_between
 from ..equations.equation import Equation, Flow, Point
 from ..equations.taylor import TaylorSeries
 from ..lanes import Lanes
-from ..weight import WeighedSegments
 from .roots import hidden_turn, impact_root, turning_point
 from .turns import falls_through_zero, sense
 from .windows import TabledWindows, Windows, window_end
@@ -104,7 +103,7 @@ def advance(
     tabled: the cells' windows, where they are known."""
     arc = equation.flow(segments, lanes)
     step = next_step(segments, lanes, np.minimum(arc.longest, until), tabled)
-    if isinstance(segments, WeighedSegments) and isinstance(arc, TaylorSeries):
+    if segments.weighed is not None and isinstance(arc, TaylorSeries):
         end, bent = arc.bent(step.h)
     else:
         end, bent = arc.at(step.h), None
@@ -152,7 +151,7 @@ def _impact_guess(arc: Flow, step: Step, end: Point, reach: Array, at: Array) ->
 def crests(segments: Segments, lanes: Lanes, passage: Passage, wanted: Array) -> Crests:
     """The turning points of this step: one a lane at the most, and only in a valley (Lemmas 3 and 4); of bodies whose weight varies
     as many as the series has, in the order of lanes and times."""
-    if isinstance(segments, WeighedSegments):
+    if segments.weighed is not None:
         assert passage.bent is not None  # of a series
         step, v = passage.step, np.where(passage.hit, passage.impact_v, passage.end.v)
         known, at = sense(passage.arc, step.h, passage.end, passage.bent), wanted & (step.kind != RIDGE)

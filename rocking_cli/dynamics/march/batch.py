@@ -11,7 +11,6 @@ from ..contacts.contact import Fate
 from ..lanes import Lanes
 from ..outcome import FALLEN, Outcome
 from ..system import System
-from ..weight import WeighedSegments
 from .account import Watch, Work
 from .free_fall import FreeFall
 
@@ -53,13 +52,9 @@ class Batch:
 
     def _doomed(self, lanes: Lanes, at: Array | slice, k: Array, y: Array, v: Array) -> Array:
         """Whether the lanes `at`, were they at y, v in segments k, are beyond what any drive to come can bring back."""
-        seg, steady = self.segments, not isinstance(self.segments, WeighedSegments)
-        side, amplitude = lanes.side[at], lanes.amplitude[at]
-        if isinstance(seg, WeighedSegments):
-            inward = seg.hardest(side, amplitude, k)
-        else:
-            inward = amplitude * np.where(side > 0.0, seg.later_max[k], -seg.later_min[k])
-        return self.equation.on(side, lanes.cell[at]).certainly_overturns(y, v, inward, steady)
+        side = lanes.side[at]
+        inward = self.segments.hardest(side, lanes.amplitude[at], k)
+        return self.equation.on(side, lanes.cell[at]).certainly_overturns(y, v, inward, self.segments.weighed is None)
 
     def _drop(self, lanes: Lanes) -> Lanes:
         """Bodies from which the ground has fallen away are done: beyond `FALLEN` they have overturned before, others have lost contact."""

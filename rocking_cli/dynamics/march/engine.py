@@ -23,7 +23,6 @@ from ..drive import place
 from ..lanes import Lanes
 from ..outcome import Outcome
 from ..system import System
-from ..weight import WeighedSegments
 from .account import Rests, Round, Watch, Work
 from .advance import Crests, Passage, advance, crests, low_bounces
 from .batch import Batch, Landing
@@ -80,7 +79,7 @@ class Run(Batch):
 
     def _only_peaks(self) -> bool:
         """Whether nothing is asked of bodies that nothing lifts again but their peak, and there are proofs that it is so."""
-        proved = self.contact.alike and not isinstance(self.segments, WeighedSegments)
+        proved = self.contact.alike and self.segments.weighed is None
         asked = self.watch is not None or self.demands is not None or (self.footing is not None and self.footing.any)
         return proved and not asked and type(self).round is Run.round
 
@@ -162,10 +161,7 @@ class Run(Batch):
         wanted[last[np.isnan(fate.peak)]] = False
         found = self._crests(lanes, passage, wanted)
         if self.peaks:
-            if isinstance(seg, WeighedSegments):
-                np.maximum.at(lanes.peak, found.lanes, found.y)  # there may be several to a lane
-            else:
-                lanes.peak[found.lanes] = np.maximum(lanes.peak[found.lanes], found.y)
+            np.maximum.at(lanes.peak, found.lanes, found.y)  # there may be several to a lane
             limit = np.broadcast_to(equation.limit, hit.shape)[found.lanes]
             past = found.lanes[found.y >= limit]  # beyond it and back within one step
             over[past] = ~bad[past]
@@ -202,8 +198,7 @@ class Run(Batch):
         if not self.peaks:
             return Crests(np.zeros(0, dtype=np.int64), np.zeros(0), np.zeros(0))
         gain = self.equation.on(lanes.side, lanes.cell).gain
-        if isinstance(self.segments, WeighedSegments):
-            gain = gain * np.maximum(1.0, self.segments.greatest_weight(lanes.side, lanes.amplitude))
+        gain = gain * np.maximum(1.0, self.segments.greatest_weight(lanes.side, lanes.amplitude))
         return crests(self.segments, lanes, passage, wanted & ~low_bounces(lanes, passage, gain))
 
     def _certainly_overturns(self, lanes: Lanes, k: Array, passage: Passage) -> Array:
@@ -230,8 +225,7 @@ class Run(Batch):
         lanes.k, lanes.u = place(seg, lanes.k, lanes.u + lanes.omega * h)
         lanes.y = np.zeros(h.size)
         self.contact.strike(self.cells, lanes, v, b)
-        if isinstance(seg, WeighedSegments):
-            lanes.b = seg.net(lanes.side, lanes.amplitude, lanes.k, lanes.u) - 1.0
+        lanes.b = seg.force_at_impact(lanes.side, lanes.amplitude, lanes.k, lanes.u, lanes.b)
         lanes.impacts += lanes.k < self.shaken if self.equation.damping else 1
         self._renew_drive(lanes)
 
@@ -251,7 +245,7 @@ class Run(Batch):
                 self._finish(lanes, np.flatnonzero(settled), Outcome.ROCKED, lanes.peak[settled])
                 self.work += Work(chatters_closed=int(settled.sum()))
                 lanes = lanes.take(np.flatnonzero(~settled))
-        if self.contact.alike and not isinstance(seg, WeighedSegments):
+        if self.contact.alike and seg.weighed is None:
             long = outlasts(seg, lanes, self.equation, self.most_steps)
             self._finish(lanes, np.flatnonzero(long), Outcome.FAILED, np.nan)
             lanes = lanes.take(np.flatnonzero(~long)) if long.any() else lanes
@@ -292,5 +286,5 @@ class Run(Batch):
         """The force on the lanes `at`, which are where a segment begins."""
         seg, side, amplitude, k = self.segments, lanes.side[at], lanes.amplitude[at], lanes.k[at]
         drive = -side * amplitude * seg.s_start[k]
-        weight = seg.weight(side, amplitude, k, lanes.u[at]) if isinstance(seg, WeighedSegments) else 1.0
+        weight = seg.weight(side, amplitude, k, lanes.u[at])
         lanes.b[at] = self.equation.on(side, lanes.cell[at]).force(lanes.y[at], drive, weight)

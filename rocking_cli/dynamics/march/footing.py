@@ -22,7 +22,6 @@ from ..body import Body, Edge
 from ..contacts.contact import Contact
 from ..equations.equation import Flow
 from ..lanes import Cells, Lanes
-from ..weight import WeighedSegments
 from .bends import Ends, Shakes, edge_of, fastest, sags
 from .ground import Ground
 
@@ -48,10 +47,10 @@ class Footing:
     def __init__(self, body: Body, segments: Segments, cells: Cells, ahead: float) -> None:
         self.body, self.segments, self.ground = body, segments, Ground(body, segments)
         self.across, self.up, share = _sizes(segments), _Motion(0.0, 0.0, 0.0), (0.0, 0.0)
-        if isinstance(segments, WeighedSegments):  # whose horizontal extremes lie between the ends
-            most, least = segments.inward
+        if (weighed := segments.weighed) is not None:  # whose horizontal extremes lie between the ends
+            most, least = weighed.inward
             largest = max(self.across.size, float(most[0]), -float(least[0]))
-            self.across, self.up, share = self.across._replace(size=largest), _sizes(segments.vertical), segments.share
+            self.across, self.up, share = self.across._replace(size=largest), _sizes(weighed.vertical), weighed.share
         edges = body.edges
         self.sway = tuple(abs(share[i]) * self.up.size / (e.uplift * self.across.size or 1.0) for i, e in enumerate(edges))
         safe = np.array(body.safe_push(self.sway))[:, None]
@@ -115,9 +114,10 @@ class Footing:
         size = self.body.on(side).uplift * amplitude
         rate = size * omega
         push = size * self.across.size, rate * self.across.slope, rate * (omega * self.across.bend)
-        if not isinstance(self.segments, WeighedSegments):
+        weighed = self.segments.weighed
+        if weighed is None:
             return Shakes(*push, *(np.zeros(1),) * 3)
-        size = np.abs(self.segments.sway(side, amplitude))
+        size = np.abs(weighed.sway(side, amplitude))
         rate = size * omega
         return Shakes(*push, size * self.up.size, rate * self.up.slope, rate * (omega * self.up.bend))
 

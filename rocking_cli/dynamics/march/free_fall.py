@@ -7,7 +7,6 @@ import numpy as np
 from ...motions.segments import Segments
 from ..contacts.contact import Uplift, first_uplift
 from ..lanes import Cells, Lanes
-from ..weight import WeighedSegments
 
 Array = np.ndarray
 
@@ -23,11 +22,12 @@ class FreeFall:
     @classmethod
     def of(cls, segments: Segments, cells: Cells, shaken: int) -> FreeFall | None:
         """That of cells under a motion which ends with segment `shaken`; None where the ground falls away from none of them."""
-        if not isinstance(segments, WeighedSegments):
+        weighed = segments.weighed
+        if weighed is None:
             return None
-        sway = segments.sway(np.ones(cells.omega.shape[1]), cells.amplitude[0])
+        sway = weighed.sway(np.ones(cells.omega.shape[1]), cells.amplitude[0])
         down, up = np.maximum(sway, 0.0), np.maximum(-sway, 0.0)
-        first = first_uplift(segments.vertical, np.zeros(sway.size, dtype=np.int64), np.zeros(sway.size), down, up)
+        first = first_uplift(weighed.vertical, np.zeros(sway.size, dtype=np.int64), np.zeros(sway.size), down, up)
         ever = first.k < shaken
         return cls(segments, first, ever) if ever.any() else None
 

@@ -11,7 +11,6 @@ from ..body import Body
 from ..contacts.contact import Contact
 from ..drive import segment_value, summed
 from ..lanes import Lanes
-from ..weight import WeighedSegments
 
 Array = np.ndarray
 
@@ -38,10 +37,11 @@ class Ground:
         phase = lanes.u + lanes.omega * h
         outward = -lanes.side * lanes.amplitude * self.body.on(lanes.side).uplift
         push, push_slope = value_and_slope(self.segments, lanes.k, phase)
-        if not isinstance(self.segments, WeighedSegments):
+        weighed = self.segments.weighed
+        if weighed is None:
             return Shaking(outward * push, outward * lanes.omega * push_slope, 1.0, 0.0)
-        sway = self.segments.sway(lanes.side, lanes.amplitude)
-        rise, rise_slope = value_and_slope(self.segments.vertical, lanes.k, phase)
+        sway = weighed.sway(lanes.side, lanes.amplitude)
+        rise, rise_slope = value_and_slope(weighed.vertical, lanes.k, phase)
         return Shaking(outward * push, outward * lanes.omega * push_slope, 1.0 + sway * rise, sway * lanes.omega * rise_slope)
 
     def push(self, lanes: Lanes, h: Array) -> Array:
@@ -51,11 +51,11 @@ class Ground:
 
     def weight(self, lanes: Lanes, h: Array | float) -> Array | float:
         """The weight over m g after h."""
-        seg = self.segments
-        if not isinstance(seg, WeighedSegments):
+        weighed = self.segments.weighed
+        if weighed is None:
             return 1.0
-        change = segment_value(seg.vertical, lanes.k, lanes.u + lanes.omega * h)[0]
-        return 1.0 + seg.sway(lanes.side, lanes.amplitude) * (seg.vertical.s_start[lanes.k] + change)
+        change = segment_value(weighed.vertical, lanes.k, lanes.u + lanes.omega * h)[0]
+        return 1.0 + weighed.sway(lanes.side, lanes.amplitude) * (weighed.vertical.s_start[lanes.k] + change)
 
     def bouncing_lasts(self, lanes: Lanes, contact: Contact) -> Array:
         """How long [tau] lanes just after an impact bounce until they rest, as long as under the drive half way, at most to the end of

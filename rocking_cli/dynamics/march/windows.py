@@ -20,7 +20,6 @@ import numpy as np
 
 from ...motions.segments import Segments
 from ..drive import crossing
-from ..weight import WeighedSegments
 
 Array = np.ndarray
 
@@ -97,9 +96,9 @@ def window_end(segments: Segments, k: Array, u: Array, side: Array, amplitude: A
 
     Where the weight varies the windows are those of the net drive, on the side that the body is on.
     """
-    if isinstance(segments, WeighedSegments):
-        offset = segments.offset(side)
-        there = _beyond_cuts(segments.edges, window_end(segments.edges, k + offset, u, side, amplitude), side, amplitude)
+    if (weighed := segments.weighed) is not None:
+        offset = weighed.offset(side)
+        there = _beyond_cuts(weighed.edges, window_end(weighed.edges, k + offset, u, side, amplitude), side, amplitude)
         return there._replace(k=there.k - offset)
     inverse = 1.0 / amplitude
 

@@ -23,7 +23,6 @@ from ..march.closing import still_bounds
 from ..march.free_fall import FreeFall
 from ..march.ground import Ground, Shaking
 from ..outcome import Outcome
-from ..weight import WeighedSegments
 from .extremes import Extremes
 from .forces import Forces, Stretches, forces_on, forces_on_still_ground, note_extremes
 from .resting import Resting
@@ -146,7 +145,7 @@ class GroundForces:
         def along(own: Array, h: Array) -> Forces:
             some = s.take(own)
             ramp = Ramp(some.drive, some.gain, some.unit, some.unit)
-            if isinstance(self.segments, WeighedSegments):
+            if self.segments.weighed is not None:
                 ramp = ramp._replace(weight=(some.weight, some.heavier))
             point = line_series(self.equation.on(some.side, some.cell), some.y, some.v, ramp).at(h)
             edge = self.body.on(some.side)
@@ -267,8 +266,7 @@ class GroundForces:
             going = (lanes.k < len(self.segments)) & np.isfinite(v)
             landed, air = lanes.take(np.flatnonzero(going & hit)), lanes.take(np.flatnonzero(going & ~hit))
             self.contact.strike(self.cells, landed, landed.v, landed.b)
-            if isinstance(self.segments, WeighedSegments):
-                landed.b = self.segments.net(landed.side, landed.amplitude, landed.k, landed.u) - 1.0
+            landed.b = self.segments.force_at_impact(landed.side, landed.amplitude, landed.k, landed.u, landed.b)
             lanes = self._after_impact(landed).join(air)
 
     def _after_impact(self, lanes: Lanes) -> Lanes:

@@ -27,7 +27,8 @@ class Resting:
     def note(self, friction: Extremes, lift: Extremes, cell: Array, k: Array, u: Array, to_k: Array, to_u: Array) -> None:
         """Take rests into the largest |Fx|/Fz and -Fz of their cells; of a one-sided body Fx counts as far as it leans on no backing."""
         to_k, to_u = self._within(to_k, to_u)
-        if not isinstance(self.segments, WeighedSegments):
+        weighed = self.segments.weighed
+        if weighed is None:
             friction.offer(cell, self._steady(cell, k, u, to_k, to_u))
             return
         count = np.maximum(to_k - k + (to_u > 0.0), 0) * ((k < to_k) | (u < to_u))
@@ -38,15 +39,16 @@ class Resting:
             at = k[rest] + part - (ends - count)[rest]
             begin, stop = np.where(at == k[rest], u[rest], 0.0), np.where(at == to_k[rest], to_u[rest], self.segments.length[at])
             with np.errstate(all="ignore"):  # where the ground falls away there is no weight to divide by
-                self._weighed(self.segments, friction, lift, cell[rest], at, begin, stop)
+                self._weighed(weighed, friction, lift, cell[rest], at, begin, stop)
 
     def bounds(self, cell: Array, k: Array, u: Array, to_k: Array, to_u: Array) -> tuple[Array, Array]:
         """Upper bounds of the |Fx|/Fz and the -Fz of rests, (rests,)."""
         to_k, to_u = self._within(to_k, to_u)
-        if not isinstance(self.segments, WeighedSegments):
+        weighed = self.segments.weighed
+        if weighed is None:
             return self._steady(cell, k, u, to_k, to_u), np.full(cell.size, -1.0)
-        largest, least = _range(self.segments.vertical, k, u, to_k, to_u)
-        sway = self._sway(self.segments, cell)
+        largest, least = _range(weighed.vertical, k, u, to_k, to_u)
+        sway = self._sway(weighed, cell)
         steepest = max(edge.uplift for edge in self.body.edges)
         return np.full(cell.size, steepest), -1.0 - np.minimum(sway * largest, sway * least)
 

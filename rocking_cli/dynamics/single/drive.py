@@ -8,7 +8,6 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ...motions.segments import Segments
-from ..weight import WeighedSegments
 
 _BLOCK = 1 << 15  # segments whose lists are held at once
 
@@ -67,7 +66,7 @@ class Reel:
 
     def __init__(self, segments: Segments) -> None:
         self.segments, self.straight, self.count = segments, segments.straight, len(segments)
-        self.vertical = segments.vertical if isinstance(segments, WeighedSegments) else None
+        self.vertical = None if segments.weighed is None else segments.weighed.vertical
         self.block = Block(0, [], [], [], [], [])
         self._waves: dict[int, tuple[Wave, ...]] = {}
 

@@ -26,7 +26,6 @@ from ..march.batch import SETTLING
 from ..march.free_fall import FreeFall
 from ..outcome import FALLEN, Outcome
 from ..system import System
-from ..weight import WeighedSegments
 from .drive import Reel
 from .recurrence import Code, compiled
 
@@ -98,13 +97,13 @@ class Lane:
             cells = system.contact.cells(system.equation, np.ones(1), self.omega, self.eta)
             segments = segments.followed_by_rest(SETTLING * (1.0 + 3.0 * system.equation.damping) * float(cells.omega.max()))
         self.system, self.segments, self.reel = system, segments, Reel(segments)
-        self.weighed = isinstance(segments, WeighedSegments)
+        self.weighed = segments.weighed is not None
         self.zeta = float(system.equation.damping)
         self.most_up = 0.0
         self.largest = max(float(segments.later_max[0]), -float(segments.later_min[0]))
-        if isinstance(segments, WeighedSegments):
-            self.largest = max(self.largest, float(segments.inward[0][0]), -float(segments.inward[1][0]))
-            self.most_up = max(float(segments.vertical.later_max[0]), -float(segments.vertical.later_min[0]))
+        if (weighed := segments.weighed) is not None:
+            self.largest = max(self.largest, float(weighed.inward[0][0]), -float(weighed.inward[1][0]))
+            self.most_up = max(float(weighed.vertical.later_max[0]), -float(weighed.vertical.later_min[0]))
         self._codes: dict[tuple[float, int], Code] = {}
         self._unit: dict[float, Face] = {}
         self.laws = {side: system.equation.law(side) for side in (1.0, -1.0)}
@@ -132,7 +131,7 @@ class Lane:
         row = cells.row(at)
         amplitude, omega, eta = (float(np.ravel(values[row, 0])[0]) for values in cells)
         lift, push, limit, top = (float(np.ravel(x)[0]) for x in (*equation.bounds, equation.limit, equation.displacement(np.ones(1))))
-        sway = float(np.ravel(seg.sway(at, np.array([amplitude])))[0]) if isinstance(seg, WeighedSegments) else 0.0
+        sway = 0.0 if seg.weighed is None else float(np.ravel(seg.weighed.sway(at, np.array([amplitude])))[0])
         to, keeps = self._strike(cells, side)
         _, back = self._strike(cells, to)
         lanes = self._lanes(cells, side)
@@ -449,10 +448,7 @@ class _Body:
         seg, face = self.segments, self.face
         side, k = np.array([face.side]), np.array([min(self.k, len(seg) - 1)])
         amplitude = np.array([abs(face.drive)])
-        if isinstance(seg, WeighedSegments):
-            inward = seg.hardest(side, amplitude, k)
-        else:
-            inward = amplitude * (seg.later_max[k] if face.side > 0.0 else -seg.later_min[k])
+        inward = seg.hardest(side, amplitude, k)
         y, v = np.array([self.y]), np.array([self.v])
         if bool(self.equation.on(side).certainly_overturns(y, v, inward, not self.lane.weighed)[0]):
             self._finish(self._overturned())
