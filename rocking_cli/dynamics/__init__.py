@@ -73,7 +73,7 @@ Lemma 12 holds with w_+ L in the place of L, w_+ the largest weight of a stretch
 
 Lemma 13 (pressing). Every arc that does not overturn the body begins or ends at rest, at a crest, so that the work of the strongest inward
     push and the weight over the path between bounds the speed, and the speed Fz from below (`body`). Where that leaves Fz > 0 open,
-    Fz >= min(its ends) - (h^2/8) max |Fz''| on stretches of the march that are halved until it is settled (`march.footing`).
+    Fz >= min(its ends) - (h^2/8) max |Fz''| on stretches of the march that are halved until it is settled (`observers.contact_loss`).
 Lemma 14 (one action). Undamped, equal sides, a record that lifts the body no more: between impacts d/dtau [y'^2/2 + L - a M] = -a' M, L
     and M the integrals of l and m. Low and quick bounces under a slow drive keep W^(3/2)/(1 - a^2), W their energy at the ground, but for
     what the bends and slopes of the drive do within a bounce, which is summed (see `contacts.adiabatic`).

@@ -9,7 +9,7 @@ energy over what is left to a crest, or what has been passed since one, bounds t
 
     u'^2 <= 2 int_u^u_m (w_+ sin z + P cos z) du        (linear: w_+ z + P; with damping u' <= 2 zeta u_m + sqrt((2 zeta u_m)^2 + that))
 
-and Fz with it from below: a few bodies in many, in strong shaking, are left to be looked at (`march.footing`).
+and Fz with it from below: a few bodies in many, in strong shaking, are left to be looked at (`observers.contact_loss`).
 """
 
 from __future__ import annotations

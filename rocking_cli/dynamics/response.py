@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -66,7 +67,7 @@ def _answer(
     amplitude, omega, eta = scene
     cells = amplitude.ravel(), omega.ravel(), eta.ravel()
     prove = bool(amplitude.max(initial=0.0) > system.safe_amplitude(motion))  # peaks may, that a body presses on the ground
-    run = _engine(system, motion, cells, peaks or prove, pool)
+    run = run_of(system, motion, cells, peaks or prove, pool)
     run.all()
     look_at_forces(run, system, motion, cells, pressed)
     return _response_of(run, amplitude.shape, peaks)
@@ -77,32 +78,33 @@ def _response_of(run: Run, shape: tuple[int, ...], peaks: bool = True) -> Respon
     return Response(theta_ratio.reshape(shape), run.outcome.reshape(shape), run.impacts.reshape(shape), run.work)
 
 
-def _engine(
-    system: System, motion: Motion, cells: tuple[Array, Array, Array], peaks: bool, pool: int | None = None, body: Body | None = None
-) -> Run:
-    """The run that answers for cells; body: of what its demands on the ground are wanted too."""
-    lines = motion.coarsest
-    segments = system.segments(motion) if lines.samples is None or motion.vertical is not None else lines.segments
-    if lines.samples is None:
-        return Run(system, segments, *cells, peaks, pool or system.equation.pool, body=body)
+def run_of(
+    system: System, motion: Motion, cells: tuple[Array, Array, Array], peaks: bool, pool: int | None = None, *,
+    body: Body | None = None, speed: bool = False,
+) -> Run:  # fmt: skip
+    """The run that answers for cells; body: whose ground forces are wanted too; speed: whether the largest speeds are."""
+    lines, run = motion.coarsest, partial(Run, system, body=body, speed=speed)
+    if lines.samples is None or (speed and motion.vertical is not None):
+        return run(system.segments(motion), *cells, peaks, pool or system.equation.pool)
     if motion.vertical is not None:
+        from .flight.walk import LANES
         from .flight.weighed_walk import WeighedWalk
 
-        return WeighedWalk(system, segments, lines.samples, *cells, peaks, pool, body)
+        return run(system.segments(motion), *cells, peaks, pool or LANES, stepper=partial(WeighedWalk, samples=lines.samples))
     if body is None and flies(system, motion):
-        from .flight.run import Flight
+        from .flight.run import LANES, Flight
 
-        return Flight(system, segments, lines.samples, *cells, peaks, pool)
-    from .flight.walk import Walk
+        return run(lines.segments, *cells, peaks, pool or LANES, stepper=partial(Flight, samples=lines.samples))
+    from .flight.walk import LANES, Walk
 
-    return Walk(system, segments, lines.samples, *cells, peaks, pool, body)
+    return run(lines.segments, *cells, peaks, pool or LANES, stepper=partial(Walk, samples=lines.samples))
 
 
 def look_at_forces(run: Run, system: System, motion: Motion, cells: tuple[Array, Array, Array], pressed: Array | None = None) -> None:
     """Mark the cells of a run that lost the ground, where it did not look at them itself; pressed: whether each is known to press on it."""
     doubtful = run.outcome == Outcome.ROCKED
-    if run.footing is not None:
-        doubtful &= ~run.footing.watched
+    if run.contact_loss is not None:
+        doubtful &= ~run.contact_loss.watched
     if pressed is not None:
         doubtful &= ~pressed
     gone = that_left_the_ground(system, motion, cells, doubtful, run.theta_ratio if run.peaks else None)
@@ -126,14 +128,14 @@ def that_left_the_ground(
         return np.concatenate(found)
     if system.body is None or not np.any(doubtful & (cells[0] > system.safe_amplitude(motion))):
         return np.zeros(0, dtype=np.int64)
-    from .march.footing import Footing
+    from .observers.contact_loss import ContactLoss
 
     segments = system.segments(motion)
     held = system.contact.cells(system.equation, *cells)
-    footing = Footing(system.body, segments, held, np.inf)
-    at = np.flatnonzero(footing.open & doubtful)
+    loss = ContactLoss(system.body, segments, system.contact, held, np.inf)
+    at = np.flatnonzero(loss.open & doubtful)
     if theta_ratio is not None:
-        at = at[~footing.pressed(at, held, theta_ratio[at])]
+        at = at[~loss.pressed(at, held, theta_ratio[at])]
     amplitude, omega, eta = (x[at] for x in cells)
     again = Run(system, segments, amplitude, omega, eta, False, system.equation.pool, ahead=1.0)
     again.all()
@@ -156,10 +158,10 @@ def response_with_demands(
     amplitude, omega, eta = np.broadcast_arrays(*(np.asarray(x, dtype=float) for x in (amplitude, omega, eta)))
     cells = amplitude.ravel(), omega.ravel(), eta.ravel()
     flown = flies(system, motion)
-    run = _engine(system, motion, cells, not flown, body=system.body)
+    run = run_of(system, motion, cells, not flown, body=system.body)
     run.all()
-    assert run.demands is not None  # a body was given
-    friction, fz_min = run.demands.result(run.outcome)
+    assert run.forces is not None  # a body was given
+    friction, fz_min = run.forces.result(run.outcome)
     upright = safe(run.outcome) | (run.outcome == Outcome.LOST_CONTACT)
     pressed = upright & (fz_min > _PRESSED)
     if found is None and (flown or keeps_bouncing(run.equation, run.cells, run.segments)):

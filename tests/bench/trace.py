@@ -42,7 +42,7 @@ STAGES: dict[str, list[tuple[Any, str]]] = {
     "roots": [(advance, "impact_root"), (advance, "hidden_turn")],
     "crests": [(advance, "turning_point"), (engine, "crests"), (engine, "low_bounces")],
     "contact": [(Symmetric, name) for name in ("uplift", "strike", "turn", "bouncing_ends", "fate")],
-    "lanes": [(Lanes, "take"), (Lanes, "join"), (engine.Run, "_finish")],
+    "lanes": [(Lanes, "take"), (Lanes, "join"), (engine.Run, "finish")],
     "rounds": [(engine.Run, "round")],
     "boundaries": [(boundaries.Search, "rows")],
     "check": [(verification, "checked_cells"), (units, "reference")],

@@ -103,7 +103,7 @@ def test_help_shows_an_example_that_runs(rocking, command):
 
 RECORD = "configs/motions/synthetic.at2"
 BODY = "rocking_cli.dynamics.equations.rigid_body"
-FOOTING = "rocking_cli.dynamics.march.footing"
+LOSS = "rocking_cli.dynamics.observers.contact_loss"
 FORCES = [f"rocking_cli.dynamics.observers.{name}" for name in ("ground_forces", "forces", "resting")]
 
 
@@ -115,7 +115,16 @@ FORCES = [f"rocking_cli.dynamics.observers.{name}" for name in ("ground_forces",
         (["envelope", "--eta", "0.9", "--grid", "Omega=5", "--a-max", "2"], ["scipy", "h5py", "multiprocessing"]),
         (
             ["spectrum", "--eta", "0.9", "--grid", "A=1:2:2,Omega=1:2:2", "-q", "-o", "OUT"],
-            ["scipy", "yaml", "numpy.random", "numpy.ma", "rocking_cli.motions.records", "rocking_cli.spectra.file.reader", BODY, FOOTING],
+            [
+                "scipy",
+                "yaml",
+                "numpy.random",
+                "numpy.ma",
+                "rocking_cli.motions.records",
+                "rocking_cli.spectra.file.reader",
+                BODY,
+                LOSS,
+            ],
         ),
         (
             ["spectrum", "block:0.5x2", "--model", "nonlinear", "--grid", "a_g=0.1g:1g:3,f_g=1:5:3", "-o", "OUT"],

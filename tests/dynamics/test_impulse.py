@@ -64,7 +64,7 @@ def test_lemma_9_nothing_to_come_overturns_what_is_below_the_bound(motion):
     assert np.all(ImpulseAhead.of(motion.segments).cannot_overturn(lanes))
     with np.errstate(all="ignore"):
         while lanes.cell.size:
-            lanes = run.round(lanes).going
+            lanes = run.round(lanes)
     assert set(run.outcome.tolist()) == {Outcome.ROCKED}
 
 
@@ -74,7 +74,7 @@ def test_just_above_the_bound_short_pulses_overturn():
     quick = lanes.omega > 50.0
     with np.errstate(all="ignore"):
         while lanes.cell.size:
-            lanes = run.round(lanes).going
+            lanes = run.round(lanes)
     assert np.count_nonzero(run.outcome[quick] == Outcome.OVERTURNED_AFTER_IMPACT) > 30
 
 

@@ -10,15 +10,13 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
-from ...motions.segments import Samples, Segments
+from ...motions.segments import Samples
 from ..drive import place
-from ..equations.equation import Point
 from ..lanes import Lanes
-from ..march.account import Rests, Work
-from ..march.batch import Landing
-from ..march.engine import STILL, Run
+from ..march.account import Work
+from ..march.engine import STILL, Run, WindowStepper
+from ..observers.observer import Arcs
 from ..outcome import Outcome
-from ..system import System
 from .bounded import LONGEST, LONGEST_JUMP, BoundedResponse, shares
 from .crest import Rise, crest
 from .interval import raise_peaks, through_interval
@@ -28,7 +26,7 @@ from .windows import windows
 
 Array = np.ndarray
 
-_POOL = 65536  # lanes: fewer rounds outweigh what no longer fits any cache
+LANES = 65536  # lanes: fewer rounds outweigh what no longer fits any cache
 _TABLES = 1 << 25  # bytes of tables at a time
 _LEAST = 1e-8  # over 1 + A: a displacement below it, which a jump knows to 1e-15 only, is left to single intervals
 _STRAGGLERS = 8  # one in so many lanes may still be jumping when the others take their intervals; as many at rest are lifted together
@@ -44,23 +42,22 @@ class Flights(Lanes):
     slot: Array
 
 
-class Flight(Run):
-    """One batch of cells of the undamped linear oscillator under a record. Parameters as in `Run`."""
+class Flight:
+    """How a run of the undamped linear oscillator goes through a record, by jumps over samples."""
 
-    def __init__(
-        self, system: System, segments: Segments, samples: Samples, amplitude: Array, omega: Array, eta: Array, peaks: bool,
-        pool: int | None,
-    ) -> None:  # fmt: skip
-        super().__init__(system, segments, amplitude, omega, eta, peaks, pool or _POOL)
+    shows_arcs = False
+
+    def __init__(self, run: Run, samples: Samples) -> None:
+        self.run, self.equation, self.contact, self.cells, self.segments = run, run.equation, run.contact, run.cells, run.segments
         self.samples, self.step, self.last = samples.values, samples.step, samples.values.size - 1
         self.changing = [f.name for f in fields(Flights) if f.name not in (_FIXED if self.contact.alike else _FIXED[:2])]
         self.rows = np.zeros(self.cells.omega.shape, dtype=np.int64)
 
-    def _march(self, waiting: Array) -> None:
-        """Fly these cells, those of few frequencies together, so that their tables stay small; march where samples are far apart."""
+    def march(self, waiting: Array) -> None:
+        """Those of few frequencies together, so that their tables stay small; from window to window where samples are far apart."""
         pace = self.step / self.cells.omega[:, waiting]
         far = (pace > LONGEST).any(axis=0)
-        super()._march(waiting[far])
+        WindowStepper(self.run).march(waiting[far])
         waiting, pace = waiting[~far], pace[:, ~far]
         if not waiting.size:
             return
@@ -78,7 +75,7 @@ class Flight(Run):
     def _fly(self, waiting: Array) -> None:
         """Keep a pool of lanes in the air until these cells are done."""
         with np.errstate(all="ignore"):
-            taken = min(self.pool, waiting.size)
+            taken = min(self.run.pool, waiting.size)
             self.free, self.waits = np.zeros(taken, dtype=bool), np.zeros(taken, dtype=bool)
             self.top = np.zeros(taken)  # crests in jumps since the last interval that was taken alone
             self.flown = self._begin(waiting[:taken], np.arange(taken))
@@ -111,7 +108,7 @@ class Flight(Run):
 
     def _begin(self, cells: Array, slot: Array) -> Flights:
         """These cells at their first uplift."""
-        lanes = self.start(cells)
+        lanes = self.run.start(cells)
         lanes.k, lanes.u = place(self.segments, lanes.k, lanes.u)
         self.top[slot] = 0.0
         return Flights(**{f.name: getattr(lanes, f.name) for f in fields(Lanes)}, slot=slot)
@@ -209,8 +206,8 @@ class Flight(Run):
             k, drive = lanes.k[lost], lanes.drive[lost]
             inward = np.where(drive < 0.0, -drive * self.segments.later_max[k], -drive * self.segments.later_min[k])
             lost = lost[self.equation.certainly_overturns(lanes.y[lost], lanes.v[lost], inward)]
-            self._overturn(self._as_they_are(lanes, lost), np.arange(lost.size))
-            self.work += Work(certain_overturning=lost.size)
+            self.run.overturn(self._as_they_are(lanes, lost), np.arange(lost.size))
+            self.run.work += Work(certain_overturning=lost.size)
         return lost
 
     def _as_they_are(self, lanes: Jumpers, at: Array) -> Flights:
@@ -222,7 +219,7 @@ class Flight(Run):
 
     def _doubtful(self, lanes: Jumpers, leap: Leap, flying: Array) -> Array:
         """Flying lanes whose leap may hold a crest above the peak that is not found, by Lemma 11: they leap half as far."""
-        if not self.peaks:
+        if not self.run.peaks:
             return np.zeros(0, dtype=np.int64)
         highest = np.maximum(lanes.y, leap.y) + 0.125 * leap.fall * leap.time * leap.time
         high = np.flatnonzero((highest > leap.peak) & flying)
@@ -236,15 +233,16 @@ class Flight(Run):
         single = doubt & (highest[high] + pull < 0.0) & (v > 0.0) & (end_v < 0.0) & (lanes.u[high] == 0.0)
         at = high[single]
         self.crests.append(Rise(lanes.take(at), leap.to[at], leap.v[at]))
-        return high[doubt & ~single]
+        held = high[doubt & ~single]
+        cell, side = self.flown.cell[lanes.slot], self.flown.side[lanes.slot]
+        for observer in self.run.observers:
+            held = np.union1d(held, observer.jumps(cell, side, lanes, leap, flying, lambda at: self._strongest(lanes, at)))
+        return held
 
     def _strongest(self, lanes: Jumpers, at: Array) -> Array:
         """Upper bound of the outward drive over the windows of these lanes."""
         drive = lanes.drive[at]
         return -np.abs(drive) * self.windows.at((drive < 0.0) * self.windows.face, lanes.level[at], lanes.k[at])
-
-    def _noted(self, lanes: Flights, arc: RampFlow, reach: Array, hit: Array, end: Point) -> None:
-        """What a listener wants to know of intervals taken alone: `end` is the state after `reach`, with velocity and force."""
 
     def _alone(self) -> Jumpers:
         """The lanes that wait through their present interval; those that are ready to jump again."""
@@ -266,8 +264,8 @@ class Flight(Run):
     def _end(self, lanes: Flights) -> None:
         """The fate of lanes that are at the end of the shaking."""
         failed = ~np.isfinite(lanes.y)
-        self._finish(lanes, np.flatnonzero(failed), Outcome.FAILED, np.nan)
-        self._shaken(lanes, np.flatnonzero(~failed))
+        self.run.finish(lanes, np.flatnonzero(failed), Outcome.FAILED, np.nan)
+        self.run.end_shaking(lanes, np.flatnonzero(~failed))
 
     def _onto(self, lanes: Flights) -> Jumpers:
         """These lanes in their slots of the pool, and ready to jump."""
@@ -275,15 +273,13 @@ class Flight(Run):
         self.free[lanes.slot] = False
         return self._launch(lanes)
 
-    def _rest(self, lanes: Landing) -> tuple[Landing, Rests | None]:
+    def _hold_at_rest(self, lanes: Flights) -> Flights:
         """Bodies whose bouncing is over wait until there are many of them: to look for their uplift costs calls, not lanes."""
-        if not isinstance(lanes, Flights):  # those that march
-            return super()._rest(lanes)
         resting = self.contact.bouncing_ends(self.segments, lanes, self.equation) | (lanes.v < STILL)
         if not resting.any():
-            return lanes, None
+            return lanes
         self.resting.append(lanes.take(np.flatnonzero(resting)))
-        return lanes.take(np.flatnonzero(~resting)), None
+        return lanes.take(np.flatnonzero(~resting))
 
     def _lift(self) -> Jumpers:
         """Bodies at rest, where they lift off again; those that nothing lifts are done."""
@@ -292,7 +288,7 @@ class Flight(Run):
             lanes = lanes.join(others)
         self.resting, slot = [], lanes.slot
         self.free[slot] = True
-        return self._onto(super()._rest(lanes)[0])
+        return self._onto(self.run.rest(lanes))
 
     def _single(self, lanes: Flights) -> Flights:
         """Each lane through its present interval, up to where the drive passes 1, or to an impact; the lanes that go on."""
@@ -300,14 +296,15 @@ class Flight(Run):
         k, drive = lanes.k, -lanes.side * lanes.amplitude
         passage = through_interval(lanes, drive, self.samples.take(k), self._gain(k), self.step)
         reach, hit, end = passage.reach, passage.hit, passage.end
-        if self.peaks:
+        if self.run.peaks:
             raise_peaks(lanes.peak, passage)
-        self._noted(lanes, passage.arc, reach, hit, end)
-        lost = (lanes.steps > self.most_steps) | ~np.isfinite(reach)
-        self._finish(lanes, np.flatnonzero(lost), Outcome.FAILED, np.nan)
+        for observer in self.run.observers:
+            observer.arcs(Arcs(lanes, passage.arc, reach, end.y, end.v, end.b, np.arange(hit.size)))
+        lost = (lanes.steps > self.run.most_steps) | ~np.isfinite(reach)
+        self.run.finish(lanes, np.flatnonzero(lost), Outcome.FAILED, np.nan)
         at = np.flatnonzero(hit)
-        self.work += Work(impacts=at.size, steps=hit.size)
-        landed, _ = self._land(lanes.take(at), reach[at], end.v[at], end.b[at])
+        self.run.work += Work(impacts=at.size, steps=hit.size)
+        landed = self.run.land(lanes.take(at), reach[at], end.v[at], end.b[at], self._hold_at_rest)
         on = np.flatnonzero(~(hit | lost))
         onward = lanes.take(on)
         stays = np.flatnonzero(passage.cut[on])  # in this interval

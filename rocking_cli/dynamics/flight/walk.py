@@ -11,20 +11,19 @@ from dataclasses import dataclass, fields
 import numpy as np
 
 from ...motions.blocks import largest
-from ...motions.segments import Samples, Segments
-from ..body import Body
+from ...motions.segments import Samples
 from ..equations.equation import Equation, Ramp
 from ..equations.ramp import WITHIN, degrees, factors_for, last_terms
 from ..lanes import Lanes
 from ..march.account import Work
-from ..march.engine import Run
+from ..march.engine import Run, WindowStepper
+from ..observers.observer import TaylorSteps
 from ..outcome import Outcome
-from ..system import System
 from .bounded import LONGEST
 
 Array = np.ndarray
 
-_POOL = 32768  # lanes: a round of the march costs calls, not lanes
+LANES = 32768  # lanes: a round of the march costs calls, not lanes
 _BLOCK = 5056  # lanes that stride together: what they need fits the second-level cache, and no power of two lies between its rows
 _STRIDES, _NARROW = 4, 16  # in a row, before lanes that wait get their round: of many lanes, and of fewer than a block
 _NEARLY = 0.9  # part of the displacement from which a body has overturned: beyond it the march judges
@@ -43,32 +42,30 @@ class Walkers(Lanes):
     slot: Array
 
 
-class Walk(Run):
-    """One batch of cells of any equation under a record. Parameters as in `Run`."""
+class Walk:
+    """How a run of any equation goes from sample to sample of a record."""
 
-    def __init__(
-        self, system: System, segments: Segments, samples: Samples, amplitude: Array, omega: Array, eta: Array, peaks: bool,
-        pool: int | None, body: Body | None = None,
-    ) -> None:  # fmt: skip
-        super().__init__(system, segments, amplitude, omega, eta, peaks, pool or _POOL, body=body)
-        self.samples, self.gains = samples.values, gains(samples.values)
+    shows_arcs = False
+
+    def __init__(self, run: Run, samples: Samples) -> None:
+        self.run, self.samples, self.gains = run, samples.values, gains(samples.values)
+        self.equation, self.cells, self.segments = run.equation, run.cells, run.segments
         self.step, self.last = samples.step, samples.values.size - 1
         self.steepest = largest(self.gains)
 
-    def _march(self, waiting: Array) -> None:
-        """Walk these cells, those of like pace together; march where samples are far apart."""
+    def march(self, waiting: Array) -> None:
+        """Those of like pace together; from window to window where samples are far apart."""
         pace = (self.step / self.cells.omega[:, waiting]).max(axis=0)
-        super()._march(waiting[pace > LONGEST])
+        WindowStepper(self.run).march(waiting[pace > LONGEST])
         waiting, pace = waiting[pace <= LONGEST], pace[pace <= LONGEST]
         if waiting.size:
-            waiting = waiting[np.argsort(pace, kind="stable")]
             with np.errstate(all="ignore"):
-                self._walk(waiting)
+                self._walk(waiting[np.argsort(pace, kind="stable")])
 
     def _walk(self, waiting: Array) -> None:
         """Advance these cells, as many at once as the pool holds, until all are done."""
-        taken = min(self.pool, waiting.size)
-        lanes = self._launch(self.start(waiting[:taken]), np.arange(taken))
+        taken = min(self.run.pool, waiting.size)
+        lanes = self._launch(self.run.start(waiting[:taken]), np.arange(taken))
         free = np.zeros(taken, dtype=bool)
         walks = self._ready(lanes)
         while lanes.cell.size:
@@ -83,7 +80,7 @@ class Walk(Run):
             places = np.flatnonzero(free)
             more = min(places.size, waiting.size - taken)
             if more:
-                new = self._launch(self.start(waiting[taken : taken + more]), places[:more])
+                new = self._launch(self.run.start(waiting[taken : taken + more]), places[:more])
                 taken += more
                 lanes.put(new.slot, new)
                 free[new.slot], walks[new.slot] = False, self._ready(new)
@@ -127,7 +124,8 @@ class Walk(Run):
             ramp = self._ramp(k, outward, pace, factors)
             end_y, end_v, proved = self._stride(equation, y, v, peak, ramp, last)
             go &= proved
-            self._look(cell, side, equation, (y, v), (end_y, end_v), ramp, go)
+            for observer in self.run.observers:
+                observer.steps(TaylorSteps(cell, side, equation, (y, v), (end_y, end_v), ramp), go)
             y, v, peak = np.where(go, end_y, y), np.where(go, end_v, v), np.where(go, np.maximum(peak, end_y), peak)
             k += go
             go &= k < self.last
@@ -175,13 +173,6 @@ class Walk(Run):
         end_v /= unit
         return end_y, end_v, proved
 
-    def _look(
-        self, cell: Array, side: Array, equation: Equation, start: tuple[Array, Array], end: tuple[Array, Array], ramp: Ramp, go: Array
-    ) -> None:  # fmt: skip
-        """What a listener wants to know of strides from one (y, y') to another: those in which it must look closer are no longer to go."""
-        if self.demands is not None:
-            self.demands.taylor_steps(cell, side, start, end, ramp, go)
-
     def _careful(self, lanes: Walkers) -> Walkers:
         """A round of the march, and the rest of the interval after it where that can be walked."""
         past = lanes.k >= len(self.segments)
@@ -189,9 +180,8 @@ class Walk(Run):
             self._ended(lanes, np.flatnonzero(past))
             lanes = lanes.take(np.flatnonzero(~past))
         walked = np.flatnonzero((lanes.u == 0.0) & (lanes.y > 0.0))
-        self._push(lanes, walked)
-        going = self.round(lanes).going
-        assert isinstance(going, Walkers)
+        self.run.push(lanes, walked)
+        going = self.run.round(lanes)
         going.pace, going.outward = self.step / going.omega, -going.side * going.amplitude
         if len(self.cells.amplitude) > 1:  # the other edge has its own
             going.degree = self._degree(going.amplitude, going.pace)
@@ -210,7 +200,8 @@ class Walk(Run):
         last = some.degree * at.size + np.arange(at.size)
         equation = self.equation.on(some.side, some.cell)
         y, v, proved = self._stride(equation, some.y, some.v, some.peak, ramp, last)
-        self._look(some.cell, some.side, equation, (some.y, some.v), (y, v), ramp, proved)
+        for observer in self.run.observers:
+            observer.steps(TaylorSteps(some.cell, some.side, equation, (some.y, some.v), (y, v), ramp), proved)
         on = np.flatnonzero(proved)
         at = at[on]
         lanes.k[at], lanes.u[at] = some.k[on] + 1, 0.0
@@ -219,15 +210,15 @@ class Walk(Run):
     def _ended(self, lanes: Walkers, past: Array) -> None:
         """Undamped lanes that have walked to the end of the shaking."""
         failed = ~np.isfinite(lanes.y[past])
-        self._finish(lanes, past[failed], Outcome.FAILED, np.nan)
-        self._shaken(lanes, past[~failed])
+        self.run.finish(lanes, past[failed], Outcome.FAILED, np.nan)
+        self.run.end_shaking(lanes, past[~failed])
 
     def _lost(self, lanes: Walkers, at: Array) -> Array:
         """Walking lanes that nothing can bring back (Lemma 6)."""
         at = at[lanes.y[at] + lanes.v[at] > 1.0]
-        at = at[self._doomed(lanes, at, lanes.k[at], lanes.y[at], lanes.v[at])]
-        self._overturn(lanes, at)
-        self.work += Work(certain_overturning=at.size)
+        at = at[self.run.cannot_return(lanes, at, lanes.k[at], lanes.y[at], lanes.v[at])]
+        self.run.overturn(lanes, at)
+        self.run.work += Work(certain_overturning=at.size)
         return at
 
 

@@ -8,12 +8,10 @@ from __future__ import annotations
 import numpy as np
 
 from ...motions.blocks import largest
-from ...motions.segments import Samples, Segments, followed_by
-from ..body import Body
+from ...motions.segments import Samples, followed_by
 from ..equations.equation import Equation, Ramp
 from ..equations.ramp import degrees
-from ..system import System
-from ..weight import WeighedSegments
+from ..march.engine import Run
 from .walk import Walk, gains
 
 Array = np.ndarray
@@ -22,22 +20,19 @@ Array = np.ndarray
 class WeighedWalk(Walk):
     """As `Walk`, under the segments of a body whose weight varies; samples: the horizontal ones."""
 
-    def __init__(
-        self, system: System, segments: Segments, samples: Samples, amplitude: Array, omega: Array, eta: Array, peaks: bool,
-        pool: int | None, body: Body | None = None,
-    ) -> None:  # fmt: skip
-        assert isinstance(segments, WeighedSegments)
-        super().__init__(system, segments, samples, amplitude, omega, eta, peaks, pool, body)
+    def __init__(self, run: Run, samples: Samples) -> None:
+        super().__init__(run, samples)
+        segments = run.shaking.weighed
         self.share, upwards = segments.share, segments.vertical
         self.ups = followed_by(upwards.s_start, float(upwards.s_end[-1]))
         self.rises = gains(self.ups)
         self.highest, self.steepest_up = largest(self.ups), largest(self.rises)
 
-    def _march(self, waiting: Array) -> None:
+    def march(self, waiting: Array) -> None:
         """Those that the ground does not fall away from before it lifts them."""
-        if self.drops is not None and waiting.size:
-            waiting = self._drop(self.start(waiting)).cell
-        super()._march(waiting)
+        if self.run.drops is not None and waiting.size:
+            waiting = self.run.drop_lanes(self.run.start(waiting)).cell
+        super().march(waiting)
 
     def _degree(self, amplitude: Array, pace: Array) -> Array:
         """Terms grow with the root of the weight."""

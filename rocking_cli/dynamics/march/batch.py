@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
@@ -11,13 +12,11 @@ from ..contacts.contact import Fate
 from ..lanes import Lanes
 from ..outcome import FALLEN, Outcome
 from ..system import System
-from .account import Watch, Work
+from .account import Work
 from .free_fall import FreeFall
 
 if TYPE_CHECKING:
-    from ..impulse import ImpulseAhead
-    from ..observers.ground_forces import GroundForces
-    from .footing import Footing
+    from ..observers.observer import Observer
 
 Array = np.ndarray
 Landing = TypeVar("Landing", bound=Lanes)
@@ -26,18 +25,15 @@ SETTLING = 250.0  # tau, times what damping slows the unstable mode: no body is 
 
 
 class Batch:
-    """Cells that are run together. Parameters as in `Run`; footing and demands: what looks at the forces, where they are wanted."""
+    """Cells that are run together. Parameters as in `Run`; observers: who takes part."""
 
-    footing: Footing | None = None
-    demands: GroundForces | None = None
+    observers: Sequence[Observer] = ()
 
-    def __init__(
-        self, system: System, segments: Segments, amplitude: Array, omega: Array, eta: Array, peaks: bool, watch: Watch | None
-    ) -> None:
+    def __init__(self, system: System, segments: Segments, amplitude: Array, omega: Array, eta: Array, peaks: bool) -> None:
         self.equation, self.contact = system.equation, system.contact
-        self.peaks, self.watch = peaks, watch
+        self.peaks = peaks
         self.cells = self.contact.cells(self.equation, amplitude, omega, eta)
-        self.segments, self.shaken = segments, len(segments)
+        self.segments, self.shaking, self.shaken = segments, segments, len(segments)
         if self.equation.damping and omega.size:  # no closed form of the free motion: march on over still ground
             self.segments = segments.followed_by_rest(SETTLING * (1.0 + 3.0 * self.equation.damping) * float(self.cells.omega.max()))
         if self.equation.damping:
@@ -50,45 +46,43 @@ class Batch:
         if self.drops is not None:  # also from under bodies that nothing lifts: one that is pushed against its wall
             self.outcome[self.drops.ever], self.theta_ratio[self.drops.ever] = Outcome.LOST_CONTACT, np.nan
 
-    def _doomed(self, lanes: Lanes, at: Array | slice, k: Array, y: Array, v: Array) -> Array:
+    def cannot_return(self, lanes: Lanes, at: Array | slice, k: Array, y: Array, v: Array) -> Array:
         """Whether the lanes `at`, were they at y, v in segments k, are beyond what any drive to come can bring back."""
         side = lanes.side[at]
         inward = self.segments.hardest(side, lanes.amplitude[at], k)
         return self.equation.on(side, lanes.cell[at]).certainly_overturns(y, v, inward, self.segments.weighed is None)
 
-    def _drop(self, lanes: Lanes) -> Lanes:
+    def drop_lanes(self, lanes: Landing) -> Landing:
         """Bodies from which the ground has fallen away are done: beyond `FALLEN` they have overturned before, others have lost contact."""
         if self.drops is None:
             return lanes
         falls = self.drops.now(lanes)
         over = falls & (self.equation.on(lanes.side, lanes.cell).rotation(lanes.y) >= FALLEN)
-        self._overturn(lanes, np.flatnonzero(over))
-        self._finish(lanes, np.flatnonzero(falls & ~over), Outcome.LOST_CONTACT, np.nan)
+        self.overturn(lanes, np.flatnonzero(over))
+        self.finish(lanes, np.flatnonzero(falls & ~over), Outcome.LOST_CONTACT, np.nan)
         return lanes.take(np.flatnonzero(~falls))
 
-    def _shaken(self, lanes: Lanes, last: Array) -> None:
+    def end_shaking(self, lanes: Lanes, last: Array) -> None:
         """Undamped lanes that are at the end of the shaking: their fate."""
         y, v = lanes.y[last], lanes.v[last]
         self._meet(self.contact.fate(self.equation, lanes, last, y, v), lanes, last, y, v)
 
     def _meet(self, fate: Fate, lanes: Lanes, last: Array, y: Array, v: Array) -> None:
         """The fate of the lanes `last`, which are at y, v when the shaking is over."""
-        self._overturn(lanes, last[fate.overturns])
-        self._finish(lanes, last[fate.overturns_after_impact], Outcome.OVERTURNED_AFTER_IMPACT, np.nan)
+        self.overturn(lanes, last[fate.overturns])
+        self.finish(lanes, last[fate.overturns_after_impact], Outcome.OVERTURNED_AFTER_IMPACT, np.nan)
         upright = ~(fate.overturns | fate.overturns_after_impact)
         stay, y, v = last[upright], y[upright], v[upright]
-        if self.footing is not None and self.footing.any:
-            self.footing.free(lanes, stay, y, v)
-        if self.demands is not None:
-            self.demands.free(lanes, stay, y, v)
-        self._finish(lanes, stay, Outcome.ROCKED, np.maximum(lanes.peak[stay], fate.peak[upright]))
+        for observer in self.observers:
+            observer.free(lanes, stay, y, v)
+        self.finish(lanes, stay, Outcome.ROCKED, np.maximum(lanes.peak[stay], fate.peak[upright]))
         self.work += Work(free_phase=last.size)
 
     def _settle(self, lanes: Landing) -> Landing:
         """Damped lanes on still ground of which nothing larger can come are done: without damping they would have more energy, and
         even so neither pass the barrier nor rise above their peak."""
         at = np.flatnonzero(lanes.k >= self.shaken)
-        if not at.size or self.watch is not None:
+        if not at.size:
             return lanes
         y, v = lanes.y[at], lanes.v[at]
         crest = self.equation.damped_crest(y, v)
@@ -98,33 +92,27 @@ class Batch:
         most = self.contact.fate(self.equation, lanes, at, y, v)
         below = self.equation.on(lanes.side[at], lanes.cell[at]).rotation(y) < 1.0  # from above the barrier damping may keep it there
         settled = at[below & ~(most.overturns | most.overturns_after_impact) & (most.peak <= lanes.peak[at])]
-        if self.footing is not None and self.footing.any:
-            settled = settled[~self.footing.doubtful(lanes.take(settled))]
-        if self.demands is not None:
-            self.demands.close(lanes.take(settled))
-        self._finish(lanes, settled, Outcome.ROCKED, lanes.peak[settled])
+        for observer in self.observers:
+            settled = settled[observer.may_settle(lanes.take(settled), self.bounced)]
+        for observer in self.observers:
+            observer.settle(lanes.take(settled))
+        self.finish(lanes, settled, Outcome.ROCKED, lanes.peak[settled])
         going = np.ones(lanes.k.size, dtype=bool)
         going[settled] = False
         return lanes.take(np.flatnonzero(going))
 
-    def _stand(self, lanes: Landing, ahead: ImpulseAhead) -> Landing:
-        """Lanes at the ground that nothing to come overturns are done where no more is asked (Lemma 9)."""
-        stands = ahead.cannot_overturn(lanes)
-        self._finish(lanes, np.flatnonzero(stands), Outcome.ROCKED, np.nan)
-        return lanes.take(np.flatnonzero(~stands)) if stands.any() else lanes
-
-    def _overturn(self, lanes: Lanes, at: Array) -> None:
+    def overturn(self, lanes: Lanes, at: Array) -> None:
         bounced = lanes.impacts[at] > 0
         if self.equation.damping:
             bounced |= self.bounced[lanes.cell[at]]
-        self._finish(lanes, at[bounced], Outcome.OVERTURNED_AFTER_IMPACT, np.nan)
-        self._finish(lanes, at[~bounced], Outcome.OVERTURNED_NO_IMPACT, np.nan)
+        self.finish(lanes, at[bounced], Outcome.OVERTURNED_AFTER_IMPACT, np.nan)
+        self.finish(lanes, at[~bounced], Outcome.OVERTURNED_NO_IMPACT, np.nan)
 
     def _lose(self, cell: Array) -> None:
         """Cells that were thought to rock, and have left the ground."""
         self.outcome[cell], self.theta_ratio[cell] = Outcome.LOST_CONTACT, np.nan
 
-    def _finish(self, lanes: Lanes, at: Array, outcome: Outcome, peak: Array | float) -> None:
+    def finish(self, lanes: Lanes, at: Array, outcome: Outcome, peak: Array | float) -> None:
         cell = lanes.cell[at]
         self.outcome[cell] = outcome
         if self.peaks:
@@ -132,6 +120,6 @@ class Batch:
         if outcome == Outcome.ROCKED:
             if self.drops is not None:
                 self._lose(cell[self.drops.ever[cell]])
-            if self.footing is not None and self.footing.any:
-                self._lose(cell[self.footing.lost[cell]])
+            for observer in self.observers:
+                self._lose(cell[observer.lost(cell)])
         self.impacts[cell] = lanes.impacts[at]

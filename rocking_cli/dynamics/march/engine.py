@@ -8,30 +8,32 @@ chatter, certain overturning, the free motion after the shaking.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
 from ...motions.segments import Segments
 from ..body import Body
-from ..contacts.adiabatic import bounces_on, keeps_bouncing
 from ..contacts.contact import Uplift
-from ..contacts.settling import settles
-from ..contacts.trains import outlasts
 from ..drive import place
 from ..lanes import Lanes
+from ..observers.observer import Arcs
 from ..outcome import Outcome
 from ..system import System
-from .account import Rests, Round, Watch, Work
+from .account import Work
 from .advance import Crests, Passage, advance, crests, low_bounces
 from .batch import Batch, Landing
+from .closings import AT_IMPACTS, conditions, impulse_bound
 from .memory import keep_freed_memory
 from .windows import tabled_windows
 
 if TYPE_CHECKING:
-    from ..impulse import ImpulseAhead
+    from ..observers.contact_loss import ContactLoss
     from ..observers.ground_forces import GroundForces
+    from ..observers.observer import Observer
+    from ..observers.peak_speed import PeakSpeed
 
 Array = np.ndarray
 
@@ -40,89 +42,116 @@ _LIKELY = 2.0  # times the push that is proved beforehand: beyond it most cells 
 STILL = 1e-100  # a speed whose square a double does not hold is none
 
 
+class Stepper(Protocol):
+    """How the lanes of a run go from instant to instant. shows_arcs: whether observers see every arc; false of one that jumps."""
+
+    shows_arcs: bool
+
+    def march(self, waiting: Array) -> None:
+        """Bring these cells, which leave the ground, to their end; (cells,) indices."""
+
+
+class WindowStepper:
+    """From window to window of the drive (`advance`), round by round."""
+
+    shows_arcs = True
+
+    def __init__(self, run: Run) -> None:
+        self.run = run
+
+    def march(self, waiting: Array) -> None:
+        """Those that are hardly lifted bounce longest, so they begin."""
+        run = self.run
+        if waiting.size > run.pool:
+            lift = run.contact.strongest(run.cells, run.segments)[waiting]
+            waiting = waiting[np.argsort((255.0 - 255.0 / lift).astype(np.uint8), kind="stable")]  # of bytes it takes a pass each
+        lanes, taken = run.start(waiting[:0]), 0
+        with np.errstate(all="ignore"):
+            while taken < waiting.size or lanes.cell.size:
+                room = run.pool - lanes.cell.size
+                if room > 0 and taken < waiting.size:
+                    lanes = lanes.join(run.drop_lanes(run.start(waiting[taken : taken + room])))
+                    taken += room
+                lanes = run.round(lanes)
+
+
 class Run(Batch):
     """One batch of cells on its way through the pool.
 
     Parameters: amplitude, omega, eta: (cells,), as `response` takes them; peaks: whether the largest rotations are wanted; pool: lanes
-    advanced together; watch: None unless somebody listens, who then looks at the forces too; body: of what its demands on the ground are
-    wanted; ahead: which bodies are looked at on their way for whether they lose the ground (`footing`), None for what is best. Raises
-    ValueError when an eta does not fit the contact.
+    advanced together; stepper: makes what advances the lanes of a run; body: whose ground forces are wanted; speed: whether the largest
+    speeds are wanted; ahead: the push over the proved one above which cells are observed for lost contact on their way (`ContactLoss`),
+    None for what is best. Raises ValueError when an eta does not fit the contact.
     """
 
+    contact_loss: ContactLoss | None = None
+    forces: GroundForces | None = None
+    speed: PeakSpeed | None = None
+
     def __init__(
-        self, system: System, segments: Segments, amplitude: Array, omega: Array, eta: Array, peaks: bool, pool: int,
-        watch: Watch | None = None, body: Body | None = None, ahead: float | None = None,
+        self, system: System, segments: Segments, amplitude: Array, omega: Array, eta: Array, peaks: bool, pool: int, *,
+        stepper: Callable[[Run], Stepper] = WindowStepper, body: Body | None = None, speed: bool = False,
+        ahead: float | None = None,
     ) -> None:  # fmt: skip
         keep_freed_memory()
-        super().__init__(system, segments, amplitude, omega, eta, peaks, watch)
+        super().__init__(system, segments, amplitude, omega, eta, peaks)
         self.pool, self.most_steps = pool, MAX_STEPS + 40 * len(segments)
         self.tabled = tabled_windows(self.segments, self.cells.amplitude)
-        marched = type(self)._march is Run._march  # one that jumps sees no forces on its way
-        ahead = (_LIKELY if marched and not self.equation.bounded else np.inf) if ahead is None else ahead
-        if watch is None and system.body is not None:
-            from .footing import Footing
+        self.stepper = stepper(self)
+        self.observers = self._chosen(system, body, speed, ahead)
+        held = conditions(self)
+        self.closings = [closing for closing in AT_IMPACTS if closing.needs <= held]
+        self.stands = impulse_bound(self)
 
-            self.footing = Footing(system.body, self.segments, self.cells, ahead)
+    def _chosen(self, system: System, body: Body | None, speed: bool, ahead: float | None) -> list[Observer]:
+        """The observers that this run needs."""
+        found: list[Observer] = []
+        given = self.equation, self.segments, self.shaken, self.contact, self.cells
         if body is not None:
             from ..observers.ground_forces import GroundForces
 
-            given = body, self.equation, self.segments, self.shaken, self.contact, self.cells
-            self.demands = GroundForces(*given, self.drops)
-        self.only_peaks = self._only_peaks()
-        self.settling = peaks and self.only_peaks and self.equation.bounded
-        self.keeping = self.only_peaks and keeps_bouncing(self.equation, self.cells, self.segments)
-        self.ahead: ImpulseAhead | None = None
-        if not peaks and self.only_peaks and self.equation.bounded and not segments.straight:
-            from ..impulse import FEW, ImpulseAhead
+            self.forces = GroundForces(body, *given, self.drops)
+            found.append(self.forces)
+        if system.body is not None:
+            from ..observers.contact_loss import ContactLoss
 
-            self.ahead = ImpulseAhead.of(segments) if segments.pushes <= FEW else None
+            likely = _LIKELY if self.stepper.shows_arcs and not self.equation.bounded else np.inf
+            self.contact_loss = ContactLoss(system.body, self.segments, self.contact, self.cells, likely if ahead is None else ahead)
+            found += [self.contact_loss] if self.contact_loss.any else []
+        if speed:
+            from ..observers.peak_speed import PeakSpeed
 
-    def _only_peaks(self) -> bool:
-        """Whether nothing is asked of bodies that nothing lifts again but their peak, and there are proofs that it is so."""
-        proved = self.contact.alike and self.segments.weighed is None
-        asked = self.watch is not None or self.demands is not None or (self.footing is not None and self.footing.any)
-        return proved and not asked and type(self).round is Run.round
+            self.speed = PeakSpeed(self.equation, self.contact, self.shaken, self.outcome.size)
+            found.append(self.speed)
+        return found
 
     def all(self) -> None:
         """Run every cell to its end."""
         lifts = self.contact.strongest(self.cells, self.segments) > 1.0
         waiting = np.flatnonzero(lifts)
-        if self.demands is not None:
-            self._rest_at_first(self.demands, lifts)
+        if self.forces is not None:
+            self._rest_at_first(self.forces, lifts)
         self.work += Work(no_uplift=self.outcome.size - waiting.size)
-        self._march(waiting)
-
-    def _march(self, waiting: Array) -> None:
-        """Run these cells, which leave the ground, round by round; those that are hardly lifted bounce longest, so they begin."""
-        if waiting.size > self.pool:
-            lift = self.contact.strongest(self.cells, self.segments)[waiting]
-            waiting = waiting[np.argsort((255.0 - 255.0 / lift).astype(np.uint8), kind="stable")]  # of bytes it takes a pass each
-        lanes, taken = self.start(waiting[:0]), 0
-        with np.errstate(all="ignore"):
-            while taken < waiting.size or lanes.cell.size:
-                room = self.pool - lanes.cell.size
-                if room > 0 and taken < waiting.size:
-                    lanes = lanes.join(self._drop(self.start(waiting[taken : taken + room])))
-                    taken += room
-                lanes = self.round(lanes).going
+        self.stepper.march(waiting)
 
     def start(self, cell: Array) -> Lanes:
         """Bodies at rest, taken to their first uplift; k is the number of segments where there is none."""
         first = self._first_uplift(cell) if self.tabled is None else Uplift(*(x[self.tabled.of[cell]] for x in self._first_uplifts))
-        if self.demands is not None and cell.size and self.tabled is None:
-            self.demands.rest(cell, np.zeros(cell.size, dtype=np.int64), np.zeros(cell.size), *self._rests_until(cell, first))
+        if self.tabled is None:
+            for observer in self.observers if cell.size else ():
+                observer.rest(cell, np.zeros(cell.size, dtype=np.int64), np.zeros(cell.size), *self._rests_until(cell, first))
         return self._lifted(cell, first)
 
-    def _rest_at_first(self, demands: GroundForces, lifts: Array) -> None:
+    def _rest_at_first(self, forces: GroundForces, lifts: Array) -> None:
         """The forces of bodies that stay at rest, and until their first uplift of all whose amplitudes are known."""
         cell = np.flatnonzero(~lifts) if self.tabled is None else self.tabled.cells
         start, zero = np.zeros(cell.size, dtype=np.int64), np.zeros(cell.size)
         until = Uplift(start + len(self.segments), zero, zero, zero)
         if self.tabled is not None:
             until = Uplift(*(np.where(lifts[cell], x, never) for x, never in zip(self._first_uplifts, until, strict=True)))
-        demands.rest(cell, start, zero, *self._rests_until(cell, until))
+        forces.rest(cell, start, zero, *self._rests_until(cell, until))
         if self.tabled is not None:
-            demands.spread(self.tabled.of, self.tabled.cells)
+            forces.spread(self.tabled.of, self.tabled.cells)
 
     def _lifted(self, cell: Array, first: Uplift) -> Lanes:
         """Bodies that have been at rest so far, at this uplift."""
@@ -142,8 +171,8 @@ class Run(Batch):
     def _first_uplift(self, cell: Array) -> Uplift:
         return self.contact.uplift(self.cells, self.segments, cell, np.zeros(cell.size, dtype=np.int64), np.zeros(cell.size))
 
-    def round(self, lanes: Lanes) -> Round:
-        """One step for every lane."""
+    def round(self, lanes: Landing) -> Landing:
+        """One step for every lane; those that go on."""
         seg = self.segments
         lanes.steps += 1
         equation = self.equation.on(lanes.side, lanes.cell)
@@ -166,26 +195,25 @@ class Run(Batch):
             past = found.lanes[found.y >= limit]  # beyond it and back within one step
             over[past] = ~bad[past]
 
-        if self.demands is not None or (self.footing is not None and self.footing.any):
-            self._press(lanes, passage, np.flatnonzero(~(bad | over)))
+        if self.observers:
+            self._show(lanes, passage, np.flatnonzero(~(bad | over)))
         self.work += Work(certain_overturning=int(over.sum()), impacts=int(hit.sum()), steps=hit.size)
-        self._finish(lanes, np.flatnonzero(bad), Outcome.FAILED, np.nan)
+        self.finish(lanes, np.flatnonzero(bad), Outcome.FAILED, np.nan)
         self._meet(fate, lanes, last, end.y[last], end.v[last])
-        self._overturn(lanes, np.flatnonzero(over))
+        self.overturn(lanes, np.flatnonzero(over))
 
         going = ~(bad | over | shaken)
         free, struck = np.flatnonzero(going & ~hit), np.flatnonzero(going & hit)
-        landed, rests = self._impact(lanes, passage, struck)
-        return Round(lanes, passage, found, over, rests, self._drop(self._onward(lanes, passage, k, u, free).join(landed)))
+        landed = self.land(lanes.take(struck), passage.reach[struck], passage.impact_v[struck], passage.impact_b[struck])
+        return self.drop_lanes(self._onward(lanes, passage, k, u, free).join(landed))
 
-    def _press(self, lanes: Lanes, passage: Passage, at: Array) -> None:
-        """The forces of these lanes along their step."""
+    def _show(self, lanes: Lanes, passage: Passage, wanted: Array) -> None:
+        """The arcs of this round to the observers."""
         end, hit = passage.end, passage.hit
         y, v = np.where(hit, 0.0, end.y), np.where(hit, passage.impact_v, end.v)
-        if self.demands is not None:
-            self.demands.arcs(lanes, passage.arc, passage.reach, y, v, at)
-        if self.footing is not None and self.footing.any:
-            self.footing.follow(lanes, passage.arc, passage.reach, y, v, np.where(hit, passage.impact_b, passage.force), at)
+        arcs = Arcs(lanes, passage.arc, passage.reach, y, v, np.where(hit, passage.impact_b, passage.force), wanted)
+        for observer in self.observers:
+            observer.arcs(arcs)
 
     def _rests_until(self, cell: Array, lift: Uplift) -> tuple[Array, Array]:
         """Where bodies at rest lift off, or the ground falls away from them."""
@@ -193,8 +221,6 @@ class Run(Batch):
 
     def _crests(self, lanes: Lanes, passage: Passage, wanted: Array) -> Crests:
         """The turning points of those steps whose peak is wanted."""
-        if self.watch is not None:
-            return crests(self.segments, lanes, passage, np.ones(wanted.shape, dtype=bool))
         if not self.peaks:
             return Crests(np.zeros(0, dtype=np.int64), np.zeros(0), np.zeros(0))
         gain = self.equation.on(lanes.side, lanes.cell).gain
@@ -203,11 +229,9 @@ class Run(Batch):
 
     def _certainly_overturns(self, lanes: Lanes, k: Array, passage: Passage) -> Array:
         """No drive that is still to come can bring the body back (Lemma 6)."""
-        y = passage.end.y
-        certain = self._doomed(lanes, slice(None), np.minimum(k, len(self.segments) - 1), y, passage.end.v)
-        return certain if self.watch is None else certain & (y >= np.where(lanes.side > 0.0, *self.watch.fallen))
+        return self.cannot_return(lanes, slice(None), np.minimum(k, len(self.segments) - 1), passage.end.y, passage.end.v)
 
-    def _onward(self, lanes: Lanes, passage: Passage, k: Array, u: Array, at: Array) -> Lanes:
+    def _onward(self, lanes: Landing, passage: Passage, k: Array, u: Array, at: Array) -> Landing:
         """Lanes that reached the end of their step in the air."""
         lanes = lanes.take(at)
         lanes.k, lanes.u = k[at], u[at]
@@ -215,12 +239,9 @@ class Run(Batch):
         self._renew_drive(lanes)
         return self._settle(lanes) if self.equation.damping else lanes
 
-    def _impact(self, lanes: Lanes, passage: Passage, at: Array) -> tuple[Lanes, Rests | None]:
-        """Impact, by the rule of the contact; a body without speed comes to rest."""
-        return self._land(lanes.take(at), passage.reach[at], passage.impact_v[at], passage.impact_b[at])
-
-    def _land(self, lanes: Landing, h: Array, v: Array, b: Array) -> tuple[Landing, Rests | None]:
-        """These lanes after impacts h [tau] from now, with velocity v <= 0 and force b; those that came to their end are gone."""
+    def land(self, lanes: Landing, h: Array, v: Array, b: Array, rest: Callable[[Landing], Landing] | None = None) -> Landing:
+        """These lanes after impacts h [tau] from now, with velocity v <= 0 and force b; those that came to their end are gone. rest: what
+        bodies whose bouncing is over do, `rest` unless given."""
         seg = self.segments
         lanes.k, lanes.u = place(seg, lanes.k, lanes.u + lanes.omega * h)
         lanes.y = np.zeros(h.size)
@@ -232,57 +253,49 @@ class Run(Batch):
         over = lanes.k >= len(seg)  # the impact fell on the very end of the shaking
         last = np.flatnonzero(over)
         if last.size:
-            self._shaken(lanes, last)
+            self.end_shaking(lanes, last)
             lanes = lanes.take(np.flatnonzero(~over))
         if self.equation.damping:
             self.bounced[lanes.cell[lanes.k >= self.shaken]] = True
             lanes = self._settle(lanes)
-        if self.only_peaks:
-            settled = settles(seg, lanes) if self.settling else np.zeros(lanes.k.shape, dtype=bool)
-            if self.keeping:
-                settled |= bounces_on(seg, lanes, self.equation)
-            if settled.any():
-                self._finish(lanes, np.flatnonzero(settled), Outcome.ROCKED, lanes.peak[settled])
-                self.work += Work(chatters_closed=int(settled.sum()))
-                lanes = lanes.take(np.flatnonzero(~settled))
-        if self.contact.alike and seg.weighed is None:
-            long = outlasts(seg, lanes, self.equation, self.most_steps)
-            self._finish(lanes, np.flatnonzero(long), Outcome.FAILED, np.nan)
-            lanes = lanes.take(np.flatnonzero(~long)) if long.any() else lanes
-        lanes, rests = self._rest(lanes)
-        return (lanes if self.ahead is None else self._stand(lanes, self.ahead)), rests
+        for closing in self.closings:
+            closed = closing.closes(seg, lanes, self.equation, self.most_steps)
+            if closed.any():
+                self.finish(lanes, np.flatnonzero(closed), closing.outcome, lanes.peak[closed] if closing.rests else np.nan)
+                self.work += Work(chatters_closed=int(closed.sum()) if closing.rests else 0)
+                lanes = lanes.take(np.flatnonzero(~closed))
+        lanes = (rest or self.rest)(lanes)
+        if self.stands is not None:
+            stands = self.stands(lanes)
+            self.finish(lanes, np.flatnonzero(stands), Outcome.ROCKED, np.nan)
+            lanes = lanes.take(np.flatnonzero(~stands)) if stands.any() else lanes
+        return lanes
 
-    def _rest(self, lanes: Landing) -> tuple[Landing, Rests | None]:
+    def rest(self, lanes: Landing) -> Landing:
         """Bodies whose bouncing is over skip to their next uplift, or finish."""
         ends = self.contact.bouncing_ends(self.segments, lanes, self.equation)
-        if self.watch is not None:
-            ends &= lanes.v < self.watch.visible
         resting = np.flatnonzero(ends | (lanes.v < STILL))
         if not resting.size:
-            return lanes, None
-        before = lanes.take(resting) if self.watch is not None else None
-        if self.footing is not None and self.footing.any:
-            self.footing.settle(lanes.take(resting), self.contact)
+            return lanes
         again = self.contact.uplift(self.cells, self.segments, lanes.cell[resting], lanes.k[resting], lanes.u[resting])
-        if self.demands is not None:
-            self.demands.close(lanes.take(resting))
+        for observer in self.observers:
+            observer.close(lanes.take(resting))
         lanes.k[resting], lanes.u[resting] = again.k, again.u
         lanes.y[resting], lanes.v[resting], lanes.b[resting] = 0.0, 0.0, again.b
         self.contact.turn(self.cells, lanes, resting, again.side)
         self.work += Work(chatters_closed=int(ends.sum()), rests_skipped=resting.size)
         settled = resting[again.k >= len(self.segments)]
-        self._finish(lanes, settled, Outcome.ROCKED, lanes.peak[settled])
-        rests = None if before is None else Rests(before, lanes.take(resting))
-        return lanes.take(np.flatnonzero(lanes.k < len(self.segments))), rests
+        self.finish(lanes, settled, Outcome.ROCKED, lanes.peak[settled])
+        return lanes.take(np.flatnonzero(lanes.k < len(self.segments)))
 
     def _renew_drive(self, lanes: Lanes) -> None:
         """Where a piece of the motion begins the drive may jump: take the force from the new side of the jump."""
         seg = self.segments
         at = np.flatnonzero((lanes.u == 0.0) & (lanes.k > 0) & (lanes.k < len(seg)))
         at = at[~seg.joins[lanes.k[at] - 1]]
-        self._push(lanes, at)
+        self.push(lanes, at)
 
-    def _push(self, lanes: Lanes, at: Array) -> None:
+    def push(self, lanes: Lanes, at: Array) -> None:
         """The force on the lanes `at`, which are where a segment begins."""
         seg, side, amplitude, k = self.segments, lanes.side[at], lanes.amplitude[at], lanes.k[at]
         drive = -side * amplitude * seg.s_start[k]

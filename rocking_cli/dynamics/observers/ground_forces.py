@@ -25,6 +25,7 @@ from ..march.ground import Ground, Shaking
 from ..outcome import Outcome
 from .extremes import Extremes
 from .forces import Forces, Stretches, forces_on, forces_on_still_ground, note_extremes
+from .observer import Arcs, Quiet, TaylorSteps
 from .resting import Resting
 
 Array = np.ndarray
@@ -38,7 +39,7 @@ _MOST = 100_000  # steps in which a sequence of impacts is followed
 _ARCS = 3  # on still ground: each edge has had its fastest impact
 
 
-class TaylorSteps(NamedTuple):
+class _Held(NamedTuple):
     """Motion under straight lines, (steps,): of which cells, on which side, y and y' at either end, the outward drive at the start and its
     gain over the step, of length `unit` [tau]; the weight over m g in the same way."""
 
@@ -69,7 +70,7 @@ class TaylorSteps(NamedTuple):
         return Shaking(edge.uplift * (self.drive + rate * h), edge.uplift * rate, self.weight + rise * h, rise)
 
 
-class GroundForces:
+class GroundForces(Quiet):
     """The forces of the cells of a run. Parameters: shaken: the segment from which on the ground is still; drops: where the ground falls
     away from cells; friction, lift: the extremes so far of |Fx|/Fz and -Fz/(m g), those of a body at rest unless given."""
 
@@ -82,7 +83,7 @@ class GroundForces:
         self.ground, self.resting, self.drops = Ground(body, segments), Resting(body, segments, cells), drops
         self.friction = Extremes(np.zeros(count) if friction is None else friction)
         self.lift = Extremes(np.full(count, -1.0) if lift is None else lift)
-        self._steps, self._held = list[TaylorSteps](), 0
+        self._steps, self._held = list[_Held](), 0
         self._closed, self._waiting = list[Lanes](), 0
 
     @property
@@ -90,8 +91,9 @@ class GroundForces:
         """The least Fz over m g so far, (cells,)."""
         return -self.lift.largest
 
-    def arcs(self, lanes: Lanes, flow: Flow, stop: Array, y: Array, v: Array, at: Array) -> None:
-        """Take in the arcs of the lanes `at` until `stop` [tau], where they are at y, v; `lanes` as they are at 0."""
+    def arcs(self, arcs: Arcs) -> None:
+        """Search the forces on these arcs."""
+        lanes, flow, stop, y, v, _, at = arcs
         unit = self.body.on(lanes.side).unit
         at = at[((unit * np.maximum(lanes.y, y) < FAR) & (stop > 0.0))[at]]
         for first in range(0, at.size, _TOGETHER):
@@ -126,10 +128,11 @@ class GroundForces:
         edge = self.body.on(lanes.side)
         return forces_on(self.body, edge, self.ground.shaking(lanes, h), edge.unit * y, edge.unit * v)
 
-    def taylor_steps(self, cell: Array, side: Array, start: tuple[Array, Array], end: tuple[Array, Array], ramp: Ramp, go: Array) -> None:
-        """Take in Taylor steps over samples from one (y, y') to another, those that `go`."""
+    def steps(self, steps: TaylorSteps, go: Array) -> None:
+        """Hold steps until there are many to be searched."""
+        cell, side, _, start, end, ramp = steps
         weight = (np.ones(cell.size), np.zeros(cell.size)) if ramp.weight is None else ramp.weight
-        found = TaylorSteps(cell, side, *start, *end, ramp.drive, ramp.gain, ramp.unit, *weight)
+        found = _Held(cell, side, *start, *end, ramp.drive, ramp.gain, ramp.unit, *weight)
         found = found.take(np.flatnonzero(go & (self.body.on(side).unit * start[0] < FAR)))
         self._steps.append(found)
         self._held += found.cell.size
@@ -139,7 +142,7 @@ class GroundForces:
     def _search_steps(self) -> None:
         if not self._held:
             return
-        s, self._steps, self._held = TaylorSteps.joined(self._steps), [], 0
+        s, self._steps, self._held = _Held.joined(self._steps), [], 0
         edge = self.body.on(s.side)
 
         def along(own: Array, h: Array) -> Forces:
@@ -166,11 +169,15 @@ class GroundForces:
             x.largest[:] = x.largest[cells][of]
 
     def close(self, lanes: Lanes) -> None:
-        """Lanes just after an impact whose bouncing ends in rest, or damped ones on still ground: they are followed afterwards."""
+        """Hold lanes that are to be followed afterwards."""
         self._closed.append(lanes)
         self._waiting += lanes.cell.size
         if self._waiting >= _TOGETHER:
             self._sift()
+
+    def settle(self, lanes: Lanes) -> None:
+        """Those that damping settles too."""
+        self.close(lanes)
 
     def _sift(self) -> None:
         """Leave out lanes whose forces cannot be extremes."""
@@ -259,7 +266,7 @@ class GroundForces:
             passage = advance(self.segments, lanes, self.equation.on(lanes.side, lanes.cell))
             hit, stop = passage.hit, passage.reach
             y, v = np.where(hit, 0.0, passage.end.y), np.where(hit, passage.impact_v, passage.end.v)
-            self.arcs(lanes, passage.arc, stop, y, v, np.arange(hit.size))
+            self.arcs(Arcs(lanes, passage.arc, stop, y, v, passage.force, np.arange(hit.size)))
             k, u = np.where(hit, lanes.k, passage.step.k), np.where(hit, lanes.u + lanes.omega * stop, passage.step.u)
             lanes.k, lanes.u = place(self.segments, k, u)
             lanes.y, lanes.v, lanes.b = y, v, np.where(hit, passage.impact_b, passage.force)

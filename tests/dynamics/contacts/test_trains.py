@@ -16,7 +16,7 @@ def test_given_up_is_what_would_have_been_given_up(motion, monkeypatch):
     amplitude = 1.0 + 10.0 ** random.uniform(-10.0, -1.0, 100)
     omega, eta = 10.0 ** random.uniform(-1.0, 1.0, 100), 1.0 - 10.0 ** random.uniform(-10.0, -3.0, 100)
     early = linear_response(motion, amplitude, omega, eta)
-    monkeypatch.setattr(engine, "outlasts", lambda segments, lanes, equation, most: np.zeros(lanes.v.size, dtype=bool))
+    monkeypatch.setattr(engine, "AT_IMPACTS", engine.AT_IMPACTS[:2])
     late = linear_response(motion, amplitude, omega, eta)
     assert np.array_equal(early.outcome, late.outcome)
     assert np.array_equal(early.theta_ratio, late.theta_ratio, equal_nan=True)

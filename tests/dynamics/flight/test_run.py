@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 import pytest
 from oracles.record_lockstep import lockstep
@@ -12,7 +14,7 @@ from rocking_cli.dynamics.contacts.one_sided import OneSided
 from rocking_cli.dynamics.contacts.symmetric import Symmetric
 from rocking_cli.dynamics.contacts.unequal import Unequal
 from rocking_cli.dynamics.flight.bounded import BoundedResponse
-from rocking_cli.dynamics.flight.run import Flight
+from rocking_cli.dynamics.flight.run import LANES, Flight
 from rocking_cli.dynamics.march.engine import Run
 
 UNEQUAL = Unequal(drive=(1.0, 0.8), omega=(1.0, 1.15), eta=(1.05, 0.6), rotation=(1.0, 1.2))
@@ -136,10 +138,10 @@ def test_a_record_flown_stretch_by_stretch_is_the_same(contact, monkeypatch):
     monkeypatch.setattr("rocking_cli.dynamics.flight.bounded._STRETCH", 100)
     moved, move = [], BoundedResponse.move
     monkeypatch.setattr(BoundedResponse, "move", lambda response, first: [moved.append(first), move(response, first)][1])
-    flight = Flight(system, motion.segments, motion.samples, amplitude, omega, eta, True, 7)
+    flight = Run(system, motion.segments, amplitude, omega, eta, True, 7, stepper=partial(Flight, samples=motion.samples))
     flight.all()
     assert len(moved) > 3
-    assert min(np.diff(moved)) < 0 < flight.bounded.first
+    assert min(np.diff(moved)) < 0 < flight.stepper.bounded.first
     np.testing.assert_array_equal(flight.theta_ratio, whole.theta_ratio)
     np.testing.assert_array_equal(flight.outcome, whole.outcome)
     np.testing.assert_array_equal(flight.impacts, whole.impacts)
@@ -152,7 +154,8 @@ def test_the_work_follows_the_impacts_and_not_the_samples():
     amplitude, omega = cells(60, 8)
     rounds = []
     for motion in (shaken(samples, 0.02), shaken(fine, 0.005)):
-        flight = Flight(System(LinearEquation()), motion.segments, motion.samples, amplitude, omega, np.full(60, 0.9), True, None)
+        stepper, eta = partial(Flight, samples=motion.samples), np.full(60, 0.9)
+        flight = Run(System(LinearEquation()), motion.segments, amplitude, omega, eta, True, LANES, stepper=stepper)
         flight.all()
         rounds.append(flight.work.steps)
     assert rounds[1] < 1.5 * rounds[0]

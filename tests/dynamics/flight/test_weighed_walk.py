@@ -131,7 +131,7 @@ def test_records_of_one_step_are_walked_and_others_marched(monkeypatch):
     motion, _ = upwards(slice(30, 54), 0.04, 0.5, 2)
     other = with_vertical(shaken(RECORDS[2][30:54], 0.04), shaken(UPWARDS[30:54], 0.03))
     walked = []
-    monkeypatch.setattr(weighed_walk.WeighedWalk, "_march", lambda self, waiting: walked.append(waiting.size))
+    monkeypatch.setattr(weighed_walk.WeighedWalk, "march", lambda self, waiting: walked.append(waiting.size))
     for m in (motion, other):
         response(SYSTEMS["a body"][0], m, [2.0, 3.0], 0.5, 0.9)
     assert walked == [2]

@@ -12,7 +12,7 @@ from oracles.ground_forces import lifting, pendulum
 from support.stocky_bodies import ACROSS, KINDS, UP, drawn
 
 from rocking_cli import Method, Outcome, RockingParameters, cosine, load_structures, parse_grid, pulse, response, sine, spectrum
-from rocking_cli.dynamics.march.footing import Footing
+from rocking_cli.dynamics.observers.contact_loss import ContactLoss
 from rocking_cli.dynamics.references import general_solver
 from rocking_cli.dynamics.references.general_solver import solve_cell
 from rocking_cli.dynamics.references.pressing import lets_go
@@ -115,8 +115,8 @@ def test_a_sweep_counts_bodies_that_one_path_alone_sees_leave_the_ground(model, 
         blind.setattr(general_solver, "lets_go", lambda rough, force: False)
         blind.setattr("rocking_cli.dynamics.references.taylor_series.lets_go", lambda rough, force: False)
         assert spectrum([pendulum()], motion, grid, method=method, check=6).summary.misjudged == lost
-    monkeypatch.setattr(Footing, "pressed", lambda self, at, cells, theta_ratio: np.ones(at.size, dtype=bool))
-    monkeypatch.setattr(Footing, "follow", lambda self, *lanes: None)
-    monkeypatch.setattr(Footing, "free", lambda self, *lanes: None)
-    monkeypatch.setattr(Footing, "settle", lambda self, *lanes: None)
+    monkeypatch.setattr(ContactLoss, "pressed", lambda self, at, cells, theta_ratio: np.ones(at.size, dtype=bool))
+    monkeypatch.setattr(ContactLoss, "arcs", lambda self, *lanes: None)
+    monkeypatch.setattr(ContactLoss, "free", lambda self, *lanes: None)
+    monkeypatch.setattr(ContactLoss, "close", lambda self, *lanes: None)
     assert spectrum([pendulum()], motion, grid, method=method, check=6).summary.misjudged == lost

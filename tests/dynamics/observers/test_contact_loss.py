@@ -177,10 +177,10 @@ def test_what_a_rotation_proves_to_press_does():
     run = Run(system, sine().segments, amplitude, omega, np.full(omega.size, 0.9), True, 1024, body=system.body)
     run.all()
     at = np.flatnonzero(run.outcome == Outcome.ROCKED)
-    proved = run.footing.pressed(at, run.cells, run.theta_ratio[at])
-    assert run.demands.fz_min[at[proved]].min() > 0.0
+    proved = run.contact_loss.pressed(at, run.cells, run.theta_ratio[at])
+    assert run.forces.fz_min[at[proved]].min() > 0.0
     assert 0.5 < proved.mean() < 1.0
-    assert not np.any(run.footing.open & (amplitude <= system.safe_amplitude(sine())))
+    assert not np.any(run.contact_loss.open & (amplitude <= system.safe_amplitude(sine())))
 
 
 def test_a_flight_marks_them_too():

@@ -22,8 +22,9 @@ from ..body import Body, Edge
 from ..contacts.contact import Contact
 from ..equations.equation import Flow
 from ..lanes import Cells, Lanes
-from .bends import Ends, Shakes, edge_of, fastest, sags
-from .ground import Ground
+from ..march.bends import Ends, Shakes, edge_of, fastest, sags
+from ..march.ground import Ground
+from .observer import Arcs, Quiet
 
 Array = np.ndarray
 
@@ -38,14 +39,14 @@ class _Motion(NamedTuple):
     bend: float
 
 
-class Footing:
-    """Which cells have lost the ground: `lost`, of those `watched` on their way; `open`: of which nothing is proved beforehand, (cells,).
+class ContactLoss(Quiet):
+    """Which cells have lost the ground, of those `watched` on their way; `open`: of which nothing is proved beforehand, (cells,).
 
     ahead: the push over the proved one, above 0, beyond which cells are watched.
     """
 
-    def __init__(self, body: Body, segments: Segments, cells: Cells, ahead: float) -> None:
-        self.body, self.segments, self.ground = body, segments, Ground(body, segments)
+    def __init__(self, body: Body, segments: Segments, contact: Contact, cells: Cells, ahead: float) -> None:
+        self.body, self.segments, self.contact, self.ground = body, segments, contact, Ground(body, segments)
         self.across, self.up, share = _sizes(segments), _Motion(0.0, 0.0, 0.0), (0.0, 0.0)
         if (weighed := segments.weighed) is not None:  # whose horizontal extremes lie between the ends
             most, least = weighed.inward
@@ -58,7 +59,7 @@ class Footing:
         self.open = np.any(pushes > safe, axis=0)
         self.watched: Array = self.open & np.any(pushes / ahead > safe, axis=0)
         self.any = bool(self.watched.any())
-        self.lost = np.zeros(self.watched.size, dtype=bool)
+        self._lost = np.zeros(self.watched.size, dtype=bool)
 
     def pressed(self, at: Array, cells: Cells, theta_ratio: Array) -> Array:
         """Whether the largest rotation of these cells proves that they pressed on the ground throughout."""
@@ -68,10 +69,11 @@ class Footing:
             kept &= push <= self.body.safe_at(i, edge.alpha * theta_ratio, ratio)
         return kept
 
-    def follow(self, lanes: Lanes, arc: Flow, reach: Array, y: Array, v: Array, b: Array, at: Array) -> None:
-        """Take in the arcs of the lanes `at` until `reach` [tau], where they are at y, v under the force b; `lanes` as they are at 0."""
+    def arcs(self, arcs: Arcs) -> None:
+        """Look for Fz <= 0 along these arcs."""
+        lanes, arc, reach, y, v, b, at = arcs
         cell = lanes.cell[at]
-        at = at[self.watched[cell] & ~self.lost[cell]]
+        at = at[self.watched[cell] & ~self._lost[cell]]
         if not at.size:
             return
         edge, shaking, high = self.body.on(lanes.side[at]), self._shaking(lanes.side[at], lanes.amplitude[at], lanes.omega[at]), reach[at]
@@ -94,11 +96,11 @@ class Footing:
         own = np.arange(low.size)
         for _ in range(_HALVINGS):
             gone = ~((one.fz > 0.0) & (other.fz > 0.0))
-            self.lost[lanes.cell[own[gone]]] = True
+            self._lost[lanes.cell[own[gone]]] = True
             with np.errstate(invalid="ignore"):  # of a stretch too long for a bound of its speed nothing is proved
                 sag = sags(self.body, edge_of(edge, own), shaking.take(own), high - low, one, other)[1]
                 proved = np.minimum(one.fz, other.fz) > sag
-            more = np.flatnonzero(~proved & ~self.lost[lanes.cell[own]])
+            more = np.flatnonzero(~proved & ~self._lost[lanes.cell[own]])
             if not more.size:
                 return
             own, low, high, one, other = own[more], low[more], high[more], one.take(more), other.take(more)
@@ -126,19 +128,19 @@ class Footing:
         z = edge.alpha - u
         return Ends(u, v, b, self.ground.weight(lanes, h) + edge.kappa * (b * np.sin(z) - v * v * np.cos(z)))
 
-    def settle(self, lanes: Lanes, contact: Contact) -> None:
+    def close(self, lanes: Lanes) -> None:
         """Bodies whose bouncing is summed from now on, under a drive that is monotone until they rest."""
         some = lanes.take(np.flatnonzero(self.watched[lanes.cell] & (lanes.v > 0.0)))
         if not some.cell.size:
             return
         here, there = self.body.on(some.side), self.body.on(-some.side)
-        lasts = self.ground.bouncing_lasts(some, contact)
+        lasts = self.ground.bouncing_lasts(some, self.contact)
         for h in (np.zeros(some.cell.size), lasts):
             push, weight = self.ground.push(some, h), self.ground.weight(some, h)
             least = self.body.lying(here, push, weight)
             if not self.body.one_sided:
                 least = np.minimum(least, self.body.lying(there, -push, weight))
-            self.lost[some.cell[np.flatnonzero(least <= 0.0)]] = True
+            self._lost[some.cell[np.flatnonzero(least <= 0.0)]] = True
 
     def free(self, lanes: Lanes, at: Array, y: Array, v: Array) -> None:
         """Bodies at y, v that rock on over still ground: the next impact, and the first on the other edge."""
@@ -151,13 +153,17 @@ class Footing:
         if len(self.body.alpha) > 1:
             there = self.body.on(-side)
             least = np.minimum(least, self.body.at_impact(there, square * (lanes.eta[at] * there.unit / edge.unit) ** 2))
-        self.lost[lanes.cell[at[np.flatnonzero(least <= 0.0)]]] = True
+        self._lost[lanes.cell[at[np.flatnonzero(least <= 0.0)]]] = True
 
-    def doubtful(self, lanes: Lanes) -> Array:
-        """Which of these damped lanes on still ground may still lose it."""
-        from .closing import still_bounds
+    def lost(self, cell: Array) -> Array:
+        """Those that were found."""
+        return self._lost[cell]
 
-        return self.watched[lanes.cell] & ~self.lost[lanes.cell] & ~(still_bounds(self.body, lanes).fz > 0.0)
+    def may_settle(self, lanes: Lanes, bounced: Array) -> Array:
+        """All but those that may still lose the ground."""
+        from ..march.closing import still_bounds
+
+        return ~self.watched[lanes.cell] | self._lost[lanes.cell] | (still_bounds(self.body, lanes).fz > 0.0)
 
 
 def _loosening(body: Body, edge: Edge, s: Shakes) -> Array:

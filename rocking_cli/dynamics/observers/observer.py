@@ -1,0 +1,115 @@
+"""What a run shows to those who observe it, and what they may ask of it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple, Protocol
+
+import numpy as np
+
+from ..equations.equation import Equation, Flow, Ramp
+from ..lanes import Lanes
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from ..flight.jump import Jumpers, Leap
+
+Array = np.ndarray
+
+
+class Arcs(NamedTuple):
+    """The motion of lanes from their present state until `stop` [tau], each along its flow.
+
+    lanes: as they are at 0; flow: of these lanes; y, v, b: displacement, velocity and force at `stop`, (lanes,); wanted: indices of the
+    lanes whose outcome is still open.
+    """
+
+    lanes: Lanes
+    flow: Flow
+    stop: Array
+    y: Array
+    v: Array
+    b: Array
+    wanted: Array
+
+
+class TaylorSteps(NamedTuple):
+    """Motion of bodies in the air from one sample to the next, (steps,).
+
+    cell: which cell; side: +1 or -1; equation: of these cells on these sides; start, end: (y, y') at either end; ramp: what drives them.
+    """
+
+    cell: Array
+    side: Array
+    equation: Equation
+    start: tuple[Array, Array]
+    end: tuple[Array, Array]
+    ramp: Ramp
+
+
+class Observer(Protocol):
+    """Who takes part in a run. Each method has a meaning for some observers only, and does nothing for the others."""
+
+    def rest(self, cell: Array, k: Array, u: Array, to_k: Array, to_u: Array) -> None:
+        """Bodies of these cells rest from (k, u), segment and phase in it, to another position; (rests,) each. to_k is the number of
+        segments where they rest to the end."""
+
+    def arcs(self, arcs: Arcs) -> None:
+        """Lanes have moved along these arcs."""
+
+    def steps(self, steps: TaylorSteps, go: Array) -> None:
+        """Lanes are to take these Taylor steps over samples, those that `go`, (steps,); sets `go` to False for those that the march must
+        look at more closely."""
+
+    def jumps(self, cell: Array, side: Array, lanes: Jumpers, leap: Leap, flying: Array, strongest: Callable[[Array], Array]) -> Array:
+        """Lanes are to jump over samples, those that are `flying`; returns the indices of those that must jump half as far. strongest:
+        upper bound of the outward drive on the jumps of these indices."""
+
+    def close(self, lanes: Lanes) -> None:
+        """Lanes just after an impact whose sequence of impacts ends in rest are taken there at once."""
+
+    def free(self, lanes: Lanes, at: Array, y: Array, v: Array) -> None:
+        """The lanes `at`, undamped and at y, v (both of these lanes), stay upright over still ground from now on."""
+
+    def may_settle(self, lanes: Lanes, bounced: Array) -> Array:
+        """Whether damped lanes on still ground may be left, (lanes,); bounced: whether each cell has had an impact there, (cells,)."""
+
+    def settle(self, lanes: Lanes) -> None:
+        """Damped lanes on still ground are left: they stay upright."""
+
+    def lost(self, cell: Array) -> Array:
+        """Which of these cells have lost contact with the ground, (n,)."""
+
+
+class Quiet:
+    """An observer that observes nothing: what others have in common."""
+
+    def rest(self, cell: Array, k: Array, u: Array, to_k: Array, to_u: Array) -> None:
+        """Nothing."""
+
+    def arcs(self, arcs: Arcs) -> None:
+        """Nothing."""
+
+    def steps(self, steps: TaylorSteps, go: Array) -> None:
+        """Nothing."""
+
+    def jumps(self, cell: Array, side: Array, lanes: Jumpers, leap: Leap, flying: Array, strongest: Callable[[Array], Array]) -> Array:
+        """None."""
+        return np.zeros(0, dtype=np.int64)
+
+    def close(self, lanes: Lanes) -> None:
+        """Nothing."""
+
+    def free(self, lanes: Lanes, at: Array, y: Array, v: Array) -> None:
+        """Nothing."""
+
+    def may_settle(self, lanes: Lanes, bounced: Array) -> Array:
+        """All."""
+        return np.ones(lanes.cell.size, dtype=bool)
+
+    def settle(self, lanes: Lanes) -> None:
+        """Nothing."""
+
+    def lost(self, cell: Array) -> Array:
+        """None."""
+        return np.zeros(cell.size, dtype=bool)
