@@ -2,8 +2,9 @@
 
     equations/   the forms of y'' = f - 2 zeta y': linear, rigid body, mechanism; their exact flows, Taylor series and collocation
     contacts/    where a body lifts off, what an impact does, when bouncing ends: two sides alike, two sides unequal, one side
-    march/       the engine: lanes, windows of the drive, steps, roots
-    flight/      the same through records: jumps and strides over samples that are proved free of impacts
+    march/       the engine: a run of lanes, windows of the drive, steps, roots; closings, which end lanes whose outcome is proved
+    flight/      steppers through records: jumps and Taylor steps over samples that are proved free of impacts
+    observers/   who looks on at a run: peak speed, ground forces (to 1e-6), contact loss (proved)
     references/  slower paths to the same answer that share nothing with the march
     body         a rigid body as its forces see it, and from which motions it is proved to press on the ground
     lanes        the state of many bodies; drive: its value along a motion; on these all the rooms rest

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+from pathlib import Path
 
 import click
 import pytest
@@ -148,6 +149,28 @@ def test_commands_import_only_what_they_use(arguments, unwanted, pytestconfig, t
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=pytestconfig.rootpath)
     assert not set(unwanted) & set(done.stderr.split())
+
+
+@pytest.mark.parametrize(
+    ("arguments", "most"),
+    [
+        (["check", "configs/block.yaml", "--a-g", "0.35g", "--f-g", "1.5"], 14_400),
+        (["spectrum", "--eta", "0.9", "--grid", "A=1:2:2,Omega=1:2:2", "-q", "-o", "OUT"], 11_200),
+    ],
+    ids=["check", "spectrum"],
+)
+def test_commands_load_no_more_lines_of_the_package_than_now(arguments, most, pytestconfig, tmp_path):
+    """What a newcomer has to read to follow one command."""
+    arguments = [str(tmp_path / "s.h5") if x == "OUT" else x for x in arguments]
+    code = (
+        "import sys\nfrom rocking_cli.commands import main\n"
+        f"try: main({arguments!r})\nexcept SystemExit as e: assert not e.code, e.code\n"
+        "print(*(m.__file__ for n, m in list(sys.modules.items()) if n.partition('.')[0] == 'rocking_cli'), sep='\\n', file=sys.stderr)"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=pytestconfig.rootpath)
+    files = [Path(line) for line in done.stderr.splitlines() if line.endswith(".py")]
+    assert len(files) > 50
+    assert sum(len(file.read_text().splitlines()) for file in files) <= most
 
 
 @pytest.mark.parametrize(("given", "kept"), [(None, "1"), ("3", "3")])

@@ -154,9 +154,6 @@ class Equation(Protocol):
     def on(self, side: Array, cell: Array | None = None) -> Equation:
         """The equation with the numbers of the sides, +1 or -1, that these lanes are on, and of their cells."""
 
-    def of(self, cell: Array) -> Self:
-        """The same for these of its cells, which may be there more than once."""
-
     def flow(self, segments: Segments, lanes: Lanes) -> Flow:
         """The flow of the lanes from their present state."""
 

@@ -50,10 +50,6 @@ class LinearEquation:
         """Both sides have the same equation in their own units."""
         return self
 
-    def of(self, cell: Array) -> Self:
-        """All cells have the same equation."""
-        return self
-
     def flow(self, segments: Segments, lanes: Lanes) -> LinearFlow | SummedFlow | DampedFlow | TaylorSeries:
         """The arc that each lane is about to follow: its state and the outward drive's coefficients; a series where the weight varies."""
         if (weighed := segments.weighed) is not None:

@@ -74,10 +74,6 @@ class MechanismEquation:
         """An arch and its mirror image rock alike."""
         return self
 
-    def of(self, cell: Array) -> Self:
-        """All cells have the same equation."""
-        return self
-
     def flow(self, segments: Segments, lanes: Lanes) -> TaylorSeries:
         """The motion of every lane over a step, as terms of a series."""
         if segments.straight:

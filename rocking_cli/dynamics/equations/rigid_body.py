@@ -74,15 +74,6 @@ class RigidBodyEquation:
         there._take({key: np.where(side > 0.0, right[key], left[key]) for key in right})
         return there
 
-    def of(self, cell: Array) -> Self:
-        """The bodies of these cells."""
-        if not self._by_cell:
-            return self
-        there = copy.copy(self)
-        there._edges = [{key: numbers[cell] for key, numbers in self._edges[0].items()}]
-        there._take(there._edges[0])
-        return there
-
     def flow(self, segments: Segments, lanes: Lanes) -> TaylorSeries:
         """The series of every lane from its present state."""
         if segments.straight:
