@@ -21,7 +21,8 @@ from ..dynamics.equations.taylor import TaylorSeries
 from ..dynamics.lanes import Lanes
 from ..dynamics.march.engine import MAX_STEPS
 from ..dynamics.outcome import FALLEN, Outcome
-from ..dynamics.single.lane import Lane, Listener
+from ..dynamics.single.lane import Lane
+from ..dynamics.single.march import Listener, march
 from ..dynamics.system import System
 from ..motions.blocks import blocks
 from ..motions.motion import Motion
@@ -187,8 +188,9 @@ class _Writer:
 
     def record(self, amplitude: float, release: float, duration: float) -> History:
         listener = Listener(self._keep, self._note, self._rest, _INVISIBLE, (self._fallen(1.0), self._fallen(-1.0)))
+        self.cells = self.system.contact.cells(self.equation, np.array([amplitude]), self.lane.omega, self.lane.eta)
         with np.errstate(all="ignore"):
-            ended = self.lane.run(amplitude, True, listener, release, MAX_STEPS + 40 * len(self.segments))
+            ended = march(self.lane, amplitude, listener=listener, release=release, most=MAX_STEPS + 40 * len(self.segments))
             arcs = self._arcs()
             if ended.outcome.overturned:
                 self._overturn(arcs)
@@ -286,7 +288,7 @@ class _Writer:
                 h = -2.0 * lanes.v / (lanes.b + change / 3.0)
             fall, force = lanes.v + h * (lanes.b + 0.5 * change), lanes.b + change
             lanes.u += lanes.omega * h
-            contact.strike(self.lane.cells, lanes, fall, force)
+            contact.strike(self.cells, lanes, fall, force)
             lanes.b = self._lying(lanes, np.zeros(1))
         rest = contact.bouncing_time(lanes, self._weight(lanes)) * lanes.omega / self.omega
         return self._tau(lanes) + float(rest[0])

@@ -2,7 +2,8 @@
 
     recurrence  the Taylor recurrence of an equation of motion as text, compiled to straight-line code
     drive       the motion as lists of floats, segment by segment
-    lane        the march of one body from event to event, with the proofs of `dynamics` (Lemmas 1, 2, 7, 8 and 12)
+    lane        what is known beforehand: the sides of a body, its code on each
+    march       from event to event, with the proofs of `dynamics` (Lemmas 1, 2, 7, 8 and 12); roots: of the series of a step
     response    outcomes and rotations of cells, one after the other
 
 An array costs a call for every operation, whatever it holds: below a few hundred cells a record is marched sooner on floats. A command

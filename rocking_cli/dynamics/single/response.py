@@ -10,6 +10,7 @@ from ..outcome import Outcome
 from ..response import Response, response, that_left_the_ground
 from ..system import System
 from .lane import Lane
+from .march import march
 
 Array = np.ndarray
 
@@ -37,7 +38,7 @@ def response_alone(
     with np.errstate(all="ignore"):
         for i, (a, w, e) in enumerate(zip(amplitude.tolist(), omega.tolist(), eta.tolist(), strict=True)):
             lane = lanes.get((w, e)) or lanes.setdefault((w, e), Lane(system, segments, w, e))
-            ended = lane.run(a, peaks or prove, most=most)
+            ended = march(lane, a, peaks=peaks or prove, most=most)
             outcome[i], theta_ratio[i], impacts[i] = ended.outcome, ended.theta_ratio, ended.impacts
     failed = np.flatnonzero(outcome == Outcome.FAILED)
     if failed.size:
