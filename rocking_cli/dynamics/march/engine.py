@@ -183,7 +183,8 @@ class Run(Batch):
         shaken = ~hit & ~bad & (k >= len(seg))
         if self.equation.damping:
             bad, shaken = bad | shaken, np.zeros(hit.shape, dtype=bool)  # it should have settled
-        over = ~hit & ~bad & ~shaken & self._certainly_overturns(lanes, k, passage)
+        foreseen = self.cannot_return(lanes, slice(None), np.minimum(k, len(seg) - 1), end.y, end.v)
+        over = ~hit & ~bad & ~shaken & foreseen
         last = np.flatnonzero(shaken)
         fate = self.contact.fate(self.equation, lanes, last, end.y[last], end.v[last])
         wanted = ~(bad | over)
@@ -192,8 +193,8 @@ class Run(Batch):
         if self.peaks:
             np.maximum.at(lanes.peak, found.lanes, found.y)  # there may be several to a lane
             limit = np.broadcast_to(equation.limit, hit.shape)[found.lanes]
-            past = found.lanes[found.y >= limit]  # beyond it and back within one step
-            over[past] = ~bad[past]
+            fallen = found.lanes[found.y >= limit]  # on its side, though it may be back within one step
+            over[fallen] = ~bad[fallen]
 
         if self.observers:
             self._show(lanes, passage, np.flatnonzero(~(bad | over)))
@@ -226,10 +227,6 @@ class Run(Batch):
         gain = self.equation.on(lanes.side, lanes.cell).gain
         gain = gain * np.maximum(1.0, self.segments.greatest_weight(lanes.side, lanes.amplitude))
         return crests(self.segments, lanes, passage, wanted & ~low_bounces(lanes, passage, gain))
-
-    def _certainly_overturns(self, lanes: Lanes, k: Array, passage: Passage) -> Array:
-        """No drive that is still to come can bring the body back (Lemma 6)."""
-        return self.cannot_return(lanes, slice(None), np.minimum(k, len(self.segments) - 1), passage.end.y, passage.end.v)
 
     def _onward(self, lanes: Landing, passage: Passage, k: Array, u: Array, at: Array) -> Landing:
         """Lanes that reached the end of their step in the air."""
