@@ -223,5 +223,7 @@ def test_rows_under_a_record_stand_at_its_samples(rocking):
     assert peak == pytest.approx(0.35 * 9.81, rel=1e-12)
     assert all(any(abs(t - x) < 1e-9 for t in times) for x in (0.01, 0.02, 15.99))
     events = csv_rows(rocking(*call, "--csv", "--events").stdout)
-    assert {float(e["t"]) for e in events if e["event"] in ("impact", "peak")} <= set(times)
-    assert [float(r["t"]) for r in csv_rows(rocking(*call, "--csv", "--dt", "0.5").stdout)][:3] == [0.0, 0.5, 1.0]
+    turns = [float(e["t"]) for e in events if e["event"] in ("impact", "peak")]
+    assert turns
+    assert all(min(abs(t - x) for t in times) < 1e-12 * x for x in turns)
+    assert [float(r["t"]) for r in csv_rows(rocking(*call, "--csv", "--dt", "0.5").stdout)][:3] == pytest.approx([0.0, 0.5, 1.0])
