@@ -17,6 +17,7 @@ from rocking_cli import Outcome, sine
 from rocking_cli.dynamics.equations.linear import LinearEquation
 from rocking_cli.dynamics.march import engine
 from rocking_cli.dynamics.system import System
+from rocking_cli.responses import history as histories
 from rocking_cli.responses.history import history
 from rocking_cli.spectra.file.reader import SpectraFile
 
@@ -195,7 +196,7 @@ def test_a_step_count_that_runs_away_is_a_failed_cell(monkeypatch, tmp_path):
         main(["spectrum", *cell, "--workers", "1", "-o", str(tmp_path / "s.h5")])
     assert ended.value.code == 4
     assert (tmp_path / "s.h5").exists()
-    monkeypatch.setattr(engine, "MAX_STEPS", -158)
+    monkeypatch.setattr(histories, "MAX_STEPS", -158)
     assert history(System(LinearEquation()), sine(), 1.5, 4.0, 1.0, duration=30.0).outcome == Outcome.FAILED
 
 

@@ -120,7 +120,8 @@ def test_a_fallen_statue_says_how_little_it_takes():
     """The upper end of the interval that fells it is the nearer boundary; its capacity is the lower one."""
     block = structure_of("kind: block\nwidth: 0.5\nheight: 1.8\nrestitution: 0.9")
     nearly = trace_envelope(block, sine(), [3.0], method=governing_method(block), sign="+")[0]
-    verdict = check(block, sine(), Grid(Axis("A", np.array([0.99 * nearly.a_to])), Axis("Omega", np.array([3.0]))))
+    a_g, omega_g = block.ground_acceleration(0.99 * nearly.a_to), 3.0 * block.p
+    verdict = check(block, sine(), Grid(Axis("a_g", np.array([a_g])), Axis("omega_g", np.array([omega_g]))))
     assert verdict.outcome == Outcome.OVERTURNED_AFTER_IMPACT
     assert verdict.capacity_demand == pytest.approx(nearly.a_from / (0.99 * nearly.a_to), rel=1e-8, abs=0)
     assert verdict.capacity_demand < 0.6
@@ -129,7 +130,7 @@ def test_a_fallen_statue_says_how_little_it_takes():
 def test_the_record_has_the_documented_columns():
     record = check(structure_of("kind: block\nwidth: 0.5\nheight: 2"), sine(), parse_grid("a_g=0.3g,f_g=1")).record()
     assert tuple(record) == CHECK_COLUMNS == (
-        "name", "motion", "model", "outcome", "theta_ratio", "uplift_a", "first_overturning_a", "capacity_demand", "safe_to",
+        "name", "motion", "model", "outcome", "theta_ratio", "demand_a", "uplift_a", "first_overturning_a", "capacity_demand", "safe_to",
         "outcome_linear", "friction", "fz_min",
     )  # fmt: skip
     assert record["uplift_a"] == pytest.approx(0.25 * 9.81, rel=1e-12, abs=0)

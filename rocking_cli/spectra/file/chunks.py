@@ -119,3 +119,11 @@ def stored_outcomes(packed: Mapping[str, bytes], grid: ChunkGrid, index: int) ->
     if counts.size > len(Outcome):
         raise ValueError(f"outcome {counts.size - 1} is none")
     return counts
+
+
+def chunk_places(file: h5py.File, names: Sequence[str]) -> list[tuple[int, int]]:
+    """(offset, length) in the file of every chunk of the variables."""
+    places: list[tuple[int, int]] = []
+    for name in names:
+        file[name].id.chunk_iter(lambda info: places.append((info.byte_offset, info.size)))
+    return places

@@ -14,8 +14,9 @@ from ...dynamics.outcome import Outcome
 from ...errors import OutputError, UsageError
 from ..machine import machines_of, together, unlike
 from .chunks import stored_outcomes, unpack
+from .difference import brief, difference
 from .layout import VARIABLES
-from .reader import SpectraFile, brief, difference
+from .reader import SpectraFile
 from .writer import SpectraWriter
 
 KEPT = ("history", "documents", "motion", "model", "tolerance")

@@ -6,7 +6,7 @@ import io
 import json
 import os
 import stat
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator
 from functools import lru_cache
 from pathlib import Path
 from types import TracebackType
@@ -22,6 +22,7 @@ from ...motions.grid import Axis, Grid
 from ...structures.parameters import RockingParameters
 from ..frame import EDGE_PARAMETERS, VARIED, Frame, Values, form_among, varied_units
 from .chunks import ChunkGrid, split, stored_chunk, unpack
+from .difference import reason
 from .digest import checked_digest, read
 from .layout import BOOKKEEPING, CHUNK_TABLES, FLAGS, VARIABLES
 from .partial import SIGNATURE, Records
@@ -226,20 +227,6 @@ def _told(name: str, value: np.generic) -> float | int | str | None:
     return number if np.isfinite(number) else None
 
 
-def reason(error: BaseException) -> str:
-    """What a fault says, in words."""
-    text = str(error.args[0]) if isinstance(error, KeyError) and error.args else str(error)
-    return text if " " in text else f"it has no {text!r}"
-
-
-def chunk_places(file: h5py.File, names: Sequence[str]) -> list[tuple[int, int]]:
-    """(offset, length) in the file of every chunk of the variables."""
-    places: list[tuple[int, int]] = []
-    for name in names:
-        file[name].id.chunk_iter(lambda info: places.append((info.byte_offset, info.size)))
-    return places
-
-
 def _plain(value: Any) -> Any:
     """An attribute's value as Python has it."""
     return value.item() if isinstance(value, np.generic) else value.tolist() if isinstance(value, np.ndarray) else value
@@ -257,25 +244,3 @@ def _values(data: h5py.Dataset) -> Values:
     """A list of numbers or of texts."""
     values = data[...]
     return [text.decode() for text in values] if data.dtype.hasobject else values
-
-
-def difference(one: Any, other: Any, place: str = "") -> tuple[str, Any, Any] | None:
-    """Where two scenes first differ, and what each has there. A list that begins with a name differs by that name."""
-    if one == other:
-        return None
-    if isinstance(one, Mapping) and isinstance(other, Mapping):
-        key = next(k for k in [*one, *other] if k not in one or k not in other or one[k] != other[k])
-        place = f"{place}.{key}" if place else key
-        return difference(one[key], other[key], place) if key in one and key in other else (place, one.get(key), other.get(key))
-    if isinstance(one, list) and isinstance(other, list) and any(isinstance(x, list | Mapping) for x in [*one, *other]):
-        if len(one) != len(other):
-            return f"number of {place}", len(one), len(other)
-        i = next(i for i, (a, b) in enumerate(zip(one, other, strict=True)) if a != b)
-        return difference(one[i], other[i], place if isinstance(one[i], str) else f"{place}[{i}]")
-    return place, one, other
-
-
-def brief(value: Any) -> str:
-    """A value of a scene in at most 60 characters."""
-    text = json.dumps(value)
-    return text if len(text) <= 60 else text[:57] + "..."

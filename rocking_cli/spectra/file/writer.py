@@ -17,11 +17,11 @@ from ...errors import OutputError, UsageError
 from ...publishing import published
 from ..frame import Frame
 from ..machine import machine, together, unlike
-from .chunks import ChunkGrid, checksum, joined, split, stored_outcomes
+from .chunks import ChunkGrid, checksum, chunk_places, joined, split, stored_outcomes
+from .difference import brief, difference, reason
 from .digest import digest_line
 from .layout import BOOKKEEPING, image
 from .partial import Partial
-from .reader import brief, chunk_places, difference, reason
 
 WHOLE = "1/1"
 

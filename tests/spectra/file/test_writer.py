@@ -35,8 +35,9 @@ from rocking_cli.reports.summary import summary_lines
 from rocking_cli.spectra import machine
 from rocking_cli.spectra.file import writer as store
 from rocking_cli.spectra.file.chunks import pack
+from rocking_cli.spectra.file.difference import difference
 from rocking_cli.spectra.file.partial import Partial, Records
-from rocking_cli.spectra.file.reader import SpectraFile, difference
+from rocking_cli.spectra.file.reader import SpectraFile
 from rocking_cli.spectra.file.writer import SpectraWriter
 from rocking_cli.spectra.frame import pulse_frame
 
