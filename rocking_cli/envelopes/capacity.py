@@ -28,7 +28,7 @@ Array = np.ndarray
 
 LONGEST_FINE = 200  # segments of a motion up to which the scan is as fine as an envelope's
 RATIO = 5e-3  # of neighbouring amplitudes, less 1, of an envelope beyond that: a cell costs a thousand times one of a pulse
-_COARSE, _FINE = 1e-3, 1e-4  # the same of a search for the lowest fall alone: everywhere, and in the tenth below a fall that is found
+_COARSE, _FINE = 1e-3, 6e-5  # the same of a search for the lowest fall alone: everywhere, and in the tenth below a fall that is found
 _NEAR, _BESIDE = 0.9, 1.05  # of the lowest fall: from where the search is fine, and to where it tells how many amplitudes fall
 _STRETCH = 100  # amplitudes that are looked at together at first
 _FIRST_WINDOW = 1.5  # in A, looked at together: that many cells cost about as much as one batch
@@ -63,7 +63,7 @@ def capacity(structure: RockingParameters, motion: Motion, amplitude: float, ome
     if not lowest < top:
         return Capacity(None, None, lowest if np.isfinite(lowest) else None)
     if _long(motion):
-        stretches = _Stretches(system, motion, structure.eta, np.array([omega]), method.stated_tolerance or 4e-16)
+        stretches = Stretches(system, motion, structure.eta, np.array([omega]), method.stated_tolerance or 4e-16)
         below = stretches.first_fall(lowest, min(amplitude, top)) if lowest < amplitude else None
         stands = amplitude <= lowest or bool(safe(stretches.alone(amplitude)))
         above = stretches.first_fall(max(lowest, amplitude), top) if stands else amplitude
@@ -92,7 +92,7 @@ def _long(motion: Motion) -> bool:
 
 
 @dataclass(frozen=True)
-class _Stretches:
+class Stretches:
     """The outcomes of one system at one Omega under a long motion: many amplitudes by `response`, single ones by `response_alone`.
 
     seen: amplitudes `_COARSE` apart that were looked at, and whether each falls.

@@ -4,10 +4,23 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from support.synthetic_records import noise, shaken
 
-from rocking_cli import UsageError, build_structure, dimensionless_oscillator, parse_documents, pulse, sine
+from rocking_cli import (
+    LinearEquation,
+    Outcome,
+    System,
+    UsageError,
+    build_structure,
+    dimensionless_oscillator,
+    parse_documents,
+    pulse,
+    response,
+    sine,
+)
 from rocking_cli.dynamics.method import LINEAR, Method
-from rocking_cli.envelopes.capacity import capacity
+from rocking_cli.dynamics.outcome import safe
+from rocking_cli.envelopes.capacity import Stretches, capacity
 
 BLOCK = build_structure(parse_documents("kind: block\nradius: 1.6065856\nalpha: 0.25\nrestitution: 0.9")[0])  # p = 2.14 rad/s
 
@@ -64,3 +77,49 @@ def test_a_body_against_its_backing_is_not_lifted_by_a_push_inwards():
 def test_a_demand_beyond_the_scan_is_refused(demand):
     with pytest.raises(UsageError, match="accepted is up to 100000"):
         capacity(dimensionless_oscillator(0.9), sine(), demand, 5.0, method=LINEAR, a_max=20.0)
+
+
+# Falls [m/s2] of a block of 0.5 x 2.5 m under a record, found on a raster of 5e-5; from 3.3264 on every other stretch of 0.002 falls.
+NARROW = [(3.16735, 3.16755), (3.18105, 3.18145), (3.18275, 3.18330), (3.22525, 3.22575), (3.2367, 3.23865)]
+
+
+class Told(Stretches):
+    """A search whose outcomes are those falls."""
+
+    def falls(self, low, high, ratio):
+        amplitude = np.geomspace(low, high, 2 + int(np.log(high / low) / np.log1p(ratio)))
+        falls = np.array([self._fall(a) for a in amplitude])
+        if ratio > 5e-4:
+            self.seen.append((amplitude, falls))
+        return amplitude, falls
+
+    def alone(self, amplitude):
+        return np.array(Outcome.OVERTURNED_AFTER_IMPACT if self._fall(amplitude) else Outcome.ROCKED)
+
+    def _fall(self, a):
+        return any(low <= a <= high for low, high in NARROW) or (a >= 3.3264 and int((a - 3.3264) / 0.002) % 2 == 0)
+
+
+def test_the_lowest_of_six_narrow_falls_is_found_under_a_record():
+    found = Told(None, None, 0.9, np.ones(1), 1e-9)
+    assert found.first_fall(1.962, 40.0) == pytest.approx(3.16735, rel=1e-9, abs=0)
+    assert found.first_fall(3.24, 40.0) == pytest.approx(3.3264, rel=1e-9, abs=0)
+    assert found.first_fall(1.962, 3.1) is None
+    assert 0.1 < found.dust(3.3264) < 0.4
+
+
+def test_one_wide_interval_is_no_dust():
+    found = Told(None, None, 0.9, np.ones(1), 1e-9)
+    amplitude = np.geomspace(3.0, 4.0, 300)
+    found.seen.append((amplitude, amplitude >= 3.3))
+    assert found.dust(3.3) == 0.0
+
+
+def test_the_lowest_fall_under_a_record_is_cut_to_its_last_digits():
+    motion, system = shaken(noise(100, 0.05, 1)[30:60], 0.05), System(LinearEquation())
+    found = Stretches(system, motion, 0.9, np.array([0.4]), 1e-9)
+    first = found.first_fall(1.02, 8.0)
+    assert not safe(found.alone(first))
+    assert safe(found.alone(first * (1.0 - 3e-9)))
+    below = np.linspace(0.9 * first, first * (1.0 - 1e-8), 100)
+    assert safe(response(system, motion, below, 0.4, 0.9, peaks=False).outcome).all()
