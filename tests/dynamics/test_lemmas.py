@@ -1,11 +1,11 @@
-"""The lemmas on which the march rests (numbered in `rocking_cli.dynamics`), each with what tries to break it.
-
-Lemmas 5 and the tangents of 2 stand in march/test_advance, 8 in contacts/test_contact, 9 and 10 in spectra/test_boundaries.
-"""
+"""The lemmas on which the march rests, each with what tries to break it; `rocking_cli.dynamics.lemmas` names the tests of the others."""
 
 from __future__ import annotations
 
 import math
+import pydoc
+import re
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -13,6 +13,7 @@ from scipy.integrate import quad
 from scipy.optimize import brentq
 
 from rocking_cli import LinearEquation, RigidBodyEquation, System, response
+from rocking_cli.dynamics import lemmas
 from rocking_cli.dynamics.contacts.one_sided import OneSided
 from rocking_cli.dynamics.contacts.symmetric import Symmetric
 from rocking_cli.dynamics.contacts.unequal import Unequal
@@ -202,3 +203,30 @@ def test_lemma_6_calls_lost_what_has_the_speed_to_pass_the_barrier_and_no_less(e
         work = -quad(force, y, summit, epsabs=1e-14, epsrel=1e-13)[0]
         speed = math.sqrt(2.0 * work) * np.array([1.0 - 1e-10, 1.0 + 1e-10])
         assert equation.certainly_overturns(np.full(2, y), speed, np.full(2, inward)).tolist() == [False, True]
+
+
+def stated():
+    """The text of each lemma by its number."""
+    parts = re.split(r"^# Lemma (\d+) .*$", lemmas.__doc__, flags=re.MULTILINE)
+    return dict(zip(map(int, parts[1::2]), parts[2::2], strict=True))
+
+
+def test_every_lemma_that_is_cited_is_stated():
+    package = Path(lemmas.__file__).parents[1]
+    texts = [path.read_text() for room in ("dynamics", "envelopes") for path in (package / room).rglob("*.py")]
+    lists = [found for text in texts for found in re.findall(r"Lemmas?\s+(\d+(?:(?:,| and|, and)\s+\d+)*)", text)]
+    cited = {int(number) for found in lists for number in re.findall(r"\d+", found)}
+    assert cited == set(stated())
+
+
+@pytest.mark.parametrize("number", range(1, 15))
+def test_a_lemma_has_a_proof_a_use_and_a_test_that_exist(number):
+    text = stated()[number]
+    uses, tests = re.search(r"^Used in (.*)^Test (.*)", text, flags=re.MULTILINE | re.DOTALL).groups()
+    assert "Proof. " in text or number == 14  # whose statement is the proof
+    for name in re.findall(r"`([\w.]+)`", uses):
+        assert pydoc.locate(name if name.startswith("rocking_cli.") else f"rocking_cli.dynamics.{name}") is not None, name
+    here = Path(__file__).parent
+    for path, name in re.findall(r"`([\w/.]+)::(\w+)`", tests):
+        file = here.parents[1] / path if path.startswith("tests/") else here / path
+        assert f"def {name}(" in file.read_text()

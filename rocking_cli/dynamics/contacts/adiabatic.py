@@ -1,19 +1,6 @@
-"""Bodies that lose next to nothing at impacts and that nothing lifts again: they bounce to the end of a record, at one action (Lemma 14).
+"""Bodies that lose next to nothing at impacts and that nothing lifts again: they bounce to the end of a record, at one action.
 
-Undamped, on equal edges, under straight lines without jumps. Let c be the drive towards +x, x the displacement with its side's sign, a =
-+-c the outward drive, F = 1 - a and W = y'^2/2 + L(y) - a M(y), L and M the integrals of l and m, so that W' = -a' M between impacts, which
-lower W. Bounces under a still drive have the action W^(3/2)/(1 - c^2), and with phi = -x' [2/3/(1 - c^2) + y/(3 F W)]
-
-    Q = log W - 2/3 log(1 - c^2) + c' phi
-
-changes along a line by no more than what is small with the bounce. Let |c| <= e on the line, D = 1 - e and |df/dy| <= g while |a| <= 1.
-As long as W <= 0.095 D^2/g, and so g y <= D/10, y <= 1.053 W/F, M <= 1.05 y and v^2 <= 2 W,
-
-    |Q'| <= c'^2 (2 W)^(1/2) [4/3 e/(1 - e^2)^2 + 0.74/D^3] + 2 |c'| g W/D^3,   |phi| <= (2 W)^(1/2) [2/3/(1 - e^2) + 0.36/D^2].
-
-Where a line ends Q changes by phi times the change of c'. An impact lowers it while |c' phi| <= 1: log W falls by 2 (1 - eta) at the least,
-c' phi changes by 1 - eta of itself. Where all these changes, for W = W_0 exp(G) [(1 - c^2)/(1 - c_0^2)]^(2/3), sum up to no more than G,
-W is never beyond that: it would have to come to it first.
+Undamped, on equal edges, under straight lines without jumps: Lemma 14, whose letters stand here too.
 """
 
 from __future__ import annotations

@@ -135,15 +135,7 @@ class Bounce(NamedTuple):
 
 
 def bouncing_ends(segments: Segments, lanes: Lanes, equation: Equation, there: Bounce) -> Array:
-    """Lemma 7 for a body that bounces from side to side; where the weight varies see `bouncing_weighed`.
-
-    With a between a_- and a_+ until the end, on a monotone segment, the series of arcs lasts at most
-    2 v / (1 - q) [G/(1 - a_+ - e) + eta r H/(1 + d a_- - e)], q = eta back, d and r the other side's drive and time; e bounds what
-    y and damping add to the force. An arc is left with more speed than it began with only where the force grows, by at most the
-    root of its last over its first value, and over a monotone drive these ratios telescope: where a rises only arcs there gain,
-    those here then by G^2 = (1 + d a_+)/(1 + d a_-), while those there, which are shorter by G^2, need no H; and the other
-    way round where a falls. Lanes whose arcs could rise above their peak so far are left to go on.
-    """
+    """Lemma 7 for a body that bounces from side to side; false where an arc could rise above the lane's peak so far, (lanes,)."""
     if segments.weighed is not None:
         return bouncing_weighed(segments.weighed, lanes, equation, there)
     drive, v = 1.0 + lanes.b, lanes.v
@@ -178,12 +170,7 @@ def bouncing_ends(segments: Segments, lanes: Lanes, equation: Equation, there: B
 
 
 def bouncing_weighed(segments: WeighedSegments, lanes: Lanes, equation: Equation, there: Bounce | None) -> Array:
-    """Lemma 7 where the weight varies; there: the other side of a bounce, None of a body that always returns to this side.
-
-    With c and d the net drives here and there, monotone on the segment, the series lasts at most
-    2 v G / (1 - q) [1/(1 - c_+ - e) + eta r/(1 - d_+ - e)]. Speeds gain on either side, by at most the root of the largest over the
-    least force on it, so G is the product of both roots; e holds w times what y adds.
-    """
+    """Lemma 7 where the weight varies; there: the other side of a bounce, None of a body that always returns to this side."""
     b, v, side = lanes.b, lanes.v, lanes.side
     keeps = lanes.eta if there is None else there.eta * there.back
     amplitude = lanes.amplitude if there is None else lanes.amplitude * there.drive

@@ -1,9 +1,6 @@
 """Bodies that nothing lifts again: from an impact on they bounce to the end of the shaking, and never as high as they were.
 
-For the undamped linear oscillator on equal edges. Let the drive be at most e in size from the impact on, e < 1, and V all that it varies
-until it has come to rest, jumps and the last one included. Over an arc from impact to impact v^2 changes by int 2 y' a = - int 2 y da,
-and while v^2 <= 3/4 (1 - e)^2 no arc rises above 2/3 v^2/(1 - e), since y'' <= y - 1 + e. So an arc multiplies v^2 by no more than
-1 + 4/3 dV/(1 - e), an impact lowers it, and all arcs to come multiply it by less than exp(4/3 V/(1 - e)).
+For the undamped linear oscillator on equal edges: Lemma 7 (a).
 """
 
 from __future__ import annotations

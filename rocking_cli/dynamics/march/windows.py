@@ -1,12 +1,7 @@
 """Windows of the drive: stretches of time on which one sign test proves whether y has a root.
 
-On one side y'' - y = a - 1, and the sign of a - 1 decides what y can do:
-
-- **valley**, a < 1 (Lemma 1): once y has crossed zero downwards y'' = y - (1 - a) stays negative, so y never comes back inside the
-  window. Hence y(end) > 0 proves that there was no impact, and y(end) <= 0 that there was exactly one. Where a falls and
-  then rises once (a valley ends at any inner maximum of a), y' has at most one zero downwards: at most one peak.
-- **ridge**, a >= 1 (Lemma 2): y is convex while y >= 0. With y' >= 0 at the start nothing can happen; with y' < 0 y has a single
-  minimum, and its sign decides.
+On one side y'' - y = a - 1 (linear), and the sign of a - 1 decides what y can do: Lemma 1 where a < 1, Lemma 2 where a >= 1. A window
+with a < 1 ends at any inner maximum of a, so that a falls and then rises once along it (Lemma 3).
 
 A position in the motion is a segment k and the phase u since that segment's start. The boundaries are the crossings of
 a = 1, found in closed form on a monotone segment, and the ends of pieces.

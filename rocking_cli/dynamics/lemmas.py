@@ -1,0 +1,213 @@
+"""The lemmas on which the march rests: what is proved of a rocking body between two instants, so that nothing has to be sampled.
+
+# Setting
+
+On each side of a body y >= 0 is the displacement, in the unit in which the body at rest falls back with acceleration 1. Time is
+tau = p t, and a dot is a derivative by tau. The outward drive a is the ground acceleration over its value at uplift. The motion is
+
+    y'' = f - 2 zeta y',    f = -l(y) + a m(y),    l(0) = m(0) = 1,    l/m > 1 below the ground,    zeta >= 0.
+
+For the linear oscillator f = y - 1 + a. At y = 0 an impact puts the body on its other side (or back on the same one) with the speed
+eta |y'|. A body at rest lifts off where a > 1 on one of its sides.
+
+With damping, Y = exp(zeta tau) y and V = exp(zeta tau) y' have the signs of y and y'. For the linear oscillator
+Y'' - (1 + zeta^2) Y = exp(zeta tau) (a - 1) and V'' - (1 + zeta^2) V = exp(zeta tau) a'. Each lemma is proved on Y and V as it is on
+y and y' without damping.
+
+# Notation
+
+piece       a stretch of the motion with one closed form
+segment     a stretch of a piece on which the motion s is monotone
+drive       subcritical where a < 1, supercritical where a >= 1
+window      a stretch of time on which the drive is subcritical throughout, or supercritical throughout
+step        what one round of the march covers with one proof: a window, or a supercritical window that the body enters moving
+            outwards together with the subcritical window after it
+flow        the solution from a state under one closed form of the drive; an arc is the part of it that a lane follows
+peak        a turning point at which y' changes from positive to negative
+A, Omega    amplitude of the drive over the uplift's; circular frequency of the motion over p
+e           the strongest inward drive to come (Lemma 6), or a bound that the lemma defines
+w           the weight over m g, 1 + zg''/g where the ground moves upwards too; otherwise 1
+
+**Varying weight.** Where w varies, f = -w l(y) + a m(y), and a body is followed while w > 0; after that it has lost contact. The *net
+drive* is c = a + 1 - w, on each side its own. Each lemma says what changes with c in the place of a.
+
+**Events.** Uplift is the first instant with -A_right s > 1 or A_left s > 1, found on monotone segments. Lemmas 1 and 2 isolate impacts,
+Lemmas 3 and 4 isolate peaks: each is a root in a bracket that holds exactly one. Events at one instant are taken in the order impact,
+jump of the drive, uplift. What can be missed: the pair of turns that Lemma 4 names. Impacts inside a sequence that Lemma 7 sums are not
+counted one by one. A body is at rest if its speed is below 1e-100, or below 1e-12 if it then bounces lower than 1e-16 and keeps more
+than 1 - 1e-6 of its speed in a cycle.
+
+# Lemma 1 (subcritical drive)
+
+While a < 1, a body that has crossed y = 0 downwards does not come back.
+Proof. For y <= 0, l/m > 1 > a, so f < 0: the body has y' <= 0 at the crossing, and where y' = 0 it only falls.
+So y > 0 at the end of a subcritical window proves that there was no impact, and y <= 0 that there was exactly one.
+Varying weight: it holds, since f = m (a - w l/m) and below the ground w l/m > w > a where c < 1.
+Used in `march.advance.advance`, `march.windows.window_end`, `flight.interval.through_interval`.
+Test `test_lemmas.py::test_lemma_1_what_falls_below_the_ground_in_a_valley_stays_there`.
+
+# Lemma 2 (supercritical drive)
+
+While a >= 1 and y >= 0: if y' >= 0 at the start there is no event; if y' < 0 there is at most one minimum, and its sign decides.
+Proof. y' = 0 implies y'' >= 0. Undamped, y is convex there, so it lies above the point where the tangents at its ends meet.
+Varying weight: it holds, since above the ground w l/m <= w <= a where c >= 1.
+Used in `march.advance.next_step`, `march.advance.advance`, `flight.interval.through_interval`.
+Test `test_lemmas.py::test_lemma_2_a_ridge_holds_one_minimum_above_ground_and_nothing_where_it_is_entered_outwards`,
+`march/test_advance.py::test_grazing_is_decided_on_either_side`.
+
+# Lemma 3 (one peak)
+
+In a step along which a falls and then rises at most once, y' changes from positive to negative at most once.
+Proof. Where a' < 0, V is concave while it is negative; where a' > 0, V is convex while it is positive.
+Varying weight: it does not hold, since a' + w' (y - 1) has no known sign. Bernstein bounds of the series isolate the turns.
+Used in `march.advance.crests`, `flight.interval.raise_peaks`, `march.turns.falls_through_zero`.
+Test `test_lemmas.py::test_lemma_3_a_drive_that_falls_and_then_rises_lets_the_body_turn_back_once`.
+
+# Lemma 4 (hidden turn)
+
+The convexity of Lemma 3 finds a pair of turns that hide between two ends at which y' has one sign.
+Proof. The slope of V tells on which side of a point its extremum lies, and the tangents of V prove that there is none.
+For Eqs. 2.3 and 3.4 f must grow with y. On stocky bodies under strong inward drives (a tan(alpha) tan(z) < -1) it may not, and a pair of
+turns within one window can be missed. This changes no outcome, only the height of a lower peak.
+Varying weight: as Lemma 3.
+Used in `march.roots.hidden_turn`.
+Test `test_lemmas.py::test_lemma_4_finds_a_pair_of_turns_that_hides_between_two_ends`.
+
+# Lemma 5 (low bounce)
+
+Undamped, a bounce from impact to impact under a subcritical drive lies below the point where the tangents at its ends meet, if
+g v h < 1 - max a. g is the gain (the largest df/dy), v the speed after the first impact, h the length of the bounce.
+Proof. y <= v h while the bounce is concave, so y'' <= g y - (1 - max a) < 0, and the bounce stays concave.
+Varying weight: with w_+ g in the place of g, w_+ the largest weight. c is largest at an end of the window, and f <= c - 1 + w_+ g y.
+Used in `march.advance.low_bounces`.
+Test `march/test_advance.py::test_bounds_that_spare_root_searches_change_nothing`.
+
+# Lemma 6 (certain overturning)
+
+Linear: with g the rate of the unstable mode, a body with z = y - 1 + g v > e, e the strongest inward drive to come, never returns.
+Proof. z' = g (z + a) > 0 for all time.
+Eqs. 2.3 and 3.4, undamped: a body never returns if it moves outwards beyond the barrier of the constant inward drive e, or has the
+energy to pass this barrier.
+Proof. A weaker drive pushes back less, so the energy over that barrier does not fall.
+Damped, nonlinear: only beyond the equilibrium under e. theta = pi/2, or a collapsed linkage, is overturning whatever comes.
+Varying weight: beyond the equilibrium of the constant inward drive e/w_-, w_- the least weight to come, and moving outwards: there l < 0
+and f >= w_- (-l - m e/w_-) >= 0. The bounds by energy are not used.
+Used in `equations.equation.Equation.certainly_overturns`, `march.batch.Batch.cannot_return`.
+Test `test_lemmas.py::test_lemma_6_no_drive_up_to_the_strongest_brings_back_what_is_lost`,
+`test_lemmas.py::test_lemma_6_calls_lost_what_has_the_speed_to_pass_the_barrier_and_no_less`.
+
+# Lemma 7 (the sequence of impacts ends)
+
+A body bounces from side to side within a monotone segment, with a_- <= a <= a_+ until the end. The other side has the drive -d a, the
+time of an arc there is r times that here, its speed after an impact eta times the speed here; a cycle keeps q = eta back of the speed.
+The sequence of arcs lasts at most
+
+    2 v / (1 - q) [G/(1 - a_+ - e) + eta r H/(1 + d a_- - e)],
+
+e a bound of what y and damping add to the force.
+Proof. An arc ends with more speed than it began with only where the force grows, by at most the root of its last over its first value.
+Over a monotone drive these ratios telescope. Where a rises only arcs there gain, those here then by G^2 = (1 + d a_+)/(1 + d a_-); those
+there are shorter by G^2 and need no H. Where a falls it is the other way round. A sequence with an arc that could rise above the lane's
+peak so far is marched on.
+One side: the sequence lasts at most 2 v / (1 - eta) / (1 - a_+ - e), and any inward drive holds the body.
+Varying weight: with c and d the net drives on the two sides, it lasts at most 2 v G/(1 - q) [1/(1 - c_+ - e) + eta r/(1 - d_+ - e)].
+Speeds gain on either side, by at most the root of the largest over the least force there; G is the product of both roots, and e holds w
+times what y adds.
+
+The same sums give two more proofs.
+(a) No later uplift. Undamped linear oscillator, equal sides: let |a| <= e < 1 from an impact on, and V the total variation of a to come,
+jumps and the last one included. The body then bounces to the end of the shaking below its peak, as v^2 exp(4/3 V/(1 - e)) bounds every
+v^2. Proof. Over an arc v^2 changes by int 2 y' a = -int 2 y da. While v^2 <= 3/4 (1 - e)^2 no arc rises above 2/3 v^2/(1 - e), since
+y'' <= y - 1 + e. So an arc multiplies v^2 by at most 1 + 4/3 dV/(1 - e), and an impact lowers it.
+(b) More impacts than the march follows. On a stretch of a monotone segment with 1 - |a| >= m arcs begin with at most G v and last at most
+2 G v/(m - e), e < m/2, so a known number of them fills the stretch, unless the sequence ends before.
+Used in `contacts.contact.bouncing_ends`, `contacts.contact.bouncing_weighed`, `contacts.contact.settled_on_one_side`; (a) in
+`contacts.settling.settles`; (b) in `contacts.trains.outlasts`.
+Test `test_lemmas.py::test_lemma_7_bouncing_that_is_summed_ends_before_anything_else_happens`,
+`contacts/test_settling.py::test_marching_on_finds_the_same_peak`,
+`contacts/test_trains.py::test_given_up_is_what_would_have_been_given_up`.
+
+# Lemma 8 (free motion)
+
+On still ground, undamped, the energy between impacts is constant. On a body with equal sides only the next peak and the next impact
+matter, on a body with unequal sides the next two.
+Proof. An impact keeps at most all of the speed (eta <= 1), or on unequal sides at most all of it in a cycle.
+A damped body is marched on until these peaks, which damping only lowers, are no higher than its peak so far.
+Varying weight: it holds, since the ground is still.
+Used in `contacts.contact.free_motion`, `contacts.unequal.Unequal.fate`, `march.batch.Batch.end_shaking`.
+Test `contacts/test_contact.py::test_fate_equals_marching`.
+
+# Lemma 9 (nothing overturns below)
+
+Undamped linear oscillator, equal sides: no body overturns while A int |s| dphi <= Omega. From any instant on, no body overturns if
+sqrt(E) + A int |s| dphi/Omega < 1 over what is still to come, E = v^2 + y (2 - y).
+Proof. dE/dtau = 2 v a, and v^2 <= E below y = 1, so sqrt(E) grows by at most int |a| dtau. Impacts lower it. A body that overturns has
+had E >= 1.
+Varying weight: not used.
+Used in `impulse.ImpulseAhead.cannot_overturn`, `rocking_cli.envelopes.boundaries`.
+Test `test_impulse.py::test_lemma_9_nothing_to_come_overturns_what_is_below_the_bound`.
+
+# Lemma 10 (nothing returns above)
+
+The same oscillator, which the first segment of the motion lifts at any amplitude. Above an amplitude that overturns without impact every
+other one does too. Above an amplitude whose first arc outlasts the shaking every other first arc does too; there the modes y - 1 + v and
+v + 1 - y at the end of the shaking are convex in A.
+Proof. At a fixed time before the first impact y = A J - K with K > 0 and dy/dA = J, so y grows with A where it is positive.
+Varying weight: not used.
+Used in `rocking_cli.envelopes.one_arc`, `rocking_cli.envelopes.boundaries`.
+Test `tests/envelopes/test_boundaries.py::test_above_overturning_without_impact_there_is_nothing_else`.
+
+# Lemma 11 (exact propagation over samples)
+
+Undamped linear oscillator. While a >= c, y(h) >= y + v sinh h + (y - 1 + c)(cosh h - 1), and no impact comes before this bound is zero.
+While a <= c the same expression is an upper bound. Where y > 0 and a >= c on a stretch of length T, y is nowhere above the higher of its
+ends by more than (1 - c) T^2/8. If such an upper bound of y and the largest a leave y'' < 0, v falls throughout and a peak is the only one.
+Proof. Green's function sinh is not negative, so y is monotone in the drive. y'' >= c - 1 gives the bound by the ends.
+The state at the end of a stretch is exact, whatever happens on the way.
+Varying weight: not used.
+Used in `flight.jump.horizon`, `flight.run.Flight._doubtful`, `flight.crest.crest`, `flight.bounded.BoundedResponse`.
+Test `flight/test_run.py::test_records_against_an_integration_that_shares_no_code`,
+`flight/test_crest.py::test_a_crest_is_that_of_the_flow_from_sample_to_sample`.
+
+# Lemma 12 (Taylor step over samples)
+
+Any equation. On 0 <= y <= limit let L and M be the largest l and m, and a the least drive of a stretch of length h. With
+K = L + M max(0, -a), f >= -K and y'' + 2 zeta y' >= -K, so that
+- no impact comes while y + (y' - zeta h |y'|) h - K h^2/2 > 0;
+- no peak is above the higher end by more than exp(2 zeta h) K h^2/8, and there is none where y' (1 - 2 zeta h) >= K h at the start, or
+  y' <= -K h at the end.
+Proof. The first claim is the integral of the inequality. From the peak y falls at most by exp(2 zeta s) K s^2/2 to an end s away.
+Varying weight: with w_+ L in the place of L, w_+ the largest weight of a stretch on which w > 0.
+Used in `flight.walk.Walk._stride`, `flight.weighed_walk.WeighedWalk._stride`, `single.recurrence`, `observers.peak_speed`.
+Test `flight/test_walk.py::test_lemma_12_a_stride_that_is_taken_holds_no_impact_and_no_higher_crest`.
+
+# Lemma 13 (contact is kept)
+
+A body whose arcs do not overturn it keeps Fz > 0 if the bound of its speed leaves Fz > 0 on every arc.
+Proof. Such an arc begins or ends at rest, at a peak. The work of the strongest inward push and of the weight over the path between bounds
+the speed, and the speed bounds Fz from below (`body` has the formulas). Where this leaves the sign open, Fz >= min(its ends) -
+(h^2/8) max |Fz''| on stretches of the march that are halved until the sign is settled.
+Used in `body.Body.pressed`, `observers.contact_loss.ContactLoss`.
+Test `observers/test_contact_loss.py::test_what_a_rotation_proves_to_press_does`,
+`observers/test_contact_loss.py::test_they_are_the_cells_whose_least_force_is_not_positive`.
+
+# Lemma 14 (one action)
+
+Undamped, equal sides, a record of straight lines without jumps that does not lift the body again. Let c be the drive towards +x, x the
+displacement with the sign of its side, a = +-c the outward drive, F = 1 - a and W = y'^2/2 + L(y) - a M(y), L and M the integrals of l
+and m, so that W' = -a' M between impacts. Bounces under a still drive have the action W^(3/2)/(1 - c^2). With
+phi = -x' [2/3/(1 - c^2) + y/(3 F W)], the sum
+
+    Q = log W - 2/3 log(1 - c^2) + c' phi
+
+changes along a line only by terms that are small with the bounce. Let |c| <= e on the line, D = 1 - e and |df/dy| <= g while |a| <= 1.
+As long as W <= 0.095 D^2/g, and so g y <= D/10, y <= 1.053 W/F, M <= 1.05 y and v^2 <= 2 W,
+
+    |Q'| <= c'^2 (2 W)^(1/2) [4/3 e/(1 - e^2)^2 + 0.74/D^3] + 2 |c'| g W/D^3,   |phi| <= (2 W)^(1/2) [2/3/(1 - e^2) + 0.36/D^2].
+
+Where a line ends, Q changes by phi times the change of c'. An impact lowers Q while |c' phi| <= 1: log W falls by at least 2 (1 - eta), and
+c' phi changes by 1 - eta of itself. If all these changes, for W = W_0 exp(G) [(1 - c^2)/(1 - c_0^2)]^(2/3), sum up to no more than G, W is
+never beyond this value: it would have to reach it first.
+Used in `contacts.adiabatic.bounces_on`, `contacts.adiabatic.ceiling`.
+Test `contacts/test_adiabatic.py::test_no_crest_is_above_the_ceiling`, `contacts/test_adiabatic.py::test_marching_on_finds_the_same_peak`.
+"""
