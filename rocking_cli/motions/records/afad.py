@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import re
 
+from .numbers import Layout
 from .record import Series
-from .text import Keys, Layout, RecordText
+from .text import Keys, RecordText
 
 NAME = "AFAD"
 _TITLE = "STRONG GROUND MOTION RECORDS OF T"

@@ -10,8 +10,9 @@ import re
 import numpy as np
 
 from ...documents.quantities import UNITS
+from .numbers import Layout, fortran_layout
 from .record import Series, unit_of
-from .text import Layout, RecordText, fortran_layout
+from .text import RecordText
 
 NAME = "COSMOS"
 _FIRST = re.compile(r"\(Format\s+v(\d[\d.]*)\s+with\s+(\d+)\s+text lines\)", re.IGNORECASE)

@@ -8,8 +8,9 @@ from __future__ import annotations
 
 import re
 
-from .record import WRITTEN_UNITS, Series, unit_of
-from .text import Layout, RecordText, fortran_layout
+from .numbers import Layout, fortran_layout
+from .record import Series, unit_of
+from .text import RecordText
 
 NAME = "CSMIP V2"
 _FIRST = re.compile(r"(?<!UN)CORRECTED ACCELEROGRAM", re.IGNORECASE)
@@ -63,11 +64,9 @@ def read(text: RecordText) -> list[Series]:
         if length is not None and not 0.5 < count * dt / max(float(length[1]), 1e-9) < 2.0:
             raise text.fault(f"{count} points every {dt:g} s, where the channel's header states a length of {length[1]} s")
         stated = _UNIT.search(line[block.end() :])
-        unit = unit_of(stated[1]) if stated else "cm/s2"
-        if unit is None:
-            raise text.fault(f"found {line.strip()!r}; accepted are the units {', '.join(WRITTEN_UNITS)}")
-        same = peak is not None and unit_of(peak[2]) == unit
-        found.append(Series(channel, dt, text.numbers(count, layout), unit, peak[1] if peak is not None and same else None))
+        unit = text.unit(stated[1]) if stated else "cm/s2"
+        said = peak[1] if peak is not None and unit_of(peak[2]) == unit else None
+        found.append(Series(channel, dt, text.numbers(count, layout), unit, said))
         text.demand_end(count)
         channel = peak = points = length = None
     if not found and others:

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import re
 
+from .numbers import fortran_layout
 from .plain import even_step
-from .record import WRITTEN_UNITS, Series, unit_of
-from .text import RecordText, fortran_layout
+from .record import Series
+from .text import RecordText
 
 NAME = "CWB"
 _KEY = re.compile(r"#([^:]+):\s*(.*)")
@@ -22,9 +23,7 @@ def read(text: RecordText) -> list[Series]:
     """The three components. Raises DocumentError."""
     keys = text.keys(_KEY)
     word, line = text.value(keys, "AmplitudeUnit")
-    unit = unit_of(word.split()[0])
-    if unit is None:
-        raise text.fault(f"AmplitudeUnit: found {word!r}; accepted are {', '.join(WRITTEN_UNITS)}", line)
+    unit = text.unit(word.split()[0], line, "AmplitudeUnit")
     names = _COMPONENT.findall(text.value(keys, "DataSequence")[0])
     stated, line = text.value(keys, "Data")
     layout = fortran_layout(f"({stated})")

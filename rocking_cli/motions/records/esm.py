@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import re
 
-from .record import WRITTEN_UNITS, Series, unit_of
-from .text import Layout, RecordText
+from .numbers import Layout
+from .record import Series
+from .text import RecordText
 
 NAME = "ESM"
 _KEY = re.compile(r"\s*([A-Z][A-Z0-9_/^.()-]*)\s*:\s*(.*)")
@@ -23,10 +24,7 @@ def read(text: RecordText) -> list[Series]:
     kind, line_number = text.value(keys, "DATA_TYPE", "ACCELERATION")
     if kind.upper() not in _KINDS:
         raise text.no_acceleration(f"DATA_TYPE: found {kind!r}; accepted is ACCELERATION", line_number)
-    unit, line_number = text.value(keys, "UNITS", "a unit of acceleration")
-    known = unit_of(unit)
-    if known is None:
-        raise text.fault(f"UNITS: found {unit!r}; accepted are {', '.join(WRITTEN_UNITS)}", line_number)
+    unit = text.unit(*text.value(keys, "UNITS", "a unit of acceleration"), "UNITS")
     count = text.count(*text.value(keys, "NDATA", "a number of values"))
     dt = text.step(*text.value(keys, "SAMPLING_INTERVAL_S", "a step in s"))
     if keys.get("DURATION_S", ("", 0))[0]:
@@ -34,4 +32,4 @@ def read(text: RecordText) -> list[Series]:
     peak = next((v for k, (v, _) in keys.items() if k.startswith("PGA_") and re.fullmatch(r"[-+\d.eE]+", v)), None)
     component = next((v for k in ("STREAM", "COMPONENT") if (v := keys.get(k, ("", 0))[0])), None)
     samples = text.numbers(count, Layout(1))
-    return [Series(component, dt, samples, known, peak, text.surplus(count))]
+    return [Series(component, dt, samples, unit, peak, text.surplus(count))]

@@ -9,8 +9,9 @@ import re
 
 import numpy as np
 
+from .numbers import Layout
 from .record import Series
-from .text import Layout, RecordText
+from .text import RecordText
 
 NAME = "K-NET"
 _HEADER = 17  # lines

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import re
 
-from .record import WRITTEN_UNITS, Series, unit_of
-from .text import Layout, RecordText
+from .numbers import Layout
+from .record import Series
+from .text import RecordText
 
 NAME = "PEER AT2"
 _NUMBER = r"([-+.\dEeDd]+)"
@@ -41,11 +42,7 @@ def read(text: RecordText) -> list[Series]:
             raise text.no_acceleration(f"found {line.strip()!r}; accepted is an acceleration (AT2)")
         stated = _UNIT.search(line)
         if stated is not None:
-            word = stated[1] or stated[2]
-            known = unit_of(word)
-            if known is None:
-                raise text.fault(f"found the unit {word!r}; accepted are {', '.join(WRITTEN_UNITS)}")
-            unit = known
+            unit = text.unit(stated[1] or stated[2])
     if line is None or found is None:
         raise text.fault("no line NPTS=, DT=")
     count, dt = text.count(found[1]), text.step(found[2])

@@ -5,8 +5,9 @@ from __future__ import annotations
 
 import re
 
+from .numbers import Layout
 from .record import Series
-from .text import Layout, RecordText
+from .text import RecordText
 
 NAME = "SMC"
 _KINDS = "UNCORRECTED ACCELEROGRAM|CORRECTED ACCELEROGRAM|VELOCITY|DISPLACEMENT|RESPONSE SPECTRA|FOURIER AMPLITUDE SPECTRA|UNKNOWN"

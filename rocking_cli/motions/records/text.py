@@ -1,43 +1,23 @@
-"""The text of a record file: lines one after the other, and blocks of numbers read at the speed of NumPy.
+"""The text of a record file: its lines, the values of its header, and its blocks of numbers.
 
-Numbers in blocks are parted by blanks or, in files that Fortran wrote, stand in columns of a fixed width where neighbours may touch.
-A block is parsed whole; only where that does not come out even is it gone through line by line, to name the place of the fault.
+A block is parsed as a whole, at the speed of NumPy. If that fails, it is read line by line, to name the place of the fault.
 """
 
 from __future__ import annotations
 
 import re
-import warnings
-from typing import NamedTuple
 
 import numpy as np
 
 from ...errors import DocumentError, NoAcceleration
+from .numbers import NUMBER, OF_NUMBERS, Array, Layout, parsed, quoted, shown, value_of
+from .record import WRITTEN_UNITS, unit_of
 
-Array = np.ndarray
 Keys = dict[str, tuple[str, int]]
 
 HEAD = 1 << 16  # bytes in which a format shows itself
 _LINES_AT_ONCE = 1 << 16
 _DOS_BLOCK = 128  # bytes
-_NUMBER = re.compile(rb"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?")
-_OF_NUMBERS = b" \t0123456789+-.eEdD*"
-_FORTRAN = re.compile(r"\(\s*(?:\d+P\s*,?\s*)?(\d*)\s*[FEGDI]\s*(\d+)", re.IGNORECASE)
-
-
-class Layout(NamedTuple):
-    """How numbers stand in lines: how many on a full line, and their width in characters (None: parted by blanks)."""
-
-    columns: int
-    width: int | None = None
-
-
-def fortran_layout(text: str) -> Layout | None:
-    """The layout of the first Fortran format in a text, such as (8F10.5) or (1E15.6); None where there is none."""
-    found = _FORTRAN.search(text)
-    if found is None or not 0 < int(found[2]) <= 80:
-        return None
-    return Layout(max(1, int(found[1] or 1)), int(found[2]))
 
 
 class RecordText:
@@ -59,21 +39,19 @@ class RecordText:
         return DocumentError(f"{self.source}:{max(1, self.line - 1) if line is None else line}: {what}")
 
     def no_acceleration(self, what: str, line: int | None = None) -> NoAcceleration:
-        """The error for a file that holds something else, in good order."""
+        """The error for a valid file that holds something else."""
         return NoAcceleration(str(self.fault(what, line)))
+
+    # Lines
 
     def next_line(self) -> str | None:
         """The next line without its end, None after the last."""
         if self.at >= len(self.raw):
             return None
-        end = self.raw.find(b"\n", self.at)
-        end = len(self.raw) if end < 0 else end
-        found = self.raw[self.at : end].decode("latin-1")
-        self.at, self.line = end + 1, self.line + 1
-        return found.rstrip()
+        return self._take(1).decode("latin-1").rstrip()
 
     def lines(self, count: int) -> list[str]:
-        """The next `count` lines. Raises DocumentError where the file ends before."""
+        """The next `count` lines. Raises DocumentError if the file ends before."""
         found: list[str] = []
         while len(found) < count:
             line = self.next_line()
@@ -83,28 +61,36 @@ class RecordText:
         return found
 
     def find(self, pattern: re.Pattern[str]) -> re.Match[str] | None:
-        """The first match among the lines to come, and the place after its line; None (and the end of the file) without one."""
+        """The first match in the lines to come; reads up to the end of its line, or of the file if there is none (None)."""
         while (line := self.next_line()) is not None:
             found = pattern.search(line)
             if found is not None:
                 return found
         return None
 
+    def _take(self, lines: int) -> bytes:
+        """The bytes of the next lines, as many as there are."""
+        begin = end = self.at
+        while lines and end < len(self.raw):
+            end = self.raw.find(b"\n", end) + 1 or len(self.raw)
+            lines, self.line = lines - 1, self.line + 1
+        self.at = end
+        return self.raw[begin:end]
+
+    # Values of the header
+
     def keys(self, pattern: re.Pattern[str]) -> Keys:
-        """Every key (the pattern's first group) with its value (the second) and its line, above the first line that begins with a number.
-        Raises DocumentError where there is none."""
+        """Each key (first group of the pattern) with its value (second group) and its line, above the first line that begins with a
+        number. Raises DocumentError if there is no such line."""
         found: Keys = {}
         while not self.more_numbers():
-            line = self.next_line()
-            if line is None:
-                raise self.fault("the file ends within its header")
-            stated = pattern.match(line)
+            stated = pattern.match(self.lines(1)[0])
             if stated is not None:
                 found[stated[1]] = stated[2].strip(), self.line - 1
         return found
 
     def value(self, keys: Keys, key: str, wanted: str = "") -> tuple[str, int]:
-        """The value of a key, and its line. Raises DocumentError where it has none; wanted: what it should be."""
+        """The value of a key and its line; wanted: what the value should be. Raises DocumentError if it has none."""
         text, line = keys.get(key, ("", 1))
         if not text:
             raise self.fault(f"no value of {key}" + (f"; accepted is {wanted}" if wanted else ""), line)
@@ -112,9 +98,8 @@ class RecordText:
 
     def number(self, text: str, line: int | None = None) -> float:
         """A number of the header. Raises DocumentError."""
-        token = _exponent(text.strip().encode("latin-1", "replace"))
-        value = float(token) if _NUMBER.fullmatch(token) else np.nan
-        if not np.isfinite(value):
+        value = value_of(text.strip().encode("latin-1", "replace"))
+        if value is None:
             raise self.fault(f"found {text.strip()!r} in the header; accepted is a number", line)
         return value
 
@@ -126,194 +111,133 @@ class RecordText:
         return int(value)
 
     def step(self, text: str, line: int | None = None) -> float:
-        """A step of time, as the header states it. Raises DocumentError."""
-        value = self.number(text, line)
-        if not value > 0.0:
-            raise self.fault(f"a time step of {text.strip()}; accepted is a positive one", line)
-        return value
+        """A time step [s], as the header states it. Raises DocumentError."""
+        return self._positive(text, line, f"a time step of {text.strip()}")
 
     def rate(self, text: str, line: int | None = None) -> float:
         """A sampling frequency [Hz], as the header states it. Raises DocumentError."""
+        return self._positive(text, line, f"a sampling frequency of {text.strip()} Hz")
+
+    def _positive(self, text: str, line: int | None, what: str) -> float:
         value = self.number(text, line)
         if not value > 0.0:
-            raise self.fault(f"a sampling frequency of {text.strip()} Hz; accepted is a positive one", line)
+            raise self.fault(f"{what}; accepted is a positive one", line)
         return value
 
+    def unit(self, word: str, line: int | None = None, key: str = "") -> str:
+        """The unit of acceleration that a word of the header states, as `unit_of`. Raises DocumentError if it states another."""
+        unit = unit_of(word)
+        if unit is None:
+            found = f"{key}: found" if key else "found the unit"
+            raise self.fault(f"{found} {word!r}; accepted are {', '.join(WRITTEN_UNITS)}", line)
+        return unit
+
     def agree(self, count: int, dt: float, duration: str, line: int | None = None, slack: float = 0.0) -> None:
-        """Raise DocumentError where points and step contradict the declared duration [s], which may count the last step or not."""
+        """Raise DocumentError if points and step contradict the declared duration [s], which may count the last step or not."""
         stated = self.number(duration, line)
         if abs(count * dt - stated) > max(1.6 * dt, 0.005 * stated, slack):
             raise self.fault(f"{count} values every {dt:g} s make {count * dt:g} s, where the header states {duration.strip()} s", line)
 
+    # Blocks of numbers
+
     def surplus(self, count: int) -> str:
-        """A remark where more numbers follow than the header declares."""
+        """A remark if more numbers follow than the header declares."""
         return f"more values than the {count} declared, which are left out" if self.more_numbers() else ""
 
     def more_numbers(self) -> bool:
         """True if the next line that is not blank begins with a number."""
         rest = self.raw[self.at : self.at + 4096].split(None, 1)
-        return bool(rest) and _NUMBER.fullmatch(rest[0]) is not None
+        return bool(rest) and NUMBER.fullmatch(rest[0]) is not None
+
+    def demand_end(self, count: int) -> None:
+        """Raise DocumentError if another line of numbers follows the `count` values that are declared."""
+        ahead = self.raw[self.at : self.at + 4096]
+        line = ahead.lstrip().split(b"\n", 1)[0]
+        if line and not line.translate(None, OF_NUMBERS):
+            blank = ahead.partition(line)[0].count(b"\n")
+            raise self.fault(f"found a line of numbers after the {count} values declared", self.line + blank)
 
     def numbers(self, count: int, layout: Layout) -> Array:
-        """The next `count` numbers, from as many lines as hold them. Raises DocumentError at the line that holds another thing, and in
+        """The next `count` numbers, from as many lines as hold them. Raises DocumentError at a line that holds something else, and in
         columns of a fixed width at a line that is not full."""
         if count > len(self.raw) - self.at + 1:
             raise self.fault(f"{count} values are declared, more than a file of {len(self.raw)} bytes holds")
         values, done = np.empty(count), 0
         while done < count:
-            lines = min(-(-(count - done) // layout.columns), _LINES_AT_ONCE)
-            end = self._after(lines)
-            if end == self.at:
+            left, at, first = count - done, self.at, self.line
+            block = self._take(min(-(-left // layout.columns), _LINES_AT_ONCE))
+            if not block:
                 raise self.fault(f"the file ends after {done} of {count} values")
-            block, first = self.raw[self.at : end], self.line
-            found = _parse(block, layout.width, min(count - done, lines * layout.columns))
-            if found is None or found.size > count - done:
-                found = self._one_by_one(block, count, done, layout.width)
-            else:
-                self.at, self.line = end, self.line + block.count(b"\n") + (not block.endswith(b"\n"))
-            self._demand_full_lines(block, layout, count, count - done, first)
+            rows = [] if layout.width is None else self._fields(block, layout, left)
+            found = parsed(block if layout.width is None else b" ".join(field for row in rows for field in row))
+            if found is None or found.size > left or (rows and found.size != sum(map(len, rows))):
+                found, lines = self._one_by_one(rows or [line.split() for line in block.split(b"\n")], first, done, count)
+                self.at, self.line = at, first
+                self._take(lines)
+            self._demand_full(rows, layout, left, count, first)
             values[done : done + found.size] = found
             done += found.size
         return values
 
     def skip(self, count: int, layout: Layout) -> None:
-        """Pass over `count` numbers, of which stars may stand in place. Raises DocumentError at a line that holds another thing."""
-        end, first = self._after(-(-count // layout.columns)), self.line
-        block = self.raw[self.at : end]
-        lines = block.splitlines()
-        self.at, self.line = end, first + len(lines)
-        if len(lines) * layout.columns < count:
-            raise self.fault(f"the file ends after {len(lines)} lines of {count} values")
-        for i, line in enumerate(lines, first):
-            if line.translate(None, _OF_NUMBERS):
-                raise self.fault(f"found {_short(line.strip())}; accepted are {count} numbers from line {first} on", i)
-        self._demand_full_lines(block, layout, count, count, first)
-
-    def demand_end(self, count: int) -> None:
-        """Raise DocumentError where another line of numbers follows the `count` values that are declared."""
-        line = self.raw[self.at : self.at + 4096].lstrip().split(b"\n", 1)[0]
-        if line and not line.translate(None, _OF_NUMBERS):
-            blank = self.raw[self.at : self.at + 4096].partition(line)[0].count(b"\n")
-            raise self.fault(f"found a line of numbers after the {count} values declared", self.line + blank)
-
-    def _demand_full_lines(self, block: bytes, layout: Layout, count: int, left: int, first: int) -> None:
-        """Raise DocumentError at a line that does not hold as many numbers as the columns and the `left` of `count` values ask for;
-        first: the number of the block's first line."""
-        if layout.width is None:
-            return
-        for i, line in enumerate(block.splitlines()):
-            wanted, line = min(layout.columns, left - i * layout.columns), line.rstrip()
-            if wanted not in (-(-len(line) // layout.width), held := len(line.split())):
-                raise self.fault(f"found {held} numbers on a line; accepted are {wanted} (the header announces {count} values)", first + i)
+        """Read past `count` numbers; stars may stand in their place. Raises DocumentError at a line that holds something else."""
+        first = self.line
+        block = self._take(-(-count // layout.columns))
+        if self.line - first < -(-count // layout.columns):
+            raise self.fault(f"the file ends after {self.line - first} lines of {count} values")
+        for i, line in enumerate(block.split(b"\n"), first):
+            if line.translate(None, OF_NUMBERS):
+                raise self.fault(f"found {quoted(line.strip())}; accepted are {count} numbers from line {first} on", i)
+        self._demand_full(self._fields(block, layout, count), layout, count, count, first)
 
     def table(self, separators: bytes = b"") -> tuple[Array, int]:
-        """All numbers of the lines to come, and how many stand on each. Raises DocumentError where the lines differ."""
-        first, columns, done = self.line, 0, 0
+        """All numbers of the lines to come, and how many stand on each. Raises DocumentError if the lines differ."""
+        columns, done = 0, 0
         values = np.empty(0)
         while self.at < len(self.raw):
-            end, line = self._after(_LINES_AT_ONCE), self.line
-            block = self.raw[self.at : end]
-            lines, block = block.count(b"\n") + (not block.endswith(b"\n")), block.rstrip()
-            for separator in separators:
-                block = block.replace(bytes([separator]), b" ")
+            line = self.line
+            block = self._take(_LINES_AT_ONCE).rstrip().translate(bytes.maketrans(separators, b" " * len(separators)))
             if not done:
-                columns = len(block[: max(0, block.find(b"\n")) or None].split())
-                values = np.empty(columns * (self.raw.count(b"\n", self.at) + 1))  # at the most: of what is not filled no page is taken
-            found = self._rows(block, columns, line, first) if block else values[:0]
+                columns = len(block.split(b"\n", 1)[0].split())
+                values = np.empty(columns * (2 + self.raw.count(b"\n", self.at) + self.line - line))  # untouched pages take no memory
+            found = parsed(block)
+            if found is None or found.size != columns * (block.count(b"\n") + 1):
+                rows = [row.split() for row in block.split(b"\n")]
+                found, _ = self._one_by_one(rows, line)
+                for i, row in enumerate(rows, line):
+                    if row and len(row) != columns:
+                        raise self.fault(f"found {len(row)} numbers, {columns} on the lines before", i)
             values[done : done + found.size] = found
-            self.at, self.line, done = end, line + lines, done + found.size
+            done += found.size
         values.resize(done, refcheck=False)
         return values, columns
 
-    def _rows(self, block: bytes, columns: int, line: int, first: int) -> Array:
-        """The numbers of a block that begins on a line, so many on each of its lines; first: the first line of all blocks."""
-        values = _parse(block, None, 0)
-        if values is None or values.size != columns * (block.count(b"\n") + 1):
-            for i, row in enumerate(block.split(b"\n"), line):
-                tokens = row.split()
-                for token in tokens:
-                    self._number(token, i, "")
-                if tokens and len(tokens) != columns:
-                    raise self.fault(f"found {len(tokens)} numbers, {columns} on the lines before", i)
-        if values is None:
-            raise self.fault("numbers that cannot be read", first)
-        return values
+    @staticmethod
+    def _fields(block: bytes, layout: Layout, left: int) -> list[list[bytes]]:
+        """The fields of each line of a block, of which `left` numbers are wanted."""
+        lines = block.removesuffix(b"\n").split(b"\n") if block else []
+        return [layout.fields(line, min(layout.columns, left - i * layout.columns)) for i, line in enumerate(lines)]
 
-    def _after(self, lines: int) -> int:
-        """The place after so many lines."""
-        end = self.at
-        while lines and end < len(self.raw):
-            piece = np.frombuffer(self.raw, dtype=np.uint8, count=min(1 << 22, len(self.raw) - end), offset=end)
-            ends = np.flatnonzero(piece == 10)
-            if ends.size >= lines:
-                return end + int(ends[lines - 1]) + 1
-            lines, end = lines - ends.size, end + piece.size
-        return end
+    def _demand_full(self, rows: list[list[bytes]], layout: Layout, left: int, count: int, first: int) -> None:
+        """Raise DocumentError at a line of a fixed-width block that does not hold as many of the `left` numbers as its columns."""
+        for i, row in enumerate(rows):
+            wanted = min(layout.columns, left - i * layout.columns)
+            if len(row) != wanted:
+                accepted = f"accepted are {wanted} (the header announces {count} values)"
+                raise self.fault(f"found {len(row)} numbers on a line; {accepted}", first + i)
 
-    def _one_by_one(self, block: bytes, count: int, done: int, width: int | None) -> Array:
-        """The numbers of a block line by line, up to `count`; raises at the first thing that is none."""
+    def _one_by_one(self, rows: list[list[bytes]], first: int, done: int = 0, count: int | None = None) -> tuple[Array, int]:
+        """(the numbers of lines up to `count` in all, how many lines hold them). Raises DocumentError at the first token that is none."""
         found: list[float] = []
-        for raw in block.split(b"\n"):
-            if self.at >= len(self.raw):
+        lines = 0
+        for row in rows:
+            for token in row if count is None else row[: max(0, count - done - len(found))]:
+                value = value_of(token)
+                if value is None:
+                    where = "" if count is None else f", after {done + len(found)} of {count} values"
+                    raise self.fault(f"found {shown(token)}{where}", first + lines)
+                found.append(value)
+            lines += 1
+            if count is not None and done + len(found) == count:
                 break
-            line = raw.rstrip()
-            tokens = line.split()
-            if width is not None and not all(_NUMBER.fullmatch(_exponent(t)) for t in tokens):
-                tokens = [line[i : i + width].strip() for i in range(0, len(line), width)]
-            for token in tokens:
-                if done + len(found) < count:
-                    found.append(self._number(token, self.line, f", after {done + len(found)} of {count} values"))
-            self.at, self.line = self.at + len(raw) + 1, self.line + 1
-            if done + len(found) == count:
-                break
-        return np.array(found)
-
-    def _number(self, token: bytes, line: int, where: str) -> float:
-        if _NUMBER.fullmatch(_exponent(token)):
-            value = float(_exponent(token))
-            if np.isfinite(value):
-                return value
-        shown = _short(token)
-        if not token:
-            shown = "blanks in place of a number"
-        elif set(token) == {42}:
-            shown += ", stars in place of a number"
-        elif len(_NUMBER.findall(token)) > 1 and not _NUMBER.sub(b"", token).strip(b"."):
-            shown += ", two numbers run together"
-        else:
-            shown += ", which is no finite number"
-        raise self.fault(f"found {shown}{where}", line)
-
-
-def _short(text: bytes) -> str:
-    """The beginning of a text in quotes."""
-    shown = text.decode("latin-1")
-    return repr(shown if len(shown) <= 40 else shown[:37] + "...")
-
-
-def _exponent(text: bytes) -> bytes:
-    """Fortran's exponent letter D as E."""
-    return text.replace(b"D", b"E").replace(b"d", b"e")
-
-
-def _parse(block: bytes, width: int | None, expected: int) -> Array | None:
-    """The numbers of a block; None where something in it is no number, numbers touch without a width, or one is not finite."""
-    block = _exponent(block)
-    values = _parted_by_blanks(block)
-    if width is None or (values is not None and values.size == expected):
-        return values
-    fields = [line[i : i + width] for line in block.split(b"\n") for i in range(0, len(line.rstrip()), width)]
-    values = _parted_by_blanks(b" ".join(fields))
-    return values if values is not None and values.size == len(fields) else None
-
-
-def _parted_by_blanks(text: bytes) -> Array | None:
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        try:
-            values = np.fromstring(text, sep=" ")  # takes -1-2 for two numbers, hence the count of words below
-        except (DeprecationWarning, ValueError):
-            return None
-    blank = np.frombuffer(text, dtype=np.uint8) <= 32
-    words = int(np.count_nonzero(blank[:-1] & ~blank[1:])) + int(blank.size > 0 and not blank[0])
-    return values if values.size == words and bool(np.all(np.isfinite(values))) else None
+        return np.array(found), lines

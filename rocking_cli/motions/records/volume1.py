@@ -10,9 +10,10 @@ import re
 
 import numpy as np
 
+from .numbers import Layout, fortran_layout
 from .plain import even_step
-from .record import WRITTEN_UNITS, Series, unit_of
-from .text import Layout, RecordText, fortran_layout
+from .record import Series
+from .text import RecordText
 
 NAME = "Volume 1"
 _FIRST = re.compile(r"^\s*(?:UNCORRECTED ACCELEROGRAM\b|(\* VOL1DS\b))", re.IGNORECASE)
@@ -65,9 +66,7 @@ def _announced(text: RecordText, count: int) -> tuple[float, str, np.ndarray]:
         raise text.fault(
             f"found {line.strip()!r}; accepted is such as 13200 Accelerogram points at 200 pts/sec in units of g. Format: (8f9.6)"
         )
-    unit = unit_of(body[3])
-    if unit is None:
-        raise text.fault(f"found the unit {body[3]!r}; accepted are {', '.join(WRITTEN_UNITS)}")
+    unit = text.unit(body[3])
     if text.count(body[1]) != count:
         raise text.fault(f"{body[1]} points, where the channel's header states {count}")
     return 1.0 / text.rate(body[2]), unit, text.numbers(count, layout)

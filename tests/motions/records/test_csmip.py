@@ -109,6 +109,7 @@ def test_channels_of_one_name_are_told_apart(tmp_path):
         (channel(1, 90, SAMPLES / 10, dt="  .000", precise=0.0), "a time step of"),
         (channel(1, 90, SAMPLES), "a:103: found '3-1056.335', two numbers run together"),  # eleven characters in ten columns
         (channel(1, 90, SAMPLES / 10).replace(FORM.format(SAMPLES[500] / 10), "*" * 10, 1), "'**********', stars in place of a number"),
+        (channel(1, 90, SAMPLES / 10).replace(FORM.format(SAMPLES[500] / 10), "   1.2 3.4", 1), "found '1.2 3.4', "),
         ("\n".join(channel(1, 90, SAMPLES / 10).splitlines()[:200]) + "\n", "a:200: the file ends after 28 lines of 997 values"),
         ("\n".join(channel(1, 90, SAMPLES / 10).splitlines()[:100]) + "\n", "a:100: the file ends after 432 of 997 values"),
         ("\n".join([*channel(1, 90, SAMPLES / 10).splitlines()[:100], "/& End of data"]), "a:101: found '/&"),
