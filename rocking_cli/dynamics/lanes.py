@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, fields
-from typing import NamedTuple, Self
+from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
+
+from .arrays import Arrays
 
 Array = np.ndarray
 
@@ -28,7 +29,7 @@ class Cells(NamedTuple):
 
 
 @dataclass
-class Lanes:
+class Lanes(Arrays):
     """One body a lane. The side is stored, never inferred from a sign.
 
     cell: index of the cell; amplitude, omega, eta: those of the side the body is on (`Cells`); k, u: position in the motion
@@ -50,21 +51,3 @@ class Lanes:
     peak: Array
     impacts: Array
     steps: Array
-
-    def take(self, lanes: Array | slice) -> Self:
-        """Some of the lanes, copied where they are given one by one."""
-        return type(self)(*(getattr(self, f.name)[lanes] for f in fields(self)))
-
-    def put(self, places: Array, others: Self) -> None:
-        """Lay other lanes into these places."""
-        for f in fields(self):
-            getattr(self, f.name)[places] = getattr(others, f.name)
-
-    def join(self, other: Self) -> Self:
-        """These lanes followed by others."""
-        return self.joined([self, other])
-
-    @classmethod
-    def joined(cls, parts: Sequence[Self]) -> Self:
-        """The lanes of all parts, one after the other."""
-        return cls(*(np.concatenate([getattr(part, f.name) for part in parts]) for f in fields(cls)))

@@ -14,7 +14,7 @@ Theorems on the linear oscillator spare most of the scan (Lemmas 9 and 10 of `dy
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import NamedTuple
 
@@ -117,7 +117,7 @@ class Search:
     def first_falls_in(self, omega: float, brackets: Brackets) -> list[float]:
         """The lowest amplitude of each bracket that is not safe at one Omega, all traced together."""
         rows = np.arange(brackets.row.size)
-        found = self._narrowed(np.full(rows.size, omega), brackets._replace(row=rows), lowest=True)
+        found = self._narrowed(np.full(rows.size, omega), replace(brackets, row=rows), lowest=True)
         return [float(found.high[(found.row == row) & ~safe(found.above)].min()) for row in rows]
 
     def first_falls(self, omegas: Array) -> list[Row]:
@@ -136,7 +136,7 @@ class Search:
             below = np.full(hit.size, rocked, dtype=np.uint8)
             parts.append(Brackets(going[hit], ladder.rung(at + n[hit] - 1), rungs[n[hit]], below, label[hit, n[hit]]))
             going, at = going[~falls.any(axis=1)], at + _STRETCH
-        found = self._narrowed(omegas, Brackets.join(parts), lowest=True)
+        found = self._narrowed(omegas, Brackets.joined(parts), lowest=True)
         fallen = found.take(np.flatnonzero(~safe(found.above)))
         fallen = fallen.take(np.argsort(-fallen.high, kind="stable"))  # the lowest of a row comes last
         for row, high, above in zip(fallen.row.tolist(), fallen.high.tolist(), fallen.above.tolist(), strict=True):
@@ -160,7 +160,7 @@ class Search:
             begins[row[new]] = rungs.label[new]
             mine = (place[:-1] >= begin - 1) & (place[:-1] < end - 1) & (row[1:] == row[:-1])
             parts.append(self._changes(rungs, mine, omegas))
-        return begins, Brackets.join(parts)
+        return begins, Brackets.joined(parts)
 
     def _look(self, row: Array, amplitude: Array, omegas: Array) -> Look:
         """The outcomes there, a batch at a time."""

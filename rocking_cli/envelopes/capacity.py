@@ -78,7 +78,7 @@ def capacity(structure: RockingParameters, motion: Motion, amplitude: float, ome
         above = begin >= amplitude and fall.row.size > 0
         if above or (end <= amplitude and not Outcome(last).safe):
             break
-    found = search.first_falls_in(omega, Brackets.join(falls)) if falls else []
+    found = search.first_falls_in(omega, Brackets.joined(falls)) if falls else []
     return Capacity(min(found, default=None), found[-1] if above else None, lowest)
 
 

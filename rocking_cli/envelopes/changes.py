@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import NamedTuple, Self
+from dataclasses import dataclass
 
 import numpy as np
+
+from ..dynamics.arrays import Arrays
 
 Array = np.ndarray
 
@@ -14,7 +16,8 @@ _PARTS_OF_MANY = 16  # at the most, of every change that the first cut uncovered
 _MOST_CHANGES = 500  # in one row; beyond it the outcome is noise between the amplitudes of the scan, of which there is no end
 
 
-class Brackets(NamedTuple):
+@dataclass
+class Brackets(Arrays):
     """Changes of the outcome: row, amplitudes and outcomes on both sides."""
 
     row: Array
@@ -22,15 +25,6 @@ class Brackets(NamedTuple):
     high: Array
     below: Array
     above: Array
-
-    def take(self, at: Array) -> Self:
-        """Some of them."""
-        return type(self)(*(x[at] for x in self))
-
-    @classmethod
-    def join(cls, parts: list[Self]) -> Self:
-        """All of them."""
-        return cls(*(np.concatenate(columns) for columns in zip(*parts, strict=True)))
 
 
 def narrowed(outcome: Callable[[Array, Array], Array], brackets: Brackets, digits: float, parts: int, lowest: bool) -> Brackets:
@@ -48,7 +42,7 @@ def narrowed(outcome: Callable[[Array, Array], Array], brackets: Brackets, digit
         done.append(brackets.take(np.flatnonzero(closed)))
         brackets = brackets.take(np.flatnonzero(~closed))
         if not brackets.row.size:
-            return Brackets.join(done)
+            return Brackets.joined(done)
         count = parts if first or lowest else min(parts, _PARTS_OF_MANY)
         share = np.arange(1, count) / count
         inner = brackets.low[:, None] + (brackets.high - brackets.low)[:, None] * share

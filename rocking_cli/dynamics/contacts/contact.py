@@ -3,11 +3,13 @@ becomes of it after the shaking. `symmetric`, `unequal` and `one_sided` answer; 
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import NamedTuple, Protocol
 
 import numpy as np
 
 from ...motions.segments import Segments
+from ..arrays import Arrays
 from ..drive import crossing, drive_change
 from ..equations.equation import Equation
 from ..lanes import Cells, Lanes
@@ -118,7 +120,8 @@ def first_uplift(segments: Segments, k: Array, u: Array, right: Array, left: Arr
     return Uplift(k, u, side, b)
 
 
-class Bounce(NamedTuple):
+@dataclass
+class Bounce(Arrays):
     """The other side of a bounce, in units of this one: its outward drive is -drive a, its speed on leaving eta times the speed
     here at the impact before, its time `time` times that of the same arc here. `eta` and `back`, on leaving this side and the
     other, make up what a cycle keeps."""
@@ -128,10 +131,6 @@ class Bounce(NamedTuple):
     eta: Array
     back: Array
     higher: Array | float  # |theta|/alpha of an arc there over that of an arc of equal speed here, at least 1
-
-    def take(self, lanes: Array) -> Bounce:
-        """Of some lanes."""
-        return Bounce(*(np.broadcast_to(x, self.eta.shape)[lanes] for x in self))
 
 
 def bouncing_ends(segments: Segments, lanes: Lanes, equation: Equation, there: Bounce) -> Array:
@@ -148,7 +147,8 @@ def bouncing_ends(segments: Segments, lanes: Lanes, equation: Equation, there: B
     if not maybe.size:
         return proved
     k, u, v, a0, q = lanes.k[maybe], lanes.u[maybe], v[maybe], drive[maybe], keeps[maybe]
-    d, r, n, _, higher = there.take(maybe)
+    there = there.take(maybe)
+    d, r, n, higher = there.drive, there.time, there.eta, there.higher
     scale = 2.0 * v / (1.0 - q)
     trial = 1.5 * scale * (1.0 / (1.0 - a0) + n * r / (1.0 + d * a0))
     a1, inside = _drive_after(segments, lanes, maybe, k, u, a0, trial)

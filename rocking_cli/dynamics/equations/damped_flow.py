@@ -15,46 +15,28 @@ As in `flow`, increments of small arguments come from their series.
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from functools import lru_cache
-from typing import NamedTuple
 
 import numpy as np
 
+from ..arrays import Arrays
 from .equation import Point
-from .flow import SMALL
+from .flow import SMALL, LinearFlow
 
 Array = np.ndarray
 
 _TERMS = 17  # powers of h in a series: what is left out at SMALL is below 1e-17 of its sum for zeta up to 1
 
 
-class DampedFlow(NamedTuple):
-    """One arc a lane, as `LinearFlow`; b is the force at its start and damping is zeta."""
-
-    y: Array
-    v: Array
-    b: Array
-    sin: Array
-    cos: Array
-    w: Array
-    ramp: Array | None
-    damping: float
-
-    @property
-    def longest(self) -> Array:
-        """Longest step [tau]: growth is slower than without damping."""
-        return np.full(self.y.shape, 24.0)
+@dataclass
+class DampedFlow(LinearFlow):
+    """One arc a lane, as `LinearFlow`; b is the force at its start."""
 
     @property
     def fastest(self) -> Array:
         """Rate at which the arc bends: the mode that decays, or the fastest drive over p."""
         return 1.0 + 2.0 * self.damping + self.w.max(axis=0, initial=0.0)
-
-    def take(self, lanes: Array) -> DampedFlow:
-        """The arcs of some lanes."""
-        ramp = None if self.ramp is None else self.ramp[lanes]
-        sin, cos, w = self.sin[:, lanes], self.cos[:, lanes], self.w[:, lanes]
-        return DampedFlow(self.y[lanes], self.v[lanes], self.b[lanes], sin, cos, w, ramp, self.damping)
 
     def at(self, h: Array) -> Point:
         """The state after h >= 0 [-], exact up to rounding."""
@@ -146,16 +128,11 @@ class DampedFlow(NamedTuple):
         y += self.y
         return Point(y, v, drive, drive_rate)
 
-    def at_ground(self, h: Array) -> Array:
-        """The force at an impact, where y = 0, from the change of the drive since the start."""
-        total = self.b - self.y if self.ramp is None else self.b - self.y + self.ramp * h
-        for s, c, w in zip(self.sin, self.cos, self.w, strict=True):
-            t = np.tan(0.5 * (w * h))
-            total = total + 2.0 * t * (s - c * t) / (1.0 + t * t)
-        return total
+    at_ground = LinearFlow.at_ground
 
 
-class _Powers(NamedTuple):
+@dataclass
+class _Powers(Arrays):
     """S and C for small h without their first terms: s4 = S - h + zeta h^2 - (1 + 4 zeta^2) h^3/6, c4 = C - h^2/2 + zeta h^3/3."""
 
     h: Array
@@ -174,10 +151,6 @@ class _Powers(NamedTuple):
             c += c_n
         h4 = (h * h) ** 2
         return cls(h, zeta, s * h4, c * h4)
-
-    def take(self, lanes: Array) -> _Powers:
-        """Of some lanes."""
-        return _Powers(self.h[lanes], self.zeta, self.s4[lanes], self.c4[lanes])
 
     def c(self) -> Array:
         """C."""

@@ -15,10 +15,11 @@ With b = y''(0) and a(h) = a(0) + sum_j [S_j sin(w_j h) - C_j (1 - cos(w_j h))] 
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from dataclasses import dataclass
 
 import numpy as np
 
+from ..arrays import Arrays
 from .equation import Point
 
 Array = np.ndarray
@@ -30,7 +31,8 @@ _ODD, _EVEN = (np.array([math.factorial(k) / math.factorial(2 * n + k) for n in 
 _BOTH = np.stack([_ODD, _EVEN], axis=1)[:, :, None, None]
 
 
-class LinearFlow(NamedTuple):
+@dataclass
+class LinearFlow(Arrays):
     """One arc a lane: state at its start and the drive's coefficients, (lanes,) or (harmonics, lanes)."""
 
     y: Array
@@ -40,11 +42,7 @@ class LinearFlow(NamedTuple):
     cos: Array  # C_j: coefficient of cos(w h) in the outward drive
     w: Array  # angular frequency over p
     ramp: Array | None  # r, or None when the motion has no ramp
-
-    @property
-    def damping(self) -> float:
-        """None: see `DampedFlow`."""
-        return 0.0
+    damping: float = 0.0  # zeta
 
     @property
     def longest(self) -> Array:
@@ -55,18 +53,6 @@ class LinearFlow(NamedTuple):
     def fastest(self) -> Array:
         """Rate at which the arc bends, 1 + the fastest drive over p."""
         return 1.0 + self.w.max(axis=0, initial=0.0)
-
-    def take(self, lanes: Array) -> LinearFlow:
-        """The arcs of some lanes."""
-        return LinearFlow(
-            self.y[lanes],
-            self.v[lanes],
-            self.b[lanes],
-            self.sin[:, lanes],
-            self.cos[:, lanes],
-            self.w[:, lanes],
-            None if self.ramp is None else self.ramp[lanes],
-        )
 
     def at(self, h: Array) -> Point:
         """The state after h >= 0 [-], exact up to rounding."""

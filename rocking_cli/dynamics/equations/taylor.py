@@ -8,12 +8,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from dataclasses import dataclass
 from functools import lru_cache
-from typing import NamedTuple, Self
+from typing import NamedTuple
 
 import numpy as np
 
 from ...motions.segments import Segments
+from ..arrays import Arrays
 from ..drive import segment_value
 from ..lanes import Lanes
 from ..weight import WeighedSegments
@@ -27,7 +29,8 @@ LOCAL = 3e-2
 LOWEST, HIGHEST = 1e-13, 1e-2  # tolerances that are accepted
 
 
-class TaylorSeries(NamedTuple):
+@dataclass
+class TaylorSeries(Arrays):
     """(terms, lanes) coefficients of (h / unit)^n, and how far [tau] they may be used."""
 
     terms: Array
@@ -50,10 +53,6 @@ class TaylorSeries(NamedTuple):
     def b(self) -> Array:
         """Acceleration at the start."""
         return 2.0 * self.terms[2] / self.unit**2
-
-    def take(self, lanes: Array) -> Self:
-        """The series of some lanes."""
-        return type(self)(self.terms.take(lanes, axis=1), self.unit[lanes], self.longest[lanes], self.fastest[lanes], self.damping)
 
     def at(self, h: Array) -> Point:
         """y and three derivatives after h."""

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import NamedTuple
+from dataclasses import dataclass
 
 import numpy as np
 
+from ..arrays import Arrays
 from ..march.roots import turning_point
 from .bounded import BoundedResponse
 from .jump import Jumpers
@@ -17,22 +17,18 @@ Array = np.ndarray
 _GUESSES = 8  # Newton's, before the samples between which the crest lies are halved
 
 
-class Rise(NamedTuple):
+@dataclass
+class Rise(Arrays):
     """Jumps with a crest: lanes at a sample where their velocity is positive; a later sample, where it is negative, and that velocity."""
 
     lanes: Jumpers
     to: Array
     end_v: Array
 
-    @staticmethod
-    def join(parts: Sequence[Rise]) -> Rise:
-        """The jumps of all parts, one after the other."""
-        return Rise(Jumpers.join([x.lanes for x in parts]), *(np.concatenate(x) for x in zip(*(part[1:] for part in parts), strict=True)))
-
 
 def crest(rise: Rise, bounded: BoundedResponse, samples: Array) -> Array:
     """y at the crests of these jumps, (lanes,)."""
-    lanes, to, end_v = rise
+    lanes, to, end_v = rise.lanes, rise.to, rise.end_v
     y, v, low, high = lanes.y.copy(), lanes.v.copy(), lanes.k.copy(), to.copy()
     n = low + ((to - low) * (v / (v - end_v))).astype(np.int64)
     going, guesses = np.flatnonzero(high - low > 1), 0

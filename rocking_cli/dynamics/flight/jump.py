@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 
+from ..arrays import Arrays
 from .bounded import BoundedResponse
 
 Array = np.ndarray
 
 
-class Jumpers(NamedTuple):
+@dataclass
+class Jumpers(Arrays):
     """Lanes that can jump, (lanes,); all that a jump reads stands here, so that nothing else is copied where some stay behind.
 
     slot: place in the pool; k, u, y, v, peak as in `Lanes`; may: whether they are not known to be held up; up, down: coefficients of
@@ -41,15 +43,6 @@ class Jumpers(NamedTuple):
         grown, there = np.exp((n - self.k) * self.pace), bounded.at(self.row, n)
         up, down = self.up * grown, self.down / grown
         return self.drive * there.real + (up + down) + 1.0, self.drive * there.imag + (up - down)
-
-    def take(self, lanes: Array | slice) -> Jumpers:
-        """Some of the lanes."""
-        return Jumpers(*(x[lanes] for x in self))
-
-    @staticmethod
-    def join(parts: Sequence[Jumpers]) -> Jumpers:
-        """The lanes of all parts, one after the other."""
-        return Jumpers(*(np.concatenate(arrays) for arrays in zip(*parts, strict=True)))
 
 
 class Leap(NamedTuple):

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from dataclasses import dataclass
 
 import numpy as np
 
+from ..arrays import Arrays
 from ..equations.equation import Point
 
 Array = np.ndarray
@@ -30,18 +31,15 @@ def hyperbolic(h: Array) -> tuple[Array, Array, Array]:
     return sinh, cosh1, ramp
 
 
-class RampFlow(NamedTuple):
+@dataclass
+class RampFlow(Arrays):
     """One arc a lane: the state at its start and the rate r of the outward drive, (lanes,)."""
 
     y: Array
     v: Array
     b: Array
     rate: Array
-
-    @property
-    def damping(self) -> float:
-        """None."""
-        return 0.0
+    damping: float = 0.0
 
     @property
     def longest(self) -> Array:
@@ -52,10 +50,6 @@ class RampFlow(NamedTuple):
     def fastest(self) -> Array:
         """Rate at which the arc bends."""
         return np.ones(self.y.shape)
-
-    def take(self, lanes: Array) -> RampFlow:
-        """The arcs of some lanes."""
-        return RampFlow(self.y[lanes], self.v[lanes], self.b[lanes], self.rate[lanes])
 
     def at(self, h: Array) -> Point:
         """The state after 0 <= h <= 0.5, exact up to rounding: the state at the start and increments."""

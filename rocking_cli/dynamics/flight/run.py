@@ -6,7 +6,7 @@ A lane whose next samples cannot be jumped takes its present interval alone, whe
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
@@ -95,7 +95,7 @@ class Flight:
                     new = self._begin(waiting[taken : taken + places.size], places)
                     taken += places.size
                     parts.append(self._onto(new))
-                aloft = Jumpers.join(parts)
+                aloft = Jumpers.joined(parts)
                 if not (aloft.k.size or self.resting or self.waits.any()) and (self.beyond or self.unlaunched):
                     aloft = self._move()
 
@@ -104,7 +104,7 @@ class Flight:
         beyond, slots = self.beyond, np.concatenate([np.zeros(0, dtype=np.int64), *self.unlaunched])
         self.beyond, self.unlaunched = [], []
         self.bounded.move(int(np.concatenate([self.flown.k[slots], *(lanes.k + 1 for lanes in beyond)]).min()))
-        return Jumpers.join([*beyond, self._launch(self.flown.take(slots))])
+        return Jumpers.joined([*beyond, self._launch(self.flown.take(slots))])
 
     def _begin(self, cells: Array, slot: Array) -> Flights:
         """These cells at their first uplift."""
@@ -144,7 +144,7 @@ class Flight:
         while aloft.k.size > most:
             aloft = self._leap(aloft)
         if self.crests:  # all at once
-            arcs = Rise.join(self.crests)
+            arcs = Rise.joined(self.crests)
             np.maximum.at(self.top, arcs.lanes.slot, crest(arcs, self.bounded, self.samples))
         return aloft
 
@@ -179,12 +179,10 @@ class Flight:
         may[held[jump[held] == 1]] = False
         held = held[jump[held] > 1]
         level[held] = np.frexp(jump[held] // 2)[1] - 1
-        new = lanes._replace(k=to, u=np.zeros(to.size), y=y, v=v, peak=peak, up=up, down=down)
+        new = replace(lanes, k=to, u=np.zeros(to.size), y=y, v=v, peak=peak, up=up, down=down)
         back = np.concatenate([np.flatnonzero(~may), held])
-        for old, values in zip(lanes, new, strict=True):
-            if values is not old:
-                values[back] = old[back]
-        return new._replace(may=may, level=level)
+        new.put(back, lanes.take(back))
+        return replace(new, may=may, level=level)
 
     def _wait(self, lanes: Jumpers, goes: Array, lost: Array) -> None:
         """Lay those that do not go into the pool, where they wait; those that are lost, which do not go either, make room there."""

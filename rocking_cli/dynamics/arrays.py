@@ -1,0 +1,46 @@
+"""Base of records of arrays."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
+from typing import Any, Self
+
+import numpy as np
+
+Array = np.ndarray
+
+
+@dataclass
+class Arrays:
+    """Base of dataclasses of lanes. A field is an array whose last axis holds the lanes, another such record, or a value of all lanes."""
+
+    def take(self, at: Array | slice) -> Self:
+        """The record of these lanes, copied if they are given by index."""
+        return type(self)(*(_taken(getattr(self, f.name), at) for f in fields(self)))
+
+    def put(self, places: Array, others: Self) -> None:
+        """Write the lanes of another record into these places."""
+        for f in fields(self):
+            getattr(self, f.name)[places] = getattr(others, f.name)
+
+    @classmethod
+    def joined(cls, parts: Sequence[Self]) -> Self:
+        """The lanes of all parts, one after the other; fields that only a subclass has are left out."""
+        return cls(*(_joined([getattr(part, f.name) for part in parts]) for f in fields(cls)))
+
+    def join(self, other: Self) -> Self:
+        """These lanes followed by those of another record."""
+        return self.joined([self, other])
+
+
+def _taken(x: Any, at: Any) -> Any:
+    if isinstance(x, Arrays):
+        return x.take(at)
+    if not isinstance(x, np.ndarray):
+        return x
+    return x[at] if x.ndim == 1 else x.take(at, axis=-1)  # [..., at] would lie lane by lane
+
+
+def _joined(parts: list[Any]) -> Any:
+    return parts[0].joined(parts) if isinstance(parts[0], Arrays) else np.concatenate(parts)
