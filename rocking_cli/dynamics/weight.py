@@ -9,7 +9,7 @@ So a body has two effective motions, one for each edge, cut into segments on whi
 from __future__ import annotations
 
 from dataclasses import dataclass, fields, replace
-from functools import cached_property, lru_cache
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -19,7 +19,6 @@ from ..motions.extremes import extremes
 from ..motions.motion import Motion
 from ..motions.polyline import Polyline
 from ..motions.segments import Segments, followed_by
-from ..motions.table import Table, patches_of, table_of
 from .drive import drive_change
 
 Array = np.ndarray
@@ -103,23 +102,6 @@ def _value(segments: Segments, k: Array, u: Array) -> Array:
     return segments.s_start[k] + drive_change(segments, k, u)
 
 
-@dataclass(frozen=True)
-class _Edges(Segments):
-    """The segments of both edges, one after the other."""
-
-    parts: tuple[Segments, Segments]
-
-    @cached_property
-    def table(self) -> Table | None:
-        """Where it is that of either edge it is not made again."""
-        one, other = (part.table for part in self.parts)
-        counts = patches_of(self)
-        if one is None or other is None or counts is None:
-            return table_of(self)
-        both = one.join(other)
-        return both if np.array_equal(counts, both.last - both.first + 1) else table_of(self)
-
-
 def weighed(motion: Motion, right: float, left: float) -> Segments:
     """The segments of a motion for a body whose edges have these r; those of the motion itself where it is not Biaxial."""
     if not isinstance(motion, Biaxial):
@@ -158,8 +140,7 @@ def _weighed(
     own |= {"later_max": left.later_max, "later_min": right.later_min}
     vertical, right, left = (replace(part, length=across.length) for part in (vertical, right, left))
     both = {f.name: _joined(getattr(right, f.name), getattr(left, f.name)) for f in fields(Segments)}
-    edges = _Edges(**both, parts=(right, left))
-    return WeighedSegments(**own, vertical=vertical, right=right, left=left, edges=edges, inward=inward, share=share)
+    return WeighedSegments(**own, vertical=vertical, right=right, left=left, edges=Segments(**both), inward=inward, share=share)
 
 
 def _joined(a: Any, b: Any) -> Any:

@@ -24,7 +24,7 @@ from ..motions.grid import Axis, parse_axes, scaled_frequency, written_axes
 from ..processes import available_cpus, processes
 from ..spectra.cost import Tell, announce, bouncing_seconds, expected_seconds
 from ..structures.parameters import RockingParameters
-from .boundaries import Row, Search
+from .boundaries import Search
 from .scan_grid import SCAN_STEP
 
 A_MAX = 20.0
@@ -82,7 +82,7 @@ def trace_envelope(
     shares = int(min(omegas.size, max(workers, np.ceil(amplitudes / _SHARE))))
     rows: dict[int, Steps] = {}
     for n, search in enumerate(searches):
-        for i, found in enumerate(_in_turn(search, [omegas[i::shares] for i in range(shares)], min(workers, shares))):
+        for i, found in enumerate(in_turn(search.rows, [omegas[i::shares] for i in range(shares)], min(workers, shares))):
             for at, row in zip(range(i, omegas.size, shares), found, strict=True):
                 steps = [(search.lowest, row.begins), *row.changes]
                 rows[at] = worse(rows[at], steps) if at in rows else steps
@@ -141,12 +141,12 @@ def check_intervals(
     _scan_of(motion, _scaled(structure, axis).size, structure, method, a_max, "worse" if sign == BOTH else sign, tell)
 
 
-def _in_turn(search: Search, shares: list[np.ndarray], workers: int) -> Iterator[list[Row]]:
-    """The rows of each share of the frequencies, in their order."""
+def in_turn(search: Callable[[Any], Any], shares: Sequence[Any], workers: int) -> Iterator[Any]:
+    """The results of a search for each share of the work, in their order, from so many processes."""
     if workers == 1:
-        yield from map(search.rows, shares)
+        yield from map(search, shares)
         return
-    with processes(workers, search.rows, "fewer `workers` need less") as run:
+    with processes(workers, search, "fewer `workers` need less") as run:
         yield from run(shares)
 
 

@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from .blocks import blocks, largest
+from .segment_arrays import SegmentArrays
 from .table import Table, table_of
 
 LEAF_LEVEL = 3
@@ -26,33 +27,8 @@ class Wave:
 
 
 @dataclass(frozen=True)
-class Segments:
-    """The K monotone segments of a motion. Arrays have the shape (K,), or (harmonics, K) for sin, cos and frequency.
-
-    start, length [rad]; s_start, s_end: s at the ends, inside the segment; sin, cos: of the argument of each sinusoid at the start,
-    times its amplitude; frequency: over omega_g; slope [1/rad]; joins: the next segment belongs to the same piece; later_max,
-    later_min: largest and least s from the start of the segment on, with 0 for the ground at rest after the motion.
-    """
-
-    start: np.ndarray
-    length: np.ndarray
-    s_start: np.ndarray
-    s_end: np.ndarray
-    sin: np.ndarray
-    cos: np.ndarray
-    frequency: np.ndarray
-    slope: np.ndarray
-    joins: np.ndarray
-    later_max: np.ndarray
-    later_min: np.ndarray
-
-    def __len__(self) -> int:
-        return int(self.start.size)
-
-    @property
-    def harmonics(self) -> int:
-        """The largest number of sinusoids of a piece."""
-        return int(self.sin.shape[0])
+class Segments(SegmentArrays):
+    """The K monotone segments of a motion, with a fast search for large values of s."""
 
     @property
     def straight(self) -> bool:
@@ -196,11 +172,6 @@ class Segments:
     def table(self) -> Table | None:
         """The segments as polynomials, see `table_of`."""
         return table_of(self)
-
-    @cached_property
-    def sloped(self) -> bool:
-        """True if a piece has a term linear in the phase."""
-        return bool(np.any(self.slope != 0.0))
 
     @cached_property
     def variation(self) -> np.ndarray:

@@ -9,12 +9,11 @@ smooth function of t there too.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
-if TYPE_CHECKING:
-    from .segments import Segments
+from .segment_arrays import SegmentArrays
 
 Array = np.ndarray
 
@@ -85,13 +84,6 @@ class Table:
         patch += self.first[k]
         return self.terms.take(patch, axis=1), x, half
 
-    def join(self, other: Table) -> Table:
-        """The table of these segments followed by those of another table."""
-        more = self.terms.shape[1]
-        half, phases = np.concatenate([self.half, other.half]), np.concatenate([self.phases, other.phases])
-        first, last = (np.concatenate([a, b + more]) for a, b in ((self.first, other.first), (self.last, other.last)))
-        return Table(first, last, half, np.concatenate([self.terms, other.terms], axis=1), phases)
-
     def phase(self, k: Array, share: Array) -> Array:
         """The phase [rad] in segment k at which s has gone this share (0 to 1) of its rise, to about 1e-3."""
         late = share > 0.5
@@ -107,9 +99,9 @@ class Table:
         return low
 
 
-def table_of(segments: Segments) -> Table | None:
+def table_of(segments: SegmentArrays) -> Table | None:
     """The table of a motion; None if it has at most one sinusoid and no slope, or if the table is too large."""
-    counts = patches_of(segments)
+    counts = _patches_of(segments)
     if counts is None:
         return None
     half = 0.5 * segments.length / counts
@@ -131,7 +123,7 @@ def table_of(segments: Segments) -> Table | None:
     return Table(first, last, half, terms, _inverse(segments, table))
 
 
-def patches_of(segments: Segments) -> Array | None:
+def _patches_of(segments: SegmentArrays) -> Array | None:
     """The number of patches of each segment, (K,); None if there is no table."""
     if segments.harmonics == 0 or (segments.harmonics == 1 and not segments.sloped):
         return None
@@ -150,7 +142,7 @@ def patches_of(segments: Segments) -> Array | None:
     return counts
 
 
-def _inverse(segments: Segments, table: Table) -> Array:
+def _inverse(segments: SegmentArrays, table: Table) -> Array:
     """Phases [rad] at the nodes by Halley's method inside brackets, (K, 2, _NODES + 2)."""
     t = np.sqrt(0.5) / _NODES * np.arange(_NODES + 2.0)
     at = 2.0 / np.pi * np.arcsin(t)  # between two extremes of one sinusoid

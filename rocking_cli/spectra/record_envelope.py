@@ -16,10 +16,10 @@ import numpy as np
 from ..dynamics.outcome import Outcome
 from ..envelopes.boundaries import Search
 from ..envelopes.capacity import RATIO
-from ..envelopes.envelope import A_MAX, BOTH, HIGHEST, NONE, SIGNS, Steps, worse
+from ..envelopes.envelope import A_MAX, BOTH, HIGHEST, NONE, SIGNS, Steps, in_turn, worse
 from ..envelopes.limit import Limit, limit_of
 from ..errors import UsageError
-from ..processes import available_cpus, processes
+from ..processes import available_cpus
 from .cost import Tell, announce, bouncing_seconds, expected_seconds
 from .record_scene import RecordScene
 
@@ -122,7 +122,7 @@ def tracing_records(
     workers = workers or (1 if cells < _SMALL else available_cpus())
     if len(tasks) < 4 * workers:
         tasks = list(_tasks(tracing, sign, workers))
-    for n, (task, found) in enumerate(zip(tasks, _in_turn(tracing, tasks, min(workers, len(tasks))), strict=True), 1):
+    for n, (task, found) in enumerate(zip(tasks, in_turn(tracing, tasks, min(workers, len(tasks))), strict=True), 1):
         for column, steps in zip(task.omegas, found, strict=True):
             yield from _told(scene, task, column, steps, tracing.first, sign == BOTH)
         if progress:
@@ -137,14 +137,6 @@ def _tasks(tracing: Tracing, sign: str, shares: int) -> Iterator[Task]:
             for one in ("+", "-") if apart else ("worse" if sign == BOTH else sign,):
                 for part in np.array_split(np.arange(count), min(shares, count)):
                     yield Task(record, i, tuple(part.tolist()), one)
-
-
-def _in_turn(tracing: Tracing, tasks: list[Task], workers: int) -> Iterator[list[Steps]]:
-    if workers == 1:
-        yield from map(tracing, tasks)
-        return
-    with processes(workers, tracing, "fewer `workers` need less") as run:
-        yield from run(tasks)
 
 
 def _told(scene: RecordScene, task: Task, column: int, steps: Steps, first: bool, signed: bool) -> Iterator[dict[str, Any]]:

@@ -18,7 +18,6 @@ from rocking_cli.errors import UsageError
 from rocking_cli.motions import Harmonic, Piece
 from rocking_cli.motions.biaxial import Biaxial, with_vertical
 from rocking_cli.motions.polyline import Polyline
-from rocking_cli.motions.table import table_of
 from rocking_cli.responses.history import history
 from rocking_cli.structures.parameters import Side
 
@@ -220,18 +219,6 @@ def test_segments_are_monotone_for_both_edges():
         inner = [edge.s_start + _change(edge, k, part * found.length) for part in np.linspace(0.0, 1.0, 41)]
         steps = np.diff(inner, axis=0) * np.sign(edge.s_end - edge.s_start)
         assert steps.min() > -1e-12
-
-
-@pytest.mark.parametrize("share", [(0.3, 0.3), (0.01, 50.0)])
-def test_the_table_of_both_edges_is_that_of_their_segments(share):
-    """Whether it is put together from those of either edge, or made again where its patches are others."""
-    up = Motion("up", (Piece(0.0, 2.0 * math.pi, (Harmonic(1.0, 2.3, 0.3),)),))
-    segments = weighed(with_vertical(sine(2), up, 1.0), *share)
-    assert isinstance(segments, WeighedSegments)
-    own, whole = segments.edges.table, table_of(segments.edges)
-    assert own is not None
-    assert whole is not None
-    assert all(np.array_equal(getattr(own, x), getattr(whole, x)) for x in ("first", "last", "half", "terms", "phases"))
 
 
 def test_the_strongest_drive_to_come_is_no_less_than_any_of_it():

@@ -29,7 +29,6 @@ _LEVEL = 0.86  # rad; z cos z has its largest value, 0.5611, at z tan z = 1
 _HIGHEST = 0.5611
 _LASTS = 1.5  # times the sum of the series under the drive of now: no bouncing that is proved to end lasts longer
 _DRIFT = 1e-9  # square of the push's change over the least force, from which the end of a bouncing is known as if it were constant
-NO_MORE = 1e-10  # change of a force over m g that bouncing still brings, from which it is at rest
 
 
 class Bounds(NamedTuple):

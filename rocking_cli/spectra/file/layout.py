@@ -72,7 +72,6 @@ them too."""
 FLAGS: dict[str, type[Outcome] | type[Difference]] = {"outcome": Outcome, "outcome_linear": Outcome, "difference": Difference}
 """What the codes of a variable mean."""
 
-REQUIRED = ("theta_ratio", "outcome")
 
 CHUNK_TABLES: dict[str, tuple[np.dtype, dict[str, Any]]] = {
     "chunk": (np.dtype("<i4"), {"units": "1", "long_name": "unit of work, row-major over the chunks of the data"}),
