@@ -1,6 +1,13 @@
 """Recorded ground motions: a reader for each format, told apart by what a file holds and never by its name.
 
-A new format is one module with NAME, recognise(head) and read(text), and one word in FORMATS.
+A new format is one module with NAME, recognise(head) and read(text), and one word in FORMATS. recognise returns True for the first
+characters of a file of the format; read takes a `RecordText` and returns a list of `Series`. An installed package adds a format by an
+entry point, a module or an object with the same three names:
+
+    [project.entry-points."rocking.records"]
+    ours = "my_package.ours"
+
+Entry points are read only for a file that no format of FORMATS recognises, and before it is taken for plain columns of numbers.
 """
 
 from __future__ import annotations
@@ -8,21 +15,40 @@ from __future__ import annotations
 import gzip
 import hashlib
 import re
+import sys
 import zlib
+from contextlib import AbstractContextManager, nullcontext
 from functools import cache
 from importlib import import_module
 from pathlib import Path
-from types import ModuleType
+from typing import TYPE_CHECKING, Any
 
 from ...documents.quantities import UNITS
 from ...errors import DocumentError, NoAcceleration, UsageError
+from ...plugins import blamed, installed
 from .components import pick
 from .opening import STDIN, read_bytes, refuse_binary, unpacked
 from .record import Record, Series, record_of
 from .text import HEAD, RecordText
 
-__all__ = ["FORMATS", "Record", "demand_unit", "is_record", "pick", "read_bytes", "read_record", "read_records", "records_of", "unknown"]
+if TYPE_CHECKING:
+    from importlib.metadata import EntryPoint
 
+__all__ = [
+    "FORMATS",
+    "Record",
+    "Series",
+    "demand_unit",
+    "is_record",
+    "pick",
+    "read_bytes",
+    "read_record",
+    "read_records",
+    "records_of",
+    "unknown",
+]
+
+GROUP = "rocking.records"
 FORMATS = ("esm", "cosmos", "geonet", "smc", "csmip", "volume1", "cwb", "knet", "afad", "peer")
 _DOCUMENT = re.compile(r"^[\s{\"']*kind[\"']?\s*:", re.MULTILINE)
 _UNCORRECTED = re.compile(
@@ -33,7 +59,7 @@ _UNCORRECTED = re.compile(
 
 
 @cache
-def _formats() -> tuple[ModuleType, ...]:
+def _formats() -> tuple[Any, ...]:
     """The modules of FORMATS, imported when the first file is read."""
     return tuple(import_module(f"{__name__}.{name}") for name in FORMATS)
 
@@ -59,20 +85,49 @@ def records_of(source: str, raw: bytes, *, unit: str | None = None, dt: float | 
     raw = unpacked(source, raw)
     refuse_binary(source, raw)
     text = RecordText(source, raw)
-    found = next((f for f in _formats() if f.recognise(text.head)), None)
-    if found is not None:
-        if named and (unit is not None or dt is not None):
-            raise UsageError(f"{source}: states its own `unit` and `dt` ({found.NAME}); they are given with plain numbers only")
-        uncorrected = _UNCORRECTED.search(text.head)
-        if uncorrected and not named:
-            raise NoAcceleration(f"{source}: an uncorrected accelerogram, which is taken where the file itself is named")
-        series = [s._replace(remark="an uncorrected accelerogram") if uncorrected else s for s in found.read(text)]
-    elif plain.recognise(text.head):
-        found, series = plain, plain.read(text, unit, dt)
-    else:
-        return None
+    found: Any = next((f for f in _formats() if f.recognise(text.head)), None)
+    entry = None if found is not None else _added(source, text.head)
     name = "record" if source == STDIN else Path(Path(source).name.removesuffix(".gz")).stem
-    return [record_of(s, name, found.NAME, source, sha256) for s in _distinct(series)]
+    with nullcontext() if entry is None else _blamed(source, entry):
+        if entry is not None:
+            found = entry.load()
+        if found is not None:
+            if named and (unit is not None or dt is not None):
+                raise UsageError(f"{source}: states its own `unit` and `dt` ({found.NAME}); they are given with plain numbers only")
+            uncorrected = _UNCORRECTED.search(text.head)
+            if uncorrected and not named:
+                raise NoAcceleration(f"{source}: an uncorrected accelerogram, which is taken where the file itself is named")
+            read = found.read(text)
+            if not (isinstance(read, list) and read and all(isinstance(s, Series) for s in read)):
+                raise TypeError(f"read returns {type(read).__name__}; accepted is a list of Series, one or more")
+            series = [s._replace(remark="an uncorrected accelerogram") if uncorrected else s for s in read]
+        elif plain.recognise(text.head):
+            found, series = plain, plain.read(text, unit, dt)
+        else:
+            return None
+        return [record_of(s, name, found.NAME, source, sha256) for s in _distinct(series)]
+
+
+@cache
+def _entries(_: tuple[str, ...]) -> tuple[EntryPoint, ...]:
+    """The entry points of formats, read once for each search path of modules."""
+    return tuple(installed(GROUP).values())
+
+
+def _added(source: str, head: str) -> EntryPoint | None:
+    """The entry point of the first package that recognises a file, None for a document. Raises DocumentError for a package that fails."""
+    for entry in () if _DOCUMENT.search(head) else _entries(tuple(sys.path)):
+        with _blamed(source, entry):
+            found = entry.load()
+            if not (isinstance(getattr(found, "NAME", None), str) and callable(getattr(found, "read", None))):
+                raise TypeError(f"{entry.value} has no NAME, a text, or no read(text)")
+            if found.recognise(head):
+                return entry
+    return None
+
+
+def _blamed(source: str, entry: EntryPoint) -> AbstractContextManager[None]:
+    return blamed(entry, lambda found: DocumentError(f"{source}: the record format {found}; accepted is a package that works"))
 
 
 def read_records(path: str | Path, *, component: str | None = None, unit: str | None = None, dt: float | None = None) -> list[Record]:
@@ -113,7 +168,9 @@ def is_record(path: str) -> bool:
     from . import plain
 
     text = RecordText(path, raw).head
-    return any(f.recognise(text) for f in _formats()) or (plain.recognise(text) and not _DOCUMENT.search(text))
+    if any(f.recognise(text) for f in _formats()):
+        return True
+    return not _DOCUMENT.search(text) and (plain.recognise(text) or _added(path, text) is not None)
 
 
 def _distinct(series: list[Series]) -> list[Series]:

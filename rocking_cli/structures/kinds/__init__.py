@@ -1,7 +1,8 @@
 """The kinds of structure.
 
 A new kind is one file with `build` and `REPORTS`, and its name in KINDS. It may also have SIZES, the keys that `block:0.5x2`
-states, and `sketch(document, parameters)`, the geometry for `rocking draw`. An installed package adds a kind by an entry point:
+states, and `sketch(document, parameters)`, the geometry for `rocking draw`. An installed package adds a kind by an entry point;
+`damping`, `friction`, and `gravity` and `restitution` if build does not read them, are read for it:
 
     [project.entry-points."rocking.structures"]
     tower = "my_package.tower"
@@ -11,14 +12,17 @@ Entry points are read only for a `kind` that is not in KINDS.
 
 from __future__ import annotations
 
+import math
 from collections import UserDict
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
+from contextlib import AbstractContextManager
+from dataclasses import replace
 from importlib import import_module
 from typing import TYPE_CHECKING, Protocol, cast
 
-from ...errors import RockingError
+from ...plugins import blamed, installed
 from ..parameters import RockingParameters
+from ..shared_keys import gravity_of, one_sided_restitution_of, restitution_of
 
 if TYPE_CHECKING:
     from importlib.metadata import EntryPoint
@@ -61,12 +65,12 @@ KINDS = _Kinds({**{name: name for name in _OWN}, "parameters": "stated"})
 def kind_of(document: Document) -> tuple[str, Kind]:
     """(name, kind) of a document. Raises DocumentError if the kind is unknown or its package does not load."""
     value = document.values.get("kind")
-    installed = {} if value is not None and isinstance(value.content, str) and value.content in KINDS else _installed()
-    word = document.choice("kind", [*KINDS, *installed])
+    found = {} if value is not None and isinstance(value.content, str) and value.content in KINDS else installed(GROUP)
+    word = document.choice("kind", [*KINDS, *found])
     if word in KINDS:
         return word, KINDS[word]
-    entry = installed[word]
-    with _blamed(document, word, entry):
+    entry = found[word]
+    with _blamed(document, entry):
         return word, _load(entry)
 
 
@@ -76,31 +80,37 @@ def built_by(document: Document, name: str) -> RockingParameters:
     word, kind = kind_of(document)
     if word in KINDS:
         return kind.build(document, name)
-    with _blamed(document, word, _installed()[word]):
+    with _blamed(document, installed(GROUP)[word]):
         built = kind.build(document, name)
         if not isinstance(built, RockingParameters):
             raise TypeError(f"build returns {type(built).__name__}, which is no RockingParameters")
+    return _with_shared_keys(document, built)
+
+
+def _with_shared_keys(document: Document, built: RockingParameters) -> RockingParameters:
+    """The structure with the gravity and restitution that its document states and its kind has not read: p^2 is proportional to gravity.
+    They stay unread, and so are refused, for a structure with two sides or a mechanism, whose other numbers may depend on them."""
+    if built.sides or built.mechanism is not None:
+        return built
+    unread = {"gravity", "restitution"} - document.asked
+    if "gravity" in unread and document.has("gravity"):
+        gravity = gravity_of(document)
+        built = replace(built, gravity=gravity, p=built.p * math.sqrt(gravity / built.gravity))
+    if "restitution" in unread and document.has("restitution"):
+        of = one_sided_restitution_of(document, (1.0, 1.0), built.eta) if built.one_sided else restitution_of(document, built.eta, "")
+        built = replace(built, eta=of[0], eta_source=of[1] if of[1] == "given" else built.eta_source)
     return built
 
 
-@contextmanager
-def _blamed(document: Document, word: str, entry: EntryPoint) -> Iterator[None]:
-    """Convert an exception of a foreign package to a DocumentError that names the package; this package's errors pass unchanged."""
-    try:
-        yield
-    except RockingError:
-        raise
-    except (Exception, SystemExit) as error:
-        package = f"the package {entry.dist.name}" if entry.dist else entry.value
-        found = f"{word}, which {package} adds and which cannot be used: {type(error).__name__}: {error}"
-        raise document.fault("kind", found, f"a package that works, or one of {', '.join(KINDS)}") from error
+def _blamed(document: Document, entry: EntryPoint) -> AbstractContextManager[None]:
+    return blamed(entry, lambda found: document.fault("kind", found, f"a package that works, or one of {', '.join(KINDS)}"))
 
 
 def reports_of(word: str) -> Sequence[str]:
     """The details that a kind reports; empty for an unknown kind."""
     if word in KINDS:
         return KINDS[word].REPORTS
-    entry = _installed().get(word)
+    entry = installed(GROUP).get(word)
     try:
         return () if entry is None else _load(entry).REPORTS
     except (Exception, SystemExit):  # its details are then refused by name, as for a kind that is not installed
@@ -121,12 +131,6 @@ def sketch_of(document: Document, built: RockingParameters) -> Sketch:
         raise document.fault("kind", f"{word}, which states no geometry to draw", f"one of {', '.join(drawn)}")
     found: Sketch = draw(document, built)
     return found
-
-
-def _installed() -> dict[str, EntryPoint]:
-    from importlib.metadata import entry_points
-
-    return {entry.name: entry for entry in entry_points(group=GROUP)}
 
 
 def _load(entry: EntryPoint) -> Kind:

@@ -5,7 +5,9 @@ from __future__ import annotations
 import gzip
 import hashlib
 import io
+import json
 import struct
+import sys
 import tarfile
 import tracemalloc
 
@@ -129,3 +131,82 @@ def test_a_unit_is_for_plain_numbers(tmp_path):
 def test_a_file_that_is_not_there(tmp_path):
     with pytest.raises(UsageError, match="cannot be read: No such file"):
         read_record(tmp_path / "nowhere")
+
+
+OURS = """
+import numpy as np
+
+from rocking_cli.motions.records import Series
+
+NAME = "ours"
+
+
+def recognise(head):
+    {recognise}
+
+
+def read(text):
+    text.next_line()
+    count, line = text.count(text.lines(1)[0]), text.line
+    {read}
+"""
+READS = 'return [Series("N", 0.01, text.table()[0], "gal"), Series("E", 0.01, np.zeros(count), "gal")]'
+
+
+@pytest.fixture
+def install(tmp_path, monkeypatch):
+    """A package on the path whose entry point adds a record format."""
+
+    def installed(recognise: str = "return head.startswith('OURS')", read: str = READS) -> None:
+        site = tmp_path / "site"
+        (site / "of_ours-1.dist-info").mkdir(parents=True)
+        (site / "rocking_ours.py").write_text(OURS.format(recognise=recognise, read=read))
+        (site / "of_ours-1.dist-info" / "METADATA").write_text("Metadata-Version: 2.1\nName: of-ours\nVersion: 1\n")
+        (site / "of_ours-1.dist-info" / "entry_points.txt").write_text(f"[{records.GROUP}]\nours = rocking_ours\n")
+        monkeypatch.syspath_prepend(str(site))
+        monkeypatch.delitem(sys.modules, "rocking_ours", raising=False)
+        (tmp_path / "a.txt").write_text("OURS\n3\n0\n50\n-20\n")
+
+    return installed
+
+
+def test_an_installed_package_adds_a_format(install, tmp_path, rocking):
+    install()
+    first, second = read_records(tmp_path / "a.txt")
+    assert (first.format, first.component, second.component, first.dt, list(first.acceleration)) == ("ours", "N", "E", 0.01, [0, 0.5, -0.2])
+    assert records.is_record(str(tmp_path / "a.txt"))
+    done = rocking("records", "a.txt", "--json")
+    assert (done.returncode, [json.loads(line)["format"] for line in done.stdout.splitlines()]) == (0, ["ours"] * 2), done.stderr
+
+
+def test_an_installed_format_says_its_own_fault(install, tmp_path):
+    install()
+    (tmp_path / "a.txt").write_text("OURS\nmany\n")
+    with pytest.raises(DocumentError, match=r"a.txt:2: found 'many' in the header; accepted is a number"):
+        read_records(tmp_path / "a.txt")
+
+
+@pytest.mark.parametrize(
+    ("changed", "words"),
+    [
+        ({"recognise": "return 1 / 0"}, "ZeroDivisionError: division by zero"),
+        ({"read": "raise SystemExit(0)"}, "SystemExit: 0"),
+        ({"read": "return None"}, "TypeError: read returns NoneType; accepted is a list of Series, one or more"),
+        ({"read": "return [Series('N', 0.01, np.zeros(count), 'furlong')]"}, "KeyError: 'furlong'"),
+    ],
+)
+def test_a_package_that_fails_is_named(install, tmp_path, rocking, changed, words):
+    install(**changed)
+    done = rocking("records", "a.txt")
+    told = "the record format ours, which the package of-ours adds and which cannot be used: "
+    assert (done.returncode, done.stdout) == (3, "")
+    assert f"a.txt: {told}{words}; accepted is a package that works" in done.stderr
+
+
+def test_own_formats_never_look_for_packages(tmp_path, monkeypatch):
+    def looked(*_):
+        raise AssertionError("installed packages were searched")
+
+    monkeypatch.setattr(records, "_entries", looked)
+    (tmp_path / "a").write_text(AT2)
+    assert read_record(tmp_path / "a").npts == 500

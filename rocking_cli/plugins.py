@@ -1,0 +1,31 @@
+"""Entry points of installed packages, and the errors of a package as one sentence that names it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING
+
+from .errors import RockingError
+
+if TYPE_CHECKING:
+    from importlib.metadata import EntryPoint
+
+
+def installed(group: str) -> dict[str, EntryPoint]:
+    """The entry points of a group by name."""
+    from importlib.metadata import entry_points
+
+    return {entry.name: entry for entry in entry_points(group=group)}
+
+
+@contextmanager
+def blamed(entry: EntryPoint, error_of: Callable[[str], RockingError]) -> Iterator[None]:
+    """Raise `error_of` of a sentence that names the package, for any error or exit of its code; RockingErrors pass unchanged."""
+    try:
+        yield
+    except RockingError:
+        raise
+    except (Exception, SystemExit) as error:
+        package = f"the package {entry.dist.name}" if entry.dist else entry.value
+        raise error_of(f"{entry.name}, which {package} adds and which cannot be used: {type(error).__name__}: {error}") from error
