@@ -7,29 +7,23 @@ sweeps of one output are not kept apart before their end.
 
 from __future__ import annotations
 
-import hashlib
 import io
 import json
 import os
 import secrets
 import stat
-import struct
 import time
 import weakref
-import zlib
 from contextlib import suppress
 from pathlib import Path
 from typing import Any, BinaryIO
 
 from ...errors import OutputError, UsageError
 from ...publishing import check_target, followed, kind_of
+from .appended import NOTE, SIGNATURE, Appended, head_of, layout_digest
 from .digest import read
 
-SIGNATURE = b"\x89HDF\r\n\x1a\n"
 PATIENCE = 0.3  # s: a process that only looks whether a partial file is in use locks it for an instant
-_RECORD = struct.Struct("<4sqQI")  # magic, index of the chunk, bytes of the content, CRC-32 of all else
-_MAGIC = b"rock"
-_NOTE = -1  # index of a record that says something of the whole, as JSON
 _OF_OTHERS = {".csv", ".json", ".jsonl", ".txt", ".tsv", ".xlsx", ".yaml", ".yml", ".png", ".svg", ".pdf", ".html"}
 
 _open_partials: weakref.WeakSet[Partial] = weakref.WeakSet()
@@ -100,52 +94,6 @@ def locked(file: BinaryIO) -> bool:
             return True
 
 
-class Records:
-    """The layout and the records of a partial file.
-
-    image: the bytes of an HDF5 file without chunks; notes: what was said of the whole; places: of each chunk (offset, bytes); end: where
-    the last whole record ends. Raises ValueError where it is no partial file, or its layout is damaged.
-    """
-
-    def __init__(self, file: BinaryIO) -> None:
-        self._file, size = file, os.fstat(file.fileno()).st_size
-        head = read(file, 0, 48)
-        self.end = int.from_bytes(head[40:48], "little") if head[:8] == SIGNATURE else 0  # as HDF5 states it
-        if not 48 <= self.end <= size:
-            raise ValueError("it is not finished, and is no partial file of this program")
-        self.image = read(file, 0, self.end)
-        self.notes: dict[str, Any] = {}
-        self.places: dict[int, tuple[int, int]] = {}
-        while self.end + _RECORD.size <= size:
-            magic, index, length, _ = _RECORD.unpack(read(file, self.end, _RECORD.size))
-            if magic != _MAGIC or self.end + _RECORD.size + length > size:
-                break
-            if index == _NOTE:
-                self.notes |= json.loads(self.content(_NOTE, (self.end, _RECORD.size + length)))
-            else:
-                self.places[index] = self.end, _RECORD.size + length
-            self.end += _RECORD.size + length
-        if "layout" not in self.notes:
-            raise ValueError("it has neither a digest nor the records of a partial file")
-        if self.notes["layout"] != _digest(self.image):
-            raise ValueError("its layout is damaged")
-
-    def content(self, index: int, place: tuple[int, int] | None = None) -> bytes:
-        """What the record of a chunk holds. Raises ValueError where it is damaged, KeyError where there is none."""
-        raw = read(self._file, *(place or self.places[index]))
-        if len(raw) < _RECORD.size or raw[: _RECORD.size] != _header(index, raw[_RECORD.size :]):
-            raise ValueError("its checksum does not fit")
-        return raw[_RECORD.size :]
-
-
-def _header(index: int, content: bytes) -> bytes:
-    return _RECORD.pack(_MAGIC, index, len(content), zlib.crc32(content, zlib.crc32(struct.pack("<qQ", index, len(content)))))
-
-
-def _digest(image: bytes) -> str:
-    return hashlib.blake2b(image, digest_size=32).hexdigest()
-
-
 class Partial:
     """The partial file of an output, opened and locked for this process; `resumes`: it holds what a sweep left there, else the image.
 
@@ -166,7 +114,7 @@ class Partial:
             _refuse_existing(self.output, self.path if begun else None, overwrite, resume)  # what appeared before it was locked
             self.resumes = begun and resume
             if self.resumes:
-                self.records = Records(self.file)
+                self.records = Appended(self.file)
             else:
                 self._begin(image)
         except BaseException as error:
@@ -217,18 +165,18 @@ class Partial:
         self.file.truncate(0)
         self._write(0, bytes(len(SIGNATURE)) + image[len(SIGNATURE) :])
         self._write(0, image[: len(SIGNATURE)])
-        note = json.dumps({"layout": _digest(image), "token": secrets.token_hex(8)}).encode()
-        self._write(len(image), _header(_NOTE, note) + note)
-        self.records = Records(self.file)
+        note = json.dumps({"layout": layout_digest(image), "token": secrets.token_hex(8)}).encode()
+        self._write(len(image), head_of(NOTE, note) + note)
+        self.records = Appended(self.file)
 
     def note(self, **words: Any) -> None:
         """Say something of the whole, as JSON. Raises OSError."""
-        self.append(_NOTE, json.dumps(words).encode())
+        self.append(NOTE, json.dumps(words).encode())
         self.records.notes |= words
 
     def append(self, index: int, content: bytes) -> None:
         """Append the record of a chunk. Raises OSError, after which the file is as it was before."""
-        record, begin = _header(index, content) + content, self.records.end
+        record, begin = head_of(index, content) + content, self.records.end
         try:
             self._write(begin, record)
         except OSError:
@@ -236,7 +184,7 @@ class Partial:
                 self.file.truncate(begin)
             raise
         self.records.end += len(record)
-        if index != _NOTE:
+        if index != NOTE:
             self.records.places[index] = begin, len(record)
 
     def _write(self, offset: int, content: bytes) -> None:

@@ -21,11 +21,11 @@ from ...motions import Harmonic, Motion, Piece
 from ...motions.grid import Axis, Grid
 from ...structures.parameters import RockingParameters
 from ..frame import EDGE_PARAMETERS, VARIED, Frame, Values, form_among, varied_units
+from .appended import SIGNATURE, Appended
 from .chunks import ChunkGrid, split, stored_chunk, unpack
 from .difference import reason
 from .digest import checked_digest, read
 from .layout import BOOKKEEPING, CHUNK_TABLES, FLAGS, VARIABLES
-from .partial import SIGNATURE, Records
 
 _FAULTS = (*FAULTS, UsageError)
 UNPACKED = 8  # chunks that are kept as arrays
@@ -64,7 +64,7 @@ class SpectraFile:
         if read(self._raw, 0, len(SIGNATURE)) != SIGNATURE:
             raise OutputError(f"{self.path}: is not an HDF5 file, or is damaged")
         self.digest = checked_digest(self._raw)
-        self._records = Records(self._raw) if self.digest is None else None
+        self._records = Appended(self._raw) if self.digest is None else None
         self.file = h5py.File(self._raw if self._records is None else io.BytesIO(self._records.image), "r")
         try:
             self._understand()

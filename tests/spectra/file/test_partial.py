@@ -11,7 +11,8 @@ import h5py
 import pytest
 
 from rocking_cli import OutputError, UsageError
-from rocking_cli.spectra.file.partial import Partial, Records, check_output
+from rocking_cli.spectra.file.appended import Appended
+from rocking_cli.spectra.file.partial import Partial, check_output
 
 
 def _image() -> bytes:
@@ -136,7 +137,7 @@ def test_a_damaged_record_is_the_only_one_that_is_lost(left):
         left.write_bytes(flipped)
         with open(left, "rb") as file:
             try:
-                records = Records(file)
+                records = Appended(file)
             except ValueError:
                 damaged += at < len(IMAGE)
                 continue
@@ -152,11 +153,11 @@ def test_a_damaged_record_is_the_only_one_that_is_lost(left):
 def test_a_cut_file_holds_the_records_before_the_cut(left):
     data = left.read_bytes()
     with open(left, "rb") as file:
-        ends = [sum(Records(file).places[i]) for i in range(5)]
+        ends = [sum(Appended(file).places[i]) for i in range(5)]
     for length in range(ends[0], len(data), 7):
         left.write_bytes(data[:length])
         with open(left, "rb") as file:
-            assert sorted(Records(file).places) == [i for i in range(5) if ends[i] <= length]
+            assert sorted(Appended(file).places) == [i for i in range(5) if ends[i] <= length]
 
 
 def test_names_of_other_formats_are_refused(tmp_path):

@@ -34,9 +34,10 @@ from rocking_cli.errors import Interrupted
 from rocking_cli.reports.summary import summary_lines
 from rocking_cli.spectra import machine
 from rocking_cli.spectra.file import writer as store
+from rocking_cli.spectra.file.appended import Appended
 from rocking_cli.spectra.file.chunks import pack
 from rocking_cli.spectra.file.difference import difference
-from rocking_cli.spectra.file.partial import Partial, Records
+from rocking_cli.spectra.file.partial import Partial
 from rocking_cli.spectra.file.reader import SpectraFile
 from rocking_cli.spectra.file.writer import SpectraWriter
 from rocking_cli.spectra.frame import pulse_frame
@@ -430,7 +431,7 @@ def test_what_a_kill_leaves_of_the_finished_file_is_removed(tmp_path):
     """The finished file has a name that the partial file states until it is complete."""
     part = left_part(tmp_path / "s.h5", 3)
     with open(part, "rb") as file:
-        half = tmp_path / f"s.h5.{Records(file).notes['token']}.part"
+        half = tmp_path / f"s.h5.{Appended(file).notes['token']}.part"
     half.write_bytes(b"half")
     sweep(tmp_path / "s.h5", resume=True)
     assert [p.name for p in tmp_path.iterdir()] == ["s.h5"]
