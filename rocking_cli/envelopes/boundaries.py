@@ -30,15 +30,15 @@ from ..motions.blocks import blocks
 from ..motions.segments import Segments
 from .changes import SECTIONS, Brackets, narrowed
 from .one_arc import Modes, may_change, modes_at_end
-from .scan_grid import Ladder, gaps_between, onwards
+from .scan_grid import ScanGrid, gaps_between, onwards
 
 Array = np.ndarray
 
 FINE_STEP = 0.999e-4  # of the closer look around changes of the outcome or of the number of impacts, where narrow intervals gather
-_AROUND = 12  # rungs on either side of such a change that are looked at closer too
+_AROUND = 12  # points on either side of such a change that are looked at closer too
 _WORTH = 20_000  # amplitudes in all from which bounds on those that nothing strikes take less than a look at each
 _BATCH = 1 << 20  # cells of the scan computed together
-_STRETCH = 80  # rungs that are looked at together where only the first fall is looked for
+_STRETCH = 80  # points that are looked at together where only the first fall is looked for
 
 
 class Look(NamedTuple):
@@ -89,12 +89,12 @@ class Search:
         return self._respond(amplitude, omega)[0]
 
     def _respond(self, amplitude: Array, omega: Array) -> tuple[Array, Array]:
-        """These codes, and the number of impacts until they were clear."""
+        """(codes of `Outcome`, number of impacts until the outcome was certain)."""
         found = response(self.system, self.motion, amplitude, omega, self.eta, peaks=False)
         return np.where(found.outcome == Outcome.NO_UPLIFT, np.uint8(Outcome.ROCKED), found.outcome), found.impacts
 
     def rows(self, omegas: Array) -> list[Row]:
-        """Every change of the outcome for each Omega, traced to `digits`; what is narrower than the scan's step may be missed."""
+        """Every change of the outcome for each Omega, traced to `digits`; intervals narrower than the step of the scan may be missed."""
         begins, brackets = self._scan(omegas)
         found = self._narrowed(omegas, brackets)
         order = np.lexsort((found.high, found.row))
@@ -106,7 +106,7 @@ class Search:
         return rows
 
     def fall(self, omega: float) -> tuple[Brackets, int]:
-        """(the lowest change of the scan at one Omega to what is not safe, if any, as row 0, and the outcome at `a_max`)."""
+        """(the lowest change to an unsafe outcome in the scan at one Omega, if any, as row 0; the outcome at `a_max`)."""
         begins, brackets = self._scan(np.array([omega]))
         last = int(brackets.above[brackets.high.argmax()]) if brackets.row.size else int(begins[0])
         if not Outcome(int(begins[0])).safe:
@@ -115,26 +115,26 @@ class Search:
         return brackets.take(falls[brackets.high[falls].argsort()[:1]]), last
 
     def first_falls_in(self, omega: float, brackets: Brackets) -> list[float]:
-        """The lowest amplitude of each bracket that is not safe at one Omega, all traced together."""
+        """The lowest unsafe amplitude of each bracket at one Omega."""
         rows = np.arange(brackets.row.size)
         found = self._narrowed(np.full(rows.size, omega), replace(brackets, row=rows), lowest=True)
         return [float(found.high[(found.row == row) & ~safe(found.above)].min()) for row in rows]
 
     def first_falls(self, omegas: Array) -> list[Row]:
-        """The rows as far as the lowest amplitude of the scan that is not safe, looked for a stretch after the other."""
-        ladder = Ladder.between(self.lowest, self.a_max, uplift=self.uplift, ratio=self.ratio)
+        """The rows up to the lowest unsafe amplitude of the scan, which is computed stretch by stretch."""
+        scan = ScanGrid.between(self.lowest, self.a_max, uplift=self.uplift, ratio=self.ratio)
         going, at, rocked = np.arange(omegas.size), 0, int(Outcome.ROCKED)
         rows, parts = [Row(rocked, []) for _ in omegas], []
-        while going.size and at < ladder.size:
-            rungs = ladder.rung(np.arange(at, min(at + _STRETCH, ladder.size)))
-            label = self.outcome(rungs, omegas[going, None])
+        while going.size and at < scan.size:
+            points = scan.amplitude(np.arange(at, min(at + _STRETCH, scan.size)))
+            label = self.outcome(points, omegas[going, None])
             falls = ~safe(label)
             hit, n = np.flatnonzero(falls.any(axis=1)), falls.argmax(axis=1)
             for i in hit[n[hit] + at == 0]:
                 rows[going[i]] = Row(int(label[i, 0]), [])
             hit = hit[n[hit] + at > 0]
             below = np.full(hit.size, rocked, dtype=np.uint8)
-            parts.append(Brackets(going[hit], ladder.rung(at + n[hit] - 1), rungs[n[hit]], below, label[hit, n[hit]]))
+            parts.append(Brackets(going[hit], scan.amplitude(at + n[hit] - 1), points[n[hit]], below, label[hit, n[hit]]))
             going, at = going[~falls.any(axis=1)], at + _STRETCH
         found = self._narrowed(omegas, Brackets.joined(parts), lowest=True)
         fallen = found.take(np.flatnonzero(~safe(found.above)))
@@ -145,8 +145,8 @@ class Search:
 
     def _scan(self, omegas: Array) -> tuple[Array, Brackets]:
         """(outcome of each row's first amplitude, the changes between neighbours)."""
-        ladder = Ladder.between(self.lowest, self.a_max, uplift=self.uplift, ratio=self.ratio)
-        first, last, beyond = self._doubtful(omegas, ladder)
+        scan = ScanGrid.between(self.lowest, self.a_max, uplift=self.uplift, ratio=self.ratio)
+        first, last, beyond = self._doubtful(omegas, scan)
         starts = np.concatenate([[0], np.cumsum(last - first + 1)])
         begins, parts = np.empty(omegas.size, dtype=np.uint8), [beyond]
         for begin in range(0, int(starts[-1]), _BATCH):
@@ -155,98 +155,98 @@ class Search:
             top, bottom = np.searchsorted(starts, [a, b - 1], side="right")
             row = np.repeat(np.arange(top - 1, bottom), np.diff(np.clip(starts[top - 1 : bottom + 1], a, b)))
             place = np.arange(a, b)
-            rungs = self._look(row, ladder.rung(place - starts[row] + first[row]), omegas)
+            points = self._look(row, scan.amplitude(place - starts[row] + first[row]), omegas)
             new = np.flatnonzero(place == starts[row])
-            begins[row[new]] = rungs.label[new]
+            begins[row[new]] = points.label[new]
             mine = (place[:-1] >= begin - 1) & (place[:-1] < end - 1) & (row[1:] == row[:-1])
-            parts.append(self._changes(rungs, mine, omegas))
+            parts.append(self._changes(points, mine, omegas))
         return begins, Brackets.joined(parts)
 
     def _look(self, row: Array, amplitude: Array, omegas: Array) -> Look:
-        """The outcomes there, a batch at a time."""
+        """The outcomes at these amplitudes, computed batch by batch."""
         label, impacts = np.empty(row.size, dtype=np.uint8), np.empty(row.size, dtype=np.int32)
         for begin in range(0, row.size, _BATCH):
             batch = slice(begin, begin + _BATCH)
             label[batch], impacts[batch] = self._respond(amplitude[batch], omegas[row[batch]])
         return Look(row, amplitude, label, impacts)
 
-    def _changes(self, rungs: Look, mine: Array, omegas: Array) -> Brackets:
-        """The changes in gaps between rungs, with a closer look around those where the motion changes its course."""
-        width = np.diff(rungs.amplitude)
-        turns = (rungs.label[1:] != rungs.label[:-1]) | (rungs.impacts[1:] != rungs.impacts[:-1])
+    def _changes(self, points: Look, mine: Array, omegas: Array) -> Brackets:
+        """The changes between scan points, with a finer scan around changes of the outcome or of the number of impacts."""
+        width = np.diff(points.amplitude)
+        turns = (points.label[1:] != points.label[:-1]) | (points.impacts[1:] != points.impacts[:-1])
         turns &= not self.ratio and self.motion.segments.pushes > FEW
         gap = np.flatnonzero(mine & _around(turns) & (width > FINE_STEP))
         cuts = np.ceil(width[gap] / FINE_STEP).astype(np.int64) - 1
         share = (np.arange(cuts.sum()) - np.repeat(np.cumsum(cuts) - cuts, cuts) + 1.0) / np.repeat(cuts + 1, cuts)
         gap = np.repeat(gap, cuts)
-        inner = self._look(rungs.row[gap], rungs.amplitude[gap] + share * width[gap], omegas)
-        place = np.concatenate([np.arange(rungs.row.size), gap + share])
+        inner = self._look(points.row[gap], points.amplitude[gap] + share * width[gap], omegas)
+        place = np.concatenate([np.arange(points.row.size), gap + share])
         order = np.argsort(place, kind="stable")
-        row, amplitude, label = (np.concatenate([x, y])[order] for x, y in zip(rungs[:3], inner[:3], strict=True))
+        row, amplitude, label = (np.concatenate([x, y])[order] for x, y in zip(points[:3], inner[:3], strict=True))
         at = np.flatnonzero(label[1:] != label[:-1])
         at = at[mine[place[order[at]].astype(np.int64)]]
         return Brackets(row[at], amplitude[at], amplitude[at + 1], label[at], label[at + 1])
 
-    def _doubtful(self, omegas: Array, ladder: Ladder) -> tuple[Array, Array, Brackets]:
-        """First and last rung that must be looked at: below them nothing changes, and above them only what the brackets hold."""
+    def _doubtful(self, omegas: Array, scan: ScanGrid) -> tuple[Array, Array, Brackets]:
+        """(first and last scan point to compute, brackets of the changes above the last one); below the first nothing changes."""
         none = Brackets(*(np.zeros(0, dtype=kind) for kind in (np.int64, float, float, np.uint8, np.uint8)))
-        first, last = np.zeros(omegas.size, dtype=np.int64), np.full(omegas.size, ladder.size - 1)
+        first, last = np.zeros(omegas.size, dtype=np.int64), np.full(omegas.size, scan.size - 1)
         if not (self.system.equation.bounded and self.system.contact.alike and self.motion.vertical is None):
             return first, last, none
         safe_to = self.system.safe_amplitude(self.motion)
-        first = np.minimum(self._quiet(omegas, ladder), ladder.below(np.full(omegas.size, safe_to)))
+        first = np.minimum(self._quiet(omegas, scan), scan.below(np.full(omegas.size, safe_to)))
         if not _lifts_at_once(self.motion):
             return first, last, none
-        over, falls = self._outcome_from(omegas, ladder, first, last, lambda label, impacts: label == Outcome.OVERTURNED_NO_IMPACT)
+        over, falls = self._outcome_from(omegas, scan, first, last, lambda label, impacts: label == Outcome.OVERTURNED_NO_IMPACT)
         last[over] = falls
         if self.a_max > safe_to:  # what loses the ground is no matter of energy
             return first, last, none
         if self.motion.segments.pushes > FEW or int((last - first).sum()) < _WORTH:
             return first, last, none
         # From the first amplitude on whose first arc outlasts the shaking only the energy at its end matters.
-        clear, lasts = self._outcome_from(omegas, ladder, first, last, lambda label, impacts: (impacts == 0) & (label != Outcome.FAILED))
-        row, rung = self._unstruck(omegas, ladder, clear, lasts, last[clear], np.isin(clear, over)).T
+        clear, lasts = self._outcome_from(omegas, scan, first, last, lambda label, impacts: (impacts == 0) & (label != Outcome.FAILED))
+        row, point = self._unstruck(omegas, scan, clear, lasts, last[clear], np.isin(clear, over)).T
         last[clear] = lasts
-        ends = ladder.rung(rung), ladder.rung(rung + 1)
+        ends = scan.amplitude(point), scan.amplitude(point + 1)
         under, above = (self.outcome(amplitude, omegas[row]) for amplitude in ends)
         return first, last, Brackets(row, *ends, under, above).take(np.flatnonzero(under != above))
 
-    def _quiet(self, omegas: Array, ladder: Ladder) -> Array:
-        """The last rung up to which the shaking from the first uplift on, A int |s| dphi <= Omega, overturns nothing."""
+    def _quiet(self, omegas: Array, scan: ScanGrid) -> Array:
+        """The last point up to which the shaking from the first uplift on, A int |s| dphi <= Omega, overturns nothing."""
         segments = self.motion.segments
         if segments.straight:  # of all of it
-            return ladder.below((1.0 - 1e-9) * omegas / _path(segments))
+            return scan.below((1.0 - 1e-9) * omegas / _path(segments))
         ahead = ImpulseAhead.of(segments)
-        low, high = np.zeros(omegas.size, dtype=np.int64), np.full(omegas.size, ladder.size)
+        low, high = np.zeros(omegas.size, dtype=np.int64), np.full(omegas.size, scan.size)
         while np.any(high - low > 1):  # the more amplitude, the sooner the uplift
             middle = (low + high) // 2
-            amplitude = ladder.rung(middle)
+            amplitude = scan.amplitude(middle)
             lift = first_uplift(segments, np.zeros(omegas.size, dtype=np.int64), np.zeros(omegas.size), amplitude, amplitude)
             holds = amplitude * ahead.after(lift.k, lift.u) <= (1.0 - 1e-9) * omegas
             low, high = np.where(holds, middle, low), np.where(holds, high, middle)
         return low
 
     def _outcome_from(
-        self, omegas: Array, ladder: Ladder, first: Array, last: Array, holds: Callable[[Array, Array], Array]
+        self, omegas: Array, scan: ScanGrid, first: Array, last: Array, holds: Callable[[Array, Array], Array]
     ) -> tuple[Array, Array]:
         """`onwards` of what holds for the outcome and the impacts of bodies that are lifted."""
 
-        def there(rungs: Array, rows: Array) -> Array:
-            amplitude = ladder.rung(rungs)
+        def there(points: Array, rows: Array) -> Array:
+            amplitude = scan.amplitude(points)
             return holds(*self._respond(amplitude, omegas[rows])) & (amplitude > self.uplift * (1.0 + 1e-9))
 
         return onwards(np.arange(omegas.size), first, last, there)
 
-    def _unstruck(self, omegas: Array, ladder: Ladder, row: Array, low: Array, high: Array, falls: Array) -> Array:
-        """Gaps, (row, rung below), that may hold a change between rungs `low` and `high` of rows whose bodies are not struck during the
+    def _unstruck(self, omegas: Array, scan: ScanGrid, row: Array, low: Array, high: Array, falls: Array) -> Array:
+        """Gaps, (row, point below), that may hold a change between points `low` and `high` of rows whose bodies are not struck during the
         shaking; falls: whether they overturn without impact at `high`, and only there."""
         top = np.column_stack([row[falls], high[falls] - 1])[low[falls] < high[falls]]
 
-        def modes(row: Array, rung: Array) -> Modes:
-            return modes_at_end(self.motion.segments, ladder.rung(rung), omegas[row])
+        def modes(row: Array, point: Array) -> Modes:
+            return modes_at_end(self.motion.segments, scan.amplitude(point), omegas[row])
 
         def differ(one: Modes, other: Modes, row: Array, low: Array, high: Array) -> Array:
-            return may_change(one, other, ladder.rung(high) - ladder.rung(low), self.eta)
+            return may_change(one, other, scan.amplitude(high) - scan.amplitude(low), self.eta)
 
         return np.concatenate([top, gaps_between(row, low, np.where(falls, high - 1, high), modes, differ)])
 

@@ -1,4 +1,4 @@
-"""Changes of the outcome between two amplitudes of a row, narrowed to the last digits by sections."""
+"""Brackets of amplitudes in which the outcome changes, cut into sections until the last digits."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from ..dynamics.arrays import Arrays
 Array = np.ndarray
 
 SECTIONS = 8  # parts that a bracket is cut into: three bits for one run of the engine
-_PARTS_OF_MANY = 16  # at the most, of every change that the first cut uncovered: there may be hundreds
-_MOST_CHANGES = 500  # in one row; beyond it the outcome is noise between the amplitudes of the scan, of which there is no end
+_PARTS_OF_MANY = 16  # most sections of a bracket after the first cut, which may uncover hundreds of changes
+_MOST_CHANGES = 500  # in one row; above it the outcome is noise between the amplitudes of the scan
 
 
 @dataclass
 class Brackets(Arrays):
-    """Changes of the outcome: row, amplitudes and outcomes on both sides."""
+    """Changes of the outcome: row, amplitude below and above each change, outcome at each of the two."""
 
     row: Array
     low: Array
@@ -28,10 +28,11 @@ class Brackets(Arrays):
 
 
 def narrowed(outcome: Callable[[Array, Array], Array], brackets: Brackets, digits: float, parts: int, lowest: bool) -> Brackets:
-    """Each change, to a relative width of `digits`; outcome: of amplitudes in rows, any shapes that fit; parts: of a bracket, at once.
+    """The changes, narrowed to a relative width of `digits`.
 
-    The first cut follows every change that it uncovers, where these are not too many, or of each bracket the lowest alone; the later
-    ones go one way through.
+    outcome: function from amplitudes and rows, of shapes that broadcast, to outcomes; parts: sections of a bracket in one cut. The first
+    cut keeps every change that it uncovers, unless a row has too many; if `lowest`, it keeps the lowest change of each bracket. Later
+    cuts keep a chain of changes from the outcome below to the outcome above.
     """
     done = []
     first = True
@@ -58,7 +59,7 @@ def narrowed(outcome: Callable[[Array, Array], Array], brackets: Brackets, digit
 
 
 def _changes(labels: Array, row: Array) -> tuple[Array, Array]:
-    """(lane, index) of every change from an index to the next; one way through in lanes of a row with more than `_MOST_CHANGES`."""
+    """(lane, index) of every change between neighbours; in a row with more than `_MOST_CHANGES` those of `_one_way`."""
     lane, at = np.nonzero(labels[:, 1:] != labels[:, :-1])
     many = (np.bincount(row[lane], minlength=row.max() + 1) > _MOST_CHANGES)[row]
     if not many.any():
@@ -68,9 +69,9 @@ def _changes(labels: Array, row: Array) -> tuple[Array, Array]:
 
 
 def _one_way(labels: Array) -> tuple[Array, Array]:
-    """(lane, index) of changes that lead from the first label to the last, each kind left where it is seen last.
+    """(lane, index) of a chain of changes from the first label to the last; each label is left at its last place.
 
-    The rest is left alone: after many impacts the outcome of neighbouring numbers may be noise.
+    The other changes are dropped: after many impacts the outcome of neighbouring amplitudes may be noise.
     """
     lane, now = np.arange(len(labels)), labels[:, 0]
     lanes, places = [], []

@@ -31,7 +31,7 @@ A_MAX = 20.0
 NARROWEST = 1e-3  # width in A from which no interval is missed
 HIGHEST = 100_000.0  # that a_max may be: so many amplitudes a scan can look at
 SIGNS = {"+": (1.0,), "-": (-1.0,), "worse": (1.0, -1.0)}  # of the ground acceleration, for bodies whose sides differ
-NONE = "none"  # the mode of what no amplitude overturns
+NONE = "none"  # the mode of a body that no amplitude overturns
 BOTH = "both"  # each sign by itself
 Steps = list[tuple[float, int]]  # amplitudes, rising, and the outcome from each on
 INTERVAL_COLUMNS = ("structure", "Omega", "A_from", "A_to", "mode")
@@ -92,7 +92,7 @@ def trace_envelope(
 
 
 def worse(one: Steps, other: Steps) -> Steps:
-    """The outcomes of two motions taken together: safe where both are, failed where one is and the other is safe."""
+    """The worse outcome of two motions at each amplitude: safe if both are safe, failed if one has failed and the other is safe."""
     order = [o.value for o in sorted(Outcome, key=lambda o: (not o.safe, o.overturned, o))]
     merged: Steps = []
     for amplitude in sorted({a for a, _ in (*one, *other)}):
@@ -106,7 +106,7 @@ def worse(one: Steps, other: Steps) -> Steps:
 def _scan_of(
     motion: Motion, frequencies: int, structure: RockingParameters, method: Method, a_max: float, sign: str, tell: Tell | None = None
 ) -> tuple[list[Search], float]:
-    """What is searched, for each sign of the motion, and how many amplitudes that is, at most. Raises UsageError."""
+    """(a search for each sign of the motion, the largest number of amplitudes that they compute). Raises UsageError."""
     if sign not in SIGNS:
         raise UsageError(f"sign is {sign!r}, accepted are {', '.join(SIGNS)}")
     if motion.vertical is not None and structure.dimensionless:
@@ -137,7 +137,7 @@ def check_intervals(
     sign: str = "worse",
     tell: Tell | None = None,
 ) -> None:
-    """Raise what `structure_intervals` would, before it begins; say where its scan will take long."""
+    """Raise the errors of `structure_intervals` before it begins, and announce a scan that takes long."""
     _scan_of(motion, _scaled(structure, axis).size, structure, method, a_max, "worse" if sign == BOTH else sign, tell)
 
 
@@ -210,7 +210,7 @@ def structure_intervals(
 
 
 def misjudged(linear: Sequence[Mapping[str, Any]], nonlinear: Sequence[Mapping[str, Any]], *, a_max: float) -> str:
-    """Over how much of A, summed over the frequencies, the linear equation judges otherwise than the nonlinear one, in a sentence.
+    """A sentence: over how much of A, summed over the frequencies, the linear and the nonlinear equation end otherwise.
 
     linear, nonlinear: the records of `structure_intervals` up to a_max.
     """
@@ -236,7 +236,7 @@ def misjudged(linear: Sequence[Mapping[str, Any]], nonlinear: Sequence[Mapping[s
 
 
 def check_curves(structure: RockingParameters, motion: Motion, axis: Axis) -> None:
-    """Raise what `structure_curves` would, before it begins."""
+    """Raise the errors of `structure_curves` before it begins."""
     _scaled(structure, axis)
     _closed_form_of(motion)
     if not structure.plain:

@@ -1,4 +1,4 @@
-"""The largest amplitude of a search, which may be an acceleration and then differs between structures."""
+"""The largest amplitude of a search. As an acceleration it is another A for each structure."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ class Limit(NamedTuple):
     acceleration: bool = False
 
     def of(self, structure: RockingParameters) -> float:
-        """It as A of a structure. Raises UsageError for an acceleration where the structure has no units."""
+        """The limit as A of a structure. Raises UsageError for an acceleration if the structure has no units."""
         if not self.acceleration:
             return self.value
         if structure.dimensionless:
@@ -24,5 +24,5 @@ class Limit(NamedTuple):
 
 
 def limit_of(a_max: float | Limit, structure: RockingParameters) -> float:
-    """A of a limit, which may be A itself. Raises UsageError as `Limit.of`."""
+    """The limit as A; a number is A already. Raises UsageError as `Limit.of`."""
     return a_max.of(structure) if isinstance(a_max, Limit) else a_max

@@ -1,4 +1,4 @@
-"""Amplitudes at which the first arc outlasts the shaking: where the outcome can change among them, without a look at each.
+"""Bounds of the energy after the shaking, for amplitudes at which the first arc outlasts the shaking.
 
 For the undamped linear oscillator on equal edges, which the motion lifts at once at any amplitude (Lemma 10 of `dynamics`). From uplift at
 psi on nothing strikes the body until the end T of the shaking, so both of its modes are known there:
@@ -38,7 +38,7 @@ class Modes(NamedTuple):
 
 
 def modes_at_end(segments: Segments, amplitude: Array, omega: Array) -> Modes:
-    """Of bodies that are struck by nothing from their uplift on the first segment to the end; amplitude, omega: (lanes,)."""
+    """The modes of bodies that lift off on the first segment and have no impact until the end; amplitude, omega: (lanes,)."""
     first = first_uplift(segments, np.zeros(amplitude.size, dtype=np.int64), np.zeros(amplitude.size), amplitude, amplitude)
     z_slope, x_slope = np.zeros(amplitude.size), np.zeros(amplitude.size)
     end = segments.start[-1] + segments.length[-1]
@@ -68,8 +68,7 @@ def bounded_response(segments: Segments, k: Array, u: Array, omega: Array, sense
 
 
 def may_change(one: Modes, other: Modes, width: Array, eta: float) -> Array:
-    """Whether the outcome of bodies that fall back after the shaking may differ anywhere from one amplitude to the other, `width` above;
-    (lanes,)."""
+    """True if the outcome of bodies that fall back after the shaking may change between two amplitudes, `width` apart; (lanes,)."""
     least = 1.0 / eta**2 - 1.0 if eta else np.inf  # z x from which the impact leaves energy enough
     with np.errstate(over="ignore", invalid="ignore"):
         z = _convex(one.z, other.z, one.z_slope, other.z_slope, width, np.maximum(one.z_noise, other.z_noise))

@@ -1,4 +1,4 @@
-"""The amplitudes that a search along one frequency looks at first, and how it finds those that it need not look at."""
+"""The amplitudes of the first scan at one frequency, and searches that skip amplitudes of the scan."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from .changes import SECTIONS
 Array = np.ndarray
 Ends = TypeVar("Ends", bound=NamedTuple)  # of arrays, (lanes,)
 
-SCAN_STEP = 0.999e-3  # no interval wider than 1e-3 in A escapes
+SCAN_STEP = 0.999e-3  # in A; no interval wider than 1e-3 is missed
 
 
 @dataclass(frozen=True)
-class Ladder:
-    """Amplitudes to look at: SCAN_STEP apart, and closer just above uplift, where slow pulses pack their intervals.
+class ScanGrid:
+    """The amplitudes of a scan: SCAN_STEP apart, and closer just above uplift, where slow pulses have many intervals.
 
-    near: the first rungs one by one; after them rung n is start + (n - near.size) step.
+    near: the first points one by one; after them point n is start + (n - near.size) step.
     """
 
     near: Array
@@ -30,8 +30,8 @@ class Ladder:
 
     @classmethod
     def between(cls, lowest: float, highest: float, *, uplift: float = 0.0, ratio: float = 0.0) -> Self:
-        """From one amplitude to another, both included; uplift: the first one that lifts the body, the lowest unless given; ratio: of
-        neighbouring rungs less 1, where these are wanted instead."""
+        """The scan from one amplitude to another, both included. uplift: the least amplitude that lifts the body (default: the lowest);
+        ratio: the ratio of neighbouring amplitudes minus 1, in place of a constant step."""
         if ratio:
             near = np.geomspace(lowest, highest, 2 + int(np.log(highest / lowest) / np.log1p(ratio)))
             near[0], near[-1] = lowest, highest
@@ -43,12 +43,12 @@ class Ladder:
         near = np.unique(np.concatenate([lowest + step * np.arange(even + 1), close[(close > lowest) & (close < highest)]]))
         return cls(near, lowest + step * (even + 1), step, near.size + count - even)
 
-    def rung(self, n: Array) -> Array:
-        """The amplitude of each."""
+    def amplitude(self, n: Array) -> Array:
+        """The amplitudes of scan points."""
         return np.where(n < self.near.size, self.near[np.minimum(n, self.near.size - 1)], self.start + self.step * (n - self.near.size))
 
     def below(self, amplitude: Array) -> Array:
-        """The last rung that is surely not above each amplitude, the first one if there is none."""
+        """The last scan point that is surely not above each amplitude; the first one if there is none."""
         there = np.searchsorted(self.near, amplitude, side="right") - 1
         top = self.start + self.step * (self.size - self.near.size + 1)  # a whole number holds no more of some amplitudes
         beyond = np.floor((np.minimum(amplitude, top) - self.start) / self.step).astype(np.int64) - 1 + self.near.size
@@ -56,17 +56,18 @@ class Ladder:
 
 
 def onwards(rows: Array, first: Array, last: Array, there: Callable[[Array, Array], Array]) -> tuple[Array, Array]:
-    """(those rows where something holds at their last rung, the rung of each from which it does); there: whether it holds at rungs of rows,
-    of any shapes that fit: it holds above where it holds once."""
+    """(rows in which a condition holds at the last scan point, the first scan point of each row at which it holds).
+
+    there: function from scan points and rows, of shapes that broadcast, to the condition; if it holds at a point, it holds above."""
     at = np.flatnonzero(there(last, rows))
     rows, first, high = rows[at], first[at], last[at]
     low = first - 1
     while np.any(high - low > 1):
-        rungs = low[:, None] + (high - low)[:, None] * np.arange(1, SECTIONS + 1) // SECTIONS
-        rungs = np.maximum(rungs, first[:, None])
-        step = there(rungs, np.broadcast_to(rows[:, None], rungs.shape)).argmax(axis=1)
+        points = low[:, None] + (high - low)[:, None] * np.arange(1, SECTIONS + 1) // SECTIONS
+        points = np.maximum(points, first[:, None])
+        step = there(points, np.broadcast_to(rows[:, None], points.shape)).argmax(axis=1)
         lanes = np.arange(rows.size)
-        high, low = rungs[lanes, step], np.where(step > 0, rungs[lanes, step - 1], low)
+        high, low = points[lanes, step], np.where(step > 0, points[lanes, step - 1], low)
     return rows, high
 
 
@@ -77,8 +78,9 @@ def gaps_between(
     measure: Callable[[Array, Array], Ends],
     differ: Callable[[Ends, Ends, Array, Array, Array], Array],
 ) -> Array:
-    """(gaps, 2): row and lower rung of all between rungs `low` and `high` in which the outcome may change; measure: of rows at rungs, what
-    `differ` decides by whether it may change from one rung to the other."""
+    """(gaps, 2): row and lower scan point of the gaps between `low` and `high` in which the outcome may change.
+
+    measure: function from rows and scan points to values; differ: true if the outcome may change between two points with such values."""
     found = [np.zeros((0, 2), dtype=np.int64)]
     at = np.flatnonzero(low < high)
     row, low, high = row[at], low[at], high[at]

@@ -41,14 +41,14 @@ class Task:
 
 @dataclass(frozen=True)
 class Tracing:
-    """What is traced: a scene, whose columns are T, or one that is not used; first: the lowest overturning amplitude alone."""
+    """A scene to trace; its columns are T or unused. first: trace the lowest overturning amplitude only."""
 
     scene: RecordScene
     a_max: float | Limit = A_MAX
     first: bool = False
 
     def limit(self, structure: int) -> float:
-        """A up to which a structure is looked at."""
+        """The largest A of the search for a structure."""
         return limit_of(self.a_max, self.scene.structures[structure])
 
     @property
@@ -63,7 +63,7 @@ class Tracing:
         return np.array([1.0 / self.scene.structures[structure].p])
 
     def searches(self, task: Task) -> list[Search]:
-        """What is searched, for each sign of the motion."""
+        """A search for each sign of the motion."""
         structure, motion = self.scene.structures[task.structure], self.scene.recordings[task.record].motion
         system, digits = self.scene.method.system_of(structure), self.scene.method.stated_tolerance or 4e-16
         factors = (1.0,) if system.contact.alike else SIGNS[task.sign]
@@ -73,7 +73,7 @@ class Tracing:
         return [search for search in found if search.lowest < most]
 
     def __call__(self, task: Task) -> list[Steps]:
-        """(amplitude, outcome from there on), rising, at each Omega of a task; nothing where nothing lifts the body."""
+        """(amplitude, outcome from it on), rising, at each Omega of a task; empty if no amplitude lifts the body."""
         omegas = self.omegas(task.structure)[list(task.omegas)]
         found: list[Steps] = [[] for _ in omegas]
         for search in self.searches(task):
@@ -85,7 +85,7 @@ class Tracing:
 
 
 def check_tracing(tracing: Tracing, tell: Tell | None = None) -> None:
-    """Refuse a limit that is not one; announce what the search takes at most. Raises UsageError."""
+    """Check the limits and announce the longest time of the search. Raises UsageError."""
     scene = tracing.scene
     limits = [tracing.limit(i) for i in range(len(scene.structures))]
     for most in limits:
@@ -93,10 +93,10 @@ def check_tracing(tracing: Tracing, tell: Tell | None = None) -> None:
             raise UsageError(f"a-max is {most:g}, accepted is a positive amplitude up to {HIGHEST:g}")
     if scene.columns.name != "T" and scene.columns.values.tolist() != [1.0]:
         raise UsageError(f"`grid`: found {scene.columns.name}; accepted is none, since the scale is what is looked for")
-    rungs = [len(scene.recordings) * math.log(max(2.0, most)) / math.log1p(RATIO) for most in limits]
+    counts = [len(scene.recordings) * math.log(max(2.0, most)) / math.log1p(RATIO) for most in limits]
     cells, seconds = 0.0, 0.0
     for i, s in enumerate(scene.structures):
-        mine = rungs[i] * tracing.omegas(i).size
+        mine = counts[i] * tracing.omegas(i).size
         cells += mine
         seconds += expected_seconds(scene.method, s, scene.segments, cells=int(mine), batches=len(scene.recordings), record=True)
         seconds += bouncing_seconds(scene.method, s, record=True)

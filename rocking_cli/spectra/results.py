@@ -1,4 +1,4 @@
-"""What a sweep returns: the arrays in memory, and the summary of what it took and left out."""
+"""The results of a sweep: arrays in memory and a summary."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Summary:
-    """What a sweep took and left out.
+    """Counts, times and checks of a sweep.
 
     run_time [s]; estimated_error: largest difference of theta/alpha from another path on the checked cells; sensitive_cells: checked
     cells that were not drawn but chosen for their sensitivity; misjudged: checked cells whose outcome differs; beyond_tolerance: those

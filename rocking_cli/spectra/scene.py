@@ -1,4 +1,4 @@
-"""What a sweep computes, and how it is cut into units of work. A unit is one chunk of the file.
+"""The cells of a sweep, cut into units of work. A unit is one chunk of the file.
 
 Every result has three dimensions, the first of which is cut into single places: structures under one pulse have (structure, frequency,
 amplitude); the spectra of records are scenes of their own (`record_scene`).
@@ -65,7 +65,7 @@ class Cell(NamedTuple):
 
 
 class Scene(ABC):
-    """What a sweep computes; what it needs of every kind of scene."""
+    """The cells of a sweep: the interface of every kind of scene."""
 
     structures: tuple[RockingParameters, ...]
     method: Method
@@ -120,7 +120,7 @@ class Scene(ABC):
         return self
 
     def judge_of(self, cell: Cell) -> Outcome | None:
-        """What the nonlinear equation says of a cell, where the scene asks for it."""
+        """The outcome of a cell under the nonlinear equation; None if the scene does not compare."""
         return None
 
     @property
@@ -131,22 +131,22 @@ class Scene(ABC):
 
     @property
     def weighed(self) -> bool:
-        """Whether the ground moves upwards too, so that the weight varies."""
+        """True if the ground also moves vertically, so that the weight varies."""
         return False
 
     def shares(self, structure: RockingParameters) -> tuple[Any, ...]:
-        """Structures for which this is equal are one system under one motion, but for their restitution."""
+        """A key: structures with equal keys differ under one motion in restitution only."""
         scale = (structure.alpha / structure.a_scale,) if self.weighed else ()
         body = None if self.method.exact else self.method.body_of(structure)  # of the linear oscillator forces are looked at afterwards
         return (*self.method.shares(structure), *scale, body)
 
     def runs_with(self, structure: RockingParameters) -> tuple[Any, ...]:
-        """Structures for which this is equal go in one run of the engine under one motion."""
+        """A key: structures with equal keys go into one run of the engine under one motion."""
         return self.shares(structure)
 
     @property
     def one_system(self) -> bool:
-        """Whether all structures are one system, but for their restitution."""
+        """True if the structures differ in restitution only."""
         return len({self.shares(s) for s in self.structures}) == 1
 
 

@@ -63,7 +63,7 @@ def _pulse_scene(structures: Sequence[RockingParameters], motion: Motion, grid: 
 def spectrum_of(
     scene: Scene, *, workers: int | None = None, check: int | None = None, quantities: Sequence[str] = (), progress: Progress | None = None
 ) -> Spectrum:
-    """What a scene comes to, in memory; the options are those of `spectrum`, and progress is called with (units done, units).
+    """The spectrum of a scene, in memory; options as for `spectrum`; progress is called with (units done, units).
 
     Raises UsageError.
     """
@@ -192,7 +192,7 @@ def write_scene(
 
 @dataclass(frozen=True)
 class _Packing:
-    """What becomes of a chunk where it is computed: its variables as the file stores them. It travels to other processes."""
+    """Function from a block to the bytes of its variables as the file stores them; worker processes call it."""
 
     names: tuple[str, ...]
     chunk: tuple[int, int]
@@ -213,7 +213,7 @@ def _padded(block: np.ndarray, shape: tuple[int, int]) -> np.ndarray:
 
 
 def _check_bodies(scene: Scene) -> None:
-    """Refuse friction and fz_min of what is no rigid body, and of structures that share rotations but not forces."""
+    """Raise UsageError if friction or fz_min is not defined for a structure, or structures share rotations but not forces."""
     bodies = [scene.method.body_of(s) for s in scene.structures]
     for s, body in zip(scene.structures, bodies, strict=True):
         if body is None:
@@ -242,7 +242,7 @@ def _checked(names: Sequence[str], scene: Scene) -> tuple[str, ...]:
 
 
 def _blank(name: str) -> tuple[Any, np.dtype]:
-    """What stands for a cell that is not computed, and the type of a variable."""
+    """(fill value of cells that are not computed, type) of a variable."""
     from .file.layout import VARIABLES
 
     dtype, about = VARIABLES[name]

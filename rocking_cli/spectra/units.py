@@ -74,7 +74,7 @@ class Job:
 
     @property
     def forces(self) -> bool:
-        """Whether what bodies ask of the ground is wanted."""
+        """True if ground forces are computed."""
         return "friction" in self.quantities or "fz_min" in self.quantities
 
     @property
@@ -85,7 +85,7 @@ class Job:
         return max(1, TOGETHER // (self.chunk[0] * self.chunk[1]))
 
     def answer(self, item: list[Unit] | Place) -> list[Report] | Answer:
-        """What a process is asked: some units, or the reference of a cell."""
+        """The reports of some units, or the reference of a cell."""
         return self.run(item) if isinstance(item, list) else reference(self.scene, item)
 
     def run(self, units: Sequence[Unit]) -> list[Report]:
@@ -159,7 +159,7 @@ class Job:
         return block.without(gone) if gone.size else block
 
     def report(self, unit: Unit, blocks: Sequence[Sequence[Block]]) -> Report:
-        """What comes back from a unit whose rows are these blocks, each for all of its places."""
+        """The report of a unit whose rows are these blocks, each for all places of the unit."""
         parts: dict[tuple[int, ...], Block] = {}  # places mostly share one
         keys = [tuple(id(block) for block in rows) for rows in zip(*blocks, strict=True)]
         for key, rows in zip(keys, zip(*blocks, strict=True), strict=True):
@@ -184,7 +184,7 @@ class Job:
 
 
 def joined(blocks: Sequence[Block]) -> Block:
-    """The rows of blocks, one below the other."""
+    """One block with the rows of all blocks in order."""
     theta_ratio, outcome, impacts = (np.concatenate([getattr(b, name) for b in blocks]) for name in ("theta_ratio", "outcome", "impacts"))
     beside = {name: np.concatenate([b.beside[name] for b in blocks]) for name in blocks[0].beside}
     return Block(theta_ratio, outcome, impacts, sum((b.work for b in blocks), Work()), beside)

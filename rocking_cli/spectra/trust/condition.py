@@ -1,4 +1,4 @@
-"""How strongly cells depend on their input: what is between an error that an integration makes on its way and the one it ends with."""
+"""The condition of cells: how strongly the largest rotation depends on the input, and so on errors of the integration."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class Answer(Protocol):
 
 
 def condition_of(respond: Callable[[Array, Array, Array], Answer], amplitude: Array, omega: Array, eta: Array, tolerance: float) -> Array:
-    """Condition of cells (any shape, broadcast): what a relative change of their input does to max |theta|/alpha,
+    """Condition of cells (any shape, broadcast): change of max |theta|/alpha over a small relative change of the input,
 
         kappa = |d theta/d ln A| + |d theta/d ln Omega| + |d theta/d ln eta|,   theta = max |theta|/alpha        [-]
 

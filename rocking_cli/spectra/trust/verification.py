@@ -20,7 +20,7 @@ Place = tuple[int, int, int]  # (structure, row, column) of a cell
 
 
 class Answer(NamedTuple):
-    """What the reference says of a cell, and the nonlinear equation where the scene asks for it."""
+    """Outcome and theta/alpha of a cell by the reference, and its outcome under the nonlinear equation (None if not compared)."""
 
     outcome: Outcome
     theta_ratio: float
@@ -61,7 +61,7 @@ class Verification:
         yield from self.sensitive
 
     def compared(self) -> Mapping[str, Any]:
-        """What it came to, by the names of `Summary`."""
+        """The result of the comparison, by the names of `Summary`."""
         worst, misjudged, checked, sensitive, compared, otherwise, beyond = 0.0, 0, 0, 0, 0, 0, 0
         for place, answer in self.answers.items():
             if answer.outcome == Outcome.FAILED:
