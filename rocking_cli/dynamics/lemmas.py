@@ -43,7 +43,7 @@ While a < 1, a body that has crossed y = 0 downwards does not come back.
 Proof. For y <= 0, l/m > 1 > a, so f < 0: the body has y' <= 0 at the crossing, and where y' = 0 it only falls.
 So y > 0 at the end of a subcritical window proves that there was no impact, and y <= 0 that there was exactly one.
 Varying weight: it holds, since f = m (a - w l/m) and below the ground w l/m > w > a where c < 1.
-Used in `march.advance.advance`, `march.windows.window_end`, `flight.interval.through_interval`.
+Used in `march.advance.advance`, `march.windows.window_end`, `samples.interval.through_interval`.
 Test `test_lemmas.py::test_lemma_1_what_falls_below_the_ground_in_a_valley_stays_there`.
 
 # Lemma 2 (supercritical drive)
@@ -51,7 +51,7 @@ Test `test_lemmas.py::test_lemma_1_what_falls_below_the_ground_in_a_valley_stays
 While a >= 1 and y >= 0: if y' >= 0 at the start there is no event; if y' < 0 there is at most one minimum, and its sign decides.
 Proof. y' = 0 implies y'' >= 0. Undamped, y is convex there, so it lies above the point where the tangents at its ends meet.
 Varying weight: it holds, since above the ground w l/m <= w <= a where c >= 1.
-Used in `march.advance.next_step`, `march.advance.advance`, `flight.interval.through_interval`.
+Used in `march.advance.next_step`, `march.advance.advance`, `samples.interval.through_interval`.
 Test `test_lemmas.py::test_lemma_2_a_ridge_holds_one_minimum_above_ground_and_nothing_where_it_is_entered_outwards`,
 `march/test_advance.py::test_grazing_is_decided_on_either_side`.
 
@@ -60,7 +60,7 @@ Test `test_lemmas.py::test_lemma_2_a_ridge_holds_one_minimum_above_ground_and_no
 In a step along which a falls and then rises at most once, y' changes from positive to negative at most once.
 Proof. Where a' < 0, V is concave while it is negative; where a' > 0, V is convex while it is positive.
 Varying weight: it does not hold, since a' + w' (y - 1) has no known sign. Bernstein bounds of the series isolate the turns.
-Used in `march.advance.crests`, `flight.interval.raise_peaks`, `march.turns.falls_through_zero`.
+Used in `march.advance.crests`, `samples.interval.raise_peaks`, `march.turns.falls_through_zero`.
 Test `test_lemmas.py::test_lemma_3_a_drive_that_falls_and_then_rises_lets_the_body_turn_back_once`.
 
 # Lemma 4 (hidden turn)
@@ -165,9 +165,10 @@ ends by more than (1 - c) T^2/8. If such an upper bound of y and the largest a l
 Proof. Green's function sinh is not negative, so y is monotone in the drive. y'' >= c - 1 gives the bound by the ends.
 The state at the end of a stretch is exact, whatever happens on the way.
 Varying weight: not used.
-Used in `flight.jump.horizon`, `flight.run.Flight._doubtful`, `flight.crest.crest`, `flight.bounded.BoundedResponse`.
-Test `flight/test_run.py::test_records_against_an_integration_that_shares_no_code`,
-`flight/test_crest.py::test_a_crest_is_that_of_the_flow_from_sample_to_sample`.
+Used in `samples.propagation.horizon`, `samples.exact.ExactStepper._doubtful`, `samples.peaks.peak_heights`,
+`samples.bounded.BoundedResponse`.
+Test `samples/test_exact.py::test_records_against_an_integration_that_shares_no_code`,
+`samples/test_peaks.py::test_a_peak_is_that_of_the_flow_from_sample_to_sample`.
 
 # Lemma 12 (Taylor step over samples)
 
@@ -178,8 +179,9 @@ K = L + M max(0, -a), f >= -K and y'' + 2 zeta y' >= -K, so that
   y' <= -K h at the end.
 Proof. The first claim is the integral of the inequality. From the peak y falls at most by exp(2 zeta s) K s^2/2 to an end s away.
 Varying weight: with w_+ L in the place of L, w_+ the largest weight of a stretch on which w > 0.
-Used in `flight.walk.Walk._stride`, `flight.weighed_walk.WeighedWalk._stride`, `single.recurrence`, `observers.peak_speed`.
-Test `flight/test_walk.py::test_lemma_12_a_stride_that_is_taken_holds_no_impact_and_no_higher_crest`.
+Used in `samples.taylor_steps.TaylorStepper._step`, `samples.weighed_steps.WeighedTaylorStepper._step`, `single.recurrence`,
+`observers.peak_speed`.
+Test `samples/test_taylor_steps.py::test_lemma_12_a_step_that_is_taken_holds_no_impact_and_no_higher_peak`.
 
 # Lemma 13 (contact is kept)
 

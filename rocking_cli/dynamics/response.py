@@ -87,17 +87,17 @@ def run_of(
     if lines.samples is None or (speed and motion.vertical is not None):
         return run(system.segments(motion), *cells, peaks, pool or system.equation.pool)
     if motion.vertical is not None:
-        from .flight.walk import LANES
-        from .flight.weighed_walk import WeighedWalk
+        from .samples.taylor_steps import LANES
+        from .samples.weighed_steps import WeighedTaylorStepper
 
-        return run(system.segments(motion), *cells, peaks, pool or LANES, stepper=partial(WeighedWalk, samples=lines.samples))
-    if body is None and flies(system, motion):
-        from .flight.run import LANES, Flight
+        return run(system.segments(motion), *cells, peaks, pool or LANES, stepper=partial(WeighedTaylorStepper, samples=lines.samples))
+    if body is None and exact_over_samples(system, motion):
+        from .samples.exact import LANES, ExactStepper
 
-        return run(lines.segments, *cells, peaks, pool or LANES, stepper=partial(Flight, samples=lines.samples))
-    from .flight.walk import LANES, Walk
+        return run(lines.segments, *cells, peaks, pool or LANES, stepper=partial(ExactStepper, samples=lines.samples))
+    from .samples.taylor_steps import LANES, TaylorStepper
 
-    return run(lines.segments, *cells, peaks, pool or LANES, stepper=partial(Walk, samples=lines.samples))
+    return run(lines.segments, *cells, peaks, pool or LANES, stepper=partial(TaylorStepper, samples=lines.samples))
 
 
 def look_at_forces(run: Run, system: System, motion: Motion, cells: tuple[Array, Array, Array], pressed: Array | None = None) -> None:
@@ -142,8 +142,8 @@ def that_left_the_ground(
     return at[again.outcome == Outcome.LOST_CONTACT]
 
 
-def flies(system: System, motion: Motion) -> bool:
-    """Whether the response is flown, not marched: the undamped linear oscillator under samples at equal steps, without a vertical part."""
+def exact_over_samples(system: System, motion: Motion) -> bool:
+    """Whether the response is exact, not marched: the undamped linear oscillator under samples at equal steps, without a vertical part."""
     return motion.samples is not None and motion.vertical is None and system.equation.bounded
 
 
@@ -157,14 +157,14 @@ def response_with_demands(
         raise ValueError("demands need a system with a body, whose a_scale is 1")
     amplitude, omega, eta = np.broadcast_arrays(*(np.asarray(x, dtype=float) for x in (amplitude, omega, eta)))
     cells = amplitude.ravel(), omega.ravel(), eta.ravel()
-    flown = flies(system, motion)
-    run = run_of(system, motion, cells, not flown, body=system.body)
+    exact = exact_over_samples(system, motion)
+    run = run_of(system, motion, cells, not exact, body=system.body)
     run.all()
     assert run.forces is not None  # a body was given
     friction, fz_min = run.forces.result(run.outcome)
     upright = safe(run.outcome) | (run.outcome == Outcome.LOST_CONTACT)
     pressed = upright & (fz_min > _PRESSED)
-    if found is None and (flown or keeps_bouncing(run.equation, run.cells, run.segments)):
+    if found is None and (exact or keeps_bouncing(run.equation, run.cells, run.segments)):
         found = _answer(system, motion, (amplitude, omega, eta), True, pressed=pressed)  # no bit of it hangs on what else is asked
     if found is None:
         look_at_forces(run, system, motion, cells, pressed)

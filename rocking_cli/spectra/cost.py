@@ -33,7 +33,7 @@ def expected_seconds(
     method: Method, structure: RockingParameters, segments: int, *, cells: int, batches: int, checked: int = 0, record: bool = False
 ) -> float:
     """Seconds of a processor, to within a factor of a few, for cells in batches under a motion of so many segments; record: whether it
-    is one, through which the undamped linear oscillator flies, at a cost of its impacts, and any other walks."""
+    is one: the undamped linear oscillator is propagated over its samples at a cost of its impacts, any other takes Taylor steps."""
     rates = method.kind_of(structure).cost
     checking = rates.checked if structure.plain or not method.exact else BY_GENERAL_SOLVER
     if record:

@@ -129,7 +129,7 @@ FORCES = [f"rocking_cli.dynamics.observers.{name}" for name in ("ground_forces",
         ),
         (
             ["spectrum", "block:0.5x2", "--model", "nonlinear", "--grid", "a_g=0.1g:1g:3,f_g=1:5:3", "-o", "OUT"],
-            ["scipy", "rocking_cli.motions.records", "rocking_cli.structures.kinds.arch", "rocking_cli.dynamics.flight.run", *FORCES],
+            ["scipy", "rocking_cli.motions.records", "rocking_cli.structures.kinds.arch", "rocking_cli.dynamics.samples.exact", *FORCES],
         ),
         (
             ["spectrum", "block:0.5x2", "--model", "nonlinear", "--motion", RECORD, "--grid", "a_g=0.1g:0.5g:3", "-o", "OUT"],

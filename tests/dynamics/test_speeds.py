@@ -80,8 +80,8 @@ def raster(model, edges, damping, scale, amplitude, omega, parts=8):
                 rests = hit & ((after[0] < 0.0) | (back < 1e-6))  # it has bounced for less than a step
                 side = np.where(rests, 0.0, turned)
                 end_u, end_v = (np.where(rests, 0.0, np.where(hit, x, y)) for x, y in zip(after, (end_u, end_v), strict=True))
-            flies = (side != 0.0) & (end_u < 1.6)
-            u, v = np.where(flies, end_u, np.where(side == 0.0, 0.0, u)), np.where(flies, end_v, 0.0)
+            exact_over_samples = (side != 0.0) & (end_u < 1.6)
+            u, v = np.where(exact_over_samples, end_u, np.where(side == 0.0, 0.0, u)), np.where(exact_over_samples, end_v, 0.0)
             best = np.maximum(best, np.abs(v))
     return best * omega
 

@@ -12,7 +12,7 @@ from ..lanes import Lanes
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from ..flight.jump import Jumpers, Leap
+    from ..samples.propagation import ExactLanes, Propagation
 
 Array = np.ndarray
 
@@ -61,9 +61,11 @@ class Observer(Protocol):
         """Lanes are to take these Taylor steps over samples, those that `go`, (steps,); sets `go` to False for those that the march must
         look at more closely."""
 
-    def jumps(self, cell: Array, side: Array, lanes: Jumpers, leap: Leap, flying: Array, strongest: Callable[[Array], Array]) -> Array:
-        """Lanes are to jump over samples, those that are `flying`; returns the indices of those that must jump half as far. strongest:
-        upper bound of the outward drive on the jumps of these indices."""
+    def propagates(
+        self, cell: Array, side: Array, lanes: ExactLanes, step: Propagation, proved: Array, strongest: Callable[[Array], Array]
+    ) -> Array:
+        """The lanes that are `proved` are to be propagated over samples, (lanes,); returns the indices of those that must go half as far.
+        strongest: upper bound of the outward drive on the propagations of given indices."""
 
     def close(self, lanes: Lanes) -> None:
         """Lanes just after an impact whose sequence of impacts ends in rest are taken there at once."""
@@ -93,7 +95,9 @@ class Quiet:
     def steps(self, steps: TaylorSteps, go: Array) -> None:
         """Nothing."""
 
-    def jumps(self, cell: Array, side: Array, lanes: Jumpers, leap: Leap, flying: Array, strongest: Callable[[Array], Array]) -> Array:
+    def propagates(
+        self, cell: Array, side: Array, lanes: ExactLanes, step: Propagation, proved: Array, strongest: Callable[[Array], Array]
+    ) -> Array:
         """None."""
         return np.zeros(0, dtype=np.int64)
 

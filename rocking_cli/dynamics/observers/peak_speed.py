@@ -2,7 +2,7 @@
 
 Within an arc |v| is largest at an end or where the acceleration is zero. Under straight lines the acceleration of the linear oscillator
 between samples is a sum of two exponentials, which has at most one zero; the nonlinear equations differ little from it over one sample. A
-jump over samples is halved while the bounds of y'' leave room for a larger speed in it; a Taylor step is left to the march where
+propagation over samples is halved while the bounds of y'' leave room for a larger speed in it; a Taylor step is left to the march where
 y'' >= -K leaves it (Lemma 12) and y'' changes its sign. After the shaking the speed is largest before the next impact: by the energy, or
 with damping by following the body to it.
 """
@@ -15,8 +15,8 @@ import numpy as np
 
 from ..contacts.contact import Contact
 from ..equations.equation import Equation, Flow
-from ..flight.jump import Jumpers, Leap
 from ..lanes import Lanes
+from ..samples.propagation import ExactLanes, Propagation
 from .extremes import Extremes
 from .observer import Arcs, Quiet, TaylorSteps
 
@@ -63,15 +63,17 @@ class PeakSpeed(Quiet):
             go[at[first * last < 0.0]] = False
         self.speed.offer(cell[go], speed[go])
 
-    def jumps(self, cell: Array, side: Array, lanes: Jumpers, leap: Leap, flying: Array, strongest: Callable[[Array], Array]) -> Array:
-        """Jumps that may hold a larger speed: with c - 1 <= y'' <= r, v is below the lines of slope r from the start and c - 1 to the end,
-        and above those of slope c - 1 from the start and r to the end."""
-        at = np.flatnonzero(flying)
-        self.speed.offer(cell[at], np.abs(self.contact.speed(side[at], leap.v[at])))
+    def propagates(
+        self, cell: Array, side: Array, lanes: ExactLanes, step: Propagation, proved: Array, strongest: Callable[[Array], Array]
+    ) -> Array:
+        """Propagations that may hold a larger speed: with c - 1 <= y'' <= r, v is below the lines of slope r from the start and c - 1 to
+        the end, and above those of slope c - 1 from the start and r to the end."""
+        at = np.flatnonzero(proved)
+        self.speed.offer(cell[at], np.abs(self.contact.speed(side[at], step.v[at])))
         fastest = self.speed.largest[cell] / self.contact.speed(side, np.ones(side.size))
-        at = np.flatnonzero((leap.fall * leap.time + np.maximum(leap.v, -lanes.v) > fastest) & flying)
-        v, end, fall, time = lanes.v[at], leap.v[at], leap.fall[at], leap.time[at]
-        highest = np.maximum(lanes.y[at], leap.y[at]) + 0.125 * np.maximum(fall, 0.0) * time * time
+        at = np.flatnonzero((step.fall * step.time + np.maximum(step.v, -lanes.v) > fastest) & proved)
+        v, end, fall, time = lanes.v[at], step.v[at], step.fall[at], step.time[at]
+        highest = np.maximum(lanes.y[at], step.y[at]) + 0.125 * np.maximum(fall, 0.0) * time * time
         rise = highest - 1.0 + strongest(at)
         top = v + rise * (end - v + fall * time) / (rise + fall)
         bottom = v - fall * (v - end + rise * time) / (rise + fall)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from rocking_cli.dynamics.flight.windows import SLACK, windows
+from rocking_cli.dynamics.samples.stretches import SLACK, stretches
 
 
 @pytest.mark.parametrize("count", [2, 3, 17, 300])
@@ -13,7 +13,7 @@ def test_each_bound_is_below_its_stretch_and_not_below_a_stretch_a_quarter_longe
     samples = np.random.default_rng(count).standard_normal(count)
     slack = SLACK * np.abs(samples).max()
     levels = 1 + int(np.ceil(np.log2(count)))
-    bounds = windows(samples, levels)
+    bounds = stretches(samples, levels)
     n = np.arange(count)
     for face, outward in ((0, -samples), (bounds.face, samples)):
         for level in range(levels):

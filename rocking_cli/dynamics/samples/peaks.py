@@ -1,4 +1,4 @@
-"""The crest within a jump on which the body is pulled back all the time, so that there is one at the most (Lemma 11)."""
+"""The peak within a propagation on which the body is pulled back all the time, so that there is one at the most (Lemma 11)."""
 
 from __future__ import annotations
 
@@ -9,25 +9,25 @@ import numpy as np
 from ..arrays import Arrays
 from ..march.roots import turning_point
 from .bounded import BoundedResponse
-from .jump import Jumpers
+from .propagation import ExactLanes
 from .ramp import RampFlow
 
 Array = np.ndarray
 
-_GUESSES = 8  # Newton's, before the samples between which the crest lies are halved
+_GUESSES = 8  # Newton's, before the samples between which the peak lies are halved
 
 
 @dataclass
 class Rise(Arrays):
-    """Jumps with a crest: lanes at a sample where their velocity is positive; a later sample, where it is negative, and that velocity."""
+    """Propagations with a peak: lanes at a sample where y' > 0; a later sample, where y' < 0, and that y'."""
 
-    lanes: Jumpers
+    lanes: ExactLanes
     to: Array
     end_v: Array
 
 
-def crest(rise: Rise, bounded: BoundedResponse, samples: Array) -> Array:
-    """y at the crests of these jumps, (lanes,)."""
+def peak_heights(rise: Rise, bounded: BoundedResponse, samples: Array) -> Array:
+    """y at the peaks of these propagations, (lanes,)."""
     lanes, to, end_v = rise.lanes, rise.to, rise.end_v
     y, v, low, high = lanes.y.copy(), lanes.v.copy(), lanes.k.copy(), to.copy()
     n = low + ((to - low) * (v / (v - end_v))).astype(np.int64)

@@ -8,7 +8,7 @@ import mpmath
 import numpy as np
 import pytest
 
-from rocking_cli.dynamics.flight.bounded import BoundedResponse, bounded_response
+from rocking_cli.dynamics.samples.bounded import BoundedResponse, bounded_response
 
 
 def by_integration(samples, pace, at):
@@ -41,7 +41,7 @@ def test_a_row_does_not_depend_on_its_neighbours():
 
 def test_no_digit_depends_on_the_stretch(monkeypatch):
     monkeypatch.setattr("rocking_cli.motions.blocks._PART", 64)
-    monkeypatch.setattr("rocking_cli.dynamics.flight.bounded._STRETCH", 100)
+    monkeypatch.setattr("rocking_cli.dynamics.samples.bounded._STRETCH", 100)
     samples, pace = np.random.default_rng(9).standard_normal(3000), np.array([0.4, 0.3])
     whole, stretch = bounded_response(samples, pace), BoundedResponse(samples, pace)
     for first in (2950, 0, 1234):

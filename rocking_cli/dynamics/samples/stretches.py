@@ -14,7 +14,7 @@ SLACK = 1e-6  # part of the peak by which each bound lies below what it bounds: 
 _FINE = 3  # stretches of 2^k samples begin at every sample up to this k, at every 2^(k - 3)rd beyond
 
 
-class Windows(NamedTuple):
+class Stretches(NamedTuple):
     """Bounds over stretches: that of level k from sample n covers the samples n ... n + 2^k, as far as there are any.
 
     low: (2 sides x stretches,), 40 bytes a sample; start, shift: (levels,); face: entries of one side: 0 is the right edge, this the left.
@@ -35,7 +35,7 @@ class Windows(NamedTuple):
         return self.low.take(face + self.start.take(level) + (n >> self.shift.take(level)))
 
 
-def windows(samples: Array, levels: int) -> Windows:
+def stretches(samples: Array, levels: int) -> Stretches:
     """The bounds of samples s (n,), for stretches of 1, 2, 4 ... 2^(levels - 1) intervals; on the right edge the outward drive is -s."""
     last = samples.size - 1
     slack = SLACK * largest(samples)
@@ -52,7 +52,7 @@ def windows(samples: Array, levels: int) -> Windows:
             if level:
                 _pairwise_least(least, min(1 << (level - 1), last + 1))
             side[start[level] : start[level] + sizes[level]] = _least_from(least, 1 << int(shift[level]))
-    return Windows(low.ravel(), start, shift, low.shape[1])
+    return Stretches(low.ravel(), start, shift, low.shape[1])
 
 
 def _pairwise_least(values: Array, reach: int) -> None:

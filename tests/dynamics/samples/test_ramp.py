@@ -6,7 +6,7 @@ import mpmath
 import numpy as np
 import pytest
 
-from rocking_cli.dynamics.flight.ramp import RampFlow, hyperbolic
+from rocking_cli.dynamics.samples.ramp import RampFlow, hyperbolic
 
 
 @pytest.mark.parametrize("h", [1e-9, 3e-4, 0.05, 0.5])

@@ -1,4 +1,4 @@
-"""Jumps over samples that are proved free of impacts: the lanes that can take them, and how far they reach (Lemma 11)."""
+"""Exact propagation over samples, proved free of impacts: the lanes that it can take, and how far it reaches (Lemma 11)."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ Array = np.ndarray
 
 
 @dataclass
-class Jumpers(Arrays):
-    """Lanes that can jump, (lanes,); all that a jump reads stands here, so that nothing else is copied where some stay behind.
+class ExactLanes(Arrays):
+    """Lanes that can be propagated, (lanes,): all that a propagation reads, so that nothing else is copied where some stay behind.
 
     slot: place in the pool; k, u, y, v, peak as in `Lanes`; may: whether they are not known to be held up; up, down: coefficients of
     exp(tau) and exp(-tau) in y, tau from the first sample that is not before u; drive: the outward drive of s = 1; pace: tau between
     samples; row: where the table of the pace begins; level: of the window that is tried next, at most `top`, which follows from the pace
-    alone: no jump depends on a lane's neighbours.
+    alone: no propagation depends on a lane's neighbours.
     """
 
     slot: Array
@@ -45,8 +45,8 @@ class Jumpers(Arrays):
         return self.drive * there.real + (up + down) + 1.0, self.drive * there.imag + (up - down)
 
 
-class Leap(NamedTuple):
-    """Jumps of all lanes: samples and state at their ends, the peak with them, 1 - a at the most, and their time [tau]."""
+class Propagation(NamedTuple):
+    """The propagation of all lanes: samples and state at their ends, the peak with them, 1 - a at the most, and their time [tau]."""
 
     to: Array
     y: Array

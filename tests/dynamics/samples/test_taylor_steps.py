@@ -1,4 +1,4 @@
-"""The walk through records against the march by long series, an integration that shares no code with either, and what changes nothing."""
+"""Taylor steps over samples against the march by long series, an integration that shares no code with either, and what changes nothing."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ from rocking_cli.dynamics.contacts.one_sided import OneSided
 from rocking_cli.dynamics.contacts.unequal import Unequal
 from rocking_cli.dynamics.equations.equation import Ramp
 from rocking_cli.dynamics.equations.ramp import degrees, factors_for
-from rocking_cli.dynamics.flight.walk import Walk
 from rocking_cli.dynamics.march.engine import Run
+from rocking_cli.dynamics.samples.taylor_steps import TaylorStepper
 from rocking_cli.motions import Harmonic, Motion, Piece
 
 ALPHA, LEFT = 0.25, 0.2
@@ -41,7 +41,7 @@ def against_the_march(system, eta, samples, dt, count, seed):
     """Outcomes and impacts equal, rotations within the tolerance of each cell, 1e-9 of its condition."""
     motion = shaken(samples, dt)
     amplitude, omega = cells(count, seed)
-    omega[:2] /= 40.0  # samples too far apart to be walked over
+    omega[:2] /= 40.0  # samples too far apart to be stepped over
     etas = np.full(count, eta)
     found = response(system, motion, amplitude, omega, etas)
     run = Run(system, long_series(motion).segments, amplitude, omega, etas, True, system.equation.pool)
@@ -57,7 +57,7 @@ def test_the_same_as_the_march_by_long_series(name):
     against_the_march(*SYSTEMS[name], RECORDS[0][30:70], 0.05, 16, 5)
 
 
-def test_an_arch_walks_as_it_marches():
+def test_an_arch_steps_as_it_marches():
     (arch,) = load_structures("configs/arch.yaml")
     against_the_march(Method("nonlinear").system_of(arch), 0.9, RECORDS[0][30:60], 0.05, 12, 6)
 
@@ -117,7 +117,7 @@ def test_what_changes_nothing():
 
 
 def test_the_tolerance_is_kept():
-    """Against a walk at 1e-13: an error of the tolerance at the most, times the condition of each cell."""
+    """Against steps at 1e-13: an error of the tolerance at the most, times the condition of each cell."""
     motion, eta = shaken(RECORDS[0][30:80], 0.04), np.full(16, 0.9)
     amplitude, omega = cells(16, 9)
     condition = 1e12 * allowance(motion, amplitude, omega, eta, lambda *cell: nonlinear_response(*cell, ALPHA))
@@ -138,16 +138,16 @@ def test_no_digit_depends_on_the_neighbours(name, monkeypatch):
     np.testing.assert_array_equal(narrow.theta_ratio, together.theta_ratio)
     alone = [response(system, motion, amplitude[i : i + 1], omega[i : i + 1], eta).theta_ratio[0] for i in range(2)]
     np.testing.assert_array_equal(alone, together.theta_ratio[:2])
-    monkeypatch.setattr("rocking_cli.dynamics.flight.walk._BLOCK", 3)
+    monkeypatch.setattr("rocking_cli.dynamics.samples.taylor_steps._BLOCK", 3)
     np.testing.assert_array_equal(response(system, motion, amplitude, omega, eta).theta_ratio, together.theta_ratio)
     np.testing.assert_array_equal(response(system, motion, amplitude, omega, eta, peaks=False).outcome, together.outcome)
 
 
-@pytest.mark.parametrize("motion", [shaken(RECORDS[0][36:52], 0.04), sine()], ids=["walked", "marched"])
+@pytest.mark.parametrize("motion", [shaken(RECORDS[0][36:52], 0.04), sine()], ids=["stepped", "marched"])
 def test_bodies_of_many_angles_in_one_run_are_those_of_each_alone(motion):
     alphas, count = np.array([0.6, 0.1, 0.3]), 7
     amplitude, omega = cells(3 * count, 8)
-    omega[::5] /= 40.0  # samples too far apart to be walked over
+    omega[::5] /= 40.0  # samples too far apart to be stepped over
     omega *= 1.0 if motion.samples else 20.0
     eta = np.tile([0.6, 0.9, 1.0 - 1e-4], count)
     together = response(System(RigidBodyEquation(np.repeat(alphas, count))), motion, amplitude, omega, eta)
@@ -171,12 +171,12 @@ def test_a_body_that_is_just_lifted_at_a_sample(alpha):
 
 @pytest.mark.parametrize("weighed", [False, True])
 @pytest.mark.parametrize("equation", [RigidBodyEquation(0.4), RigidBodyEquation(0.4, damping=0.3), LinearEquation(0.1)])
-def test_lemma_12_a_stride_that_is_taken_holds_no_impact_and_no_higher_crest(equation, weighed):
+def test_lemma_12_a_step_that_is_taken_holds_no_impact_and_no_higher_peak(equation, weighed):
     """Random strides near the ground and near their peak: those that are taken, looked at on 200 points."""
     random, count = np.random.default_rng(3), 4000
     motion = shaken(RECORDS[0], 0.04)
     one = np.ones(1)
-    walk = Walk(Run(System(equation), motion.segments, one, one, one, True, 1), motion.samples)
+    stepper = TaylorStepper(Run(System(equation), motion.segments, one, one, one, True, 1), motion.samples)
     unit = 10.0 ** random.uniform(-2.5, -0.3, count)
     y, v = 10.0 ** random.uniform(-5.0, 0.0, count), random.uniform(-1.0, 1.0, count) * 10.0 ** random.uniform(-3.0, 0.0, count)
     drive, gain = random.uniform(-4.0, 4.0, (2, count))
@@ -184,11 +184,11 @@ def test_lemma_12_a_stride_that_is_taken_holds_no_impact_and_no_higher_crest(equ
     weight, then = np.random.default_rng(4).uniform(0.0, 2.5, (2, count))
     ramp = Ramp(drive, gain, unit, factors_for(unit, degree), weight=(weight, then - weight) if weighed else None)
     peak = y * (1.0 + 10.0 ** random.uniform(-3.0, 1.0, count))
-    end, _, taken = walk._stride(equation, y, v, peak, ramp, degree * count + np.arange(count))
+    end, _, taken = stepper._step(equation, y, v, peak, ramp, degree * count + np.arange(count))
     terms = equation.ramp_terms(y, v, ramp)
     path = np.array([(terms * x ** np.arange(len(terms))[:, None]).sum(axis=0) for x in np.linspace(0.0, 1.0, 201)])
     assert taken.sum() > 300
     assert np.all(path[:, taken] > 0.0)
     assert np.all(path.max(axis=0)[taken] <= np.maximum(peak, end)[taken] * (1.0 + 1e-15))
-    touches, crests = path.min(axis=0) < 0.0, path.max(axis=0) > np.maximum(peak, end) * (1.0 + 1e-12)
-    assert min((touches & ~taken).sum(), (crests & ~taken).sum()) > 200
+    touches, peaks = path.min(axis=0) < 0.0, path.max(axis=0) > np.maximum(peak, end) * (1.0 + 1e-12)
+    assert min((touches & ~taken).sum(), (peaks & ~taken).sum()) > 200

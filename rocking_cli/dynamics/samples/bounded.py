@@ -17,21 +17,21 @@ from ...motions.blocks import blocks
 Array = np.ndarray
 
 _TERMS = 20  # of the series of the weights: the first one left out is below 1e-17 up to `LONGEST`
-LONGEST = 0.5  # longest interval between samples [tau] for which the flight is made
-LONGEST_JUMP = 24.0  # tau: exp of it stays below 3e10, so that growth cannot bury the state in rounding
+LONGEST = 0.5  # longest interval between samples [tau] for which lanes are propagated
+LONGEST_STRETCH = 24.0  # tau: exp of it stays below 3e10, so that growth cannot bury the state in rounding
 _FORGOTTEN = 1e-20  # a mode that has decayed to this part is no longer felt
 _STRETCH = 1 << 18  # samples of a long record that are tabled at a time
 
 
 class BoundedResponse:
-    """Y + iY' of several paces at `size` samples from the `first` on: at all of a record, or on that stretch of a long one where lanes fly.
+    """Y + iY' of several paces at `size` samples from the `first` on: at all of a record, or on one stretch of a long one.
 
     pace: interval between samples [tau], (paces,), at most `LONGEST`. No digit depends on the stretch.
     """
 
     def __init__(self, samples: Array, pace: Array) -> None:
         self.samples, self.pace = samples, pace
-        self.size = min(samples.size, max(_STRETCH, 1 + int(LONGEST_JUMP / pace.min())))
+        self.size = min(samples.size, max(_STRETCH, 1 + int(LONGEST_STRETCH / pace.min())))
         self.first, self.table = samples.size, np.zeros(0, dtype=complex)  # none yet
 
     @property

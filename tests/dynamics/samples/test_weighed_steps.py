@@ -1,4 +1,4 @@
-"""The walk through records of ground that moves upwards too: against the march by long series, and an integration that shares no code."""
+"""Taylor steps over samples of ground that moves upwards too: against the march by long series, and an integration that shares no code."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ from support.synthetic_records import RECORDS, allowance, assert_same, cells, no
 from rocking_cli import LinearEquation, Method, Outcome, RigidBodyEquation, RockingParameters, System, load_structures, response
 from rocking_cli.dynamics.contacts.one_sided import OneSided
 from rocking_cli.dynamics.contacts.unequal import Unequal
-from rocking_cli.dynamics.flight import weighed_walk
 from rocking_cli.dynamics.march.engine import Run
+from rocking_cli.dynamics.samples import weighed_steps
 from rocking_cli.motions import Harmonic, Motion, Piece
 from rocking_cli.motions.biaxial import with_vertical
 
@@ -44,7 +44,7 @@ def against_the_march(system, eta, part, share, across, count, seed):
     """Outcomes and impacts equal, rotations within 1e-9 of the condition of each cell."""
     motion, long = upwards(part, 0.04, share, across)
     amplitude, omega = cells(count, seed)
-    omega[:2] /= 40.0  # samples too far apart to be walked over
+    omega[:2] /= 40.0  # samples too far apart to be stepped over
     etas = np.full(count, eta)
     found = response(system, motion, amplitude, omega, etas)
     run = Run(system, system.segments(long), amplitude, omega, etas, True, system.equation.pool)
@@ -108,7 +108,7 @@ def test_no_digit_depends_on_the_neighbours(monkeypatch):
     (system, eta), (motion, _) = SYSTEMS["a damped body of unlike edges"], upwards(slice(36, 52), 0.04, 0.8, 2)
     amplitude, omega = cells(8, 6)
     together = response(system, motion, amplitude, omega, eta)
-    monkeypatch.setattr("rocking_cli.dynamics.flight.walk._BLOCK", 3)
+    monkeypatch.setattr("rocking_cli.dynamics.samples.taylor_steps._BLOCK", 3)
     narrow = response(system, motion, amplitude, omega, eta, pool=4)
     alone = [response(system, motion, amplitude[i : i + 1], omega[i : i + 1], eta).theta_ratio[0] for i in range(2)]
     np.testing.assert_array_equal(narrow.theta_ratio, together.theta_ratio)
@@ -127,11 +127,11 @@ def test_free_fall_before_and_after_the_uplift():
         assert Outcome(int(found.outcome[0])).flag == wanted, (early, share)
 
 
-def test_records_of_one_step_are_walked_and_others_marched(monkeypatch):
+def test_records_of_one_step_are_stepped_and_others_marched(monkeypatch):
     motion, _ = upwards(slice(30, 54), 0.04, 0.5, 2)
     other = with_vertical(shaken(RECORDS[2][30:54], 0.04), shaken(UPWARDS[30:54], 0.03))
-    walked = []
-    monkeypatch.setattr(weighed_walk.WeighedWalk, "march", lambda self, waiting: walked.append(waiting.size))
+    stepped = []
+    monkeypatch.setattr(weighed_steps.WeighedTaylorStepper, "march", lambda self, waiting: stepped.append(waiting.size))
     for m in (motion, other):
         response(SYSTEMS["a body"][0], m, [2.0, 3.0], 0.5, 0.9)
-    assert walked == [2]
+    assert stepped == [2]

@@ -1,7 +1,7 @@
-"""The walk: cells of any equation under a record, from sample to sample while nothing can happen, in rounds of the march where it may.
+"""Taylor steps over samples: cells of any equation under a record, in rounds of the march where an event may happen.
 
-Between samples the drive is a straight line, over which a short Taylor series carries a lane (`equations.ramp`). A stride is taken where
-Lemma 12 proves that it holds no impact and no crest above the peak; other lanes wait until enough have gathered for a round.
+Between samples the drive is a straight line, over which a short Taylor series carries a lane (`equations.ramp`). A step is taken where
+Lemma 12 proves that it holds no impact and no peak above the highest one; other lanes wait until enough have gathered for a round.
 """
 
 from __future__ import annotations
@@ -24,14 +24,14 @@ from .bounded import LONGEST
 Array = np.ndarray
 
 LANES = 32768  # lanes: a round of the march costs calls, not lanes
-_BLOCK = 5056  # lanes that stride together: what they need fits the second-level cache, and no power of two lies between its rows
-_STRIDES, _NARROW = 4, 16  # in a row, before lanes that wait get their round: of many lanes, and of fewer than a block
+_BLOCK = 5056  # lanes that step together: what they need fits the second-level cache, and no power of two lies between its rows
+_STEPS, _NARROW = 4, 16  # in a row, before lanes that wait get their round: of many lanes, and of fewer than a block
 _NEARLY = 0.9  # part of the displacement from which a body has overturned: beyond it the march judges
 
 
 @dataclass
-class Walkers(Lanes):
-    """Lanes that can walk: those with u = 0, whose b is not kept.
+class SteppingLanes(Lanes):
+    """Lanes that can take steps: those with u = 0, whose b is not kept.
 
     pace: tau between samples; outward: the outward drive of s = 1; degree: of the series; slot: place in the pool.
     """
@@ -42,7 +42,7 @@ class Walkers(Lanes):
     slot: Array
 
 
-class Walk:
+class TaylorStepper:
     """How a run of any equation goes from sample to sample of a record."""
 
     shows_arcs = False
@@ -60,69 +60,69 @@ class Walk:
         waiting, pace = waiting[pace <= LONGEST], pace[pace <= LONGEST]
         if waiting.size:
             with np.errstate(all="ignore"):
-                self._walk(waiting[np.argsort(pace, kind="stable")])
+                self._advance(waiting[np.argsort(pace, kind="stable")])
 
-    def _walk(self, waiting: Array) -> None:
+    def _advance(self, waiting: Array) -> None:
         """Advance these cells, as many at once as the pool holds, until all are done."""
         taken = min(self.run.pool, waiting.size)
         lanes = self._launch(self.run.start(waiting[:taken]), np.arange(taken))
         free = np.zeros(taken, dtype=bool)
-        walks = self._ready(lanes)
+        ready = self._can_step(lanes)
         while lanes.cell.size:
-            self._stroll(lanes, walks)
-            stopped = np.flatnonzero(~(walks | free))
+            self._in_blocks(lanes, ready)
+            stopped = np.flatnonzero(~(ready | free))
             going = self._careful(lanes.take(stopped))
             free[stopped] = True
             lanes.put(going.slot, going)
-            free[going.slot], walks[going.slot] = False, self._ready(going)
-            lost = self._lost(lanes, np.flatnonzero(walks))
-            free[lost], walks[lost] = True, False
+            free[going.slot], ready[going.slot] = False, self._can_step(going)
+            lost = self._lost(lanes, np.flatnonzero(ready))
+            free[lost], ready[lost] = True, False
             places = np.flatnonzero(free)
             more = min(places.size, waiting.size - taken)
             if more:
                 new = self._launch(self.run.start(waiting[taken : taken + more]), places[:more])
                 taken += more
                 lanes.put(new.slot, new)
-                free[new.slot], walks[new.slot] = False, self._ready(new)
+                free[new.slot], ready[new.slot] = False, self._can_step(new)
             elif 4 * places.size >= free.size:
                 keep = np.flatnonzero(~free)
-                lanes, walks, free = lanes.take(keep), walks[keep], free[keep]
+                lanes, ready, free = lanes.take(keep), ready[keep], free[keep]
                 lanes.slot = np.arange(keep.size)
 
-    def _ready(self, lanes: Walkers) -> Array:
-        """Whether lanes stand at a sample from which they can walk."""
+    def _can_step(self, lanes: SteppingLanes) -> Array:
+        """Whether lanes stand at a sample from which they can take a step."""
         return (lanes.u == 0.0) & (lanes.k < self.last)
 
-    def _launch(self, lanes: Lanes, slot: Array) -> Walkers:
-        """Lanes with what they need to walk."""
+    def _launch(self, lanes: Lanes, slot: Array) -> SteppingLanes:
+        """Lanes with what they need for steps."""
         own = {f.name: getattr(lanes, f.name) for f in fields(Lanes)}
         pace = self.step / lanes.omega
         degree = self._degree(lanes.amplitude, pace)
-        return Walkers(**own, pace=pace, outward=-lanes.side * lanes.amplitude, degree=degree, slot=slot)
+        return SteppingLanes(**own, pace=pace, outward=-lanes.side * lanes.amplitude, degree=degree, slot=slot)
 
     def _degree(self, amplitude: Array, pace: Array) -> Array:
         """Degree of the series of lanes, for speeds that rocking usually has."""
         return degrees(2.0 + amplitude * np.maximum(2.0, self.steepest / pace), pace, self.equation.tolerance)
 
-    def _stroll(self, lanes: Walkers, walks: Array) -> None:
-        """Some strides of all lanes that walk, in blocks of like degree, whose series have no rows of zeros; where one is not proved the
-        lane stops."""
-        at = np.flatnonzero(walks)
+    def _in_blocks(self, lanes: SteppingLanes, ready: Array) -> None:
+        """Some steps of all lanes that are `ready`, in blocks of like degree, whose series have no rows of zeros. A lane stops where a step
+        is not proved."""
+        at = np.flatnonzero(ready)
         at = at[np.argsort(lanes.degree[at].astype(np.int8), kind="stable")]
-        strides = _STRIDES if at.size > _BLOCK else _NARROW
+        steps = _STEPS if at.size > _BLOCK else _NARROW
         for first in range(0, at.size, _BLOCK):
-            self._block(lanes, at[first : first + _BLOCK], walks, strides)
+            self._block(lanes, at[first : first + _BLOCK], ready, steps)
 
-    def _block(self, lanes: Walkers, at: Array, walks: Array, strides: int) -> None:
+    def _block(self, lanes: SteppingLanes, at: Array, ready: Array, steps: int) -> None:
         k, y, v, peak, pace, outward, degree = (
             getattr(lanes, name).take(at) for name in ("k", "y", "v", "peak", "pace", "outward", "degree")
         )
         go, side, cell = np.ones(at.size, dtype=bool), lanes.side[at], lanes.cell[at]
         equation = self.equation.on(side, cell)
         factors, last = factors_for(pace, degree), degree * at.size + np.arange(at.size)
-        for _ in range(strides):
+        for _ in range(steps):
             ramp = self._ramp(k, outward, pace, factors)
-            end_y, end_v, proved = self._stride(equation, y, v, peak, ramp, last)
+            end_y, end_v, proved = self._step(equation, y, v, peak, ramp, last)
             go &= proved
             for observer in self.run.observers:
                 observer.steps(TaylorSteps(cell, side, equation, (y, v), (end_y, end_v), ramp), go)
@@ -131,13 +131,13 @@ class Walk:
             go &= k < self.last
             if not go.any():
                 break
-        lanes.k[at], lanes.y[at], lanes.v[at], lanes.peak[at], walks[at] = k, y, v, peak, go
+        lanes.k[at], lanes.y[at], lanes.v[at], lanes.peak[at], ready[at] = k, y, v, peak, go
 
     def _ramp(self, k: Array, outward: Array, pace: Array, factors: Array) -> Ramp:
         """What drives lanes from sample k to the next."""
         return Ramp(outward * self.samples.take(k), outward * self.gains.take(k), pace, factors)
 
-    def _stride(self, equation: Equation, y: Array, v: Array, peak: Array, ramp: Ramp, last: Array) -> tuple[Array, Array, Array]:
+    def _step(self, equation: Equation, y: Array, v: Array, peak: Array, ramp: Ramp, last: Array) -> tuple[Array, Array, Array]:
         """y and y' at the end of a ramp, and whether it is proved that nothing happens on the way (Lemma 12)."""
         terms = equation.ramp_terms(y, v, ramp)
         hop, unit = terms[1], ramp.unit
@@ -173,14 +173,14 @@ class Walk:
         end_v /= unit
         return end_y, end_v, proved
 
-    def _careful(self, lanes: Walkers) -> Walkers:
-        """A round of the march, and the rest of the interval after it where that can be walked."""
+    def _careful(self, lanes: SteppingLanes) -> SteppingLanes:
+        """A round of the march, and the rest of the interval after it where a step is proved."""
         past = lanes.k >= len(self.segments)
         if past.any():
             self._ended(lanes, np.flatnonzero(past))
             lanes = lanes.take(np.flatnonzero(~past))
-        walked = np.flatnonzero((lanes.u == 0.0) & (lanes.y > 0.0))
-        self.run.push(lanes, walked)
+        at_sample = np.flatnonzero((lanes.u == 0.0) & (lanes.y > 0.0))
+        self.run.push(lanes, at_sample)
         going = self.run.round(lanes)
         going.pace, going.outward = self.step / going.omega, -going.side * going.amplitude
         if len(self.cells.amplitude) > 1:  # the other edge has its own
@@ -188,7 +188,7 @@ class Walk:
         self._rest_of_interval(going)
         return going
 
-    def _rest_of_interval(self, lanes: Walkers) -> None:
+    def _rest_of_interval(self, lanes: SteppingLanes) -> None:
         """Lanes inside an interval, after an impact, on to its end where that is proved."""
         at = np.flatnonzero((lanes.u > 0.0) & (lanes.k < self.last) & (lanes.v > 0.0))
         if not at.size:
@@ -199,7 +199,7 @@ class Walk:
         ramp = self._ramp(some.k, some.outward, some.pace, factors).after(share)
         last = some.degree * at.size + np.arange(at.size)
         equation = self.equation.on(some.side, some.cell)
-        y, v, proved = self._stride(equation, some.y, some.v, some.peak, ramp, last)
+        y, v, proved = self._step(equation, some.y, some.v, some.peak, ramp, last)
         for observer in self.run.observers:
             observer.steps(TaylorSteps(some.cell, some.side, equation, (some.y, some.v), (y, v), ramp), proved)
         on = np.flatnonzero(proved)
@@ -207,14 +207,14 @@ class Walk:
         lanes.k[at], lanes.u[at] = some.k[on] + 1, 0.0
         lanes.y[at], lanes.v[at], lanes.peak[at] = y[on], v[on], np.maximum(some.peak[on], y[on])
 
-    def _ended(self, lanes: Walkers, past: Array) -> None:
-        """Undamped lanes that have walked to the end of the shaking."""
+    def _ended(self, lanes: SteppingLanes, past: Array) -> None:
+        """Undamped lanes that have come to the end of the shaking."""
         failed = ~np.isfinite(lanes.y[past])
         self.run.finish(lanes, past[failed], Outcome.FAILED, np.nan)
         self.run.end_shaking(lanes, past[~failed])
 
-    def _lost(self, lanes: Walkers, at: Array) -> Array:
-        """Walking lanes that nothing can bring back (Lemma 6)."""
+    def _lost(self, lanes: SteppingLanes, at: Array) -> Array:
+        """Lanes between samples that nothing can bring back (Lemma 6)."""
         at = at[lanes.y[at] + lanes.v[at] > 1.0]
         at = at[self.run.cannot_return(lanes, at, lanes.k[at], lanes.y[at], lanes.v[at])]
         self.run.overturn(lanes, at)

@@ -1,4 +1,4 @@
-"""The walk where the ground moves upwards too: between samples the drive and the weight are straight lines (`weight`).
+"""Taylor steps over samples where the ground moves upwards too: between samples the drive and the weight are straight lines (`weight`).
 
 Lemma 12 holds with L times the larger weight of a stretch's ends, while that is positive throughout.
 """
@@ -12,13 +12,13 @@ from ...motions.segments import Samples, followed_by
 from ..equations.equation import Equation, Ramp
 from ..equations.ramp import degrees
 from ..march.engine import Run
-from .walk import Walk, gains
+from .taylor_steps import TaylorStepper, gains
 
 Array = np.ndarray
 
 
-class WeighedWalk(Walk):
-    """As `Walk`, under the segments of a body whose weight varies; samples: the horizontal ones."""
+class WeighedTaylorStepper(TaylorStepper):
+    """As `TaylorStepper`, under the segments of a body whose weight varies; samples: the horizontal ones."""
 
     def __init__(self, run: Run, samples: Samples) -> None:
         super().__init__(run, samples)
@@ -51,8 +51,8 @@ class WeighedWalk(Walk):
         weight += 1.0
         return super()._ramp(k, outward, pace, factors)._replace(weight=(weight, sway * self.rises.take(k)))
 
-    def _stride(self, equation: Equation, y: Array, v: Array, peak: Array, ramp: Ramp, last: Array) -> tuple[Array, Array, Array]:
-        end_y, end_v, proved = super()._stride(equation, y, v, peak, ramp, last)
+    def _step(self, equation: Equation, y: Array, v: Array, peak: Array, ramp: Ramp, last: Array) -> tuple[Array, Array, Array]:
+        end_y, end_v, proved = super()._step(equation, y, v, peak, ramp, last)
         assert ramp.weight is not None
         weight, heavier = ramp.weight
         proved &= np.minimum(weight, weight + heavier) > 0.0

@@ -1,4 +1,4 @@
-"""The flight through records against the march, an integration that shares no code with either, and what must not change anything."""
+"""Exact propagation through records against the march, an integration that shares no code with either, and what changes nothing."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ from rocking_cli import LinearEquation, System, linear_response, response
 from rocking_cli.dynamics.contacts.one_sided import OneSided
 from rocking_cli.dynamics.contacts.symmetric import Symmetric
 from rocking_cli.dynamics.contacts.unequal import Unequal
-from rocking_cli.dynamics.flight.bounded import BoundedResponse
-from rocking_cli.dynamics.flight.run import LANES, Flight
 from rocking_cli.dynamics.march.engine import Run
+from rocking_cli.dynamics.samples.bounded import BoundedResponse
+from rocking_cli.dynamics.samples.exact import LANES, ExactStepper
 
 UNEQUAL = Unequal(drive=(1.0, 0.8), omega=(1.0, 1.15), eta=(1.05, 0.6), rotation=(1.0, 1.2))
 
@@ -76,7 +76,7 @@ def test_the_same_as_the_march(contact, eta):
     count = 24
     system, motion = System(LinearEquation(), contact), shaken(RECORDS[1], 0.03)
     amplitude, omega = cells(count, 4)
-    omega[:3] /= 50.0  # samples too far apart to be flown over
+    omega[:3] /= 50.0  # samples too far apart to be propagated over
     found = response(system, motion, amplitude, omega, eta)
     run = marched(system, motion, amplitude, omega, eta)
     np.testing.assert_array_equal(found.impacts, run.impacts)
@@ -86,7 +86,7 @@ def test_the_same_as_the_march(contact, eta):
     np.testing.assert_array_equal(alone.outcome, found.outcome)
 
 
-def test_a_record_is_flown_and_other_motions_are_not():
+def test_a_record_is_propagated_exactly_and_other_motions_are_not():
     assert shaken(RECORDS[0], 0.03).samples is not None
     assert shaken(RECORDS[0], 0.03).still_until(500.3).samples is None
 
@@ -124,27 +124,27 @@ def test_tables_in_shares_change_no_bit(monkeypatch):
     motion = shaken(RECORDS[0], 0.03)
     amplitude, omega = cells(12, 6)
     together = linear_response(motion, amplitude, omega, 0.9)
-    monkeypatch.setattr("rocking_cli.dynamics.flight.run._TABLES", 16 * 4 * 100)
+    monkeypatch.setattr("rocking_cli.dynamics.samples.exact._TABLES", 16 * 4 * 100)
     np.testing.assert_array_equal(linear_response(motion, amplitude, omega, 0.9).theta_ratio, together.theta_ratio)
 
 
 @pytest.mark.parametrize("contact", [Symmetric(), UNEQUAL], ids=["one pace", "two paces"])
-def test_a_record_flown_stretch_by_stretch_is_the_same(contact, monkeypatch):
+def test_a_record_taken_stretch_by_stretch_is_the_same(contact, monkeypatch):
     """Also where cells that begin anew find others further on."""
     system, motion = System(LinearEquation(), contact), shaken(noise(3000, 0.02, 5), 0.02)
     amplitude, omega = cells(60, 6)
     omega, eta = omega / 4.0, np.full(60, 0.9)
     whole = response(system, motion, amplitude, omega, eta)
-    monkeypatch.setattr("rocking_cli.dynamics.flight.bounded._STRETCH", 100)
+    monkeypatch.setattr("rocking_cli.dynamics.samples.bounded._STRETCH", 100)
     moved, move = [], BoundedResponse.move
     monkeypatch.setattr(BoundedResponse, "move", lambda response, first: [moved.append(first), move(response, first)][1])
-    flight = Run(system, motion.segments, amplitude, omega, eta, True, 7, stepper=partial(Flight, samples=motion.samples))
-    flight.all()
+    run = Run(system, motion.segments, amplitude, omega, eta, True, 7, stepper=partial(ExactStepper, samples=motion.samples))
+    run.all()
     assert len(moved) > 3
-    assert min(np.diff(moved)) < 0 < flight.stepper.bounded.first
-    np.testing.assert_array_equal(flight.theta_ratio, whole.theta_ratio)
-    np.testing.assert_array_equal(flight.outcome, whole.outcome)
-    np.testing.assert_array_equal(flight.impacts, whole.impacts)
+    assert min(np.diff(moved)) < 0 < run.stepper.bounded.first
+    np.testing.assert_array_equal(run.theta_ratio, whole.theta_ratio)
+    np.testing.assert_array_equal(run.outcome, whole.outcome)
+    np.testing.assert_array_equal(run.impacts, whole.impacts)
 
 
 def test_the_work_follows_the_impacts_and_not_the_samples():
@@ -154,8 +154,8 @@ def test_the_work_follows_the_impacts_and_not_the_samples():
     amplitude, omega = cells(60, 8)
     rounds = []
     for motion in (shaken(samples, 0.02), shaken(fine, 0.005)):
-        stepper, eta = partial(Flight, samples=motion.samples), np.full(60, 0.9)
-        flight = Run(System(LinearEquation()), motion.segments, amplitude, omega, eta, True, LANES, stepper=stepper)
-        flight.all()
-        rounds.append(flight.work.steps)
+        stepper, eta = partial(ExactStepper, samples=motion.samples), np.full(60, 0.9)
+        run = Run(System(LinearEquation()), motion.segments, amplitude, omega, eta, True, LANES, stepper=stepper)
+        run.all()
+        rounds.append(run.work.steps)
     assert rounds[1] < 1.5 * rounds[0]
