@@ -13,7 +13,7 @@ import pytest
 from hypothesis import settings
 
 from rocking_cli import dimensionless_oscillator, parse_grid, sine, write_spectrum
-from rocking_cli.commands import main
+from rocking_cli.commands import main, progress
 
 settings.register_profile("the same everywhere", derandomize=True, database=None, deadline=None)
 settings.load_profile("the same everywhere")
@@ -34,6 +34,7 @@ def rocking(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Run:
         handlers = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
         with monkeypatch.context() as patch:
             patch.chdir(tmp_path)
+            patch.setattr(progress, "_FIRST", 1e6)  # what is said to be long depends on the load
             patch.setattr(sys, "argv", ["rocking", *arguments])
             patch.setattr(sys, "unraisablehook", sys.unraisablehook)  # that of pytest again afterwards
             patch.setattr(sys, "stdin", io.TextIOWrapper(io.BytesIO((stdin or "").encode()), encoding="utf-8"))

@@ -14,7 +14,7 @@ import click
 from .. import __version__
 from ..errors import RockingError, did_you_mean
 from ..interruption import listen
-from . import streams
+from . import progress, streams
 from .terms import in_options, no_such_option
 
 SECTIONS = {
@@ -122,7 +122,7 @@ def main(arguments: list[str] | None = None) -> Any:
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # others wait for work that never comes, at full speed, from NumPy's import on
     gc.set_threshold(_COLLECTED)
     listen()
-    with streams.guarded():
+    with streams.guarded(), progress.told():
         try:
             return sys.exit(cli.main(arguments, prog_name="rocking", standalone_mode=False) or 0)
         except click.exceptions.NoArgsIsHelpError as error:

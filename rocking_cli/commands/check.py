@@ -81,7 +81,7 @@ def check(
     demands = [(structure, *shake) for shake in shakes for structure in structures]
     tell = partial(options.note, quiet=quiet)
     progress = ProgressLine("check", quiet, "stages")
-    verdicts = check_all(demands, a_max=a_max, workers=options.at_most_the_cpus(workers, quiet), tell=tell, progress=progress)
+    verdicts = check_all(demands, a_max=a_max, workers=options.at_most_the_cpus(workers, quiet), progress=progress)
     if sort:
         verdicts.sort(key=lambda v: float("inf") if v.capacity_demand is None else v.capacity_demand)
     in_g = _in_g(context.params)

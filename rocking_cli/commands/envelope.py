@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator
-from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -136,7 +135,7 @@ def _of_pulse(
 
     for structure, ways in searches:  # all of them, before the first row is printed
         for way in ways:
-            check_intervals(structure, motion, axis, **way, tell=partial(options.note, quiet=quiet))
+            check_intervals(structure, motion, axis, **way)
     both = any(len(ways) > 1 for _, ways in searches)
     failed = 0
     silent = told
@@ -181,7 +180,7 @@ def _of_records(
     from ..spectra.overturning_spectrum import overturning_spectrum
     from ..spectra.record_envelope import check_tracing, tracing_records
 
-    check_tracing(tracing, tell=partial(options.note, quiet=quiet))
+    check_tracing(tracing)
     modes: Counter[str] = Counter()
 
     def records() -> Iterator[dict[str, Any]]:

@@ -184,7 +184,7 @@ def _studies(
         intervals = None
         if wanted["exact"]:
             line = ProgressLine(structure.name, quiet, "motions")
-            intervals = traced(structure, members, measure, float(at[-1]), method, workers=workers, tell=settled["tell"], progress=line)
+            intervals = traced(structure, members, measure, float(at[-1]), method, workers=workers, progress=line)
         recorded = as_recorded(structure, members, method) if wanted["cloud"] else None
         yield Study(structure, members, measure, how, exposure, intervals, recorded)
 

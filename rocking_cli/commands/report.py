@@ -5,7 +5,6 @@ from __future__ import annotations
 import shlex
 import sys
 from dataclasses import replace
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -13,6 +12,7 @@ import click
 
 from . import ground, options, streams
 from .parameter_types import OutputPath
+from .progress import ProgressLine
 
 if TYPE_CHECKING:
     from ..motions import Motion
@@ -78,7 +78,7 @@ def report(
     if motion is not None and shaking is not None:
         shakes.append((motion if upwards is None else upwards(motion), shaking))
     demands = [(structure, *shake) for shake in shakes for structure in structures]
-    verdicts = check_all(demands, workers=workers, tell=partial(options.note, quiet=quiet))
+    verdicts = check_all(demands, workers=workers, progress=ProgressLine("report", quiet, "stages"))
     text = page(
         [Subject(document, structure) for document, structure in zip(documents, structures, strict=True)],
         verdicts,

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -32,20 +32,6 @@ TOLERANCE = 1e-9
 Reference = Callable[["Motion", float, float, float], tuple["Outcome", float]]
 
 
-class Cost(NamedTuple):
-    """Seconds of a processor for one segment of the motion, roughly: a batch whatever its size, each cell in it, each checked cell.
-
-    A cell that overturns early or never uplifts costs less, many impacts between two segments more.
-    """
-
-    batch: float
-    cell: float
-    checked: float
-
-
-BY_GENERAL_SOLVER = 2e-2  # s a segment of a cell that is checked by a Runge-Kutta method
-
-
 @dataclass(frozen=True)
 class EquationKind:
     """An equation of motion and everything that belongs to it.
@@ -53,7 +39,7 @@ class EquationKind:
     model: the word of `--model` and of files; name, source: as they are printed; exact: no tolerance; serves: whether it holds for a
     structure; build: the equation of a structure at a tolerance, which raises ValueError; shares: what structures must
     have in common, besides restitution, to share a dimensionless computation; rates: the name of its form for general solvers;
-    cost: measured on one processor; of_cells: that of plain cells of these alphas at a tolerance, None where it takes one structure.
+    of_cells: that of plain cells of these alphas at a tolerance, None where it takes one structure.
     """
 
     model: str
@@ -64,7 +50,6 @@ class EquationKind:
     build: Callable[[RockingParameters, float], Equation]
     shares: Callable[[RockingParameters], tuple[Any, ...]]
     rates: str
-    cost: Cost
     of_cells: Callable[[np.ndarray, float], Equation] | None = None
 
 
@@ -100,7 +85,6 @@ EQUATIONS = (
         build=lambda s, tolerance: LinearEquation(s.damping),
         shares=lambda s: (s.damping,),
         rates="linear_rates",
-        cost=Cost(1e-3, 1e-6, 3e-3),
     ),
     EquationKind(
         "nonlinear", "a mechanism", "Eq. 3.4", False,
@@ -108,7 +92,6 @@ EQUATIONS = (
         build=_mechanism,
         shares=lambda s: (s.damping, s.mechanism),
         rates="mechanism_rates",
-        cost=Cost(2e-2, 3e-5, 0.35),
     ),
     EquationKind(
         "nonlinear", "a rigid body", "Eq. 2.3", False,
@@ -116,7 +99,6 @@ EQUATIONS = (
         build=_rigid,
         shares=lambda s: (s.damping, s.alpha),
         rates="rigid_body_rates",
-        cost=Cost(5e-3, 1e-5, BY_GENERAL_SOLVER),
         of_cells=_rigid_cells,
     ),
 )  # fmt: skip

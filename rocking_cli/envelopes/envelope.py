@@ -22,7 +22,7 @@ from ..errors import UsageError
 from ..motions import Motion, pulse
 from ..motions.grid import Axis, parse_axes, scaled_frequency, written_axes
 from ..processes import available_cpus, processes
-from ..spectra.cost import Tell, announce, bouncing_seconds, expected_seconds
+from ..spectra.cost import refuse_endless
 from ..structures.parameters import RockingParameters
 from .boundaries import Search
 from .scan_grid import SCAN_STEP
@@ -37,7 +37,7 @@ Steps = list[tuple[float, int]]  # amplitudes, rising, and the outcome from each
 INTERVAL_COLUMNS = ("structure", "Omega", "A_from", "A_to", "mode")
 CURVE_COLUMNS = ("structure", "curve", "Omega", "A")
 _SMALL = 1_000_000  # amplitudes in all below which starting processes takes longer than they save
-_SHARE = 8_000_000  # amplitudes that a process looks at before it reports
+_SHARE, _SHARE_IN_STEPS = 8_000_000, 100_000  # amplitudes that a process looks at before it reports: seconds of an equation, exact or not
 
 
 @dataclass(frozen=True)
@@ -79,7 +79,7 @@ def trace_envelope(
     if workers is None:
         workers = 1 if amplitudes < _SMALL else available_cpus()
     # Neighbouring frequencies cost alike, so each share takes some from everywhere.
-    shares = int(min(omegas.size, max(workers, np.ceil(amplitudes / _SHARE))))
+    shares = int(min(omegas.size, max(workers, np.ceil(amplitudes / (_SHARE if method.exact else _SHARE_IN_STEPS)))))
     rows: dict[int, Steps] = {}
     for n, search in enumerate(searches):
         for i, found in enumerate(in_turn(search.rows, [omegas[i::shares] for i in range(shares)], min(workers, shares))):
@@ -104,7 +104,7 @@ def worse(one: Steps, other: Steps) -> Steps:
 
 
 def _scan_of(
-    motion: Motion, frequencies: int, structure: RockingParameters, method: Method, a_max: float, sign: str, tell: Tell | None = None
+    motion: Motion, frequencies: int, structure: RockingParameters, method: Method, a_max: float, sign: str
 ) -> tuple[list[Search], float]:
     """(a search for each sign of the motion, the largest number of amplitudes that they compute). Raises UsageError."""
     if sign not in SIGNS:
@@ -121,9 +121,7 @@ def _scan_of(
         raise UsageError(f"a-max is {a_max:g}, accepted is up to {HIGHEST:g}")
     searches = [search for search in searches if search.lowest < a_max]
     amplitudes = frequencies * sum((a_max - search.lowest) / SCAN_STEP for search in searches)
-    segments = len(motion.segments)
-    seconds = expected_seconds(method, structure, segments, cells=int(amplitudes), batches=1) + bouncing_seconds(method, structure)
-    announce(seconds, f"{structure.name}: {amplitudes:.3g} amplitudes under {segments} segments of shaking", 1, tell)
+    refuse_endless(amplitudes, len(motion.segments))
     return searches, amplitudes
 
 
@@ -135,10 +133,9 @@ def check_intervals(
     method: Method = LINEAR,
     a_max: float = A_MAX,
     sign: str = "worse",
-    tell: Tell | None = None,
 ) -> None:
-    """Raise the errors of `structure_intervals` before it begins, and announce a scan that takes long."""
-    _scan_of(motion, _scaled(structure, axis).size, structure, method, a_max, "worse" if sign == BOTH else sign, tell)
+    """Raise the errors of `structure_intervals` before it begins."""
+    _scan_of(motion, _scaled(structure, axis).size, structure, method, a_max, "worse" if sign == BOTH else sign)
 
 
 def in_turn(search: Callable[[Any], Any], shares: Sequence[Any], workers: int) -> Iterator[Any]:

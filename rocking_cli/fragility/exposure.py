@@ -18,13 +18,13 @@ from ..envelopes.capacity import LONGEST_FINE, RATIO
 from ..errors import UsageError
 from ..motions.grid import Axis
 from ..processes import available_cpus, processes
-from ..spectra.cost import Tell, announce, expected_seconds
 from ..structures.parameters import RockingParameters
 from .measures import Measure, Member
 
 Array = np.ndarray
 Interval = tuple[float, float]
 
+_SMALL = 500_000  # amplitudes times segments below which starting processes takes longer than they save
 _PARTS = 16  # that a change is cut into at once
 
 
@@ -136,17 +136,14 @@ def traced(
     method: Method,
     *,
     workers: int | None = None,
-    tell: Tell | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> list[list[Interval]]:
     """For each motion of a set the intervals of a measure (SI) up to `highest` that overturn the structure, the last one perhaps on
     beyond it (infinite). Traced as an envelope is, under records on amplitudes 0.5 % apart, so that narrower ones can be missed."""
     task = partial(_trace, structure, measure, highest, method)
     cells = sum(_amplitudes(structure, m, measure, highest) for m in members)
-    segments = max(len(m.motion.segments) for m in members)
-    seconds = expected_seconds(method, structure, segments, cells=int(cells), batches=10 * len(members))
-    workers = min(workers or (1 if seconds < 5.0 else available_cpus()), len(members))
-    announce(seconds, f"{structure.name}: {cells:.3g} amplitudes under {len(members)} motions", workers, tell)
+    small = cells * max(len(m.motion.segments) for m in members) < _SMALL
+    workers = min(workers or (1 if small else available_cpus()), len(members))
     found = []
     if workers == 1:
         for member in members:

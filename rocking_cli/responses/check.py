@@ -19,10 +19,8 @@ from ..envelopes.envelope import A_MAX
 from ..envelopes.limit import Limit, limit_of
 from ..errors import UsageError
 from ..motions import Motion
-from ..motions.blocks import blocks, largest
 from ..motions.grid import Grid
 from ..processes import available_cpus, processes
-from ..spectra.cost import Tell, announce, bouncing_seconds, expected_seconds
 from ..structures.parameters import RockingParameters
 from .time_history import time_history
 
@@ -33,7 +31,6 @@ _STAGES = 3  # of a verdict
 _BESIDE = np.array([0.0, *(sign * 10.0**-n for n in range(12, 5, -1) for sign in (-1.0, 1.0))])  # relative changes of a demand
 _SAME = 0.01  # of theta/alpha: rotations under them that differ by less are one
 _WORTH = 3  # demands for each process that is started, at least
-_RUNS, _CELLS = 12, 1500  # of the engine and of its cells, that a search takes
 CHECK_COLUMNS = (
     "name", "motion", "model", "outcome", "theta_ratio", "demand_a", "uplift_a", "first_overturning_a", "capacity_demand", "safe_to",
     "outcome_linear", "friction", "fz_min",
@@ -164,20 +161,17 @@ def check_all(
     *,
     a_max: float | Limit = A_MAX,
     workers: int | None = None,
-    tell: Tell | None = None,
     progress: Progress | None = None,
 ) -> list[Verdict]:
     """The verdicts on (structure, motion, shaking), in their order.
 
-    a_max: A, or an acceleration for each; workers: processes, None for all cores where they are several; tell: called with a line where
-    this will take long; progress: with what is done and all there is.
+    a_max: A, or an acceleration for each; workers: processes, None for all cores where they are several; progress: called with the
+    stages or checks done and all of them.
 
     Raises as `check` does, OutputError when a worker process dies.
     """
     task = partial(_check_one, a_max)
     several = max(1, min(workers or available_cpus(), len(demands) // (1 if workers else _WORTH)))
-    searches = f"{len(demands)} search{'es' if len(demands) > 1 else ''}"
-    announce(sum(_seconds(limit_of(a_max, demand[0]), *demand) for demand in demands), searches, several, tell)
     done = progress or _no_progress
     if several == 1:
         return [
@@ -190,15 +184,6 @@ def check_all(
             verdicts.append(verdict)
             done(len(verdicts), len(demands))
     return verdicts
-
-
-def _seconds(a_max: float, structure: RockingParameters, motion: Motion, shaking: Grid) -> float:
-    """Of a processor, to within a factor of a few, for one verdict; where a motion is too weak to lift the body this takes no time."""
-    method, record, segments = governing_method(structure, dimensionless=shaking.dimensionless), motion.samples is not None, motion.segments
-    top = max(a_max, 2.0 * float(shaking.scaled(structure)[0][0]))
-    strong = sum(part.stop - part.start for part in blocks(len(segments)) if top * largest(segments.s_end[part]) > 1.0)
-    marched = expected_seconds(method, structure, strong, cells=_CELLS, batches=_RUNS, record=record)
-    return marched + bouncing_seconds(method, structure, record=record)
 
 
 def tally(verdicts: Sequence[Verdict]) -> str:

@@ -13,7 +13,6 @@ from dataclasses import replace
 from typing import Any
 
 from ..errors import OutputError, UsageError
-from .cost import Tell
 from .scene import Unit
 from .trust.verification import Answer, Place, Verification
 from .units import Job, Report
@@ -27,7 +26,7 @@ _PATIENCE = 4.0  # s without a worker after which that is said, again and again
 
 
 def cluster_reports(
-    job: Job, units: Sequence[Unit], address: str, verification: Verification, tell: Tell | None = None
+    job: Job, units: Sequence[Unit], address: str, verification: Verification, tell: Callable[[str], None] | None = None
 ) -> Iterator[tuple[Unit, Report]]:
     """The reports of the units, in order, from the cluster whose scheduler is at `address`; a lost worker's batches run anew. With the
     last of them the verification has its answers.
@@ -96,7 +95,7 @@ def _silent_library() -> Iterator[None]:
             logging.getLogger(name).setLevel(level)
 
 
-def _saying(tell: Tell | None, address: str) -> Callable[[float], None]:
+def _saying(tell: Callable[[str], None] | None, address: str) -> Callable[[float], None]:
     def say(seconds: float) -> None:
         if tell is not None:
             tell(f"`scheduler`: the cluster at {address} has no worker; waiting for one since {seconds:.0f} s")

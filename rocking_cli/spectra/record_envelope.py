@@ -20,7 +20,6 @@ from ..envelopes.envelope import A_MAX, BOTH, HIGHEST, NONE, SIGNS, Steps, in_tu
 from ..envelopes.limit import Limit, limit_of
 from ..errors import UsageError
 from ..processes import available_cpus
-from .cost import Tell, announce, bouncing_seconds, expected_seconds
 from .record_scene import RecordScene
 
 Array = np.ndarray
@@ -84,8 +83,8 @@ class Tracing:
         return found
 
 
-def check_tracing(tracing: Tracing, tell: Tell | None = None) -> None:
-    """Check the limits and announce the longest time of the search. Raises UsageError."""
+def check_tracing(tracing: Tracing) -> None:
+    """Check the limits of the search. Raises UsageError."""
     scene = tracing.scene
     limits = [tracing.limit(i) for i in range(len(scene.structures))]
     for most in limits:
@@ -93,17 +92,6 @@ def check_tracing(tracing: Tracing, tell: Tell | None = None) -> None:
             raise UsageError(f"a-max is {most:g}, accepted is a positive amplitude up to {HIGHEST:g}")
     if scene.columns.name != "T" and scene.columns.values.tolist() != [1.0]:
         raise UsageError(f"`grid`: found {scene.columns.name}; accepted is none, since the scale is what is looked for")
-    counts = [len(scene.recordings) * math.log(max(2.0, most)) / math.log1p(RATIO) for most in limits]
-    cells, seconds = 0.0, 0.0
-    for i, s in enumerate(scene.structures):
-        mine = counts[i] * tracing.omegas(i).size
-        cells += mine
-        seconds += expected_seconds(scene.method, s, scene.segments, cells=int(mine), batches=len(scene.recordings), record=True)
-        seconds += bouncing_seconds(scene.method, s, record=True)
-    at_most = " at most" if tracing.first else ""
-    sizes = sum(tracing.omegas(i).size for i in range(len(scene.structures)))
-    what = f"{len(scene.recordings)} x {sizes} searches, {cells:.3g} amplitudes{at_most} under {scene.segments} segments of shaking"
-    announce(seconds, what, 1, tell, always=True)
 
 
 def tracing_records(

@@ -132,10 +132,6 @@ class RecordScene(Scene):
         amplitude, omega = np.broadcast_arrays(*self._scaled(structure, recording.acceleration))
         return Cell(structure, recording.motion, float(amplitude[column]), float(omega[column]))
 
-    def batches(self, units: int) -> int:
-        """Runs of the engine that so many units of work take: one for each system in each."""
-        return units * len({self.runs_with(s) for s in self.structures})
-
     def runs_with(self, structure: RockingParameters) -> tuple[Any, ...]:
         """Blocks of any angle go in one run."""
         return () if self.over_angles and not self.weighed and self.method.mixes(structure) else self.shares(structure)

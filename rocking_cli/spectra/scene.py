@@ -106,10 +106,6 @@ class Scene(ABC):
     def frame(self) -> Frame:
         """What the cells lie on, as a file has it."""
 
-    @abstractmethod
-    def batches(self, units: int) -> int:
-        """Runs of the engine that so many units of work take, at least."""
-
     @property
     def quantities(self) -> tuple[str, ...]:
         """Those of QUANTITIES that belong to the result in any case."""
@@ -214,10 +210,6 @@ class PulseScene(Scene):
     def frame(self) -> Frame:
         """What the cells lie on."""
         return pulse_frame(self.structures, self.grid)
-
-    def batches(self, units: int) -> int:
-        """Runs of the engine that so many units of work take."""
-        return units
 
     def identity(self) -> dict[str, Any]:
         """What the result depends on, by name, as JSON values; two scenes of equal identity have equal spectra."""

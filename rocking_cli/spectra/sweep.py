@@ -20,7 +20,7 @@ from ..motions import Motion
 from ..motions.grid import Grid
 from ..processes import available_cpus
 from ..structures.parameters import RockingParameters
-from .cost import Tell, announce_sweep
+from .cost import refuse_endless
 from .results import Spectrum, Summary
 from .scene import QUANTITIES, PulseScene, Scene, Unit, chunk_shape, cut_into_units, known_quantities
 from .trust.sampling import default_check
@@ -29,6 +29,7 @@ from .trust.verification import Verification
 from .units import Block, Job, unit_reports
 
 CHUNK_CELLS = 131072
+_MOST_UNITS = 1_000_000
 SMALL_SWEEP = 100_000  # cells below which starting processes takes longer than they save
 
 Progress = Callable[[int, int], None]
@@ -71,7 +72,7 @@ def spectrum_of(
     theta, outcome, impacts = np.full(shape, np.nan), np.zeros(shape, dtype=np.uint8), np.zeros(shape, dtype=np.int32)
     beside = {name: np.full(shape, *_blank(name)) for quantity in quantities for name in QUANTITIES[quantity]}
     chunk = chunk_shape(shape[1:], CHUNK_CELLS)
-    announce_sweep(scene, chunk, _processes(scene, workers), check)
+    _refuse_endless(scene, chunk)
 
     def keep(unit: Unit, responses: tuple[Block, ...]) -> None:
         rows, columns = responses[0].outcome.shape
@@ -105,7 +106,7 @@ def write_spectrum(
     documents: str = "",
     history: str = "",
     progress: Progress | None = None,
-    tell: Tell | None = None,
+    tell: Callable[[str], None] | None = None,
 ) -> Summary:
     """Compute a spectrum of structures under a pulse and stream it into an HDF5 file; the options are those of `write_scene`.
 
@@ -138,7 +139,7 @@ def write_scene(
     history: str = "",
     sample_validity: bool = False,
     progress: Progress | None = None,
-    tell: Tell | None = None,
+    tell: Callable[[str], None] | None = None,
 ) -> Summary:
     """Compute a scene and stream it, chunk by chunk, into an HDF5 file (layout: `rocking help files`).
 
@@ -146,7 +147,7 @@ def write_scene(
     computes the i-th of n parts, for `merge`. resume: go on with the partial file of an interrupted sweep of the same scene, PATH.part,
     strict: unless it was begun on a machine whose results may differ in the last digits. documents, history: texts kept in the
     file. sample_validity: compare some cells of a linear sweep with the nonlinear equation.
-    progress: called with (units done, units). tell: called with a line where the sweep will take long, or waits for its
+    progress: called with (units done, units). tell: called with a line where the sweep waits for its
     cluster. Raises UsageError for a scene or an output that is refused, OutputError when the file cannot be written or a worker
     process dies, Interrupted on Ctrl-C.
     """
@@ -154,8 +155,7 @@ def write_scene(
     from .file.writer import SpectraWriter
 
     method, chunk = scene.method, chunk_shape(scene.shape[1:], chunk_cells)
-    processes = 1 if scheduler else _processes(scene, workers)  # a cluster's are not known yet
-    announce_sweep(scene, chunk, processes, check, 1 if shard is None else shard[1], tell)
+    _refuse_endless(scene, chunk)
     attributes: dict[str, Any] = {"history": history, "documents": documents, "motion": scene.title, "model": method.model}
     if method.stated_tolerance is not None:
         attributes["tolerance"] = method.stated_tolerance
@@ -249,6 +249,15 @@ def _blank(name: str) -> tuple[Any, np.dtype]:
     return about.get("_FillValue", 0), dtype
 
 
+def _refuse_endless(scene: Scene, chunk: tuple[int, int]) -> None:
+    """Refuse a sweep that would take years, and one of too many units of work. Raises UsageError."""
+    rows, columns = (-(-n // size) for n, size in zip(scene.shape[1:], chunk, strict=True))
+    units = rows * columns * len(scene.sharing())
+    if units > _MOST_UNITS:
+        raise UsageError(f"{units} units of work of {chunk[0] * chunk[1]} cells, accepted are up to {_MOST_UNITS}; make them larger")
+    refuse_endless(units * chunk[0] * chunk[1], 1 if scene.of_records else scene.segments)
+
+
 def _processes(scene: Scene, workers: int | None) -> int:
     if workers is not None and workers < 1:
         raise UsageError(f"workers is {workers}, accepted is a whole number from 1")
@@ -267,7 +276,7 @@ def _sweep(
     before: Mapping[int, np.ndarray] | None = None,
     scheduler: str | None = None,
     quantities: tuple[str, ...] = (),
-    tell: Tell | None = None,
+    tell: Callable[[str], None] | None = None,
 ) -> Summary:
     """Compute all units, or those `todo`, hand each result to `keep` in order, and sum up with the outcomes from before."""
     began = time.perf_counter()

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import io
 import re
+import signal
 
+import click
 import pytest
 
 from rocking_cli.commands import progress, streams
@@ -93,3 +95,74 @@ def test_nothing_is_shown_where_nobody_looks(terminal, monkeypatch):
     monkeypatch.setattr("sys.stderr", io.StringIO())
     ProgressLine("x", False, "chunks")(1, 2)
     assert terminal.getvalue() == ""
+
+
+class Clock:
+    """A timer of the system that strikes when a test says so."""
+
+    def __init__(self, monkeypatch):
+        self.now, self.handler = 0.0, signal.SIG_DFL
+        monkeypatch.setattr(progress, "monotonic", lambda: self.now)
+        monkeypatch.setattr(progress.signal, "setitimer", lambda which, *times: self.times.append(times))
+        self.times: list[tuple[float, ...]] = []
+
+    def strike(self, at: float) -> None:
+        self.now = at
+        signal.raise_signal(signal.SIGALRM)
+
+
+@pytest.fixture
+def clock(monkeypatch):
+    return Clock(monkeypatch)
+
+
+def test_a_long_run_says_what_its_units_have_taken(clock, capsys):
+    with progress.told():
+        clock.strike(10.0)
+        line = ProgressLine("spectrum", False, "chunks")
+        line(100, 1000)  # there before
+        line(102, 1000)
+        clock.strike(40.0)
+        for at, done in ((70.0, 110), (100.0, 400), (3610.0, 990), (3640.0, 1000)):
+            line(done, 1000)
+            clock.strike(at)
+    assert clock.times == [(10.0, 30.0), (0.0,)]
+    assert capsys.readouterr().err.splitlines() == [
+        "still computing (10 s)",
+        "spectrum: still computing (102 of 1000 chunks done, 30 s)",
+        "spectrum: about 89 min more (110 of 1000 chunks done)",
+        "spectrum: about 3 min more (400 of 1000 chunks done)",
+        "spectrum: about 40 s more (990 of 1000 chunks done)",
+        "spectrum: still computing (3630 s)",
+    ]
+
+
+def test_the_time_left_is_right_within_a_factor_of_three_where_units_cost_alike(clock, capsys):
+    with progress.told():
+        line = ProgressLine("fragility", False, "motions")
+        for done in range(1, 21):
+            clock.now = 7.0 * done
+            line(done, 20)
+            if 4 <= done < 20:
+                clock.strike(clock.now + 3.0)
+                number, unit = capsys.readouterr().err.split()[2:4]
+                assert 1.0 / 3.0 < float(number) * {"min": 60.0, "s": 1.0}[unit] / (7.0 * 20 - clock.now) < 3.0
+
+
+def test_where_a_terminal_shows_the_line_and_where_silence_is_asked_for_nothing_is_said(clock, terminal, monkeypatch):
+    terminal = terminal()
+    monkeypatch.setattr(progress, "monotonic", lambda: clock.now)
+    with progress.told():
+        line = ProgressLine("spectrum", False, "chunks")
+        line(1, 4)
+        clock.strike(40.0)
+        streams.end_line()
+        assert "computing" not in terminal.getvalue()
+        with click.Context(click.Command("check"), info_name="check") as context:
+            context.params["quiet"] = True
+            progress.ProgressLine("x", True, "chunks")
+            clock.strike(70.0)
+    assert "computing" not in terminal.getvalue()
+    with progress.told():  # a command without a line of its own
+        clock.strike(80.0)
+    assert terminal.getvalue().endswith("still computing (10 s)\n")

@@ -171,16 +171,6 @@ def test_what_leaves_the_ground_counts_as_a_fall_and_is_told_apart():
     assert tally([stands, lost]) == "0 of 2 overturn, 1 loses contact with the ground"
 
 
-def test_what_takes_minutes_is_said_beforehand(monkeypatch):
-    """Of a body that loses nothing the bounces are marched one by one for as long as the shaking lasts."""
-    monkeypatch.setattr("rocking_cli.responses.check.check", lambda *_, **__: None)
-    column, told = structure_of("kind: block\nwidth: 0.5\nheight: 2"), []
-    check_all([(column, sine(), DEMAND)], workers=1, tell=told.append)
-    assert told == []
-    check_all([(replace(column, eta=1.0), sine(), DEMAND)], workers=1, tell=told.append)
-    assert [line.startswith("1 search: up to roughly ") for line in told] == [True]
-
-
 def test_a_body_that_needs_more_friction_than_its_document_states_slides():
     """A block of b/h = 1/4 under 0.3 g needs as much as lifts it, 0.25, and little more."""
     for stated, slides in ((0.2, True), (0.25, True), (0.28, False)):

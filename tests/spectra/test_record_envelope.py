@@ -10,12 +10,12 @@ import pytest
 from support.documents import built
 from support.record_layouts import rows, wave
 
-from rocking_cli import Axis, Method, UsageError
+from rocking_cli import Axis, UsageError
 from rocking_cli.dynamics.references.general_solver import solve_cell
 from rocking_cli.motions.recording import Recording
 from rocking_cli.motions.records import Record
 from rocking_cli.spectra.record_envelope import NONE, Tracing, check_tracing, tracing_records
-from rocking_cli.spectra.record_scene import AS_RECORDED, angles_scene, structures_scene
+from rocking_cli.spectra.record_scene import angles_scene, structures_scene
 
 BLOCK = built("kind: block\nwidth: 0.12 m\nheight: 0.5 m")
 A_MAX = 3.0
@@ -77,12 +77,7 @@ def test_a_body_that_the_limit_does_not_lift(records):
     assert not list(tracing_records(Tracing(structures_scene([BLOCK], records[:1]), 0.5), workers=1))
 
 
-def test_the_cost_is_said_before(records):
-    said: list[str] = []
-    check_tracing(Tracing(structures_scene([BLOCK], records, AS_RECORDED, Method("nonlinear")), 3.0, first=True), said.append)
-    (line,) = said
-    amplitudes = 2 * math.log(3.0) / math.log(1.005)
-    assert line.startswith(f"2 x 1 searches, {amplitudes:.3g} amplitudes at most under 23 segments of shaking: up to roughly ")
+def test_a_limit_that_is_none_is_refused(records):
     with pytest.raises(UsageError, match="a-max is inf"):
         check_tracing(Tracing(structures_scene([BLOCK], records), math.inf))
     with pytest.raises(UsageError, match="the scale is what is looked for"):

@@ -94,7 +94,7 @@ def test_rocking_spectra_over_alpha_and_size(records, eta):
 def test_blocks_of_all_angles_go_in_one_run_and_are_those_of_each_alone():
     short = (Recording(record("a", 18, 6.0)),)
     scene, own = (angles_scene(Axis("alpha", x), PERIODS, short, 0.5, NONLINEAR) for x in (ALPHAS.values, ALPHAS.values[1:]))
-    assert scene.batches(4) == 4
+    assert len({scene.runs_with(s) for s in scene.structures}) == 1
     together, alone = (spectrum_of(x, workers=1, check=0, quantities=("condition",)) for x in (scene, own))
     for name in ("theta_ratio", "outcome", "impacts", "velocity_ratio", "condition"):
         np.testing.assert_array_equal(getattr(together, name)[:, 1:], getattr(alone, name))
