@@ -4,8 +4,8 @@ With z = alpha - u, u = |theta|, s the side, tau = p t of the side and w = 1 + z
 
     s Fx/(m g) = s xg''/g + kappa (u'' cos z + u'^2 sin z),   Fz/(m g) = w + kappa (u'' sin z - u'^2 cos z)
 
-Every arc that does not overturn the body begins or ends at rest, at a crest. With P the strongest |xg''|/g and u_m the largest u, the
-energy over what is left to a crest, or what has been passed since one, bounds the speed at u by
+Every arc that does not overturn the body begins or ends at rest, at a peak. With P the strongest |xg''|/g and u_m the largest u, the
+energy over what is left to a peak, or what has been passed since one, bounds the speed at u by
 
     u'^2 <= 2 int_u^u_m (w_+ sin z + P cos z) du        (linear: w_+ z + P; with damping u' <= 2 zeta u_m + sqrt((2 zeta u_m)^2 + that))
 
@@ -22,7 +22,7 @@ import numpy as np
 
 Array = np.ndarray
 
-_PARTS = 32  # of the path from the ground to the crest, on each of which the bound takes the worst of every term
+_PARTS = 32  # of the path from the ground to the peak, on each of which the bound takes the worst of every term
 _PUSHES = np.geomspace(1e-2, 1e2, 256)  # over g, of which the largest that is proved is taken
 _TURNS, _STEPS = 2.0, 64  # of alpha, and parts of that, for which the largest push is kept
 FAR = 100.0  # of a body that this far [rad] cannot have kept to the ground, what it asks of it is not looked at

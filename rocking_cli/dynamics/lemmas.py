@@ -60,7 +60,7 @@ Test `test_lemmas.py::test_lemma_2_a_ridge_holds_one_minimum_above_ground_and_no
 In a step along which a falls and then rises at most once, y' changes from positive to negative at most once.
 Proof. Where a' < 0, V is concave while it is negative; where a' > 0, V is convex while it is positive.
 Varying weight: it does not hold, since a' + w' (y - 1) has no known sign. Bernstein bounds of the series isolate the turns.
-Used in `march.advance.crests`, `samples.interval.raise_peaks`, `march.turns.falls_through_zero`.
+Used in `march.advance.turning_points`, `samples.interval.raise_peaks`, `march.turns.falls_through_zero`.
 Test `test_lemmas.py::test_lemma_3_a_drive_that_falls_and_then_rises_lets_the_body_turn_back_once`.
 
 # Lemma 4 (hidden turn)
@@ -122,10 +122,10 @@ y'' <= y - 1 + e. So an arc multiplies v^2 by at most 1 + 4/3 dV/(1 - e), and an
 (b) More impacts than the march follows. On a stretch of a monotone segment with 1 - |a| >= m arcs begin with at most G v and last at most
 2 G v/(m - e), e < m/2, so a known number of them fills the stretch, unless the sequence ends before.
 Used in `contacts.contact.bouncing_ends`, `contacts.contact.bouncing_weighed`, `contacts.contact.settled_on_one_side`; (a) in
-`contacts.settling.settles`; (b) in `contacts.trains.outlasts`.
+`contacts.settling.settles`; (b) in `contacts.long_sequences.outlasts`.
 Test `test_lemmas.py::test_lemma_7_bouncing_that_is_summed_ends_before_anything_else_happens`,
 `contacts/test_settling.py::test_marching_on_finds_the_same_peak`,
-`contacts/test_trains.py::test_given_up_is_what_would_have_been_given_up`.
+`contacts/test_long_sequences.py::test_given_up_is_what_would_have_been_given_up`.
 
 # Lemma 8 (free motion)
 

@@ -187,7 +187,7 @@ class Method:
     def reference_of(self, structure: RockingParameters, weighed: bool = False) -> Reference:
         """The slower, independent path to (outcome, theta_ratio) of a single cell (motion, A, Omega, eta); weighed: the weight varies."""
         if self._has_series(structure) and not weighed:
-            from .references.pressing import arms_of
+            from .references.contact_check import arms_of
             from .references.taylor_series import reference_cell
 
             arms = arms_of(structure)

@@ -20,7 +20,7 @@ _KEEPS = 0.99  # of its speed at an impact: bodies that keep less come to rest s
 _FIRST = 16  # steps of a lane before the first look; then after twice as many, and so on
 _ROOM = (0.05, 0.1, 0.2, 0.4, 0.8)  # for G
 _SMALL = 0.095  # of D^2/g
-_CREST = 1.17  # over W/D: 1.053 during the shaking, and after it, where a goes to 0 with M <= 1.05 y, 1.053 (1 + 1.106 e/D) D
+_PEAK = 1.17  # over W/D: 1.053 during the shaking, and after it, where a goes to 0 with M <= 1.05 y, 1.053 (1 + 1.106 e/D) D
 _JOINED = 1e-15  # of the largest s: lines that are joined differ by no more
 _SURELY = 1.0 - 1e-6  # part of a bound that is used, which rounding never needs
 
@@ -50,11 +50,11 @@ def bounces_on(segments: Segments, lanes: Lanes, equation: Equation) -> Array:
 
 
 def ceiling(segments: Segments, lane: Lanes, gain: float) -> float:
-    """What no crest to come is above, of one body just after an impact that nothing lifts again [y]; infinite where it is not proved."""
+    """A bound of all peaks to come of one body just after an impact that nothing lifts again [y]; infinite where it is not proved."""
     (k,), (u,), (amplitude,), (omega,), (v,), (b,) = (x.tolist() for x in (lane.k, lane.u, lane.amplitude, lane.omega, lane.v, lane.b))
     torn = _JOINED * amplitude * max(float(segments.later_max[0]), -float(segments.later_min[0]))
     now, sums, most, steepest, tall = abs(1.0 + b), 0.0, 0.0, 0.0, 0.0
-    if now == 1.0:  # a force that is lost beside 1
+    if now == 1.0:  # a force that is lost against 1
         return np.inf
     end, before, phase_before = now, 0.0, 0.0  # of the line before: c at its end, c', the factor of phi
     for part in blocks(len(segments) - k):
@@ -70,9 +70,9 @@ def ceiling(segments: Segments, lane: Lanes, gain: float) -> float:
             lasts[0] -= u / omega
             before = slope[0]
         phase = 2.0 / 3.0 / square + 0.36 / (force * force)
-        bends = np.abs(np.diff(slope, prepend=before)) * np.maximum(np.append(phase_before, phase[:-1]), phase)
+        turns = np.abs(np.diff(slope, prepend=before)) * np.maximum(np.append(phase_before, phase[:-1]), phase)
         lines = rate * rate * lasts * (4.0 / 3.0 * e / (square * square) + 0.74 / force**3)
-        sums += float(lines.sum()) + float(bends.sum())
+        sums += float(lines.sum()) + float(turns.sum())
         tall += 2.0 * gain * float((rate * lasts / force**3).sum())
         most, steepest = max(most, float(e.max())), max(steepest, float((rate * phase).max()))
         end, before, phase_before = float(ends[-1]), float(slope[-1]), float(phase[-1])
@@ -80,5 +80,5 @@ def ceiling(segments: Segments, lane: Lanes, gain: float) -> float:
         still = 0.5 * v * v * math.exp(room) / (1.0 - now * now) ** (2.0 / 3.0)  # the most that W could be where c = 0
         if math.sqrt(2.0 * still) * (sums + 2.0 * steepest) + still * tall <= _SURELY * room:
             highest = still * (1.0 - most * most) ** (2.0 / 3.0) / (1.0 - most)  # W/D, which grows with |c|
-            return _CREST * highest / _SURELY if highest <= _SMALL * (1.0 - most) / gain else np.inf
+            return _PEAK * highest / _SURELY if highest <= _SMALL * (1.0 - most) / gain else np.inf
     return np.inf

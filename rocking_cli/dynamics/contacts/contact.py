@@ -187,14 +187,14 @@ def bouncing_weighed(segments: WeighedSegments, lanes: Lanes, equation: Equation
     n, r, other = (np.zeros(at.size), 1.0, own) if there is None else (there.eta[at], there.time, amplitude[at])
     r = np.broadcast_to(r, lanes.v.shape)[at]
     scale = 2.0 * v / (1.0 - q)
-    beside = across[at]
-    trial = 1.5 * scale * (1.0 / -b + n * r / beside)
+    other_gap = across[at]
+    trial = 1.5 * scale * (1.0 / -b + n * r / other_gap)
     later = np.minimum(u + lanes.omega[at] * trial, segments.length[k])
     ends = later < segments.length[k]
     then = 1.0 - segments.net(side, own, k, later)
     here, most_here = np.minimum(-b, then), np.maximum(-b, then)
     then = np.ones(at.size) if there is None else 1.0 - segments.net(-side, other, k, later)
-    beyond, most_beyond = np.minimum(beside, then), np.maximum(beside, then)
+    beyond, most_beyond = np.minimum(other_gap, then), np.maximum(other_gap, then)
     with np.errstate(invalid="ignore", divide="ignore"):
         growth = np.sqrt(most_here / here * (most_beyond / beyond))
     height = (v * growth) ** 2 * np.maximum(1.0 / here, n * n / beyond)
@@ -247,7 +247,7 @@ def settled_on_one_side(segments: Segments, lanes: Lanes, equation: Equation) ->
 
 
 def free_motion(equation: Equation, lanes: Lanes, at: Array, y: Array, v: Array) -> Fate:
-    """Lemma 8 where the next side is like this one: after the next crest and impact nothing larger comes, since eta <= 1.
+    """Lemma 8 where the next side is like this one: after the next peak and impact nothing larger comes, since eta <= 1.
 
     at: indices of lanes; y >= 0, v: at the end of the shaking, of these lanes.
     """
@@ -257,7 +257,7 @@ def free_motion(equation: Equation, lanes: Lanes, at: Array, y: Array, v: Array)
     after = ~overturns & (rebound > own.barrier)
     peak = np.full(np.shape(y), np.nan)
     stays = np.flatnonzero(~(overturns | after))
-    out = v[stays] > 0.0  # the next crest is the higher one
+    out = v[stays] > 0.0  # the next peak is the higher one
     own = equation.on(lanes.side[at[stays]], lanes.cell[at[stays]])
     top = own.crest(np.where(out, energy[stays], rebound[stays]))
     peak[stays] = np.where(out, top, np.maximum(y[stays], top))

@@ -23,22 +23,22 @@ Array = np.ndarray
 _SURELY = 1.0 - 1e-9  # a bound settles a question if it does so with this much room, which rounding never needs
 
 
-# What a step covers: one window of the drive, or a ridge that is left outwards together with the valley after it.
-RIDGE, VALLEY, RIDGE_THEN_VALLEY = np.int8(0), np.int8(1), np.int8(2)
+# What a step covers: one window of the drive, or a supercritical window that is left outwards together with the subcritical one after it.
+SUPERCRITICAL, SUBCRITICAL, SUPERCRITICAL_FIRST = np.int8(0), np.int8(1), np.int8(2)
 
 
 class Step(NamedTuple):
     """How far each lane goes in one proof.
 
-    k, u: where the step ends; h: its length [tau]; kind: RIDGE, VALLEY or RIDGE_THEN_VALLEY; valley: time [tau] in it at which its
-    valley begins.
+    k, u: where the step ends; h: its length [tau]; kind: SUPERCRITICAL, SUBCRITICAL or SUPERCRITICAL_FIRST;
+    subcritical: time [tau] in it at which its subcritical window begins.
     """
 
     k: Array
     u: Array
     h: Array
     kind: Array
-    valley: Array
+    subcritical: Array
 
 
 class Passage(NamedTuple):
@@ -60,7 +60,7 @@ class Passage(NamedTuple):
         return self.end.b + 2.0 * self.arc.damping * self.end.v if self.arc.damping else self.end.b
 
 
-class Crests(NamedTuple):
+class TurningPoints(NamedTuple):
     """Turning points: lanes, times [tau] since the start of their step, and heights y."""
 
     lanes: Array
@@ -79,21 +79,21 @@ def next_step(segments: Segments, lanes: Lanes, longest: Array, tabled: TabledWi
     window = window_of(lanes.k, lanes.u, slice(None))
     k, u = window.k.copy(), window.u.copy()
     h = window.phase(lanes.u) / lanes.omega
-    kind = np.where(window.ridge, RIDGE, VALLEY)
-    valley = np.zeros(h.size)
-    # A ridge entered outwards holds no event: go on to the end of the valley after it.
-    on = np.flatnonzero(window.ridge & (lanes.v >= 0.0) & (u < segments.length[k]) & (h < longest))
+    kind = np.where(window.supercritical, SUPERCRITICAL, SUBCRITICAL)
+    subcritical = np.zeros(h.size)
+    # A supercritical window entered outwards holds no event: go on to the end of the subcritical one after it.
+    on = np.flatnonzero(window.supercritical & (lanes.v >= 0.0) & (u < segments.length[k]) & (h < longest))
     if on.size:
         beyond = window_of(k[on], u[on], on)
-        valley[on] = h[on]
+        subcritical[on] = h[on]
         h[on] += beyond.phase(u[on]) / lanes.omega[on]
         k[on], u[on] = beyond.k, beyond.u
-        kind[on] = RIDGE_THEN_VALLEY
+        kind[on] = SUPERCRITICAL_FIRST
     long = np.flatnonzero(h > longest)
     if long.size:
         h[long] = longest[long]
         k[long], u[long] = lanes.k[long], lanes.u[long] + longest[long] * lanes.omega[long]
-    return Step(k, u, h, kind, valley)
+    return Step(k, u, h, kind, subcritical)
 
 
 def advance(
@@ -109,8 +109,8 @@ def advance(
         end, bent = arc.at(step.h), None
     reach = step.h.copy()
     hit = end.y <= 0.0
-    # A ridge entered inwards: its single minimum may touch the ground although both ends are above it.
-    dips = np.flatnonzero((step.kind == RIDGE) & ~hit & (lanes.v < 0.0) & (end.v > 0.0))
+    # A supercritical window entered inwards: its single minimum may touch the ground although both ends are above it.
+    dips = np.flatnonzero((step.kind == SUPERCRITICAL) & ~hit & (lanes.v < 0.0) & (end.v > 0.0))
     if not arc.damping:
         dips = dips[~_clears(arc, end, step.h, dips)]
     if dips.size:
@@ -124,7 +124,7 @@ def advance(
     if at.size:
         guess = _impact_guess(arc, step, end, reach, at)
         falling = arc.take(at)
-        reach[at], impact_v[at] = impact_root(falling, step.valley[at], reach[at], guess)
+        reach[at], impact_v[at] = impact_root(falling, step.subcritical[at], reach[at], guess)
         impact_b[at] = falling.at_ground(reach[at])
     return Passage(step, arc, end, reach, hit, impact_v, impact_b, bent)
 
@@ -138,7 +138,7 @@ def _clears(arc: Flow, end: Point, h: Array, at: Array) -> Array:
 
 def _impact_guess(arc: Flow, step: Step, end: Point, reach: Array, at: Array) -> Array:
     """A first guess inside the bracket: ballistic from the left where b < 0 at the start, else a step from the right."""
-    low, high = step.valley[at], reach[at]
+    low, high = step.subcritical[at], reach[at]
     y, v, b = arc.y[at], arc.v[at], arc.b[at]
     with np.errstate(all="ignore"):
         left = (v + np.sqrt(v * v - 2.0 * b * y)) / -b
@@ -148,25 +148,25 @@ def _impact_guess(arc: Flow, step: Step, end: Point, reach: Array, at: Array) ->
     return np.where((guess > low) & (guess < high), guess, 0.5 * (low + high))
 
 
-def crests(segments: Segments, lanes: Lanes, passage: Passage, wanted: Array) -> Crests:
-    """The turning points of this step: one a lane at the most, and only in a valley (Lemmas 3 and 4); of bodies whose weight varies
+def turning_points(segments: Segments, lanes: Lanes, passage: Passage, wanted: Array) -> TurningPoints:
+    """The turning points of this step: at most one a lane, and only where a < 1 (Lemmas 3 and 4); of bodies whose weight varies
     as many as the series has, in the order of lanes and times."""
     if segments.weighed is not None:
         assert passage.bent is not None  # of a series
         step, v = passage.step, np.where(passage.hit, passage.impact_v, passage.end.v)
-        known, at = sense(passage.arc, step.h, passage.end, passage.bent), wanted & (step.kind != RIDGE)
+        known, at = sense(passage.arc, step.h, passage.end, passage.bent), wanted & (step.kind != SUPERCRITICAL)
         at &= ~known.kept
         once = at & known.monotone & (lanes.v > 0.0) & (v <= 0.0)
         at, low, high = falls_through_zero(passage.arc, passage.reach, *(np.flatnonzero(x) for x in (at & ~known.monotone, once)))
         if not at.size:
-            return Crests(at, low, high)
+            return TurningPoints(at, low, high)
         chord = high * (lanes.v[at] / (lanes.v[at] - np.minimum(v[at], 0.0)))  # where it is the only turn of the step
         guess = np.where(high - low == passage.reach[at], chord, 0.5 * (low + high))
-        return Crests(at, *turning_point(passage.arc.take(at), low, high, guess, 1.0))
+        return TurningPoints(at, *turning_point(passage.arc.take(at), low, high, guess, 1.0))
     step, end, damping = passage.step, passage.end, passage.arc.damping
-    wanted = wanted & (step.kind != RIDGE)
-    rises = wanted & ((step.kind == RIDGE_THEN_VALLEY) | (lanes.v > 0.0))
-    low, high = step.valley.copy(), passage.reach.copy()
+    wanted = wanted & (step.kind != SUPERCRITICAL)
+    rises = wanted & ((step.kind == SUPERCRITICAL_FIRST) | (lanes.v > 0.0))
+    low, high = step.subcritical.copy(), passage.reach.copy()
     # Entered inwards, y' may rise through zero while the drive still falls: as a concave function, not above its tangent.
     slope = _slope(lanes.b, lanes.v, -damping)  # lanes carry the force
     turning = np.flatnonzero(wanted & ~rises & (slope > 0.0))
@@ -180,7 +180,7 @@ def crests(segments: Segments, lanes: Lanes, passage: Passage, wanted: Array) ->
     # y' > 0 at both ends: a peak and a trough may hide where the drive rises again, and then b > 0 at the end. There y' is
     # convex (see `hidden_turn`): its tangent at the end may prove at once that it never falls below zero.
     slope = _slope(end.b, end.v, damping)
-    doubtful = np.flatnonzero(rises & ~sure & (slope > 0.0) & (slope * (step.h - step.valley) > _SURELY * end.v))
+    doubtful = np.flatnonzero(rises & ~sure & (slope > 0.0) & (slope * (step.h - step.subcritical) > _SURELY * end.v))
     if doubtful.size:
         falls = _falling_again(segments, lanes, passage, doubtful)
         found = np.isfinite(falls)
@@ -189,8 +189,8 @@ def crests(segments: Segments, lanes: Lanes, passage: Passage, wanted: Array) ->
     at = np.flatnonzero(sure)
     low, high = low[at], high[at]
     if not at.size:
-        return Crests(at, low, low)
-    return Crests(at, *turning_point(passage.arc.take(at), low, high, 0.5 * (low + high), 1.0))
+        return TurningPoints(at, low, low)
+    return TurningPoints(at, *turning_point(passage.arc.take(at), low, high, 0.5 * (low + high), 1.0))
 
 
 def _slope(b: Array, v: Array, damping: float) -> Array:
@@ -199,14 +199,14 @@ def _slope(b: Array, v: Array, damping: float) -> Array:
 
 
 def low_bounces(lanes: Lanes, passage: Passage, gain: Array | float) -> Array:
-    """Bounces from impact to impact within one valley that cannot rise above their lane's peak so far.
+    """Bounces from impact to impact within one subcritical window that cannot rise above their lane's peak so far.
 
-    In a valley a is largest at an end, so that y'' <= g y - m with m = 1 - a there. While g v h < m the bounce is concave, and
+    There a is largest at an end, so that y'' <= g y - m with m = 1 - a there. While g v h < m the bounce is concave, and
     lower than the point where the tangents at its ends meet. (Lemma 5; undamped.)
     """
     if passage.arc.damping:
         return np.zeros(passage.hit.shape, dtype=bool)
-    low = passage.hit & (lanes.impacts > 0) & (lanes.y == 0.0) & (passage.step.kind == VALLEY)
+    low = passage.hit & (lanes.impacts > 0) & (lanes.y == 0.0) & (passage.step.kind == SUBCRITICAL)
     at = np.flatnonzero(low)
     if at.size:
         v, fall, h = lanes.v[at], -passage.impact_v[at], passage.reach[at]
@@ -229,8 +229,8 @@ def _bottom(segments: Segments, lanes: Lanes, passage: Passage, at: Array) -> Ar
 
 def _falling_again(segments: Segments, lanes: Lanes, passage: Passage, at: Array) -> Array:
     """A time with y' < 0 inside steps that begin and end with y' > 0, NaN where there is none."""
-    valley, h = passage.step.valley[at], passage.step.h[at]
-    bottom = np.clip(_bottom(segments, lanes, passage, at), valley, h)
+    subcritical, h = passage.step.subcritical[at], passage.step.h[at]
+    bottom = np.clip(_bottom(segments, lanes, passage, at), subcritical, h)
     arc = passage.arc.take(at)
     middle = arc.at(bottom)
     found = np.where(middle.v < 0.0, bottom, np.nan)

@@ -42,9 +42,9 @@ class Batch:
         self.outcome = np.full(amplitude.size, Outcome.NO_UPLIFT, dtype=np.uint8)
         self.impacts = np.zeros(amplitude.size, dtype=np.int32)
         self.work = Work(cells=amplitude.size)
-        self.drops = FreeFall.of(self.segments, self.cells, self.shaken)
-        if self.drops is not None:  # also from under bodies that nothing lifts: one that is pushed against its wall
-            self.outcome[self.drops.ever], self.theta_ratio[self.drops.ever] = Outcome.LOST_CONTACT, np.nan
+        self.free_fall = FreeFall.of(self.segments, self.cells, self.shaken)
+        if self.free_fall is not None:  # also from under bodies that nothing lifts: one that is pushed against its wall
+            self.outcome[self.free_fall.ever], self.theta_ratio[self.free_fall.ever] = Outcome.LOST_CONTACT, np.nan
 
     def cannot_return(self, lanes: Lanes, at: Array | slice, k: Array, y: Array, v: Array) -> Array:
         """Whether the lanes `at`, were they at y, v in segments k, are beyond what any drive to come can bring back."""
@@ -52,11 +52,11 @@ class Batch:
         inward = self.segments.hardest(side, lanes.amplitude[at], k)
         return self.equation.on(side, lanes.cell[at]).certainly_overturns(y, v, inward, self.segments.weighed is None)
 
-    def drop_lanes(self, lanes: Landing) -> Landing:
+    def end_free_fall(self, lanes: Landing) -> Landing:
         """Bodies from which the ground has fallen away are done: beyond `FALLEN` they have overturned before, others have lost contact."""
-        if self.drops is None:
+        if self.free_fall is None:
             return lanes
-        falls = self.drops.now(lanes)
+        falls = self.free_fall.now(lanes)
         over = falls & (self.equation.on(lanes.side, lanes.cell).rotation(lanes.y) >= FALLEN)
         self.overturn(lanes, np.flatnonzero(over))
         self.finish(lanes, np.flatnonzero(falls & ~over), Outcome.LOST_CONTACT, np.nan)
@@ -118,8 +118,8 @@ class Batch:
         if self.peaks:
             self.theta_ratio[cell] = self.equation.on(lanes.side[at], cell).rotation(np.asarray(peak))
         if outcome == Outcome.ROCKED:
-            if self.drops is not None:
-                self._lose(cell[self.drops.ever[cell]])
+            if self.free_fall is not None:
+                self._lose(cell[self.free_fall.ever[cell]])
             for observer in self.observers:
                 self._lose(cell[observer.lost(cell)])
         self.impacts[cell] = lanes.impacts[at]

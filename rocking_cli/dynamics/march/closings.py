@@ -13,8 +13,8 @@ import numpy as np
 
 from ...motions.segments import Segments
 from ..contacts.adiabatic import bounces_on
+from ..contacts.long_sequences import outlasts
 from ..contacts.settling import settles
-from ..contacts.trains import outlasts
 from ..equations.equation import Equation
 from ..lanes import Lanes
 from ..outcome import Outcome

@@ -23,7 +23,7 @@ from ..observers.observer import Arcs
 from ..outcome import Outcome
 from ..system import System
 from .account import Work
-from .advance import Crests, Passage, advance, crests, low_bounces
+from .advance import Passage, TurningPoints, advance, low_bounces, turning_points
 from .batch import Batch, Landing
 from .closings import AT_IMPACTS, conditions, impulse_bound
 from .memory import keep_freed_memory
@@ -70,7 +70,7 @@ class WindowStepper:
             while taken < waiting.size or lanes.cell.size:
                 room = run.pool - lanes.cell.size
                 if room > 0 and taken < waiting.size:
-                    lanes = lanes.join(run.drop_lanes(run.start(waiting[taken : taken + room])))
+                    lanes = lanes.join(run.end_free_fall(run.start(waiting[taken : taken + room])))
                     taken += room
                 lanes = run.round(lanes)
 
@@ -110,7 +110,7 @@ class Run(Batch):
         if body is not None:
             from ..observers.ground_forces import GroundForces
 
-            self.forces = GroundForces(body, *given, self.drops)
+            self.forces = GroundForces(body, *given, self.free_fall)
             found.append(self.forces)
         if system.body is not None:
             from ..observers.contact_loss import ContactLoss
@@ -176,7 +176,7 @@ class Run(Batch):
         seg = self.segments
         lanes.steps += 1
         equation = self.equation.on(lanes.side, lanes.cell)
-        passage = advance(seg, lanes, equation, np.inf if self.drops is None else self.drops.until(lanes), self.tabled)
+        passage = advance(seg, lanes, equation, np.inf if self.free_fall is None else self.free_fall.until(lanes), self.tabled)
         end, hit = passage.end, passage.hit
         k, u = place(seg, passage.step.k, passage.step.u)
         bad = ~(np.isfinite(end.y) & np.isfinite(passage.reach)) | (lanes.steps > self.most_steps)
@@ -189,7 +189,7 @@ class Run(Batch):
         fate = self.contact.fate(self.equation, lanes, last, end.y[last], end.v[last])
         wanted = ~(bad | over)
         wanted[last[np.isnan(fate.peak)]] = False
-        found = self._crests(lanes, passage, wanted)
+        found = self._turning_points(lanes, passage, wanted)
         if self.peaks:
             np.maximum.at(lanes.peak, found.lanes, found.y)  # there may be several to a lane
             limit = np.broadcast_to(equation.limit, hit.shape)[found.lanes]
@@ -206,7 +206,7 @@ class Run(Batch):
         going = ~(bad | over | shaken)
         free, struck = np.flatnonzero(going & ~hit), np.flatnonzero(going & hit)
         landed = self.land(lanes.take(struck), passage.reach[struck], passage.impact_v[struck], passage.impact_b[struck])
-        return self.drop_lanes(self._onward(lanes, passage, k, u, free).join(landed))
+        return self.end_free_fall(self._onward(lanes, passage, k, u, free).join(landed))
 
     def _show(self, lanes: Lanes, passage: Passage, wanted: Array) -> None:
         """The arcs of this round to the observers."""
@@ -218,15 +218,15 @@ class Run(Batch):
 
     def _rests_until(self, cell: Array, lift: Uplift) -> tuple[Array, Array]:
         """Where bodies at rest lift off, or the ground falls away from them."""
-        return (lift.k, lift.u) if self.drops is None else self.drops.sooner(cell, lift)
+        return (lift.k, lift.u) if self.free_fall is None else self.free_fall.sooner(cell, lift)
 
-    def _crests(self, lanes: Lanes, passage: Passage, wanted: Array) -> Crests:
+    def _turning_points(self, lanes: Lanes, passage: Passage, wanted: Array) -> TurningPoints:
         """The turning points of those steps whose peak is wanted."""
         if not self.peaks:
-            return Crests(np.zeros(0, dtype=np.int64), np.zeros(0), np.zeros(0))
+            return TurningPoints(np.zeros(0, dtype=np.int64), np.zeros(0), np.zeros(0))
         gain = self.equation.on(lanes.side, lanes.cell).gain
         gain = gain * np.maximum(1.0, self.segments.greatest_weight(lanes.side, lanes.amplitude))
-        return crests(self.segments, lanes, passage, wanted & ~low_bounces(lanes, passage, gain))
+        return turning_points(self.segments, lanes, passage, wanted & ~low_bounces(lanes, passage, gain))
 
     def _onward(self, lanes: Landing, passage: Passage, k: Array, u: Array, at: Array) -> Landing:
         """Lanes that reached the end of their step in the air."""

@@ -22,12 +22,12 @@ _MOST, _FIRST = 100_000, 10_000  # segments times amplitudes of a table, more ar
 
 
 class Windows(NamedTuple):
-    """Where the present window ends, for every lane: segment and phase in it, whether it is a ridge, and the phase of the whole segments
-    that lie between."""
+    """Where the present window ends, for every lane: segment and phase in it, whether the drive is supercritical, and the phase of the
+    whole segments that lie between."""
 
     k: Array
     u: Array
-    ridge: Array
+    supercritical: Array
     over: Array
 
     def phase(self, u: Array) -> Array:
@@ -39,7 +39,7 @@ class TabledWindows(NamedTuple):
     """The windows of every amplitude of a run: what a search would find again in each round.
 
     of: index of each cell's amplitude; cells: one of each amplitude; the others are flat, over the sides +1 and -1, the segments and the
-    amplitudes: cut: where a = 1 on the segment, -1 where nowhere; k, u, ridge, over: the window that begins there, or with the segment.
+    amplitudes: cut: where a = 1 on the segment, -1 where nowhere; the others: the window that begins there, or with the segment.
     """
 
     of: Array
@@ -47,7 +47,7 @@ class TabledWindows(NamedTuple):
     cut: Array
     k: Array
     u: Array
-    ridge: Array
+    supercritical: Array
     over: Array
     segments: int
     amplitudes: int
@@ -59,7 +59,7 @@ class TabledWindows(NamedTuple):
         cut = self.cut[entry]
         before = u < cut
         to_k, to_u = np.where(before, k, self.k[entry]), np.where(before, cut, self.u[entry])
-        return Windows(to_k, to_u, self.ridge[entry] ^ before, self.over[entry] * ~before)
+        return Windows(to_k, to_u, self.supercritical[entry] ^ before, self.over[entry] * ~before)
 
 
 def tabled_windows(segments: Segments, amplitude: Array) -> TabledWindows | None:
@@ -109,39 +109,39 @@ def window_end(segments: Segments, k: Array, u: Array, side: Array, amplitude: A
     cuts = np.flatnonzero(start != end)
     cut[cuts] = cut_at(cuts, k[cuts])  # where a = 1
     here = u < cut
-    ridge = np.where(here, start, end)
+    supercritical = np.where(here, start, end)
     here &= start != end
     # Past the crossing (or with none) the window runs to the segment's end, and on into the next segment where that one
     # continues the closed form and turns the other way.
     falling = to_s < from_s
     to_k, to_u, over = k, np.where(here, cut, length), np.zeros(length.shape)
-    lanes = np.flatnonzero(~here & segments.joins[k] & (ridge != falling))
+    lanes = np.flatnonzero(~here & segments.joins[k] & (supercritical != falling))
     if lanes.size:
         to_k = k.copy()
         to_k[lanes] = nk = k[lanes] + 1
         n_cut = segments.length[nk]
-        n_cuts = np.flatnonzero(ridge[lanes] != (-side[lanes] * segments.s_end[nk] > inverse[lanes]))
+        n_cuts = np.flatnonzero(supercritical[lanes] != (-side[lanes] * segments.s_end[nk] > inverse[lanes]))
         n_cut[n_cuts] = cut_at(lanes[n_cuts], nk[n_cuts])
         to_u[lanes] = n_cut
         over[lanes] = length[lanes]
-    return Windows(to_k, to_u, ridge, over)
+    return Windows(to_k, to_u, supercritical, over)
 
 
 def _beyond_cuts(segments: Segments, window: Windows, side: Array, amplitude: Array) -> Windows:
-    """The same windows further on where a segment ends without a turn of this edge's drive, which is cut for the other one's too; a valley
-    still ends at an inner maximum, so that its drive is largest at an end."""
-    k, u, ridge, over = window
+    """The same windows further on where a segment ends without a turn of this edge's drive, which is cut for the other one's too; a
+    subcritical window still ends at an inner maximum, so that its drive is largest at an end."""
+    k, u, supercritical, over = window
     lanes = np.arange(k.size)
     while True:
         ends = lanes[(u[lanes] >= segments.length[k[lanes]]) & segments.joins[k[lanes]]]
         rises, falls = (
             sense * side[ends] * (segments.s_end[at] - segments.s_start[at]) < 0.0 for sense, at in ((1.0, k[ends]), (-1.0, k[ends] + 1))
         )
-        ends = ends[ridge[ends] | ~(rises & falls)]
+        ends = ends[supercritical[ends] | ~(rises & falls)]
         if not ends.size:
-            return Windows(k, u, ridge, over)
+            return Windows(k, u, supercritical, over)
         following = window_end(segments, k[ends] + 1, np.zeros(ends.size), side[ends], amplitude[ends])
-        same = following.ridge == ridge[ends]
+        same = following.supercritical == supercritical[ends]
         lanes = ends[same]
         k, u, over = k.copy(), u.copy(), over.copy()
         over[lanes] += segments.length[k[lanes]] + following.over[same]

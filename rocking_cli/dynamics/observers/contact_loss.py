@@ -3,8 +3,8 @@
 Cells under pushes well above what is proved beforehand are looked at on their way, the others where their largest rotation does not
 prove it either; those of the undamped linear oscillator only so, since a step of theirs is long and costs less than a look at it.
 
-Along a step Fz stays above its chord less its sag (`bends`). Most steps are settled before that by the speed alone, which Fz <= 0 needs
-more of than its bound there.
+Along a step Fz stays above its chord less the chord error (`march.chord_errors`). Most steps are settled by the speed alone: Fz <= 0 needs
+a larger speed than its bound there.
 A stretch that is not settled is halved; one in which Fz <= 0 at an end has lost the ground.
 
 Bounces that are summed press as bodies do that bounce without speed, on either edge. After the shaking Fz is least at the next impact,
@@ -22,7 +22,7 @@ from ..body import Body, Edge
 from ..contacts.contact import Contact
 from ..equations.equation import Flow
 from ..lanes import Cells, Lanes
-from ..march.bends import Ends, Shakes, edge_of, fastest, sags
+from ..march.chord_errors import Ends, Shakes, chord_errors, edge_of, fastest
 from ..march.ground import Ground
 from .observer import Arcs, Quiet
 
@@ -98,8 +98,8 @@ class ContactLoss(Quiet):
             gone = ~((one.fz > 0.0) & (other.fz > 0.0))
             self._lost[lanes.cell[own[gone]]] = True
             with np.errstate(invalid="ignore"):  # of a stretch too long for a bound of its speed nothing is proved
-                sag = sags(self.body, edge_of(edge, own), shaking.take(own), high - low, one, other)[1]
-                proved = np.minimum(one.fz, other.fz) > sag
+                error = chord_errors(self.body, edge_of(edge, own), shaking.take(own), high - low, one, other)[1]
+                proved = np.minimum(one.fz, other.fz) > error
             more = np.flatnonzero(~proved & ~self._lost[lanes.cell[own]])
             if not more.size:
                 return

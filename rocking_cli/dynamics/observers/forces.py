@@ -27,7 +27,7 @@ Array = np.ndarray
 
 WITHIN = 1e-7  # of an extreme: error at which a search ends
 _ROUNDS = 40
-_CLEAR = 0.5  # of what a stretch may exceed its extreme by: where the error is larger, the crest of the cubic is not the place to look
+_CLEAR = 0.5  # of what a stretch may exceed its extreme by: where the error is larger, the peak of the cubic is not the place to look
 _TALL = 1.0  # times the size of the forces and the fourth power of the rate: the estimate of M
 PUSH, PULL, LIFT = 1, -1, 0  # what is searched for: the largest Fx/Fz, the largest -Fx/Fz, the largest -Fz
 
@@ -165,7 +165,7 @@ def _bound(s: Stretches, kind: Array, level: Array) -> Array:
 
 
 def _search(along: Along, found: Stretches, own: Array, kind: Array) -> Array:
-    """The largest values of these kinds on the stretches `own`, (pairs,): stretches are parted, at the crest of the cubic or in the middle,
+    """The largest values of these kinds on the stretches `own`, (pairs,): stretches are parted, at the peak of the cubic or in the middle,
     until none can exceed the largest value found on it by more than `WITHIN`."""
     ends = np.where(kind == LIFT, -np.minimum(found.start.fz, found.end.fz)[own], -np.inf)
     for f in (found.start, found.end):
@@ -199,7 +199,7 @@ def _value(f: Forces, kind: Array) -> Array:
 
 
 def _crest(s: Stretches, kind: Array, level: Array, excess: Array) -> Array:
-    """Where to part stretches: at the crest of the cubic where it has one and the error is small beside the excess, else in the middle."""
+    """Where to part stretches: at the peak of the cubic where it has one and the error is small against the excess, else in the middle."""
     h, exact = s.high - s.low, s._replace(rate=np.zeros(s.rate.shape))
     f = _bound(exact, kind, level)
     error = _bound(s, kind, level)[2] - f[2]

@@ -71,16 +71,16 @@ class _Held(NamedTuple):
 
 
 class GroundForces(Quiet):
-    """The forces of the cells of a run. Parameters: shaken: the segment from which on the ground is still; drops: where the ground falls
-    away from cells; friction, lift: the extremes so far of |Fx|/Fz and -Fz/(m g), those of a body at rest unless given."""
+    """The forces of the cells of a run. Parameters: shaken: the segment from which on the ground is still; free_fall: where the ground
+    falls away from cells; friction, lift: the extremes so far of |Fx|/Fz and -Fz/(m g), those of a body at rest unless given."""
 
     def __init__(
-        self, body: Body, equation: Equation, segments: Segments, shaken: int, contact: Contact, cells: Cells, drops: FreeFall | None,
+        self, body: Body, equation: Equation, segments: Segments, shaken: int, contact: Contact, cells: Cells, free_fall: FreeFall | None,
         friction: Array | None = None, lift: Array | None = None,
     ) -> None:  # fmt: skip
         count = cells.omega.shape[1]
         self.body, self.equation, self.segments, self.shaken, self.contact, self.cells = body, equation, segments, shaken, contact, cells
-        self.ground, self.resting, self.drops = Ground(body, segments), Resting(body, segments, cells), drops
+        self.ground, self.resting, self.free_fall = Ground(body, segments), Resting(body, segments, cells), free_fall
         self.friction = Extremes(np.zeros(count) if friction is None else friction)
         self.lift = Extremes(np.full(count, -1.0) if lift is None else lift)
         self._steps, self._held = list[_Held](), 0
@@ -237,8 +237,8 @@ class GroundForces(Quiet):
         for lanes in self._closed:
             upright = np.isin(outcome, (Outcome.ROCKED, Outcome.LOST_CONTACT))
             self._follow(lanes.take(np.flatnonzero(upright[lanes.cell])))
-        if self.drops is not None:
-            fallen = np.flatnonzero(self.drops.ever & (outcome == Outcome.LOST_CONTACT))
+        if self.free_fall is not None:
+            fallen = np.flatnonzero(self.free_fall.ever & (outcome == Outcome.LOST_CONTACT))
             self.lift.offer(fallen, np.zeros(fallen.size))
             self.friction.offer(fallen, np.full(fallen.size, np.inf))
         return self.friction.largest, self.fz_min
@@ -251,8 +251,8 @@ class GroundForces(Quiet):
                 cell = some.cell
                 cells, some.cell = Cells(*(x[:, cell] for x in self.cells)), np.arange(cell.size)
                 given = self.body, self.equation, self.segments, self.shaken, self.contact, cells
-                drops = None if self.drops is None else self.drops.of_cells(cell)
-                alone = GroundForces(*given, drops, self.friction.largest[cell], self.lift.largest[cell])
+                free_fall = None if self.free_fall is None else self.free_fall.of_cells(cell)
+                alone = GroundForces(*given, free_fall, self.friction.largest[cell], self.lift.largest[cell])
                 alone._go_on(some)
                 self.friction.offer(cell, alone.friction.largest)
                 self.lift.offer(cell, alone.lift.largest)
@@ -293,7 +293,7 @@ class GroundForces(Quiet):
     def _rests_until(self, cell: Array, k: Array, u: Array) -> tuple[Array, Array]:
         """Where bodies at rest at (k, u) lift off, or the ground falls away from them."""
         again = self.contact.uplift(self.cells, self.segments, cell, k, u)
-        return (again.k, again.u) if self.drops is None else self.drops.sooner(cell, again)
+        return (again.k, again.u) if self.free_fall is None else self.free_fall.sooner(cell, again)
 
     def _may_beat(self, lanes: Lanes) -> Array:
         """Whether the forces of lanes that bounce to rest, or are on still ground, may be extremes."""

@@ -3,7 +3,7 @@
 It shares no series, table, window or energy argument with the engine. The state is (theta, w), w = sqrt(M) theta', which takes
 the velocity term out of Eq. 3.4; for a rigid body M = 1. Strides are half a radian of the fastest motion, in five steps or
 more; impacts and crests are sought where signs change (`extrapolation`). A body has lost contact where the ground falls away from it,
-and a rigid one that rocks where its Fz is not positive (`pressing`).
+and a rigid one that rocks where its Fz is not positive (`contact_check`).
 """
 
 from __future__ import annotations
@@ -20,8 +20,8 @@ from ...motions.motion import Motion
 from ...motions.piece import Piece
 from ...structures.mechanics.kinematics import Mechanism, linearise
 from ..outcome import FALLEN, Outcome
+from .contact_check import Arm, arms_of, lets_go
 from .extrapolation import Path, Point, Rate, path, step
-from .pressing import Arm, arms_of, lets_go
 from .uplift import lies_still, next_uplift
 
 if TYPE_CHECKING:

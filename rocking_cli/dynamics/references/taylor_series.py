@@ -18,7 +18,7 @@ import numpy as np
 from ...motions.motion import Motion
 from ...motions.piece import Piece
 from ..outcome import Outcome
-from .pressing import Arm, lets_go
+from .contact_check import Arm, lets_go
 from .uplift import lies_still, next_uplift
 
 Series = list[float]  # coefficients of the powers from 0

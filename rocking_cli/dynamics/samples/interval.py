@@ -20,8 +20,8 @@ class Passage(NamedTuple):
     """Lanes through an interval, (lanes,).
 
     arc: their motion; reach: how far they go [tau], to the interval's end, to where the drive passes 1 (`cut`) or to an impact (`hit`);
-    end: their state there; low: where a valley ends, 0 in others; rises: whether y rises at first, from there on; bare: whether the arc
-    is a ridge and no more, on which there is no crest.
+    end: their state there; low: where a subcritical stretch ends, else 0; rises: whether y rises at first, from there on; bare: whether the
+    arc is supercritical throughout, so that it has no peak.
     """
 
     arc: RampFlow
@@ -45,16 +45,16 @@ def through_interval(lanes: Lanes, drive: Array, sample: Array, gain: Array, ste
     rate = drive * gain / pace
     arc = RampFlow(y, v, b, rate)
     one = (y - b) / rate  # when the drive is 1
-    ridge = (b > y) | ((b == y) & (rate > 0.0))
-    rises = (v > 0.0) | (ridge & (v >= 0.0))
+    supercritical = (b > y) | ((b == y) & (rate > 0.0))
+    rises = (v > 0.0) | (supercritical & (v >= 0.0))
     crosses = (one > 0.0) & (one < left)
-    cut = crosses & ~(ridge & rises)
-    cuts, valleys = np.flatnonzero(cut), np.flatnonzero(crosses & ridge & rises)
+    cut = crosses & ~(supercritical & rises)
+    cuts, low_at = np.flatnonzero(cut), np.flatnonzero(crosses & supercritical & rises)
     reach, low = left.copy(), np.zeros(y.size)
-    reach[cuts], low[valleys] = one[cuts], one[valleys]
+    reach[cuts], low[low_at] = one[cuts], one[low_at]
     end = arc.at(reach)
     hit, high = end.y <= 0.0, reach.copy()
-    dips = np.flatnonzero(ridge & ~hit & (v < 0.0) & (end.v > 0.0))
+    dips = np.flatnonzero(supercritical & ~hit & (v < 0.0) & (end.v > 0.0))
     if dips.size:
         h_min, y_min = turning_point(arc.take(dips), np.zeros(dips.size), reach[dips], 0.5 * reach[dips], -1.0)
         touched = ~(y_min > 0.0)
@@ -64,7 +64,7 @@ def through_interval(lanes: Lanes, drive: Array, sample: Array, gain: Array, ste
     guess = impact_guess(falling, Point(*(x[at] for x in end)), reach[at], lowest, highest)
     reach[at], impact_v = impact_root(falling, lowest, highest, guess)
     end.y[at], end.v[at], end.b[at] = 0.0, impact_v, falling.at_ground(reach[at])
-    return Passage(arc, reach, cut, hit, end, low, rises, ridge & ~(rises & crosses))
+    return Passage(arc, reach, cut, hit, end, low, rises, supercritical & ~(rises & crosses))
 
 
 def raise_peaks(peak: Array, passage: Passage) -> None:

@@ -30,8 +30,8 @@ class WeighedTaylorStepper(TaylorStepper):
 
     def march(self, waiting: Array) -> None:
         """Those that the ground does not fall away from before it lifts them."""
-        if self.run.drops is not None and waiting.size:
-            waiting = self.run.drop_lanes(self.run.start(waiting)).cell
+        if self.run.free_fall is not None and waiting.size:
+            waiting = self.run.end_free_fall(self.run.start(waiting)).cell
         super().march(waiting)
 
     def _degree(self, amplitude: Array, pace: Array) -> Array:

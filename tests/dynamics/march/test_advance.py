@@ -89,7 +89,7 @@ def test_the_drive_of_a_step_falls_until_its_last_segment_begins(side, begins, e
     k, u = np.array([begins[0]]), one(begins[1])
     lanes = Lanes(k, one(2), one(3), one(1), k, u, one(side), one(0.4), one(0.1), one(0), one(0), k, k)
     h = (starts[ends[0]] + ends[1] - starts[begins[0]] - begins[1]) / 3.0
-    step = advance.Step(np.array([ends[0]]), one(ends[1]), one(h), np.array([advance.VALLEY]), one(0))
+    step = advance.Step(np.array([ends[0]]), one(ends[1]), one(h), np.array([advance.SUBCRITICAL]), one(0))
     passage = advance.Passage(step, None, None, one(h), np.array([False]), one(0), one(0))
     found = advance._bottom(segments, lanes, passage, np.array([0]))
     assert found[0] == pytest.approx((falls_until - starts[begins[0]] - begins[1]) / 3.0, abs=1e-14)
@@ -111,7 +111,7 @@ def test_every_crest_of_a_step_is_found(damping):
     b = equation.force(y, -side * amplitude * (segments.s_start[k] + drive_change(segments, k, u)))
     lanes = Lanes(np.arange(count), amplitude, omega, np.ones(count), k, u, side, y, v, b, np.zeros(count), 0 * k, 0 * k)
     passage = advance.advance(segments, lanes, equation)
-    found = advance.crests(segments, lanes, passage, np.ones(count, dtype=bool))
+    found = advance.turning_points(segments, lanes, passage, np.ones(count, dtype=bool))
     raster = np.linspace(0.0, 1.0, 1001)[:, None] * passage.reach
     speed = np.array([passage.arc.at(h).v for h in raster])
     falls = (speed[:-1] > 0.0) & (speed[1:] <= 0.0)

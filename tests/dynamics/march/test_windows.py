@@ -34,7 +34,7 @@ def test_windows_tile_the_motion_and_state_the_sign_of_the_drive(motion):
         if not on.size:
             break
         window = window_end(segments, k[on], u[on], side[on], amplitude[on])
-        ridges += int(window.ridge.sum())
+        ridges += int(window.supercritical.sum())
         for i, lane in enumerate(on):
             assert window.k[i] in (k[lane], k[lane] + 1)
             spans = [(k[lane], u[lane], window.u[i] if window.k[i] == k[lane] else segments.length[k[lane]])]
@@ -45,10 +45,10 @@ def test_windows_tile_the_motion_and_state_the_sign_of_the_drive(motion):
                 covered[lane] += high - low
                 inside = np.linspace(low, high, 60)
                 a, rounding = drive_at(segments, np.full(60, at), inside, side[lane], amplitude[lane])
-                beyond = a - 1.0 if window.ridge[i] else 1.0 - a
+                beyond = a - 1.0 if window.supercritical[i] else 1.0 - a
                 assert np.all(beyond >= -1e-13 * amplitude[lane] - rounding)
                 values.append(a)
-            if not window.ridge[i]:  # a valley ends at an inner maximum: the drive falls and rises, never the other way round
+            if not window.supercritical[i]:  # a subcritical ends at an inner maximum: the drive falls and rises, never the other way round
                 steps = np.sign(np.diff(np.concatenate(values)).round(12))
                 steps = steps[steps != 0.0]
                 assert np.all(np.diff(steps) >= 0.0)
@@ -72,7 +72,7 @@ def test_a_crossing_is_where_the_motion_has_the_level(motion):
 
 @pytest.mark.parametrize("short", [1e-4, 1e-8, 1e-12])
 def test_a_crossing_next_to_an_extremum_keeps_its_distance_to_it(short):
-    """sin u = 1 - d at u = pi/2 - sqrt(2 d) (1 + d/12): the distance to the crest is off by no more than one rounding of the level."""
+    """sin u = 1 - d at u = pi/2 - sqrt(2 d) (1 + d/12): the distance to the peak is off by no more than one rounding of the level."""
     level = np.array([1.0 - short])
     d = 1.0 - level[0]
     u = crossing(sine(0.5).segments, np.zeros(1, dtype=np.int64), level)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from rocking_cli.dynamics.body import Body
-from rocking_cli.dynamics.march import bends
+from rocking_cli.dynamics.march import chord_errors
 
 
 def forces_of(body, edge, push, weight, u, rate):
@@ -20,7 +20,7 @@ def forces_of(body, edge, push, weight, u, rate):
 
 @pytest.mark.parametrize("linear", [False, True])
 def test_forces_leave_their_chords_by_no_more_than_their_sag(linear):
-    """Of free motions by Taylor's series of u to the fifth order, whose errors on short stretches are far below their sags."""
+    """Of free motions by Taylor's series of u to the fifth order, whose errors on short stretches are far below their chord errors."""
     random, n = np.random.default_rng(2), 2000
     body = Body((0.4,), (0.8,), linear, 0.05)
     (edge,), h = body.edges, np.exp(random.uniform(np.log(0.01), np.log(0.3), n))
@@ -43,12 +43,12 @@ def test_forces_leave_their_chords_by_no_more_than_their_sag(linear):
     (first, begin), (last, end) = seen[0], seen[-1]
     most = np.maximum(np.abs(push), np.abs(push + push1 * h)), np.abs(push1), np.zeros(1)
     heaviest = np.maximum(weight, weight + weight1 * h) - 1.0, np.abs(weight1), np.zeros(1)
-    ends = [bends.Ends(*state, forces[2], forces[1]) for forces, state in ((first, begin), (last, end))]
-    sags = bends.sags(body, edge, bends.Shakes(*most, *heaviest), h, *ends)
-    for row, sag in enumerate(sags):
+    ends = [chord_errors.Ends(*state, forces[2], forces[1]) for forces, state in ((first, begin), (last, end))]
+    bounds = chord_errors.chord_errors(body, edge, chord_errors.Shakes(*most, *heaviest), h, *ends)
+    for row, error in enumerate(bounds):
         values = np.array([forces[row] for forces, _ in seen])
         share = np.arange(steps + 1)[:, None] / steps
         off = np.abs(values - (1.0 - share) * values[0] - share * values[-1]).max(axis=0)
         kept = u > 0.0
-        assert np.all(off[kept] <= sag[kept] * (1.0 + 1e-6) + 1e-9)
-        assert np.median(off / sag) > 0.02  # and the bound is no idle one
+        assert np.all(off[kept] <= error[kept] * (1.0 + 1e-6) + 1e-9)
+        assert np.median(off / error) > 0.02  # and the bound is no idle one

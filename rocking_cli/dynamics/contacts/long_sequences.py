@@ -1,4 +1,4 @@
-"""Trains of bounces that are longer than the march follows, known beforehand (Lemma 7, read the other way round)."""
+"""Sequences of impacts that are longer than the march follows, known beforehand (Lemma 7, read the other way round)."""
 
 from __future__ import annotations
 

@@ -77,7 +77,7 @@ def fastest(body: Body, edge: Edge, s: Shakes, h: Array, u0: Array, v0: Array, u
     return np.where(room > _ROOM, (np.maximum(np.abs(v0), np.abs(v1)) + eighth * flat) / np.maximum(room, _ROOM), np.inf)
 
 
-def sags(body: Body, edge: Edge, s: Shakes, h: Array, one: Ends, other: Ends) -> tuple[Array, Array]:
+def chord_errors(body: Body, edge: Edge, s: Shakes, h: Array, one: Ends, other: Ends) -> tuple[Array, Array]:
     """h^2/8 times bounds of |Fx''| and |Fz''| over m g."""
     zeta2, heavy, v = 2.0 * body.damping, 1.0 + s.sway, fastest(body, edge, s, h, one.u, one.v, other.u, other.v)
     middle = edge.alpha - 0.5 * (one.u + other.u)

@@ -14,8 +14,8 @@ from support.stocky_bodies import ACROSS, KINDS, UP, drawn
 from rocking_cli import Method, Outcome, RockingParameters, cosine, load_structures, parse_grid, pulse, response, sine, spectrum
 from rocking_cli.dynamics.observers.contact_loss import ContactLoss
 from rocking_cli.dynamics.references import general_solver
+from rocking_cli.dynamics.references.contact_check import lets_go
 from rocking_cli.dynamics.references.general_solver import solve_cell
-from rocking_cli.dynamics.references.pressing import lets_go
 from rocking_cli.dynamics.references.scripted import Script
 from rocking_cli.motions.biaxial import with_vertical
 from rocking_cli.motions.polyline import Polyline
