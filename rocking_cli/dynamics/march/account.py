@@ -7,7 +7,7 @@ from dataclasses import dataclass, fields
 
 @dataclass(frozen=True)
 class Work:
-    """What was computed and what was left out."""
+    """Numbers of cells, impacts and steps that were computed, and of those that a proof left out."""
 
     cells: int = 0
     no_uplift: int = 0

@@ -1,4 +1,4 @@
-"""The cells of a run, what each has come to, and how its lane ends: fallen, on still ground, or where nothing that comes can matter."""
+"""The cells of a run, their outcomes, and the ends of lanes: overturned, on still ground, or settled by a proof."""
 
 from __future__ import annotations
 
@@ -47,13 +47,13 @@ class Batch:
             self.outcome[self.free_fall.ever], self.theta_ratio[self.free_fall.ever] = Outcome.LOST_CONTACT, np.nan
 
     def cannot_return(self, lanes: Lanes, at: Array | slice, k: Array, y: Array, v: Array) -> Array:
-        """Whether the lanes `at`, were they at y, v in segments k, are beyond what any drive to come can bring back."""
+        """True where no drive to come can bring the lanes `at` back from y, v in segments k (Lemma 6)."""
         side = lanes.side[at]
         inward = self.segments.hardest(side, lanes.amplitude[at], k)
         return self.equation.on(side, lanes.cell[at]).certainly_overturns(y, v, inward, self.segments.weighed is None)
 
     def end_free_fall(self, lanes: Landing) -> Landing:
-        """Bodies from which the ground has fallen away are done: beyond `FALLEN` they have overturned before, others have lost contact."""
+        """Finish bodies from which the ground has fallen away: beyond `FALLEN` they have overturned before, others have lost contact."""
         if self.free_fall is None:
             return lanes
         falls = self.free_fall.now(lanes)
@@ -63,12 +63,12 @@ class Batch:
         return lanes.take(np.flatnonzero(~falls))
 
     def end_shaking(self, lanes: Lanes, last: Array) -> None:
-        """Undamped lanes that are at the end of the shaking: their fate."""
+        """Finish undamped lanes at the end of the shaking, by the outcome of their free motion."""
         y, v = lanes.y[last], lanes.v[last]
         self._meet(self.contact.fate(self.equation, lanes, last, y, v), lanes, last, y, v)
 
     def _meet(self, fate: Fate, lanes: Lanes, last: Array, y: Array, v: Array) -> None:
-        """The fate of the lanes `last`, which are at y, v when the shaking is over."""
+        """Finish the lanes `last`, which are at y, v when the shaking is over, by the outcome of their free motion."""
         self.overturn(lanes, last[fate.overturns])
         self.finish(lanes, last[fate.overturns_after_impact], Outcome.OVERTURNED_AFTER_IMPACT, np.nan)
         upright = ~(fate.overturns | fate.overturns_after_impact)
@@ -79,8 +79,8 @@ class Batch:
         self.work += Work(free_phase=last.size)
 
     def _settle(self, lanes: Landing) -> Landing:
-        """Damped lanes on still ground of which nothing larger can come are done: without damping they would have more energy, and
-        even so neither pass the barrier nor rise above their peak."""
+        """Finish damped lanes on still ground that cannot rise above their peak: without damping they would have more energy, and even
+        so they neither pass the barrier nor rise above their peak."""
         at = np.flatnonzero(lanes.k >= self.shaken)
         if not at.size:
             return lanes
@@ -109,7 +109,7 @@ class Batch:
         self.finish(lanes, at[~bounced], Outcome.OVERTURNED_NO_IMPACT, np.nan)
 
     def _lose(self, cell: Array) -> None:
-        """Cells that were thought to rock, and have left the ground."""
+        """Mark cells that rock as having lost contact."""
         self.outcome[cell], self.theta_ratio[cell] = Outcome.LOST_CONTACT, np.nan
 
     def finish(self, lanes: Lanes, at: Array, outcome: Outcome, peak: Array | float) -> None:

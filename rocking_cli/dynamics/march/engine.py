@@ -172,7 +172,7 @@ class Run(Batch):
         return self.contact.uplift(self.cells, self.segments, cell, np.zeros(cell.size, dtype=np.int64), np.zeros(cell.size))
 
     def round(self, lanes: Landing) -> Landing:
-        """One step for every lane; those that go on."""
+        """Take one step of every lane; returns the lanes that go on."""
         seg = self.segments
         lanes.steps += 1
         equation = self.equation.on(lanes.side, lanes.cell)
@@ -229,7 +229,7 @@ class Run(Batch):
         return turning_points(self.segments, lanes, passage, wanted & ~low_bounces(lanes, passage, gain))
 
     def _onward(self, lanes: Landing, passage: Passage, k: Array, u: Array, at: Array) -> Landing:
-        """Lanes that reached the end of their step in the air."""
+        """The lanes `at`, which reached the end of their step in the air, in their new state."""
         lanes = lanes.take(at)
         lanes.k, lanes.u = k[at], u[at]
         lanes.y, lanes.v, lanes.b = passage.end.y[at], passage.end.v[at], passage.force[at]
