@@ -147,18 +147,17 @@ def _slope_of_lift(mechanism: Mechanism, alpha: float) -> float:
 def equilibrium(mechanism: Mechanism) -> float:
     """alpha, the first rotation with V' = 0 [rad]. Raises StructureError if there is none within reach."""
     import numpy as np
-    from scipy.optimize import brentq
 
-    def lift(phi: float) -> float:
-        return float(mechanism.coefficients(phi).lift)
-
-    scan = np.linspace(0.0, mechanism.reach, 513)
-    lifts = np.asarray(mechanism.coefficients(scan).lift)
-    below = np.flatnonzero(lifts <= 0.0)
-    if not below.size:
-        raise StructureError("never reaches an unstable equilibrium within the reach of its links")
-    first = int(below[0])
-    return float(brentq(lift, scan[first - 1], scan[first], xtol=1e-16, rtol=8.9e-16, maxiter=500))
+    low, high = 0.0, mechanism.reach
+    while True:  # sections: each round of one call narrows the bracket 512 times
+        scan = np.linspace(low, high, 513)
+        below = np.flatnonzero(np.asarray(mechanism.coefficients(scan).lift) <= 0.0)
+        if not below.size:
+            raise StructureError("never reaches an unstable equilibrium within the reach of its links")
+        first = int(below[0])
+        if high - low <= 1e-15 * high:
+            return float(scan[first])
+        low, high = float(scan[first - 1]), float(scan[first])
 
 
 @dataclass(frozen=True)
