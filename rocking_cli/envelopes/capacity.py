@@ -12,6 +12,7 @@ from itertools import pairwise
 
 import numpy as np
 
+from ..dynamics.impulse import FEW
 from ..dynamics.method import Method
 from ..dynamics.outcome import Outcome, safe
 from ..dynamics.response import response
@@ -29,6 +30,7 @@ Array = np.ndarray
 LONGEST_FINE = 200  # segments of a motion up to which the scan is as fine as an envelope's
 RATIO = 5e-3  # of neighbouring amplitudes, less 1, of an envelope beyond that: a cell costs a thousand times one of a pulse
 _COARSE, _FINE = 1e-3, 6e-5  # the same of a search for the lowest fall alone: everywhere, and in the tenth below a fall that is found
+_FINEST, _NEAREST = 5e-6, 0.997  # under a pulse, where falls are that narrow: steps, and how far below each fall they are looked for
 _NEAR, _BESIDE = 0.9, 1.05  # of the lowest fall: from where the search is fine, and to where it tells how many amplitudes fall
 _STRETCH = 100  # amplitudes that are looked at together at first
 _FIRST_WINDOW = 1.5  # in A, looked at together: that many cells cost about as much as one batch
@@ -40,7 +42,8 @@ class Capacity:
     """first: the lowest amplitude A that overturns, None where none does; safe_to: where the stretch around the demand that stands
     ends, None where the body falls under it or nothing above overturns. uplift: the A that lifts the body, None where none does.
 
-    dust: under a record, the share of amplitudes within 5 % of the first that fall, where these are no single interval, else 0.
+    dust: under a record or a pulse of several cycles, the share of amplitudes within 5 % of the first that fall, where these are no
+    single interval, else 0.
     """
 
     first: float | None
@@ -62,8 +65,8 @@ def capacity(structure: RockingParameters, motion: Motion, amplitude: float, ome
         raise UsageError(f"{structure.name}: a search up to A = {top:.6g}, accepted is up to {HIGHEST:g}")
     if not lowest < top:
         return Capacity(None, None, lowest if np.isfinite(lowest) else None)
+    stretches = Stretches(system, motion, structure.eta, np.array([omega]), method.stated_tolerance or 4e-16)
     if _long(motion):
-        stretches = Stretches(system, motion, structure.eta, np.array([omega]), method.stated_tolerance or 4e-16)
         below = stretches.first_fall(lowest, min(amplitude, top)) if lowest < amplitude else None
         stands = amplitude <= lowest or bool(safe(stretches.alone(amplitude)))
         above = stretches.first_fall(max(lowest, amplitude), top) if stands else amplitude
@@ -79,7 +82,11 @@ def capacity(structure: RockingParameters, motion: Motion, amplitude: float, ome
         if above or (end <= amplitude and not Outcome(last).safe):
             break
     found = search.first_falls_in(omega, Brackets.joined(falls)) if falls else []
-    return Capacity(min(found, default=None), found[-1] if above else None, lowest)
+    first, dust = min(found, default=None), 0.0
+    if first is not None and motion.segments.pushes > FEW:
+        first, dust = stretches.lowest_narrow_fall(lowest, first)
+    safe_to = found[-1] if above else None
+    return Capacity(first, safe_to if first is None or safe_to is None or first < amplitude else first, lowest, dust)
 
 
 def narrowest(motion: Motion) -> str:
@@ -107,11 +114,19 @@ class Stretches:
 
     def falls(self, low: float, high: float, ratio: float) -> tuple[Array, Array]:
         """Amplitudes from one to another, both included, and whether each falls."""
-        amplitude = np.geomspace(low, high, 2 + int(np.log(high / low) / np.log1p(ratio)))
-        found = response(self.system, self.motion, amplitude, self.omega, self.eta, peaks=False)
         if ratio == _COARSE:
-            self.seen.append((amplitude, ~safe(found.outcome)))
-        return amplitude, ~safe(found.outcome)
+            amplitude = np.geomspace(low, high, 2 + int(np.log(high / low) / np.log1p(ratio)))
+        else:  # the same ones whatever the ends are
+            powers = np.arange(np.ceil(np.log(low) / np.log1p(ratio)), np.log(high) / np.log1p(ratio))
+            amplitude = np.unique(np.concatenate([[low, high], np.clip((1.0 + ratio) ** powers, low, high)]))
+        falls = ~safe(self._outcomes(amplitude))
+        if ratio == _COARSE:
+            self.seen.append((amplitude, falls))
+        return amplitude, falls
+
+    def _outcomes(self, amplitude: Array) -> Array:
+        """The outcomes at many amplitudes."""
+        return response(self.system, self.motion, amplitude, self.omega, self.eta, peaks=False).outcome
 
     def alone(self, amplitude: float) -> Array:
         """The outcome at one amplitude."""
@@ -131,9 +146,14 @@ class Stretches:
         at = int(falls.argmax())
         if not at:
             return float(amplitude[0])
-        below, found, known = float(amplitude[at - 1]), float(amplitude[at]), float(amplitude[at])
-        while known > (fine := max(begin, _NEAR * found)) * (1.0 + _FINE):
-            amplitude, falls = self.falls(fine, known, _FINE)
+        return self.lowest_fall(begin, float(amplitude[at - 1]), float(amplitude[at]), _FINE, _NEAR)
+
+    def lowest_fall(self, begin: float, below: float, found: float, ratio: float, near: float) -> float:
+        """The lowest amplitude from `begin` on that falls, on amplitudes at a ratio down to `near` times `found`, and anew below each
+        fall; a body falls at `found`, and stands at `below`, or does just below `found` where they are equal."""
+        known = found
+        while known > (fine := max(begin, near * found)) * (1.0 + ratio):
+            amplitude, falls = self.falls(fine, known, ratio)
             known = fine
             if falls[0]:
                 return float(amplitude[0])
@@ -141,6 +161,14 @@ class Stretches:
                 at = int(falls.argmax())
                 below, found = float(amplitude[at - 1]), float(amplitude[at])
         return self.narrowed(below, found)
+
+    def lowest_narrow_fall(self, begin: float, found: float) -> tuple[float, float]:
+        """(the lowest fall from `begin` on below one that was found, `dust` of it), to intervals 5e-6 of the amplitude wide where
+        there is dust."""
+        first = self.lowest_fall(begin, found, found, _FINE, _NEAR)
+        self.falls(first, _BESIDE * first, _COARSE)
+        dust = self.dust(first)
+        return (self.lowest_fall(begin, first, first, _FINEST, _NEAREST) if dust else first), dust
 
     def narrowed(self, low: float, high: float) -> float:
         """The amplitude, within `digits`, from which a body falls that stands at one and falls at the other."""

@@ -123,3 +123,20 @@ def test_the_lowest_fall_under_a_record_is_cut_to_its_last_digits():
     assert safe(found.alone(first * (1.0 - 3e-9)))
     below = np.linspace(0.9 * first, first * (1.0 - 1e-8), 100)
     assert safe(response(system, motion, below, 0.4, 0.9, peaks=False).outcome).all()
+
+
+def test_the_lowest_of_narrow_falls_does_not_depend_on_the_one_that_was_found():
+    """A third of all amplitudes from 1.292 on fall, in intervals 1e-5 wide."""
+
+    class Dust(Stretches):
+        def alone(self, amplitude):
+            falls = (amplitude >= 1.292) & (np.floor((np.asarray(amplitude) - 1.292) / 1e-5) % 3 == 0)
+            return np.where(falls, Outcome.OVERTURNED_AFTER_IMPACT, Outcome.ROCKED)
+
+        def _outcomes(self, amplitude):
+            return self.alone(amplitude)
+
+    search = Dust(None, None, 0.9, np.ones(1), 1e-9)
+    for found in (1.292454, 1.294843, 1.38):
+        assert search.lowest_narrow_fall(1.1, found) == (pytest.approx(1.292, rel=1e-9, abs=0), pytest.approx(1.0 / 6.0, rel=0.4))
+    assert search.lowest_narrow_fall(1.1, 1.2) == (1.2, 0.0)
