@@ -158,3 +158,11 @@ def test_a_body_that_falls_is_followed_to_3_alpha(more, model, motion):
         assert (last.event, abs(last.theta_ratio)) == ("overturning", pytest.approx(3.0, rel=1e-9))
         assert found.arcs.stop[-1] == found.end == last.tau
         assert np.array_equal(np.sort([e.tau for e in found.events]), [e.tau for e in found.events])
+
+
+def test_a_hardly_damped_body_that_is_still_rocking_at_the_end_has_an_outcome():
+    block = build_structure(parse_documents("kind: block\nwidth: 0.5\nheight: 2\nrestitution: 1\ndamping: 0.001")[0])
+    system, scene = Method("nonlinear").system_of(block), (1.4, 3.5, block.eta)
+    found, plain = history(system, sine(), *scene, duration=40.0), response(system, sine(), *scene)
+    assert found.outcome == plain.outcome == Outcome.ROCKED
+    assert found.theta_ratio == pytest.approx(float(plain.theta_ratio), rel=1e-8)
