@@ -126,13 +126,14 @@ class Run(Batch):
         return found
 
     def all(self) -> None:
-        """Run every cell to its end."""
+        """Run every cell to its end, once."""
         lifts = self.contact.strongest(self.cells, self.segments) > 1.0
         waiting = np.flatnonzero(lifts)
         if self.forces is not None:
             self._rest_at_first(self.forces, lifts)
         self.work += Work(no_uplift=self.outcome.size - waiting.size)
         self.stepper.march(waiting)
+        del self.stepper  # it refers to the run: the memory of both would wait for the collector of cycles
 
     def start(self, cell: Array) -> Lanes:
         """Bodies at rest, taken to their first uplift; k is the number of segments where there is none."""

@@ -139,9 +139,10 @@ def test_a_record_taken_stretch_by_stretch_is_the_same(contact, monkeypatch):
     moved, move = [], BoundedResponse.move
     monkeypatch.setattr(BoundedResponse, "move", lambda response, first: [moved.append(first), move(response, first)][1])
     run = Run(system, motion.segments, amplitude, omega, eta, True, 7, stepper=partial(ExactStepper, samples=motion.samples))
+    stepper = run.stepper
     run.all()
     assert len(moved) > 3
-    assert min(np.diff(moved)) < 0 < run.stepper.bounded.first
+    assert min(np.diff(moved)) < 0 < stepper.bounded.first
     np.testing.assert_array_equal(run.theta_ratio, whole.theta_ratio)
     np.testing.assert_array_equal(run.outcome, whole.outcome)
     np.testing.assert_array_equal(run.impacts, whole.impacts)
