@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from typing import Any, Self
 
 import numpy as np
@@ -17,17 +17,17 @@ class Arrays:
 
     def take(self, at: Array | slice) -> Self:
         """The record of these lanes, copied if they are given by index."""
-        return type(self)(*(_taken(getattr(self, f.name), at) for f in fields(self)))
+        return type(self)(*[_taken(getattr(self, name), at) for name in self.__dataclass_fields__])
 
     def put(self, places: Array, others: Self) -> None:
         """Write the lanes of another record into these places."""
-        for f in fields(self):
-            getattr(self, f.name)[places] = getattr(others, f.name)
+        for name in self.__dataclass_fields__:
+            getattr(self, name)[places] = getattr(others, name)
 
     @classmethod
     def joined(cls, parts: Sequence[Self]) -> Self:
         """The lanes of all parts, one after the other; fields that only a subclass has are left out."""
-        return cls(*(_joined([getattr(part, f.name) for part in parts]) for f in fields(cls)))
+        return cls(*[_joined([getattr(part, name) for part in parts]) for name in cls.__dataclass_fields__])
 
     def join(self, other: Self) -> Self:
         """These lanes followed by those of another record."""
@@ -35,11 +35,9 @@ class Arrays:
 
 
 def _taken(x: Any, at: Any) -> Any:
-    if isinstance(x, Arrays):
-        return x.take(at)
-    if not isinstance(x, np.ndarray):
-        return x
-    return x[at] if x.ndim == 1 else x.take(at, axis=-1)  # [..., at] would lie lane by lane
+    if isinstance(x, np.ndarray):
+        return x[at] if x.ndim == 1 else x.take(at, axis=-1)  # [..., at] would lie lane by lane
+    return x.take(at) if isinstance(x, Arrays) else x
 
 
 def _joined(parts: list[Any]) -> Any:
