@@ -212,7 +212,7 @@ class _Writer:
         return outcome
 
     def _arcs(self) -> Arcs:
-        """What was kept, the series in as many terms as the longest has."""
+        """The arcs that were kept; each series has as many terms as the longest."""
         start, reach, side, pace, unit = np.array(self.numbers).reshape(-1, 5).T
         lengths, most = np.array(self.lengths, dtype=np.int64), max(self.lengths, default=5)
         terms = np.zeros((start.size, most))

@@ -124,7 +124,7 @@ class GroundForces(Quiet):
         note_extremes(self.friction, self.lift, lanes.cell[own], along, Stretches(low, high, start, end, rate[own]))
 
     def _forces(self, lanes: Lanes, h: Array, y: Array, v: Array) -> Forces:
-        """Of lanes that are at y, v after h."""
+        """The value for lanes that are at y, v after h."""
         edge = self.body.on(lanes.side)
         return forces_on(self.body, edge, self.ground.shaking(lanes, h), edge.unit * y, edge.unit * v)
 

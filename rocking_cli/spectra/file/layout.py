@@ -82,7 +82,7 @@ CHUNK_TABLES: dict[str, tuple[np.dtype, dict[str, Any]]] = {
     ),
     "chunk_checksum": (np.dtype("<u4"), {"units": "1", "long_name": "CRC-32 of this chunk's stored bytes"}),
 }  # fmt: skip
-"""Of each chunk, in the group of bookkeeping: type and attributes."""
+"""The variables of each chunk in the group of bookkeeping: type and attributes."""
 
 BOOKKEEPING = "bookkeeping"
 
