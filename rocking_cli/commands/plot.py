@@ -2,39 +2,39 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
 import click
 
 from . import options, streams
+from .groups import option, takes
 from .parameter_types import OutputPath
+
+
+@dataclass(frozen=True)
+class Plot:
+    """The options of `rocking plot` alone."""
+
+    structure: str | None = option("--structure", metavar="NAME", help="Which structure (or record) is mapped (default: the first).")
+    every: bool = option("--all", is_flag=True, help="A panel for every structure (or record) of a spectra file.")
+    cut: str | None = option(
+        "--slice", metavar="AXIS=VALUE", help="Rocking spectra along the other axis instead, such as f_g=1.5 or a_g=0.3g."
+    )
+    over: str | None = option("--over", metavar="KEY[/KEY]", help="The axis of a family (default: the first key varied).")
+    log: str | None = option("--log", type=click.Choice(["x", "y", "xy"]), help="Logarithmic axes.")
+    text: bool = option("--text", is_flag=True, help="A quick look in the terminal, without matplotlib.")
 
 
 @click.command(epilog="Example: rocking plot slice.h5 --text")
 @click.argument("file", type=click.Path(path_type=Path))
 @click.option("-o", "--output", type=OutputPath(), help="The figure: .png, .svg or .pdf.")
-@click.option("--structure", metavar="NAME", help="Which structure (or record) of a spectra file is mapped (default: the first).")
-@click.option("--all", "every", is_flag=True, help="A panel for every structure (or record) of a spectra file.")
-@click.option("--slice", "cut", metavar="AXIS=VALUE", help="Rocking spectra along the other axis instead, such as f_g=1.5 or a_g=0.3g.")
-@click.option("--over", metavar="KEY[/KEY]", help="The axis of a family, such as base_radius/height (default: the first key varied).")
-@click.option("--log", type=click.Choice(["x", "y", "xy"]), help="Logarithmic axes.")
-@click.option("--text", is_flag=True, help="A quick look in the terminal, without matplotlib.")
+@takes(wanted=Plot)
 @options.units
 @options.overwrite
 @options.quiet
-def plot(
-    file: Path,
-    output: Path | None,
-    structure: str | None,
-    every: bool,
-    cut: str | None,
-    over: str | None,
-    log: str | None,
-    text: bool,
-    overwrite: bool,
-    quiet: bool,
-) -> None:
+def plot(file: Path, output: Path | None, wanted: Plot, overwrite: bool, quiet: bool) -> None:
     """Draw a spectra file (overturning map or slice), or the CSV of check, envelope, response, compare --curves, params --vary,
     fragility --curve or accuracy.
 
@@ -47,23 +47,23 @@ def plot(
     from ..reports.plot import draw, is_spectra_file
     from ..spectra.file.reader import SpectraFile
 
-    if text and output is not None:
+    if wanted.text and output is not None:
         raise click.UsageError("--text does not go with -o")
-    if text and not is_spectra_file(file):
+    if wanted.text and not is_spectra_file(file):
         raise click.UsageError(f"{file}: --text draws spectra files (.h5), and -o FIGURE.png CSV as well")
-    given = {"--structure": structure is not None, "--all": every, "--slice": cut is not None}
+    given = {"--structure": wanted.structure is not None, "--all": wanted.every, "--slice": wanted.cut is not None}
     for flag, there in given.items():
         if there and not is_spectra_file(file):
             raise click.UsageError(f"{flag} goes with a spectra file (.h5)")
     if sum(given.values()) > 1:
         raise click.UsageError(f"{' and '.join(flag for flag, there in given.items() if there)} do not go together")
-    if over is not None and is_spectra_file(file):
+    if wanted.over is not None and is_spectra_file(file):
         raise click.UsageError("--over goes with the CSV of params --vary")
-    if text:
+    if wanted.text:
         from ..reports.figures.characters import text_map
 
         with SpectraFile(file) as spectrum:
-            for line in text_map(spectrum, structure, cut):
+            for line in text_map(spectrum, wanted.structure, wanted.cut):
                 streams.put(line)
         return
     if output is None:
@@ -72,11 +72,11 @@ def plot(
     told = draw(
         file,
         output,
-        structure=structure,
-        cut=cut,
-        every=every,
-        over=over,
-        log=log or "",
+        structure=wanted.structure,
+        cut=wanted.cut,
+        every=wanted.every,
+        over=wanted.over,
+        log=wanted.log or "",
         units=options.units_of(),
         overwrite=overwrite,
         tell=partial(options.note, quiet=quiet),
