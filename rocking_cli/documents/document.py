@@ -83,7 +83,7 @@ class Document:
         place = self.place
         if key is not None and key in self.keys:
             place = self.values[key].place if key in self.values else self.keys[key]
-        return DocumentError(f"{place}: {key + ': ' if key else ''}found {found}; accepted is {wanted}")
+        return DocumentError(f"{place}: {key + ': ' if key else ''}found {found}; expected {wanted}")
 
     def missing(self, key: str, wanted: str) -> DocumentError:
         """The error for a required key that is absent or misspelt."""
@@ -91,7 +91,7 @@ class Document:
 
         for other in get_close_matches(key, [k for k in self.keys if k not in self.asked], n=1, cutoff=0.75):
             return DocumentError(f"{self.keys[other]}: unknown key {other!r} (did you mean {key!r}?)")
-        return DocumentError(f"{self.place}: no key {key!r}; accepted is {key}: {wanted}")
+        return DocumentError(f"{self.place}: no key {key!r}; expected {key}: {wanted}")
 
     def quantity(
         self,
@@ -180,7 +180,7 @@ class Document:
     def part(self, key: str, value: Value) -> Document:
         """A mapping inside the value of `key`, as a document. Raises DocumentError if `value` is not a mapping."""
         if not isinstance(value.content, dict):
-            raise DocumentError(f"{value.place}: {key}: found {value}; accepted is a mapping of keys to values")
+            raise DocumentError(f"{value.place}: {key}: found {value}; expected a mapping of keys to values")
         return Document(self.source, value.place, value.content, {k: v.place for k, v in value.content.items()})
 
     def parts(self, key: str, wanted: str) -> list[Document]:
@@ -202,7 +202,7 @@ class Document:
             if key not in self.asked:
                 known = sorted(self.asked)
                 raise DocumentError(
-                    f"{place}: unknown key {key!r}{did_you_mean(key, known, MEANT)}; accepted for this kind are {', '.join(known)}"
+                    f"{place}: unknown key {key!r}{did_you_mean(key, known, MEANT)}; known keys of this kind: {', '.join(known)}"
                 )
 
     def with_value(self, key: str, text: str, source: str) -> Document:
@@ -243,7 +243,7 @@ def parse_documents(text: str, source: str = "<text>") -> list[Document]:
         demand_no_table(text, source)
         documents = [_document(node, source, i, first) for i, (node, first) in enumerate(compose(text, source))]
     if not documents:
-        raise DocumentError(f"{Place(source, 1, 1)}: empty; accepted is a structure document, such as `kind: block` with width and height")
+        raise DocumentError(f"{Place(source, 1, 1)}: empty; expected a structure document, such as `kind: block` with width and height")
     return documents
 
 
@@ -261,12 +261,12 @@ def document_of(cells: Sequence[Cell], source: str, index: int = 0) -> Document:
             keys.setdefault(name, place)
             items = whole.content
             if not isinstance(items, list) or not 1 <= int(number) <= len(items) + 1:
-                raise DocumentError(f"{place}: {key}: found item {number}; accepted are items in order, from {name}_1")
+                raise DocumentError(f"{place}: {key}: found item {number}; expected items in order, from {name}_1")
             if int(number) > len(items):
                 items.append(Value({}, place))
             content = items[int(number) - 1].content
             if not isinstance(content, dict):
-                raise DocumentError(f"{place}: {key}: found together with {name}, which states the same item; accepted is one of them")
+                raise DocumentError(f"{place}: {key}: found together with {name}, which states the same item; expected one of them")
             content[part] = value
         else:
             values[key], keys[key] = value, place
@@ -278,14 +278,14 @@ def _only_node(text: str, place: Place) -> yaml.Node:
     try:
         ((node, _),) = compose(text, place.source)
     except (DocumentError, ValueError):
-        raise DocumentError(f"{place}: found {text[:60]}; accepted is a YAML list, such as [[0, 0], [1, 0], [1, 3]]") from None
+        raise DocumentError(f"{place}: found {text[:60]}; expected a YAML list, such as [[0, 0], [1, 0], [1, 3]]") from None
     return node
 
 
 def _document(node: yaml.Node, source: str, index: int, first: int) -> Document:
     value = _value(node, source, first, 0, [0])
     if not isinstance(value.content, dict):
-        raise DocumentError(f"{value.place}: found {value}; accepted is a mapping of keys to values, such as `kind: block`")
+        raise DocumentError(f"{value.place}: found {value}; expected a mapping of keys to values, such as `kind: block`")
     keys = {str(key.value): _place(key, source, first) for key, _ in node.value}
     mark = node.start_mark
     text = mark.buffer[mark.pointer : node.end_mark.pointer] if mark.buffer else ""

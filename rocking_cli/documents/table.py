@@ -58,7 +58,9 @@ def demand_no_table(text: str, source: str) -> None:
         if len(names) > 1 and all(name.strip() for name in names) and rest.partition("\n")[0].count(delimiter) == len(names) - 1:
             found = ", ".join(_split(name)[0] for name in names)
             shown = found if len(found) <= 60 else found[:57] + "..."
-            raise DocumentError(f"{Place(source, 1, 1)}: CSV without a column {KIND!r}; found {shown}; accepted is such as kind,name,width")
+            raise DocumentError(
+                f"{Place(source, 1, 1)}: CSV without a column {KIND!r}; found {shown}; expected a heading such as kind,name,width"
+            )
 
 
 def rows_of(text: str, source: str, delimiter: str) -> Iterator[list[Cell]]:
@@ -77,7 +79,7 @@ def rows_of(text: str, source: str, delimiter: str) -> Iterator[list[Cell]]:
                 columns = _columns(row, source, first)
                 continue
             if len(row) > len(columns):
-                raise DocumentError(f"{Place(source, first, len(columns) + 1)}: found {len(row)} cells; accepted are {len(columns)}")
+                raise DocumentError(f"{Place(source, first, len(columns) + 1)}: found {len(row)} cells; expected {len(columns)}")
             yield [
                 Cell(key, _with_unit(cell.strip(), unit), Place(source, first, i))
                 for i, (cell, (key, unit)) in enumerate(zip(row, columns, strict=False), 1)
@@ -114,12 +116,12 @@ def _columns(row: list[str], source: str, line: int) -> list[tuple[str, str]]:
     for i, (key, unit) in enumerate(columns, 1):
         place = Place(source, line, i)
         if not key:
-            raise DocumentError(f"{place}: a column without a name; accepted is a key, and a unit in brackets")
+            raise DocumentError(f"{place}: a column without a name; expected a key, and a unit in brackets")
         if key in before:
             raise DocumentError(f"{place}: duplicate column {key!r}")
         before.add(key)
         if unit not in ("", "-", "1") and unit not in _FACTORS:
-            raise DocumentError(f"{place}: {key}: found the unit {unit!r}; accepted is one of {', '.join(_FACTORS)}")
+            raise DocumentError(f"{place}: {key}: found the unit {unit!r}; expected one of {', '.join(_FACTORS)}")
     return columns
 
 

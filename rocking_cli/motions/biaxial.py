@@ -90,7 +90,7 @@ def with_vertical(motion: Motion, vertical: Motion, scale: float = 1.0) -> Biaxi
     """
     own, other = motion.acceleration, vertical.acceleration
     if (own is None) != (other is None):
-        raise UsageError("only one of the horizontal and the vertical motion is a record; accepted are two records, or none")
+        raise UsageError("only one of the horizontal and the vertical motion is a record; expected two records, or none")
     factor = checked_scale(vertical.name, scale) * (1.0 if own is None or other is None else other / own)
     told = _times(vertical.name, scale)
     if isinstance(motion, Polyline) and isinstance(vertical, Polyline):

@@ -68,7 +68,7 @@ class Axis:
         if not lowest_fits:
             raise UsageError(f"axis {self.name}: its values must be positive{', or zero' if self.name in _FROM_ZERO else ''}")
         if self.name == "alpha" and v[-1] >= 0.5 * math.pi:
-            raise UsageError(f"axis alpha: found {v[-1]:g} rad, accepted are angles below a right one")
+            raise UsageError(f"axis alpha: found {v[-1]:g} rad; expected angles below a right one")
 
     def stated(self) -> list[float | int]:
         """[first value, last value, number, CRC-32] of the values, to compare two axes."""
@@ -110,7 +110,7 @@ def scaled_frequency(axis: Axis, structure: RockingParameters) -> np.ndarray:
     """The Omega values of an axis Omega or omega_g for one structure. Raises UsageError beyond `MOST_OMEGA`."""
     omega = axis.values if axis.name == "Omega" else axis.values / structure.p
     if (highest := float(np.max(omega))) > MOST_OMEGA:
-        found = f"found Omega = omega_g/p = {highest:.3g}; accepted are values up to {MOST_OMEGA:g}"
+        found = f"found Omega = omega_g/p = {highest:.3g}; expected a value up to {MOST_OMEGA:g}"
         raise UsageError(f"{structure.name}: {found}; above it the rotation is below double precision")
     return omega
 
@@ -125,12 +125,12 @@ def parse_axes(text: str, *, records: bool = False) -> dict[str, Axis]:
     for part in text.split(","):
         key, equals, span = (x.strip() for x in part.partition("="))
         if not equals or not span:
-            raise UsageError(f"`grid`: found {part.strip()!r}; accepted is {_FORM}, with commas between axes")
+            raise UsageError(f"`grid`: found {part.strip()!r}; expected {_FORM}, with commas between axes")
         if key in _AXES and key not in known:
-            raise UsageError(f"`grid`: found {key}; accepted are {', '.join(known)}, since a record runs in its own time")
+            raise UsageError(f"`grid`: found {key}; expected {', '.join(known)}, since a record runs in its own time")
         if key not in known:
             of = " of records" if records else ""
-            raise UsageError(f"`grid`: unknown axis {key!r}{of}; accepted are {', '.join(known)}{did_you_mean(key, known, MEANT)}")
+            raise UsageError(f"`grid`: unknown axis {key!r}{of}; expected {', '.join(known)}{did_you_mean(key, known, MEANT)}")
         name, dimension = known[key]
         values = _span(key, span, dimension)
         if key == "f_g":
@@ -188,17 +188,17 @@ def parse_grid(text: str, structures: int = 1, *, own_time: bool = False) -> Gri
     axes = parse_axes(text)
     if own_time:
         if len(axes) != 1 or next(iter(axes)) not in ("A", "a_g"):
-            raise UsageError(f"`grid`: found {written_axes(text)}; accepted is A or a_g, since a record runs in its own time")
+            raise UsageError(f"`grid`: found {written_axes(text)}; expected A or a_g, since a record runs in its own time")
         axes["omega_g"] = OWN_TIME
     known = (("A", "Omega"), ("a_g", "omega_g"), ("A", "omega_g"))[: 3 if own_time else 2]
     pairs = [(a, f) for a, f in known if set(axes) == {a, f}]
     if not pairs:
-        raise UsageError(f"`grid`: found {written_axes(text)}; accepted are A and Omega, or a_g and one of omega_g, f_g, T_g")
+        raise UsageError(f"`grid`: found {written_axes(text)}; expected A and Omega, or a_g and one of omega_g, f_g, T_g")
     grid = Grid(axes[pairs[0][0]], axes[pairs[0][1]])
     cells = grid.shape[0] * grid.shape[1] * max(1, structures)
     if cells > MAX_CELLS:
         raise UsageError(
-            f"`grid`: {cells:.3g} cells ({9e-9 * cells:.3g} GB) are more than the {MAX_CELLS:.0e} accepted in one file; split the grid"
+            f"`grid`: {cells:.3g} cells ({9e-9 * cells:.3g} GB) are more than the limit of {MAX_CELLS:.0e} in one file; split the grid"
         )
     return grid
 
@@ -217,12 +217,12 @@ def parse_angles(text: str) -> Axis:
         try:
             found.append(parse_quantity(f"{parts[0]!r} {unit}" if parts is not None else part, "angle"))
         except ValueError as error:
-            raise UsageError(f"`alpha`: found {part.strip()!r}; accepted is {error}, or several with commas between them") from None
+            raise UsageError(f"`alpha`: found {part.strip()!r}; expected {error}, or several with commas between them") from None
     values = np.unique(found)
     if values.size < len(found):
-        raise UsageError(f"`alpha`: found {text!r}, which states an angle twice; accepted are distinct angles")
+        raise UsageError(f"`alpha`: found {text!r}, which states an angle twice; expected distinct angles")
     if values[0] <= 0.0:
-        raise UsageError(f"`alpha`: found {text!r}; accepted are positive angles")
+        raise UsageError(f"`alpha`: found {text!r}; expected positive angles")
     return Axis("alpha", values)
 
 
@@ -230,28 +230,28 @@ def parse_span(key: str, span: str, dimension: str) -> np.ndarray:
     """The values of START:STOP:N[:log] or of a single VALUE, in SI units, of any sign. Raises UsageError."""
     parts = span.split(":")
     if len(parts) not in (1, 3, 4) or (len(parts) == 4 and parts[3] != "log"):
-        raise UsageError(f"{key}: found {span!r}; accepted is START:STOP:N[:log] or a single VALUE")
+        raise UsageError(f"{key}: found {span!r}; expected START:STOP:N[:log] or a single VALUE")
     bounds = []
     for part in parts[:2]:
         try:
             bounds.append(parse_quantity(part, dimension))
         except ValueError as error:
-            raise UsageError(f"{key}: found {part!r}; accepted is {error}") from None
+            raise UsageError(f"{key}: found {part!r}; expected {error}") from None
     if len(parts) == 1:
         return np.array(bounds)
     start, stop = bounds
     count = parse_whole(parts[2])
     if count is None or not 2 <= count <= MAX_VALUES:
         raise UsageError(
-            f"{key}: found N = {parts[2]!r}; accepted is a whole number from 2 to {MAX_VALUES} (a single value is written {key}=VALUE)"
+            f"{key}: found N = {parts[2]!r}; expected a whole number from 2 to {MAX_VALUES} (a single value is written {key}=VALUE)"
         )
     if start == stop:
         raise UsageError(f"{key}: START and STOP are both {parts[0]}; a single value is written {key}={parts[0]}")
     if start > stop:
-        raise UsageError(f"{key}: found START {parts[0]} above STOP {parts[1]}; accepted is START below STOP")
+        raise UsageError(f"{key}: found START {parts[0]} above STOP {parts[1]}; expected START below STOP")
     if len(parts) == 4:
         if start <= 0.0:
-            raise UsageError(f"{key}: found START {parts[0]}; accepted for a logarithmic axis is a positive START")
+            raise UsageError(f"{key}: found START {parts[0]}; a logarithmic axis needs a positive START")
         return np.asarray(np.geomspace(start, stop, count))
     return np.linspace(start, stop, count)
 
@@ -259,5 +259,5 @@ def parse_span(key: str, span: str, dimension: str) -> np.ndarray:
 def _span(key: str, span: str, dimension: str) -> np.ndarray:
     values = parse_span(f"`grid` {key}", span, dimension)
     if values[0] < 0.0 or (values[0] == 0.0 and key not in _FROM_ZERO):
-        raise UsageError(f"`grid` {key}: found {span!r}; accepted are positive values{' or zero' if key in _FROM_ZERO else ''}")
+        raise UsageError(f"`grid` {key}: found {span!r}; expected positive values{' or zero' if key in _FROM_ZERO else ''}")
     return values

@@ -156,7 +156,7 @@ def checked_scale(name: str, factor: float) -> float:
     """The factor itself. Raises MotionError, with the motion's name, if it is zero, not finite or above LARGEST_SCALE."""
     if 0.0 < abs(factor) <= LARGEST_SCALE:
         return factor
-    raise MotionError(f"motion {name!r}: a scale of {factor:g}, accepted is a number that is not zero, up to {LARGEST_SCALE:g}")
+    raise MotionError(f"motion {name!r}: a scale of {factor:g}; expected a number that is not zero, up to {LARGEST_SCALE:g}")
 
 
 def _quarters(h: Harmonic, phase: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

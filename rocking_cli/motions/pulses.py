@@ -76,9 +76,9 @@ def mavroeidis_papageorgiou(gamma: float = 2.0, phase: float = 0.0) -> Motion:
     period; phase is in rad. The acceleration is a sum of three sinusoids. Raises MotionError.
     """
     if not 1.0 <= gamma <= MOST_CYCLES:
-        raise MotionError(f"mavroeidis-papageorgiou pulse: gamma is {gamma:g}, accepted is a number from 1 to {MOST_CYCLES}")
+        raise MotionError(f"mavroeidis-papageorgiou pulse: gamma is {gamma:g}; expected a number from 1 to {MOST_CYCLES}")
     if not math.isfinite(phase):
-        raise MotionError(f"mavroeidis-papageorgiou pulse: phase is {phase:g}, accepted is an angle in rad")
+        raise MotionError(f"mavroeidis-papageorgiou pulse: phase is {phase:g}; expected an angle in rad")
     parts = [(0.5, 1.0), (0.25 * (1.0 + 1.0 / gamma), 1.0 + 1.0 / gamma), (0.25 * (1.0 - 1.0 / gamma), 1.0 - 1.0 / gamma)]
 
     def pieces(peak: float) -> tuple[Piece, ...]:
@@ -92,7 +92,7 @@ def mavroeidis_papageorgiou(gamma: float = 2.0, phase: float = 0.0) -> Motion:
 def _trigonometric(name: str, cycles: float, phase: float) -> Motion:
     halves = 2.0 * cycles
     if not (1.0 <= halves <= 2.0 * MOST_CYCLES and halves == np.rint(halves)):
-        raise MotionError(f"{name} pulse: cycles is {cycles:g}, accepted is a positive multiple of 0.5 up to {MOST_CYCLES}")
+        raise MotionError(f"{name} pulse: cycles is {cycles:g}; expected a positive multiple of 0.5 up to {MOST_CYCLES}")
     return Motion(f"{name}, {cycles:g} cycle{'' if cycles == 1 else 's'}", (Piece(0.0, halves * np.pi, (Harmonic(1.0, 1.0, phase),)),))
 
 
@@ -128,9 +128,9 @@ def pulse(name: str, **parameters: Any) -> Motion:
     try:
         make = PULSES[name]
     except KeyError:
-        raise MotionError(f"unknown pulse {name!r}, accepted are {', '.join(PULSES)}{did_you_mean(name, PULSES)}") from None
+        raise MotionError(f"unknown pulse {name!r}; expected {', '.join(PULSES)}{did_you_mean(name, PULSES)}") from None
     known = list(signature(make).parameters)
     for key in parameters:
         if key not in known:
-            raise MotionError(f"{name} pulse: takes no {key}" + (f", accepted are {' and '.join(known)}" if known else ""))
+            raise MotionError(f"{name} pulse: takes no {key}" + (f"; expected {' and '.join(known)}" if known else ""))
     return make(**parameters)

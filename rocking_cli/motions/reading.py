@@ -83,7 +83,7 @@ def factor_of(record: Record, scale: float | None, scale_to: str | None) -> floa
     if scale_to is None:
         return 1.0 if scale is None else scale
     if scale not in (None, -1.0):
-        raise UsageError("found both `scale` and `scale_to`; accepted is one of them, or both with a scale of -1, which reverses a record")
+        raise UsageError("found both `scale` and `scale_to`; expected one of them, or both with a scale of -1, which reverses a record")
     return factor_to(record, scale_to) * (scale or 1.0)
 
 
@@ -92,15 +92,15 @@ def factor_to(record: Record, text: str) -> float:
     name, equals, value = (x.strip() for x in text.partition("="))
     measure = next((m for m in MEASURES if m.casefold() == name.casefold()), None)
     if measure is None or not equals:
-        raise UsageError(f"`scale_to`: found {text!r}; accepted is MEASURE=VALUE, such as PGA=0.35g, with one of {', '.join(MEASURES)}")
+        raise UsageError(f"`scale_to`: found {text!r}; expected MEASURE=VALUE, such as PGA=0.35g, with one of {', '.join(MEASURES)}")
     try:
         wanted = parse_quantity(value, MEASURES[measure])
     except ValueError as error:
-        raise UsageError(f"`scale_to` {measure}: found {value!r}; accepted is {error}") from None
+        raise UsageError(f"`scale_to` {measure}: found {value!r}; expected {error}") from None
     own = float(getattr(intensity(record), measure.casefold()))
     if not own > 0.0:
-        raise UsageError(f"`scale_to`: the record has a {measure} of {own:g}; accepted is a non-zero {measure}")
+        raise UsageError(f"`scale_to`: the record has a {measure} of {own:g}; expected a non-zero {measure}")
     if not wanted > 0.0:
-        raise UsageError(f"`scale_to`: found {text!r}; accepted is a positive intensity; a scale of -1 reverses a record")
+        raise UsageError(f"`scale_to`: found {text!r}; expected a positive intensity; a scale of -1 reverses a record")
     ratio = wanted / own
     return math.sqrt(ratio) if measure == "Arias" else ratio

@@ -125,7 +125,7 @@ def test_the_measure_that_explains_most_comes_first(rocking, stated):
         ([*SITE, "--counts", "configs/motions/site_pulses.csv"], "stands alone"),
         ([*SITE, "--pulse", "cosine"], "states each pulse itself: it takes no --pulse"),
         ([*SITE, "--scale", "-1"], "it takes no --scale"),
-        ([*SITE, "--vertical", "configs/motions/synthetic.at2"], "accepted are two records, or none"),
+        ([*SITE, "--vertical", "configs/motions/synthetic.at2"], "expected two records, or none"),
         ([*SITE, "--vertical-scale", "2"], "--vertical-scale goes with --vertical"),
         ([*SITE, "--curve", "--efficiency"], "--efficiency does not go with --curve"),
     ],

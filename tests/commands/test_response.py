@@ -74,7 +74,7 @@ BLOCK = ("response", "configs/block.yaml")
         ((*BLOCK, "--a-g", "1", "--f-g", "nan"), 2, "--f-g: found 'nan'"),
         ((*BLOCK, "--a-g", "nan", "--f-g", "1"), 2, "--a-g: found 'nan'"),
         ((*BLOCK, "--a-g", "1 s", "--f-g", "1"), 2, "an acceleration"),
-        ((*BLOCK, "--a-g", "1"), 2, "accepted are A and Omega"),
+        ((*BLOCK, "--a-g", "1"), 2, "expected A and Omega"),
         ((*BLOCK, "--a-g", "1:2:3", "--f-g", "1"), 2, "accepted is one value of each"),
         (BLOCK, 2, "no shaking"),
         ((*BLOCK, "--release", "1"), 2, "--release"),
@@ -138,7 +138,7 @@ def test_frictions_that_are_none(refused, tmp_path, key, words):
 
 def test_an_arm_longer_than_that_of_a_point_mass_is_refused(refused, tmp_path):
     (tmp_path / "p.yaml").write_text("kind: parameters\np: 2\nalpha: 0.2\neta: 0.9\na_scale: 1\narm: 2.5\n")
-    assert "arm: found 2.5; accepted is a positive length up to g/p^2, 2.4525 m" in refused(3, "params", "p.yaml")
+    assert "arm: found 2.5; expected a positive length up to g/p^2, 2.4525 m" in refused(3, "params", "p.yaml")
 
 
 def test_a_vertical_motion_in_the_response_the_spectrum_and_the_envelope(rocking):

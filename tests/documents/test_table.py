@@ -66,19 +66,19 @@ def test_every_row_of_a_table_is_a_structure_of_a_command(rocking, tmp_path):
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        ("kind,width\nblock,1,2", "f.csv:2:3: found 3 cells; accepted are 2"),
-        ("kind,width [furlong]\nblock,1", "f.csv:1:2: width: found the unit 'furlong'; accepted is one of m, mm"),
+        ("kind,width\nblock,1,2", "f.csv:2:3: found 3 cells; expected 2"),
+        ("kind,width [furlong]\nblock,1", "f.csv:1:2: width: found the unit 'furlong'; expected one of m, mm"),
         ("kind,width,width\nblock,1,2", "f.csv:1:3: duplicate column 'width'"),
         ("kind,\nblock,1", "f.csv:1:2: a column without a name"),
-        ("kind,width [cm],height\n\nblock,x,2", "f.csv:3:2: width: found x; accepted is a length"),
-        ("kind,width,height\nblock,-1,2", "f.csv:2:2: width: found -1; accepted is a positive length"),
+        ("kind,width [cm],height\n\nblock,x,2", "f.csv:3:2: width: found x; expected a length"),
+        ("kind,width,height\nblock,-1,2", "f.csv:2:2: width: found -1; expected a positive length"),
         ("kind,width,heigth\nblock,1,2", "f.csv:2:3: unknown key 'heigth' .did you mean 'height'"),
         ('kind,width\n"block,1', "f.csv:2:1: not valid CSV"),
         ("kind,name\n", "f.csv:1:1: empty"),
-        ("kind,pieces_2_width\nstack,1", "f.csv:2:2: pieces_2_width: found item 2; accepted are items in order, from pieces_1"),
+        ("kind,pieces_2_width\nstack,1", "f.csv:2:2: pieces_2_width: found item 2; expected items in order, from pieces_1"),
         ("kind,pieces,pieces_1_width\nstack,[[3]],1", "f.csv:2:3: pieces_1_width: found together with pieces"),
         ("kind,pieces,pieces_1_width\nstack,3,1", "f.csv:2:3: pieces_1_width: found item 1"),
-        ("kind,corners\nprism,[[0", "f.csv:2:2: found ..0; accepted is a YAML list"),
+        ("kind,corners\nprism,[[0", "f.csv:2:2: found ..0; expected a YAML list"),
     ],
 )
 def test_refusals(text, words):
@@ -119,7 +119,9 @@ def test_lengths_of_two_rows_do_not_mix():
     ],
 )
 def test_a_list_without_kinds_is_answered_as_csv(text, found):
-    with pytest.raises(DocumentError, match=rf"f.csv:1:1: CSV without a column 'kind'; found {found}; accepted is such as kind,name,width"):
+    with pytest.raises(
+        DocumentError, match=rf"f.csv:1:1: CSV without a column 'kind'; found {found}; expected a heading such as kind,name,width"
+    ):
         parse_documents(text, "f.csv")
 
 

@@ -123,7 +123,7 @@ def test_a_vertical_motion_is_beside_every_record_and_every_pulse(tmp_path):
     assert again.outcome.tolist() == kept.outcome.tolist()
     with pytest.raises(UsageError, match="is of another scene"):
         exposures([BLOCK], RECORDS[:1], measure, levels, method, path=tmp_path / "up.h5", resume=True)
-    with pytest.raises(UsageError, match="accepted are two records, or none"):
+    with pytest.raises(UsageError, match="expected two records, or none"):
         shaken_upwards(RECORDS, upwards["pulses"])
 
 

@@ -51,7 +51,7 @@ def test_site_pulses_have_units_weights_and_shapes(tmp_path):
         ("a_g,f_g\n1,2\n0.3 m,2\n", "line 3: a_g: found '0.3 m'; accepted is an acceleration"),
         ("a_g,f_g\n1,-2\n", "line 2: f_g: found '-2'; accepted is a positive one"),
         ("a_g,f_g,weight\n1,2,\n", "line 2: weight: found ''"),
-        ("a_g,f_g,pulse\n1,2,sinus\n", "line 2: unknown pulse 'sinus', accepted are"),
+        ("a_g,f_g,pulse\n1,2,sinus\n", "line 2: unknown pulse 'sinus'; expected"),
         ("a_g,f_g\n", "holds no pulse"),
         ("", "line 1: found the columns none; accepted are a_g"),
     ],

@@ -43,9 +43,9 @@ def test_scaling_to_a_structure():
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        ("", "accepted is NAME=START"),
-        ("A", "accepted is NAME=START"),
-        ("A=1:2:3", "found A; accepted are A and Omega"),
+        ("", "expected NAME=START"),
+        ("A", "expected NAME=START"),
+        ("A=1:2:3", "found A; expected A and Omega"),
         ("A=1:2:3,f_g=1:2:3", "found A and f_g"),
         ("A=1:2:3,A=1:2:3,Omega=1:2:3", "twice"),
         ("omega_g=1:2:3,f_g=1:2:3,a_g=1", "twice"),
@@ -95,13 +95,13 @@ def test_a_motion_with_a_time_of_its_own_has_one_axis():
     a, _ = parse_grid("a_g=2", own_time=True).scaled(block)
     assert a == pytest.approx(block.dimensionless_amplitude(np.array([2.0])), rel=1e-14)
     for text in ("A=1:2:3,Omega=1", "a_g=1,T_g=1", "T_g=1"):
-        with pytest.raises(UsageError, match="accepted is A or a_g, since a record runs in its own time"):
+        with pytest.raises(UsageError, match="expected A or a_g, since a record runs in its own time"):
             parse_grid(text, own_time=True)
 
 
 @pytest.mark.parametrize("axes", ["a_g=5,f_g=1e10", "A=2,Omega=1.1e10"])
 def test_frequencies_at_which_nothing_is_left_of_the_motion_are_refused(axes):
     body = dimensionless_oscillator(0.9) if "Omega" in axes else built("kind: block\nwidth: 0.5\nheight: 2")
-    with pytest.raises(UsageError, match="accepted are values up to 1e\\+10"):
+    with pytest.raises(UsageError, match="expected a value up to 1e\\+10"):
         parse_grid(axes).scaled(body)
     assert parse_grid(axes.replace("1e10", "1e9").replace("1.1e9", "1e10")).scaled(body)[1] <= 1e10

@@ -27,7 +27,7 @@ def test_own_pieces_are_what_they_say():
         ("pieces: 3", "a list of pieces"),
         ("name: x", "neither pieces nor points"),
         ("points: [[0, 1], [1, 1]]\npieces: [{from: 0, to: 1, constant: 1}]", "both pieces and points"),
-        ("pieces: [{from: 0, to: 1, constant: 1}, {from: 0.5, to: 2, constant: 1}]", ":1:.*overlaps the one before; accepted is 1"),
+        ("pieces: [{from: 0, to: 1, constant: 1}, {from: 0.5, to: 2, constant: 1}]", ":1:.*overlaps the one before; expected 1"),
         ("pieces: [{from: 0, to: 1, constant: 1}, {from: 1.5, to: 2, constant: 1}]", "leaves a gap"),
         ("pieces: [{from: 0, to: 0, constant: 1}]", "a time in periods after 0"),
         ("pieces: [{from: 0, to: 1}]", "without constant, slope or sines"),

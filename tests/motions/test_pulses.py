@@ -107,12 +107,12 @@ def test_both_models_agree_with_their_references_under_every_motion(motion):
 @pytest.mark.parametrize(
     ("name", "parameters", "words"),
     [
-        ("mavroeidis-papageorgiou", {"gamma": 0.9}, "gamma is 0.9, accepted"),
-        ("mavroeidis-papageorgiou", {"gamma": math.nan}, "accepted is a number from 1"),
+        ("mavroeidis-papageorgiou", {"gamma": 0.9}, "gamma is 0.9; expected"),
+        ("mavroeidis-papageorgiou", {"gamma": math.nan}, "expected a number from 1"),
         ("mavroeidis-papageorgiou", {"phase": math.inf}, "phase"),
         ("half-sine", {"cycles": 2}, "takes no cycles"),
-        ("sine", {"gamma": 2}, "takes no gamma, accepted are cycles"),
-        ("ricker", {}, "unknown pulse 'ricker', accepted are sine"),
+        ("sine", {"gamma": 2}, "takes no gamma; expected cycles"),
+        ("ricker", {}, "unknown pulse 'ricker'; expected sine"),
     ],
 )
 def test_faulty_pulses_are_refused(name, parameters, words):

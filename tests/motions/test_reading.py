@@ -65,16 +65,16 @@ def test_documents_and_pulses_are_turned_over(tmp_path):
     [
         (
             {"scale_to": "PGA"},
-            "`scale_to`: found 'PGA'; accepted is MEASURE=VALUE, such as PGA=0.35g, with one of PGA, PGV, PGD, Arias, CAV",
+            "`scale_to`: found 'PGA'; expected MEASURE=VALUE, such as PGA=0.35g, with one of PGA, PGV, PGD, Arias, CAV",
         ),
         ({"scale_to": "SA=1g"}, "`scale_to`: found 'SA=1g'"),
-        ({"scale_to": "PGA=1 m"}, "`scale_to` PGA: found '1 m'; accepted is an acceleration"),
-        ({"scale_to": "PGA=0"}, "accepted is a positive intensity"),
-        ({"scale_to": "PGA=-0.1g"}, "accepted is a positive intensity"),
+        ({"scale_to": "PGA=1 m"}, "`scale_to` PGA: found '1 m'; expected an acceleration"),
+        ({"scale_to": "PGA=0"}, "expected a positive intensity"),
+        ({"scale_to": "PGA=-0.1g"}, "expected a positive intensity"),
         ({"scale_to": "PGA=1", "scale": 2.0}, "found both"),
         ({"scale": 0.0}, "a scale of 0"),
-        ({"scale": 1e308}, "accepted is a number that is not zero, up to 1e+100"),
-        ({"component": "2"}, "accepted is 1, the only one"),
+        ({"scale": 1e308}, "expected a number that is not zero, up to 1e+100"),
+        ({"component": "2"}, "expected 1, the only one"),
         ({"component": "1"}, None),
     ],
 )

@@ -198,9 +198,9 @@ def test_a_set_is_scaled_record_by_record(folder):
 @pytest.mark.parametrize(
     ("paths", "more", "words"),
     [
-        (["a.AT2"], {"scale_to": "PGA=-1g"}, "found 'PGA=-1g'; accepted is a positive intensity"),
-        (["a.AT2"], {"scale_to": "PGA=0"}, "accepted is a positive intensity"),
-        (["a.AT2"], {"component": "99"}, "component: found '99'; accepted is 1, the only one"),
+        (["a.AT2"], {"scale_to": "PGA=-1g"}, "found 'PGA=-1g'; expected a positive intensity"),
+        (["a.AT2"], {"scale_to": "PGA=0"}, "expected a positive intensity"),
+        (["a.AT2"], {"component": "99"}, "component: found '99'; expected 1, the only one"),
         (["a.AT2"], {"scale": 2.0, "scale_to": "PGA=1"}, "found both"),
         (["nowhere"], {}, "nowhere: cannot be read"),
     ],

@@ -214,7 +214,7 @@ def test_without_geometry_the_default_is_linear(records):
         ([], {"axes": "T=1:2:2"}, "together"),
         ([], {"axes": "T=1:2:2", "alphas": "10deg", "etas": (0.9, 0.8)}, "2 times"),
         ([], {"axes": "T=1:2:2", "alphas": "10deg,10deg"}, "an angle twice"),
-        ([], {"axes": "T=1:2:2", "alphas": "10 kg"}, "`alpha`: found '10 kg'; accepted is an angle"),
+        ([], {"axes": "T=1:2:2", "alphas": "10 kg"}, "`alpha`: found '10 kg'; expected an angle"),
         ([], {"axes": "T=1:2:2", "alphas": "95deg"}, "below a right one"),
         ([], {"axes": "T=1:2:2,alpha=0.1", "alphas": "5deg"}, "does not go with alpha"),
         ([BLOCK], {"axes": "f_g=1"}, "a record runs in its own time"),

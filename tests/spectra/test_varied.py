@@ -44,4 +44,4 @@ def test_shards_keep_them(rocking, tmp_path, family):
 @pytest.mark.parametrize("more", ["varied: 3", "varied: {width: x}", "varied_units: {width: m}", "varied: {width: 1}\nvaried_units: [m]"])
 def test_what_no_family_varies_is_refused(refused, more):
     text = f"kind: parameters\np: 1\nalpha: 0.2\neta: 0.9\nlambda: 0.2\n{more}\n"
-    assert "accepted is numbers by key" in refused(3, "params", "-", stdin=text)
+    assert "expected numbers by key" in refused(3, "params", "-", stdin=text)

@@ -50,8 +50,8 @@ def test_a_file_of_that_name_comes_first(rocking, tmp_path):
         ("stack:1x2", "found '1x2'; accepted is stack:KEY=VALUE,KEY=VALUE"),
         ("block:1x5,width=2", "width is given twice"),
         ("block:1x5,widht=2", "unknown key 'widht' .did you mean 'width'"),
-        ("block:1kgx5", "block:1kgx5: width: found 1kg; accepted is a length"),
-        ("blokc:1x5", r"kind: found blokc; accepted is one of block, .*did you mean 'block'"),
+        ("block:1kgx5", "block:1kgx5: width: found 1kg; expected a length"),
+        ("blokc:1x5", r"kind: found blokc; expected one of block, .*did you mean 'block'"),
     ],
 )
 def test_refusals(stated, words):

@@ -27,7 +27,7 @@ def test_every_kind_takes_damping_and_gravity(kind, plain):
     damped = build_structure(document.with_value("damping", "0.05", "f.yaml"))
     assert damped.damping == 0.05
     assert (damped.p, damped.alpha, damped.eta) == (here.p, here.alpha, here.eta)
-    with pytest.raises(DocumentError, match=r"damping: found -0.1; accepted is a number from 0 to below 1 .zeta."):
+    with pytest.raises(DocumentError, match=r"damping: found -0.1; expected a number from 0 to below 1 .zeta."):
         build_structure(document.with_value("damping", "-0.1", "f.yaml"))
     moon = build_structure(document.with_value("gravity", "1.62", "f.yaml"))
     assert moon.gravity == 1.62

@@ -142,5 +142,5 @@ def test_at_alpha_the_centre_of_mass_of_an_arch_is_as_high_as_it_comes():
 
 
 def test_a_kind_without_geometry_is_refused():
-    with pytest.raises(DocumentError, match="kind: found parameters, which states no geometry to draw; accepted is one of block"):
+    with pytest.raises(DocumentError, match="kind: found parameters, which states no geometry to draw; expected one of block"):
         sketched("kind: parameters\np: 1\nalpha: 0.2\neta: 0.9\nlambda: 0.2")

@@ -67,7 +67,7 @@ def _formats() -> tuple[Any, ...]:
 def demand_unit(unit: str | None) -> None:
     """Raise UsageError unless the unit of plain numbers is one of acceleration, or None."""
     if unit is not None and unit not in UNITS["acceleration"]:
-        raise UsageError(f"`unit`: found {unit!r}; accepted are {', '.join(UNITS['acceleration'])}")
+        raise UsageError(f"`unit`: found {unit!r}; expected {', '.join(UNITS['acceleration'])}")
 
 
 def records_of(source: str, raw: bytes, *, unit: str | None = None, dt: float | None = None, named: bool = True) -> list[Record] | None:
@@ -99,7 +99,7 @@ def records_of(source: str, raw: bytes, *, unit: str | None = None, dt: float | 
                 raise NoAcceleration(f"{source}: an uncorrected accelerogram, which is taken where the file itself is named")
             read = found.read(text)
             if not (isinstance(read, list) and read and all(isinstance(s, Series) for s in read)):
-                raise TypeError(f"read returns {type(read).__name__}; accepted is a list of Series, one or more")
+                raise TypeError(f"read returns {type(read).__name__}; expected a list of Series, one or more")
             series = [s._replace(remark="an uncorrected accelerogram") if uncorrected else s for s in read]
         elif plain.recognise(text.head):
             found, series = plain, plain.read(text, unit, dt)
@@ -127,7 +127,7 @@ def _added(source: str, head: str) -> EntryPoint | None:
 
 
 def _blamed(source: str, entry: EntryPoint) -> AbstractContextManager[None]:
-    return blamed(entry, lambda found: DocumentError(f"{source}: the record format {found}; accepted is a package that works"))
+    return blamed(entry, lambda found: DocumentError(f"{source}: the record format {found}; expected a package that works"))
 
 
 def read_records(path: str | Path, *, component: str | None = None, unit: str | None = None, dt: float | None = None) -> list[Record]:
@@ -153,7 +153,7 @@ def unknown(source: str, raw: bytes) -> str:
     """The message for a file whose format `records_of` does not recognise."""
     first = raw[:200].decode("latin-1").strip().split("\n", 1)[0].strip()[:60]
     formats = f"{', '.join(f.NAME for f in _formats())} and plain columns of numbers"
-    return f"{source}: no record format (it begins with {first!r}); accepted are {formats}"
+    return f"{source}: no record format (it begins with {first!r}); expected {formats}"
 
 
 def is_record(path: str) -> bool:

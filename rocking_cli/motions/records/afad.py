@@ -37,7 +37,7 @@ def read(text: RecordText) -> list[Series]:
     peaks = dict(re.findall(r"\(([^)]+)\)\s*([-+.\dEe]+)", stated))
     unit = next((k for k in keys if "PGA VALUES" in k), "(GAL)")
     if "(GAL)" not in unit:
-        raise text.fault(f"found {unit!r}; accepted is a record in gal", keys[unit][1])
+        raise text.fault(f"found {unit!r}; expected a record in gal", keys[unit][1])
     values = text.numbers(3 * count, Layout(3)).reshape(count, 3)
     surplus = text.surplus(count)
     return [Series(name, dt, values[:, i].copy(), "gal", peaks.get(name), "" if i else surplus) for i, name in enumerate(names)]

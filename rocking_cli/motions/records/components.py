@@ -46,8 +46,8 @@ def chosen(records: Sequence[Record], component: str | None) -> list[Record]:
             return [record]
     if word and word.isdigit() and 1 <= int(word) <= len(records):
         return [records[int(word) - 1]]
-    accepted = f"are {names_of(records)}" if records[0].component is not None else "is 1, the only one, which has no name"
-    raise NoComponent(f"{source}: component: found {component!r}; accepted {accepted}, {HORIZONTAL} and {ALL}")
+    expected = f"{names_of(records)}" if records[0].component is not None else "1, the only one, which has no name"
+    raise NoComponent(f"{source}: component: found {component!r}; expected {expected}, {HORIZONTAL} and {ALL}")
 
 
 def vertical_of(records: Sequence[Record]) -> Record:
@@ -55,7 +55,7 @@ def vertical_of(records: Sequence[Record]) -> Record:
     found = [r for r in records if is_vertical(r)]
     if len(found) != 1:
         held = f"{len(found)} vertical components ({names_of(found)})" if found else f"no vertical component beside {names_of(records)}"
-        raise UsageError(f"{records[0].source}: holds {held}; accepted is one where `vertical` is {STATION}")
+        raise UsageError(f"{records[0].source}: holds {held}; expected one where `vertical` is {STATION}")
     return found[0]
 
 

@@ -45,12 +45,12 @@ def read(text: RecordText) -> list[Series]:
         comments = text.next_line() or ""
         stated = _COMMENTS.match(comments)
         if stated is None:
-            raise text.fault(f"found {comments.strip()!r}; accepted is the number of comment lines")
+            raise text.fault(f"found {comments.strip()!r}; expected the number of comment lines")
         lines += text.lines(int(stated[1]))
         line = text.next_line() or ""
         block, layout = _BLOCK.match(line), fortran_layout(line)
         if block is None or layout is None:
-            raise text.fault(f"found {line.strip()!r}; accepted is such as 7000 acceleration pts, units=cm/sec2(04),Format=(8F10.5)")
+            raise text.fault(f"found {line.strip()!r}; expected a line like 7000 acceleration pts, units=cm/sec2(04),Format=(8F10.5)")
         count = text.count(block[1])
         if not _ACCELERATION.search(block[2]):
             others = f"{block[2]} in {block[3]}"
@@ -66,7 +66,7 @@ def read(text: RecordText) -> list[Series]:
         found.append(Series(component or None, dt, text.numbers(count, layout), unit, peak))
         text.demand_end(count)
     if not found and others:
-        raise text.no_acceleration(f"no acceleration, only {others}; accepted is an acceleration with a unit")
+        raise text.no_acceleration(f"no acceleration, only {others}; expected an acceleration with a unit")
     if not found:
         raise text.fault("no channel")
     return found
@@ -77,7 +77,7 @@ def _unit(text: RecordText, word: str, code: str | None) -> str:
     known, coded = unit_of(word), None if code is None else _UNITS.get(int(code))
     unit = known if code is None else coded
     if unit is None:
-        raise text.no_acceleration(f"found the unit {word!r} ({code or 'no code'}); accepted are cm/s2 (04), g (02) and gal (10)")
+        raise text.no_acceleration(f"found the unit {word!r} ({code or 'no code'}); expected cm/s2 (04), g (02) and gal (10)")
     if known is not None and UNITS["acceleration"][known] != UNITS["acceleration"][unit]:
         raise text.fault(f"found the unit {word!r} with the code {code}, which is {unit}")
     return unit
@@ -87,10 +87,10 @@ def _header(text: RecordText, kind: str) -> np.ndarray:
     line = text.next_line() or ""
     stated, layout = _NUMBERS.match(line), fortran_layout(line)
     if stated is None or layout is None or kind not in line.lower():
-        raise text.fault(f"found {line.strip()!r}; accepted is such as 100 {kind}-header values follow on 10 lines, Format= (10I8)")
+        raise text.fault(f"found {line.strip()!r}; expected a line like 100 {kind}-header values follow on 10 lines, Format= (10I8)")
     values = text.numbers(int(stated[1]), Layout(*layout))
     if values.size <= _PEAK:
-        raise text.fault(f"{values.size} {kind}-header values; accepted are {_PEAK + 1} or more")
+        raise text.fault(f"{values.size} {kind}-header values; expected {_PEAK + 1} or more")
     return values
 
 

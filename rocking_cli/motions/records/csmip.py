@@ -39,7 +39,7 @@ def read(text: RecordText) -> list[Series]:
     points = length = None
     recent: list[str] = []
     if _SPECTRA.match(text.head):
-        raise text.no_acceleration("spectra (volume 3); accepted is an accelerogram (volume 1 or 2)", 1)
+        raise text.no_acceleration("spectra (volume 3); expected an accelerogram (volume 1 or 2)", 1)
     while (line := text.next_line()) is not None:
         recent = [*recent[-_REAL_HEADER:], line]
         if _FIRST.search(line):

@@ -28,7 +28,7 @@ def read(text: RecordText) -> list[Series]:
     stated, line = text.value(keys, "Data")
     layout = fortran_layout(f"({stated})")
     if not names or layout is None or layout.columns != 1 + len(names):
-        raise text.fault(f"Data: found {stated!r} for a time and {', '.join(names)}; accepted is such as 4F10.3", line)
+        raise text.fault(f"Data: found {stated!r} for a time and {', '.join(names)}; expected a value like 4F10.3", line)
     rate = text.rate(*text.value(keys, "SampleRate(Hz)"))
     length, line = text.value(keys, "RecordLength(sec)")
     count, first = text.count(f"{text.number(length, line) * rate:.10g}", line), text.line

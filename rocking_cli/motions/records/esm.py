@@ -23,7 +23,7 @@ def read(text: RecordText) -> list[Series]:
     keys = text.keys(_KEY)
     kind, line_number = text.value(keys, "DATA_TYPE", "ACCELERATION")
     if kind.upper() not in _KINDS:
-        raise text.no_acceleration(f"DATA_TYPE: found {kind!r}; accepted is ACCELERATION", line_number)
+        raise text.no_acceleration(f"DATA_TYPE: found {kind!r}; expected ACCELERATION", line_number)
     unit = text.unit(*text.value(keys, "UNITS", "a unit of acceleration"), "UNITS")
     count = text.count(*text.value(keys, "NDATA", "a number of values"))
     dt = text.step(*text.value(keys, "SAMPLING_INTERVAL_S", "a step in s"))

@@ -31,7 +31,7 @@ def read(text: RecordText) -> list[Series]:
     found: list[Series] = []
     while (first := text.find(_SAID)) is not None:
         if not _FIRST.match(first[0]):
-            raise text.fault(f"found {first[0].strip()[:60]!r}; accepted is the first line of a component, Corrected accelerogram …")
+            raise text.fault(f"found {first[0].strip()[:60]!r}; expected the first line of a component, Corrected accelerogram …")
         start = text.line
         lines = text.lines(_TEXT - 1)
         numbers = text.numbers(_NUMBERS, _LAYOUT)
@@ -46,7 +46,7 @@ def read(text: RecordText) -> list[Series]:
                     raise text.fault(f"{points[1]} points, where the numbers of the header state {counts[0]}", i)
                 text.agree(counts[0], dt, points[2], i)
             if (scale := _SCALE.search(line)) is not None and text.number(scale[1], i) != 1.0:
-                raise text.fault(f"raw readings in units of {scale[1]} mm/s/s; accepted are those in units of 1", i)
+                raise text.fault(f"raw readings in units of {scale[1]} mm/s/s; expected units of 1", i)
             component = m[1] if (m := _COMPONENT.match(line)) else component
             peak = m[1] if (m := _PEAK.search(line)) else peak
         samples = text.numbers(counts[0], _LAYOUT)

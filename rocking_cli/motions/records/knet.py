@@ -38,7 +38,7 @@ def read(text: RecordText) -> list[Series]:
     stated, line_number = value("Scale Factor")
     scale = _SCALE.search(stated)
     if scale is None or not float(scale[2]) > 0.0:
-        raise text.fault(f"Scale Factor: found {stated!r}; accepted is such as 7845(gal)/8223790", line_number)
+        raise text.fault(f"Scale Factor: found {stated!r}; expected a value like 7845(gal)/8223790", line_number)
     frequency, line_number = value("Sampling Freq")
     rate = text.rate(re.sub(r"\s*hz\s*$", "", frequency, flags=re.IGNORECASE), line_number)
     stated, line_number = value("Duration Time")

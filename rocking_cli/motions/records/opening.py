@@ -72,7 +72,7 @@ def unpacked(source: str, raw: bytes) -> bytes:
 def refuse_binary(source: str, raw: bytes) -> None:
     """Raise DocumentError for an empty file, NoAcceleration for archives, SAC and miniSEED, and for all else that is no text."""
     if not (raw[:HEAD].strip() or raw.strip()):
-        raise DocumentError(f"{source}: empty; accepted is a record or a motion document")
+        raise DocumentError(f"{source}: empty; expected a record or a motion document")
     if raw.startswith(b"PK\x03\x04") or raw[257:262] == b"ustar":
         raise NoAcceleration(f"{source}: an archive (zip or tar); unpack it and name the files in it")
     if raw[:3] == b"MS\x03" or (raw[:6].strip(b" 0123456789") == b"" and raw[6:7] in b"DRQM" and raw[7:8] in b" \0" and len(raw) >= 48):
@@ -82,4 +82,4 @@ def refuse_binary(source: str, raw: bytes) -> None:
     if raw[:HEAD].split(None, 6)[:5] == [b"-12345.00"] * 5 or raw[:HEAD].count(b"-12345.00") > 20:
         raise NoAcceleration(f"{source}: SAC (alphanumeric), which holds {_COUNTS}")
     if 100 * raw[:HEAD].count(0) > len(raw[:HEAD]):  # some headers of real files pad a name with a few
-        raise NoAcceleration(f"{source}: a binary file; accepted is a record or a motion document in text")
+        raise NoAcceleration(f"{source}: a binary file; expected a record or a motion document in text")

@@ -39,7 +39,7 @@ def read(text: RecordText) -> list[Series]:
         upwards, kind = _UPWARDS.search(line), _KIND.search(line)
         component = component if upwards is None else upwards[1]
         if kind is not None and not (kind[1] or kind[2]).upper().startswith("ACC"):
-            raise text.no_acceleration(f"found {line.strip()!r}; accepted is an acceleration (AT2)")
+            raise text.no_acceleration(f"found {line.strip()!r}; expected an acceleration (AT2)")
         stated = _UNIT.search(line)
         if stated is not None:
             unit = text.unit(stated[1] or stated[2])
@@ -51,7 +51,5 @@ def read(text: RecordText) -> list[Series]:
     remark = text.surplus(count)
     trailer = None if remark else text.find(_SAID)
     if trailer is not None and not _TRAILER.match(trailer[0]):
-        raise text.fault(
-            f"found {trailer[0].strip()[:60]!r} after the {count} values declared; accepted is nothing, or a line that says end"
-        )
+        raise text.fault(f"found {trailer[0].strip()[:60]!r} after the {count} values declared; expected nothing, or a line that says end")
     return [Series(component, dt, samples, unit, remark=remark)]

@@ -44,21 +44,21 @@ def read(text: RecordText, unit: str | None, dt: float | None) -> list[Series]:
         if _is_row(line):
             break
         if re.search(r"\bvel(?:oc\w*)?\b", line, re.IGNORECASE) and not re.search(r"\bacc", line, re.IGNORECASE):
-            raise text.fault(f"found {line.strip()!r}; accepted is an acceleration")
+            raise text.fault(f"found {line.strip()!r}; expected an acceleration")
     text.at, text.line = at, line_number
     decimal_comma = ";" in line and "," in line and "." not in line
     if decimal_comma:
         text.raw = text.raw[:at] + text.raw[at:].replace(b",", b".")
     values, columns = text.table(_SEPARATORS)
     if columns > 2:
-        raise text.fault(f"{columns} columns; accepted are one (acceleration) or two (time in s, acceleration)", line_number)
+        raise text.fault(f"{columns} columns; expected one (acceleration) or two (time in s, acceleration)", line_number)
     if unit is None:
         raise DocumentError(f"{text.source}: plain numbers without a unit; give it as `unit`, one of {', '.join(UNITS['acceleration'])}")
     if columns == 1:
         if dt is None:
             raise DocumentError(f"{text.source}: one column of numbers without times; give their step as `dt`")
         if values[0] > _FEW and values[0] in (values.size - 1, values.size - 2):
-            raise text.fault(f"found {values[0]:g}, the number of the values below it; accepted are accelerations alone", line_number)
+            raise text.fault(f"found {values[0]:g}, the number of the values below it; expected accelerations alone", line_number)
         return [Series(None, dt, values, unit)]
     if dt is not None:
         raise DocumentError(f"{text.source}: two columns, of which the first is the time; `dt` goes with one column")
@@ -74,7 +74,7 @@ def read(text: RecordText, unit: str | None, dt: float | None) -> list[Series]:
 def even_step(time: np.ndarray, text: RecordText, line: int, in_a_line: int = 1) -> float:
     """The step of times which rise evenly; line: of the first. Raises DocumentError where they do not."""
     if time.size < 2:
-        raise text.fault(f"found {time.size} values; accepted are at least two", line)
+        raise text.fault(f"found {time.size} values; expected at least two", line)
     step = float(f"{(time[-1] - time[0]) / max(1, time.size - 1):.10g}")
     level = False
     for part in blocks(time.size):

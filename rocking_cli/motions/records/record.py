@@ -53,7 +53,7 @@ class Record:
 
     def __post_init__(self) -> None:
         if not STEPS[0] <= self.dt <= STEPS[1]:
-            raise DocumentError(f"{self.source}: a time step of {self.dt:g} s; accepted is one from {STEPS[0]:g} to {STEPS[1]:g} s")
+            raise DocumentError(f"{self.source}: a time step of {self.dt:g} s; expected one from {STEPS[0]:g} to {STEPS[1]:g} s")
         if self.acceleration.ndim != 1 or self.acceleration.size < 2:
             raise DocumentError(f"{self.source}: {self.acceleration.size} samples; a record has at least two")
         if not largest(self.acceleration) <= LARGEST:

@@ -29,16 +29,14 @@ def read(text: RecordText) -> list[Series]:
     first, *lines = text.lines(_TEXT)
     kind = _FIRST.match(first)
     if kind is None or "ACCELEROGRAM" not in kind[2].upper():
-        raise text.no_acceleration(f"found {first.strip()!r}; accepted is an accelerogram", 1)
+        raise text.no_acceleration(f"found {first.strip()!r}; expected an accelerogram", 1)
     integers = text.numbers(_INTEGERS, Layout(8, 10))
     reals = text.numbers(_REALS, Layout(5, 15))
     while text.raw[text.at : text.at + 1] == b"|":
         text.next_line()
     count = text.count(f"{integers[_POINTS]:.0f}")
     if reals[_RATE] == reals[_NONE]:
-        raise text.fault(
-            "no sampling rate in the header, as of pairs of times and accelerations; accepted are accelerations at equal steps"
-        )
+        raise text.fault("no sampling rate in the header, as of pairs of times and accelerations; expected accelerations at equal steps")
     rate = text.rate(f"{reals[_RATE]:.10g}")
     component = next((m[1] for line in lines if (m := _COMPONENT.search(line))), None)
     peaks = [abs(reals[i]) for i in (_MAXIMUM, _MINIMUM) if reals[i] != reals[_NONE]]

@@ -93,21 +93,21 @@ class RecordText:
         """The value of a key and its line; wanted: what the value should be. Raises DocumentError if it has none."""
         text, line = keys.get(key, ("", 1))
         if not text:
-            raise self.fault(f"no value of {key}" + (f"; accepted is {wanted}" if wanted else ""), line)
+            raise self.fault(f"no value of {key}" + (f"; expected {wanted}" if wanted else ""), line)
         return text, line
 
     def number(self, text: str, line: int | None = None) -> float:
         """A number of the header. Raises DocumentError."""
         value = value_of(text.strip().encode("latin-1", "replace"))
         if value is None:
-            raise self.fault(f"found {text.strip()!r} in the header; accepted is a number", line)
+            raise self.fault(f"found {text.strip()!r} in the header; expected a number", line)
         return value
 
     def count(self, text: str, line: int | None = None) -> int:
         """A number of values, as the header states it. Raises DocumentError."""
         value = self.number(text, line)
         if value != int(value) or value < 0.0:
-            raise self.fault(f"a number of values of {text.strip()}; accepted is a whole number", line)
+            raise self.fault(f"a number of values of {text.strip()}; expected a whole number", line)
         return int(value)
 
     def step(self, text: str, line: int | None = None) -> float:
@@ -121,7 +121,7 @@ class RecordText:
     def _positive(self, text: str, line: int | None, what: str) -> float:
         value = self.number(text, line)
         if not value > 0.0:
-            raise self.fault(f"{what}; accepted is a positive one", line)
+            raise self.fault(f"{what}; expected a positive one", line)
         return value
 
     def unit(self, word: str, line: int | None = None, key: str = "") -> str:
@@ -129,7 +129,7 @@ class RecordText:
         unit = unit_of(word)
         if unit is None:
             found = f"{key}: found" if key else "found the unit"
-            raise self.fault(f"{found} {word!r}; accepted are {', '.join(WRITTEN_UNITS)}", line)
+            raise self.fault(f"{found} {word!r}; expected {', '.join(WRITTEN_UNITS)}", line)
         return unit
 
     def agree(self, count: int, dt: float, duration: str, line: int | None = None, slack: float = 0.0) -> None:
@@ -187,7 +187,7 @@ class RecordText:
             raise self.fault(f"the file ends after {self.line - first} lines of {count} values")
         for i, line in enumerate(block.split(b"\n"), first):
             if line.translate(None, OF_NUMBERS):
-                raise self.fault(f"found {quoted(line.strip())}; accepted are {count} numbers from line {first} on", i)
+                raise self.fault(f"found {quoted(line.strip())}; expected {count} numbers from line {first} on", i)
         self._demand_full(self._fields(block, layout, count), layout, count, count, first)
 
     def table(self, separators: bytes = b"") -> tuple[Array, int]:
@@ -223,8 +223,8 @@ class RecordText:
         for i, row in enumerate(rows):
             wanted = min(layout.columns, left - i * layout.columns)
             if len(row) != wanted:
-                accepted = f"accepted are {wanted} (the header announces {count} values)"
-                raise self.fault(f"found {len(row)} numbers on a line; {accepted}", first + i)
+                expected = f"expected {wanted} (the header announces {count} values)"
+                raise self.fault(f"found {len(row)} numbers on a line; {expected}", first + i)
 
     def _one_by_one(self, rows: list[list[bytes]], first: int, done: int = 0, count: int | None = None) -> tuple[Array, int]:
         """(the numbers of lines up to `count` in all, how many lines hold them). Raises DocumentError at the first token that is none."""

@@ -64,7 +64,7 @@ def _announced(text: RecordText, count: int) -> tuple[float, str, np.ndarray]:
     body, layout = _BODY.match(line), fortran_layout(line)
     if body is None or layout is None:
         raise text.fault(
-            f"found {line.strip()!r}; accepted is such as 13200 Accelerogram points at 200 pts/sec in units of g. Format: (8f9.6)"
+            f"found {line.strip()!r}; expected a line like 13200 Accelerogram points at 200 pts/sec in units of g. Format: (8f9.6)"
         )
     unit = text.unit(body[3])
     if text.count(body[1]) != count:

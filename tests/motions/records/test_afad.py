@@ -40,7 +40,7 @@ def test_one_of_several_components_has_to_be_named(tmp_path):
     assert read_record(path, component="e-w").component == "E-W"
     with pytest.raises(UsageError, match="holds the components N-S, E-W, U-D"):
         read_record(path)
-    with pytest.raises(UsageError, match="found 'NS'; accepted are N-S, E-W, U-D"):
+    with pytest.raises(UsageError, match="found 'NS'; expected N-S, E-W, U-D"):
         read_record(path, component="NS")
 
 

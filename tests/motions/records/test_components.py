@@ -48,7 +48,7 @@ def test_what_a_set_takes_of_a_file(station, component, names):
 
 
 def test_one_is_not_taken_for_another(station):
-    with pytest.raises(UsageError, match=r"a: component: found 'NS'; accepted are N-S, E-W, U-D, horizontal and all"):
+    with pytest.raises(UsageError, match=r"a: component: found 'NS'; expected N-S, E-W, U-D, horizontal and all"):
         chosen(read_records(station), "NS")
     for several in (None, "horizontal", "all"):
         with pytest.raises(UsageError, match="holds the components N-S, E-W"):

@@ -99,7 +99,7 @@ def test_a_length_that_leaves_out_the_last_step_agrees(tmp_path):
         (channel(step=0.0), "a:46: a time step of 0"),
         (channel(quantity="velocity", unit="cm/sec(05)"), "no acceleration, only velocity in cm/sec"),
         (channel(unit="counts(50)"), "found the unit 'counts' (50)"),
-        (channel(unit="in/sec2"), "a:46: found the unit 'in/sec2' (no code); accepted are cm/s2 (04)"),
+        (channel(unit="in/sec2"), "a:46: found the unit 'in/sec2' (no code); expected cm/s2 (04)"),
         (channel(unit="g(04)"), "a:46: found the unit 'g' with the code 04, which is cm/s2"),
         (channel(count=2008, length=20.08), "after 2000 of 2008 values"),
         (channel().replace("Real-header", "Imaginary"), "100 real-header values follow"),

@@ -100,7 +100,10 @@ def test_channels_of_one_name_are_told_apart(tmp_path):
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        ("Response and Fourier amplitude spectra (78 periods)   for\n" + channel(1, 90, SAMPLES), "a:1: spectra (volume 3); accepted is"),
+        (
+            "Response and Fourier amplitude spectra (78 periods)   for\n" + channel(1, 90, SAMPLES),
+            "a:1: spectra (volume 3); expected an accel",
+        ),
         (channel(1, 90, SAMPLES / 10, blocks="v"), "no points of accel data, only of veloc"),
         (channel(1, 90, SAMPLES / 10, blocks=""), "no line `n points of accel data`"),
         (channel(1, 90, SAMPLES / 10, points=996), "a:46: 997 points of acceleration, where the channel's header states 996"),

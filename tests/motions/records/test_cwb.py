@@ -48,7 +48,7 @@ def test_values_after_those_declared_are_a_remark(tmp_path):
         ({"length": "12.01"}, "a:7: a number of values of 600.5"),
         ({"length": "14"}, "a:614: the file ends after 2400 of 2800 values"),
         ({"step": 0.01}, "a:7: 600 values every 0.01 s make 6 s, where the header states 12 s"),
-        ({"length": "0"}, "a:15: found 0 values; accepted are at least two"),
+        ({"length": "0"}, "a:15: found 0 values; expected at least two"),
         ({"form": "3F10.3"}, "a:14: Data: found '3F10.3' for a time and U, N, E"),
         ({"order": "", "form": "F10.3"}, "a:14: Data: found 'F10.3' for a time and "),
         ({"lines": 14}, "a:14: the file ends within its header"),

@@ -84,7 +84,7 @@ def test_three_components_whose_numbers_touch(tmp_path):
         (component("Up", SAMPLES / 2, points=1235), "a:10: 1235 points, where the numbers of the header state 1234"),
         (component("Up", SAMPLES / 2, duration=30.0), "a:10: 1234 values every 0.02 s make 24.68 s, where the header states 30.00 s"),
         (component("Up", SAMPLES / 2, dt=0.0, duration=24.66), "a time step of 0"),
-        (uncorrected("Up", SAMPLES / 2, unit="0.10"), "a:11: raw readings in units of 0.10 mm/s/s; accepted are those in units of 1"),
+        (uncorrected("Up", SAMPLES / 2, unit="0.10"), "a:11: raw readings in units of 0.10 mm/s/s; expected units of 1"),
         ("\n".join(component("Up", SAMPLES / 2).splitlines()[:60]) + "\n", "a:60: the file ends after 340 of 1234 values"),
         (component("Up", SAMPLES / 2) + "\n".join(component("N", SAMPLES / 2).splitlines()[:20]), "the file ends after"),
     ],
@@ -103,5 +103,5 @@ def test_a_line_of_numbers_missing_or_twice_loses_no_component(tmp_path, count):
 def test_a_component_without_its_first_line_is_not_passed_over(tmp_path):
     lines = component("E", SAMPLES / 2).splitlines(keepends=True)
     first = component("N", SAMPLES / 2)
-    words = f"a:{first.count(chr(10)) + 1}: found 'Site ABCD      42 37 10S  173 03 13E'; accepted is the first line of a component"
+    words = f"a:{first.count(chr(10)) + 1}: found 'Site ABCD      42 37 10S  173 03 13E'; expected the first line of a component"
     assert words in refusal(tmp_path / "a", first + "".join(lines[1:]) + component("Up", SAMPLES / 2))

@@ -104,14 +104,14 @@ def lines(**changed):
         (lines(_7="0.07 ****"), {"unit": "g"}, "a:8: found '****', stars in place of a number"),
         (lines(_7="0.07 nan"), {"unit": "g"}, "a:8: found 'nan', which is no finite number"),
         (lines(_7="0.05 0.1"), {"unit": "g"}, "a:8: times that do not rise in even steps, such as 0.05 s"),
-        ("t velocity\n" + lines(), {"unit": "g"}, "a:1: found 't velocity'; accepted is an acceleration"),
+        ("t velocity\n" + lines(), {"unit": "g"}, "a:1: found 't velocity'; expected an acceleration"),
         (f"400\n{COLUMN}", {"unit": "g", "dt": 0.01}, "a:1: found 400, the number of the values below it"),
         (f"made up\n400\n0.01\n{COLUMN}", {"unit": "g", "dt": 0.01}, "a:2: found 400, the number of the values below it"),
         (f"made up\n400 0.01\n{COLUMN}", {"unit": "g", "dt": 0.01}, "a:3: found 1 numbers, 2 on the lines before"),
         ("0 1\n0 2\n0 3\n", {"unit": "g"}, "times that do not rise"),
         ("0\n1e7\n", {"unit": "m/s2", "dt": 0.01}, "an acceleration that is not finite or beyond 1e+06 m/s2"),
         ("0\n1e308\n", {"unit": "g", "dt": 0.01}, "an acceleration that is not finite or beyond 1e+06 m/s2"),
-        ("0\n1\n", {"unit": "g", "dt": 1e4}, "a time step of 10000 s; accepted is one from 1e-07 to 1000 s"),
+        ("0\n1\n", {"unit": "g", "dt": 1e4}, "a time step of 10000 s; expected one from 1e-07 to 1000 s"),
         ("0.5\n", {"unit": "g", "dt": 0.01}, "1 samples; a record has at least two"),
     ],
 )
@@ -122,7 +122,7 @@ def test_bad_files_are_told_with_file_and_line(tmp_path, text, given, words):
 def test_a_unit_that_is_none_of_acceleration(tmp_path):
     path = tmp_path / "a"
     path.write_text(lines())
-    with pytest.raises(UsageError, match="`unit`: found 'cm/s'; accepted are m/s2"):
+    with pytest.raises(UsageError, match="`unit`: found 'cm/s'; expected m/s2"):
         read_record(path, unit="cm/s")
 
 

@@ -182,7 +182,7 @@ def test_an_installed_package_adds_a_format(install, tmp_path, rocking):
 def test_an_installed_format_says_its_own_fault(install, tmp_path):
     install()
     (tmp_path / "a.txt").write_text("OURS\nmany\n")
-    with pytest.raises(DocumentError, match=r"a.txt:2: found 'many' in the header; accepted is a number"):
+    with pytest.raises(DocumentError, match=r"a.txt:2: found 'many' in the header; expected a number"):
         read_records(tmp_path / "a.txt")
 
 
@@ -191,7 +191,7 @@ def test_an_installed_format_says_its_own_fault(install, tmp_path):
     [
         ({"recognise": "return 1 / 0"}, "ZeroDivisionError: division by zero"),
         ({"read": "raise SystemExit(0)"}, "SystemExit: 0"),
-        ({"read": "return None"}, "TypeError: read returns NoneType; accepted is a list of Series, one or more"),
+        ({"read": "return None"}, "TypeError: read returns NoneType; expected a list of Series, one or more"),
         ({"read": "return [Series('N', 0.01, np.zeros(count), 'furlong')]"}, "KeyError: 'furlong'"),
     ],
 )
@@ -200,7 +200,7 @@ def test_a_package_that_fails_is_named(install, tmp_path, rocking, changed, word
     done = rocking("records", "a.txt")
     told = "the record format ours, which the package of-ours adds and which cannot be used: "
     assert (done.returncode, done.stdout) == (3, "")
-    assert f"a.txt: {told}{words}; accepted is a package that works" in done.stderr
+    assert f"a.txt: {told}{words}; expected a package that works" in done.stderr
 
 
 def test_own_formats_never_look_for_packages(tmp_path, monkeypatch):

@@ -64,9 +64,9 @@ def test_a_name_padded_with_nulls_and_no_comments(tmp_path):
 @pytest.mark.parametrize(
     ("changed", "words"),
     [
-        ({"kind": "3 VELOCITY"}, "a:1: found '3 VELOCITY'; accepted is an accelerogram"),
-        ({"kind": "0 UNKNOWN"}, "a:1: found '0 UNKNOWN'; accepted is an accelerogram"),
-        ({"count": 806}, "a:131: found 5 numbers on a line; accepted are 6 (the header announces 806 values)"),
+        ({"kind": "3 VELOCITY"}, "a:1: found '3 VELOCITY'; expected an accelerogram"),
+        ({"kind": "0 UNKNOWN"}, "a:1: found '0 UNKNOWN'; expected an accelerogram"),
+        ({"count": 806}, "a:131: found 5 numbers on a line; expected 6 (the header announces 806 values)"),
         ({"rate": 0.0}, "a sampling frequency of 0"),
         ({"rate": NONE}, "no sampling rate"),
         ({"lines": 60}, "a:60: the file ends after 240 of 805 values"),

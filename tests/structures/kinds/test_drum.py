@@ -94,10 +94,10 @@ def test_a_one_sided_drum_meets_its_backing_at_its_top():
 
 REFUSED = [
     ("kind: drum\nradius: 1\nheight: 6\ntop_radius: 1", "not both"),
-    ("kind: drum\ndrums: []", "accepted is a list of drums"),
-    ("kind: drum\ndrums: [3]", "found 3; accepted is a mapping"),
+    ("kind: drum\ndrums: []", "expected a list of drums"),
+    ("kind: drum\ndrums: [3]", "found 3; expected a mapping"),
     ("kind: drum\ndrums: [{radius: 1, heigth: 2}]", "unknown key 'heigth'"),
-    ("kind: drum\nradius: 1\nheight: 6\noffset: 1", "offset: found 1; accepted is a length between -1 and 1 m, above its base"),
+    ("kind: drum\nradius: 1\nheight: 6\noffset: 1", "offset: found 1; expected a length between -1 and 1 m, above its base"),
     ("kind: drum\ndrums: [{radius: 1, height: 2}, {radius: 1, height: 2, offset: 2}]", "drum 2 from below beside the one"),
     ("kind: drum\ndrums: [{radius: 1, height: 2}, {radius: 1, height: 2, offset: 1.5}]", "drum 2 from below and what is on it"),
     ("kind: drum\nbase_radius: 1\ntop_radius: -1\nheight: 3", "top_radius: found -1"),

@@ -29,7 +29,7 @@ def test_frame_without_a_beam_is_its_column():
 
 
 REFUSED = [
-    ("kind: frame\ncolumns: 0\nwidth: 1\nheight: 6\ncap_ratio: 1", "columns: found 0; accepted is a whole number from 1"),
+    ("kind: frame\ncolumns: 0\nwidth: 1\nheight: 6\ncap_ratio: 1", "columns: found 0; expected a whole number from 1"),
     ("kind: frame\ncolumns: 2\nwidth: 1\nheight: 6\ncap_ratio: -1", "cap_ratio: found -1"),
 ]
 

@@ -40,14 +40,14 @@ def test_geometry_without_a_structure_is_the_documents_fault(monkeypatch):
 @pytest.mark.parametrize(
     ("document", "words"),
     [
-        ("kind: block\nwidth: 1e-300\nheight: 1", "width: found 1e-300; accepted is a positive length, from 1e-09 m"),
-        ("kind: block\nwidth: 1e300\nheight: 1", "width: found 1e300; accepted is a length"),
+        ("kind: block\nwidth: 1e-300\nheight: 1", "width: found 1e-300; expected a positive length, from 1e-09 m"),
+        ("kind: block\nwidth: 1e300\nheight: 1", "width: found 1e300; expected a length"),
         ("kind: block\nwidth: 1e7 km\nheight: 1", "up to 1e+09 m"),
         ("kind: drum\nbase_radius: 1\ntop_radius: 1e200\nheight: 3", "top_radius: found 1e200"),
         ("kind: prism\ncorners: [[0, 0], [1e200, 0], [0, 1]]", "corners: found a corner"),
         (
             "kind: spire\nbase_radius: 1e9\nheight: 1e9\nthickness: 1e-9",
-            "thickness: found 1e-9; accepted is a positive length below base_radius (1e+09 m) and above 1 m",
+            "thickness: found 1e-9; expected a positive length below base_radius (1e+09 m) and above 1 m",
         ),
         ("kind: arch\nradius: 1e200\nthickness: 1\nangle: 1\nvoussoirs: 12", "radius: found 1e200"),
         ("kind: parameters\np: 1\nalpha: 1e-300\neta: 1\nlambda: 1e300", "a_scale is 0"),
@@ -119,7 +119,7 @@ def test_an_installed_package_adds_a_kind(install):
     assert parameters_of(json.dumps(tower.record())) == tower
     with pytest.raises(DocumentError, match=r"f.yaml:2:1: unknown key 'storys' \(did you mean 'storeys'"):
         parameters_of("kind: tower\nstorys: 7")
-    with pytest.raises(DocumentError, match=r"accepted is one of block, .*parameters, tower .did you mean 'tower'"):
+    with pytest.raises(DocumentError, match=r"expected one of block, .*parameters, tower .did you mean 'tower'"):
         parameters_of("kind: towr\nstoreys: 7")
 
 
@@ -130,7 +130,7 @@ def test_shared_keys_are_read_for_an_installed_kind_that_does_not_read_them(inst
     given = parameters_of("kind: tower\nstoreys: 7\nname: T\nrestitution: 0.5\nfriction: 0.4")
     assert given == replace(plain, eta=0.5, eta_source="given", friction=0.4)
     assert parameters_of("kind: tower\nstoreys: 7\nname: T\nrestitution: auto") == plain
-    with pytest.raises(DocumentError, match=r"f.yaml:3:14: restitution: found 1.5; accepted is a number from 0 to 1, or auto"):
+    with pytest.raises(DocumentError, match=r"f.yaml:3:14: restitution: found 1.5; expected a number from 0 to 1, or auto"):
         parameters_of("kind: tower\nstoreys: 7\nrestitution: 1.5")
 
 
@@ -186,7 +186,7 @@ def test_a_package_whose_build_fails_is_named(install, rocking, tmp_path, monkey
     done = rocking("params", "f.yaml")
     told = "rocking: f.yaml:2:7: kind: found failing, which the package of-failing adds and which cannot be used: "
     assert (done.returncode, done.stdout) == (3, "")
-    assert done.stderr.startswith(f"{told}{words}; accepted is a package that works"), done.stderr
+    assert done.stderr.startswith(f"{told}{words}; expected a package that works"), done.stderr
 
 
 def test_a_package_that_exits_when_it_is_loaded_is_named(install, monkeypatch):
@@ -198,7 +198,7 @@ def test_a_package_that_exits_when_it_is_loaded_is_named(install, monkeypatch):
 
 def test_what_a_package_finds_wrong_in_a_document_is_told_as_it_is(install):
     install("tower", TOWER)
-    with pytest.raises(DocumentError, match=r"f.yaml:2:10: storeys: found 100; accepted is a whole number from 1 to 99"):
+    with pytest.raises(DocumentError, match=r"f.yaml:2:10: storeys: found 100; expected a whole number from 1 to 99"):
         parameters_of("kind: tower\nstoreys: 100")
 
 
@@ -209,13 +209,13 @@ def test_every_rigid_kind_takes_a_mass_which_changes_nothing_else(name):
     assert with_mass.details["mass"] == 1500.0
     assert replace(with_mass, details=without.details) == without
     assert parameters_of(json.dumps(with_mass.record())) == with_mass
-    with pytest.raises(DocumentError, match="mass: found -1; accepted is a positive mass"):
+    with pytest.raises(DocumentError, match="mass: found -1; expected a positive mass"):
         parameters_of(f"{text}\nmass: -1\n")
 
 
 @pytest.mark.parametrize("kind", ["[block]", "{block: 1}"])
 def test_a_kind_that_is_no_word_is_refused(kind):
-    with pytest.raises(DocumentError, match=r"f.yaml:1:7: kind: found a (list|mapping); accepted is one of block"):
+    with pytest.raises(DocumentError, match=r"f.yaml:1:7: kind: found a (list|mapping); expected one of block"):
         parameters_of(f"kind: {kind}")
 
 

@@ -43,7 +43,7 @@ def test_unsymmetric_prism_falls_over_its_weaker_edge():
 
 
 REFUSED = [
-    ("kind: prism\ncorners: [[0, 0], [1, 0]]", "found a list; accepted is a list of three or more"),
+    ("kind: prism\ncorners: [[0, 0], [1, 0]]", "found a list; expected a list of three or more"),
     ("kind: prism", "no key 'corners'"),
     ("kind: prism\ncorners: [[0, 0], [2, 2], [2, 0], [0, 2]]", "crosses itself"),
     ("kind: prism\ncorners: [[0, 0], [2, 0], [1, 0], [1, 3]]", "crosses itself"),

@@ -47,18 +47,18 @@ def test_momentum_of_both_edges():
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        (STATUE, "no key 'gyration'; accepted is gyration: a length"),
-        (STATUE + "gyration: 0", "gyration: found 0; accepted is a positive length"),
+        (STATUE, "no key 'gyration'; expected gyration: a length"),
+        (STATUE + "gyration: 0", "gyration: found 0; expected a positive length"),
         (
             "kind: rigid\nleft: 1e9\nright: 0.3\nheight: 0.4\ngyration: 1",
-            "left: found 1e.09 m; accepted is up to 1000 times the 0.5 m from",
+            "left: found 1e.09 m; expected up to 1000 times the 0.5 m from",
         ),
-        (STATUE + "gyration: 1\ninertia: 3", "inertia: found inertia beside gyration; accepted is gyration, or inertia and mass"),
-        (STATUE + "inertia: 3", "no key 'mass'; accepted is mass: the mass .kg. that goes with inertia"),
-        (STATUE + "inertia: 3 kg\nmass: 2", "inertia: found 3 kg; accepted is a moment of inertia"),
-        (STATUE + "gyration: 1\nmass: -2", "mass: found -2; accepted is a positive mass"),
-        (STATUE.replace("right: 31 cm", "right: -1"), "right: found -1; accepted is a positive length"),
-        (STATUE.replace("1.15", "0.2") + "gyration: 0.2", "a restitution of -.* from momentum; accepted is a body more slender"),
+        (STATUE + "gyration: 1\ninertia: 3", "inertia: found inertia beside gyration; expected gyration, or inertia and mass"),
+        (STATUE + "inertia: 3", "no key 'mass'; expected mass: the mass .kg. that goes with inertia"),
+        (STATUE + "inertia: 3 kg\nmass: 2", "inertia: found 3 kg; expected a moment of inertia"),
+        (STATUE + "gyration: 1\nmass: -2", "mass: found -2; expected a positive mass"),
+        (STATUE.replace("right: 31 cm", "right: -1"), "right: found -1; expected a positive length"),
+        (STATUE.replace("1.15", "0.2") + "gyration: 0.2", "a restitution of -.* from momentum; expected a body more slender"),
     ],
 )
 def test_refusals(text, words):

@@ -125,16 +125,16 @@ def test_spires_are_rocking_structures(kappa, wall, crack):
 
 
 REFUSED = [
-    (THIN + "thickness: 1.5", "thickness: found 1.5; accepted is a positive length below base_radius"),
-    (THIN + "thickness: 0", "found 0; accepted is a positive length below"),
-    (CRACKED + "crack_height: 11", "crack_height: found 11; accepted is a length from 0 .the base. to 10.8 m"),
+    (THIN + "thickness: 1.5", "thickness: found 1.5; expected a positive length below base_radius"),
+    (THIN + "thickness: 0", "found 0; expected a positive length below"),
+    (CRACKED + "crack_height: 11", "crack_height: found 11; expected a length from 0 .the base. to 10.8 m"),
     (CRACKED + "crack_height: -1", "crack_height: found -1"),
     (CRACKED + "tip_height: 13", "tip_height: found 13"),
     (THIN + "crack: diagonal", "a crack up to the apex"),
     (CRACKED + "tip_height: 12", "a crack up to the apex"),
     (THIN + "tip_height: 9", "solid tip on a thin wall"),
     (THIN + "crack: none\ncrack_height: 3", "crack: diagonal only"),
-    (THIN + "crack: vertical", "found vertical; accepted is one of none, diagonal"),
+    (THIN + "crack: vertical", "found vertical; expected one of none, diagonal"),
 ]
 
 

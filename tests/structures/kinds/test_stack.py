@@ -90,8 +90,8 @@ def test_a_piece_that_was_pushed_has_two_sides():
 
 
 REFUSED = [
-    ("kind: stack", "no key 'pieces'; accepted is pieces: a list of pieces from below"),
-    ("kind: stack\npieces: []", "pieces: found a list; accepted is a list of pieces from below"),
+    ("kind: stack", "no key 'pieces'; expected pieces: a list of pieces from below"),
+    ("kind: stack\npieces: []", "pieces: found a list; expected a list of pieces from below"),
     ("kind: stack\npieces: [{width: 1, radius: 1, height: 2}]", "radius: found radius beside width or depth"),
     ("kind: stack\npieces: [{width: 1, heigth: 2}]", "f.yaml:2:29: unknown key 'heigth' .did you mean 'height'"),
     ("kind: stack\npieces: [{width: 1, height: 2, colour: red}]", "f.yaml:2:40: unknown key 'colour'"),

@@ -133,7 +133,7 @@ def test_a_given_restitution_is_that_of_both_impacts():
 
 def test_momentum_that_would_throw_an_unequal_body_backwards_is_refused():
     flat = [(0, 0), (6, 0), (4, 1), (1, 1)]
-    with pytest.raises(DocumentError, match=r"found a restitution of -0\.\d+ from momentum; accepted is a section more slender"):
+    with pytest.raises(DocumentError, match=r"found a restitution of -0\.\d+ from momentum; expected a section more slender"):
         prism(flat)
     assert prism(flat, "restitution: 0.3").eta == 0.3
 
@@ -175,15 +175,15 @@ WALL = "one_sided: true\n"
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        ("kind: block\nwidth: 1\nheight: 5\nrestitution: 0.4", "restitution: found 0.4; accepted is a number above -1 and up to 0"),
-        ("kind: block\nwidth: 1\nheight: 5\nrestitution: -1", "restitution: found -1; accepted is a number above -1"),
+        ("kind: block\nwidth: 1\nheight: 5\nrestitution: 0.4", "restitution: found 0.4; expected a number above -1 and up to 0"),
+        ("kind: block\nwidth: 1\nheight: 5\nrestitution: -1", "restitution: found -1; expected a number above -1"),
         ("kind: block\nwidth: 4\nheight: 5", r"one_sided: found a restitution of 0\.\d+ from three impacts, .* more slender"),
         ("kind: block\nwidth: 3\nheight: 2", r"from three impacts, -0\.\d+ and -0\.\d+ on its base"),
-        ("kind: point_mass\nwidth: 1\nheight: 5", "does not say where it meets its backing; accepted is restitution beside it"),
+        ("kind: point_mass\nwidth: 1\nheight: 5", "does not say where it meets its backing; expected restitution beside it"),
         ("kind: rigid\nleft: 1\nright: 1\nheight: 3\ngyration: 1", "does not say where it meets its backing"),
         ("kind: rigid\nleft: 1\nright: 2\nheight: 3\ngyration: 1\nrestitution: auto", "does not say where it meets its backing"),
         ("kind: frame\ncolumns: 4\nwidth: 1\nheight: 5\ncap_ratio: 1", "does not say where it meets its backing"),
-        ("kind: arch\nradius: 10\nthickness: 1.5\nangle: 3", "one_sided: found true; accepted is false: an arch sways to both sides"),
+        ("kind: arch\nradius: 10\nthickness: 1.5\nangle: 3", "one_sided: found true; expected false: an arch sways to both sides"),
         ("kind: spire\nbase_radius: 1.5\nheight: 12\nthickness: 0.15\ncrack: diagonal", "does not say where it meets its backing"),
     ],
 )
