@@ -16,7 +16,7 @@ from ..equations.taylor import TaylorSeries
 from ..lanes import Lanes
 from .roots import hidden_turn, impact_root, turning_point
 from .turns import falls_through_zero, sense
-from .windows import TabledWindows, Windows, window_end
+from .windows import window_end
 
 Array = np.ndarray
 
@@ -68,15 +68,9 @@ class TurningPoints(NamedTuple):
     y: Array
 
 
-def next_step(segments: Segments, lanes: Lanes, longest: Array, tabled: TabledWindows | None = None) -> Step:
-    """The longest step that one sign test covers, for each lane, and that the flow can take (`longest`, in tau); tabled: the cells'."""
-
-    def window_of(k: Array, u: Array, at: Array | slice) -> Windows:
-        if tabled is not None:
-            return tabled.at(lanes.cell[at], k, u, lanes.side[at])
-        return window_end(segments, k, u, lanes.side[at], lanes.amplitude[at])
-
-    window = window_of(lanes.k, lanes.u, slice(None))
+def next_step(segments: Segments, lanes: Lanes, longest: Array) -> Step:
+    """The longest step that one sign test covers and that the flow can take (`longest` [tau]), for each lane."""
+    window = window_end(segments, lanes.k, lanes.u, lanes.side, lanes.amplitude)
     k, u = window.k.copy(), window.u.copy()
     h = window.phase(lanes.u) / lanes.omega
     kind = np.where(window.supercritical, SUPERCRITICAL, SUBCRITICAL)
@@ -84,7 +78,7 @@ def next_step(segments: Segments, lanes: Lanes, longest: Array, tabled: TabledWi
     # A supercritical window entered outwards holds no event: go on to the end of the subcritical one after it.
     on = np.flatnonzero(window.supercritical & (lanes.v >= 0.0) & (u < segments.length[k]) & (h < longest))
     if on.size:
-        beyond = window_of(k[on], u[on], on)
+        beyond = window_end(segments, k[on], u[on], lanes.side[on], lanes.amplitude[on])
         subcritical[on] = h[on]
         h[on] += beyond.phase(u[on]) / lanes.omega[on]
         k[on], u[on] = beyond.k, beyond.u
@@ -96,13 +90,10 @@ def next_step(segments: Segments, lanes: Lanes, longest: Array, tabled: TabledWi
     return Step(k, u, h, kind, subcritical)
 
 
-def advance(
-    segments: Segments, lanes: Lanes, equation: Equation, until: Array | float = np.inf, tabled: TabledWindows | None = None
-) -> Passage:
-    """Take the step and settle whether the body hit the ground on the way, and when; until: the longest step [tau] besides the flow's;
-    tabled: the cells' windows, where they are known."""
+def advance(segments: Segments, lanes: Lanes, equation: Equation, until: Array | float = np.inf) -> Passage:
+    """Take the step and settle whether the body hit the ground on the way, and when; until: the longest step [tau] besides the flow's."""
     arc = equation.flow(segments, lanes)
-    step = next_step(segments, lanes, np.minimum(arc.longest, until), tabled)
+    step = next_step(segments, lanes, np.minimum(arc.longest, until))
     if segments.weighed is not None and isinstance(arc, TaylorSeries):
         end, bent = arc.bent(step.h)
     else:

@@ -9,7 +9,6 @@ chatter, certain overturning, the free motion after the shaking.
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import cached_property
 from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
@@ -27,7 +26,6 @@ from .advance import Passage, TurningPoints, advance, low_bounces, turning_point
 from .batch import Batch, Landing
 from .closings import AT_IMPACTS, conditions, impulse_bound
 from .memory import keep_freed_memory
-from .windows import tabled_windows
 
 if TYPE_CHECKING:
     from ..observers.contact_loss import ContactLoss
@@ -96,7 +94,6 @@ class Run(Batch):
         keep_freed_memory()
         super().__init__(system, segments, amplitude, omega, eta, peaks)
         self.pool, self.most_steps = pool, MAX_STEPS + 40 * len(segments)
-        self.tabled = tabled_windows(self.segments, self.cells.amplitude)
         self.stepper = stepper(self)
         self.observers = self._chosen(system, body, speed, ahead)
         held = conditions(self)
@@ -130,54 +127,32 @@ class Run(Batch):
         lifts = self.contact.strongest(self.cells, self.segments) > 1.0
         waiting = np.flatnonzero(lifts)
         if self.forces is not None:
-            self._rest_at_first(self.forces, lifts)
+            still = np.flatnonzero(~lifts)
+            start, zero = np.zeros(still.size, dtype=np.int64), np.zeros(still.size)
+            until = Uplift(start + len(self.segments), zero, zero, zero)
+            self.forces.rest(still, start, zero, *self._rests_until(still, until))
         self.work += Work(no_uplift=self.outcome.size - waiting.size)
         self.stepper.march(waiting)
         del self.stepper  # it refers to the run: the memory of both would wait for the collector of cycles
 
     def start(self, cell: Array) -> Lanes:
         """Bodies at rest, taken to their first uplift; k is the number of segments where there is none."""
-        first = self._first_uplift(cell) if self.tabled is None else Uplift(*(x[self.tabled.of[cell]] for x in self._first_uplifts))
-        if self.tabled is None:
-            for observer in self.observers if cell.size else ():
-                observer.rest(cell, np.zeros(cell.size, dtype=np.int64), np.zeros(cell.size), *self._rests_until(cell, first))
-        return self._lifted(cell, first)
-
-    def _rest_at_first(self, forces: GroundForces, lifts: Array) -> None:
-        """The forces of bodies that stay at rest, and until their first uplift of all whose amplitudes are known."""
-        cell = np.flatnonzero(~lifts) if self.tabled is None else self.tabled.cells
-        start, zero = np.zeros(cell.size, dtype=np.int64), np.zeros(cell.size)
-        until = Uplift(start + len(self.segments), zero, zero, zero)
-        if self.tabled is not None:
-            until = Uplift(*(np.where(lifts[cell], x, never) for x, never in zip(self._first_uplifts, until, strict=True)))
-        forces.rest(cell, start, zero, *self._rests_until(cell, until))
-        if self.tabled is not None:
-            forces.spread(self.tabled.of, self.tabled.cells)
-
-    def _lifted(self, cell: Array, first: Uplift) -> Lanes:
-        """Bodies that have been at rest so far, at this uplift."""
         zero, count = np.zeros(cell.size), np.zeros(cell.size, dtype=np.int32)
+        first = self.contact.uplift(self.cells, self.segments, cell, np.zeros(cell.size, dtype=np.int64), zero)
+        for observer in self.observers if cell.size else ():
+            observer.rest(cell, np.zeros(cell.size, dtype=np.int64), zero, *self._rests_until(cell, first))
         peak = np.full(cell.size, 0.0 if self.peaks else np.inf)  # infinite: nothing that comes can matter to it
         row = self.cells.row(first.side)
         amplitude, omega, eta = (values[row, cell] for values in self.cells)
         place_and_state = (first.k, first.u, first.side, zero, zero.copy(), first.b)
         return Lanes(cell, amplitude, omega, eta, *place_and_state, peak, count, count.copy())
 
-    @cached_property
-    def _first_uplifts(self) -> Uplift:
-        """Those of each amplitude of the table."""
-        assert self.tabled is not None
-        return self._first_uplift(self.tabled.cells)
-
-    def _first_uplift(self, cell: Array) -> Uplift:
-        return self.contact.uplift(self.cells, self.segments, cell, np.zeros(cell.size, dtype=np.int64), np.zeros(cell.size))
-
     def round(self, lanes: Landing) -> Landing:
         """Take one step of every lane; returns the lanes that go on."""
         seg = self.segments
         lanes.steps += 1
         equation = self.equation.on(lanes.side, lanes.cell)
-        passage = advance(seg, lanes, equation, np.inf if self.free_fall is None else self.free_fall.until(lanes), self.tabled)
+        passage = advance(seg, lanes, equation, np.inf if self.free_fall is None else self.free_fall.until(lanes))
         end, hit = passage.end, passage.hit
         k, u = place(seg, passage.step.k, passage.step.u)
         bad = ~(np.isfinite(end.y) & np.isfinite(passage.reach)) | (lanes.steps > self.most_steps)

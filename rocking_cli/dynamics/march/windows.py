@@ -18,8 +18,6 @@ from ..drive import crossing
 
 Array = np.ndarray
 
-_MOST, _FIRST = 100_000, 10_000  # segments times amplitudes of a table, more are searched, lane by lane; cells that show what there is
-
 
 class Windows(NamedTuple):
     """Where the present window ends, for every lane: segment and phase in it, whether the drive is supercritical, and the phase of the
@@ -33,57 +31,6 @@ class Windows(NamedTuple):
     def phase(self, u: Array) -> Array:
         """How far it is from phase u of the present segment."""
         return self.u - u + self.over
-
-
-class TabledWindows(NamedTuple):
-    """The windows of every amplitude of a run: what a search would find again in each round.
-
-    of: index of each cell's amplitude; cells: one of each amplitude; the others are flat, over the sides +1 and -1, the segments and the
-    amplitudes: cut: where a = 1 on the segment, -1 where nowhere; the others: the window that begins there, or with the segment.
-    """
-
-    of: Array
-    cells: Array
-    cut: Array
-    k: Array
-    u: Array
-    supercritical: Array
-    over: Array
-    segments: int
-    amplitudes: int
-
-    def at(self, cell: Array, k: Array, u: Array, side: Array) -> Windows:
-        """What `window_end` gives for lanes of these cells."""
-        entry = self.of[cell]
-        entry += self.amplitudes * np.where(side > 0.0, k, k + self.segments)
-        cut = self.cut[entry]
-        before = u < cut
-        to_k, to_u = np.where(before, k, self.k[entry]), np.where(before, cut, self.u[entry])
-        return Windows(to_k, to_u, self.supercritical[entry] ^ before, self.over[entry] * ~before)
-
-
-def tabled_windows(segments: Segments, amplitude: Array) -> TabledWindows | None:
-    """The windows of these amplitudes, a row for both sides or one for each, (rows, cells); None where they are many, or not seen among
-    the first cells as in a grid they are, and of straight lines, which are not worth a table."""
-    if segments.straight:
-        return None
-    different, first = np.unique(amplitude[0, :_FIRST], return_index=True)
-    if different.size * len(segments) > _MOST or different.size >= 0.5 * amplitude.shape[1]:
-        return None
-    of = np.minimum(np.searchsorted(different, amplitude[0]), different.size - 1)
-    own = amplitude[:, first]  # of either side
-    if np.any(own[:, of] != amplitude):
-        return None
-    side, k, i = (x.ravel() for x in np.meshgrid([1.0, -1.0], np.arange(len(segments)), np.arange(different.size), indexing="ij"))
-    size = own[np.where(side > 0.0, 0, -1), i]
-    with np.errstate(all="ignore"):
-        first_of = window_end(segments, k, np.zeros(k.size), side, size)
-        cut = np.where((first_of.k == k) & (first_of.u < segments.length[k]), first_of.u, -1.0)
-        inside = np.flatnonzero(cut > 0.0)
-        rest = Windows(*(x.copy() for x in first_of))
-        for whole, part in zip(rest, window_end(segments, k[inside], cut[inside], side[inside], size[inside]), strict=True):
-            whole[inside] = part
-    return TabledWindows(of, first, cut, *rest, len(segments), different.size)
 
 
 def window_end(segments: Segments, k: Array, u: Array, side: Array, amplitude: Array) -> Windows:

@@ -163,11 +163,6 @@ class GroundForces(Quiet):
         """Take in bodies at rest from (k, u) to another position; to_k: the number of segments where they rest to the end."""
         self.resting.note(self.friction, self.lift, cell, k, u, to_k, to_u)
 
-    def spread(self, of: Array, cells: Array) -> None:
-        """Give every cell the extremes of the one of `cells` that `of` says."""
-        for x in (self.friction, self.lift):
-            x.largest[:] = x.largest[cells][of]
-
     def close(self, lanes: Lanes) -> None:
         """Hold lanes that are to be followed afterwards."""
         self._closed.append(lanes)

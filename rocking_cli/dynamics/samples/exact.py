@@ -17,7 +17,7 @@ from ..march.account import Work
 from ..march.engine import STILL, Run, WindowStepper
 from ..observers.observer import Arcs
 from ..outcome import Outcome
-from .bounded import LONGEST, LONGEST_STRETCH, BoundedResponse, shares
+from .bounded import LONGEST, LONGEST_STRETCH, bounded_response, shares
 from .interval import raise_peaks, through_interval
 from .peaks import Rise, peak_heights
 from .propagation import ExactLanes, Propagation, horizon
@@ -65,11 +65,10 @@ class ExactStepper:
         paces, which = np.unique(pace, return_inverse=True)
         which = which.reshape(pace.shape)
         order = np.argsort(which[0], kind="stable")
-        size = BoundedResponse(self.samples, paces).size
-        for some in shares(order, which[0][order], max(1, _TABLES // (16 * len(pace) * size))):
+        for some in shares(order, which[0][order], max(1, _TABLES // (16 * len(pace) * self.samples.size))):
             mine, row = np.unique(which[:, some], return_inverse=True)
-            self.bounded = BoundedResponse(self.samples, paces[mine])
-            self.rows[:, waiting[some]] = row.reshape(len(pace), -1) * self.bounded.size
+            self.bounded = bounded_response(self.samples, paces[mine]).ravel()
+            self.rows[:, waiting[some]] = row.reshape(len(pace), -1) * self.samples.size
             self._advance(np.sort(waiting[some]))
 
     def _advance(self, waiting: Array) -> None:
@@ -80,9 +79,7 @@ class ExactStepper:
             self.top = np.zeros(taken)  # peaks in propagations since the last interval that was taken alone
             self.pooled = self._begin(waiting[:taken], np.arange(taken))
             self.resting: list[PooledLanes] = []
-            self.beyond: list[ExactLanes] = []  # lanes whose next propagation leads out of the stretch that is tabled
-            self.unlaunched = [self.pooled.slot]  # and slots of those that are not in it
-            moving = self._move()
+            moving = self._launch(self.pooled)
             while moving.k.size or self.resting or self.waits.any():
                 moving = self._propagate(moving)
                 parts = [moving, self._alone()]
@@ -96,15 +93,6 @@ class ExactStepper:
                     taken += places.size
                     parts.append(self._onto(new))
                 moving = ExactLanes.joined(parts)
-                if not (moving.k.size or self.resting or self.waits.any()) and (self.beyond or self.unlaunched):
-                    moving = self._move()
-
-    def _move(self) -> ExactLanes:
-        """To the stretch of the record where the hindmost of those lanes is that wait beyond the last one; those that can go on."""
-        beyond, slots = self.beyond, np.concatenate([np.zeros(0, dtype=np.int64), *self.unlaunched])
-        self.beyond, self.unlaunched = [], []
-        self.bounded.move(int(np.concatenate([self.pooled.k[slots], *(lanes.k + 1 for lanes in beyond)]).min()))
-        return ExactLanes.joined([*beyond, self._launch(self.pooled.take(slots))])
 
     def _begin(self, cells: Array, slot: Array) -> PooledLanes:
         """These cells at their first uplift."""
@@ -120,16 +108,12 @@ class ExactStepper:
     def _launch(self, lanes: PooledLanes) -> ExactLanes:
         """Lanes ready to be propagated: their state as modes about the bounded response, at the next sample."""
         n = lanes.k + (lanes.u > 0.0)
-        out = (n < self.bounded.first) | (n >= self.bounded.stop)
-        if out.any():
-            self.unlaunched.append(lanes.slot[out])
-            lanes, n = lanes.take(np.flatnonzero(~out)), n[~out]
         row, k, inside = self.rows[self.cells.row(lanes.side), lanes.cell], lanes.k, lanes.u > 0.0
         pace = self.step / lanes.omega
         drive = -lanes.side * lanes.amplitude
         left = (pace - lanes.u / lanes.omega) * inside
         there = RampFlow(lanes.y, lanes.v, lanes.b, drive * self._gain(k) / pace).at(left)
-        bounded = self.bounded.at(row, n)
+        bounded = self.bounded.take(row + n)
         y, v = there.y - 1.0 - drive * bounded.real, there.v - drive * bounded.imag
         fall = (lanes.v + np.sqrt(lanes.v * lanes.v - 2.0 * lanes.b * lanes.y)) / -lanes.b
         top = np.minimum(np.frexp(LONGEST_STRETCH / pace)[1] - 1, self.stretches.levels - 1).astype(np.int64)
@@ -157,17 +141,13 @@ class ExactStepper:
         goes = (ahead >= 1.0) & lanes.may
         self._wait(lanes, goes, self._lost(lanes))
         count = ahead.astype(np.int64)
-        if self.bounded.stop < self.samples.size:
-            out = np.flatnonzero(goes & (lanes.k + count >= self.bounded.stop))
-            goes[out] = False
-            self.beyond += [lanes.take(out)] if out.size else []
         if not goes.all():
             go = np.flatnonzero(goes)
             lanes, count, ahead, past, fall = lanes.take(go), count[go], ahead[go], past[go], fall[go]
         to = lanes.k + count
         grown = np.exp((count - (lanes.u > 0.0)) * lanes.pace)  # where u is 0 the modes belong to this sample, else to the next
         up, down = lanes.up * grown, lanes.down / grown
-        bounded = self.bounded.at(lanes.row, to)
+        bounded = self.bounded.take(lanes.row + to)
         y, v = lanes.drive * bounded.real, lanes.drive * bounded.imag
         y += up + down
         y += 1.0

@@ -8,7 +8,6 @@ import numpy as np
 
 from ..arrays import Arrays
 from ..march.roots import turning_point
-from .bounded import BoundedResponse
 from .propagation import ExactLanes
 from .ramp import RampFlow
 
@@ -26,7 +25,7 @@ class Rise(Arrays):
     end_v: Array
 
 
-def peak_heights(rise: Rise, bounded: BoundedResponse, samples: Array) -> Array:
+def peak_heights(rise: Rise, bounded: Array, samples: Array) -> Array:
     """y at the peaks of these propagations, (lanes,)."""
     lanes, to, end_v = rise.lanes, rise.to, rise.end_v
     y, v, low, high = lanes.y.copy(), lanes.v.copy(), lanes.k.copy(), to.copy()

@@ -8,7 +8,6 @@ from typing import NamedTuple
 import numpy as np
 
 from ..arrays import Arrays
-from .bounded import BoundedResponse
 
 Array = np.ndarray
 
@@ -38,9 +37,9 @@ class ExactLanes(Arrays):
     level: Array
     top: Array
 
-    def at(self, n: Array, bounded: BoundedResponse) -> tuple[Array, Array]:
+    def at(self, n: Array, bounded: Array) -> tuple[Array, Array]:
         """y and v at samples n, of lanes that are at a sample."""
-        grown, there = np.exp((n - self.k) * self.pace), bounded.at(self.row, n)
+        grown, there = np.exp((n - self.k) * self.pace), bounded.take(self.row + n)
         up, down = self.up * grown, self.down / grown
         return self.drive * there.real + (up + down) + 1.0, self.drive * there.imag + (up - down)
 

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...motions.blocks import blocks, largest
+from ...motions.blocks import largest
 
 Array = np.ndarray
 
@@ -43,24 +43,10 @@ def stretches(samples: Array, levels: int) -> Stretches:
     sizes = last // (1 << shift) + 1
     start = np.cumsum(sizes) - sizes
     low = np.empty((2, int(sizes.sum())), dtype=np.float32)
-    for side, outward in zip(low, (np.negative, np.positive), strict=True):
-        least = np.empty(last + 1, dtype=np.float32)
-        for part in blocks(last + 1):  # so that no more than the tables themselves is held
-            least[part] = outward(samples[part]) - slack
-        _pairwise_least(least, 1)
+    for side, outward in zip(low, (-samples, samples), strict=True):
+        least = (outward - slack).astype(np.float32)
         for level in range(levels):
-            if level:
-                _pairwise_least(least, min(1 << (level - 1), last + 1))
-            side[start[level] : start[level] + sizes[level]] = _least_from(least, 1 << int(shift[level]))
+            reach = 1 << max(level - 1, 0)  # from the front: what comes later has not changed yet
+            least[:-reach] = np.minimum(least[:-reach], least[reach:])
+            side[start[level] : start[level] + sizes[level]] = np.minimum.reduceat(least, np.arange(0, last + 1, 1 << int(shift[level])))
     return Stretches(low.ravel(), start, shift, low.shape[1])
-
-
-def _pairwise_least(values: Array, reach: int) -> None:
-    """Each value becomes the lesser of itself and the one so far after it, where there is one."""
-    for part in blocks(values.size - reach):  # from the front: what comes later has not changed yet
-        np.minimum(values[part], values[part.start + reach : part.stop + reach], out=values[part])
-
-
-def _least_from(values: Array, by: int) -> Array:
-    """The least of each run of so many values."""
-    return values if by == 1 else np.minimum.reduceat(values, np.arange(0, values.size, by))

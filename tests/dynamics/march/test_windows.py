@@ -8,7 +8,7 @@ from oracles.single_cell import LADDER
 
 from rocking_cli import cosine, pulse, sine
 from rocking_cli.dynamics.drive import crossing, phase_between, place, segment_value
-from rocking_cli.dynamics.march.windows import tabled_windows, window_end
+from rocking_cli.dynamics.march.windows import window_end
 from rocking_cli.dynamics.weight import weighed
 from rocking_cli.motions import Harmonic, Motion, Piece
 from rocking_cli.motions.biaxial import with_vertical
@@ -84,27 +84,13 @@ WEIGHED = weighed(with_vertical(sine(2), Motion("fast", (Piece(0.0, 9.0, (Harmon
 
 
 @pytest.mark.parametrize("segments", [*(m.segments for m in (sine(2.5), MIXED, pulse("ricker-symmetric"))), WEIGHED])
-@pytest.mark.parametrize("turn", [(1.0,), (1.0, 1.4)], ids=["edges alike", "edges unlike"])
-def test_windows_from_the_table_are_the_same_to_the_last_bit(segments, turn):
+def test_the_phase_to_the_end_of_a_window_is_that_of_the_segments_between(segments):
     random = np.random.default_rng(2)
-    amplitude = np.array(turn)[:, None] * np.tile(np.linspace(0.5, 8.0, 20), 30)
-    tabled = tabled_windows(segments, amplitude)
-    cell, side = random.integers(0, 600, 2000), random.choice([-1.0, 1.0], 2000)
-    own = amplitude[np.where(side > 0.0, 0, -1), cell]
+    side, amplitude = random.choice([-1.0, 1.0], 2000), random.uniform(0.5, 8.0, 2000)
     k = random.integers(0, len(segments), 2000)
     u = random.uniform(0.0, 1.0, 2000) * segments.length[k]
     for _ in range(3):  # where a window ends the next one begins, and at its neighbours
-        searched = window_end(segments, k, u, side, own)
-        for looked_up, found in zip(tabled.at(cell, k, u, side), searched, strict=True):
-            np.testing.assert_array_equal(looked_up, found)
-        np.testing.assert_allclose(searched.phase(u), phase_between(segments, k, u, searched.k, searched.u), rtol=0.0, atol=4e-15)
-        k, u = place(segments, searched.k, np.nextafter(searched.u, random.choice([-9.0, 9.0], 2000)))
+        end = window_end(segments, k, u, side, amplitude)
+        np.testing.assert_allclose(end.phase(u), phase_between(segments, k, u, end.k, end.u), rtol=0.0, atol=4e-15)
+        k, u = place(segments, end.k, np.nextafter(end.u, random.choice([-9.0, 9.0], 2000)))
         k, u = np.minimum(k, len(segments) - 1), np.where(k < len(segments), u, 0.0)
-
-
-def test_windows_are_looked_up_for_grids_alone():
-    amplitude = np.tile(np.linspace(0.5, 8.0, 20), 30)[None]
-    assert tabled_windows(pulse("rectangular-impulse").segments, amplitude) is None  # straight lines
-    assert tabled_windows(MIXED.segments, np.random.default_rng(3).uniform(0.5, 8.0, (1, 600))) is None
-    assert tabled_windows(MIXED.segments, np.repeat(np.linspace(0.5, 8.0, 20), 1000)[None]) is None  # half come after the first cells
-    assert tabled_windows(MIXED.segments, amplitude[:, :0]) is None

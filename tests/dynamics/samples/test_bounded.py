@@ -8,7 +8,7 @@ import mpmath
 import numpy as np
 import pytest
 
-from rocking_cli.dynamics.samples.bounded import BoundedResponse, bounded_response
+from rocking_cli.dynamics.samples.bounded import bounded_response
 
 
 def by_integration(samples, pace, at):
@@ -37,17 +37,3 @@ def test_a_row_does_not_depend_on_its_neighbours():
     samples[:2000] = 0.0  # what is no longer felt of the end is not added for the sake of another row
     both = bounded_response(samples, np.array([0.4, 0.001]))
     np.testing.assert_array_equal(both[1], bounded_response(samples, np.array([0.001]))[0])
-
-
-def test_no_digit_depends_on_the_stretch(monkeypatch):
-    monkeypatch.setattr("rocking_cli.motions.blocks._PART", 64)
-    monkeypatch.setattr("rocking_cli.dynamics.samples.bounded._STRETCH", 100)
-    samples, pace = np.random.default_rng(9).standard_normal(3000), np.array([0.4, 0.3])
-    whole, stretch = bounded_response(samples, pace), BoundedResponse(samples, pace)
-    for first in (2950, 0, 1234):
-        stretch.move(first)
-        n = np.arange(stretch.first, stretch.stop)
-        assert stretch.table.size == 200
-        assert stretch.first <= first < stretch.stop
-        for row in (0, 1):
-            np.testing.assert_array_equal(stretch.at(np.full(100, 100 * row), n), whole[row, n])

@@ -14,7 +14,6 @@ from rocking_cli.dynamics.contacts.one_sided import OneSided
 from rocking_cli.dynamics.contacts.symmetric import Symmetric
 from rocking_cli.dynamics.contacts.unequal import Unequal
 from rocking_cli.dynamics.march.engine import Run
-from rocking_cli.dynamics.samples.bounded import BoundedResponse
 from rocking_cli.dynamics.samples.exact import LANES, ExactStepper
 
 UNEQUAL = Unequal(drive=(1.0, 0.8), omega=(1.0, 1.15), eta=(1.05, 0.6), rotation=(1.0, 1.2))
@@ -126,26 +125,6 @@ def test_tables_in_shares_change_no_bit(monkeypatch):
     together = linear_response(motion, amplitude, omega, 0.9)
     monkeypatch.setattr("rocking_cli.dynamics.samples.exact._TABLES", 16 * 4 * 100)
     np.testing.assert_array_equal(linear_response(motion, amplitude, omega, 0.9).theta_ratio, together.theta_ratio)
-
-
-@pytest.mark.parametrize("contact", [Symmetric(), UNEQUAL], ids=["one pace", "two paces"])
-def test_a_record_taken_stretch_by_stretch_is_the_same(contact, monkeypatch):
-    """Also where cells that begin anew find others further on."""
-    system, motion = System(LinearEquation(), contact), shaken(noise(3000, 0.02, 5), 0.02)
-    amplitude, omega = cells(60, 6)
-    omega, eta = omega / 4.0, np.full(60, 0.9)
-    whole = response(system, motion, amplitude, omega, eta)
-    monkeypatch.setattr("rocking_cli.dynamics.samples.bounded._STRETCH", 100)
-    moved, move = [], BoundedResponse.move
-    monkeypatch.setattr(BoundedResponse, "move", lambda response, first: [moved.append(first), move(response, first)][1])
-    run = Run(system, motion.segments, amplitude, omega, eta, True, 7, stepper=partial(ExactStepper, samples=motion.samples))
-    stepper = run.stepper
-    run.all()
-    assert len(moved) > 3
-    assert min(np.diff(moved)) < 0 < stepper.bounded.first
-    np.testing.assert_array_equal(run.theta_ratio, whole.theta_ratio)
-    np.testing.assert_array_equal(run.outcome, whole.outcome)
-    np.testing.assert_array_equal(run.impacts, whole.impacts)
 
 
 def test_the_work_follows_the_impacts_and_not_the_samples():

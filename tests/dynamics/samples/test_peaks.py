@@ -7,7 +7,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from rocking_cli.dynamics.samples.bounded import BoundedResponse
+from rocking_cli.dynamics.samples.bounded import bounded_response
 from rocking_cli.dynamics.samples.peaks import Rise, peak_heights
 from rocking_cli.dynamics.samples.propagation import ExactLanes
 from rocking_cli.dynamics.samples.ramp import RampFlow
@@ -37,10 +37,9 @@ def test_a_peak_is_that_of_the_flow_from_sample_to_sample(to):
     turns = (states[:, to, 1] < 0.0) & (v > 0.0)
     assert turns.sum() > count // 3
     y, v, states = y[turns], v[turns], states[turns]
-    bounded = BoundedResponse(samples, np.array([PACE]))
-    bounded.move(0)
+    bounded = bounded_response(samples, np.array([PACE]))[0]
     zero, whole = np.zeros(y.size), np.zeros(y.size, dtype=np.int64)
-    up, down = (0.5 * (y - 1.0 - drive * bounded.table[0].real + sign * (v - drive * bounded.table[0].imag)) for sign in (1.0, -1.0))
+    up, down = (0.5 * (y - 1.0 - drive * bounded[0].real + sign * (v - drive * bounded[0].imag)) for sign in (1.0, -1.0))
     lanes = ExactLanes(whole, whole, zero, y, v, zero, zero == 0.0, up, down, zero + drive, zero + PACE, whole, whole, whole)
     found = peak_heights(Rise(lanes, whole + to, states[:, to, 1]), bounded, samples)
     for top, state in zip(found, states, strict=True):
