@@ -45,7 +45,7 @@ from .responses.check import Verdict as Verdict
 from .responses.check import check as check
 from .responses.history import History as History
 from .responses.history import history as history
-from .spectra.file.merge import merge as merge
+from .spectra.file.merging import merge as merge
 from .spectra.file.reader import SpectraFile as SpectraFile
 from .spectra.prediction import predict as predict
 from .spectra.results import Spectrum as Spectrum

@@ -1,8 +1,4 @@
-"""Processes that take a share of the work and never outlive the one that started them.
-
-The parent has no thread beside its own: it deals out one item to each idle process, waits for whichever reports first, and
-sees at once when one dies. So nothing is forked while a lock is held, and nothing waits for an answer that cannot come.
-"""
+"""Processes that share the work, and end with the process that started them."""
 
 from __future__ import annotations
 
@@ -11,30 +7,25 @@ import os
 import pickle
 import signal
 import sys
-import traceback
 import warnings
+from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
-from time import monotonic
-from typing import TYPE_CHECKING, Any, NamedTuple
+from itertools import islice
+from typing import Any
 
 from .errors import OutputError
 
-if TYPE_CHECKING:
-    from multiprocessing.connection import Connection
-    from multiprocessing.process import BaseProcess
-
 # Forked workers have the task and the imported packages from the start; only items and results travel.
 _METHOD = "fork" if sys.platform == "linux" else "spawn"
-_TO_START = 60.0  # s that all processes together may take until they report; a spawned one imports its packages anew
-_AHEAD = 3  # results for each process that may wait for an earlier one
+_AHEAD = 3  # items under way for each process
 _STOPS = (signal.SIGINT, signal.SIGTERM)
 _PARENT_DEATH_SIGNAL = 1  # PR_SET_PDEATHSIG of prctl(2)
 
+Run = Callable[[Iterable[Any]], Iterator[Any]]
+"""From items to the results of a task, in their order."""
 
-class _Worker(NamedTuple):
-    process: BaseProcess
-    connection: Connection
+_task: Callable[[Any], Any]  # of a worker process
 
 
 def available_cpus() -> int:
@@ -42,46 +33,55 @@ def available_cpus() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
+def in_order(submit: Callable[[Any], Any], wait: Callable[[Any], Any], items: Iterable[Any], ahead: int) -> Iterator[Any]:
+    """wait(submit(item)) of each item, in order; so many items are submitted ahead, the first of them at once."""
+    source = iter(items)
+    under_way = deque(map(submit, islice(source, ahead)))
+
+    def results() -> Iterator[Any]:
+        while under_way:
+            result = wait(under_way.popleft())
+            under_way.extend(map(submit, islice(source, 1)))
+            yield result
+
+    return results()
+
+
 @contextmanager
-def processes(workers: int, task: Callable[[Any], Any], advice: str) -> Iterator[Callable[[Iterable[Any]], Iterator[Any]]]:
+def processes(workers: int, task: Callable[[Any], Any], advice: str) -> Iterator[Run]:
     """A function from items to task(item) of each, in their order; the task itself travels to each process once.
 
-    An exception of the task is raised here, in its turn. Whoever leaves, early or not, ends the processes. Raises OutputError, with the
-    advice, when one of them cannot be started, does not report in time that it has, or dies.
+    An exception of the task is raised here, in its turn. The processes end with the block; if it fails, at once. Raises OutputError,
+    with the advice, when a process cannot be started or dies.
     """
-    crew: list[_Worker] = []
+    from concurrent.futures import Future, ProcessPoolExecutor
+    from concurrent.futures.process import BrokenProcessPool
+    from multiprocessing import active_children, get_context
+
+    before, pool = set(active_children()), None
     try:
         try:
-            for _ in range(workers):
-                _start(crew, task)
+            pool = ProcessPoolExecutor(workers, get_context(_METHOD), _begin, (task, os.getpid()))
+            with _stops_held(), warnings.catch_warnings():  # numpy's idle arithmetic threads are no danger to a fork
+                warnings.simplefilter("ignore", DeprecationWarning)
+                pool.submit(int)  # starts them
         except OSError as error:
             raise OutputError(f"{workers} worker processes cannot be started: {error.strerror or error}; {advice}") from None
-        _await_start(crew, advice)
-        yield lambda items: _results(crew, items, advice)
-    finally:
-        for worker in crew:
-            worker.process.kill()  # it holds nothing that could be lost
-        for worker in crew:
-            worker.process.join()
-            worker.connection.close()
-
-
-def _start(crew: list[_Worker], task: Callable[[Any], Any]) -> None:
-    from multiprocessing import get_context
-
-    context: Any = get_context(_METHOD)
-    ours, theirs = context.Pipe()
-    process = context.Process(target=_work, args=(theirs, task, os.getpid()), daemon=True)
-    try:
-        with _stops_held(), warnings.catch_warnings():  # numpy's idle arithmetic threads are no danger to a fork
-            warnings.simplefilter("ignore", DeprecationWarning)
-            process.start()
+        crew, submit = set(active_children()) - before, pool.submit
+        try:
+            yield lambda items: in_order(lambda item: submit(_answer, item), Future.result, items, _AHEAD * workers)
+        except BrokenProcessPool:
+            pool.shutdown()
+            code = next((p.exitcode for p in crew if p.exitcode not in (None, 0, -signal.SIGTERM)), -signal.SIGTERM)  # the pool ends others
+            how = f"by signal {-code}" if code < 0 else f"with exit code {code}"
+            raise OutputError(f"a worker process died {how} (out of memory?); {advice}") from None
     except BaseException:
-        ours.close()
+        for process in set(active_children()) - before:
+            process.kill()  # it holds nothing that could be lost
         raise
     finally:
-        theirs.close()
-    crew.append(_Worker(process, ours))
+        if pool is not None:
+            pool.shutdown(cancel_futures=True)
 
 
 @contextmanager
@@ -97,100 +97,25 @@ def _stops_held() -> Iterator[None]:
         signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
-def _await_start(crew: list[_Worker], advice: str) -> None:
-    from multiprocessing.connection import wait
-
-    silent, deadline = list(crew), monotonic() + _TO_START
-    while silent:
-        left = deadline - monotonic()
-        if left <= 0.0:
-            raise OutputError(f"{len(silent)} of {len(crew)} worker processes did not start within {_TO_START:g} s; {advice}")
-        ready = wait([x for worker in silent for x in (worker.connection, worker.process.sentinel)], left)
-        for worker in [w for w in silent if w.connection in ready or w.process.sentinel in ready]:
-            _receive(worker, advice)
-            silent.remove(worker)
-
-
-def _results(crew: list[_Worker], items: Iterable[Any], advice: str) -> Iterator[Any]:
-    """The results in the order of their items, of which the first are dealt out here and now."""
-    from multiprocessing.connection import wait
-
-    source, idle = enumerate(items), list(crew)
-    busy: dict[int, _Worker] = {}
-    results: dict[int, tuple[Any, Exception | None]] = {}
-
-    def deal() -> None:
-        while idle and len(busy) + len(results) < _AHEAD * len(crew) and (job := next(source, None)) is not None:
-            worker = busy[job[0]] = idle.pop()
-            try:
-                worker.connection.send(job[1])
-            except OSError:
-                raise _death(worker, advice) from None
-
-    def collect() -> Iterator[Any]:
-        done = 0
-        while True:
-            deal()
-            if done in results:
-                result, error = results.pop(done)
-                if error is not None:
-                    raise error
-                yield result
-                done += 1
-            elif not busy:
-                return
-            else:
-                ready = wait([x for worker in busy.values() for x in (worker.connection, worker.process.sentinel)])
-                for number in [n for n, w in busy.items() if w.connection in ready or w.process.sentinel in ready]:
-                    results[number] = _receive(busy[number], advice)
-                    idle.append(busy.pop(number))
-
-    deal()
-    return collect()
-
-
-def _receive(worker: _Worker, advice: str) -> Any:
-    try:
-        return worker.connection.recv()
-    except (EOFError, OSError):
-        raise _death(worker, advice) from None
-
-
-def _death(worker: _Worker, advice: str) -> OutputError:
-    worker.process.join(1.0)
-    code = worker.process.exitcode
-    how = "" if code is None else f" by signal {-code}" if code < 0 else f" with exit code {code}"
-    return OutputError(f"a worker process died{how} (out of memory?); {advice}")
-
-
-def _work(connection: Connection, task: Callable[[Any], Any], parent: int) -> None:
-    """What a process does: report that it is there, then answer each item with (result, None) or (None, exception)."""
+def _begin(task: Callable[[Any], Any], parent: int) -> None:
+    """Called first in a worker process."""
+    global _task
+    _task = task
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C reaches the whole group; the parent alone decides
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
     if sys.platform == "linux":
         signal.pthread_sigmask(signal.SIG_UNBLOCK, _STOPS)
         ctypes.CDLL(None).prctl(_PARENT_DEATH_SIGNAL, signal.SIGKILL)
         if os.getppid() != parent:  # it died before it could be asked for its signal
-            return
-    try:
-        connection.send(None)
-        while True:
-            _answer(connection, task, connection.recv())
-    except (EOFError, OSError):
-        return  # there is nobody left to answer
+            os._exit(1)
 
 
-def _answer(connection: Connection, task: Callable[[Any], Any], item: Any) -> None:
-    answer: tuple[Any, Exception | None]
+def _answer(item: Any) -> Any:
     try:
-        answer = task(item), None
+        return _task(item)
     except Exception as error:
-        error.add_note(f"In a worker process:\n{traceback.format_exc()}")
-        answer = None, error
-    try:
-        pickle.loads(pickle.dumps(answer[1]))
-        connection.send(answer)
-    except OSError:
+        try:
+            pickle.loads(pickle.dumps(error))
+        except Exception as fault:  # the pool would take an exception that cannot be made again for the death of a process
+            raise RuntimeError(f"{type(fault).__name__}: {fault}; from {error!r}") from None
         raise
-    except Exception as error:  # a result or an exception that does not survive the journey
-        connection.send((None, RuntimeError(f"{type(error).__name__}: {error}; from {answer[1]!r}")))

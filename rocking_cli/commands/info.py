@@ -23,7 +23,7 @@ def info(context: click.Context, files: tuple[str, ...], verify: bool, form: str
     A file that is damaged, or with --verify holds a damaged chunk, ends with exit code 1.
     """
     from ..spectra.file.reader import SpectraFile
-    from ..spectra.machine import described, machines_of
+    from ..spectra.work.machine import described, machines_of
 
     damaged = []
     records: list[dict[str, Any]] = []

@@ -21,7 +21,7 @@ MOST = 20  # missing shards that are named
 @click.pass_context
 def merge(context: click.Context, files: tuple[str, ...], output: Path, overwrite: bool, strict: bool, quiet: bool) -> None:
     """Put together what `rocking spectrum --shard i/n` computed in n parts; exit code 4 where chunks are missing."""
-    from ..spectra.file.merge import merge as put_together
+    from ..spectra.file.merging import merge as put_together
 
     merged = put_together(files, output, overwrite=overwrite, strict=strict)
     options.note(f"{output}: {merged.there} of {merged.whole} chunks", quiet)

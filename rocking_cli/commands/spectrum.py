@@ -92,7 +92,8 @@ def spectrum(
     from ..reports.summary import summary_lines
     from ..spectra.file.partial import check_output
     from ..spectra.scene import PulseScene, Scene
-    from ..spectra.sweep import CHUNK_CELLS, write_scene
+    from ..spectra.sweep import write_scene
+    from ..spectra.sweep_options import CHUNK_CELLS, SweepOptions
 
     wanted = [name.strip() for name in quantities.split(",")] if quantities is not None else []
     if motion is not None and axes is None:
@@ -116,9 +117,7 @@ def spectrum(
         structures = options.lifting(structures, linear_uplift, models)
         scene = scene_of_words(structures, recordings, axes=axes, alphas=alphas, etas=etas, model=models[-1], tolerance=tolerance)
     options.remark_on(grid=grid, spans=axes or "")
-    summary = write_scene(
-        scene,
-        output,
+    settings = SweepOptions(
         workers=options.at_most_the_cpus(workers, quiet),
         chunk_cells=chunk_cells or CHUNK_CELLS,
         check=check,
@@ -135,6 +134,7 @@ def spectrum(
         progress=ProgressLine("spectrum", quiet, "chunks"),
         tell=partial(options.note, quiet=quiet),
     )
+    summary = write_scene(scene, output, settings)
     options.note_models([scene.method], structures, models[-1:], grid is not None and grid.dimensionless, quiet)
     for line in summary_lines(summary, str(output)):
         options.note(line, quiet)

@@ -62,7 +62,7 @@ def exposures(
 ) -> list[Exposure]:
     """Each structure under every motion scaled to each level of a measure (SI).
 
-    path: the spectra file to write of records, with the other options of `write_scene`; records are swept as any scene is. With
+    path: the spectra file to write of records, with the other fields of `SweepOptions`; records are swept as any scene is. With
     `resume` a complete file of the same scene, such as one put together from shards, is read; of a shard nothing comes back. Raises
     UsageError for pulses with a path, and for several structures with one under a measure that depends on the structure.
     """
@@ -85,16 +85,17 @@ def _under_records(
     from ..spectra.file.reader import SpectraFile
     from ..spectra.record_scene import structures_scene
     from ..spectra.sweep import spectrum_of, write_scene
+    from ..spectra.sweep_options import SweepOptions
 
     unit = [m.measured(measure, structures[0]) ** (-1.0 / measure.power) for m in members]  # the factor to a measure of 1
     recordings = [m.recording.times(f) for m, f in zip(members, unit, strict=True) if m.recording]
     scene = structures_scene(structures, recordings, Axis("scale", levels ** (1.0 / measure.power)), method)
     if path is None:
-        found = spectrum_of(scene, workers=workers, check=0, progress=options.get("progress"))
+        found = spectrum_of(scene, SweepOptions(workers=workers, check=0, progress=options.get("progress")))
         theta, outcome = found.theta_ratio, found.outcome
     else:
         if not (options.get("resume") and path.is_file()):
-            write_scene(scene, path, workers=workers, check=0, **options)
+            write_scene(scene, path, SweepOptions(workers=workers, check=0, **options))
         if options.get("shard") is not None:
             return []
         with SpectraFile(path) as file:

@@ -22,7 +22,7 @@ from ..errors import StructureError, UsageError
 from ..motions.grid import MAX_CELLS, Axis, parse_angles, parse_axes, written_axes
 from ..motions.recording import Recording
 from ..structures.parameters import RockingParameters
-from .frame import Frame, beside_records, beside_structures, varied_units
+from .dimensions import Frame, beside_records, beside_structures, varied_units
 from .scene import Array, Band, Cell, Scene, Unit
 
 COLUMNS = ("scale", "A", "a_g", "T")
@@ -153,7 +153,7 @@ class RecordScene(Scene):
 
     def identity(self) -> dict[str, Any]:
         """What the result depends on, by name, as JSON values; two scenes of equal identity have equal spectra."""
-        from .machine import version
+        from .work.machine import version
 
         if self.over_angles:
             alphas = Axis("alpha", np.array([s.alpha for s in self.structures]))

@@ -20,18 +20,9 @@ from ..errors import UsageError
 from ..motions import Motion
 from ..motions.grid import Grid
 from ..structures.parameters import RockingParameters
-from .frame import Frame, pulse_frame
+from .dimensions import Frame, pulse_frame
 
 Array = np.ndarray
-
-QUANTITIES: dict[str, tuple[str, ...]] = {
-    "velocity_ratio": ("velocity_ratio",),
-    "condition": ("condition",),
-    "friction": ("friction",),
-    "fz_min": ("fz_min",),
-    "linear": ("theta_ratio_linear", "outcome_linear", "difference"),
-}
-"""What may be computed beside theta_ratio, outcome and impacts, and the variables that it comes to."""
 
 
 @dataclass(frozen=True)
@@ -213,7 +204,7 @@ class PulseScene(Scene):
 
     def identity(self) -> dict[str, Any]:
         """What the result depends on, by name, as JSON values; two scenes of equal identity have equal spectra."""
-        from .machine import version
+        from .work.machine import version
 
         return {
             "version": version(),
@@ -237,22 +228,6 @@ class PulseScene(Scene):
 
 def _plain(motion: Motion) -> list[Any]:
     return [json.loads(json.dumps(asdict(piece))) for piece in motion.pieces]
-
-
-def known_quantities(names: Sequence[str]) -> tuple[str, ...]:
-    """These names of QUANTITIES, each once, in their own order. Raises UsageError for another."""
-    for name in names:
-        if name not in QUANTITIES:
-            raise UsageError(f"unknown quantity {name!r}, accepted are {', '.join(QUANTITIES)}")
-    return tuple(name for name in QUANTITIES if name in names)
-
-
-def chunk_shape(shape: tuple[int, int], cells: int) -> tuple[int, int]:
-    """(rows, columns) of a unit of work of about `cells` cells: whole rows where they fit. Raises UsageError if cells < 1."""
-    if cells < 1:
-        raise UsageError(f"a unit of work has at least one cell, found {cells}")
-    columns = min(shape[1], cells)
-    return min(shape[0], max(1, cells // columns)), columns
 
 
 def cut_into_units(scene: Scene, chunk: tuple[int, int]) -> Iterator[Unit]:

@@ -20,6 +20,7 @@ from rocking_cli.motions.records import Record
 from rocking_cli.spectra.record_envelope import Tracing, tracing_records
 from rocking_cli.spectra.record_scene import angles_scene
 from rocking_cli.spectra.sweep import write_scene
+from rocking_cli.spectra.sweep_options import SweepOptions
 
 SAMPLES, STEP = 2000, 0.01
 DATABASE = 21_000  # horizontal components
@@ -43,7 +44,7 @@ def spectra(records: int, alphas: int, sizes: int, method: Method, workers: int)
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "records.h5"
         began, busy = time.perf_counter(), processor_time()
-        summary = write_scene(scene, path, workers=workers, check=4 if method.exact else 0)
+        summary = write_scene(scene, path, SweepOptions(workers=workers, check=4 if method.exact else 0))
         seconds, busy, size = time.perf_counter() - began, processor_time() - busy, path.stat().st_size
     cell, byte = busy / summary.cells, size / summary.cells
     uplifted = 1.0 - summary.outcomes["no_uplift"] / summary.cells

@@ -28,9 +28,10 @@ from rocking_cli.dynamics.equations.taylor import TaylorSeries
 from rocking_cli.dynamics.lanes import Lanes
 from rocking_cli.dynamics.march import advance, engine
 from rocking_cli.envelopes import boundaries
-from rocking_cli.spectra import sweep, units
+from rocking_cli.spectra import sweep
 from rocking_cli.spectra.file import writer as store
 from rocking_cli.spectra.trust import verification
+from rocking_cli.spectra.work import jobs
 
 STAGES: dict[str, list[tuple[Any, str]]] = {
     "windows": [(advance, "next_step")],
@@ -45,7 +46,7 @@ STAGES: dict[str, list[tuple[Any, str]]] = {
     "lanes": [(Lanes, "take"), (Lanes, "join"), (engine.Run, "finish")],
     "rounds": [(engine.Run, "round")],
     "boundaries": [(boundaries.Search, "rows")],
-    "check": [(verification, "checked_cells"), (units, "reference")],
+    "check": [(verification, "checked_cells"), (jobs, "reference")],
     "writing": [(sweep._Packing, "__call__"), (store.SpectraWriter, "write"), (store.SpectraWriter, "finish")],
 }
 

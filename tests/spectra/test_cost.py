@@ -12,7 +12,7 @@ BLOCK = "kind: block\nwidth: 1\nheight: 5\nrestitution: 0.9"
     [
         (["--cycles", "1e5", "--grid", "A=1:20:100000,Omega=1:20:100000"], "which take years; accepted are up to 5e+08 cells"),
         (["--chunk", "1", "--grid", "A=1:20:10000,Omega=1:20:10000"], "100000000 units of work of 1 cells, accepted are up to 1000000"),
-        (["--scheduler", "bogus", "--grid", "A=1:2:3,Omega=1:2:3"], "accepted is HOST:PORT"),
+        (["--scheduler", "bogus", "--grid", "A=1:2:3,Omega=1:2:3"], "HOST:PORT or tcp://HOST:PORT is accepted"),
     ],
 )
 def test_a_sweep_without_end_is_refused(arguments, words, refused):

@@ -13,7 +13,7 @@ from rocking_cli.reports.figures.maps import outcome_map
 from rocking_cli.reports.summary import summary_lines
 from rocking_cli.reports.units import Units
 from rocking_cli.spectra.file.reader import SpectraFile
-from rocking_cli.spectra.scene import QUANTITIES
+from rocking_cli.spectra.variables import QUANTITIES
 
 STOCKY = build_structure(parse_documents("kind: block\nname: Stocky\nwidth: 1\nheight: 2")[0])
 GRID = parse_grid("A=0.8:6:14,Omega=1:6:12")
@@ -88,7 +88,7 @@ def test_a_body_that_leaves_the_ground_is_not_safe(tmp_path):
 
 
 def test_the_linear_equation_has_nothing_beside_it():
-    with pytest.raises(UsageError, match="accepted is nonlinear"):
+    with pytest.raises(UsageError, match="`model` must be nonlinear"):
         spectrum([STOCKY], sine(), GRID, quantities=["linear"])
 
 

@@ -13,7 +13,7 @@ import numpy as np
 import scipy
 
 import rocking_cli
-from rocking_cli.spectra.machine import described, machine, machines_of, together, unlike, version
+from rocking_cli.spectra.work.machine import described, machine, machines_of, together, unlike, version
 
 
 def test_a_machine_is_told_by_versions_and_vector_instructions():
@@ -25,7 +25,7 @@ def test_a_machine_is_told_by_versions_and_vector_instructions():
 
 
 def test_instructions_that_numpy_is_told_to_leave_count_as_missing():
-    code = "import json; from rocking_cli.spectra.machine import machine; print(json.dumps(machine()))"
+    code = "import json; from rocking_cli.spectra.work.machine import machine; print(json.dumps(machine()))"
     first = machine()
     dispatched = np.show_config(mode="dicts")["SIMD Extensions"].get("found", [])
     env = {**os.environ, "NPY_DISABLE_CPU_FEATURES": " ".join(dispatched)}
@@ -38,7 +38,7 @@ def test_a_version_tells_states_of_the_code_apart(tmp_path, monkeypatch):
     """Of a copy of the package the same, and another once a character, or the name of a file, is another."""
     copy = tmp_path / "rocking_cli"
     shutil.copytree(Path(rocking_cli.__file__).parent, copy, ignore=shutil.ignore_patterns("__pycache__"))
-    monkeypatch.setattr("rocking_cli.spectra.machine.__file__", str(copy / "spectra" / "machine.py"))
+    monkeypatch.setattr("rocking_cli.spectra.work.machine.__file__", str(copy / "spectra" / "work" / "machine.py"))
     engine = copy / "dynamics" / "march" / "engine.py"
     found = [version(), version.__wrapped__()]
     engine.write_bytes(engine.read_bytes()[:-2] + b" \n")

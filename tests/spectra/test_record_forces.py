@@ -20,6 +20,7 @@ from rocking_cli.motions.recording import Recording
 from rocking_cli.motions.records import Record
 from rocking_cli.spectra.record_scene import angles_scene
 from rocking_cli.spectra.sweep import spectrum_of
+from rocking_cli.spectra.sweep_options import SweepOptions
 
 FORCES = ("friction", "fz_min")
 
@@ -34,7 +35,7 @@ SHORT = recording(wave(12, 30.0), 0.1)
 def judged(samples: np.ndarray, dt: float, degrees: np.ndarray, periods: np.ndarray, eta: float | None, model: str) -> Counter:
     """How often blocks keep and lose the ground, of those that do not overturn; both ways must tell the same of every cell."""
     scene = angles_scene(Axis("alpha", np.radians(degrees)), Axis("T", periods), [recording(samples, dt)], eta, Method(model))
-    found, times, seen = spectrum_of(scene, workers=1, check=0), dt * np.arange(samples.size), Counter()
+    found, times, seen = spectrum_of(scene, SweepOptions(workers=1, check=0)), dt * np.arange(samples.size), Counter()
     shaking = Shaking(lambda t: float(np.interp(t, times, samples)), lambda t: 0.0, times[-1], tuple(times[1:]))
     for j, block in enumerate(scene.structures):
         for k, period in enumerate(periods.tolist()):
@@ -74,7 +75,7 @@ DEGREES, PERIODS = (12.0, 50.0), (1.5, 6.0)
 def swept(method: Method, *quantities: str, check: int = 0) -> Spectrum:
     """A slender angle beside a stocky one."""
     axes = Axis("alpha", np.radians(DEGREES)), Axis("T", np.array(PERIODS))
-    return spectrum_of(angles_scene(*axes, [SHORT], 0.5, method), workers=1, check=check, quantities=quantities)
+    return spectrum_of(angles_scene(*axes, [SHORT], 0.5, method), SweepOptions(workers=1, check=check, quantities=quantities))
 
 
 @pytest.mark.parametrize("model", ["linear", "nonlinear"])
@@ -102,7 +103,7 @@ def test_what_is_said_of_an_angle_is_said_of_blocks_of_that_angle(model):
 def test_forces_beside_change_no_bit_of_a_rotation():
     """Rotations are those of the run that keeps the largest speeds, which are in every such file."""
     scene = angles_scene(Axis("alpha", np.radians((15.0, 25.0))), Axis("T", np.array(PERIODS)), [SHORT], 0.8)
-    plain, found = (spectrum_of(scene, workers=1, check=0, quantities=names) for names in ((), FORCES))
+    plain, found = (spectrum_of(scene, SweepOptions(workers=1, check=0, quantities=names)) for names in ((), FORCES))
     np.testing.assert_array_equal(plain.theta_ratio, found.theta_ratio)
 
 

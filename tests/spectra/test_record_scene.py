@@ -20,11 +20,12 @@ from rocking_cli.motions.polyline import record_motion
 from rocking_cli.motions.recording import Recording, with_distinct_labels
 from rocking_cli.motions.records import Record
 from rocking_cli.reports.summary import summary_lines
-from rocking_cli.spectra.file.merge import merge
+from rocking_cli.spectra.file.merging import merge
 from rocking_cli.spectra.file.reader import SpectraFile
 from rocking_cli.spectra.record_scene import angles_scene, block_of, scene_of_words, structures_scene
 from rocking_cli.spectra.scene import cut_into_units
 from rocking_cli.spectra.sweep import spectrum_of, write_scene
+from rocking_cli.spectra.sweep_options import SweepOptions
 
 NONLINEAR = Method("nonlinear", 1e-8)
 ALPHAS, PERIODS = Axis("alpha", np.radians([10.0, 15.0])), Axis("T", np.array([1.0, 2.5, 6.0]))
@@ -51,7 +52,7 @@ def alone(structure, motion, acceleration, method):
 def test_columns_scale_each_record_under_each_structure(records, name):
     values = np.array([0.6, 2.2])
     some = records if name == "scale" else records[:1]
-    found = spectrum_of(structures_scene([BLOCK, SPIRE], some, Axis(name, values)), workers=1, check=0)
+    found = spectrum_of(structures_scene([BLOCK, SPIRE], some, Axis(name, values)), SweepOptions(workers=1, check=0))
     assert found.outcome.shape == (len(some), 2, 2)
     for i, recording in enumerate(some):
         for j, structure in enumerate((BLOCK, SPIRE)):
@@ -74,7 +75,7 @@ def test_a_factor_is_part_of_the_record(records):
 @pytest.mark.parametrize("eta", [0.5, None])
 def test_rocking_spectra_over_alpha_and_size(records, eta):
     scene = angles_scene(ALPHAS, PERIODS, records, eta, NONLINEAR)
-    found = spectrum_of(scene, workers=1, check=0)
+    found = spectrum_of(scene, SweepOptions(workers=1, check=0))
     for j, alpha in enumerate(ALPHAS.values.tolist()):
         expected = 1.0 - 1.5 * math.sin(alpha) ** 2 if eta is None else eta
         for k, period in enumerate(PERIODS.values.tolist()):
@@ -95,7 +96,7 @@ def test_blocks_of_all_angles_go_in_one_run_and_are_those_of_each_alone():
     short = (Recording(record("a", 18, 6.0)),)
     scene, own = (angles_scene(Axis("alpha", x), PERIODS, short, 0.5, NONLINEAR) for x in (ALPHAS.values, ALPHAS.values[1:]))
     assert len({scene.runs_with(s) for s in scene.structures}) == 1
-    together, alone = (spectrum_of(x, workers=1, check=0, quantities=("condition",)) for x in (scene, own))
+    together, alone = (spectrum_of(x, SweepOptions(workers=1, check=0, quantities=("condition",))) for x in (scene, own))
     for name in ("theta_ratio", "outcome", "impacts", "velocity_ratio", "condition"):
         np.testing.assert_array_equal(getattr(together, name)[:, 1:], getattr(alone, name))
     assert np.nanmin(alone.condition) > 0.0
@@ -103,7 +104,7 @@ def test_blocks_of_all_angles_go_in_one_run_and_are_those_of_each_alone():
 
 def test_a_file_of_records_is_labelled(records, tmp_path):
     scene = angles_scene(ALPHAS, PERIODS, records, 0.5)
-    write_scene(scene, tmp_path / "s.h5", workers=1, check=0)
+    write_scene(scene, tmp_path / "s.h5", SweepOptions(workers=1, check=0))
     with xarray.open_dataset(tmp_path / "s.h5") as data:
         assert data.theta_ratio.dims == data.velocity_ratio.dims == ("record", "alpha", "T")
         assert data.record.values.tolist() == ["a", "b"]
@@ -125,10 +126,10 @@ def test_a_file_of_records_is_labelled(records, tmp_path):
 
 def test_shards_and_workers_change_no_bit(records, tmp_path):
     scene = structures_scene([BLOCK], records, Axis("scale", np.linspace(0.5, 2.0, 4)))
-    write_scene(scene, tmp_path / "whole.h5", workers=2, chunk_cells=2, check=0)
+    write_scene(scene, tmp_path / "whole.h5", SweepOptions(workers=2, chunk_cells=2, check=0))
     parts = [tmp_path / f"{i}.h5" for i in (1, 2)]
     for i, path in enumerate(parts, 1):
-        write_scene(scene, path, workers=1, chunk_cells=2, check=0, shard=(i, 2))
+        write_scene(scene, path, SweepOptions(workers=1, chunk_cells=2, check=0, shard=(i, 2)))
     assert merge(parts, tmp_path / "merged.h5").there == 2 * 2
     same_file(tmp_path / "merged.h5", tmp_path / "whole.h5")
 
@@ -140,14 +141,18 @@ def test_a_sweep_of_other_records_does_not_go_on(records, tmp_path):
         raise KeyboardInterrupt
 
     with pytest.raises(Interrupted):
-        write_scene(structures_scene([BLOCK], records, columns), tmp_path / "s.h5", workers=1, check=0, shard=(1, 2), progress=stop)
+        write_scene(
+            structures_scene([BLOCK], records, columns), tmp_path / "s.h5", SweepOptions(workers=1, check=0, shard=(1, 2), progress=stop)
+        )
     others = (records[0], Recording(records[1].record, 2.0))
     with pytest.raises(UsageError, match=r"is of another scene: its records\[1\] is"):
-        write_scene(structures_scene([BLOCK], others, columns), tmp_path / "s.h5", workers=1, check=0, shard=(1, 2), resume=True)
+        write_scene(
+            structures_scene([BLOCK], others, columns), tmp_path / "s.h5", SweepOptions(workers=1, check=0, shard=(1, 2), resume=True)
+        )
 
 
 def test_the_scene_states_a_hash_and_no_sample(records, tmp_path):
-    write_scene(structures_scene([BLOCK], records), tmp_path / "s.h5", workers=1, check=0)
+    write_scene(structures_scene([BLOCK], records), tmp_path / "s.h5", SweepOptions(workers=1, check=0))
     with h5py.File(tmp_path / "s.h5") as file:
         assert len(file.attrs["scene"]) < 1500
 
@@ -228,7 +233,7 @@ def test_words_that_make_no_scene(records, structures, words, said):
 
 def test_a_linear_sweep_tells_where_the_nonlinear_equation_ends_otherwise(records):
     scene = structures_scene([BLOCK, SPIRE], records, Axis("scale", np.array([1.6])))
-    summary = spectrum_of(scene, workers=1, check=4).summary
+    summary = spectrum_of(scene, SweepOptions(workers=1, check=4)).summary
     by_hand = 0
     for recording in records:
         ends = [alone(BLOCK, recording.motion, 1.6 * recording.acceleration, m).outcome[0] for m in (Method(), Method("nonlinear"))]

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from ...errors import OutputError
-from ..frame import ABOUT, Frame
-from .layout import VARIABLES
+from ..dimensions import ABOUT, Frame
+from ..variables import VARIABLES
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -27,7 +27,7 @@ def dataset_of(frame: Frame, cells: Mapping[str, np.ndarray]) -> xarray.Dataset:
         return xr.Variable(dimension, values, {"units": ABOUT[name].units, "long_name": ABOUT[name].long_name})
 
     data = {
-        name: xr.Variable(tuple(frame.dimensions), values, {k: v for k, v in VARIABLES[name][1].items() if k != "_FillValue"})
+        name: xr.Variable(tuple(frame.dimensions), values, {k: v for k, v in VARIABLES[name].attributes.items() if k != "_FillValue"})
         for name, values in cells.items()
     }
     beside = {name: listed(name, dimension) for name, (dimension, _) in frame.beside.items()}

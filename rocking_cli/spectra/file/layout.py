@@ -14,64 +14,9 @@ import h5py
 import numpy as np
 
 from ... import __version__
-from ...dynamics.outcome import Difference, Outcome
-from ..frame import About, Frame, Values
+from ..dimensions import About, Frame, Values
+from ..variables import VARIABLES
 from .chunks import GZIP_LEVEL, ChunkGrid
-
-VARIABLES: dict[str, tuple[np.dtype, dict[str, Any]]] = {
-    "theta_ratio": (
-        np.dtype("<f8"),
-        {"units": "1", "long_name": "largest rotation over critical angle", "_FillValue": np.nan,
-         "comment": "max over time of abs(theta)/alpha; NaN where overturned or not computed"},
-    ),
-    "outcome": (
-        np.dtype("u1"),
-        {"units": "1", "long_name": "outcome", "flag_values": np.array([o.value for o in Outcome], dtype="u1"),
-         "flag_meanings": " ".join(o.flag for o in Outcome)},
-    ),
-    "impacts": (np.dtype("<i4"), {"units": "1", "long_name": "impacts during shaking"}),
-    "velocity_ratio": (
-        np.dtype("<f8"),
-        {"units": "rad", "long_name": "largest angular speed over p", "_FillValue": np.nan,
-         "comment": "max over time of abs(d theta/dt)/p; NaN where overturned or not computed"},
-    ),
-    "condition": (
-        np.dtype("<f8"),
-        {"units": "1", "long_name": "condition of the largest rotation", "_FillValue": np.nan,
-         "comment": "sum of abs(d theta_ratio / d ln x) over the amplitude, the frequency and the restitution, by central differences; NaN "
-                    "where overturned, failed or not computed, or where a cell beside it is"},
-    ),
-    "friction": (
-        np.dtype("<f8"),
-        {"units": "1", "long_name": "required coefficient of friction", "_FillValue": np.nan,
-         "comment": "max over time of abs(Fx)/Fz between impacts; infinite where Fz <= 0, NaN where overturned or not computed"},
-    ),
-    "fz_min": (
-        np.dtype("<f8"),
-        {"units": "1", "long_name": "least vertical force over weight", "_FillValue": np.nan,
-         "comment": "min over time of Fz/(m g) between impacts; NaN where overturned or not computed"},
-    ),
-    "theta_ratio_linear": (
-        np.dtype("<f8"),
-        {"units": "1", "long_name": "largest rotation over critical angle by the linear equation", "_FillValue": np.nan},
-    ),
-    "outcome_linear": (
-        np.dtype("u1"),
-        {"units": "1", "long_name": "outcome by the linear equation", "flag_values": np.array([o.value for o in Outcome], dtype="u1"),
-         "flag_meanings": " ".join(o.flag for o in Outcome)},
-    ),
-    "difference": (
-        np.dtype("u1"),
-        {"units": "1", "long_name": "how the linear equation judges what the nonlinear one decides",
-         "flag_values": np.array([d.value for d in Difference], dtype="u1"), "flag_meanings": " ".join(d.flag for d in Difference)},
-    ),
-}  # fmt: skip
-"""Of each cell: type and attributes. A file has the first two, and others on request, in this order, in which a chunk's checksum runs over
-them too."""
-
-FLAGS: dict[str, type[Outcome] | type[Difference]] = {"outcome": Outcome, "outcome_linear": Outcome, "difference": Difference}
-"""What the codes of a variable mean."""
-
 
 CHUNK_TABLES: dict[str, tuple[np.dtype, dict[str, Any]]] = {
     "chunk": (np.dtype("<i4"), {"units": "1", "long_name": "unit of work, row-major over the chunks of the data"}),
@@ -102,12 +47,12 @@ def image(frame: Frame, chunk: tuple[int, ...], names: Sequence[str], scene: Map
         cut = ChunkGrid(frame.shape, (1, *chunk))
         labels = {"coordinates": " ".join(frame.labels)} if frame.labels else {}
         for name in names:
-            dtype, about = VARIABLES[name]
+            kind = VARIABLES[name]
             datasets[name] = file.create_dataset(
-                name, cut.shape, dtype, chunks=cut.chunk, shuffle=dtype.itemsize > 1,
-                compression="gzip", compression_opts=GZIP_LEVEL, fillvalue=about.get("_FillValue", 0),
+                name, cut.shape, kind.dtype, chunks=cut.chunk, shuffle=kind.dtype.itemsize > 1,
+                compression="gzip", compression_opts=GZIP_LEVEL, fillvalue=kind.fill,
             )  # fmt: skip
-            _describe(datasets[name], {**about, **labels}, *(datasets[dimension] for dimension in frame.dimensions))
+            _describe(datasets[name], {**kind.attributes, **labels}, *(datasets[dimension] for dimension in frame.dimensions))
         tables = file.create_group(BOOKKEEPING, track_order=True)
         for name, (dtype, about) in CHUNK_TABLES.items():
             tables[name] = np.arange(cut.size, dtype=dtype) if name == "chunk" else np.zeros(cut.size, dtype=dtype)

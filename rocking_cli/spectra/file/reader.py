@@ -20,12 +20,13 @@ from ...errors import FAULTS, OutputError, UsageError
 from ...motions import Harmonic, Motion, Piece
 from ...motions.grid import Axis, Grid
 from ...structures.parameters import RockingParameters
-from ..frame import EDGE_PARAMETERS, VARIED, Frame, Values, form_among, varied_units
+from ..dimensions import EDGE_PARAMETERS, VARIED, Frame, Values, form_among, varied_units
+from ..variables import VARIABLES
 from .appended import SIGNATURE, Appended
 from .chunks import ChunkGrid, split, stored_chunk, unpack
 from .difference import reason
 from .digest import checked_digest, read
-from .layout import BOOKKEEPING, CHUNK_TABLES, FLAGS, VARIABLES
+from .layout import BOOKKEEPING, CHUNK_TABLES
 
 _FAULTS = (*FAULTS, UsageError)
 UNPACKED = 8  # chunks that are kept as arrays
@@ -93,7 +94,7 @@ class SpectraFile:
         self.names = tuple(name for name in VARIABLES if name in names)
         self.cut = ChunkGrid(self.frame.shape, file["outcome"].chunks)
         for name in self.names:
-            if (file[name].dtype, file[name].shape, file[name].chunks) != (VARIABLES[name][0], self.cut.shape, self.cut.chunk):
+            if (file[name].dtype, file[name].shape, file[name].chunks) != (VARIABLES[name].dtype, self.cut.shape, self.cut.chunk):
                 raise ValueError(f"its {name} does not fit its axes")
         self.done, self._sums = tables["chunk_done"][...] == 1, tables["chunk_checksum"][...]
         if self._records is not None:
@@ -156,7 +157,7 @@ class SpectraFile:
         packed = self.packed(index)
         cells = tuple(slice(0, s.stop - s.start) for s in self.cut.extent(index))
         try:
-            arrays = {name: unpack(packed[name], VARIABLES[name][0], self.cut.chunk)[cells] for name in self.names}
+            arrays = {name: unpack(packed[name], VARIABLES[name].dtype, self.cut.chunk)[cells] for name in self.names}
             Outcome(int(arrays["outcome"].max()))
             return arrays
         except ValueError as error:
@@ -170,7 +171,7 @@ class SpectraFile:
             *(slice(*s.indices(n)[:2]) for s, n in zip((rows, columns), self.frame.shape[1:], strict=True)),
         )
         shape = tuple(max(0, s.stop - s.start) for s in wanted[1:])
-        found = {name: np.full(shape, VARIABLES[name][1].get("_FillValue", 0), VARIABLES[name][0]) for name in self.names}
+        found = {name: np.full(shape, VARIABLES[name].fill, VARIABLES[name].dtype) for name in self.names}
         for index in self.cut.within(wanted):
             if not self.done[index]:
                 continue
@@ -221,8 +222,8 @@ class SpectraFile:
 
 def _told(name: str, value: np.generic) -> float | int | str | None:
     """A cell's number as programs read it, None for NaN, or the word of a code."""
-    if name in FLAGS:
-        return FLAGS[name](int(value.item())).flag
+    if (codes := VARIABLES[name].codes) is not None:
+        return codes(int(value.item())).flag
     number: float | int = value.item()
     return number if np.isfinite(number) else None
 

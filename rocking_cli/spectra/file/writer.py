@@ -15,8 +15,8 @@ import numpy as np
 
 from ...errors import OutputError, UsageError
 from ...publishing import published
-from ..frame import Frame
-from ..machine import machine, together, unlike
+from ..dimensions import Frame
+from ..work.machine import machine, together, unlike
 from .chunks import ChunkGrid, checksum, chunk_places, joined, split, stored_outcomes
 from .difference import brief, difference, reason
 from .digest import digest_line

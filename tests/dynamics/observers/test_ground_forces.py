@@ -20,6 +20,7 @@ from rocking_cli.motions.polyline import Polyline
 from rocking_cli.responses.time_history import time_history
 from rocking_cli.spectra.scene import PulseScene
 from rocking_cli.spectra.sweep import spectrum_of
+from rocking_cli.spectra.sweep_options import SweepOptions
 
 MOTIONS = [sine(1), sine(2), pulse("rectangular-impulse"), cosine(1)]
 STEP = 0.15  # s
@@ -176,9 +177,9 @@ def test_forces_of_a_body_that_has_gone_far_before_the_ground_falls_away_are_not
 def test_structures_of_one_rotation_have_their_own_forces():
     """The linear equation answers for both blocks at once, but not for their forces."""
     grid, motion, blocks = parse_grid("A=0.5:2:2,Omega=4"), sine(1), [body_of(BLOCK), body_of(BLOCK.replace("0.6", "0.9"))]
-    both = spectrum_of(PulseScene(tuple(blocks), grid, motion, Method()), quantities=("friction",)).beside["friction"]
+    both = spectrum_of(PulseScene(tuple(blocks), grid, motion, Method()), SweepOptions(quantities=("friction",))).beside["friction"]
     for found, block in zip(both, blocks, strict=True):
-        alone = spectrum_of(PulseScene((block,), grid, motion, Method()), quantities=("friction",)).beside["friction"]
+        alone = spectrum_of(PulseScene((block,), grid, motion, Method()), SweepOptions(quantities=("friction",))).beside["friction"]
         assert np.array_equal(found, alone[0], equal_nan=True)
     assert both[1, 0, 0] == pytest.approx(0.5 * blocks[1].alpha, rel=1e-14)
 
@@ -205,12 +206,12 @@ def test_following_the_forces_changes_no_bit_of_the_rest():
 def test_sweeps_hold_them_and_refuse_what_they_do_not_follow():
     grid, method = parse_grid("A=0.5:3:4,Omega=2:4:2"), Method("nonlinear")
     scene = PulseScene((body_of(BODIES["block"]),), grid, sine(1), method)
-    found = spectrum_of(scene, quantities=("friction", "fz_min"))
+    found = spectrum_of(scene, SweepOptions(quantities=("friction", "fz_min")))
     assert found.beside["friction"].shape == found.theta_ratio.shape
     assert np.nanmin(found.beside["friction"]) == pytest.approx(0.5 * scene.structures[0].alpha, rel=1e-14)
     mass = body_of(f"kind: point_mass\nradius: 3\nalpha: {math.atan(0.2)}\nrestitution: {scene.structures[0].eta!r}\n")
     with pytest.raises(UsageError, match="not its forces"):
-        spectrum_of(PulseScene((*scene.structures, mass), grid, sine(1), Method()), quantities=("friction",))
+        spectrum_of(PulseScene((*scene.structures, mass), grid, sine(1), Method()), SweepOptions(quantities=("friction",)))
 
 
 def apart_from_short_cuts(kind, model, motion, cells, seed, monkeypatch):

@@ -13,6 +13,7 @@ from rocking_cli.reports.figures.record_spectra import SHARES, record_quantiles
 from rocking_cli.spectra.file.reader import SpectraFile
 from rocking_cli.spectra.record_scene import angles_scene
 from rocking_cli.spectra.sweep import write_scene
+from rocking_cli.spectra.sweep_options import SweepOptions
 
 ALPHAS, PERIODS = Axis("alpha", np.array([0.15, 0.85])), Axis("T", np.array([0.5, 1.2, 5.0]))
 
@@ -22,7 +23,7 @@ def spectra(tmp_path_factory):
     path = tmp_path_factory.mktemp("records") / "r.h5"
     peaks = (1.0, 2.5, 4.0, -12.0, 45.0)
     records = [Recording(Record(f"r{i}", "text", None, 0.1, wave(20, p), None, "m/s2", "s", f"{i}")) for i, p in enumerate(peaks)]
-    write_scene(angles_scene(ALPHAS, PERIODS, records, 0.5, Method()), path, workers=1, check=0)
+    write_scene(angles_scene(ALPHAS, PERIODS, records, 0.5, Method()), path, SweepOptions(workers=1, check=0))
     return path
 
 

@@ -32,7 +32,7 @@ from rocking_cli import (
 from rocking_cli.commands import main
 from rocking_cli.errors import Interrupted
 from rocking_cli.reports.summary import summary_lines
-from rocking_cli.spectra import machine
+from rocking_cli.spectra.dimensions import pulse_frame
 from rocking_cli.spectra.file import writer as store
 from rocking_cli.spectra.file.appended import Appended
 from rocking_cli.spectra.file.chunks import pack
@@ -40,7 +40,7 @@ from rocking_cli.spectra.file.difference import difference
 from rocking_cli.spectra.file.partial import Partial
 from rocking_cli.spectra.file.reader import SpectraFile
 from rocking_cli.spectra.file.writer import SpectraWriter
-from rocking_cli.spectra.frame import pulse_frame
+from rocking_cli.spectra.work import machine
 
 
 def kill_loop(folder, kills, seed, values):

@@ -21,8 +21,8 @@ from rocking_cli import (
 )
 from rocking_cli.dynamics.references.general_solver import Problem, RigidBodyRates, solve_cell
 from rocking_cli.errors import UsageError
-from rocking_cli.spectra.scene import QUANTITIES
 from rocking_cli.spectra.trust.condition import condition_of
+from rocking_cli.spectra.variables import QUANTITIES
 
 
 def test_condition_under_a_rectangular_pulse_is_its_derivative():
@@ -84,5 +84,5 @@ def test_condition_is_computed_on_request():
     for i, eta in enumerate((0.9, 0.5)):
         expected = condition_of(partial(linear_response, sine()), amplitude, omega, np.full(amplitude.shape, eta), 0.0)
         np.testing.assert_array_equal(found.condition[i], expected)
-    with pytest.raises(UsageError, match=f"unknown quantity 'conditions', accepted are {', '.join(QUANTITIES)}"):
+    with pytest.raises(UsageError, match=f"unknown quantity 'conditions'; {', '.join(QUANTITIES)} are accepted"):
         spectrum(structures, sine(), grid, quantities=["conditions"])

@@ -14,7 +14,7 @@ from importlib.util import find_spec, module_from_spec, spec_from_file_location
 from pathlib import Path
 from typing import Any
 
-from .. import __version__
+from ... import __version__
 
 _COMPUTES = ("dynamics", "motions", "spectra", "structures")  # packages on whose code the values of a spectrum hang
 
@@ -22,7 +22,7 @@ _COMPUTES = ("dynamics", "motions", "spectra", "structures")  # packages on whos
 @cache
 def version() -> str:
     """The version of this program, and behind it a digest of the code that computes spectra, which tells states of a version apart."""
-    package, digest = Path(__file__).parents[1], hashlib.blake2b(digest_size=8)
+    package, digest = Path(__file__).parents[2], hashlib.blake2b(digest_size=8)
     for path in sorted(path for folder in _COMPUTES for path in (package / folder).rglob("*.py")):
         code = path.read_bytes()
         digest.update(f"{path.relative_to(package).as_posix()} {len(code)}\n".encode() + code)

@@ -12,10 +12,10 @@ import numpy as np
 
 from ...dynamics.outcome import Outcome
 from ...errors import OutputError, UsageError
-from ..machine import machines_of, together, unlike
+from ..variables import VARIABLES
+from ..work.machine import machines_of, together, unlike
 from .chunks import stored_outcomes, unpack
 from .difference import brief, difference
-from .layout import VARIABLES
 from .reader import SpectraFile
 from .writer import SpectraWriter
 
@@ -113,7 +113,7 @@ def _agreed(holders: Sequence[SpectraFile], index: int) -> dict[str, bytes]:
     for other in intact[1:]:
         theirs = other.packed(index)
         for name in first.names:
-            kind = (VARIABLES[name][0], first.cut.chunk)
+            kind = (VARIABLES[name].dtype, first.cut.chunk)
             if packed[name] != theirs[name] and unpack(packed[name], *kind).tobytes() != unpack(theirs[name], *kind).tobytes():
                 raise OutputError(f"{other.path} and {first.path} disagree: chunk {index} of {name} differs; one of them is wrong")
     return packed

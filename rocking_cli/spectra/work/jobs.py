@@ -1,4 +1,4 @@
-"""Units of work, computed here or in other processes, and collected in their own order.
+"""Units of work, computed here, in other processes or on a cluster, and collected in their own order.
 
 A unit's cells are computed by the same code in the same order wherever it runs, so neither the number of workers nor the
 size of a unit changes a bit of the result.
@@ -7,36 +7,38 @@ size of a unit changes a bit of the result.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass, field, replace
 from functools import partial
-from itertools import chain, islice, tee
+from itertools import chain
 from typing import Any
 
 import numpy as np
 
-from ..dynamics.march.account import Work
-from ..dynamics.method import LINEAR
-from ..dynamics.outcome import Difference, Outcome, difference
-from ..dynamics.response import Response, response, response_with_demands, that_left_the_ground
-from ..motions import Motion
-from ..processes import processes
-from ..structures.parameters import RockingParameters
-from .scene import Band, Scene, Unit
-from .trust.condition import condition_of
-from .trust.verification import Answer, Place, Verification, reference
+from ...dynamics.march.account import Work
+from ...dynamics.method import LINEAR
+from ...dynamics.outcome import Difference, Outcome, difference
+from ...dynamics.response import Response, response, response_with_demands, that_left_the_ground
+from ...motions import Motion
+from ...processes import Run, processes
+from ...structures.parameters import RockingParameters
+from ..scene import Band, Scene, Unit
+from ..trust.condition import condition_of
+from ..trust.verification import Answer, Place, Verification, reference
+
+TOGETHER = 1 << 19  # cells of an exact equation that a worker computes in one batch
+
+Item = list[Unit] | Place
+"""A batch of units, or a cell for the reference."""
 
 
 @dataclass(frozen=True)
 class Report:
-    """What comes back from a unit: the data of each place (converted), its counters, and outcome and theta/alpha of its cells that may be
-    checked.
-
-    Units that ran together have their work counted with the first of them.
-    """
+    """The result of a unit: its data at each place (converted), its counters over all places, and (outcome, theta/alpha) of its cells
+    that may be checked. Units that ran together have their work counted with the first of them."""
 
     data: tuple[Any, ...]
     work: Work
-    cells: int
     outcomes: np.ndarray
     differences: np.ndarray
     seen: Mapping[Place, tuple[int, float]]
@@ -44,7 +46,7 @@ class Report:
 
 @dataclass(frozen=True)
 class Block(Response):
-    """A unit's response, and by name the variables of what was asked for beside it (see `QUANTITIES`)."""
+    """The response of cells, and by name the variables of the quantities asked for."""
 
     beside: Mapping[str, np.ndarray] = field(default_factory=dict)
 
@@ -61,6 +63,11 @@ class Block(Response):
             values.flat[gone] = np.nan
         return replace(self, theta_ratio=floats.pop("theta_ratio"), outcome=outcome, beside={**self.beside, **floats})
 
+    def cut(self, first: int, last: int, size: tuple[int, int], work: Work) -> Block:
+        """The cells from the first to before the last, as (rows, columns)."""
+        theta_ratio, outcome, impacts = (x[first:last].reshape(size) for x in (self.theta_ratio, self.outcome, self.impacts))
+        return Block(theta_ratio, outcome, impacts, work, {name: x[first:last].reshape(size) for name, x in self.beside.items()})
+
 
 @dataclass(frozen=True)
 class Job:
@@ -69,7 +76,7 @@ class Job:
     scene: Scene
     chunk: tuple[int, int]
     candidates: np.ndarray
-    convert: Callable[[Block], Any] | None
+    convert: Callable[[Block], Any] | None = None
     quantities: tuple[str, ...] = ()
 
     @property
@@ -84,7 +91,7 @@ class Job:
             return 1
         return max(1, TOGETHER // (self.chunk[0] * self.chunk[1]))
 
-    def answer(self, item: list[Unit] | Place) -> list[Report] | Answer:
+    def answer(self, item: Item) -> list[Report] | Answer:
         """The reports of some units, or the reference of a cell."""
         return self.run(item) if isinstance(item, list) else reference(self.scene, item)
 
@@ -106,48 +113,49 @@ class Job:
     def blocks(self, bands: Sequence[Band], columns: Sequence[int]) -> Iterator[list[Block]]:
         """The response of bands that go in one run under one motion, of so many columns, for each of their sharers; all of the work is
         counted with the first."""
-        scene, motion = self.scene, bands[0].motion
-        sizes = [(band.rows, width) for band, width in zip(bands, columns, strict=True)]
+        motion, sizes = bands[0].motion, [(band.rows, width) for band, width in zip(bands, columns, strict=True)]
         ends = np.cumsum([0, *(a * b for a, b in sizes)])
         cells = np.empty((3, int(ends[-1])))
         for band, size, first, last in zip(bands, sizes, ends[:-1], ends[1:], strict=True):
             here = cells[:, first:last].reshape(3, *size)
             here[0], here[1], here[2] = band.amplitude, band.omega, band.structure.eta
-        structures, counts = [band.structure for band in bands], [rows * width for rows, width in sizes]
-        system = scene.method.system_of_cells(structures, counts)
-        if scene.method.exact and not self.forces:
-            system = replace(system, body=None, own=())  # each sharer has its own
+        whole = self.together_of([band.structure for band in bands], [a * b for a, b in sizes], motion, cells)
+        work = whole.work
+        for band, size, first, last in zip(bands, sizes, ends[:-1], ends[1:], strict=True):
+            block = whole.cut(first, last, size, work)
+            yield [self._standing(sharer, motion, cells[:, first:last], block) for sharer in band.sharers]
+            work = Work()
+
+    def together_of(self, structures: list[RockingParameters], counts: list[int], motion: Motion, cells: np.ndarray) -> Block:
+        """The response of cells (A, Omega, eta), so many of each structure, and the quantities."""
+        method = self.scene.method
+        system = method.system_of_cells(structures, counts)
+        if method.exact and not self.forces:
+            system = replace(system, body=None, own=())  # each sharer of rotations has its own body
         beside: dict[str, np.ndarray] = {}
         known: Response | None = None
         if "velocity_ratio" in self.quantities:
-            from ..dynamics.speeds import response_with_speed
+            from ...dynamics.speeds import response_with_speed
 
             known, rate = response_with_speed(system, motion, *cells)
-            beside["velocity_ratio"] = rate * np.concatenate(
-                [np.full(a * b, s.structure.alpha) for s, (a, b) in zip(bands, sizes, strict=True)]
-            )
+            beside["velocity_ratio"] = rate * np.repeat([s.alpha for s in structures], counts)
         if self.forces:
             got, asked = response_with_demands(system, motion, *cells, found=known)
             beside |= asked
         else:
             got = known or response(system, motion, *cells)
         if "condition" in self.quantities:
-            pairs = scene.method.system_of_cells(structures * 2, counts * 2)  # cells are looked at in pairs, one set after the other
-            if scene.method.exact:
+            pairs = method.system_of_cells(structures * 2, counts * 2)  # of cells, one set after the other
+            if method.exact:
                 pairs = replace(pairs, body=None, own=())
-            respond, tolerance = partial(response, pairs, motion), scene.method.stated_tolerance or 0.0
-            condition = condition_of(respond, cells[0], cells[1], cells[2], tolerance)
+            amplitude, omega, eta = cells
+            condition = condition_of(partial(response, pairs, motion), amplitude, omega, eta, method.stated_tolerance or 0.0)
             beside["condition"] = np.where(got.outcome == Outcome.LOST_CONTACT, np.nan, condition)
         if "linear" in self.quantities:
             linear = response(LINEAR.system_of_cells(structures, counts), motion, *cells)
             beside |= {"theta_ratio_linear": linear.theta_ratio, "outcome_linear": linear.outcome}
             beside["difference"] = difference(got.outcome, linear.outcome)
-        work = got.work
-        for band, size, first, last in zip(bands, sizes, ends[:-1], ends[1:], strict=True):
-            theta_ratio, outcome, impacts = (x[first:last].reshape(size) for x in (got.theta_ratio, got.outcome, got.impacts))
-            block = Block(theta_ratio, outcome, impacts, work, {name: x[first:last].reshape(size) for name, x in beside.items()})
-            yield [self._standing(sharer, motion, cells[:, first:last], block) for sharer in band.sharers]
-            work = Work()
+        return Block(got.theta_ratio, got.outcome, got.impacts, got.work, beside)
 
     def _standing(self, structure: RockingParameters, motion: Motion, cells: np.ndarray, block: Block) -> Block:
         """The block of one of the structures that share it: its own where the linear equation lets it leave the ground."""
@@ -160,18 +168,14 @@ class Job:
 
     def report(self, unit: Unit, blocks: Sequence[Sequence[Block]]) -> Report:
         """The report of a unit whose rows are these blocks, each for all places of the unit."""
-        parts: dict[tuple[int, ...], Block] = {}  # places mostly share one
-        keys = [tuple(id(block) for block in rows) for rows in zip(*blocks, strict=True)]
-        for key, rows in zip(keys, zip(*blocks, strict=True), strict=True):
-            if key not in parts:
-                parts[key] = rows[0] if len(rows) == 1 else joined(rows)
-        part = parts[keys[0]]
+        keys = [tuple(map(id, rows)) for rows in zip(*blocks, strict=True)]
+        parts = {key: joined(rows) for key, rows in zip(keys, zip(*blocks, strict=True), strict=True)}  # places mostly share one
         data = {key: self.convert(one) if self.convert else one for key, one in parts.items()}
-        codes = {key: np.bincount(one.outcome.ravel(), minlength=len(Outcome)) for key, one in parts.items()}
-        differ = np.bincount(part.beside.get("difference", np.zeros(0, dtype=np.uint8)).ravel(), minlength=len(Difference))
-        outcomes = np.sum([codes[key] for key in keys], axis=0)
-        seen = self.seen(unit, part)
-        return Report(tuple(data[key] for key in keys), part.work, part.outcome.size, outcomes, len(keys) * differ, seen)
+        outcomes = sum(np.bincount(parts[key].outcome.ravel(), minlength=len(Outcome)) for key in keys)
+        first = parts[keys[0]]
+        differences = np.bincount(first.beside.get("difference", np.zeros(0, np.uint8)).ravel(), minlength=len(Difference))
+        seen = self.seen(unit, first)
+        return Report(tuple(data[key] for key in keys), first.work, np.asarray(outcomes), len(keys) * differences, seen)
 
     def seen(self, unit: Unit, response: Response) -> dict[Place, tuple[int, float]]:
         """Outcome and theta/alpha of the candidates in this unit."""
@@ -185,44 +189,33 @@ class Job:
 
 def joined(blocks: Sequence[Block]) -> Block:
     """One block with the rows of all blocks in order."""
+    if len(blocks) == 1:
+        return blocks[0]
     theta_ratio, outcome, impacts = (np.concatenate([getattr(b, name) for b in blocks]) for name in ("theta_ratio", "outcome", "impacts"))
     beside = {name: np.concatenate([b.beside[name] for b in blocks]) for name in blocks[0].beside}
     return Block(theta_ratio, outcome, impacts, sum((b.work for b in blocks), Work()), beside)
 
 
-TOGETHER = 1 << 19  # cells of an exact equation that a worker computes in one batch
+Crew = AbstractContextManager[tuple[Run, int]]
+"""Gives a function from items to their answers, in order, and how many of them are computed at a time."""
 
 
-def _batches(job: Job, units: Sequence[Unit], workers: int) -> Iterator[list[list[int]]]:
-    """Indices of units in rounds, one batch a worker each.
-
-    Neighbours go to different workers, since they cost alike, and in alternating order, since the cost falls along the grid.
-    """
-    size = max(1, min(job.together, -(-len(units) // workers)))
-    for first in range(0, len(units), workers * size):
-        batches: list[list[int]] = [[] for _ in range(workers)]
-        for i in range(first, min(len(units), first + workers * size)):
-            lap, place = divmod(i - first, workers)
-            batches[place if lap % 2 == 0 else workers - 1 - place].append(i)
-        yield [batch for batch in batches if batch]
-
-
-def unit_reports(job: Job, units: Sequence[Unit], workers: int, verification: Verification) -> Iterator[tuple[Unit, Report]]:
-    """The reports of the units, in their order; with the last of them the verification has its answers. Raises OutputError when a worker
-    process dies."""
+@contextmanager
+def local_crew(job: Job, workers: int) -> Iterator[tuple[Run, int]]:
+    """This process, or so many others. Raises OutputError when one of them dies."""
     if workers == 1:
-        for (batch,) in _batches(job, units, 1):
-            some = [units[i] for i in batch]
-            yield from zip(some, job.run(some), strict=True)
-        verification.answers |= {place: reference(job.scene, place) for place in verification.places()}
+        yield partial(map, job.answer), 1
         return
     with processes(workers, job.answer, "fewer `workers` or a smaller `chunk_cells` need less") as run:
-        rounds, ahead = tee(_batches(job, units, workers))
-        batched = ([units[i] for i in batch] for batches in ahead for batch in batches)
-        results = run(chain(batched, verification.places()))
-        again = len(verification.sensitive)  # they are found while the workers compute
-        for batches in rounds:
-            reports = {i: report for batch in batches for i, report in zip(batch, next(results), strict=True)}
-            for i in sorted(reports):
-                yield units[i], reports[i]
-        verification.answers |= zip(verification.places(), islice(results, again), strict=True)
+        yield run, workers
+
+
+def unit_reports(job: Job, units: Sequence[Unit], crew: Crew, verification: Verification) -> Iterator[tuple[Unit, Report]]:
+    """The reports of the units, in their order; with the last of them the verification has its answers."""
+    with crew as (run, at_once):
+        size = max(1, min(job.together, -(-len(units) // at_once)))
+        batches = [list(units[i : i + size]) for i in range(0, len(units), size)]
+        results = run(chain(batches, verification.places()))  # the cells to check are found while workers compute
+        for batch in batches:
+            yield from zip(batch, next(results), strict=True)
+        verification.answers |= zip(verification.sensitive, results, strict=True)

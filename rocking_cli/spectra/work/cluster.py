@@ -1,0 +1,108 @@
+"""Units of work on a running dask.distributed cluster: workers return arrays, the one writer stays here."""
+
+from __future__ import annotations
+
+import logging
+import re
+import socket
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import replace
+from typing import Any
+
+from ...errors import OutputError, UsageError
+from ...processes import Run, in_order
+from ..scene import Unit
+from .jobs import Item, Job
+
+_AHEAD = 3  # batches under way for each of the cluster's threads
+_TO_ANSWER = 4.0  # s that a scheduler may take to accept a connection, and to begin to speak
+_LONGEST_GREETING = 1 << 32  # bytes
+_TO_GREET = 15.0  # s that it may take until it knows its client
+_PATIENCE = 4.0  # s without a worker after which that is said, again and again
+
+
+@contextmanager
+def cluster(job: Job, address: str, tell: Callable[[str], None] | None = None) -> Iterator[tuple[Run, int]]:
+    """A function from items to job.answer(item) of each, in their order, and the threads of the cluster whose scheduler is at `address`.
+
+    Items of a lost worker run anew. Where the cluster has no worker, that is told, and waited for. Raises UsageError for an address
+    that is none, OutputError without the extra `distributed`, without a scheduler there, or when an item fails for good.
+    """
+    host, port = _host_and_port(address)
+    try:
+        from distributed import Client
+    except ImportError:
+        raise OutputError("`scheduler` needs dask.distributed: pip install 'rocking[distributed]'") from None
+
+    def threads() -> int:
+        """The cluster's threads as soon as it has any."""
+        began = said = time.monotonic()
+        while not (found := sum(dict(client.ncores()).values())):
+            time.sleep(0.1)
+            if tell is not None and time.monotonic() - said > _PATIENCE:
+                said = time.monotonic()
+                tell(f"`scheduler`: the cluster at {address} has no worker; waiting for one since {said - began:.0f} s")
+        return int(found)
+
+    def submit(item: Item) -> Any:  # the job travels with each item: data sent before could be lost with the worker that holds them
+        units = item if isinstance(item, list) else [Unit(item[:1], *item[1:])]
+        return client.submit(Job.answer, replace(job, scene=job.scene.only(units)), item, pure=False, retries=3)
+
+    def result(future: Any) -> Any:
+        try:
+            while True:
+                try:
+                    return future.result(timeout=_PATIENCE)
+                except TimeoutError:
+                    if future.done():  # the task's own
+                        raise
+                    threads()
+        except Exception as error:  # whatever a cluster may fail with, what was done stays
+            raise OutputError(f"the cluster gave up a unit of work ({type(error).__name__}: {error}); what was done is kept") from None
+
+    with _silent_library():
+        try:
+            with socket.create_connection((host, port), timeout=_TO_ANSWER) as connection:
+                if not address.startswith("tls:"):  # a scheduler speaks first; the client would wait for ever
+                    _demand_greeting(connection)
+            client = Client(address, timeout=_TO_GREET, set_as_default=False)
+        except (OSError, ValueError) as error:
+            raise OutputError(f"`scheduler`: no dask scheduler answers at {address}: {str(error) or type(error).__name__}") from None
+        with client:
+            ahead = _AHEAD * (count := threads())
+            yield lambda items: in_order(submit, result, items, ahead), count
+
+
+def _host_and_port(address: str) -> tuple[str, int]:
+    found = re.fullmatch(r"(?:(?:tcp|tls)://)?(?:\[([0-9A-Fa-f:.]+)\]|([^\s:/\[\]]+)):(\d{1,5})", address)
+    if found is None or not 0 < int(found[3]) < 65536:
+        raise UsageError(f"`scheduler`: found {address!r}; HOST:PORT or tcp://HOST:PORT is accepted, such as tcp://localhost:8786")
+    return found[1] or found[2], int(found[3])
+
+
+def _demand_greeting(connection: socket.socket) -> None:
+    """Raise ConnectionError unless a message of dask begins: the number of its bytes or parts, in eight bytes."""
+    begun = b""
+    while len(begun) < 8:
+        more = connection.recv(8 - len(begun))
+        if not more:
+            raise ConnectionError(f"it says {begun!r} and closes the connection" if begun else "the connection was closed")
+        begun += more
+    if int.from_bytes(begun, "little") > _LONGEST_GREETING:
+        raise ConnectionError(f"it begins with {begun!r}, which is no message of a scheduler")
+
+
+@contextmanager
+def _silent_library() -> Iterator[None]:
+    """Log messages of the library are dropped: it connects anew by itself, and failures are told here in one sentence."""
+    names = [name for name in logging.root.manager.loggerDict if name.partition(".")[0] in ("distributed", "tornado", "asyncio")]
+    before = {logger: logger.level for logger in map(logging.getLogger, names)}
+    for logger in before:
+        logger.setLevel(logging.CRITICAL + 1)
+    try:
+        yield
+    finally:
+        for logger, level in before.items():
+            logger.setLevel(level)
