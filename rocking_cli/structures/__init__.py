@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from ..errors import DocumentError, StructureError
 from .inline import inline_document
-from .kinds import KINDS, built_by
+from .kinds import KINDS, build
 from .parameters import RockingParameters, Side
 from .shared_keys import damping_of, friction_of
 
@@ -27,7 +27,7 @@ def build_structure(document: Document) -> RockingParameters:
     stem = "structure" if document.source.startswith("<") else Path(document.source).stem.replace(",", " ")
     name = document.word("name", stem if document.index == 0 else f"{stem}-{document.index + 1}")
     try:
-        built = replace(built_by(document, name), damping=damping_of(document), friction=friction_of(document))
+        built = replace(build(document, name), damping=damping_of(document), friction=friction_of(document))
     except StructureError as error:
         raise DocumentError(f"{document.place}: {document.values['kind'].content}: {error}") from None
     document.finish()

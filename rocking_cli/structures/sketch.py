@@ -37,9 +37,10 @@ def rocker(bodies: Iterable[Outline], left: Point, right: Point, centre: Point, 
     return Sketch(bodies, moved=moved, pivots=(("left", left), ("right", right)), centre=centre, **more)
 
 
-def standing_rectangle(half: float, height: float) -> Sketch:
-    """The sketch of a rectangular block of width 2 `half` [m]."""
-    return rocker([rectangle(-half, half, 0.0, height)], (-half, 0.0), (half, 0.0), (0.0, 0.5 * height))
+def standing_rectangle(radius: float, alpha: float) -> Sketch:
+    """The sketch of a rectangular block of half diagonal `radius` [m] and slenderness `alpha` [rad]."""
+    half, z = radius * math.sin(alpha), radius * math.cos(alpha)
+    return rocker([rectangle(-half, half, 0.0, 2.0 * z)], (-half, 0.0), (half, 0.0), (0.0, z))
 
 
 def rectangle(left: float, right: float, low: float, high: float) -> Outline:

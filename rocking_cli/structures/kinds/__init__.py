@@ -13,12 +13,11 @@ Entry points are read only for a `kind` that is not in KINDS.
 from __future__ import annotations
 
 import math
-from collections import UserDict
 from collections.abc import Sequence
 from contextlib import AbstractContextManager
 from dataclasses import replace
 from importlib import import_module
-from typing import TYPE_CHECKING, Protocol, cast
+from typing import TYPE_CHECKING, Any, Protocol
 
 from ...plugins import blamed, installed
 from ..parameters import RockingParameters
@@ -31,6 +30,7 @@ if TYPE_CHECKING:
     from ..sketch import Sketch
 
 GROUP = "rocking.structures"
+KINDS = ("block", "point_mass", "spire", "arch", "frame", "prism", "drum", "rigid", "stack", "wall", "parameters")
 
 
 class Kind(Protocol):
@@ -48,43 +48,36 @@ class Kind(Protocol):
         """
 
 
-class _Kinds(UserDict[str, "Kind | str"]):
-    """Kinds by name; a name stands for a module of this package, which is imported at its first use."""
-
-    def __getitem__(self, word: str) -> Kind:
-        kind = self.data[word]
-        if isinstance(kind, str):
-            self.data[word] = kind = cast(Kind, import_module(f".{kind}", __package__))
-        return kind
-
-
-_OWN = ("block", "point_mass", "spire", "arch", "frame", "prism", "drum", "rigid", "stack", "wall")
-KINDS = _Kinds({**{name: name for name in _OWN}, "parameters": "stated"})
-
-
-def kind_of(document: Document) -> tuple[str, Kind]:
-    """(name, kind) of a document. Raises DocumentError if the kind is unknown or its package does not load."""
+def build(document: Document, name: str) -> RockingParameters:
+    """The parameters of a document of any kind. Raises DocumentError and StructureError as the kind does, and DocumentError for an
+    unknown kind and for a package that does not load, raises another error, exits, or returns something else."""
     value = document.values.get("kind")
     found = {} if value is not None and isinstance(value.content, str) and value.content in KINDS else installed(GROUP)
     word = document.choice("kind", [*KINDS, *found])
     if word in KINDS:
-        return word, KINDS[word]
-    entry = found[word]
-    with _blamed(document, entry):
-        return word, _load(entry)
-
-
-def built_by(document: Document, name: str) -> RockingParameters:
-    """The parameters that the kind of a document builds. Raises DocumentError and StructureError as the kind does, and DocumentError
-    for a package that raises another error, exits, or returns something else."""
-    word, kind = kind_of(document)
-    if word in KINDS:
-        return kind.build(document, name)
-    with _blamed(document, installed(GROUP)[word]):
-        built = kind.build(document, name)
+        built: RockingParameters = _own(word).build(document, name)
+        return built
+    with _blamed(document, found[word]):
+        built = _load(found[word]).build(document, name)
         if not isinstance(built, RockingParameters):
             raise TypeError(f"build returns {type(built).__name__}, which is no RockingParameters")
     return _with_shared_keys(document, built)
+
+
+def _own(word: str) -> Any:
+    """The module of a kind of this package."""
+    return import_module("." + {"parameters": "stated"}.get(word, word), __package__)
+
+
+def _load(entry: EntryPoint) -> Kind:
+    kind: Kind = entry.load()
+    if not (callable(getattr(kind, "build", None)) and isinstance(getattr(kind, "REPORTS", None), tuple | list)):
+        raise TypeError(f"{entry.value} has no build(document, name), or no REPORTS, a tuple of keys")
+    return kind
+
+
+def _blamed(document: Document, entry: EntryPoint) -> AbstractContextManager[None]:
+    return blamed(entry, lambda found: document.fault("kind", found, f"a package that works, or one of {', '.join(KINDS)}"))
 
 
 def _with_shared_keys(document: Document, built: RockingParameters) -> RockingParameters:
@@ -102,39 +95,27 @@ def _with_shared_keys(document: Document, built: RockingParameters) -> RockingPa
     return built
 
 
-def _blamed(document: Document, entry: EntryPoint) -> AbstractContextManager[None]:
-    return blamed(entry, lambda found: document.fault("kind", found, f"a package that works, or one of {', '.join(KINDS)}"))
-
-
 def reports_of(word: str) -> Sequence[str]:
-    """The details that a kind reports; empty for an unknown kind."""
-    if word in KINDS:
-        return KINDS[word].REPORTS
-    entry = installed(GROUP).get(word)
+    """The details that a kind reports; empty for an unknown kind and for a package that does not load."""
     try:
-        return () if entry is None else _load(entry).REPORTS
-    except (Exception, SystemExit):  # its details are then refused by name, as for a kind that is not installed
+        kind = _own(word) if word in KINDS else _load(installed(GROUP)[word])
+    except (Exception, SystemExit):
         return ()
+    reports: Sequence[str] = kind.REPORTS
+    return reports
 
 
 def sizes_of(word: str) -> Sequence[str]:
     """The keys that the sizes of `KIND:AxB` state; empty for a kind without this form."""
-    return tuple(getattr(KINDS.get(word), "SIZES", ()))
+    return tuple(getattr(_own(word), "SIZES", ())) if word in KINDS else ()
 
 
 def sketch_of(document: Document, built: RockingParameters) -> Sketch:
-    """The sketch of a structure. Raises DocumentError if its kind has no geometry."""
-    word, kind = kind_of(document)
-    draw = getattr(kind, "sketch", None)
-    if draw is None:
-        drawn = [name for name, other in KINDS.items() if hasattr(other, "sketch")]
+    """The sketch of a structure that was built from the document. Raises DocumentError if its kind has no geometry."""
+    word = str(document.values["kind"].content)
+    kind = _own(word) if word in KINDS else _load(installed(GROUP)[word])
+    if not hasattr(kind, "sketch"):
+        drawn = [name for name in KINDS if hasattr(_own(name), "sketch")]
         raise document.fault("kind", f"{word}, which states no geometry to draw", f"one of {', '.join(drawn)}")
-    found: Sketch = draw(document, built)
-    return found
-
-
-def _load(entry: EntryPoint) -> Kind:
-    kind: Kind = entry.load()
-    if not (callable(getattr(kind, "build", None)) and isinstance(getattr(kind, "REPORTS", None), tuple | list)):
-        raise TypeError(f"{entry.value} has no build(document, name), or no REPORTS, a tuple of keys")
-    return kind
+    sketch: Sketch = kind.sketch(document, built)
+    return sketch

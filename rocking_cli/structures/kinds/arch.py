@@ -9,17 +9,18 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from ...documents.document import Document, Value
 from ...documents.quantities import SMALLEST_LENGTH, parse_quantity
+from ..mechanics.fourbar import EXTRADOS, FACES, INTRADOS, FourBar, Ring
+from ..mechanics.hinges import search_continuous, search_joints
 from ..mechanics.kinematics import linearise
+from ..mechanics.statics import carried_through, static_uplift
 from ..parameters import RockingParameters
 from ..shared_keys import gravity_of, restitution_of
 from ..sketch import Outline, Sketch
-
-if TYPE_CHECKING:
-    from ..mechanics.fourbar import FourBar, Ring
 
 REPORTS = ("a_scale_3_7", "hinges", "direction", "lambda_governing")
 SIZES = ("radius", "thickness", "angle")
@@ -36,14 +37,17 @@ def build(document: Document, name: str) -> RockingParameters:
     Keys: thickness; radius and angle (inclusion), or span and rise; measured: centre-line (default), intrados or extrados;
     voussoirs (absent: a continuous arch); hinges (absent: the governing ones).
     """
-    from ..mechanics.fourbar import FACES
-
     if document.flag("one_sided"):
         raise document.fault("one_sided", "true", "false: an arch sways to both sides")
     mechanism, governing = find_mechanism(document)
     found = linearise(mechanism)
     gravity = gravity_of(document)
     eta, source = restitution_of(document, found.eta, "an arch whose mechanism does not throw it backwards")
+    hinges = [
+        {"angle": s, "face": face, "x": float(x), "z": float(z)}  # from the centre of the ring
+        for s, face, (x, z) in zip(mechanism.hinges, FACES, mechanism.points, strict=True)
+    ]
+    details = {"a_scale_3_7": found.a_scale_3_7, "hinges": hinges, "direction": DIRECTION}
     return RockingParameters(
         name=name,
         structure="arch",
@@ -54,15 +58,7 @@ def build(document: Document, name: str) -> RockingParameters:
         a_scale=found.a_scale,
         eta_source=source,
         gravity=gravity,
-        details={
-            "a_scale_3_7": found.a_scale_3_7,
-            "hinges": [
-                {"angle": s, "face": face, "x": float(x), "z": float(z)}  # from the centre of the ring
-                for s, face, (x, z) in zip(mechanism.hinges, FACES, mechanism.points, strict=True)
-            ],
-            "direction": DIRECTION,
-            **({"lambda_governing": governing} if document.has("hinges") else {}),
-        },
+        details={**details, "lambda_governing": governing} if document.has("hinges") else details,
         mechanism=mechanism,
     )
 
@@ -72,20 +68,12 @@ def find_mechanism(document: Document) -> tuple[FourBar, float | None]:
 
     Raises DocumentError if the arch does not stand, the given hinges are not admissible, or no linkage of four hinges governs.
     """
-    import numpy as np
-
-    from ..mechanics.fourbar import FourBar
-    from ..mechanics.hinges import search_continuous, search_joints
-    from ..mechanics.statics import carried_through, static_uplift
-
     ring = ring_of(document)
-    angle = ring.angle
-    voussoirs = _voussoirs(document)
-    joints = None if voussoirs is None else np.linspace(0.0, angle, voussoirs + 1)
+    voussoirs = document.integer("voussoirs", 4, MOST_VOUSSOIRS) if document.has("voussoirs") else None
+    joints = None if voussoirs is None else np.linspace(0.0, ring.angle, voussoirs + 1)
     found = search_continuous(ring) if joints is None else search_joints(ring, joints)
-    if joints is None or (found is not None and carried_through(ring, joints, found[0])):
-        carried = found[1] if found else None
-    else:
+    carried = found[1] if found else None
+    if joints is not None and not (found and carried_through(ring, joints, found[0])):
         carried = static_uplift(ring, joints)
     if (joints is not None and carried is None) or (found is not None and not found[1] > 0.0):
         raise document.fault("thickness", f"{document.values['thickness']}: the arch cannot carry its own weight", "a thicker arch")
@@ -98,20 +86,14 @@ def find_mechanism(document: Document) -> tuple[FourBar, float | None]:
     return FourBar(ring, found[0], voussoirs), found[1]
 
 
-def _voussoirs(document: Document) -> int | None:
-    return document.integer("voussoirs", 4, MOST_VOUSSOIRS) if document.has("voussoirs") else None
-
-
 def ring_of(document: Document) -> Ring:
     """The ring from radius and angle, or from span and rise: R = (span^2/4 + rise^2)/(2 rise), angle = 4 atan(2 rise/span).
 
     The key `measured` states the line on which radius, span and rise are taken. Springings are radial. Raises DocumentError.
     """
-    from ..mechanics.fourbar import Ring
-
-    line = document.choice("measured", list(MEASURED), "centre-line")
-    pairs = [pair for pair in PAIRS if any(document.has(key) for key in pair)]
-    if len(pairs) > 1 or not all(document.has(key) for key in (pairs or [PAIRS[0]])[0]):
+    outward = MEASURED[document.choice("measured", list(MEASURED), "centre-line")]
+    pairs = [pair for pair in PAIRS if any(document.has(key) for key in pair)] or [PAIRS[0]]
+    if len(pairs) > 1 or not all(document.has(key) for key in pairs[0]):
         found = " and ".join(key for pair in pairs for key in pair if document.has(key)) or "none of them"
         raise document.fault(None, found, ", or ".join(" and ".join(pair) for pair in PAIRS))
     if pairs == [PAIRS[1]]:
@@ -120,39 +102,35 @@ def ring_of(document: Document) -> Ring:
     else:
         radius = document.length("radius")
         angle = document.quantity("angle", "angle", above=0.0, below=2.0 * math.pi, where="an angle between 0 and 360 deg")
-    outward = MEASURED[line]  # radius of the centre line = measured radius + outward x thickness, and it exceeds thickness/2
+    # The centre line has the radius measured + outward x thickness, which exceeds thickness/2.
     most = radius / (0.5 - outward) if outward < 0.5 else math.inf
     where = f"a length between {SMALLEST_LENGTH:g} m and {most:g} m, where the intrados has no radius left"
     thickness = document.quantity("thickness", "length", above=SMALLEST_LENGTH, below=most, where=where)
     return Ring(radius + outward * thickness, thickness, angle)
 
 
-def _given(document: Document, ring: Ring, joints: Any) -> FourBar:
-    import numpy as np
-
-    from ..mechanics.fourbar import FACES, FourBar
-
+def _given(document: Document, ring: Ring, joints: np.ndarray | None) -> FourBar:
+    """The mechanism with the hinges that the document states. Raises DocumentError if it is not admissible."""
     value = document.values["hinges"]
     if not isinstance(value.content, list) or len(value.content) != 4:
         raise document.fault("hinges", str(value), _HINGES)
-    hinges, faces = zip(*(_hinge(document, child, face) for child, face in zip(value.content, FACES, strict=True)), strict=True)
-    if not all(a < b for a, b in pairwise(hinges)):
+    stated = [_hinge(document, child, face) for child, face in zip(value.content, FACES, strict=True)]
+    hinges, first = np.array([angle for angle, _ in stated]), stated[0][1]
+    if not np.all(np.diff(hinges) > 0.0):
         raise document.fault("hinges", "angles out of order", _HINGES)
-    if any(a == b for a, b in pairwise(faces)):
+    if any(a == b for (_, a), (_, b) in pairwise(stated)):
         raise document.fault("hinges", "faces that do not alternate", _HINGES)
     if not (hinges[0] >= -1e-12 and hinges[-1] <= ring.angle * (1.0 + 1e-12)):
-        raise document.fault(
-            "hinges", "a hinge beyond the springings", f"angles from 0 to {math.degrees(ring.angle):g} deg (a bare number is in rad)"
-        )
+        wanted = f"angles from 0 to {math.degrees(ring.angle):g} deg (a bare number is in rad)"
+        raise document.fault("hinges", "a hinge beyond the springings", wanted)
     if joints is not None:
-        nearest = np.abs(np.subtract.outer(hinges, joints)).argmin(axis=1)
-        if np.max(np.abs(joints[nearest] - hinges)) > 1e-6:
-            raise document.fault(
-                "hinges", "a hinge between two joints", f"multiples of {math.degrees(joints[1]):g} deg, the voussoirs' joints"
-            )
-        hinges = tuple(float(joints[i]) for i in nearest)
-    a, b, c, d = (min(max(s, 0.0), ring.angle) for s in hinges)
-    mechanism = FourBar(ring, (a, b, c, d) if faces[0] == FACES[0] else (ring.angle - d, ring.angle - c, ring.angle - b, ring.angle - a))
+        nearest = joints[np.abs(np.subtract.outer(hinges, joints)).argmin(axis=1)]
+        if np.max(np.abs(nearest - hinges)) > 1e-6:
+            wanted = f"multiples of {math.degrees(joints[1]):g} deg, the voussoirs' joints"
+            raise document.fault("hinges", "a hinge between two joints", wanted)
+        hinges = nearest
+    hinges = np.clip(hinges, 0.0, ring.angle)
+    mechanism = FourBar(ring, tuple((hinges if first == FACES[0] else ring.angle - hinges[::-1]).tolist()))
     at = mechanism.at_rest()
     if not (bool(at.admissible) and float(at.push) > 0.0):
         raise document.fault("hinges", "hinges that do not open on their far faces", "hinges of a mechanism that sways")
@@ -162,52 +140,41 @@ def _given(document: Document, ring: Ring, joints: Any) -> FourBar:
 
 
 def _hinge(document: Document, value: Value, face: str) -> tuple[float, str]:
-    from ..mechanics.fourbar import EXTRADOS, INTRADOS
-
+    """(angle [rad], face) of one hinge; `face` if the document states the angle only. Raises DocumentError."""
     if isinstance(value.content, dict):
         part = document.part("hinges", value)
         found = part.quantity("angle", "angle"), part.choice("face", [INTRADOS, EXTRADOS])
         part.finish()
         return found
-    if isinstance(value.content, str):
-        try:
-            return parse_quantity(value.content, "angle"), face
-        except ValueError:
-            pass
-    raise document.fault("hinges", str(value), _HINGES)
+    try:
+        return parse_quantity(str(value.content), "angle"), face
+    except ValueError:
+        raise document.fault("hinges", str(value), _HINGES) from None
 
 
 def sketch(document: Document, built: RockingParameters) -> Sketch:
     """The voussoirs (or the links of a continuous arch), the numbered hinges, and the linkage at alpha."""
-    from ..mechanics.fourbar import FourBar
-
     mechanism = built.mechanism
     assert isinstance(mechanism, FourBar)
-    ring = mechanism.ring
-    count = mechanism.voussoirs or 0
-    joints = [ring.angle * i / count for i in range(1, count)]
-    a, *_, d = mechanism.hinges
-    ends = sorted({0.0, ring.angle, *mechanism.hinges, *joints})
-    parts = [(s, e) for s, e in pairwise(ends) if e - s > 1e-9]
+    ring, count = mechanism.ring, mechanism.voussoirs or 0
+    ends = sorted({0.0, ring.angle, *mechanism.hinges, *(ring.angle * i / count for i in range(1, count))})
     links = list(zip(mechanism.hinges[:-1], mechanism.hinges[1:], mechanism.displaced(built.alpha), strict=True))
     bodies, still, moved = [], [], []
-    for s, e in parts:
-        outline = _sector(ring, s, e)
-        if not a - 1e-9 <= s < d - 1e-9:
-            still.append(outline)
+    for start, stop in pairwise(ends):
+        if stop - start <= 1e-9:
             continue
-        bodies.append(outline)
-        move = next(move for low, high, move in links if low - 1e-9 <= s < high - 1e-9)
-        moved.append(tuple(move(x, z) for x, z in outline))
+        outline = _sector(ring, start, stop)
+        move = next((move for low, high, move in links if low - 1e-9 <= start < high - 1e-9), None)
+        if move is None:  # beside the linkage
+            still.append(outline)
+        else:
+            bodies.append(outline)
+            moved.append(tuple(move(x, z) for x, z in outline))
     pivots = tuple((str(i), (float(x), float(z))) for i, (x, z) in enumerate(mechanism.points, 1))
     return Sketch(bodies=tuple(bodies), still=tuple(still), moved=tuple(moved), pivots=pivots)
 
 
 def _sector(ring: Ring, start: float, stop: float) -> Outline:
-    steps = max(2, math.ceil((stop - start) / 0.03))
-    along = [start + (stop - start) * i / steps for i in range(steps + 1)]
-    return tuple(
-        (float(x), float(z))
-        for face, angles in (("intrados", along), ("extrados", along[::-1]))
-        for x, z in (ring.point(s, face) for s in angles)
-    )
+    along = np.linspace(start, stop, max(2, math.ceil((stop - start) / 0.03)) + 1)
+    faces = (ring.point(along, INTRADOS), ring.point(along[::-1], EXTRADOS))
+    return tuple(zip(*(np.concatenate(values).tolist() for values in zip(*faces, strict=True)), strict=True))

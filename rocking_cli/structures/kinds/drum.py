@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from ...documents.document import Document
-from ..mechanics.single_body import body_on_edges, symmetric_body
-from ..mechanics.stacked_pieces import outline_of, round_piece, sketch_of_pieces, stacked
+from ..mechanics.stacked_pieces import Stack, round_piece
 from ..parameters import RockingParameters
-from ..sketch import Sketch, rocker
+from ..sketch import Sketch
 
 REPORTS = ("rocks_on", "interfaces", "direction")
 SIZES = ("radius", "height")
@@ -18,23 +17,20 @@ def build(document: Document, name: str) -> RockingParameters:
     Keys: radius and height (cylinder); base_radius, top_radius and height (frustum); or drums: a list of these, from below.
     offset [m, towards +x]: of the mass centre of a single drum from its axis, or of a drum of a stack from the line of the stack.
     """
+    return _stack(document).parameters(name)
+
+
+def _stack(document: Document) -> Stack:
     if document.has("drums"):
         wanted = "a list of drums from below, each with radius, or base_radius and top_radius, and height"
-        drums = [round_piece(part) for part in document.parts("drums", wanted)]
-        return stacked(document, "drum", name, "drums", "drum", drums)
+        return Stack(document, "drums", "drum", [round_piece(part) for part in document.parts("drums", wanted)])
     drum = round_piece(document)
     if not abs(drum.axis) < drum.foot:
         wanted = f"a length between -{drum.foot:g} and {drum.foot:g} m, above its base"
         raise document.fault("offset", str(document.values["offset"]), wanted)
-    body, top = drum.body.shifted(drum.axis), (-drum.head, drum.height)
-    rock = body_on_edges if drum.axis else symmetric_body
-    return rock(document, "drum", name, body, drum.foot, limit="a drum more slender than this one", top=top)
+    return Stack(document, "drums", "drum", [drum._replace(axis=0.0, body=drum.body.shifted(drum.axis))])
 
 
 def sketch(document: Document, _: RockingParameters) -> Sketch:
     """The section of the drum or drums."""
-    if document.has("drums"):
-        return sketch_of_pieces(document, "drums", "drum", [round_piece(part) for part in document.parts("drums", "")])
-    drum = round_piece(document)
-    centre = (drum.axis, drum.body.z / drum.body.mass)
-    return rocker([outline_of(drum, 0.0, 0.0)], (-drum.foot, 0.0), (drum.foot, 0.0), centre)
+    return _stack(document).sketch()

@@ -18,13 +18,12 @@ def build(document: Document, name: str) -> RockingParameters:
 
     Keys: width: distance of the two supports; height: of the mass above them; or radius (length of a strut) and alpha.
     """
-    radius, alpha = radius_and_alpha(document, 0.5, 1.0)
-    return rigid_body(document, "point_mass", name, radius=radius, alpha=alpha, inertia=1.0, limit="a point mass with alpha up to 45 deg")
+    return rigid_body(document, name, *radius_and_alpha(document, 1.0), 1.0, limit="a point mass with alpha up to 45 deg")
 
 
 def sketch(document: Document, _: RockingParameters) -> Sketch:
     """Two struts and the mass."""
-    radius, alpha = radius_and_alpha(document, 0.5, 1.0)
-    half, height = radius * math.sin(alpha), radius * math.cos(alpha)
-    feet, mass = ((-half, 0.0), (half, 0.0)), (0.0, height)
+    radius, alpha = radius_and_alpha(document, 1.0)
+    half, mass = radius * math.sin(alpha), (0.0, radius * math.cos(alpha))
+    feet = (-half, 0.0), (half, 0.0)
     return rocker([(feet[0], mass), (feet[1], mass), circle(mass, 0.05 * radius)], *feet, mass)

@@ -34,22 +34,16 @@ def polygon_moments(corners: Sequence[Corner]) -> Moments:
 def build(document: Document, name: str) -> RockingParameters:
     """The parameters of a prism from the key `corners`, [[x, z], ...] in order; its lowest corners are the base. Raises DocumentError."""
     corners = _corners(document)
-    size = _size(corners)
+    tolerance = 1e-9 * _size(corners)
     lowest, left, right = _base(corners)
-    if right - left <= 1e-9 * size:
+    if right - left <= tolerance:
         raise document.fault("corners", "a section that rests on one point", "a base of two lowest corners or more")
     middle = 0.5 * (left + right)
     placed = [(x - middle, z - lowest) for x, z in corners]
     highest = max(z for _, z in placed)
-    return body_on_edges(
-        document,
-        "prism",
-        name,
-        polygon_moments(placed),
-        0.5 * (right - left),
-        limit="a section more slender than this one",
-        top=min(corner for corner in placed if highest - corner[1] <= 1e-9 * size),
-    )
+    top = min(corner for corner in placed if highest - corner[1] <= tolerance)
+    limit = "a section more slender than this one"
+    return body_on_edges(document, name, polygon_moments(placed), 0.5 * (right - left), limit=limit, top=top)
 
 
 def _corners(document: Document) -> list[Corner]:

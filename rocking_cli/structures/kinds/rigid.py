@@ -21,14 +21,20 @@ def build(document: Document, name: str) -> RockingParameters:
     Keys: left, right: horizontal distance from each edge to the mass centre; height of the mass centre above the edges; gyration:
     radius of gyration about the mass centre, or inertia about it and mass; mass is optional with gyration.
     """
-    left, right, height = (document.length(key) for key in ("left", "right", "height"))
+    left, right, height = _lengths(document)
     half, x = 0.5 * (left + right), 0.5 * (left - right)
     square = _gyration(document) ** 2
-    near, far = sorted(("left", "right"), key=document.length)
-    if (distance := document.length(far)) > _WIDEST * (reach := math.hypot(document.length(near), height)):
-        raise document.fault(far, f"{distance:g} m", f"up to {_WIDEST:g} times the {reach:g} m from the other edge to the mass centre")
+    reach = math.hypot(min(left, right), height)
+    if max(left, right) > _WIDEST * reach:
+        far = "left" if left > right else "right"
+        wanted = f"up to {_WIDEST:g} times the {reach:g} m from the other edge to the mass centre"
+        raise document.fault(far, f"{max(left, right):g} m", wanted)
     body = Moments(1.0, x, height, square + x * x + height * height)
-    return body_on_edges(document, "rigid", name, body, half, limit="a body more slender than this one")
+    return body_on_edges(document, name, body, half, limit="a body more slender than this one")
+
+
+def _lengths(document: Document) -> tuple[float, float, float]:
+    return document.length("left"), document.length("right"), document.length("height")
 
 
 def _gyration(document: Document) -> float:
@@ -45,6 +51,6 @@ def _gyration(document: Document) -> float:
 
 def sketch(document: Document, built: RockingParameters) -> Sketch:
     """The base, and the circle of the radius of gyration in place of an outline."""
-    left, right, height = (document.length(key) for key in ("left", "right", "height"))
+    left, right, height = _lengths(document)
     ring = circle((0.0, height), _gyration(document))
     return rocker([ring, ((-left, 0.0), (right, 0.0))], (-left, 0.0), (right, 0.0), (0.0, height))

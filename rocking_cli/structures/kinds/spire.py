@@ -13,7 +13,7 @@ import math
 from typing import TYPE_CHECKING, NamedTuple
 
 from ...documents.document import Document
-from ..mechanics.kinematics import EdgeRocker, Moments
+from ..mechanics.kinematics import Moments, spin_about
 from ..mechanics.single_body import symmetric_body
 from ..parameters import RockingParameters
 from ..sketch import Sketch, rocker
@@ -110,9 +110,12 @@ class Spire(NamedTuple):
         windward = self.base_radius * (1.0 - self.crack_height / self.height)
         return cone.above(self.base_radius, self.crack_height / (self.base_radius + windward), both)
 
-    def mechanism(self) -> EdgeRocker:
-        """The rocking part on its pivot; the part above both cracks moves before and after an impact."""
-        return EdgeRocker(self.rocking(), self.base_radius, self.rocking(both=True))
+    def restitution(self) -> float:
+        """eta from angular momentum: only the part above both cracks moves before and after an impact."""
+        body = self.rocking()
+        before, after = spin_about(self.base_radius, 0.0, -1.0), spin_about(-self.base_radius, 0.0, -1.0)
+        shared: float = before.product(after, self.rocking(both=True))
+        return shared / float(after.product(after, body._replace(x=-body.x)))
 
 
 def build(document: Document, name: str) -> RockingParameters:
@@ -121,15 +124,18 @@ def build(document: Document, name: str) -> RockingParameters:
     Keys: base_radius, height, thickness (absent: thin wall), tip_height, crack: none | diagonal, crack_height.
     """
     spire = _read(document)
-    mechanism = spire.mechanism()
-    shared, own = mechanism.overlap()
-    details = {"tip_height": spire.tip_height, "crack_height": spire.crack_height} if spire.crack_height else {}
-    limit = "a spire more slender, or cracked lower"
-    top = None if spire.crack_height else (0.0, spire.height)
+    cracked = spire.crack_height > 0.0
     return symmetric_body(
-        document, "spire", name, mechanism.body, spire.base_radius, limit=limit, eta=shared / own, top=top,
-        whole=not spire.crack_height, details=details,
-    )  # fmt: skip
+        document,
+        name,
+        spire.rocking(),
+        spire.base_radius,
+        limit="a spire more slender, or cracked lower",
+        eta=spire.restitution(),
+        top=None if cracked else (0.0, spire.height),
+        whole=not cracked,
+        details={"tip_height": spire.tip_height, "crack_height": spire.crack_height} if cracked else {},
+    )
 
 
 def _read(document: Document) -> Spire:
@@ -137,29 +143,25 @@ def _read(document: Document) -> Spire:
     thickness = 0.0
     if document.has("thickness"):
         thinnest = 1e-9 * base  # for a thinner wall the difference of the two cones has no digits left
-        wall = f"a positive length below base_radius ({base:g} m) and above {thinnest:g} m; absent: a thin wall"
-        thickness = document.quantity("thickness", "length", above=thinnest, below=base, where=wall)
+        where = f"a positive length below base_radius ({base:g} m) and above {thinnest:g} m; absent: a thin wall"
+        thickness = document.quantity("thickness", "length", above=thinnest, below=base, where=where)
     tip = height * (1.0 - thickness / base)
     if document.has("tip_height"):
         if thickness == 0.0:
             raise document.fault("tip_height", "a solid tip on a thin wall", "tip_height beside thickness only")
-        tip = document.quantity(
-            "tip_height", "length", above=1e-9 * height, most=height, where=f"a positive length up to height ({height:g} m)"
-        )
+        where = f"a positive length up to height ({height:g} m)"
+        tip = document.quantity("tip_height", "length", above=1e-9 * height, most=height, where=where)
     crack = document.choice("crack", ["none", "diagonal"], "diagonal" if document.has("crack_height") else "none")
     if crack == "none":
         if document.has("crack_height"):
             raise document.fault("crack_height", "a crack height", "crack_height beside crack: diagonal only")
         return Spire(base, height, thickness, tip, 0.0)
-    crack_height = tip
-    if document.has("crack_height"):
-        where = f"a length from 0 (the base) to {tip:g} m (where the solid tip begins)"
-        crack_height = document.quantity("crack_height", "length", least=0.0, most=tip, where=where)
+    where = f"a length from 0 (the base) to {tip:g} m (where the solid tip begins)"
+    crack_height = document.quantity("crack_height", "length", least=0.0, most=tip, where=where, default=tip)
     if crack_height > (1.0 - 1e-3) * height:
         raise document.fault("crack_height", "a crack up to the apex, above which nothing is left", f"crack_height well below {height:g} m")
-    if crack_height < 1e-16 * height:  # the same as no crack in double precision
-        crack_height = 0.0
-    return Spire(base, height, thickness, tip, crack_height)
+    # A lower crack is the same as none in double precision.
+    return Spire(base, height, thickness, tip, 0.0 if crack_height < 1e-16 * height else crack_height)
 
 
 def sketch(document: Document, _: RockingParameters) -> Sketch:
@@ -168,18 +170,11 @@ def sketch(document: Document, _: RockingParameters) -> Sketch:
     r, h = spire.base_radius, spire.height
     body = spire.rocking()
     centre = (body.x / body.mass, body.z / body.mass)
-    void = ((-(r - spire.thickness), 0.0), (r - spire.thickness, 0.0), (0.0, spire.tip_height)) if spire.thickness else ()
-    hollows = (void,) if void else ()
+    left, right, apex = (-r, 0.0), (r, 0.0), (0.0, h)
+    inner = r - spire.thickness
+    hollows = (((-inner, 0.0), (inner, 0.0), (0.0, spire.tip_height)),) if spire.thickness else ()
     if not spire.crack_height:
-        return rocker([((-r, 0.0), (r, 0.0), (0.0, h))], (-r, 0.0), (r, 0.0), centre, hollows=hollows)
+        return rocker([(left, right, apex)], left, right, centre, hollows=hollows)
     windward = (-r * (1.0 - spire.crack_height / h), spire.crack_height)
-    crack = ((r, 0.0), windward)
-    return rocker(
-        [(windward, (r, 0.0), (0.0, h))],
-        (-r, 0.0),
-        (r, 0.0),
-        centre,
-        still=(((-r, 0.0), (r, 0.0), windward),),
-        hollows=hollows,
-        lines=(("crack", crack), ("its mirror image", tuple((-x, z) for x, z in crack))),
-    )
+    lines = (("crack", (right, windward)), ("its mirror image", ((-r, 0.0), (-windward[0], windward[1]))))
+    return rocker([(windward, right, apex)], left, right, centre, still=((left, right, windward),), hollows=hollows, lines=lines)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from ...documents.document import Document
 from ..mechanics.kinematics import Moments
-from ..mechanics.stacked_pieces import Piece, cuboid_moments, offset_of, round_piece, sketch_of_pieces, stacked
+from ..mechanics.stacked_pieces import Piece, Stack, offset_of, round_piece
 from ..parameters import RockingParameters
 from ..sketch import Sketch
 
@@ -18,17 +18,16 @@ def build(document: Document, name: str) -> RockingParameters:
     Keys of a piece: height; width (in the direction of rocking) and depth (default: the width), or radius, or base_radius and
     top_radius; offset of its axis towards +x; density, for all pieces or for none.
     """
-    return stacked(document, "stack", name, "pieces", "piece", pieces_of(document))
+    return _stack(document).parameters(name)
 
 
-def pieces_of(document: Document) -> list[Piece]:
-    """The pieces from below. Raises DocumentError."""
+def _stack(document: Document) -> Stack:
     parts = document.parts("pieces", _WANTED)
     pieces = [_piece(part) for part in parts]
     dense = [part for part in parts if part.has("density")]
     if dense and len(dense) < len(parts):
         raise dense[0].fault("density", "a density beside pieces without one", "density for every piece, or for none")
-    return pieces
+    return Stack(document, "pieces", "piece", pieces)
 
 
 def _piece(part: Document) -> Piece:
@@ -44,10 +43,11 @@ def _cuboid(part: Document) -> Piece:
         if part.has(key):
             raise part.fault(key, f"{key} beside width or depth", "width and depth of a rectangular piece, or radii of a round one")
     width, height = part.length("width"), part.length("height")
-    depth = part.length("depth") if part.has("depth") else width
-    return Piece(0.5 * width, 0.5 * width, height, offset_of(part), cuboid_moments(width, depth, height))
+    mass = width * (part.length("depth") if part.has("depth") else width) * height
+    moments = Moments(mass, 0.0, 0.5 * mass * height, mass * (width * width / 12.0 + height * height / 3.0))
+    return Piece(0.5 * width, 0.5 * width, height, offset_of(part), moments)
 
 
 def sketch(document: Document, _: RockingParameters) -> Sketch:
     """The sections of the pieces."""
-    return sketch_of_pieces(document, "pieces", "piece", pieces_of(document))
+    return _stack(document).sketch()

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from ...documents.document import Document
-from ..mechanics.single_body import rigid_body
+from ..mechanics.single_body import rectangular_block
 from ..parameters import RockingParameters
 from ..sketch import Sketch, standing_rectangle
 
@@ -14,20 +14,17 @@ SIZES = ("thickness", "height")
 
 
 def build(document: Document, name: str) -> RockingParameters:
-    """The parameters of a wall. Raises DocumentError.
-
-    Keys: thickness, height, and length (only reported). A one-sided wall hits its backing at its top, as a block does:
-    e = (1 - 3/2 sin^2 alpha)^2 (1 - 3/2 cos^2 alpha).
-    """
-    thickness, height = document.length("thickness"), document.length("height")
-    radius, alpha = 0.5 * math.hypot(thickness, height), math.atan2(thickness, height)
+    """The parameters of a wall. Keys: thickness, height, and length (only reported). Raises DocumentError."""
     details = {"length": document.length("length")} if document.has("length") else {}
-    return rigid_body(
-        document, "wall", name, radius=radius, alpha=alpha, inertia=4.0 / 3.0, limit="a wall thinner than 1.414 times its height",
-        backing=1.0 - 1.5 * math.cos(alpha) ** 2, details=details,
-    )  # fmt: skip
+    limit = "a wall thinner than 1.414 times its height"
+    return rectangular_block(document, name, *_radius_and_alpha(document), limit=limit, details=details)
+
+
+def _radius_and_alpha(document: Document) -> tuple[float, float]:
+    thickness, height = document.length("thickness"), document.length("height")
+    return 0.5 * math.hypot(thickness, height), math.atan2(thickness, height)
 
 
 def sketch(document: Document, _: RockingParameters) -> Sketch:
     """The section."""
-    return standing_rectangle(0.5 * document.length("thickness"), document.length("height"))
+    return standing_rectangle(*_radius_and_alpha(document))

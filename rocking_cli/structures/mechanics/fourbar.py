@@ -9,12 +9,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from .kinematics import Coefficients, Moments, Spin
+from .kinematics import Coefficients, Moments, Spin, spin_about
 
 INTRADOS, EXTRADOS = "intrados", "extrados"
 FACES = (INTRADOS, EXTRADOS, INTRADOS, EXTRADOS)
@@ -82,7 +82,7 @@ class FourBar:
     """
 
     ring: Ring
-    hinges: tuple[float, float, float, float]
+    hinges: tuple[float, ...]
     voussoirs: int | None = field(default=None, compare=False)
 
     @cached_property
@@ -129,52 +129,35 @@ class FourBar:
         """For each link a function from the (x, z) of a point at rest to its (x, z) at phi [m]."""
         a, b, _, d = self.points
         second, third = (float(turn) for turn in self._angles(phi))
-        b_now = a + _rotate(b - a, np.array([phi]))[:, 0]
-
-        def link(before: np.ndarray, after: np.ndarray, turn: float) -> Callable[[float, float], tuple[float, float]]:
-            def move(x: float, z: float) -> tuple[float, float]:
-                now = after + _rotate(np.array([x, z]) - before, np.array([turn]))[:, 0]
-                return float(now[0]), float(now[1])
-
-            return move
-
-        return [link(a, a, phi), link(b, b_now, second), link(d, d, third)]
+        b_now = a + _rotate(b - a, np.array(phi))
+        return [partial(_moved, a, a, phi), partial(_moved, b, b_now, second), partial(_moved, d, d, third)]
 
     def coefficients(self, phi: Any) -> Coefficients:
         """M, V'/g and B of Eq. 3.4 at rotations phi [rad] of any size and shape."""
-        a, b, c, d = self.points
-        phi = np.asarray(phi, dtype=float)
-        second, third = self._angles(phi)
-        b_now = a[:, None] + _rotate(b - a, phi.ravel())
-        c_now = d[:, None] + _rotate(c - d, third.ravel())
-        centroids = [
-            start[:, None] + _rotate(np.array([m.x, m.z]) / m.mass - start, turn.ravel())
-            for m, start, turn in ((self.links[0], a, phi), (self.links[2], d, third))
-        ]
-        middle = b_now + _rotate(np.array([self.links[1].x, self.links[1].z]) / self.links[1].mass - b, second.ravel())
-        points = [a, b_now, c_now, d]
-        masses = [m.mass for m in self.links]
-        at = rates(points, [(m, m * c[0], m * c[1]) for m, c in zip(masses, (centroids[0], middle, centroids[1]), strict=True)])
-        central = self.links[1].about(self.links[1].x / masses[1], self.links[1].z / masses[1])
-        ux, uz = (b_now - a[:, None])[1] + at.second * (middle - b_now)[1], -(b_now - a[:, None])[0] - at.second * (middle - b_now)[0]
-        inertia = (
-            self.links[0].about(*a)
-            + masses[1] * (ux * ux + uz * uz)
-            + at.second**2 * central
-            + at.third**2 * self.links[2].about(*d)
-        )  # fmt: skip
-        shape = phi.shape
+        shape = np.shape(phi)
+        second, third = (turn.ravel() for turn in self._angles(phi))
+        phi = np.ravel(np.asarray(phi, dtype=float))
+        a, b, c, d = (point[:, None] for point in self.points)
+        b_now, c_now = a + _rotate(b - a, phi), d + _rotate(c - d, third)
+        turns = zip(self.links, (a, b, d), (a, b_now, d), (phi, second, third), strict=True)
+        centres = [after + _rotate(np.array([[m.x], [m.z]]) / m.mass - before, turn) for m, before, after, turn in turns]
+        one, two, three = self.links
+        points = [self.points[0], b_now, c_now, self.points[3]]
+        at = rates(points, [(m.mass, m.mass * x, m.mass * z) for m, (x, z) in zip(self.links, centres, strict=True)])
+        arm, lever = b_now - a, centres[1] - b_now
+        ux, uz = arm[1] + at.second * lever[1], -arm[0] - at.second * lever[0]
+        central = two.about(two.x / two.mass, two.z / two.mass)
+        inertia = one.about(*self.points[0]) + two.mass * (ux * ux + uz * uz) + at.second**2 * central
+        inertia = inertia + at.third**2 * three.about(*self.points[3])
         return Coefficients(inertia.reshape(shape), at.lift.reshape(shape), at.push.reshape(shape))
 
     def fields(self) -> list[tuple[float, float, Spin]]:
         """(start angle, stop angle, velocity field) of each link at rest, for phi' = 1 rad/s."""
         at, (a, b, _, d) = self.at_rest(), self.points
         w2, w3 = float(at.second), float(at.third)
-        first = Spin(-a[1], a[0], 1.0)
-        vb = np.array([b[1] - a[1], -(b[0] - a[0])])
-        second = Spin(vb[0] - w2 * b[1], vb[1] + w2 * b[0], w2)
-        third = Spin(-w3 * d[1], w3 * d[0], w3)
-        return [(*ends, f) for ends, f in zip(zip(self.hinges[:-1], self.hinges[1:], strict=True), (first, second, third), strict=True)]
+        across, up = b[1] - a[1], -(b[0] - a[0])  # velocity of B
+        spins = spin_about(a[0], a[1]), Spin(across - w2 * b[1], up + w2 * b[0], w2), spin_about(d[0], d[1], w3)
+        return list(zip(self.hinges[:-1], self.hinges[1:], spins, strict=True))
 
     def overlap(self) -> tuple[float, float]:
         """The integrals of `Mechanism.overlap`: this mechanism moves before the impact, its mirror image about the crown after it."""
@@ -194,6 +177,12 @@ def _rotate(vector: np.ndarray, angle: np.ndarray) -> np.ndarray:
     """A vector turned clockwise by n angles [rad], shape (2, n)."""
     cos, sin = np.cos(angle), np.sin(angle)
     return np.array([cos * vector[0] + sin * vector[1], cos * vector[1] - sin * vector[0]])
+
+
+def _moved(before: np.ndarray, after: np.ndarray, turn: float, x: float, z: float) -> tuple[float, float]:
+    """(x, z) of a point of a link whose point `before` has moved to `after`."""
+    now = after + _rotate(np.array([x, z]) - before, np.array(turn))
+    return float(now[0]), float(now[1])
 
 
 def _turned(before: np.ndarray, x: Any, z: Any) -> Any:

@@ -12,7 +12,7 @@ import numpy as np
 
 from .fourbar import FACES, Rates, Ring, rates
 
-Hinges = tuple[float, float, float, float]
+Hinges = tuple[float, ...]  # angles of A, B, C, D [rad]
 
 _COARSE = 36  # joints of the coarse set; the neighbourhood of a minimum is several joints wide
 _LATTICE = np.array(list(product((-1.0, -0.5, 0.0, 0.5, 1.0), repeat=4)))
@@ -43,7 +43,7 @@ def search_joints(ring: Ring, joints: np.ndarray) -> tuple[Hinges, float] | None
                 best = least, (a, b, b + i, b + j)
     if best is None:
         return None
-    return _hinges(joints[list(best[1])]), best[0]
+    return tuple(joints[list(best[1])].tolist()), best[0]
 
 
 def search_continuous(ring: Ring) -> tuple[Hinges, float] | None:
@@ -80,12 +80,7 @@ def search_continuous(ring: Ring) -> tuple[Hinges, float] | None:
         if done:
             break
     polished = float(_uplifts(ring, s[None, :])[0])
-    return (_hinges(s), polished) if polished <= least + 1e-15 else (_hinges(rough), least)
-
-
-def _hinges(s: np.ndarray) -> Hinges:
-    a, b, c, d = s.tolist()
-    return a, b, c, d
+    return (tuple(s.tolist()), polished) if polished <= least + 1e-15 else (tuple(rough.tolist()), least)
 
 
 def _uplifts(ring: Ring, s: np.ndarray) -> np.ndarray:
@@ -97,21 +92,17 @@ def _uplifts(ring: Ring, s: np.ndarray) -> np.ndarray:
 
 
 def _rates(ring: Ring, s: np.ndarray) -> Rates:
-    links = [ring.sector(a, b) for a, b in pairwise(s)]
     points = [ring.point(x, face) for x, face in zip(s, FACES, strict=True)]
-    return rates(points, [m[:3] for m in links])
-
-
-def uplift_at(ring: Ring, s: np.ndarray) -> complex:
-    """lambda [-] of the mechanism with hinges at angles s, which may be complex; admissible or not."""
-    found = _rates(ring, s)
-    return complex(found.lift / found.push)
+    return rates(points, [ring.sector(a, b)[:3] for a, b in pairwise(s)])
 
 
 def _gradient(ring: Ring, s: np.ndarray) -> np.ndarray:
-    return np.array([uplift_at(ring, s + 1j * _STEP * unit).imag / _STEP for unit in np.eye(4)])
+    """d lambda/ds [1/rad], shape (4,)."""
+    moved = [_rates(ring, s + 1j * _STEP * unit) for unit in np.eye(4)]
+    return np.array([(found.lift / found.push).imag / _STEP for found in moved])
 
 
 def _curvature(ring: Ring, s: np.ndarray, step: float = 1e-5) -> np.ndarray:
+    """The second derivatives of lambda, shape (4, 4)."""
     rows = [(_gradient(ring, s + step * unit) - _gradient(ring, s - step * unit)) / (2.0 * step) for unit in np.eye(4)]
     return 0.5 * (np.array(rows) + np.array(rows).T)

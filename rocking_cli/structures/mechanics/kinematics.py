@@ -10,8 +10,6 @@ A new mechanism is a class with the methods of `Mechanism`. A single rigid body 
 
 from __future__ import annotations
 
-import math
-from dataclasses import dataclass
 from typing import Any, NamedTuple, Protocol
 
 from ...errors import StructureError
@@ -95,8 +93,7 @@ class Mechanism(Protocol):
         ...
 
 
-@dataclass(frozen=True)
-class Linearised:
+class Linearised(NamedTuple):
     """A mechanism linearised at its unstable equilibrium (Eqs. 3.5-3.9).
 
     alpha [rad]; uplift: lambda [-]; stiffness: p^2/g [1/m]; a_scale (Eq. 3.9) [-]; a_scale_3_7 (Eq. 3.7) [-]; eta from
@@ -158,34 +155,3 @@ def equilibrium(mechanism: Mechanism) -> float:
         if high - low <= 1e-15 * high:
             return float(scan[first])
         low, high = float(scan[first - 1]), float(scan[first])
-
-
-@dataclass(frozen=True)
-class EdgeRocker:
-    """One rigid body that rocks about (pivot, 0) and, after an impact, about (-pivot, 0).
-
-    shared: the part that moves before and after the impact, None for the whole body.
-    """
-
-    body: Moments
-    pivot: float
-    shared: Moments | None = None
-
-    @property
-    def reach(self) -> float:
-        """pi/2: the body lies on its side."""
-        return math.pi / 2
-
-    def coefficients(self, phi: Any) -> Coefficients:
-        """M, V'/g and B at rotations phi [rad], of any shape (Eq. 2.1)."""
-        import numpy as np
-
-        x, z = self.pivot * self.body.mass - self.body.x, self.body.z
-        sin, cos = np.sin(phi), np.cos(phi)
-        return Coefficients(self.body.about(self.pivot, 0.0) + 0.0 * sin, x * cos - z * sin, z * cos + x * sin)
-
-    def overlap(self) -> tuple[float, float]:
-        """The integrals of `Mechanism.overlap`: a rotation about one edge before the impact, about the other edge after it."""
-        before, after = spin_about(self.pivot, 0.0, -1.0), spin_about(-self.pivot, 0.0, -1.0)
-        mirrored = self.body._replace(x=-self.body.x)
-        return before.product(after, self.shared or self.body), after.product(after, mirrored)

@@ -26,12 +26,11 @@ Point = tuple[float, float]
 
 def rigid_body(
     document: Document,
-    kind: str,
     name: str,
-    *,
     radius: float,
     alpha: float,
     inertia: float,
+    *,
     limit: str,
     eta: float | None = None,
     backing: float | None = None,
@@ -54,7 +53,7 @@ def rigid_body(
         restitution, source = restitution_of(document, momentum, limit)
     return RockingParameters(
         name=name,
-        structure=kind,
+        structure=_kind(document),
         p=math.sqrt(gravity / (radius * inertia)),
         alpha=alpha,
         eta=restitution,
@@ -68,24 +67,31 @@ def rigid_body(
     )
 
 
+def rectangular_block(document: Document, name: str, radius: float, alpha: float, *, limit: str, **more: Any) -> RockingParameters:
+    """The parameters of a rectangle of half diagonal `radius` [m]: p^2 = 3g/(4R), eta = 1 - 3/2 sin^2 alpha.
+
+    One-sided, it hits its backing at its top: e = (1 - 3/2 sin^2 alpha)^2 (1 - 3/2 cos^2 alpha). Raises DocumentError.
+    """
+    return rigid_body(document, name, radius, alpha, 4.0 / 3.0, limit=limit, backing=1.0 - 1.5 * math.cos(alpha) ** 2, **more)
+
+
 def symmetric_body(
-    document: Document, kind: str, name: str, body: Moments, half: float, *, top: Point | None = None, **more: Any
+    document: Document, name: str, body: Moments, half: float, *, top: Point | None = None, **more: Any
 ) -> RockingParameters:
     """The parameters of a body on its right edge (half, 0) [m]; the body that rocks on the left edge is its mirror image.
 
     top: (x, z) [m] of the impact point on a backing, None if the geometry does not define it; more: as for `rigid_body`.
     Raises DocumentError if the mass centre is not above the base.
     """
-    _, right, z = _distances(document, kind, body, half)
+    _demand_above_base(document, body, half)
+    right, z = half - body.x / body.mass, body.z / body.mass
     radius = math.hypot(right, z)
     inertia, alpha = body.about(half, 0.0) / (body.mass * radius**2), math.atan2(right, z)
-    backing = _against_backing(body, half, top)
-    return rigid_body(document, kind, name, radius=radius, alpha=alpha, inertia=inertia, backing=backing, **more)
+    return rigid_body(document, name, radius, alpha, inertia, backing=_against_backing(body, half, top), **more)
 
 
 def body_on_edges(
     document: Document,
-    kind: str,
     name: str,
     body: Moments,
     half: float,
@@ -95,32 +101,33 @@ def body_on_edges(
     details: Mapping[str, Any] | None = None,
 ) -> RockingParameters:
     """The parameters of a body that rocks as a whole on the edges (-half, 0) and (half, 0) [m]; arguments as for `symmetric_body`."""
+    _demand_above_base(document, body, half)
     if abs(body.x) <= 1e-13 * math.sqrt(body.mass * body.polar):  # the offset is rounding
         body = body._replace(x=0.0)
-    left, right, _ = _distances(document, kind, body, half)
-    gravity, more = gravity_of(document), _with_mass(document, details)
-    edges = edges_of(body, half, gravity)
-    from_left, from_right = edges["left"].eta, edges["right"].eta
+    gravity, kind = gravity_of(document), _kind(document)
+    left, right = edges_of(body, half, gravity)
     if body.x == 0.0:
-        return symmetric_body(document, kind, name, body, half, limit=limit, eta=from_right, top=top, details=details)
-
-    def on(side: str, eta: float) -> Side:
-        edge = edges[side]
-        return Side(side, edge.p, edge.alpha, edge.uplift, 1.0, eta, edge.arm)
-
+        return symmetric_body(document, name, body, half, limit=limit, eta=right.eta, top=top, details=details)
+    more = _with_mass(document, details)
     if document.flag("one_sided"):
-        e, source = one_sided_restitution_of(document, (from_right, from_left), _against_backing(body, half, top))
-        s = on("right", 0.0)
-        return RockingParameters(name, kind, s.p, s.alpha, e, s.uplift, s.a_scale, source, gravity, more, one_sided=True, arm=s.arm)
-    eta_left, source = restitution_of(document, from_left, limit)
-    eta_right, _ = restitution_of(document, from_right, limit)
-    more["direction"] = "over the left edge" if left < right else "over the right edge"
-    sides = on("left", eta_left), on("right", eta_right)
-    return RockingParameters.of_sides(name, kind, *sides, eta_source=source, gravity=gravity, details=more)
+        e, source = one_sided_restitution_of(document, (right.eta, left.eta), _against_backing(body, half, top))
+        return RockingParameters(
+            name, kind, right.p, right.alpha, e, right.uplift, 1.0, source, gravity, more, one_sided=True, arm=right.arm
+        )
+    eta_left, source = restitution_of(document, left.eta, limit)
+    eta_right, _ = restitution_of(document, right.eta, limit)
+    more["direction"] = "over the left edge" if body.x < 0.0 else "over the right edge"
+    return RockingParameters.of_sides(
+        name, kind, left.side("left", eta_left), right.side("right", eta_right), eta_source=source, gravity=gravity, details=more
+    )
+
+
+def _kind(document: Document) -> str:
+    return str(document.values["kind"].content)
 
 
 def _with_mass(document: Document, details: Mapping[str, Any] | None) -> dict[str, Any]:
-    """The details of a body, and its mass [kg] where the document states it."""
+    """The details of a body, and its mass [kg] if the document states it."""
     mass = mass_of(document)
     return {**(details or {}), **({} if mass is None else {"mass": mass})}
 
@@ -135,26 +142,29 @@ class Edge(NamedTuple):
     eta: float
     arm: float
 
+    def side(self, name: str, eta: float) -> Side:
+        """The parameters on this edge with the restitution `eta`."""
+        return Side(name, self.p, self.alpha, self.uplift, 1.0, eta, self.arm)
 
-def edges_of(body: Moments, half: float, gravity: float) -> dict[str, Edge]:
-    """The parameters on each of the edges (-half, 0) and (half, 0) [m], by side; the mass centre must be above the base."""
+
+def edges_of(body: Moments, half: float, gravity: float) -> tuple[Edge, Edge]:
+    """The parameters on the left edge (-half, 0) and the right edge (half, 0) [m]; the mass centre must be above the base."""
     z = body.z / body.mass
     shared = spin_about(half, 0.0).product(spin_about(-half, 0.0), body)  # I_G + m (z^2 - l r)
-    found = {}
-    for side, edge in (("left", -half), ("right", half)):
+
+    def on(edge: float) -> Edge:
         distance = abs(edge - body.x / body.mass)
         arm = math.hypot(distance, z)
         p = math.sqrt(gravity * arm * body.mass / body.about(edge, 0.0))
-        found[side] = Edge(p, math.atan2(distance, z), distance / z, shared / body.about(-edge, 0.0), arm)
-    return found
+        return Edge(p, math.atan2(distance, z), distance / z, shared / body.about(-edge, 0.0), arm)
+
+    return on(-half), on(half)
 
 
-def _distances(document: Document, kind: str, body: Moments, half: float) -> tuple[float, float, float]:
-    """Distances [m] of the mass centre from the left edge, the right edge and the base. Raises DocumentError."""
-    x, z = body.x / body.mass, body.z / body.mass
-    if not (half + x > 0.0 and half - x > 0.0 and z > 0.0):
-        raise document.fault(None, "a centroid that is not above the base", f"a {kind} that stands")
-    return half + x, half - x, z
+def _demand_above_base(document: Document, body: Moments, half: float) -> None:
+    """Raise DocumentError if the mass centre is not above the base."""
+    if not (abs(body.x / body.mass) < half and body.z > 0.0):
+        raise document.fault(None, "a centroid that is not above the base", f"a {_kind(document)} that stands")
 
 
 def _against_backing(body: Moments, half: float, top: Point | None) -> float | None:
@@ -166,18 +176,17 @@ def _against_backing(body: Moments, half: float, top: Point | None) -> float | N
     return (central + body.mass * ((x + half) * (x - top[0]) + z * (z - top[1]))) / body.about(*top)
 
 
-def radius_and_alpha(document: Document, half_width: float, centroid_height: float) -> tuple[float, float]:
+def radius_and_alpha(document: Document, centroid: float = 0.5) -> tuple[float, float]:
     """(R [m], alpha [rad]) from radius and alpha, or from width and height. Raises DocumentError.
 
-    The mass centre is half_width x width and centroid_height x height away from the edge.
+    The mass centre is at width/2 from the edge and at `centroid` x height.
     """
     sizes = [key for key in ("width", "height") if document.has(key)]
     polar = [key for key in ("radius", "alpha") if document.has(key)]
     if sizes and polar:
         raise document.fault(polar[0], f"{polar[0]} beside {sizes[0]}", "width and height, or radius and alpha, not both")
     if sizes or not polar:
-        x = half_width * document.length("width")
-        z = centroid_height * document.length("height")
+        x, z = 0.5 * document.length("width"), centroid * document.length("height")
         return math.hypot(x, z), math.atan2(x, z)
     below = "an angle between 0 and 90 deg"
     return document.length("radius"), document.quantity("alpha", "angle", above=0.0, below=math.pi / 2, where=below)

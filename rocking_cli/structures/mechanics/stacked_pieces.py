@@ -9,16 +9,14 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from itertools import accumulate
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from ...documents.document import Document
 from ..parameters import RockingParameters
 from ..shared_keys import gravity_of
-from ..sketch import Outline, Sketch, rocker
+from ..sketch import Sketch, rocker
 from .kinematics import Moments
 from .single_body import body_on_edges, edges_of, symmetric_body
-
-NOTHING = Moments(0.0, 0.0, 0.0, 0.0)
 
 
 class Piece(NamedTuple):
@@ -45,12 +43,6 @@ def frustum_moments(low: float, high: float, height: float) -> Moments:
     return Moments(area, 0.0, first, second + across)
 
 
-def cuboid_moments(width: float, depth: float, height: float) -> Moments:
-    """Moments of a cuboid of unit density on z = 0; width [m] in the direction of rocking, depth [m] across it."""
-    mass = width * depth * height
-    return Moments(mass, 0.0, 0.5 * mass * height, mass * (width * width / 12.0 + height * height / 3.0))
-
-
 def round_piece(document: Document) -> Piece:
     """A piece from the keys radius and height, or base_radius, top_radius and height; and offset of its axis. Raises DocumentError."""
     height, offset = document.length("height"), offset_of(document)
@@ -58,10 +50,10 @@ def round_piece(document: Document) -> Piece:
         for key in ("base_radius", "top_radius"):
             if document.has(key):
                 raise document.fault(key, f"{key} beside radius", "radius, or base_radius and top_radius, not both")
-        radius = document.length("radius")
-        return Piece(radius, radius, height, offset, frustum_moments(radius, radius, height))
-    top = document.quantity("top_radius", "length", least=0.0, where="a length from 0")
-    base = document.length("base_radius")
+        base = top = document.length("radius")
+    else:
+        top = document.quantity("top_radius", "length", least=0.0, where="a length from 0")
+        base = document.length("base_radius")
     return Piece(base, top, height, offset, frustum_moments(base, top, height))
 
 
@@ -93,72 +85,59 @@ class Bed(NamedTuple):
         """The moments about the middle between the edges."""
         return self.body.shifted(-0.5 * (self.left + self.right))
 
-
-def beds_of(document: Document, key: str, word: str, pieces: Sequence[Piece]) -> list[Bed]:
-    """Every interface from the ground upwards. Raises DocumentError if a piece does not stand on the one below it."""
-    beds: list[Bed] = []
-    body = NOTHING
-    for i in range(len(pieces) - 1, -1, -1):
-        piece = pieces[i]
-        body = piece.body.shifted(x=piece.axis).plus(body.shifted(z=piece.height))
-        left, right = piece.axis - piece.foot, piece.axis + piece.foot
-        if i:
-            below = pieces[i - 1]
-            left, right = max(left, below.axis - below.head), min(right, below.axis + below.head)
-        if not right > left:
-            found = f"{word} {i + 1} from below beside the one that it should stand on"
-            raise document.fault(key, found, f"{word}s that stand on each other")
-        beds.append(Bed(left, right, body))
-    return beds[::-1]
+    def numbers(self, gravity: float) -> dict[str, float | None]:
+        """The parameters on the weaker edge; eta is None if the body is too squat to rock on it."""
+        edge = min(edges_of(self.centred, self.half, gravity), key=lambda edge: edge.uplift)
+        return {"p": edge.p, "alpha": edge.alpha, "eta": edge.eta if edge.eta >= 0.0 else None, "lambda": edge.uplift}
 
 
-def weakest_of(beds: Sequence[Bed]) -> int:
-    """The number of the interface with the least margin, the lowest if several are equal."""
-    return min(range(len(beds)), key=lambda i: beds[i].margin)
+class Stack:
+    """The pieces of a document from below; key: of their list in the document; word: for one of them.
 
+    beds: the interfaces from the ground upwards; weakest: the number of the one with the least margin, the lowest if several are equal.
+    Raises DocumentError if a piece does not stand on the one below it.
+    """
 
-def name_of(interface: int, word: str) -> str:
-    """The support below an interface, in words."""
-    return "its base" if interface == 0 else f"{word} {interface} from below"
+    def __init__(self, document: Document, key: str, word: str, pieces: Sequence[Piece]) -> None:
+        self.document, self.key, self.word, self.pieces = document, key, word, pieces
+        body, beds = Moments(0.0, 0.0, 0.0, 0.0), []
+        for i in range(len(pieces) - 1, -1, -1):
+            piece = pieces[i]
+            body = piece.body.shifted(x=piece.axis).plus(body.shifted(z=piece.height))
+            left, right = piece.axis - piece.foot, piece.axis + piece.foot
+            if i:
+                below = pieces[i - 1]
+                left, right = max(left, below.axis - below.head), min(right, below.axis + below.head)
+            if not right > left:
+                found = f"{word} {i + 1} from below beside the one that it should stand on"
+                raise document.fault(key, found, f"{word}s that stand on each other")
+            beds.append(Bed(left, right, body))
+        self.beds = beds[::-1]
+        self.weakest = min(range(len(beds)), key=lambda i: self.beds[i].margin)
 
+    def parameters(self, name: str) -> RockingParameters:
+        """The rocking parameters. Raises DocumentError if the stack does not stand."""
+        bed, last = self.beds[self.weakest], self.pieces[-1]
+        if not bed.margin > 0.0:
+            found = f"{self.word} {self.weakest + 1} from below and what is on it beyond its edge"
+            raise self.document.fault(self.key, found, "a stack that stands")
+        top = (last.axis - last.head - 0.5 * (bed.left + bed.right), sum(piece.height for piece in self.pieces[self.weakest :]))
+        details = {}
+        if len(self.pieces) > 1:
+            gravity = gravity_of(self.document)
+            supports = ["its base", *(f"{self.word} {i} from below" for i in range(1, len(self.beds)))]
+            interfaces = [{"on": on, **one.numbers(gravity)} for on, one in zip(supports, self.beds, strict=True)]
+            details = {"rocks_on": supports[self.weakest], "interfaces": interfaces}
+        rock = body_on_edges if bed.centred.x else symmetric_body
+        limit = f"a {self.word} more slender than this one"
+        return rock(self.document, name, bed.centred, bed.half, limit=limit, top=top, details=details)
 
-def stacked(document: Document, kind: str, name: str, key: str, word: str, pieces: Sequence[Piece]) -> RockingParameters:
-    """The parameters of a stack of pieces. Raises DocumentError if it does not stand."""
-    beds = beds_of(document, key, word, pieces)
-    weakest = weakest_of(beds)
-    bed = beds[weakest]
-    if not bed.margin > 0.0:
-        raise document.fault(key, f"{word} {weakest + 1} from below and what is on it beyond its edge", "a stack that stands")
-    last = pieces[-1]
-    top = (last.axis - last.head - 0.5 * (bed.left + bed.right), sum(piece.height for piece in pieces[weakest:]))
-    details: dict[str, Any] = {}
-    if len(pieces) > 1:
-        gravity = gravity_of(document)
-        details["rocks_on"] = name_of(weakest, word)
-        details["interfaces"] = [{"on": name_of(i, word), **_numbers(bed, gravity)} for i, bed in enumerate(beds)]
-    rock = body_on_edges if bed.centred.x else symmetric_body
-    limit = f"a {word} more slender than this one"
-    return rock(document, kind, name, bed.centred, bed.half, limit=limit, top=top, details=details)
-
-
-def _numbers(bed: Bed, gravity: float) -> dict[str, float | None]:
-    """The parameters on the weaker edge of an interface; eta is None if the body is too squat to rock on it."""
-    p, alpha, uplift, eta, _ = min(edges_of(bed.centred, bed.half, gravity).values(), key=lambda edge: edge[2])
-    return {"p": p, "alpha": alpha, "eta": eta if eta >= 0.0 else None, "lambda": uplift}
-
-
-def sketch_of_pieces(document: Document, key: str, word: str, pieces: Sequence[Piece]) -> Sketch:
-    """The pieces above and below the weakest interface."""
-    levels = list(accumulate((piece.height for piece in pieces), initial=0.0))
-    outlines = [outline_of(piece, piece.axis, level) for piece, level in zip(pieces, levels, strict=False)]
-    beds = beds_of(document, key, word, pieces)
-    weakest = weakest_of(beds)
-    bed, base = beds[weakest], levels[weakest]
-    centre = (bed.body.x / bed.body.mass, base + bed.body.z / bed.body.mass)
-    return rocker(outlines[weakest:], (bed.left, base), (bed.right, base), centre, still=tuple(outlines[:weakest]))
-
-
-def outline_of(piece: Piece, axis: float, level: float) -> Outline:
-    """The section of a piece whose axis is at x = `axis` and whose base is at z = `level` [m]."""
-    foot, head, top = piece.foot, piece.head, level + piece.height
-    return ((axis - foot, level), (axis + foot, level), (axis + head, top), (axis - head, top))
+    def sketch(self) -> Sketch:
+        """The pieces above and below the weakest interface."""
+        levels = list(accumulate((piece.height for piece in self.pieces), initial=0.0))
+        outlines = []
+        for (foot, head, _, axis, _), low, top in zip(self.pieces, levels, levels[1:], strict=False):
+            outlines.append(((axis - foot, low), (axis + foot, low), (axis + head, top), (axis - head, top)))
+        bed, base = self.beds[self.weakest], levels[self.weakest]
+        centre = (bed.body.x / bed.body.mass, base + bed.body.z / bed.body.mass)
+        return rocker(outlines[self.weakest :], (bed.left, base), (bed.right, base), centre, still=tuple(outlines[: self.weakest]))

@@ -8,13 +8,11 @@ import re
 import sys
 from dataclasses import replace
 from pathlib import Path
-from types import SimpleNamespace
 
 import pytest
 
 from rocking_cli import DocumentError, build_structure, parse_documents
 from rocking_cli.errors import StructureError
-from rocking_cli.structures import KINDS
 from rocking_cli.structures.kinds import GROUP
 
 
@@ -23,7 +21,7 @@ def test_a_bug_in_a_builder_is_not_the_documents_fault(monkeypatch, bug):
     def build(document, name):
         raise bug
 
-    monkeypatch.setitem(KINDS, "block", SimpleNamespace(build=build, REPORTS=()))
+    monkeypatch.setattr("rocking_cli.structures.kinds.block.build", build)
     with pytest.raises(type(bug), match="bug"):
         build_structure(parse_documents("kind: block")[0])
 
@@ -32,7 +30,7 @@ def test_geometry_without_a_structure_is_the_documents_fault(monkeypatch):
     def build(document, name):
         raise StructureError("never reaches an unstable equilibrium")
 
-    monkeypatch.setitem(KINDS, "block", SimpleNamespace(build=build, REPORTS=()))
+    monkeypatch.setattr("rocking_cli.structures.kinds.block.build", build)
     with pytest.raises(DocumentError, match=r"tower.yaml:1:1: block: never reaches an unstable equilibrium"):
         build_structure(parse_documents("kind: block", "tower.yaml")[0])
 

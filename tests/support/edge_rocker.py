@@ -1,0 +1,40 @@
+"""One rigid body on two edges as a mechanism of the general form, which the package has in closed form."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from rocking_cli.structures.mechanics.kinematics import Coefficients, Moments, spin_about
+
+
+@dataclass(frozen=True)
+class EdgeRocker:
+    """One rigid body that rocks about (pivot, 0) and, after an impact, about (-pivot, 0).
+
+    shared: the part that moves before and after the impact, None for the whole body.
+    """
+
+    body: Moments
+    pivot: float
+    shared: Moments | None = None
+
+    @property
+    def reach(self) -> float:
+        """pi/2: the body lies on its side."""
+        return math.pi / 2
+
+    def coefficients(self, phi: Any) -> Coefficients:
+        """M, V'/g and B at rotations phi [rad], of any shape (Eq. 2.1)."""
+        x, z = self.pivot * self.body.mass - self.body.x, self.body.z
+        sin, cos = np.sin(phi), np.cos(phi)
+        return Coefficients(self.body.about(self.pivot, 0.0) + 0.0 * sin, x * cos - z * sin, z * cos + x * sin)
+
+    def overlap(self) -> tuple[float, float]:
+        """The integrals of `Mechanism.overlap`: a rotation about one edge before the impact, about the other edge after it."""
+        before, after = spin_about(self.pivot, 0.0, -1.0), spin_about(-self.pivot, 0.0, -1.0)
+        mirrored = self.body._replace(x=-self.body.x)
+        return before.product(after, self.shared or self.body), after.product(after, mirrored)
