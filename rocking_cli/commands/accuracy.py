@@ -40,7 +40,7 @@ def accuracy(
 
     For the engine (the exact linear one, or the nonlinear one at tolerances from 1e-4 to 1e-12) and for SciPy's RK45, LSODA
     and DOP853 with events: run time a cell, largest and 99th-percentile error of theta/alpha, and misjudged outcomes, against an
-    independent reference (Taylor series in small steps for the linear equation, a Runge-Kutta method in small steps otherwise).
+    independent reference (a Runge-Kutta method in small steps).
     """
     from ..dynamics.method import governing_method, model_in_words
     from ..motions.grid import parse_grid

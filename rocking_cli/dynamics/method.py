@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from .references.general_solver import Problem
 
 TOLERANCE = 1e-9
+CHECKED_BY = "a Runge-Kutta method"
 Reference = Callable[["Motion", float, float, float], tuple["Outcome", float]]
 
 
@@ -184,25 +185,11 @@ class Method:
         as sections 3.3 and 4 of the paper have it."""
         return structure.one_sided, structure.sides, self.kind_of(structure).shares(structure)
 
-    def reference_of(self, structure: RockingParameters, weighed: bool = False) -> Reference:
-        """The slower, independent path to (outcome, theta_ratio) of a single cell (motion, A, Omega, eta); weighed: the weight varies."""
-        if self._has_series(structure) and not weighed:
-            from .references.contact_check import arms_of
-            from .references.taylor_series import reference_cell
-
-            arms = arms_of(structure)
-            return reference_cell if arms is None else partial(reference_cell, arm=arms[0])
+    def reference_of(self, structure: RockingParameters) -> Reference:
+        """The slower, independent path (`CHECKED_BY`) to (outcome, theta_ratio) of a single cell (motion, A, Omega, eta)."""
         from .references.general_solver import solve_cell
 
         return partial(solve_cell, problem=self.problem_of(structure))
-
-    def checked_by(self, structure: RockingParameters, weighed: bool = False) -> str:
-        """What that path is, in words."""
-        return "Taylor series" if self._has_series(structure) and not weighed else "a Runge-Kutta method"
-
-    def _has_series(self, structure: RockingParameters) -> bool:
-        """The series in small steps know the symmetric linear oscillator; the engine of other equations takes steps itself."""
-        return self.exact and structure.plain
 
     def problem_of(self, structure: RockingParameters) -> Problem:
         """The structure as general solvers take it."""

@@ -60,7 +60,7 @@ def work_precision(scene: PulseScene, *, sample: int = 40, scipy: int = 10, seed
     if not at.size:
         raise UsageError("no cell of this grid leaves the ground; accepted is a grid that goes above uplift")
     cells = [(float(amplitude[c]), float(omega[r])) for _, r, c in at]
-    reference = one.method.reference_of(structure, one.weighed)
+    reference = one.method.reference_of(structure)
     truth = [reference(one.motion, a, w, structure.eta) for a, w in cells]
     known = [i for i, (outcome, _) in enumerate(truth) if outcome != Outcome.FAILED]
     cells, truth = [cells[i] for i in known], [truth[i] for i in known]

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from ..dynamics.march.account import Work
-from ..dynamics.method import Method, governing_method
+from ..dynamics.method import CHECKED_BY, Method, governing_method
 from ..dynamics.outcome import Difference, Outcome
 from ..errors import Interrupted, UsageError
 from ..interruption import check as check_for_a_stop
@@ -201,7 +201,7 @@ class _Sweep:
             outcomes={o.flag: int(outcomes[o]) for o in Outcome},
             work=total,
             shared_cells=shared,
-            checked_by=" and ".join(sorted({scene.method.checked_by(s, scene.weighed) for s in scene.structures})),
+            checked_by=CHECKED_BY,
             model=scene.method.model,
             records=scene.shape[0] if scene.of_records else 0,
             weighed=scene.weighed,

@@ -1,9 +1,8 @@
 """Measured errors of the table of stiff and extreme cells, both equations, against paths that share no code with the engine.
 
-A row's cells are computed by the engine (nonlinear at tolerance 1e-11) and one by one by the references: Taylor series in small steps,
-DOP853. A rigid body that rises by less than 1e-7 bounces through thousands of DOP853's steps; its reference is the linear one times
-sin(alpha)/alpha, from which it differs by a part of (4 sqrt(2 (A - 1))/Omega)^2, the square of its time in the air. Cells that a
-reference gives up are counted apart.
+A row's cells are computed by the engine (nonlinear at tolerance 1e-11) and one by one by the slower path of checks. A rigid body that
+rises by less than 1e-7 bounces through thousands of its steps; its reference is the linear one times sin(alpha)/alpha, from which it
+differs by a part of (4 sqrt(2 (A - 1))/Omega)^2, the square of its time in the air. Cells that a reference gives up are counted apart.
 """
 
 from __future__ import annotations
@@ -13,10 +12,9 @@ import math
 import numpy as np
 
 from rocking_cli import (
-    MechanismEquation,
+    Method,
     Outcome,
-    RigidBodyEquation,
-    System,
+    RockingParameters,
     build_structure,
     dimensionless_oscillator,
     linear_response,
@@ -26,10 +24,9 @@ from rocking_cli import (
     sine,
     trace_envelope,
 )  # fmt: skip
-from rocking_cli.dynamics.references.general_solver import MechanismRates, Problem, RigidBodyRates, solve_cell
-from rocking_cli.dynamics.references.taylor_series import reference_cell
 
-TOLERANCE = 1e-11
+METHOD = Method("nonlinear", 1e-11)
+LINEAR = Method().reference_of(dimensionless_oscillator(0.9))
 
 
 def cells(*axes):
@@ -40,23 +37,22 @@ def low(motion, amplitude, omega, eta, alpha):
     """(outcome, theta/alpha) of a rigid body that hardly rises in short hops, None of others."""
     if omega < 1.0 or amplitude > 1.01:
         return None
-    outcome, theta = reference_cell(motion, amplitude, omega, eta)
+    outcome, theta = LINEAR(motion, amplitude, omega, eta)
     return (outcome, theta * math.sin(alpha) / alpha) if outcome == Outcome.ROCKED and theta < 1e-7 else None
 
 
-def row(name, motion, amplitude, omega, eta, alpha=0.25, mechanism=None):
+def row(name, motion, amplitude, omega, eta, alpha=0.25, structure=None):
     """Engine against references; amplitudes are over that of uplift."""
     amplitude, omega, eta = (np.ravel(x) for x in np.broadcast_arrays(amplitude, omega, eta))
-    model, equation = (RigidBodyEquation(alpha, TOLERANCE), RigidBodyRates(alpha)) if mechanism is None else (
-        MechanismEquation(mechanism, TOLERANCE), MechanismRates(mechanism))  # fmt: skip
-    problem = Problem(equation, equation, alpha if mechanism is None else equation.uplift)
-    lift = math.tan(alpha) / alpha if mechanism is None else 1.0
+    lift = math.tan(alpha) / alpha if structure is None else 1.0
+    body = structure or RockingParameters("body", "block", 1.0, alpha, 0.9, math.tan(alpha), 1.0)
+    nonlinear = METHOD.reference_of(body)
     said = []
     for found, reference in (
-        (linear_response(motion, amplitude, omega, eta), lambda a, w, n: reference_cell(motion, a, w, n)),
+        (linear_response(motion, amplitude, omega, eta), lambda a, w, n: LINEAR(motion, a, w, n)),
         (
-            response(System(model), motion, lift * amplitude, omega, eta),
-            lambda a, w, n: low(motion, a, w, n, alpha) or solve_cell(motion, lift * a, w, n, problem),
+            response(METHOD.system_of(body), motion, lift * amplitude, omega, eta),
+            lambda a, w, n: low(motion, a, w, n, alpha) or nonlinear(motion, lift * a, w, n),
         ),
     ):
         worst, differ, lost = 0.0, 0, 0
@@ -89,8 +85,7 @@ def main() -> None:
         row(f"1e-9 beside a boundary, Omega = {omega:g}", sine(), [a * (1 + f * 1e-9) for a in edges for f in (-1, 1)], omega, 0.9)
     row("drives that jump", pulse("rectangular-impulse"), [1.5, 2.0 + 1e-6, 3.0], [3.0, 8.0, 300.0], 0.5)
     arch = "kind: arch\nradius: 10\nthickness: 1.0751 m\nangle: 180 deg\nrestitution: 0.8"
-    mechanism = build_structure(parse_documents(arch)[0]).mechanism
-    row("an arch at the edge of stability", sine(), [1.1, 1.5, 4.0, 12.0], 4.0, 0.8, mechanism=mechanism)
+    row("an arch at the edge of stability", sine(), [1.1, 1.5, 4.0, 12.0], 4.0, 0.8, structure=build_structure(parse_documents(arch)[0]))
 
 
 if __name__ == "__main__":

@@ -168,7 +168,7 @@ def test_a_body_that_overturned_before_the_ground_falls_away_has_overturned(mode
     amplitude, wanted = 1.2 / body.alpha, Outcome.OVERTURNED_NO_IMPACT  # the linear body comes to ten thousand alpha before it
     assert response(method.system_of(body), motion, [amplitude], 2.0, body.eta).outcome.tolist() == [wanted]
     assert history(method.system_of(body), motion, amplitude, 2.0, body.eta, duration=20.0).outcome == wanted
-    assert method.reference_of(body, True)(motion, amplitude, 2.0, body.eta)[0] == wanted
+    assert method.reference_of(body)(motion, amplitude, 2.0, body.eta)[0] == wanted
 
 
 @pytest.mark.parametrize("lifts", [False, True], ids=["never lifted", "at rest again"])

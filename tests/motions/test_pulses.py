@@ -8,10 +8,9 @@ import numpy as np
 import pytest
 from oracles.single_cell import integrate
 from support.documents import TWO_PULSES, built_motion
+from support.references import reference
 
 from rocking_cli import Outcome, UsageError, dimensionless_oscillator, linear_response, nonlinear_response, trace_envelope
-from rocking_cli.dynamics.references.general_solver import Problem, RigidBodyRates, solve_cell
-from rocking_cli.dynamics.references.taylor_series import reference_cell
 from rocking_cli.motions import PULSES, pulse
 
 
@@ -94,12 +93,12 @@ def test_both_models_agree_with_their_references_under_every_motion(motion):
     random = np.random.default_rng(11)
     for _ in range(8):
         cell = random.uniform(1.1, 6), random.uniform(0.7, 8), random.uniform(0.4, 1)
-        outcome, theta = reference_cell(motion, *cell)
+        outcome, theta = reference(motion, *cell)
         found = linear_response(motion, *cell)
         assert (outcome, theta) == (int(found.outcome), pytest.approx(float(found.theta_ratio), abs=1e-10, nan_ok=True))
     for _ in range(3):
         cell = random.uniform(1.1, 6), random.uniform(0.7, 8), random.uniform(0.4, 1)
-        outcome, theta = solve_cell(motion, *cell, Problem(RigidBodyRates(0.3), RigidBodyRates(0.3), 0.3))
+        outcome, theta = reference(motion, *cell, 0.3)
         found = nonlinear_response(motion, *cell, 0.3, tolerance=1e-10)
         assert (outcome, theta) == (int(found.outcome), pytest.approx(float(found.theta_ratio), abs=1e-9, nan_ok=True))
 

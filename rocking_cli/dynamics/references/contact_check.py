@@ -1,10 +1,10 @@
-"""Whether a rigid body presses on the ground, as the slower paths see it: from instants along their own steps.
+"""Loss of contact of a rigid body on the reference path, from instants along its own steps.
 
 Its mass centre is R cos(alpha - u) above the edge, u = |theta|, so that over m g and with ' by the tau of the path
 
     Fz = w + rise (cos(alpha - u))'',   rise = R p^2/g
 
-w being the weight over m g. Nothing here is shared with the engine's own look at it.
+w is the weight over m g. The engine's own proof (`body`) shares nothing with this file.
 """
 
 from __future__ import annotations
@@ -16,13 +16,12 @@ from typing import TYPE_CHECKING, NamedTuple
 if TYPE_CHECKING:
     from ...structures.parameters import RockingParameters, Side
 
-_NEAR, _PART = 0.1, 0.1  # a least force within this, and this part of how it varies on a step, is looked for more closely
-_CLOSER = 24  # golden sections of a step
-_GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
+_NEAR, _PART = 0.1, 0.1  # a least force within this, and this part of its variation on a step, is searched for
+_ROUNDS = 32  # of the search; each leaves two thirds of the step
 
 
 class Arm(NamedTuple):
-    """Of an edge: alpha [rad], and rise, R p^2/g with the p of the path [-]."""
+    """An edge: alpha [rad], and rise, R p^2/g with the p of the path [-]."""
 
     alpha: float
     rise: float
@@ -34,36 +33,27 @@ class Arm(NamedTuple):
 
 
 def arms_of(structure: RockingParameters) -> tuple[Arm, Arm] | None:
-    """The arms from the right edge and the left one of a rigid body; None where its forces are not known."""
+    """The arms from the right edge and the left one of a rigid body; None if its forces are not known."""
     edges: tuple[Side | RockingParameters, ...] = structure.sides or (structure, structure)
     arms = [Arm(e.alpha, e.arm * structure.p**2 / structure.gravity) for e in edges if e.arm is not None]
     return (arms[1], arms[0]) if len(arms) == len(edges) else None
 
 
 def lets_go(rough: tuple[float, float, float], force: Callable[[float], float]) -> bool:
-    """Whether a force falls to zero on a step; rough: at its start, about its middle and at its end; force: by the part of the step.
+    """True if a force falls to zero on a step; rough: at its start, about its middle and at its end; force: by the part of the step.
 
-    Steps are too short for more than one minimum. Where the parabola through the three stays well above zero nothing more is asked.
+    Steps are too short for more than one minimum. The search is skipped if the parabola through the three stays well above zero.
     """
     first, middle, last = rough
     if first <= 0.0 or last <= 0.0:
         return True
     slope, bend = 0.5 * (last - first), first - 2.0 * middle + last
     dip = middle - 0.5 * slope * slope / bend if bend > abs(slope) else min(rough)
-    if dip > _NEAR + _PART * (max(rough) - min(rough)):
-        return False
     low, high = 0.0, 1.0
-    one, other = high - _GOLDEN, low + _GOLDEN
-    at_one, at_other = force(one), force(other)
-    for _ in range(_CLOSER):
-        if at_one <= 0.0 or at_other <= 0.0:
+    for _ in range(_ROUNDS if dip <= _NEAR + _PART * (max(rough) - min(rough)) else 0):
+        third = (high - low) / 3.0
+        one, other = force(low + third), force(high - third)
+        if one <= 0.0 or other <= 0.0:
             return True
-        if at_one < at_other:
-            high, other, at_other = other, one, at_one
-            one = high - _GOLDEN * (high - low)
-            at_one = force(one)
-        else:
-            low, one, at_one = one, other, at_other
-            other = low + _GOLDEN * (high - low)
-            at_other = force(other)
+        low, high = (low, high - third) if one < other else (low + third, high)
     return False

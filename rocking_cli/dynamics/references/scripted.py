@@ -1,7 +1,8 @@
-"""SciPy's `solve_ivp` with events, as a script would call it: what `rocking accuracy` compares with."""
+"""SciPy's `solve_ivp` with events, as a script would call it: `rocking accuracy` compares the engine with it."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -9,35 +10,15 @@ from scipy.integrate import solve_ivp
 
 from .extrapolation import Path, Point, Rate
 
-
-class _Ground:
-    """Event: the body comes down on the ground, where the integration stops."""
-
-    terminal, direction = True, -1
-
-    def __call__(self, t: float, state: np.ndarray) -> float:
-        return float(state[0])
+State = np.ndarray
 
 
-class _Crest:
-    """Event: the body turns back."""
+def _event(value: Callable[[State], float], direction: int, terminal: bool) -> Callable[[float, State], float]:
+    def event(t: float, state: State) -> float:
+        return float(value(state))
 
-    terminal, direction = False, -1
-
-    def __call__(self, t: float, state: np.ndarray) -> float:
-        return float(state[1])
-
-
-class _Fallen:
-    """Event: the body is beyond its limit; what a strong motion does with it from there on takes many steps and tells nothing."""
-
-    terminal, direction = True, 1
-
-    def __init__(self, limit: float) -> None:
-        self.limit = limit
-
-    def __call__(self, t: float, state: np.ndarray) -> float:
-        return float(state[0]) - self.limit
+    event.__dict__.update(direction=direction, terminal=terminal)
+    return event
 
 
 @dataclass(frozen=True)
@@ -49,14 +30,16 @@ class Script:
 
     def __call__(self, rate: Rate, start: Point, stop: float, limit: float) -> Path:
         """As `extrapolation.path`."""
-
-        def rates(t: float, state: np.ndarray) -> tuple[float, float]:
-            return rate(t, float(state[0]), float(state[1]))
-
-        events = (_Ground(), _Crest(), _Fallen(limit))
-        tolerance = max(self.tolerance, 2.3e-14)
-        found = solve_ivp(rates, (start.time, stop), start[1:], method=self.method, rtol=tolerance, atol=self.tolerance, events=events)
-        at = [[Point(float(t), *map(float, y)) for t, y in zip(*x, strict=True)] for x in zip(found.t_events, found.y_events, strict=True)]
-        crests = [point for point in at[1] if point.time > start.time]
+        events = (  # an impact, a peak, and a body beyond its limit, where a strong motion asks for many steps
+            _event(lambda state: state[0], -1, True),
+            _event(lambda state: state[1], -1, False),
+            _event(lambda state: state[0] - limit, 1, True),
+        )
+        found = solve_ivp(
+            lambda t, state: rate(t, float(state[0]), float(state[1])), (start.time, stop), start[1:],
+            method=self.method, rtol=max(self.tolerance, 2.3e-14), atol=self.tolerance, events=events,
+        )  # fmt: skip
+        impacts, peaks, _ = ([Point(float(t), *map(float, y)) for t, y in zip(*x, strict=True)]
+                             for x in zip(found.t_events, found.y_events, strict=True))  # fmt: skip
         steps = [Point(float(t), *map(float, y)) for t, y in zip(found.t, found.y.T, strict=True)]
-        return Path(crests, at[0][0] if at[0] else steps[-1], bool(at[0]), steps)
+        return Path([p for p in peaks if p.time > start.time], impacts[0] if impacts else steps[-1], bool(impacts), steps)

@@ -30,7 +30,7 @@ class Answer(NamedTuple):
 def reference(scene: Scene, place: Place) -> Answer:
     """A cell by the path that shares nothing with the march."""
     cell = scene.cell(*place)
-    outcome, theta = scene.method.reference_of(cell.structure, scene.weighed)(*cell[1:], cell.structure.eta)
+    outcome, theta = scene.method.reference_of(cell.structure)(*cell[1:], cell.structure.eta)
     return Answer(outcome, theta, None if outcome == Outcome.FAILED else scene.judge_of(cell))
 
 

@@ -11,7 +11,6 @@ from scipy.integrate import quad, solve_ivp
 from rocking_cli import Method, Outcome, build_structure, cosine, linear_response, parse_documents, pulse, sine
 from rocking_cli.dynamics.equations.linear import LinearEquation
 from rocking_cli.dynamics.equations.mechanism import MechanismEquation
-from rocking_cli.dynamics.references.general_solver import MechanismRates, Problem, solve_cell
 from rocking_cli.dynamics.response import response
 from rocking_cli.dynamics.system import System
 from rocking_cli.responses.history import history, quarter_period
@@ -120,9 +119,9 @@ def test_first_arc_is_the_paper_s_equation(oppenheim, motion, times, damping):
 
 @pytest.mark.parametrize("n", [4, pytest.param(12, marks=pytest.mark.soak)])
 def test_cells_stay_within_five_tolerances(oppenheim, n):
-    random, equation = np.random.default_rng(5), MechanismRates(oppenheim.mechanism)
+    random, reference = np.random.default_rng(5), Method("nonlinear").reference_of(oppenheim)
     draw = np.array([random.uniform(a, b, 12)[:n] for a, b in ((0.9, 9), (0.5, 12), (0.4, 1))]).T
-    expected = [solve_cell(sine(), *(float(x) for x in c), Problem(equation, equation, equation.uplift)) for c in draw]
+    expected = [reference(sine(), *c) for c in draw.tolist()]
     for tolerance in (1e-4, 1e-6, 1e-9, 1e-11):
         found = response(System(MechanismEquation(oppenheim.mechanism, tolerance)), sine(), *draw.T)
         assert found.outcome.tolist() == [int(o) for o, _ in expected]

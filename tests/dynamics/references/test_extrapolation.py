@@ -30,36 +30,36 @@ def test_a_step_that_is_too_long_is_none(rate):
 
 
 @pytest.mark.parametrize("v", [1e-9, 1e-4, 0.3, 0.9])
-@pytest.mark.parametrize("stretch", [2.05, 9.0])  # times of a crest: the impact lies in the last step, or both lie in one
-def test_crest_and_impact_of_a_free_arc(v, stretch):
-    """y = 1 - cosh t + v sinh t: the crest is at artanh v, 1 - sqrt(1 - v^2) high, and the body comes down at twice the time as fast as
+@pytest.mark.parametrize("stretch", [2.05, 9.0])  # times of a peak: the impact lies in the last step, or both lie in one
+def test_peak_and_impact_of_a_free_arc(v, stretch):
+    """y = 1 - cosh t + v sinh t: the peak is at artanh v, 1 - sqrt(1 - v^2) high, and the body comes down at twice the time as fast as
     it left."""
-    crest = math.atanh(v)
-    near = 1e-14 + 1e-10 * (stretch * crest / 10.0) ** 2  # ten times what a step is trusted to: they grow
-    found = path(free, Point(0.0, 0.0, v), stretch * crest, math.inf)
+    rise = math.atanh(v)
+    near = 1e-14 + 1e-10 * (stretch * rise / 10.0) ** 2  # ten times what a step is trusted to: they grow
+    found = path(free, Point(0.0, 0.0, v), stretch * rise, math.inf)
     assert found.struck
-    (top,) = found.crests
+    (top,) = found.peaks
     height = v * v / (1.0 + math.sqrt(1.0 - v * v))
-    assert abs(top.time / crest - 1.0) < 2e-9
+    assert abs(top.time / rise - 1.0) < 2e-9
     assert abs(top.theta - 0.5 * top.w**2 / (top.theta - 1.0) - height) < near * height + 1e-16 * v
     end = found.end
-    assert abs(end.time - end.theta / end.w - 2.0 * crest) < near * crest
+    assert abs(end.time - end.theta / end.w - 2.0 * rise) < near * rise
     assert abs(end.w + end.theta / end.w - -v) < near * v
 
 
 def test_a_path_goes_on_to_its_end_or_to_its_limit():
     found = path(free, Point(0.0, 1.5, 0.0), 2.0, 10.0)
-    assert (found.crests, found.struck, found.end.time) == ([], False, 2.0)
+    assert (found.peaks, found.struck, found.end.time) == ([], False, 2.0)
     assert abs(found.end.theta - (1.0 + 0.5 * math.cosh(2.0))) < 1e-10 * 0.2**2
     assert path(free, Point(0.0, 1.5, 0.0), 2.0, 1.6).end.time < 1.0
     assert path(free, Point(1.0, 0.5, 0.0), 1.0 + 4e-16, 10.0).end.time == 1.0 + 4e-16
 
 
 def test_a_hop_from_rest_within_one_step_is_met():
-    """y'' = 2 c t - t^2 from rest: the crest is at 3 c, 9/4 c^4 high, the impact at 4 c."""
+    """y'' = 2 c t - t^2 from rest: the peak is at 3 c, 9/4 c^4 high, the impact at 4 c."""
     c = 1e-3
     found = path(lambda t, y, v: (v, 2.0 * c * t - t * t), Point(0.0, 0.0, 0.0), 1.0, math.inf)
-    (top,) = found.crests
+    (top,) = found.peaks
     assert found.struck
     assert abs(top.time / (3.0 * c) - 1.0) < 2e-9
     assert abs(top.theta / (2.25 * c**4) - 1.0) < 1e-12

@@ -1,48 +1,129 @@
-"""The slower path of nonlinear cells against an independent integration."""
+"""The slower path against independent integrations, against the engine, and where it has to be patient."""
 
 from __future__ import annotations
 
 import math
+from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
-from oracles.single_cell import integrate_rigid_body
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from oracles.multiple_precision import march
+from oracles.record_lockstep import lockstep
+from oracles.single_cell import LADDER, condition, integrate_rigid_body
+from support.record_layouts import wave
+from support.references import reference
+from support.synthetic_records import shaken
 
-from rocking_cli import Outcome, nonlinear_response, pulse, sine
-from rocking_cli.dynamics.references.general_solver import Problem, RigidBodyRates, solve_cell
+from rocking_cli import Method, Outcome, RockingParameters, cosine, linear_response, nonlinear_response, pulse, sine
+from rocking_cli.dynamics.references import general_solver
+from rocking_cli.dynamics.references.general_solver import next_uplift, solve_cell
+from rocking_cli.motions import Motion, Piece
 
 
-def test_the_check_of_sweeps_is_itself_right():
-    """`solve_cell`, on which the estimated error of nonlinear sweeps rests, against the oracle."""
+def test_the_check_of_nonlinear_sweeps_is_itself_right():
     # The last three hold arcs shorter than its steps, right after uplift.
     odd = [(1.3739303, 8.18093324, 1.0, 0.82321594), (1.77887648, 2.65944071, 1.0, 1.03821494), (1.2, 2.0, 0.3, 1.0)]
     random = np.random.default_rng(1)
     draw = np.array([random.uniform(a, b, 30) for a, b in ((0.9, 12), (0.5, 12), (0.5, 1), (0.05, 0.6))]).T.tolist()
     for case in [*draw, *odd]:
         flag, theta = integrate_rigid_body(np.sin, 2 * math.pi, *case)
-        outcome, peak = solve_cell(sine(), *case[:3], Problem(RigidBodyRates(case[3]), RigidBodyRates(case[3]), case[3]))
+        outcome, peak = reference(sine(), *case)
         assert outcome.flag == flag
         assert math.isnan(theta) or abs(peak - theta) < 1e-9
+
+
+def test_the_check_of_linear_sweeps_equals_fifty_digits():
+    for motion, *cell in ((sine(2), 1.3, 2.5, 0.6), (cosine(1), 3.0, 6.0, 0.9)):
+        flag, theta, _ = march(motion, *cell)
+        outcome, peak = reference(motion, *cell)
+        assert outcome.flag == flag
+        assert math.isnan(theta) or peak == pytest.approx(theta, abs=1e-12)
+
+
+@settings(max_examples=60)
+@given(
+    st.floats(0.5, 20), st.floats(0.2, 20), st.floats(0, 0.99),
+    st.sampled_from([sine(0.5), sine(1), sine(2), cosine(1), cosine(1.5), LADDER]),
+)  # fmt: skip
+def test_the_engine_and_the_slower_path_agree(amplitude, omega, eta, motion):
+    response = linear_response(motion, amplitude, omega, eta)
+    outcome, theta = reference(motion, amplitude, omega, eta)
+    # A cell within rounding of a boundary may fall on either side of it; neighbours at 1e-9 show such a cell.
+    near = linear_response(motion, amplitude * np.array([1 - 1e-9, 1 + 1e-9]), omega, eta)
+    if (near.outcome == response.outcome).all():
+        assert outcome == response.outcome
+        scale = float(condition(motion, amplitude, omega, eta))
+        if not math.isnan(scale):
+            assert abs(theta - response.theta_ratio) <= 1e-12 * max(1.0, scale)
+
+
+def test_a_bounce_that_the_drive_lifts_again_is_seen():
+    """After its second impact this body bounces for 1e-8 and lifts off again within the same stride."""
+    for eta in (1e-6, 1e-5, 6.1e-5, 1e-4, 1e-3):
+        found = linear_response(cosine(1), 11.625, 11.0, eta).theta_ratio
+        assert reference(cosine(1), 11.625, 11.0, eta)[1] == pytest.approx(float(found), abs=1e-12)
+
+
+def test_a_dip_between_two_steps_is_seen():
+    """A block that a record lifts again right after it came below the ground; it overturns after that impact."""
+    motion, eta, omega = shaken(-0.5 * wave(40)[::-1], 0.06), 0.9183055975794251, 1.0 / 5.349519445453641
+    (outcome,), _ = lockstep(*reversed(motion.samples), *np.array([[3.02446], [omega], [eta]]))
+    assert outcome == Outcome.OVERTURNED_AFTER_IMPACT
+    assert reference(motion, 3.02446, omega, eta)[0] == outcome
+
+
+@pytest.mark.parametrize("omega", [1e-4, 1e-2, 1.0, 100.0])
+def test_an_uplift_shorter_than_a_stride_is_seen(omega):
+    """The drive exceeds 1 by 1e-9 for 9e-5 rad, and in a slow pulse the body waits for it through 1e5 of its own strides."""
+    outcome, theta = reference(sine(), 1.0 + 1e-9, omega, 0.5)
+    found = linear_response(sine(), 1.0 + 1e-9, omega, 0.5)
+    assert outcome == found.outcome == Outcome.ROCKED
+    assert theta == pytest.approx(float(found.theta_ratio), rel=1e-5, abs=0)  # rounding of the drive over its excess: 2e-7
+
+
+def test_the_limit_of_strides_grows_with_the_motion(monkeypatch):
+    """A record has a stride or more a piece, however long it is."""
+    monkeypatch.setattr(general_solver, "_MAX_STRIDES", 20)
+    heights = np.random.default_rng(0).uniform(-1.0, 1.0, 101)
+    pieces = tuple(Piece(float(i), i + 1.0, (), float(a), float(b - a)) for i, (a, b) in enumerate(pairwise(heights)))
+    motion = Motion("record", pieces)
+    found = linear_response(motion, 1.5, 12.0, 0.7)
+    outcome, theta = reference(motion, 1.5, 12.0, 0.7)
+    assert outcome == found.outcome == Outcome.ROCKED
+    assert theta == pytest.approx(float(found.theta_ratio), abs=1e-12)
 
 
 def test_a_body_that_lies_on_its_side_is_not_followed():
     """Under 1e8 times its uplift it would turn over a million times within one stride."""
     calls = 0
+    problem = Method("nonlinear").problem_of(RockingParameters("b", "block", 1.0, 0.25, 0.9, math.tan(0.25), 1.0))
+    edge = problem.edges[1]
 
-    class Counted(RigidBodyRates):
-        def __call__(self, theta, w, push, weight=1.0):
-            nonlocal calls
-            calls += 1
-            return super().__call__(theta, w, push, weight)
+    def counted(*state):
+        nonlocal calls
+        calls += 1
+        return edge.of(*state)
 
-    outcome, _ = solve_cell(sine(), 1e8, 0.01, 0.9, Problem(Counted(0.25), Counted(0.25), 0.25))
+    watched = replace(edge, of=counted)
+    outcome, _ = solve_cell(sine(), 1e8, 0.01, 0.9, replace(problem, edges={1: watched, -1: watched}))
     assert outcome == Outcome.OVERTURNED_NO_IMPACT
     assert calls < 20_000
 
 
 def test_still_ground_is_crossed_in_strides_of_the_body_itself():
-    """After an impulse of 3e-4 in tau the body rocks for several: the fate does not take 1e5 strides of the impulse."""
-    rates = RigidBodyRates(0.25)
-    outcome, theta = solve_cell(pulse("half-sine"), 3000.0, 1e4, 0.5, Problem(rates, rates, 0.25))
+    """After an impulse of 3e-4 in tau the body rocks for several: the end does not take 1e5 strides of the impulse."""
+    outcome, theta = reference(pulse("half-sine"), 3000.0, 1e4, 0.5, 0.25)
     found = nonlinear_response(pulse("half-sine"), 3000.0, 1e4, 0.5, 0.25, tolerance=1e-12)
     assert outcome == found.outcome == Outcome.ROCKED
     assert abs(theta - float(found.theta_ratio)) < 1e-12
+
+
+def test_uplift_from_rest_is_at_the_crossing_of_a_line():
+    line = Piece(2.0, 4.0, (), -0.5, 1.0)
+    assert next_uplift(line, 2.0, 1.0) == pytest.approx(3.5, rel=1e-15)
+    assert next_uplift(line, 3.75, 1.0) == 3.75
+    assert next_uplift(line, 2.0, 0.6) is None
+    assert next_uplift(line, 2.0, -2.5) == 2.0

@@ -7,6 +7,7 @@ from functools import partial
 
 import numpy as np
 import pytest
+from support.references import reference
 
 from rocking_cli import (
     Outcome,
@@ -19,7 +20,6 @@ from rocking_cli import (
     spectrum,
     trace_envelope,
 )
-from rocking_cli.dynamics.references.general_solver import Problem, RigidBodyRates, solve_cell
 from rocking_cli.errors import UsageError
 from rocking_cli.spectra.trust.condition import condition_of
 from rocking_cli.spectra.variables import QUANTITIES
@@ -68,7 +68,7 @@ def test_errors_of_the_nonlinear_equation_are_the_tolerance_times_the_condition(
 def test_the_largest_error_seen_is_its_condition():
     """A hundred tolerances, after 26 impacts and a chatter: the cell multiplies any error by 1e5."""
     cell, alpha = (1.195484, 0.644377, 0.826051), 0.570
-    outcome, theta = solve_cell(sine(2), *cell, Problem(RigidBodyRates(alpha), RigidBodyRates(alpha), alpha))
+    outcome, theta = reference(sine(2), *cell, alpha)
     found = nonlinear_response(sine(2), *cell, alpha)
     (condition,) = condition_of(partial(nonlinear_response, sine(2), alpha=alpha), *(np.array([x]) for x in cell), 1e-9)
     assert outcome == found.outcome == Outcome.ROCKED
