@@ -45,35 +45,29 @@ def parse_variation(text: str) -> Variation:
     """
     key, equals, span = text.partition("=")
     parts = span.split(":")
-    wrong = UsageError(f"`vary`: found {text!r}; accepted is KEY=START:STOP:N, such as thickness=1.2:2.0:9 or angle=150deg:180deg:31")
-    if not equals or not key.strip() or len(parts) != 3:
-        raise wrong
-    low, high = split_quantity(parts[0]), split_quantity(parts[1])
-    if low is None or high is None:
-        raise wrong
-    (start, unit), (stop, other) = low, high
+    ends = [split_quantity(part) for part in parts[:2]]
+    if not equals or not key.strip() or len(parts) != 3 or not ends[0] or not ends[1]:
+        raise UsageError(f"`vary`: found {text!r}; expected KEY=START:STOP:N, such as thickness=1.2:2.0:9 or angle=150deg:180deg:31")
+    (start, unit), (stop, other) = ends[0], ends[1]
     if unit != other and unit and other:
-        raise UsageError(f"`vary` {key}: bounds in {unit} and {other}; accepted is one unit for both")
+        raise UsageError(f"`vary` {key}: found bounds in {unit} and {other}; expected one unit for both")
     count = parse_whole(parts[2])
-    if count is None or count < 1:
-        raise UsageError(f"`vary` {key}: found N = {parts[2]!r}; accepted is a whole number from 1")
-    if count > MAX_MEMBERS:
-        raise UsageError(f"`vary` {key}: {count} values, accepted are up to {MAX_MEMBERS}")
+    if count is None or not 1 <= count <= MAX_MEMBERS:
+        raise UsageError(f"`vary` {key}: found N = {parts[2]!r}; expected a whole number from 1 to {MAX_MEMBERS}")
     if count == 1 and start != stop:
-        raise UsageError(f"`vary` {key}: one value from {start:g} to {stop:g}; give N of 2 or more, or equal bounds")
+        raise UsageError(f"`vary` {key}: found one value from {start:g} to {stop:g}; expected N of 2 or more, or equal bounds")
     step = (stop - start) / max(1, count - 1)
-    values = tuple(stop if i == count - 1 else start + i * step for i in range(count))
+    values = (*(start + i * step for i in range(count - 1)), stop)
     return Variation(key.strip(), values, unit or other or None)
 
 
 def members(variations: Sequence[Variation]) -> int:
     """The number of structures of a family. Raises UsageError if a key is varied twice or the number is too large."""
-    keys = [v.key for v in variations]
-    if len(set(keys)) < len(keys):
+    if len({v.key for v in variations}) < len(variations):
         raise UsageError("`vary`: a key is varied twice")
     count = math.prod(len(v.values) for v in variations)
     if count > MAX_MEMBERS:
-        raise UsageError(f"`vary`: {count} structures, accepted are up to {MAX_MEMBERS}")
+        raise UsageError(f"`vary`: found {count} structures; expected up to {MAX_MEMBERS}")
     return count
 
 
@@ -92,28 +86,29 @@ def family(document: Document, variations: Sequence[Variation | str]) -> Iterato
     keys = [v.key for v in parsed]
     units = [v.unit if v.unit is not None else _own_unit(document, v.key) for v in parsed]
     for values in itertools.product(*(v.values for v in parsed)):
-        varied = document
-        for variation, value, unit in zip(parsed, values, units, strict=True):
-            text = f"{value!r} {unit}".strip()
-            varied = varied.with_value(variation.key, text, f"{document.source} with {variation.key}={text}")
+        varied, texts = document, {key: f"{value!r} {unit}".strip() for key, value, unit in zip(keys, values, units, strict=True)}
+        for key, text in texts.items():
+            varied = varied.with_value(key, text, f"{document.source} with {key}={text}")
         try:
             built, fault = build_structure(varied), None
         except DocumentError as error:
             if any(key not in varied.asked for key in keys):
                 raise
             built, fault = None, str(error)
-        if built and (words := [key for key in keys if key not in varied.dimensions]):
-            raise UsageError(f"`vary` {words[0]}: takes a text; accepted are keys that take numbers")
-        shown = {headed(key, units[i] or si_unit(varied.dimensions.get(key))): values[i] for i, key in enumerate(keys)}
-        si = {key: parse_quantity(f"{values[i]!r} {units[i]}", varied.dimensions[key]) for i, key in enumerate(keys)} if built else {}
+        dimensions = varied.dimensions
+        if built and (words := [key for key in keys if key not in dimensions]):
+            raise UsageError(f"`vary` {words[0]}: found a key that takes a text; expected a key that takes a number")
+        shown = {headed(key, units[i] or si_unit(dimensions.get(key))): values[i] for i, key in enumerate(keys)}
+        si = {key: parse_quantity(text, dimensions[key]) for key, text in texts.items()} if built else {}
         if built:
             name = " ".join([built.name, *(f"{key}={value:g}{unit}" for key, value, unit in zip(keys, values, units, strict=True))])
-            told = {"varied": si, "varied_units": {key: si_unit(varied.dimensions[key]) for key in keys}}
-            built = replace(built, name=name, details={**built.details, **told})
+            more = {"varied": si, "varied_units": {key: si_unit(dimensions[key]) for key in keys}}
+            built = replace(built, name=name, details={**built.details, **more})
         yield Member(si, shown, built, fault)
 
 
 def _own_unit(document: Document, key: str) -> str:
+    """The unit that the document states for the value of a key; empty if it states none."""
     value = document.values.get(key)
     parts = split_quantity(value.content) if value is not None and isinstance(value.content, str) else None
     return parts[1] if parts else ""

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from ..errors import DocumentError
@@ -30,24 +29,23 @@ def inline_document(text: str) -> Document | None:
     from ..documents.table import Cell
 
     word, rest = match.groups()
-    place = Place(text, 0, 0)
-    cells = [Cell("kind", word, place)]
-    sizes = sizes_of(word)
+    stated, sizes = [("kind", word)], sizes_of(word)
     for i, part in enumerate(_parts(rest)):
         key, equals, value = (x.strip() for x in part.partition("="))
         if equals:
-            cells.append(Cell(key, value, place))
+            stated.append((key, value))
         elif word in KINDS:  # `build_structure` refuses any other word
             given = [size.strip() for size in part.split("x")]
             if i or not sizes or len(given) != len(sizes) or not all(given):
-                raise DocumentError(f"{text}: found {part.strip()!r}; accepted is {_form(word, sizes)}")
-            cells += [Cell(key, size, place) for key, size in zip(sizes, _in_one_unit(given), strict=True)]
-    keys = [cell.key for cell in cells]
+                short = f"{word}:{'x'.join(size.upper() for size in sizes)} or " if sizes else ""
+                raise DocumentError(f"{text}: found {part.strip()!r}; expected {short}{word}:KEY=VALUE,KEY=VALUE")
+            stated += zip(sizes, _in_one_unit(given), strict=True)
+    keys = [key for key, _ in stated]
     if twice := [key for key in keys if keys.count(key) > 1]:
         raise DocumentError(f"{text}: {twice[0]} is given twice")
     if "name" not in keys:
-        cells.append(Cell("name", text.replace(",", " "), place))
-    return document_of(cells, text)
+        stated.append(("name", text.replace(",", " ")))
+    return document_of([Cell(key, value, Place(text, 0, 0)) for key, value in stated], text)
 
 
 def _in_one_unit(sizes: list[str]) -> list[str]:
@@ -71,8 +69,3 @@ def _parts(text: str) -> list[str]:
         else:
             parts[-1] += character
     return parts if text.strip() else []
-
-
-def _form(word: str, sizes: Sequence[str]) -> str:
-    short = f"{word}:{'x'.join(size.upper() for size in sizes)} or " if sizes else ""
-    return f"{short}{word}:KEY=VALUE,KEY=VALUE"

@@ -16,17 +16,27 @@ if TYPE_CHECKING:
 VARIED = ("varied", "varied_units")  # details of a member of a family: SI value by key, and SI unit by key
 DIMENSIONLESS = "dimensionless"  # `structure` of an oscillator without units
 MOST_DAMPING = 1.0  # zeta stays below it
+_FIELDS = {"p": "p", "alpha": "alpha", "lambda": "uplift", "a_scale": "a_scale", "eta": "eta"}  # by the printed name
 LEAST_ALPHA = 1e-30  # rad; a fallen body has theta/alpha = 1/alpha, so a smaller alpha costs too many steps
+
+
+def _demand(label: str, value: float, holds: bool, wanted: str) -> None:
+    if not (math.isfinite(value) and holds):
+        raise StructureError(f"{label} is {value:g}; expected {wanted}")
 
 
 def _check_numbers(of: Side | RockingParameters) -> None:
     for label, x in (("p", of.p), ("alpha", of.alpha), ("lambda", of.uplift), ("a_scale", of.a_scale)):
-        if not (math.isfinite(x) and x > 0.0):
-            raise StructureError(f"{label} is {x:g}, accepted is a positive finite number")
+        _demand(label, x, x > 0.0, "a positive finite number")
     if of.alpha < LEAST_ALPHA:
-        raise StructureError(f"alpha is {of.alpha:g} rad, accepted is an angle from {LEAST_ALPHA:g} rad")
-    if of.arm is not None and not (math.isfinite(of.arm) and of.arm > 0.0):
-        raise StructureError(f"arm is {of.arm:g}, accepted is a positive finite length")
+        raise StructureError(f"alpha is {of.alpha:g} rad; expected an angle from {LEAST_ALPHA:g} rad")
+    if of.arm is not None:
+        _demand("arm", of.arm, of.arm > 0.0, "a positive finite length")
+
+
+def _fields_in(record: Mapping[str, Any]) -> dict[str, Any]:
+    """The five parameters of a record by the names of the fields."""
+    return {name: record[key] for key, name in _FIELDS.items()}
 
 
 @dataclass(frozen=True)
@@ -48,10 +58,9 @@ class Side:
 
     def __post_init__(self) -> None:
         if self.side not in ("left", "right"):
-            raise StructureError(f"side is {self.side!r}, accepted is left or right")
+            raise StructureError(f"side is {self.side!r}; expected left or right")
         _check_numbers(self)
-        if not 0.0 <= self.eta <= 1.0:
-            raise StructureError(f"eta is {self.eta:g}, accepted is a number from 0 to 1")
+        _demand("eta", self.eta, 0.0 <= self.eta <= 1.0, "a number from 0 to 1")
 
     def record(self) -> dict[str, Any]:
         """As `rocking params --json` prints it."""
@@ -59,7 +68,7 @@ class Side:
 
     def numbers(self) -> dict[str, float]:
         """The five parameters by their printed names."""
-        return {"p": self.p, "alpha": self.alpha, "lambda": self.uplift, "a_scale": self.a_scale, "eta": self.eta}
+        return {key: getattr(self, name) for key, name in _FIELDS.items()}
 
 
 @dataclass(frozen=True)
@@ -96,14 +105,13 @@ class RockingParameters:
 
     def __post_init__(self) -> None:
         _check_numbers(self)
-        if self.one_sided and not -1.0 < self.eta <= 0.0:
-            raise StructureError(f"eta is {self.eta:g}, accepted for a one-sided body is a number above -1 and up to 0")
-        if not self.one_sided and not 0.0 <= self.eta <= 1.0:
-            raise StructureError(f"eta is {self.eta:g}, accepted is a number from 0 to 1")
-        if not 0.0 <= self.damping < MOST_DAMPING:
-            raise StructureError(f"damping is {self.damping:g}, accepted is a number from 0 to below {MOST_DAMPING:g}")
-        if self.friction is not None and not (math.isfinite(self.friction) and self.friction > 0.0):
-            raise StructureError(f"friction is {self.friction:g}, accepted is a positive finite number")
+        if self.one_sided:
+            _demand("eta", self.eta, -1.0 < self.eta <= 0.0, "a number above -1 and up to 0 for a one-sided body")
+        else:
+            _demand("eta", self.eta, 0.0 <= self.eta <= 1.0, "a number from 0 to 1")
+        _demand("damping", self.damping, 0.0 <= self.damping < MOST_DAMPING, f"a number from 0 to below {MOST_DAMPING:g}")
+        if self.friction is not None:
+            _demand("friction", self.friction, self.friction > 0.0, "a positive finite number")
         if not self.sides:
             return
         if [side.side for side in self.sides] != ["left", "right"]:
@@ -111,7 +119,7 @@ class RockingParameters:
         if self.one_sided:
             raise StructureError("a one-sided body has one side")
         weaker = weaker_side(self.sides)
-        if any(getattr(weaker, name) != getattr(self, name) for name in ("p", "alpha", "uplift", "a_scale", "eta")):
+        if any(getattr(weaker, name) != getattr(self, name) for name in _FIELDS.values()):
             raise StructureError(f"p, alpha, lambda, a_scale and eta are not those of the {weaker.side} edge, which lifts first")
 
     @classmethod
@@ -119,8 +127,7 @@ class RockingParameters:
         """A body on two edges; without `sides` if their parameters are equal. `more`: the other fields."""
         sides = () if left.numbers() == right.numbers() else (left, right)
         weaker = weaker_side((left, right))
-        numbers = (weaker.p, weaker.alpha, weaker.eta, weaker.uplift, weaker.a_scale)
-        return cls(name, structure, *numbers, sides=sides, arm=weaker.arm, **more)
+        return cls(name, structure, **_fields_in(weaker.numbers()), sides=sides, arm=weaker.arm, **more)
 
     @property
     def plain(self) -> bool:
@@ -130,15 +137,12 @@ class RockingParameters:
     @classmethod
     def from_record(cls, record: Mapping[str, Any]) -> RockingParameters:
         """The parameters from the dictionary of `record()`. Raises KeyError, TypeError or ValueError if it is not valid."""
-        sides = tuple(
-            Side(s["side"], s["p"], s["alpha"], s["lambda"], s["a_scale"], s["eta"], s.get("arm")) for s in record.get("sides", ())
-        )
-        names = {"eta": "eta", "lambda": "uplift", "a_scale": "a_scale", "eta_source": "eta_source", "gravity": "gravity"}
-        more = {name: record[key] for key, name in names.items()}
-        more["details"] = {key: record[key] for key in VARIED if key in record}
-        more |= {key: record[key] for key in ("one_sided", "damping", "friction", "arm") if key in record}
+        sides = tuple(Side(side["side"], arm=side.get("arm"), **_fields_in(side)) for side in record.get("sides", ()))
         kind = record["structure_kind"] if "structure_kind" in record else record["structure"]  # files of earlier versions
-        return cls(record["name"], kind, record["p"], record["alpha"], sides=sides, **more)
+        more = {key: record[key] for key in ("one_sided", "damping", "friction", "arm") if key in record}
+        more |= {"eta_source": record["eta_source"], "gravity": record["gravity"]}
+        details = {key: record[key] for key in VARIED if key in record}
+        return cls(record["name"], kind, **_fields_in(record), sides=sides, details=details, **more)
 
     @property
     def linear_uplift(self) -> float:
@@ -166,6 +170,13 @@ class RockingParameters:
 
     def record(self) -> dict[str, Any]:
         """The parameters as `rocking params --json` prints them: a document of kind `parameters`."""
+        more = {
+            "sides": [side.record() for side in self.sides],
+            "one_sided": self.one_sided,
+            "damping": self.damping,
+            "friction": self.friction,
+            "arm": self.arm,
+        }
         return {
             "name": self.name,
             "kind": "parameters",
@@ -177,11 +188,7 @@ class RockingParameters:
             "a_scale": self.a_scale,
             "eta_source": self.eta_source,
             "gravity": self.gravity,
-            **({"sides": [side.record() for side in self.sides]} if self.sides else {}),
-            **({"one_sided": True} if self.one_sided else {}),
-            **({"damping": self.damping} if self.damping else {}),
-            **({} if self.friction is None else {"friction": self.friction}),
-            **({} if self.arm is None else {"arm": self.arm}),
+            **{key: value for key, value in more.items() if value},
             **self.details,
         }
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
 from ..documents.quantities import DEFAULT_GRAVITY
@@ -25,7 +26,7 @@ def restitution_of(document: Document, momentum: float, limit: str) -> tuple[flo
     `limit` states for which bodies the momentum model holds. Raises DocumentError if eta is not given and `momentum` is negative.
     """
     if _given(document):
-        return abs(_stated(document, 0.0, "a number from 0 to 1, or auto")), "given"
+        return abs(_stated(document, "a number from 0 to 1, or auto", least=0.0, most=1.0)), "given"
     if momentum < 0.0:
         raise document.fault(None, f"a restitution of {momentum:.4g} from momentum", f"{limit}; or give restitution")
     return momentum, "momentum"
@@ -38,10 +39,11 @@ def one_sided_restitution_of(document: Document, base: tuple[float, float], back
     geometry does not define the point of impact. Raises DocumentError.
     """
     if _given(document):
-        return _stated(document, -1.0, ONE_SIDED_RESTITUTION + ("" if backing is None else ", or auto")) + 0.0, "given"
+        wanted = ONE_SIDED_RESTITUTION + ("" if backing is None else ", or auto")
+        return _stated(document, wanted, above=-1.0, most=0.0) + 0.0, "given"
     if backing is None:
         found = "a one-sided body whose geometry does not say where it meets its backing"
-        raise document.fault("one_sided", found, f"restitution beside it: {ONE_SIDED_RESTITUTION}")
+        raise document.fault("one_sided", found, f"restitution as well: {ONE_SIDED_RESTITUTION}")
     e = base[0] * base[1] * backing
     if min(base) < 0.0 or not -1.0 < e <= 0.0:
         found = f"a restitution of {e:.4g} from three impacts, {base[0]:.4g} and {base[1]:.4g} on its base and {backing:.4g} on its backing"
@@ -53,12 +55,10 @@ def _given(document: Document) -> bool:
     return document.has("restitution") and document.values["restitution"].content != "auto"
 
 
-def _stated(document: Document, low: float, wanted: str) -> float:
-    """The document's restitution: from 0 to 1 if `low` is 0, above -1 and up to 0 if `low` is -1. Raises DocumentError."""
+def _stated(document: Document, wanted: str, *, above: float = -math.inf, least: float = -math.inf, most: float) -> float:
+    """The document's restitution, which must lie within the bounds. Raises DocumentError."""
     try:
-        if low < 0.0:
-            return document.quantity("restitution", "number", above=low, most=0.0)
-        return document.quantity("restitution", "number", least=low, most=1.0)
+        return document.quantity("restitution", "number", above=above, least=least, most=most)
     except DocumentError:  # its sentence lacks `auto`
         raise document.fault("restitution", str(document.values["restitution"]), wanted) from None
 

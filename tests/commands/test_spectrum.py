@@ -115,9 +115,9 @@ def test_wrong_calls(refused, arguments, words):
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (["--alpha", "60deg"], "alpha 1.0472 rad: eta is -0.125, accepted is a number from 0 to 1; --eta gives it another one"),
-        (["--alpha", "10deg", "--eta", "nan"], "alpha 0.174533 rad: eta is nan, accepted is a number from 0 to 1\n"),
-        (["--alpha", "1e-90"], "alpha 1e-90 rad: alpha is 1e-90 rad, accepted is an angle from 1e-30 rad\n"),
+        (["--alpha", "60deg"], "alpha 1.0472 rad: eta is -0.125; expected a number from 0 to 1; --eta gives it another one"),
+        (["--alpha", "10deg", "--eta", "nan"], "alpha 0.174533 rad: eta is nan; expected a number from 0 to 1\n"),
+        (["--alpha", "1e-90"], "alpha 1e-90 rad: alpha is 1e-90 rad; expected an angle from 1e-30 rad\n"),
         (["--alpha", "10deg", "--model", "linear", "--linear-uplift", "lambda"], "--linear-uplift lambda goes with structures"),
     ],
 )

@@ -31,15 +31,15 @@ def test_values_are_evenly_spaced_and_end_where_they_should():
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        ("width", "accepted is KEY=START:STOP:N"),
-        ("=1:2:3", "accepted is KEY=START:STOP:N"),
-        ("width=1:2:3:4", "accepted is KEY=START:STOP:N"),
-        ("width=a:2:3", "accepted is KEY=START:STOP:N"),
+        ("width", "expected KEY=START:STOP:N"),
+        ("=1:2:3", "expected KEY=START:STOP:N"),
+        ("width=1:2:3:4", "expected KEY=START:STOP:N"),
+        ("width=a:2:3", "expected KEY=START:STOP:N"),
         ("width=1m:2mm:3", "bounds in m and mm"),
-        ("width=1:2:0", "accepted is a whole number from 1"),
-        ("width=1:2:2.5", "accepted is a whole number from 1"),
+        ("width=1:2:0", "expected a whole number from 1"),
+        ("width=1:2:2.5", "expected a whole number from 1"),
         ("width=1:2:1", "one value from 1 to 2"),
-        (f"width=1:2:{MAX_MEMBERS + 1}", "accepted are up to 1000000"),
+        (f"width=1:2:{MAX_MEMBERS + 1}", "expected a whole number from 1 to 1000000"),
     ],
 )
 def test_variations_that_cannot_be_read(text, words):
@@ -76,7 +76,7 @@ def test_a_member_without_a_solution_says_why_and_the_others_stay():
 def test_a_key_that_the_kind_does_not_take_is_refused_at_once():
     with pytest.raises(DocumentError, match="did you mean 'width'"):
         of(BLOCK, "widht=1:2:3")
-    with pytest.raises(UsageError, match="`vary` name: takes a text"):
+    with pytest.raises(UsageError, match="`vary` name: found a key that takes a text"):
         of(BLOCK, "name=1:2:3")
 
 
@@ -85,5 +85,5 @@ def test_keys_vary_once_and_members_are_counted():
     assert members([width]) == 1000
     with pytest.raises(UsageError, match="varied twice"):
         members([width, width])
-    with pytest.raises(UsageError, match="1001000 structures, accepted are up to 1000000"):
+    with pytest.raises(UsageError, match="found 1001000 structures; expected up to 1000000"):
         members([width, height])

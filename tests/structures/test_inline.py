@@ -44,10 +44,10 @@ def test_a_file_of_that_name_comes_first(rocking, tmp_path):
 @pytest.mark.parametrize(
     ("stated", "words"),
     [
-        ("block:5", "found '5'; accepted is block:WIDTHxHEIGHT or block:KEY=VALUE,KEY=VALUE"),
-        ("block:5x1x2", "found '5x1x2'; accepted is block:WIDTHxHEIGHT"),
-        ("block:restitution=1,5x9", "found '5x9'; accepted is block:WIDTHxHEIGHT"),
-        ("stack:1x2", "found '1x2'; accepted is stack:KEY=VALUE,KEY=VALUE"),
+        ("block:5", "found '5'; expected block:WIDTHxHEIGHT or block:KEY=VALUE,KEY=VALUE"),
+        ("block:5x1x2", "found '5x1x2'; expected block:WIDTHxHEIGHT"),
+        ("block:restitution=1,5x9", "found '5x9'; expected block:WIDTHxHEIGHT"),
+        ("stack:1x2", "found '1x2'; expected stack:KEY=VALUE,KEY=VALUE"),
         ("block:1x5,width=2", "width is given twice"),
         ("block:1x5,widht=2", "unknown key 'widht' .did you mean 'width'"),
         ("block:1kgx5", "block:1kgx5: width: found 1kg; expected a length"),

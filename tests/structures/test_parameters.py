@@ -43,10 +43,10 @@ def test_only_the_oscillator_without_units_is_dimensionless():
         ({"sides": (LEFT,)}, "left one and the right one"),
         ({"p": 2.0}, "not those of the right edge, which lifts first"),
         ({"one_sided": True, "eta": -0.4}, "one side"),
-        ({"one_sided": True, "sides": ()}, "eta is 0.9, accepted for a one-sided body is a number above -1"),
-        ({"eta": -0.4, "sides": ()}, "eta is -0.4, accepted is a number from 0 to 1"),
+        ({"one_sided": True, "sides": ()}, "eta is 0.9; expected a number above -1"),
+        ({"eta": -0.4, "sides": ()}, "eta is -0.4; expected a number from 0 to 1"),
         ({"damping": -0.1}, "damping is -0.1"),
-        ({"damping": 1.0}, "damping is 1, accepted is a number from 0 to below 1"),
+        ({"damping": 1.0}, "damping is 1; expected a number from 0 to below 1"),
     ],
 )
 def test_bodies_that_cannot_be(change, words):
@@ -63,7 +63,7 @@ def test_sides_that_cannot_be(key, value):
 @pytest.mark.parametrize("bad", [{"p": 0.0}, {"alpha": math.nan}, {"eta": 1.2}, {"uplift": -1.0}, {"a_scale": math.inf}])
 def test_parameters_validate_themselves(bad):
     good = {"name": "x", "structure": "block", "p": 1.0, "alpha": 0.2, "eta": 0.9, "uplift": 0.2, "a_scale": 1.0}
-    with pytest.raises(ValueError, match="accepted is"):
+    with pytest.raises(ValueError, match="expected"):
         RockingParameters(**{**good, **bad})
 
 

@@ -22,27 +22,20 @@ def build(document: Document, name: str) -> RockingParameters:
     if structure == DIMENSIONLESS:
         raise document.fault("structure_kind", structure, "the kind of a structure, which has units")
     reported = (*reports_of(structure), "mass", *VARIED)
-    more: dict[str, Any] = {
-        "eta_source": document.word("eta_source", "given"),
-        "gravity": gravity_of(document),
-        "details": {key: document.values[key].plain() for key in document.values if key in reported and document.has(key)},
-    }
-    _check_varied(document, more["details"])
+    details = {key: document.values[key].plain() for key in document.values if key in reported and document.has(key)}
+    _check_varied(document, details)
+    more: dict[str, Any] = {"eta_source": document.word("eta_source", "given"), "gravity": gravity_of(document), "details": details}
     one_sided = document.flag("one_sided")
     if not document.has("sides"):
-        numbers = _numbers(document, one_sided)
-        arm = _arm(document, numbers["p"], more["gravity"])
-        return RockingParameters(name, structure, **numbers, one_sided=one_sided, arm=arm, **more)
+        return RockingParameters(name, structure, **_numbers(document, more["gravity"], one_sided), one_sided=one_sided, **more)
     if one_sided:
         raise document.fault("one_sided", "a one-sided body of two sides", "sides, or one_sided: true, not both")
     left, right = _sides(document, more["gravity"])
     weaker = weaker_side((left, right))
-    for key, number in weaker.numbers().items():
-        dimension = {"p": "frequency parameter", "alpha": "angle"}.get(key, "number")
+    for key, number in {**weaker.numbers(), "arm": weaker.arm}.items():
+        dimension = {"p": "frequency parameter", "alpha": "angle", "arm": "length"}.get(key, "number")
         if document.has(key) and document.quantity(key, dimension) != number:
             raise document.fault(key, str(document.values[key]), f"{number!r} as in sides, where the {weaker.side} edge lifts first")
-    if document.has("arm") and document.quantity("arm", "length") != weaker.arm:
-        raise document.fault("arm", str(document.values["arm"]), f"that of the {weaker.side} edge in sides, which lifts first")
     return RockingParameters.of_sides(name, structure, left, right, **more)
 
 
@@ -55,34 +48,26 @@ def _check_varied(document: Document, details: dict[str, Any]) -> None:
         raise document.fault("varied", "values of another form", "numbers by key and, as varied_units, the names of their units by key")
 
 
-def _numbers(document: Document, one_sided: bool = False) -> dict[str, Any]:
+def _numbers(document: Document, gravity: float, one_sided: bool = False) -> dict[str, Any]:
+    """p, alpha, eta, uplift, a_scale and arm of a body or of one of its sides. Raises DocumentError."""
     p = document.quantity("p", "frequency parameter", least=1.0 / LARGEST_P, most=LARGEST_P, where=P_RANGE)
     alpha = document.quantity("alpha", "angle", above=0.0, below=math.pi, where="an angle between 0 and 180 deg")
     if one_sided:
         eta = document.quantity("eta", "number", above=-1.0, most=0.0, where=ONE_SIDED_RESTITUTION)
     else:
         eta = document.quantity("eta", "number", least=0.0, most=1.0, where="a number from 0 to 1")
-    given = {
-        key: document.quantity(key, "number", above=0.0, where="a positive number") for key in ("lambda", "a_scale") if document.has(key)
-    }
-    if not given:
+    given = [key for key in ("lambda", "a_scale") if document.has(key)]
+    ratios = {key: document.quantity(key, "number", above=0.0, where="a positive number") for key in given}
+    if not ratios:
         raise document.fault(None, "neither lambda nor a_scale", "one of them, or both")
-    return {
-        "p": p,
-        "alpha": alpha,
-        "eta": eta,
-        "uplift": given.get("lambda", alpha / given.get("a_scale", 1.0)),
-        "a_scale": given.get("a_scale", alpha / given.get("lambda", 1.0)),
-    }
-
-
-def _arm(document: Document, p: float, gravity: float) -> float | None:
-    """R [m], None if absent. It is at most g/p^2, the value of a point mass, since R p^2/g = m R^2/I. Raises DocumentError."""
-    if not document.has("arm"):
-        return None
-    most = gravity / p**2
-    where = f"a positive length up to g/p^2, {most:g} m (the mass centre's distance from the edge)"
-    return document.quantity("arm", "length", above=0.0, most=most * (1.0 + 1e-9), where=where)
+    uplift = ratios.get("lambda", alpha / ratios.get("a_scale", 1.0))
+    a_scale = ratios.get("a_scale", alpha / ratios.get("lambda", 1.0))
+    arm = None
+    if document.has("arm"):  # that of a point mass at most, since R p^2/g = m R^2/I
+        most = gravity / p**2
+        where = f"a positive length up to g/p^2, {most:g} m (the mass centre's distance from the edge)"
+        arm = document.quantity("arm", "length", above=0.0, most=most * (1.0 + 1e-9), where=where)
+    return {"p": p, "alpha": alpha, "eta": eta, "uplift": uplift, "a_scale": a_scale, "arm": arm}
 
 
 def _sides(document: Document, gravity: float) -> tuple[Side, Side]:
@@ -94,8 +79,7 @@ def _sides(document: Document, gravity: float) -> tuple[Side, Side]:
     for child in value.content:
         part = document.part("sides", child)
         side = part.choice("side", ["left", "right"])
-        numbers = _numbers(part)
-        found[side] = Side(side, **numbers, arm=_arm(part, numbers["p"], gravity))
+        found[side] = Side(side, **_numbers(part, gravity))
         part.finish()
     if len(found) < 2:
         raise document.fault("sides", f"the {next(iter(found))} side twice", wanted)

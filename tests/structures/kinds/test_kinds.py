@@ -49,7 +49,7 @@ def test_geometry_without_a_structure_is_the_documents_fault(monkeypatch):
         ),
         ("kind: arch\nradius: 1e200\nthickness: 1\nangle: 1\nvoussoirs: 12", "radius: found 1e200"),
         ("kind: parameters\np: 1\nalpha: 1e-300\neta: 1\nlambda: 1e300", "a_scale is 0"),
-        ("kind: parameters\np: 1\nalpha: 1e-90\neta: 1\nlambda: 1e-90", "alpha is 1e-90 rad, accepted is an angle from 1e-30 rad"),
+        ("kind: parameters\np: 1\nalpha: 1e-90\neta: 1\nlambda: 1e-90", "alpha is 1e-90 rad; expected an angle from 1e-30 rad"),
     ],
 )
 def test_numbers_that_overflow_are_refused_by_name(document, words):

@@ -179,7 +179,7 @@ WALL = "one_sided: true\n"
         ("kind: block\nwidth: 1\nheight: 5\nrestitution: -1", "restitution: found -1; expected a number above -1"),
         ("kind: block\nwidth: 4\nheight: 5", r"one_sided: found a restitution of 0\.\d+ from three impacts, .* more slender"),
         ("kind: block\nwidth: 3\nheight: 2", r"from three impacts, -0\.\d+ and -0\.\d+ on its base"),
-        ("kind: point_mass\nwidth: 1\nheight: 5", "does not say where it meets its backing; expected restitution beside it"),
+        ("kind: point_mass\nwidth: 1\nheight: 5", "does not say where it meets its backing; expected restitution as well"),
         ("kind: rigid\nleft: 1\nright: 1\nheight: 3\ngyration: 1", "does not say where it meets its backing"),
         ("kind: rigid\nleft: 1\nright: 2\nheight: 3\ngyration: 1\nrestitution: auto", "does not say where it meets its backing"),
         ("kind: frame\ncolumns: 4\nwidth: 1\nheight: 5\ncap_ratio: 1", "does not say where it meets its backing"),
