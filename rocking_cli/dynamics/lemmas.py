@@ -134,7 +134,7 @@ matter, on a body with unequal sides the next two.
 Proof. An impact keeps at most all of the speed (eta <= 1), or on unequal sides at most all of it in a cycle.
 A damped body is marched on until these peaks, which damping only lowers, are no higher than its peak so far.
 Varying weight: it holds, since the ground is still.
-Used in `contacts.contact.free_motion`, `contacts.unequal.Unequal.fate`, `march.batch.Batch.end_shaking`.
+Used in `contacts.contact.free_motion`, `contacts.unequal.Unequal.fate`, `march.closings.free_motion`.
 Test `contacts/test_contact.py::test_fate_equals_marching`.
 
 # Lemma 9 (nothing overturns below)
@@ -166,7 +166,7 @@ Proof. Green's function sinh is not negative, so y is monotone in the drive. y''
 The state at the end of a stretch is exact, whatever happens on the way.
 Varying weight: not used.
 Used in `samples.propagation.horizon`, `samples.exact.ExactStepper._doubtful`, `samples.peaks.peak_heights`,
-`samples.bounded.BoundedResponse`.
+`samples.bounded.bounded_response`.
 Test `samples/test_exact.py::test_records_against_an_integration_that_shares_no_code`,
 `samples/test_peaks.py::test_a_peak_is_that_of_the_flow_from_sample_to_sample`.
 

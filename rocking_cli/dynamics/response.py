@@ -4,19 +4,29 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import partial
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..motions.motion import Motion
-from .body import Body
 from .contacts.adiabatic import keeps_bouncing
 from .equations.linear import LinearEquation
 from .march.account import Work
-from .march.engine import Run
+from .march.batch import Batch
+from .march.engine import Run, Stepper, WindowStepper
 from .outcome import Outcome, safe
 from .system import System
 
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from .observers.contact_loss import ContactLoss
+    from .observers.observer import Observer
+
 Array = np.ndarray
+Cells = tuple[Array, Array, Array]  # A, Omega and eta, of one shape
+
+_LIKELY = 2.0  # times the push that is proved beforehand: beyond it most cells would have to be looked at afterwards
 
 _PRESSED = 1e-6  # of the weight: bodies whose least force is known to be larger are not looked at again
 
@@ -60,63 +70,77 @@ def response(
     return _answer(system, motion, (amplitude, omega, eta), peaks, pool)
 
 
-def _answer(
-    system: System, motion: Motion, scene: tuple[Array, Array, Array], peaks: bool, pool: int | None = None, pressed: Array | None = None
-) -> Response:
-    """The response of cells (amplitude, omega, eta; one shape), by a run of their own; pressed: as `look_at_forces` takes it."""
-    amplitude, omega, eta = scene
-    cells = amplitude.ravel(), omega.ravel(), eta.ravel()
-    prove = bool(amplitude.max(initial=0.0) > system.safe_amplitude(motion))  # peaks may, that a body presses on the ground
-    run = run_of(system, motion, cells, peaks or prove, pool)
+def _answer(system: System, motion: Motion, cells: Cells, peaks: bool, pool: int | None = None, pressed: Array | None = None) -> Response:
+    """The response of cells by a run of their own; pressed: as `look_at_forces` takes it."""
+    flat = cells[0].ravel(), cells[1].ravel(), cells[2].ravel()
+    prove = bool(cells[0].max(initial=0.0) > system.safe_amplitude(motion))  # peaks may, that a body presses on the ground
+    run, loss = run_of(system, motion, batch_of(system, motion, flat, peaks or prove), pool)
     run.all()
-    look_at_forces(run, system, motion, cells, pressed)
-    return _response_of(run, amplitude.shape, peaks)
+    look_at_forces(run, loss, system, motion, flat, pressed)
+    return response_of(run, cells[0].shape, peaks)
 
 
-def _response_of(run: Run, shape: tuple[int, ...], peaks: bool = True) -> Response:
+def response_of(run: Run, shape: tuple[int, ...], peaks: bool = True) -> Response:
+    """The results of a run, in the shape of its cells."""
     theta_ratio = run.theta_ratio if peaks else np.full(run.outcome.size, np.nan)
     return Response(theta_ratio.reshape(shape), run.outcome.reshape(shape), run.impacts.reshape(shape), run.work)
 
 
+def batch_of(system: System, motion: Motion, cells: Cells, peaks: bool) -> Batch:
+    """Flat cells under a motion; a record by the segments between its samples."""
+    sampled = motion.coarsest.samples is not None and motion.vertical is None
+    return Batch.of(system, motion.coarsest.segments if sampled else system.segments(motion), *cells, peaks)
+
+
 def run_of(
-    system: System, motion: Motion, cells: tuple[Array, Array, Array], peaks: bool, pool: int | None = None, *,
-    body: Body | None = None, speed: bool = False,
-) -> Run:  # fmt: skip
-    """The run that answers for cells; body: whose ground forces are wanted too; speed: whether the largest speeds are."""
-    lines, run = motion.coarsest, partial(Run, system, body=body, speed=speed)
-    if lines.samples is None or (speed and motion.vertical is not None):
-        return run(system.segments(motion), *cells, peaks, pool or system.equation.pool)
+    system: System, motion: Motion, batch: Batch, pool: int | None = None, *observers: Observer, jumps: bool = True
+) -> tuple[Run, ContactLoss | None]:
+    """The run that answers for a batch, and its observer of lost contact. jumps: False if the observers have to see the arcs or Taylor
+    steps of every lane."""
+    stepper, pool = _stepper_of(system, motion, pool, jumps)
+    loss = None
+    if system.body is not None:
+        from .observers.contact_loss import ContactLoss
+
+        on_the_way = stepper is WindowStepper and not system.equation.bounded
+        loss = ContactLoss(system.body, batch.segments, batch.contact, batch.cells, _LIKELY if on_the_way else np.inf)
+        observers += (loss,) if loss.any else ()
+    return Run(batch, pool, stepper, observers), loss
+
+
+def _stepper_of(system: System, motion: Motion, pool: int | None, jumps: bool) -> tuple[Callable[[Run], Stepper], int | None]:
+    """What advances the lanes, and how many of them together."""
+    samples = motion.coarsest.samples
+    if samples is None or (motion.vertical is not None and not jumps):
+        return WindowStepper, pool
     if motion.vertical is not None:
         from .samples.taylor_steps import LANES
         from .samples.weighed_steps import WeighedTaylorStepper
 
-        return run(system.segments(motion), *cells, peaks, pool or LANES, stepper=partial(WeighedTaylorStepper, samples=lines.samples))
-    if body is None and exact_over_samples(system, motion):
+        return partial(WeighedTaylorStepper, samples=samples), pool or LANES
+    if jumps and exact_over_samples(system, motion):
         from .samples.exact import LANES, ExactStepper
 
-        return run(lines.segments, *cells, peaks, pool or LANES, stepper=partial(ExactStepper, samples=lines.samples))
+        return partial(ExactStepper, samples=samples), pool or LANES
     from .samples.taylor_steps import LANES, TaylorStepper
 
-    return run(lines.segments, *cells, peaks, pool or LANES, stepper=partial(TaylorStepper, samples=lines.samples))
+    return partial(TaylorStepper, samples=samples), pool or LANES
 
 
-def look_at_forces(run: Run, system: System, motion: Motion, cells: tuple[Array, Array, Array], pressed: Array | None = None) -> None:
-    """Mark the cells of a run that lost the ground, where it did not look at them itself; pressed: whether each is known to press on it."""
+def look_at_forces(run: Run, loss: ContactLoss | None, system: System, motion: Motion, cells: Cells, pressed: Array | None = None) -> None:
+    """Mark the cells of a run that lost the ground, where it did not look at them itself; pressed: True for cells known to press on it."""
     doubtful = run.outcome == Outcome.ROCKED
-    if run.contact_loss is not None:
-        doubtful &= ~run.contact_loss.watched
+    if loss is not None:
+        doubtful &= ~loss.watched
     if pressed is not None:
         doubtful &= ~pressed
-    gone = that_left_the_ground(system, motion, cells, doubtful, run.theta_ratio if run.peaks else None)
+    gone = that_left_the_ground(system, motion, cells, doubtful, run.theta_ratio if run.batch.peaks else None)
     run.outcome[gone], run.theta_ratio[gone] = Outcome.LOST_CONTACT, np.nan
 
 
-def that_left_the_ground(
-    system: System, motion: Motion, cells: tuple[Array, Array, Array], doubtful: Array, theta_ratio: Array | None
-) -> Array:
-    """Which of the cells (amplitude, omega, eta; one shape with the others) that are `doubtful`, bodies that rock upright, lose the
-    ground, by index: those of which neither the amplitude nor the rotation, where it is given, proves that they press on it are marched
-    once more."""
+def that_left_the_ground(system: System, motion: Motion, cells: Cells, doubtful: Array, theta_ratio: Array | None) -> Array:
+    """Indices of the `doubtful` cells, bodies that rock upright, that lose the ground. Cells of which neither the amplitude nor the
+    rotation, where it is given, proves that they press on it are marched once more."""
     if system.own:
         ends = np.cumsum([count for _, count in system.own])
         found = []
@@ -136,8 +160,9 @@ def that_left_the_ground(
     at = np.flatnonzero(loss.open & doubtful)
     if theta_ratio is not None:
         at = at[~loss.pressed(at, held, theta_ratio[at])]
-    amplitude, omega, eta = (x[at] for x in cells)
-    again = Run(system, segments, amplitude, omega, eta, False, system.equation.pool, ahead=1.0)
+    batch = Batch.of(system, segments, cells[0][at], cells[1][at], cells[2][at], peaks=False)
+    watch = ContactLoss(system.body, batch.segments, batch.contact, batch.cells, 1.0)
+    again = Run(batch, observers=[watch] if watch.any else [])
     again.all()
     return at[again.outcome == Outcome.LOST_CONTACT]
 
@@ -157,18 +182,21 @@ def response_with_demands(
         raise ValueError("demands need a system with a body, whose a_scale is 1")
     amplitude, omega, eta = np.broadcast_arrays(*(np.asarray(x, dtype=float) for x in (amplitude, omega, eta)))
     cells = amplitude.ravel(), omega.ravel(), eta.ravel()
-    exact = exact_over_samples(system, motion)
-    run = run_of(system, motion, cells, not exact, body=system.body)
+    from .observers.ground_forces import GroundForces
+
+    exact, body = exact_over_samples(system, motion), system.body
+    batch = batch_of(system, motion, cells, not exact)
+    forces = GroundForces(body, batch.equation, batch.segments, batch.shaken, batch.contact, batch.cells, batch.free_fall)
+    run, loss = run_of(system, motion, batch, None, forces, jumps=False)
     run.all()
-    assert run.forces is not None  # a body was given
-    friction, fz_min = run.forces.result(run.outcome)
+    friction, fz_min = forces.result(run.outcome)
     upright = safe(run.outcome) | (run.outcome == Outcome.LOST_CONTACT)
     pressed = upright & (fz_min > _PRESSED)
-    if found is None and (exact or keeps_bouncing(run.equation, run.cells, run.segments)):
+    if found is None and (exact or keeps_bouncing(batch.equation, batch.cells, batch.segments)):
         found = _answer(system, motion, (amplitude, omega, eta), True, pressed=pressed)  # no bit of it hangs on what else is asked
     if found is None:
-        look_at_forces(run, system, motion, cells, pressed)
-        found = _response_of(run, amplitude.shape)
+        look_at_forces(run, loss, system, motion, cells, pressed)
+        found = response_of(run, amplitude.shape)
     upright &= (safe(found.outcome) | (found.outcome == Outcome.LOST_CONTACT)).ravel()
     asked = {"friction": friction, "fz_min": fz_min}
     return found, {name: np.where(upright, x, np.nan).reshape(amplitude.shape) for name, x in asked.items()}

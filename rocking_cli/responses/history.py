@@ -19,7 +19,7 @@ from ..dynamics.drive import drive_change
 from ..dynamics.equations.equation import Equation
 from ..dynamics.equations.taylor import TaylorSeries
 from ..dynamics.lanes import Lanes
-from ..dynamics.march.engine import MAX_STEPS
+from ..dynamics.march.batch import MAX_STEPS
 from ..dynamics.outcome import FALLEN, Outcome
 from ..dynamics.single.lane import Lane
 from ..dynamics.single.march import Listener, march

@@ -17,6 +17,7 @@ import numpy as np
 
 from rocking_cli import LinearEquation, RigidBodyEquation, System, linear_response, nonlinear_response
 from rocking_cli.dynamics.equations.equation import Equation
+from rocking_cli.dynamics.march.batch import Batch
 from rocking_cli.dynamics.march.engine import Run
 from rocking_cli.motions.polyline import Polyline, record_motion
 from rocking_cli.motions.records import Record
@@ -45,7 +46,7 @@ def noise(count: int, dt: float, seed: int = 1) -> np.ndarray:
 
 def marched(motion: Polyline, amplitude: np.ndarray, omega: np.ndarray, equation: Equation) -> Run:
     a, w = np.broadcast_arrays(amplitude[None, :], omega[:, None])
-    run = Run(System(equation), motion.segments, a.ravel(), w.ravel(), np.full(a.size, ETA), True, equation.pool)
+    run = Run(Batch.of(System(equation), motion.segments, a.ravel(), w.ravel(), np.full(a.size, ETA)))
     run.all()
     return run
 

@@ -10,9 +10,10 @@ from scipy.integrate import quad
 from scipy.optimize import brentq
 
 from rocking_cli import LinearEquation, Outcome, System, cosine, linear_response, pulse, sine
-from rocking_cli.dynamics import impulse
 from rocking_cli.dynamics.impulse import ImpulseAhead
 from rocking_cli.dynamics.lanes import Lanes
+from rocking_cli.dynamics.march import closings
+from rocking_cli.dynamics.march.batch import Batch
 from rocking_cli.dynamics.march.engine import Run
 
 SMOOTH = [sine(), sine(2.5), cosine(1.5), pulse("ricker-symmetric"), pulse("mavroeidis-papageorgiou", phase=0.7)]
@@ -53,7 +54,7 @@ def landed(motion, cells, seed, share):
     k, u, amplitude, omega, v = (x[at] for x in (k, u, amplitude, omega, v))
     side, zero = random.choice([-1.0, 1.0], at.size), np.zeros(at.size)
     eta, count = random.uniform(0.5, 1.0, at.size), np.ones(at.size, dtype=np.int32)
-    run = Run(System(LinearEquation()), segments, amplitude, omega, eta, True, at.size)
+    run = Run(Batch.of(System(LinearEquation()), segments, amplitude, omega, eta), at.size)
     push = -side * amplitude * motion.value(segments.start[k] + u)
     return run, Lanes(np.arange(at.size), amplitude, omega, eta, k, u, side, zero, v, push - 1.0, zero.copy(), count, count.copy())
 
@@ -84,7 +85,7 @@ def test_where_only_outcomes_are_wanted_they_are_the_same(motion, monkeypatch):
     amplitude, omega = 1.0 + 10.0 ** random.uniform(-2.0, 0.5, 300), random.uniform(0.5, 8.0, 300)
     eta = random.choice([0.0, 0.3, 0.9], 300)
     sooner = linear_response(motion, amplitude, omega, eta, peaks=False)
-    monkeypatch.setattr(impulse, "FEW", 0)
+    monkeypatch.setattr(closings, "FEW", 0)
     followed = linear_response(motion, amplitude, omega, eta, peaks=False)
     np.testing.assert_array_equal(sooner.outcome, followed.outcome)
     assert np.all(sooner.impacts <= followed.impacts)

@@ -19,6 +19,7 @@ from rocking_cli.dynamics.contacts.symmetric import Symmetric
 from rocking_cli.dynamics.contacts.unequal import Unequal
 from rocking_cli.dynamics.equations.damped_flow import DampedFlow
 from rocking_cli.dynamics.equations.flow import LinearFlow
+from rocking_cli.dynamics.march.batch import Batch
 from rocking_cli.dynamics.march.engine import Run
 from rocking_cli.dynamics.march.roots import hidden_turn
 from rocking_cli.motions import Motion, Piece, pulse, sine
@@ -168,8 +169,8 @@ def test_lemma_7_bouncing_that_is_summed_ends_before_anything_else_happens(name,
         amplitude, omega = random.uniform(0.85, 1.5, 25), random.uniform(0.5, 6.0, 25)
         summed = response(system, motion, amplitude, omega, eta)
         closed += summed.work.chatters_closed
-        run = Run(system, system.segments(motion), amplitude, omega, np.full(25, eta), True, 25)
-        run.closings = []
+        run = Run(Batch.of(system, system.segments(motion), amplitude, omega, np.full(25, eta)), 25)
+        run.closings = [closing for closing in run.closings if closing.still]
         with monkeypatch.context() as patch:
             patch.setattr(type(contact), "bouncing_ends", lambda self, seg, lanes, law: ends(self, seg, lanes, law) & (lanes.v < 1e-9))
             run.all()

@@ -11,7 +11,9 @@ from support.documents import built
 from support.record_layouts import wave
 
 from rocking_cli import Method, Outcome, history, response
+from rocking_cli.dynamics.march.batch import Batch
 from rocking_cli.dynamics.march.engine import Run
+from rocking_cli.dynamics.observers.peak_speed import PeakSpeed
 from rocking_cli.dynamics.speeds import response_with_speed
 from rocking_cli.motions.biaxial import with_vertical
 from rocking_cli.motions.polyline import record_motion
@@ -99,12 +101,13 @@ def test_the_largest_speed_by_another_integration(model, body, damping):
     system = Method(model).system_of(replace(body, damping=damping))
     found, speed = response_with_speed(system, MOTION, amplitude, omega, eta)
     plain = response(system, MOTION, amplitude, omega, eta)
-    marched = Run(system, MOTION.segments, amplitude, omega, np.full(count, eta), True, system.equation.pool, speed=True)
-    marched.all()
+    batch = Batch.of(system, MOTION.segments, amplitude, omega, np.full(count, eta))
+    marched = PeakSpeed(batch.equation, batch.contact, batch.shaken, batch.size)
+    Run(batch, observers=[marched]).all()
     assert np.array_equal(found.outcome, plain.outcome)
     np.testing.assert_allclose(found.theta_ratio, plain.theta_ratio, rtol=1e-9, atol=0)  # jumps are cut where a speed may hide
     assert set(found.outcome) == {Outcome.ROCKED}
-    np.testing.assert_allclose(speed, marched.speed.speed.largest, rtol=1e-10)
+    np.testing.assert_allclose(speed, marched.speed.largest, rtol=1e-10)
     edges = [(side.p / body.p, side.alpha, side.eta) for side in reversed(body.sides)] or [(1.0, body.alpha, eta)] * 2
     errors = np.abs(speed * body.alpha / raster(model, edges, damping, body.alpha / body.a_scale, amplitude, omega) - 1.0)
     assert np.quantile(errors[large], 0.6) < 1e-8

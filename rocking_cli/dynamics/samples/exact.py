@@ -45,10 +45,9 @@ class PooledLanes(Lanes):
 class ExactStepper:
     """How a run of the undamped linear oscillator goes through a record."""
 
-    shows_arcs = False
-
     def __init__(self, run: Run, samples: Samples) -> None:
-        self.run, self.equation, self.contact, self.cells, self.segments = run, run.equation, run.contact, run.cells, run.segments
+        self.run, batch = run, run.batch
+        self.equation, self.contact, self.cells, self.segments = batch.equation, batch.contact, batch.cells, batch.segments
         self.samples, self.step, self.last = samples.values, samples.step, samples.values.size - 1
         self.changing = [f.name for f in fields(PooledLanes) if f.name not in (_FIXED if self.contact.alike else _FIXED[:2])]
         self.rows = np.zeros(self.cells.omega.shape, dtype=np.int64)
@@ -185,7 +184,6 @@ class ExactStepper:
             inward = np.where(drive < 0.0, -drive * self.segments.later_max[k], -drive * self.segments.later_min[k])
             lost = lost[self.equation.certainly_overturns(lanes.y[lost], lanes.v[lost], inward)]
             self.run.overturn(self._as_they_are(lanes, lost), np.arange(lost.size))
-            self.run.work += Work(certain_overturning=lost.size)
         return lost
 
     def _as_they_are(self, lanes: ExactLanes, at: Array) -> PooledLanes:
@@ -197,7 +195,7 @@ class ExactStepper:
 
     def _doubtful(self, lanes: ExactLanes, step: Propagation, proved: Array) -> Array:
         """Lanes whose propagation may hold a peak above the highest one that is not found, by Lemma 11: they go half as far."""
-        if not self.run.peaks:
+        if not self.run.batch.peaks:
             return np.zeros(0, dtype=np.int64)
         highest = np.maximum(lanes.y, step.y) + 0.125 * step.fall * step.time * step.time
         high = np.flatnonzero((highest > step.peak) & proved)
@@ -243,7 +241,7 @@ class ExactStepper:
         """The outcome of the free motion of lanes that are at the end of the shaking."""
         failed = ~np.isfinite(lanes.y)
         self.run.finish(lanes, np.flatnonzero(failed), Outcome.FAILED, np.nan)
-        self.run.end_shaking(lanes, np.flatnonzero(~failed))
+        self.run.end_shaking(lanes.take(np.flatnonzero(~failed)))
 
     def _onto(self, lanes: PooledLanes) -> ExactLanes:
         """These lanes in their slots of the pool, and ready to be propagated."""
@@ -274,11 +272,10 @@ class ExactStepper:
         k, drive = lanes.k, -lanes.side * lanes.amplitude
         passage = through_interval(lanes, drive, self.samples.take(k), self._gain(k), self.step)
         reach, hit, end = passage.reach, passage.hit, passage.end
-        if self.run.peaks:
+        if self.run.batch.peaks:
             raise_peaks(lanes.peak, passage)
-        for observer in self.run.observers:
-            observer.arcs(Arcs(lanes, passage.arc, reach, end.y, end.v, end.b, np.arange(hit.size)))
-        lost = (lanes.steps > self.run.most_steps) | ~np.isfinite(reach)
+        self.run.show(Arcs(lanes, passage.arc, reach, end.y, end.v, end.b, np.arange(hit.size)))
+        lost = (lanes.steps > self.run.batch.most_steps) | ~np.isfinite(reach)
         self.run.finish(lanes, np.flatnonzero(lost), Outcome.FAILED, np.nan)
         at = np.flatnonzero(hit)
         self.run.work += Work(impacts=at.size, steps=hit.size)

@@ -15,7 +15,6 @@ from ...motions.segments import Samples
 from ..equations.equation import Equation, Ramp
 from ..equations.ramp import WITHIN, degrees, factors_for, last_terms
 from ..lanes import Lanes
-from ..march.account import Work
 from ..march.engine import Run, WindowStepper
 from ..observers.observer import TaylorSteps
 from ..outcome import Outcome
@@ -45,11 +44,9 @@ class SteppingLanes(Lanes):
 class TaylorStepper:
     """How a run of any equation goes from sample to sample of a record."""
 
-    shows_arcs = False
-
     def __init__(self, run: Run, samples: Samples) -> None:
         self.run, self.samples, self.gains = run, samples.values, gains(samples.values)
-        self.equation, self.cells, self.segments = run.equation, run.cells, run.segments
+        self.equation, self.cells, self.segments = run.batch.equation, run.batch.cells, run.batch.segments
         self.step, self.last = samples.step, samples.values.size - 1
         self.steepest = largest(self.gains)
 
@@ -211,14 +208,13 @@ class TaylorStepper:
         """Undamped lanes that have come to the end of the shaking."""
         failed = ~np.isfinite(lanes.y[past])
         self.run.finish(lanes, past[failed], Outcome.FAILED, np.nan)
-        self.run.end_shaking(lanes, past[~failed])
+        self.run.end_shaking(lanes.take(past[~failed]))
 
     def _lost(self, lanes: SteppingLanes, at: Array) -> Array:
         """Lanes between samples that nothing can bring back (Lemma 6)."""
         at = at[lanes.y[at] + lanes.v[at] > 1.0]
-        at = at[self.run.cannot_return(lanes, at, lanes.k[at], lanes.y[at], lanes.v[at])]
+        at = at[self.run.batch.cannot_return(lanes, at, lanes.k[at], lanes.y[at], lanes.v[at])]
         self.run.overturn(lanes, at)
-        self.run.work += Work(certain_overturning=at.size)
         return at
 
 

@@ -22,15 +22,16 @@ class WeighedTaylorStepper(TaylorStepper):
 
     def __init__(self, run: Run, samples: Samples) -> None:
         super().__init__(run, samples)
-        segments = run.shaking.weighed
+        segments = run.batch.segments.weighed
         self.share, upwards = segments.share, segments.vertical
-        self.ups = followed_by(upwards.s_start, float(upwards.s_end[-1]))
+        shaken = run.batch.shaken
+        self.ups = followed_by(upwards.s_start[:shaken], float(upwards.s_end[shaken - 1]))
         self.rises = gains(self.ups)
         self.highest, self.steepest_up = largest(self.ups), largest(self.rises)
 
     def march(self, waiting: Array) -> None:
         """Those that the ground does not fall away from before it lifts them."""
-        if self.run.free_fall is not None and waiting.size:
+        if self.run.batch.free_fall is not None and waiting.size:
             waiting = self.run.end_free_fall(self.run.start(waiting)).cell
         super().march(waiting)
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from rocking_cli.dynamics.march import engine
+from rocking_cli.dynamics.march import batch, closings
 from rocking_cli.dynamics.outcome import Outcome
 from rocking_cli.dynamics.response import linear_response
 from rocking_cli.motions import cosine, sine
@@ -11,12 +11,12 @@ from rocking_cli.motions import cosine, sine
 
 @pytest.mark.parametrize("motion", [cosine(1.5)], ids=lambda m: m.name)
 def test_given_up_is_what_would_have_been_given_up(motion, monkeypatch):
-    monkeypatch.setattr(engine, "MAX_STEPS", 60)
+    monkeypatch.setattr(batch, "MAX_STEPS", 60)
     random = np.random.default_rng(5)
     amplitude = 1.0 + 10.0 ** random.uniform(-10.0, -1.0, 100)
     omega, eta = 10.0 ** random.uniform(-1.0, 1.0, 100), 1.0 - 10.0 ** random.uniform(-10.0, -3.0, 100)
     early = linear_response(motion, amplitude, omega, eta)
-    monkeypatch.setattr(engine, "AT_IMPACTS", engine.AT_IMPACTS[:2])
+    monkeypatch.setattr(closings, "AT_IMPACTS", closings.AT_IMPACTS[:-1])
     late = linear_response(motion, amplitude, omega, eta)
     assert np.array_equal(early.outcome, late.outcome)
     assert np.array_equal(early.theta_ratio, late.theta_ratio, equal_nan=True)

@@ -12,7 +12,8 @@ from oracles.vertical_motion import Shaking, swing
 from support.stocky_bodies import ACROSS, KINDS, UP, drawn, ground
 
 from rocking_cli import Method, Outcome, RockingParameters, cosine, parse_grid, pulse, response, sine
-from rocking_cli.dynamics.march.engine import Run
+from rocking_cli.dynamics.march.batch import Batch
+from rocking_cli.dynamics.observers.contact_loss import ContactLoss
 from rocking_cli.dynamics.response import response_with_demands
 from rocking_cli.motions.biaxial import with_vertical
 from rocking_cli.motions.polyline import Polyline
@@ -174,13 +175,15 @@ def test_what_a_rotation_proves_to_press_does():
     body = RockingParameters("b", "block", 1.0, 0.35, 0.9, math.tan(0.35), 1.0, arm=0.75 * 9.81)
     amplitude, omega = (x.ravel() for x in np.meshgrid(np.linspace(1.0, 6.0, 11), np.linspace(1.0, 9.0, 9)))
     system = Method("nonlinear").system_of(body)
-    run = Run(system, sine().segments, amplitude, omega, np.full(omega.size, 0.9), True, 1024, body=system.body)
-    run.all()
-    at = np.flatnonzero(run.outcome == Outcome.ROCKED)
-    proved = run.contact_loss.pressed(at, run.cells, run.theta_ratio[at])
-    assert run.forces.fz_min[at[proved]].min() > 0.0
+    scene = sine(), amplitude, omega, np.full(omega.size, 0.9)
+    batch = Batch.of(system, sine().segments, *scene[1:])
+    loss = ContactLoss(system.body, batch.segments, batch.contact, batch.cells, 2.0)
+    found, forces = response_with_demands(system, *scene)
+    at = np.flatnonzero(found.outcome == Outcome.ROCKED)
+    proved = loss.pressed(at, batch.cells, found.theta_ratio[at])
+    assert forces["fz_min"][at[proved]].min() > 0.0
     assert 0.5 < proved.mean() < 1.0
-    assert not np.any(run.contact_loss.open & (amplitude <= system.safe_amplitude(sine())))
+    assert not np.any(loss.open & (amplitude <= system.safe_amplitude(sine())))
 
 
 def test_a_flight_marks_them_too():

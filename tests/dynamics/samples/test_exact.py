@@ -13,6 +13,7 @@ from rocking_cli import LinearEquation, System, linear_response, response
 from rocking_cli.dynamics.contacts.one_sided import OneSided
 from rocking_cli.dynamics.contacts.symmetric import Symmetric
 from rocking_cli.dynamics.contacts.unequal import Unequal
+from rocking_cli.dynamics.march.batch import Batch
 from rocking_cli.dynamics.march.engine import Run
 from rocking_cli.dynamics.samples.exact import LANES, ExactStepper
 
@@ -20,7 +21,7 @@ UNEQUAL = Unequal(drive=(1.0, 0.8), omega=(1.0, 1.15), eta=(1.05, 0.6), rotation
 
 
 def marched(system, motion, amplitude, omega, eta):
-    run = Run(system, motion.segments, amplitude, omega, np.broadcast_to(eta, omega.shape), True, 32768)
+    run = Run(Batch.of(system, motion.segments, amplitude, omega, np.broadcast_to(eta, omega.shape)), 32768)
     run.all()
     return run
 
@@ -135,7 +136,7 @@ def test_the_work_follows_the_impacts_and_not_the_samples():
     rounds = []
     for motion in (shaken(samples, 0.02), shaken(fine, 0.005)):
         stepper, eta = partial(ExactStepper, samples=motion.samples), np.full(60, 0.9)
-        run = Run(System(LinearEquation()), motion.segments, amplitude, omega, eta, True, LANES, stepper=stepper)
+        run = Run(Batch.of(System(LinearEquation()), motion.segments, amplitude, omega, eta), LANES, stepper)
         run.all()
         rounds.append(run.work.steps)
     assert rounds[1] < 1.5 * rounds[0]

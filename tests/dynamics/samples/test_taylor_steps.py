@@ -14,6 +14,7 @@ from rocking_cli.dynamics.contacts.one_sided import OneSided
 from rocking_cli.dynamics.contacts.unequal import Unequal
 from rocking_cli.dynamics.equations.equation import Ramp
 from rocking_cli.dynamics.equations.ramp import degrees, factors_for
+from rocking_cli.dynamics.march.batch import Batch
 from rocking_cli.dynamics.march.engine import Run
 from rocking_cli.dynamics.samples.taylor_steps import TaylorStepper
 from rocking_cli.motions import Harmonic, Motion, Piece
@@ -44,7 +45,7 @@ def against_the_march(system, eta, samples, dt, count, seed):
     omega[:2] /= 40.0  # samples too far apart to be stepped over
     etas = np.full(count, eta)
     found = response(system, motion, amplitude, omega, etas)
-    run = Run(system, long_series(motion).segments, amplitude, omega, etas, True, system.equation.pool)
+    run = Run(Batch.of(system, long_series(motion).segments, amplitude, omega, etas))
     run.all()
     np.testing.assert_array_equal(found.impacts, run.impacts)
     allowed = 1e3 * allowance(motion, amplitude, omega, np.abs(etas), lambda m, a, o, e: response(system, m, a, o, np.copysign(e, eta)))
@@ -176,7 +177,7 @@ def test_lemma_12_a_step_that_is_taken_holds_no_impact_and_no_higher_peak(equati
     random, count = np.random.default_rng(3), 4000
     motion = shaken(RECORDS[0], 0.04)
     one = np.ones(1)
-    stepper = TaylorStepper(Run(System(equation), motion.segments, one, one, one, True, 1), motion.samples)
+    stepper = TaylorStepper(Run(Batch.of(System(equation), motion.segments, one, one, one)), motion.samples)
     unit = 10.0 ** random.uniform(-2.5, -0.3, count)
     y, v = 10.0 ** random.uniform(-5.0, 0.0, count), random.uniform(-1.0, 1.0, count) * 10.0 ** random.uniform(-3.0, 0.0, count)
     drive, gain = random.uniform(-4.0, 4.0, (2, count))

@@ -14,6 +14,7 @@ from support.synthetic_records import RECORDS, allowance, assert_same, cells, no
 from rocking_cli import LinearEquation, Method, Outcome, RigidBodyEquation, RockingParameters, System, load_structures, response
 from rocking_cli.dynamics.contacts.one_sided import OneSided
 from rocking_cli.dynamics.contacts.unequal import Unequal
+from rocking_cli.dynamics.march.batch import Batch
 from rocking_cli.dynamics.march.engine import Run
 from rocking_cli.dynamics.samples import weighed_steps
 from rocking_cli.motions import Harmonic, Motion, Piece
@@ -47,7 +48,7 @@ def against_the_march(system, eta, part, share, across, count, seed):
     omega[:2] /= 40.0  # samples too far apart to be stepped over
     etas = np.full(count, eta)
     found = response(system, motion, amplitude, omega, etas)
-    run = Run(system, system.segments(long), amplitude, omega, etas, True, system.equation.pool)
+    run = Run(Batch.of(system, system.segments(long), amplitude, omega, etas))
     run.all()
     np.testing.assert_array_equal(found.impacts, run.impacts)
     allowed = 1e3 * allowance(motion, amplitude, omega, np.abs(etas), lambda m, a, o, e: response(system, m, a, o, np.copysign(e, eta)))
