@@ -23,7 +23,7 @@ def info(context: click.Context, files: tuple[str, ...], verify: bool, form: str
     A file that is damaged, or with --verify holds a damaged chunk, ends with exit code 1.
     """
     from ..spectra.file.reader import SpectraFile
-    from ..spectra.work.machine import described, machines_of
+    from ..spectra.work.machine import described
 
     damaged = []
     records: list[dict[str, Any]] = []
@@ -49,7 +49,7 @@ def info(context: click.Context, files: tuple[str, ...], verify: bool, form: str
                     "source": attributes.get("source"),
                     "sealed": "yes" if file.digest else "no",
                     "digest": file.digest,
-                    "computed_on": "; ".join(described(m) for m in machines_of(attributes.get("computed_on"))) or None,
+                    "computed_on": "; ".join(described(m) for m in file.machines) or None,
                 }
             )
             if verify:

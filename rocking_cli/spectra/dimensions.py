@@ -1,4 +1,4 @@
-"""What the cells of a spectra file lie on: three dimensions, and what is known of each place on them, in one table.
+"""The places of the cells of a spectra file: three dimensions, and the lists of values that belong to each, in one table.
 
 A new parameter, coordinate or measure is one entry of a table below; a new kind of spectrum is one entry of FORMS.
 """
@@ -20,21 +20,33 @@ if TYPE_CHECKING:
 
 Values = np.ndarray | list[str]
 
-PARAMETERS: dict[str, tuple[str, str, Callable[[RockingParameters], float]]] = {
-    "p": ("rad s-1", "frequency parameter", lambda s: s.p),
-    "alpha": ("rad", "critical angle", lambda s: s.alpha),
-    "eta": ("1", "coefficient of restitution", lambda s: s.eta),
-    "lambda": ("1", "static uplift acceleration over gravity", lambda s: s.uplift),
-    "a_scale": ("1", "scale of the ground acceleration", lambda s: s.a_scale),
-    "gravity": ("m s-2", "acceleration of gravity", lambda s: s.gravity),
+_FLOAT, _WHOLE, _TEXT = np.dtype("<f8"), np.dtype("<i8"), None
+
+
+class About(NamedTuple):
+    """How a list of values stands in a file: units, long name, type (None for text); get: the value of one structure or record."""
+
+    units: str
+    long_name: str
+    get: Callable[[Any], Any] | None = None
+    dtype: np.dtype | None = _FLOAT
+
+
+PARAMETERS = {
+    "p": About("rad s-1", "frequency parameter", lambda s: s.p),
+    "alpha": About("rad", "critical angle", lambda s: s.alpha),
+    "eta": About("1", "coefficient of restitution", lambda s: s.eta),
+    "lambda": About("1", "static uplift acceleration over gravity", lambda s: s.uplift),
+    "a_scale": About("1", "scale of the ground acceleration", lambda s: s.a_scale),
+    "gravity": About("m s-2", "acceleration of gravity", lambda s: s.gravity),
 }
-"""Of each structure: units, long name, value."""
+"""Of each structure."""
 
 
-def _edge(number: int, word: str, key: str) -> tuple[str, str, Callable[[RockingParameters], float]]:
-    units, long_name, _ = PARAMETERS[key]
+def _edge(number: int, word: str, key: str) -> About:
     name = {"lambda": "uplift"}.get(key, key)
-    return units, f"{long_name} on the {word} edge", lambda s: float(getattr(s.sides[number], name)) if s.sides else np.nan
+    long_name = f"{PARAMETERS[key].long_name} on the {word} edge"
+    return About(PARAMETERS[key].units, long_name, lambda s: float(getattr(s.sides[number], name)) if s.sides else np.nan)
 
 
 EDGE_PARAMETERS = {
@@ -42,59 +54,42 @@ EDGE_PARAMETERS = {
     for number, word in enumerate(("left", "right"))
     for key in ("p", "alpha", "eta", "lambda", "a_scale")
 }
-"""The same of each edge of a body whose edges differ, NaN for others; in files that hold such a body."""
+"""Of each edge of a body whose edges differ, NaN for others; in files that hold such a body."""
 
-
-def parameters_of(structures: Sequence[RockingParameters]) -> dict[str, tuple[str, str, Callable[[RockingParameters], float]]]:
-    """The parameters that a file of these structures holds."""
-    return {**PARAMETERS, **EDGE_PARAMETERS} if any(s.sides for s in structures) else PARAMETERS
-
-
-_FLOAT, _WHOLE, _TEXT = np.dtype("<f8"), np.dtype("<i8"), None
-
-RECORDED: dict[str, tuple[np.dtype | None, str, str, Callable[[Recording], Any]]] = {
-    "factor": (_FLOAT, "1", "factor that the record was multiplied by", lambda r: r.factor),
-    "pga": (_FLOAT, "m s-2", "peak ground acceleration of the record, before its factor", lambda r: r.intensity.pga),
-    "pga_time": (_FLOAT, "s", "time of the peak ground acceleration", lambda r: r.intensity.pga_time),
-    "pgv": (_FLOAT, "m s-1", "peak ground velocity of the record, before its factor", lambda r: r.intensity.pgv),
-    "pgd": (_FLOAT, "m", "peak ground displacement of the record, before its factor", lambda r: r.intensity.pgd),
-    "arias": (_FLOAT, "m s-1", "Arias intensity of the record, before the square of its factor", lambda r: r.intensity.arias),
-    "cav": (_FLOAT, "m s-1", "cumulative absolute velocity of the record, before its factor", lambda r: r.intensity.cav),
-    "d5_75": (_FLOAT, "s", "duration from 5 to 75 % of the Arias intensity", lambda r: r.intensity.d5_75),
-    "d5_95": (_FLOAT, "s", "duration from 5 to 95 % of the Arias intensity", lambda r: r.intensity.d5_95),
-    "npts": (_WHOLE, "1", "number of samples", lambda r: r.record.npts),
-    "dt": (_FLOAT, "s", "time between samples", lambda r: r.record.dt),
-    "format": (_TEXT, "1", "format of the file", lambda r: r.record.format),
-    "component": (_TEXT, "1", "component as the file calls it", lambda r: r.record.component or ""),
-    "record_unit": (_TEXT, "1", "unit of the file's numbers", lambda r: r.record.unit),
-    "sha256": (_TEXT, "1", "SHA-256 of the file", lambda r: r.record.sha256),
+RECORDED = {
+    "factor": About("1", "factor that the record was multiplied by", lambda r: r.factor),
+    "pga": About("m s-2", "peak ground acceleration of the record, before its factor", lambda r: r.intensity.pga),
+    "pga_time": About("s", "time of the peak ground acceleration", lambda r: r.intensity.pga_time),
+    "pgv": About("m s-1", "peak ground velocity of the record, before its factor", lambda r: r.intensity.pgv),
+    "pgd": About("m", "peak ground displacement of the record, before its factor", lambda r: r.intensity.pgd),
+    "arias": About("m s-1", "Arias intensity of the record, before the square of its factor", lambda r: r.intensity.arias),
+    "cav": About("m s-1", "cumulative absolute velocity of the record, before its factor", lambda r: r.intensity.cav),
+    "d5_75": About("s", "duration from 5 to 75 % of the Arias intensity", lambda r: r.intensity.d5_75),
+    "d5_95": About("s", "duration from 5 to 95 % of the Arias intensity", lambda r: r.intensity.d5_95),
+    "npts": About("1", "number of samples", lambda r: r.record.npts, _WHOLE),
+    "dt": About("s", "time between samples", lambda r: r.record.dt),
+    "format": About("1", "format of the file", lambda r: r.record.format, _TEXT),
+    "component": About("1", "component as the file calls it", lambda r: r.record.component or "", _TEXT),
+    "record_unit": About("1", "unit of the file's numbers", lambda r: r.record.unit, _TEXT),
+    "sha256": About("1", "SHA-256 of the file", lambda r: r.record.sha256, _TEXT),
 }
-"""Of each record: type, units, long name, value."""
+"""Of each record."""
 
-
-VARIED = "varied_"  # the names of what families varied begin so
-
-
-class About(NamedTuple):
-    """How a list of values stands in a file: its type, None for text, and what it says of itself."""
-
-    dtype: np.dtype | None
-    units: str
-    long_name: str
-
+VARIED = "varied_"  # prefix of the keys that families varied
 
 ABOUT: dict[str, About] = {
-    "structure": About(_TEXT, "1", "name of the structure"),
-    "record": About(_TEXT, "1", "name of the record"),
-    **{name: About(_FLOAT, UNITS[name], LONG_NAMES[name]) for name in UNITS},
-    **{name: About(_FLOAT, units, long_name) for name, (units, long_name, _) in {**PARAMETERS, **EDGE_PARAMETERS}.items()},
-    **{name: About(dtype, units, long_name) for name, (dtype, units, long_name, _) in RECORDED.items()},
-    "tan_alpha": About(_FLOAT, "1", "tangent of the critical angle"),
+    "structure": About("1", "name of the structure", dtype=_TEXT),
+    "record": About("1", "name of the record", dtype=_TEXT),
+    **{name: About(UNITS[name], LONG_NAMES[name]) for name in UNITS},
+    **PARAMETERS,
+    **EDGE_PARAMETERS,
+    **RECORDED,
+    "tan_alpha": About("1", "tangent of the critical angle"),
 }
 
 
 class Form(NamedTuple):
-    """A kind of spectrum: its dimensions in their order, and the dimension of everything that always stands beside them."""
+    """A kind of spectrum: its dimensions in their order, and the dimension of every list that it always has beside them."""
 
     dimensions: tuple[str, str, str]
     beside: Mapping[str, str]
@@ -123,8 +118,8 @@ def form_among(names: Iterable[str]) -> Form:
 class Frame:
     """The places of a file's cells.
 
-    dimensions: the values on each of the three, in their order; beside: what stands beside them, by name, with its dimension; units: of
-    what ABOUT does not know, the varied keys of a family.
+    dimensions: the values on each of the three, in their order; beside: other lists by name, each with its dimension; units: of the
+    varied keys of a family, which ABOUT does not know.
     """
 
     dimensions: Mapping[str, Values]
@@ -133,11 +128,11 @@ class Frame:
 
     def about(self, name: str) -> About:
         """How a list stands in the file."""
-        return About(_FLOAT, self.units[name], f"{name.removeprefix(VARIED)} as it was varied") if name in self.units else ABOUT[name]
+        return About(self.units[name], f"{name.removeprefix(VARIED)} as it was varied") if name in self.units else ABOUT[name]
 
     @property
     def labels(self) -> tuple[str, ...]:
-        """What tells the places apart besides their dimensions, as CF's attribute `coordinates` names it."""
+        """The lists that tell places apart besides the dimensions, for CF's attribute `coordinates`."""
         return tuple(self.beside) if self.of_records else tuple(self.units)
 
     @property
@@ -148,7 +143,7 @@ class Frame:
 
     @property
     def of_records(self) -> bool:
-        """Whether these are spectra of records."""
+        """True for spectra of records."""
         return "record" in self.dimensions
 
 
@@ -158,12 +153,23 @@ def pulse_frame(structures: Sequence[RockingParameters], grid: Grid) -> Frame:
     return Frame({"structure": [s.name for s in structures], **axes}, beside_structures(structures), varied_units(structures))
 
 
+def _lists(table: Mapping[str, About], dimension: str, of: Sequence[Any]) -> dict[str, tuple[str, Values]]:
+    found: dict[str, tuple[str, Values]] = {}
+    for name, about in table.items():
+        assert about.get is not None
+        values = [about.get(one) for one in of]
+        found[name] = dimension, values if about.dtype is None else np.array(values, dtype=about.dtype)
+    return found
+
+
 def beside_structures(structures: Sequence[RockingParameters]) -> dict[str, tuple[str, Values]]:
-    """The parameters of structures, as they stand beside their dimension."""
-    of_each: dict[str, Callable[[RockingParameters], float]] = {name: get for name, (_, _, get) in parameters_of(structures).items()}
-    for name in varied_units(structures):
-        of_each[name] = partial(_varied, name.removeprefix(VARIED))
-    return {name: ("structure", np.array([get(s) for s in structures], dtype=_FLOAT)) for name, get in of_each.items()}
+    """The lists of structures: parameters, those of edges where a body has two, and varied keys."""
+    varied = {name: About(unit, "", partial(_varied, name.removeprefix(VARIED))) for name, unit in varied_units(structures).items()}
+    return _lists(PARAMETERS | (EDGE_PARAMETERS if any(s.sides for s in structures) else {}) | varied, "structure", structures)
+
+
+def _varied(key: str, structure: RockingParameters) -> float:
+    return float(structure.details.get("varied", {}).get(key, np.nan))
 
 
 def varied_units(structures: Sequence[RockingParameters]) -> dict[str, str]:
@@ -171,14 +177,6 @@ def varied_units(structures: Sequence[RockingParameters]) -> dict[str, str]:
     return {f"{VARIED}{key}": unit or "1" for s in structures for key, unit in s.details.get("varied_units", {}).items()}
 
 
-def _varied(key: str, structure: RockingParameters) -> float:
-    return float(structure.details.get("varied", {}).get(key, np.nan))
-
-
 def beside_records(recordings: Sequence[Recording]) -> dict[str, tuple[str, Values]]:
-    """What is known of records, as it stands beside their dimension."""
-    found: dict[str, tuple[str, Values]] = {}
-    for name, (dtype, _, _, get) in RECORDED.items():
-        values = [get(r) for r in recordings]
-        found[name] = ("record", values if dtype is None else np.array(values, dtype=dtype))
-    return found
+    """The lists of records."""
+    return _lists(RECORDED, "record", recordings)

@@ -94,21 +94,20 @@ def write_scene(scene: Scene, path: str | Path, options: SweepOptions | None = N
     Raises UsageError for a scene or an output that is refused, OutputError when the file cannot be written or a worker process dies,
     Interrupted on Ctrl-C.
     """
+    from .file.layout import Layout
     from .file.writer import SpectraWriter
 
     options = options or SweepOptions()
-    method, names, chunk, shard = scene.method, options.variables_of(scene), options.chunk(scene), options.shard
-    sweep = _Sweep(scene, options)
-    attributes: dict[str, Any] = {"history": options.history, "documents": options.documents, "motion": scene.title, "model": method.model}
-    if method.stated_tolerance is not None:
-        attributes["tolerance"] = method.stated_tolerance
-    identity = {**scene.identity(), "impacts": options.impacts, "quantities": list(options.quantities_of(scene)), "chunk": list(chunk)}
-    written: dict[str, Any] = {
-        "names": names, "overwrite": options.overwrite, "resume": options.resume, "strict": options.strict, "scene": identity,
-        "attributes": attributes, "shard": "{}/{}".format(*(shard or (1, 1))),
-    }  # fmt: skip
-    with SpectraWriter(Path(path), scene.frame(), chunk, **written) as writer:
-        mine = sweep.units if shard is None else sweep.units[shard[0] - 1 :: shard[1]]
+    sweep, names, (part, count) = _Sweep(scene, options), options.variables_of(scene), options.shard or (1, 1)
+    attributes: dict[str, Any] = {"history": options.history, "documents": options.documents, "motion": scene.title}
+    attributes["model"] = scene.method.model
+    if scene.method.stated_tolerance is not None:
+        attributes["tolerance"] = scene.method.stated_tolerance
+    attributes["shard"] = f"{part}/{count}"
+    stored = {"impacts": options.impacts, "quantities": list(options.quantities_of(scene)), "chunk": list(sweep.chunk)}
+    layout = Layout(scene.frame(), sweep.chunk, names, {**scene.identity(), **stored}, attributes)
+    with SpectraWriter(Path(path), layout, overwrite=options.overwrite, resume=options.resume, strict=options.strict) as writer:
+        mine = sweep.units[part - 1 :: count]
         sweep.todo = [unit for unit in mine if not writer.has(unit.places, unit.row, unit.column)]
         sweep.before = writer.outcomes
 
@@ -117,12 +116,12 @@ def write_scene(scene: Scene, path: str | Path, options: SweepOptions | None = N
                 writer.write((i, unit.row, unit.column), own)
 
         try:
-            summary = sweep.run(keep, _Packing(names, chunk))
+            summary = sweep.run(keep, _Packing(names, sweep.chunk))
         except KeyboardInterrupt:
             kept = writer.written + writer.resumed
             if not kept:
                 raise Interrupted("interrupted before the first chunk was done; nothing is kept") from None
-            raise Interrupted(f"interrupted; {kept} of {writer.chunks} chunks are kept in {writer.part}; `resume` goes on") from None
+            raise Interrupted(f"interrupted; {kept} of {writer.cut.size} chunks are kept in {writer.part}; `resume` goes on") from None
         summary = replace(summary, elsewhere=writer.elsewhere, validity=validity(scene) if options.sample_validity else None)
         writer.finish(summary.record())
     return summary
@@ -138,16 +137,7 @@ class _Packing:
     def __call__(self, block: Block) -> dict[str, bytes]:
         from .file.chunks import pack
 
-        return {name: pack(_padded(block.variable(name), self.chunk)) for name in self.names}
-
-
-def _padded(block: np.ndarray, shape: tuple[int, int]) -> np.ndarray:
-    """A block at the grid's edge, filled up to the full chunk that HDF5 stores."""
-    if block.shape == shape:
-        return block
-    full = np.zeros(shape, dtype=block.dtype)
-    full[: block.shape[0], : block.shape[1]] = block
-    return full
+        return {name: pack(block.variable(name), self.chunk) for name in self.names}
 
 
 class _Sweep:

@@ -7,17 +7,17 @@ import zlib
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
-import h5py
 import numpy as np
 
-from ...dynamics.outcome import Outcome
-
 GZIP_LEVEL = 1  # on these data level 4 takes three times as long and saves 2 %
+
+Packed = Mapping[str, bytes]
+"""A chunk: the stored bytes of each variable, in the order of VARIABLES."""
 
 
 @dataclass(frozen=True)
 class ChunkGrid:
-    """How an array of some shape is cut into chunks, which are counted row-major; those at its edge are filled up."""
+    """An array of some shape, cut into chunks, which are counted row-major; those at its edge are filled up."""
 
     shape: tuple[int, ...]
     chunk: tuple[int, ...]
@@ -41,7 +41,7 @@ class ChunkGrid:
         return int(np.ravel_multi_index([i // c for i, c in zip(cell, self.chunk, strict=True)], self.counts))
 
     def extent(self, index: int) -> tuple[slice, ...]:
-        """The cells of a chunk, without what fills it up."""
+        """The cells of a chunk, without the filling at the edge."""
         return tuple(slice(o, min(o + c, n)) for o, c, n in zip(self.offset(index), self.chunk, self.shape, strict=True))
 
     def within(self, cells: Sequence[slice]) -> Iterator[int]:
@@ -52,8 +52,10 @@ class ChunkGrid:
             yield int(np.ravel_multi_index([low + i for low, i in zip(lows, place, strict=True)], self.counts))
 
 
-def pack(block: np.ndarray) -> bytes:
-    """A chunk as HDF5's shuffle and gzip filters read it; a worker does this so that the writer only writes."""
+def pack(block: np.ndarray, shape: tuple[int, ...] | None = None) -> bytes:
+    """A block as HDF5's shuffle and gzip filters store it, filled up with zeros to the shape of a chunk. Workers call this."""
+    if shape is not None and block.shape != shape:
+        block = np.pad(block, [(0, n - m) for m, n in zip(block.shape, shape, strict=True)])
     size = block.dtype.itemsize
     if size > 1:
         block = block.reshape(-1).view(np.uint8).reshape(-1, size).T
@@ -74,56 +76,22 @@ def unpack(raw: bytes, dtype: np.dtype, shape: tuple[int, ...]) -> np.ndarray:
     return data.reshape(-1).view(dtype).reshape(shape)
 
 
-def checksum(packed: Mapping[str, bytes], names: Sequence[str]) -> int:
-    """CRC-32 over the packed variables of a chunk, in their order."""
-    total = 0
-    for name in names:
-        total = zlib.crc32(packed[name], total)
-    return total
+def checksum(packed: Packed) -> int:
+    """CRC-32 over the packed variables of a chunk."""
+    return zlib.crc32(b"".join(packed.values()))
 
 
-def joined(packed: Mapping[str, bytes], names: Sequence[str]) -> bytes:
+def joined(packed: Packed) -> bytes:
     """The packed variables of a chunk as the record of a partial file: their lengths, and their bytes."""
-    return struct.pack(f"<{len(names)}Q", *(len(packed[name]) for name in names)) + b"".join(packed[name] for name in names)
+    return struct.pack(f"<{len(packed)}Q", *map(len, packed.values())) + b"".join(packed.values())
 
 
-def split(record: bytes, names: Sequence[str]) -> dict[str, bytes]:
+def split(content: bytes, names: Sequence[str]) -> dict[str, bytes]:
     """The inverse of `joined`. Raises ValueError."""
-    begin = 8 * len(names)
-    if len(record) < begin:
+    begin, packed = 8 * len(names), {}
+    if len(content) < begin:
         raise ValueError("its record is too short")
-    packed = {}
-    for name, length in zip(names, struct.unpack(f"<{len(names)}Q", record[:begin]), strict=True):
-        packed[name] = record[begin : begin + length]
+    for name, length in zip(names, struct.unpack(f"<{len(names)}Q", content[:begin]), strict=True):
+        packed[name] = content[begin : begin + length]
         begin += length
     return packed
-
-
-def stored_chunk(file: h5py.File, names: Sequence[str], offset: tuple[int, ...], sum_: int) -> dict[str, bytes]:
-    """The stored bytes of a chunk's variables. Raises ValueError, or what HDF5 raises, where they are not what was written."""
-    packed = {}
-    for name in names:
-        mask, packed[name] = file[name].id.read_direct_chunk(offset)
-        if mask:
-            raise ValueError(f"its {name} leaves out filters")
-    if checksum(packed, names) != sum_:
-        raise ValueError("its checksum does not fit")
-    return packed
-
-
-def stored_outcomes(packed: Mapping[str, bytes], grid: ChunkGrid, index: int) -> np.ndarray:
-    """How many of a chunk's cells came to each outcome. Raises ValueError when the bytes are not such a chunk."""
-    cells = tuple(slice(0, s.stop - s.start) for s in grid.extent(index))
-    outcomes = unpack(packed["outcome"], np.dtype("u1"), grid.chunk)[cells]
-    counts = np.bincount(outcomes.ravel(), minlength=len(Outcome))
-    if counts.size > len(Outcome):
-        raise ValueError(f"outcome {counts.size - 1} is none")
-    return counts
-
-
-def chunk_places(file: h5py.File, names: Sequence[str]) -> list[tuple[int, int]]:
-    """(offset, length) in the file of every chunk of the variables."""
-    places: list[tuple[int, int]] = []
-    for name in names:
-        file[name].id.chunk_iter(lambda info: places.append((info.byte_offset, info.size)))
-    return places

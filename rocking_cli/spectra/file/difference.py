@@ -8,28 +8,28 @@ from typing import Any
 
 
 def reason(error: BaseException) -> str:
-    """What a fault says, in words."""
+    """The message of a fault."""
     text = str(error.args[0]) if isinstance(error, KeyError) and error.args else str(error)
     return text if " " in text else f"it has no {text!r}"
 
 
-def difference(one: Any, other: Any, place: str = "") -> tuple[str, Any, Any] | None:
-    """Where two scenes first differ, and what each has there. A list that begins with a name differs by that name."""
+def difference(one: Any, other: Any, place: str = "") -> tuple[str, str, str] | None:
+    """(the place where two scenes first differ, the value there in each, as JSON of at most 60 characters); None where they are equal.
+
+    A list that begins with a name differs by that name.
+    """
     if one == other:
         return None
     if isinstance(one, Mapping) and isinstance(other, Mapping):
         key = next(k for k in [*one, *other] if k not in one or k not in other or one[k] != other[k])
         place = f"{place}.{key}" if place else key
-        return difference(one[key], other[key], place) if key in one and key in other else (place, one.get(key), other.get(key))
-    if isinstance(one, list) and isinstance(other, list) and any(isinstance(x, list | Mapping) for x in [*one, *other]):
-        if len(one) != len(other):
-            return f"number of {place}", len(one), len(other)
-        i = next(i for i, (a, b) in enumerate(zip(one, other, strict=True)) if a != b)
-        return difference(one[i], other[i], place if isinstance(one[i], str) else f"{place}[{i}]")
-    return place, one, other
-
-
-def brief(value: Any) -> str:
-    """A value of a scene in at most 60 characters."""
-    text = json.dumps(value)
-    return text if len(text) <= 60 else text[:57] + "..."
+        if key in one and key in other:
+            return difference(one[key], other[key], place)
+        one, other = one.get(key), other.get(key)
+    elif isinstance(one, list) and isinstance(other, list) and any(isinstance(x, list | Mapping) for x in [*one, *other]):
+        if len(one) == len(other):
+            i = next(i for i, (a, b) in enumerate(zip(one, other, strict=True)) if a != b)
+            return difference(one[i], other[i], place if isinstance(one[i], str) else f"{place}[{i}]")
+        place, one, other = f"number of {place}", len(one), len(other)
+    first, second = (text if len(text) <= 60 else f"{text[:57]}..." for text in map(json.dumps, (one, other)))
+    return place, first, second

@@ -9,7 +9,8 @@ import hashlib
 import json
 import os
 import re
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from itertools import chain
 from typing import BinaryIO
 
 _LAST = re.compile(rb"\nrocking seal 1 (\d{10})\n")
@@ -18,15 +19,15 @@ _BLOCK = 1 << 24  # bytes that are read at once
 
 
 def digest_line(file: BinaryIO, places: Sequence[tuple[int, int]]) -> bytes:
-    """What stands behind a finished file, whose chunks lie at these places (offset, length). Raises ValueError if they overlap."""
+    """The last lines of a finished file, whose chunks lie at these places (offset, length). Raises ValueError if they overlap."""
     size, end, ranges = file.seek(0, os.SEEK_END), 0, []
     for begin, length in sorted([*places, (size, 0)]):
         if begin < end:
             raise ValueError(f"two chunks lie at byte {begin}")
         if begin > end:
-            ranges.append([end, begin - end])
+            ranges.append((end, begin - end))
         end = begin + length
-    line = json.dumps({"size": size, "metadata": ranges, "digest": _digest(file, size, ranges)}).encode()
+    line = json.dumps({"size": size, "metadata": ranges, "digest": _digest_of(file, size, ranges)}).encode()
     return b"\n" + line + b"\nrocking seal 1 %010d\n" % len(line)
 
 
@@ -39,14 +40,14 @@ def checked_digest(file: BinaryIO) -> str | None:
         return None
     try:
         stated = json.loads(read(file, begins, size - _LAST_LENGTH - begins))
-        body, ranges, digest = stated["size"], [(int(o), int(n)) for o, n in stated["metadata"]], str(stated["digest"])
+        body, ranges, found = stated["size"], [(int(o), int(n)) for o, n in stated["metadata"]], str(stated["digest"])
     except (ValueError, LookupError, TypeError, RecursionError):
         raise ValueError("its digest is damaged") from None
     if body != begins - 1 or read(file, body, 1) != b"\n" or any(o < 0 or n < 0 or o + n > body for o, n in ranges):
         raise ValueError("its digest is damaged")
-    if digest != _digest(file, body, ranges):
+    if found != _digest_of(file, body, ranges):
         raise ValueError("it does not fit its digest")
-    return digest
+    return found
 
 
 def read(file: BinaryIO, offset: int, length: int) -> bytes:
@@ -59,9 +60,14 @@ def read(file: BinaryIO, offset: int, length: int) -> bytes:
     return b"".join(pieces)
 
 
-def _digest(file: BinaryIO, size: int, ranges: Sequence[Sequence[int]]) -> str:
-    digest = hashlib.blake2b(json.dumps([size, [list(place) for place in ranges]]).encode(), digest_size=32)
-    for offset, length in ranges:
-        for first in range(offset, offset + length, _BLOCK):
-            digest.update(read(file, first, min(_BLOCK, offset + length - first)))
-    return f"blake2b:{digest.hexdigest()}"
+def digest(pieces: Iterable[bytes]) -> str:
+    """BLAKE2b of the pieces put together, 64 hexadecimal digits."""
+    found = hashlib.blake2b(digest_size=32)
+    for piece in pieces:
+        found.update(piece)
+    return found.hexdigest()
+
+
+def _digest_of(file: BinaryIO, size: int, ranges: Sequence[tuple[int, int]]) -> str:
+    places = ((at, min(_BLOCK, begin + length - at)) for begin, length in ranges for at in range(begin, begin + length, _BLOCK))
+    return f"blake2b:{digest(chain([json.dumps([size, ranges]).encode()], (read(file, *place) for place in places)))}"

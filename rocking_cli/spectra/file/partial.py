@@ -12,21 +12,89 @@ import json
 import os
 import secrets
 import stat
+import struct
 import time
-import weakref
+import zlib
 from contextlib import suppress
 from pathlib import Path
 from typing import Any, BinaryIO
 
 from ...errors import OutputError, UsageError
 from ...publishing import check_target, followed, kind_of
-from .appended import NOTE, SIGNATURE, Appended, head_of, layout_digest
-from .digest import read
+from .digest import digest, read
 
+SIGNATURE = b"\x89HDF\r\n\x1a\n"
+NOTE = -1  # index of a record about the whole, as JSON
 PATIENCE = 0.3  # s: a process that only looks whether a partial file is in use locks it for an instant
+_RECORD = struct.Struct("<4sqQI")  # magic, index of the chunk, bytes of the content, CRC-32 of all else
+_MAGIC = b"rock"
 _OF_OTHERS = {".csv", ".json", ".jsonl", ".txt", ".tsv", ".xlsx", ".yaml", ".yml", ".png", ".svg", ".pdf", ".html"}
 
-_open_partials: weakref.WeakSet[Partial] = weakref.WeakSet()
+
+class Log:
+    """The layout and the records of a partial file.
+
+    image: the bytes of an HDF5 file without chunks; notes: statements about the whole; places: (offset, bytes) of the last record of each
+    index; end: where the last whole record ends. Raises ValueError where it is no partial file, or its layout is damaged.
+    """
+
+    def __init__(self, file: BinaryIO) -> None:
+        self.file, size = file, os.fstat(file.fileno()).st_size
+        head = read(file, 0, 48)
+        self.end = int.from_bytes(head[40:48], "little") if head[:8] == SIGNATURE else 0  # as HDF5 states it
+        if not 48 <= self.end <= size:
+            raise ValueError("it is not finished, and is no partial file of this program")
+        self.image = read(file, 0, self.end)
+        self.notes: dict[str, Any] = {}
+        self.places: dict[int, tuple[int, int]] = {}
+        while self.end + _RECORD.size <= size:
+            magic, index, length, _ = _RECORD.unpack(read(file, self.end, _RECORD.size))
+            if magic != _MAGIC or self.end + _RECORD.size + length > size:
+                break
+            self.places[index] = self.end, _RECORD.size + length
+            if index == NOTE:
+                self.notes |= json.loads(self.content(NOTE))
+            self.end += _RECORD.size + length
+        if "layout" not in self.notes:
+            raise ValueError("it has neither a digest nor the records of a partial file")
+        if self.notes["layout"] != digest([self.image]):
+            raise ValueError("its layout is damaged")
+
+    def content(self, index: int) -> bytes:
+        """The content of a record. Raises ValueError where it is damaged, KeyError where there is none."""
+        raw = read(self.file, *self.places[index])
+        if len(raw) < _RECORD.size or raw[: _RECORD.size] != _head(index, raw[_RECORD.size :]):
+            raise ValueError("its checksum does not fit")
+        return raw[_RECORD.size :]
+
+    def append(self, index: int, content: bytes) -> None:
+        """Append a record. Raises OSError, after which the file is as it was before."""
+        record = _head(index, content) + content
+        try:
+            write(self.file, self.end, record)
+        except OSError:
+            with suppress(OSError):
+                self.file.truncate(self.end)
+            raise
+        self.places[index] = self.end, len(record)
+        self.end += len(record)
+
+    def note(self, **words: Any) -> None:
+        """Append a statement about the whole. Raises OSError."""
+        self.append(NOTE, json.dumps(words).encode())
+        self.notes |= words
+
+
+def _head(index: int, content: bytes) -> bytes:
+    return _RECORD.pack(_MAGIC, index, len(content), zlib.crc32(content, zlib.crc32(struct.pack("<qQ", index, len(content)))))
+
+
+def write(file: BinaryIO, offset: int, content: bytes) -> None:
+    """Write all of the content, which an unbuffered file may take in several pieces. Raises OSError."""
+    file.seek(offset)
+    view = memoryview(content)
+    while view:
+        view = view[file.write(view) :]
 
 
 def partial_of(path: Path) -> Path:
@@ -38,26 +106,26 @@ def check_output(path: Path, overwrite: bool, resume: bool = False) -> None:
     """Refuse an output that cannot or must not be written, before any work is done. Raises UsageError, OutputError if it is in use or,
     with resume, if the file there is damaged."""
     if path.suffix.lower() in _OF_OTHERS:
-        raise UsageError(f"{path}: what is written is HDF5, which {path.suffix} does not say; accepted is a name such as {path.stem}.h5")
-    if resume and overwrite:
-        raise UsageError("`resume` does not go with `overwrite`")
+        raise UsageError(f"{path}: the output is HDF5, which {path.suffix} does not say; give a name such as {path.stem}.h5")
     check_target(path, overwrite=True)
     partial = partial_of(followed(path))
     if kind := kind_of(partial):
         raise UsageError(f"{partial}: is {kind}, where a sweep would keep its partial file; give another output")
     if partial.exists() and not (overwrite or resume):
         with open(partial, "rb") as file:
-            if not locked(file):
+            if not _locked(file):
                 raise OutputError(f"{partial}: is in use by another process")
-    _refuse_existing(followed(path), partial, overwrite, resume)
+    _refuse_existing(followed(path), partial if partial.exists() else None, overwrite, resume)
 
 
 def _refuse_existing(path: Path, partial: Path | None, overwrite: bool, resume: bool) -> None:
-    if os.path.lexists(path) and not overwrite:
+    if overwrite:
+        return
+    if os.path.lexists(path):
         if resume:
             _demand_whole(path)
         raise UsageError(f"{path}: exists{' and is complete' if resume else ''}; `overwrite` replaces it")
-    if partial is not None and partial.exists() and not (overwrite or resume):
+    if partial is not None and not resume:
         raise UsageError(f"{partial}: exists, left by a sweep that did not finish; `resume` goes on with it, `overwrite` begins anew")
 
 
@@ -75,7 +143,7 @@ def _demand_whole(path: Path) -> None:
         raise OutputError(f"{path}: is {fault}; `overwrite` replaces it")
 
 
-def locked(file: BinaryIO) -> bool:
+def _locked(file: BinaryIO) -> bool:
     """Lock an open file for this process, True also where there are no locks; False where another process has it."""
     try:
         import fcntl
@@ -95,7 +163,8 @@ def locked(file: BinaryIO) -> bool:
 
 
 class Partial:
-    """The partial file of an output, opened and locked for this process; `resumes`: it holds what a sweep left there, else the image.
+    """The partial file of an output, opened and locked for this process; log: its layout and records; resumes: an earlier sweep left
+    them, else they are of this image, without a chunk.
 
     Raises OutputError when another process has it or it cannot be written, UsageError when it must not be begun anew.
     """
@@ -106,25 +175,20 @@ class Partial:
         self.path, self.created = partial_of(self.output), False
         try:
             self.file = self._opened()
-        except OSError as error:
-            raise OutputError(f"{self.path}: cannot be written: {error.strerror}") from None
-        _open_partials.add(self)
-        try:
             begun = self._begun()
-            _refuse_existing(self.output, self.path if begun else None, overwrite, resume)  # what appeared before it was locked
+            _refuse_existing(self.output, self.path if begun else None, overwrite, resume)  # they may have appeared before it was locked
             self.resumes = begun and resume
-            if self.resumes:
-                self.records = Appended(self.file)
-            else:
+            if not self.resumes:
                 self._begin(image)
+            self.log = Log(self.file)
         except BaseException as error:
-            self.discard()
-            self.close()
+            if hasattr(self, "file"):
+                self.discard()
+                self.file.close()
             if isinstance(error, OSError):
                 raise OutputError(f"{self.path}: cannot be written: {error.strerror}") from None
             if isinstance(error, ValueError):
-                kept = "it is kept, `overwrite` begins anew"
-                raise OutputError(f"{self.path}: is not a sweep that can go on ({error}); {kept}") from None
+                raise OutputError(f"{self.path}: is not a sweep that can go on ({error}); it is kept, `overwrite` begins anew") from None
             raise
 
     def _opened(self) -> BinaryIO:
@@ -138,7 +202,7 @@ class Partial:
                 if not stat.S_ISREG(os.lstat(self.path).st_mode):
                     break
                 file, created = io.FileIO(self.path, "r+"), False
-            if not locked(file):
+            if not _locked(file):
                 file.close()
                 break
             if self._stands(file):
@@ -148,13 +212,13 @@ class Partial:
         raise OutputError(f"{self.path}: is in use by another process")
 
     def _stands(self, file: BinaryIO) -> bool:
-        """Whether an open file is the one that stands under the name of the partial file."""
+        """True if an open file is the one under the name of the partial file."""
         with suppress(FileNotFoundError):
             return os.path.samestat(os.lstat(self.path), os.fstat(file.fileno()))
         return False
 
     def _begun(self) -> bool:
-        """Whether it holds what somebody left: its first bytes, which are written last. Raises UsageError for what no sweep left."""
+        """True if a sweep has written its layout, whose first bytes come last. Raises UsageError for the file of another program."""
         head = read(self.file, 0, len(SIGNATURE))
         if any(head) and head != SIGNATURE:
             raise UsageError(f"{self.path}: is no partial file of this program; move it away, or give another output")
@@ -163,35 +227,9 @@ class Partial:
     def _begin(self, image: bytes) -> None:
         self.created = True
         self.file.truncate(0)
-        self._write(0, bytes(len(SIGNATURE)) + image[len(SIGNATURE) :])
-        self._write(0, image[: len(SIGNATURE)])
-        note = json.dumps({"layout": layout_digest(image), "token": secrets.token_hex(8)}).encode()
-        self._write(len(image), head_of(NOTE, note) + note)
-        self.records = Appended(self.file)
-
-    def note(self, **words: Any) -> None:
-        """Say something of the whole, as JSON. Raises OSError."""
-        self.append(NOTE, json.dumps(words).encode())
-        self.records.notes |= words
-
-    def append(self, index: int, content: bytes) -> None:
-        """Append the record of a chunk. Raises OSError, after which the file is as it was before."""
-        record, begin = head_of(index, content) + content, self.records.end
-        try:
-            self._write(begin, record)
-        except OSError:
-            with suppress(OSError):
-                self.file.truncate(begin)
-            raise
-        self.records.end += len(record)
-        if index != NOTE:
-            self.records.places[index] = begin, len(record)
-
-    def _write(self, offset: int, content: bytes) -> None:
-        self.file.seek(offset)
-        view = memoryview(content)
-        while view:
-            view = view[self.file.write(view) :]
+        note = json.dumps({"layout": digest([image]), "token": secrets.token_hex(8)}).encode()
+        write(self.file, len(SIGNATURE), image[len(SIGNATURE) :] + _head(NOTE, note) + note)
+        write(self.file, 0, SIGNATURE)
 
     def discard(self) -> None:
         """Remove the partial file if this process made it, and it is still there."""
@@ -206,17 +244,3 @@ class Partial:
             except PermissionError:  # a system that removes no open file
                 self.file.close()
                 self.path.unlink()
-
-    def close(self) -> None:
-        """Let go of the file, and with it of the lock."""
-        self.file.close()
-
-
-def _close_in_child() -> None:
-    """A worker process must not hold the lock of a parent that has died."""
-    for partial in _open_partials:
-        partial.close()
-
-
-if hasattr(os, "register_at_fork"):
-    os.register_at_fork(after_in_child=_close_in_child)

@@ -22,11 +22,12 @@ from ...motions.grid import Axis, Grid
 from ...structures.parameters import RockingParameters
 from ..dimensions import EDGE_PARAMETERS, VARIED, Frame, Values, form_among, varied_units
 from ..variables import VARIABLES
-from .appended import SIGNATURE, Appended
-from .chunks import ChunkGrid, split, stored_chunk, unpack
+from ..work.machine import machines_of
+from .chunks import ChunkGrid, Packed, checksum, split, unpack
 from .difference import reason
 from .digest import checked_digest, read
 from .layout import BOOKKEEPING, CHUNK_TABLES
+from .partial import SIGNATURE, Log
 
 _FAULTS = (*FAULTS, UsageError)
 UNPACKED = 8  # chunks that are kept as arrays
@@ -35,7 +36,7 @@ UNPACKED = 8  # chunks that are kept as arrays
 class SpectraFile:
     """A spectra file, finished or partial, open for reading; a context manager.
 
-    frame: what its cells lie on; structures: parameters as stored; names: of the variables; cut, done: how it is cut, and which chunks
+    frame: the places of its cells; structures: parameters as stored; names: of the variables; cut, done: how it is cut, and which chunks
     are there; attributes: of the root; digest: of a finished file, None of a partial one. Every byte that is read has been checked
     against the digest or a checksum. Raises UsageError when the file cannot be opened and OutputError when it is no spectra file, or
     is not as it was written.
@@ -65,8 +66,8 @@ class SpectraFile:
         if read(self._raw, 0, len(SIGNATURE)) != SIGNATURE:
             raise OutputError(f"{self.path}: is not an HDF5 file, or is damaged")
         self.digest = checked_digest(self._raw)
-        self._records = Appended(self._raw) if self.digest is None else None
-        self.file = h5py.File(self._raw if self._records is None else io.BytesIO(self._records.image), "r")
+        self._log = Log(self._raw) if self.digest is None else None
+        self.file = h5py.File(self._raw if self._log is None else io.BytesIO(self._log.image), "r")
         try:
             self._understand()
         except BaseException:
@@ -74,7 +75,7 @@ class SpectraFile:
             raise
 
     def _understand(self) -> None:
-        """Read what the file says of itself, whose bytes have been checked. Raises one of FAULTS, or UsageError."""
+        """Read the lists and attributes of the file, whose bytes have been checked. Raises one of FAULTS, or UsageError."""
         file = self.file
         tables = file.get(BOOKKEEPING, file)  # of an earlier version they stand at the root
         names = {name for name in file if name not in CHUNK_TABLES and name != BOOKKEEPING}
@@ -97,9 +98,9 @@ class SpectraFile:
             if (file[name].dtype, file[name].shape, file[name].chunks) != (VARIABLES[name].dtype, self.cut.shape, self.cut.chunk):
                 raise ValueError(f"its {name} does not fit its axes")
         self.done, self._sums = tables["chunk_done"][...] == 1, tables["chunk_checksum"][...]
-        if self._records is not None:
-            self.attributes["computed_on"] = json.dumps(self._records.notes.get("computed_on"))
-            self.done = np.isin(np.arange(self.cut.size), list(self._records.places))
+        if self._log is not None:
+            self.attributes["computed_on"] = json.dumps(self._log.notes.get("computed_on"))
+            self.done = np.isin(np.arange(self.cut.size), list(self._log.places))
 
     def close(self) -> None:
         """Close the file."""
@@ -108,23 +109,28 @@ class SpectraFile:
 
     @property
     def complete(self) -> bool:
-        """Whether every chunk is there and the sweep came to its end."""
+        """True if every chunk is there and the sweep came to its end."""
         return bool(self.done.all()) and self.digest is not None
+
+    @property
+    def machines(self) -> list[dict[str, Any]]:
+        """The machines that computed the chunks."""
+        return machines_of(self.attributes.get("computed_on"))
 
     @property
     def grid(self) -> Grid:
         """The grid of a spectrum of a pulse. Raises UsageError for one of records."""
         (frequency, omega), (amplitude, a) = list(self.frame.dimensions.items())[1:]
         if self.frame.of_records:
-            raise UsageError(f"{self.path}: holds spectra of records over {frequency} and {amplitude}; accepted is that of a pulse")
+            raise UsageError(f"{self.path}: holds spectra of records over {frequency} and {amplitude}; that of a pulse is accepted")
         return Grid(Axis(amplitude, np.asarray(a)), Axis(frequency, np.asarray(omega)))
 
     def motion(self) -> Motion:
         """The ground motion of a spectrum of a pulse. Raises OutputError, UsageError for one of records."""
         if self.frame.of_records:
-            raise UsageError(f"{self.path}: holds spectra of records; accepted is that of a pulse")
+            raise UsageError(f"{self.path}: holds spectra of records; that of a pulse is accepted")
         if "vertical" in self.scene:
-            raise UsageError(f"{self.path}: holds spectra under a vertical motion too; accepted is that of a horizontal pulse")
+            raise UsageError(f"{self.path}: holds spectra under a vertical motion too; that of a horizontal pulse is accepted")
         try:
             name, pieces = self.scene["motion"]
             return Motion(name, tuple(Piece(**{**p, "harmonics": tuple(Harmonic(**h) for h in p["harmonics"])}) for p in pieces))
@@ -132,28 +138,36 @@ class SpectraFile:
             raise OutputError(f"{self.path}: its motion cannot be read: {error}") from None
 
     def damaged_chunks(self) -> list[int]:
-        """Indices of the chunks that are marked done and are not what was written."""
+        """Indices of the chunks that are marked done and are not as they were written."""
         return [int(i) for i in np.flatnonzero(self.done) if not self.intact(int(i))]
 
-    def packed(self, index: int) -> dict[str, bytes]:
-        """The stored bytes of a chunk, checked. Raises OutputError."""
-        try:
-            if self._records is not None:
-                return split(self._records.content(index), self.names)
-            return stored_chunk(self.file, self.names, self.cut.offset(index), int(self._sums[index]))
-        except _FAULTS as error:
-            raise OutputError(f"{self.path}: chunk {index} is damaged: {reason(error)}") from None
-
     def intact(self, index: int) -> bool:
-        """Whether a chunk is what was written."""
+        """True if a chunk is as it was written."""
         try:
-            self._unpacked(index)
+            self._arrays(index)
         except OutputError:
             return False
         return True
 
+    def outcomes(self, index: int) -> np.ndarray:
+        """How many cells of a chunk came to each outcome. Raises OutputError."""
+        return np.bincount(self._arrays(index)["outcome"].ravel(), minlength=len(Outcome))
+
+    def packed(self, index: int) -> Packed:
+        """The stored bytes of a chunk, checked. Raises OutputError."""
+        try:
+            if self._log is not None:
+                return split(self._log.content(index), self.names)
+            stored = {name: self.file[name].id.read_direct_chunk(self.cut.offset(index)) for name in self.names}
+            packed = {name: raw for name, (_, raw) in stored.items()}
+            if any(mask for mask, _ in stored.values()) or checksum(packed) != int(self._sums[index]):
+                raise ValueError("its checksum does not fit")
+            return packed
+        except _FAULTS as error:
+            raise OutputError(f"{self.path}: chunk {index} is damaged: {reason(error)}") from None
+
     def _unpacked(self, index: int) -> dict[str, np.ndarray]:
-        """The variables of a chunk, checked, without what fills it up at the grid's edge. Raises OutputError."""
+        """The variables of a chunk, checked, without the filling at the grid's edge. Raises OutputError."""
         packed = self.packed(index)
         cells = tuple(slice(0, s.stop - s.start) for s in self.cut.extent(index))
         try:
@@ -166,22 +180,17 @@ class SpectraFile:
     def block(self, place: int, rows: slice, columns: slice = slice(None)) -> dict[str, np.ndarray]:
         """The variables at one place of the first dimension, over a part of the other two; every chunk is checked. Raises
         OutputError."""
-        wanted = (
-            slice(place, place + 1),
-            *(slice(*s.indices(n)[:2]) for s, n in zip((rows, columns), self.frame.shape[1:], strict=True)),
-        )
-        shape = tuple(max(0, s.stop - s.start) for s in wanted[1:])
+        others = [slice(*s.indices(n)[:2]) for s, n in zip((rows, columns), self.frame.shape[1:], strict=True)]
+        wanted = (slice(place, place + 1), *others)
+        shape = [max(0, s.stop - s.start) for s in wanted]
         found = {name: np.full(shape, VARIABLES[name].fill, VARIABLES[name].dtype) for name in self.names}
         for index in self.cut.within(wanted):
-            if not self.done[index]:
-                continue
-            extent = self.cut.extent(index)
-            both = [slice(max(a.start, b.start), min(a.stop, b.stop)) for a, b in zip(wanted, extent, strict=True)]
-            here = tuple(slice(b.start - w.start, b.stop - w.start) for b, w in zip(both, wanted, strict=True))[1:]
-            there = tuple(slice(b.start - e.start, b.stop - e.start) for b, e in zip(both, extent, strict=True))
-            for name, array in self._arrays(index).items():
-                found[name][here] = array[there][0]
-        return found
+            if self.done[index]:
+                pairs = [_overlap(a, b) for a, b in zip(wanted, self.cut.extent(index), strict=True)]
+                here, there = (tuple(pair[i] for pair in pairs) for i in (0, 1))
+                for name, array in self._arrays(index).items():
+                    found[name][here] = array[there]
+        return {name: values[0] for name, values in found.items()}
 
     def index(self, name: str | None) -> int:
         """The structure of that name, the only one where no name is given. Raises UsageError."""
@@ -218,6 +227,12 @@ class SpectraFile:
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
         self.close()
+
+
+def _overlap(one: slice, other: slice) -> tuple[slice, slice]:
+    """The common part of two ranges, counted from the start of each."""
+    low, high = max(one.start, other.start), min(one.stop, other.stop)
+    return slice(low - one.start, high - one.start), slice(low - other.start, high - other.start)
 
 
 def _told(name: str, value: np.generic) -> float | int | str | None:

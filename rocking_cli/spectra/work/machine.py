@@ -1,6 +1,6 @@
-"""What a result depends on beside what is asked for: the state of this program, the libraries, and the instructions that they use here.
+"""The state of this program, its libraries and the processor, on which the last digits of results depend.
 
-Two machines that agree in all of this compute the same bytes; others with the same program may differ in the last digits of cells.
+Two machines that agree in all of this compute the same bytes.
 """
 
 from __future__ import annotations
@@ -10,7 +10,6 @@ import json
 import platform
 from collections.abc import Mapping, Sequence
 from functools import cache
-from importlib.util import find_spec, module_from_spec, spec_from_file_location
 from pathlib import Path
 from typing import Any
 
@@ -21,7 +20,7 @@ _COMPUTES = ("dynamics", "motions", "spectra", "structures")  # packages on whos
 
 @cache
 def version() -> str:
-    """The version of this program, and behind it a digest of the code that computes spectra, which tells states of a version apart."""
+    """The version of this program and a digest of the code that computes spectra, which differs between states of one version."""
     package, digest = Path(__file__).parents[2], hashlib.blake2b(digest_size=8)
     for path in sorted(path for folder in _COMPUTES for path in (package / folder).rglob("*.py")):
         code = path.read_bytes()
@@ -33,6 +32,7 @@ def machine() -> dict[str, Any]:
     """This machine and its libraries by name, as JSON values; `cpu`: what NumPy uses of the processor's vector instructions."""
     import h5py
     import numpy as np
+    import scipy
 
     vectors: Mapping[str, Any] = np.show_config(mode="dicts") or {}
     simd = vectors.get("SIMD Extensions", {})
@@ -41,25 +41,11 @@ def machine() -> dict[str, Any]:
         "libc": " ".join(platform.libc_ver()).strip(),
         "python": platform.python_version(),
         "numpy": np.__version__,
-        "scipy": _version_of("scipy"),
+        "scipy": scipy.__version__,
         "h5py": h5py.__version__,
         "hdf5": h5py.version.hdf5_version,
         "cpu": [*simd.get("baseline", []), *simd.get("found", [])],
     }
-
-
-def _version_of(package: str) -> str:
-    """What its module `version` states, read without the package itself, whose import would take longer than a small sweep."""
-    spec = find_spec(package)
-    if spec is None or spec.origin is None:
-        return "unknown"
-    there = spec_from_file_location(f"{package}.version", Path(spec.origin).with_name("version.py"))
-    assert there is not None
-    assert there.loader is not None  # a name that ends in .py has one
-    module = module_from_spec(there)
-    there.loader.exec_module(module)
-    version: str = module.version
-    return version
 
 
 def described(machine: Mapping[str, Any]) -> str:
@@ -78,19 +64,14 @@ def machines_of(text: Any) -> list[dict[str, Any]]:
 
 def together(lists: Sequence[Sequence[Mapping[str, Any]]]) -> list[dict[str, Any]]:
     """All machines of several lists, each once."""
-    found: list[dict[str, Any]] = []
-    for m in (dict(m) for machines in lists for m in machines):
-        if m not in found:
-            found.append(m)
-    return found
+    every = [dict(m) for machines in lists for m in machines]
+    return [m for i, m in enumerate(every) if m not in every[:i]]
 
 
 def unlike(machines: Sequence[Mapping[str, Any]]) -> str:
-    """In what several machines differ, by name and value; empty where they compute alike."""
-    keys = dict.fromkeys(key for m in machines for key in m)
-    parts = []
-    for key in keys:
-        values = list(dict.fromkeys(" ".join(v) if isinstance(v := m.get(key, "unknown"), list) else str(v) for m in machines))
-        if len(values) > 1:
-            parts.append(f"{key} {' and '.join(values)}")
-    return ", ".join(parts)
+    """The differences of several machines, by name and value; empty where they compute alike."""
+    found = {
+        key: dict.fromkeys(" ".join(v) if isinstance(v := m.get(key, "unknown"), list) else str(v) for m in machines)
+        for key in dict.fromkeys(key for m in machines for key in m)
+    }
+    return ", ".join(f"{key} {' and '.join(values)}" for key, values in found.items() if len(values) > 1)

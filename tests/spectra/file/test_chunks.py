@@ -8,8 +8,7 @@ import h5py
 import numpy as np
 import pytest
 
-from rocking_cli import Outcome
-from rocking_cli.spectra.file.chunks import GZIP_LEVEL, ChunkGrid, pack, stored_outcomes, unpack
+from rocking_cli.spectra.file.chunks import GZIP_LEVEL, ChunkGrid, pack, unpack
 
 
 @pytest.mark.parametrize("dtype", ["<f8", "<i4", "u1"])
@@ -33,6 +32,7 @@ def test_doubles_of_every_kind_survive_packing():
     block[:5] = [0.0, -0.0, np.inf, 5e-324, 1.7976931348623157e308] * 10
     packed = pack(block)
     assert unpack(packed, block.dtype, block.shape).tobytes() == block.tobytes()
+    assert np.array_equal(unpack(pack(block[:3, :4], (4, 9)), block.dtype, (4, 9))[:3, :4], block[:3, :4], equal_nan=True)
     for some in (block[:1, :1], block[:0]):
         assert unpack(pack(some), some.dtype, some.shape).tobytes() == some.tobytes()
 
@@ -61,15 +61,3 @@ def test_every_cell_lies_in_the_chunk_that_is_named():
     assert np.all(count == 1)
     assert list(cut.within((slice(0, 1), slice(2, 4), slice(4, 5)))) == [2, 5]
     assert list(cut.within((slice(0, 1), slice(2, 2), slice(4, 5)))) == []
-
-
-def test_outcomes_are_counted_without_what_fills_a_chunk_up():
-    block = np.zeros((1, 3, 2), dtype="u1")
-    block[0, 0, 0] = 4
-    packed = {"outcome": pack(block)}
-    cut = ChunkGrid((1, 4, 3), (1, 3, 2))
-    assert stored_outcomes(packed, cut, 0).tolist() == [5, 0, 0, 0, 1, 0, 0]
-    assert stored_outcomes(packed, cut, 3).tolist() == [0, 0, 0, 0, 1, 0, 0]
-    block[...] = len(Outcome)
-    with pytest.raises(ValueError, match="outcome 7 is none"):
-        stored_outcomes({"outcome": pack(block)}, cut, 0)

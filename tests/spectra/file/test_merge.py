@@ -10,6 +10,7 @@ import pytest
 from rocking_cli import OutputError, UsageError, dimensionless_oscillator, parse_grid, sine, write_spectrum
 from rocking_cli.spectra.file import writer as store
 from rocking_cli.spectra.file.chunks import pack, unpack
+from rocking_cli.spectra.file.layout import Layout
 from rocking_cli.spectra.file.merging import merge
 from rocking_cli.spectra.file.reader import SpectraFile
 from rocking_cli.spectra.file.writer import SpectraWriter
@@ -27,14 +28,12 @@ def altered(path, index, change):
     """The same file with the cells of one chunk changed, as a faulty computation would have written it."""
     other = path.with_name("altered.h5")
     with SpectraFile(path) as f:
-        attributes = {k: f.attributes[k] for k in ("history", "documents", "motion", "model")}
-        options = {"names": f.names, "scene": f.scene, "attributes": attributes, "shard": f.attributes["shard"]}
-        writer = SpectraWriter(other, f.frame, f.cut.chunk[1:], overwrite=False, resume=False, **options)
-        with writer:
+        attributes = {k: f.attributes[k] for k in ("history", "documents", "motion", "model", "shard")}
+        with SpectraWriter(other, Layout(f.frame, f.cut.chunk[1:], f.names, f.scene, attributes)) as writer:
             for i in (int(i) for i in f.done.nonzero()[0]):
                 packed = f.packed(i)
                 if i == index:
-                    theta = unpack(packed["theta_ratio"], VARIABLES["theta_ratio"][0], f.cut.chunk).copy()
+                    theta = unpack(packed["theta_ratio"], VARIABLES["theta_ratio"].dtype, f.cut.chunk).copy()
                     packed["theta_ratio"] = pack(change(theta))
                 writer.write(f.cut.offset(i), packed)
             writer.finish({"cells": 1200})

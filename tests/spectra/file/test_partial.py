@@ -11,8 +11,8 @@ import h5py
 import pytest
 
 from rocking_cli import OutputError, UsageError
-from rocking_cli.spectra.file.appended import Appended
-from rocking_cli.spectra.file.partial import Partial, check_output
+from rocking_cli.spectra.file.partial import NOTE, Log, Partial, check_output
+from rocking_cli.spectra.sweep_options import SweepOptions
 
 
 def _image() -> bytes:
@@ -43,7 +43,7 @@ def closed():
     """What a test leaves open is closed behind it."""
     yield
     while _begun:
-        _begun.pop().close()
+        _begun.pop().file.close()
 
 
 def begun(output, overwrite=False, resume=False):
@@ -56,8 +56,8 @@ def left(output):
     """A partial file of five chunks, as a process that is gone leaves it."""
     partial = begun(output)
     for i, content in enumerate(CONTENTS):
-        partial.append(i, content)
-    partial.close()
+        partial.log.append(i, content)
+    partial.file.close()
     return partial.path
 
 
@@ -69,7 +69,7 @@ def test_a_partial_file_in_use_is_another_process_s_and_stays_as_it_is(output, o
         begun(output, *options)
     assert first.path.read_bytes() == before
     first.remove()
-    first.close()
+    first.file.close()
     assert names(output.parent) == []
 
 
@@ -78,11 +78,11 @@ def test_a_partial_file_that_is_left_says_what_goes_on(output, left):
         check_output(output, overwrite=False)
     again = begun(output, resume=True)
     assert again.resumes
-    assert [again.records.content(i) for i in range(5)] == CONTENTS
-    again.close()
+    assert [again.log.content(i) for i in range(5)] == CONTENTS
+    again.file.close()
     anew = begun(output, overwrite=True)
     assert not anew.resumes
-    assert anew.records.places == {}
+    assert list(anew.log.places) == [NOTE]
 
 
 def test_only_the_file_that_was_opened_is_removed(output):
@@ -116,7 +116,7 @@ def test_a_layout_that_was_never_whole_is_begun_anew(output):
         partial = begun(output, resume=True)
         assert not partial.resumes
         partial.discard()
-        partial.close()
+        partial.file.close()
     assert names(output.parent) == []
 
 
@@ -137,12 +137,12 @@ def test_a_damaged_record_is_the_only_one_that_is_lost(left):
         left.write_bytes(flipped)
         with open(left, "rb") as file:
             try:
-                records = Appended(file)
+                records = Log(file)
             except ValueError:
                 damaged += at < len(IMAGE)
                 continue
             assert records.image == IMAGE
-            for index in records.places:
+            for index in records.places.keys() - {NOTE}:
                 try:
                     assert records.content(index) == CONTENTS[index]
                 except ValueError:
@@ -153,18 +153,18 @@ def test_a_damaged_record_is_the_only_one_that_is_lost(left):
 def test_a_cut_file_holds_the_records_before_the_cut(left):
     data = left.read_bytes()
     with open(left, "rb") as file:
-        ends = [sum(Appended(file).places[i]) for i in range(5)]
+        ends = [sum(Log(file).places[i]) for i in range(5)]
     for length in range(ends[0], len(data), 7):
         left.write_bytes(data[:length])
         with open(left, "rb") as file:
-            assert sorted(Appended(file).places) == [i for i in range(5) if ends[i] <= length]
+            assert sorted(Log(file).places.keys() - {NOTE}) == [i for i in range(5) if ends[i] <= length]
 
 
 def test_names_of_other_formats_are_refused(tmp_path):
-    with pytest.raises(UsageError, match=r"what is written is HDF5, which \.csv does not say"):
+    with pytest.raises(UsageError, match=r"the output is HDF5, which \.csv does not say"):
         check_output(tmp_path / "s.csv", overwrite=False)
     with pytest.raises(UsageError, match="`resume` does not go with `overwrite`"):
-        check_output(tmp_path / "s.h5", overwrite=True, resume=True)
+        SweepOptions(overwrite=True, resume=True)
 
 
 def test_without_locks_a_sweep_goes_on_all_the_same(output, monkeypatch):
@@ -173,6 +173,6 @@ def test_without_locks_a_sweep_goes_on_all_the_same(output, monkeypatch):
 
     monkeypatch.setattr(fcntl, "flock", no_locks)
     partial = begun(output)
-    partial.append(0, CONTENTS[0])
-    partial.close()
-    assert begun(output, resume=True).records.content(0) == CONTENTS[0]
+    partial.log.append(0, CONTENTS[0])
+    partial.file.close()
+    assert begun(output, resume=True).log.content(0) == CONTENTS[0]

@@ -33,11 +33,12 @@ from rocking_cli.commands import main
 from rocking_cli.errors import Interrupted
 from rocking_cli.reports.summary import summary_lines
 from rocking_cli.spectra.dimensions import pulse_frame
+from rocking_cli.spectra.file import partial
 from rocking_cli.spectra.file import writer as store
-from rocking_cli.spectra.file.appended import Appended
 from rocking_cli.spectra.file.chunks import pack
 from rocking_cli.spectra.file.difference import difference
-from rocking_cli.spectra.file.partial import Partial
+from rocking_cli.spectra.file.layout import Layout
+from rocking_cli.spectra.file.partial import Log
 from rocking_cli.spectra.file.reader import SpectraFile
 from rocking_cli.spectra.file.writer import SpectraWriter
 from rocking_cli.spectra.work import machine
@@ -132,7 +133,7 @@ def test_resume_calls_no_damaged_file_complete(refused, whole, tmp_path):
 
 def test_resume_computes_damaged_chunks_again(rocking, whole, left, tmp_path):
     with SpectraFile(left) as file:
-        at, length = file._records.places[3]
+        at, length = file._log.places[3]
     data = bytearray(left.read_bytes())
     data[at + length // 2] ^= 8
     left.write_bytes(data)
@@ -277,8 +278,8 @@ def test_an_incomplete_file_is_never_published(tmp_path):
 
 def with_one_chunk(path):
     grid = parse_grid("A=0.5:12:40,Omega=0.5:12:30")
-    options = {"names": ("theta_ratio", "outcome"), "overwrite": False, "resume": False, "scene": {}, "attributes": {}}
-    with SpectraWriter(path, pulse_frame([dimensionless_oscillator(0.9)], grid), (5, 40), **options) as writer:
+    frame = pulse_frame([dimensionless_oscillator(0.9)], grid)
+    with SpectraWriter(path, Layout(frame, (5, 40), ("theta_ratio", "outcome"), {}, {"shard": "1/1"})) as writer:
         writer.write((0, 0, 0), {"theta_ratio": pack(np.zeros((5, 40))), "outcome": pack(np.ones((5, 40), "u1"))})
         writer.finish({})
 
@@ -313,14 +314,14 @@ def test_a_part_whose_layout_is_cut_is_kept(tmp_path):
 @pytest.mark.parametrize("at", ["chunk", "finish"])
 def test_a_disk_that_fills_up_keeps_the_part_whole(tmp_path, monkeypatch, at):
     sweep(tmp_path / "whole.h5")
-    write, copy, calls = Partial._write, SpectraWriter._copy_into, []
+    write, copy, calls = partial.write, SpectraWriter._copy_into, []
 
-    def full(partial, offset, content):
+    def full(file, offset, content):
         calls.append(offset)
-        if len(calls) == 7:  # layout, signature, two notes, two chunks
-            write(partial, offset, content[: len(content) // 2])
+        if len(calls) == 6:  # layout, signature, a note, two chunks
+            write(file, offset, content[: len(content) // 2])
             raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
-        write(partial, offset, content)
+        write(file, offset, content)
 
     def full_at_the_end(writer, file, attributes):
         copy(writer, file, attributes)
@@ -328,7 +329,7 @@ def test_a_disk_that_fills_up_keeps_the_part_whole(tmp_path, monkeypatch, at):
 
     with monkeypatch.context() as patch:
         if at == "chunk":
-            patch.setattr(Partial, "_write", full)
+            patch.setattr(partial, "write", full)
         else:
             patch.setattr(SpectraWriter, "_copy_into", full_at_the_end)
         with pytest.raises(OutputError, match=r"cannot be written: No space left on device; .* is kept"):
@@ -391,13 +392,13 @@ def test_a_part_in_use_is_left_alone(tmp_path):
     ("one", "other", "found"),
     [
         ({"a": 1}, {"a": 1}, None),
-        ({"a": 1}, {"a": 1, "b": 2}, ("b", None, 2)),
-        ({"a": 1, "b": None}, {"a": 1}, ("b", None, None)),
-        ({"s": [{"eta": 0.9}, {"eta": 0.8}]}, {"s": [{"eta": 0.9}, {"eta": 0.7}]}, ("s[1].eta", 0.8, 0.7)),
-        ({"s": [{}]}, {"s": [{}, {}]}, ("number of s", 1, 2)),
-        ({"axis A": [0.5, 12.0, 3]}, {"axis A": [0.5, 12.0, 4]}, ("axis A", [0.5, 12.0, 3], [0.5, 12.0, 4])),
-        ({"motion": ["sine", [{"end": 1.0}]]}, {"motion": ["cosine", [{"end": 1.0}]]}, ("motion", "sine", "cosine")),
-        ({"motion": ["sine", [{"end": 1.0}]]}, {"motion": ["sine", [{"end": 2.0}]]}, ("motion[1][0].end", 1.0, 2.0)),
+        ({"a": 1}, {"a": 1, "b": 2}, ("b", "null", "2")),
+        ({"a": 1, "b": None}, {"a": 1}, ("b", "null", "null")),
+        ({"s": [{"eta": 0.9}, {"eta": 0.8}]}, {"s": [{"eta": 0.9}, {"eta": 0.7}]}, ("s[1].eta", "0.8", "0.7")),
+        ({"s": [{}]}, {"s": [{}, {}]}, ("number of s", "1", "2")),
+        ({"axis A": [0.5, 12.0, 3]}, {"axis A": [0.5, 12.0, 4]}, ("axis A", "[0.5, 12.0, 3]", "[0.5, 12.0, 4]")),
+        ({"motion": ["sine", [{"end": 1.0}]]}, {"motion": ["cosine", [{"end": 1.0}]]}, ("motion", '"sine"', '"cosine"')),
+        ({"motion": ["sine", [{"end": 1.0}]]}, {"motion": ["sine", [{"end": 2.0}]]}, ("motion[1][0].end", "1.0", "2.0")),
     ],
 )
 def test_scenes_differ_by_a_field_with_both_its_values(one, other, found):
@@ -431,7 +432,7 @@ def test_what_a_kill_leaves_of_the_finished_file_is_removed(tmp_path):
     """The finished file has a name that the partial file states until it is complete."""
     part = left_part(tmp_path / "s.h5", 3)
     with open(part, "rb") as file:
-        half = tmp_path / f"s.h5.{Appended(file).notes['token']}.part"
+        half = tmp_path / f"s.h5.{Log(file).notes['token']}.part"
     half.write_bytes(b"half")
     sweep(tmp_path / "s.h5", resume=True)
     assert [p.name for p in tmp_path.iterdir()] == ["s.h5"]
