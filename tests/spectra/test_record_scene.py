@@ -120,7 +120,7 @@ def test_a_file_of_records_is_labelled(records, tmp_path):
     with SpectraFile(tmp_path / "s.h5") as file:
         assert file.array("outcome").shape == scene.shape
         assert next(file.cells())["record"] == "a"
-        with pytest.raises(UsageError, match="accepted is that of a pulse"):
+        with pytest.raises(UsageError, match="that of a pulse is accepted"):
             file.motion()
 
 
