@@ -121,8 +121,7 @@ v^2. Proof. Over an arc v^2 changes by int 2 y' a = -int 2 y da. While v^2 <= 3/
 y'' <= y - 1 + e. So an arc multiplies v^2 by at most 1 + 4/3 dV/(1 - e), and an impact lowers it.
 (b) More impacts than the march follows. On a stretch of a monotone segment with 1 - |a| >= m arcs begin with at most G v and last at most
 2 G v/(m - e), e < m/2, so a known number of them fills the stretch, unless the sequence ends before.
-Used in `contacts.contact.bouncing_ends`, `contacts.contact.bouncing_weighed`, `contacts.contact.settled_on_one_side`; (a) in
-`contacts.settling.settles`; (b) in `contacts.long_sequences.outlasts`.
+Used in `contacts.sequences.sequence_ends`; (a) in `contacts.settling.settles`; (b) in `contacts.long_sequences.outlasts`.
 Test `test_lemmas.py::test_lemma_7_bouncing_that_is_summed_ends_before_anything_else_happens`,
 `contacts/test_settling.py::test_marching_on_finds_the_same_peak`,
 `contacts/test_long_sequences.py::test_given_up_is_what_would_have_been_given_up`.
@@ -134,8 +133,8 @@ matter, on a body with unequal sides the next two.
 Proof. An impact keeps at most all of the speed (eta <= 1), or on unequal sides at most all of it in a cycle.
 A damped body is marched on until these peaks, which damping only lowers, are no higher than its peak so far.
 Varying weight: it holds, since the ground is still.
-Used in `contacts.contact.free_motion`, `contacts.unequal.Unequal.fate`, `march.closings.free_motion`.
-Test `contacts/test_contact.py::test_fate_equals_marching`.
+Used in `contacts.contact.Contact.free_motion`, `march.closings.free_motion`.
+Test `contacts/test_contact.py::test_free_motion_equals_marching`.
 
 # Lemma 9 (nothing overturns below)
 

@@ -290,7 +290,7 @@ class _Writer:
             lanes.u += lanes.omega * h
             contact.strike(self.cells, lanes, fall, force)
             lanes.b = self._lying(lanes, np.zeros(1))
-        rest = contact.bouncing_time(lanes, self._weight(lanes)) * lanes.omega / self.omega
+        rest = contact.sequence_time(lanes, self._weight(lanes)) * lanes.omega / self.omega
         return self._tau(lanes) + float(rest[0])
 
     def _lying(self, lanes: Lanes, h: Array) -> Array:

@@ -160,7 +160,7 @@ def ramp(rng):
 def test_lemma_7_bouncing_that_is_summed_ends_before_anything_else_happens(name, equation, upwards, motions, monkeypatch):
     """The same cells with every bounce marched through, down to speeds of 1e-9: the same outcome, and the same largest rotation."""
     contact, eta = CONTACTS[name]
-    ends = type(contact).bouncing_ends
+    ends = type(contact).sequence_ends
     random = np.random.default_rng(7)
     closed = marched = 0
     for _ in range(motions):
@@ -172,7 +172,7 @@ def test_lemma_7_bouncing_that_is_summed_ends_before_anything_else_happens(name,
         run = Run(Batch.of(system, system.segments(motion), amplitude, omega, np.full(25, eta)), 25)
         run.closings = [closing for closing in run.closings if closing.still]
         with monkeypatch.context() as patch:
-            patch.setattr(type(contact), "bouncing_ends", lambda self, seg, lanes, law: ends(self, seg, lanes, law) & (lanes.v < 1e-9))
+            patch.setattr(type(contact), "sequence_ends", lambda self, seg, lanes, law: ends(self, seg, lanes, law) & (lanes.v < 1e-9))
             run.all()
         assert run.outcome.tolist() == summed.outcome.tolist()
         assert run.theta_ratio == pytest.approx(summed.theta_ratio, rel=1e-9, abs=1e-12, nan_ok=True)

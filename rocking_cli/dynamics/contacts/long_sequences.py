@@ -1,4 +1,4 @@
-"""Sequences of impacts that are longer than the march follows, known beforehand (Lemma 7, read the other way round)."""
+"""Sequences of impacts that are longer than the march follows: Lemma 7 (b)."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from ...motions.segments import Segments
 from ..drive import drive_change
 from ..equations.equation import Equation
 from ..lanes import Lanes
-from .contact import BELOW_ROUNDING
+from .sequences import BELOW_ROUNDING
 
 Array = np.ndarray
 

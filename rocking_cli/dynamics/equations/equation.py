@@ -178,10 +178,10 @@ class Equation(Protocol):
     def fall(self, y: Array, v: Array) -> tuple[Array, Array]:
         """On still ground, undamped: (whether the body overturns on this side, its energy, proportional to v^2 at the ground)."""
 
-    def crest(self, energy: Array) -> Array:
+    def peak(self, energy: Array) -> Array:
         """Largest y of a body that has this energy and does not pass the barrier."""
 
-    def damped_crest(self, y: Array, v: Array) -> Array:
+    def damped_peak(self, y: Array, v: Array) -> Array:
         """Largest y of bodies that move outwards on still ground, with damping; NaN where they overturn, move inwards, or it has no
         closed form."""
 

@@ -131,11 +131,11 @@ class LinearEquation:
         """The unstable mode y - 1 + v, and v^2 at the ground, which is 1 - D0* of Eq. 2.7, without cancellation."""
         return y - 1.0 + v > 0.0, v * v + y * (2.0 - y)
 
-    def crest(self, energy: Array) -> Array:
+    def peak(self, energy: Array) -> Array:
         """1 - sqrt(1 - v^2) (Eq. 2.7), without cancellation where v is small; at most 1."""
         return energy / (1.0 + np.sqrt(np.maximum(0.0, 1.0 - energy)))
 
-    def damped_crest(self, y: Array, v: Array) -> Array:
+    def damped_peak(self, y: Array, v: Array) -> Array:
         """The two modes of y - 1 have grown alike where y' = 0."""
         up, down = self.growth, -1.0 / self.growth
         rising = (v > 0.0) & (y - 1.0 + up * v < 0.0)

@@ -250,11 +250,11 @@ class MechanismEquation:
         energy = 0.5 * v * v + self.table.value(self.table.work, y)
         return falls_by_energy(v, energy, self.barrier, y > self.top), energy
 
-    def crest(self, energy: Array) -> Array:
+    def peak(self, energy: Array) -> Array:
         """y where the work of the weight has used up the energy."""
         return inverse(self.table, self.table.work, np.minimum(energy, self.barrier), self.top)
 
-    def damped_crest(self, y: Array, v: Array) -> Array:
+    def damped_peak(self, y: Array, v: Array) -> Array:
         """It has no closed form."""
         return np.full(y.shape, np.nan)
 

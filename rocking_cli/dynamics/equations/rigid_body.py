@@ -216,12 +216,12 @@ class RigidBodyEquation:
         energy = 0.5 * v * v + 2.0 * np.sin(self.alpha - 0.5 * turned) * np.sin(0.5 * turned) / self.square
         return falls_by_energy(v, energy, self.barrier, turned > self.alpha), energy
 
-    def crest(self, energy: Array) -> Array:
+    def peak(self, energy: Array) -> Array:
         """Largest y for an energy up to the barrier: 1 - cos(alpha - y sin(alpha)) = 1 - cos(alpha) - sin^2(alpha) K."""
         left = np.maximum(0.0, self.bottom - self.square * energy)
         return (self.alpha - 2.0 * np.arcsin(np.sqrt(0.5 * left))) / self.sin
 
-    def damped_crest(self, y: Array, v: Array) -> Array:
+    def damped_peak(self, y: Array, v: Array) -> Array:
         """It has no closed form."""
         return np.full(y.shape, np.nan)
 

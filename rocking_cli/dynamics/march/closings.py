@@ -62,10 +62,10 @@ def conditions(batch: Batch, observed: bool) -> frozenset[str]:
 def free_motion(batch: Batch, lanes: Lanes) -> Closed:
     """Undamped lanes for which the shaking is over: the outcome of their free motion (Lemma 8)."""
     at = np.flatnonzero(lanes.k >= len(batch.segments))
-    fate = batch.contact.fate(batch.equation, lanes, at, lanes.y[at], lanes.v[at])
+    free = batch.contact.free_motion(batch.equation, lanes, at, lanes.y[at], lanes.v[at])
     before = np.where(lanes.impacts[at] > 0, Outcome.OVERTURNED_AFTER_IMPACT, Outcome.OVERTURNED_NO_IMPACT)
-    outcome = np.where(fate.overturns, before, np.where(fate.overturns_after_impact, Outcome.OVERTURNED_AFTER_IMPACT, Outcome.ROCKED))
-    return Closed(at, outcome, np.maximum(lanes.peak[at], fate.peak))
+    outcome = np.where(free.overturns, before, np.where(free.overturns_after_impact, Outcome.OVERTURNED_AFTER_IMPACT, Outcome.ROCKED))
+    return Closed(at, outcome, np.maximum(lanes.peak[at], free.peak))
 
 
 def damped_settling(batch: Batch, lanes: Lanes) -> Closed:
@@ -73,11 +73,11 @@ def damped_settling(batch: Batch, lanes: Lanes) -> Closed:
     neither pass the barrier nor rise above their peak. The peaks of lanes on still ground are raised to the next one where it is known."""
     at = np.flatnonzero(lanes.k >= batch.shaken)
     y, v = lanes.y[at], lanes.v[at]
-    top = batch.equation.damped_crest(y, v)
+    top = batch.equation.damped_peak(y, v)
     known = np.flatnonzero(np.isfinite(top))
     y[known], v[known] = top[known], 0.0
     lanes.peak[at] = np.fmax(lanes.peak[at], top)
-    most = batch.contact.fate(batch.equation, lanes, at, y, v)
+    most = batch.contact.free_motion(batch.equation, lanes, at, y, v)
     below = batch.rotation(lanes, at, y) < 1.0  # from above the barrier damping may keep it there
     at = at[below & ~(most.overturns | most.overturns_after_impact) & (most.peak <= lanes.peak[at])]
     return Closed(at, Outcome.ROCKED, lanes.peak[at])

@@ -191,7 +191,7 @@ class Run:
     def rest(self, lanes: Landing) -> Landing:
         """Bodies whose bouncing is over skip to their next uplift, or finish."""
         batch = self.batch
-        ends = batch.contact.bouncing_ends(batch.segments, lanes, batch.equation)
+        ends = batch.contact.sequence_ends(batch.segments, lanes, batch.equation)
         resting = np.flatnonzero(ends | (lanes.v < STILL))
         if not resting.size:
             return lanes

@@ -66,7 +66,7 @@ class Ground:
         for _ in range(_TRIALS):
             push, weight = self.push(lanes, 0.5 * lasts), self.weight(lanes, 0.5 * lasts)
             trial.b = self.body.lifting(here, push, weight) / here.unit
-            lasts = np.clip(contact.bouncing_time(trial, weight), 0.0, room)
+            lasts = np.clip(contact.sequence_time(trial, weight), 0.0, room)
         return lasts
 
 

@@ -190,7 +190,7 @@ class GroundForces(Quiet):
         edge, equation = self.body.on(side), self.equation.on(side, cell)
         square = (edge.unit * v) ** 2 + self.body.fall(edge, edge.unit * y)  # u'^2 at the ground
         energy = equation.fall(y, v)[1]
-        top = np.where(v > 0.0, equation.crest(energy), y)
+        top = np.where(v > 0.0, equation.peak(energy), y)
         kept = self.cells.eta[0, cell] * self.cells.eta[-1, cell]
         bounces = np.flatnonzero((kept > 0.0) & (kept < 1.0))  # ever lower
         for _ in range(_ARCS):
@@ -201,7 +201,7 @@ class GroundForces(Quiet):
             if not self.body.one_sided:
                 side = -side
             square, energy = square * (eta * self.body.on(side).unit / edge.unit) ** 2, eta * eta * energy
-            top = self.equation.on(side, cell).crest(energy)
+            top = self.equation.on(side, cell).peak(energy)
 
     def _free_arc(self, cell: Array, edge: Edge, square: Array, top: Array) -> None:
         """The forces from the ground up to u = top and back, under no push."""

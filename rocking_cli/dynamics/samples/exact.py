@@ -251,7 +251,7 @@ class ExactStepper:
 
     def _hold_at_rest(self, lanes: PooledLanes) -> PooledLanes:
         """Bodies whose bouncing is over wait until there are many of them: to look for their uplift costs calls, not lanes."""
-        resting = self.contact.bouncing_ends(self.segments, lanes, self.equation) | (lanes.v < STILL)
+        resting = self.contact.sequence_ends(self.segments, lanes, self.equation) | (lanes.v < STILL)
         if not resting.any():
             return lanes
         self.resting.append(lanes.take(np.flatnonzero(resting)))

@@ -16,7 +16,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..contacts.contact import BELOW_ROUNDING, Uplift
+from ..contacts.contact import Uplift
+from ..contacts.sequences import BELOW_ROUNDING
 from ..drive import place
 from ..equations.ramp import LONGEST, WITHIN
 from ..lanes import Cells, Lanes
@@ -281,7 +282,7 @@ class _Body:
         self.force = -fall
         if self.k < self.reel.count and (self.v < _STILL or self._may_rest(to, fall)):
             lanes = self._lanes()
-            if self.v < _STILL or self.contact.bouncing_ends(self.segments, lanes, self.equation)[0]:
+            if self.v < _STILL or self.contact.sequence_ends(self.segments, lanes, self.equation)[0]:
                 self._uplift(lanes=lanes)
 
     def _may_rest(self, face: Face, fall: float) -> bool:
@@ -336,32 +337,32 @@ class _Body:
         """Whether a damped body on still ground can do nothing larger: without damping it would have more energy, and even so neither pass
         the barrier nor rise above its peak."""
         lanes, equation = self._lanes(), self.equation.on(np.array([self.face.side]))
-        crest = equation.damped_crest(lanes.y, lanes.v)
-        if np.isfinite(crest[0]):
-            lanes.y[:], lanes.v[:] = crest, 0.0
-            self.peak = max(self.peak, float(crest[0]) * self.face.unit)
+        peak = equation.damped_peak(lanes.y, lanes.v)
+        if np.isfinite(peak[0]):
+            lanes.y[:], lanes.v[:] = peak, 0.0
+            self.peak = max(self.peak, float(peak[0]) * self.face.unit)
         if float(equation.rotation(lanes.y)[0]) >= 1.0:
             return False
-        most = self.contact.fate(self.equation, lanes, np.array([0]), lanes.y, lanes.v)
+        most = self.contact.free_motion(self.equation, lanes, np.array([0]), lanes.y, lanes.v)
         if most.overturns[0] or most.overturns_after_impact[0] or float(most.peak[0]) * self.face.unit > self.peak:
             return False
         self._finish(Outcome.ROCKED)
         return True
 
     def _free(self) -> None:
-        """On still ground, undamped: the fate in closed form (Lemma 8)."""
+        """On still ground, undamped: the free motion in closed form (Lemma 8)."""
         if self.lane.zeta:
             if not self._settled():  # asked here of a body that is listened to
                 self._finish(Outcome.FAILED)
             return
         lanes = self._lanes()
-        fate = self.contact.fate(self.equation, lanes, np.array([0]), lanes.y, lanes.v)
-        if fate.overturns[0]:
+        free = self.contact.free_motion(self.equation, lanes, np.array([0]), lanes.y, lanes.v)
+        if free.overturns[0]:
             self._finish(self._overturned())
-        elif fate.overturns_after_impact[0]:
+        elif free.overturns_after_impact[0]:
             self._finish(Outcome.OVERTURNED_AFTER_IMPACT)
         else:
-            self.peak = max(self.peak, float(fate.peak[0]) * self.face.unit)
+            self.peak = max(self.peak, float(free.peak[0]) * self.face.unit)
             self._finish(Outcome.ROCKED)
 
     def _note(self, event: str, y: float, v: float) -> None:

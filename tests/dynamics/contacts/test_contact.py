@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from rocking_cli.dynamics.contacts.contact import free_motion
+from rocking_cli.dynamics.contacts.symmetric import Symmetric
 from rocking_cli.dynamics.equations.linear import LinearEquation
 
 
@@ -27,12 +27,12 @@ def march(y, v, eta):
     raise AssertionError("undecided")
 
 
-def test_fate_equals_marching(lanes):
+def test_free_motion_equals_marching(lanes):
     random = np.random.default_rng(4)
     y, v, eta = random.uniform(0, 1.5, 60), random.uniform(-2, 1.2, 60), random.uniform(0.3, 1, 60)
-    fate = free_motion(LinearEquation(), lanes(np.ones(60), eta=eta), np.arange(60), y, v)
+    free = Symmetric().free_motion(LinearEquation(), lanes(np.ones(60), eta=eta), np.arange(60), y, v)
     for i in range(60):
         overturns, peak = march(y[i], v[i], eta[i])
-        assert overturns == (fate.overturns[i] or fate.overturns_after_impact[i])
+        assert overturns == (free.overturns[i] or free.overturns_after_impact[i])
         if not overturns and v[i] > 0:
-            assert fate.peak[i] == pytest.approx(peak, abs=2e-3)
+            assert free.peak[i] == pytest.approx(peak, abs=2e-3)

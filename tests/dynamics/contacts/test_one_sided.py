@@ -34,12 +34,12 @@ def test_an_impact_returns_it_to_its_side(lanes):
     assert (body.side[0], body.v[0], body.b[0]) == (1.0, 0.3, -1.75)
 
 
-def test_bouncing_time_is_the_sum_of_its_arcs(lanes):
+def test_sequence_time_is_the_sum_of_its_arcs(lanes):
     body = lanes(1.0, v=1e-3, b=-1.4, eta=0.6)
     total, speed = 0.0, 1e-3
     for _ in range(200):
         total, speed = total + 2.0 * speed / 1.4, 0.6 * speed
-    assert CONTACT.bouncing_time(body)[0] == pytest.approx(total, rel=1e-13, abs=0)
+    assert CONTACT.sequence_time(body)[0] == pytest.approx(total, rel=1e-13, abs=0)
 
 
 @pytest.mark.parametrize("eta", [0.1, -1.0, -1.2, np.nan])

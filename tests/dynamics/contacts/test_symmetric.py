@@ -45,12 +45,12 @@ def test_an_impact_turns_the_side_the_drive_and_a_part_of_the_speed(lanes):
     assert (body.b + 1.0).tolist() == [-0.75, 2.0]  # a = 0.75 and -2 before
 
 
-def test_bouncing_time_is_the_sum_of_its_arcs(lanes):
+def test_sequence_time_is_the_sum_of_its_arcs(lanes):
     body = lanes(1.0, v=1e-3, b=-0.7, eta=0.6)
     total, speed, a = 0.0, 1e-3, 0.3
     for _ in range(200):
         total, speed, a = total + 2.0 * speed / (1.0 - a), 0.6 * speed, -a
-    assert CONTACT.bouncing_time(body)[0] == pytest.approx(total, rel=1e-13, abs=0)
+    assert CONTACT.sequence_time(body)[0] == pytest.approx(total, rel=1e-13, abs=0)
 
 
 @pytest.mark.parametrize("eta", [-0.1, 1.1, np.nan])

@@ -63,20 +63,20 @@ def test_an_impact_carries_energy_over_to_the_units_of_the_other_edge(lanes):
     assert body.b[0] + 1.0 == pytest.approx(0.2 * 0.2 / 0.3, rel=1e-13, abs=0)  # the drive -0.2 of the left edge, the other way round
 
 
-def test_a_second_impact_after_the_shaking_may_be_the_one_that_overturns():
+def test_a_second_impact_after_the_shaking_may_be_the_one_that_overturns(lanes):
     """A push that ends with the body coming down fast: it fails to pass the strong edge, returns, and falls over the weak one."""
     contact = Unequal(drive=(1.0, 1.0), omega=(1.0, 1.0), eta=(0.5, 1.9), rotation=(1.0, 1.0))
     equation = LinearEquation()
-    fate = contact.fate(equation, _Lanes(1.0, 0.5), np.array([0]), np.array([0.5]), np.array([-1.6]))
+    free = contact.free_motion(equation, lanes(1.0, eta=0.5), np.array([0]), np.array([0.5]), np.array([-1.6]))
     energy = 1.6**2 + 0.5 * 1.5
     assert 0.5**2 * energy < 1.0 < (0.5 * 1.9) ** 2 * energy
-    assert (bool(fate.overturns[0]), bool(fate.overturns_after_impact[0])) == (False, True)
+    assert (bool(free.overturns[0]), bool(free.overturns_after_impact[0])) == (False, True)
 
 
 @pytest.mark.parametrize(
     ("rotation", "v", "highest"), [((1.0, 1.0), -0.5, "across"), ((1.0, 0.5), 0.5, "outward"), ((2.0, 0.5), -0.5, "back")]
 )
-def test_after_the_shaking_the_largest_of_three_arcs_is_kept_and_none_of_a_body_that_falls(rotation, v, highest):
+def test_after_the_shaking_the_largest_of_three_arcs_is_kept_and_none_of_a_body_that_falls(rotation, v, highest, lanes):
     """From y = 0.3: E = v^2 + y (2 - y) is left with eta^2 of it at each impact, and an arc rises to 1 - sqrt(1 - E)."""
     eta = (1.1, 0.85)
     contact = Unequal(drive=(1.0, 1.0), omega=(1.0, 1.0), eta=eta, rotation=rotation)
@@ -87,12 +87,12 @@ def test_after_the_shaking_the_largest_of_three_arcs_is_kept_and_none_of_a_body_
         "back": 1.0 - math.sqrt(1.0 - (eta[0] * eta[1]) ** 2 * energy),
     }
     assert max(rises, key=rises.__getitem__) == highest
-    fate = contact.fate(LinearEquation(), _Lanes(1.0, eta[0]), np.array([0]), np.array([0.3]), np.array([v]))
-    assert fate.peak[0] == pytest.approx(rises[highest], rel=1e-14)
+    free = contact.free_motion(LinearEquation(), lanes(1.0, eta=eta[0]), np.array([0]), np.array([0.3]), np.array([v]))
+    assert free.peak[0] == pytest.approx(rises[highest], rel=1e-14)
     for y, speed in ((0.9, 1.5), (0.3, -0.7)):
-        fate = contact.fate(LinearEquation(), _Lanes(1.0, eta[0]), np.array([0]), np.array([y]), np.array([speed]))
-        assert fate.overturns[0] != fate.overturns_after_impact[0]
-        assert math.isnan(fate.peak[0])
+        free = contact.free_motion(LinearEquation(), lanes(1.0, eta=eta[0]), np.array([0]), np.array([y]), np.array([speed]))
+        assert free.overturns[0] != free.overturns_after_impact[0]
+        assert math.isnan(free.peak[0])
 
 
 def test_bounces_that_rise_above_the_peak_on_the_other_edge_are_not_summed(lanes):
@@ -102,14 +102,7 @@ def test_bounces_that_rise_above_the_peak_on_the_other_edge_are_not_summed(lanes
     v, beyond = 1e-3, 1.5
     height = beyond - math.sqrt(beyond**2 - (8.0 * v) ** 2)
     body = lanes(np.ones(2), v=v, b=-0.5, eta=8.0, peak=np.array([0.99, 5.0]) * height)
-    assert contact.bouncing_ends(push, body, LinearEquation()).tolist() == [False, True]
-
-
-class _Lanes:
-    """What `fate` reads of lanes."""
-
-    def __init__(self, side, eta):
-        self.side, self.eta = np.array([side]), np.array([eta])
+    assert contact.sequence_ends(push, body, LinearEquation()).tolist() == [False, True]
 
 
 def test_rectangular_push_overturns_each_edge_at_its_own_closed_form():
