@@ -1,4 +1,4 @@
-"""Recorded ground motions: a reader for each format, told apart by what a file holds and never by its name.
+"""Recorded ground motions: a reader for each format. The content of a file shows its format, never its name.
 
 A new format is one module with NAME, recognise(head) and read(text), and one word in FORMATS. recognise returns True for the first
 characters of a file of the format; read takes a `RecordText` and returns a list of `Series`. An installed package adds a format by an
@@ -26,8 +26,9 @@ from typing import TYPE_CHECKING, Any
 from ...documents.quantities import UNITS
 from ...errors import DocumentError, NoAcceleration, UsageError
 from ...plugins import blamed, installed
+from . import plain
 from .components import pick
-from .opening import STDIN, read_bytes, refuse_binary, unpacked
+from .opening import PACKED, STDIN, read_bytes, refuse_binary, unpack
 from .record import Record, Series, record_of
 from .text import HEAD, RecordText
 
@@ -64,6 +65,38 @@ def _formats() -> tuple[Any, ...]:
     return tuple(import_module(f"{__name__}.{name}") for name in FORMATS)
 
 
+@cache
+def _entries(_: tuple[str, ...]) -> tuple[EntryPoint, ...]:
+    """The entry points of formats, read once for each search path of modules."""
+    return tuple(installed(GROUP).values())
+
+
+def _blamed(source: str, entry: EntryPoint | None) -> AbstractContextManager[None]:
+    if entry is None:
+        return nullcontext()
+    return blamed(entry, lambda found: DocumentError(f"{source}: the record format {found}; expected a package that works"))
+
+
+def _format_of(source: str, head: str) -> tuple[Any, EntryPoint | None]:
+    """The format that recognises a file, and the entry point of the package that adds it; (None, None) for a file without records.
+
+    Raises DocumentError for a package that fails.
+    """
+    for found in _formats():
+        if found.recognise(head):
+            return found, None
+    if _DOCUMENT.search(head):
+        return None, None
+    for entry in _entries(tuple(sys.path)):
+        with _blamed(source, entry):
+            found = entry.load()
+            if not (isinstance(getattr(found, "NAME", None), str) and callable(getattr(found, "read", None))):
+                raise TypeError(f"{entry.value} has no NAME, a text, or no read(text)")
+            if found.recognise(head):
+                return found, entry
+    return (plain if plain.recognise(head) else None), None
+
+
 def demand_unit(unit: str | None) -> None:
     """Raise UsageError unless the unit of plain numbers is one of acceleration, or None."""
     if unit is not None and unit not in UNITS["acceleration"]:
@@ -71,63 +104,33 @@ def demand_unit(unit: str | None) -> None:
 
 
 def records_of(source: str, raw: bytes, *, unit: str | None = None, dt: float | None = None, named: bool = True) -> list[Record] | None:
-    """Every component of a file, or None where it has no record format; for plain text its unit, and dt [s] of a single column.
+    """Every component of a file, or None if it has no record format; unit, dt [s]: of plain numbers.
 
     named: false for a file of a directory, where uncorrected accelerograms may lie beside the corrected ones, and records that state
     their unit beside plain numbers.
-    Raises DocumentError where a file of a record format is not valid, or holds counts, NoAcceleration for an uncorrected one that is not
+    Raises DocumentError if a file of a record format is not valid or holds counts, NoAcceleration for an uncorrected one that is not
     named, and UsageError for an unknown unit.
     """
     demand_unit(unit)
-    from . import plain
-
+    unpacked = unpack(source, raw)
+    refuse_binary(source, unpacked)
+    text = RecordText(source, unpacked, unit, dt)
+    found, entry = _format_of(source, text.head)
+    if found is None:
+        return None
+    if found is not plain and named and (unit is not None or dt is not None):
+        raise UsageError(f"{source}: states its own `unit` and `dt` ({found.NAME}); they are given with plain numbers only")
+    uncorrected = _UNCORRECTED.search(text.head)
+    if uncorrected and not named:
+        raise NoAcceleration(f"{source}: an uncorrected accelerogram, which is taken where the file itself is named")
     sha256 = hashlib.sha256(raw).hexdigest()
-    raw = unpacked(source, raw)
-    refuse_binary(source, raw)
-    text = RecordText(source, raw)
-    found: Any = next((f for f in _formats() if f.recognise(text.head)), None)
-    entry = None if found is not None else _added(source, text.head)
     name = "record" if source == STDIN else Path(Path(source).name.removesuffix(".gz")).stem
-    with nullcontext() if entry is None else _blamed(source, entry):
-        if entry is not None:
-            found = entry.load()
-        if found is not None:
-            if named and (unit is not None or dt is not None):
-                raise UsageError(f"{source}: states its own `unit` and `dt` ({found.NAME}); they are given with plain numbers only")
-            uncorrected = _UNCORRECTED.search(text.head)
-            if uncorrected and not named:
-                raise NoAcceleration(f"{source}: an uncorrected accelerogram, which is taken where the file itself is named")
-            read = found.read(text)
-            if not (isinstance(read, list) and read and all(isinstance(s, Series) for s in read)):
-                raise TypeError(f"read returns {type(read).__name__}; expected a list of Series, one or more")
-            series = [s._replace(remark="an uncorrected accelerogram") if uncorrected else s for s in read]
-        elif plain.recognise(text.head):
-            found, series = plain, plain.read(text, unit, dt)
-        else:
-            return None
+    with _blamed(source, entry):
+        read = found.read(text)
+        if not (isinstance(read, list) and read and all(isinstance(s, Series) for s in read)):
+            raise TypeError(f"read returns {type(read).__name__}; expected a list of Series, one or more")
+        series = [s._replace(remark="an uncorrected accelerogram") if uncorrected else s for s in read]
         return [record_of(s, name, found.NAME, source, sha256) for s in _distinct(series)]
-
-
-@cache
-def _entries(_: tuple[str, ...]) -> tuple[EntryPoint, ...]:
-    """The entry points of formats, read once for each search path of modules."""
-    return tuple(installed(GROUP).values())
-
-
-def _added(source: str, head: str) -> EntryPoint | None:
-    """The entry point of the first package that recognises a file, None for a document. Raises DocumentError for a package that fails."""
-    for entry in () if _DOCUMENT.search(head) else _entries(tuple(sys.path)):
-        with _blamed(source, entry):
-            found = entry.load()
-            if not (isinstance(getattr(found, "NAME", None), str) and callable(getattr(found, "read", None))):
-                raise TypeError(f"{entry.value} has no NAME, a text, or no read(text)")
-            if found.recognise(head):
-                return entry
-    return None
-
-
-def _blamed(source: str, entry: EntryPoint) -> AbstractContextManager[None]:
-    return blamed(entry, lambda found: DocumentError(f"{source}: the record format {found}; expected a package that works"))
 
 
 def read_records(path: str | Path, *, component: str | None = None, unit: str | None = None, dt: float | None = None) -> list[Record]:
@@ -140,7 +143,7 @@ def read_records(path: str | Path, *, component: str | None = None, unit: str | 
 
 
 def read_record(path: str | Path, *, component: str | None = None, unit: str | None = None, dt: float | None = None) -> Record:
-    """The one record of a file. Raises UsageError where it holds several and no component is asked for, and DocumentError.
+    """The one record of a file. Raises UsageError if it holds several and no component is asked for, and DocumentError.
 
     >>> record = read_record('configs/motions/synthetic.at2')
     >>> record.npts, record.dt
@@ -159,22 +162,17 @@ def unknown(source: str, raw: bytes) -> str:
 def is_record(path: str) -> bool:
     """True if a file begins as a record does; only its beginning is read. Structure and motion documents are not records."""
     with open(path, "rb") as file:
-        head = file.read(2)
+        packed = file.read(2) == PACKED
         file.seek(0)
         try:
-            raw = gzip.GzipFile(fileobj=file).read(HEAD) if head == b"\x1f\x8b" else file.read(HEAD)
+            raw = gzip.GzipFile(fileobj=file).read(HEAD) if packed else file.read(HEAD)
         except (OSError, EOFError, zlib.error):
             return False
-    from . import plain
-
-    text = RecordText(path, raw).head
-    if any(f.recognise(text) for f in _formats()):
-        return True
-    return not _DOCUMENT.search(text) and (plain.recognise(text) or _added(path, text) is not None)
+    return _format_of(path, RecordText(path, raw).head)[0] is not None
 
 
 def _distinct(series: list[Series]) -> list[Series]:
-    """Components of equal names, or of none among several, told apart by their number in the file."""
+    """The series with distinct components: equal names, and none among several, get their number in the file."""
     names = [s.component for s in series]
     alone = [names.count(name) == 1 and (name is not None or len(names) == 1) for name in names]
     return [

@@ -4,19 +4,15 @@ from __future__ import annotations
 
 import re
 
-from .numbers import fortran_layout
 from .plain import even_step
 from .record import Series
-from .text import RecordText
+from .text import RecordText, begins, fortran_layout
 
 NAME = "CWB"
-_KEY = re.compile(r"#([^:]+):\s*(.*)")
+_KEY = re.compile(r"#([^:(]+)[^:]*:(.*)")
 _COMPONENT, _PEAK = re.compile(r"([A-Z])\s*\([-+]\)"), re.compile(r"\d*\.\d+")
 
-
-def recognise(head: str) -> bool:
-    """True if the header lines state the rate, the unit and the order of the columns."""
-    return head.lstrip().startswith("#") and all(key in head for key in ("#SampleRate(Hz):", "#AmplitudeUnit:", "#DataSequence:"))
+recognise = begins(r"#(?=[\s\S]*#SampleRate\(Hz\):)(?=[\s\S]*#AmplitudeUnit:)(?=[\s\S]*#DataSequence:)")
 
 
 def read(text: RecordText) -> list[Series]:
@@ -29,13 +25,13 @@ def read(text: RecordText) -> list[Series]:
     layout = fortran_layout(f"({stated})")
     if not names or layout is None or layout.columns != 1 + len(names):
         raise text.fault(f"Data: found {stated!r} for a time and {', '.join(names)}; expected a value like 4F10.3", line)
-    rate = text.rate(*text.value(keys, "SampleRate(Hz)"))
-    length, line = text.value(keys, "RecordLength(sec)")
-    count, first = text.count(f"{text.number(length, line) * rate:.10g}", line), text.line
+    dt = text.step_of_rate(*text.value(keys, "SampleRate"))
+    length, line = text.value(keys, "RecordLength")
+    count, first = text.count(f"{text.number(length, line) / dt:.10g}", line), text.line
     values = text.numbers(count * layout.columns, layout).reshape(count, layout.columns)
     text.agree(count, even_step(values[:, 0], text, first), length, line)
     remark, found = text.surplus(count), []
     for i, name in enumerate(names, 1):
-        peak = max(_PEAK.findall(keys.get(f"AmplitudeMAX. {name}", ("", 0))[0]), key=float, default=None)
-        found.append(Series(name, 1.0 / rate, values[:, i].copy(), unit, peak, remark))
+        peak = max(_PEAK.findall(keys.get(f"AMPLITUDEMAX. {name}", ("", 0))[0]), key=float, default=None)
+        found.append(Series(name, dt, values[:, i], unit, peak, remark))
     return found

@@ -5,25 +5,21 @@ from __future__ import annotations
 
 import re
 
-from .numbers import Layout
 from .record import Series
-from .text import RecordText
+from .text import Layout, RecordText, begins, stated
 
 NAME = "GeoNet"
-_FIRST = re.compile(r"^\s*(?:un)?corrected accelerogram.*GNS Science", re.IGNORECASE)
+_FIRST = re.compile(r"\s*(?:un)?corrected accelerogram.*GNS Science", re.IGNORECASE)
 _SAID = re.compile(r".*\S.*")
 _POINTS = re.compile(r"Number of points\s+(\S+)\s+Duration\s+([\d.]+)\s*s", re.IGNORECASE)
-_COMPONENT = re.compile(r"^\s*Component\s+(\S+)", re.IGNORECASE)
+_COMPONENT = re.compile(r"\s*Component\s+(\S+)", re.IGNORECASE)
 _SCALE = re.compile(r"readings in units of\s+(\S+)\s*mm/s/s", re.IGNORECASE)
 _PEAK = re.compile(r"Acceleration:\s*peak\s*([-+.\dEe]+)\s*mm/s", re.IGNORECASE)
 _LAYOUT = Layout(10, 8)
 _TEXT, _NUMBERS = 16, 100
 _COUNTS, _STEP = (33, 34, 35), 65  # places among the numbers, from 0: values of each block, and dt
 
-
-def recognise(head: str) -> bool:
-    """True if the first line is that of an accelerogram of GNS Science."""
-    return bool(_FIRST.match(head.lstrip().split("\n", 1)[0]))
+recognise = begins(_FIRST.pattern)
 
 
 def read(text: RecordText) -> list[Series]:
@@ -32,26 +28,19 @@ def read(text: RecordText) -> list[Series]:
     while (first := text.find(_SAID)) is not None:
         if not _FIRST.match(first[0]):
             raise text.fault(f"found {first[0].strip()[:60]!r}; expected the first line of a component, Corrected accelerogram …")
-        start = text.line
-        lines = text.lines(_TEXT - 1)
+        start, lines = text.line, text.lines(_TEXT - 1)
         numbers = text.numbers(_NUMBERS, _LAYOUT)
-        counts = [text.count(f"{numbers[i]:.10g}") if numbers[i] else 0 for i in _COUNTS]
+        counts = [text.count(f"{numbers[i]:.10g}") for i in _COUNTS]
         if not counts[0]:
             raise text.fault("no acceleration: its number of points is 0")
         dt = text.step(f"{numbers[_STEP]:.10g}")
-        component = peak = None
         for i, line in enumerate(lines, start):
             if (points := _POINTS.search(line)) is not None:
-                if text.count(points[1], i) != counts[0]:
-                    raise text.fault(f"{points[1]} points, where the numbers of the header state {counts[0]}", i)
-                text.agree(counts[0], dt, points[2], i)
+                text.agree(text.count(points[1], i, same=counts[0]), dt, points[2], i)
             if (scale := _SCALE.search(line)) is not None and text.number(scale[1], i) != 1.0:
                 raise text.fault(f"raw readings in units of {scale[1]} mm/s/s; expected units of 1", i)
-            component = m[1] if (m := _COMPONENT.match(line)) else component
-            peak = m[1] if (m := _PEAK.search(line)) else peak
-        samples = text.numbers(counts[0], _LAYOUT)
+        found.append(Series(stated(_COMPONENT, lines), dt, text.numbers(counts[0], _LAYOUT), "mm/s2", stated(_PEAK, lines)))
         for count in counts[1:]:
             text.skip(count, _LAYOUT)
         text.demand_end(next(n for n in reversed(counts) if n))
-        found.append(Series(component, dt, samples, "mm/s2", peak))
     return found

@@ -16,6 +16,7 @@ from .text import HEAD
 
 LARGEST = 256 << 20  # bytes of a file, unpacked
 STDIN = "<stdin>"
+PACKED = b"\x1f\x8b"  # gzip
 _PATIENCE = 2.0  # s that a pipe may be without a writer
 _COUNTS = "counts of an instrument and no unit; convert it to an acceleration with the station's response first"
 
@@ -56,8 +57,9 @@ def _with_a_writer(path: str, flags: int) -> int:
     return descriptor
 
 
-def unpacked(source: str, raw: bytes) -> bytes:
-    if not raw.startswith(b"\x1f\x8b"):
+def unpack(source: str, raw: bytes) -> bytes:
+    """The bytes of a file, unpacked if it is a gzip file. Raises DocumentError."""
+    if not raw.startswith(PACKED):
         return raw
     try:
         with gzip.open(io.BytesIO(raw)) as file:

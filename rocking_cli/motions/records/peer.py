@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import re
 
-from .numbers import Layout
 from .record import Series
-from .text import RecordText
+from .text import Layout, RecordText, begins
 
 NAME = "PEER AT2"
 _NUMBER = r"([-+.\dEeDd]+)"
@@ -17,36 +16,29 @@ _UNIT = re.compile(
     r"|\bACC.*(?:\bIN\s+|[(\[]\s*)(M?G|GALS?|(?:[CM]?M|IN|FT)/S[A-Z0-9/^*]*)(?![A-Z0-9/^*])",
     re.IGNORECASE,
 )
-_KIND = re.compile(
-    r"\b(ACC|VELOC|DISPL)[A-Z.]*\b.*\b(?:UNITS?|IN)\b|\b(ACC|VELOC|DISPL)[A-Z.]*\s+TIME[ -](?:HISTORY|SERIES)", re.IGNORECASE
-)
+_OTHER = re.compile(r"\b(?:VELOC|DISPL)[A-Z.]*(?:\b.*\b(?:UNITS?|IN)\b|\s+TIME[ -](?:HISTORY|SERIES))", re.IGNORECASE)
 _UPWARDS = re.compile(r",\s*(UP|U-?D|DN|DWN|DOWN|VER|VERT[A-Z]*|V|Z)\s*(?:\(|$)", re.IGNORECASE)
 _SAID, _TRAILER = re.compile(r"\S.*"), re.compile(r"\W*(?:END|EOF)\b", re.IGNORECASE)
 
-
-def recognise(head: str) -> bool:
-    """True if a line among the first 50 states points and step as AT2 files do."""
-    return any(_COUNT.search(line) or _OLDER.search(line) for line in head.split("\n", 50)[:50])
+recognise = begins(rf"(?:.*\n){{0,49}}?.*(?:{_COUNT.pattern}|{_OLDER.pattern})")
 
 
 def read(text: RecordText) -> list[Series]:
-    """The one component of the file, by its name where that is a vertical one: others are in the name of the file. Raises DocumentError."""
+    """The one component of the file, with its name if that is a vertical one: others are in the name of the file. Raises DocumentError."""
     unit, component = "g", None
     while (line := text.next_line()) is not None:
-        found = _COUNT.search(line) or _OLDER.search(line)
-        if found is not None:
+        if (found := _COUNT.search(line) or _OLDER.search(line)) is not None:
             break
-        upwards, kind = _UPWARDS.search(line), _KIND.search(line)
-        component = component if upwards is None else upwards[1]
-        if kind is not None and not (kind[1] or kind[2]).upper().startswith("ACC"):
+        if _OTHER.search(line):
             raise text.no_acceleration(f"found {line.strip()!r}; expected an acceleration (AT2)")
-        stated = _UNIT.search(line)
-        if stated is not None:
-            unit = text.unit(stated[1] or stated[2])
+        if (upwards := _UPWARDS.search(line)) is not None:
+            component = upwards[1]
+        if (said := _UNIT.search(line)) is not None:
+            unit = text.unit(said[1] or said[2])
     if line is None or found is None:
         raise text.fault("no line NPTS=, DT=")
     count, dt = text.count(found[1]), text.step(found[2])
-    first = (text.raw[text.at : text.at + 1000].lstrip().split(b"\n", 1)[0]).split()
+    first = text.raw[text.at : text.at + 1000].lstrip().split(b"\n", 1)[0].split()
     samples = text.numbers(count, Layout(max(1, len(first))))
     remark = text.surplus(count)
     trailer = None if remark else text.find(_SAID)

@@ -8,7 +8,6 @@ import numpy as np
 
 from ...documents.quantities import UNITS
 from ...errors import DocumentError
-from ..blocks import blocks
 from .record import Series
 from .text import RecordText
 
@@ -23,7 +22,7 @@ _UNEVEN = 0.1  # part of a step by which printed times may lie off an even grid
 
 
 def recognise(head: str) -> bool:
-    """Whether, after at most 40 lines of other text, lines begin with numbers."""
+    """True if lines begin with numbers, after at most 40 lines of other text."""
     lines = [line for line in head.split("\n", _MOST_TITLE_LINES + 3) if line.strip()]
     rows = [i for i, line in enumerate(lines[: _MOST_TITLE_LINES + 1]) if _is_row(line)]
     return bool(rows) and (len(lines) <= rows[0] + 1 or _is_row(lines[rows[0] + 1]))
@@ -34,57 +33,44 @@ def _is_row(line: str) -> bool:
     return bool(_ROW.match(line)) and not _WORD.search(line)
 
 
-def read(text: RecordText, unit: str | None, dt: float | None) -> list[Series]:
-    """The one component of the file; unit: of the accelerations; dt [s]: of a single column. Raises DocumentError."""
-    while True:
-        at, line_number = text.at, text.line
-        line = text.next_line()
-        if line is None:
-            raise text.fault("no numbers")
-        if _is_row(line):
-            break
+def read(text: RecordText) -> list[Series]:
+    """The one component of the file. Raises DocumentError."""
+    at, first = text.at, text.line
+    while (line := text.next_line()) is not None and not _is_row(line):
         if re.search(r"\bvel(?:oc\w*)?\b", line, re.IGNORECASE) and not re.search(r"\bacc", line, re.IGNORECASE):
             raise text.fault(f"found {line.strip()!r}; expected an acceleration")
-    text.at, text.line = at, line_number
-    decimal_comma = ";" in line and "," in line and "." not in line
-    if decimal_comma:
+        at, first = text.at, text.line
+    if line is None:
+        raise text.fault("no numbers")
+    text.at, text.line = at, first
+    if ";" in line and "," in line and "." not in line:  # decimal commas
         text.raw = text.raw[:at] + text.raw[at:].replace(b",", b".")
     values, columns = text.table(_SEPARATORS)
+    unit, dt = text.unit_given, text.dt_given
     if columns > 2:
-        raise text.fault(f"{columns} columns; expected one (acceleration) or two (time in s, acceleration)", line_number)
+        raise text.fault(f"{columns} columns; expected one (acceleration) or two (time in s, acceleration)", first)
     if unit is None:
         raise DocumentError(f"{text.source}: plain numbers without a unit; give it as `unit`, one of {', '.join(UNITS['acceleration'])}")
     if columns == 1:
         if dt is None:
             raise DocumentError(f"{text.source}: one column of numbers without times; give their step as `dt`")
         if values[0] > _FEW and values[0] in (values.size - 1, values.size - 2):
-            raise text.fault(f"found {values[0]:g}, the number of the values below it; expected accelerations alone", line_number)
+            raise text.fault(f"found {values[0]:g}, the number of the values below it; expected accelerations alone", first)
         return [Series(None, dt, values, unit)]
     if dt is not None:
         raise DocumentError(f"{text.source}: two columns, of which the first is the time; `dt` goes with one column")
-    step = even_step(values[0::2], text, line_number)
-    count = values.size // 2
-    for part in blocks(count):  # in place of the times
-        values[part] = values[2 * part.start + 1 : 2 * part.stop : 2]
-    values.resize(count, refcheck=False)
+    step = even_step(values[0::2], text, first)
     remark = f"a step of {step:g} s, where the first column is taken for times in s" if step >= _LONG else ""
-    return [Series(None, step, values, unit, remark=remark)]
+    return [Series(None, step, values[1::2], unit, remark=remark)]
 
 
 def even_step(time: np.ndarray, text: RecordText, line: int, in_a_line: int = 1) -> float:
-    """The step of times which rise evenly; line: of the first. Raises DocumentError where they do not."""
+    """The step of times that rise evenly; line: of the first time. Raises DocumentError if they do not."""
     if time.size < 2:
         raise text.fault(f"found {time.size} values; expected at least two", line)
-    step = float(f"{(time[-1] - time[0]) / max(1, time.size - 1):.10g}")
-    level = False
-    for part in blocks(time.size):
-        off = np.abs(time[part] - (time[0] + step * np.arange(part.start, part.stop))) > _UNEVEN * abs(step)
-        if off.any():
-            bad = part.start + int(np.argmax(off))
-            break
-        level |= bool(np.any(np.diff(time[part.start : part.stop + 1]) <= 0.0))
-    else:
-        bad = 0
-        if step > 0.0 and not level:
-            return step
-    raise text.fault(f"times that do not rise in even steps, such as {time[bad]:g} s", line + bad // in_a_line)
+    step = float(f"{(time[-1] - time[0]) / (time.size - 1):.10g}")
+    off = np.abs(time - (time[0] + step * np.arange(time.size))) > _UNEVEN * abs(step)
+    if off.any() or not step > 0.0 or np.any(np.diff(time) <= 0.0):
+        bad = int(np.argmax(off))
+        raise text.fault(f"times that do not rise in even steps, such as {time[bad]:g} s", line + bad // in_a_line)
+    return step

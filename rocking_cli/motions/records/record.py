@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from decimal import Decimal
 from typing import NamedTuple
 
 import numpy as np
@@ -19,8 +20,7 @@ _PEAK_AGREES = 0.01  # part of a header's peak by which the samples' own may dif
 
 
 class Series(NamedTuple):
-    """What a format's reader finds for one component: samples in the file's unit, which nobody else holds, and the header's peak as it is
-    printed."""
+    """One component as a format's reader finds it: samples in the file's unit, and the header's peak as printed."""
 
     component: str | None
     dt: float
@@ -34,10 +34,10 @@ class Series(NamedTuple):
 class Record:
     """One component of a ground motion as recorded.
 
-    name: of the file, without its extension; format: as `rocking records` prints it; component: as the file calls it, None where it
-    does not; dt [s]; acceleration [m/s2], shape (npts,); header_pga [m/s2]: the peak that the file's header states; unit: the
-    file's own; source: path; sha256: of the file. Raises DocumentError when there are fewer than two samples, one is not finite or
-    beyond 1e6 m/s2, or dt is not from 1e-7 to 1000 s.
+    name: of the file, without its extension; format: as `rocking records` prints it; component: as the file calls it, or None;
+    dt [s]; acceleration [m/s2], shape (npts,); header_pga [m/s2]: the peak that the file's header states; unit: of the file;
+    source: path; sha256: of the file. Raises DocumentError if there are fewer than two samples, if one is not finite or beyond
+    1e6 m/s2, or if dt is not from 1e-7 to 1000 s.
     """
 
     name: str
@@ -53,7 +53,7 @@ class Record:
 
     def __post_init__(self) -> None:
         if not STEPS[0] <= self.dt <= STEPS[1]:
-            raise DocumentError(f"{self.source}: a time step of {self.dt:g} s; expected one from {STEPS[0]:g} to {STEPS[1]:g} s")
+            raise DocumentError(f"{self.source}: a time step of {self.dt:g} s; expected a step from {STEPS[0]:g} to {STEPS[1]:g} s")
         if self.acceleration.ndim != 1 or self.acceleration.size < 2:
             raise DocumentError(f"{self.source}: {self.acceleration.size} samples; a record has at least two")
         if not largest(self.acceleration) <= LARGEST:
@@ -83,11 +83,10 @@ def unit_of(word: str) -> str | None:
 
 
 def record_of(series: Series, name: str, format_: str, source: str, sha256: str) -> Record:
-    """The record of a series in SI units; a header's peak that the samples contradict becomes a remark, and
-    so does a peak which says that the unit is another. Raises DocumentError."""
+    """The record of a series in SI units. A remark says if the peak contradicts the header or the unit. Raises DocumentError."""
     factor = UNITS["acceleration"][series.unit]
-    with np.errstate(over="ignore"):  # what is not finite is refused
-        acceleration = np.multiply(series.samples, factor, out=series.samples) if series.samples.dtype == float else series.samples * factor
+    with np.errstate(over="ignore"):  # the record refuses infinite values
+        acceleration = series.samples * factor
     remarks = [series.remark] if series.remark else []
     where = "" if series.component is None else f" of component {series.component}"
     peak, header = largest(acceleration), None
@@ -95,16 +94,9 @@ def record_of(series: Series, name: str, format_: str, source: str, sha256: str)
     if peak > _PEAKS[1] * DEFAULT_GRAVITY or small:
         remarks.append(f"a peak{where} of {peak / DEFAULT_GRAVITY:.3g} g, where the unit is taken to be {series.unit}")
     if series.peak is not None:
-        stated = abs(float(series.peak))
+        stated, found = abs(float(series.peak)), peak / factor
         header = stated * factor
-        found = peak / factor
-        if abs(found - stated) > max(_PEAK_AGREES * stated, _half_a_digit(series.peak)):
+        half_a_digit = 0.5 * 10.0 ** float(Decimal(series.peak).as_tuple().exponent)
+        if abs(found - stated) > max(_PEAK_AGREES * stated, half_a_digit):
             remarks.append(f"the header states a peak{where} of {stated:g} {series.unit}, the samples have {found:.6g} {series.unit}")
     return Record(name, format_, series.component, series.dt, acceleration, header, series.unit, source, sha256, tuple(remarks))
-
-
-def _half_a_digit(text: str) -> float:
-    """Half a unit of the last digit of a number as printed."""
-    mantissa, _, exponent = text.lower().partition("e")
-    decimals = len(mantissa.partition(".")[2])
-    return 0.5 * 10.0 ** (int(exponent or 0) - decimals)

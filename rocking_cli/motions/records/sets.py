@@ -1,10 +1,11 @@
-"""Sets of records: which files a call names, and what is taken of each."""
+"""Sets of records: files, directories and lists of files."""
 
 from __future__ import annotations
 
+import io
 import os
 from collections.abc import Callable, Iterator, Sequence
-from typing import TypeVar
+from typing import BinaryIO, TypeVar
 
 from ...errors import DocumentError, NoAcceleration, NoComponent, UsageError
 from . import demand_unit, records_of, unknown
@@ -17,7 +18,7 @@ Taken = TypeVar("Taken")
 
 
 class NoRecord(DocumentError):
-    """A file that is no record, with what it holds; quoted: the error quotes its beginning."""
+    """A file that is no record, with its content; quoted: the error quotes its beginning."""
 
     def __init__(self, source: str, raw: bytes, quoted: bool) -> None:
         super().__init__(unknown(source, raw) if quoted else f"{source}: no record format")
@@ -33,19 +34,19 @@ def read_set(
     tell: Callable[[str], None],
     unread: Callable[[str], None] | None = None,
 ) -> Iterator[Taken]:
-    """What `take` makes of the records of each file, of files, directories and lists of files, also of a list on standard input.
+    """The results of `take` on the records of each file; for the paths see `record_files`. unit, dt [s]: of plain numbers.
 
-    unit, dt [s]: of plain numbers. `tell` says which files of a directory are no record or have no acceleration or component that is
-    asked for, and of which files nothing is taken; `unread` says which of a directory cannot be read or taken. Without `unread` that
-    is an error, as for a file that is named. Raises UsageError, DocumentError and what `take` raises.
+    tell: called for each file of a directory that is no record or lacks an acceleration or the component, and for each file without
+    results; unread: called for each file of a directory that cannot be read or taken, an error if None, as for a named file. Raises
+    UsageError, DocumentError and the errors of `take`.
     """
     demand_unit(unit)
-    for path, named, held in _files(paths):
+    for path, named, held in record_files(paths):
         try:
             source, raw = held or read_bytes(path)
             records = records_of(source, raw, unit=unit, dt=dt, named=named)
             if records is None:
-                raise NoRecord(source, raw, quoted=path in paths)  # a list may name a file that is not its reader's to see
+                raise NoRecord(source, raw, quoted=path in paths)  # a list may name a file that its reader may not see
             taken = take(records)
             if not taken:
                 tell(f"{source}: holds {names_of(records)} and no horizontal component; left out, `component` all takes it")
@@ -61,45 +62,38 @@ def read_set(
             yield from taken
 
 
-def _files(paths: Sequence[str]) -> Iterator[tuple[str, bool, tuple[str, bytes] | None]]:
-    """Every file, whether it was named, and what it holds where that is read already."""
-    for path, named in record_files(paths):
-        held = read_bytes(path) if path == "-" else None
-        names = listed_in(held[1]) if held else []
-        yield from ((name, True, None) for name in names) if names else [(path, named, held)]
+def record_files(paths: Sequence[str]) -> Iterator[tuple[str, bool, tuple[str, bytes] | None]]:
+    """The files of a set, each with True if it was named, and with its content if it is read already (standard input).
 
-
-def record_files(paths: Sequence[str]) -> Iterator[tuple[str, bool]]:
-    """The files of a set, and whether they were named: of a directory all that lie in it, in order of name, unnamed; of a list file
-    (one path a line, from where the list lies) those it names; and every other path itself. Raises UsageError."""
+    A directory gives its files in order of name, unnamed; a list file (a path on each line, from the folder of the list) the files
+    that it names; any other path itself. Raises UsageError.
+    """
     for path in paths:
         if path != "-" and os.path.isdir(path):
             inside = sorted(os.path.join(path, name) for name in os.listdir(path) if not name.startswith("."))
-            files = [x for x in inside if os.path.isfile(x) or not os.path.exists(x)]  # a link to nothing is said to be one
+            files = [x for x in inside if os.path.isfile(x) or not os.path.exists(x)]  # reading reports a link to nothing
             if not files:
                 raise UsageError(f"{path}: a directory without files")
-            yield from ((x, False) for x in files)
+            yield from ((x, False, None) for x in files)
+        elif path == "-":
+            held = read_bytes(path)
+            names = _listed(io.BytesIO(held[1]), "")
+            yield from ((x, True, None) for x in names) if names else [(path, True, held)]
         else:
-            yield from ((x, True) for x in _listed(path) or [path])
+            names = []
+            if os.path.isfile(path):
+                with open(path, "rb") as file:
+                    names = _listed(file, os.path.dirname(path))
+            yield from ((x, True, None) for x in names or [path])
 
 
-def _listed(path: str) -> list[str]:
-    """The files that a list names; none where the file is not a list."""
-    if path == "-" or not os.path.isfile(path):
-        return []
-    with open(path, "rb") as file:
-        head = file.read(HEAD)
-        folder = os.path.dirname(path)
-        return listed_in(head + file.read(), folder) if listed_in(head, folder) else []
+def _listed(file: BinaryIO, folder: str) -> list[str]:
+    """The files that a list names, one on each line, from a folder on; none if the first is not there, and so the file is not a list."""
+    head = file.read(HEAD)
+    names = _names(head, folder)
+    return _names(head + file.read(), folder) if b"\0" not in head and names and os.path.isfile(names[0]) else []
 
 
-def listed_in(raw: bytes, folder: str = "") -> list[str]:
-    """The files that the text of a list names, one a line, from a folder on; none where it is not a list of files."""
-    if b"\0" in raw[:HEAD]:
-        return []
-    begin = [line.strip() for line in raw[:HEAD].decode("utf-8", "surrogateescape").splitlines()]
-    first = next((name for name in begin if name and not name.startswith("#")), "")
-    if not first or not os.path.isfile(os.path.join(folder, first)):
-        return []
-    names = [line.strip() for line in raw.decode("utf-8", "surrogateescape").splitlines()]
-    return [os.path.join(folder, name) for name in names if name and not name.startswith("#")]
+def _names(raw: bytes, folder: str) -> list[str]:
+    lines = (line.strip() for line in raw.decode("utf-8", "surrogateescape").splitlines())
+    return [os.path.join(folder, line) for line in lines if line and not line.startswith("#")]

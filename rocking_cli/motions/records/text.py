@@ -1,36 +1,81 @@
 """The text of a record file: its lines, the values of its header, and its blocks of numbers.
 
-A block is parsed as a whole, at the speed of NumPy. If that fails, it is read line by line, to name the place of the fault.
+Numbers stand between blanks, or in columns of a fixed width (Fortran), where neighbours may touch. A block is parsed as a whole, at
+the speed of NumPy. If that fails, it is read line by line, to name the place of the fault.
 """
 
 from __future__ import annotations
 
 import re
+import warnings
+from collections.abc import Callable, Iterable, Iterator
+from typing import NamedTuple
 
 import numpy as np
 
 from ...errors import DocumentError, NoAcceleration
-from .numbers import NUMBER, OF_NUMBERS, Array, Layout, parsed, quoted, shown, value_of
 from .record import WRITTEN_UNITS, unit_of
 
+Array = np.ndarray
 Keys = dict[str, tuple[str, int]]
 
 HEAD = 1 << 16  # bytes in which a format shows itself
-_LINES_AT_ONCE = 1 << 16
 _DOS_BLOCK = 128  # bytes
+_NUMBER = re.compile(rb"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?")
+_OF_NUMBERS = b" \t\n0123456789+-.eEdD*"
+FORTRAN = r"\(\s*(?:\d+P\s*,?\s*)?(?P<columns>\d*)\s*[FEGDI]\s*(?P<width>[1-9]\d?)"  # a format such as (8F10.5) or (1E15.6)
+
+
+def begins(pattern: str) -> Callable[[str], bool]:
+    """The function `recognise` of a format whose files begin with a pattern, in any case, after blank lines."""
+    return lambda head: re.match(rf"\s*(?:{pattern})", head, re.IGNORECASE | re.MULTILINE) is not None
+
+
+def stated(pattern: re.Pattern[str], lines: Iterable[str], group: int = 1) -> str | None:
+    """A group of the first match of a pattern in the lines of a header; None if no line matches."""
+    return next((found[group] for line in lines if (found := pattern.search(line))), None)
+
+
+class Layout(NamedTuple):
+    """How many numbers stand on a full line, and their width in characters (None: separated by blanks)."""
+
+    columns: int
+    width: int | None = None
+
+    @classmethod
+    def of(cls, found: re.Match[str]) -> Layout:
+        """The layout of a match of FORTRAN."""
+        return cls(max(1, int(found["columns"] or 1)), int(found["width"]))
+
+    def split(self, line: bytes, wanted: int) -> list[bytes]:
+        """The numbers of a line: those between blanks if they are as many as wanted, else those of the columns."""
+        tokens, line = line.split(), line.rstrip()
+        if len(tokens) == wanted or self.width is None:
+            return tokens
+        return [line[i : i + self.width].strip() for i in range(0, len(line), self.width)]
+
+
+def fortran_layout(text: str) -> Layout | None:
+    """The layout of the first Fortran format in a text; None if there is none."""
+    found = re.search(FORTRAN, text, re.IGNORECASE)
+    return None if found is None else Layout.of(found)
 
 
 class RecordText:
-    """The text of one file and the place up to which it has been read; `line` is the number of the next line, from 1."""
+    """The text of one file and the place up to which it has been read; `line` is the number of the next line, from 1.
 
-    def __init__(self, source: str, raw: bytes) -> None:
+    unit, dt [s]: as the user states them for plain numbers.
+    """
+
+    def __init__(self, source: str, raw: bytes, unit: str | None = None, dt: float | None = None) -> None:
+        self.source, self.unit_given, self.dt_given = source, unit, dt
         if b"\r" in raw[:HEAD]:
             raw = raw.replace(b"\r\n", b"\n").replace(b"\r\n", b"\n").replace(b"\r", b"\n" if b"\n" not in raw[:HEAD] else b"")
         if b"\0" in raw:
             raw = raw.replace(b"\0", b" ")
         if b"\x1a" in raw[-_DOS_BLOCK:]:  # where a text of DOS ends, to the end of its block
             raw = raw.rstrip(b"\x1a\n ")
-        self.source, self.raw = source, raw.removeprefix(b"\xef\xbb\xbf")
+        self.raw = raw.removeprefix(b"\xef\xbb\xbf")
         self.head = self.raw[:HEAD].decode("latin-1")
         self.at, self.line = 0, 1
 
@@ -68,6 +113,13 @@ class RecordText:
                 return found
         return None
 
+    def like(self, pattern: re.Pattern[str], example: str) -> re.Match[str]:
+        """The match of the next line. Raises DocumentError if it does not match."""
+        line = self.next_line() or ""
+        if (found := pattern.search(line)) is None:
+            raise self.fault(f"found {line.strip()!r}; expected a line like {example}")
+        return found
+
     def _take(self, lines: int) -> bytes:
         """The bytes of the next lines, as many as there are."""
         begin = end = self.at
@@ -79,63 +131,63 @@ class RecordText:
 
     # Values of the header
 
-    def keys(self, pattern: re.Pattern[str]) -> Keys:
-        """Each key (first group of the pattern) with its value (second group) and its line, above the first line that begins with a
-        number. Raises DocumentError if there is no such line."""
+    def keys(self, pattern: re.Pattern[str], end: re.Pattern[str] | None = None) -> Keys:
+        """Each key (first group, in capitals) with its value (second group) and its line, up to a line that matches
+        `end`, which stands under "", or by default up to a line that begins with a number. Raises DocumentError if there is none."""
         found: Keys = {}
-        while not self.more_numbers():
-            stated = pattern.match(self.lines(1)[0])
-            if stated is not None:
-                found[stated[1]] = stated[2].strip(), self.line - 1
+        while end is not None or not self.more_numbers():
+            (line,) = self.lines(1)
+            if (pair := pattern.match(line)) is not None:
+                found[pair[1].strip().upper()] = pair[2].strip(), self.line - 1
+            if end is not None and end.match(line):
+                return {**found, "": (line, self.line - 1)}
         return found
 
     def value(self, keys: Keys, key: str, wanted: str = "") -> tuple[str, int]:
         """The value of a key and its line; wanted: what the value should be. Raises DocumentError if it has none."""
-        text, line = keys.get(key, ("", 1))
+        text, line = keys.get(key.upper(), ("", 1))
         if not text:
             raise self.fault(f"no value of {key}" + (f"; expected {wanted}" if wanted else ""), line)
         return text, line
 
     def number(self, text: str, line: int | None = None) -> float:
         """A number of the header. Raises DocumentError."""
-        value = value_of(text.strip().encode("latin-1", "replace"))
+        value = _value_of(text.strip().encode("latin-1", "replace"))
         if value is None:
             raise self.fault(f"found {text.strip()!r} in the header; expected a number", line)
         return value
 
-    def count(self, text: str, line: int | None = None) -> int:
-        """A number of values, as the header states it. Raises DocumentError."""
+    def count(self, text: str, line: int | None = None, same: int | None = None) -> int:
+        """A number of values in the header; same: the number that stands in another place of it. Raises DocumentError."""
         value = self.number(text, line)
         if value != int(value) or value < 0.0:
             raise self.fault(f"a number of values of {text.strip()}; expected a whole number", line)
+        if same is not None and value != same:
+            raise self.fault(f"{text.strip()} points, where the header states {same}", line)
         return int(value)
 
-    def step(self, text: str, line: int | None = None) -> float:
-        """A time step [s], as the header states it. Raises DocumentError."""
-        return self._positive(text, line, f"a time step of {text.strip()}")
-
-    def rate(self, text: str, line: int | None = None) -> float:
-        """A sampling frequency [Hz], as the header states it. Raises DocumentError."""
-        return self._positive(text, line, f"a sampling frequency of {text.strip()} Hz")
-
-    def _positive(self, text: str, line: int | None, what: str) -> float:
+    def step(self, text: str, line: int | None = None, name: str = "time step") -> float:
+        """A time step [s] in the header. Raises DocumentError if it is not positive."""
         value = self.number(text, line)
         if not value > 0.0:
-            raise self.fault(f"{what}; expected a positive one", line)
+            raise self.fault(f"a {name} of {text.strip()}; expected a positive number", line)
         return value
+
+    def step_of_rate(self, text: str, line: int | None = None) -> float:
+        """The time step [s] of a sampling frequency [Hz] in the header. Raises DocumentError if it is not positive."""
+        return 1.0 / self.step(text, line, "sampling frequency")
 
     def unit(self, word: str, line: int | None = None, key: str = "") -> str:
         """The unit of acceleration that a word of the header states, as `unit_of`. Raises DocumentError if it states another."""
         unit = unit_of(word)
         if unit is None:
-            found = f"{key}: found" if key else "found the unit"
-            raise self.fault(f"{found} {word!r}; expected {', '.join(WRITTEN_UNITS)}", line)
+            raise self.fault(f"{f'{key}: found' if key else 'found the unit'} {word!r}; expected {', '.join(WRITTEN_UNITS)}", line)
         return unit
 
     def agree(self, count: int, dt: float, duration: str, line: int | None = None, slack: float = 0.0) -> None:
         """Raise DocumentError if points and step contradict the declared duration [s], which may count the last step or not."""
-        stated = self.number(duration, line)
-        if abs(count * dt - stated) > max(1.6 * dt, 0.005 * stated, slack):
+        said = self.number(duration, line)
+        if abs(count * dt - said) > max(1.6 * dt, 0.005 * said, slack):
             raise self.fault(f"{count} values every {dt:g} s make {count * dt:g} s, where the header states {duration.strip()} s", line)
 
     # Blocks of numbers
@@ -147,13 +199,13 @@ class RecordText:
     def more_numbers(self) -> bool:
         """True if the next line that is not blank begins with a number."""
         rest = self.raw[self.at : self.at + 4096].split(None, 1)
-        return bool(rest) and NUMBER.fullmatch(rest[0]) is not None
+        return bool(rest) and _NUMBER.fullmatch(rest[0]) is not None
 
     def demand_end(self, count: int) -> None:
         """Raise DocumentError if another line of numbers follows the `count` values that are declared."""
         ahead = self.raw[self.at : self.at + 4096]
         line = ahead.lstrip().split(b"\n", 1)[0]
-        if line and not line.translate(None, OF_NUMBERS):
+        if line and not line.translate(None, _OF_NUMBERS):
             blank = ahead.partition(line)[0].count(b"\n")
             raise self.fault(f"found a line of numbers after the {count} values declared", self.line + blank)
 
@@ -162,82 +214,100 @@ class RecordText:
         columns of a fixed width at a line that is not full."""
         if count > len(self.raw) - self.at + 1:
             raise self.fault(f"{count} values are declared, more than a file of {len(self.raw)} bytes holds")
-        values, done = np.empty(count), 0
-        while done < count:
-            left, at, first = count - done, self.at, self.line
-            block = self._take(min(-(-left // layout.columns), _LINES_AT_ONCE))
-            if not block:
-                raise self.fault(f"the file ends after {done} of {count} values")
-            rows = [] if layout.width is None else self._fields(block, layout, left)
-            found = parsed(block if layout.width is None else b" ".join(field for row in rows for field in row))
-            if found is None or found.size > left or (rows and found.size != sum(map(len, rows))):
-                found, lines = self._one_by_one(rows or [line.split() for line in block.split(b"\n")], first, done, count)
-                self.at, self.line = at, first
-                self._take(lines)
-            self._demand_full(rows, layout, left, count, first)
-            values[done : done + found.size] = found
-            done += found.size
-        return values
+        at, first, columns = self.at, self.line, layout.columns
+        block = self._take(-(-count // columns))
+        full = True
+        if layout.width is not None:
+            rows = [layout.split(line, min(columns, count - i * columns)) for i, line in enumerate(block.removesuffix(b"\n").split(b"\n"))]
+            full = all(len(row) == columns for row in rows[:-1])
+            block = b" ".join(field for row in rows for field in row)
+        found = _parsed(block)
+        if found is not None and found.size == count and full:
+            return found
+        self.at, self.line = at, first
+        values: list[float] = []
+        for row in self._rows(count, layout):
+            values += [self._value(token, f", after {len(values) + i} of {count} values") for i, token in enumerate(row)]
+        return np.array(values)
 
     def skip(self, count: int, layout: Layout) -> None:
         """Read past `count` numbers; stars may stand in their place. Raises DocumentError at a line that holds something else."""
-        first = self.line
-        block = self._take(-(-count // layout.columns))
-        if self.line - first < -(-count // layout.columns):
-            raise self.fault(f"the file ends after {self.line - first} lines of {count} values")
-        for i, line in enumerate(block.split(b"\n"), first):
-            if line.translate(None, OF_NUMBERS):
-                raise self.fault(f"found {quoted(line.strip())}; expected {count} numbers from line {first} on", i)
-        self._demand_full(self._fields(block, layout, count), layout, count, count, first)
+        for row in self._rows(count, layout):
+            for token in row:
+                if token.translate(None, _OF_NUMBERS):
+                    raise self.fault(f"found {_shown(token)}; expected {count} numbers")
+
+    def _rows(self, count: int, layout: Layout) -> Iterator[list[bytes]]:
+        """The numbers of each line as printed, `count` in all. Raises DocumentError at a line of fixed width that is not full."""
+        done = 0
+        while done < count:
+            line, wanted = self._take(1), min(layout.columns, count - done)
+            if not line:
+                raise self.fault(f"the file ends after {done} of {count} values")
+            row = layout.split(line, wanted)
+            yield row[: count - done]
+            if layout.width is not None and len(row) != wanted:
+                raise self.fault(f"found {len(row)} numbers on a line; expected {wanted} (the header announces {count} values)")
+            done += len(row)
 
     def table(self, separators: bytes = b"") -> tuple[Array, int]:
         """All numbers of the lines to come, and how many stand on each. Raises DocumentError if the lines differ."""
-        columns, done = 0, 0
-        values = np.empty(0)
-        while self.at < len(self.raw):
-            line = self.line
-            block = self._take(_LINES_AT_ONCE).rstrip().translate(bytes.maketrans(separators, b" " * len(separators)))
-            if not done:
-                columns = len(block.split(b"\n", 1)[0].split())
-                values = np.empty(columns * (2 + self.raw.count(b"\n", self.at) + self.line - line))  # untouched pages take no memory
-            found = parsed(block)
-            if found is None or found.size != columns * (block.count(b"\n") + 1):
-                rows = [row.split() for row in block.split(b"\n")]
-                found, _ = self._one_by_one(rows, line)
-                for i, row in enumerate(rows, line):
-                    if row and len(row) != columns:
-                        raise self.fault(f"found {len(row)} numbers, {columns} on the lines before", i)
-            values[done : done + found.size] = found
-            done += found.size
-        values.resize(done, refcheck=False)
-        return values, columns
+        block = self.raw[self.at :].rstrip().translate(bytes.maketrans(separators, b" " * len(separators)))
+        lines = block.split(b"\n")
+        columns, found = len(lines[0].split()), _parsed(block)
+        if found is None or found.size != columns * len(lines):
+            values: list[float] = []
+            for line in lines:
+                self.line += 1
+                values += [self._value(token) for token in line.split()]
+                if line.strip() and len(line.split()) != columns:
+                    raise self.fault(f"found {len(line.split())} numbers, {columns} on the lines before")
+            found = np.array(values)
+        self.at = len(self.raw)
+        return found, columns
 
-    @staticmethod
-    def _fields(block: bytes, layout: Layout, left: int) -> list[list[bytes]]:
-        """The fields of each line of a block, of which `left` numbers are wanted."""
-        lines = block.removesuffix(b"\n").split(b"\n") if block else []
-        return [layout.fields(line, min(layout.columns, left - i * layout.columns)) for i, line in enumerate(lines)]
+    def _value(self, token: bytes, after: str = "") -> float:
+        value = _value_of(token)
+        if value is None:
+            raise self.fault(f"found {_shown(token)}{after}")
+        return value
 
-    def _demand_full(self, rows: list[list[bytes]], layout: Layout, left: int, count: int, first: int) -> None:
-        """Raise DocumentError at a line of a fixed-width block that does not hold as many of the `left` numbers as its columns."""
-        for i, row in enumerate(rows):
-            wanted = min(layout.columns, left - i * layout.columns)
-            if len(row) != wanted:
-                expected = f"expected {wanted} (the header announces {count} values)"
-                raise self.fault(f"found {len(row)} numbers on a line; {expected}", first + i)
 
-    def _one_by_one(self, rows: list[list[bytes]], first: int, done: int = 0, count: int | None = None) -> tuple[Array, int]:
-        """(the numbers of lines up to `count` in all, how many lines hold them). Raises DocumentError at the first token that is none."""
-        found: list[float] = []
-        lines = 0
-        for row in rows:
-            for token in row if count is None else row[: max(0, count - done - len(found))]:
-                value = value_of(token)
-                if value is None:
-                    where = "" if count is None else f", after {done + len(found)} of {count} values"
-                    raise self.fault(f"found {shown(token)}{where}", first + lines)
-                found.append(value)
-            lines += 1
-            if count is not None and done + len(found) == count:
-                break
-        return np.array(found), lines
+def _value_of(token: bytes) -> float | None:
+    """The finite number that a token states, which may have the exponent letter D; None if it states none."""
+    token = _with_e(token)
+    value = float(token) if _NUMBER.fullmatch(token) else np.nan
+    return value if np.isfinite(value) else None
+
+
+def _with_e(text: bytes) -> bytes:
+    """Fortran's exponent letter D as E."""
+    return text.replace(b"D", b"E").replace(b"d", b"e")
+
+
+def _parsed(block: bytes) -> Array | None:
+    """The numbers between the blanks of a block; None if one of its words is not a finite number."""
+    block = _with_e(block)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        try:
+            values = np.fromstring(block, sep=" ")  # takes -1-2 for two numbers, hence the count of words below
+        except (DeprecationWarning, ValueError):
+            return None
+    blank = np.frombuffer(b" " + block, dtype=np.uint8) <= 32
+    words = int(np.count_nonzero(blank[:-1] > blank[1:]))
+    return values if values.size == words and bool(np.all(np.isfinite(values))) else None
+
+
+def _shown(token: bytes) -> str:
+    """A token that is not a number, in quotes and with the reason."""
+    if not token:
+        return "blanks in place of a number"
+    words = token.decode("latin-1")
+    if set(token) == {42}:
+        reason = "stars in place of a number"
+    elif len(_NUMBER.findall(token)) > 1 and not _NUMBER.sub(b"", token).strip(b"."):
+        reason = "two numbers run together"
+    else:
+        reason = "which is no finite number"
+    return f"{(words if len(words) <= 40 else words[:37] + '...')!r}, {reason}"

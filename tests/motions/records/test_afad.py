@@ -51,7 +51,7 @@ def test_one_of_several_components_has_to_be_named(tmp_path):
         ({"count": ""}, "a:6: no value of NUMBER OF DATA"),
         ({"dt": "0"}, "a:7: a time step of 0"),
         ({"unit": "cm/s"}, "a:8: found 'RAW PGA VALUES (CM/S)'"),
-        ({"lines": 9}, "a:9: no line N-S, E-W, U-D"),
+        ({"lines": 9}, "a:9: the file ends within its header"),
     ],
 )
 def test_bad_files_are_told_with_file_and_line(tmp_path, changed, words):

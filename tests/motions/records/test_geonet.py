@@ -81,7 +81,7 @@ def test_three_components_whose_numbers_touch(tmp_path):
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        (component("Up", SAMPLES / 2, points=1235), "a:10: 1235 points, where the numbers of the header state 1234"),
+        (component("Up", SAMPLES / 2, points=1235), "a:10: 1235 points, where the header states 1234"),
         (component("Up", SAMPLES / 2, duration=30.0), "a:10: 1234 values every 0.02 s make 24.68 s, where the header states 30.00 s"),
         (component("Up", SAMPLES / 2, dt=0.0, duration=24.66), "a time step of 0"),
         (uncorrected("Up", SAMPLES / 2, unit="0.10"), "a:11: raw readings in units of 0.10 mm/s/s; expected units of 1"),

@@ -49,7 +49,7 @@ def test_counts_become_an_acceleration_about_their_mean(tmp_path):
 @pytest.mark.parametrize(
     ("changed", "words"),
     [
-        ({"scale": ""}, "a:14: Scale Factor: no value, and counts without a scale have no unit"),
+        ({"scale": ""}, "a:14: no value of Scale Factor; expected a scale such as 7845(gal)/8223790, since counts have no unit"),
         ({"scale": "3920(gal)/0"}, "Scale Factor"),
         ({"rate": "0Hz"}, "a:11: a sampling frequency of 0"),
         ({"duration": "31"}, "a:392: the file ends after 3000 of 3100 values"),

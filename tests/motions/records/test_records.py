@@ -47,8 +47,8 @@ def test_a_set_is_files_a_directory_or_a_list(tmp_path):
     listing = tmp_path / "lists" / "set.txt"
     listing.write_text("# a set\n../b.AT2\n\n../a.AT2\n")
     a, b = (str(tmp_path / x) for x in ("a.AT2", "b.AT2"))
-    assert list(record_files([a, str(tmp_path)])) == [(a, True), (a, False), (b, False)]
-    assert [read_record(x).name for x, _ in record_files([str(listing)])] == ["b", "a"]
+    assert list(record_files([a, str(tmp_path)])) == [(a, True, None), (a, False, None), (b, False, None)]
+    assert [read_record(x).name for x, *_ in record_files([str(listing)])] == ["b", "a"]
     (tmp_path / "empty").mkdir()
     with pytest.raises(UsageError, match="a directory without files"):
         list(record_files([str(tmp_path / "empty")]))

@@ -64,7 +64,7 @@ def test_channels_are_read_and_said_to_be_uncorrected(tmp_path, write, form, ten
         (header("CHAN 1: L", "UNITS OF UNCOR ACCEL ARE SEC AND G/10.", SAMPLES, count=0, length=0.0), "a:28: found 0 values"),
         (announced("Up", unit="cm/sec2 "), None),
         (announced("Up", unit="counts"), "a:28: found the unit 'counts'"),
-        (announced("Up", points=732), "a:28: 732 points, where the channel's header states 733"),
+        (announced("Up", points=732), "a:28: 732 points, where the header states 733"),
         (announced("Up", length=3.0), "733 values every 0.005 s make 3.665 s, where the header states 3.000 s"),
         (announced("Up").replace("(8f9.6)", ""), "a:28: found '733 Accelerogram points at 200"),
         (announced("Up", rate=0), "a:28:"),
