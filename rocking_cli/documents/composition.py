@@ -1,21 +1,18 @@
 """Text to YAML nodes with their places. The text holds YAML documents, or JSON objects one after the other.
 
-A file above a size limit is refused before it costs time and memory.
+A text above a limit is refused before it costs time and memory.
 """
 
 from __future__ import annotations
 
 import json
 import re
-import sys
 from dataclasses import dataclass, replace
-from pathlib import Path
 
 import yaml
 
-from ..errors import DocumentError, UsageError
+from ..errors import DocumentError
 
-LARGEST = 64 << 20  # bytes of a file, which may be a stream of JSON objects
 LONGEST = 2 << 20  # characters of a YAML file, or of one JSON object
 MOST_VALUES = 100_000  # values of a document; an alias counts each time
 DEEPEST = 20  # levels of nested lists and mappings
@@ -38,45 +35,18 @@ class Place:
         return replace(self, line=self.line + lines)
 
 
-def read_text(path: str | Path) -> tuple[str, str]:
-    """(text, source name) of a file; `-` is standard input.
-
-    Raises UsageError if the file cannot be read, and DocumentError if it is too large or is not UTF-8.
-    """
-    source = str(path)
-    try:
-        if source == "-":
-            source = "<stdin>"
-            if sys.stdin is None:
-                raise UsageError("standard input is closed")
-            raw = sys.stdin.buffer.read(LARGEST + 1)
-        else:
-            with open(path, "rb") as file:
-                raw = file.read(LARGEST + 1)
-    except OSError as error:
-        raise UsageError(f"{source}: cannot be read: {error.strerror or error}") from None
-    return text_of(raw, source), source
-
-
-def text_of(raw: bytes, source: str) -> str:
-    """The text of a file's bytes. Raises DocumentError if it is too large or is not UTF-8."""
-    if len(raw) > LARGEST:
-        raise DocumentError(f"{_place_in(raw.decode(errors='replace'), LARGEST, source)}: {_too_long(LARGEST)}")
+def text_of(source: str, raw: bytes) -> str:
+    """The text of a file's bytes. Raises DocumentError if it is not UTF-8."""
     try:
         return raw.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         before = error.object[: error.start].decode()  # `error.object` lacks the byte order mark, and `start` counts without it
-        place = _place_in(before, len(before), source)
-        raise DocumentError(f"{place}: not a UTF-8 text (byte {error.start})") from None
+        raise DocumentError(f"{_place_in(before, len(before), source)}: not a UTF-8 text (byte {error.start})") from None
 
 
 def compose(text: str, source: str) -> list[tuple[yaml.Node, int]]:
     """(root node, line offset) of each document of a text; the offset is added to the line numbers of the node. Raises DocumentError."""
     return _compose_json(text, source) if text.lstrip().startswith("{") else _compose_yaml(text, source, 0)
-
-
-def _too_long(limit: int) -> str:
-    return f"longer than {limit >> 20} MiB, the limit of a structure document"
 
 
 def _place_in(text: str, at: int, source: str) -> Place:
@@ -114,7 +84,9 @@ class _Composer(yaml.SafeLoader):
 
 def _compose_yaml(text: str, source: str, first: int) -> list[tuple[yaml.Node, int]]:
     if len(text) > LONGEST:
-        raise DocumentError(f"{_place_in(text, LONGEST, source).below(first)}: {_too_long(LONGEST)}")
+        raise DocumentError(
+            f"{_place_in(text, LONGEST, source).below(first)}: longer than {LONGEST >> 20} MiB, the limit of a structure document"
+        )
     try:
         return [(node, first) for node in yaml.compose_all(text, Loader=_Composer) if node is not None]
     except _Unlikely as error:

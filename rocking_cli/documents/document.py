@@ -17,7 +17,8 @@ from typing import Any
 import yaml
 
 from ..errors import DocumentError, did_you_mean
-from .composition import DEEPEST, MOST_VALUES, Place, compose, read_text, text_of
+from .composition import DEEPEST, MOST_VALUES, Place, compose, text_of
+from .files import read_bytes
 from .quantities import SMALLEST_LENGTH, accepted, parse_quantity, split_quantity
 from .table import Cell, delimiter_of, demand_no_table, rows_of
 
@@ -223,12 +224,12 @@ def read_documents(path: str | Path) -> list[Document]:
 
     Raises UsageError if the file cannot be read, and DocumentError if it holds no valid document.
     """
-    return parse_documents(*read_text(path))
+    return documents_of(*read_bytes(path))
 
 
-def documents_of(raw: bytes, source: str) -> list[Document]:
+def documents_of(source: str, raw: bytes) -> list[Document]:
     """All documents of a file's bytes. Raises DocumentError."""
-    return parse_documents(text_of(raw, source), source)
+    return parse_documents(text_of(source, raw), source)
 
 
 def parse_documents(text: str, source: str = "<text>") -> list[Document]:

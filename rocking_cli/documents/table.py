@@ -14,8 +14,9 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import NamedTuple
 
-from ..errors import DocumentError, UsageError
-from .composition import LONGEST, Place
+from ..errors import DocumentError
+from .composition import LONGEST, Place, text_of
+from .files import read_bytes
 from .quantities import UNITS, split_quantity
 
 KIND = "kind"  # only a table of structures has this column
@@ -94,15 +95,12 @@ def named_rows(path: str | Path) -> tuple[list[str], list[tuple[int, dict[str, s
 
     Raises UsageError if the file cannot be read, and DocumentError if it is not CSV.
     """
+    source, raw = read_bytes(path)
+    reader = csv.DictReader(io.StringIO(text_of(source, raw), newline=""), strict=True)
     try:
-        with open(path, encoding="utf-8-sig", newline="") as handle:
-            reader = csv.DictReader(handle, strict=True)
-            columns = list(reader.fieldnames or ())
-            return columns, [(reader.line_num, row) for row in reader]
-    except OSError as error:
-        raise UsageError(f"{path}: cannot be read: {error.strerror or error}") from None
-    except (UnicodeDecodeError, csv.Error) as error:
-        raise DocumentError(f"{path}: is not CSV ({error})") from None
+        return list(reader.fieldnames or ()), [(reader.line_num, row) for row in reader]
+    except csv.Error as error:
+        raise DocumentError(f"{source}: is not CSV ({error})") from None
 
 
 def _split(heading: str) -> tuple[str, str]:

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from ..documents.document import documents_of
+from ..documents.files import read_bytes
 from ..documents.quantities import parse_quantity
 from ..errors import DocumentError, UsageError
 from .biaxial import with_vertical
@@ -15,7 +16,7 @@ from .intensity import intensity
 from .motion import Motion
 from .motion_document import build_motion
 from .polyline import record_motion
-from .records import Record, pick, read_bytes, records_of
+from .records import Record, pick, records_of
 from .records.components import vertical_of
 
 LONG, _BYTES = 5_000_000, 200  # a record with so many samples gets a remark on memory; bytes for each sample
@@ -60,7 +61,7 @@ def read_motion(
 
 def motion_of(source: str, raw: bytes, *, scale: float | None = None, **of_records: Any) -> Motion:
     """The motion of the bytes of a document, times `scale`. Raises DocumentError, and UsageError if an option of records is given."""
-    documents = documents_of(raw, source)
+    documents = documents_of(source, raw)
     if len(documents) > 1:
         raise DocumentError(f"{documents[1].place}: a second document; a motion file holds one")
     motion = build_motion(documents[0])

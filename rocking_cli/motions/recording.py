@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from ..documents.files import STDIN
 from ..errors import DocumentError, UsageError
 from .biaxial import Upwards
 from .blocks import largest
@@ -21,7 +22,6 @@ from .polyline import record_motion
 from .reading import factor_of, motion_of, remarks_on
 from .records import Record, is_record
 from .records.components import chosen, vertical_of
-from .records.opening import STDIN
 from .records.sets import NoRecord, read_set, record_files
 
 

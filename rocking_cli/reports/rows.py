@@ -9,7 +9,8 @@ from contextlib import suppress
 
 import numpy as np
 
-from ..documents.composition import read_text
+from ..documents.composition import text_of
+from ..documents.files import read_bytes
 from ..errors import DocumentError, UsageError
 from .units import si_of
 
@@ -19,8 +20,8 @@ Rows = list[dict[str, str]]
 def rows_of(source: str) -> Rows:
     """All rows of a CSV file; `-` is standard input. Raises UsageError if it is not CSV or has no rows."""
     try:
-        text, name = read_text(source)
-        rows = [_in_si(row) for row in csv.DictReader(io.StringIO(text, newline=""), strict=True)]
+        name, raw = read_bytes(source)
+        rows = [_in_si(row) for row in csv.DictReader(io.StringIO(text_of(name, raw), newline=""), strict=True)]
     except (DocumentError, csv.Error) as error:
         raise UsageError(f"{source}: neither a spectra file nor CSV ({error})") from None
     if not rows:

@@ -8,7 +8,7 @@ import re
 import pytest
 
 from rocking_cli import DocumentError, build_structure, parse_documents
-from rocking_cli.documents import composition
+from rocking_cli.documents import composition, files
 from rocking_cli.documents.document import read_documents
 from rocking_cli.motions.motion_document import build_motion
 
@@ -44,8 +44,8 @@ def test_a_file_beyond_the_limit_is_not_composed(tmp_path, monkeypatch):
     path.write_text("# a comment\n" * 200_000)
     with pytest.raises(DocumentError, match=r"f\.yaml:174763:9: longer than 2 MiB, the limit of a structure document$"):
         read_documents(path)
-    monkeypatch.setattr(composition, "LARGEST", 1 << 20)
-    with pytest.raises(DocumentError, match=r"f\.yaml:87382:5: longer than 1 MiB"):
+    monkeypatch.setattr(files, "LARGEST", 1 << 20)
+    with pytest.raises(DocumentError, match=r"f\.yaml: larger than 1 MiB"):
         read_documents(path)
 
 

@@ -212,7 +212,7 @@ def test_what_does_not_fit_is_refused(folder, paths, more, words):
 
 
 def test_a_pipe_is_read_where_somebody_writes_to_it(folder, monkeypatch):
-    monkeypatch.setattr("rocking_cli.motions.records.opening._PATIENCE", 0.01)
+    monkeypatch.setattr("rocking_cli.documents.files._PATIENCE", 0.01)
     os.mkfifo("pipe")
     with pytest.raises(UsageError, match="pipe: a pipe that nobody writes to"):
         read_motion("pipe")

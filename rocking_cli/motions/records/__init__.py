@@ -23,12 +23,13 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from ...documents.files import STDIN, read_bytes
 from ...documents.quantities import UNITS
 from ...errors import DocumentError, NoAcceleration, UsageError
 from ...plugins import blamed, installed
 from . import plain
 from .components import pick
-from .opening import PACKED, STDIN, read_bytes, refuse_binary, unpack
+from .opening import PACKED, refuse_binary, unpack
 from .record import Record, Series, record_of
 from .text import HEAD, RecordText
 
@@ -42,7 +43,6 @@ __all__ = [
     "demand_unit",
     "is_record",
     "pick",
-    "read_bytes",
     "read_record",
     "read_records",
     "records_of",

@@ -1,60 +1,17 @@
-"""The bytes of a file of numbers, read once and unpacked, and what is no text refused."""
+"""Files that hold a packed text, and files that are no text."""
 
 from __future__ import annotations
 
 import gzip
 import io
-import os
-import select
-import stat
-import sys
 import zlib
-from pathlib import Path
 
-from ...errors import DocumentError, NoAcceleration, UsageError
+from ...documents.files import LARGEST
+from ...errors import DocumentError, NoAcceleration
 from .text import HEAD
 
-LARGEST = 256 << 20  # bytes of a file, unpacked
-STDIN = "<stdin>"
 PACKED = b"\x1f\x8b"  # gzip
-_PATIENCE = 2.0  # s that a pipe may be without a writer
 _COUNTS = "counts of an instrument and no unit; convert it to an acceleration with the station's response first"
-
-
-def read_bytes(path: str | Path) -> tuple[str, bytes]:
-    """The source's name and what the file holds, `-` for standard input. Raises UsageError, and DocumentError for one too large."""
-    source = str(path)
-    try:
-        if source == "-":
-            if sys.stdin is None:
-                raise UsageError("standard input is closed")
-            source, raw = STDIN, sys.stdin.buffer.read(LARGEST + 1)
-        else:
-            with open(path, "rb", opener=_with_a_writer) as file:
-                size = os.fstat(file.fileno()).st_size
-                raw = b"" if size > LARGEST else file.read(LARGEST + 1)
-    except OSError as error:
-        raise UsageError(f"{source}: cannot be read: {error.strerror or error}") from None
-    if len(raw) > LARGEST or (source != STDIN and size > LARGEST):
-        raise DocumentError(f"{source}: larger than {LARGEST >> 20} MiB, which no record is")
-    return source, raw
-
-
-def _with_a_writer(path: str, flags: int) -> int:
-    """Open a file; of a pipe only one that somebody writes to, since it would be waited for without end. Raises UsageError."""
-    if not stat.S_ISFIFO(os.stat(path).st_mode):
-        return os.open(path, flags)
-    descriptor = os.open(path, flags | os.O_NONBLOCK)
-    ready = select.select([descriptor], [], [], _PATIENCE)[0]
-    try:
-        nobody = not ready and os.read(descriptor, 1) == b""
-    except BlockingIOError:  # there is a writer, who has not begun
-        nobody = False
-    if nobody:
-        os.close(descriptor)
-        raise UsageError(f"{path}: a pipe that nobody writes to")
-    os.set_blocking(descriptor, True)
-    return descriptor
 
 
 def unpack(source: str, raw: bytes) -> bytes:
@@ -67,7 +24,7 @@ def unpack(source: str, raw: bytes) -> bytes:
     except (OSError, EOFError, zlib.error) as error:
         raise DocumentError(f"{source}: a damaged gzip file ({error})") from None
     if len(unpacked) > LARGEST:
-        raise DocumentError(f"{source}: larger than {LARGEST >> 20} MiB when unpacked, which no record is")
+        raise DocumentError(f"{source}: larger than {LARGEST >> 20} MiB when unpacked, the limit of a file")
     return unpacked
 
 

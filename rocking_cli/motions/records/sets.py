@@ -7,10 +7,10 @@ import os
 from collections.abc import Callable, Iterator, Sequence
 from typing import BinaryIO, TypeVar
 
+from ...documents.files import read_bytes
 from ...errors import DocumentError, NoAcceleration, NoComponent, UsageError
 from . import demand_unit, records_of, unknown
 from .components import names_of
-from .opening import read_bytes
 from .record import Record
 from .text import HEAD
 

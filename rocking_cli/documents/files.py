@@ -1,0 +1,52 @@
+"""The bytes of a file that a user names; `-` is standard input."""
+
+from __future__ import annotations
+
+import os
+import select
+import stat
+import sys
+from pathlib import Path
+
+from ..errors import DocumentError, UsageError
+
+LARGEST = 256 << 20  # bytes of a file
+STDIN = "<stdin>"
+_PATIENCE = 2.0  # s that a pipe may be without a writer
+
+
+def read_bytes(path: str | Path) -> tuple[str, bytes]:
+    """(source name, content) of a file. Raises UsageError if it cannot be read, and DocumentError if it is too large."""
+    source = STDIN if str(path) == "-" else str(path)
+    try:
+        if source == STDIN:
+            if sys.stdin is None:
+                raise UsageError("standard input is closed")
+            raw = sys.stdin.buffer.read(LARGEST + 1)
+            size = len(raw)
+        else:
+            with open(path, "rb", opener=_with_a_writer) as file:
+                size = os.fstat(file.fileno()).st_size
+                raw = b"" if size > LARGEST else file.read(LARGEST + 1)
+    except OSError as error:
+        raise UsageError(f"{source}: cannot be read: {error.strerror or error}") from None
+    if max(size, len(raw)) > LARGEST:
+        raise DocumentError(f"{source}: larger than {LARGEST >> 20} MiB, the limit of a file")
+    return source, raw
+
+
+def _with_a_writer(path: str, flags: int) -> int:
+    """Open a file. Raises UsageError for a pipe without a writer, for which reading would wait without end."""
+    if not stat.S_ISFIFO(os.stat(path).st_mode):
+        return os.open(path, flags)
+    descriptor = os.open(path, flags | os.O_NONBLOCK)
+    ready = select.select([descriptor], [], [], _PATIENCE)[0]
+    try:
+        nobody = not ready and os.read(descriptor, 1) == b""
+    except BlockingIOError:  # there is a writer, who has not begun
+        nobody = False
+    if nobody:
+        os.close(descriptor)
+        raise UsageError(f"{path}: a pipe that nobody writes to")
+    os.set_blocking(descriptor, True)
+    return descriptor
