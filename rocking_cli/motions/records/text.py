@@ -7,22 +7,19 @@ the speed of NumPy. If that fails, it is read line by line, to name the place of
 from __future__ import annotations
 
 import re
-import warnings
 from collections.abc import Callable, Iterable, Iterator
 from typing import NamedTuple
 
 import numpy as np
 
 from ...errors import DocumentError, NoAcceleration
+from .numbers import NUMBER, OF_NUMBERS, Array, parsed, shown, value_of
 from .record import WRITTEN_UNITS, unit_of
 
-Array = np.ndarray
 Keys = dict[str, tuple[str, int]]
 
 HEAD = 1 << 16  # bytes in which a format shows itself
 _DOS_BLOCK = 128  # bytes
-_NUMBER = re.compile(rb"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?")
-_OF_NUMBERS = b" \t\n0123456789+-.eEdD*"
 FORTRAN = r"\(\s*(?:\d+P\s*,?\s*)?(?P<columns>\d*)\s*[FEGDI]\s*(?P<width>[1-9]\d?)"  # a format such as (8F10.5) or (1E15.6)
 
 
@@ -152,7 +149,7 @@ class RecordText:
 
     def number(self, text: str, line: int | None = None) -> float:
         """A number of the header. Raises DocumentError."""
-        value = _value_of(text.strip().encode("latin-1", "replace"))
+        value = value_of(text.strip().encode("latin-1", "replace"))
         if value is None:
             raise self.fault(f"found {text.strip()!r} in the header; expected a number", line)
         return value
@@ -199,13 +196,13 @@ class RecordText:
     def more_numbers(self) -> bool:
         """True if the next line that is not blank begins with a number."""
         rest = self.raw[self.at : self.at + 4096].split(None, 1)
-        return bool(rest) and _NUMBER.fullmatch(rest[0]) is not None
+        return bool(rest) and NUMBER.fullmatch(rest[0]) is not None
 
     def demand_end(self, count: int) -> None:
         """Raise DocumentError if another line of numbers follows the `count` values that are declared."""
         ahead = self.raw[self.at : self.at + 4096]
         line = ahead.lstrip().split(b"\n", 1)[0]
-        if line and not line.translate(None, _OF_NUMBERS):
+        if line and not line.translate(None, OF_NUMBERS):
             blank = ahead.partition(line)[0].count(b"\n")
             raise self.fault(f"found a line of numbers after the {count} values declared", self.line + blank)
 
@@ -221,7 +218,7 @@ class RecordText:
             rows = [layout.split(line, min(columns, count - i * columns)) for i, line in enumerate(block.removesuffix(b"\n").split(b"\n"))]
             full = all(len(row) == columns for row in rows[:-1])
             block = b" ".join(field for row in rows for field in row)
-        found = _parsed(block)
+        found = parsed(block)
         if found is not None and found.size == count and full:
             return found
         self.at, self.line = at, first
@@ -234,8 +231,8 @@ class RecordText:
         """Read past `count` numbers; stars may stand in their place. Raises DocumentError at a line that holds something else."""
         for row in self._rows(count, layout):
             for token in row:
-                if token.translate(None, _OF_NUMBERS):
-                    raise self.fault(f"found {_shown(token)}; expected {count} numbers")
+                if token.translate(None, OF_NUMBERS):
+                    raise self.fault(f"found {shown(token)}; expected {count} numbers")
 
     def _rows(self, count: int, layout: Layout) -> Iterator[list[bytes]]:
         """The numbers of each line as printed, `count` in all. Raises DocumentError at a line of fixed width that is not full."""
@@ -254,7 +251,7 @@ class RecordText:
         """All numbers of the lines to come, and how many stand on each. Raises DocumentError if the lines differ."""
         block = self.raw[self.at :].rstrip().translate(bytes.maketrans(separators, b" " * len(separators)))
         lines = block.split(b"\n")
-        columns, found = len(lines[0].split()), _parsed(block)
+        columns, found = len(lines[0].split()), parsed(block)
         if found is None or found.size != columns * len(lines):
             values: list[float] = []
             for line in lines:
@@ -267,47 +264,7 @@ class RecordText:
         return found, columns
 
     def _value(self, token: bytes, after: str = "") -> float:
-        value = _value_of(token)
+        value = value_of(token)
         if value is None:
-            raise self.fault(f"found {_shown(token)}{after}")
+            raise self.fault(f"found {shown(token)}{after}")
         return value
-
-
-def _value_of(token: bytes) -> float | None:
-    """The finite number that a token states, which may have the exponent letter D; None if it states none."""
-    token = _with_e(token)
-    value = float(token) if _NUMBER.fullmatch(token) else np.nan
-    return value if np.isfinite(value) else None
-
-
-def _with_e(text: bytes) -> bytes:
-    """Fortran's exponent letter D as E."""
-    return text.replace(b"D", b"E").replace(b"d", b"e")
-
-
-def _parsed(block: bytes) -> Array | None:
-    """The numbers between the blanks of a block; None if one of its words is not a finite number."""
-    block = _with_e(block)
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        try:
-            values = np.fromstring(block, sep=" ")  # takes -1-2 for two numbers, hence the count of words below
-        except (DeprecationWarning, ValueError):
-            return None
-    blank = np.frombuffer(b" " + block, dtype=np.uint8) <= 32
-    words = int(np.count_nonzero(blank[:-1] > blank[1:]))
-    return values if values.size == words and bool(np.all(np.isfinite(values))) else None
-
-
-def _shown(token: bytes) -> str:
-    """A token that is not a number, in quotes and with the reason."""
-    if not token:
-        return "blanks in place of a number"
-    words = token.decode("latin-1")
-    if set(token) == {42}:
-        reason = "stars in place of a number"
-    elif len(_NUMBER.findall(token)) > 1 and not _NUMBER.sub(b"", token).strip(b"."):
-        reason = "two numbers run together"
-    else:
-        reason = "which is no finite number"
-    return f"{(words if len(words) <= 40 else words[:37] + '...')!r}, {reason}"
