@@ -14,8 +14,8 @@ from .dynamics.response import nonlinear_response as nonlinear_response
 from .dynamics.response import response as response
 from .dynamics.system import System as System
 from .envelopes.closed_form import closed_form_curves as closed_form_curves
-from .envelopes.envelope import Interval as Interval
-from .envelopes.envelope import trace_envelope as trace_envelope
+from .envelopes.intervals import Interval as Interval
+from .envelopes.intervals import trace_envelope as trace_envelope
 from .errors import DocumentError as DocumentError
 from .errors import Interrupted as Interrupted
 from .errors import MotionError as MotionError

@@ -79,7 +79,7 @@ def envelope(
     overturn a structure the linear one says that it stands.
     """
     from ..dynamics.method import governing_method, model_in_words
-    from ..envelopes.envelope import CURVE_COLUMNS, check_curves, frequency_axis, structure_curves
+    from ..envelopes.intervals import CURVE_COLUMNS, check_curves, frequency_axis, structure_curves
     from ..spectra.record_envelope import Tracing
     from ..spectra.record_scene import scene_of_words
 
@@ -131,7 +131,7 @@ def _of_pulse(
     quiet: bool,
 ) -> None:
     """Print the intervals of each structure, by one equation or both."""
-    from ..envelopes.envelope import INTERVAL_COLUMNS, NARROWEST, NONE, check_intervals, misjudged, structure_intervals
+    from ..envelopes.intervals import INTERVAL_COLUMNS, NARROWEST, NONE, check_intervals, misjudged, structure_intervals
 
     for structure, ways in searches:  # all of them, before the first row is printed
         for way in ways:
@@ -176,7 +176,7 @@ def _of_records(
 ) -> None:
     """Print the overturning scales of records, or their quantiles."""
     from ..envelopes.capacity import RATIO
-    from ..envelopes.envelope import NONE
+    from ..envelopes.intervals import NONE
     from ..spectra.overturning_spectrum import overturning_spectrum
     from ..spectra.record_envelope import check_tracing, tracing_records
 

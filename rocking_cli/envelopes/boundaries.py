@@ -27,18 +27,18 @@ from ..dynamics.response import response
 from ..dynamics.system import System
 from ..motions import Motion
 from ..motions.blocks import blocks
-from ..motions.segments import Segments
 from .changes import SECTIONS, Brackets, narrowed
 from .one_arc import Modes, may_change, modes_at_end
 from .scan_grid import ScanGrid, gaps_between, onwards
 
 Array = np.ndarray
+Steps = list[tuple[float, int]]  # amplitudes, rising, and the outcome from each on
 
-FINE_STEP = 0.999e-4  # of the closer look around changes of the outcome or of the number of impacts, where narrow intervals gather
-_AROUND = 12  # points on either side of such a change that are looked at closer too
-_WORTH = 20_000  # amplitudes in all from which bounds on those that nothing strikes take less than a look at each
+FINE_STEP = 0.999e-4  # of the finer scan around changes of the outcome or of the number of impacts, where narrow intervals gather
+_AROUND = 12  # points on either side of such a change that the finer scan includes
+_WORTH = 20_000  # amplitudes in all from which bounds over stretches take less time than each amplitude by itself
 _BATCH = 1 << 20  # cells of the scan computed together
-_STRETCH = 80  # points that are looked at together where only the first fall is looked for
+_STRETCH = 80  # points computed together in a search for the first fall
 
 
 class Look(NamedTuple):
@@ -50,19 +50,12 @@ class Look(NamedTuple):
     impacts: Array
 
 
-class Row(NamedTuple):
-    """The outcome just above uplift, and where it changes on the way up: (amplitude, outcome above it)."""
-
-    begins: int
-    changes: list[tuple[float, int]]
-
-
 @dataclass(frozen=True)
 class Search:
     """The outcomes of a model with one restitution under one motion, up to an amplitude.
 
     a_min: where the search begins, unless uplift is above it; ratio: of neighbouring amplitudes of the scan, less 1, in place of
-    SCAN_STEP and of the closer look; digits: relative width to which changes are traced; parts: that a bracket is cut into at once.
+    SCAN_STEP and of the finer scan; digits: relative width to which changes are traced; parts: that a bracket is cut into at once.
     """
 
     system: System
@@ -84,6 +77,11 @@ class Search:
         """The amplitude of the first uplift."""
         return self.system.least_uplift(self.motion)
 
+    @cached_property
+    def grid(self) -> ScanGrid:
+        """The amplitudes of the scan."""
+        return ScanGrid.between(self.lowest, self.a_max, uplift=self.uplift, ratio=self.ratio)
+
     def outcome(self, amplitude: Array, omega: Array) -> Array:
         """Codes of `Outcome`; safe is safe, with uplift and without."""
         return self._respond(amplitude, omega)[0]
@@ -93,26 +91,26 @@ class Search:
         found = response(self.system, self.motion, amplitude, omega, self.eta, peaks=False)
         return np.where(found.outcome == Outcome.NO_UPLIFT, np.uint8(Outcome.ROCKED), found.outcome), found.impacts
 
-    def rows(self, omegas: Array) -> list[Row]:
-        """Every change of the outcome for each Omega, traced to `digits`; intervals narrower than the step of the scan may be missed."""
+    def rows(self, omegas: Array) -> list[Steps]:
+        """The outcomes for each Omega from `lowest` on, and every change, traced to `digits`; intervals narrower than the step of the
+        scan may be missed."""
         begins, brackets = self._scan(omegas)
-        found = self._narrowed(omegas, brackets)
-        order = np.lexsort((found.high, found.row))
-        ends = np.searchsorted(found.row[order], np.arange(omegas.size + 1))
-        rows = []
-        for i in range(omegas.size):
-            mine = order[ends[i] : ends[i + 1]]
-            rows.append(Row(int(begins[i]), list(zip(found.high[mine].tolist(), found.above[mine].tolist(), strict=True))))
+        return self._steps(begins, self._narrowed(omegas, brackets))
+
+    def _steps(self, begins: Array, found: Brackets) -> list[Steps]:
+        rows = [[(self.lowest, label)] for label in begins.tolist()]
+        found = found.take(np.lexsort((found.high, found.row)))
+        for row, amplitude, label in zip(found.row.tolist(), found.high.tolist(), found.above.tolist(), strict=True):
+            rows[row].append((amplitude, label))
         return rows
 
     def fall(self, omega: float) -> tuple[Brackets, int]:
         """(the lowest change to an unsafe outcome in the scan at one Omega, if any, as row 0; the outcome at `a_max`)."""
         begins, brackets = self._scan(np.array([omega]))
-        last = int(brackets.above[brackets.high.argmax()]) if brackets.row.size else int(begins[0])
-        if not Outcome(int(begins[0])).safe:
-            return Brackets(*(np.array([x]) for x in (0, self.lowest, self.lowest, begins[0], begins[0]))), last
+        start = Brackets(*(np.array([x]) for x in (0, self.lowest, self.lowest, Outcome.ROCKED, begins[0])))
+        brackets = brackets.join(start)
         falls = np.flatnonzero(~safe(brackets.above))
-        return brackets.take(falls[brackets.high[falls].argsort()[:1]]), last
+        return brackets.take(falls[brackets.high[falls].argsort()[:1]]), int(brackets.above[brackets.high.argmax()])
 
     def first_falls_in(self, omega: float, brackets: Brackets) -> list[float]:
         """The lowest unsafe amplitude of each bracket at one Omega."""
@@ -120,42 +118,35 @@ class Search:
         found = self._narrowed(np.full(rows.size, omega), replace(brackets, row=rows), lowest=True)
         return [float(found.high[(found.row == row) & ~safe(found.above)].min()) for row in rows]
 
-    def first_falls(self, omegas: Array) -> list[Row]:
+    def first_falls(self, omegas: Array) -> list[Steps]:
         """The rows up to the lowest unsafe amplitude of the scan, which is computed stretch by stretch."""
-        scan = ScanGrid.between(self.lowest, self.a_max, uplift=self.uplift, ratio=self.ratio)
-        going, at, rocked = np.arange(omegas.size), 0, int(Outcome.ROCKED)
-        rows, parts = [Row(rocked, []) for _ in omegas], []
+        scan = self.grid
+        going, at, parts = np.arange(omegas.size), 0, []
         while going.size and at < scan.size:
             points = scan.amplitude(np.arange(at, min(at + _STRETCH, scan.size)))
             label = self.outcome(points, omegas[going, None])
             falls = ~safe(label)
             hit, n = np.flatnonzero(falls.any(axis=1)), falls.argmax(axis=1)
-            for i in hit[n[hit] + at == 0]:
-                rows[going[i]] = Row(int(label[i, 0]), [])
-            hit = hit[n[hit] + at > 0]
-            below = np.full(hit.size, rocked, dtype=np.uint8)
-            parts.append(Brackets(going[hit], scan.amplitude(at + n[hit] - 1), points[n[hit]], below, label[hit, n[hit]]))
+            n = n[hit]
+            below = np.full(hit.size, Outcome.ROCKED, dtype=np.uint8)
+            parts.append(Brackets(going[hit], scan.amplitude(np.maximum(at + n - 1, 0)), points[n], below, label[hit, n]))
             going, at = going[~falls.any(axis=1)], at + _STRETCH
         found = self._narrowed(omegas, Brackets.joined(parts), lowest=True)
-        fallen = found.take(np.flatnonzero(~safe(found.above)))
-        fallen = fallen.take(np.argsort(-fallen.high, kind="stable"))  # the lowest of a row comes last
-        for row, high, above in zip(fallen.row.tolist(), fallen.high.tolist(), fallen.above.tolist(), strict=True):
-            rows[row] = Row(rocked, [(high, above)])
-        return rows
+        rows = self._steps(np.full(omegas.size, Outcome.ROCKED), found.take(np.flatnonzero(~safe(found.above))))
+        return [row[:2] for row in rows]
 
     def _scan(self, omegas: Array) -> tuple[Array, Brackets]:
         """(outcome of each row's first amplitude, the changes between neighbours)."""
-        scan = ScanGrid.between(self.lowest, self.a_max, uplift=self.uplift, ratio=self.ratio)
-        first, last, beyond = self._doubtful(omegas, scan)
+        first, last, beyond = self._doubtful(omegas)
         starts = np.concatenate([[0], np.cumsum(last - first + 1)])
         begins, parts = np.empty(omegas.size, dtype=np.uint8), [beyond]
         for begin in range(0, int(starts[-1]), _BATCH):
             end = min(begin + _BATCH, int(starts[-1]))
-            a, b = max(0, begin - 1 - _AROUND), min(end + _AROUND, int(starts[-1]))  # what is around the gaps of this batch
+            a, b = max(0, begin - 1 - _AROUND), min(end + _AROUND, int(starts[-1]))  # with the points around the gaps of this batch
             top, bottom = np.searchsorted(starts, [a, b - 1], side="right")
             row = np.repeat(np.arange(top - 1, bottom), np.diff(np.clip(starts[top - 1 : bottom + 1], a, b)))
             place = np.arange(a, b)
-            points = self._look(row, scan.amplitude(place - starts[row] + first[row]), omegas)
+            points = self._look(row, self.grid.amplitude(place - starts[row] + first[row]), omegas)
             new = np.flatnonzero(place == starts[row])
             begins[row[new]] = points.label[new]
             mine = (place[:-1] >= begin - 1) & (place[:-1] < end - 1) & (row[1:] == row[:-1])
@@ -187,35 +178,38 @@ class Search:
         at = at[mine[place[order[at]].astype(np.int64)]]
         return Brackets(row[at], amplitude[at], amplitude[at + 1], label[at], label[at + 1])
 
-    def _doubtful(self, omegas: Array, scan: ScanGrid) -> tuple[Array, Array, Brackets]:
+    def _doubtful(self, omegas: Array) -> tuple[Array, Array, Brackets]:
         """(first and last scan point to compute, brackets of the changes above the last one); below the first nothing changes."""
+        scan, segments = self.grid, self.motion.segments
         none = Brackets(*(np.zeros(0, dtype=kind) for kind in (np.int64, float, float, np.uint8, np.uint8)))
         first, last = np.zeros(omegas.size, dtype=np.int64), np.full(omegas.size, scan.size - 1)
         if not (self.system.equation.bounded and self.system.contact.alike and self.motion.vertical is None):
             return first, last, none
         safe_to = self.system.safe_amplitude(self.motion)
-        first = np.minimum(self._quiet(omegas, scan), scan.below(np.full(omegas.size, safe_to)))
+        first = np.minimum(self._quiet(omegas), scan.below(np.full(omegas.size, safe_to)))
         if not _lifts_at_once(self.motion):
             return first, last, none
-        over, falls = self._outcome_from(omegas, scan, first, last, lambda label, impacts: label == Outcome.OVERTURNED_NO_IMPACT)
+        over, falls = self._outcome_from(omegas, first, last, lambda label, _: label == Outcome.OVERTURNED_NO_IMPACT)
         last[over] = falls
-        if self.a_max > safe_to:  # what loses the ground is no matter of energy
-            return first, last, none
-        if self.motion.segments.pushes > FEW or int((last - first).sum()) < _WORTH:
+        # The energy does not decide about bodies that lose the ground.
+        if self.a_max > safe_to or segments.pushes > FEW or int((last - first).sum()) < _WORTH:
             return first, last, none
         # From the first amplitude on whose first arc outlasts the shaking only the energy at its end matters.
-        clear, lasts = self._outcome_from(omegas, scan, first, last, lambda label, impacts: (impacts == 0) & (label != Outcome.FAILED))
-        row, point = self._unstruck(omegas, scan, clear, lasts, last[clear], np.isin(clear, over)).T
+        clear, lasts = self._outcome_from(omegas, first, last, lambda label, impacts: (impacts == 0) & (label != Outcome.FAILED))
+        row, point = self._unstruck(omegas, clear, lasts, last[clear], np.isin(clear, over)).T
         last[clear] = lasts
         ends = scan.amplitude(point), scan.amplitude(point + 1)
         under, above = (self.outcome(amplitude, omegas[row]) for amplitude in ends)
         return first, last, Brackets(row, *ends, under, above).take(np.flatnonzero(under != above))
 
-    def _quiet(self, omegas: Array, scan: ScanGrid) -> Array:
+    def _quiet(self, omegas: Array) -> Array:
         """The last point up to which the shaking from the first uplift on, A int |s| dphi <= Omega, overturns nothing."""
-        segments = self.motion.segments
-        if segments.straight:  # of all of it
-            return scan.below((1.0 - 1e-9) * omegas / _path(segments))
+        scan, segments = self.grid, self.motion.segments
+        if segments.straight:  # the trapezoids of all of it, which exceed the integral where s changes its sign
+            parts = (
+                segments.length[part] @ (np.abs(segments.s_start[part]) + np.abs(segments.s_end[part])) for part in blocks(len(segments))
+            )
+            return scan.below((1.0 - 1e-9) * omegas / (0.5 * float(sum(parts))))
         ahead = ImpulseAhead.of(segments)
         low, high = np.zeros(omegas.size, dtype=np.int64), np.full(omegas.size, scan.size)
         while np.any(high - low > 1):  # the more amplitude, the sooner the uplift
@@ -226,20 +220,19 @@ class Search:
             low, high = np.where(holds, middle, low), np.where(holds, high, middle)
         return low
 
-    def _outcome_from(
-        self, omegas: Array, scan: ScanGrid, first: Array, last: Array, holds: Callable[[Array, Array], Array]
-    ) -> tuple[Array, Array]:
-        """`onwards` of what holds for the outcome and the impacts of bodies that are lifted."""
+    def _outcome_from(self, omegas: Array, first: Array, last: Array, holds: Callable[[Array, Array], Array]) -> tuple[Array, Array]:
+        """`onwards` for a condition on the outcome and the impacts of bodies that are lifted."""
 
         def there(points: Array, rows: Array) -> Array:
-            amplitude = scan.amplitude(points)
+            amplitude = self.grid.amplitude(points)
             return holds(*self._respond(amplitude, omegas[rows])) & (amplitude > self.uplift * (1.0 + 1e-9))
 
         return onwards(np.arange(omegas.size), first, last, there)
 
-    def _unstruck(self, omegas: Array, scan: ScanGrid, row: Array, low: Array, high: Array, falls: Array) -> Array:
-        """Gaps, (row, point below), that may hold a change between points `low` and `high` of rows whose bodies are not struck during the
-        shaking; falls: whether they overturn without impact at `high`, and only there."""
+    def _unstruck(self, omegas: Array, row: Array, low: Array, high: Array, falls: Array) -> Array:
+        """Gaps, (row, point below), that may hold a change between points `low` and `high` of rows whose bodies have no impact during the
+        shaking; falls: true if they overturn without impact at `high`, and only there."""
+        scan = self.grid
         top = np.column_stack([row[falls], high[falls] - 1])[low[falls] < high[falls]]
 
         def modes(row: Array, point: Array) -> Modes:
@@ -256,25 +249,12 @@ class Search:
 
 
 def _around(flags: Array) -> Array:
-    """Whether one of these flags is set up to _AROUND places away."""
+    """True within _AROUND places of a flag that is set."""
     sums, at = np.concatenate([[0], np.cumsum(flags)]), np.arange(flags.size)
     return sums[np.minimum(at + _AROUND + 1, flags.size)] > sums[np.maximum(at - _AROUND, 0)]
 
 
-def _path(segments: Segments) -> float:
-    """int |s| dphi of straight lines."""
-    return sum(_under_lines(*(x[part] for x in (segments.s_start, segments.s_end, segments.length))) for part in blocks(len(segments)))
-
-
-def _under_lines(start: Array, end: Array, length: Array) -> float:
-    """int |s| dphi: a trapezoid, or two triangles where s changes its sign."""
-    a, b = np.abs(start), np.abs(end)
-    with np.errstate(invalid="ignore"):
-        height = np.where(start * end < 0.0, (a * a + b * b) / (a + b), a + b)
-    return float((0.5 * height * length).sum())
-
-
 def _lifts_at_once(motion: Motion) -> bool:
-    """Whether the first segment holds the strongest shaking, so that it lifts the body, and the same way, at any amplitude."""
+    """True if the first segment holds the strongest shaking, so that it lifts the body, and the same way, at any amplitude."""
     start, end = motion.segments.s_start[0], motion.segments.s_end[0]
     return abs(start) == motion.peak or (abs(end) == motion.peak and start * end >= 0.0)

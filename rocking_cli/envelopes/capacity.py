@@ -1,7 +1,7 @@
-"""How strong a motion must be to overturn one body: the lowest amplitude that does, and how far the stretch reaches that holds a demand.
+"""Capacity: the lowest amplitude that overturns one body, and the end of the safe interval around a demand.
 
-The boundaries are those of an envelope, traced likewise; but the search goes no further than the two questions need, and the demand
-itself is one of the amplitudes that it looks at, so that what it says and the response at the demand cannot contradict each other.
+The boundaries are traced as those of an envelope, but the search goes no further than the two answers need. The demand itself is one of
+the amplitudes of the search, so that the answers and the response at the demand cannot contradict each other.
 """
 
 from __future__ import annotations
@@ -23,26 +23,27 @@ from ..motions import Motion
 from ..structures.parameters import RockingParameters
 from .boundaries import Search
 from .changes import Brackets
-from .envelope import HIGHEST
+from .intervals import HIGHEST
 
 Array = np.ndarray
 
 LONGEST_FINE = 200  # segments of a motion up to which the scan is as fine as an envelope's
 RATIO = 5e-3  # of neighbouring amplitudes, less 1, of an envelope beyond that: a cell costs a thousand times one of a pulse
 _COARSE, _FINE = 1e-3, 6e-5  # the same of a search for the lowest fall alone: everywhere, and in the tenth below a fall that is found
-_FINEST, _NEAREST = 5e-6, 0.997  # under a pulse, where falls are that narrow: steps, and how far below each fall they are looked for
-_NEAR, _BESIDE = 0.9, 1.05  # of the lowest fall: from where the search is fine, and to where it tells how many amplitudes fall
-_STRETCH = 100  # amplitudes that are looked at together at first
-_FIRST_WINDOW = 1.5  # in A, looked at together: that many cells cost about as much as one batch
+_FINEST, _NEAREST = 5e-6, 0.997  # under a pulse, where falls are that narrow: steps, and how far below each fall the search goes
+_NEAR, _ABOVE = 0.9, 1.05  # of the lowest fall: where the fine search begins, and where the count of amplitudes that fall ends
+_STRETCH = 100  # amplitudes computed together at first
+_FIRST_WINDOW = 1.5  # in A, computed together: that many cells cost about as much as one batch
 _PARTS = 256  # that a change is cut into at once: few changes, so that a batch costs the same whatever its size
 
 
 @dataclass(frozen=True)
 class Capacity:
-    """first: the lowest amplitude A that overturns, None where none does; safe_to: where the stretch around the demand that stands
-    ends, None where the body falls under it or nothing above overturns. uplift: the A that lifts the body, None where none does.
+    """The capacity of a body against a demand; amplitudes A [-].
 
-    dust: under a record or a pulse of several cycles, the share of amplitudes within 5 % of the first that fall, where these are no
+    first: the lowest amplitude that overturns, None if there is none; safe_to: the end of the safe interval around the demand, None if
+    the body falls under the demand or nothing above overturns; uplift: the amplitude that lifts the body, None if there is none.
+    dust: under a record or a pulse of several cycles, the share of amplitudes within 5 % of `first` that fall, if these are no
     single interval, else 0.
     """
 
@@ -55,42 +56,41 @@ class Capacity:
 def capacity(structure: RockingParameters, motion: Motion, amplitude: float, omega: float, *, method: Method, a_max: float) -> Capacity:
     """The capacity of a structure at Omega [-] against a demand of A = `amplitude` [-], searched up to `a_max` and twice the demand.
 
-    Narrower intervals than `narrowest` says can be missed, but not around the demand. Changes are traced to the last digits of an
-    exact method, to its tolerance otherwise. Raises UsageError where the search would go beyond what a scan reaches.
+    Intervals narrower than `narrowest` can be missed, but not around the demand. Changes are traced to the last digits of an
+    exact method, to its tolerance otherwise. Raises UsageError if the search is beyond the reach of a scan.
     """
-    system = method.system_of(structure)
-    lowest = system.least_uplift(motion)
-    top = max(a_max, 2.0 * amplitude)
+    system, digits = method.system_of(structure), method.stated_tolerance or 4e-16
+    lowest, top = system.least_uplift(motion), max(a_max, 2.0 * amplitude)
     if not top <= HIGHEST:
-        raise UsageError(f"{structure.name}: a search up to A = {top:.6g}, accepted is up to {HIGHEST:g}")
+        raise UsageError(f"{structure.name}: found a search up to A = {top:.6g}; expected up to {HIGHEST:g}")
     if not lowest < top:
         return Capacity(None, None, lowest if np.isfinite(lowest) else None)
-    stretches = Stretches(system, motion, structure.eta, np.array([omega]), method.stated_tolerance or 4e-16)
+    stretches = Stretches(system, motion, structure.eta, np.array([omega]), digits)
     if _long(motion):
         below = stretches.first_fall(lowest, min(amplitude, top)) if lowest < amplitude else None
         stands = amplitude <= lowest or bool(safe(stretches.alone(amplitude)))
-        above = stretches.first_fall(max(lowest, amplitude), top) if stands else amplitude
+        above = stretches.first_fall(max(lowest, amplitude), top) if stands else None
         first = below or (above if stands else stretches.narrowed(amplitude * (1.0 - _COARSE), amplitude))
-        return Capacity(first, above if stands else None, lowest, 0.0 if first is None else stretches.dust(first))
-    search = Search(system, motion, structure.eta, top, digits=method.stated_tolerance or 4e-16, parts=_PARTS)
-    falls: list[Brackets] = []  # of each window that holds one, until it is clear what becomes of the demand
-    above = False  # whether the last of them is above a demand that stands
+        return Capacity(first, above, lowest, 0.0 if first is None else stretches.dust(first))
+    search = Search(system, motion, structure.eta, top, digits=digits, parts=_PARTS)
+    falls: list[Brackets] = []  # the lowest of each window, until the outcome at the demand and the next fall above it are known
+    above_demand = False
     for begin, end in _windows(lowest, amplitude, top, at_once=system.equation.bounded):
         fall, last = replace(search, a_min=begin, a_max=end).fall(omega)
         falls += [fall] if fall.row.size else []
-        above = begin >= amplitude and fall.row.size > 0
-        if above or (end <= amplitude and not Outcome(last).safe):
+        above_demand = begin >= amplitude and fall.row.size > 0
+        if above_demand or (end <= amplitude and not Outcome(last).safe):
             break
     found = search.first_falls_in(omega, Brackets.joined(falls)) if falls else []
     first, dust = min(found, default=None), 0.0
     if first is not None and motion.segments.pushes > FEW:
         first, dust = stretches.lowest_narrow_fall(lowest, first)
-    safe_to = found[-1] if above else None
+    safe_to = found[-1] if above_demand else None
     return Capacity(first, safe_to if first is None or safe_to is None or first < amplitude else first, lowest, dust)
 
 
 def narrowest(motion: Motion) -> str:
-    """The intervals of which nothing is claimed, in words."""
+    """The width of intervals that a search may miss, in words."""
     return f"{100.0 * _COARSE:g} % of the amplitude ({100.0 * _FINE:g} % in the tenth below a fall)" if _long(motion) else "0.001 in A"
 
 
@@ -102,7 +102,7 @@ def _long(motion: Motion) -> bool:
 class Stretches:
     """The outcomes of one system at one Omega under a long motion: many amplitudes by `response`, single ones by `response_alone`.
 
-    seen: amplitudes `_COARSE` apart that were looked at, and whether each falls.
+    seen: amplitudes `_COARSE` apart and their falls, of every search so far.
     """
 
     system: System
@@ -113,7 +113,7 @@ class Stretches:
     seen: list[tuple[Array, Array]] = field(default_factory=list)
 
     def falls(self, low: float, high: float, ratio: float) -> tuple[Array, Array]:
-        """Amplitudes from one to another, both included, and whether each falls."""
+        """(amplitudes from `low` to `high`, both included, true for each that falls)."""
         if ratio == _COARSE:
             amplitude = np.geomspace(low, high, 2 + int(np.log(high / low) / np.log1p(ratio)))
         else:  # the same ones whatever the ends are
@@ -125,7 +125,6 @@ class Stretches:
         return amplitude, falls
 
     def _outcomes(self, amplitude: Array) -> Array:
-        """The outcomes at many amplitudes."""
         return response(self.system, self.motion, amplitude, self.omega, self.eta, peaks=False).outcome
 
     def alone(self, amplitude: float) -> Array:
@@ -133,59 +132,55 @@ class Stretches:
         return response_alone(self.system, self.motion, amplitude, self.omega, self.eta, peaks=False).outcome
 
     def first_fall(self, begin: float, end: float) -> float | None:
-        """The lowest amplitude between these that falls, None where none does."""
+        """The lowest amplitude between these that falls, None if there is none."""
         low, stretch = begin, _STRETCH
         while low < end:
             high = min(end, low * (1.0 + _COARSE) ** stretch)
             amplitude, falls = self.falls(low, high, _COARSE)
-            if falls.any():
-                break
+            if at := int(falls.argmax()):
+                return self.lowest_fall(begin, float(amplitude[at - 1]), float(amplitude[at]), _FINE, _NEAR)
+            if falls[0]:
+                return float(amplitude[0])
             low, stretch = high, 2 * stretch
-        else:
-            return None
-        at = int(falls.argmax())
-        if not at:
-            return float(amplitude[0])
-        return self.lowest_fall(begin, float(amplitude[at - 1]), float(amplitude[at]), _FINE, _NEAR)
+        return None
 
     def lowest_fall(self, begin: float, below: float, found: float, ratio: float, near: float) -> float:
         """The lowest amplitude from `begin` on that falls, on amplitudes at a ratio down to `near` times `found`, and anew below each
-        fall; a body falls at `found`, and stands at `below`, or does just below `found` where they are equal."""
+        fall; a body falls at `found`, and stands at `below`, or does just below `found` if they are equal."""
         known = found
         while known > (fine := max(begin, near * found)) * (1.0 + ratio):
             amplitude, falls = self.falls(fine, known, ratio)
             known = fine
             if falls[0]:
                 return float(amplitude[0])
-            if falls.any():
-                at = int(falls.argmax())
+            if at := int(falls.argmax()):
                 below, found = float(amplitude[at - 1]), float(amplitude[at])
         return self.narrowed(below, found)
 
     def lowest_narrow_fall(self, begin: float, found: float) -> tuple[float, float]:
-        """(the lowest fall from `begin` on below one that was found, `dust` of it), to intervals 5e-6 of the amplitude wide where
+        """(the lowest fall from `begin` on below one that was found, `dust` of it), to intervals 5e-6 of the amplitude wide if
         there is dust."""
         first = self.lowest_fall(begin, found, found, _FINE, _NEAR)
-        self.falls(first, _BESIDE * first, _COARSE)
+        self.falls(first, _ABOVE * first, _COARSE)
         dust = self.dust(first)
         return (self.lowest_fall(begin, first, first, _FINEST, _NEAREST) if dust else first), dust
 
     def narrowed(self, low: float, high: float) -> float:
-        """The amplitude, within `digits`, from which a body falls that stands at one and falls at the other."""
+        """The amplitude, within `digits`, from which a body falls that stands at `low` and falls at `high`."""
         while high - low > self.digits * high and low < (middle := 0.5 * (low + high)) < high:
             low, high = (middle, high) if safe(self.alone(middle)) else (low, middle)
         return high
 
     def dust(self, first: float) -> float:
-        """The share of the amplitudes `_COARSE` apart, within 5 % of the first fall, that fall; 0 where these are one interval."""
+        """The share of the amplitudes `_COARSE` apart, within 5 % of the first fall, that fall; 0 if these are one interval."""
         seen = sorted((a, bool(fall)) for amplitude, falls in self.seen for a, fall in zip(amplitude.tolist(), falls, strict=True))
-        falls = [fall for a, fall in seen if first < a < _BESIDE * first]
+        falls = [fall for a, fall in seen if first < a < _ABOVE * first]
         single = sum(one != other for one, other in pairwise([True, *falls])) <= 1
         return 0.0 if single else 0.5 * sum(falls) / len(falls)
 
 
 def _windows(lowest: float, demand: float, top: float, at_once: bool) -> Iterator[tuple[float, float]]:
-    """Stretches to look at in turn: up to the demand, and from it on, wider and wider where a scan has no bounds of its own."""
+    """Ranges of amplitudes to search in turn: up to the demand, and from it on, wider and wider if a scan has no bounds of its own."""
     begin, width = lowest, _FIRST_WINDOW
     if demand > lowest * (1.0 + 1e-12):
         yield lowest, demand

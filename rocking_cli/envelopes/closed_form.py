@@ -10,7 +10,6 @@ With psi = arcsin(1/A) and T = (2 pi - psi)/Omega the state at the end of one cy
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -37,7 +36,7 @@ def no_impact_amplitude(omega: float, pulse: str = "sine") -> float:
     A = 1/(1 - exp(-p t_d)). Raises ValueError for another pulse.
     """
     if pulse not in PULSES:
-        raise ValueError(f"found pulse {pulse!r}; accepted are {', '.join(PULSES)}")
+        raise ValueError(f"found pulse {pulse!r}; expected one of {', '.join(PULSES)}")
     if pulse == "rectangular":
         return -1.0 / math.expm1(-2.0 * math.pi / omega)
     sign, end = (-1.0, 2.0 * math.pi) if pulse == "sine" else (1.0, math.pi)
@@ -76,7 +75,7 @@ class _FirstSide(NamedTuple):
         return x, v
 
     def impact(self) -> float | None:
-        """Time of the impact inside the pulse, None where there is none; NaN where the motion drowns in rounding."""
+        """Time of the impact inside the pulse, None if there is none; NaN if the motion is below rounding."""
         if self.state(self.duration)[0] > 0.0:
             return None
         below = (math.pi - 2.0 * self.psi) / self.omega  # the drive has fallen below 1: from here a fall is for good
@@ -86,7 +85,7 @@ class _FirstSide(NamedTuple):
 
 
 def after_impact_margin(amplitude: float, omega: float, eta: float) -> float:
-    """Positive where a body overturns after one impact under a one-cycle sine: the unstable mode after that impact.
+    """The unstable mode after one impact under a one-cycle sine; positive if the body overturns.
 
     Impact after the pulse: eta sqrt(1 + v_e^2 - (1 - x_e)^2) - 1, on still ground; inside the pulse: x - 1 + v at its end.
     """
@@ -104,7 +103,7 @@ def after_impact_margin(amplitude: float, omega: float, eta: float) -> float:
 
 
 def _single_impact(amplitude: float, omega: float, eta: float) -> bool:
-    """Whether the body stays up after its impact until the pulse ends; where it does not, the curve does not exist."""
+    """True if the body has no second impact until the pulse ends; otherwise the curve does not exist."""
     first = _FirstSide(amplitude, omega)
     at = first.impact()
     if at is None:
@@ -143,13 +142,13 @@ def closed_form_curves(omegas: np.ndarray, eta: float, pulse: str = "sine") -> l
     >>> [(point.curve, round(float(point.amplitude), 6)) for point in closed_form_curves([3.0], 0.9)]
     [('initiation', 1.0), ('no_impact', 3.63115), ('after_impact_lower', 1.403565), ('after_impact_upper', 3.484663)]
     """
-    curves: dict[str, Callable[[float], list[float]]] = {
-        "initiation": lambda _: [1.0],
-        "no_impact": lambda omega: [no_impact_amplitude(omega, pulse)],
-    }
-    points = [CurvePoint(name, float(omega), a) for name, curve in curves.items() for omega in omegas for a in curve(float(omega))]
-    if pulse == "sine":
-        roots = [(float(omega), after_impact_amplitudes(float(omega), eta)) for omega in omegas]
-        points += [CurvePoint("after_impact_lower", omega, a[0]) for omega, a in roots if a]
-        points += [CurvePoint("after_impact_upper", omega, a[1]) for omega, a in roots if len(a) > 1]
-    return points
+    frequencies = [float(omega) for omega in omegas]
+    rows = [
+        (omega, no_impact_amplitude(omega, pulse), after_impact_amplitudes(omega, eta) if pulse == "sine" else []) for omega in frequencies
+    ]
+    return [
+        *(CurvePoint("initiation", omega, 1.0) for omega, _, _ in rows),
+        *(CurvePoint("no_impact", omega, a) for omega, a, _ in rows),
+        *(CurvePoint("after_impact_lower", omega, roots[0]) for omega, _, roots in rows if roots),
+        *(CurvePoint("after_impact_upper", omega, roots[1]) for omega, _, roots in rows if len(roots) > 1),
+    ]

@@ -19,7 +19,7 @@ class Limit(NamedTuple):
         if not self.acceleration:
             return self.value
         if structure.dimensionless:
-            raise UsageError("`a_max`: found an acceleration; accepted is a number A for a structure without units")
+            raise UsageError("`a_max`: found an acceleration; expected a number A for a structure without units")
         return float(structure.dimensionless_amplitude(self.value))
 
 

@@ -182,10 +182,10 @@ def _trace(structure: RockingParameters, measure: Measure, highest: float, metho
     )  # fmt: skip
     if not search.lowest < search.a_max:
         return []
-    row = search.rows(np.array([member.omega / structure.p]))[0]
+    (steps,) = search.rows(np.array([member.omega / structure.p]))
     intervals: list[Interval] = []
     begin: float | None = None
-    for amplitude, label in [(search.lowest, row.begins), *row.changes]:
+    for amplitude, label in steps:
         down = Outcome(label).falls
         x = (amplitude / unit) ** measure.power
         if down and begin is None:

@@ -15,7 +15,7 @@ from ..dynamics.outcome import Outcome, safe
 from ..dynamics.response import Response
 from ..dynamics.single.response import response_alone
 from ..envelopes.capacity import capacity
-from ..envelopes.envelope import A_MAX
+from ..envelopes.intervals import A_MAX
 from ..envelopes.limit import Limit, limit_of
 from ..errors import UsageError
 from ..motions import Motion

@@ -10,7 +10,7 @@ import numpy as np
 from ..dynamics.method import LINEAR
 from ..dynamics.outcome import Outcome, safe
 from ..dynamics.response import response
-from ..envelopes.envelope import A_MAX, HIGHEST, trace_envelope
+from ..envelopes.intervals import A_MAX, HIGHEST, trace_envelope
 from ..errors import UsageError
 from ..motions import Motion
 from ..motions.grid import Grid

@@ -14,9 +14,9 @@ from typing import Any
 import numpy as np
 
 from ..dynamics.outcome import Outcome
-from ..envelopes.boundaries import Search
+from ..envelopes.boundaries import Search, Steps
 from ..envelopes.capacity import RATIO
-from ..envelopes.envelope import A_MAX, BOTH, HIGHEST, NONE, SIGNS, Steps, in_turn, worse
+from ..envelopes.intervals import A_MAX, BOTH, HIGHEST, NONE, SIGNS, in_turn, worse
 from ..envelopes.limit import Limit, limit_of
 from ..errors import UsageError
 from ..processes import available_cpus
@@ -77,8 +77,7 @@ class Tracing:
         found: list[Steps] = [[] for _ in omegas]
         for search in self.searches(task):
             rows = search.first_falls(omegas) if self.first else search.rows(omegas)
-            for i, row in enumerate(rows):
-                steps = [(search.lowest, row.begins), *row.changes]
+            for i, steps in enumerate(rows):
                 found[i] = worse(found[i], steps) if found[i] else steps
         return found
 

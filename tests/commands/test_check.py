@@ -131,7 +131,7 @@ def test_without_a_structure_only_what_the_command_takes_is_offered(refused):
         (["--a-g", "0", "--f-g", "1"], "the amplitude is 0"),
         (["--a-g", "1:2:3", "--f-g", "1"], "one value of each"),
         ([*SHAKING, "--a-max", "nan"], "accepted is a number A, or an acceleration"),
-        ([*SHAKING, "--a-max", "1e6"], "accepted is up to 100000"),
+        ([*SHAKING, "--a-max", "1e6"], "expected up to 100000"),
     ],
 )
 def test_wrong_calls(refused, stated, arguments, words):
@@ -204,4 +204,4 @@ def test_the_limit_of_the_search_is_written_as_for_an_envelope(rocking, refused,
     traced = [rocking("envelope", stated, *record, "--a-max", most, "--first", "--csv") for most in ("0.3g", "1.5")]
     assert traced[0].stdout == traced[1].stdout != ""
     assert "up to 2.943 m/s2" in traced[0].stderr
-    assert "found an acceleration; accepted is a number A" in refused(2, "envelope", "--eta", "0.9", "--grid", "Omega=2", "--a-max", "1g")
+    assert "found an acceleration; expected a number A" in refused(2, "envelope", "--eta", "0.9", "--grid", "Omega=2", "--a-max", "1g")

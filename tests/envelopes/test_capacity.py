@@ -75,7 +75,7 @@ def test_a_body_against_its_backing_is_not_lifted_by_a_push_inwards():
 
 @pytest.mark.parametrize("demand", [6e4, 1e300])
 def test_a_demand_beyond_the_scan_is_refused(demand):
-    with pytest.raises(UsageError, match="accepted is up to 100000"):
+    with pytest.raises(UsageError, match="expected up to 100000"):
         capacity(dimensionless_oscillator(0.9), sine(), demand, 5.0, method=LINEAR, a_max=20.0)
 
 

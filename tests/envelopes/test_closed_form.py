@@ -40,5 +40,5 @@ def test_half_sine_closed_form():
 
 
 def test_closed_form_only_where_there_is_one():
-    with pytest.raises(ValueError, match="accepted"):
+    with pytest.raises(ValueError, match="expected"):
         no_impact_amplitude(3.0, "cosine")

@@ -11,7 +11,7 @@ from support.synthetic_records import shaken
 from rocking_cli import Axis, Grid, Outcome, UsageError, build_structure, parse_documents, parse_grid, pulse, sine, trace_envelope
 from rocking_cli.dynamics.method import governing_method
 from rocking_cli.envelopes.capacity import Capacity
-from rocking_cli.envelopes.envelope import A_MAX
+from rocking_cli.envelopes.intervals import A_MAX
 from rocking_cli.responses.check import CHECK_COLUMNS, check, check_all, tally
 from rocking_cli.responses.time_history import time_history
 

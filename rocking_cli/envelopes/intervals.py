@@ -11,8 +11,8 @@ of impacts, where narrow intervals gather. That is no proof: below 1e-3 an inter
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
-from typing import Any
+from functools import partial
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -24,24 +24,22 @@ from ..motions.grid import Axis, parse_axes, scaled_frequency, written_axes
 from ..processes import available_cpus, processes
 from ..spectra.cost import refuse_endless
 from ..structures.parameters import RockingParameters
-from .boundaries import Search
+from .boundaries import Search, Steps
 from .scan_grid import SCAN_STEP
 
 A_MAX = 20.0
 NARROWEST = 1e-3  # width in A from which no interval is missed
-HIGHEST = 100_000.0  # that a_max may be: so many amplitudes a scan can look at
+HIGHEST = 100_000.0  # that a_max may be: a scan can compute that many amplitudes
 SIGNS = {"+": (1.0,), "-": (-1.0,), "worse": (1.0, -1.0)}  # of the ground acceleration, for bodies whose sides differ
 NONE = "none"  # the mode of a body that no amplitude overturns
 BOTH = "both"  # each sign by itself
-Steps = list[tuple[float, int]]  # amplitudes, rising, and the outcome from each on
 INTERVAL_COLUMNS = ("structure", "Omega", "A_from", "A_to", "mode")
 CURVE_COLUMNS = ("structure", "curve", "Omega", "A")
 _SMALL = 1_000_000  # amplitudes in all below which starting processes takes longer than they save
-_SHARE, _SHARE_IN_STEPS = 8_000_000, 100_000  # amplitudes that a process looks at before it reports: seconds of an equation, exact or not
+_SHARE, _SHARE_IN_STEPS = 8_000_000, 100_000  # amplitudes of a process before it reports: seconds of an equation, exact or not
 
 
-@dataclass(frozen=True)
-class Interval:
+class Interval(NamedTuple):
     """An interval of amplitudes that overturns at one Omega: from A_from to A_to (None: on beyond the limit)."""
 
     omega: float
@@ -65,7 +63,7 @@ def trace_envelope(
 
     For a linear oscillator of which only the restitution is known give `dimensionless_oscillator(eta)`. Boundaries are
     traced to the last digits of the model's outcome. Intervals that touch but differ in mode are listed apart. sign: of the
-    ground acceleration, where a body's sides differ: "+", "-", or "worse", which lists what overturns under either. workers:
+    ground acceleration, where a body's sides differ: "+", "-", or "worse", which lists the intervals of either. workers:
     processes, None for all cores where that saves time. Raises UsageError when a_max is not above the initiation or the model
     does not hold for the structure, OutputError when a worker process dies.
 
@@ -75,20 +73,27 @@ def trace_envelope(
     omegas = np.atleast_1d(np.asarray(omegas, dtype=float))
     searches, amplitudes = _scan_of(motion, omegas.size, structure, method, a_max, sign)
     if workers is not None and workers < 1:
-        raise UsageError(f"workers is {workers}, accepted is a whole number from 1")
+        raise UsageError(f"`workers`: found {workers}; expected a whole number from 1")
     if workers is None:
         workers = 1 if amplitudes < _SMALL else available_cpus()
     # Neighbouring frequencies cost alike, so each share takes some from everywhere.
     shares = int(min(omegas.size, max(workers, np.ceil(amplitudes / (_SHARE if method.exact else _SHARE_IN_STEPS)))))
-    rows: dict[int, Steps] = {}
-    for n, search in enumerate(searches):
-        for i, found in enumerate(in_turn(search.rows, [omegas[i::shares] for i in range(shares)], min(workers, shares))):
-            for at, row in zip(range(i, omegas.size, shares), found, strict=True):
-                steps = [(search.lowest, row.begins), *row.changes]
-                rows[at] = worse(rows[at], steps) if at in rows else steps
-            if progress:
-                progress((n * shares + i + 1) * omegas.size // (len(searches) * shares), omegas.size)
-    return [interval for i, omega in enumerate(omegas) for interval in _intervals(float(omega), rows.get(i, []))]
+    found: list[list[Interval]] = [[] for _ in omegas]
+    parts = [omegas[i::shares] for i in range(shares)]
+    for i, rows in enumerate(in_turn(partial(merged, searches), parts, min(workers, shares))):
+        for at, steps in zip(range(i, omegas.size, shares), rows, strict=True):
+            found[at] = list(_intervals(float(omegas[at]), steps))
+        if progress:
+            progress((i + 1) * omegas.size // shares, omegas.size)
+    return [interval for row in found for interval in row]
+
+
+def merged(searches: Sequence[Search], omegas: np.ndarray) -> list[Steps]:
+    """The outcomes at each Omega under the worst motion of the searches; empty without searches."""
+    rows: list[Steps] = [[] for _ in omegas]
+    for search in searches:
+        rows = [worse(one, other) if one else other for one, other in zip(rows, search.rows(omegas), strict=True)]
+    return rows
 
 
 def worse(one: Steps, other: Steps) -> Steps:
@@ -108,7 +113,7 @@ def _scan_of(
 ) -> tuple[list[Search], float]:
     """(a search for each sign of the motion, the largest number of amplitudes that they compute). Raises UsageError."""
     if sign not in SIGNS:
-        raise UsageError(f"sign is {sign!r}, accepted are {', '.join(SIGNS)}")
+        raise UsageError(f"`sign`: found {sign!r}; expected {', '.join(SIGNS)}")
     if motion.vertical is not None and structure.dimensionless:
         raise UsageError("a restitution alone has no weight that a vertical motion could change: give a structure document")
     system = method.system_of(structure)
@@ -116,9 +121,9 @@ def _scan_of(
     searches = [Search(system, motion.scaled(f) if f < 0.0 else motion, structure.eta, a_max) for f in factors]
     lowest = min(search.lowest for search in searches)
     if not np.isfinite(a_max) or a_max <= lowest < np.inf:
-        raise UsageError(f"a-max is {a_max:g}, accepted is a finite amplitude above the uplift at A = {lowest:g}")
+        raise UsageError(f"a-max: found {a_max:g}; expected a finite amplitude above the uplift at A = {lowest:g}")
     if a_max > HIGHEST:
-        raise UsageError(f"a-max is {a_max:g}, accepted is up to {HIGHEST:g}")
+        raise UsageError(f"a-max: found {a_max:g}; expected up to {HIGHEST:g}")
     searches = [search for search in searches if search.lowest < a_max]
     amplitudes = frequencies * sum((a_max - search.lowest) / SCAN_STEP for search in searches)
     refuse_endless(amplitudes, len(motion.segments))
@@ -126,13 +131,7 @@ def _scan_of(
 
 
 def check_intervals(
-    structure: RockingParameters,
-    motion: Motion,
-    axis: Axis,
-    *,
-    method: Method = LINEAR,
-    a_max: float = A_MAX,
-    sign: str = "worse",
+    structure: RockingParameters, motion: Motion, axis: Axis, *, method: Method = LINEAR, a_max: float = A_MAX, sign: str = "worse"
 ) -> None:
     """Raise the errors of `structure_intervals` before it begins."""
     _scan_of(motion, _scaled(structure, axis).size, structure, method, a_max, "worse" if sign == BOTH else sign)
@@ -157,10 +156,10 @@ def _intervals(omega: float, steps: Steps) -> Iterator[Interval]:
 def frequency_axis(text: str | None) -> Axis:
     """The single frequency axis of `--grid`: Omega, omega_g, f_g or T_g. Raises UsageError."""
     if text is None:
-        raise UsageError("no `grid`; accepted is one axis, Omega, omega_g, f_g or T_g")
+        raise UsageError("no `grid`; expected one axis, Omega, omega_g, f_g or T_g")
     axes = parse_axes(text)
     if len(axes) != 1 or next(iter(axes)) not in ("Omega", "omega_g"):
-        raise UsageError(f"`grid`: found {written_axes(text)}; accepted is one axis, Omega, omega_g, f_g or T_g")
+        raise UsageError(f"`grid`: found {written_axes(text)}; expected one axis, Omega, omega_g, f_g or T_g")
     return next(iter(axes.values()))
 
 
@@ -176,24 +175,21 @@ def structure_intervals(
     axis: Axis,
     *,
     method: Method = LINEAR,
-    a_max: float = A_MAX,
     sign: str = "worse",
     lowest: bool = False,
-    workers: int | None = None,
-    progress: Callable[[int, int], None] | None = None,
+    **more: Any,
 ) -> Iterator[dict[str, Any]]:
     """Records of a structure's overturning intervals, with units where it has any; with sign "both" each with its
     sign, 1 or -1, and None where the sides are alike. A frequency that never overturns has one of mode `NONE`.
 
-    lowest: of each frequency the lowest interval alone. Raises as `trace_envelope`.
+    lowest: of each frequency the lowest interval alone; more: arguments of `trace_envelope`. Raises as `trace_envelope`.
     """
     omegas = _scaled(structure, axis)
     apart = sign == BOTH and not method.system_of(structure).contact.alike
     for one in ("+", "-") if apart else ("worse" if sign == BOTH else sign,):
-        traced = trace_envelope(structure, motion, omegas, method=method, a_max=a_max, sign=one, workers=workers, progress=progress)
         rows: dict[float, list[tuple[float | None, float | None, str]]] = {float(omega): [] for omega in omegas}
-        for found in traced:
-            rows[found.omega].append((found.a_from, found.a_to, found.mode))
+        for found in trace_envelope(structure, motion, omegas, method=method, sign=one, **more):
+            rows[found.omega].append(found[1:])
         for omega, intervals in rows.items():
             for low, high, mode in (intervals[:1] if lowest else intervals) or [(None, None, NONE)]:
                 record: dict[str, Any] = {"structure": structure.name, "Omega": omega, "A_from": low, "A_to": high, "mode": mode}
@@ -207,26 +203,24 @@ def structure_intervals(
 
 
 def misjudged(linear: Sequence[Mapping[str, Any]], nonlinear: Sequence[Mapping[str, Any]], *, a_max: float) -> str:
-    """A sentence: over how much of A, summed over the frequencies, the linear and the nonlinear equation end otherwise.
+    """A sentence that states over how much of A, summed over the frequencies, the two equations give different outcomes.
 
     linear, nonlinear: the records of `structure_intervals` up to a_max.
     """
+
+    def intervals(records: Sequence[Mapping[str, Any]], key: Any) -> list[tuple[float, float]]:
+        mine = [r for r in records if (r["Omega"], r.get("sign")) == key and r["mode"] != NONE]
+        return [(r["A_from"], a_max if r["A_to"] is None else r["A_to"]) for r in mine]
+
     unsafe = falls = alarms = 0.0
     for key in {(r["Omega"], r.get("sign")) for r in (*linear, *nonlinear)}:
-        here = [
-            [
-                (r["A_from"], a_max if r["A_to"] is None else r["A_to"])
-                for r in rows
-                if (r["Omega"], r.get("sign")) == key and r["mode"] != NONE
-            ]
-            for rows in (linear, nonlinear)
-        ]
-        edges = np.unique([edge for rows in here for interval in rows for edge in interval])
+        both = intervals(linear, key), intervals(nonlinear, key)
+        edges = np.unique([edge for one in both for interval in one for edge in interval])
         middle, width = 0.5 * (edges[1:] + edges[:-1]), np.diff(edges)
-        inside = [np.any([(low < middle) & (middle < high) for low, high in rows] or [np.zeros(middle.shape)], axis=0) for rows in here]
-        unsafe += float(width[~inside[0] & inside[1]].sum())
-        falls += float(width[inside[1]].sum())
-        alarms += float(width[inside[0] & ~inside[1]].sum())
+        said, true = (sum(((low < middle) & (middle < high) for low, high in one), np.zeros(middle.shape, dtype=bool)) for one in both)
+        unsafe += float(width[~said & true].sum())
+        falls += float(width[true].sum())
+        alarms += float(width[said & ~true].sum())
     share = f"{100.0 * unsafe / falls:.3g} %" if falls else "none"
     overturn = f"the amplitudes that overturn up to A = {a_max:g}"
     return f"the linear equation is unsafe over {share} of {overturn}, and falls over {alarms:.3g} in A that stand"
@@ -237,7 +231,7 @@ def check_curves(structure: RockingParameters, motion: Motion, axis: Axis) -> No
     _scaled(structure, axis)
     _closed_form_of(motion)
     if not structure.plain:
-        raise UsageError(f"{structure.name}: `closed_form`: found damping, one side or unequal sides; accepted is a body without them")
+        raise UsageError(f"{structure.name}: `closed_form`: found damping, one side or unequal sides; expected a body without them")
 
 
 def _closed_form_of(motion: Motion) -> str:
@@ -245,7 +239,7 @@ def _closed_form_of(motion: Motion) -> str:
 
     forms = {pulse(name).pieces: name for name in PULSES}
     if motion.vertical is not None or motion.pieces not in forms:
-        raise UsageError(f"`closed_form`: found {motion.name}; accepted are a sine of 1 cycle, a half sine and a rectangular pulse")
+        raise UsageError(f"`closed_form`: found {motion.name}; expected a sine of 1 cycle, a half sine or a rectangular pulse")
     return forms[motion.pieces]
 
 

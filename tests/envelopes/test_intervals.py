@@ -24,7 +24,7 @@ from rocking_cli import (
     trace_envelope,
 )
 from rocking_cli.dynamics.method import Method
-from rocking_cli.envelopes.envelope import misjudged
+from rocking_cli.envelopes.intervals import misjudged
 
 
 def test_traced_intervals_are_those_of_the_reference_table():
@@ -61,7 +61,7 @@ def test_workers_change_nothing():
     omegas = np.linspace(2.0, 6.0, 7)
     one, two = (trace_envelope(dimensionless_oscillator(0.9), sine(), omegas, a_max=9.0, workers=w) for w in (1, 2))
     assert one == two
-    with pytest.raises(UsageError, match="workers is 0"):
+    with pytest.raises(UsageError, match="`workers`: found 0"):
         trace_envelope(dimensionless_oscillator(0.9), sine(), omegas, workers=0)
 
 
@@ -108,7 +108,7 @@ def test_the_worse_sign_lists_what_overturns_under_either(structure, model):
 def test_signs_of_a_symmetric_body_are_alike_and_unknown_ones_refused():
     block = dimensionless_oscillator(0.9)
     assert trace_envelope(block, sine(), [4.0], sign="-") == trace_envelope(block, sine(), [4.0])
-    with pytest.raises(UsageError, match=r"sign is 'up', accepted are \+, -, worse"):
+    with pytest.raises(UsageError, match=r"`sign`: found 'up'; expected \+, -, worse"):
         trace_envelope(block, sine(), [4.0], sign="up")
 
 
