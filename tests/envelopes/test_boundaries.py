@@ -7,19 +7,11 @@ import pytest
 from bench.intervals import misjudged
 from scipy.integrate import trapezoid
 
-from rocking_cli import (
-    Outcome,
-    System,
-    cosine,
-    dimensionless_oscillator,
-    linear_response,
-    pulse,
-    sine,
-    trace_envelope,
-)
+from rocking_cli import Outcome, System, cosine, dimensionless_oscillator, linear_response, pulse, sine, trace_envelope
 from rocking_cli.dynamics.equations.linear import LinearEquation
 from rocking_cli.envelopes import boundaries, changes
 from rocking_cli.envelopes.boundaries import Search
+from rocking_cli.envelopes.scan_grid import ScanGrid
 
 MOTIONS = [sine(), sine(0.5), sine(2), cosine(1.5), pulse("rectangular"), pulse("rectangular-impulse"), pulse("ricker-symmetric")]
 
@@ -71,23 +63,22 @@ def same_changes(spared, every):
     np.testing.assert_allclose(ends[0], ends[1], rtol=1e-14, atol=0)
 
 
-@pytest.mark.parametrize("motion", [sine(), cosine(1), sine(0.5)], ids=lambda m: m.name)
-def test_what_the_scan_leaves_out_changes_nothing(motion, monkeypatch):
-    monkeypatch.setattr(boundaries, "_WORTH", 0)
-    omegas = np.array([0.8, 2.3, 5.0, 9.1])
-    spared = Search(System(LinearEquation()), motion, 0.9, 16.0).rows(omegas)
-    same_changes(spared, Search(System(Plain()), motion, 0.9, 16.0).rows(omegas))
-    assert sum(len(row) - 1 for row in spared) > 3
-
-
-@pytest.mark.soak
-@pytest.mark.parametrize("number", range(30))
-def test_nor_does_it_at_any_restitution(number, monkeypatch):
-    monkeypatch.setattr(boundaries, "_WORTH", 0)
+def drawn(number):
+    """A motion, a restitution and four Omega."""
     random = np.random.default_rng(number)
     motion = [sine(), sine(0.5), pulse("rectangular-impulse"), cosine(1), cosine(0.5)][number % 5]
-    eta, omegas = float(random.uniform(0.2, 1.0)), random.uniform(0.5, 9.0, 4)
-    same_changes(*(Search(System(equation()), motion, eta, 14.0).rows(omegas) for equation in (LinearEquation, Plain)))
+    return pytest.param(motion, float(random.uniform(0.2, 1.0)), random.uniform(0.5, 9.0, 4), marks=pytest.mark.soak)
+
+
+@pytest.mark.parametrize(
+    ("motion", "eta", "omegas"),
+    [*((motion, 0.9, np.array([0.8, 2.3, 5.0, 9.1])) for motion in (sine(), cosine(1), sine(0.5))), *map(drawn, range(30))],
+)
+def test_what_the_scan_leaves_out_changes_nothing(motion, eta, omegas, monkeypatch):
+    monkeypatch.setattr(boundaries, "_WORTH", 0)
+    spared, every = (Search(System(equation()), motion, eta, 16.0).rows(omegas) for equation in (LinearEquation, Plain))
+    same_changes(spared, every)
+    assert sum(len(row) - 1 for row in spared) > 3
 
 
 @pytest.mark.soak
@@ -133,3 +124,8 @@ def test_no_interval_wider_than_1e_4_is_missed_under_several_cycles(motion, eta,
 def test_a_closer_look_is_for_motions_that_push_more_than_twice():
     for motion, lobes in ((sine(0.5), 1), (sine(), 2), (cosine(1), 3), (sine(1.5), 3), (sine(5), 10), (pulse("rectangular-impulse"), 2)):
         assert motion.segments.pushes == lobes
+
+
+def test_amplitudes_beyond_any_whole_number_lie_above_the_last_point():
+    scan = ScanGrid.between(1.0, 20.0)
+    assert scan.below(np.array([1e25, 1e308])).tolist() == [scan.size - 1] * 2

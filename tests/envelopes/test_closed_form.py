@@ -5,12 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from rocking_cli import (
-    closed_form_curves,
-    dimensionless_oscillator,
-    sine,
-    trace_envelope,
-)
+from rocking_cli import closed_form_curves, dimensionless_oscillator, sine, trace_envelope
 from rocking_cli.envelopes.closed_form import no_impact_amplitude
 
 

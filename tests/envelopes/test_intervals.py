@@ -74,8 +74,6 @@ def test_a_max_must_make_sense(a_max):
 def test_a_column_against_discrete_elements():
     # Multi-drum column 1.11/0.90 m wide and 5.95 m high under the rectangular impulse: collapse on a raster of 0.01 g by UDEC,
     # LMGC90 and HybriDFEM, at t_p = 0.4, 0.5, 0.6, 0.8, 1.0 s.
-    from rocking_cli import trace_envelope
-
     column = build_structure(parse_documents("kind: prism\ncorners: [[0, 0], [1.11, 0], [1.005, 5.95], [0.105, 5.95]]")[0])
     series = [(0.31, 0.30, 0.29), (0.27, 0.25, 0.25), (0.25, 0.24, 0.23), (0.22, 0.22, 0.22), (0.20, 0.21, 0.21)]
     omegas = 2 * math.pi / np.array([0.4, 0.5, 0.6, 0.8, 1.0]) / column.p

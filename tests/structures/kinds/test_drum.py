@@ -10,7 +10,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 from support.documents import built
 
-from rocking_cli import DocumentError
 from rocking_cli.structures.mechanics.stacked_pieces import frustum_moments
 
 
@@ -90,21 +89,3 @@ def test_a_one_sided_drum_meets_its_backing_at_its_top():
     assert alone.eta == pytest.approx(base**2 * backing, rel=1e-13, abs=0)
     halves = built("kind: drum\ndrums: [{radius: 0.5, height: 2}, {radius: 0.5, height: 2}]\none_sided: true")
     assert halves.eta == pytest.approx(alone.eta, rel=1e-12, abs=0)
-
-
-REFUSED = [
-    ("kind: drum\nradius: 1\nheight: 6\ntop_radius: 1", "not both"),
-    ("kind: drum\ndrums: []", "expected a list of drums"),
-    ("kind: drum\ndrums: [3]", "found 3; expected a mapping"),
-    ("kind: drum\ndrums: [{radius: 1, heigth: 2}]", "unknown key 'heigth'"),
-    ("kind: drum\nradius: 1\nheight: 6\noffset: 1", "offset: found 1; expected a length between -1 and 1 m, above its base"),
-    ("kind: drum\ndrums: [{radius: 1, height: 2}, {radius: 1, height: 2, offset: 2}]", "drum 2 from below beside the one"),
-    ("kind: drum\ndrums: [{radius: 1, height: 2}, {radius: 1, height: 2, offset: 1.5}]", "drum 2 from below and what is on it"),
-    ("kind: drum\nbase_radius: 1\ntop_radius: -1\nheight: 3", "top_radius: found -1"),
-]
-
-
-@pytest.mark.parametrize(("text", "words"), REFUSED, ids=range(len(REFUSED)))
-def test_refusals(text, words):
-    with pytest.raises(DocumentError, match=words):
-        built(text)

@@ -9,8 +9,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 from support.documents import built
 
-from rocking_cli import DocumentError
-
 
 @given(st.floats(0.01, 5), st.floats(0.05, 0.4), st.integers(1, 40))
 def test_frame_is_makris_and_vassilious(gamma, slenderness, columns):
@@ -26,15 +24,3 @@ def test_frame_is_makris_and_vassilious(gamma, slenderness, columns):
 def test_frame_without_a_beam_is_its_column():
     frame, column = built("kind: frame\ncolumns: 1\nwidth: 1\nheight: 6\ncap_ratio: 0"), built("kind: block\nwidth: 1\nheight: 6")
     assert (frame.p, frame.eta) == pytest.approx((column.p, column.eta), rel=5e-15, abs=0)
-
-
-REFUSED = [
-    ("kind: frame\ncolumns: 0\nwidth: 1\nheight: 6\ncap_ratio: 1", "columns: found 0; expected a whole number from 1"),
-    ("kind: frame\ncolumns: 2\nwidth: 1\nheight: 6\ncap_ratio: -1", "cap_ratio: found -1"),
-]
-
-
-@pytest.mark.parametrize(("text", "words"), REFUSED, ids=range(len(REFUSED)))
-def test_refusals(text, words):
-    with pytest.raises(DocumentError, match=words):
-        built(text)

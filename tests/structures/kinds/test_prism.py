@@ -7,8 +7,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 from support.documents import built
 
-from rocking_cli import DocumentError
-
 
 @given(st.floats(0.1, 1.3), st.floats(1, 20), st.floats(-50, 50), st.booleans())
 def test_prism_of_four_corners_is_the_block(slenderness, height, shift, backwards):
@@ -40,23 +38,3 @@ def test_unsymmetric_prism_falls_over_its_weaker_edge():
     for one, other in zip(left.sides, reversed(right.sides), strict=True):
         assert tuple(one.numbers().values()) == pytest.approx(tuple(other.numbers().values()), rel=1e-14, abs=0)
     assert right.sides[1].alpha == right.alpha < right.sides[0].alpha
-
-
-REFUSED = [
-    ("kind: prism\ncorners: [[0, 0], [1, 0]]", "found a list; expected a list of three or more"),
-    ("kind: prism", "no key 'corners'"),
-    ("kind: prism\ncorners: [[0, 0], [2, 2], [2, 0], [0, 2]]", "crosses itself"),
-    ("kind: prism\ncorners: [[0, 0], [2, 0], [1, 0], [1, 3]]", "crosses itself"),
-    ("kind: prism\ncorners: [[0, 0], [1, 4], [-1, 4]]", "rests on one point"),
-    ("kind: prism\ncorners: [[0, 0], [1, 0], [9, 5], [8, 5]]", "centroid that is not above the base"),
-    ("kind: prism\ncorners: [[0, 0], [1, 0], [2, 0]]", "without area|crosses itself"),
-    ("kind: prism\ncorners: [[0, 0], [1, 0], [1, 3], [1, 0]]", "given twice"),
-    ("kind: prism\ncorners: [[0, 0], [1, 0], [1, 3, 4]]", "not a pair of lengths .line 2"),
-    ("kind: prism\ncorners: [[0, 0], [1, 0], [1, 3 kg]]", "not a pair of lengths"),
-]
-
-
-@pytest.mark.parametrize(("text", "words"), REFUSED, ids=range(len(REFUSED)))
-def test_refusals(text, words):
-    with pytest.raises(DocumentError, match=words):
-        built(text)

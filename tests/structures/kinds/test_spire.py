@@ -10,7 +10,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from support.documents import built
 
-from rocking_cli import DocumentError, build_structure, parse_documents
 from rocking_cli.structures.kinds.spire import Spire
 
 THIN = "kind: spire\nbase_radius: 1.5\nheight: 12\n"
@@ -120,24 +119,3 @@ def test_spires_are_rocking_structures(kappa, wall, crack):
     )
     assert scaled.p == pytest.approx(2 * s.p, rel=1e-9, abs=0)
     assert (scaled.alpha, scaled.eta) == pytest.approx((s.alpha, s.eta), rel=1e-9, abs=0)
-
-
-REFUSED = [
-    (THIN + "thickness: 1.5", "thickness: found 1.5; expected a positive length below base_radius"),
-    (THIN + "thickness: 0", "found 0; expected a positive length below"),
-    (CRACKED + "crack_height: 11", "crack_height: found 11; expected a length from 0 .the base. to 10.8 m"),
-    (CRACKED + "crack_height: -1", "crack_height: found -1"),
-    (CRACKED + "tip_height: 13", "tip_height: found 13"),
-    (THIN + "crack: diagonal", "a crack up to the apex"),
-    (CRACKED + "tip_height: 12", "a crack up to the apex"),
-    (THIN + "tip_height: 9", "solid tip on a thin wall"),
-    (THIN + "crack: none\ncrack_height: 3", "crack: diagonal only"),
-    (THIN + "crack: vertical", "found vertical; expected one of none, diagonal"),
-]
-
-
-@pytest.mark.parametrize(("text", "words"), REFUSED, ids=range(len(REFUSED)))
-def test_refusals(text, words):
-    (document,) = parse_documents(text, "f.yaml")
-    with pytest.raises(DocumentError, match=words):
-        build_structure(document)

@@ -9,8 +9,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 from support.documents import built
 
-from rocking_cli import DocumentError
-
 STATUE = "kind: stack\npieces: [{width: 1.2, depth: 1, height: 0.9}, {radius: 0.35, height: 0.2}, {radius: 0.3, height: 1.9}]"
 
 
@@ -87,21 +85,3 @@ def test_a_piece_that_was_pushed_has_two_sides():
     found = built("kind: stack\npieces: [{width: 1, height: 2}, {width: 1, height: 2, offset: 0.2}]")
     assert [side.uplift for side in found.sides] == pytest.approx([0.6 / 2, 0.4 / 2], rel=1e-13, abs=0)
     assert found.details["interfaces"][1]["lambda"] == pytest.approx(0.3 / 1, rel=1e-13, abs=0)
-
-
-REFUSED = [
-    ("kind: stack", "no key 'pieces'; expected pieces: a list of pieces from below"),
-    ("kind: stack\npieces: []", "pieces: found a list; expected a list of pieces from below"),
-    ("kind: stack\npieces: [{width: 1, radius: 1, height: 2}]", "radius: found radius beside width or depth"),
-    ("kind: stack\npieces: [{width: 1, heigth: 2}]", "f.yaml:2:29: unknown key 'heigth' .did you mean 'height'"),
-    ("kind: stack\npieces: [{width: 1, height: 2, colour: red}]", "f.yaml:2:40: unknown key 'colour'"),
-    ("kind: stack\npieces: [{width: 1, height: 2, density: 1}, {width: 1, height: 2}]", "density for every piece, or for none"),
-    ("kind: stack\npieces: [{width: 1, height: 2}, {width: 1, height: 2, offset: 1}]", "piece 2 from below beside the one"),
-    ("kind: stack\npieces: [{width: 1, height: 2}, {width: 1, height: 2, offset: 0.7}]", "piece 2 from below and what is on it"),
-]
-
-
-@pytest.mark.parametrize(("text", "words"), REFUSED, ids=range(len(REFUSED)))
-def test_refusals(text, words):
-    with pytest.raises(DocumentError, match=words):
-        built(text)

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
 
-import pytest
 from support.documents import built
 
 WALL = "kind: wall\nthickness: 0.6\nheight: 5\n"
@@ -22,9 +20,3 @@ def test_its_length_changes_nothing_and_is_reported():
     assert (short.p, short.alpha, short.eta) == (long.p, long.alpha, long.eta)
     assert (short.details, long.details) == ({"length": 2.0}, {"length": 12.0})
     assert built(WALL).details == {}
-
-
-def test_three_impacts_return_a_one_sided_wall():
-    a = math.atan(0.6 / 5)
-    wanted = (1 - 1.5 * math.sin(a) ** 2) ** 2 * (1 - 1.5 * math.cos(a) ** 2)
-    assert built(WALL + "one_sided: true").eta == pytest.approx(wanted, rel=1e-13, abs=0)

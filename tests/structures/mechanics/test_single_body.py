@@ -167,26 +167,3 @@ def test_one_sided_restitution_is_given_as_the_literature_prints_it():
     assert (built(text + "-0.4").eta, built(text + "-0.4").eta_source) == (-0.4, "given")
     assert str(built(text + "0").eta) == "0.0"
     assert built(text + "auto").eta_source == "momentum"
-
-
-WALL = "one_sided: true\n"
-
-
-@pytest.mark.parametrize(
-    ("text", "words"),
-    [
-        ("kind: block\nwidth: 1\nheight: 5\nrestitution: 0.4", "restitution: found 0.4; expected a number above -1 and up to 0"),
-        ("kind: block\nwidth: 1\nheight: 5\nrestitution: -1", "restitution: found -1; expected a number above -1"),
-        ("kind: block\nwidth: 4\nheight: 5", r"one_sided: found a restitution of 0\.\d+ from three impacts, .* more slender"),
-        ("kind: block\nwidth: 3\nheight: 2", r"from three impacts, -0\.\d+ and -0\.\d+ on its base"),
-        ("kind: point_mass\nwidth: 1\nheight: 5", "does not say where it meets its backing; expected restitution as well"),
-        ("kind: rigid\nleft: 1\nright: 1\nheight: 3\ngyration: 1", "does not say where it meets its backing"),
-        ("kind: rigid\nleft: 1\nright: 2\nheight: 3\ngyration: 1\nrestitution: auto", "does not say where it meets its backing"),
-        ("kind: frame\ncolumns: 4\nwidth: 1\nheight: 5\ncap_ratio: 1", "does not say where it meets its backing"),
-        ("kind: arch\nradius: 10\nthickness: 1.5\nangle: 3", "one_sided: found true; expected false: an arch sways to both sides"),
-        ("kind: spire\nbase_radius: 1.5\nheight: 12\nthickness: 0.15\ncrack: diagonal", "does not say where it meets its backing"),
-    ],
-)
-def test_one_sided_bodies_that_are_refused(text, words):
-    with pytest.raises(DocumentError, match=words):
-        built(WALL + text)

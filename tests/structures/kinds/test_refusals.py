@@ -1,0 +1,171 @@
+"""Documents that are refused: the place, the key, the value found and the values expected."""
+
+from __future__ import annotations
+
+import pytest
+from support.documents import built
+
+from rocking_cli import DocumentError
+
+REFUSED = {
+    "kind: arch\nradius: 10\nthickness: 1.5\nangle: 157.5 deg\n": [
+        ("voussoirs: 3", "found 3; expected a whole number from 4"),
+        ("voussoirs: 7.5", "found 7.5; expected a whole number from 4"),
+        ("hinges: [0, 1]", "found a list; expected four angles"),
+        ("hinges: 3", "found 3; expected four angles"),
+        ("hinges: [0, 2, 1, 2.7]", "angles out of order"),
+        ("hinges: [0, 1, 2, 3]", "beyond the springings"),
+        ("hinges: [0, 1 kg, 2, 2.7]", "found 1 kg; expected four angles"),
+        ("hinges: [{angle: 0, face: intrados}, {angle: 1, face: intrados}, 2, 2.7]", "faces that do not alternate"),
+        ("hinges: [{angle: 0, fac: intrados}, 1, 2, 2.7]", "unknown key 'fac' .did you mean 'face'"),
+        ("voussoirs: 7\nhinges: [0, 1, 2, 2.7]", "between two joints"),
+        ("hinges: [0, 0.1, 0.2, 0.3]", "do not open on their far faces"),
+    ],
+    "kind: arch\nthickness: 0.5\n": [
+        ("span: 8", "found span; expected radius and angle, or span and rise"),
+        ("radius: 5\nrise: 2", "found radius and rise; expected radius and angle, or span and rise"),
+        ("span: 8\nrise: 3\nangle: 2", "found angle and span and rise; expected radius and angle, or span and rise"),
+        ("", "found none of them; expected radius and angle, or span and rise"),
+        ("span: 8\nrise: 3\nmeasured: crown", "measured: found crown; expected one of centre-line, intrados, extrados"),
+    ],
+    "kind: arch\n": [
+        ("radius: 10\nthickness: 1\nangle: 180 deg", "thickness: found 1: the arch cannot carry its own weight"),
+        ("radius: 10\nthickness: 1.5\nangle: 0", "angle: found 0; expected an angle between 0 and 360 deg"),
+        ("radius: 10\nthickness: 1.5\nangle: 360 deg", "found 360 deg; expected an angle between 0 and 360 deg"),
+        ("radius: 10\nthickness: 20\nangle: 90 deg", "found 20; expected a length between 1e-09 m and 20 m"),
+        ("radius: 10\nthickness: -1\nangle: 90 deg", "found -1; expected a length between"),
+        ("radius: 10\nthickness: 1\nangle: 180 deg\nhinges: [0, 40 deg, 120 deg, 180 deg]", "cannot carry its own weight"),
+        ("radius: 1\nthickness: 0.82\nangle: 222 deg\nvoussoirs: 5", "no linkage of four hinges that governs"),
+        ("radius: 10\nthickness: 1.5\nangle: 157.5", "found 157.5; expected an angle between 0 and 360 deg .a bare number is in rad"),
+        ("radius: 1\nthickness: 0.74\nangle: 255 deg\nvoussoirs: 6", "no linkage of four hinges that governs"),
+        ("radius: 1\nthickness: 1.62\nangle: 303.2 deg\nvoussoirs: 16", "cannot carry its own weight"),
+        ("radius: 5\nangle: 2\nthickness: 5\nmeasured: extrados", "thickness: found 5; expected a length between 1e-09 m and 5 m"),
+        ("radius: 5\nangle: 2\nthickness: 10", "thickness: found 10; expected a length between 1e-09 m and 10 m"),
+        ("radius: 1e200\nthickness: 1\nangle: 1\nvoussoirs: 12", "radius: found 1e200"),
+        ("one_sided: true\nradius: 10\nthickness: 1.5\nangle: 3", "one_sided: found true; expected false: an arch sways to both sides"),
+    ],
+    "kind: drum\n": [
+        ("radius: 1\nheight: 6\ntop_radius: 1", "not both"),
+        ("drums: []", "expected a list of drums"),
+        ("drums: [3]", "found 3; expected a mapping"),
+        ("drums: [{radius: 1, heigth: 2}]", "unknown key 'heigth'"),
+        ("radius: 1\nheight: 6\noffset: 1", "offset: found 1; expected a length between -1 and 1 m, above its base"),
+        ("drums: [{radius: 1, height: 2}, {radius: 1, height: 2, offset: 2}]", "drum 2 from below beside the one"),
+        ("drums: [{radius: 1, height: 2}, {radius: 1, height: 2, offset: 1.5}]", "drum 2 from below and what is on it"),
+        ("base_radius: 1\ntop_radius: -1\nheight: 3", "top_radius: found -1"),
+        ("base_radius: 1\ntop_radius: 1e200\nheight: 3", "top_radius: found 1e200"),
+    ],
+    "kind: frame\n": [
+        ("columns: 0\nwidth: 1\nheight: 6\ncap_ratio: 1", "columns: found 0; expected a whole number from 1"),
+        ("columns: 2\nwidth: 1\nheight: 6\ncap_ratio: -1", "cap_ratio: found -1"),
+        ("one_sided: true\ncolumns: 4\nwidth: 1\nheight: 5\ncap_ratio: 1", "does not say where it meets its backing"),
+    ],
+    "kind: prism\n": [
+        ("corners: [[0, 0], [1, 0]]", "found a list; expected a list of three or more"),
+        ("corners: [[0, 0], [2, 2], [2, 0], [0, 2]]", "crosses itself"),
+        ("corners: [[0, 0], [2, 0], [1, 0], [1, 3]]", "crosses itself"),
+        ("corners: [[0, 0], [1, 4], [-1, 4]]", "rests on one point"),
+        ("corners: [[0, 0], [1, 0], [9, 5], [8, 5]]", "centroid that is not above the base"),
+        ("corners: [[0, 0], [1, 0], [2, 0]]", "without area|crosses itself"),
+        ("corners: [[0, 0], [1, 0], [1, 3], [1, 0]]", "given twice"),
+        ("corners: [[0, 0], [1, 0], [1, 3, 4]]", "not a pair of lengths .line 2"),
+        ("corners: [[0, 0], [1, 0], [1, 3 kg]]", "not a pair of lengths"),
+        ("corners: [[0, 0], [1e200, 0], [0, 1]]", "corners: found a corner"),
+    ],
+    "kind: rigid\nleft: 0.42\nright: 31 cm\nheight: 1.15\n": [
+        ("", "no key 'gyration'; expected gyration: a length"),
+        ("gyration: 0", "gyration: found 0; expected a positive length"),
+        ("gyration: 1\ninertia: 3", "inertia: found inertia beside gyration; expected gyration, or inertia and mass"),
+        ("inertia: 3", "no key 'mass'; expected mass: the mass .kg. that goes with inertia"),
+        ("inertia: 3 kg\nmass: 2", "inertia: found 3 kg; expected a moment of inertia"),
+        ("gyration: 1\nmass: -2", "mass: found -2; expected a positive mass"),
+    ],
+    "kind: rigid\n": [
+        ("left: 1e9\nright: 0.3\nheight: 0.4\ngyration: 1", "left: found 1e.09 m; expected up to 1000 times the 0.5 m from"),
+        ("left: 0.42\nright: -1\nheight: 1.15\n", "right: found -1; expected a positive length"),
+        ("left: 0.42\nright: 31 cm\nheight: 0.2\ngyration: 0.2", "a restitution of -.* from momentum; expected a body more slender"),
+        ("one_sided: true\nleft: 1\nright: 1\nheight: 3\ngyration: 1", "does not say where it meets its backing"),
+        ("one_sided: true\nleft: 1\nright: 2\nheight: 3\ngyration: 1\nrestitution: auto", "does not say where it meets its backing"),
+    ],
+    "kind: spire\nbase_radius: 1.5\nheight: 12\n": [
+        ("thickness: 1.5", "thickness: found 1.5; expected a positive length below base_radius"),
+        ("thickness: 0", "found 0; expected a positive length below"),
+        ("thickness: 0.15\ncrack: diagonal\ncrack_height: 11", "crack_height: found 11; expected a length from 0 .the base. to 10.8 m"),
+        ("thickness: 0.15\ncrack: diagonal\ncrack_height: -1", "crack_height: found -1"),
+        ("thickness: 0.15\ncrack: diagonal\ntip_height: 13", "tip_height: found 13"),
+        ("crack: diagonal", "a crack up to the apex"),
+        ("thickness: 0.15\ncrack: diagonal\ntip_height: 12", "a crack up to the apex"),
+        ("tip_height: 9", "solid tip on a thin wall"),
+        ("crack: none\ncrack_height: 3", "crack: diagonal only"),
+        ("crack: vertical", "found vertical; expected one of none, diagonal"),
+    ],
+    "kind: spire\n": [
+        (
+            "base_radius: 1e9\nheight: 1e9\nthickness: 1e-9",
+            r"thickness: found 1e-9; expected a positive length below base_radius \(1e\+09 m\) and above 1 m",
+        ),
+        ("one_sided: true\nbase_radius: 1.5\nheight: 12\nthickness: 0.15\ncrack: diagonal", "does not say where it meets its backing"),
+    ],
+    "kind: stack\n": [
+        ("pieces: []", "pieces: found a list; expected a list of pieces from below"),
+        ("pieces: [{width: 1, radius: 1, height: 2}]", "radius: found radius beside width or depth"),
+        ("pieces: [{width: 1, heigth: 2}]", "f.yaml:2:29: unknown key 'heigth' .did you mean 'height'"),
+        ("pieces: [{width: 1, height: 2, colour: red}]", "f.yaml:2:40: unknown key 'colour'"),
+        ("pieces: [{width: 1, height: 2, density: 1}, {width: 1, height: 2}]", "density for every piece, or for none"),
+        ("pieces: [{width: 1, height: 2}, {width: 1, height: 2, offset: 1}]", "piece 2 from below beside the one"),
+        ("pieces: [{width: 1, height: 2}, {width: 1, height: 2, offset: 0.7}]", "piece 2 from below and what is on it"),
+    ],
+    "kind: parameters\np: 2\nalpha: 0.2\nlambda: 0.2\none_sided: true\n": [
+        ("eta: 0.4", "f.yaml:6:6: eta: found 0.4; expected a number above -1 and up to 0"),
+        ("eta: -1", "found -1; expected a number above -1"),
+        ("eta: -0.4\ndamping: 1", "damping: found 1; expected a number from 0 to below 1"),
+        ("eta: -0.4\nstructure_kind: dimensionless", "structure_kind: found dimensionless; expected the kind of a structure"),
+    ],
+    "kind: parameters\nsides:\n- {side: left, p: 2, alpha: 0.2, lambda: 0.2, eta: 0.9}\n": [
+        ("", "sides: found a list; expected a list of two"),
+        ("- {side: left, p: 2, alpha: 0.3, a_scale: 1, eta: 0.8}\n", "sides: found the left side twice"),
+        ("- {side: rigth, p: 2, alpha: 0.3, a_scale: 1, eta: 0.8}\n", "side: found rigth; expected one of left, right"),
+        ("- {side: right, p: 2, alpha: 0.3, a_scale: 1, ata: 0.8}\n", "no key 'eta'"),
+        ("- {side: right, p: 2, alpha: 0.3, a_scale: 1, eta: 0.8, q: 1}\n", "f.yaml:4:60: unknown key 'q'"),
+        (
+            "- {side: right, p: 2, alpha: 0.3, a_scale: 1, eta: 0.8}\nalpha: 0.3",
+            "alpha: found 0.3; expected 0.2 as in sides, where the left edge lifts first",
+        ),
+        ("- {side: right, p: 2, alpha: 0.3, a_scale: 1, eta: 0.8}\none_sided: true", "one_sided: found a one-sided body of two sides"),
+    ],
+    "kind: parameters\n": [
+        ("p: 2\nalpha: 0.2\nlambda: 0.2\none_sided: yes\neta: -0.4", "one_sided: found yes; expected true or false"),
+        (
+            "p: 1e200\nalpha: 0.2\nlambda: 0.2\none_sided: true\neta: -0.4",
+            "f.yaml:2:4: p: found 1e200; expected a positive number, from 1e-150 to",
+        ),
+        (
+            "p: 1e-200\nalpha: 0.2\nlambda: 0.2\none_sided: true\neta: -0.4\narm: 1",
+            "p: found 1e-200; expected a positive number, from 1e-150 to",
+        ),
+        ("p: 1\nalpha: 1e-300\neta: 1\nlambda: 1e300", "a_scale is 0"),
+        ("p: 1\nalpha: 1e-90\neta: 1\nlambda: 1e-90", "alpha is 1e-90 rad; expected an angle from 1e-30 rad"),
+    ],
+    "kind: block\none_sided: true\n": [
+        ("width: 1\nheight: 5\nrestitution: 0.4", "restitution: found 0.4; expected a number above -1 and up to 0"),
+        ("width: 1\nheight: 5\nrestitution: -1", "restitution: found -1; expected a number above -1"),
+        ("width: 4\nheight: 5", r"one_sided: found a restitution of 0\.\d+ from three impacts, .* more slender"),
+        ("width: 3\nheight: 2", r"from three impacts, -0\.\d+ and -0\.\d+ on its base"),
+    ],
+    "kind: block\n": [
+        ("width: 1e-300\nheight: 1", "width: found 1e-300; expected a positive length, from 1e-09 m"),
+        ("width: 1e300\nheight: 1", "width: found 1e300; expected a length"),
+        ("width: 1e7 km\nheight: 1", r"up to 1e\+09 m"),
+    ],
+    "": [
+        ("kind: prism", "no key 'corners'"),
+        ("kind: stack", "no key 'pieces'; expected pieces: a list of pieces from below"),
+        ("kind: point_mass\none_sided: true\nwidth: 1\nheight: 5", "does not say where it meets its backing; expected restitution as well"),
+    ],
+}
+
+
+@pytest.mark.parametrize(("text", "words"), [(common + text, words) for common, rows in REFUSED.items() for text, words in rows])
+def test_refusals(text, words):
+    with pytest.raises(DocumentError, match=words):
+        built(text)
