@@ -82,12 +82,11 @@ class RecordScene(Scene):
 
     @property
     def over_angles(self) -> bool:
-        """Whether the dimensions are record, alpha and T."""
+        """True if the dimensions are record, alpha and T."""
         return self.columns.name == "T"
 
     @property
     def weighed(self) -> bool:
-        """Whether a record has a vertical one beside it."""
         return any(r.upwards is not None for r in self.recordings)
 
     @property
@@ -97,12 +96,10 @@ class RecordScene(Scene):
 
     @property
     def segments(self) -> int:
-        """Intervals of the longest record."""
         return max(r.record.npts for r in self.recordings) - 1
 
     @property
     def title(self) -> str:
-        """The record, or how many there are."""
         return self.recordings[0].label if len(self.recordings) == 1 else f"{len(self.recordings)} records"
 
     def _scaled(self, structure: RockingParameters, acceleration: float) -> tuple[Array, Array]:
@@ -115,11 +112,9 @@ class RecordScene(Scene):
             return peak if name == "A" else structure.dimensionless_amplitude(peak), np.array([1.0 / structure.p])
 
     def sharing(self) -> list[tuple[int, ...]]:
-        """Every record by itself."""
         return [(i,) for i in range(len(self.recordings))]
 
     def bands(self, unit: Unit, size: tuple[int, int]) -> Iterator[Band]:
-        """A band for each structure."""
         recording = self.recordings[unit.places[0]]
         motion, columns = recording.motion, slice(unit.column, unit.column + size[1])
         for structure in self.structures[unit.row : unit.row + size[0]]:
@@ -127,13 +122,11 @@ class RecordScene(Scene):
             yield Band(structure, motion, 1, amplitude[columns], omega[columns], (structure,))
 
     def cell(self, place: int, row: int, column: int) -> Cell:
-        """One cell."""
         recording, structure = self.recordings[place], self.structures[row]
         amplitude, omega = np.broadcast_arrays(*self._scaled(structure, recording.acceleration))
         return Cell(structure, recording.motion, float(amplitude[column]), float(omega[column]))
 
     def runs_with(self, structure: RockingParameters) -> tuple[Any, ...]:
-        """Blocks of any angle go in one run."""
         return () if self.over_angles and not self.weighed and self.method.mixes(structure) else self.shares(structure)
 
     def only(self, units: Sequence[Unit]) -> RecordScene:
@@ -143,7 +136,6 @@ class RecordScene(Scene):
         return replace(self, recordings=tuple(r if i in wanted else some for i, r in enumerate(self.recordings)))
 
     def judge_of(self, cell: Cell) -> Outcome | None:
-        """What the nonlinear equation says of a cell of a linear scene, where it holds for the structure."""
         nonlinear = Method("nonlinear")
         if not self.method.exact or not nonlinear.serves(cell.structure):
             return None
@@ -151,26 +143,15 @@ class RecordScene(Scene):
         found = response(nonlinear.system_of(cell.structure), cell.motion, *at, peaks=False)
         return Outcome(int(found.outcome[0]))
 
-    def identity(self) -> dict[str, Any]:
-        """What the result depends on, by name, as JSON values; two scenes of equal identity have equal spectra."""
-        from .work.machine import version
-
+    def stated(self) -> dict[str, Any]:
         if self.over_angles:
             alphas = Axis("alpha", np.array([s.alpha for s in self.structures]))
             rows: dict[str, Any] = {"axis alpha": alphas.stated(), "eta": [s.eta for s in self.structures]}
         else:
             rows = {"structures": [json.loads(json.dumps(s.record())) for s in self.structures]}
-        return {
-            "version": version(),
-            "records": [r.identity() for r in self.recordings],
-            **rows,
-            f"axis {self.columns.name}": self.columns.stated(),
-            "model": self.method.model,
-            "tolerance": self.method.stated_tolerance,
-        }
+        return {"records": [r.identity() for r in self.recordings], **rows, f"axis {self.columns.name}": self.columns.stated()}
 
     def frame(self) -> Frame:
-        """What the cells lie on."""
         records, columns = [r.label for r in self.recordings], {self.columns.name: self.columns.values}
         beside = beside_records(self.recordings)
         if not self.over_angles:

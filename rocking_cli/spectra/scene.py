@@ -78,8 +78,8 @@ class Scene(ABC):
         """The motion in a few words."""
 
     @abstractmethod
-    def identity(self) -> dict[str, Any]:
-        """What the result depends on, by name, as JSON values; two scenes of equal identity have equal spectra."""
+    def stated(self) -> dict[str, Any]:
+        """The input of the scene but its method, by name, as JSON values."""
 
     @abstractmethod
     def sharing(self) -> list[tuple[int, ...]]:
@@ -95,12 +95,18 @@ class Scene(ABC):
 
     @abstractmethod
     def frame(self) -> Frame:
-        """What the cells lie on, as a file has it."""
+        """The places of the cells, as a file has them."""
 
     @property
     def quantities(self) -> tuple[str, ...]:
         """Those of QUANTITIES that belong to the result in any case."""
         return ()
+
+    def identity(self) -> dict[str, Any]:
+        """All that the result depends on, by name, as JSON values; two scenes of equal identity have equal spectra."""
+        from .work.machine import version
+
+        return {"version": version(), **self.stated(), "model": self.method.model, "tolerance": self.method.stated_tolerance}
 
     def only(self, units: Sequence[Unit]) -> Scene:
         """The scene with no more than these units need."""
@@ -171,21 +177,17 @@ class PulseScene(Scene):
 
     @property
     def weighed(self) -> bool:
-        """Whether the motion has a vertical part."""
         return self.motion.vertical is not None
 
     @property
     def segments(self) -> int:
-        """Segments of the motion."""
         return len(self.motion.segments)
 
     @property
     def title(self) -> str:
-        """The motion's name."""
         return self.motion.name
 
     def bands(self, unit: Unit, size: tuple[int, int]) -> Iterator[Band]:
-        """The one band of a unit."""
         structure = self.structures[unit.places[0]]
         amplitude, omega = self.grid.scaled(structure)
         columns = amplitude[unit.column : unit.column + size[1]]
@@ -193,31 +195,22 @@ class PulseScene(Scene):
         yield Band(structure, self.motion, size[0], columns, omega[unit.row : unit.row + size[0], None], sharers)
 
     def cell(self, place: int, row: int, column: int) -> Cell:
-        """One cell."""
         structure = self.structures[place]
         amplitude, omega = self.grid.scaled(structure)
         return Cell(structure, self.motion, float(amplitude[column]), float(omega[row]))
 
     def frame(self) -> Frame:
-        """What the cells lie on."""
         return pulse_frame(self.structures, self.grid)
 
-    def identity(self) -> dict[str, Any]:
-        """What the result depends on, by name, as JSON values; two scenes of equal identity have equal spectra."""
-        from .work.machine import version
-
+    def stated(self) -> dict[str, Any]:
         return {
-            "version": version(),
             "structures": [json.loads(json.dumps(s.record())) for s in self.structures],
             **{f"axis {axis.name}": axis.stated() for axis in (self.grid.frequency, self.grid.amplitude)},
             "motion": [self.motion.name, _plain(self.motion)],
             **({} if self.motion.vertical is None else {"vertical": _plain(self.motion.vertical)}),
-            "model": self.method.model,
-            "tolerance": self.method.stated_tolerance,
         }
 
     def sharing(self) -> list[tuple[int, ...]]:
-        """Structures, by index, that share one computation."""
         if not self.grid.dimensionless:
             return [(i,) for i in range(len(self.structures))]
         groups: dict[tuple[Any, ...], list[int]] = {}

@@ -161,7 +161,7 @@ class _Sweep:
         check = default_check(scene) if options.check is None else options.check
         verification = Verification(scene, check, self.chunk, self.todo)
         quantities = options.quantities_of(scene)
-        job = Job(scene, self.chunk, verification.candidates, convert, quantities)
+        job = Job(scene, self.chunk, tuple(verification.sensitive), convert, quantities)
         if options.scheduler is None:
             crew = local_crew(job, workers)
         else:

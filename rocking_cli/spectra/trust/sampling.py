@@ -1,4 +1,4 @@
-"""Which cells a sweep computes again by the slower path: some at random, some where an error would show most.
+"""The cells that a sweep computes again by the slower path: some at random, some where an error would show most.
 
 They follow from the scene alone: neither the number of workers, the size of a unit nor a resumed sweep changes them.
 """
@@ -16,18 +16,12 @@ Array = np.ndarray
 
 _SEED = 20120924
 _CANDIDATES = 128  # among which the most sensitive are sought
-_LONGEST, _LONGEST_RECORD = 1000, 10_000  # segments beyond which the search takes as long as a sweep: all cells are drawn then
+_LONGEST, _LONGEST_RECORD = 1000, 10_000  # segments beyond which the search takes as long as a sweep, so that all cells are drawn
 
 
 def default_check(scene: Scene) -> int:
     """Cells to compute again where the user does not say: so few that large sweeps spend under 3 % of their time on them."""
     return 4 if not scene.method.exact else max(4, min(64, scene.cells // 250_000))
-
-
-def candidates(scene: Scene, check: int) -> Array:
-    """(structure, row, column) of all that may be among the cells to check, some of them twice, found without a march."""
-    drawn = sampled_cells(scene, check)
-    return drawn if check < 2 or _too_long(scene) else np.concatenate([drawn, _candidates(scene)])
 
 
 def _too_long(scene: Scene) -> bool:

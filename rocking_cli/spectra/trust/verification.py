@@ -1,9 +1,8 @@
-"""Cells of a sweep that the reference computes again: chosen while workers compute, looked at by whoever is idle, compared in the end."""
+"""Cells of a sweep that the reference computes again, and the comparison with the sweep."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from functools import cached_property
+from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -12,7 +11,7 @@ from ...dynamics.outcome import Outcome
 from ...dynamics.response import Response, response
 from ..scene import Scene, Unit
 from .condition import condition_of
-from .sampling import candidates, checked_cells
+from .sampling import checked_cells
 
 Array = np.ndarray
 _EXACT = 1e-10  # in place of a tolerance where the method has none: two paths round differently
@@ -35,33 +34,22 @@ def reference(scene: Scene, place: Place) -> Answer:
 
 
 class Verification:
-    """What is computed again of the units of a sweep, of so many rows and columns.
+    """The cells of some units, of so many rows and columns, that are computed again.
 
-    candidates: (n, 3), the places of all cells that may be, known before anything is computed; seen: outcome and theta/alpha of those that
-    the units hold; answers: of the reference, for each of `places`.
+    sensitive: their places, with True for those chosen for their sensitivity; seen: outcome and theta/alpha of each in the sweep; answers:
+    of the reference.
     """
 
     def __init__(self, scene: Scene, check: int, chunk: tuple[int, int], units: Sequence[Unit]) -> None:
-        self.scene, self.check, self.chunk = scene, check, chunk
-        self.candidates = candidates(scene, check)
-        self._units = {(unit.places[0], unit.row, unit.column) for unit in units}
+        (rows, columns), there = chunk, {(unit.places[0], unit.row, unit.column) for unit in units}
+        found = checked_cells(scene, check).tolist() if units else []
+        self.scene = scene
+        self.sensitive = {(i, r, c): bool(flag) for i, r, c, flag in found if (i, r - r % rows, c - c % columns) in there}
         self.seen: dict[Place, tuple[int, float]] = {}
         self.answers: dict[Place, Answer] = {}
 
-    @cached_property
-    def sensitive(self) -> dict[Place, bool]:
-        """The cells of these units that are computed again, and whether each was chosen for its sensitivity. To find those takes as long
-        as to march a few hundred cells."""
-        rows, columns = self.chunk
-        found = checked_cells(self.scene, self.check).tolist()
-        return {(i, r, c): bool(flag) for i, r, c, flag in found if (i, r - r % rows, c - c % columns) in self._units}
-
-    def places(self) -> Iterator[Place]:
-        """Those cells, which are not looked for before the first is wanted."""
-        yield from self.sensitive
-
     def compared(self) -> Mapping[str, Any]:
-        """The result of the comparison, by the names of `Summary`."""
+        """The result of the comparison, by the fields of `Summary`."""
         worst, misjudged, checked, sensitive, compared, otherwise, beyond = 0.0, 0, 0, 0, 0, 0, 0
         for place, answer in self.answers.items():
             if answer.outcome == Outcome.FAILED:
@@ -80,8 +68,7 @@ class Verification:
         }  # fmt: skip
 
     def _unexplained(self, place: Place, apart: float) -> bool:
-        """Whether a difference of theta/alpha exceeds the tolerance times the condition of the cell, or the tolerance where that is below 1
-        or not known."""
+        """True if a difference of theta/alpha exceeds the tolerance times the condition of the cell, if that is known and above 1."""
         method, cell = self.scene.method, self.scene.cell(*place)
         tolerance = method.stated_tolerance or _EXACT
         if not apart > tolerance:

@@ -75,7 +75,7 @@ class Job:
 
     scene: Scene
     chunk: tuple[int, int]
-    candidates: np.ndarray
+    checked: tuple[Place, ...]
     convert: Callable[[Block], Any] | None = None
     quantities: tuple[str, ...] = ()
 
@@ -178,9 +178,9 @@ class Job:
         return Report(tuple(data[key] for key in keys), first.work, np.asarray(outcomes), len(keys) * differences, seen)
 
     def seen(self, unit: Unit, response: Response) -> dict[Place, tuple[int, float]]:
-        """Outcome and theta/alpha of the candidates in this unit."""
+        """Outcome and theta/alpha of the cells to check in this unit."""
         found = {}
-        for i, row, column in self.candidates.tolist():
+        for i, row, column in self.checked:
             r, c = row - unit.row, column - unit.column
             if i == unit.places[0] and 0 <= r < self.chunk[0] and 0 <= c < self.chunk[1]:
                 found[i, row, column] = int(response.outcome[r, c]), float(response.theta_ratio[r, c])
@@ -215,7 +215,7 @@ def unit_reports(job: Job, units: Sequence[Unit], crew: Crew, verification: Veri
     with crew as (run, at_once):
         size = max(1, min(job.together, -(-len(units) // at_once)))
         batches = [list(units[i : i + size]) for i in range(0, len(units), size)]
-        results = run(chain(batches, verification.places()))  # the cells to check are found while workers compute
+        results = run(chain(batches, verification.sensitive))
         for batch in batches:
             yield from zip(batch, next(results), strict=True)
         verification.answers |= zip(verification.sensitive, results, strict=True)
