@@ -3,55 +3,41 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from functools import partial
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import click
 
 from . import ground, options
-from .parameter_types import OutputPath
+from .groups import option, takes
+from .printing import emit, note, printed, units_of
 from .progress import ProgressLine
 
 if TYPE_CHECKING:
     from ..envelopes.limit import Limit
-    from ..motions import Motion
-    from ..motions.biaxial import Upwards
-    from ..motions.grid import Grid
-    from ..motions.recording import Recording
     from ..responses.check import Verdict
+
+
+@dataclass(frozen=True)
+class Check:
+    """What `rocking check` asks for."""
+
+    a_max: Limit = options.a_max()
+    sort: str | None = option("--sort", type=click.Choice(["capacity"]), help="The weakest first, those that never overturn last.")
+    fail_on: str | None = option(
+        "--fail-on", type=click.Choice(["overturning"]), help="Exit code 5 where a structure falls or loses the ground."
+    )
+    output: Path | None = options.output(help="A figure of the capacities: .png, .svg or .pdf.")
+    overwrite: bool = options.overwrite()
+    workers: int | None = options.workers()
 
 
 @click.command(epilog="Example: rocking check configs/block.yaml configs/arch.yaml --a-g 0.35g --f-g 1.5 --sort capacity")
 @options.files
-@ground.motions
-@ground.vertical_of_each
-@ground.shaking
-@options.a_max
-@click.option("--sort", type=click.Choice(["capacity"]), help="The weakest first, those that never overturn last.")
-@click.option("--fail-on", type=click.Choice(["overturning"]), help="Exit code 5 where a structure falls or loses the ground.")
-@click.option("-o", "--output", type=OutputPath(), help="A figure of the capacities: .png, .svg or .pdf.")
-@options.overwrite
-@options.workers
-@options.output_form
-@options.quiet
-@click.pass_context
-def check(
-    context: click.Context,
-    files: tuple[str, ...],
-    motion: Motion | None,
-    recordings: tuple[Recording, ...],
-    shaking: Grid | None,
-    upwards: Upwards | None,
-    a_max: Limit,
-    sort: str | None,
-    fail_on: str | None,
-    output: Path | None,
-    overwrite: bool,
-    workers: int | None,
-    form: str | None,
-    quiet: bool,
-) -> None:
+@takes(motions=ground.Motions, vertical=ground.Vertical, shaking=ground.Shaking, wanted=Check)
+@printed
+def check(files: tuple[str, ...], motions: ground.Motions, vertical: ground.Vertical, shaking: ground.Shaking, wanted: Check) -> int:
     """Check which structures stand under a motion, and how much more it would take to overturn them.
 
     A row a structure and motion: the outcome and theta_max/alpha by the equation that governs (nonlinear for a known geometry in units:
@@ -64,51 +50,42 @@ def check(
     """
     from ..dynamics.outcome import Outcome
     from ..envelopes.capacity import narrowest
-    from ..motions.grid import as_recorded
     from ..publishing import check_target
     from ..responses.check import CHECK_COLUMNS, check_all
 
+    files, shaken = motions.several(files, vertical)
+    shaken = shaking.of(shaken).with_upwards(vertical.upwards())
     structures = options.structures_of(files)
-    if shaking is None and not recordings:
-        raise click.UsageError("no shaking: give --a-g and --omega-g (or --f-g, --T-g), or --motion FILE")
-    if output is not None:
-        check_target(output, overwrite, options.FIGURES)
-    shakes: list[tuple[Motion, Grid]] = [(r.motion, shaking or as_recorded(r.acceleration)) for r in recordings]
-    if motion is not None and shaking is not None:
-        shakes.append((motion, shaking))
-    if upwards is not None:
-        shakes = [(upwards(shake), grid) for shake, grid in shakes]
+    shakes = shaken.needed()
+    if wanted.output is not None:
+        check_target(wanted.output, wanted.overwrite, options.FIGURES)
     demands = [(structure, *shake) for shake in shakes for structure in structures]
-    tell = partial(options.note, quiet=quiet)
-    progress = ProgressLine("check", quiet, "stages")
-    verdicts = check_all(demands, a_max=a_max, workers=options.at_most_the_cpus(workers, quiet), progress=progress)
-    if sort:
+    verdicts = check_all(demands, a_max=wanted.a_max, workers=wanted.workers, progress=ProgressLine("check", "stages"))
+    if wanted.sort:
         verdicts.sort(key=lambda v: float("inf") if v.capacity_demand is None else v.capacity_demand)
-    in_g = _in_g(context.params)
-    if output is not None:
+    in_g = _in_g(shaking.a_g or motions.scale_to or ("g" if motions.motion else ""))
+    if wanted.output is not None:
         from ..reports.figures.capacities import draw_capacities
 
-        draw_capacities(verdicts, output, in_g=in_g, overwrite=overwrite, tell=tell)
-    options.emit([v.record() for v in verdicts], form, CHECK_COLUMNS, table_units="g" if in_g else None)
-    options.note_demand(shakes, quiet)
-    options.note_governing(structures, shakes[0][1].dimensionless, quiet)
+        draw_capacities(verdicts, wanted.output, in_g=in_g, overwrite=wanted.overwrite, tell=note)
+    emit([v.record() for v in verdicts], CHECK_COLUMNS, table_units="g" if in_g else None)
+    options.note_demand(shakes)
+    options.note_governing(structures, shakes[0][1].dimensionless)
     for line in _remarks(verdicts):
-        options.note(line, quiet)
+        note(line)
     width = " or ".join(dict.fromkeys(narrowest(shake) for shake, _ in shakes))
-    options.note(f"nothing is claimed of intervals narrower than {width}, safe or overturning, away from the demand", quiet)
-    if fail_on and any(v.falls for v in verdicts):
-        context.exit(5)
-    if any(v.outcome == Outcome.FAILED for v in verdicts):
-        context.exit(4)
+    note(f"nothing is claimed of intervals narrower than {width}, safe or overturning, away from the demand")
+    if wanted.fail_on and any(v.falls for v in verdicts):
+        return 5
+    return 4 if shaken.unread or any(v.outcome == Outcome.FAILED for v in verdicts) else 0
 
 
-def _in_g(given: dict[str, Any]) -> bool:
-    """Whether the request speaks of g; of a record it does unless it says otherwise."""
-    units = options.units_of()
+def _in_g(asked: str) -> bool:
+    """True if the request is in g: by --units, or by the text of its amplitude."""
+    units = units_of()
     if units is not None and "acceleration" in units.chosen:
         return units.of("acceleration")[0] == "g"
-    text = given["a_g"] or given["scale_to"] or ("g" if given["motion_files"] else "")
-    return bool(text.rstrip().endswith("g"))
+    return asked.rstrip().endswith("g")
 
 
 def _remarks(verdicts: list[Verdict]) -> list[str]:

@@ -2,23 +2,32 @@
 
 from __future__ import annotations
 
-from functools import partial
+from dataclasses import dataclass
 from pathlib import Path
 
 import click
 
 from . import options
-from .parameter_types import OutputPath
+from .groups import takes
+from .printing import note, quiet, units, units_of
 
 MOST = 12  # panels that a page shows
 
 
+@dataclass(frozen=True)
+class Drawing:
+    """The figure that `rocking draw` writes."""
+
+    output: Path = options.output(required=True, help="The figure: .png, .svg or .pdf.")
+    overwrite: bool = options.overwrite()
+
+
 @click.command(epilog="Example: rocking draw configs/arch.yaml -o arch.svg")
 @options.files
-@click.option("-o", "--output", required=True, type=OutputPath(), help="The figure: .png, .svg or .pdf.")
-@options.units
-@options.overwrite
-def draw(files: tuple[str, ...], output: Path, overwrite: bool) -> None:
+@takes(wanted=Drawing)
+@units
+@quiet
+def draw(files: tuple[str, ...], wanted: Drawing) -> None:
     """Draw structures to scale, a panel each: outline, pivots, mass centre, R and alpha, and dashed the shape at alpha.
 
     An arch has its voussoirs, its hinges numbered from springing A, and the linkage displaced; a cracked spire its crack; a stack
@@ -26,12 +35,7 @@ def draw(files: tuple[str, ...], output: Path, overwrite: bool) -> None:
     """
     from ..publishing import check_target
     from ..reports.figures.drawing import draw_structures
-    from ..structures import read_documents
 
-    if not files:
-        raise click.UsageError("no structure: give FILE, or - for standard input")
-    check_target(output, overwrite, options.FIGURES)
-    documents = [document for path in files for document in read_documents(path)]
-    if len(documents) > MOST:
-        raise click.UsageError(f"found {len(documents)} structures; accepted are up to {MOST} in a figure")
-    draw_structures(documents, output, units=options.units_of(), overwrite=overwrite, tell=partial(options.note, quiet=False))
+    check_target(wanted.output, wanted.overwrite, options.FIGURES)
+    documents = options.documents_of(files, MOST, "a figure")
+    draw_structures(documents, wanted.output, units=units_of(), overwrite=wanted.overwrite, tell=note)

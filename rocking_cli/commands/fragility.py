@@ -3,29 +3,27 @@
 from __future__ import annotations
 
 import re
-import shlex
-import sys
-from collections.abc import Callable, Iterator
-from functools import partial
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import click
 
 from ..errors import UsageError
-from . import ground, options, streams
-from .parameter_types import InputPath, OutputPath, Registered
+from . import ground, options
+from .groups import option, takes
+from .parameter_types import InputPath, Registered
+from .printing import emit, form, note, printed, units_of
 from .progress import ProgressLine
 
 if TYPE_CHECKING:
     import numpy as np
 
-    from ..fragility.fits import Resampling
-    from ..fragility.measures import Measure
+    from ..dynamics.method import Method
+    from ..fragility.measures import Measure, Member
     from ..fragility.study import Fit, Study
-    from ..motions import Motion
-    from ..motions.biaxial import Upwards
-    from ..motions.recording import Recording
+    from ..structures import RockingParameters
 
 
 def _measures() -> list[str]:
@@ -39,8 +37,9 @@ _WITH_COUNTS = ("counts", "curve", "samples", "seed", "form", "units", "quiet", 
 _IN_G = re.compile(r"g(?![a-z])", re.IGNORECASE)  # and not in gal
 
 
-def _refuse(context: click.Context, why: str, stray: Callable[[str], bool]) -> None:
-    """Raise UsageError for the first parameter given that is one of those, since it would change nothing."""
+def _refuse(why: str, stray: Callable[[str], bool]) -> None:
+    """Raise click.UsageError for the first parameter given that is one of those, since it would change nothing."""
+    context = click.get_current_context()
     for parameter in context.command.params:
         name = parameter.name or ""
         given = context.get_parameter_source(name) is click.core.ParameterSource.COMMANDLINE
@@ -50,59 +49,35 @@ def _refuse(context: click.Context, why: str, stray: Callable[[str], bool]) -> N
             raise click.UsageError(f"{why} {parameter.opts[-1] if isinstance(parameter, click.Option) else 'structure'}")
 
 
+@dataclass(frozen=True)
+class Fits:
+    """What `rocking fragility` fits, and to which motions."""
+
+    pulses: str | None = option(
+        "--pulses", type=InputPath(), metavar="FILE", help="Site pulses instead of records: CSV of a_g, f_g, weight."
+    )
+    im: str = option("--im", default="PGA", show_default=True, type=Registered(_measures), help="Intensity measure of the curves.")
+    levels: str | None = option("--levels", metavar="LEVELS", help="START:STOP:N[:log] of it, or a list, with units: 0.1g:1g:10.")
+    limits: str = option("--limit", default="0.1,0.5,1,overturning", show_default=True, help="Limit states: |theta|/alpha beyond these.")
+    methods: str = option("--method", default="stripes", show_default=True, help="Of stripes, first and cloud, one or more.")
+    exact: bool = option(
+        "--exact", is_flag=True, help="Trace every interval that overturns: exact shares between levels, and resurrections."
+    )
+    efficiency: bool = option("--efficiency", is_flag=True, help="Instead, the dispersion of the first overturning over every measure.")
+    curve: bool = option("--curve", is_flag=True, help="Instead, points of the curves with their bands: what rocking plot draws.")
+    counts: str | None = option("--counts", type=InputPath(), metavar="FILE", help="Fit counts that exist already: CSV of im, n, z.")
+    samples: int = option("--bootstrap", type=click.IntRange(0, 100_000), default=1000, show_default=True, help="Draws for bands; 0: none.")
+    seed: int = option("--seed", type=click.IntRange(0), default=0, show_default=True, help="Seed of these draws.")
+    output: Path | None = options.output(help="The HDF5 file of all cells to write (records).")
+
+
 @click.command(epilog="Example: rocking fragility configs/block.yaml --pulses configs/motions/site_pulses.csv --levels 0.2g:0.7g:11")
 @options.files
-@ground.motions
-@ground.vertical_of_each
-@click.option("--pulses", type=InputPath(), metavar="FILE", help="Site pulses instead of records: CSV of a_g, f_g, weight.")
-@click.option("--im", default="PGA", show_default=True, type=Registered(_measures), help="Intensity measure of the curves.")
-@click.option("--levels", metavar="LEVELS", help="START:STOP:N[:log] of it, or a list, with units: 0.1g:1g:10.")
-@click.option("--limit", "limits", default="0.1,0.5,1,overturning", show_default=True, help="Limit states: |theta|/alpha beyond these.")
-@click.option("--method", "fits", default="stripes", show_default=True, help="Of stripes, first and cloud, one or more.")
-@click.option("--exact", is_flag=True, help="Trace every interval that overturns: exact shares between levels, and resurrections.")
-@click.option("--efficiency", is_flag=True, help="Instead, the dispersion of the first overturning over every measure.")
-@click.option("--curve", is_flag=True, help="Instead, points of the curves with their bands: what rocking plot draws.")
-@click.option("--counts", type=InputPath(), metavar="FILE", help="Fit counts that exist already: CSV of im, n, z.")
-@click.option("--bootstrap", "samples", type=click.IntRange(0, 100_000), default=1000, show_default=True, help="Draws for bands; 0: none.")
-@click.option("--seed", type=click.IntRange(0), default=0, show_default=True, help="Seed of these draws.")
-@click.option("-o", "--output", type=OutputPath(), help="The HDF5 file of all cells to write (records).")
-@options.method
-@options.workers
-@options.overwrite
-@click.option("--resume", is_flag=True, help="Go on with an interrupted sweep of the same scene, or read a complete one.")
-@click.option("--shard", metavar="I/N", help="Compute the I-th of N parts only; rocking merge puts them together.")
-@click.option("--scheduler", metavar="ADDRESS", help="Compute on a dask.distributed cluster, such as tcp://host:8786.")
-@options.output_form
-@options.quiet
-@click.pass_context
+@takes(motions=ground.Motions, vertical=ground.Vertical, wanted=Fits, model=options.Model, sweep=options.Sweep)
+@printed
 def fragility(
-    context: click.Context,
-    files: tuple[str, ...],
-    motion: Motion | None,
-    recordings: tuple[Recording, ...],
-    upwards: Upwards | None,
-    pulses: str | None,
-    im: str,
-    levels: str | None,
-    limits: str,
-    fits: str,
-    exact: bool,
-    efficiency: bool,
-    curve: bool,
-    counts: str | None,
-    samples: int,
-    seed: int,
-    output: Path | None,
-    model: str | None,
-    tolerance: float,
-    workers: int | None,
-    overwrite: bool,
-    resume: bool,
-    shard: str | None,
-    scheduler: str | None,
-    form: str | None,
-    quiet: bool,
-) -> None:
+    files: tuple[str, ...], motions: ground.Motions, vertical: ground.Vertical, wanted: Fits, model: options.Model, sweep: options.Sweep
+) -> int:
     """Fit lognormal fragility curves of structures under a set of records or site pulses.
 
     A row a structure, limit state and method: median theta of the intensity measure, dispersion beta, the 95 % bands of both by
@@ -110,88 +85,89 @@ def fragility(
     overturning, traced, the motions that never overturn as censored; cloud: regression on the rotations as recorded. Measures:
     PGA, PGV, PGD, Arias, CAV, and nPGA = PGA/(lambda g), nPGV = p PGV/(g tan alpha), nPGD = p^2 PGD/(g tan alpha).
     """
-    from ..dynamics.method import governing_method
     from ..fragility.fits import Resampling
     from ..fragility.measures import measure_of, members_of, shaken_upwards, site_pulses
     from ..fragility.study import counted
 
-    how = Resampling(samples, seed)
-    if counts is not None:
-        _refuse(context, "--counts stands alone: it takes no", lambda name: name not in _WITH_COUNTS)
-        _emit(counted(counts, how), [], curve, form, "")
-        return
+    files, shaken = motions.several(files, vertical)
+    upwards = vertical.upwards()
+    if wanted.counts is not None:
+        _refuse("--counts stands alone: it takes no", lambda name: name not in _WITH_COUNTS)
+        _emit(counted(wanted.counts, Resampling(wanted.samples, wanted.seed)), [], wanted)
+        return 0
     structures, texts = options.structures_and_texts(files)
-    if bool(recordings) == (pulses is not None):
+    if bool(shaken.recordings) == (wanted.pulses is not None):
         raise click.UsageError("no set of motions: give --motion with records, or --pulses with a table of them, one of the two")
-    if pulses is not None:
-        _refuse(context, "--pulses states each pulse itself: it takes no", lambda name: name in _SHAPE)
-    if curve and efficiency:
+    if wanted.pulses is not None:
+        _refuse("--pulses states each pulse itself: it takes no", lambda name: name in _SHAPE)
+    if wanted.curve and wanted.efficiency:
         raise click.UsageError("--efficiency does not go with --curve")
-    measure = measure_of(im)
-    at = _levels(levels, measure)
-    states, methods = _limits(limits), _methods(fits)
-    members = site_pulses(pulses) if pulses is not None else members_of(recordings)
+    measure = measure_of(wanted.im)
+    levels = _levels(wanted.levels, measure)
+    states, methods = _limits(wanted.limits), _methods(wanted.methods)
+    members = site_pulses(wanted.pulses) if wanted.pulses is not None else members_of(shaken.recordings)
     if upwards is not None:
         members = shaken_upwards(members, upwards)
-    method = governing_method(*structures, model=model, tolerance=tolerance)
-    settled = {
-        "overwrite": overwrite, "resume": resume, "shard": None if shard is None else options.part_of(shard), "scheduler": scheduler,
-        "documents": texts, "history": streams.printable(shlex.join(["rocking", *sys.argv[1:]])),
-        "tell": partial(options.note, quiet=quiet),
-    }  # fmt: skip
-    if output is not None:
+    (equation,) = model.methods(structures)
+    if wanted.output is not None:
         from ..spectra.file.partial import check_output
 
-        if not (resume and output.is_file()):
-            check_output(output, overwrite, resume)
-            options.refuse_own_input(output, recordings)
-    elif shard is not None or scheduler is not None or resume:
+        if not (sweep.resume and wanted.output.is_file()):
+            check_output(wanted.output, sweep.overwrite, sweep.resume)
+            options.refuse_own_input(wanted.output, shaken.recordings)
+    elif sweep.shard is not None or sweep.scheduler is not None or sweep.resume:
         raise click.UsageError("--shard, --scheduler and --resume go with -o OUT.h5")
-    wanted = {"exact": exact or efficiency or "first" in methods, "cloud": "cloud" in methods}
-    workers = options.at_most_the_cpus(workers, quiet)
-    studies = list(_studies(structures, members, measure, at, method, how, output, workers, settled, wanted, quiet))
+    studies = list(_studies(structures, members, measure, levels, equation, wanted, sweep, texts))
     if not studies:
-        options.note(f"{output}: {shard} is written; rocking merge puts the parts together, and --resume reads the whole", quiet)
-        return
-    refused = 0
-    if efficiency:
+        note(f"{wanted.output}: {sweep.shard} is written; rocking merge puts the parts together, and --resume reads the whole")
+        return 4 if shaken.unread else 0
+    refused: list[str] = []
+    if wanted.efficiency:
         from ..fragility.study import EFFICIENCY_COLUMNS
 
-        options.emit([row for study in studies for row in study.efficiency()], form, EFFICIENCY_COLUMNS, without=("theta",))
+        emit([row for study in studies for row in study.efficiency()], EFFICIENCY_COLUMNS, without=("theta",))
     else:
-        refused = _rows(studies, states, methods, exact, curve, form, levels or "", quiet)
-    options.note_models([method], structures, [model], False, quiet)
-    options.note(f"{len(members)} motions", quiet)
+        fits, refused = _fits(studies, states, methods)
+        if not fits and not (wanted.exact and wanted.curve):
+            raise UsageError(refused[0] if refused else "no limit state that this method fits: first is of overturning, cloud of rotations")
+        _emit(fits, studies if wanted.exact else [], wanted)
+    for line in (*refused, *model.in_words([equation], structures), f"{len(members)} motions"):
+        note(line)
     for study in studies:
         if study.resurrections:
-            what = f"{study.resurrections} of {len(members)} motions overturn it at one intensity and spare it at a larger one"
-            options.note(f"{study.structure.name}: {what}", quiet)
-    if refused and options.given(context, "limits"):  # the default ones are those that there may be
-        context.exit(4)
+            words = f"{study.resurrections} of {len(members)} motions overturn it at one intensity and spare it at a larger one"
+            note(f"{study.structure.name}: {words}")
+    stated = click.get_current_context().get_parameter_source("limits") is not click.core.ParameterSource.DEFAULT
+    return 4 if shaken.unread or (refused and stated) else 0  # of the default limit states some may have no fit
 
 
 def _studies(
-    structures: Any, members: Any, measure: Measure, at: np.ndarray, method: Any, how: Resampling, output: Path | None, workers: int | None,
-    settled: dict[str, Any], wanted: dict[str, bool], quiet: bool,
+    structures: Sequence[RockingParameters], members: Sequence[Member], measure: Measure, levels: np.ndarray, method: Method,
+    wanted: Fits, sweep: options.Sweep, texts: str,
 ) -> Iterator[Study]:  # fmt: skip
-    """What each structure comes to under the set."""
+    """Each structure under the set of motions."""
     from ..fragility.exposure import as_recorded, exposures, traced
+    from ..fragility.fits import Resampling
     from ..fragility.study import Study
 
-    line = ProgressLine("fragility", quiet, "chunks")
-    found = exposures(structures, members, measure, at, method, path=output, workers=workers, progress=line, **settled)
+    writing = {**sweep.writing(texts), "history": options.command_line()}
+    line = ProgressLine("fragility", "chunks")
+    found = exposures(structures, members, measure, levels, method, path=wanted.output, workers=sweep.workers, progress=line, **writing)
     for structure, exposure in zip(structures, found, strict=False):
-        intervals = None
-        if wanted["exact"]:
-            line = ProgressLine(structure.name, quiet, "motions")
-            intervals = traced(structure, members, measure, float(at[-1]), method, workers=workers, progress=line)
-        recorded = as_recorded(structure, members, method) if wanted["cloud"] else None
-        yield Study(structure, members, measure, how, exposure, intervals, recorded)
+        intervals = recorded = None
+        if wanted.exact or wanted.efficiency or "first" in _methods(wanted.methods):
+            line = ProgressLine(structure.name, "motions")
+            intervals = traced(structure, members, measure, float(levels[-1]), method, workers=sweep.workers, progress=line)
+        if "cloud" in _methods(wanted.methods):
+            recorded = as_recorded(structure, members, method)
+        yield Study(structure, members, measure, Resampling(wanted.samples, wanted.seed), exposure, intervals, recorded)
 
 
-def _rows(studies: list[Study], states: Any, methods: Any, exact: bool, curve: bool, form: str | None, levels: str, quiet: bool) -> int:
-    """Print the fits, and say which the data do not bear; how many. Raises UsageError where there is none."""
-    fits, faults = [], []
+def _fits(studies: Sequence[Study], states: Sequence[float | None], methods: Sequence[str]) -> tuple[list[Fit], list[str]]:
+    """(the fits, a sentence for each that the data do not bear)."""
+    from ..fragility.study import word_of
+
+    fits, refused = [], []
     for study in studies:
         for method in methods:
             for state in states:
@@ -200,43 +176,36 @@ def _rows(studies: list[Study], states: Any, methods: Any, exact: bool, curve: b
                 try:
                     fits.append(study.fit(method, state))
                 except UsageError as error:
-                    from ..fragility.study import word_of
-
-                    faults.append(f"{study.structure.name}, {word_of(state)}, {method}: {error}")
-    if not fits and not (exact and curve):
-        raise UsageError(faults[0] if faults else "no limit state that this method fits: first is of overturning, cloud of rotations")
-    _emit(fits, studies if exact else [], curve, form, levels)
-    for fault in faults:
-        options.note(fault, quiet)
-    return len(faults)
+                    refused.append(f"{study.structure.name}, {word_of(state)}, {method}: {error}")
+    return fits, refused
 
 
-def _emit(fits: list[Fit], exact: list[Study], curve: bool, form: str | None, levels: str) -> None:
+def _emit(fits: Sequence[Fit], exact: Sequence[Study], wanted: Fits) -> None:
     """The rows of fits or of their curves; a table for people, or one in units asked for, names the measure's unit."""
     from ..documents.quantities import headed
     from ..fragility.study import CURVE_COLUMNS, FRAGILITY_COLUMNS
     from ..reports.units import Units, dimension_of, parse_units
 
-    if curve:
+    if wanted.curve:
         rows = [row for fit in fits for row in fit.points_of_curve()] + [row for study in exact for row in study.exact_rows()]
-        options.emit(rows, form, CURVE_COLUMNS, without=("x",))
+        emit(rows, CURVE_COLUMNS, without=("x",))
         return
-    asked = options.units_of()
-    told = asked or (parse_units("g") if form is None and _IN_G.search(levels) else Units())
+    asked, shown = units_of(), form()
+    told = asked or (parse_units("g") if shown is None and _IN_G.search(wanted.levels or "") else Units())
     records = []
     for record in (fit.record() for fit in fits):
-        if form != "json":
+        if shown != "json":
             dimension = dimension_of(record["im"].lower())
             unit, factor = ("", 1.0) if dimension is None else told.of(dimension)
             record |= {k: x / factor for k, x in record.items() if k.startswith(("median", "theta")) and x is not None}
-            if form is None or asked is not None:
+            if shown is None or asked is not None:
                 record["im"] = headed(record["im"], unit)
-            if form is None:  # theta is the median under its old name, for programs
+            if shown is None:  # theta is the median under its old name, for programs
                 record = {k: x for k, x in record.items() if not k.startswith("theta")}
             else:
                 record = {headed(k, unit) if k.startswith("median") else k: x for k, x in record.items()}
         records.append(record)
-    options.emit(records, form, FRAGILITY_COLUMNS, without=("theta",))
+    emit(records, FRAGILITY_COLUMNS, without=("theta",))
 
 
 def _levels(text: str | None, measure: Measure) -> np.ndarray:

@@ -6,8 +6,9 @@ from typing import Any
 
 import click
 
-from . import options, streams
+from . import streams
 from .parameter_types import InputPath
+from .printing import emit, form, printed
 
 _MOST_NAMES = 12
 
@@ -15,9 +16,8 @@ _MOST_NAMES = 12
 @click.command(epilog="Example: rocking info towers.h5 --verify")
 @click.argument("files", nargs=-1, type=InputPath(), required=True, metavar="FILE...")
 @click.option("--verify", is_flag=True, help="Check every chunk against its checksum.")
-@options.output_form
-@click.pass_context
-def info(context: click.Context, files: tuple[str, ...], verify: bool, form: str | None) -> None:
+@printed
+def info(files: tuple[str, ...], verify: bool) -> int:
     """Show what spectra files hold: scene, completeness, run time, estimated error.
 
     A file that is damaged, or with --verify holds a damaged chunk, ends with exit code 1.
@@ -56,16 +56,15 @@ def info(context: click.Context, files: tuple[str, ...], verify: bool, form: str
                 bad = file.damaged_chunks()
                 records[-1]["damaged_chunks"] = len(bad)
                 damaged += [f"{path}: chunk {i} is damaged" for i in bad]
-    if form is None:
+    if form() is None:
         for record in records:
             for key, value in record.items():
                 streams.put(f"{key:<16} {'-' if value is None else value}")
     else:
-        options.emit(records, form)
+        emit(records)
     for line in damaged:
         streams.say(f"rocking: {line}")
-    if damaged:
-        context.exit(1)
+    return 1 if damaged else 0
 
 
 def _names(values: list[str]) -> str:

@@ -2,33 +2,41 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
 
 import click
 
 from . import options
+from .groups import takes
 from .parameter_types import InputPath
+from .printing import note, quiet, warn
 
 MOST = 20  # missing shards that are named
 
 
+@dataclass(frozen=True)
+class Merged:
+    """The file that `rocking merge` writes."""
+
+    output: Path = options.output(required=True, help="The HDF5 file to write.")
+    overwrite: bool = options.overwrite()
+    strict: bool = options.strict()
+
+
 @click.command(epilog="Example: rocking merge part-1.h5 part-2.h5 -o whole.h5")
 @click.argument("files", nargs=-1, type=InputPath(), required=True, metavar="FILE...")
-@options.output
-@options.overwrite
-@options.strict
-@options.quiet
-@click.pass_context
-def merge(context: click.Context, files: tuple[str, ...], output: Path, overwrite: bool, strict: bool, quiet: bool) -> None:
+@takes(wanted=Merged)
+@quiet
+def merge(files: tuple[str, ...], wanted: Merged) -> int:
     """Put together what `rocking spectrum --shard i/n` computed in n parts; exit code 4 where chunks are missing."""
     from ..spectra.file.merging import merge as put_together
 
-    merged = put_together(files, output, overwrite=overwrite, strict=strict)
-    options.note(f"{output}: {merged.there} of {merged.whole} chunks", quiet)
+    merged = put_together(files, wanted.output, overwrite=wanted.overwrite, strict=wanted.strict)
+    note(f"{wanted.output}: {merged.there} of {merged.whole} chunks")
     if merged.elsewhere:
-        options.note(f"computed on machines that differ: {merged.elsewhere}; the last digits of cells may differ", quiet)
+        note(f"computed on machines that differ: {merged.elsewhere}; the last digits of cells may differ")
     if merged.missing:
         shown = ", ".join(merged.missing[:MOST]) + (f" and {len(merged.missing) - MOST} more" if len(merged.missing) > MOST else "")
-        options.note(f"missing or not complete: shard {shown}", quiet=False)
-    if merged.there < merged.whole:
-        context.exit(4)
+        warn(f"missing or not complete: shard {shown}")
+    return 4 if merged.there < merged.whole else 0

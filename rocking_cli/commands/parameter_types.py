@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING, Any
 import click
 from click.shell_completion import CompletionItem
 
+from ..errors import UsageError
+
 if TYPE_CHECKING:
     from ..envelopes.limit import Limit
 
@@ -22,7 +24,7 @@ class OutputPath(click.Path):
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
         if value == "":
-            self.fail("found an empty name, accepted is the name of a file to write", param, ctx)
+            self.fail("found an empty name; expected the name of a file to write", param, ctx)
         return super().convert(value, param, ctx)
 
 
@@ -70,7 +72,22 @@ class LimitType(click.ParamType):
         for dimension in ("number", "acceleration"):
             with suppress(ValueError):
                 return Limit(parse_quantity(str(value), dimension), dimension == "acceleration")
-        raise click.BadParameter(f"found {value!r}, accepted is a number A, or an acceleration with a unit, such as 1g", ctx, param)
+        raise click.BadParameter(f"found {value!r}; expected a number A, or an acceleration with a unit, such as 1g", ctx, param)
+
+
+class Quantity(click.ParamType):
+    """A number in SI, bare or with a unit of this dimension."""
+
+    def __init__(self, dimension: str) -> None:
+        self.name = dimension
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
+        from ..documents.quantities import parse_quantity
+
+        try:
+            return parse_quantity(value, self.name)
+        except ValueError as error:
+            raise UsageError(f"{param.opts[-1] if param else self.name}: found {value!r}; expected {error}") from None
 
 
 STATION = "station"

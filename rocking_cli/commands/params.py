@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from . import options
+from .groups import option, takes
+from .printing import emit, form, note, printed
 from .progress import ProgressLine
 
 if TYPE_CHECKING:
@@ -18,16 +21,21 @@ SIDES_COLUMNS = [f"{side}_{key}" for side in ("left", "right") for key in ("p", 
 SHARED = {"one_sided": False, "damping": 0.0, "friction": None, "arm": None}  # keys that some members have, and what stands for none
 
 
+@dataclass(frozen=True)
+class Params:
+    """What `rocking params` derives."""
+
+    vary: tuple[str, ...] = option(
+        "--vary", multiple=True, metavar="KEY=START:STOP:N", help="A family over this key; repeatable, all combinations."
+    )
+    linear_uplift: str = options.linear_uplift()
+
+
 @click.command(epilog="Example: rocking params configs/block.yaml --json | jq .p")
 @options.files
-@click.option("--vary", "vary", multiple=True, metavar="KEY=START:STOP:N", help="A family over this key; repeatable, all combinations.")
-@options.linear_uplift
-@options.output_form
-@options.quiet
-@click.pass_context
-def params(
-    context: click.Context, files: tuple[str, ...], vary: tuple[str, ...], linear_uplift: str, form: str | None, quiet: bool
-) -> None:
+@takes(wanted=Params)
+@printed
+def params(files: tuple[str, ...], wanted: Params) -> int:
     """Derive p, alpha, eta, lambda and a_scale of each structure.
 
     FILE is a YAML or JSON structure document, - for standard input. Bounds of --vary without a unit take the unit that
@@ -38,47 +46,45 @@ def params(
     body does at lambda g = tan(alpha) g.
     """
     from ..reports.tables import flat
-    from ..structures import build_structure, read_documents, with_distinct_names
+    from ..structures import build_structure, with_distinct_names
     from ..structures.family import family, members, parse_variation
 
-    if not files:
-        raise click.UsageError("no structure: give FILE, or - for standard input")
-    variations = [parse_variation(text) for text in vary]
+    documents = options.documents_of(files)
+    variations = [parse_variation(text) for text in wanted.vary]
     total = members(variations)
-    documents = [document for path in files for document in read_documents(path)]
+    shown = form()
     faults: list[str] = []
     early: list[RockingParameters] = []
 
     def records() -> Iterator[dict[str, Any]]:
         if not variations:
-            built = options.lifting(with_distinct_names([build_structure(document) for document in documents]), linear_uplift, ("linear",))
+            built = options.lifting(with_distinct_names([build_structure(document) for document in documents]), wanted.linear_uplift)
             options.remark_on(built)
-            early.extend(s for s in built if form is None and s.uplift > 1.01 * s.linear_uplift)
+            early.extend(s for s in built if shown is None and s.uplift > 1.01 * s.linear_uplift)
             plain = [structure.record() for structure in built]
-            rows = [row for record in plain for row in _rows(record, form)]
-            if form == "csv":
+            rows = [row for record in plain for row in _rows(record, shown)]
+            if shown == "csv":
                 rows = [flat(row) for row in rows]
             every = dict.fromkeys(key for row in rows for key in row)
-            yield from rows if form != "csv" else ({key: row.get(key) for key in every} for row in rows)
+            yield from rows if shown != "csv" else ({key: row.get(key) for key in every} for row in rows)
             return
-        progress = ProgressLine("params", quiet, "structures")
+        progress = ProgressLine("params", "structures")
         for i, document in enumerate(documents):
             for j, member in enumerate(family(document, variations), 1):
                 progress(i * total + j, len(documents) * total)
                 if member.parameters is None:
                     faults.append(str(member.fault))
                     varied = ", ".join(f"{key} = {value:g}" for key, value in member.shown.items())
-                    options.note(f"no solution for {varied}: {member.fault}", quiet)
+                    note(f"no solution for {varied}: {member.fault}")
                 else:
-                    (structure,) = options.lifting([member.parameters], linear_uplift, ("linear",))
-                    yield from _rows(structure.record(), form, member.shown)
+                    (structure,) = options.lifting([member.parameters], wanted.linear_uplift)
+                    yield from _rows(structure.record(), shown, member.shown)
 
-    options.emit(records(), form)
+    emit(records())
     for s in early:
         lifts = f"lifts it at alpha/a_scale = {s.linear_uplift:.4g} g, the body at lambda = {s.uplift:.4g} g"
-        options.note(f"{s.name}: the linear equation {lifts}", quiet)
-    if faults:
-        context.exit(4)
+        note(f"{s.name}: the linear equation {lifts}")
+    return 4 if faults else 0
 
 
 def _rows(record: dict[str, Any], form: str | None, varied: dict[str, float] | None = None) -> Iterator[dict[str, Any]]:

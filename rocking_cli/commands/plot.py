@@ -3,20 +3,20 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import partial
 from pathlib import Path
 
 import click
 
 from . import options, streams
 from .groups import option, takes
-from .parameter_types import OutputPath
+from .printing import note, quiet, units, units_of
 
 
 @dataclass(frozen=True)
 class Plot:
-    """The options of `rocking plot` alone."""
+    """What `rocking plot` draws."""
 
+    output: Path | None = options.output(help="The figure: .png, .svg or .pdf.")
     structure: str | None = option("--structure", metavar="NAME", help="Which structure (or record) is mapped (default: the first).")
     every: bool = option("--all", is_flag=True, help="A panel for every structure (or record) of a spectra file.")
     cut: str | None = option(
@@ -25,16 +25,15 @@ class Plot:
     over: str | None = option("--over", metavar="KEY[/KEY]", help="The axis of a family (default: the first key varied).")
     log: str | None = option("--log", type=click.Choice(["x", "y", "xy"]), help="Logarithmic axes.")
     text: bool = option("--text", is_flag=True, help="A quick look in the terminal, without matplotlib.")
+    overwrite: bool = options.overwrite()
 
 
 @click.command(epilog="Example: rocking plot slice.h5 --text")
 @click.argument("file", type=click.Path(path_type=Path))
-@click.option("-o", "--output", type=OutputPath(), help="The figure: .png, .svg or .pdf.")
 @takes(wanted=Plot)
-@options.units
-@options.overwrite
-@options.quiet
-def plot(file: Path, output: Path | None, wanted: Plot, overwrite: bool, quiet: bool) -> None:
+@units
+@quiet
+def plot(file: Path, wanted: Plot) -> None:
     """Draw a spectra file (overturning map or slice), or the CSV of check, envelope, response, compare --curves, params --vary,
     fragility --curve or accuracy.
 
@@ -47,7 +46,7 @@ def plot(file: Path, output: Path | None, wanted: Plot, overwrite: bool, quiet: 
     from ..reports.plot import draw, is_spectra_file
     from ..spectra.file.reader import SpectraFile
 
-    if wanted.text and output is not None:
+    if wanted.text and wanted.output is not None:
         raise click.UsageError("--text does not go with -o")
     if wanted.text and not is_spectra_file(file):
         raise click.UsageError(f"{file}: --text draws spectra files (.h5), and -o FIGURE.png CSV as well")
@@ -66,20 +65,20 @@ def plot(file: Path, output: Path | None, wanted: Plot, overwrite: bool, quiet: 
             for line in text_map(spectrum, wanted.structure, wanted.cut):
                 streams.put(line)
         return
-    if output is None:
+    if wanted.output is None:
         raise click.UsageError("no output: give -o FIGURE.png (or .svg, .pdf), or --text")
-    check_target(output, overwrite, options.FIGURES)
+    check_target(wanted.output, wanted.overwrite, options.FIGURES)
     told = draw(
         file,
-        output,
+        wanted.output,
         structure=wanted.structure,
         cut=wanted.cut,
         every=wanted.every,
         over=wanted.over,
         log=wanted.log or "",
-        units=options.units_of(),
-        overwrite=overwrite,
-        tell=partial(options.note, quiet=quiet),
+        units=units_of(),
+        overwrite=wanted.overwrite,
+        tell=note,
     )
     if told:
-        options.note(told, quiet)
+        note(told)

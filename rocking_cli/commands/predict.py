@@ -2,28 +2,31 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from dataclasses import dataclass
 
 import click
 
 from . import ground, options
+from .groups import option, takes
 from .parameter_types import InputPath
+from .printing import emit, note, printed
 
-if TYPE_CHECKING:
-    from ..motions.grid import Grid
+
+@dataclass(frozen=True)
+class Prediction:
+    """How `rocking predict` reads the spectrum."""
+
+    exact: bool = option(
+        "--exact", is_flag=True, help="For the spectrum's motion, also beyond its range or restitutions; nothing is interpolated."
+    )
 
 
 @click.command(epilog="Example: rocking predict shared.h5 configs/block.yaml --a-g 0.35g --f-g 1.5")
 @click.argument("spectrum", type=InputPath())
 @options.files
-@ground.shaking
-@click.option("--exact", is_flag=True, help="For the spectrum's motion, also beyond its range or restitutions; nothing is interpolated.")
-@options.output_form
-@options.quiet
-@click.pass_context
-def predict(
-    context: click.Context, spectrum: str, files: tuple[str, ...], shaking: Grid | None, exact: bool, form: str | None, quiet: bool
-) -> None:
+@takes(shaking=ground.Shaking, wanted=Prediction)
+@printed
+def predict(spectrum: str, files: tuple[str, ...], shaking: ground.Shaking, wanted: Prediction) -> int:
     """Predict theta_max, outcome and margin of structures under the motion of a spectrum of equal restitution.
 
     SPECTRUM holds a linear spectrum on axes A and Omega. theta_max [rad] and the outcome are computed. capacity_demand is the
@@ -39,16 +42,17 @@ def predict(
     from ..spectra.prediction import predict_exactly
 
     structures = options.structures_of(files)
-    if shaking is None:
-        raise click.UsageError("no shaking: give --a-g and --omega-g (or --f-g, --T-g), or --A and --Omega")
+    grid = shaking.of(ground.Ground(None)).grid
+    if grid is None:
+        raise ground.no_shaking("--A and --Omega")
     with SpectraFile(spectrum) as file:
-        if exact:
-            records = [predict_exactly(s, file.motion(), shaking) for s in structures]
+        if wanted.exact:
+            records = [predict_exactly(s, file.motion(), grid) for s in structures]
         else:
-            records = [beside_spectrum(s, file, shaking) for s in structures]
-    options.emit(records, form)
-    options.note("model: linear, as the spectrum's", quiet)
+            records = [beside_spectrum(s, file, grid) for s in structures]
+    emit(records)
+    note("model: linear, as the spectrum's")
     failed = sum(r["outcome"] == Outcome.FAILED.flag for r in records)
     if failed:
-        options.note(f"{failed} structures could not be decided (outcome failed)", quiet)
-        context.exit(4)
+        note(f"{failed} structures could not be decided (outcome failed)")
+    return 4 if failed else 0

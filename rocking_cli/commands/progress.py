@@ -12,6 +12,7 @@ from typing import TextIO, cast
 import click
 
 from . import streams
+from .printing import form, is_quiet
 
 _FIRST, _EVERY = 10.0, 30.0  # s until a run is called long, and from each line on it to the next
 _ENOUGH = 3  # units that tell how long the others take
@@ -29,9 +30,7 @@ def told() -> Iterator[None]:
         return
 
     def say(*_: object) -> None:
-        context = click.get_current_context(silent=True)
-        shown = _current is not None and _current.shown
-        if not shown and not (context is not None and context.params.get("quiet")):
+        if not (_current is not None and _current.shown) and not is_quiet():
             with suppress(RuntimeError):  # another line was being written
                 streams.say(f"still computing ({monotonic() - began:.0f} s)" if _current is None else _current.in_words())
 
@@ -52,14 +51,12 @@ class ProgressLine:
     speaks there. Another line ends this one, so that it stands on a line of its own.
     """
 
-    def __init__(self, label: str, quiet: bool, unit: str) -> None:
-        context = click.get_current_context(silent=True)
-        rows = context is not None and context.params.get("form") is not None and sys.stdout.isatty()
+    def __init__(self, label: str, unit: str) -> None:
         global _current
         self._label, self._unit, self._start, self._first = label, unit, monotonic(), 0
         self._done = self._total = 0
         _current = self
-        hidden = quiet or rows or not sys.stderr.isatty()
+        hidden = is_quiet() or (form() is not None and sys.stdout.isatty()) or not sys.stderr.isatty()
         self._bar = (
             None
             if hidden

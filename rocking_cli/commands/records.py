@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from . import ground, options
+from .groups import takes
+from .printing import emit, note, printed, warn
 
 if TYPE_CHECKING:
     from ..motions.records import Record
@@ -20,12 +22,9 @@ COLUMNS = (
 
 @click.command(epilog="Example: rocking records configs/motions/synthetic.at2")
 @options.files
-@ground.component
-@ground.unit
-@ground.dt()
-@options.output_form
-@options.quiet
-def records(files: tuple[str, ...], component: str | None, unit: str | None, dt: str | None, form: str | None, quiet: bool) -> None:
+@takes(reading=ground.Reading)
+@printed
+def records(files: tuple[str, ...], reading: ground.Reading) -> int:
     """Show what records hold, a row a component: sampling and intensity measures in s, m/s2, m/s and m.
 
     FILE is a record of any known format, packed with gzip or not, - for standard input, a directory, or a list of files, one a line.
@@ -39,22 +38,21 @@ def records(files: tuple[str, ...], component: str | None, unit: str | None, dt:
 
     if not files:
         raise click.UsageError("no record: give FILE, or - for standard input")
-    step = None if dt is None else options.time("--dt", dt)
     notes: list[str] = []
     unread: list[str] = []
 
     def rows(found: list[Record]) -> list[dict[str, Any]]:
-        records = chosen(found, component or ALL)
+        records = chosen(found, reading.component or ALL)
         notes.extend(f"{record.source}: {remark}" for record in records for remark in record.remarks)
         return [_row(record) for record in records]
 
-    taken = list(read_set(files, rows, unit=unit, dt=step, tell=notes.append, unread=unread.append))
-    options.emit(taken, form, COLUMNS)
+    taken = list(read_set(files, rows, unit=reading.unit, dt=reading.motion_dt, tell=notes.append, unread=unread.append))
+    emit(taken, COLUMNS)
     for line in dict.fromkeys(notes):
-        options.note(line, quiet)
+        note(line)
     for line in unread:
-        options.note(line, quiet=False)
-    ground.end_unread(unread)
+        warn(line)
+    return 4 if unread else 0
 
 
 def _row(record: Record) -> dict[str, Any]:

@@ -204,7 +204,7 @@ FILES = [
     (name, parameter.name)
     for name in COMMANDS
     for parameter in cli.get_command(click.Context(cli), name).params
-    if parameter.name in ("file", "files", "spectrum", "motion_file", "motion_files", "output", "pulses", "counts", "vertical")
+    if parameter.name in ("file", "files", "spectrum", "motion", "output", "pulses", "counts", "vertical")
 ]
 
 

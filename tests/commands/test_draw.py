@@ -15,4 +15,4 @@ def test_refusals(refused, tmp_path):
     assert "no structure" in refused(2, "draw", "-o", "x.svg")
     assert "ends in .png, .svg or .pdf" in refused(2, "draw", "block:0.5x2", "-o", "x.jpg")
     assert "states no geometry to draw" in refused(3, "draw", "configs/parameters.yaml", "-o", "x.svg")
-    assert "found 13 structures; accepted are up to 12" in refused(2, "draw", *["block:0.5x2"] * 13, "-o", "x.svg")
+    assert "found 13 structures; up to 12 fit a figure" in refused(2, "draw", *["block:0.5x2"] * 13, "-o", "x.svg")

@@ -9,7 +9,7 @@ import signal
 import click
 import pytest
 
-from rocking_cli.commands import progress, streams
+from rocking_cli.commands import printing, progress, streams
 from rocking_cli.commands.progress import ProgressLine
 
 
@@ -34,6 +34,11 @@ def terminal(monkeypatch):
     return begin
 
 
+def quiet() -> click.Context:
+    """A call with --quiet."""
+    return printing.quiet(click.command()(lambda: None)).make_context("check", ["-q"])
+
+
 def shown(terminal: Terminal) -> list[str]:
     """The lines as they stand, each time that they are written anew."""
     return re.sub(r"\x1b\[\??[0-9]*[a-zA-Z]", "", terminal.getvalue()).replace("\r", "\n").splitlines()
@@ -41,7 +46,7 @@ def shown(terminal: Terminal) -> list[str]:
 
 def test_the_first_line_is_there_before_anything_is_done(terminal):
     terminal = terminal()
-    ProgressLine("spectrum", False, "chunks")
+    ProgressLine("spectrum", "chunks")
     assert "spectrum" in shown(terminal)[-1]
     assert "0%" in terminal.getvalue()
     streams.end_line()
@@ -49,7 +54,7 @@ def test_the_first_line_is_there_before_anything_is_done(terminal):
 
 def test_done_total_unit_rate_and_time_left(terminal):
     terminal = terminal()
-    line = ProgressLine("spectrum", False, "chunks")
+    line = ProgressLine("spectrum", "chunks")
     for done in (10, 15):
         line(done, 20)
     assert "15/20" in shown(terminal)[-1]
@@ -62,7 +67,7 @@ def test_done_total_unit_rate_and_time_left(terminal):
 def test_the_time_left_is_told(terminal, monkeypatch):
     terminal = terminal()
     monkeypatch.setattr("time.time", iter(range(0, 10_000, 60)).__next__)
-    line = ProgressLine("spectrum", False, "chunks")
+    line = ProgressLine("spectrum", "chunks")
     line(1, 4)
     line(2, 4)
     assert re.search(r"2/4 +50%  00:0[1-9]:", shown(terminal)[-1])
@@ -71,7 +76,7 @@ def test_the_time_left_is_told(terminal, monkeypatch):
 
 def test_what_is_said_next_stands_on_a_line_of_its_own(terminal):
     terminal = terminal()
-    line = ProgressLine("a\x1b[2Jb", False, "chunks")
+    line = ProgressLine("a\x1b[2Jb", "chunks")
     line(1, 3)
     streams.say("rocking: interrupted")
     streams.say("and more")
@@ -81,7 +86,7 @@ def test_what_is_said_next_stands_on_a_line_of_its_own(terminal):
 
 def test_a_bar_that_goes_on_begins_again(terminal):
     terminal = terminal()
-    line = ProgressLine("x", False, "chunks")
+    line = ProgressLine("x", "chunks")
     line(1, 3)
     streams.say("a remark")
     line(2, 3)
@@ -91,9 +96,10 @@ def test_a_bar_that_goes_on_begins_again(terminal):
 
 def test_nothing_is_shown_where_nobody_looks(terminal, monkeypatch):
     terminal = terminal()
-    ProgressLine("x", True, "chunks")(1, 2)
+    with quiet():
+        ProgressLine("x", "chunks")(1, 2)
     monkeypatch.setattr("sys.stderr", io.StringIO())
-    ProgressLine("x", False, "chunks")(1, 2)
+    ProgressLine("x", "chunks")(1, 2)
     assert terminal.getvalue() == ""
 
 
@@ -119,7 +125,7 @@ def clock(monkeypatch):
 def test_a_long_run_says_what_its_units_have_taken(clock, capsys):
     with progress.told():
         clock.strike(10.0)
-        line = ProgressLine("spectrum", False, "chunks")
+        line = ProgressLine("spectrum", "chunks")
         line(100, 1000)  # there before
         line(102, 1000)
         clock.strike(40.0)
@@ -139,7 +145,7 @@ def test_a_long_run_says_what_its_units_have_taken(clock, capsys):
 
 def test_the_time_left_is_right_within_a_factor_of_three_where_units_cost_alike(clock, capsys):
     with progress.told():
-        line = ProgressLine("fragility", False, "motions")
+        line = ProgressLine("fragility", "motions")
         for done in range(1, 21):
             clock.now = 7.0 * done
             line(done, 20)
@@ -153,14 +159,13 @@ def test_where_a_terminal_shows_the_line_and_where_silence_is_asked_for_nothing_
     terminal = terminal()
     monkeypatch.setattr(progress, "monotonic", lambda: clock.now)
     with progress.told():
-        line = ProgressLine("spectrum", False, "chunks")
+        line = ProgressLine("spectrum", "chunks")
         line(1, 4)
         clock.strike(40.0)
         streams.end_line()
         assert "computing" not in terminal.getvalue()
-        with click.Context(click.Command("check"), info_name="check") as context:
-            context.params["quiet"] = True
-            progress.ProgressLine("x", True, "chunks")
+        with quiet():
+            ProgressLine("x", "chunks")
             clock.strike(70.0)
     assert "computing" not in terminal.getvalue()
     with progress.told():  # a command without a line of its own

@@ -107,7 +107,7 @@ def test_the_shipped_record_is_what_its_recipe_makes(rocking):
         ({"a": "0 1\n1 2\n"}, ("a",), 3, "a: plain numbers without a unit"),
         ({"a": "0 1\n1 2\n"}, ("a", "--unit", "cm/s"), 2, "unit: found 'cm/s'"),
         ({"a": "0\n1\n"}, ("a", "--unit", "g", "--dt", "0"), 3, "a: a time step of 0 s"),
-        ({"a": "0\n1\n"}, ("a", "--unit", "g", "--dt", "1 m"), 2, "--dt: found '1 m'"),
+        ({"a": "0\n1\n"}, ("a", "--unit", "g", "--dt", "1 m"), 2, "--motion-dt: found '1 m'"),
         ({"a": ""}, ("a",), 3, "a: empty"),
     ],
 )

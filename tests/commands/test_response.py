@@ -75,7 +75,7 @@ BLOCK = ("response", "configs/block.yaml")
         ((*BLOCK, "--a-g", "nan", "--f-g", "1"), 2, "--a-g: found 'nan'"),
         ((*BLOCK, "--a-g", "1 s", "--f-g", "1"), 2, "an acceleration"),
         ((*BLOCK, "--a-g", "1"), 2, "expected A and Omega"),
-        ((*BLOCK, "--a-g", "1:2:3", "--f-g", "1"), 2, "accepted is one value of each"),
+        ((*BLOCK, "--a-g", "1:2:3", "--f-g", "1"), 2, "expected one value of each"),
         (BLOCK, 2, "no shaking"),
         ((*BLOCK, "--release", "1"), 2, "--release"),
         ((*BLOCK, "--release", "nan"), 2, "--release"),

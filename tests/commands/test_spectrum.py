@@ -103,8 +103,8 @@ def test_quiet_says_nothing(rocking):
         (["--grid", SMALL, "--workers", "0"], "workers"),
         (["--grid", SMALL, "--chunk", "0"], "chunk"),
         (["--grid", SMALL, "--eta", "1.5"], "1.5"),
-        (["--grid", SMALL, "--shard", "²/3"], "accepted is I/N"),
-        (["--grid", SMALL, "--shard", "4/3"], "accepted is I/N"),
+        (["--grid", SMALL, "--shard", "²/3"], "I/N with I from 1 to N"),
+        (["--grid", SMALL, "--shard", "4/3"], "I/N with I from 1 to N"),
         ([], "--grid"),
     ],
 )

@@ -13,7 +13,7 @@ import h5py
 import pytest
 
 from rocking_cli import interruption
-from rocking_cli.commands import main, options, streams
+from rocking_cli.commands import main, streams
 from rocking_cli.errors import OutputError
 
 PROGRAM = f"{sys.executable} -m rocking_cli"
@@ -152,11 +152,10 @@ def test_a_message_is_one_line_whatever_it_quotes(capsys, monkeypatch):
     assert err.count("\n") == 1
 
 
-def test_more_workers_than_cpus_are_reduced_with_a_line(capsys, monkeypatch):
-    monkeypatch.setattr("rocking_cli.processes.available_cpus", lambda: 3)
-    assert [options.at_most_the_cpus(n, False) for n in (None, 1, 3)] == [None, 1, 3]
-    assert capsys.readouterr().err == ""
-    assert options.at_most_the_cpus(64, False) == 3
-    assert capsys.readouterr().err == "--workers 64: reduced to 3, the CPUs that may be used here\n"
-    assert options.at_most_the_cpus(64, True) == 3
-    assert capsys.readouterr().err == ""
+def test_more_workers_than_cpus_are_reduced_with_a_line(rocking, monkeypatch):
+    monkeypatch.setattr("rocking_cli.processes.available_cpus", lambda: 1)
+    sweep = (*SWEEP.split(), "--overwrite", "-o", "s.h5", "--workers")
+    said = "--workers 64: reduced to 1, the CPUs that may be used here\n"
+    assert rocking(*sweep, "64").stderr.startswith(said)
+    assert said not in rocking(*sweep, "1").stderr
+    assert rocking(*sweep, "64", "-q").stderr == ""

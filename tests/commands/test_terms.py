@@ -35,7 +35,7 @@ def test_sentences_of_the_library_are_told_in_options(refused, tmp_path):
     (tmp_path / "plain.txt").write_text("1\n2\n3\n4\n")
     plain = ["configs/block.yaml", "--motion", "plain.txt", "--unit", "g"]
     assert "give their step as --motion-dt\n" in refused(3, "response", *plain)
-    assert "give their step as --dt\n" in refused(3, "compare", *plain)
+    assert "give their step as --motion-dt\n" in refused(3, "compare", *plain)
     assert "rocking: --resume does not go with --overwrite\n" in refused(
         2, "spectrum", "--eta", "0.9", "--grid", "A=2,Omega=5", "-o", "s.h5", "--resume", "--overwrite"
     )

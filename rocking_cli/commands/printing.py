@@ -1,0 +1,101 @@
+"""What a call prints: rows on standard output, lines on standard error. --json, --csv, --units and --quiet belong to the whole call."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from . import streams
+from .terms import in_options
+
+if TYPE_CHECKING:
+    from ..reports.units import Units
+
+F = Callable[..., Any]
+
+
+def _keep(context: click.Context, parameter: click.Parameter, value: Any) -> None:
+    if value is not None:
+        context.meta[f"{__name__}.{parameter.name}"] = value
+
+
+def _kept(name: str) -> Any:
+    context = click.get_current_context(silent=True)
+    return None if context is None else context.meta.get(f"{__name__}.{name}")
+
+
+def _keep_units(context: click.Context, parameter: click.Parameter, text: str | None) -> None:
+    if text is not None:
+        from ..reports.units import parse_units
+
+        _keep(context, parameter, parse_units(text))
+
+
+def _of_call(*flags: str, callback: Any = _keep, **settings: Any) -> Callable[[F], F]:
+    return click.option(*flags, expose_value=False, is_eager=True, callback=callback, **settings)
+
+
+quiet = _of_call("-q", "--quiet", is_flag=True, help="No progress and no summary on standard error.")
+units = _of_call(
+    "--units", metavar="UNIT,…", callback=_keep_units,
+    help="Units of tables, CSV and figures, such as g,Hz,deg or cm (JSON and HDF5 are in SI).",
+)  # fmt: skip
+_json = _of_call("--json", "form", flag_value="json", help="JSON Lines on standard output.")
+_csv = _of_call("--csv", "form", flag_value="csv", help="CSV on standard output.")
+
+
+def printed(command: F) -> F:
+    """--json and --csv (without either a table for people), --units and --quiet."""
+    return _json(_csv(units(quiet(command))))
+
+
+def is_quiet() -> bool:
+    """True with --quiet."""
+    return bool(_kept("quiet"))
+
+
+def units_of() -> Units | None:
+    """The units of --units, None without it."""
+    return _kept("units")
+
+
+def form() -> str | None:
+    """`json`, `csv`, or None for a table."""
+    return _kept("form")
+
+
+def emit(
+    rows: Iterable[Mapping[str, Any]], columns: Sequence[str] = (), *, form: str | None = None, table_units: str | None = None,
+    without: Sequence[str] = (),
+) -> None:  # fmt: skip
+    """Print rows, each as soon as it is there.
+
+    columns: the CSV header if there is no row; form: without --json and --csv; table_units: of a table without --units; without:
+    columns that have no unit here.
+    """
+    from ..reports.tables import lines
+    from ..reports.units import Units, parse_units
+
+    units, form = units_of(), _kept("form") or form
+    if units is None and form is None and table_units is not None:
+        units = parse_units(table_units)
+    if without:
+        units = replace(units or Units(), without=frozenset(without))
+    for line in lines(rows, form or "table", columns, encoding=sys.stdout.encoding, units=units):
+        streams.put(line)
+
+
+def warn(text: str) -> None:
+    """Print a line on standard error, the library's terms in it replaced by the options of the command."""
+    context = click.get_current_context(silent=True)
+    streams.say(text if context is None else in_options(text, context.command))
+
+
+def note(text: str) -> None:
+    """Print a line on standard error, unless --quiet."""
+    if not is_quiet():
+        warn(text)
