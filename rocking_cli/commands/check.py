@@ -13,6 +13,7 @@ from . import ground, options
 from .groups import option, takes
 from .printing import emit, note, printed, units_of
 from .progress import ProgressLine
+from .shaking import Shaking, needed, note_demand, note_governing
 
 if TYPE_CHECKING:
     from ..envelopes.limit import Limit
@@ -35,9 +36,9 @@ class Check:
 
 @click.command(epilog="Example: rocking check configs/block.yaml configs/arch.yaml --a-g 0.35g --f-g 1.5 --sort capacity")
 @options.files
-@takes(motions=ground.Motions, vertical=ground.Vertical, shaking=ground.Shaking, wanted=Check)
+@takes(motions=ground.Motions, vertical=ground.Vertical, shaking=Shaking, wanted=Check)
 @printed
-def check(files: tuple[str, ...], motions: ground.Motions, vertical: ground.Vertical, shaking: ground.Shaking, wanted: Check) -> int:
+def check(files: tuple[str, ...], motions: ground.Motions, vertical: ground.Vertical, shaking: Shaking, wanted: Check) -> int:
     """Check which structures stand under a motion, and how much more it would take to overturn them.
 
     A row a structure and motion: the outcome and theta_max/alpha by the equation that governs (nonlinear for a known geometry in units:
@@ -56,7 +57,7 @@ def check(files: tuple[str, ...], motions: ground.Motions, vertical: ground.Vert
     files, shaken = motions.several(files, vertical)
     shaken = shaking.of(shaken).with_upwards(vertical.upwards())
     structures = options.structures_of(files)
-    shakes = shaken.needed()
+    shakes = needed(shaken)
     if wanted.output is not None:
         check_target(wanted.output, wanted.overwrite, options.FIGURES)
     demands = [(structure, *shake) for shake in shakes for structure in structures]
@@ -69,8 +70,8 @@ def check(files: tuple[str, ...], motions: ground.Motions, vertical: ground.Vert
 
         draw_capacities(verdicts, wanted.output, in_g=in_g, overwrite=wanted.overwrite, tell=note)
     emit([v.record() for v in verdicts], CHECK_COLUMNS, table_units="g" if in_g else None)
-    options.note_demand(shakes)
-    options.note_governing(structures, shakes[0][1].dimensionless)
+    note_demand(shakes)
+    note_governing(structures, shakes[0][1].dimensionless)
     for line in _remarks(verdicts):
         note(line)
     width = " or ".join(dict.fromkeys(narrowest(shake) for shake, _ in shakes))

@@ -9,6 +9,7 @@ import click
 from . import ground, options
 from .groups import option, takes
 from .printing import emit, note, printed
+from .shaking import Shaking, no_shaking
 
 
 @dataclass(frozen=True)
@@ -21,9 +22,9 @@ class Comparison:
 
 @click.command(epilog="Example: rocking compare configs/block.yaml configs/spire.yaml configs/arch.yaml --A 2 --Omega 4 --eta 0.8")
 @options.files
-@takes(motions=ground.Motions, shaking=ground.Shaking, model=options.Models, wanted=Comparison)
+@takes(motions=ground.Motions, shaking=Shaking, model=options.Models, wanted=Comparison)
 @printed
-def compare(files: tuple[str, ...], motions: ground.Motions, shaking: ground.Shaking, model: options.Models, wanted: Comparison) -> int:
+def compare(files: tuple[str, ...], motions: ground.Motions, shaking: Shaking, model: options.Models, wanted: Comparison) -> int:
     """Compare the responses of structures to one motion scaled to equal A and Omega.
 
     a_g and omega_g given in units are those of the first structure. A line on standard error says how far the dimensionless
@@ -35,7 +36,7 @@ def compare(files: tuple[str, ...], motions: ground.Motions, shaking: ground.Sha
     shaken = shaking.of(motions.one())
     structures = options.structures_of(files)
     if shaken.grid is None or shaken.motion is None:
-        raise ground.no_shaking("--A and --Omega")
+        raise no_shaking("--A and --Omega")
     if wanted.eta is not None:
         try:
             structures = [s.with_restitution(wanted.eta) for s in structures]

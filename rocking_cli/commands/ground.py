@@ -1,4 +1,4 @@
-"""The options of the ground motion: pulses, records, the vertical part, one amplitude and frequency."""
+"""The options of the ground motion: pulses, records, the vertical part."""
 
 from __future__ import annotations
 
@@ -11,9 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from ..errors import RockingError, UsageError
+from ..errors import RockingError
 from .groups import option
-from .options import remark_on
 from .parameter_types import STATION, InputPath, PulseOrPath, Quantity, Registered, pulse_names
 from .printing import note, warn
 
@@ -23,14 +22,8 @@ if TYPE_CHECKING:
     from ..motions.grid import Grid
     from ..motions.recording import Recording
 
-F = Callable[..., Any]
 _PULSE = ("pulse", "cycles", "gamma", "phase")
 DT = "Time between the values of a record in a single column."
-
-
-def no_shaking(*instead: str) -> click.UsageError:
-    """The error for a call without a motion; instead: what it takes besides an amplitude and a frequency with units."""
-    return click.UsageError(", or ".join(("no shaking: give --a-g and --omega-g (or --f-g, --T-g)", *instead)))
 
 
 @contextmanager
@@ -71,12 +64,6 @@ class Ground:
 
         shakes = [(r.motion, self.grid or as_recorded(r.acceleration)) for r in self.recordings]
         return shakes if self.motion is None or self.grid is None else [*shakes, (self.motion, self.grid)]
-
-    def needed(self) -> list[tuple[Motion, Grid]]:
-        """The shakes. Raises click.UsageError if there are none."""
-        if not self.shakes:
-            raise no_shaking("--motion FILE")
-        return self.shakes
 
     def with_upwards(self, upwards: Upwards | None) -> Ground:
         """The same motions together with a vertical one."""
@@ -223,50 +210,3 @@ class Motions(Reading, Source):
             raise click.UsageError(f"{flag} goes with a record: give --motion")
         found = pulse(shape.pop("pulse", "sine"), **shape)
         return found if factor is None else found.scaled(factor)
-
-
-@dataclass(frozen=True)
-class Shaking:
-    """One amplitude and one frequency, with units or dimensionless."""
-
-    a_g: str | None = option(
-        "--a-g", metavar="VALUE", help="Amplitude of the ground acceleration, m/s2 or with g; a negative one turns the motion over."
-    )
-    omega_g: str | None = option("--omega-g", metavar="VALUE", help="Angular frequency of the motion, rad/s.")
-    f_g: str | None = option("--f-g", metavar="VALUE", help="Its frequency in Hz.")
-    T_g: str | None = option("--T-g", metavar="VALUE", help="Its period in s, the duration t_p of a rectangular pulse.")
-    A: str | None = option("--A", metavar="VALUE", help="Dimensionless amplitude a_scale a_g/(alpha g).")
-    Omega: str | None = option("--Omega", metavar="VALUE", help="Dimensionless frequency omega_g/p.")
-
-    def of(self, ground: Ground) -> Ground:
-        """The motion with its demand, a grid of one cell; turned over for a negative a_g.
-
-        A record has both values; only its peak may be given. No grid without any value. Raises UsageError.
-        """
-        from ..motions.grid import parse_grid
-
-        given = {key: value for key, value in vars(self).items() if value is not None}
-        own = None if ground.motion is None else ground.motion.acceleration
-        if given.get("a_g", "").startswith("-"):
-            given["a_g"] = given["a_g"][1:]
-            motion = None if ground.motion is None else ground.motion.scaled(-1.0)
-            ground = replace(ground, motion=motion, recordings=tuple(replace(r, factor=-r.factor) for r in ground.recordings))
-        if own is not None and not given:
-            given = {"a_g": f"{own!r} m/s2"}
-        if not given:
-            return ground
-        flags = {key: f"--{key.replace('_', '-')}" for key in given}
-        for key, value in given.items():
-            if "," in value:
-                raise click.UsageError(f"{flags[key]}: found {value!r}; expected one value")
-        try:
-            grid = parse_grid(
-                ",".join(f"{key}={value}" for key, value in given.items()), own_time=own is not None or bool(ground.recordings)
-            )
-        except UsageError as error:
-            text = str(error).replace("`grid`: ", "")  # the axes are options of their own here
-            raise UsageError(re.sub(r"`grid` (\w+):", r"`\1`:", text)) from None
-        if grid.shape != (1, 1):
-            raise UsageError(f"found {' '.join(f'{flags[k]} {v}' for k, v in given.items())}; expected one value of each")
-        remark_on(grid=grid)
-        return replace(ground, grid=grid)

@@ -14,13 +14,7 @@ F = Callable[..., Any]
 
 def option(*flags: str, **settings: Any) -> Any:
     """A field of a group: the option of these flags, as `click.option` takes them, under the name of the field."""
-    return field(metadata={"options": (lambda name: click.option(*flags, name, **settings),)})
-
-
-def choice(**flags: str) -> Any:
-    """A field of a group that takes the name of the flag that is given, or None: `choice(json=help)` is --json."""
-    made = [lambda name, flag=flag, text=text: click.option(f"--{flag}", name, flag_value=flag, help=text) for flag, text in flags.items()]
-    return field(metadata={"options": tuple(made)})
+    return field(metadata={"option": lambda name: click.option(*flags, name, **settings)})
 
 
 def takes(**groups: type) -> Callable[[F], F]:
@@ -40,9 +34,8 @@ def takes(**groups: type) -> Callable[[F], F]:
             made = {name: group(**{one.name: given.pop(one.name) for one in fields(group)}) for name, group in groups.items()}
             return command(*arguments, **made, **given)
 
-        every = [made(one.name) for group in groups.values() for one in fields(group) for made in one.metadata["options"]]
-        for add in reversed(every):
-            with_groups = add(with_groups)
+        for one in reversed([one for group in groups.values() for one in fields(group)]):
+            with_groups = one.metadata["option"](one.name)(with_groups)
         return with_groups
 
     return decorate

@@ -21,7 +21,6 @@ from .printing import note
 if TYPE_CHECKING:
     from ..dynamics.method import Method
     from ..motions.grid import Grid
-    from ..motions.motion import Motion
     from ..motions.recording import Recording
     from ..structures import RockingParameters
 
@@ -231,27 +230,6 @@ def remark_on(structures: Iterable[RockingParameters] = (), grid: Grid | None = 
         note(remark)
     if len(remarks) > _REMARKS:
         note(f"and {len(remarks) - _REMARKS} more such remarks")
-
-
-def note_demand(shakes: Sequence[tuple[Motion, Grid]]) -> None:
-    """Print how strong the shaking is that is asked for, with the acceleration in m/s2 and g."""
-    from ..motions.grid import demand_in_words
-    from ..reports.plausibility import bare_remarks
-
-    note(f"demand: {demand_in_words(shakes)}")
-    asked = click.get_current_context().params
-    for remark in bare_remarks(f"a_g={asked['a_g']}" if asked["a_g"] else asked.get("scale_to") or ""):
-        note(remark)
-
-
-def note_governing(structures: Iterable[RockingParameters], dimensionless: bool) -> None:
-    """Print which equation answers for the structures, each by itself."""
-    from ..dynamics.method import governing_method, model_in_words
-
-    for line in dict.fromkeys(
-        model_in_words(governing_method(one, dimensionless=dimensionless), one, dimensionless=dimensionless) for one in structures
-    ):
-        note(line)
 
 
 def refuse_own_input(output: Path, recordings: Sequence[Recording] = ()) -> None:

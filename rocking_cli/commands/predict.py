@@ -10,6 +10,7 @@ from . import ground, options
 from .groups import option, takes
 from .parameter_types import InputPath
 from .printing import emit, note, printed
+from .shaking import Shaking, no_shaking
 
 
 @dataclass(frozen=True)
@@ -24,9 +25,9 @@ class Prediction:
 @click.command(epilog="Example: rocking predict shared.h5 configs/block.yaml --a-g 0.35g --f-g 1.5")
 @click.argument("spectrum", type=InputPath())
 @options.files
-@takes(shaking=ground.Shaking, wanted=Prediction)
+@takes(shaking=Shaking, wanted=Prediction)
 @printed
-def predict(spectrum: str, files: tuple[str, ...], shaking: ground.Shaking, wanted: Prediction) -> int:
+def predict(spectrum: str, files: tuple[str, ...], shaking: Shaking, wanted: Prediction) -> int:
     """Predict theta_max, outcome and margin of structures under the motion of a spectrum of equal restitution.
 
     SPECTRUM holds a linear spectrum on axes A and Omega. theta_max [rad] and the outcome are computed. capacity_demand is the
@@ -44,7 +45,7 @@ def predict(spectrum: str, files: tuple[str, ...], shaking: ground.Shaking, want
     structures = options.structures_of(files)
     grid = shaking.of(ground.Ground(None)).grid
     if grid is None:
-        raise ground.no_shaking("--A and --Omega")
+        raise no_shaking("--A and --Omega")
     with SpectraFile(spectrum) as file:
         if wanted.exact:
             records = [predict_exactly(s, file.motion(), grid) for s in structures]

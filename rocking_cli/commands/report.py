@@ -11,6 +11,7 @@ from . import ground, options
 from .groups import takes
 from .printing import note, quiet
 from .progress import ProgressLine
+from .shaking import Shaking, needed, note_demand, note_governing
 
 MOST = 12  # structures of a page
 
@@ -26,9 +27,9 @@ class Report:
 
 @click.command(epilog="Example: rocking report configs/block.yaml configs/arch.yaml --a-g 0.35g --f-g 1.5 -o report.html")
 @options.files
-@takes(motions=ground.Motions, vertical=ground.Vertical, shaking=ground.Shaking, wanted=Report)
+@takes(motions=ground.Motions, vertical=ground.Vertical, shaking=Shaking, wanted=Report)
 @quiet
-def report(files: tuple[str, ...], motions: ground.Motions, vertical: ground.Vertical, shaking: ground.Shaking, wanted: Report) -> int:
+def report(files: tuple[str, ...], motions: ground.Motions, vertical: ground.Vertical, shaking: Shaking, wanted: Report) -> int:
     """Write a page about structures under a pulse or a set of records: what stands, what falls, and by how much.
 
     One HTML file that opens in a browser without a network: the table of rocking check, and for each structure its drawing,
@@ -46,7 +47,7 @@ def report(files: tuple[str, ...], motions: ground.Motions, vertical: ground.Ver
     files, shaken = motions.several(files, vertical)
     shaken = shaking.of(shaken).with_upwards(vertical.upwards())
     documents = options.documents_of(files, MOST, "a page")
-    shakes = shaken.needed()
+    shakes = needed(shaken)
     check_target(wanted.output, wanted.overwrite, (".html", ".htm"))
     options.refuse_own_input(wanted.output, shaken.recordings)
     demand_extra()
@@ -67,7 +68,7 @@ def report(files: tuple[str, ...], motions: ground.Motions, vertical: ground.Ver
     )
     with published(wanted.output, wanted.overwrite) as file:
         file.write(text.encode())
-    options.note_demand(shakes)
-    options.note_governing(structures, shakes[0][1].dimensionless)
+    note_demand(shakes)
+    note_governing(structures, shakes[0][1].dimensionless)
     note(f"{wanted.output}: {tally(verdicts)}")
     return 4 if shaken.unread or any(v.outcome == Outcome.FAILED for v in verdicts) else 0

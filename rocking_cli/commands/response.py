@@ -12,6 +12,7 @@ from . import ground, options
 from .groups import option, takes
 from .parameter_types import InputPath, Quantity
 from .printing import emit, form, note, printed
+from .shaking import Shaking, no_shaking, note_demand
 
 
 @dataclass(frozen=True)
@@ -42,9 +43,9 @@ class Rows:
 
 @click.command(epilog="Example: rocking response configs/arch.yaml --pulse rectangular-impulse --a-g 0.9g --T-g 0.4 --model both --events")
 @click.argument("file", type=InputPath())
-@takes(motions=OneMotion, vertical=ground.Vertical, shaking=ground.Shaking, model=options.Models, wanted=Rows)
+@takes(motions=OneMotion, vertical=ground.Vertical, shaking=Shaking, model=options.Models, wanted=Rows)
 @printed
-def response(file: str, motions: OneMotion, vertical: ground.Vertical, shaking: ground.Shaking, model: options.Models, wanted: Rows) -> int:
+def response(file: str, motions: OneMotion, vertical: ground.Vertical, shaking: Shaking, model: options.Models, wanted: Rows) -> int:
     """Time history of one structure: t [s], theta [rad], theta_dot [rad/s], ground_acceleration [m/s2].
 
     FILE holds one structure. An overturning body is followed to 3 alpha, or until it lies on its side or its linkage has
@@ -58,7 +59,7 @@ def response(file: str, motions: OneMotion, vertical: ground.Vertical, shaking: 
     if len(structures) != 1:
         raise click.UsageError(f"{file} holds {len(structures)} structures; expected one (rocking compare takes several)")
     if shaken.grid is None and (motions.pulse or motions.motion or not wanted.release):
-        raise ground.no_shaking("--A and --Omega", "--release without a motion for free rocking")
+        raise no_shaking("--A and --Omega", "--release without a motion for free rocking")
     if wanted.steps and wanted.dt is not None:
         raise click.UsageError("--steps does not go with --dt")
     if wanted.dt is not None and not wanted.dt > 0.0:
@@ -73,7 +74,7 @@ def response(file: str, motions: OneMotion, vertical: ground.Vertical, shaking: 
     closing = found.summaries(**shown) if wanted.events and form() == "json" else ()
     emit(chain(rows, closing), ("model", "event") if wanted.events else ())
     if shaken.grid is not None:
-        options.note_demand(shaken.shakes)
+        note_demand(shaken.shakes)
     for line in (*model.in_words(methods, structures, bare), *found.summary(forces=wanted.forces)):
         note(line)
     return 4 if found.failed else 0
