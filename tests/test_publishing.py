@@ -132,7 +132,7 @@ def test_what_cannot_be_written_is_refused_before_the_work(tmp_path, monkeypatch
     (tmp_path / "lost.svg").symlink_to("nowhere")
     (tmp_path / "there.svg").write_bytes(b"")
     for name, words in (
-        ("folder.svg", "is a folder, accepted is the name of a file"),
+        ("folder.svg", "is a folder, expected the name of a file"),
         ("pipe.svg", "is a pipe, accepted"),
         ("lost.svg", "is a link that leads nowhere, accepted"),
         ("there.svg", "exists; `overwrite` replaces it"),
@@ -153,4 +153,4 @@ def test_a_standard_stream_that_is_a_file_is_refused(tmp_path):
     code = "from rocking_cli.publishing import check_target; from pathlib import Path; check_target(Path('/dev/stdout'), True)"
     with open(tmp_path / "out", "wb") as out:
         done = subprocess.run([sys.executable, "-c", code], stdout=out, stderr=subprocess.PIPE, text=True, check=False)
-    assert "/dev/stdout: is a standard stream of this call; accepted is the name of a file" in done.stderr
+    assert "/dev/stdout: is a standard stream of this call; expected the name of a file" in done.stderr

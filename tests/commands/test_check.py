@@ -130,7 +130,7 @@ def test_without_a_structure_only_what_the_command_takes_is_offered(refused):
         ([], "no shaking"),
         (["--a-g", "0", "--f-g", "1"], "the amplitude is 0"),
         (["--a-g", "1:2:3", "--f-g", "1"], "one value of each"),
-        ([*SHAKING, "--a-max", "nan"], "accepted is a number A, or an acceleration"),
+        ([*SHAKING, "--a-max", "nan"], "expected a number A, or an acceleration"),
         ([*SHAKING, "--a-max", "1e6"], "expected up to 100000"),
     ],
 )
