@@ -49,25 +49,25 @@ def summed(rows: Array) -> Array:
     return total
 
 
+def turn(angle: Array) -> tuple[Array, Array]:
+    """(sin, 1 - cos) of angles [rad], from the tangent of their half."""
+    sin = np.tan(0.5 * angle)
+    cosm = sin * sin
+    over = 2.0 / (cosm + 1.0)
+    cosm *= over
+    sin *= over
+    return sin, cosm
+
+
 def segment_value(segments: Segments, k: Array, u: Array) -> tuple[Array, Array, Array]:
     """s - s(segment start), and the harmonics' sine and cosine parts (harmonics, lanes), at phase u of segment k."""
     sin, cos, w = (x.take(k, axis=1) for x in (segments.sin, segments.cos, segments.frequency))  # [:, k] would lie lane by lane
-    half = np.tan(0.5 * (w * u))
-    cosm = half * half
-    over = 2.0 / (1.0 + cosm)
-    half *= over  # sin(w u)
-    cosm *= over  # 1 - cos(w u)
-    into, from_ = cos * half, sin * cosm
+    sinw, cosm = turn(w * u)
+    into, from_ = cos * sinw, sin * cosm
     change = summed(into - from_)
     if segments.sloped:
         change += segments.slope[k] * u
-    np.subtract(sin, from_, out=from_)
-    from_ += into
-    cosm *= cos
-    half *= sin
-    np.subtract(cos, cosm, out=cosm)
-    cosm -= half
-    return change, from_, cosm
+    return change, sin - from_ + into, cos - cosm * cos - sinw * sin
 
 
 def drive_change(segments: Segments, k: Array, u: Array) -> Array:

@@ -21,6 +21,7 @@ from functools import lru_cache
 import numpy as np
 
 from ..arrays import Arrays
+from ..drive import turn
 from .equation import Point
 from .flow import SMALL, LinearFlow
 
@@ -40,95 +41,40 @@ class DampedFlow(LinearFlow):
 
     def at(self, h: Array) -> Point:
         """The state after h >= 0 [-], exact up to rounding."""
-        # In place where it can be, as in `flow`.
         zeta = self.damping
         k = math.sqrt(1.0 + zeta * zeta)
-        half = np.multiply(h, 0.5 * k)
-        np.sinh(half, out=half)
-        cosh1 = half * half
-        s = cosh1 + 1.0
-        np.sqrt(s, out=s)
-        s *= half
-        s *= 2.0 / k  # sinh(k h)/k
-        cosh1 += cosh1  # cosh(k h) - 1
-        lost = np.multiply(h, -zeta)
-        decay = np.exp(lost)
-        np.expm1(lost, out=lost)
-        c = cosh1
-        c += np.multiply(s, zeta, out=half)
-        c *= decay
-        c += lost
+        half = np.sinh(h * (0.5 * k))
+        half2 = half * half
+        s, decay = np.sqrt(half2 + 1.0) * half * (2.0 / k), np.exp(h * -zeta)
+        c = (2.0 * half2 + s * zeta) * decay + np.expm1(h * -zeta)
         s *= decay
         tiny = np.flatnonzero(h < SMALL)
         powers = _Powers.of(h[tiny], zeta)
         c[tiny] = powers.c()
-        rate_s = np.multiply(s, -2.0 * zeta, out=decay)
-        rate_s += c
-        rate_s += 1.0
-        y, v = self.v * s, rate_s
-        v *= self.v
-        v += np.multiply(self.b, s, out=lost)
-        y += np.multiply(self.b, c, out=lost)
+        y, v = self.v * s + self.b * c, (s * (-2.0 * zeta) + c + 1.0) * self.v + self.b * s
         drive, drive_rate = np.zeros(h.shape), np.zeros(h.shape)
         for sin, cos, w in zip(self.sin, self.cos, self.w, strict=True):
-            t = np.multiply(w, h)
-            t *= 0.5
-            np.tan(t, out=t)
-            cosm = t * t
-            over = cosm + 1.0
-            np.divide(2.0, over, out=over)
-            cosm *= over
-            sinw = t
-            sinw *= over
-            w1 = w * w
-            w1 += 1.0
-            cross = np.multiply(w, 2.0 * zeta)
-            d = w1 * w1
-            d += np.multiply(cross, cross, out=over)
-            lag = w * s
-            lag -= sinw
-            g3 = c + cosm
-            g3 *= cross
-            g3 += np.multiply(w1, lag, out=over)
-            g3 /= d
-            g4 = d - w1
-            g4 *= c
-            g4 -= np.multiply(w1, cosm, out=over)
-            g4 += np.multiply(cross, lag, out=over)
-            g4 /= d
+            sinw, cosm = turn(w * h)
+            w1, cross = w * w + 1.0, w * (2.0 * zeta)
+            d, lag = w1 * w1 + cross * cross, w * s - sinw
+            g3 = ((c + cosm) * cross + w1 * lag) / d
+            g4 = ((d - w1) * c - w1 * cosm + cross * lag) / d
             small = np.flatnonzero(w[tiny] * h[tiny] < SMALL)
-            if small.size:
-                at = tiny[small]
-                g3[at], g4[at] = powers.take(small).responses(w[at])
-            y += np.multiply(sin, g3, out=over)
-            y -= np.multiply(cos, g4, out=over)
-            g3 *= cos
-            np.subtract(c, g4, out=g4)
-            g4 *= sin
-            g4 -= g3
-            g4 *= w
-            v += g4
-            drive += np.multiply(sin, sinw, out=over)
-            drive -= np.multiply(cos, cosm, out=over)
-            np.subtract(1.0, cosm, out=cosm)
-            cosm *= sin
-            cosm -= np.multiply(cos, sinw, out=sinw)
-            cosm *= w
-            drive_rate += cosm
+            at = tiny[small]
+            g3[at], g4[at] = powers.take(small).responses(w[at])
+            y += sin * g3
+            y -= cos * g4
+            v += ((c - g4) * sin - g3 * cos) * w
+            drive += sin * sinw
+            drive -= cos * cosm
+            drive_rate += ((1.0 - cosm) * sin - cos * sinw) * w
         if self.ramp is not None:
             ramp = s - h + 2.0 * zeta * c
             ramp[tiny] = powers.ramp()
             y, v = y + self.ramp * ramp, v + self.ramp * c
             drive, drive_rate = drive + self.ramp * h, drive_rate + self.ramp
-        drive += self.b
-        drive += y
-        drive -= np.multiply(v, 2.0 * zeta, out=lost)
-        drive_rate += v
-        drive_rate -= np.multiply(drive, 2.0 * zeta, out=lost)
-        y += self.y
-        return Point(y, v, drive, drive_rate)
-
-    at_ground = LinearFlow.at_ground
+        b = drive + self.b + y - v * (2.0 * zeta)
+        return Point(y + self.y, v, b, drive_rate + v - b * (2.0 * zeta))
 
 
 @dataclass

@@ -20,6 +20,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arrays import Arrays
+from ..drive import turn
 from .equation import Point
 
 Array = np.ndarray
@@ -56,75 +57,36 @@ class LinearFlow(Arrays):
 
     def at(self, h: Array) -> Point:
         """The state after h >= 0 [-], exact up to rounding."""
-        # In place where it can be: on arrays that fill a cache, what is not written need not be read back.
-        half = np.multiply(h, 0.5)
-        np.sinh(half, out=half)
+        half = np.sinh(0.5 * h)
         half2 = half * half
-        sinh = half2 + 1.0
-        np.sqrt(sinh, out=sinh)
-        sinh *= half
-        sinh += sinh
-        cosh1 = half2 + half2
-        y, v, part = self.v * sinh, self.v * cosh1, self.b * cosh1
-        y += self.y
-        y += part
-        v += self.v
-        v += np.multiply(self.b, sinh, out=part)
+        sinh, cosh1 = 2.0 * (np.sqrt(half2 + 1.0) * half), 2.0 * half2
+        y = self.v * sinh + self.y + self.b * cosh1
+        v = self.v * cosh1 + self.v + self.b * sinh
         drive, drive_rate = np.zeros(h.shape), np.zeros(h.shape)
         for s, c, w in zip(self.sin, self.cos, self.w, strict=True):
             wh = w * h
-            t = np.multiply(wh, 0.5)
-            np.tan(t, out=t)
-            cosm = t * t
-            over = cosm + 1.0
-            np.divide(2.0, over, out=over)
-            cosm *= over  # 1 - cos(wh) = 2 sin^2 of the half angle
-            sinw = t
-            sinw *= over
+            sinw, cosm = turn(wh)
             w2 = w * w
-            np.add(w2, 1.0, out=over)
-            np.divide(1.0, over, out=over)
-            f2 = cosm + cosh1
-            f2 *= w
-            f2 *= over
-            (small,) = (np.maximum(h, wh, out=wh) < SMALL).nonzero()
-            if small.size == h.size:
-                f3, f4 = _series(w, h)
-            else:
-                f3 = w * sinh
-                f3 -= sinw
-                f3 *= over
-                f4 = w2
-                f4 *= cosh1
-                f4 -= cosm
-                f4 *= over
-                if small.size:
-                    f3[small], f4[small] = _series(w[small], h[small])
-            y += np.multiply(s, f3, out=part)
-            y -= np.multiply(c, f4, out=f4)
-            v += np.multiply(s, f2, out=f2)
-            f3 *= w
-            v -= np.multiply(c, f3, out=f3)
-            drive += np.multiply(s, sinw, out=f2)
-            drive -= np.multiply(c, cosm, out=f3)
-            rate = np.subtract(1.0, cosm, out=cosm)  # cos(wh)
-            rate *= s
-            rate -= np.multiply(c, sinw, out=sinw)
-            rate *= w
-            drive_rate += rate
+            over = 1.0 / (w2 + 1.0)
+            f2 = (cosm + cosh1) * w * over
+            f3, f4 = (w * sinh - sinw) * over, (w2 * cosh1 - cosm) * over
+            (small,) = (np.maximum(h, wh) < SMALL).nonzero()
+            f3[small], f4[small] = _series(w[small], h[small])
+            y += s * f3
+            y -= c * f4
+            v += s * f2
+            v -= c * (f3 * w)
+            drive += s * sinw
+            drive -= c * cosm
+            drive_rate += ((1.0 - cosm) * s - c * sinw) * w
         if self.ramp is not None:
-            tiny = h < SMALL
-            sinh_h = sinh - h
-            if tiny.any():
-                sinh_h[tiny] = _sinh_minus(h[tiny])
+            tiny, sinh_h = h < SMALL, sinh - h
+            sinh_h[tiny] = _sinh_minus(h[tiny])
             y = y + self.ramp * sinh_h
             v = v + self.ramp * cosh1
             drive = drive + self.ramp * h
             drive_rate = drive_rate + self.ramp
-        drive += self.b
-        drive += y - self.y
-        drive_rate += v
-        return Point(y, v, drive, drive_rate)
+        return Point(y, v, drive + self.b + (y - self.y), drive_rate + v)
 
     def at_ground(self, h: Array) -> Array:
         """The force at an impact, where y = 0, from the change of the drive since the start."""

@@ -19,6 +19,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...motions.segments import Segments
+from ..drive import turn
 from .equation import Point
 from .taylor import powers
 
@@ -111,14 +112,7 @@ class SummedFlow(NamedTuple):
 
     def _phases(self, h: Array) -> tuple[Array, Array]:
         """sin(w h) and 1 - cos(w h)."""
-        sin = self.weights[2][:, None] * (0.5 * self.top * h)
-        np.tan(sin, out=sin)
-        cosm = sin * sin
-        over = cosm + 1.0
-        np.divide(2.0, over, out=over)
-        cosm *= over  # 1 - cos(w h) = 2 sin^2 of the half angle
-        sin *= over
-        return sin, cosm
+        return turn(self.weights[2][:, None] * (self.top * h))
 
     def _turned(self, sin: Array, cosm: Array) -> tuple[Array, Array]:
         """Y, and the sum of its terms times w^2."""
