@@ -10,9 +10,8 @@ from ..errors import UsageError
 
 def template(kind: str) -> str:
     """The text of the example document of a kind. Raises UsageError if there is none."""
-    name = f"{kind}.yaml"
-    inside, beside = files("rocking_cli") / "configs" / name, Path(__file__).resolve().parents[2] / "configs" / name
-    for place in (inside, beside):
+    for folder in (files("rocking_cli"), Path(__file__).resolve().parents[2]):
+        place = folder / "configs" / f"{kind}.yaml"
         if place.is_file():
             return place.read_text(encoding="utf-8")
-    raise UsageError(f"no commented document of kind {kind} came with this installation")
+    raise UsageError(f"this installation has no commented document of kind {kind}")

@@ -1,8 +1,15 @@
 """The kinds of structure.
 
-A new kind is one file with `build` and `REPORTS`, and its name in KINDS. It may also have SIZES, the keys that `block:0.5x2`
-states, and `sketch(document, parameters)`, the geometry for `rocking draw`. An installed package adds a kind by an entry point;
-`damping`, `friction`, and `gravity` and `restitution` if build does not read them, are read for it:
+A new kind is one file, and its name in KINDS. The file has
+
+- `build(document, name)`, which returns the RockingParameters of a document. The document's methods read its keys and refuse wrong
+  values; a key that no method reads is refused afterwards. May raise StructureError for a geometry that does not rock;
+- `REPORTS`, the keys of this kind in RockingParameters.details; a document of kind `parameters` keeps them;
+- `SIZES`, the keys that `block:0.5x2` states, if the kind has this form;
+- `sketch(document, parameters)`, the geometry for `rocking draw`, if the kind has one.
+
+An installed package adds a kind by an entry point; `damping`, `friction`, and `gravity` and `restitution` if build does not read them,
+are read for it:
 
     [project.entry-points."rocking.structures"]
     tower = "my_package.tower"
@@ -17,7 +24,7 @@ from collections.abc import Sequence
 from contextlib import AbstractContextManager
 from dataclasses import replace
 from importlib import import_module
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 from ...plugins import blamed, installed
 from ..parameters import RockingParameters
@@ -31,21 +38,6 @@ if TYPE_CHECKING:
 
 GROUP = "rocking.structures"
 KINDS = ("block", "point_mass", "spire", "arch", "frame", "prism", "drum", "rigid", "stack", "wall", "parameters")
-
-
-class Kind(Protocol):
-    """The interface of a kind of structure; a module can implement it."""
-
-    @property
-    def REPORTS(self) -> Sequence[str]:
-        """The keys of this kind in RockingParameters.details; a document of kind `parameters` keeps them."""
-
-    def build(self, document: Document, name: str) -> RockingParameters:
-        """The rocking parameters of a document of this kind.
-
-        The document's methods read its keys and refuse wrong values; a key that no method reads is refused afterwards. May raise
-        StructureError for a geometry that does not rock.
-        """
 
 
 def build(document: Document, name: str) -> RockingParameters:
@@ -69,8 +61,8 @@ def _own(word: str) -> Any:
     return import_module("." + {"parameters": "stated"}.get(word, word), __package__)
 
 
-def _load(entry: EntryPoint) -> Kind:
-    kind: Kind = entry.load()
+def _load(entry: EntryPoint) -> Any:
+    kind = entry.load()
     if not (callable(getattr(kind, "build", None)) and isinstance(getattr(kind, "REPORTS", None), tuple | list)):
         raise TypeError(f"{entry.value} has no build(document, name), or no REPORTS, a tuple of keys")
     return kind

@@ -48,19 +48,10 @@ def build(document: Document, name: str) -> RockingParameters:
         for s, face, (x, z) in zip(mechanism.hinges, FACES, mechanism.points, strict=True)
     ]
     details = {"a_scale_3_7": found.a_scale_3_7, "hinges": hinges, "direction": DIRECTION}
-    return RockingParameters(
-        name=name,
-        structure="arch",
-        p=math.sqrt(gravity * found.stiffness),
-        alpha=found.alpha,
-        eta=eta,
-        uplift=found.uplift,
-        a_scale=found.a_scale,
-        eta_source=source,
-        gravity=gravity,
-        details={**details, "lambda_governing": governing} if document.has("hinges") else details,
-        mechanism=mechanism,
-    )
+    if document.has("hinges"):
+        details["lambda_governing"] = governing
+    numbers = (math.sqrt(gravity * found.stiffness), found.alpha, eta, found.uplift, found.a_scale)
+    return RockingParameters(name, "arch", *numbers, eta_source=source, gravity=gravity, details=details, mechanism=mechanism)
 
 
 def find_mechanism(document: Document) -> tuple[FourBar, float | None]:

@@ -85,14 +85,9 @@ def _turn(a: Corner, b: Corner, c: Corner) -> float:
 
 
 def _touch(a: Corner, b: Corner, c: Corner, d: Corner) -> bool:
-    def within(p: Corner, q: Corner, r: Corner) -> bool:
-        return min(p[0], q[0]) <= r[0] <= max(p[0], q[0]) and min(p[1], q[1]) <= r[1] <= max(p[1], q[1])
-
-    t = (_turn(a, b, c), _turn(a, b, d), _turn(c, d, a), _turn(c, d, b))
-    if t[0] * t[1] < 0.0 and t[2] * t[3] < 0.0:
-        return True
-    pairs = ((t[0], a, b, c), (t[1], a, b, d), (t[2], c, d, a), (t[3], c, d, b))
-    return any(x == 0.0 and within(p, q, r) for x, p, q, r in pairs)
+    """True if the edges a-b and c-d have a common point."""
+    apart = any(max(a[i], b[i]) < min(c[i], d[i]) or max(c[i], d[i]) < min(a[i], b[i]) for i in (0, 1))
+    return not apart and _turn(a, b, c) * _turn(a, b, d) <= 0.0 and _turn(c, d, a) * _turn(c, d, b) <= 0.0
 
 
 def sketch(document: Document, _: RockingParameters) -> Sketch:

@@ -10,16 +10,15 @@ from __future__ import annotations
 
 import itertools
 import math
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
+
+import numpy as np
 
 from ...documents.document import Document
 from ..mechanics.kinematics import Moments, spin_about
 from ..mechanics.single_body import symmetric_body
 from ..parameters import RockingParameters
 from ..sketch import Sketch, rocker
-
-if TYPE_CHECKING:
-    import numpy as np
 
 REPORTS = ("tip_height", "crack_height")
 SIZES = ("base_radius", "height")
@@ -48,8 +47,6 @@ class Cone(NamedTuple):
         A slice is a circle or ring cut by a chord and has closed forms. The integral over z is Gauss-Legendre in theta, with
         z = middle - half cos(theta), which removes the square roots at the ends of an interval.
         """
-        import numpy as np
-
         nodes, weights = np.polynomial.legendre.leggauss(_NODES)
         theta = 0.5 * math.pi * (nodes + 1.0)
         total = Moments(0.0, 0.0, 0.0, 0.0)
@@ -69,8 +66,6 @@ class Cone(NamedTuple):
 
     def _slice(self, radius: np.ndarray, angle: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """(int dA, int x dA, int x^2 dA) over the part x >= R cos(angle) of a circle or ring of radius R."""
-        import numpy as np
-
         sin, cos = np.sin(angle), np.cos(angle)
         if self.thin:
             return 2.0 * radius * angle, 2.0 * radius**2 * sin, radius**3 * (angle + sin * cos)

@@ -28,7 +28,7 @@ def search_joints(ring: Ring, joints: np.ndarray) -> tuple[Hinges, float] | None
     count = joints.size
     inner, outer = np.array(ring.point(joints, FACES[0])), np.array(ring.point(joints, FACES[1]))
     upto = ring.sector(0.0, joints)
-    best: tuple[float, tuple[int, int, int, int]] | None = None
+    least, best = np.inf, [0]
     for a in range(count):  # for each pair (A, B) all pairs (C, D) at once
         for b in range(a, count):
             c, d = np.arange(b, count)[:, None], np.arange(b, count)[None, :]
@@ -37,13 +37,10 @@ def search_joints(ring: Ring, joints: np.ndarray) -> tuple[Hinges, float] | None
                 found = rates((inner[:, a], outer[:, b], inner[:, c], outer[:, d]), links)
                 uplift = np.where((d >= c) & found.admissible & (found.push > 0.0), found.lift / found.push, np.inf)
             at = int(np.argmin(uplift))
-            least = float(uplift.flat[at])
-            if np.isfinite(least) and (best is None or least < best[0]):
+            if uplift.flat[at] < least:
                 i, j = divmod(at, uplift.shape[1])
-                best = least, (a, b, b + i, b + j)
-    if best is None:
-        return None
-    return tuple(joints[list(best[1])].tolist()), best[0]
+                least, best = float(uplift.flat[at]), [a, b, b + i, b + j]
+    return (tuple(joints[best].tolist()), least) if np.isfinite(least) else None
 
 
 def search_continuous(ring: Ring) -> tuple[Hinges, float] | None:
@@ -54,8 +51,7 @@ def search_continuous(ring: Ring) -> tuple[Hinges, float] | None:
     start = search_joints(ring, np.linspace(0.0, ring.angle, _COARSE + 1))
     if start is None:
         return None
-    s, least = np.array(start[0]), start[1]
-    width = ring.angle / _COARSE
+    s, least, width = np.array(start[0]), start[1], ring.angle / _COARSE
     while width > 1e-7 * ring.angle:  # pattern search: the lattice moves to its best point, or shrinks
         tried = np.clip(s + width * _LATTICE, 0.0, ring.angle)
         values = _uplifts(ring, tried)
@@ -74,10 +70,8 @@ def search_continuous(ring: Ring) -> tuple[Hinges, float] | None:
         move[free] = -np.linalg.lstsq(_curvature(ring, s)[np.ix_(free, free)], slope[free], rcond=None)[0]
         if np.max(np.abs(move)) > 1e-3 * ring.angle:  # the minimum lies on the boundary of the admissible mechanisms
             break
-        following = np.clip(s + move, 0.0, ring.angle)
-        done = float(np.max(np.abs(following - s))) < 1e-12
-        s = following
-        if done:
+        before, s = s, np.clip(s + move, 0.0, ring.angle)
+        if np.max(np.abs(s - before)) < 1e-12:
             break
     polished = float(_uplifts(ring, s[None, :])[0])
     return (tuple(s.tolist()), polished) if polished <= least + 1e-15 else (tuple(rough.tolist()), least)

@@ -120,14 +120,8 @@ def linearise(mechanism: Mechanism) -> Linearised:
         raise StructureError("reaches its unstable equilibrium where the links lock, and has no linear form there")
     there = mechanism.coefficients(alpha)
     shared, own = mechanism.overlap()
-    return Linearised(
-        alpha=alpha,
-        uplift=uplift,
-        stiffness=falling / float(there.inertia),
-        a_scale=alpha / uplift,
-        a_scale_3_7=float(there.push) / falling,
-        eta=float(shared / own),
-    )
+    eta = float(shared / own)
+    return Linearised(alpha, uplift, falling / float(there.inertia), alpha / uplift, float(there.push) / falling, eta)
 
 
 def _slope_of_lift(mechanism: Mechanism, alpha: float) -> float:

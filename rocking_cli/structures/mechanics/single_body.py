@@ -19,9 +19,8 @@ from typing import Any, NamedTuple
 from ...documents.document import Document
 from ..parameters import RockingParameters, Side
 from ..shared_keys import gravity_of, mass_of, one_sided_restitution_of, restitution_of
+from ..sketch import Point
 from .kinematics import Moments, spin_about
-
-Point = tuple[float, float]
 
 
 def rigid_body(
@@ -45,26 +44,13 @@ def rigid_body(
     ground forces are known; details: as in `RockingParameters`. Raises DocumentError.
     """
     gravity = gravity_of(document)
-    momentum = 1.0 - 2.0 * math.sin(alpha) ** 2 / inertia if eta is None else eta
-    one_sided = document.flag("one_sided")
-    if one_sided:
-        restitution, source = one_sided_restitution_of(document, (momentum, momentum), backing)
+    p, momentum = math.sqrt(gravity / (radius * inertia)), 1.0 - 2.0 * math.sin(alpha) ** 2 / inertia if eta is None else eta
+    if one_sided := document.flag("one_sided"):
+        eta, source = one_sided_restitution_of(document, (momentum, momentum), backing)
     else:
-        restitution, source = restitution_of(document, momentum, limit)
-    return RockingParameters(
-        name=name,
-        structure=_kind(document),
-        p=math.sqrt(gravity / (radius * inertia)),
-        alpha=alpha,
-        eta=restitution,
-        uplift=math.tan(alpha),
-        a_scale=1.0,
-        eta_source=source,
-        gravity=gravity,
-        details=_with_mass(document, details),
-        one_sided=one_sided,
-        arm=radius if whole else None,
-    )
+        eta, source = restitution_of(document, momentum, limit)
+    kind, uplift, arm, details = _kind(document), math.tan(alpha), radius if whole else None, _with_mass(document, details)
+    return RockingParameters(name, kind, p, alpha, eta, uplift, 1.0, source, gravity, details, one_sided=one_sided, arm=arm)
 
 
 def rectangular_block(document: Document, name: str, radius: float, alpha: float, *, limit: str, **more: Any) -> RockingParameters:
