@@ -113,36 +113,39 @@ class _Body:
                 break
             if self.k >= self.lane.shaken and self.listener is None and self._settled():
                 break
-            if self.reel.straight and self.u == 0.0 and self.face.code.coast is not None and self.y > 0.0:
-                self._coast()
-                if self.k >= count:
-                    continue
-            self._step()
             self.steps += 1
+            if not (self.reel.straight and (self.y > 0.0 or self.v > 0.0) and self._coast()):
+                self._step()
             if self.steps > self.most:
                 self._finish(Outcome.FAILED)
         return self.end or self._finish(Outcome.FAILED)
 
-    def _coast(self) -> None:
+    def _coast(self) -> bool:
+        """The straight segments that compiled code takes, and the impact that it comes to; True if it came to one or to the end."""
         block, face = self.reel.at(self.k), self.face
-        last = len(block.length)
+        k, last = self.k - block.first, len(block.length)
+        if face.code.coast is None or (block.length[k] - self.u) / face.omega > self.reach:
+            return False
         if self.drop is not None and self.drop.ever[0]:
             last = min(last, max(0, int(self.drop.k[0]) - block.first))
-        lists = (block.up, block.up_rise) if self.lane.weighed else ()
         keep = None if self.listener is None else partial(self._kept, block.first)
         top = face.top if self.listener is None else self._fallen(face)
         peak = -math.inf if self.listener is not None else self.peak / face.unit
-        k, y, v = face.code.coast(  # type: ignore[misc]
-            self.k - block.first, last, self.y, self.v, block.start, block.rise, block.length, *lists, face.drive, 1.0 / face.omega,
-            0.5 * face.fall, top, peak, self.least, keep, **({"sway": face.sway} if self.lane.weighed else {}),
+        lists, sway = ((block.up, block.up_rise), {"sway": face.sway}) if self.lane.weighed else ((), {})
+        after, u, self.y, v, struck = face.code.coast(
+            k, self.u, last, self.y, self.v, self.force, block.start, block.rise, block.length, *lists, face.drive, 1.0 / face.omega,
+            face.fall, top, peak, self.least, keep, **sway,
         )  # fmt: skip
-        if k + block.first != self.k:
+        if after != k or struck:
             self.force = None
-        self.k, self.y, self.v = k + block.first, y, v
+        self.k, self.u, self.v = after + block.first, u, v
+        if struck:
+            self._impact(v)
+        return struck or self.k >= self.reel.count
 
-    def _kept(self, first: int, k: int, h: float, terms: tuple[float, ...]) -> None:
+    def _kept(self, first: int, k: int, u: float, reach: float, h: float, terms: tuple[float, ...]) -> None:
         assert self.listener is not None
-        self.listener.keep(self.lane.tau(first + k, 0.0), h, self.face.side, float(self.lane.omega[0]) / self.face.omega, h, terms)
+        self.listener.keep(self.lane.tau(first + k, u), reach, self.face.side, float(self.lane.omega[0]) / self.face.omega, h, terms)
 
     def _fallen(self, face: Face) -> float:
         assert self.listener is not None

@@ -17,6 +17,7 @@ from types import CodeType
 from typing import Any, NamedTuple
 
 from ..equations.equation import Law
+from .roots import only_root, value
 
 Terms = Callable[..., tuple[float, ...]]
 
@@ -27,12 +28,12 @@ class Code(NamedTuple):
 
     order: int
     terms: Terms
-    coast: Callable[..., tuple[int, float, float]] | None
+    coast: Callable[..., tuple[int, float, float, float, bool]] | None
 
 
 def compiled(law: Law, order: int, zeta: float, straight: bool, weighed: bool) -> Code:
     """The code of a law to terms of this order."""
-    space: dict[str, Any] = {"tan": math.tan, **law.numbers, "drag": 2.0 * zeta}
+    space: dict[str, Any] = {"tan": math.tan, "exp": math.exp, "only_root": only_root, "value": value, **law.numbers, "drag": 2.0 * zeta}
     exec(_code(law.name, law, order, zeta != 0.0, straight, weighed), space)
     return Code(order, space["terms"], space.get("coast"))
 
@@ -51,20 +52,20 @@ def _code(name: str, law: Law, order: int, damped: bool, straight: bool, weighed
 
 def _text(law: Law, order: int, damped: bool, straight: bool, weighed: bool) -> str:
     """Two functions."""
-    numbers = "".join(f", {name}={name}" for name in (*law.numbers, "drag", "tan"))
+    numbers = "".join(f", {name}={name}" for name in (*law.numbers, "drag", "tan", "exp"))
     given = ("a", "g", *(("w", "e") if weighed else ())) if straight else ("d", *(("w",) if weighed else ()))
     body = _lines(law, order, damped, straight, weighed)
     every = ", ".join(f"Y{n}" for n in range(2, order + 1))
-    text = [f"def terms(y, v, h, {', '.join(given)}, force=None, local=None{numbers}):", "    Y1 = v*h", *(f"    {line}" for line in body)]
+    text = [f"def terms(y, v, h, {', '.join(given)}, force=None, local=None{numbers}):", "    Y1 = v*h", "    q = h*h", *(f"    {line}" for line in body)]
     text.append(f"    return (y, Y1, {every})")
     if straight and law.local is None:
         text += _coast(law, order, damped, weighed, numbers)
     return "\n".join(text)
 
 
-def _lines(law: Law, order: int, damped: bool, straight: bool, weighed: bool, forced: bool = True) -> list[str]:
+def _lines(law: Law, order: int, damped: bool, straight: bool, weighed: bool) -> list[str]:
     """The terms from Y2 on."""
-    lines = ["q = h*h", *law.start]
+    lines = [*law.start]
     for n in range(order - 1):
         if n:
             lines += law.term(n)
@@ -72,7 +73,7 @@ def _lines(law: Law, order: int, damped: bool, straight: bool, weighed: bool, fo
         held = _product("F", n, straight, ("w", "e"), "w", False) if weighed else f"F{n}"
         pushed = f"({pushed}) - ({held})" if pushed else f"-({held})"
         if n == 0:
-            lines.append(f"f = {pushed}" if not forced else f"f = {pushed} if force is None else force")
+            lines.append(f"f = {pushed} if force is None else force")
             pushed = "f"
         drag = f" - drag*h*Y{n + 1}*{1.0 / (n + 2)!r}" if damped else ""
         lines.append(f"Y{n + 2} = q*({pushed})*{1.0 / ((n + 1) * (n + 2))!r}{drag}")
@@ -89,24 +90,33 @@ def _product(of: str, n: int, straight: bool, line: tuple[str, str], terms: str,
 
 
 def _coast(law: Law, order: int, damped: bool, weighed: bool, numbers: str) -> list[str]:
-    """The march over whole segments k, k + 1 ... of straight lines while Lemma 12 proves that nothing is struck, the series holds, and no
-    turn outwards may be above `peak`; each step is told to `keep`."""
-    lists = ", W, E" if weighed else ""
-    out = [f"def coast(k, last, y, v, S, R, L{lists}, m, pace, floor, top, peak, least, keep, sway=0.0{numbers}):", "    while k < last:"]
-    lines = ["h = L[k]*pace", "Y1 = v*h"]
-    lines += [f"if y + Y1{' - 0.5*drag*h*abs(Y1)' if damped else ''} <= floor*h*h: break", "a = m*S[k]", "g = m*R[k]"]
+    """The march from phase u of segment k over straight lines, to an impact or to a step that is not proved: the segment, the phase, y, y'
+    and True after an impact. A step is taken where its series holds, where Lemma 12 or the sign of y at its end (Lemma 1) tells if the
+    ground is struck, and where no turn outwards may be above `peak`; `keep` is told each step."""
+    lists, lifts = (", W, E", "w") if weighed else ("", "1.0")
+    head = f"k, u, last, y, v, force, S, R, L{lists}, m, pace, fall, top, peak, least, keep, sway=0.0, root=only_root, at=value{numbers}"
+    lines = ["h = L[k]*pace", "a = m*S[k]", "g = m*R[k]"]
     lines += ["w = 1.0 + sway*W[k]", "e = sway*E[k]"] if weighed else []
-    lines += _lines(law, order, damped, True, weighed, forced=False)
+    lines += ["if u:", "    x = u/L[k]", "    a += g*x", "    g -= g*x", "    h -= h*x"]
+    lines += ["    w += e*x", "    e -= e*x"] if weighed else []
+    lines += ["Y1 = v*h", "q = h*h", f"sure = y + Y1{' - 0.5*drag*h*abs(Y1)' if damped else ''} > 0.5*fall*q"]
+    lines += [f"if not sure and (a > {lifts} or a + g > {lifts + (' + e' if weighed else '')}): break"]
+    lines += _lines(law, order, damped, True, weighed)
     low, high = f"Y{order - 1}", f"Y{order}"
-    lines += [f"if abs({high}) + 0.25*h*abs({low}) > least*h: break"]
-    lines += [
-        f"V = Y1 + {' + '.join(f'{float(n)}*Y{n}' for n in range(2, order + 1))}",
-        f"Y = y + Y1 + {' + '.join(f'Y{n}' for n in range(2, order + 1))}",
-    ]
+    terms = f"(y, {', '.join(f'Y{n}' for n in range(1, order + 1))})"
     bend = " + ".join(f"{0.125 * n * (n - 1) * (n - 2)}*abs(Y{n})" for n in range(3, order + 1))
-    size = " + ".join(f"abs(Y{n})" for n in range(1, order + 1))
-    lines += ["if Y >= top and V > 0.0: break"]
-    lines += [f"if (Y1 > 0.0 >= V or (abs(Y1) < (bend := {bend}) or abs(V) < bend)) and y + {size} > peak: break"]
-    lines += [f"if keep is not None: keep(k, h, (y, Y1, {', '.join(f'Y{n}' for n in range(2, order + 1))}))"]
-    lines += ["k += 1", "y = Y", "v = V/h"]
-    return [*out, *(f"        {line}" for line in lines), "    return k, y, v"]
+    arch = f"0.125*fall*q{'*exp(drag*h)' if damped else ''}"
+    lines += [
+        f"if abs({high}) + 0.25*h*abs({low}) > least*h: break",
+        f"Y = y + {' + '.join(f'Y{n}' for n in range(1, order + 1))}",
+        f"V = Y1 + {' + '.join(f'{float(n)}*Y{n}' for n in range(2, order + 1))}",
+        "if Y >= top and V > 0.0: break",
+        f"if (y if y > Y else Y) + {arch} > peak and (Y1 > 0.0 >= V or (abs(Y1) < (bend := {bend}) or abs(V) < bend)): break",
+        "if not sure and Y <= 0.0:",
+        f"    t = root({terms}, h, fall, 0.5*drag)",
+        f"    if keep is not None: keep(k, u, t, h, {terms})",
+        f"    return k, u + t/pace, 0.0, min(at({terms}, t/h, h)[1], 0.0), True",
+        f"if keep is not None: keep(k, u, h, h, {terms})",
+        "k += 1", "u = 0.0", "y = Y", "v = V/h", "force = None",
+    ]  # fmt: skip
+    return [f"def coast({head}):", "    while k < last:", *(f"        {line}" for line in lines), "    return k, u, y, v, False"]
