@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -25,6 +25,9 @@ class Check:
     """What `rocking check` asks for."""
 
     a_max: Limit = options.a_max()
+    verdict_only: bool = option(
+        "--verdict-only", is_flag=True, help="Leave out the search for what overturns: first_overturning_a, safe_to stay empty."
+    )
     sort: str | None = option("--sort", type=click.Choice(["capacity"]), help="The weakest first, those that never overturn last.")
     fail_on: str | None = option(
         "--fail-on", type=click.Choice(["overturning"]), help="Exit code 5 where a structure falls or loses the ground."
@@ -52,7 +55,7 @@ def check(files: tuple[str, ...], motions: ground.Motions, vertical: ground.Vert
     from ..dynamics.outcome import Outcome
     from ..envelopes.capacity import narrowest
     from ..publishing import check_target
-    from ..responses.check import CHECK_COLUMNS, check_all
+    from ..responses.check import CHECK_COLUMNS, verdicts
 
     files, shaken = motions.several(files, vertical)
     shaken = shaking.of(shaken).with_upwards(vertical.upwards())
@@ -61,24 +64,33 @@ def check(files: tuple[str, ...], motions: ground.Motions, vertical: ground.Vert
     if wanted.output is not None:
         check_target(wanted.output, wanted.overwrite, options.FIGURES)
     demands = [(structure, *shake) for shake in shakes for structure in structures]
-    verdicts = check_all(demands, a_max=wanted.a_max, workers=wanted.workers, progress=ProgressLine("check", "stages"))
+    told: list[Verdict] = []
+    a_max = None if wanted.verdict_only else wanted.a_max
+    found: Iterable[Verdict] = verdicts(demands, a_max=a_max, workers=wanted.workers, progress=ProgressLine("check", "stages"))
     if wanted.sort:
-        verdicts.sort(key=lambda v: float("inf") if v.capacity_demand is None else v.capacity_demand)
+        found = sorted(found, key=lambda v: float("inf") if v.capacity_demand is None else v.capacity_demand)
+
+    def rows() -> Iterator[dict[str, Any]]:
+        for verdict in found:
+            told.append(verdict)
+            yield verdict.record()
+
     in_g = _in_g(shaking.a_g or motions.scale_to or ("g" if motions.motion else ""))
+    emit(rows(), CHECK_COLUMNS, table_units="g" if in_g else None)
     if wanted.output is not None:
         from ..reports.figures.capacities import draw_capacities
 
-        draw_capacities(verdicts, wanted.output, in_g=in_g, overwrite=wanted.overwrite, tell=note)
-    emit([v.record() for v in verdicts], CHECK_COLUMNS, table_units="g" if in_g else None)
+        draw_capacities(told, wanted.output, in_g=in_g, overwrite=wanted.overwrite, tell=note)
     note_demand(shakes)
     note_governing(structures, shakes[0][1].dimensionless)
-    for line in _remarks(verdicts):
+    for line in _remarks(told):
         note(line)
     width = " or ".join(dict.fromkeys(narrowest(shake) for shake, _ in shakes))
-    note(f"nothing is claimed of intervals narrower than {width}, safe or overturning, away from the demand")
-    if wanted.fail_on and any(v.falls for v in verdicts):
+    if not wanted.verdict_only:
+        note(f"nothing is claimed of intervals narrower than {width}, safe or overturning, away from the demand")
+    if wanted.fail_on and any(v.falls for v in told):
         return 5
-    return 4 if shaken.unread or any(v.outcome == Outcome.FAILED for v in verdicts) else 0
+    return 4 if shaken.unread or any(v.outcome == Outcome.FAILED for v in told) else 0
 
 
 def _in_g(asked: str) -> bool:

@@ -7,7 +7,9 @@ the amplitudes of the search, so that the answers and the response at the demand
 from __future__ import annotations
 
 from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
+from functools import partial
 from itertools import pairwise
 
 import numpy as np
@@ -20,6 +22,7 @@ from ..dynamics.single.response import response_alone
 from ..dynamics.system import System
 from ..errors import UsageError
 from ..motions import Motion
+from ..processes import Run, processes
 from ..structures.parameters import RockingParameters
 from .boundaries import Search
 from .changes import Brackets
@@ -32,7 +35,9 @@ RATIO = 5e-3  # of neighbouring amplitudes, less 1, of an envelope beyond that: 
 _COARSE, _FINE = 1e-3, 6e-5  # the same of a search for the lowest fall alone: everywhere, and in the tenth below a fall that is found
 _FINEST, _NEAREST = 5e-6, 0.997  # under a pulse, where falls are that narrow: steps, and how far below each fall the search goes
 _NEAR, _ABOVE = 0.9, 1.05  # of the lowest fall: where the fine search begins, and where the count of amplitudes that fall ends
-_STRETCH = 100  # amplitudes computed together at first
+_STRETCH = 100  # amplitudes of the first stretch
+_FEW = 300  # amplitudes of a stretch up to which one after the other is faster
+_SHARE = 4  # of these, for one process
 _FIRST_WINDOW = 1.5  # in A, computed together: that many cells cost about as much as one batch
 _PARTS = 256  # that a change is cut into at once: few changes, so that a batch costs the same whatever its size
 
@@ -53,11 +58,14 @@ class Capacity:
     dust: float = 0.0
 
 
-def capacity(structure: RockingParameters, motion: Motion, amplitude: float, omega: float, *, method: Method, a_max: float) -> Capacity:
+def capacity(
+    structure: RockingParameters, motion: Motion, amplitude: float, omega: float, *, method: Method, a_max: float, workers: int = 1
+) -> Capacity:
     """The capacity of a structure at Omega [-] against a demand of A = `amplitude` [-], searched up to `a_max` and twice the demand.
 
     Intervals narrower than `narrowest` can be missed, but not around the demand. Changes are traced to the last digits of an
-    exact method, to its tolerance otherwise. Raises UsageError if the search is beyond the reach of a scan.
+    exact method, to its tolerance otherwise. workers: processes that share the search under a long motion. Raises UsageError if the search
+    is beyond the reach of a scan, OutputError when a process dies.
     """
     system, digits = method.system_of(structure), method.stated_tolerance or 4e-16
     lowest, top = system.least_uplift(motion), max(a_max, 2.0 * amplitude)
@@ -67,9 +75,10 @@ def capacity(structure: RockingParameters, motion: Motion, amplitude: float, ome
         return Capacity(None, None, lowest if np.isfinite(lowest) else None)
     stretches = Stretches(system, motion, structure.eta, np.array([omega]), digits)
     if _long(motion):
-        below = stretches.first_fall(lowest, min(amplitude, top)) if lowest < amplitude else None
-        stands = amplitude <= lowest or bool(safe(stretches.alone(amplitude)))
-        above = stretches.first_fall(max(lowest, amplitude), top) if stands else None
+        with stretches.on_processes(workers) as stretches:
+            below = stretches.first_fall(lowest, min(amplitude, top)) if lowest < amplitude else None
+            stands = amplitude <= lowest or bool(safe(stretches.alone(amplitude)))
+            above = stretches.first_fall(max(lowest, amplitude), top) if stands else None
         first = below or (above if stands else stretches.narrowed(amplitude * (1.0 - _COARSE), amplitude))
         return Capacity(first, above, lowest, 0.0 if first is None else stretches.dust(first))
     search = Search(system, motion, structure.eta, top, digits=digits, parts=_PARTS)
@@ -100,9 +109,9 @@ def _long(motion: Motion) -> bool:
 
 @dataclass(frozen=True)
 class Stretches:
-    """The outcomes of one system at one Omega under a long motion: many amplitudes by `response`, single ones by `response_alone`.
+    """The outcomes of one system at one Omega under a long motion.
 
-    seen: amplitudes `_COARSE` apart and their falls, of every search so far.
+    shared, workers: the function of `processes` and their number; seen: amplitudes `_COARSE` apart and their falls, of every search so far.
     """
 
     system: System
@@ -110,25 +119,56 @@ class Stretches:
     eta: float
     omega: Array
     digits: float
+    shared: Run | None = None
+    workers: int = 1
     seen: list[tuple[Array, Array]] = field(default_factory=list)
 
+    @contextmanager
+    def on_processes(self, workers: int) -> Iterator[Stretches]:
+        """The same on so many processes. Raises OutputError when one dies."""
+        if workers == 1:
+            yield self
+            return
+        with processes(workers, self.look, "fewer `workers` need less") as run:
+            yield replace(self, shared=run, workers=workers)
+
     def falls(self, low: float, high: float, ratio: float) -> tuple[Array, Array]:
-        """(amplitudes from `low` to `high`, both included, true for each that falls)."""
+        """(amplitudes from `low` to `high`, true for each that falls); of few, those up to 5 % above the first that falls."""
         if ratio == _COARSE:
             amplitude = np.geomspace(low, high, 2 + int(np.log(high / low) / np.log1p(ratio)))
         else:  # the same ones whatever the ends are
             powers = np.arange(np.ceil(np.log(low) / np.log1p(ratio)), np.log(high) / np.log1p(ratio))
             amplitude = np.unique(np.concatenate([[low, high], np.clip((1.0 + ratio) ** powers, low, high)]))
         falls = ~safe(self._outcomes(amplitude))
+        amplitude = amplitude[: falls.size]
         if ratio == _COARSE:
             self.seen.append((amplitude, falls))
         return amplitude, falls
 
     def _outcomes(self, amplitude: Array) -> Array:
-        return response(self.system, self.motion, amplitude, self.omega, self.eta, peaks=False).outcome
+        """The outcomes at rising amplitudes; of few, the first of them, to 5 % above the first that falls."""
+        run = self.shared or partial(map, self.look)
+        if amplitude.size > _FEW:
+            outcome = np.empty(amplitude.size, dtype=np.uint8)
+            for i, part in enumerate(run((amplitude[i :: self.workers], False) for i in range(self.workers))):
+                outcome[i :: self.workers] = part
+            return outcome
+        parts, end = [], np.inf
+        shares = [amplitude[i : i + _SHARE] for i in range(0, amplitude.size, _SHARE)]
+        for share, part in zip(shares, run((share, True) for share in shares), strict=True):
+            parts.append(part)
+            end = min(end, *(_ABOVE * share[~safe(part)]), np.inf)
+            if share[-1] >= end:
+                break
+        return np.concatenate(parts)
 
-    def alone(self, amplitude: float) -> Array:
-        """The outcome at one amplitude."""
+    def look(self, share: tuple[Array, bool]) -> Array:
+        """The outcomes at amplitudes, one after the other if that is asked, otherwise together."""
+        amplitude, alone = share
+        return self.alone(amplitude) if alone else response(self.system, self.motion, amplitude, self.omega, self.eta, peaks=False).outcome
+
+    def alone(self, amplitude: Array | float) -> Array:
+        """The outcomes at single amplitudes."""
         return response_alone(self.system, self.motion, amplitude, self.omega, self.eta, peaks=False).outcome
 
     def first_fall(self, begin: float, end: float) -> float | None:

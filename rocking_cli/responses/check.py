@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import Any
@@ -14,7 +14,7 @@ from ..dynamics.method import LINEAR, Method, governing_method
 from ..dynamics.outcome import Outcome, safe
 from ..dynamics.response import Response
 from ..dynamics.single.response import response_alone
-from ..envelopes.capacity import capacity
+from ..envelopes.capacity import Capacity, capacity
 from ..envelopes.intervals import A_MAX
 from ..envelopes.limit import Limit, limit_of
 from ..errors import UsageError
@@ -94,13 +94,19 @@ class Verdict:
 
 
 def check(
-    structure: RockingParameters, motion: Motion, shaking: Grid, *, a_max: float = A_MAX, progress: Progress | None = None
+    structure: RockingParameters,
+    motion: Motion,
+    shaking: Grid,
+    *,
+    a_max: float | None = A_MAX,
+    workers: int = 1,
+    progress: Progress | None = None,
 ) -> Verdict:
-    """Whether a structure stands under a motion, and the capacity it has left; shaking: a grid of one cell, the demand.
+    """The verdict on a structure under a motion, and the capacity it has left; shaking: a grid of one cell, the demand.
 
-    a_max: dimensionless amplitude up to which overturning is looked for (and twice the demand); progress: called with the stages done and
-    all of them: the responses, the search, the forces. Raises UsageError for a demand of zero, one beyond what a
-    search reaches, or a structure without units.
+    a_max: dimensionless amplitude up to which overturning is looked for (and twice the demand), None for no search; workers: processes
+    that share a long search; progress: called with the stages done and all of them: the responses, the search, the forces. Raises
+    UsageError for a demand of zero, one beyond what a search reaches, or a structure without units.
 
     >>> (column,) = load_structures('configs/block.yaml')
     >>> verdict = check(column, sine(), parse_grid('a_g=0.35g,f_g=1.5'))
@@ -119,12 +125,16 @@ def check(
     stands, falls = safe(governs.outcome), ~safe(governs.outcome) & (governs.outcome != Outcome.FAILED)
     linear = _respond(LINEAR, structure, motion, beside[:1], omega)
     done(1, _STAGES)
-    found = capacity(structure, motion, amplitude, omega, method=method, a_max=a_max)
+    if a_max is None:
+        least = method.system_of(structure).least_uplift(motion)
+        found = Capacity(None, None, least if math.isfinite(least) else None)
+    else:
+        found = capacity(structure, motion, amplitude, omega, method=method, a_max=a_max, workers=workers)
     done(2, _STAGES)
     asked = _forces(method, structure, motion, shaking)
     done(_STAGES, _STAGES)
     lifted_off = outcome == Outcome.ROCKED and (asked.get("fz_min", 1.0) or 0.0) <= 0.0
-    near = beside[falls] if stands[0] else beside[:0]
+    near = beside[falls] if stands[0] and a_max is not None else beside[:0]
 
     def acceleration(*a: float | None) -> float | None:
         least = min((x for x in a if x is not None), default=None)
@@ -156,34 +166,36 @@ def check(
     )
 
 
-def check_all(
+def verdicts(
     demands: Sequence[Demand],
     *,
-    a_max: float | Limit = A_MAX,
+    a_max: float | Limit | None = A_MAX,
     workers: int | None = None,
     progress: Progress | None = None,
-) -> list[Verdict]:
-    """The verdicts on (structure, motion, shaking), in their order.
+) -> Iterator[Verdict]:
+    """The verdicts on (structure, motion, shaking), in their order, each as soon as it is found.
 
-    a_max: A, or an acceleration for each; workers: processes, None for all cores where they are several; progress: called with the
-    stages or checks done and all of them.
-
-    Raises as `check` does, OutputError when a worker process dies.
+    a_max: A, or an acceleration for each, None for no search; workers: processes, None for all cores where they are several: they share
+    the demands, or the search for each of few; progress: called with the stages or checks done and all of them. Raises as `check` does,
+    OutputError when a worker process dies.
     """
-    task = partial(_check_one, a_max)
-    several = max(1, min(workers or available_cpus(), len(demands) // (1 if workers else _WORTH)))
-    done = progress or _no_progress
+    available, done = workers or available_cpus(), progress or _no_progress
+    several = max(1, min(available, len(demands) // (1 if workers else _WORTH)))
     if several == 1:
-        return [
-            check(*demand, a_max=limit_of(a_max, demand[0]), progress=partial(_after, done, i, len(demands)))
-            for i, demand in enumerate(demands)
-        ]
-    verdicts: list[Verdict] = []
-    with processes(several, task, "fewer `workers` need less") as run:
-        for verdict in run(demands):
-            verdicts.append(verdict)
-            done(len(verdicts), len(demands))
-    return verdicts
+        for i, demand in enumerate(demands):
+            yield _check_one(a_max, available, demand, partial(_after, done, i, len(demands)))
+        return
+    with processes(several, partial(_check_one, a_max, 1), "fewer `workers` need less") as run:
+        for i, verdict in enumerate(run(demands), 1):
+            done(i, len(demands))
+            yield verdict
+
+
+def check_all(
+    demands: Sequence[Demand], *, a_max: float | Limit = A_MAX, workers: int | None = None, progress: Progress | None = None
+) -> list[Verdict]:
+    """All of `verdicts`. Raises as that does."""
+    return list(verdicts(demands, a_max=a_max, workers=workers, progress=progress))
 
 
 def tally(verdicts: Sequence[Verdict]) -> str:
@@ -202,8 +214,9 @@ def _after(progress: Progress, before: int, checks: int, stage: int, stages: int
     progress(before * stages + stage, checks * stages)
 
 
-def _check_one(a_max: float | Limit, demand: Demand) -> Verdict:
-    return check(*demand, a_max=limit_of(a_max, demand[0]))
+def _check_one(a_max: float | Limit | None, workers: int, demand: Demand, progress: Progress | None = None) -> Verdict:
+    most = None if a_max is None else limit_of(a_max, demand[0])
+    return check(*demand, a_max=most, workers=workers, progress=progress)
 
 
 def _forces(method: Method, structure: RockingParameters, motion: Motion, shaking: Grid) -> dict[str, float | None]:

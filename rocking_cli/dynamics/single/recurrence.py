@@ -56,7 +56,12 @@ def _text(law: Law, order: int, damped: bool, straight: bool, weighed: bool) -> 
     given = ("a", "g", *(("w", "e") if weighed else ())) if straight else ("d", *(("w",) if weighed else ()))
     body = _lines(law, order, damped, straight, weighed)
     every = ", ".join(f"Y{n}" for n in range(2, order + 1))
-    text = [f"def terms(y, v, h, {', '.join(given)}, force=None, local=None{numbers}):", "    Y1 = v*h", "    q = h*h", *(f"    {line}" for line in body)]
+    text = [
+        f"def terms(y, v, h, {', '.join(given)}, force=None, local=None{numbers}):",
+        "    Y1 = v*h",
+        "    q = h*h",
+        *(f"    {line}" for line in body),
+    ]
     text.append(f"    return (y, Y1, {every})")
     if straight and law.local is None:
         text += _coast(law, order, damped, weighed, numbers)
