@@ -49,6 +49,13 @@ def test_a_row_a_structure_the_weakest_first(rocking, three):
     assert "would slide, their friction being less than what rocking asks for: Stocky" in done.stderr.splitlines()
 
 
+def test_the_verdict_alone(rocking, three):
+    searched, alone = (rocking("check", three, *SHAKING, "--json", *more) for more in ((), ("--verdict-only",)))
+    searched, alone = ([json.loads(line) for line in done.stdout.splitlines()] for done in (searched, alone))
+    found_by_search = dict.fromkeys(("first_overturning_a", "capacity_demand", "safe_to"))
+    assert alone == [row | found_by_search for row in searched]
+
+
 def test_the_table_speaks_the_unit_of_the_request(rocking, stated):
     in_g, in_si = (rocking("check", stated, "--a-g", a, "--f-g", "1.2").stdout.splitlines() for a in ("0.35g", "3.4335"))
     assert "uplift_a [g]" in in_g[0]

@@ -125,6 +125,23 @@ def test_the_lowest_fall_under_a_record_is_cut_to_its_last_digits():
     assert safe(response(system, motion, below, 0.4, 0.9, peaks=False).outcome).all()
 
 
+def test_processes_find_what_one_finds():
+    motion, block = shaken(np.tile(noise(100, 0.05, 1)[30:60], 10), 0.05), dimensionless_oscillator(0.9)
+    one, two = (capacity(block, motion, 1.6, 0.4, method=LINEAR, a_max=4.0, workers=n) for n in (1, 2))
+    assert one == two
+    assert one.first is not None
+
+
+def test_of_few_amplitudes_those_far_above_a_fall_are_not_looked_at():
+    motion, system = shaken(noise(100, 0.05, 1)[30:60], 0.05), System(LinearEquation())
+    found = Stretches(system, motion, 0.9, np.array([0.4]), 1e-9)
+    first = found.first_fall(1.02, 8.0)
+    amplitude, falls = found.falls(0.98 * first, 1.2 * first, 1e-3)
+    together = ~safe(response(system, motion, amplitude, 0.4, 0.9, peaks=False).outcome)
+    np.testing.assert_array_equal(falls, together)
+    assert amplitude[-1] == pytest.approx(1.05 * amplitude[falls.argmax()], rel=5e-3)
+
+
 def test_the_lowest_of_narrow_falls_does_not_depend_on_the_one_that_was_found():
     """A third of all amplitudes from 1.292 on fall, in intervals 1e-5 wide."""
 
