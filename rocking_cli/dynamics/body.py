@@ -84,14 +84,20 @@ class Body:
         """Fz/(m g) of bounces on an edge that are too low to have a speed, under this outward push [g] and weight over m g."""
         return weight + edge.kappa * self.lifting(edge, push, weight) * np.sin(edge.alpha)
 
-    def low_bounces(self, edge: Edge, push: Array | float, weight: Array | float) -> tuple[Any, Any]:
-        """(outward Fx, Fz) over m g of the same bounces."""
-        return edge.kappa * self.lifting(edge, push, weight) * np.cos(edge.alpha) - push, self.lying(edge, push, weight)
-
     def fall(self, edge: Edge, u: Array) -> Array:
         """u'^2 that still ground adds on the way from u to an impact, undamped."""
         z = edge.alpha - u
         return edge.alpha**2 - z * z if self.linear else 2.0 * (np.cos(z) - np.cos(edge.alpha))
+
+    def square_at_ground(self, edge: Edge, y: Array, v: Array) -> Array:
+        """u'^2 at the ground over still ground of bodies at y, v [units of the edge], undamped."""
+        return (edge.unit * v) ** 2 + self.fall(edge, edge.unit * y)
+
+    def top(self, edge: Edge, square: Array) -> Array:
+        """u to which still ground lets a body rise that leaves it with u'^2 = square, undamped."""
+        if self.linear:
+            return edge.alpha - np.sqrt(np.maximum(edge.alpha**2 - square, 0.0))
+        return edge.alpha - np.arccos(np.minimum(np.cos(edge.alpha) + 0.5 * square, 1.0))
 
     def at_impact(self, edge: Edge, square: Array) -> Array:
         """Fz/(m g) just before an impact with u'^2 = square on still ground, undamped."""

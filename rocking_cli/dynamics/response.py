@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..motions.motion import Motion
-from .contacts.adiabatic import keeps_bouncing
 from .equations.linear import LinearEquation
 from .march.account import Work
 from .march.batch import Batch
@@ -27,8 +26,6 @@ Array = np.ndarray
 Cells = tuple[Array, Array, Array]  # A, Omega and eta, of one shape
 
 _LIKELY = 2.0  # times the push that is proved beforehand: beyond it most cells would have to be looked at afterwards
-
-_PRESSED = 1e-6  # of the weight: bodies whose least force is known to be larger are not looked at again
 
 
 @dataclass(frozen=True)
@@ -67,17 +64,12 @@ def response(
         raise ValueError("amplitude must be finite and not negative")
     if not (np.all(np.isfinite(omega)) and np.all(omega > 0.0)):
         raise ValueError("omega must be positive and finite")
-    return _answer(system, motion, (amplitude, omega, eta), peaks, pool)
-
-
-def _answer(system: System, motion: Motion, cells: Cells, peaks: bool, pool: int | None = None, pressed: Array | None = None) -> Response:
-    """The response of cells by a run of their own; pressed: as `look_at_forces` takes it."""
-    flat = cells[0].ravel(), cells[1].ravel(), cells[2].ravel()
-    prove = bool(cells[0].max(initial=0.0) > system.safe_amplitude(motion))  # peaks may, that a body presses on the ground
-    run, loss = run_of(system, motion, batch_of(system, motion, flat, peaks or prove), pool)
+    cells = amplitude.ravel(), omega.ravel(), eta.ravel()
+    prove = bool(amplitude.max(initial=0.0) > system.safe_amplitude(motion))  # peaks may, that a body presses on the ground
+    run, loss = run_of(system, motion, batch_of(system, motion, cells, peaks or prove), pool)
     run.all()
-    look_at_forces(run, loss, system, motion, flat, pressed)
-    return response_of(run, cells[0].shape, peaks)
+    look_at_forces(run, loss, system, motion, cells)
+    return response_of(run, amplitude.shape, peaks)
 
 
 def response_of(run: Run, shape: tuple[int, ...], peaks: bool = True) -> Response:
@@ -127,13 +119,11 @@ def _stepper_of(system: System, motion: Motion, pool: int | None, jumps: bool) -
     return partial(TaylorStepper, samples=samples), pool or LANES
 
 
-def look_at_forces(run: Run, loss: ContactLoss | None, system: System, motion: Motion, cells: Cells, pressed: Array | None = None) -> None:
-    """Mark the cells of a run that lost the ground, where it did not look at them itself; pressed: True for cells known to press on it."""
+def look_at_forces(run: Run, loss: ContactLoss | None, system: System, motion: Motion, cells: Cells) -> None:
+    """Mark the cells of a run that lost the ground, where it did not look at them itself."""
     doubtful = run.outcome == Outcome.ROCKED
     if loss is not None:
         doubtful &= ~loss.watched
-    if pressed is not None:
-        doubtful &= ~pressed
     gone = that_left_the_ground(system, motion, cells, doubtful, run.theta_ratio if run.batch.peaks else None)
     run.outcome[gone], run.theta_ratio[gone] = Outcome.LOST_CONTACT, np.nan
 
@@ -175,31 +165,32 @@ def exact_over_samples(system: System, motion: Motion) -> bool:
 def response_with_demands(
     system: System, motion: Motion, amplitude: Array, omega: Array, eta: Array | float, *, found: Response | None = None
 ) -> tuple[Response, dict[str, Array]]:
-    """The same, and by name what each body asks of the ground: `friction`, the largest |Fx|/Fz [-], and `fz_min`, the least Fz over m g
-    [-], both NaN where it overturns. found: the response, where it is known. Raises ValueError for a system without a `body` of
-    a_scale 1."""
+    """`response`, and the ground forces by name: `friction`, the largest |Fx|/Fz [-], and `fz_min`, the least Fz over m g [-], to 1e-6.
+
+    Both are NaN where the body overturns. They come from a run of their own, of the bodies that stay upright. found: the response, where it
+    is known. Raises ValueError for a system without a `body` of a_scale 1.
+    """
     if system.body is None or not system.body.moves_with_the_ground:
         raise ValueError("demands need a system with a body, whose a_scale is 1")
-    amplitude, omega, eta = np.broadcast_arrays(*(np.asarray(x, dtype=float) for x in (amplitude, omega, eta)))
-    cells = amplitude.ravel(), omega.ravel(), eta.ravel()
     from .observers.ground_forces import GroundForces
 
-    exact, body = exact_over_samples(system, motion), system.body
-    batch = batch_of(system, motion, cells, not exact)
-    forces = GroundForces(body, batch.equation, batch.segments, batch.shaken, batch.contact, batch.cells, batch.free_fall)
-    run, loss = run_of(system, motion, batch, None, forces, jumps=False)
+    found = response(system, motion, amplitude, omega, eta) if found is None else found
+    amplitude, omega, eta = np.broadcast_arrays(*(np.asarray(x, dtype=float) for x in (amplitude, omega, eta)))
+    at = upright(found.outcome)
+    batch = batch_of(system, motion, (amplitude[at], omega[at], eta[at]), peaks=False)
+    forces = GroundForces(system.body, batch)
+    run, _ = run_of(replace(system, body=None), motion, batch, None, forces, jumps=False)
     run.all()
-    friction, fz_min = forces.result(run.outcome)
-    upright = safe(run.outcome) | (run.outcome == Outcome.LOST_CONTACT)
-    pressed = upright & (fz_min > _PRESSED)
-    if found is None and (exact or keeps_bouncing(batch.equation, batch.cells, batch.segments)):
-        found = _answer(system, motion, (amplitude, omega, eta), True, pressed=pressed)  # no bit of it hangs on what else is asked
-    if found is None:
-        look_at_forces(run, loss, system, motion, cells, pressed)
-        found = response_of(run, amplitude.shape)
-    upright &= (safe(found.outcome) | (found.outcome == Outcome.LOST_CONTACT)).ravel()
-    asked = {"friction": friction, "fz_min": fz_min}
-    return found, {name: np.where(upright, x, np.nan).reshape(amplitude.shape) for name, x in asked.items()}
+    asked = {}
+    for name, values in zip(("friction", "fz_min"), forces.result(run.outcome), strict=True):
+        asked[name] = np.full(amplitude.shape, np.nan)
+        asked[name][at] = np.where(upright(run.outcome), values, np.nan)
+    return found, asked
+
+
+def upright(outcome: Array) -> Array:
+    """Where bodies neither overturn nor fail."""
+    return safe(outcome) | (outcome == Outcome.LOST_CONTACT)
 
 
 def linear_response(

@@ -193,15 +193,15 @@ class Run:
         batch = self.batch
         ends = batch.contact.sequence_ends(batch.segments, lanes, batch.equation)
         resting = np.flatnonzero(ends | (lanes.v < STILL))
+        for observer in self.observers if resting.size else ():
+            resting = resting[observer.may_close(lanes.take(resting))]
         if not resting.size:
             return lanes
         again = batch.contact.uplift(batch.cells, batch.segments, lanes.cell[resting], lanes.k[resting], lanes.u[resting])
-        for observer in self.observers:
-            observer.close(lanes.take(resting))
         lanes.k[resting], lanes.u[resting] = again.k, again.u
         lanes.y[resting], lanes.v[resting], lanes.b[resting] = 0.0, 0.0, again.b
         batch.contact.turn(batch.cells, lanes, resting, again.side)
-        self.work += Work(chatters_closed=int(ends.sum()), rests_skipped=resting.size)
+        self.work += Work(chatters_closed=int(ends[resting].sum()), rests_skipped=resting.size)
         settled = resting[again.k >= len(batch.segments)]
         self.finish(lanes, settled, Outcome.ROCKED, lanes.peak[settled])
         return lanes.take(np.flatnonzero(lanes.k < len(batch.segments)))
@@ -235,12 +235,10 @@ class Run:
             for observer in self.observers:
                 kept = observer.may_settle(lanes.take(at), self.bounced)
                 at, peak = at[kept], np.asarray(peak)[kept]
-            for observer in self.observers:
-                observer.settle(lanes.take(at))
         elif closing.still:
-            upright = at[outcome == Outcome.ROCKED]
+            upright = lanes.take(at[outcome == Outcome.ROCKED])
             for observer in self.observers:
-                observer.free(lanes, upright, lanes.y[upright], lanes.v[upright])
+                observer.free(upright)
         self.finish(lanes, at, outcome, peak)
         if closing.counts is not None:
             self.work += Work(**{closing.counts: at.size})

@@ -24,7 +24,7 @@ from ..equations.equation import Flow
 from ..lanes import Cells, Lanes
 from ..march.chord_errors import Ends, Shakes, chord_errors, edge_of, fastest
 from ..march.ground import Ground
-from .observer import Arcs, Quiet
+from .observer import Arcs, Observer
 
 Array = np.ndarray
 
@@ -39,7 +39,7 @@ class _Motion(NamedTuple):
     bend: float
 
 
-class ContactLoss(Quiet):
+class ContactLoss(Observer):
     """Which cells have lost the ground, of those `watched` on their way; `open`: of which nothing is proved beforehand, (cells,).
 
     ahead: the push over the proved one, above 0, beyond which cells are watched.
@@ -128,32 +128,26 @@ class ContactLoss(Quiet):
         z = edge.alpha - u
         return Ends(u, v, b, self.ground.weight(lanes, h) + edge.kappa * (b * np.sin(z) - v * v * np.cos(z)))
 
-    def close(self, lanes: Lanes) -> None:
-        """Bodies whose bouncing is summed from now on, under a drive that is monotone until they rest."""
+    def may_close(self, lanes: Lanes) -> Array:
+        """All. Of those that are watched the drive is monotone until they rest: they bounce without speed."""
         some = lanes.take(np.flatnonzero(self.watched[lanes.cell] & (lanes.v > 0.0)))
-        if not some.cell.size:
-            return
-        here, there = self.body.on(some.side), self.body.on(-some.side)
-        lasts = self.ground.bouncing_lasts(some, self.contact)
-        for h in (np.zeros(some.cell.size), lasts):
-            push, weight = self.ground.push(some, h), self.ground.weight(some, h)
-            least = self.body.lying(here, push, weight)
-            if not self.body.one_sided:
-                least = np.minimum(least, self.body.lying(there, -push, weight))
-            self._lost[some.cell[np.flatnonzero(least <= 0.0)]] = True
+        lasts = self.ground.bouncing_lasts(some, self.contact) if some.cell.size else np.zeros(0)
+        for sense in (1.0,) if self.body.one_sided else (1.0, -1.0):
+            edge = self.body.on(sense * some.side)
+            for h in (np.zeros(lasts.size), lasts):
+                least = self.body.lying(edge, sense * self.ground.push(some, h), self.ground.weight(some, h))
+                self._lost[some.cell[np.flatnonzero(least <= 0.0)]] = True
+        return super().may_close(lanes)
 
-    def free(self, lanes: Lanes, at: Array, y: Array, v: Array) -> None:
-        """Bodies at y, v that rock on over still ground: the next impact, and the first on the other edge."""
-        some = np.flatnonzero(self.watched[lanes.cell[at]])
-        at, y, v = at[some], y[some], v[some]
-        side = lanes.side[at]
-        edge = self.body.on(side)
-        square = (edge.unit * v) ** 2 + self.body.fall(edge, edge.unit * y)
-        least = self.body.at_impact(edge, square)
+    def free(self, lanes: Lanes) -> None:
+        """Fz is least at the next impact, or at the first on the other edge."""
+        some = lanes.take(np.flatnonzero(self.watched[lanes.cell]))
+        here, there = self.body.on(some.side), self.body.on(-some.side)
+        square = self.body.square_at_ground(here, some.y, some.v)
+        least = self.body.at_impact(here, square)
         if len(self.body.alpha) > 1:
-            there = self.body.on(-side)
-            least = np.minimum(least, self.body.at_impact(there, square * (lanes.eta[at] * there.unit / edge.unit) ** 2))
-        self._lost[lanes.cell[at[np.flatnonzero(least <= 0.0)]]] = True
+            least = np.minimum(least, self.body.at_impact(there, square * (some.eta * there.unit / here.unit) ** 2))
+        self._lost[some.cell[np.flatnonzero(least <= 0.0)]] = True
 
     def lost(self, cell: Array) -> Array:
         """Those that were found."""

@@ -1,14 +1,58 @@
-"""The largest value of a quantity that each cell has come to."""
+"""The largest value of a quantity along the motion of each cell, found to 1e-6, not proved.
+
+Where a quantity and its slope are known at both ends of a short stretch, it is near the cubic through them. The peak of the cubic is a
+closed form; the quantity is evaluated there, and the part of the stretch that holds the peak is looked at again.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import dataclass, fields
+from typing import TypeVar
+
 import numpy as np
 
+from ..arrays import Arrays
+
 Array = np.ndarray
+Values = TypeVar("Values", bound=Arrays)
+
+_CUT = 1.6  # over the rate at which a quantity bends: length of the stretches
+_CUTS = 5  # of a stretch, at peaks of cubics
+
+
+@dataclass
+class Ratio(Arrays):
+    """A quantity `top` over another one, `bottom`, and the slopes of both; (stretches,)."""
+
+    top: Array
+    bottom: Array
+    top_slope: Array
+    bottom_slope: Array
+
+    @property
+    def value(self) -> Array:
+        """The ratio, infinite where `bottom` is not positive."""
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return np.where(self.bottom > 0.0, self.top / self.bottom, np.inf)
+
+    def slope(self, level: Array) -> Array:
+        """The slope of top - level * bottom."""
+        return self.top_slope - level * self.bottom_slope
+
+
+@dataclass
+class Stretches(Arrays):
+    """Stretches of a motion, (n,): index of the motion, start and end [tau, or another time], rate at which quantities bend [1/time]."""
+
+    own: Array
+    low: Array
+    high: Array
+    rate: Array
 
 
 class Extremes:
-    """The largest values so far, `largest`, (cells,). Parameters: start: what each cell begins with, (cells,)."""
+    """The largest values so far, `largest`, (cells,). Parameters: start: the first value of each cell, (cells,)."""
 
     def __init__(self, start: Array) -> None:
         self.largest = start
@@ -18,5 +62,66 @@ class Extremes:
         np.fmax.at(self.largest, cell, value)
 
     def can_beat(self, cell: Array, bound: Array) -> Array:
-        """Whether a value up to `bound` can be larger than those of these cells so far, (n,); True where the bound is NaN."""
+        """True where a value up to `bound` can exceed the largest so far of these cells, (n,), or the bound is NaN."""
         return ~(bound <= self.largest[cell])
+
+    def search(self, cell: Array, along: Callable[[Array, Array], Ratio], s: Stretches, one: Ratio, other: Ratio) -> None:
+        """Take in the largest values on stretches of these cells, (n,).
+
+        along: the ratio in motions of given indices at given times; one, other: the ratio at the start and at the end of each stretch. The
+        value found on a stretch depends neither on other stretches nor on the extremes so far.
+        """
+        best = np.maximum(one.value, other.value)
+        self.offer(cell, best)
+        with np.errstate(all="ignore"):
+            for _ in range(_CUTS):
+                at = np.flatnonzero(_excess(s, one, other, self.largest[cell]) > 0.0)
+                if not at.size:
+                    return
+                cell, s, one, other, best = cell[at], s.take(at), one.take(at), other.take(at), best[at]
+                x = _peak(s, one, other, best)
+                x = np.where((x > s.low) & (x < s.high), x, 0.5 * (s.low + s.high))
+                there = along(s.own, x)
+                best = np.fmax(best, there.value)
+                self.offer(cell, best)
+                rises = there.slope(best) > 0.0
+                s.low, s.high = np.where(rises, x, s.low), np.where(rises, s.high, x)
+                one, other = _either(rises, there, one), _either(rises, other, there)
+
+
+def parts(along: Callable[[Array, Array], Values], whole: Stretches, start: Values, end: Values) -> tuple[Stretches, Values, Values]:
+    """Short parts of stretches and the values at their ends; start, end: the values at the ends of the whole stretches."""
+    count = np.maximum(np.ceil((whole.high - whole.low) * whole.rate / _CUT), 1.0).astype(np.int64)
+    own = np.repeat(np.arange(count.size), count)
+    n = np.arange(own.size) - np.repeat(np.cumsum(count) - count, count)
+    s, one, other = whole.take(own), start.take(own), end.take(own)
+    inner = np.flatnonzero(n)
+    if inner.size:
+        x = (s.low + n * ((whole.high - whole.low) / count)[own])[inner]
+        s.low[inner], s.high[inner - 1] = x, x
+        there = along(s.own[inner], x)
+        one.put(inner, there)
+        other.put(inner - 1, there)
+    return s, one, other
+
+
+def _excess(s: Stretches, one: Ratio, other: Ratio, level: Array) -> Array:
+    """By how much top - level * bottom may exceed 0 between its ends: Bernstein coefficients of the cubic, and an estimate of its error."""
+    h = s.high - s.low
+    inner = [x.top - level * x.bottom + part * h * x.slope(level) for x, part in ((one, 1.0 / 3.0), (other, -1.0 / 3.0))]
+    size = np.maximum(np.abs(one.top), np.abs(other.top)) + np.abs(level) * np.maximum(np.abs(one.bottom), np.abs(other.bottom))
+    return np.maximum(*inner) + (s.rate * h) ** 4 / 384.0 * size
+
+
+def _peak(s: Stretches, one: Ratio, other: Ratio, level: Array) -> Array:
+    """Time of the peak of the cubic through top - level * bottom; NaN or outside the stretch where it has none there."""
+    h = s.high - s.low
+    gain = 3.0 * (other.top - one.top - level * (other.bottom - one.bottom))
+    c1, d1 = h * one.slope(level), h * other.slope(level)
+    c2, c3 = gain - 2.0 * c1 - d1, c1 + d1 - gain / 1.5
+    root = np.sqrt(c2 * c2 - 3.0 * c1 * c3)
+    return s.low + h * np.where(c2 > 0.0, -(c2 + root) / (3.0 * c3), c1 / (root - c2))
+
+
+def _either(first: Array, a: Ratio, b: Ratio) -> Ratio:
+    return Ratio(*(np.where(first, getattr(a, f.name), getattr(b, f.name)) for f in fields(Ratio)))

@@ -1,8 +1,8 @@
-"""What a run shows to those who observe it, and what they may ask of it."""
+"""What a run shows to its observers, and what they answer."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple, Protocol
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -47,8 +47,8 @@ class TaylorSteps(NamedTuple):
     ramp: Ramp
 
 
-class Observer(Protocol):
-    """Who takes part in a run. Each method has a meaning for some observers only, and does nothing for the others."""
+class Observer:
+    """Base of observers of a run. Each method does nothing here; an observer overrides those that it needs."""
 
     def rest(self, cell: Array, k: Array, u: Array, to_k: Array, to_u: Array) -> None:
         """Bodies of these cells rest from (k, u), segment and phase in it, to another position; (rests,) each. to_k is the number of
@@ -66,54 +66,20 @@ class Observer(Protocol):
     ) -> Array:
         """The lanes that are `proved` are to be propagated over samples, (lanes,); returns the indices of those that must go half as far.
         strongest: upper bound of the outward drive on the propagations of given indices."""
-
-    def close(self, lanes: Lanes) -> None:
-        """Lanes just after an impact whose sequence of impacts ends in rest are taken there at once."""
-
-    def free(self, lanes: Lanes, at: Array, y: Array, v: Array) -> None:
-        """The lanes `at`, undamped and at y, v (both of these lanes), stay upright over still ground from now on."""
-
-    def may_settle(self, lanes: Lanes, bounced: Array) -> Array:
-        """Whether damped lanes on still ground may be left, (lanes,); bounced: whether each cell has had an impact there, (cells,)."""
-
-    def settle(self, lanes: Lanes) -> None:
-        """Damped lanes on still ground are left: they stay upright."""
-
-    def lost(self, cell: Array) -> Array:
-        """Which of these cells have lost contact with the ground, (n,)."""
-
-
-class Quiet:
-    """An observer that observes nothing: what others have in common."""
-
-    def rest(self, cell: Array, k: Array, u: Array, to_k: Array, to_u: Array) -> None:
-        """Nothing."""
-
-    def arcs(self, arcs: Arcs) -> None:
-        """Nothing."""
-
-    def steps(self, steps: TaylorSteps, go: Array) -> None:
-        """Nothing."""
-
-    def propagates(
-        self, cell: Array, side: Array, lanes: ExactLanes, step: Propagation, proved: Array, strongest: Callable[[Array], Array]
-    ) -> Array:
-        """None."""
         return np.zeros(0, dtype=np.int64)
 
-    def close(self, lanes: Lanes) -> None:
-        """Nothing."""
-
-    def free(self, lanes: Lanes, at: Array, y: Array, v: Array) -> None:
-        """Nothing."""
-
-    def may_settle(self, lanes: Lanes, bounced: Array) -> Array:
-        """All."""
+    def may_close(self, lanes: Lanes) -> Array:
+        """Lanes just after an impact, whose sequence of impacts ends in rest, that may be taken there at once, (lanes,)."""
         return np.ones(lanes.cell.size, dtype=bool)
 
-    def settle(self, lanes: Lanes) -> None:
-        """Nothing."""
+    def free(self, lanes: Lanes) -> None:
+        """Undamped lanes stay upright over still ground from now on."""
+
+    def may_settle(self, lanes: Lanes, bounced: Array) -> Array:
+        """Lanes on still ground, which stay upright, that need not be marched on, (lanes,); bounced: True for cells that have had an impact
+        there, (cells,)."""
+        return np.ones(lanes.cell.size, dtype=bool)
 
     def lost(self, cell: Array) -> Array:
-        """None."""
+        """Those of these cells that have lost contact with the ground, (n,)."""
         return np.zeros(cell.size, dtype=bool)

@@ -18,14 +18,14 @@ from ..equations.equation import Equation, Flow
 from ..lanes import Lanes
 from ..samples.propagation import ExactLanes, Propagation
 from .extremes import Extremes
-from .observer import Arcs, Quiet, TaylorSteps
+from .observer import Arcs, Observer, TaylorSteps
 
 Array = np.ndarray
 
 _ROUNDS = 60  # halvings of a bracket at most; Newton's steps need four
 
 
-class PeakSpeed(Quiet):
+class PeakSpeed(Observer):
     """max |d theta/d tau|/alpha [-] of each cell so far in `speed`, tau = p t, p and alpha those of the reference. shaken: the segment from
     which on the ground is still; cells: how many."""
 
@@ -79,12 +79,11 @@ class PeakSpeed(Quiet):
         bottom = v - fall * (v - end + rise * time) / (rise + fall)
         return at[(rise > 0.0) & (fall > 0.0) & (np.maximum(top, -bottom) > fastest[at])]  # y'' may be zero
 
-    def free(self, lanes: Lanes, at: Array, y: Array, v: Array) -> None:
+    def free(self, lanes: Lanes) -> None:
         """The speed at the next impact."""
-        side, cell, zero = lanes.side[at], lanes.cell[at], np.zeros(at.size)
-        there = self.equation.on(side, cell)
-        at_ground = np.sqrt(there.fall(y, v)[1] / there.fall(zero, zero + 1.0)[1])
-        self.speed.offer(cell, self._speed(side, cell, zero, at_ground))
+        zero, there = np.zeros(lanes.cell.size), self.equation.on(lanes.side, lanes.cell)
+        at_ground = np.sqrt(there.fall(lanes.y, lanes.v)[1] / there.fall(zero, zero + 1.0)[1])
+        self.speed.offer(lanes.cell, self._speed(lanes.side, lanes.cell, zero, at_ground))
 
     def may_settle(self, lanes: Lanes, bounced: Array) -> Array:
         """All but those that fall on still ground for the first time: they are followed to the impact."""

@@ -8,9 +8,8 @@ from ...motions.segments import Segments
 from ..body import Body
 from ..lanes import Cells
 from ..march.ground import value_and_slope
-from ..weight import WeighedSegments
-from .extremes import Extremes
-from .forces import Forces, Stretches, note_extremes
+from .extremes import Stretches
+from .forces import ForceExtremes, Forces
 
 Array = np.ndarray
 
@@ -24,65 +23,40 @@ class Resting:
     def __init__(self, body: Body, segments: Segments, cells: Cells) -> None:
         self.body, self.segments, self.cells = body, segments, cells
 
-    def note(self, friction: Extremes, lift: Extremes, cell: Array, k: Array, u: Array, to_k: Array, to_u: Array) -> None:
-        """Take rests into the largest |Fx|/Fz and -Fz of their cells; of a one-sided body Fx counts as far as it leans on no backing."""
-        to_k, to_u = self._within(to_k, to_u)
-        weighed = self.segments.weighed
-        if weighed is None:
-            friction.offer(cell, self._steady(cell, k, u, to_k, to_u))
-            return
-        count = np.maximum(to_k - k + (to_u > 0.0), 0) * ((k < to_k) | (u < to_u))
-        ends = np.cumsum(count)
-        for first in range(0, int(ends[-1]) if ends.size else 0, _TOGETHER):
-            part = np.arange(first, min(first + _TOGETHER, int(ends[-1])))
-            rest = np.searchsorted(ends, part, side="right")
-            at = k[rest] + part - (ends - count)[rest]
-            begin, stop = np.where(at == k[rest], u[rest], 0.0), np.where(at == to_k[rest], to_u[rest], self.segments.length[at])
-            with np.errstate(all="ignore"):  # where the ground falls away there is no weight to divide by
-                self._weighed(weighed, friction, lift, cell[rest], at, begin, stop)
-
-    def bounds(self, cell: Array, k: Array, u: Array, to_k: Array, to_u: Array) -> tuple[Array, Array]:
-        """Upper bounds of the |Fx|/Fz and the -Fz of rests, (rests,)."""
-        to_k, to_u = self._within(to_k, to_u)
-        weighed = self.segments.weighed
-        if weighed is None:
-            return self._steady(cell, k, u, to_k, to_u), np.full(cell.size, -1.0)
-        largest, least = _range(weighed.vertical, k, u, to_k, to_u)
-        sway = self._sway(weighed, cell)
-        steepest = max(edge.uplift for edge in self.body.edges)
-        return np.full(cell.size, steepest), -1.0 - np.minimum(sway * largest, sway * least)
-
-    def _within(self, k: Array, u: Array) -> tuple[Array, Array]:
+    def note(self, extremes: ForceExtremes, cell: Array, k: Array, u: Array, to_k: Array, to_u: Array) -> None:
+        """Take rests into the extremes of their cells; of a one-sided body only an outward Fx counts."""
         last = len(self.segments) - 1
-        return np.minimum(k, last), np.where(k > last, self.segments.length[last], u)
+        to_k, to_u = np.minimum(to_k, last), np.where(to_k > last, self.segments.length[last], to_u)
+        push = self.cells.amplitude[0, cell] * self.body.edges[0].uplift  # outward, over g, of s = -1 on the right edge
+        if self.segments.weighed is None:
+            largest, least = _range(self.segments, k, u, to_k, to_u)
+            extremes.offer(cell, push * (-least if self.body.one_sided else np.maximum(-least, largest)))
+            return
+        most = max(1, _TOGETHER // (last + 1))  # whole rests at a time, so that no digit depends on other cells
+        for first in range(0, cell.size, most):
+            some = slice(first, first + most)
+            self._weighed(extremes, *(x[some] for x in (cell, push, k, u, to_k, to_u)))
 
-    def _push(self, cell: Array) -> Array:
-        """The outward push over g of s = -1 on the right edge."""
-        return self.cells.amplitude[0, cell] * self.body.edges[0].uplift
-
-    def _sway(self, seg: WeighedSegments, cell: Array) -> Array:
-        """zg''/g of a vertical s = 1."""
-        return seg.sway(np.ones(cell.size), self.cells.amplitude[0, cell])
-
-    def _steady(self, cell: Array, k: Array, u: Array, to_k: Array, to_u: Array) -> Array:
-        """The largest |Fx|/Fz under a constant weight."""
-        largest, least = _range(self.segments, k, u, to_k, to_u)
-        return self._push(cell) * (-least if self.body.one_sided else np.maximum(-least, largest))
-
-    def _weighed(self, seg: WeighedSegments, friction: Extremes, lift: Extremes, cell: Array, k: Array, low: Array, high: Array) -> None:
-        """Stretches from one phase to another of segments k, cut where they bend; of straight lines both ends have the extremes."""
+    def _weighed(self, extremes: ForceExtremes, cell: Array, push: Array, k: Array, u: Array, to_k: Array, to_u: Array) -> None:
+        """Search every segment of these rests."""
+        seg = self.segments.weighed
+        assert seg is not None
+        count = np.maximum(to_k - k + (to_u > 0.0), 0) * ((k < to_k) | (u < to_u))
+        rest = np.repeat(np.arange(cell.size), count)
+        at = k[rest] + np.arange(rest.size) - np.repeat(np.cumsum(count) - count, count)
+        low, high = np.where(at == k[rest], u[rest], 0.0), np.where(at == to_k[rest], to_u[rest], seg.length[at])
+        cell, push = cell[rest], -push[rest]
+        sway = seg.sway(np.ones(cell.size), self.cells.amplitude[0, cell])
 
         def along(own: Array, phase: Array) -> Forces:
-            (s, slope), (rise, rise_slope) = (value_and_slope(x, k[own], phase) for x in (seg, seg.vertical))
-            sway, push = self._sway(seg, cell[own]), -self._push(cell[own])
-            return Forces(push * s, 1.0 + sway * rise, push * slope, sway * rise_slope)
+            (s, slope), (rise, rise_slope) = (value_and_slope(x, at[own], phase) for x in (seg, seg.vertical))
+            return Forces(push[own] * s, 1.0 + sway[own] * rise, push[own] * slope, sway[own] * rise_slope)
 
-        every = np.arange(cell.size)
-        rate = np.zeros(cell.size)
-        if not seg.straight:
-            rate = np.maximum(*(x.frequency[:, k].max(axis=0, initial=0.0) for x in (seg, seg.vertical)))
-        found = Stretches(low, high, along(every, low), along(every, high), rate)
-        note_extremes(friction, lift, cell, along, found, self.body.one_sided)
+        every, rate = np.arange(cell.size), np.zeros(cell.size)
+        if not seg.straight:  # of straight lines the ends have the extremes
+            rate = np.maximum(*(x.frequency[:, at].max(axis=0, initial=0.0) for x in (seg, seg.vertical)))
+        whole = Stretches(every, low, high, rate)
+        extremes.take_in_along(cell, along, whole, along(every, low), along(every, high), self.body.one_sided)
 
 
 def _range(segments: Segments, k: Array, u: Array, to_k: Array, to_u: Array) -> tuple[Array, Array]:

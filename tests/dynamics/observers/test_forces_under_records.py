@@ -9,7 +9,7 @@ from support.synthetic_records import RECORDS, noise, shaken
 
 from rocking_cli import Method, response
 from rocking_cli.dynamics.observers import ground_forces
-from rocking_cli.dynamics.observers.extremes import Extremes
+from rocking_cli.dynamics.observers.forces import ForceExtremes
 from rocking_cli.dynamics.observers.resting import Resting
 from rocking_cli.dynamics.outcome import safe
 from rocking_cli.dynamics.response import response_with_demands
@@ -98,8 +98,9 @@ def test_a_rest_under_lines_has_the_extremes_of_many_instants(kind):
     k, to_k = np.sort(random.integers(0, len(segments) + 1, (2, 40)), axis=0)
     u, to_u = (random.uniform(0.0, 1.0, 40) * np.append(segments.length, 0.0)[i] for i in (k, to_k))
     u[:3], to_u[:5] = 0.0, 0.0
-    friction, lift = Extremes(np.zeros(40)), Extremes(np.full(40, -1.0))
-    Resting(system.body, segments, cells).note(friction, lift, np.arange(40), k, u, to_k, to_u)
+    found = ForceExtremes(40)
+    Resting(system.body, segments, cells).note(found, np.arange(40), k, u, to_k, to_u)
+    friction, lift = found.largest.reshape(2, 40)
     start, length = np.append(segments.start, segments.start[-1] + segments.length[-1]), motion.across.duration
     for i in range(40):
         low, high = start[k[i]] + u[i], start[to_k[i]] + to_u[i]
@@ -108,5 +109,5 @@ def test_a_rest_under_lines_has_the_extremes_of_many_instants(kind):
         scale = float(cells.amplitude[0, i]) * system.body.edges[0].uplift
         fx, fz = -scale * motion.across.value(phase), 1.0 + scale * motion.vertical.value(phase)
         most = ((np.maximum(fx, 0.0) if kind == "one-sided" else np.abs(fx)) / fz).max(initial=0.0)
-        assert friction.largest[i] == pytest.approx(most, abs=1e-9)
-        assert -lift.largest[i] == pytest.approx(fz.min(initial=1.0), abs=1e-9)
+        assert friction[i] == pytest.approx(most, abs=1e-9)
+        assert -lift[i] == pytest.approx(fz.min(initial=1.0), abs=1e-9)

@@ -12,7 +12,7 @@ from oracles.vertical_motion import Shaking
 from support.stocky_bodies import ACROSS, KINDS, UP, drawn, ground
 
 from rocking_cli import Method, Outcome, build_structure, cosine, parse_documents, parse_grid, pulse, response, sine
-from rocking_cli.dynamics.observers import ground_forces
+from rocking_cli.dynamics.observers import extremes, ground_forces
 from rocking_cli.dynamics.response import response_with_demands
 from rocking_cli.errors import UsageError
 from rocking_cli.motions.biaxial import with_vertical
@@ -220,8 +220,8 @@ def apart_from_short_cuts(kind, model, motion, cells, seed, monkeypatch):
     body, _, _ = drawn(kind, random, (0.2, 0.5), ETAS, 0.3)
     amplitude, omega, system = random.uniform(0.8, 8.0, cells), random.uniform(0.5, 12.0, cells), Method(model).system_of(body)
     found, forces = response_with_demands(system, motion, amplitude, omega, body.eta)
-    monkeypatch.setattr(ground_forces, "_CUT", 0.4)
-    monkeypatch.setattr(ground_forces, "_STILL", 1e-12)
+    monkeypatch.setattr(extremes, "_CUT", 0.4)
+    monkeypatch.setattr(ground_forces, "_STILL", 1e-11)
     _, finely = response_with_demands(system, motion, amplitude, omega, body.eta)
     upright = found.outcome == Outcome.ROCKED
     assert np.count_nonzero(upright) > cells / 4
