@@ -38,15 +38,15 @@ def check_target(path: Path, overwrite: bool, suffixes: tuple[str, ...] = ()) ->
         raise UsageError(f"{str(path)!r} is not the name of a file; this output cannot be written to standard output")
     if suffixes and path.suffix.lower() not in suffixes:
         *some, last = suffixes
-        raise UsageError(f"{path}: accepted is a name that ends in {', '.join(some)}{' or ' if some else ''}{last}")
+        raise UsageError(f"{path}: expected a name that ends in {', '.join(some)}{' or ' if some else ''}{last}")
     target = followed(path)
     try:
         if _is_a_stream(path):
-            raise UsageError(f"{path}: is a standard stream of this call; accepted is the name of a file")
+            raise UsageError(f"{path}: is a standard stream of this call; expected the name of a file")
         if not target.parent.is_dir():
             raise UsageError(f"{path}: the folder {target.parent} does not exist")
         if kind := kind_of(target):
-            raise UsageError(f"{path}: is {kind}{' that leads nowhere' if os.path.islink(path) else ''}, accepted is the name of a file")
+            raise UsageError(f"{path}: is {kind}{' that leads nowhere' if os.path.islink(path) else ''}; expected the name of a file")
         kind_of(_partial(target))  # a name that is too long is refused now
         if not os.access(target.parent, os.W_OK | os.X_OK):
             raise UsageError(f"{path}: cannot be written: nothing may be written in the folder {target.parent}")

@@ -122,7 +122,7 @@ def test_standard_streams_are_no_file(tmp_path, stream, into_a_file):
         std = out if into_a_file else subprocess.PIPE
         done = subprocess.run(call, stdout=std, stderr=subprocess.PIPE, text=True, timeout=300, check=False)
     assert done.returncode == 2
-    assert "accepted is a name that ends in .png" in done.stderr or "is not the name of a file" in done.stderr
+    assert "expected a name that ends in .png" in done.stderr or "is not the name of a file" in done.stderr
     assert (tmp_path / "out").read_bytes() == b""
 
 
@@ -132,17 +132,17 @@ def test_what_cannot_be_written_is_refused_before_the_work(tmp_path, monkeypatch
     (tmp_path / "lost.svg").symlink_to("nowhere")
     (tmp_path / "there.svg").write_bytes(b"")
     for name, words in (
-        ("folder.svg", "is a folder, expected the name of a file"),
-        ("pipe.svg", "is a pipe, accepted"),
-        ("lost.svg", "is a link that leads nowhere, accepted"),
+        ("folder.svg", "is a folder; expected the name of a file"),
+        ("pipe.svg", "is a pipe; expected"),
+        ("lost.svg", "is a link that leads nowhere; expected"),
         ("there.svg", "exists; `overwrite` replaces it"),
         ("nowhere/x.svg", "the folder .*nowhere does not exist"),
         ("x" * 250 + ".svg", "File name too long"),
-        ("x.jpg", r"accepted is a name that ends in \.png or \.svg"),
+        ("x.jpg", r"expected a name that ends in \.png or \.svg"),
     ):
         with pytest.raises(UsageError, match=words):
             check_target(tmp_path / name, False, (".png", ".svg"))
-    with pytest.raises(UsageError, match="is a device, accepted"):
+    with pytest.raises(UsageError, match="is a device; expected"):
         check_target(Path("/dev/full"), overwrite=True)
     monkeypatch.setattr(os, "access", lambda *_: False)
     with pytest.raises(UsageError, match=r"x\.svg: cannot be written: nothing may be written in the folder"):

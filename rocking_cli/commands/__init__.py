@@ -101,7 +101,7 @@ def _refuse_repetitions(context: click.Context, arguments: list[str]) -> None:
         elif given[option.name] is not option:
             raise click.UsageError(f"{given[option.name].opts[-1]} does not go with {option.opts[-1]}", context)
         elif not option.is_flag:
-            raise click.UsageError(f"{option.opts[-1]} is given twice; accepted is one value", context)
+            raise click.UsageError(f"{option.opts[-1]} is given twice; expected one value", context)
 
 
 @click.group(

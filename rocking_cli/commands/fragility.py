@@ -217,7 +217,7 @@ def _levels(text: str | None, measure: Measure) -> np.ndarray:
     from ..motions.grid import parse_span
 
     if text is None:
-        raise click.UsageError(f"no --levels; accepted is START:STOP:N[:log] of {measure.name}, or a list, such as 0.1g:1g:10")
+        raise click.UsageError(f"no --levels; expected START:STOP:N[:log] of {measure.name}, or a list, such as 0.1g:1g:10")
     if ":" in text:
         options.remark_on(spans=f"{measure.name}={text}")
         return check_levels(parse_span("--levels", text, measure.dimension))
@@ -226,7 +226,7 @@ def _levels(text: str | None, measure: Measure) -> np.ndarray:
         try:
             found.append(parse_quantity(part.strip(), measure.dimension))
         except ValueError as error:
-            raise click.UsageError(f"--levels: found {part.strip()!r}; accepted is {error}") from None
+            raise click.UsageError(f"--levels: found {part.strip()!r}; expected {error}") from None
     return check_levels(np.array(found))
 
 
@@ -238,7 +238,7 @@ def _limits(text: str) -> list[float | None]:
         except ValueError:
             value = -1.0
         if value is not None and not 0.0 < value < 1e3:
-            raise click.UsageError(f"--limit: found {part!r}; accepted are positive values of |theta|/alpha, and overturning")
+            raise click.UsageError(f"--limit: found {part!r}; expected positive values of |theta|/alpha, or overturning")
         if value not in found:
             found.append(value)
     return found
@@ -250,5 +250,5 @@ def _methods(text: str) -> list[str]:
     found = [x.strip() for x in text.split(",")]
     for name in found:
         if name not in METHODS:
-            raise click.UsageError(f"--method: found {name!r}; accepted are {', '.join(METHODS)}")
+            raise click.UsageError(f"--method: found {name!r}; expected {', '.join(METHODS)}")
     return list(dict.fromkeys(found))

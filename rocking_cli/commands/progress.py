@@ -19,18 +19,24 @@ _ENOUGH = 3  # units that tell how long the others take
 _current: ProgressLine | None = None
 
 
+def _follow(line: ProgressLine | None) -> None:
+    """Let `told` speak of this line."""
+    global _current
+    _current = line
+
+
 @contextmanager
 def told() -> Iterator[None]:
     """For a call: after ten seconds, and every half a minute from then on, a line on standard error says how far it is, unless --quiet
     is given or a `ProgressLine` on the terminal says so. A timer of the system, where it has one: a thread would endanger a fork."""
-    global _current
-    _current, began = None, monotonic()
+    _follow(None)
+    began = monotonic()
     if not hasattr(signal, "setitimer"):
         yield
         return
 
     def say(*_: object) -> None:
-        if not (_current is not None and _current.shown) and not is_quiet():
+        if not ((_current is not None and _current.shown) or is_quiet()):
             with suppress(RuntimeError):  # another line was being written
                 streams.say(f"still computing ({monotonic() - began:.0f} s)" if _current is None else _current.in_words())
 
@@ -52,10 +58,9 @@ class ProgressLine:
     """
 
     def __init__(self, label: str, unit: str) -> None:
-        global _current
         self._label, self._unit, self._start, self._first = label, unit, monotonic(), 0
         self._done = self._total = 0
-        _current = self
+        _follow(self)
         hidden = is_quiet() or (form() is not None and sys.stdout.isatty()) or not sys.stderr.isatty()
         self._bar = (
             None

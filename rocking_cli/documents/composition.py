@@ -88,7 +88,7 @@ def _compose_yaml(text: str, source: str, first: int) -> list[tuple[yaml.Node, i
             f"{_place_in(text, LONGEST, source).below(first)}: longer than {LONGEST >> 20} MiB, the limit of a structure document"
         )
     try:
-        return [(node, first) for node in yaml.compose_all(text, Loader=_Composer) if node is not None]
+        return [(node, first) for node in yaml.compose_all(text, Loader=_Composer)]
     except _Unlikely as error:
         raise DocumentError(f"{_marked(error, source, first)}: {error.problem} to be a structure document") from None
     except yaml.MarkedYAMLError as error:

@@ -155,7 +155,7 @@ def check_levels(x: Array) -> Array:
     """Levels of an intensity measure. Raises UsageError unless they are positive and rise."""
     x = np.asarray(x, dtype=float)
     if x.ndim != 1 or x.size < 2 or not np.all(np.isfinite(x)) or not x[0] > 0.0 or np.any(np.diff(x) <= 0.0):
-        raise UsageError("levels: accepted are two or more, positive and rising")
+        raise UsageError("levels: expected two or more, positive and rising")
     return x
 
 
@@ -169,7 +169,7 @@ def fit_stripes(x: Array, n: Array, z: Array) -> Curve:
     """
     x, n, z = check_levels(x), np.asarray(n, dtype=float), np.asarray(z, dtype=float)
     if np.any(n <= 0.0) or np.any(z < 0.0) or np.any(z > n):
-        raise UsageError("counts: accepted are n above 0 and z from 0 to n at every level")
+        raise UsageError("counts: expected n above 0 and z from 0 to n at every level")
     some = int(np.count_nonzero((z > 0.0) & (z < n)))
     if some < 2:
         raise UsageError(f"{some} level{'' if some == 1 else 's'} with some records beyond the limit state and some not; a fit needs two")

@@ -66,7 +66,7 @@ def measure_of(name: str) -> Measure:
     """The measure of that name. Raises UsageError."""
     found = next((m for key, m in MEASURES.items() if key.casefold() == name.strip().casefold()), None)
     if found is None:
-        raise UsageError(f"`im`: found {name!r}; accepted are {', '.join(MEASURES)}{did_you_mean(name, MEASURES)}")
+        raise UsageError(f"`im`: found {name!r}; expected {', '.join(MEASURES)}{did_you_mean(name, MEASURES)}")
     return found
 
 
@@ -97,7 +97,7 @@ class Member:
         """The measure of the motion as it is. Raises UsageError where the motion has none of it."""
         value = measure.value(self.intensity, structure)
         if not (math.isfinite(value) and value > 0.0):
-            raise UsageError(f"{self.label}: its {measure.name} is {value:g}; accepted is a motion that has some")
+            raise UsageError(f"{self.label}: its {measure.name} is {value:g}; the motion must have a positive one")
         return value
 
 
@@ -132,11 +132,11 @@ def site_pulses(path: str | Path) -> tuple[Member, ...]:
     known = ("a_g", *frequencies, "weight", "pulse")
     for name in columns:
         if name not in known:
-            raise DocumentError(f"{path}, line 1: unknown column {name!r}; accepted are {', '.join(known)}{did_you_mean(name, known)}")
+            raise DocumentError(f"{path}, line 1: unknown column {name!r}; expected {', '.join(known)}{did_you_mean(name, known)}")
     given = [name for name in columns if name in frequencies]
     if "a_g" not in columns or len(given) != 1:
         raise DocumentError(
-            f"{path}, line 1: found the columns {', '.join(columns) or 'none'}; accepted are a_g and one of {', '.join(frequencies)}"
+            f"{path}, line 1: found the columns {', '.join(columns) or 'none'}; expected a_g and one of {', '.join(frequencies)}"
         )
     found: list[Member] = []
     for line, row in rows:
@@ -146,9 +146,9 @@ def site_pulses(path: str | Path) -> tuple[Member, ...]:
             try:
                 value = parse_quantity(text, dimension)
             except ValueError as error:
-                raise DocumentError(f"{path}, line {line}: {column}: found {text!r}; accepted is {error}") from None
+                raise DocumentError(f"{path}, line {line}: {column}: found {text!r}; expected {error}") from None
             if not value > 0.0:
-                raise DocumentError(f"{path}, line {line}: {column}: found {text!r}; accepted is a positive one")
+                raise DocumentError(f"{path}, line {line}: {column}: found {text!r}; expected a positive number")
             return value
 
         stated, key = number(given[0], frequencies[given[0]]), given[0]

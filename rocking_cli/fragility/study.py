@@ -176,7 +176,7 @@ def counted(path: str | Path, how: Resampling) -> list[Fit]:
     """
     columns, rows = named_rows(path)
     if set(columns) != {"im", "n", "z"}:
-        raise DocumentError(f"{path}, line 1: found the columns {', '.join(columns) or 'none'}; accepted are im, n and z")
+        raise DocumentError(f"{path}, line 1: found the columns {', '.join(columns) or 'none'}; expected im, n and z")
     values = {key: np.array([_number(path, line, key, row[key]) for line, row in rows]) for key in ("im", "n", "z")}
     x, n, z = values["im"], values["n"], values["z"]
     try:
@@ -195,5 +195,5 @@ def _number(path: str | Path, line: int, column: str, text: str | None) -> float
         if not np.isfinite(value):
             raise ValueError
     except ValueError:
-        raise DocumentError(f"{path}, line {line}: {column}: found {text!r}; accepted is a number") from None
+        raise DocumentError(f"{path}, line {line}: {column}: found {text!r}; expected a number") from None
     return value

@@ -58,7 +58,7 @@ def work_precision(scene: PulseScene, *, sample: int = 40, scipy: int = 10, seed
     amplitude, omega = one.grid.scaled(structure)
     at = sampled_cells(one, sample, seed)
     if not at.size:
-        raise UsageError("no cell of this grid leaves the ground; accepted is a grid that goes above uplift")
+        raise UsageError("no cell of this grid leaves the ground; expected a grid that goes above uplift")
     cells = [(float(amplitude[c]), float(omega[r])) for _, r, c in at]
     reference = one.method.reference_of(structure)
     truth = [reference(one.motion, a, w, structure.eta) for a, w in cells]

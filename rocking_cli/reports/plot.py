@@ -100,7 +100,7 @@ def _places(figure: Figure, file: SpectraFile, name: str | None, every: bool, un
     if "alpha" in file.frame.dimensions and name is None and not every:
         return record_spectra(figure, file, units)
     if every and len(names) > MOST_PANELS:
-        raise UsageError(f"{file.path}: `all`: found {len(names)} {word}s; accepted are up to {MOST_PANELS} panels")
+        raise UsageError(f"{file.path}: `all`: found {len(names)} {word}s; expected up to {MOST_PANELS} panels")
     chosen = list(range(len(names))) if every else [place_of(file, name)]
     axes = panels(figure, len(chosen))
     of_structures = any(isinstance(values, list) for values in list(file.frame.dimensions.values())[1:])
@@ -145,7 +145,7 @@ TABLES: tuple[tuple[set[str], Callable[[Figure, Rows, Units], list[Axes]]], ...]
 def _table(figure: Figure, source: str, rows: Rows, units: Units, over: str | None) -> list[Axes]:
     there = set(rows[0])
     if "event" in there:
-        raise UsageError(f"{source}: holds events; accepted is the time history, which rocking response prints without them")
+        raise UsageError(f"{source}: found events; expected the time history, which rocking response prints without them")
     try:
         for wanted, kind in TABLES:
             if wanted <= there:
@@ -154,4 +154,4 @@ def _table(figure: Figure, source: str, rows: Rows, units: Units, over: str | No
             return family(figure, rows, units, over)
     except (ValueError, TypeError, KeyError) as error:
         raise UsageError(f"{source}: cannot be drawn: {error}") from None
-    raise UsageError(f"{source}: no figure is drawn of the columns {', '.join(sorted(there))[:80]}; accepted is the CSV of {DRAWN}")
+    raise UsageError(f"{source}: found the columns {', '.join(sorted(there))[:80]}; expected the CSV of {DRAWN}")

@@ -107,10 +107,10 @@ def parse_units(text: str) -> Units:
     names: dict[str, str] = {}
     for name in (part.strip() for part in text.split(",")):
         if name not in _CHOICES:
-            raise UsageError(f"`units`: found {name!r}; accepted are {', '.join(_CHOICES)}, separated by commas")
+            raise UsageError(f"`units`: found {name!r}; expected {', '.join(_CHOICES)}, separated by commas")
         for dimension, unit in _CHOICES[name].items():
             if dimension in names:
-                raise UsageError(f"`units`: found {names[dimension]} and {name}; accepted is one unit of {dimension}")
+                raise UsageError(f"`units`: found {names[dimension]} and {name}; expected one unit of {dimension}")
             names[dimension], chosen[dimension] = name, unit
     return Units(chosen)
 

@@ -56,12 +56,12 @@ SINGLE = [
 
 @pytest.mark.parametrize(("command", "option"), SINGLE, ids=" ".join)
 def test_a_single_valued_option_is_not_taken_twice(command, option):
-    with pytest.raises(click.UsageError, match=f"^{option} is given twice; accepted is one value$"):
+    with pytest.raises(click.UsageError, match=f"^{option} is given twice; expected one value$"):
         cli.main([command, option, "1", option, "2"], standalone_mode=False)
 
 
 def test_all_ways_to_write_a_repetition_are_seen(refused):
-    wanted = "rocking spectrum: --output is given twice; accepted is one value (see --help)\n"
+    wanted = "rocking spectrum: --output is given twice; expected one value (see --help)\n"
     assert refused(2, "spectrum", "-o", "a.h5", "--output=b.h5") == wanted
     assert refused(2, "spectrum", "x.yaml", "-oa.h5", "y.yaml", "-o", "a.h5") == wanted
     assert "--json does not go with --csv" in refused(2, "params", "configs/block.yaml", "--json", "--csv")

@@ -96,7 +96,7 @@ def test_the_limit_may_be_an_acceleration(rocking, refused):
     alike = rocking(*call[:2], *call[3:], repr(0.5 / math.atan(0.25))).stdout.splitlines()
     assert [json.loads(line) for line in alike] == [row for row in rows if row["structure"] == "Column"]
     assert "--a-max: found an acceleration" in refused(2, "envelope", "--eta", "0.9", "--grid", "Omega=5", "--a-max", "1g")
-    assert "found '1kg', expected a number A" in refused(2, "envelope", "--eta", "0.9", "--grid", "Omega=5", "--a-max", "1kg")
+    assert "found '1kg'; expected a number A" in refused(2, "envelope", "--eta", "0.9", "--grid", "Omega=5", "--a-max", "1kg")
 
 
 def test_both_equations_are_traced_and_their_difference_told(rocking):

@@ -143,7 +143,7 @@ def test_counts_take_no_option_that_would_change_nothing(rocking, refused, tmp_p
 
 def test_wrong_counts_are_told_with_their_place(refused, tmp_path):
     (tmp_path / "c.csv").write_text("im,n,z\n0.2,40,x\n")
-    assert "c.csv, line 2: z: found 'x'; accepted is a number" in refused(3, "fragility", "--counts", "c.csv")
+    assert "c.csv, line 2: z: found 'x'; expected a number" in refused(3, "fragility", "--counts", "c.csv")
     (tmp_path / "c.csv").write_text("")
     assert "c.csv, line 1: found the columns none" in refused(3, "fragility", "--counts", "c.csv")
     (tmp_path / "c.csv").write_text("im,n\n0.2,40\n")

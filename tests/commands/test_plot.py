@@ -24,7 +24,7 @@ def test_refusals(rocking, refused, spectrum_file, tmp_path):
     (tmp_path / "foreign.csv").write_text("a,b\n1,2\n")
     (tmp_path / "there.png").write_text("mine")
     assert "exists" in refused(2, "plot", "params.csv", "-o", "there.png")
-    assert "no figure is drawn of the columns a, b; accepted is the CSV of check" in refused(2, "plot", "foreign.csv", "-o", "x.png")
+    assert "found the columns a, b; expected the CSV of check" in refused(2, "plot", "foreign.csv", "-o", "x.png")
     assert "ends in .png" in refused(2, "plot", "params.csv", "-o", "x.bmp")
     assert "--slice" in refused(2, "plot", str(spectrum_file), "--text", "--slice", "B=3")
     assert "Omega=1 to 8" in refused(2, "plot", str(spectrum_file), "--text", "--slice", "Omega=99")

@@ -107,7 +107,7 @@ def test_counts_that_part_at_one_level_have_no_dispersion():
 @pytest.mark.parametrize(
     ("call", "words"),
     [
-        (lambda: fit_stripes(LEVELS[::-1], np.full(8, 40), COUNTS), "levels: accepted are two or more, positive and rising"),
+        (lambda: fit_stripes(LEVELS[::-1], np.full(8, 40), COUNTS), "levels: expected two or more, positive and rising"),
         (lambda: fit_stripes(LEVELS[:4], np.full(4, 40), COUNTS[:4]), "1 level with some records beyond"),
         (lambda: fit_stripes(LEVELS, np.full(8, 10), COUNTS), "z from 0 to n"),
         (lambda: fit_stripes(LEVELS, np.full(8, 40), COUNTS[::-1]), "does not rise with the levels"),

@@ -46,14 +46,14 @@ def test_site_pulses_have_units_weights_and_shapes(tmp_path):
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        ("a_g,f\n1,2\n", "line 1: unknown column 'f'; accepted are a_g"),
-        ("a_g,f_g,T_g\n1,2,3\n", "accepted are a_g and one of f_g, T_g, omega_g"),
-        ("a_g,f_g\n1,2\n0.3 m,2\n", "line 3: a_g: found '0.3 m'; accepted is an acceleration"),
-        ("a_g,f_g\n1,-2\n", "line 2: f_g: found '-2'; accepted is a positive one"),
+        ("a_g,f\n1,2\n", "line 1: unknown column 'f'; expected a_g"),
+        ("a_g,f_g,T_g\n1,2,3\n", "expected a_g and one of f_g, T_g, omega_g"),
+        ("a_g,f_g\n1,2\n0.3 m,2\n", "line 3: a_g: found '0.3 m'; expected an acceleration"),
+        ("a_g,f_g\n1,-2\n", "line 2: f_g: found '-2'; expected a positive number"),
         ("a_g,f_g,weight\n1,2,\n", "line 2: weight: found ''"),
         ("a_g,f_g,pulse\n1,2,sinus\n", "line 2: unknown pulse 'sinus'; expected"),
         ("a_g,f_g\n", "holds no pulse"),
-        ("", "line 1: found the columns none; accepted are a_g"),
+        ("", "line 1: found the columns none; expected a_g"),
     ],
 )
 def test_wrong_tables_are_refused_with_their_place(tmp_path, text, words):
@@ -63,7 +63,7 @@ def test_wrong_tables_are_refused_with_their_place(tmp_path, text, words):
 
 
 def test_unknown_measures_and_those_that_a_motion_lacks_are_refused():
-    with pytest.raises(UsageError, match=r"`im`: found 'PGX'; accepted are PGA, PGV"):
+    with pytest.raises(UsageError, match=r"`im`: found 'PGX'; expected PGA, PGV"):
         measure_of("PGX")
     still = Member("still", 1.0, 1.0, pulse_intensity(sine(), 0.0, 1.0), pulse=sine())
     with pytest.raises(UsageError, match="still: its PGV is 0"):

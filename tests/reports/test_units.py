@@ -59,9 +59,9 @@ def test_the_dimension_of_a_side_an_item_and_a_model_is_that_of_the_column():
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        ("furlong", "`units`: found 'furlong'; accepted are g, "),
+        ("furlong", "`units`: found 'furlong'; expected g, "),
         ("g,", "`units`: found ''"),
-        ("g,gal", "found g and gal; accepted is one unit of acceleration"),
+        ("g,gal", "found g and gal; expected one unit of acceleration"),
     ],
 )
 def test_units_that_cannot_be_used(text, words):

@@ -49,7 +49,7 @@ def place_of(file: SpectraFile, name: str | None) -> int:
     if name is None:
         return 0
     if name not in names:
-        raise UsageError(f"{file.path}: no {word} {name!r}; accepted are {', '.join(map(str, names))}")
+        raise UsageError(f"{file.path}: no {word} {name!r}; expected {', '.join(map(str, names))}")
     return list(names).index(name)
 
 

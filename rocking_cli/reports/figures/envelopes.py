@@ -60,7 +60,7 @@ def record_bars(figure: Figure, rows: Rows, units: Units) -> list[Axes]:
 
 def _panels(figure: Figure, count: int) -> list[Axes]:
     if count > _MOST:
-        raise ValueError(f"{count} panels, accepted are up to {_MOST}")
+        raise ValueError(f"found {count} panels; expected up to {_MOST}")
     return panels(figure, count)
 
 

@@ -61,13 +61,13 @@ def _abscissa(rows: Rows, varied: list[str], over: str | None) -> tuple[np.ndarr
         return column(rows, varied[0]), varied[0].replace("_", " "), varied[1:]
     keys = over.split("/")
     if len(keys) > 2 or any(key not in names for key in keys):
-        raise UsageError(f"`over`: found {over!r}; accepted are {', '.join(names)}, or one over another, such as KEY/KEY")
+        raise UsageError(f"`over`: found {over!r}; expected {', '.join(names)}, or one over another, such as KEY/KEY")
     values = [column(rows, names[key]) for key in keys]
     if len(keys) == 1:
         return values[0], names[over].replace("_", " "), [heading for heading in varied if heading != names[over]]
     units = [(HEADING.fullmatch(names[key]) or {"unit": ""})["unit"] for key in keys]
     if units[0] != units[1]:
-        raise UsageError(f"`over`: {keys[0]} is in {units[0]} and {keys[1]} in {units[1]}; accepted is one unit for both")
+        raise UsageError(f"`over`: {keys[0]} is in {units[0]} and {keys[1]} in {units[1]}; expected one unit for both")
     return values[0] / values[1], f"{over.replace('_', ' ').replace('/', ' / ')} [-]", [names[keys[1]]] + [
         heading for heading in varied if heading not in (names[keys[0]], names[keys[1]])
     ]  # fmt: skip

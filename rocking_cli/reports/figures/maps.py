@@ -35,7 +35,7 @@ def outcome_map(axes: Axes, file: SpectraFile, place: int, units: Units) -> list
     (_, names), *both = file.frame.dimensions.items()
     across, up = both if not file.frame.of_records else reversed(both)  # frequency and amplitude; T and alpha
     if isinstance(up[1], list) or isinstance(across[1], list):
-        raise UsageError(f"{file.path}: has structures on an axis, accepted for a map are two axes of numbers")
+        raise UsageError(f"{file.path}: found structures on an axis; expected two axes of numbers for a map")
     block = file.block(place, slice(None))
     outcome = block["outcome"]
     shown = outcome.T if not file.frame.of_records else outcome  # (up, across)

@@ -53,12 +53,12 @@ def slice_of(file: SpectraFile, cut: str) -> Slice:
             raise ValueError
     except (KeyError, ValueError, ZeroDivisionError):
         wanted = " or ".join(_accepted(name, values) for name, values in axes.items())
-        raise UsageError(f"`slice`: found {cut!r}; accepted is {wanted}") from None
+        raise UsageError(f"`slice`: found {cut!r}; expected {wanted}") from None
     at = int(np.abs(values - value).argmin())
     first, places = next(iter(file.frame.dimensions.items()))
     along, x = columns if name == rows[0] else rows
     if isinstance(x, list):
-        raise UsageError(f"`slice`: found {cut!r}; accepted is an axis beside another one of numbers")
+        raise UsageError(f"`slice`: found {cut!r}; expected an axis in a file whose other axis has numbers")
     cells = (slice(at, at + 1), slice(None)) if name == rows[0] else (slice(None), slice(at, at + 1))
     blocks = [file.block(i, *cells) for i in range(len(places))]
     names = [titled(s.name, s.eta) for s in file.structures] if first == "structure" else [literal(str(r)) for r in places]

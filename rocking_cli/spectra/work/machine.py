@@ -34,7 +34,7 @@ def machine() -> dict[str, Any]:
     import numpy as np
     import scipy
 
-    vectors: Mapping[str, Any] = np.show_config(mode="dicts") or {}
+    vectors: Mapping[str, Any] = np.show_config(mode="dicts")
     simd = vectors.get("SIMD Extensions", {})
     return {
         "platform": f"{platform.system()} {platform.machine()}",

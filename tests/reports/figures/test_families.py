@@ -35,7 +35,7 @@ def test_one_key_over_another_is_a_slenderness_on_which_spires_collapse(drawn, t
         mine = [r for r in rows if float(r["height"]) == float(label.split()[2])]
         same(line, numbers(mine, "base_radius") / numbers(mine, "height"), numbers(mine, "alpha"))
         np.testing.assert_allclose(line[1], np.arctan(3 * line[0]), rtol=1e-12)  # Eq. 3.1
-    with pytest.raises(UsageError, match="`over`: found 'width'; accepted are base_radius, height, or one over another"):
+    with pytest.raises(UsageError, match="`over`: found 'width'; expected base_radius, height, or one over another"):
         drawn(source, over="width")
 
 

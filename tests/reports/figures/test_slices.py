@@ -72,7 +72,7 @@ def test_any_axis_of_the_request_is_an_axis_of_the_slice(drawn, towers):
 
 @pytest.mark.parametrize(
     ("cut", "words"),
-    [("B=3", r"accepted is omega_g=3.14159 to 12.5664 \(f_g=0.5 to 2, T_g=0.5 to 2\) or a_g=0.981 to 11.772"),
+    [("B=3", r"expected omega_g=3.14159 to 12.5664 \(f_g=0.5 to 2, T_g=0.5 to 2\) or a_g=0.981 to 11.772"),
      ("f_g=2.1", "found 'f_g=2.1'"), ("a_g=2g", "found 'a_g=2g'"), ("a_g=1 Hz", "found 'a_g=1 Hz'"), ("T_g=0", "found 'T_g=0'"),
      ("a_g", "found 'a_g'")],
 )  # fmt: skip
