@@ -6,7 +6,7 @@ y'' = y - 1 + a - 2 zeta y'
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Self
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -14,7 +14,7 @@ from ...motions.segments import Segments
 from ..drive import segment_value
 from ..lanes import Lanes
 from ..weight import WeighedSegments
-from .equation import Law, Ramp
+from .equation import Equation, Law, Ramp
 from .flow import LinearFlow
 from .ramp import ramp_flow
 from .summed_flow import SummedFlow, can_be_summed
@@ -28,11 +28,10 @@ Array = np.ndarray
 WEIGHED = 1e-12  # tolerance of the series where the weight varies, which has no closed form
 
 
-class LinearEquation:
+class LinearEquation(Equation):
     """y'' = y - 1 + a - 2 zeta y'; damping: zeta [-]. Raises ValueError when it is negative or not finite."""
 
     gain = 1.0
-    uplift_amplitude = 1.0
     limit = np.inf
     tolerance = 1e-13  # of a series, where there is one: what it leaves out is below rounding
     bounds = (1.0, 1.0)
@@ -40,15 +39,9 @@ class LinearEquation:
     pool = 32768  # lanes: fewer rounds outweigh what no longer fits the second-level cache
 
     def __init__(self, damping: float = 0.0) -> None:
-        if not 0.0 <= damping < math.inf:
-            raise ValueError(f"damping is {damping:g}, accepted is a number from 0")
-        self.damping = damping
+        super().__init__(damping)
         self.bounded = damping == 0.0
         self.growth = math.sqrt(1.0 + damping * damping) - damping  # rate of the unstable mode, over p
-
-    def on(self, side: Array, cell: Array | None = None) -> Self:
-        """Both sides have the same equation in their own units."""
-        return self
 
     def flow(self, segments: Segments, lanes: Lanes) -> LinearFlow | SummedFlow | DampedFlow | TaylorSeries:
         """The arc that each lane is about to follow: its state and the outward drive's coefficients; a series where the weight varies."""
@@ -136,7 +129,7 @@ class LinearEquation:
         return energy / (1.0 + np.sqrt(np.maximum(0.0, 1.0 - energy)))
 
     def damped_peak(self, y: Array, v: Array) -> Array:
-        """The two modes of y - 1 have grown alike where y' = 0."""
+        """The peak is where the two modes of y - 1 have grown alike: y' = 0."""
         up, down = self.growth, -1.0 / self.growth
         rising = (v > 0.0) & (y - 1.0 + up * v < 0.0)
         grows, decays = (v - down * (y - 1.0)) / (up - down), (up * (y - 1.0) - v) / (up - down)

@@ -8,14 +8,13 @@ rest F0 and G0, y = q p^2/(g F0) and a the outward drive over lambda g,
 F and G are tabulated once, as power series in y about the centres of patches that are short against the distance to the
 linkage's nearest lock-up. A step is found by collocation (`collocation`); where the body is damped, its weight varies or the tolerance
 is too tight for that, it composes the local series with that of y. F/G = lambda(phi) falls all the way (checked), which is what the
-sign tests of `windows` ask; where it no longer falls, or has come to -50 times its value at rest, the structure has collapsed.
+sign tests of `windows` need. Where it no longer falls, or is below -50 times its value at rest, the structure has collapsed.
 """
 
 from __future__ import annotations
 
 import math
 from functools import cached_property
-from typing import Self
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
@@ -25,8 +24,7 @@ from ...structures.mechanics.kinematics import Mechanism
 from ..drive import summed
 from ..lanes import Lanes
 from .collocation import collocated
-from .energy import falls_by_energy
-from .equation import Law, Ramp
+from .equation import Equation, Law, Ramp, falls_by_energy
 from .patches import DEGREE, inverse, largest, tabulate
 from .ramp import MOST_TERMS, ramp_flow
 from .taylor import LOCAL, TaylorSeries, blocks, drive_series, longest, order_for, powers
@@ -42,21 +40,15 @@ _MARGIN = 1e-6  # energy beyond a barrier from which overturning is certain, wha
 _FACTORIALS = np.array([[float(math.factorial(k))] for k in range(DEGREE + 1)])
 
 
-class MechanismEquation:
+class MechanismEquation(Equation):
     """Eq. 3.4 for one mechanism; tolerance: error of phi/alpha that is aimed at; damping: zeta [-], of q.
 
     Raises ValueError when the mechanism does not stand or never becomes unstable, when its lambda(phi) does not fall on the
     way there, or when the tolerance is not between 1e-13 and 1e-2.
     """
 
-    pool = 16384  # lanes: fewer rounds; the series are built in blocks of them
-    uplift_amplitude = 1.0
-    bounded = False
-
     def __init__(self, mechanism: Mechanism, tolerance: float = 1e-9, damping: float = 0.0) -> None:
-        if not 0.0 <= damping < np.inf:
-            raise ValueError(f"damping is {damping:g}, accepted is a number from 0")
-        self.damping = damping
+        super().__init__(damping)
         self.order, self.tolerance = order_for(tolerance, 0.8), tolerance  # fewer terms than for a body: they cost their third power
         self.table = tabulate(mechanism)
         table = self.table
@@ -69,10 +61,6 @@ class MechanismEquation:
         self.bounds = largest(table, table.lift), largest(table, table.push)
         beyond = np.linspace(self.top, self.limit, 4097)
         self.marks = beyond, -table.value(table.lift, beyond) / table.value(table.push, beyond)
-
-    def on(self, side: Array, cell: Array | None = None) -> Self:
-        """An arch and its mirror image rock alike."""
-        return self
 
     def flow(self, segments: Segments, lanes: Lanes) -> TaylorSeries:
         """The motion of every lane over a step, as terms of a series."""
@@ -150,7 +138,7 @@ class MechanismEquation:
     def ramp_terms(self, y: Array, v: Array, ramp: Ramp) -> Array:
         """Terms of y under a straight line: those of F and G about each y, composed with the series of y."""
         count, lanes = len(ramp.factors), y.size
-        lift, push = self._beside(y, count)
+        lift, push = self._near(y, count)
         drag = 2.0 * self.damping / ramp.unit
         terms = np.empty((count + 2, lanes))
         terms[0] = y
@@ -195,7 +183,7 @@ class MechanismEquation:
         rows = self._local(at, x, count)[:, :, 0] / half ** np.arange(count)
         return 0.5 * half, tuple(tuple(row) for row in rows.tolist())
 
-    def _beside(self, y: Array, count: int) -> Array:
+    def _near(self, y: Array, count: int) -> Array:
         """(2, count, lanes): the series of F and G in powers of y - y0, from those about the nearest of many marks."""
         at = np.rint(y * (_MARKS / self.limit)).astype(np.int64)
         np.clip(at, 0, _MARKS, out=at)
@@ -254,21 +242,15 @@ class MechanismEquation:
         """y where the work of the weight has used up the energy."""
         return inverse(self.table, self.table.work, np.minimum(energy, self.barrier), self.top)
 
-    def damped_peak(self, y: Array, v: Array) -> Array:
-        """It has no closed form."""
-        return np.full(y.shape, np.nan)
-
     def certainly_overturns(self, y: Array, v: Array, inward: Array, steady: bool = True) -> Array:
         """Beyond the barrier of the strongest inward drive still to come, or with the speed to pass it; or collapsed.
 
-        Under a constant inward drive e the equilibrium is where F/G = -e, which is a maximum of int F + e G, since F/G falls; a
-        weaker drive pushes back less.
+        Under a constant inward drive e the equilibrium is where F/G = -e. It is a maximum of int F + e G, since F/G falls; a weaker drive
+        pushes back less.
         """
         table = self.table
         certain = y >= self.limit
-        if (
-            self.damping or not steady
-        ):  # friction eats the energy, or the barrier moves: only the equilibrium itself is a point of no return
+        if self.damping or not steady:  # energy is lost, or the barrier moves: only the equilibrium itself is a point of no return
             return certain | ((v > 0.0) & (y >= self._equilibrium(inward) * (1.0 + _MARGIN)))
         maybe = np.flatnonzero(~certain & (v > 0.0))
         maybe = maybe[0.5 * v[maybe] ** 2 + table.value(table.work, y[maybe]) > self.barrier]

@@ -4,9 +4,9 @@ With y = |theta| / sin(alpha), z = alpha - y sin(alpha) and a the outward drive 
 
     y'' = -sin z / sin(alpha) + a cos z / cos(alpha) - 2 zeta y'
 
-The series of y, sin z and cos z follow from each other term by term; the drive's are known. In a valley of the drive
-(a < 1) tan z > tan alpha below the ground, so that a body which has crossed y = 0 stays below it, and in a ridge f > 0 for
-y >= 0: the sign tests of the march hold as they stand (Lemmas 1 and 2).
+The series of y, sin z and cos z follow from each other term by term; the drive's are known. Under a subcritical drive
+(a < 1) tan z > tan alpha below the ground, so that a body which has crossed y = 0 stays below it; under a supercritical one f > 0 for
+y >= 0. So Lemmas 1 and 2 hold.
 """
 
 from __future__ import annotations
@@ -20,15 +20,14 @@ import numpy as np
 from ...motions.segments import Segments
 from ...structures.parameters import LEAST_ALPHA
 from ..lanes import Lanes
-from .energy import falls_by_energy
-from .equation import Law, Ramp, convolution
+from .equation import Equation, Law, Ramp, convolution, falls_by_energy
 from .ramp import ramp_flow
 from .taylor import TaylorSeries, blocks, drive_series, order_for, series
 
 Array = np.ndarray
 
 
-class RigidBodyEquation:
+class RigidBodyEquation(Equation):
     """Eq. 2.3 for a body of critical angle alpha [rad].
 
     alpha: of both edges, or (right, left) of a body whose edges differ, or an array of those of both edges of each cell; tolerance:
@@ -36,43 +35,39 @@ class RigidBodyEquation:
     tolerance not between 1e-13 and 1e-2, or the damping negative.
     """
 
-    pool = 16384  # lanes: fewer rounds against what no longer fits the caches, measured with series of 24 terms
-    bounded = False
+    alpha: Any
+    sin: Any
+    cos: Any
+    tan: Any
+    bottom: Any  # 1 - cos(alpha)
+    square: Any  # sin^2(alpha)
 
     def __init__(self, alpha: float | tuple[float, float] | Array, tolerance: float = 1e-9, damping: float = 0.0) -> None:
+        super().__init__(damping)
         self.order, self.tolerance = order_for(tolerance), tolerance
-        if not 0.0 <= damping < math.inf:
-            raise ValueError(f"damping is {damping:g}, accepted is a number from 0")
-        self.damping = damping
         self._by_cell = isinstance(alpha, np.ndarray)
-        self._edges: list[dict[str, Any]]
         if isinstance(alpha, np.ndarray):
             self._edges = [_of_cells(alpha)]
         else:
             self._edges = [_numbers(x) for x in (alpha if isinstance(alpha, tuple) else (alpha,))]
-        if len(self._edges) > 1:
             most = max(numbers["gain"] for numbers in self._edges)
             self._edges = [{**numbers, "gain": most} for numbers in self._edges]
-        self._take(self._edges[0])
+        self.__dict__.update(self._edges[0])
 
-    def _take(self, numbers: dict[str, Any]) -> None:
-        """The numbers of one edge, or of an edge a lane: those of the angle, A at uplift, on its side (`limit`), the barrier."""
-        self.alpha, self.sin, self.cos, self.tan = (numbers[key] for key in ("alpha", "sin", "cos", "tan"))
-        self.bottom, self.square = numbers["bottom"], numbers["square"]  # 1 - cos(alpha), sin^2(alpha)
-        self.uplift_amplitude, self.limit, self.barrier = (numbers[key] for key in ("uplift_amplitude", "limit", "barrier"))
-        self.gain = numbers["gain"]
+    def _with(self, numbers: dict[str, Any]) -> Self:
+        """The same equation with the numbers of an edge, or of an edge a lane."""
+        there = copy.copy(self)
+        there.__dict__.update(numbers)
+        return there
 
     def on(self, side: Array, cell: Array | None = None) -> Self:
         """The same body on the edges that the lanes are on, or each lane's own body."""
-        if len(self._edges) == 1 and (not self._by_cell or cell is None):
-            return self
-        there = copy.copy(self)
         if self._by_cell:
-            there._take({key: numbers[cell] for key, numbers in self._edges[0].items()})
-            return there
+            return self if cell is None else self._with({key: numbers[cell] for key, numbers in self._edges[0].items()})
+        if len(self._edges) == 1:
+            return self
         right, left = self._edges
-        there._take({key: np.where(side > 0.0, right[key], left[key]) for key in right})
-        return there
+        return self._with({key: np.where(side > 0.0, right[key], left[key]) for key in right})
 
     def flow(self, segments: Segments, lanes: Lanes) -> TaylorSeries:
         """The series of every lane from its present state."""
@@ -80,16 +75,9 @@ class RigidBodyEquation:
             return ramp_flow(self, segments, lanes)
         y, fastest = np.empty((self.order + 1, lanes.y.size)), np.empty(lanes.y.size)
         for block in blocks(lanes.y.size):
-            fastest[block] = self._part(block)._fill(y[:, block], segments, lanes.take(block))
+            own = self if isinstance(self.alpha, float) else self._with({key: getattr(self, key)[block] for key in self._edges[0]})
+            fastest[block] = own._fill(y[:, block], segments, lanes.take(block))
         return series(y, fastest, self.tolerance, self.damping)
-
-    def _part(self, block: slice) -> Self:
-        """The same body for some of the lanes that its numbers belong to."""
-        if isinstance(self.alpha, float):
-            return self
-        part = copy.copy(self)
-        part._take({key: getattr(self, key)[block] for key in self._edges[0]})
-        return part
 
     def _fill(self, y: Array, segments: Segments, lanes: Lanes) -> Array:
         """Fill (order + 1, lanes) with the terms of y; returns the rate in whose powers they are."""
@@ -189,7 +177,7 @@ class RigidBodyEquation:
         return Law("rigid body", start, term, numbers)
 
     @property
-    def bounds(self) -> tuple[Any, Any]:
+    def bounds(self) -> tuple[Any, Any]:  # type: ignore[override]
         """l and m are 1 and 1/cos(alpha) at the most."""
         return 1.0, 1.0 / self.cos
 
@@ -221,10 +209,6 @@ class RigidBodyEquation:
         left = np.maximum(0.0, self.bottom - self.square * energy)
         return (self.alpha - 2.0 * np.arcsin(np.sqrt(0.5 * left))) / self.sin
 
-    def damped_peak(self, y: Array, v: Array) -> Array:
-        """It has no closed form."""
-        return np.full(y.shape, np.nan)
-
     def certainly_overturns(self, y: Array, v: Array, inward: Array, steady: bool = True) -> Array:
         """Beyond the barrier of the strongest inward drive that is still to come, or with the speed to pass it.
 
@@ -235,9 +219,7 @@ class RigidBodyEquation:
         e = inward * self.tan
         gap = self.alpha + np.arctan(e) - self.sin * y
         on_its_side = self.sin * y >= 0.5 * math.pi
-        if (
-            self.damping or not steady
-        ):  # friction eats the energy, or the barrier moves: only the equilibrium itself is a point of no return
+        if self.damping or not steady:  # energy is lost, or the barrier moves: only the equilibrium itself is a point of no return
             return ((v > 0.0) & (gap <= 0.0)) | on_its_side
         half = np.tan(0.5 * gap)
         half *= half
