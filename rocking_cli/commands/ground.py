@@ -177,7 +177,7 @@ class Motions(Reading, Source):
             unread.append(line)
 
         def read(paths: tuple[str, ...], **given: Any) -> Motion | tuple[Recording, ...]:
-            from ..motions.recording import holds_records, read_motions
+            from ..motions.reading import holds_records, read_motions
 
             nonlocal files
             own = [path for path in files if holds_records(path)]

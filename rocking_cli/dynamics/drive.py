@@ -7,8 +7,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..motions.polynomials import Near
 from ..motions.segments import Segments
-from ..motions.table import Near
 
 Array = np.ndarray
 

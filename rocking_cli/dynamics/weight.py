@@ -15,10 +15,10 @@ from typing import Any
 import numpy as np
 
 from ..motions.biaxial import Biaxial, combined
-from ..motions.extremes import extremes
 from ..motions.motion import Motion
 from ..motions.polyline import Polyline
 from ..motions.segments import Segments, followed_by
+from ..motions.turning_points import extremes
 from .drive import drive_change
 
 Array = np.ndarray

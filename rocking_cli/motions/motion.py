@@ -14,9 +14,9 @@ from itertools import pairwise
 import numpy as np
 
 from ..errors import MotionError
-from .extremes import extremes
 from .piece import Harmonic, Piece
 from .segments import Samples, Segments, largest_from
+from .turning_points import extremes
 
 LARGEST_SCALE = 1e100  # larger amplitudes may overflow
 

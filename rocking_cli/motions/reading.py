@@ -1,23 +1,27 @@
-"""The motion of a file, scaled. The content of the file shows if it is a motion document or a record."""
+"""Motions and records of files, scaled. The content of a file shows if it is a motion document or a record."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+import os
+from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from ..documents.document import documents_of
-from ..documents.files import read_bytes
+from ..documents.files import STDIN, read_bytes
 from ..documents.quantities import parse_quantity
 from ..errors import DocumentError, UsageError
-from .biaxial import with_vertical
+from .biaxial import Upwards
 from .intensity import intensity
 from .motion import Motion
 from .motion_document import build_motion
 from .polyline import record_motion
-from .records import Record, pick, records_of
-from .records.components import vertical_of
+from .recording import Recording, with_distinct_labels
+from .records import Record, is_record, pick, records_of
+from .records.components import chosen, vertical_of
+from .records.sets import NoRecord, read_set, record_files
 
 LONG, _BYTES = 5_000_000, 200  # a record with so many samples gets a remark on memory; bytes for each sample
 MEASURES = {"PGA": "acceleration", "PGV": "velocity", "PGD": "length", "Arias": "velocity", "CAV": "velocity"}  # dimensions by name
@@ -48,18 +52,70 @@ def read_motion(
     """
     source, raw = read_bytes(path)
     records = records_of(source, raw, unit=unit, dt=dt)
-    if records is not None:
-        record = pick(records, component)
-        if tell is not None:
-            for remark in remarks_on(record):
-                tell(f"{source}: {remark}")
-        motion = record_motion(record, factor_of(record, scale, scale_to))
-        return motion if vertical is None else with_vertical(motion, record_motion(vertical_of(records)), vertical)
-    of_records = {"component": component, "unit": unit, "dt": dt, "scale_to": scale_to, "vertical": vertical}
-    return motion_of(source, raw, scale=scale, **of_records)
+    if records is None:
+        return _of_document(source, raw, scale, component=component, unit=unit, dt=dt, scale_to=scale_to, vertical=vertical)
+    return _scaled(_upwards(records, vertical)(pick(records, component)), scale, scale_to, tell).motion
 
 
-def motion_of(source: str, raw: bytes, *, scale: float | None = None, **of_records: Any) -> Motion:
+def read_motions(
+    paths: Sequence[str],
+    *,
+    component: str | None = None,
+    unit: str | None = None,
+    dt: float | None = None,
+    scale: float | None = None,
+    scale_to: str | None = None,
+    vertical: float | None = None,
+    tell: Callable[[str], None] | None = None,
+    unread: Callable[[str], None] | None = None,
+) -> Motion | tuple[Recording, ...]:
+    """The motion of a single motion document, or the records of files, directories and lists of files (see `record_files`).
+
+    component: `horizontal`, `all`, or a name or number; None: each horizontal component of each file; tell: called with each remark
+    and each file of a directory that is left out; unread: called with each file of a directory that cannot be read, an error if None;
+    other arguments as for `read_motion`. Raises UsageError and DocumentError as `read_motion` does, and UsageError without a record.
+    """
+
+    def shaken(records: list[Record]) -> list[Recording]:
+        with_upwards = _upwards(records, vertical)
+        return [with_upwards(record) for record in chosen(records, component)]
+
+    try:
+        taken = read_set(paths, shaken, unit=unit, dt=dt, tell=tell or (lambda text: None), unread=unread)
+        found = [_scaled(recording, scale, scale_to, tell) for recording in taken]
+    except NoRecord as error:
+        if len(paths) > 1 or error.source not in (paths[0], STDIN):
+            raise DocumentError(f"{error}; a set holds records only") from None
+        of_records = {"component": component, "unit": unit, "dt": dt, "scale_to": scale_to, "vertical": vertical}
+        return _of_document(error.source, error.raw, scale, **of_records)
+    if not found:
+        raise UsageError(f"{', '.join(paths)}: no record among the files")
+    return with_distinct_labels(found)
+
+
+def holds_records(path: str) -> bool:
+    """True if a path is a record, a directory or a list of files, by its content; false for standard input."""
+    if path == "-" or not os.path.exists(path):
+        return False
+    return os.path.isdir(path) or (os.path.isfile(path) and (is_record(path) or next(record_files([path]))[0] != path))
+
+
+def _upwards(records: list[Record], vertical: float | None) -> Callable[[Record], Recording]:
+    """The function from a record of a file to its recording, with the vertical component of the file if it has a factor."""
+    up = None if vertical is None else Upwards(record_motion(vertical_of(records)), vertical)
+    return lambda record: Recording(record, upwards=up)
+
+
+def _scaled(recording: Recording, scale: float | None, scale_to: str | None, tell: Callable[[str], None] | None) -> Recording:
+    """The recording with the factor from `scale` or `scale_to`; tell: called with each remark. Raises UsageError."""
+    record = recording.record
+    if tell is not None:
+        for remark in remarks_on(record):
+            tell(f"{record.source}: {remark}")
+    return replace(recording, factor=factor_of(record, scale, scale_to))
+
+
+def _of_document(source: str, raw: bytes, scale: float | None, **of_records: Any) -> Motion:
     """The motion of the bytes of a document, times `scale`. Raises DocumentError, and UsageError if an option of records is given."""
     documents = documents_of(source, raw)
     if len(documents) > 1:

@@ -1,10 +1,9 @@
-"""Records with a scale factor, each in its own time, and sets of them."""
+"""Records with a scale factor, each in its own time."""
 
 from __future__ import annotations
 
-import os
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from itertools import count
@@ -12,17 +11,12 @@ from typing import Any
 
 import numpy as np
 
-from ..documents.files import STDIN
-from ..errors import DocumentError, UsageError
 from .biaxial import Upwards
 from .blocks import largest
 from .intensity import Intensity, intensity
 from .motion import Motion, checked_scale
 from .polyline import record_motion
-from .reading import factor_of, motion_of, remarks_on
-from .records import Record, is_record
-from .records.components import chosen, vertical_of
-from .records.sets import NoRecord, read_set, record_files
+from .records import Record
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,52 +82,3 @@ def with_distinct_labels(recordings: Sequence[Recording]) -> tuple[Recording, ..
             r = replace(r, label=label)
         found.append(r)
     return tuple(found)
-
-
-def read_motions(
-    paths: Sequence[str],
-    *,
-    component: str | None = None,
-    unit: str | None = None,
-    dt: float | None = None,
-    scale: float | None = None,
-    scale_to: str | None = None,
-    vertical: float | None = None,
-    tell: Callable[[str], None] | None = None,
-    unread: Callable[[str], None] | None = None,
-) -> Motion | tuple[Recording, ...]:
-    """The motion of a single motion document, or the records of files, directories and lists of files (see `record_files`).
-
-    component: `horizontal`, `all`, or a name or number; None: each horizontal component of each file; vertical: factor of the vertical
-    component of the same file, which is added to each; tell: called with each remark and each file of a directory that is left out;
-    unread: called with each file of a directory that cannot be read, an error if None; other arguments as for `read_motion`.
-    Raises UsageError and DocumentError as `read_motion` does, and UsageError if there is no record.
-    """
-    say = tell or (lambda text: None)
-
-    def shaken(records: list[Record]) -> list[Recording]:
-        upwards = None if vertical is None else Upwards(record_motion(vertical_of(records)), vertical)
-        return [Recording(record, upwards=upwards) for record in chosen(records, component)]
-
-    found: list[Recording] = []
-    try:
-        for recording in read_set(paths, shaken, unit=unit, dt=dt, tell=say, unread=unread):
-            record = recording.record
-            found.append(replace(recording, factor=factor_of(record, scale, scale_to)))
-            for remark in remarks_on(record):
-                say(f"{record.source}: {remark}")
-    except NoRecord as error:
-        if len(paths) > 1 or error.source not in (paths[0], STDIN):
-            raise DocumentError(f"{error}; a set holds records only") from None
-        of_records = {"component": component, "unit": unit, "dt": dt, "scale_to": scale_to, "vertical": vertical}
-        return motion_of(error.source, error.raw, scale=scale, **of_records)
-    if not found:
-        raise UsageError(f"{', '.join(paths)}: no record among the files")
-    return with_distinct_labels(found)
-
-
-def holds_records(path: str) -> bool:
-    """True if a path is a record, a directory or a list of files, by its content; false for standard input."""
-    if path == "-" or not os.path.exists(path):
-        return False
-    return os.path.isdir(path) or (os.path.isfile(path) and (is_record(path) or next(record_files([path]))[0] != path))

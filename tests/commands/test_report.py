@@ -21,7 +21,8 @@ from rocking_cli import Outcome, Verdict, build_structure, check, parse_document
 from rocking_cli.fragility.exposure import Exposure
 from rocking_cli.fragility.measures import members_of, shaken_upwards
 from rocking_cli.motions.biaxial import Biaxial, Upwards
-from rocking_cli.motions.recording import Recording, read_motions
+from rocking_cli.motions.reading import read_motions
+from rocking_cli.motions.recording import Recording
 from rocking_cli.reports.page import Subject, page
 
 HOSTILE = """<script>document.title = "taken"</script>'"&amp; $x$ {{ 7 * 7 }}"""

@@ -14,8 +14,7 @@ from support.record_layouts import of_a_station, rows, wave
 
 from rocking_cli import DocumentError, Motion, UsageError
 from rocking_cli.motions.intensity import intensity
-from rocking_cli.motions.reading import read_motion
-from rocking_cli.motions.recording import holds_records, read_motions
+from rocking_cli.motions.reading import holds_records, read_motion, read_motions
 
 AT2 = "OF OUR OWN\n\nACCELERATION TIME SERIES IN UNITS OF G\nNPTS= 40, DT= .0200 SEC\n"
 ESM = "EVENT_NAME: \nSAMPLING_INTERVAL_S: 0.01\nNDATA: 3"

@@ -15,9 +15,9 @@ from itertools import pairwise
 from typing import TYPE_CHECKING
 
 from ...motions.biaxial import plus
-from ...motions.extremes import extremes
 from ...motions.motion import Motion
 from ...motions.piece import Piece
+from ...motions.turning_points import extremes
 from ...structures.mechanics.kinematics import linearise
 from ..outcome import FALLEN, Outcome
 from .contact_check import Arm, arms_of, lets_go

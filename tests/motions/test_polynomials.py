@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from rocking_cli.dynamics.drive import crossing, segment_value
-from rocking_cli.motions import Harmonic, Motion, Piece, pulse, sine, table
+from rocking_cli.motions import Harmonic, Motion, Piece, polynomials, pulse, sine
 
 TWO_TONES = Motion("two tones", (Piece(0.0, 5.0, (Harmonic(1.0), Harmonic(0.3, 7.0, 1.0)), 0.1, 0.2), Piece(5.0, 6.0, slope=-0.5)))
 MOTIONS = [pulse("ricker-symmetric"), pulse("ricker-antisymmetric"), pulse("mavroeidis-papageorgiou", gamma=3.3, phase=1.0), TWO_TONES]
@@ -48,7 +48,7 @@ def test_what_has_a_closed_form_has_no_table():
 
 
 def test_a_motion_of_too_many_patches_is_summed_term_by_term(monkeypatch):
-    monkeypatch.setattr(table, "_MOST_PATCHES", 5)
+    monkeypatch.setattr(polynomials, "_MOST_PATCHES", 5)
     segments = Motion(TWO_TONES.name, TWO_TONES.pieces).segments
     assert segments.table is None
     k = np.full(5, 1)

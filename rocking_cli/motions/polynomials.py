@@ -9,11 +9,13 @@ smooth function of t there too.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from .segment_arrays import SegmentArrays
+if TYPE_CHECKING:
+    from .segments import Segments
+
 
 Array = np.ndarray
 
@@ -99,7 +101,7 @@ class Table:
         return low
 
 
-def table_of(segments: SegmentArrays) -> Table | None:
+def table_of(segments: Segments) -> Table | None:
     """The table of a motion; None if it has at most one sinusoid and no slope, or if the table is too large."""
     counts = _patches_of(segments)
     if counts is None:
@@ -123,7 +125,7 @@ def table_of(segments: SegmentArrays) -> Table | None:
     return Table(first, last, half, terms, _inverse(segments, table))
 
 
-def _patches_of(segments: SegmentArrays) -> Array | None:
+def _patches_of(segments: Segments) -> Array | None:
     """The number of patches of each segment, (K,); None if there is no table."""
     if segments.harmonics == 0 or (segments.harmonics == 1 and not segments.sloped):
         return None
@@ -142,7 +144,7 @@ def _patches_of(segments: SegmentArrays) -> Array | None:
     return counts
 
 
-def _inverse(segments: SegmentArrays, table: Table) -> Array:
+def _inverse(segments: Segments, table: Table) -> Array:
     """Phases [rad] at the nodes by Halley's method inside brackets, (K, 2, _NODES + 2)."""
     t = np.sqrt(0.5) / _NODES * np.arange(_NODES + 2.0)
     at = 2.0 / np.pi * np.arcsin(t)  # between two extremes of one sinusoid

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from rocking_cli import pulse
 from rocking_cli.motions import Harmonic, Motion, Piece
-from rocking_cli.motions.extremes import isolated_extremes
+from rocking_cli.motions.turning_points import isolated_extremes
 
 AT = 2.0 + 1e-3 * math.sqrt(2)
 
