@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -93,23 +92,14 @@ def with_vertical(motion: Motion, vertical: Motion, scale: float = 1.0) -> Biaxi
         raise UsageError("only one of the horizontal and the vertical motion is a record; expected two records, or none")
     factor = checked_scale(vertical.name, scale) * (1.0 if own is None or other is None else other / own)
     told = _times(vertical.name, scale)
-    if isinstance(motion, Polyline) and isinstance(vertical, Polyline):
-        marks = _together(motion.marks, vertical.marks)
-        return Biaxial(motion.on(marks), vertical.on(marks).scaled(factor), told)
-    marks = np.unique(np.concatenate([[0.0], *([p.stop for p in m.pieces] for m in (motion, vertical))]))
-    marks = marks[np.append(True, np.diff(marks) > 1e-12 * marks[-1])]
-    return Biaxial(_on(motion, marks.tolist()), _on(vertical, marks.tolist()).scaled(factor), told)
+    marks = np.sort(np.concatenate([motion.marks, vertical.marks]))
+    marks = marks[np.diff(marks, prepend=-np.inf) > 1e-12 * marks[-1]]
+    return Biaxial(motion.on(marks), vertical.on(marks).scaled(factor), told)
 
 
 def _times(name: str, factor: float) -> str:
     """A name with its factor, or without a factor of 1."""
     return name if factor == 1.0 else f"{name}, times {factor:g}"
-
-
-def _together(one: np.ndarray, other: np.ndarray) -> np.ndarray:
-    """The marks of both motions, without duplicates that differ by rounding."""
-    found = np.sort(np.concatenate([one, other]))
-    return found[np.diff(found, prepend=-np.inf) > 1e-12 * found[-1]]
 
 
 @dataclass(frozen=True, eq=False)
@@ -131,16 +121,6 @@ class Upwards:
                 for column in (lines.start, lines.stop, lines.constant, lines.slope):
                     found.update(np.ascontiguousarray(column[part]).tobytes())
         return [lines.name, found.hexdigest(), lines.acceleration, self.scale]
-
-
-def _on(motion: Motion, marks: list[float]) -> Motion:
-    """The motion cut at these phases [rad]: a piece from each mark to the next."""
-    pieces = []
-    for start, stop in pairwise(marks):
-        middle = 0.5 * (start + stop)
-        piece = next((p for p in motion.pieces if p.start <= middle < p.stop), Piece(start, stop))
-        pieces.append(replace(piece, start=start, stop=stop, constant=piece.constant + piece.slope * (start - piece.start)))
-    return Motion(motion.name, tuple(pieces))
 
 
 def combined(motion: Biaxial, factor: float) -> Motion:

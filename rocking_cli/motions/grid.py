@@ -18,7 +18,7 @@ MAX_CELLS = 10**10
 MAX_VALUES = 10**7
 MOST_OMEGA = 1e10  # omega_g/p; theta is then about 1e-20 alpha, and above 1e13 an outcome is only rounding
 
-_AXES = {
+_PULSE_AXES = {
     "A": ("A", "number"),
     "Omega": ("Omega", "number"),
     "a_g": ("a_g", "acceleration"),
@@ -26,7 +26,6 @@ _AXES = {
     "f_g": ("omega_g", "frequency"),
     "T_g": ("omega_g", "time"),
 }
-MEANT = {"pga": "a_g", "a": "A", "w": "omega_g", "f": "f_g", "frequency": "f_g", "period": "T_g", "t": "T_g"}
 _RECORD_AXES = {
     "scale": ("scale", "number"),
     "A": ("A", "number"),
@@ -36,6 +35,7 @@ _RECORD_AXES = {
     "alpha": ("alpha", "angle"),
     "tan_alpha": ("alpha", "number"),
 }
+MEANT = {"pga": "a_g", "a": "A", "w": "omega_g", "f": "f_g", "frequency": "f_g", "period": "T_g", "t": "T_g"}
 _FORM = "NAME=START:STOP:N[:log] or NAME=VALUE"
 UNITS = {"A": "1", "Omega": "1", "a_g": "m s-2", "omega_g": "rad s-1", "scale": "1", "T": "s", "alpha": "rad"}
 LONG_NAMES = {
@@ -48,6 +48,7 @@ LONG_NAMES = {
     "alpha": "critical angle",
 }
 _FROM_ZERO = ("A", "a_g", "scale")
+_PAIRS = (("A", "Omega"), ("a_g", "omega_g"), ("A", "omega_g"))  # the last one for records
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,8 +65,7 @@ class Axis:
             raise UsageError(f"axis {self.name!r} is not one of {', '.join(UNITS)}")
         if v.ndim != 1 or not v.size or not np.all(np.isfinite(v)) or np.any(np.diff(v) <= 0.0):
             raise UsageError(f"axis {self.name}: its values must be finite and rise")
-        lowest_fits = v[0] >= 0.0 if self.name in _FROM_ZERO else v[0] > 0.0
-        if not lowest_fits:
+        if v[0] < 0.0 or (v[0] == 0.0 and self.name not in _FROM_ZERO):
             raise UsageError(f"axis {self.name}: its values must be positive{', or zero' if self.name in _FROM_ZERO else ''}")
         if self.name == "alpha" and v[-1] >= 0.5 * math.pi:
             raise UsageError(f"axis alpha: found {v[-1]:g} rad; expected angles below a right one")
@@ -84,10 +84,9 @@ class Grid:
     frequency: Axis
 
     def __post_init__(self) -> None:
-        if (self.amplitude.name, self.frequency.name) not in (("A", "Omega"), ("a_g", "omega_g"), ("A", "omega_g")):
-            raise UsageError(
-                f"axes {self.amplitude.name} and {self.frequency.name} do not go together: give A and Omega, or a_g and omega_g"
-            )
+        names = self.amplitude.name, self.frequency.name
+        if names not in _PAIRS:
+            raise UsageError(f"axes {' and '.join(names)} do not go together: give A and Omega, or a_g and omega_g")
 
     @property
     def dimensionless(self) -> bool:
@@ -121,12 +120,12 @@ def parse_axes(text: str, *, records: bool = False) -> dict[str, Axis]:
     Raises UsageError.
     """
     axes: dict[str, Axis] = {}
-    known = _RECORD_AXES if records else _AXES
+    known = _RECORD_AXES if records else _PULSE_AXES
     for part in text.split(","):
         key, equals, span = (x.strip() for x in part.partition("="))
         if not equals or not span:
             raise UsageError(f"`grid`: found {part.strip()!r}; expected {_FORM}, with commas between axes")
-        if key in _AXES and key not in known:
+        if key in _PULSE_AXES and key not in known:
             raise UsageError(f"`grid`: found {key}; expected {', '.join(known)}, since a record runs in its own time")
         if key not in known:
             of = " of records" if records else ""
@@ -190,16 +189,14 @@ def parse_grid(text: str, structures: int = 1, *, own_time: bool = False) -> Gri
         if len(axes) != 1 or next(iter(axes)) not in ("A", "a_g"):
             raise UsageError(f"`grid`: found {written_axes(text)}; expected A or a_g, since a record runs in its own time")
         axes["omega_g"] = OWN_TIME
-    known = (("A", "Omega"), ("a_g", "omega_g"), ("A", "omega_g"))[: 3 if own_time else 2]
-    pairs = [(a, f) for a, f in known if set(axes) == {a, f}]
-    if not pairs:
+    pair = next((pair for pair in _PAIRS[: 3 if own_time else 2] if set(axes) == set(pair)), None)
+    if pair is None:
         raise UsageError(f"`grid`: found {written_axes(text)}; expected A and Omega, or a_g and one of omega_g, f_g, T_g")
-    grid = Grid(axes[pairs[0][0]], axes[pairs[0][1]])
-    cells = grid.shape[0] * grid.shape[1] * max(1, structures)
+    grid = Grid(axes[pair[0]], axes[pair[1]])
+    cells = math.prod(grid.shape) * max(1, structures)
     if cells > MAX_CELLS:
-        raise UsageError(
-            f"`grid`: {cells:.3g} cells ({9e-9 * cells:.3g} GB) are more than the limit of {MAX_CELLS:.0e} in one file; split the grid"
-        )
+        found = f"{cells:.3g} cells ({9e-9 * cells:.3g} GB)"
+        raise UsageError(f"`grid`: {found} are more than the limit of {MAX_CELLS:.0e} in one file; split the grid")
     return grid
 
 
@@ -242,9 +239,7 @@ def parse_span(key: str, span: str, dimension: str) -> np.ndarray:
     start, stop = bounds
     count = parse_whole(parts[2])
     if count is None or not 2 <= count <= MAX_VALUES:
-        raise UsageError(
-            f"{key}: found N = {parts[2]!r}; expected a whole number from 2 to {MAX_VALUES} (a single value is written {key}=VALUE)"
-        )
+        raise UsageError(f"{key}: found N = {parts[2]!r}; expected a whole number from 2 to {MAX_VALUES} (for one value {key}=VALUE)")
     if start == stop:
         raise UsageError(f"{key}: START and STOP are both {parts[0]}; a single value is written {key}={parts[0]}")
     if start > stop:

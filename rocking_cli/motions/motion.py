@@ -7,7 +7,7 @@ One motion serves every frequency. For the s(phi) of a piece (see `piece`) the l
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
 
@@ -80,6 +80,20 @@ class Motion:
         """The motion with the ground at rest after it up to a phase [rad]."""
         return Motion(self.name, (*self.pieces, Piece(self.duration, phase)))
 
+    @property
+    def marks(self) -> np.ndarray:
+        """The starts of the pieces and the end of the last one [rad], shape (n + 1,)."""
+        return np.array([0.0, *(p.stop for p in self.pieces)])
+
+    def on(self, marks: np.ndarray) -> Motion:
+        """The same motion with a piece between each two of these phases [rad], which include all its own marks; zero after its end."""
+        pieces = []
+        for start, stop in pairwise(marks.tolist()):
+            middle = 0.5 * (start + stop)
+            piece = next((p for p in self.pieces if p.start <= middle < p.stop), Piece(start, stop))
+            pieces.append(replace(piece, start=start, stop=stop, constant=piece.constant + piece.slope * (start - piece.start)))
+        return Motion(self.name, tuple(pieces))
+
     def scaled(self, factor: float) -> Motion:
         """The motion times a factor, which may be negative. Raises MotionError, see `checked_scale`."""
         return Motion(f"{self.name}, times {checked_scale(self.name, factor):g}", tuple(p.scaled(factor) for p in self.pieces))
@@ -105,24 +119,17 @@ class Motion:
 
     def cut(self, inner: Sequence[Sequence[float]]) -> Segments:
         """The segments of the pieces; `inner`: for each piece the phases [rad] of the cuts inside it, which must include its extremes."""
-        cuts: list[tuple[int, float, float]] = []
-        for i, (piece, within) in enumerate(zip(self.pieces, inner, strict=True)):
-            marks = [piece.start, *within, piece.stop]
-            cuts += [(i, a, b) for a, b in pairwise(marks)]
-        index = np.array([c[0] for c in cuts])
-        start, stop = (np.array([c[j] for c in cuts]) for j in (1, 2))
-        count = max(len(p.harmonics) for p in self.pieces)
-        sin, cos = np.zeros((count, start.size)), np.zeros((count, start.size))
-        frequency = np.ones((count, start.size))
-        for i, piece in enumerate(self.pieces):
-            mine = index == i
-            for j, h in enumerate(piece.harmonics):
-                sin[j, mine], cos[j, mine] = _sin_cos(h, start[mine])
-                frequency[j, mine] = h.frequency
-        s_start, s_end = np.empty(start.size), np.empty(start.size)
+        marks = [[piece.start, *within, piece.stop] for piece, within in zip(self.pieces, inner, strict=True)]
+        index = np.repeat(np.arange(len(marks)), [len(m) - 1 for m in marks])
+        start, stop = np.concatenate([m[:-1] for m in marks]), np.concatenate([m[1:] for m in marks])
+        shape = max(len(p.harmonics) for p in self.pieces), start.size
+        sin, cos, frequency, s_start, s_end = np.zeros(shape), np.zeros(shape), np.ones(shape), np.empty(start.size), np.empty(start.size)
         for i, piece in enumerate(self.pieces):
             mine = index == i
             s_start[mine], s_end[mine] = _exact_value(piece, start[mine]), _exact_value(piece, stop[mine])
+            for j, h in enumerate(piece.harmonics):
+                sin[j, mine], cos[j, mine] = _sin_cos(h, start[mine])
+                frequency[j, mine] = h.frequency
         return Segments(
             start=start,
             length=self._lengths(index, start, stop),

@@ -90,11 +90,11 @@ class Polyline(Motion):
 
     @property
     def marks(self) -> Array:
-        """The starts of the intervals and the end of the last one [rad], shape (n + 1,)."""
+        """See `Motion.marks`."""
         return np.append(self.start, self.stop[-1])
 
     def on(self, marks: Array) -> Polyline:
-        """The same motion with an interval between each two of these phases [rad], which include all its own marks; zero after its end."""
+        """See `Motion.on`."""
         start, stop = marks[:-1], marks[1:]
         i = self._at(0.5 * (start + stop))
         moves = start < self.stop[-1]
