@@ -1,4 +1,4 @@
-"""What can go wrong, and the exit code that each kind of failure has at the shell."""
+"""The kinds of failure, each with its exit code at the shell."""
 
 from __future__ import annotations
 
@@ -46,20 +46,20 @@ class OutputError(RockingError):
 
 
 class Interrupted(RockingError):
-    """Stopped by the user; what was done is kept."""
+    """Stopped by the user; finished work is kept."""
 
     exit_code = 130
 
 
 FAULTS = (OSError, LookupError, ValueError, RuntimeError, TypeError, AttributeError, OverflowError)
-"""What HDF5 and the reading of its contents raise where a file is not a whole spectra file; a UsageError of a grid is one too."""
+"""The errors of h5py for a file that is not a whole spectra file."""
 
 
 def did_you_mean(word: str, known: Iterable[str], meant: Mapping[str, str] | None = None) -> str:
-    """` (did you mean 'x'?)` behind a word that is unknown, or nothing.
+    """` (did you mean 'x'?)` for an unknown word, or an empty text.
 
-    Looked for are the same word in other letters (a_g for a-g), what `meant` says that people mean by it, what begins with it,
-    and what is spelt like it.
+    x is the word that `meant` gives for it, else the same word in other letters (a_g for a-g) and the known words that begin with it,
+    else a known word of similar spelling.
     """
 
     from difflib import get_close_matches

@@ -1,7 +1,7 @@
-"""Ctrl-C and SIGTERM: one way to stop, that is not lost.
+"""Ctrl-C and SIGTERM: one way to stop, which is never lost.
 
-Python raises KeyboardInterrupt wherever the program happens to be; inside a callback of a C library or a finalizer it is
-printed and forgotten. So the request is remembered as well, long loops ask for it, and a write is not cut in half.
+Python raises KeyboardInterrupt at any point of the program. Inside a callback of a C library or a finalizer it prints the exception and
+goes on. So this module remembers the request, long loops ask for it with `check`, and `deferred` keeps a write whole.
 """
 
 from __future__ import annotations
@@ -21,14 +21,14 @@ _deferred = False
 
 
 def listen() -> None:
-    """Make SIGINT and SIGTERM a KeyboardInterrupt that `check` raises again; for programs, from the main thread."""
+    """Make SIGINT and SIGTERM a KeyboardInterrupt that `check` raises again; call it from the main thread."""
     signal.signal(signal.SIGINT, _stop)
     signal.signal(signal.SIGTERM, _stop)
     sys.unraisablehook = _forgotten
 
 
 def _forgotten(unraisable: UnraisableHookArgs) -> None:
-    """What Python says of an exception that nobody can catch; a stop is remembered, and no fault."""
+    """Print an exception that nobody can catch, except a stop, which is remembered."""
     if not issubclass(unraisable.exc_type, KeyboardInterrupt):
         sys.__unraisablehook__(unraisable)
 
@@ -41,7 +41,7 @@ def check() -> None:
 
 @contextmanager
 def deferred() -> Iterator[None]:
-    """Let the block finish first: a stop that is asked for inside it comes at its end."""
+    """Let the block finish: a stop inside it comes at its end."""
     global _deferred
     _deferred = True
     try:

@@ -21,7 +21,7 @@ def installed(group: str) -> dict[str, EntryPoint]:
 
 @contextmanager
 def blamed(entry: EntryPoint, error_of: Callable[[str], RockingError]) -> Iterator[None]:
-    """Raise `error_of` of a sentence that names the package, for any error or exit of its code; RockingErrors pass unchanged."""
+    """Turn an error or exit of a package's code into `error_of` of a sentence that names the package; RockingErrors pass unchanged."""
     try:
         yield
     except RockingError:

@@ -2,31 +2,6 @@
 
 from .motion import Motion
 from .piece import Harmonic, Piece
-from .pulses import (
-    PULSES,
-    cosine,
-    half_sine,
-    mavroeidis_papageorgiou,
-    pulse,
-    rectangular,
-    rectangular_impulse,
-    ricker_antisymmetric,
-    ricker_symmetric,
-    sine,
-)
+from .pulses import PULSES, cosine, pulse, sine
 
-__all__ = [
-    "PULSES",
-    "Harmonic",
-    "Motion",
-    "Piece",
-    "cosine",
-    "half_sine",
-    "mavroeidis_papageorgiou",
-    "pulse",
-    "rectangular",
-    "rectangular_impulse",
-    "ricker_antisymmetric",
-    "ricker_symmetric",
-    "sine",
-]
+__all__ = ["PULSES", "Harmonic", "Motion", "Piece", "cosine", "pulse", "sine"]

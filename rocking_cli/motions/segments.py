@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from .blocks import blocks, largest
+from .blocks import largest
 from .polynomials import Table, table_of
 
 LEAF_LEVEL = 3
@@ -78,7 +78,7 @@ class Segments:
         return 1.0
 
     def force_at_impact(self, _side: np.ndarray, _amplitude: np.ndarray, _k: np.ndarray, _u: np.ndarray, b: np.ndarray) -> np.ndarray:
-        """The force on bodies at the ground; b: what an impact makes of it under a constant weight."""
+        """The force on bodies at the ground; b: that force under a constant weight."""
         return b
 
     def hardest(self, side: np.ndarray, amplitude: np.ndarray, k: np.ndarray) -> np.ndarray:
@@ -99,11 +99,9 @@ class Segments:
             sizes.append((sizes[-1] + 1) // 2)
         start = np.cumsum([0, *sizes])
         high, low = np.empty(start[-1]), np.empty(start[-1])
-        for part in blocks(len(self)):  # a multiple of LEAF segments
-            s_start, s_end, first = self.s_start[part], self.s_end[part], np.arange(0, part.stop - part.start, LEAF)
-            leaves = slice(part.start // LEAF, part.start // LEAF + first.size)
-            high[leaves] = np.maximum(np.maximum.reduceat(s_start, first), np.maximum.reduceat(s_end, first))
-            low[leaves] = -np.minimum(np.minimum.reduceat(s_start, first), np.minimum.reduceat(s_end, first))
+        first = np.arange(0, len(self), LEAF)
+        high[: first.size] = np.maximum(np.maximum.reduceat(self.s_start, first), np.maximum.reduceat(self.s_end, first))
+        low[: first.size] = -np.minimum(np.minimum.reduceat(self.s_start, first), np.minimum.reduceat(self.s_end, first))
         for values in (high, low):
             for begin, middle, end in zip(start, start[1:], start[2:], strict=False):
                 below, above = values[begin:middle], values[middle:end]
@@ -229,12 +227,8 @@ class Segments:
     @cached_property
     def steepest(self) -> tuple[float, float]:
         """Bounds of |ds/dphase| [1/rad] and |d2s/dphase2| [1/rad2]."""
-        slope = bend = 0.0
-        for part in blocks(len(self)):
-            size, w = np.hypot(self.sin[:, part], self.cos[:, part]), self.frequency[:, part]
-            slope = max(slope, float(((size * w).sum(axis=0) + np.abs(self.slope[part])).max()))
-            bend = max(bend, float((size * w * w).sum(axis=0).max()))
-        return slope, bend
+        size, w = np.hypot(self.sin, self.cos), self.frequency
+        return float(((size * w).sum(axis=0) + np.abs(self.slope)).max()), float((size * w * w).sum(axis=0).max())
 
 
 class Samples(NamedTuple):

@@ -36,18 +36,7 @@ from .text import HEAD, RecordText
 if TYPE_CHECKING:
     from importlib.metadata import EntryPoint
 
-__all__ = [
-    "FORMATS",
-    "Record",
-    "Series",
-    "demand_unit",
-    "is_record",
-    "pick",
-    "read_record",
-    "read_records",
-    "records_of",
-    "unknown",
-]
+__all__ = ["FORMATS", "Record", "Series", "demand_unit", "is_record", "pick", "read_record", "read_records", "records_of", "unknown"]
 
 GROUP = "rocking.records"
 FORMATS = ("esm", "cosmos", "geonet", "smc", "csmip", "volume1", "cwb", "knet", "afad", "peer")
@@ -133,13 +122,13 @@ def records_of(source: str, raw: bytes, *, unit: str | None = None, dt: float | 
         return [record_of(s, name, found.NAME, source, sha256) for s in _distinct(series)]
 
 
-def read_records(path: str | Path, *, component: str | None = None, unit: str | None = None, dt: float | None = None) -> list[Record]:
-    """The components of a record file, or the one that is asked for. Raises UsageError and DocumentError."""
+def read_records(path: str | Path, *, unit: str | None = None, dt: float | None = None) -> list[Record]:
+    """The components of a record file. Raises UsageError and DocumentError."""
     source, raw = read_bytes(path)
     records = records_of(source, raw, unit=unit, dt=dt)
     if records is None:
         raise DocumentError(unknown(source, raw))
-    return records if component is None else [pick(records, component)]
+    return records
 
 
 def read_record(path: str | Path, *, component: str | None = None, unit: str | None = None, dt: float | None = None) -> Record:
@@ -174,8 +163,7 @@ def is_record(path: str) -> bool:
 def _distinct(series: list[Series]) -> list[Series]:
     """The series with distinct components: equal names, and none among several, get their number in the file."""
     names = [s.component for s in series]
-    alone = [names.count(name) == 1 and (name is not None or len(names) == 1) for name in names]
-    return [
-        s if one else s._replace(component=f"{s.component or 'channel'} ({i})")
-        for i, (s, one) in enumerate(zip(series, alone, strict=True), 1)
-    ]
+    if names == [None]:
+        return series
+    numbered = (s._replace(component=f"{s.component or 'channel'} ({i})") for i, s in enumerate(series, 1))
+    return [s if s.component is not None and names.count(s.component) == 1 else other for s, other in zip(series, numbered, strict=True)]

@@ -1,20 +1,21 @@
-"""The components of a file: which is vertical, and which of them a call takes."""
+"""The components of a file: names, the vertical one, and the choice of a call."""
 
 from __future__ import annotations
 
 import re
 from collections.abc import Sequence
 
+from ...documents.quantities import parse_whole
 from ...errors import NoComponent, UsageError
 from .record import Record
 
 HORIZONTAL, ALL, STATION = "horizontal", "all", "station"
 _VERTICAL = re.compile(r"\b(?:up|u-d|ud|dn|down|dwn|ver|vrt|vert\w*)\b|^(?:[uvz]|[a-z]{2}z)(?: \(\d+\))?$", re.IGNORECASE)
-_OF_A_STATION = 2  # horizontal components; more of them are those of a building or an array
+_OF_A_STATION = 2  # horizontal components; a file of a building or an array has more
 
 
 def is_vertical(record: Record) -> bool:
-    """True if the file calls the component vertical, as in Up, U-D, Vert, HNZ or, in KiK-net, 3 and 6."""
+    """True if the component is vertical by its name, such as Up, U-D, Vert, HNZ or, in KiK-net, 3 and 6."""
     name = record.component or ""
     return bool(_VERTICAL.search(name)) or (record.format == "K-NET" and name in ("3", "6"))
 
@@ -28,11 +29,8 @@ def pick(records: Sequence[Record], component: str | None) -> Record:
 
 
 def chosen(records: Sequence[Record], component: str | None) -> list[Record]:
-    """The records of a file that a set takes: `horizontal`, `all`, or one by its name or its number from 1; None: the horizontal ones
-    of a station. There may be no horizontal one.
-
-    Raises NoComponent for a name that the file does not have, UsageError without a component where more than two are horizontal.
-    """
+    """The chosen records of a file: `horizontal` (which may be none), `all`, or one by its name or its number from 1; None: the
+    horizontal ones of a station. Raises NoComponent for an unknown name, and UsageError for None if more than two are horizontal."""
     source, word = records[0].source, None if component is None else component.strip().casefold()
     if word == ALL:
         return list(records)
@@ -42,16 +40,16 @@ def chosen(records: Sequence[Record], component: str | None) -> list[Record]:
             raise UsageError(f"{source}: holds the components {names_of(records)}; give one as component, or {HORIZONTAL} for all of those")
         return found
     for record in records:
-        if record.component is not None and record.component.casefold() == word:
+        if (record.component or "").casefold() == word != "":
             return [record]
-    if word and word.isdigit() and 1 <= int(word) <= len(records):
-        return [records[int(word) - 1]]
-    expected = f"{names_of(records)}" if records[0].component is not None else "1, the only one, which has no name"
-    raise NoComponent(f"{source}: component: found {component!r}; expected {expected}, {HORIZONTAL} and {ALL}")
+    if (number := parse_whole(word or "")) and number <= len(records):
+        return [records[number - 1]]
+    known = names_of(records) if records[0].component is not None else "1, the only one, which has no name"
+    raise NoComponent(f"{source}: component: found {component!r}; expected {known}, {HORIZONTAL} and {ALL}")
 
 
 def vertical_of(records: Sequence[Record]) -> Record:
-    """The one vertical component of a file. Raises UsageError where it has none or several."""
+    """The one vertical component of a file. Raises UsageError if it has none or several."""
     found = [r for r in records if is_vertical(r)]
     if len(found) != 1:
         held = f"{len(found)} vertical components ({names_of(found)})" if found else f"no vertical component beside {names_of(records)}"

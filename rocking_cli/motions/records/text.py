@@ -141,7 +141,7 @@ class RecordText:
         return found
 
     def value(self, keys: Keys, key: str, wanted: str = "") -> tuple[str, int]:
-        """The value of a key and its line; wanted: what the value should be. Raises DocumentError if it has none."""
+        """The value of a key and its line; wanted: the values allowed, in words. Raises DocumentError if it has none."""
         text, line = keys.get(key.upper(), ("", 1))
         if not text:
             raise self.fault(f"no value of {key}" + (f"; expected {wanted}" if wanted else ""), line)
