@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from rocking_cli import cosine, pulse, sine
+from rocking_cli import cosine, sine
 from rocking_cli.errors import MotionError
 from rocking_cli.motions import Harmonic, Motion, Piece
 from rocking_cli.motions.polyline import Polyline
@@ -52,11 +52,6 @@ def test_value_is_zero_outside():
 def test_cycles_must_be_half_cycles(cycles):
     with pytest.raises(MotionError, match="positive multiple"):
         sine(cycles)
-
-
-def test_unknown_pulse_names_the_known_ones():
-    with pytest.raises(MotionError, match="sine, cosine"):
-        pulse("sinus")
 
 
 @pytest.mark.parametrize(

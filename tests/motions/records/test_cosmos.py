@@ -12,41 +12,40 @@ from rocking_cli.motions.records import read_record, read_records
 SAMPLES = wave(2000, 161.962)
 
 
+HEADER = """Corrected {quantity}    (Format v01.20 with 13 text lines) Src: none
+Record of Nowhere
+Hypocenter:
+Origin:
+Statn No:
+Coords:
+Recorder:
+Rcrd start time:
+Sta Cha:  1: 340 deg (Rcrdr Chan  1) Location: somewhere
+Raw record length
+Processed:
+Record filtered
+Values used when parameter or data value is unknown/unspecified:   -999, -999.0
+ 100 Integer-header values follow on  10 lines, Format= (10I8)
+{integers} 100 Real-header values follow on {lines:3d} lines, Format= ({header})
+{reals}  2 Comment line(s) follow, each starting with a "|":
+ | one
+ | two, of 7000 acceleration pts
+{count:7d}  {quantity} pts, approx {length:4.0f} secs, units={unit},Format=({form})
+"""
+
+
 def channel(
-    values=SAMPLES,
-    *,
-    quantity="acceleration",
-    unit="cm/sec2(04)",
-    form="8F10.5",
-    header="6F13.6",
-    step=10.0,
-    raw=0.005,
-    length=20.0,
-    count=None,
-):
+    values=SAMPLES, *, quantity="acceleration", unit="cm/sec2(04)", form="8F10.5", header="6F13.6",
+    step=10.0, raw=0.005, length=20.0, count=None,
+):  # fmt: skip
     reals = np.full(100, -999.0)
     reals[33], reals[61], reals[62], reals[63] = raw, step, length, values[np.argmax(np.abs(values))]
     columns, rest = header.split("F")
-    lines = [
-        f"Corrected {quantity}    (Format v01.20 with 13 text lines) Src: none",
-        "Record of Nowhere",
-        "Hypocenter:",
-        "Origin:",
-        "Statn No:",
-    ]
-    lines += ["Coords:", "Recorder:", "Rcrd start time:", "Sta Cha:  1: 340 deg (Rcrdr Chan  1) Location: somewhere"]
-    lines += [
-        "Raw record length",
-        "Processed:",
-        "Record filtered",
-        "Values used when parameter or data value is unknown/unspecified:   -999, -999.0",
-    ]
-    text = "\n".join(lines) + "\n 100 Integer-header values follow on  10 lines, Format= (10I8)\n" + rows([-999] * 100, 10, "{:8d}")
     printed = rows(reals, int(columns), f"{{:{rest}f}}")
-    text += f" 100 Real-header values follow on {printed.count(chr(10)):3d} lines, Format= ({header})\n" + printed
-    text += '  2 Comment line(s) follow, each starting with a "|":\n | one\n | two, of 7000 acceleration pts\n'
-    n = len(values) if count is None else count
-    text += f"{n:7d}  {quantity} pts, approx {length:4.0f} secs, units={unit},Format=({form})\n"
+    text = HEADER.format(
+        integers=rows([-999] * 100, 10, "{:8d}"), lines=printed.count("\n"), reals=printed, count=len(values) if count is None else count,
+        quantity=quantity, header=header, length=length, unit=unit, form=form,
+    )  # fmt: skip
     per_line, width = form.replace("E", "F").split("F")
     return text + rows(values, int(per_line), f"{{:{width}{'e' if 'E' in form else 'f'}}}") + "End-of-data for Chan  1 acceleration\n"
 

@@ -14,19 +14,9 @@ TOUCHING = np.clip(SAMPLES, -999.0, 9999.0)
 
 
 def channel(
-    number,
-    degrees,
-    values,
-    *,
-    dt="  .010",
-    precise=0.01,
-    unit="cm/sec2",
-    form="(8f10.5)",
-    peak=None,
-    points=None,
-    length=None,
+    number, degrees, values, *, dt="  .010", precise=0.01, unit="cm/sec2", form="(8f10.5)", peak=None, points=None, length=None,
     blocks="avd",
-):
+):  # fmt: skip
     peak = np.abs(values).max() if peak is None else peak
     n = len(values)
     title = f"Corrected accelerogram   12345-X0001-00001.02       Chan{number:3d}: {degrees:3d} Deg     from   "

@@ -12,39 +12,32 @@ FORM = "{:8.1f}"
 SAMPLES = wave(1234, 11024.7)  # -11024.7 fills its eight characters
 
 
-def component(name, values, *, points=None, duration=None, dt=0.02, peak=None, first="Corrected accelerogram"):
+HEADER = """{first} 19000102_030405_ABCD_20 GNS Science
+Site ABCD      42 37 10S  173 03 13E
+A Farm
+Instrument X_1
+Resolution: 18-bit
+Accelerogram 19000102
+5 km south-west of Nowhere
+1900 January 02
+Epicentre
+Number of points {points:5d}    Duration {duration:.2f} sec
+Instrument corrected data at {dt:.3f} sec intervals
+Band-pass filter
+Component {name}  Longitudinal Accelerometer Axis
+Acceleration:  peak {peak:9.1f} mm/s/s at  44.88 sec     rms    719.0 mm/s/s
+Velocity:      peak -1016.55 mm/s
+Displacement:
+"""
+
+
+def component(name, values, *, dt=0.02, first="Corrected accelerogram", **changed):
     n = len(values)
-    points, duration = n if points is None else points, (n - 1) * dt if duration is None else duration
-    peak = values[np.argmax(np.abs(values))] if peak is None else peak
-    lines = [
-        f"{first} 19000102_030405_ABCD_20 GNS Science",
-        "Site ABCD      42 37 10S  173 03 13E",
-        "A Farm",
-        "Instrument X_1",
-        "Resolution: 18-bit",
-    ]
-    lines += [
-        "Accelerogram 19000102",
-        "5 km south-west of Nowhere",
-        "1900 January 02",
-        "Epicentre",
-        f"Number of points {points:5d}    Duration {duration:.2f} sec",
-    ]
-    lines += [
-        f"Instrument corrected data at {dt:.3f} sec intervals",
-        "Band-pass filter",
-        f"Component {name}  Longitudinal Accelerometer Axis",
-    ]
-    lines += [
-        f"Acceleration:  peak {peak:9.1f} mm/s/s at  44.88 sec     rms    719.0 mm/s/s",
-        "Velocity:      peak -1016.55 mm/s",
-        "Displacement:",
-    ]
-    integers = np.zeros(40)
+    said = {"points": n, "duration": (n - 1) * dt, "peak": values[np.argmax(np.abs(values))], **changed}
+    integers, reals = np.zeros(40), np.zeros(60)
     integers[33:36] = n, n, 3
-    reals = np.zeros(60)
     reals[24], reals[25] = 0.005, dt
-    text = "\n".join(lines) + "\n" + rows(integers, 10, "{:8.0f}") + rows(reals, 10, "{:8.4f}")
+    text = HEADER.format(first=first, name=name, dt=dt, **said) + rows(integers, 10, "{:8.0f}") + rows(reals, 10, "{:8.4f}")
     return text + rows(values, 10, FORM) + rows(values / 10, 10, FORM) + rows([1.0, 2.0, 3.0], 10, FORM)
 
 

@@ -13,28 +13,28 @@ GAL = (COUNTS - COUNTS.mean()) * 3920.0 / 6182761.0
 PEAK = f"{np.abs(GAL).max():.3f}"
 
 
+HEADER = """Origin Time       1900/01/02 03:04:00
+Lat.              35.0
+Long.             139.0
+Depth. (km)       10
+Mag.              4.2
+Station Code      XYZ001
+Station Lat.      35.1
+Station Long.     139.1
+Station Height(m) 28
+Record Time       1900/01/02 03:04:20
+Sampling Freq(Hz) {rate}
+Duration Time(s)  {duration}
+Dir.              N-S
+Scale Factor      {scale}
+Max. Acc. (gal)   {peak}
+Last Correction   1900/01/02 03:04:20
+Memo.
+"""
+
+
 def written(path, *, values=COUNTS, scale="3920(gal)/6182761", rate="100Hz", duration="30", peak=PEAK):
-    keys = {
-        "Origin Time": "1900/01/02 03:04:00",
-        "Lat.": "35.0",
-        "Long.": "139.0",
-        "Depth. (km)": "10",
-        "Mag.": "4.2",
-        "Station Code": "XYZ001",
-        "Station Lat.": "35.1",
-        "Station Long.": "139.1",
-        "Station Height(m)": "28",
-        "Record Time": "1900/01/02 03:04:20",
-        "Sampling Freq(Hz)": rate,
-        "Duration Time(s)": duration,
-        "Dir.": "N-S",
-        "Scale Factor": scale,
-        "Max. Acc. (gal)": peak,
-        "Last Correction": "1900/01/02 03:04:20",
-        "Memo.": "",
-    }
-    lines = [f"{key:<18}{value}" for key, value in keys.items()]
-    path.write_text("\n".join(lines) + "\n" + rows(values, 8, "{:8.0f} "))
+    path.write_text(HEADER.format(scale=scale, rate=rate, duration=duration, peak=peak) + rows(values, 8, "{:8.0f} "))
     return path
 
 

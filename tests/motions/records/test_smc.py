@@ -21,14 +21,7 @@ def short(x):
 def written(
     path, *, values=SAMPLES, kind="2 CORRECTED ACCELEROGRAM", count=None, rate=200.0, peak=104.4, comments=3, lines=None, digits=-32768
 ):
-    text = [
-        kind,
-        "*",
-        "ABCD",
-        "     1900  10  18    0004 Nowhere",
-        "Moment Mag=      7.1",
-        "station = Somewhere, F           component=    360",
-    ]
+    text = [kind, "*", "ABCD", "     1900  10  18    0004 Nowhere", "Moment Mag=      7.1", "station = Somewhere, F  component=    360"]
     text += [f"epicentral dist =     89.0       pk     = {peak:8.1f}", "inst type=SMA-1      data source = USGS", "*", "*", "*"]
     integers = np.full(48, -32768)
     integers[15], integers[16] = comments, len(values) if count is None else count
