@@ -116,18 +116,6 @@ def body_forces(kappa: Any, alpha: Any, side: Any, u: Array, rate: Array, bend: 
     )
 
 
-def shenton(a: float, slenderness: float) -> float:
-    """Shenton's boundary between rocking and slide-rocking of a block of height over width H that a = xg''/g sets off [-].
-
-    [a (4 + H^2) + 3 H]/(3 a H + 4 H^2 + 1) (Shenton 1996); at a = 1/H, where it just lifts, it is 1/H.
-
-    >>> round(shenton(0.5, 4.0), 12)
-    0.309859154930
-    """
-    h = slenderness
-    return (a * (4.0 + h * h) + 3.0 * h) / (3.0 * a * h + 4.0 * h * h + 1.0)
-
-
 class Edge(NamedTuple):
     """What the forces ask of an edge: alpha [rad], kappa [-], R [m], p [rad/s], eta on leaving it [-]."""
 

@@ -27,6 +27,13 @@ def pendulum(eta: float = 0.9, **more: Any) -> RockingParameters:
     return RockingParameters("m", "point_mass", 2.0, 1.0, eta, math.tan(1.0), 1.0, arm=9.81 / 4.0, **more)
 
 
+def shenton(a: float, slenderness: float) -> float:
+    """Shenton's boundary between rocking and slide-rocking of a block of height over width H that a = xg''/g sets off [-]:
+    [a (4 + H^2) + 3 H]/(3 a H + 4 H^2 + 1) (Shenton 1996). At a = 1/H, where it just lifts, it is 1/H."""
+    h = slenderness
+    return (a * (4.0 + h * h) + 3.0 * h) / (3.0 * a * h + 4.0 * h * h + 1.0)
+
+
 def lifting(omega: float) -> float:
     """A from which the linear point mass leaves the ground as it comes down after a rectangular push of 2 pi/Omega: with y and y' at its
     end (A - 1)(cosh - 1) and (A - 1) sinh, u'^2 = alpha^2 (y'^2 + 2 y - y^2) at the impact, and Fz = 1 - alpha sin - u'^2 cos(alpha)."""

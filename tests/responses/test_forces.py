@@ -8,6 +8,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from oracles.ground_forces import shenton
 from scipy.integrate import solve_ivp
 from scipy.optimize import minimize_scalar
 
@@ -18,7 +19,6 @@ from rocking_cli.motions.biaxial import with_vertical
 from rocking_cli.motions.grid import as_recorded
 from rocking_cli.motions.polyline import record_motion
 from rocking_cli.motions.records import read_record
-from rocking_cli.responses.forces import shenton
 from rocking_cli.responses.ground import Ground
 from rocking_cli.responses.time_history import time_history
 

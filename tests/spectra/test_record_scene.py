@@ -62,6 +62,17 @@ def test_columns_scale_each_record_under_each_structure(records, name):
             assert found.theta_ratio[i, j] == pytest.approx(expected.theta_ratio, rel=1e-12, nan_ok=True)
 
 
+def test_few_cells_of_each_structure_under_a_long_record():
+    """They are marched one by one: every outcome equal, rotations within the tolerance times the condition."""
+    quake = Recording(record("long", 260, 5.0))
+    scene = structures_scene([BLOCK, built("kind: block\nwidth: 0.5 m\nheight: 2 m")], (quake,), Axis("scale", np.array([0.5, 1.0, 1.5])))
+    found = spectrum_of(scene, SweepOptions(workers=1, check=0))
+    for j, structure in enumerate(scene.structures):
+        expected = alone(structure, quake.motion, quake.acceleration * np.array([0.5, 1.0, 1.5]), Method())
+        assert np.array_equal(found.outcome[0, j], expected.outcome)
+        assert found.theta_ratio[0, j] == pytest.approx(expected.theta_ratio, rel=1e-6, nan_ok=True)
+
+
 def test_a_factor_is_part_of_the_record(records):
     """Its sign turns it over; its size is what a column `scale` multiplies."""
     turned = record("b", 50, 4.0)

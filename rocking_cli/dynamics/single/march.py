@@ -199,7 +199,7 @@ class _Body:
         if hit is not None:
             y, v = value(terms, hit / h, h)
             v = min(v, 0.0)
-        self._crests(terms, h, reach, v)
+        self._peaks(terms, h, reach, v)
         if self.listener is not None and reach > 0.0:
             self.listener.keep(self.lane.tau(k, u), reach, face.side, float(self.lane.omega[0]) / face.omega, h, terms)
         if hit is not None:
@@ -252,7 +252,7 @@ class _Body:
             held = min(held, h * room / moved if moved > room else held)
         return terms, held
 
-    def _crests(self, terms: tuple[float, ...], h: float, reach: float, v: float) -> None:
+    def _peaks(self, terms: tuple[float, ...], h: float, reach: float, v: float) -> None:
         """Turning points outwards until `reach`, where y' is v."""
         if not self.watched:
             return

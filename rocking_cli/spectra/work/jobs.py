@@ -19,6 +19,7 @@ from ...dynamics.march.account import Work
 from ...dynamics.method import LINEAR
 from ...dynamics.outcome import Difference, Outcome, difference
 from ...dynamics.response import Response, response, response_with_demands, that_left_the_ground
+from ...dynamics.single.response import response_alone
 from ...motions import Motion
 from ...processes import Run, processes
 from ...structures.parameters import RockingParameters
@@ -26,6 +27,7 @@ from ..scene import Band, Scene, Unit
 from ..trust.condition import condition_of
 from ..trust.verification import Answer, Place, Verification, reference
 
+_LONG, _FEW = 200, 20  # segments of a motion from which single cells are faster, and cells of a structure up to which they are
 TOGETHER = 1 << 19  # cells of an exact equation that a worker computes in one batch
 
 Item = list[Unit] | Place
@@ -85,6 +87,15 @@ class Job:
         return "friction" in self.quantities or "fz_min" in self.quantities
 
     @property
+    def one_by_one(self) -> bool:
+        """True if each cell is marched on its own, which is faster for few cells of each system under long records."""
+        scene = self.scene
+        _, rows, columns = scene.shape
+        systems = {scene.runs_with(structure) for structure in scene.structures}
+        few = scene.segments > _LONG and rows * columns <= _FEW * len(scene.structures)
+        return few and not scene.method.exact and len(systems) == len(scene.structures)
+
+    @property
     def together(self) -> int:
         """Units that are best run as one batch, so that the engine's pool is seldom half empty; they are one system."""
         if not (self.scene.method.exact and self.scene.one_system):
@@ -142,6 +153,8 @@ class Job:
         if self.forces:
             got, asked = response_with_demands(system, motion, *cells, found=known)
             beside |= asked
+        elif known is None and self.one_by_one:
+            got = response_alone(method.system_of(structures[0]), motion, *cells)
         else:
             got = known or response(system, motion, *cells)
         if "condition" in self.quantities:
