@@ -77,7 +77,7 @@ class _March(Body):
         )  # fmt: skip
         if after != k or struck:
             self.force = None
-        self.k, self.u, self.v = after + block.first, u, v
+        self.k, self.u, self.v = (after + block.first, u, v) if u == 0.0 or u < block.length[after] else (after + block.first + 1, 0.0, v)
         if struck:
             self._impact(v)
         return struck or self.k >= self.reel.count
