@@ -1,6 +1,7 @@
-"""A rigid body as its forces on the ground see it, and from which motions it is proved to press on the ground throughout.
+"""A rigid body and its forces on the ground; the motions under which it is proved to press on the ground throughout.
 
-With z = alpha - u, u = |theta|, s the side, tau = p t of the side and w = 1 + zg''/g the weight over m g, what moves the mass centre is
+With z = alpha - u, u = |theta|, s the side, tau = p t of the side and w = 1 + zg''/g the weight over m g, the acceleration of the mass
+centre gives
 
     s Fx/(m g) = s xg''/g + kappa (u'' cos z + u'^2 sin z),   Fz/(m g) = w + kappa (u'' sin z - u'^2 cos z)
 
@@ -9,7 +10,7 @@ energy over what is left to a peak, or what has been passed since one, bounds th
 
     u'^2 <= 2 int_u^u_m (w_+ sin z + P cos z) du        (linear: w_+ z + P; with damping u' <= 2 zeta u_m + sqrt((2 zeta u_m)^2 + that))
 
-and Fz with it from below: a few bodies in many, in strong shaking, are left to be looked at (`observers.contact_loss`).
+and the speed bounds Fz from below. The few bodies in strong shaking that are left are followed (`observers.contact_loss`).
 """
 
 from __future__ import annotations
@@ -25,12 +26,12 @@ Array = np.ndarray
 _PARTS = 32  # of the path from the ground to the peak, on each of which the bound takes the worst of every term
 _PUSHES = np.geomspace(1e-2, 1e2, 256)  # over g, of which the largest that is proved is taken
 _TURNS, _STEPS = 2.0, 64  # of alpha, and parts of that, for which the largest push is kept
-FAR = 100.0  # of a body that this far [rad] cannot have kept to the ground, what it asks of it is not looked at
-_LOWEST = -0.5 * np.pi  # z of what is still looked at
+FAR = 100.0  # rotation [rad] beyond which a body cannot have kept to the ground: its forces are not computed
+_LOWEST = -0.5 * np.pi  # least z for which the bound is computed
 
 
 class Edge(NamedTuple):
-    """What the forces ask of an edge, floats or an array over lanes: alpha [rad]; kappa = m R^2/I [-]; unit, u of y = 1 [rad]; uplift,
+    """The numbers of an edge, floats or arrays over lanes: alpha [rad]; kappa = m R^2/I [-]; unit, u of y = 1 [rad]; uplift,
     lambda of the equation [-]."""
 
     alpha: Any
@@ -41,8 +42,8 @@ class Edge(NamedTuple):
 
 @dataclass(frozen=True)
 class Body:
-    """A rigid body: alpha [rad] and kappa = m R^2/I [-] of its edges (right and left, one where they are alike), whether its equation is
-    the linear one, zeta [-], whether it stands on its right edge only, and a_scale [-] of its edges, 1 where none is given.
+    """A rigid body: alpha [rad] and kappa = m R^2/I [-] of its edges (right and left, one if they are alike), linear: True for the linear
+    equation; zeta [-]; one_sided: True if it stands on its right edge only; a_scale [-] of its edges, 1 if none is given.
 
     The linear equation moves a body of another a_scale as one of a_scale 1 under that many times the push, and Fz, which follows from
     the motion and the weight, is the same. So pushes are those: only Fx asks for the ground's own (`moves_with_the_ground`).
@@ -57,7 +58,7 @@ class Body:
 
     @property
     def moves_with_the_ground(self) -> bool:
-        """Whether the push that moves it is the ground's, so that Fx is known too."""
+        """True if the push that moves it is the ground's, so that Fx is known too."""
         return all(scale == 1.0 for scale in self.a_scale)
 
     @property
@@ -104,7 +105,7 @@ class Body:
         return 1.0 - edge.kappa * (self.pull(edge) * np.sin(edge.alpha) + square * np.cos(edge.alpha))
 
     def pressed(self, edge: Edge, push: Array, turn: Array, sway: Array | float = 0.0) -> Array:
-        """Whether Fz > 0 is proved for pushes up to `push` [g] of either sign, |theta| up to `turn` [rad] and weights of 1 -+ sway."""
+        """True where Fz > 0 is proved for pushes up to `push` [g] of either sign, |theta| up to `turn` [rad] and weights of 1 -+ sway."""
         light, heavy, alpha = 1.0 - sway, 1.0 + sway, edge.alpha
         lowest = alpha - turn
         kept = (light > 0.0) & (lowest >= _LOWEST)
@@ -126,11 +127,11 @@ class Body:
         return kept
 
     def safe_push(self, sway: tuple[float, ...]) -> tuple[float, ...]:
-        """The push [g] on each edge up to which Fz > 0 is proved of whatever does not overturn; sway: of the weight, over the push."""
+        """The push [g] on each edge up to which Fz > 0 is proved if the body does not overturn; sway: of the weight, over the push."""
         return tuple(_safe_push(self, i, ratio) for i, ratio in enumerate(sway))
 
     def safe_at(self, edge: int, turn: Array, ratio: float) -> Array:
-        """The push [g] up to which that is proved of bodies that turn up to `turn` [rad] on this edge."""
+        """The push [g] up to which this is proved for rotations up to `turn` [rad] on this edge."""
         step, pushes = _safe_pushes(self, edge, ratio)
         return pushes[np.minimum(np.ceil(turn / step), pushes.size - 1).astype(np.int64)]
 

@@ -29,10 +29,10 @@ def crossing(segments: Segments, k: Array, level: Array) -> Array:
     wave = segments.wave
     x = level - wave.offset[k]
     x *= wave.sign[k]
-    beside = x * x
-    np.subtract(wave.radius2[k], beside, out=beside)
-    np.maximum(beside, _LEAST_SQUARE, out=beside)
-    x /= np.sqrt(beside, out=beside)
+    complement = x * x
+    np.subtract(wave.radius2[k], complement, out=complement)
+    np.maximum(complement, _LEAST_SQUARE, out=complement)
+    x /= np.sqrt(complement, out=complement)
     np.arctan(x, out=x)
     x -= wave.angle[k]
     early = np.flatnonzero(x < 0.0)
@@ -87,7 +87,7 @@ def _near(segments: Segments, k: Array, u: Array) -> Near:
 def _bracketed_crossing(segments: Segments, k: Array, level: Array, length: Array) -> Array:
     """The crossing on a monotone segment of any shape: Halley's method inside a bracket that only shrinks.
 
-    A step leaves an error of its third power over the square of a distance at which the rate changes, 2 |rate/bend|.
+    A step leaves an error of its third power over the square of the distance at which the rate changes, 2 |rate/second derivative|.
     """
     low, high = np.zeros_like(length), length.copy()
     start, end = segments.s_start[k], segments.s_end[k]

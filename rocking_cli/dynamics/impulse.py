@@ -1,4 +1,4 @@
-"""What the shaking still can do: int |s| dphi from any place in a motion of sinusoids to its end, and the bodies that it cannot overturn.
+"""int |s| dphi from any place in a motion of sinusoids to its end, and the bodies that the rest of the motion cannot overturn.
 
 For the undamped linear oscillator on equal edges (Lemma 9).
 """
@@ -21,9 +21,11 @@ _SURELY = 1.0 - 1e-9
 
 
 class ImpulseAhead(NamedTuple):
-    """int |s| dphi to the end of the motion. zero: the phase at which s changes its sign in a segment, its start where it does not; sign:
-    of s after that; turn, last: an antiderivative of s at `zero` and at the segment's end; later: what comes after the segment, with room
-    for rounding; arrays over segments."""
+    """int |s| dphi to the end of the motion; arrays over segments.
+
+    zero: the phase at which s changes its sign in a segment, the start if it does not; sign: of s after that; turn, last: an
+    antiderivative of s at `zero` and at the segment's end; later: the integral after the segment, with room for rounding.
+    """
 
     segments: Segments
     zero: Array
@@ -56,7 +58,7 @@ class ImpulseAhead(NamedTuple):
         return found
 
     def cannot_overturn(self, lanes: Lanes) -> Array:
-        """Whether nothing to come overturns lanes at y = 0: v + A int |s| dphi/Omega < 1."""
+        """True for lanes at y = 0 that cannot be overturned any more: v + A int |s| dphi/Omega < 1 (Lemma 9)."""
         room = _SURELY * (1.0 - np.abs(lanes.v)) * lanes.omega
         found = lanes.amplitude * self.later[lanes.k] < room
         at = np.flatnonzero(found)

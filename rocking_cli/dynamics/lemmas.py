@@ -1,4 +1,4 @@
-"""The lemmas on which the march rests: what is proved of a rocking body between two instants, so that nothing has to be sampled.
+"""The lemmas on which the march rests: statements about a rocking body between two instants, so that nothing has to be sampled.
 
 # Setting
 
@@ -20,8 +20,8 @@ piece       a stretch of the motion with one closed form
 segment     a stretch of a piece on which the motion s is monotone
 drive       subcritical where a < 1, supercritical where a >= 1
 window      a stretch of time on which the drive is subcritical throughout, or supercritical throughout
-step        what one round of the march covers with one proof: a window, or a supercritical window that the body enters moving
-            outwards together with the subcritical window after it
+step        the time that one round of the march covers with one proof: a window, or a supercritical window that the body enters
+            moving outwards together with the subcritical window after it
 flow        the solution from a state under one closed form of the drive; an arc is the part of it that a lane follows
 peak        a turning point at which y' changes from positive to negative
 A, Omega    amplitude of the drive over the uplift's; circular frequency of the motion over p
@@ -33,7 +33,7 @@ drive* is c = a + 1 - w, on each side its own. Each lemma says what changes with
 
 **Events.** Uplift is the first instant with -A_right s > 1 or A_left s > 1, found on monotone segments. Lemmas 1 and 2 isolate impacts,
 Lemmas 3 and 4 isolate peaks: each is a root in a bracket that holds exactly one. Events at one instant are taken in the order impact,
-jump of the drive, uplift. What can be missed: the pair of turns that Lemma 4 names. Impacts inside a sequence that Lemma 7 sums are not
+jump of the drive, uplift. Only the pair of turns that Lemma 4 names can be missed. Impacts inside a sequence that Lemma 7 sums are not
 counted one by one. A body is at rest if its speed is below 1e-100, or below 1e-12 if it then bounces lower than 1e-16 and keeps more
 than 1 - 1e-6 of its speed in a cycle.
 
@@ -44,7 +44,7 @@ Proof. For y <= 0, l/m > 1 > a, so f < 0: the body has y' <= 0 at the crossing, 
 So y > 0 at the end of a subcritical window proves that there was no impact, and y <= 0 that there was exactly one.
 Varying weight: it holds, since f = m (a - w l/m) and below the ground w l/m > w > a where c < 1.
 Used in `march.advance.advance`, `march.windows.window_end`, `samples.interval.through_interval`.
-Test `test_lemmas.py::test_lemma_1_what_falls_below_the_ground_in_a_valley_stays_there`.
+Test `test_lemmas.py::test_lemma_1_under_a_subcritical_drive_a_fallen_body_stays_below`.
 
 # Lemma 2 (supercritical drive)
 
@@ -52,7 +52,7 @@ While a >= 1 and y >= 0: if y' >= 0 at the start there is no event; if y' < 0 th
 Proof. y' = 0 implies y'' >= 0. Undamped, y is convex there, so it lies above the point where the tangents at its ends meet.
 Varying weight: it holds, since above the ground w l/m <= w <= a where c >= 1.
 Used in `march.advance.next_step`, `march.advance.advance`, `samples.interval.through_interval`.
-Test `test_lemmas.py::test_lemma_2_a_ridge_holds_one_minimum_above_ground_and_nothing_where_it_is_entered_outwards`,
+Test `test_lemmas.py::test_lemma_2_under_a_supercritical_drive_there_is_one_minimum_at_most`,
 `march/test_advance.py::test_grazing_is_decided_on_either_side`.
 
 # Lemma 3 (one peak)
@@ -77,7 +77,8 @@ Test `test_lemmas.py::test_lemma_4_finds_a_pair_of_turns_that_hides_between_two_
 
 Undamped, a bounce from impact to impact under a subcritical drive lies below the point where the tangents at its ends meet, if
 g v h < 1 - max a. g is the gain (the largest df/dy), v the speed after the first impact, h the length of the bounce.
-Proof. y <= v h while the bounce is concave, so y'' <= g y - (1 - max a) < 0, and the bounce stays concave.
+Proof. While the bounce is concave y <= v t <= v h, so y'' <= g y - (1 - max a) < 0. So the bounce is concave up to its end, and a concave
+function lies below its tangents.
 Varying weight: with w_+ g in the place of g, w_+ the largest weight. c is largest at an end of the window, and f <= c - 1 + w_+ g y.
 Used in `march.advance.low_bounces`.
 Test `march/test_advance.py::test_bounds_that_spare_root_searches_change_nothing`.
@@ -89,7 +90,7 @@ Proof. z' = g (z + a) > 0 for all time.
 Eqs. 2.3 and 3.4, undamped: a body never returns if it moves outwards beyond the barrier of the constant inward drive e, or has the
 energy to pass this barrier.
 Proof. A weaker drive pushes back less, so the energy over that barrier does not fall.
-Damped, nonlinear: only beyond the equilibrium under e. theta = pi/2, or a collapsed linkage, is overturning whatever comes.
+Damped, nonlinear: only beyond the equilibrium under e. theta = pi/2, or a collapsed linkage, is overturning whatever follows.
 Varying weight: beyond the equilibrium of the constant inward drive e/w_-, w_- the least weight to come, and moving outwards: there l < 0
 and f >= w_- (-l - m e/w_-) >= 0. The bounds by energy are not used.
 Used in `equations.equation.Equation.certainly_overturns`, `march.batch.Batch.cannot_return`.
@@ -122,7 +123,7 @@ y'' <= y - 1 + e. So an arc multiplies v^2 by at most 1 + 4/3 dV/(1 - e), and an
 (b) More impacts than the march follows. On a stretch of a monotone segment with 1 - |a| >= m arcs begin with at most G v and last at most
 2 G v/(m - e), e < m/2, so a known number of them fills the stretch, unless the sequence ends before.
 Used in `contacts.sequences.sequence_ends`; (a) in `contacts.settling.settles`; (b) in `contacts.long_sequences.outlasts`.
-Test `test_lemmas.py::test_lemma_7_bouncing_that_is_summed_ends_before_anything_else_happens`,
+Test `test_lemmas.py::test_lemma_7_a_summed_sequence_ends_before_anything_else_happens`,
 `contacts/test_settling.py::test_marching_on_finds_the_same_peak`,
 `contacts/test_long_sequences.py::test_given_up_is_what_would_have_been_given_up`.
 
@@ -130,8 +131,9 @@ Test `test_lemmas.py::test_lemma_7_bouncing_that_is_summed_ends_before_anything_
 
 On still ground, undamped, the energy between impacts is constant. On a body with equal sides only the next peak and the next impact
 matter, on a body with unequal sides the next two.
-Proof. An impact keeps at most all of the speed (eta <= 1), or on unequal sides at most all of it in a cycle.
-A damped body is marched on until these peaks, which damping only lowers, are no higher than its peak so far.
+Proof. The energy decides the height of an arc. An impact does not raise the speed (eta <= 1), so later arcs are no higher than the first
+bounce. On unequal sides two impacts together do not raise it, so each arc is no higher than the one before on its side.
+Damped: the body is marched on until these undamped peaks, which are above its own, are no higher than its peak so far.
 Varying weight: it holds, since the ground is still.
 Used in `contacts.contact.Contact.free_motion`, `march.closings.free_motion`.
 Test `contacts/test_contact.py::test_free_motion_equals_marching`.
@@ -210,5 +212,5 @@ Where a line ends, Q changes by phi times the change of c'. An impact lowers Q w
 c' phi changes by 1 - eta of itself. If all these changes, for W = W_0 exp(G) [(1 - c^2)/(1 - c_0^2)]^(2/3), sum up to no more than G, W is
 never beyond this value: it would have to reach it first.
 Used in `contacts.adiabatic.bounces_on`, `contacts.adiabatic.ceiling`.
-Test `contacts/test_adiabatic.py::test_no_crest_is_above_the_ceiling`, `contacts/test_adiabatic.py::test_marching_on_finds_the_same_peak`.
+Test `contacts/test_adiabatic.py::test_no_peak_is_above_the_ceiling`, `contacts/test_adiabatic.py::test_marching_on_finds_the_same_peak`.
 """

@@ -1,7 +1,6 @@
-"""Which equation of motion answers for which structure: the one registry of equations, and what a user's choice comes to.
+"""The choice of equation, contact and reference for a structure: the registry of equations and the user's method.
 
-A new equation is one entry of EQUATIONS; everything that differs between equations is asked of its entry or of the equation itself.
-Equations and contacts that most structures do without are imported where one needs them.
+A new equation is one entry of EQUATIONS. Equations and contacts that most structures do without are imported where one is needed.
 """
 
 from __future__ import annotations
@@ -35,12 +34,12 @@ Reference = Callable[["Motion", float, float, float], tuple["Outcome", float]]
 
 @dataclass(frozen=True)
 class EquationKind:
-    """An equation of motion and everything that belongs to it.
+    """An equation of motion in the registry.
 
-    model: the word of `--model` and of files; name, source: as they are printed; exact: no tolerance; serves: whether it holds for a
-    structure; build: the equation of a structure at a tolerance, which raises ValueError; shares: what structures must
-    have in common, besides restitution, to share a dimensionless computation; rates: the name of its form for general solvers;
-    of_cells: that of plain cells of these alphas at a tolerance, None where it takes one structure.
+    model: the word of `--model` and of files; name, source: as they are printed; exact: no tolerance; serves: True for a structure for
+    which it holds; build: the equation of a structure at a tolerance, raises ValueError; shares: numbers that structures must have in
+    common, besides restitution, to share a dimensionless computation; rates: name of its form in `references.general_solver`; of_cells:
+    the equation of plain cells of these alphas at a tolerance, None if there is none.
     """
 
     model: str
@@ -54,16 +53,12 @@ class EquationKind:
     of_cells: Callable[[np.ndarray, float], Equation] | None = None
 
 
-def _edges(structure: RockingParameters) -> tuple[float, ...]:
-    """Critical angles of the edges that differ, right and left."""
-    return tuple(side.alpha for side in reversed(structure.sides))
-
-
 def _rigid(structure: RockingParameters, tolerance: float) -> Equation:
     from .equations.rigid_body import RigidBodyEquation
 
-    edges = _edges(structure)
-    return RigidBodyEquation((edges[0], edges[1]) if edges else structure.alpha, tolerance, structure.damping)
+    left_right = structure.sides
+    alpha = (left_right[1].alpha, left_right[0].alpha) if left_right else structure.alpha
+    return RigidBodyEquation(alpha, tolerance, structure.damping)
 
 
 def _rigid_cells(alpha: np.ndarray, tolerance: float) -> Equation:
@@ -108,7 +103,7 @@ MODELS = tuple(dict.fromkeys(kind.model for kind in EQUATIONS))
 
 @dataclass(frozen=True)
 class Method:
-    """The equation of motion, and where it is not exact the error of theta/alpha that is aimed at. Raises UsageError."""
+    """The equation of motion and, if it is not exact, the error of theta/alpha that is aimed at. Raises UsageError."""
 
     model: str = MODELS[0]
     tolerance: float = TOLERANCE
@@ -123,12 +118,12 @@ class Method:
 
     @property
     def exact(self) -> bool:
-        """Whether the model has no tolerance."""
+        """True if the model has no tolerance."""
         return all(kind.exact for kind in EQUATIONS if kind.model == self.model)
 
     @property
     def stated_tolerance(self) -> float | None:
-        """The tolerance as results depend on it: None where the model is exact."""
+        """The tolerance, None if the model is exact."""
         return None if self.exact else self.tolerance
 
     def kind_of(self, structure: RockingParameters) -> EquationKind:
@@ -144,26 +139,25 @@ class Method:
         )
 
     def serves(self, structure: RockingParameters) -> bool:
-        """Whether the model has an equation for a structure."""
+        """True if the model has an equation for a structure."""
         return any(kind.model == self.model and kind.serves(structure) for kind in EQUATIONS)
 
     def system_of(self, structure: RockingParameters) -> System:
         """A structure as the march takes it. Raises UsageError when the model does not hold for it."""
-        kind = self.kind_of(structure)
+        build = self.kind_of(structure).build
         try:
-            equation = kind.build(structure, self.tolerance)
+            equation = build(structure, self.tolerance)
             scale = None if structure.dimensionless else structure.alpha / structure.a_scale
             return System(equation, contact_of(structure, equation), scale, self.body_of(structure))
         except ValueError as error:
             raise UsageError(f"{structure.name}: {error}") from None
 
     def mixes(self, structure: RockingParameters) -> bool:
-        """Whether its cells can share one system with those of other structures that mix: bodies whose two edges are alike, undamped."""
+        """True if its cells can share one system with those of other such structures: undamped bodies whose two edges are alike."""
         return self.kind_of(structure).of_cells is not None and structure.plain
 
     def system_of_cells(self, structures: Sequence[RockingParameters], counts: Sequence[int]) -> System:
-        """One system whose cells are so many of each of these structures, which are one (`shares`) or mix. Raises UsageError as
-        `system_of`."""
+        """One system for `counts` cells of each of these structures, which are one (`shares`) or mix. Raises UsageError as `system_of`."""
         one, of_cells = self.system_of(structures[0]), self.kind_of(structures[0]).of_cells
         if len({(*self.shares(s), self.body_of(s)) for s in structures}) == 1:
             return one
@@ -172,7 +166,7 @@ class Method:
         return replace(one, equation=equation, body=None, own=own)
 
     def body_of(self, structure: RockingParameters) -> Body | None:
-        """What the forces of a rigid body follow from; None where its mass centre is not known."""
+        """The body of a structure for its forces on the ground; None if its mass centre is not known."""
         edges: list[Side | RockingParameters] = [*reversed(structure.sides)] or [structure]
         kappa = tuple(e.arm * e.p**2 / structure.gravity for e in edges if e.arm is not None)
         if len(kappa) < len(edges):
@@ -192,7 +186,7 @@ class Method:
         return partial(solve_cell, problem=self.problem_of(structure))
 
     def problem_of(self, structure: RockingParameters) -> Problem:
-        """The structure as general solvers take it."""
+        """The structure as the reference path takes it."""
         from .references import general_solver
 
         return general_solver.problem_of(structure, getattr(general_solver, self.kind_of(structure).rates))
@@ -215,12 +209,12 @@ def governing_method(
 
 
 def _known(structure: RockingParameters) -> bool:
-    """Whether the geometry of a structure is known, and the nonlinear equation has a form for it."""
+    """True if the geometry of a structure is known, and the nonlinear equation has a form for it."""
     return structure.structure != "parameters" and Method(MODELS[-1]).serves(structure)
 
 
 def model_in_words(method: Method, *structures: RockingParameters, model: str | None = None, dimensionless: bool = False) -> str:
-    """The line that names the equation of a run; of the linear one that nobody asked for, why it is. Arguments of `governing_method`."""
+    """The line that names the equation of a run, with the reason if it is the linear one by default. Arguments of `governing_method`."""
     line = f"model: {method.model}"
     if model is not None or method != LINEAR:
         return line

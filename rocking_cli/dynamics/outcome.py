@@ -1,4 +1,4 @@
-"""What became of a cell: each outcome with its code, its words, its looks, and whether it is overturned or safe."""
+"""Outcomes of cells, each with its code, its words and its looks; which of them are overturned or safe."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import Any, Self
 
 import numpy as np
 
-FALLEN = 3.0  # |theta|/alpha from which a body counts as overturned when the ground falls away, and to which its history goes
+FALLEN = 3.0  # |theta|/alpha from which a body counts as overturned when the ground falls away; the end of its history
 
 
 class Outcome(IntEnum):
@@ -45,17 +45,17 @@ class Outcome(IntEnum):
 
     @property
     def overturned(self) -> bool:
-        """Whether the body fell; of a failed cell that is not known."""
+        """True if the body fell; for a failed cell this is not known."""
         return self in (Outcome.OVERTURNED_NO_IMPACT, Outcome.OVERTURNED_AFTER_IMPACT)
 
     @property
     def falls(self) -> bool:
-        """Whether the body fell, or left the ground, of which nothing says that it comes back upright."""
+        """True if the body fell, or left the ground, after which it may not come back upright."""
         return self.overturned or self == Outcome.LOST_CONTACT
 
     @property
     def safe(self) -> bool:
-        """Whether the body is known to have stayed upright, with uplift or without."""
+        """True if the body is known to have stayed upright, with uplift or without."""
         return self in (Outcome.NO_UPLIFT, Outcome.ROCKED)
 
 

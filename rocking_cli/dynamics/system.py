@@ -1,4 +1,4 @@
-"""What rocks, as the march takes it: an equation of motion and a contact."""
+"""A rocking structure as the march takes it: an equation of motion and a contact."""
 
 from __future__ import annotations
 
@@ -22,8 +22,8 @@ _SYMMETRIC = Symmetric()
 class System:
     """An equation of motion on a contact; `Symmetric` unless given.
 
-    scale: alpha/a_scale, the ground acceleration over g of A = 1 [-]; body: of what has forces on the ground that can be followed; own: of
-    cells that belong to several structures, the system of each of these and how many cells it has, in the order of the cells.
+    scale: alpha/a_scale, the ground acceleration over g of A = 1 [-]; body: for forces on the ground, None if they are not known; own: if
+    the cells belong to several structures, the system of each of these and its number of cells, in the order of the cells.
     """
 
     equation: Equation
@@ -42,8 +42,8 @@ class System:
         return weighed(motion, float(share[0]), float(share[-1]))
 
     def safe_amplitude(self, motion: Motion) -> float:
-        """The amplitude A up to which a body of known forces is proved to press on the ground, whatever it does short of overturning [-];
-        infinite without one."""
+        """The amplitude A up to which the body is proved to press on the ground unless it overturns [-]; infinite if its forces are not
+        known."""
         if self.own:
             return min(system.safe_amplitude(motion) for system, _ in self.own)
         if self.body is None or self.scale is None or not motion.peak:
@@ -54,7 +54,7 @@ class System:
         return min(push / scale for push, scale in zip(pushes, scales, strict=True)) / (self.scale * motion.peak)
 
     def least_uplift(self, motion: Motion) -> float:
-        """The amplitude A from which a motion lifts the body [-], or drops the ground from under it; infinite where it never does."""
+        """The least amplitude A at which a motion lifts the body, or the ground falls away from it [-]; infinite if there is none."""
         one, segments = self.contact.cells(self.equation, np.ones(1), np.ones(1), np.zeros(1)), self.segments(motion)
         strongest = float(self.contact.strongest(one, segments)[0])
         if (weighed := segments.weighed) is not None:  # w < 0 above 1/|w - 1| of A = 1, also where a wall holds the body

@@ -1,7 +1,7 @@
 """The drive of a body whose weight varies: ground that moves sideways and upwards at once.
 
 With a the outward drive over its value at uplift and w = 1 + zg''/g the weight over m g, the force on a side is f = -w l(y) + a m(y). At
-the ground it is c - 1, c = a + 1 - w the *net drive*, and all that the windows of the drive ask for is on which side of 1 that is: on the
+the ground it is c - 1, c = a + 1 - w the *net drive*. The windows of the drive need only the sign of c - 1: on the
 right edge c = -A (s + r s_v), on the left A (s - r s_v), with s_v the vertical motion and r the zg''/g that goes with A = 1 on the edge.
 So a body has two effective motions, one for each edge, cut into segments on which both are monotone.
 """
@@ -29,8 +29,8 @@ _LONG = 1 << 16  # segments, from which on those of one motion are kept: they ta
 
 @dataclass(frozen=True)
 class WeighedSegments(Segments):
-    """The horizontal motion on common segments, and what goes with it; `later_max` and `later_min` are those of the net drives, left of
-    the left edge and right of the right one, so that they say what lifts the body.
+    """The horizontal motion on common segments; `later_max` and `later_min` are those of the net drives, on the left and the right edge, as
+    uplift needs them.
 
     vertical: s_v; right, left: the effective motions; edges: these two, one after the other; inward: (later_max, later_min) of the
     horizontal motion; share: r of the right edge and the left one.
@@ -45,7 +45,7 @@ class WeighedSegments(Segments):
 
     @property
     def straight(self) -> bool:
-        """Whether both motions are straight lines."""
+        """True if both motions are straight lines."""
         return self.edges.straight
 
     @property
@@ -54,7 +54,7 @@ class WeighedSegments(Segments):
         return self
 
     def offset(self, side: Array) -> Array:
-        """What turns a segment into that of the edge in `edges`."""
+        """The number to add to a segment for its place in `edges`."""
         return np.where(side > 0.0, 0, len(self)).astype(np.int64)
 
     def sway(self, side: Array, amplitude: Array) -> Array:
@@ -122,7 +122,7 @@ def _made(motion: Biaxial, right: float, left: float) -> Segments:
     return _weighed(across, vertical, at_right, at_left, (own.later_max[at], own.later_min[at]), (right, left))
 
 
-_last, _many = lru_cache(maxsize=1)(_made), lru_cache(maxsize=64)(_made)  # what is found of a long motion is large
+_last, _many = lru_cache(maxsize=1)(_made), lru_cache(maxsize=64)(_made)  # the segments of a long motion are large
 
 
 def _apart(marks: list[float], length: float) -> list[float]:

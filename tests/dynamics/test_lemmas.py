@@ -53,7 +53,7 @@ def watched(damping, cells, low, high, seed):
 
 
 @pytest.mark.parametrize("damping", [0.0, 0.05, 0.8])
-def test_lemma_1_what_falls_below_the_ground_in_a_valley_stays_there(damping):
+def test_lemma_1_under_a_subcritical_drive_a_fallen_body_stays_below(damping):
     y, _, _ = watched(damping, 1200, -np.inf, 1.0, 1)
     below = np.logical_or.accumulate(y < 0.0)
     assert np.any(below, axis=0).sum() > 200
@@ -61,7 +61,7 @@ def test_lemma_1_what_falls_below_the_ground_in_a_valley_stays_there(damping):
 
 
 @pytest.mark.parametrize("damping", [0.0, 0.05, 0.8])
-def test_lemma_2_a_ridge_holds_one_minimum_above_ground_and_nothing_where_it_is_entered_outwards(damping):
+def test_lemma_2_under_a_supercritical_drive_there_is_one_minimum_at_most(damping):
     y, v, _ = watched(damping, 2400, 1.0, np.inf, 2)
     above = np.logical_and.accumulate(~(y <= 0.0))
     rises = np.logical_or.accumulate(above & (v > 0.0))
@@ -77,9 +77,9 @@ def test_lemma_3_a_drive_that_falls_and_then_rises_lets_the_body_turn_back_once(
     change = np.sign(np.diff(drive, axis=0))
     rises_once = np.logical_or.accumulate(change > 0.0)
     usable = np.vstack([np.ones(v.shape[1], dtype=bool), np.logical_and.accumulate(~(rises_once & (change < 0.0)))])
-    crests = (v[:-1] > 0.0) & (v[1:] <= 0.0) & usable[1:] & (y[1:] > 0.0)
-    assert (crests.sum(axis=0) == 1).sum() > 200
-    assert crests.sum(axis=0).max() == 1
+    peaks = (v[:-1] > 0.0) & (v[1:] <= 0.0) & usable[1:] & (y[1:] > 0.0)
+    assert (peaks.sum(axis=0) == 1).sum() > 200
+    assert peaks.sum(axis=0).max() == 1
 
 
 @pytest.mark.parametrize("damping", [0.0, 0.05, 0.8])
@@ -157,7 +157,7 @@ def ramp(rng):
         pytest.param(RigidBodyEquation(0.3, 1e-11), 0.6, id="rigid, upwards"),
     ],
 )
-def test_lemma_7_bouncing_that_is_summed_ends_before_anything_else_happens(name, equation, upwards, motions, monkeypatch):
+def test_lemma_7_a_summed_sequence_ends_before_anything_else_happens(name, equation, upwards, motions, monkeypatch):
     """The same cells with every bounce marched through, down to speeds of 1e-9: the same outcome, and the same largest rotation."""
     contact, eta = CONTACTS[name]
     ends = type(contact).sequence_ends

@@ -1,6 +1,6 @@
-"""Bodies that lose next to nothing at impacts and that nothing lifts again: they bounce to the end of a record, at one action.
+"""Bodies that lose next to nothing at impacts and are not lifted again: they bounce to the end of a record, at one action.
 
-Undamped, on equal edges, under straight lines without jumps: Lemma 14, whose letters stand here too.
+Undamped, on equal edges, under straight lines without jumps: Lemma 14 and its letters.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from ..lanes import Cells, Lanes
 Array = np.ndarray
 
 _KEEPS = 0.99  # of its speed at an impact: bodies that keep less come to rest soon enough
-_FIRST = 16  # steps of a lane before the first look; then after twice as many, and so on
+_FIRST = 16  # steps of a lane before the first test
 _ROOM = (0.05, 0.1, 0.2, 0.4, 0.8)  # for G
 _SMALL = 0.095  # of D^2/g
 _PEAK = 1.17  # over W/D: 1.053 during the shaking, and after it, where a goes to 0 with M <= 1.05 y, 1.053 (1 + 1.106 e/D) D
@@ -26,13 +26,13 @@ _SURELY = 1.0 - 1e-6  # part of a bound that is used, which rounding never needs
 
 
 def keeps_bouncing(equation: Equation, cells: Cells, segments: Segments) -> bool:
-    """Whether `bounces_on` can prove anything of these cells."""
+    """True if `bounces_on` may hold for some of these cells."""
     return segments.straight and not equation.damping and bool((cells.eta > _KEEPS).any())
 
 
 def bounces_on(segments: Segments, lanes: Lanes, equation: Equation) -> Array:
-    """Lanes of an undamped body with equal sides, just after an impact, that bounce near the ground until the shaking is over and below
-    their peak for good, under straight lines; looked for after so many steps of each."""
+    """Lanes of an undamped body with equal sides, just after an impact, that bounce near the ground until the shaking is over and never
+    rise above their peak, under straight lines. Lanes are tested after `_FIRST` steps, then each time that the number has doubled."""
     found = np.zeros(lanes.v.shape, dtype=bool)
     looks = (lanes.steps >= _FIRST) & (lanes.steps & (lanes.steps - 1) == 0) & (lanes.eta > _KEEPS) & (lanes.v > 0.0)
     at = np.flatnonzero(looks & (lanes.b < 0.0) & (lanes.b > -2.0))

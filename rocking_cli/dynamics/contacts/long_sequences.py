@@ -21,11 +21,9 @@ _SHARES = (0.003, 0.01, 0.03, 0.1, 0.25, 0.5)  # of the segment that is left: st
 def outlasts(segments: Segments, lanes: Lanes, equation: Equation, most: int) -> Array:
     """Lanes of a body with equal sides, just after an impact, that are bound to take more than `most` steps.
 
-    On a stretch of a monotone segment along which 1 - |a| is at least m the arcs begin with at most G v, where G^2 is the last over the
-    first force on the side whose force grows, and last at most 2 G v/(m - e), e < m/2 for what y adds: so many of them fill it, unless
-    their series is proved to end before. For that it would have to end within the segment, which takes a speed below (1 - eta^2) M
-    of the time left, M the largest 1 - |a|, or one below rounding, while `most` impacts leave at least eta^most v/G', G' the same
-    root on the side whose force falls.
+    G^2 is the last over the first force on the side whose force grows. A sequence may end before only if it ends within the segment. That
+    takes a speed below (1 - eta^2) M of the time left, M the largest 1 - |a|, or one below rounding, while `most` impacts leave at least
+    eta^most v/G', G' the same root on the side whose force falls.
     """
     found = np.zeros(lanes.v.shape, dtype=bool)
     at = np.flatnonzero((lanes.steps % _EVERY == 0) & (lanes.v > 0.0) & (lanes.y == 0.0) & (lanes.b < 0.0) & (lanes.b > -2.0))

@@ -23,7 +23,7 @@ Array = np.ndarray
 
 _POINTS = 0.57  # points of a step for each factor e of its error
 _COARSE = 2  # sweeps with parabolas: then all but one step in a hundred are near their marks
-_BEND = 0.17  # a step times the drive's pace is this for each point, at the most,
+_PACE = 0.17  # a step times the drive's pace is this for each point, at the most,
 _STIFF = 0.8  # the square of a step times the slope of the force this, so that each sweep leaves a tenth or less,
 _FAR = 2.0  # and y comes this far in half widths of a patch, which are short against the distance to the linkage's lock-up,
 # and half as deep as the lowest mark
@@ -75,7 +75,7 @@ def collocated(marks: Marks, tolerance: float, segments: Segments, lanes: Lanes)
     moves = (np.abs(lanes.v) + np.sqrt(0.5 * far * np.abs(lanes.b))) / far
     deep = lanes.y - 0.5 * marks.low
     falls = (np.sqrt(lanes.v * lanes.v + 2.0 * deep * np.maximum(-lanes.b, 0.0)) - lanes.v) / (2.0 * deep)
-    pace = (1.0 + segments.pace.take(lanes.k) * lanes.omega) / (_BEND * count)
+    pace = (1.0 + segments.pace.take(lanes.k) * lanes.omega) / (_PACE * count)
     length = 1.0 / np.maximum(np.maximum(pace, np.sqrt(stiff / _STIFF)), np.maximum(moves, falls))
     terms, holds = np.empty((count + 3, lanes.y.size)), np.empty(lanes.y.size, dtype=bool)
 
@@ -127,8 +127,8 @@ def _step(
         change, y = y, swept()
     np.subtract(y, change, out=change)
     slope = _slope(force, x)
-    bent = np.abs(change).max(axis=0)
-    bent *= bent * (np.abs(start[0, 2]) + np.abs(lanes.amplitude * start[1, 2]))
+    second_order = np.abs(change).max(axis=0)
+    second_order *= second_order * (np.abs(start[0, 2]) + np.abs(lanes.amplitude * start[1, 2]))
     for _ in range((count - 1) // 4):
         change *= slope
         later += change
@@ -144,7 +144,7 @@ def _step(
     room = LOCAL * tolerance
     within = np.abs(x).max(axis=0) <= _NEAR * marks.step
     within &= np.abs(series[-2:]).max(axis=0) * length <= _INSIDE * count * room
-    within &= bent * length <= _INSIDE * room
+    within &= second_order * length <= _INSIDE * room
     within &= np.abs(change).max(axis=0) <= (_INSIDE * room) * length
     return terms, within
 

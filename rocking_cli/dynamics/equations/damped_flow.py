@@ -36,7 +36,7 @@ class DampedFlow(LinearFlow):
 
     @property
     def fastest(self) -> Array:
-        """Rate at which the arc bends: the mode that decays, or the fastest drive over p."""
+        """Rate of the fastest change: the mode that decays, or the fastest drive over p."""
         return 1.0 + 2.0 * self.damping + self.w.max(axis=0, initial=0.0)
 
     def at(self, h: Array) -> Point:

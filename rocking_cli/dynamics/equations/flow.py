@@ -52,7 +52,7 @@ class LinearFlow(Arrays):
 
     @property
     def fastest(self) -> Array:
-        """Rate at which the arc bends, 1 + the fastest drive over p."""
+        """Rate of the fastest change, 1 + the fastest drive over p."""
         return 1.0 + self.w.max(axis=0, initial=0.0)
 
     def at(self, h: Array) -> Point:

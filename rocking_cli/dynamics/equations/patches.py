@@ -52,7 +52,7 @@ class Marks:
         return at, self.low + at * self.step
 
     def about(self, y: Array) -> Array:
-        """(2, 3, lanes): value, slope and half the bend of either at each y."""
+        """(2, 3, lanes): value, slope and half the second derivative of either at each y."""
         at, near = self.nearest(y)
         c, x = self.rows.take(at, axis=2), y - near
         for first in range(3):

@@ -96,14 +96,14 @@ class SummedFlow(NamedTuple):
         sinh, cosh1 = 2.0 * half * np.sqrt(1.0 + half2), 2.0 * half2
         if short.size == h.size:
             return self._short(h, sinh, cosh1)
-        turned, turned_rate, bent, bent_rate = self._sums(*self._phases(h))
+        turned, turned_rate, curved, curved_rate = self._sums(*self._phases(h))
         out, up = self.v + self.p, self.b - self.q
         rise = out * sinh + up * cosh1
         found = Point(
             self.y + rise + turned,
             self.v + out * cosh1 + up * sinh + turned_rate,
-            self.b + rise - bent,
-            self.v + out * cosh1 + up * sinh + self.rate - bent_rate,
+            self.b + rise - curved,
+            self.v + out * cosh1 + up * sinh + self.rate - curved_rate,
         )
         if short.size:
             for x, there in zip(found, self.take(short)._short(h[short], sinh[short], cosh1[short]), strict=True):
@@ -118,16 +118,16 @@ class SummedFlow(NamedTuple):
         """Y, and the sum of its terms times w^2."""
         turned = self.cos * cosm
         turned -= self.sin * sin
-        total, bent = _weighed(self.weights[:2], turned)
-        return total, bent * self.top * self.top
+        total, curved = _weighed(self.weights[:2], turned)
+        return total, curved * self.top * self.top
 
     def _sums(self, sin: Array, cosm: Array) -> tuple[Array, Array, Array, Array]:
         """Y and Y', and the sums of their terms times w^2."""
-        turned, bent = self._turned(sin, cosm)
+        turned, curved = self._turned(sin, cosm)
         np.multiply(self.cos, sin, out=sin)
         sin += np.multiply(self.sin, cosm, out=cosm)
-        rate, bent_rate = _weighed(self.weights[2:], sin)
-        return turned, rate * self.top, bent, bent_rate * self.top * self.top * self.top
+        rate, curved_rate = _weighed(self.weights[2:], sin)
+        return turned, rate * self.top, curved, curved_rate * self.top * self.top * self.top
 
     def _short(self, h: Array, sinh: Array, cosh1: Array) -> Point:
         """The state after a short h, with d_n and G_m over powers of the fastest w, which no power of w exceeds."""
@@ -160,8 +160,8 @@ class SummedFlow(NamedTuple):
 
     def at_ground(self, h: Array) -> Array:
         """The force at an impact, where y = 0, from the change of the drive since the start."""
-        turned, bent = self._turned(*self._phases(h))
-        return self.b - self.y - turned - bent
+        turned, curved = self._turned(*self._phases(h))
+        return self.b - self.y - turned - curved
 
 
 def _weighed(weights: Array, rows: Array) -> Array:

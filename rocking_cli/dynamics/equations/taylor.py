@@ -58,12 +58,12 @@ class TaylorSeries(Arrays):
         """y and three derivatives after h."""
         return self._point(*self._products(h))
 
-    def bent(self, h: Array) -> tuple[Point, Array]:
-        """The same, and how far h y' and h^2 y'' up to there are from the straight line between their ends at the most, (2, lanes)."""
+    def at_with_chord_errors(self, h: Array) -> tuple[Point, Array]:
+        """The same, and bounds of the distance of h y' and h^2 y'' up to there from the straight line between their ends, (2, lanes)."""
         x, terms = self._products(h)
         point, rest = self._point(x, terms), terms[3:]
         np.abs(rest, out=rest)
-        return point, np.einsum("dn,nl->dl", _off_chords(len(terms)), rest)[:, : x.size]
+        return point, np.einsum("dn,nl->dl", _chord_errors(len(terms)), rest)[:, : x.size]
 
     def _products(self, h: Array) -> tuple[Array, Array]:
         """h over the unit, and the terms times its powers."""
@@ -115,7 +115,7 @@ def _falling_factors(count: int) -> Array:
 
 
 @lru_cache(maxsize=64)
-def _off_chords(count: int) -> Array:
+def _chord_errors(count: int) -> Array:
     """(2, count - 3): n times the most of t - t^(n - 1) on [0, 1], and n (n - 1) times that of t - t^(n - 2), from n = 3 on."""
     n = np.arange(3.0, count)
     m = np.maximum(np.array([n - 1.0, n - 2.0]), 1.0 + 1e-9)

@@ -95,7 +95,7 @@ def advance(segments: Segments, lanes: Lanes, equation: Equation, until: Array |
     arc = equation.flow(segments, lanes)
     step = next_step(segments, lanes, np.minimum(arc.longest, until))
     if segments.weighed is not None and isinstance(arc, TaylorSeries):
-        end, bent = arc.bent(step.h)
+        end, bent = arc.at_with_chord_errors(step.h)
     else:
         end, bent = arc.at(step.h), None
     reach = step.h.copy()

@@ -27,7 +27,7 @@ def start(motion, amplitude, v):
     return Lanes(cell, amplitudes, omega, eta, k, u, side, y, v, b, peak, impacts, steps)
 
 
-def highest_crest(drive, step, v):
+def highest_peak(drive, step, v):
     """Of the lossless linear oscillator x'' = x - sgn x + a, by closed forms from line to line and bisection; `step` apart the drive is
     `drive`."""
     x, side, highest = 0.0, 1.0, 0.0
@@ -90,12 +90,12 @@ DRIVES = {
 
 
 @pytest.mark.parametrize("name", [*DRIVES, *IN_STEP])
-def test_no_crest_is_above_the_ceiling(name):
+def test_no_peak_is_above_the_ceiling(name):
     """At the largest speed of which anything is proved and at parts of it, or at the one that the drive is in step with."""
     drive, step = in_step(*IN_STEP[name]) if name in IN_STEP else DRIVES[name]
     motion, amplitude = shaken(-drive, step), np.abs(drive).max()
     speeds = [IN_STEP[name][2]] if name in IN_STEP else fastest(motion, amplitude) * np.array([1.0, 0.5])
-    found = [highest_crest(drive.tolist(), step, v) / ceiling(motion.segments, start(motion, amplitude, v), 1.0) for v in speeds]
+    found = [highest_peak(drive.tolist(), step, v) / ceiling(motion.segments, start(motion, amplitude, v), 1.0) for v in speeds]
     assert max(found) <= 1.0
     assert max(found) > 0.35  # of a bound that means something
 

@@ -1,4 +1,4 @@
-"""Trains of bounces that are given up beforehand."""
+"""Sequences of impacts that are given up beforehand."""
 
 import numpy as np
 import pytest

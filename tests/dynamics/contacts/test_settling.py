@@ -35,7 +35,7 @@ def test_marching_on_finds_the_same_peak(motion, monkeypatch):
     assert np.all(settled.impacts <= marched.impacts)
 
 
-def test_trains_that_only_the_end_of_the_shaking_ends_are_not_followed():
+def test_sequences_that_only_the_end_of_the_shaking_ends_are_not_followed():
     """Without loss a bounce never ends: bodies just lifted by the second half of a sine cycle have it behind them."""
     found = linear_response(sine(), 1.0 + 1e-9, [2.0, 8.0], 1.0 - 1e-9)
     assert found.outcome.tolist() == [Outcome.ROCKED, Outcome.ROCKED]

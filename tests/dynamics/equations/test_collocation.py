@@ -100,8 +100,8 @@ def followed(equation, segments, lanes, until):
 @pytest.mark.parametrize(
     ("name", "too"),
     [
-        ("voussoirs", {}), ("voussoirs", {"_BEND": 2.0}), ("voussoirs", {"_FAR": 20.0}), ("voussoirs", {"_COARSE": 0}),
-        ("voussoirs", {"_FAR": 20.0, "_HALVED": 0}), ("barely stands", {"_STIFF": 30.0, "_BEND": 0.3}),
+        ("voussoirs", {}), ("voussoirs", {"_PACE": 2.0}), ("voussoirs", {"_FAR": 20.0}), ("voussoirs", {"_COARSE": 0}),
+        ("voussoirs", {"_FAR": 20.0, "_HALVED": 0}), ("barely stands", {"_STIFF": 30.0, "_PACE": 0.3}),
     ],
 )  # fmt: skip
 def test_steps_that_are_too_long_are_halved_or_left_to_series(name, too, monkeypatch):
@@ -137,8 +137,8 @@ def test_marks_have_the_values_of_the_patches():
         assert np.abs(values - table.slope(function, y)).max() < 1e-10
 
 
-def test_no_bit_of_a_lane_hangs_on_the_others():
-    """2049 lanes: a block, and one lane beside it."""
+def test_no_bit_of_a_lane_depends_on_the_others():
+    """2049 lanes: a block, and one lane more."""
     equation = MechanismEquation(mechanism("voussoirs"))
     segments = System(equation).segments(sine())
     lanes = lanes_of(equation, segments, 2049, 5)

@@ -54,7 +54,7 @@ def test_one_lane_is_the_same_lane_among_others():
 def test_how_far_a_term_is_bent_from_the_chord_is_the_most_that_it_is(n):
     terms, h, unit = np.zeros((13, 2)), np.array([0.7, 1.3]), np.array([0.5, 2.0])
     terms[n] = 0.8, -0.3
-    _, most = taylor.TaylorSeries(terms, unit, h, 1.0 / unit).bent(h)
+    _, most = taylor.TaylorSeries(terms, unit, h, 1.0 / unit).at_with_chord_errors(h)
     t = np.linspace(0.0, 1.0, 4001)[:, None]
     for row, (m, size) in enumerate(((n - 1, n), (n - 2, n * (n - 1)))):
         off = np.abs(size * terms[n] * (h / unit) ** n * (t**m - t)).max(axis=0)  # of h y', h^2 y''

@@ -16,7 +16,7 @@ def test_every_fall_of_the_speed_through_zero_has_a_bracket_of_its_own(bent):
     unit, reach = random.uniform(0.5, 2.0, lanes), random.uniform(0.5, 1.5, lanes)
     series = TaylorSeries(terms, unit, reach, 1.0 / unit)
     none = np.zeros(0, dtype=np.int64)
-    end, most = series.bent(reach)
+    end, most = series.at_with_chord_errors(reach)
     kept, monotone = sense(series, reach, end, most)
     once = monotone & (series.v > 0.0) & (end.v <= 0.0)
     which, low, high = falls_through_zero(series, reach, np.flatnonzero(~monotone), np.flatnonzero(once))
@@ -51,4 +51,4 @@ def test_a_proof_goes_as_far_as_a_parabola_that_hardly_comes_to_zero(dip):
     turned = np.append(np.zeros((1, 4)), parabola / np.array([[1.0], [2.0], [3.0], [4.0]]), axis=0)
     for part, terms in enumerate((parabola * reach, turned * reach**2)):
         series = TaylorSeries(np.append(terms, np.zeros((5 - len(terms), 4)), axis=0), reach, reach, 1.0 / reach)
-        assert np.all(sense(series, reach, *series.bent(reach))[part] == (dip < 1.0))
+        assert np.all(sense(series, reach, *series.at_with_chord_errors(reach))[part] == (dip < 1.0))
