@@ -1,14 +1,14 @@
-"""Where the outcome changes along the amplitude, for many frequencies: a scan that bounds what can be missed, then sections.
+"""Changes of the outcome along the amplitude, for many frequencies: a scan bounds what can be missed, then sections trace each change.
 
 Theorems on the linear oscillator spare most of the scan (Lemmas 9 and 10 of `dynamics`):
 
 - Nothing overturns while A int |s| dphi <= Omega, from the first uplift on. With E = v^2 + y (2 - y), dE/dtau = 2 v a, and v^2 <= E
   below y = 1: the root of E grows by at most int |a| dtau, impacts lower it, and a body that overturns has had E >= 1. Bodies that may
-  lose the ground without overturning are looked at from where that is not excluded (`body`).
-- Above an amplitude that overturns without impact every other does, where the motion lifts the body on its first segment
-  at any amplitude. At a fixed time y = A J - K with K > 0 and dy/dA = J: where y > 0 it grows with A.
-- So above an amplitude whose first arc outlasts the shaking every other one's does, and there the outcome changes only where the energy
-  at its end crosses a level; bounds of that energy over stretches of amplitudes say where it can (`one_arc`).
+  lose the ground without overturning are computed from a smaller amplitude on (`System.safe_amplitude`).
+- If one amplitude overturns without impact, so does every larger one, provided that the motion lifts the body on its first segment at any
+  amplitude. At a fixed time y = A J - K with K > 0 and dy/dA = J: if y > 0 it grows with A.
+- So if the first arc outlasts the shaking at one amplitude, it does at every larger one. The outcome then changes only at amplitudes whose
+  energy at the end of the shaking crosses a level; bounds of that energy over stretches of amplitudes exclude most of them (`one_arc`).
 """
 
 from __future__ import annotations
@@ -205,7 +205,7 @@ class Search:
     def _quiet(self, omegas: Array) -> Array:
         """The last point up to which the shaking from the first uplift on, A int |s| dphi <= Omega, overturns nothing."""
         scan, segments = self.grid, self.motion.segments
-        if segments.straight:  # the trapezoids of all of it, which exceed the integral where s changes its sign
+        if segments.straight:  # trapezoids of the whole motion; they exceed the integral if s changes its sign
             parts = (
                 segments.length[part] @ (np.abs(segments.s_start[part]) + np.abs(segments.s_end[part])) for part in blocks(len(segments))
             )

@@ -74,12 +74,12 @@ def _one_way(labels: Array) -> tuple[Array, Array]:
     The other changes are dropped: after many impacts the outcome of neighbouring amplitudes may be noise.
     """
     lane, now = np.arange(len(labels)), labels[:, 0]
-    lanes, places = [], []
+    found, places = [], []
     while lane.size:
         at = labels.shape[1] - 1 - (labels[lane, ::-1] == now[:, None]).argmax(axis=1)
-        lanes.append(lane)
+        found.append(lane)
         places.append(at)
         now = labels[lane, at + 1]
         going = np.flatnonzero(now != labels[lane, -1])
         lane, now = lane[going], now[going]
-    return np.concatenate(lanes), np.concatenate(places)
+    return np.concatenate(found), np.concatenate(places)

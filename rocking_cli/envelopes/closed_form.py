@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.optimize import brentq
 
-_SCAN = 600  # amplitudes at which the margin's sign is looked at, between initiation and the no-impact curve
+_SCAN = 600  # amplitudes at which the margin's sign is computed, between initiation and the no-impact curve
 
 
 class CurvePoint(NamedTuple):

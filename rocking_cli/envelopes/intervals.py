@@ -1,11 +1,11 @@
 """Overturning envelopes: for each frequency, every interval of amplitudes that overturns, traced by root finding.
 
 Between the interval that overturns after an impact and the one that overturns without lies a safe window, so a threshold
-is not enough. The outcome is computed on amplitudes 1e-3 apart, which no wider interval escapes, and closer just above
-uplift; every change between neighbours is traced down to the last digits (`boundaries`). Slow pulses (Omega below 1) have
-intervals narrower than the scan, and more of them the closer one looks; so have motions of several cycles, at any amplitude
-that leads to many impacts. There the scan looks at amplitudes 1e-4 apart around every change of the outcome or of the number
-of impacts, where narrow intervals gather. That is no proof: below 1e-3 an interval, safe or overturning, can be missed.
+is not enough. The outcome is computed at amplitudes 1e-3 apart, and closer just above uplift; every change between neighbours is traced
+to the last digits (`boundaries`). So no interval wider than 1e-3 is missed; a narrower one, safe or overturning, can be. Slow pulses
+(Omega below 1) have such intervals just above uplift, motions of several cycles at any amplitude that leads to many impacts. Under
+several cycles a finer scan, 1e-4 apart, covers the surroundings of every change of the outcome or of the number of impacts. Narrow
+intervals gather there, but this is no proof.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ from .scan_grid import SCAN_STEP
 
 A_MAX = 20.0
 NARROWEST = 1e-3  # width in A from which no interval is missed
-HIGHEST = 100_000.0  # that a_max may be: a scan can compute that many amplitudes
+HIGHEST = 100_000.0  # of a_max; a larger scan takes too long
 SIGNS = {"+": (1.0,), "-": (-1.0,), "worse": (1.0, -1.0)}  # of the ground acceleration, for bodies whose sides differ
 NONE = "none"  # the mode of a body that no amplitude overturns
 BOTH = "both"  # each sign by itself
@@ -63,8 +63,8 @@ def trace_envelope(
 
     For a linear oscillator of which only the restitution is known give `dimensionless_oscillator(eta)`. Boundaries are
     traced to the last digits of the model's outcome. Intervals that touch but differ in mode are listed apart. sign: of the
-    ground acceleration, where a body's sides differ: "+", "-", or "worse", which lists the intervals of either. workers:
-    processes, None for all cores where that saves time. Raises UsageError when a_max is not above the initiation or the model
+    ground acceleration, for a body whose sides differ: "+", "-", or "worse", which lists the intervals of either. workers:
+    processes, None for all cores if that saves time. Raises UsageError when a_max is not above the initiation or the model
     does not hold for the structure, OutputError when a worker process dies.
 
     >>> [(round(i.a_from, 6), i.a_to and round(i.a_to, 6)) for i in trace_envelope(dimensionless_oscillator(0.9), sine(), [3.0])]
@@ -179,8 +179,9 @@ def structure_intervals(
     lowest: bool = False,
     **more: Any,
 ) -> Iterator[dict[str, Any]]:
-    """Records of a structure's overturning intervals, with units where it has any; with sign "both" each with its
-    sign, 1 or -1, and None where the sides are alike. A frequency that never overturns has one of mode `NONE`.
+    """Records of a structure's overturning intervals, with units if it has any. A frequency without any has one record of mode `NONE`.
+
+    sign "both" adds the sign, 1 or -1, to each record, None if the sides of the body are equal.
 
     lowest: of each frequency the lowest interval alone; more: arguments of `trace_envelope`. Raises as `trace_envelope`.
     """
@@ -244,7 +245,7 @@ def _closed_form_of(motion: Motion) -> str:
 
 
 def structure_curves(structure: RockingParameters, motion: Motion, axis: Axis) -> Iterator[dict[str, Any]]:
-    """Records of the closed-form curves for a structure. Raises UsageError where there is no closed form."""
+    """Records of the closed-form curves for a structure. Raises UsageError if there is no closed form."""
     from .closed_form import closed_form_curves
 
     for point in closed_form_curves(_scaled(structure, axis), structure.eta, _closed_form_of(motion)):

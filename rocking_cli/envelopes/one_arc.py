@@ -1,14 +1,14 @@
 """Bounds of the energy after the shaking, for amplitudes at which the first arc outlasts the shaking.
 
-For the undamped linear oscillator on equal edges, which the motion lifts at once at any amplitude (Lemma 10 of `dynamics`). From uplift at
+For the undamped linear oscillator on equal edges and motions that lift it at once at any amplitude (Lemma 10 of `dynamics`). From uplift at
 psi on nothing strikes the body until the end T of the shaking, so both of its modes are known there:
 
     z = y - 1 + v = A Z - exp(T - psi),      Z = int exp(T - t) s dt from psi to T = dz/dA,      s outwards
     x = v + 1 - y = A X + exp(psi - T),      X = int exp(t - T) s dt from psi to T = dx/dA
 
 since A s = 1 at psi. The energy is 1 + z x: where z < 0 the body falls back, and overturns after its impact if z x > 1/eta^2 - 1.
-As A grows psi falls, so Z and X grow, and z and x are convex. So the ends of a stretch of amplitudes bound all four all over it, and
-with them z x and its slope Z x + X z: where these leave no room for a change there is none, else the stretch is cut in two.
+As A grows psi falls, so Z and X grow, and z and x are convex. So the ends of a stretch of amplitudes bound all four over the stretch, and
+with them z x and its slope Z x + X z. If these bounds exclude a change there is none, else the stretch is cut in two.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ _ROUNDING = 1e-12  # of the terms that z and x are summed from; a sum over some 
 
 
 class Modes(NamedTuple):
-    """z and x at the end of the shaking, their derivatives by A, and bounds of what rounding does to z and x; arrays of one shape."""
+    """z and x at the end of the shaking, their derivatives by A, and bounds of the rounding errors of z and x; arrays of one shape."""
 
     z: Array
     x: Array

@@ -1,4 +1,4 @@
-"""The amplitudes of the first scan at one frequency, and searches that skip amplitudes of the scan."""
+"""The amplitudes of the scan at one frequency, and searches that skip amplitudes of the scan."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import numpy as np
 from .changes import SECTIONS
 
 Array = np.ndarray
-Ends = TypeVar("Ends", bound=NamedTuple)  # of arrays, (lanes,)
+Ends = TypeVar("Ends", bound=NamedTuple)  # of arrays, (rows,)
 
 SCAN_STEP = 0.999e-3  # in A; no interval wider than 1e-3 is missed
 
@@ -65,9 +65,8 @@ def onwards(rows: Array, first: Array, last: Array, there: Callable[[Array, Arra
     while np.any(high - low > 1):
         points = low[:, None] + (high - low)[:, None] * np.arange(1, SECTIONS + 1) // SECTIONS
         points = np.maximum(points, first[:, None])
-        step = there(points, np.broadcast_to(rows[:, None], points.shape)).argmax(axis=1)
-        lanes = np.arange(rows.size)
-        high, low = points[lanes, step], np.where(step > 0, points[lanes, step - 1], low)
+        step, row = there(points, np.broadcast_to(rows[:, None], points.shape)).argmax(axis=1), np.arange(rows.size)
+        high, low = points[row, step], np.where(step > 0, points[row, step - 1], low)
     return rows, high
 
 

@@ -42,7 +42,7 @@ def one_sided_restitution_of(document: Document, base: tuple[float, float], back
         wanted = ONE_SIDED_RESTITUTION + ("" if backing is None else ", or auto")
         return _stated(document, wanted, above=-1.0, most=0.0) + 0.0, "given"
     if backing is None:
-        found = "a one-sided body whose geometry does not say where it meets its backing"
+        found = "a one-sided body whose geometry does not define its impact on the backing"
         raise document.fault("one_sided", found, f"restitution as well: {ONE_SIDED_RESTITUTION}")
     e = base[0] * base[1] * backing
     if min(base) < 0.0 or not -1.0 < e <= 0.0:

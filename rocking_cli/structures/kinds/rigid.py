@@ -42,7 +42,7 @@ def _gyration(document: Document) -> float:
     if not document.has("inertia"):
         return document.length("gyration")
     if document.has("gyration"):
-        raise document.fault("inertia", "inertia beside gyration", "gyration, or inertia and mass, not both")
+        raise document.fault("inertia", "inertia together with gyration", "gyration, or inertia and mass, not both")
     inertia = document.quantity("inertia", "moment of inertia", above=0.0, where="a positive moment of inertia about the mass centre")
     if (mass := mass_of(document)) is None:
         raise document.missing("mass", "the mass [kg] that goes with inertia")

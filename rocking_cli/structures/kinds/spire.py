@@ -143,13 +143,13 @@ def _read(document: Document) -> Spire:
     tip = height * (1.0 - thickness / base)
     if document.has("tip_height"):
         if thickness == 0.0:
-            raise document.fault("tip_height", "a solid tip on a thin wall", "tip_height beside thickness only")
+            raise document.fault("tip_height", "a solid tip on a thin wall", "tip_height only together with thickness")
         where = f"a positive length up to height ({height:g} m)"
         tip = document.quantity("tip_height", "length", above=1e-9 * height, most=height, where=where)
     crack = document.choice("crack", ["none", "diagonal"], "diagonal" if document.has("crack_height") else "none")
     if crack == "none":
         if document.has("crack_height"):
-            raise document.fault("crack_height", "a crack height", "crack_height beside crack: diagonal only")
+            raise document.fault("crack_height", "a crack height", "crack_height only together with crack: diagonal")
         return Spire(base, height, thickness, tip, 0.0)
     where = f"a length from 0 (the base) to {tip:g} m (where the solid tip begins)"
     crack_height = document.quantity("crack_height", "length", least=0.0, most=tip, where=where, default=tip)

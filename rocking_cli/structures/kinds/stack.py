@@ -26,7 +26,7 @@ def _stack(document: Document) -> Stack:
     pieces = [_piece(part) for part in parts]
     dense = [part for part in parts if part.has("density")]
     if dense and len(dense) < len(parts):
-        raise dense[0].fault("density", "a density beside pieces without one", "density for every piece, or for none")
+        raise dense[0].fault("density", "a density of some pieces only", "density for every piece, or for none")
     return Stack(document, "pieces", "piece", pieces)
 
 
@@ -41,7 +41,7 @@ def _piece(part: Document) -> Piece:
 def _cuboid(part: Document) -> Piece:
     for key in ("radius", "base_radius", "top_radius"):
         if part.has(key):
-            raise part.fault(key, f"{key} beside width or depth", "width and depth of a rectangular piece, or radii of a round one")
+            raise part.fault(key, f"{key} together with width or depth", "width and depth of a rectangular piece, or radii of a round one")
     width, height = part.length("width"), part.length("height")
     mass = width * (part.length("depth") if part.has("depth") else width) * height
     moments = Moments(mass, 0.0, 0.5 * mass * height, mass * (width * width / 12.0 + height * height / 3.0))

@@ -170,7 +170,7 @@ def radius_and_alpha(document: Document, centroid: float = 0.5) -> tuple[float, 
     sizes = [key for key in ("width", "height") if document.has(key)]
     polar = [key for key in ("radius", "alpha") if document.has(key)]
     if sizes and polar:
-        raise document.fault(polar[0], f"{polar[0]} beside {sizes[0]}", "width and height, or radius and alpha, not both")
+        raise document.fault(polar[0], f"{polar[0]} together with {sizes[0]}", "width and height, or radius and alpha, not both")
     if sizes or not polar:
         x, z = 0.5 * document.length("width"), centroid * document.length("height")
         return math.hypot(x, z), math.atan2(x, z)

@@ -49,7 +49,7 @@ def round_piece(document: Document) -> Piece:
     if document.has("radius"):
         for key in ("base_radius", "top_radius"):
             if document.has(key):
-                raise document.fault(key, f"{key} beside radius", "radius, or base_radius and top_radius, not both")
+                raise document.fault(key, f"{key} together with radius", "radius, or base_radius and top_radius, not both")
         base = top = document.length("radius")
     else:
         top = document.quantity("top_radius", "length", least=0.0, where="a length from 0")
@@ -109,7 +109,7 @@ class Stack:
                 below = pieces[i - 1]
                 left, right = max(left, below.axis - below.head), min(right, below.axis + below.head)
             if not right > left:
-                found = f"{word} {i + 1} from below beside the one that it should stand on"
+                found = f"{word} {i + 1} from below apart from the one below it"
                 raise document.fault(key, found, f"{word}s that stand on each other")
             beds.append(Bed(left, right, body))
         self.beds = beds[::-1]
@@ -119,7 +119,7 @@ class Stack:
         """The rocking parameters. Raises DocumentError if the stack does not stand."""
         bed, last = self.beds[self.weakest], self.pieces[-1]
         if not bed.margin > 0.0:
-            found = f"{self.word} {self.weakest + 1} from below and what is on it beyond its edge"
+            found = f"{self.word} {self.weakest + 1} from below, with the pieces on it, beyond its edge"
             raise self.document.fault(self.key, found, "a stack that stands")
         top = (last.axis - last.head - 0.5 * (bed.left + bed.right), sum(piece.height for piece in self.pieces[self.weakest :]))
         details = {}

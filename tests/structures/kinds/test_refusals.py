@@ -50,15 +50,15 @@ REFUSED = {
         ("drums: [3]", "found 3; expected a mapping"),
         ("drums: [{radius: 1, heigth: 2}]", "unknown key 'heigth'"),
         ("radius: 1\nheight: 6\noffset: 1", "offset: found 1; expected a length between -1 and 1 m, above its base"),
-        ("drums: [{radius: 1, height: 2}, {radius: 1, height: 2, offset: 2}]", "drum 2 from below beside the one"),
-        ("drums: [{radius: 1, height: 2}, {radius: 1, height: 2, offset: 1.5}]", "drum 2 from below and what is on it"),
+        ("drums: [{radius: 1, height: 2}, {radius: 1, height: 2, offset: 2}]", "drum 2 from below apart from the one"),
+        ("drums: [{radius: 1, height: 2}, {radius: 1, height: 2, offset: 1.5}]", "drum 2 from below, with the pieces on it"),
         ("base_radius: 1\ntop_radius: -1\nheight: 3", "top_radius: found -1"),
         ("base_radius: 1\ntop_radius: 1e200\nheight: 3", "top_radius: found 1e200"),
     ],
     "kind: frame\n": [
         ("columns: 0\nwidth: 1\nheight: 6\ncap_ratio: 1", "columns: found 0; expected a whole number from 1"),
         ("columns: 2\nwidth: 1\nheight: 6\ncap_ratio: -1", "cap_ratio: found -1"),
-        ("one_sided: true\ncolumns: 4\nwidth: 1\nheight: 5\ncap_ratio: 1", "does not say where it meets its backing"),
+        ("one_sided: true\ncolumns: 4\nwidth: 1\nheight: 5\ncap_ratio: 1", "does not define its impact on the backing"),
     ],
     "kind: prism\n": [
         ("corners: [[0, 0], [1, 0]]", "found a list; expected a list of three or more"),
@@ -75,7 +75,7 @@ REFUSED = {
     "kind: rigid\nleft: 0.42\nright: 31 cm\nheight: 1.15\n": [
         ("", "no key 'gyration'; expected gyration: a length"),
         ("gyration: 0", "gyration: found 0; expected a positive length"),
-        ("gyration: 1\ninertia: 3", "inertia: found inertia beside gyration; expected gyration, or inertia and mass"),
+        ("gyration: 1\ninertia: 3", "inertia: found inertia together with gyration; expected gyration, or inertia and mass"),
         ("inertia: 3", "no key 'mass'; expected mass: the mass .kg. that goes with inertia"),
         ("inertia: 3 kg\nmass: 2", "inertia: found 3 kg; expected a moment of inertia"),
         ("gyration: 1\nmass: -2", "mass: found -2; expected a positive mass"),
@@ -84,8 +84,8 @@ REFUSED = {
         ("left: 1e9\nright: 0.3\nheight: 0.4\ngyration: 1", "left: found 1e.09 m; expected up to 1000 times the 0.5 m from"),
         ("left: 0.42\nright: -1\nheight: 1.15\n", "right: found -1; expected a positive length"),
         ("left: 0.42\nright: 31 cm\nheight: 0.2\ngyration: 0.2", "a restitution of -.* from momentum; expected a body more slender"),
-        ("one_sided: true\nleft: 1\nright: 1\nheight: 3\ngyration: 1", "does not say where it meets its backing"),
-        ("one_sided: true\nleft: 1\nright: 2\nheight: 3\ngyration: 1\nrestitution: auto", "does not say where it meets its backing"),
+        ("one_sided: true\nleft: 1\nright: 1\nheight: 3\ngyration: 1", "does not define its impact on the backing"),
+        ("one_sided: true\nleft: 1\nright: 2\nheight: 3\ngyration: 1\nrestitution: auto", "does not define its impact on the backing"),
     ],
     "kind: spire\nbase_radius: 1.5\nheight: 12\n": [
         ("thickness: 1.5", "thickness: found 1.5; expected a positive length below base_radius"),
@@ -96,7 +96,7 @@ REFUSED = {
         ("crack: diagonal", "a crack up to the apex"),
         ("thickness: 0.15\ncrack: diagonal\ntip_height: 12", "a crack up to the apex"),
         ("tip_height: 9", "solid tip on a thin wall"),
-        ("crack: none\ncrack_height: 3", "crack: diagonal only"),
+        ("crack: none\ncrack_height: 3", "only together with crack: diagonal"),
         ("crack: vertical", "found vertical; expected one of none, diagonal"),
     ],
     "kind: spire\n": [
@@ -104,16 +104,16 @@ REFUSED = {
             "base_radius: 1e9\nheight: 1e9\nthickness: 1e-9",
             r"thickness: found 1e-9; expected a positive length below base_radius \(1e\+09 m\) and above 1 m",
         ),
-        ("one_sided: true\nbase_radius: 1.5\nheight: 12\nthickness: 0.15\ncrack: diagonal", "does not say where it meets its backing"),
+        ("one_sided: true\nbase_radius: 1.5\nheight: 12\nthickness: 0.15\ncrack: diagonal", "does not define its impact on the backing"),
     ],
     "kind: stack\n": [
         ("pieces: []", "pieces: found a list; expected a list of pieces from below"),
-        ("pieces: [{width: 1, radius: 1, height: 2}]", "radius: found radius beside width or depth"),
+        ("pieces: [{width: 1, radius: 1, height: 2}]", "radius: found radius together with width or depth"),
         ("pieces: [{width: 1, heigth: 2}]", "f.yaml:2:29: unknown key 'heigth' .did you mean 'height'"),
         ("pieces: [{width: 1, height: 2, colour: red}]", "f.yaml:2:40: unknown key 'colour'"),
         ("pieces: [{width: 1, height: 2, density: 1}, {width: 1, height: 2}]", "density for every piece, or for none"),
-        ("pieces: [{width: 1, height: 2}, {width: 1, height: 2, offset: 1}]", "piece 2 from below beside the one"),
-        ("pieces: [{width: 1, height: 2}, {width: 1, height: 2, offset: 0.7}]", "piece 2 from below and what is on it"),
+        ("pieces: [{width: 1, height: 2}, {width: 1, height: 2, offset: 1}]", "piece 2 from below apart from the one"),
+        ("pieces: [{width: 1, height: 2}, {width: 1, height: 2, offset: 0.7}]", "piece 2 from below, with the pieces on it"),
     ],
     "kind: parameters\np: 2\nalpha: 0.2\nlambda: 0.2\none_sided: true\n": [
         ("eta: 0.4", "f.yaml:6:6: eta: found 0.4; expected a number above -1 and up to 0"),
@@ -160,7 +160,10 @@ REFUSED = {
     "": [
         ("kind: prism", "no key 'corners'"),
         ("kind: stack", "no key 'pieces'; expected pieces: a list of pieces from below"),
-        ("kind: point_mass\none_sided: true\nwidth: 1\nheight: 5", "does not say where it meets its backing; expected restitution as well"),
+        (
+            "kind: point_mass\none_sided: true\nwidth: 1\nheight: 5",
+            "does not define its impact on the backing; expected restitution as well",
+        ),
     ],
 }
 
