@@ -9,6 +9,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from support.documents import built
 
 from rocking_cli import DocumentError, build_structure, parse_documents
 from rocking_cli.errors import StructureError
@@ -80,30 +81,26 @@ def install(tmp_path, monkeypatch):
     return installed
 
 
-def parameters_of(text: str):
-    return build_structure(parse_documents(text, "f.yaml")[0])
-
-
 def test_an_installed_package_adds_a_kind(install):
     install("tower", TOWER)
-    tower = parameters_of("kind: tower\nstoreys: 7\ndamping: 0.02\nname: T")
+    tower = built("kind: tower\nstoreys: 7\ndamping: 0.02\nname: T")
     assert (tower.p, tower.damping, tower.details) == (2.0, 0.02, {"storeys": 7})
-    assert parameters_of(json.dumps(tower.record())) == tower
+    assert built(json.dumps(tower.record())) == tower
     with pytest.raises(DocumentError, match=r"f.yaml:2:1: unknown key 'storys' \(did you mean 'storeys'"):
-        parameters_of("kind: tower\nstorys: 7")
+        built("kind: tower\nstorys: 7")
     with pytest.raises(DocumentError, match=r"expected one of block, .*parameters, tower .did you mean 'tower'"):
-        parameters_of("kind: towr\nstoreys: 7")
+        built("kind: towr\nstoreys: 7")
 
 
 def test_shared_keys_are_read_for_an_installed_kind_that_does_not_read_them(install):
     install("tower", TOWER)
-    plain, moon = (parameters_of(f"kind: tower\nstoreys: 7\nname: T{more}") for more in ("", "\ngravity: 1.62"))
+    plain, moon = (built(f"kind: tower\nstoreys: 7\nname: T{more}") for more in ("", "\ngravity: 1.62"))
     assert moon == replace(plain, gravity=1.62, p=2.0 * math.sqrt(1.62 / 9.81))
-    given = parameters_of("kind: tower\nstoreys: 7\nname: T\nrestitution: 0.5\nfriction: 0.4")
+    given = built("kind: tower\nstoreys: 7\nname: T\nrestitution: 0.5\nfriction: 0.4")
     assert given == replace(plain, eta=0.5, eta_source="given", friction=0.4)
-    assert parameters_of("kind: tower\nstoreys: 7\nname: T\nrestitution: auto") == plain
+    assert built("kind: tower\nstoreys: 7\nname: T\nrestitution: auto") == plain
     with pytest.raises(DocumentError, match=r"f.yaml:3:14: restitution: found 1.5; expected a number from 0 to 1, or auto"):
-        parameters_of("kind: tower\nstoreys: 7\nrestitution: 1.5")
+        built("kind: tower\nstoreys: 7\nrestitution: 1.5")
 
 
 def test_shared_keys_are_refused_where_more_than_p_and_eta_may_depend_on_them(install):
@@ -111,17 +108,17 @@ def test_shared_keys_are_refused_where_more_than_p_and_eta_may_depend_on_them(in
     source = "from rocking_cli.structures import RockingParameters, Side\n" + BUILDS
     install("leaning", source.format(f"return RockingParameters.of_sides(name, 'leaning', {sides})"))
     with pytest.raises(DocumentError, match=r"f.yaml:2:1: unknown key 'gravity'"):
-        parameters_of("kind: leaning\ngravity: 1.62")
+        built("kind: leaning\ngravity: 1.62")
 
 
 def test_details_are_carried_along_only_for_the_kind_that_reports_them(install):
     record = {"kind": "parameters", "structure_kind": "tower", "p": 1, "alpha": 0.2, "eta": 0.9, "lambda": 0.2, "storeys": 7}
     with pytest.raises(DocumentError, match="unknown key 'storeys'"):
-        parameters_of(json.dumps(record))
+        built(json.dumps(record))
     install("tower", TOWER)
-    assert parameters_of(json.dumps(record)).details == {"storeys": 7}
+    assert built(json.dumps(record)).details == {"storeys": 7}
     with pytest.raises(DocumentError, match="unknown key 'storeys'"):
-        parameters_of(json.dumps({**record, "structure_kind": "arch"}))
+        built(json.dumps({**record, "structure_kind": "arch"}))
 
 
 @pytest.mark.parametrize(
@@ -137,7 +134,7 @@ def test_a_package_that_cannot_be_used_is_named(install, monkeypatch, source, wo
     install("broken", source)
     monkeypatch.delitem(sys.modules, "rocking_broken", raising=False)
     with pytest.raises(DocumentError, match=f"kind: found broken, which the package of-broken adds and which cannot be used: .*{words}"):
-        parameters_of("kind: broken")
+        built("kind: broken")
 
 
 BUILDS = "REPORTS = ()\ndef build(document, name):\n    {}\n"
@@ -165,24 +162,24 @@ def test_a_package_whose_build_fails_is_named(install, rocking, tmp_path, monkey
 def test_what_a_package_finds_wrong_in_a_document_is_told_as_it_is(install):
     install("tower", TOWER)
     with pytest.raises(DocumentError, match=r"f.yaml:2:10: storeys: found 100; expected a whole number from 1 to 99"):
-        parameters_of("kind: tower\nstoreys: 100")
+        built("kind: tower\nstoreys: 100")
 
 
 @pytest.mark.parametrize("name", ["block", "point_mass", "spire", "spire_cracked", "frame", "prism", "drum", "rigid", "stack", "wall"])
 def test_every_rigid_kind_takes_a_mass_which_changes_nothing_else(name):
     text = (Path(__file__).parents[3] / "configs" / f"{name}.yaml").read_text()
-    with_mass, without = parameters_of(f"{text}\nmass: 1.5 t\n"), parameters_of(text)
+    with_mass, without = built(f"{text}\nmass: 1.5 t\n"), built(text)
     assert with_mass.details["mass"] == 1500.0
     assert replace(with_mass, details=without.details) == without
-    assert parameters_of(json.dumps(with_mass.record())) == with_mass
+    assert built(json.dumps(with_mass.record())) == with_mass
     with pytest.raises(DocumentError, match="mass: found -1; expected a positive mass"):
-        parameters_of(f"{text}\nmass: -1\n")
+        built(f"{text}\nmass: -1\n")
 
 
 @pytest.mark.parametrize("kind", ["[block]", "{block: 1}"])
 def test_a_kind_that_is_no_word_is_refused(kind):
     with pytest.raises(DocumentError, match=r"f.yaml:1:7: kind: found a (list|mapping); expected one of block"):
-        parameters_of(f"kind: {kind}")
+        built(f"kind: {kind}")
 
 
 def test_known_kinds_never_look_for_packages(monkeypatch):
@@ -190,7 +187,7 @@ def test_known_kinds_never_look_for_packages(monkeypatch):
         raise AssertionError("installed packages were searched")
 
     monkeypatch.setattr("importlib.metadata.entry_points", looked)
-    block = parameters_of("kind: block\nwidth: 1\nheight: 5")
-    assert parameters_of(json.dumps(block.record())) == block
+    block = built("kind: block\nwidth: 1\nheight: 5")
+    assert built(json.dumps(block.record())) == block
     with pytest.raises(AssertionError, match="searched"):
-        parameters_of("kind: tower")
+        built("kind: tower")
