@@ -43,12 +43,8 @@ SIMILAR = [
 
 @pytest.mark.parametrize("document", SIMILAR, ids=lambda text: text.split()[1])
 def test_the_smallest_and_the_largest_lengths_are_similar_to_those_of_a_building(document):
-    def built(size):
-        return build_structure(parse_documents(document.format(a=size, b=6 * size, c=0.4 * size))[0])
-
-    usual = built(1.0)
-    for size in (1e-8, 1e8):
-        found = built(size)
+    small, usual, large = (built(document.format(a=size, b=6 * size, c=0.4 * size)) for size in (1e-8, 1.0, 1e8))
+    for size, found in ((1e-8, small), (1e8, large)):
         assert (found.alpha, found.eta, found.uplift) == pytest.approx((usual.alpha, usual.eta, usual.uplift), rel=1e-9, abs=0)
         assert found.p * math.sqrt(size) == pytest.approx(usual.p, rel=1e-9, abs=0)
 
