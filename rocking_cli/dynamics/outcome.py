@@ -84,9 +84,7 @@ class Difference(IntEnum):
         return self.name.lower()
 
 
-_OVERTURNED = np.array([o.overturned for o in Outcome])
-_FALLS = np.array([o.falls for o in Outcome])
-_SAFE = np.array([o.safe for o in Outcome])
+_OVERTURNED, _FALLS, _SAFE = np.array([(o.overturned, o.falls, o.safe) for o in Outcome]).T
 
 
 def difference(nonlinear: Any, linear: Any) -> Any:
