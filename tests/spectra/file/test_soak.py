@@ -141,67 +141,58 @@ def test_truncated_parts(left, finished, table):
     table("truncated parts, resumed", counts)
 
 
-def started(folder: Path, calls: list[list[str]], delays: list[float]) -> list[tuple[int, str]]:
-    """Exit code and standard error of calls begun one after the other, each after a delay [s]."""
-    processes = []
+def raced(folder: Path, calls: list[list[str]], delays: list[float], wholes: list[Numbers]) -> str:
+    """How calls ended that were begun one after the other, each after a delay [s]; each would make the file of the same place in wholes.
+
+    Every refusal must be one sentence with the code of one, and nothing but the whole file of one that went well may be left.
+    """
+    processes, output = [], folder / "z.h5"
     for call, delay in zip(calls, delays, strict=True):
         time.sleep(delay)
-        processes.append(subprocess.Popen(call, cwd=folder, stderr=subprocess.PIPE, text=True))
-    return [(p.returncode, said) for p in processes for said in [p.communicate(timeout=300)[1]]]
+        processes.append(subprocess.Popen([*call, "-o", "z.h5"], cwd=folder, stderr=subprocess.PIPE, text=True))
+    ends = [(p.returncode, said) for p in processes for said in [p.communicate(timeout=300)[1]]]
+    told = all(code in (0, 1, 2) and len(said.splitlines()) == (code != 0) for code, said in ends)
+    winners = [i for i, (code, _) in enumerate(ends) if code == 0]
+    good = told and winners and [p.name for p in folder.glob("z.h5*")] == ["z.h5"]
+    good = good and numbers(output).chunks in [wholes[i].chunks for i in winners]
+    for path in folder.glob("z.h5*"):
+        path.unlink()
+    return f"whole by {len(winners)} of {len(calls)}" if good else "BAD"
 
 
-def told(ends: list[tuple[int, str]]) -> bool:
-    """Whether every refusal is one sentence with the code of one."""
-    return all(code in (0, 1, 2) and len(said.splitlines()) == (code != 0) for code, said in ends)
+def swept(folder: Path, name: str, *call: str) -> Numbers:
+    subprocess.run([*SWEEP, *call, "-o", name], cwd=folder, check=True)
+    return numbers(folder / name)
 
 
 @pytest.mark.parametrize("option", ["--overwrite", "--resume", "-q"])
 def test_races_of_four_sweeps_on_one_output(tmp_path, table, option):
-    chance, counts = random.Random(15), collections.Counter()
-    subprocess.run([*SWEEP, *SCENE, "-o", "whole.h5"], cwd=tmp_path, check=True)
-    whole, output = numbers(tmp_path / "whole.h5"), tmp_path / "z.h5"
+    chance, counts, whole = random.Random(15), collections.Counter(), swept(tmp_path, "whole.h5", *SCENE)
     for _ in range(20):
         delays = [0.0, *(chance.choice((0.0, 0.02, 0.3)) for _ in range(3))]
-        ends = started(tmp_path, [[*SWEEP, *SCENE, "-o", "z.h5", option]] * 4, delays)
-        alone = [p.name for p in tmp_path.glob("z.h5*")] == ["z.h5"]
-        good = told(ends) and alone and 0 in [code for code, _ in ends] and numbers(output).chunks == whole.chunks
-        winners = sum(code == 0 for code, _ in ends)
-        counts[f"whole by {winners} of four" if good else "BAD"] += 1
-        output.unlink(missing_ok=True)
+        counts[raced(tmp_path, [[*SWEEP, *SCENE, option]] * 4, delays, [whole] * 4)] += 1
     table(f"races of four sweeps {option.replace('-q', '')}", counts)
 
 
 def test_races_of_merges_and_sweeps(tmp_path, table):
-    chance, counts = random.Random(19), collections.Counter()
-    subprocess.run([*SWEEP, *SCENE, "-o", "whole.h5"], cwd=tmp_path, check=True)
+    chance, counts, whole = random.Random(19), collections.Counter(), swept(tmp_path, "whole.h5", *SCENE)
     for i in (1, 2):
-        subprocess.run([*SWEEP, *SCENE, "--shard", f"{i}/2", "-o", f"{i}.h5"], cwd=tmp_path, check=True)
-    whole, output = numbers(tmp_path / "whole.h5"), tmp_path / "z.h5"
+        swept(tmp_path, f"{i}.h5", *SCENE, "--shard", f"{i}/2")
     merge, sweep = [*PROGRAM, "merge", "1.h5", "2.h5", "-q"], [*SWEEP, *SCENE]
     for _ in range(20):
-        calls = [[*chance.choice((merge, sweep)), "-o", "z.h5", *chance.choice(([], ["--overwrite"]))] for _ in range(3)]
-        calls.append([*sweep, "-o", "z.h5", "--resume"])
-        ends = started(tmp_path, calls, [chance.choice((0.0, 0.02, 0.3)) for _ in calls])
-        alone = [p.name for p in tmp_path.glob("z.h5*")] == ["z.h5"]
-        good = told(ends) and alone and 0 in [code for code, _ in ends] and numbers(output).chunks == whole.chunks
-        counts["whole" if good else "BAD"] += 1
-        for path in tmp_path.glob("z.h5*"):
-            path.unlink()
+        calls = [[*chance.choice((merge, sweep)), *chance.choice(([], ["--overwrite"]))] for _ in range(3)]
+        calls.append([*sweep, "--resume"])
+        counts[raced(tmp_path, calls, [chance.choice((0.0, 0.02, 0.3)) for _ in calls], [whole] * 4)] += 1
     table("races of merges and sweeps", counts)
 
 
 def test_overwriting_an_output_that_another_scene_is_written_to(tmp_path, table):
     chance, counts = random.Random(16), collections.Counter()
     scenes = [["--grid", f"A=0.5:12:{n},Omega=0.5:12:100", "--chunk", "1500"] for n in (200, 100)]
-    for i, scene in enumerate(scenes):
-        subprocess.run([*SWEEP, *scene, "-o", f"{i}.h5"], cwd=tmp_path, check=True)
-    wholes = [numbers(tmp_path / f"{i}.h5").chunks for i in range(2)]
+    wholes = [swept(tmp_path, f"{i}.h5", *scene) for i, scene in enumerate(scenes)]
     for _ in range(20):
-        ends = started(tmp_path, [[*SWEEP, *scene, "-o", "z.h5", "--overwrite"] for scene in scenes], [0.0, chance.uniform(0.0, 0.6)])
-        winners = [i for i in range(2) if ends[i][0] == 0]
-        good = told(ends) and winners and numbers(tmp_path / "z.h5").chunks in [wholes[i] for i in winners]
-        counts[f"whole, {len(winners)} of two done" if good else "BAD"] += 1
-        (tmp_path / "z.h5").unlink(missing_ok=True)
+        calls = [[*SWEEP, *scene, "--overwrite"] for scene in scenes]
+        counts[raced(tmp_path, calls, [0.0, chance.uniform(0.0, 0.6)], wholes)] += 1
     table("another scene with --overwrite", counts)
 
 
