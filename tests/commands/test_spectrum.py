@@ -15,7 +15,7 @@ from support.watched_processes import PATIENCE, PROGRAM, grows
 
 from rocking_cli import Outcome, sine
 from rocking_cli.dynamics.equations.linear import LinearEquation
-from rocking_cli.dynamics.march import engine
+from rocking_cli.dynamics.march import batch
 from rocking_cli.dynamics.system import System
 from rocking_cli.responses import history as histories
 from rocking_cli.responses.history import history
@@ -190,7 +190,7 @@ def test_ctrl_c_and_sigterm_keep_what_was_done(tmp_path, workers, stop):
 def test_a_step_count_that_runs_away_is_a_failed_cell(monkeypatch, tmp_path):
     from rocking_cli.commands import main
 
-    monkeypatch.setattr(engine, "MAX_STEPS", -119)
+    monkeypatch.setattr(batch, "MAX_STEPS", -119)
     cell = ["--grid", "A=1.5:1.6:2,Omega=4", "--eta", "1", "-q"]
     with pytest.raises(SystemExit) as ended:
         main(["spectrum", *cell, "--workers", "1", "-o", str(tmp_path / "s.h5")])
@@ -202,7 +202,7 @@ def test_a_step_count_that_runs_away_is_a_failed_cell(monkeypatch, tmp_path):
 
 def test_an_output_whose_name_promises_another_format_is_refused(refused):
     for name in ("x.csv", "x.JSON", "x.png"):
-        assert "what is written is HDF5" in refused(2, "spectrum", "--eta", "0.9", "--grid", "A=1:2:3,Omega=5", "-o", name)
+        assert "the output is HDF5" in refused(2, "spectrum", "--eta", "0.9", "--grid", "A=1:2:3,Omega=5", "-o", name)
 
 
 def test_two_paths_are_said_to_differ_beyond_the_tolerance_and_not_below_it(rocking):
