@@ -119,6 +119,8 @@ def _remarks(verdicts: list[Verdict]) -> list[str]:
         lines.append(f"stand in a safe window, and would fall for less: {', '.join(window)}")
     if unsettled := named(v for v in verdicts if v.unsettled):
         lines.append(f"hang on the last digits of the demand, so that another amplitude as good decides otherwise: {', '.join(unsettled)}")
+    if lifted := named(v for v in verdicts if v.outcome.overturned and v.fz_min is not None and v.fz_min <= 0.0):
+        lines.append(f"lose contact with the ground (fz_min) before they lie, so that their fall is not proved: {', '.join(lifted)}")
     if slides := named(v for v in verdicts if v.slides):
         lines.append(f"would slide, their friction being less than what rocking asks for: {', '.join(slides)}")
     for v in verdicts:

@@ -32,7 +32,7 @@ class Worst(NamedTuple):
 
 
 class JointDemands(NamedTuple):
-    """What a response asks of the joints: the least N over the arch's weight, the largest |T|/N, and the largest |M|/(N t/2) beside the
+    """Demands of a response on the joints: the least N over the arch's weight, the largest |T|/N, and the largest |M|/(N t/2) beside the
     hinges; and of the hinges: the largest force over that weight. Each None where the arch never moved."""
 
     thrust: Worst | None
@@ -61,7 +61,7 @@ class ArchHistory:
 
     def __post_init__(self) -> None:
         if self.structure.damping:
-            raise UsageError(f"{self.structure.name}: found damping; accepted for the forces in an arch is none")
+            raise UsageError(f"{self.structure.name}: found damping; expected none for the forces in an arch")
 
     @cached_property
     def forces(self) -> ArchForces:
@@ -168,7 +168,7 @@ class ArchHistory:
         return {name: float(x[0]) for name, x in self.columns(np.array([event.tau])).items()}
 
     def words(self) -> str:
-        """What came of it, in a sentence."""
+        """The worst forces, in a sentence."""
         thrust, friction, eccentricity, hinge = self.demands
         if thrust is None or friction is None or eccentricity is None or hinge is None:
             return "the arch never moved"

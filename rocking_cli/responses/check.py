@@ -1,4 +1,4 @@
-"""The decision on a structure under one motion: whether it stands, how much more it takes to overturn it, and what linear says of it."""
+"""The verdict on a structure under one motion: its outcome, the capacity it has left, and the outcome by the linear equation."""
 
 from __future__ import annotations
 
@@ -41,14 +41,13 @@ CHECK_COLUMNS = (
 class Verdict:
     """A structure under a motion by the equation that governs it; accelerations are amplitudes a_g of the motion [m/s2].
 
-    demand_a: the one asked for; uplift_a, first_overturning_a: the least that lift and overturn the body, None where none does;
-    safe_to: upper end of the stretch around the demand that stands, None where the body falls or nothing above overturns;
-    theta_ratio: max |theta|/alpha, None where it falls; outcome_linear: by the linear equation; friction, fz_min: the friction that
-    the motion asks of the ground (impacts apart), and the least vertical force over the weight, of a rigid body whose mass centre is
-    known; friction is None too where the ground lets go of it; unsettled: whether changes of the demand by a part of 1e-12 to 1e-6
-    decide whether it stands, or move theta_ratio by 0.01: after many impacts there is no other answer; dust: of many
-    narrow intervals that overturn, the share of amplitudes within 5 % of the first that do; slides: whether friction is more
-    than the structure's own, where that is stated.
+    demand_a: the demand; uplift_a, first_overturning_a: the least that lift and overturn the body, None if none does;
+    safe_to: upper end of the interval around the demand in which the body stands, None if it falls or nothing above overturns it;
+    theta_ratio: max |theta|/alpha, None if it falls; outcome_linear: by the linear equation; friction, fz_min: the friction that
+    the motion needs (impacts apart), and the least vertical force over the weight, of a rigid body whose mass centre is
+    known; friction is also None if the body loses the ground; unsettled: true if changes of the demand by 1e-12 to 1e-6 of it
+    change the outcome, or theta_ratio by 0.01; dust: if many narrow intervals overturn the body, the share of amplitudes within
+    5 % above the first that do; slides: true if friction is more than that of the document.
     """
 
     name: str
@@ -74,12 +73,12 @@ class Verdict:
 
     @property
     def capacity_demand(self) -> float | None:
-        """The lowest overturning amplitude over the demand: below 1 the body falls, or it would for less; None where it never does."""
+        """The lowest overturning amplitude over the demand; None if nothing overturns the body."""
         return None if self.first_overturning_a is None else self.first_overturning_a / self.demand_a
 
     @property
     def falls(self) -> bool:
-        """Whether the body fell, or left the ground, of which nothing says that it comes back upright."""
+        """True if the body fell or lost the ground."""
         return self.outcome.falls
 
     def record(self) -> dict[str, Any]:
@@ -117,7 +116,7 @@ def check(
         raise UsageError("a restitution alone has no units: give a structure document")
     amplitude, omega = (float(x[0]) for x in shaking.scaled(structure))
     if not amplitude > 0.0:
-        raise UsageError("the amplitude is 0, accepted is a positive one")
+        raise UsageError("the amplitude is 0; expected a positive one")
     method, done = governing_method(structure, dimensionless=shaking.dimensionless), progress or _no_progress
     beside = amplitude * (1.0 + _BESIDE)
     governs = _respond(method, structure, motion, beside, omega)
@@ -199,18 +198,18 @@ def check_all(
 
 
 def tally(verdicts: Sequence[Verdict]) -> str:
-    """How many overturn, and how many leave the ground where any does, in words."""
+    """How many overturn, and how many lose the ground if any does, in words."""
     lost = sum(v.falls and not v.outcome.overturned for v in verdicts)
     overturn = f"{sum(v.outcome.overturned for v in verdicts)} of {len(verdicts)} overturn"
     return f"{overturn}, {lost} lose{'s' if lost == 1 else ''} contact with the ground" if lost else overturn
 
 
 def _no_progress(done: int, total: int) -> None:
-    """The progress that nobody asked for."""
+    """No progress is shown."""
 
 
 def _after(progress: Progress, before: int, checks: int, stage: int, stages: int) -> None:
-    """Told of a stage of one of so many checks."""
+    """Progress by the stages of all checks."""
     progress(before * stages + stage, checks * stages)
 
 

@@ -5,12 +5,12 @@ With s = sgn theta, phi = alpha - |theta|, R from the edge to the mass centre an
     Fx/(m g) = xg''/g + kappa (s u'' cos phi + s u'^2 sin phi)
     Fz/(m g) = 1 + zg''/g + kappa (u'' sin phi - u'^2 cos phi),   u = |theta| [rad], ' = d/d(p t)
 
-whatever the equation of motion: they are what moves the mass centre as the response says. At rest they are xg''/g and 1 + zg''/g. The
+under any equation of motion: they move the mass centre as in the response. At rest they are xg''/g and 1 + zg''/g. The
 base needs a coefficient of friction of max |Fx|/Fz, and Fz > 0 throughout. On passing from edge to edge the ground gives the impulses
 
     Jx = s m R cos(alpha) w (1 - eta),   Jz = m w (R sin(alpha) + eta R' sin(alpha')),   w = |theta'| before
 
-the primes those of the other edge; their ratio is what friction the impact needs.
+the primes those of the other edge; their ratio is the friction that the impact needs.
 """
 
 from __future__ import annotations
@@ -66,7 +66,7 @@ class Demand(NamedTuple):
 
 @dataclass(frozen=True)
 class Demands:
-    """What a response asks of the ground under a body.
+    """The ground forces that a response needs.
 
     resting: the largest demand while at rest, up to the uplift; lifting: that in the first instant after the first uplift, which where the
     drive jumps is Shenton's boundary; rocking: the largest while it rocks, impact: of the impulses. Each is None where there was none.
@@ -117,7 +117,7 @@ def body_forces(kappa: Any, alpha: Any, side: Any, u: Array, rate: Array, bend: 
 
 
 class Edge(NamedTuple):
-    """What the forces ask of an edge: alpha [rad], kappa [-], R [m], p [rad/s], eta on leaving it [-]."""
+    """An edge: alpha [rad], kappa [-], R [m], p [rad/s], eta on leaving it [-]."""
 
     alpha: float
     kappa: float
@@ -137,7 +137,7 @@ class Body:
 
     @classmethod
     def of(cls, structure: RockingParameters) -> Body:
-        """Raises UsageError for what is no rigid body, or one whose mass centre is not known."""
+        """Raises UsageError if the structure is no rigid body, or if its mass centre is not known."""
         if structure.arm is None:
             raise UsageError(
                 f"{structure.name}: forces need one rigid body on its edges, and arm, the distance of its mass centre from them"
@@ -255,7 +255,7 @@ class ForceHistory:
 
     @cached_property
     def demands(self) -> Demands:
-        """What the response asks of the ground; of a one-sided body at rest as far as it leans on no backing."""
+        """The ground forces that the response needs; of a one-sided body at rest without those of its backing."""
         resting: list[Demand] = []
         rocking: list[Demand] = []
         least = (1.0, 0.0)  # Fz/(m g), tau

@@ -20,7 +20,7 @@ Array = np.ndarray
 
 @dataclass(frozen=True)
 class Ground:
-    """What shakes: a motion, its amplitude over g [-] and its omega, radians of its phase by tau."""
+    """A motion, its amplitude over g [-] and its omega, radians of its phase by tau."""
 
     motion: Motion
     amplitude: float

@@ -1,4 +1,4 @@
-"""The response of one body in time: every arc as a series, and what happened when.
+"""The response of one body in time: every arc as a series, and the events.
 
 It listens to the march of one body on floats: nothing is closed early but the last, invisible part of a chatter, and the ground goes on
 standing still after the motion.
@@ -90,7 +90,7 @@ class Event(NamedTuple):
 
 @dataclass(frozen=True)
 class History:
-    """A response in time: arcs, events, the time tau at which it ends, what became of the body, also after that, and the largest
+    """A response in time: arcs, events, the time tau at which it ends, the outcome, also after that, and the largest
     |theta|/alpha of all, also after that (NaN where it overturned)."""
 
     equation: Equation
@@ -162,11 +162,11 @@ def history(
     numbers = {"amplitude": amplitude, "omega": omega, "release": release, "duration": duration}
     for name, x in numbers.items():
         if not (math.isfinite(x) and x >= 0.0):
-            raise ValueError(f"{name} is {x:g}, accepted is a finite number that is not negative")
+            raise ValueError(f"{name}: found {x:g}; expected a finite number that is not negative")
     if not (omega > 0.0 and duration > 0.0 and release < 1.0):
         raise ValueError("omega and duration must be positive and release below 1")
     if motion.duration / omega > LONGEST:
-        raise ValueError(f"omega is {omega:g}, accepted is one with which the shaking ends before tau = {LONGEST:g}")
+        raise ValueError(f"omega: found {omega:g}; expected a value with which the shaking ends before tau = {LONGEST:g}")
     duration = max(motion.duration / omega, duration)
     segments = system.segments(motion.coarsest.still_until(1.001 * duration * omega))
     return _Writer(system, segments, omega, eta).record(amplitude, release, duration)

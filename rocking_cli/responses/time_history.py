@@ -50,7 +50,7 @@ class TimeHistory:
 
     @property
     def failed(self) -> bool:
-        """Whether one was given up."""
+        """True if one failed."""
         return any(h.outcome == Outcome.FAILED for h in self.histories.values())
 
     def times(self, dt: float | None, steps: bool) -> np.ndarray:
@@ -64,7 +64,7 @@ class TimeHistory:
         if dt is None:
             return np.linspace(0.0, self.end, POINTS + 1)
         if not (dt > 0.0 and self.end / dt <= MOST_POINTS):
-            raise UsageError(f"`dt`: found {dt / self.structure.p:g} s, accepted is a positive time that gives up to {MOST_POINTS} points")
+            raise UsageError(f"`dt`: found {dt / self.structure.p:g} s; expected a positive time that gives up to {MOST_POINTS} points")
         return dt * np.arange(math.floor(self.end / dt * (1.0 + 1e-12)) + 1)
 
     def _at_samples(self) -> np.ndarray:
@@ -87,7 +87,7 @@ class TimeHistory:
         return {model: ForceHistory(body, ground, found) for model, found in self.histories.items()}
 
     def outcome(self, model: str) -> Outcome:
-        """What became of the structure by one equation: a body whose forces are known has lost contact where it rocks and Fz <= 0."""
+        """The outcome by one equation: a body whose forces are known has lost contact if it rocks and Fz <= 0."""
         return self.histories[model].outcome if self._lost(model) is None else Outcome.LOST_CONTACT
 
     def _lost(self, model: str) -> float | None:
@@ -100,7 +100,7 @@ class TimeHistory:
             return None
 
     def _events(self, model: str) -> Iterator[Event]:
-        """What happened until the end of what is shown, or until contact is lost."""
+        """The events until the end of what is shown, or until contact is lost."""
         found, lost = self.histories[model], self._lost(model)
         stop = self.shown if lost is None else min(lost, self.shown)
         yield from (m for m in found.events if m.tau <= stop and (lost is None or m.event != LOST))
@@ -169,7 +169,7 @@ class TimeHistory:
                 yield {"model": model, "event": m.event, **row, **pushes}
 
     def summaries(self, *, dimensionless: bool = False, forces: bool = False) -> Iterator[dict[str, Any]]:
-        """What became of the structure, one record a model: theta_ratio (None where it overturned) and outcome.
+        """The outcome of the structure, one record a model: theta_ratio (None where it overturned) and outcome.
 
         forces: also the required friction and when, that of the impacts, the least Fz over m g and when, and where the document
         states a friction, when the base slides (None where it does not).
@@ -194,7 +194,7 @@ class TimeHistory:
             yield {"model": model, "event": "summary", **demanded, "theta_ratio": found.theta_ratio, "outcome": self.outcome(model).flag}
 
     def summary(self, *, forces: bool = False) -> Iterator[str]:
-        """What became of the structure, in a sentence for each model."""
+        """The outcome of the structure, in a sentence for each model."""
         s = self.structure
         for model, found in self.histories.items():
             peak, ratio = found.peak, found.theta_ratio or 0.0
@@ -249,18 +249,18 @@ def time_history(
 ) -> TimeHistory:
     """The response of one structure; shaking: a grid of one cell, None for free rocking from theta/alpha = release.
 
-    duration [s] that is shown, None for the shaking and 30/p after it; what becomes of the structure is that of the whole motion.
+    duration [s] that is shown, None for the shaking and 30/p after it; the outcome is that of the whole motion.
     Raises UsageError.
     """
     motion = motion or STILL
     amplitude, omega = (float(x[0]) for x in shaking.scaled(structure)) if shaking else (0.0, 1.0)
     if shaking and not amplitude > 0.0:
-        raise UsageError("the amplitude is 0, accepted is a positive one; free rocking is `release` without a motion")
+        raise UsageError("the amplitude is 0; expected a positive one; free rocking is `release` without a motion")
     if not (0.0 <= release < 1.0):
-        raise UsageError(f"`release`: found {release:g}, accepted is theta/alpha from 0 to below 1")
+        raise UsageError(f"`release`: found {release:g}; expected theta/alpha from 0 to below 1")
     tau = motion.duration / omega + FREE if duration is None else duration * structure.p
     if not (math.isfinite(tau) and tau > 0.0):
-        raise UsageError(f"`duration`: found {duration if duration is not None else tau:g}, accepted is a positive time [s]")
+        raise UsageError(f"`duration`: found {duration if duration is not None else tau:g}; expected a positive time [s]")
     try:
         histories = {
             m.model: history(m.system_of(structure), motion, amplitude, omega, structure.eta, release=release, duration=tau)

@@ -56,6 +56,15 @@ def test_the_verdict_alone(rocking, three):
     assert alone == [row | found_by_search for row in searched]
 
 
+def test_a_fall_during_which_the_ground_would_have_to_pull_is_told(rocking, tmp_path):
+    (tmp_path / "stocky.yaml").write_text("{kind: block, radius: 2.8376, alpha: 0.756, restitution: 0.933, damping: 0.02}")
+    done = rocking("check", "stocky.yaml", "--a-g", "2.1447g", "--omega-g", "4.83072", "--cycles", "4.5", "--verdict-only", "--json")
+    row = json.loads(done.stdout)
+    assert row["outcome"] == "overturned_after_impact"
+    assert row["fz_min"] < 0.0
+    assert "lose contact with the ground (fz_min) before they lie" in done.stderr
+
+
 def test_the_table_speaks_the_unit_of_the_request(rocking, stated):
     in_g, in_si = (rocking("check", stated, "--a-g", a, "--f-g", "1.2").stdout.splitlines() for a in ("0.35g", "3.4335"))
     assert "uplift_a [g]" in in_g[0]

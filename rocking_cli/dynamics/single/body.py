@@ -23,8 +23,8 @@ Note = Callable[[float, str, float, float, float], None]  # tau, event, side, y,
 
 
 class Listener(NamedTuple):
-    """What a march that is listened to tells, and does not leave out: bounces are followed down to the speed `visible`, and a body that
-    falls to y = fallen (right, left)."""
+    """Functions that a march calls; it then follows bounces down to the speed `visible`, and a body that falls to y = fallen (right,
+    left)."""
 
     keep: Keep
     note: Note
@@ -34,7 +34,7 @@ class Listener(NamedTuple):
 
 
 class Ended(NamedTuple):
-    """What became of the body: outcome, max |theta|/alpha (NaN where it fell), impacts during the shaking; lost: tau at which the ground
+    """The end of a march: outcome, max |theta|/alpha (NaN where it fell), impacts during the shaking; lost: tau at which the ground
     falls away from it, where it does."""
 
     outcome: Outcome
@@ -94,7 +94,7 @@ class Body:
                 self._uplift(lanes=lanes)
 
     def _may_rest(self, face: Face, fall: float) -> bool:
-        """Whether Lemma 7 may prove that the bouncing ends in rest within this segment: what it asks that takes no arrays."""
+        """True if Lemma 7 may prove that the sequence of impacts ends in rest within this segment: the part of it that needs no arrays."""
         v = self.v
         if fall <= 0.0 or v * v >= 0.05 * fall * fall or (self.listener is not None and v >= self.listener.visible):
             return False
@@ -129,7 +129,7 @@ class Body:
             self._finish(Outcome.LOST_CONTACT if dropped else Outcome.NO_UPLIFT if first else Outcome.ROCKED)
 
     def _doubt(self) -> None:
-        """Beyond the unstable equilibrium and going on: whether nothing brings the body back (Lemma 6)."""
+        """End the march of a body beyond the unstable equilibrium if nothing brings it back (Lemma 6)."""
         seg, face = self.segments, self.face
         side, k = np.array([face.side]), np.array([min(self.k, len(seg) - 1)])
         amplitude = np.array([abs(face.drive)])
@@ -142,8 +142,7 @@ class Body:
         return Outcome.OVERTURNED_AFTER_IMPACT if self.bounced else Outcome.OVERTURNED_NO_IMPACT
 
     def _settled(self) -> bool:
-        """Whether a damped body on still ground can do nothing larger: without damping it would have more energy, and even so neither pass
-        the barrier nor rise above its peak."""
+        """True if a damped body on still ground passes neither the barrier nor its peak, with the energy that it has without damping."""
         lanes, equation = self._lanes(), self.equation.on(np.array([self.face.side]))
         peak = equation.damped_peak(lanes.y, lanes.v)
         if np.isfinite(peak[0]):

@@ -1,4 +1,4 @@
-"""What the march of one body on floats knows beforehand: its sides, the code of its equation on each, and the motion as lists."""
+"""One body on floats before its march: its sides, the code of its equation on each, and the motion as lists."""
 
 from __future__ import annotations
 

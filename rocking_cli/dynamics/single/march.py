@@ -27,9 +27,9 @@ _ROOM = 0.9  # of the step that the last terms allow
 def march(
     lane: Lane, amplitude: float, *, peaks: bool = True, listener: Listener | None = None, release: float = 0.0, most: int = 1 << 62
 ) -> Ended:
-    """What becomes of a body under A = amplitude, from rest or released to the right from theta/alpha = release.
+    """The outcome of a body under A = amplitude, from rest or released to the right from theta/alpha = release.
 
-    peaks: whether the largest rotation is wanted; most: steps and impacts, after which the body has failed.
+    peaks: True if the largest rotation is wanted; most: steps and impacts, after which the body has failed.
     """
     cells = lane.system.contact.cells(lane.system.equation, np.array([amplitude]), lane.omega, lane.eta)
     return _March(lane, cells, lane.faces(amplitude), peaks, listener, most).run(release)
@@ -167,9 +167,9 @@ class _March(Body):
         self, face: Face, k: int, u: float, h: float, start: tuple[float, float], stop: tuple[float, float]
     ) -> tuple[tuple[float, ...], float]:
         """The terms over h, and the time for which they hold."""
-        local, room, order = None, math.inf, face.code.order
-        if self.lane.composed:
-            room, local = self.lane.laws[face.side].local(self.y, order - 1)  # type: ignore[misc]
+        local, room, order, expand = None, math.inf, face.code.order, self.lane.laws[face.side].local
+        if expand is not None:
+            room, local = expand(self.y, order - 1)
         if self.reel.straight:
             (s0, up0), (s1, up1) = start, stop
             given = [face.drive * s0, face.drive * (s1 - s0)]
