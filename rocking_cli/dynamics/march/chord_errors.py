@@ -1,27 +1,30 @@
-"""The forces of a rigid body on the ground, and by how much they can bend along a step, from bounds of the motion.
+"""By how much Fz of a rigid body can leave its chord along a step, from bounds of the motion.
 
-Along a step y is smooth, and with bounds V, B, J and Q of the first four derivatives of u = |theta| [rad by tau], P and W of the push over
-g and the weight over m g, the second derivatives of Fz and Fx over m g are at most
+Along a step y is smooth. With bounds V, B, J and Q of the first four derivatives of u = |theta| [rad by tau], P and W of the push over g
+and the weight over m g, the second derivative of Fz over m g is at most
 
-    W'' + kappa [T |sin z| + S]   and   P'' + kappa [T + S |sin z|],   T = Q + 6 V^2 B,   S = 4 V J + 3 B^2 + V^4
+    W'' + kappa [T |sin z| + S],   T = Q + 6 V^2 B,   S = 4 V J + 3 B^2 + V^4
 
-while V <= max(|u'| at its ends) + (h^2/8) J: between its ends neither force leaves its chord by more than h^2/8 of that.
+while V <= max(|u'| at its ends) + (h^2/8) J: between its ends Fz does not leave its chord by more than h^2/8 of that.
 """
 
 from __future__ import annotations
 
-from typing import NamedTuple, Self
+from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
+from ..arrays import Arrays
 from ..body import Body, Edge
 
 Array = np.ndarray
 
-_ROOM = 0.25  # of the bound of a speed, which a longer stretch does not have
+_ROOM = 0.25  # of the bound of a speed; a longer stretch has none
 
 
-class Ends(NamedTuple):
+@dataclass
+class Ends(Arrays):
     """u, u', u'' [rad by tau] and Fz/(m g) at one end of stretches, (stretches,)."""
 
     u: Array
@@ -29,18 +32,9 @@ class Ends(NamedTuple):
     b: Array
     fz: Array
 
-    def take(self, at: Array) -> Self:
-        """Of some stretches."""
-        return type(self)(*(x[at] for x in self))
-
-    def join(self, other: Self) -> Self:
-        """These and others."""
-        return type(self)(*(np.concatenate(pair) for pair in zip(self, other, strict=True)))
-
 
 class Shakes(NamedTuple):
-    """Of each stretch: the largest push over g and its first two derivatives by tau, and the same of the weight's change over m g, of which
-    only the largest weight counts."""
+    """The largest push over g of each stretch and its first two derivatives by tau, and the same of the change of the weight over m g."""
 
     push: Array
     push1: Array
@@ -49,21 +43,12 @@ class Shakes(NamedTuple):
     sway1: Array
     sway2: Array
 
-    def take(self, at: Array) -> Self:
-        """Of some lanes; a part without any motion stays one zero."""
-        return type(self)(*(x if x.size == 1 else x[at] for x in self))
-
-
-def edge_of(edge: Edge, at: Array) -> Edge:
-    """The edges of some lanes."""
-    return Edge(*(x[at] if isinstance(x, np.ndarray) else x for x in edge))
-
 
 def fastest(body: Body, edge: Edge, s: Shakes, h: Array, u0: Array, v0: Array, u1: Array, v1: Array) -> Array:
-    """A bound of |u'| on stretches of length h between these ends; infinite where they are too long for one.
+    """Bound of |u'| on stretches of length h between these ends; infinite where they are too long for one.
 
-    |u'''| is at most P' + W' |z| + 2 zeta (P + W |z|) and (P + W + 4 zeta^2) |u'|, |sin z| in the place of |z| for the nonlinear
-    equation; the linear one has no P |u'|.
+    |u'''| is at most P' + W' |z| + 2 zeta (P + W |z|) and (P + W + 4 zeta^2) |u'|, for the nonlinear
+    equation with |sin z| for |z|; the linear one has no P |u'|.
     """
     zeta2, weight = 2.0 * body.damping, 1.0 + s.sway
     by_turn = s.sway1 + zeta2 * weight
@@ -77,8 +62,8 @@ def fastest(body: Body, edge: Edge, s: Shakes, h: Array, u0: Array, v0: Array, u
     return np.where(room > _ROOM, (np.maximum(np.abs(v0), np.abs(v1)) + eighth * flat) / np.maximum(room, _ROOM), np.inf)
 
 
-def chord_errors(body: Body, edge: Edge, s: Shakes, h: Array, one: Ends, other: Ends) -> tuple[Array, Array]:
-    """h^2/8 times bounds of |Fx''| and |Fz''| over m g."""
+def chord_errors(body: Body, edge: Edge, s: Shakes, h: Array, one: Ends, other: Ends) -> Array:
+    """h^2/8 times a bound of |Fz''| over m g."""
     zeta2, heavy, v = 2.0 * body.damping, 1.0 + s.sway, fastest(body, edge, s, h, one.u, one.v, other.u, other.v)
     middle = edge.alpha - 0.5 * (one.u + other.u)
     turn = np.abs(middle) + 0.5 * v * h
@@ -91,5 +76,4 @@ def chord_errors(body: Body, edge: Edge, s: Shakes, h: Array, one: Ends, other: 
     q = s.push2 + 2.0 * (s.push1 * sin + s.sway1) * v + (s.push + heavy * sin) * square + (s.push * sin + heavy) * b
     q += s.sway2 * lean + zeta2 * j + 6.0 * square * b
     rest = 4.0 * v * j + 3.0 * b * b + square * square
-    eighth = 0.125 * h * h
-    return eighth * (s.push2 + edge.kappa * (q + rest * sin)), eighth * (s.sway2 + edge.kappa * (q * sin + rest))
+    return 0.125 * h * h * (s.sway2 + edge.kappa * (q * sin + rest))

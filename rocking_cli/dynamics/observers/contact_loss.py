@@ -1,14 +1,10 @@
-"""Whether bodies press on the ground throughout, Fz > 0, looked for along their march where `body` proves nothing beforehand.
+"""Lost contact: whether Fz > 0 all along the march, where `body` proves nothing beforehand.
 
-Cells under pushes well above what is proved beforehand are looked at on their way, the others where their largest rotation does not
-prove it either; those of the undamped linear oscillator only so, since a step of theirs is long and costs less than a look at it.
+Cells under pushes well above the one proved beforehand are watched on their way, the others where their largest rotation does not prove it
+either; those of the undamped linear oscillator only so, since a step of theirs is long and costs less than a look at it.
 
-Along a step Fz stays above its chord less the chord error (`march.chord_errors`). Most steps are settled by the speed alone: Fz <= 0 needs
-a larger speed than its bound there.
-A stretch that is not settled is halved; one in which Fz <= 0 at an end has lost the ground.
-
-Bounces that are summed press as bodies do that bounce without speed, on either edge. After the shaking Fz is least at the next impact,
-on either edge; damped it may be least after one, and bodies march on until a bound says that Fz > 0.
+Along a step Fz stays above its chord less the chord error (`march.chord_errors`). A stretch that is not proved is halved; one in which
+Fz <= 0 at an end has lost the ground. Bodies press in sequences of impacts that are closed early as they do in bounces without speed.
 """
 
 from __future__ import annotations
@@ -18,11 +14,10 @@ from typing import NamedTuple
 import numpy as np
 
 from ...motions.segments import Segments
-from ..body import Body, Edge
+from ..body import Body
 from ..contacts.contact import Contact
-from ..equations.equation import Flow
 from ..lanes import Cells, Lanes
-from ..march.chord_errors import Ends, Shakes, chord_errors, edge_of, fastest
+from ..march.chord_errors import Ends, Shakes, chord_errors
 from ..march.ground import Ground
 from .observer import Arcs, Observer
 
@@ -70,61 +65,38 @@ class ContactLoss(Observer):
         return kept
 
     def arcs(self, arcs: Arcs) -> None:
-        """Look for Fz <= 0 along these arcs."""
-        lanes, arc, reach, y, v, b, at = arcs
-        cell = lanes.cell[at]
-        at = at[self.watched[cell] & ~self._lost[cell]]
-        if not at.size:
-            return
-        edge, shaking, high = self.body.on(lanes.side[at]), self._shaking(lanes.side[at], lanes.amplitude[at], lanes.omega[at]), reach[at]
-        damping, unit = 2.0 * self.body.damping, edge.unit
-        u0, v0, u1, v1 = unit * lanes.y[at], unit * lanes.v[at], unit * y[at], unit * v[at]
-        speed = fastest(self.body, edge, shaking, high, u0, v0, u1, v1)
-        settled = speed * (speed + damping * np.tan(edge.alpha)) < _loosening(self.body, edge, shaking)
-        settled &= u0 + u1 + speed * high <= 4.0 * edge.alpha
-        left = np.flatnonzero(~settled)
-        if not left.size:
-            return
-        at, edge, shaking, u0, v0, u1, v1 = at[left], edge_of(edge, left), shaking.take(left), u0[left], v0[left], u1[left], v1[left]
-        some, low, high = lanes.take(at), np.zeros(left.size), high[left]
-        one = self._ends(edge, some, low, u0, v0, edge.unit * some.b - damping * v0)
-        other = self._ends(edge, some, high, u1, v1, edge.unit * b[at] - damping * v1)
-        self._halve(edge, shaking, some, arc.take(at), low, high, one, other)
-
-    def _halve(self, edge: Edge, shaking: Shakes, lanes: Lanes, arc: Flow, low: Array, high: Array, one: Ends, other: Ends) -> None:
-        """Halve stretches until Fz > 0 is proved in each, or one has lost the ground."""
-        own = np.arange(low.size)
-        for _ in range(_HALVINGS):
-            gone = ~((one.fz > 0.0) & (other.fz > 0.0))
-            self._lost[lanes.cell[own[gone]]] = True
+        """Look for Fz <= 0 along these arcs: halve them until Fz > 0 is proved in each part, or one has lost the ground."""
+        at = arcs.wanted[(self.watched & ~self._lost)[arcs.lanes.cell[arcs.wanted]]]
+        lanes, arc, low, high = arcs.lanes.take(at), arcs.flow.take(at), np.zeros(at.size), arcs.stop[at]
+        slowing = 2.0 * self.body.damping
+        one = self._ends(lanes, low, lanes.y, lanes.v, lanes.b - slowing * lanes.v)
+        other = self._ends(lanes, high, arcs.y[at], arcs.v[at], arcs.b[at] - slowing * arcs.v[at])
+        for _ in range(_HALVINGS if at.size else 0):
+            self._lost[lanes.cell[~((one.fz > 0.0) & (other.fz > 0.0))]] = True
             with np.errstate(invalid="ignore"):  # of a stretch too long for a bound of its speed nothing is proved
-                error = chord_errors(self.body, edge_of(edge, own), shaking.take(own), high - low, one, other)[1]
+                error = chord_errors(self.body, self.body.on(lanes.side), self._shaking(lanes), high - low, one, other)
                 proved = np.minimum(one.fz, other.fz) > error
-            more = np.flatnonzero(~proved & ~self._lost[lanes.cell[own]])
+            more = np.flatnonzero(~proved & ~self._lost[lanes.cell])
             if not more.size:
                 return
-            own, low, high, one, other = own[more], low[more], high[more], one.take(more), other.take(more)
+            lanes, arc, low, high, one, other = lanes.take(more), arc.take(more), low[more], high[more], one.take(more), other.take(more)
             half = 0.5 * (low + high)
-            there = arc.take(own).at(half)
-            here = edge_of(edge, own)
-            middle = self._ends(here, lanes.take(own), half, here.unit * there.y, here.unit * there.v, here.unit * there.b)
-            own = np.concatenate([own, own])
-            low, high = np.concatenate([low, half]), np.concatenate([half, high])
+            there = arc.at(half)
+            middle, both = self._ends(lanes, half, there.y, there.v, there.b), np.tile(np.arange(half.size), 2)
+            lanes, arc = lanes.take(both), arc.take(both)
+            low, high = np.append(low, half), np.append(half, high)
             one, other = one.join(middle), middle.join(other)
 
-    def _shaking(self, side: Array, amplitude: Array, omega: Array) -> Shakes:
-        size = self.body.on(side).uplift * amplitude
-        rate = size * omega
-        push = size * self.across.size, rate * self.across.slope, rate * (omega * self.across.bend)
-        weighed = self.segments.weighed
-        if weighed is None:
-            return Shakes(*push, *(np.zeros(1),) * 3)
-        size = np.abs(weighed.sway(side, amplitude))
-        rate = size * omega
-        return Shakes(*push, size * self.up.size, rate * self.up.slope, rate * (omega * self.up.bend))
+    def _shaking(self, lanes: Lanes) -> Shakes:
+        weighed, size = self.segments.weighed, self.body.on(lanes.side).uplift * lanes.amplitude
+        sway = np.zeros(size.size) if weighed is None else np.abs(weighed.sway(lanes.side, lanes.amplitude))
+        return Shakes(*(x for motion, size in ((self.across, size), (self.up, sway)) for x in (
+            size * motion.size, size * lanes.omega * motion.slope, size * lanes.omega**2 * motion.bend)))  # fmt: skip
 
-    def _ends(self, edge: Edge, lanes: Lanes, h: Array, u: Array, v: Array, b: Array) -> Ends:
-        """The ends of stretches after h, and Fz there."""
+    def _ends(self, lanes: Lanes, h: Array, y: Array, v: Array, b: Array) -> Ends:
+        """The ends of stretches after h at displacement y, and Fz there."""
+        edge = self.body.on(lanes.side)
+        u, v, b = edge.unit * y, edge.unit * v, edge.unit * b
         z = edge.alpha - u
         return Ends(u, v, b, self.ground.weight(lanes, h) + edge.kappa * (b * np.sin(z) - v * v * np.cos(z)))
 
@@ -140,14 +112,26 @@ class ContactLoss(Observer):
         return super().may_close(lanes)
 
     def free(self, lanes: Lanes) -> None:
-        """Fz is least at the next impact, or at the first on the other edge."""
+        """Fz is least at the next impact on either edge."""
         some = lanes.take(np.flatnonzero(self.watched[lanes.cell]))
-        here, there = self.body.on(some.side), self.body.on(-some.side)
-        square = self.body.square_at_ground(here, some.y, some.v)
-        least = self.body.at_impact(here, square)
-        if len(self.body.alpha) > 1:
-            least = np.minimum(least, self.body.at_impact(there, square * (some.eta * there.unit / here.unit) ** 2))
-        self._lost[some.cell[np.flatnonzero(least <= 0.0)]] = True
+        self._lost[some.cell[np.flatnonzero(self._least_to_come(some) <= 0.0)]] = True
+
+    def _least_to_come(self, lanes: Lanes) -> Array:
+        """Least Fz/(m g) over still ground, of the next impact on either edge; damped a lower bound, -inf where none is proved.
+
+        With S = sin z (linear: z) and u'^2 = q at the next impact Fz >= 1 - kappa (S sin z + u'^2 cos z), which falls towards the ground
+        while 3 cos z > cos(alpha) + q/2 (linear: q < 1). Damping takes energy, and adds at most 2 zeta kappa u' to the force.
+        """
+        here, there = self.body.on(lanes.side), self.body.on(-lanes.side)
+        square, least = self.body.square_at_ground(here, lanes.y, lanes.v), np.full(lanes.y.size, np.inf)
+        for edge, q in ((here, square), (there, square * (lanes.eta * there.unit / here.unit) ** 2)):
+            fz = self.body.at_impact(edge, q)
+            if self.body.damping:
+                fz = fz - edge.kappa * 2.0 * self.body.damping * np.sqrt(q) * np.sin(edge.alpha)
+                falls = (q <= (1.0 if self.body.linear else 4.0 * np.cos(edge.alpha))) & (here.unit * lanes.y <= 2.0 * here.alpha)
+                fz = np.where(falls, fz, -np.inf)
+            least = np.where(q > 0.0, np.minimum(least, fz), least)
+        return least
 
     def lost(self, cell: Array) -> Array:
         """Those that were found."""
@@ -155,24 +139,7 @@ class ContactLoss(Observer):
 
     def may_settle(self, lanes: Lanes, bounced: Array) -> Array:
         """All but those that may still lose the ground."""
-        from ..march.closing import still_bounds
-
-        return ~self.watched[lanes.cell] | self._lost[lanes.cell] | (still_bounds(self.body, lanes).fz > 0.0)
-
-
-def _loosening(body: Body, edge: Edge, s: Shakes) -> Array:
-    """What u'^2 + 2 zeta tan(alpha) |u'| must exceed for Fz <= 0 at |z| <= alpha.
-
-    Fz/(kappa cos z) is w [(1/kappa - 1)/cos z + cos z] + push sin z - u'^2 - 2 zeta u' tan z; of the linear equation its first term is
-    w (1/kappa - z sin z)/cos z and its second push tan z.
-    """
-    light, cos = 1.0 - s.sway, np.cos(edge.alpha)
-    if body.linear:
-        held = 1.0 / edge.kappa - edge.alpha * np.sin(edge.alpha)
-        return light * np.where(held > 0.0, held, held / cos) - s.push * np.tan(edge.alpha)
-    lack = 1.0 / edge.kappa - 1.0
-    best = np.clip(np.sqrt(np.maximum(lack, 0.0)), cos, 1.0)  # the cos z at which it holds least
-    return light * (lack / best + best) - s.push * np.sin(edge.alpha)
+        return ~self.watched[lanes.cell] | self._lost[lanes.cell] | (self._least_to_come(lanes) > 0.0)
 
 
 def _sizes(segments: Segments) -> _Motion:

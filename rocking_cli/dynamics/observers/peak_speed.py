@@ -14,15 +14,13 @@ from collections.abc import Callable
 import numpy as np
 
 from ..contacts.contact import Contact
-from ..equations.equation import Equation, Flow
+from ..equations.equation import Equation
 from ..lanes import Lanes
 from ..samples.propagation import ExactLanes, Propagation
-from .extremes import Extremes
+from .extremes import Extremes, Ratio, Stretches, parts
 from .observer import Arcs, Observer, TaylorSteps
 
 Array = np.ndarray
-
-_ROUNDS = 60  # halvings of a bracket at most; Newton's steps need four
 
 
 class PeakSpeed(Observer):
@@ -37,15 +35,29 @@ class PeakSpeed(Observer):
         return np.abs(self.contact.speed(side, self.equation.on(side, cell).rotation_rate(y, v)))
 
     def arcs(self, arcs: Arcs) -> None:
-        """The speeds at the ends of arcs, and where the acceleration is zero."""
+        """The speeds at the ends of arcs, and where the acceleration passes through zero."""
         lanes, arc, reach, y, v, b, _ = arcs
-        side, cell, slowing = lanes.side, lanes.cell, -2.0 * arc.damping
-        b = b + slowing * v if arc.damping else b
-        self.speed.offer(cell, self._speed(side, cell, y, v))
+        b = b - 2.0 * arc.damping * v
+        self.speed.offer(lanes.cell, self._speed(lanes.side, lanes.cell, y, v))
         within = np.maximum(np.abs(arc.v), np.abs(v)) + 0.5 * reach * np.maximum(np.abs(arc.b), np.abs(b))
-        at = np.flatnonzero((arc.b * b < 0.0) & self.speed.can_beat(cell, self._speed(side, cell, y, within)))
-        if at.size:
-            self.speed.offer(cell[at], self._speed(side[at], cell[at], *_even(arc.take(at), reach[at])))
+        at = np.flatnonzero((arc.b * b < 0.0) & self.speed.can_beat(lanes.cell, self._speed(lanes.side, lanes.cell, y, within)))
+        if not at.size:
+            return
+        side, cell, arc, sign, zero = lanes.side[at], lanes.cell[at], arc.take(at), np.sign(arc.b[at]), np.zeros(at.size)
+
+        def rates(own: Array, y: Array, *of: Array) -> Ratio:
+            equation = self.equation.on(side[own], cell[own])
+            speed, slope = (sign[own] * self.contact.speed(side[own], equation.rotation_rate(y, x)) for x in of)
+            return Ratio(speed, zero[own] + 1.0, slope, zero[own])
+
+        def along(own: Array, h: Array) -> Ratio:
+            point = arc.take(own).at(h)
+            return rates(own, point.y, point.v, point.b)
+
+        every, whole = np.arange(at.size), Stretches(np.arange(at.size), zero, reach[at], arc.fastest)
+        ends = rates(every, arc.y, arc.v, arc.b), rates(every, y[at], v[at], b[at])
+        s, one, other = parts(along, whole, *ends)
+        self.speed.search(cell[s.own], along, s, one, other)
 
     def steps(self, steps: TaylorSteps, go: Array) -> None:
         """The speeds at the ends of Taylor steps; those within which a larger one may be are not taken."""
@@ -88,23 +100,3 @@ class PeakSpeed(Observer):
     def may_settle(self, lanes: Lanes, bounced: Array) -> Array:
         """All but those that fall on still ground for the first time: they are followed to the impact."""
         return ~((lanes.k >= self.shaken) & (lanes.y > 0.0) & ~bounced[lanes.cell])
-
-
-def _even(arc: Flow, high: Array) -> tuple[Array, Array]:
-    """(y, v) where the acceleration passes through zero between 0 and `high`: Newton's method inside a bracket."""
-    low, high, falls = np.zeros_like(high), high.copy(), arc.at(np.zeros_like(high)).b > 0.0
-    h, met = 0.5 * high, np.zeros(high.shape, dtype=bool)
-    for _ in range(_ROUNDS):
-        point = arc.at(h)
-        before = (point.b > 0.0) == falls
-        low, high = np.where(before, h, low), np.where(before, high, h)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            target = h - point.b / point.j
-        following = np.where((target > low) & (target < high), target, 0.5 * (low + high))
-        close = np.abs(following - h) <= 1e-8 * high  # the speed is flat there: squared, this is below rounding
-        h = np.where(met, h, following)  # each lane stops by itself, so that no digit depends on its neighbours
-        met |= close
-        if met.all():
-            break
-    point = arc.at(h)
-    return point.y, point.v
