@@ -13,6 +13,7 @@ from support.stocky_bodies import ACROSS, KINDS, UP, drawn
 
 from rocking_cli import Method, Outcome, RockingParameters, cosine, load_structures, parse_grid, pulse, response, sine, spectrum
 from rocking_cli.dynamics.observers.contact_loss import ContactLoss
+from rocking_cli.dynamics.observers.observer import Observer
 from rocking_cli.dynamics.references import general_solver
 from rocking_cli.dynamics.references.contact_check import lets_go
 from rocking_cli.dynamics.references.general_solver import solve_cell
@@ -116,5 +117,5 @@ def test_a_sweep_counts_bodies_that_one_path_alone_sees_leave_the_ground(model, 
     monkeypatch.setattr(ContactLoss, "pressed", lambda self, at, cells, theta_ratio: np.ones(at.size, dtype=bool))
     monkeypatch.setattr(ContactLoss, "arcs", lambda self, *lanes: None)
     monkeypatch.setattr(ContactLoss, "free", lambda self, *lanes: None)
-    monkeypatch.setattr(ContactLoss, "close", lambda self, *lanes: None)
+    monkeypatch.setattr(ContactLoss, "may_close", Observer.may_close)
     assert spectrum([pendulum()], motion, grid, method=method, check=6).summary.misjudged == lost
