@@ -24,7 +24,7 @@ def followed(path: Path) -> Path:
 
 
 def kind_of(path: Path) -> str:
-    """What a path is that is neither free nor a regular file; empty otherwise. Raises OSError."""
+    """The kind of thing under a path, such as "a folder"; empty for a regular file or a free name. Raises OSError."""
     try:
         mode = os.lstat(path).st_mode
     except FileNotFoundError:
@@ -60,9 +60,8 @@ def check_target(path: Path, overwrite: bool, suffixes: tuple[str, ...] = ()) ->
 def published(path: Path, overwrite: bool, partial: Path | None = None) -> Iterator[BinaryIO]:
     """A new file to write to, which takes its name when the block ends, and is removed when the block fails.
 
-    partial: its name until then, of which a file that is there is one that a kill left.
-
-    Without overwrite no file is replaced, not even one that has appeared meanwhile. Raises OutputError.
+    partial: its name until then; a file of this name was left by a kill, and is removed. Without overwrite no file is replaced, not even
+    one that has appeared meanwhile. Raises OutputError.
     """
     target = followed(path)
     try:
@@ -118,7 +117,7 @@ def _partial(target: Path) -> Path:
 
 
 def _is_a_stream(path: Path) -> bool:
-    """Whether a path leads to where standard output or standard error go, such as /dev/stdout."""
+    """True if a path is standard output or standard error, such as /dev/stdout."""
     for descriptor in (1, 2):
         with suppress(OSError):
             if os.path.samestat(os.stat(path), os.fstat(descriptor)):

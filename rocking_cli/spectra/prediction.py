@@ -1,4 +1,4 @@
-"""What a dimensionless spectrum says of a structure under one motion: the paper's use of a rocking spectrum (section 4)."""
+"""The response of a structure under one motion, computed and read from a dimensionless spectrum (section 4 of the paper)."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ ETA_TOLERANCE = 1e-6  # spectra of restitutions closer than this are taken for t
 
 
 def predict(structure: RockingParameters, spectrum: SpectraFile | str | Path, shaking: Grid) -> dict[str, Any]:
-    """What `predict_exactly` says under a linear dimensionless spectrum's motion, and what the spectrum itself says of the same cell.
+    """The record of `predict_exactly` under the motion of a linear dimensionless spectrum, with the value that the spectrum itself gives.
 
     theta_ratio_interpolated is linear between the spectrum's cells around (A, Omega), None where one of them is not known to be
     safe; interpolation_error is its distance from the computed theta_ratio. Raises UsageError when the spectrum has other axes,
@@ -59,7 +59,7 @@ def predict(structure: RockingParameters, spectrum: SpectraFile | str | Path, sh
 
 
 def predict_exactly(structure: RockingParameters, motion: Motion, shaking: Grid) -> dict[str, Any]:
-    """theta_max [rad], theta_ratio and outcome, computed, and how far overturning is, from boundaries traced along A.
+    """theta_max [rad], theta_ratio and outcome, computed, and the distance to overturning, from boundaries traced along A.
 
     capacity_demand: the lowest overturning amplitude over A, below 1 where a body that falls would fall for less; margin: relative
     distance in A to the nearest amplitude at which falling begins or ends, and margin_side, on which side of A that is. They are

@@ -20,17 +20,15 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Summary:
-    """Counts, times and checks of a sweep.
+    """Counts, times and checks of a sweep; times, checks and counters are those of this run.
 
     run_time [s]; estimated_error: largest difference of theta/alpha from another path on the checked cells; sensitive_cells: checked
     cells that were not drawn but chosen for their sensitivity; misjudged: checked cells whose outcome differs; beyond_tolerance: those
-    where theta/alpha differs by more than the tolerance times the condition; shared_cells: cells
-    taken from another structure of equal restitution; resumed_cells:
-    cells that were there before; elsewhere: how the machine differs on which those were computed; records: how many shake, 0 for a
-    pulse; compared, otherwise: checked cells of a linear sweep of records that the nonlinear equation judged too, and how many of
-    them it ends otherwise (overturned or not); differences: cells by
-    `Difference`, where both equations answer; validity: of a linear sweep, where it was
-    asked for; weighed: whether the ground moved upwards too. Times, checks and counters are those of this run.
+    where theta/alpha differs by more than the tolerance times the condition; shared_cells: cells taken from another structure of equal
+    restitution; resumed_cells: cells from an earlier run; elsewhere: the differences of its machine; records: their number, 0 for a
+    pulse; compared: checked cells of a linear sweep of records that the nonlinear equation judged too; otherwise: those that it ends
+    otherwise (overturned or not); differences: cells by `Difference`, where both equations answer; validity: of a linear sweep, where
+    it was asked for; weighed: True if the ground also moved vertically.
     """
 
     structures: int

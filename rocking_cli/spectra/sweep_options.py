@@ -95,7 +95,7 @@ def _demand_bodies(scene: Scene) -> None:
     bodies = [scene.method.body_of(s) for s in scene.structures]
     for s, body in zip(scene.structures, bodies, strict=True):
         if body is None:
-            raise UsageError(f"{s.name}: quantities friction and fz_min: a rigid body whose arm is known is accepted")
+            raise UsageError(f"{s.name}: quantities friction and fz_min: the structure must be a rigid body whose arm is known")
         if not body.moves_with_the_ground:
             raise UsageError(
                 f"{s.name}: quantities friction and fz_min: found a_scale {s.a_scale:.6g}; it must be 1, of an uplift at alpha"

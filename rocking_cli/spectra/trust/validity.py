@@ -1,4 +1,4 @@
-"""How far the linear equation can be trusted in a sweep: the nonlinear one at some of its cells, half drawn, half beside a boundary.
+"""The linear equation of a sweep compared with the nonlinear one at some cells, half drawn, half beside a boundary.
 
 They follow from the scene alone, like the cells that are checked (`sampling`).
 """
@@ -41,7 +41,7 @@ class _Judged(NamedTuple):
 
 
 def validity(scene: Scene, tolerance: float = 1e-6) -> Validity | None:
-    """What the nonlinear equation says of cells of a linear sweep under a pulse; None where it holds for none of the structures, or
+    """The comparison at cells of a linear sweep under a pulse; None where the nonlinear equation holds for none of the structures, or
     no cell leaves the ground. tolerance: of the nonlinear equation."""
     nonlinear = Method("nonlinear", tolerance)
     if not (isinstance(scene, PulseScene) and scene.method.exact):
