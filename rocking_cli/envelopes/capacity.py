@@ -36,7 +36,7 @@ _COARSE, _FINE = 1e-3, 6e-5  # the same of a search for the lowest fall alone: e
 _FINEST, _NEAREST = 5e-6, 0.997  # under a pulse, where falls are that narrow: steps, and how far below each fall the search goes
 _NEAR, _ABOVE = 0.9, 1.05  # of the lowest fall: where the fine search begins, and where the count of amplitudes that fall ends
 _STRETCH = 100  # amplitudes of the first stretch
-_FEW = 300  # amplitudes of a stretch up to which one after the other is faster
+_FEW, _LONGER = 200, 100  # amplitudes of a stretch up to which one after the other is faster, and one more for so many segments
 _SHARE = 4  # of these, for one process
 _FIRST_WINDOW = 1.5  # in A, computed together: that many cells cost about as much as one batch
 _PARTS = 256  # that a change is cut into at once: few changes, so that a batch costs the same whatever its size
@@ -148,7 +148,7 @@ class Stretches:
     def _outcomes(self, amplitude: Array) -> Array:
         """The outcomes at rising amplitudes; of few, the first of them, to 5 % above the first that falls."""
         run = self.shared or partial(map, self.look)
-        if amplitude.size > _FEW:
+        if amplitude.size > _FEW + len(self.motion.segments) // _LONGER:
             outcome = np.empty(amplitude.size, dtype=np.uint8)
             for i, part in enumerate(run((amplitude[i :: self.workers], False) for i in range(self.workers))):
                 outcome[i :: self.workers] = part
