@@ -48,14 +48,14 @@ def check(files: tuple[str, ...], motions: ground.Motions, vertical: ground.Vert
     a_g, f_g, a record; linear on dimensionless axes, A, Omega, and for stated parameters); demand_a, the amplitude asked for;
     uplift_a and first_overturning_a, the least amplitudes that lift and overturn it; capacity_demand, the latter over the demand,
     below 1 where the body falls or would for less, empty where nothing overturns up to --a-max and twice the demand; safe_to, where
-    the stretch around the demand that stands ends; outcome_linear, the linear verdict; friction and fz_min, the coefficient
+    the stretch around the demand that stands ends; outcome_linear, the linear verdict; friction_needed and fz_min, the coefficient
     that the ground must have and the least vertical force over the weight of a rigid body. Accelerations are in m/s2
     (JSON, CSV) or in the unit of the request (table), unless --units says otherwise.
     """
     from ..dynamics.outcome import Outcome
     from ..envelopes.capacity import narrowest
     from ..publishing import check_target
-    from ..responses.check import CHECK_COLUMNS, verdicts
+    from ..responses.check import CHECK_COLUMNS, OLD_COLUMNS, verdicts
 
     files, shaken = motions.several(files, vertical)
     shaken = shaking.of(shaken).with_upwards(vertical.upwards())
@@ -76,7 +76,7 @@ def check(files: tuple[str, ...], motions: ground.Motions, vertical: ground.Vert
             yield verdict.record()
 
     in_g = _in_g(shaking.a_g or motions.scale_to or ("g" if motions.motion else ""))
-    emit(rows(), CHECK_COLUMNS, table_units="g" if in_g else None)
+    emit(rows(), CHECK_COLUMNS, table_units="g" if in_g else None, old=OLD_COLUMNS)
     if wanted.output is not None:
         from ..reports.figures.capacities import draw_capacities
 
@@ -107,7 +107,7 @@ def _remarks(verdicts: list[Verdict]) -> list[str]:
     several = len({v.motion for v in verdicts}) > 1
 
     def named(found: Iterable[Verdict]) -> list[str]:
-        return [f"{v.name} under {v.motion}" if several else v.name for v in found]
+        return [f"{v.structure} under {v.motion}" if several else v.structure for v in found]
 
     falls = named(v for v in verdicts if v.outcome.overturned)
     window = named(v for v in verdicts if v.outcome.safe and v.capacity_demand is not None and v.capacity_demand < 1.0)

@@ -70,12 +70,12 @@ def form() -> str | None:
 
 def emit(
     rows: Iterable[Mapping[str, Any]], columns: Sequence[str] = (), *, form: str | None = None, table_units: str | None = None,
-    without: Sequence[str] = (),
+    without: Sequence[str] = (), old: Sequence[str] = (),
 ) -> None:  # fmt: skip
     """Print rows, each as soon as it is there.
 
     columns: the CSV header if there is no row; form: without --json and --csv; table_units: of a table without --units; without:
-    columns that have no unit here.
+    columns that have no unit here; old: columns under an old name, for programs only.
     """
     from ..reports.tables import lines
     from ..reports.units import Units, parse_units
@@ -83,6 +83,8 @@ def emit(
     units, form = units_of(), _kept("form") or form
     if units is None and form is None and table_units is not None:
         units = parse_units(table_units)
+    if old and form is None:
+        rows = ({key: value for key, value in row.items() if key not in old} for row in rows)
     if without:
         units = replace(units or Units(), without=frozenset(without))
     for line in lines(rows, form or "table", columns, encoding=sys.stdout.encoding, units=units):

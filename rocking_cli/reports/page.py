@@ -52,7 +52,7 @@ SIDE = 80  # values on each axis of a map
 LEVELS = 16  # PGA levels of a fragility curve
 HEADS = (
     "structure", "motion", "model", "outcome", "θ max/α", "demand [g]", "uplift [g]", "overturns from [g]", "capacity over demand",
-    "safe up to [g]", "linear says", "friction", "least vertical force",
+    "safe up to [g]", "linear says", "friction needed", "least vertical force",
 )  # fmt: skip
 _PACKAGES = ("numpy", "scipy", "h5py", "matplotlib", "jinja2")
 Plan = Callable[["Figure"], object]
@@ -139,7 +139,7 @@ def _section(
 ) -> dict[str, Any]:
     """The template's values for one structure."""
     structure = subject.structure
-    mine = [v for v in verdicts if v.name == structure.name]
+    mine = [v for v in verdicts if v.structure == structure.name]
     drawn, validity = None, _agreement(mine)
     if pulse is not None:
         drawn, validity = _map(folder, structure, *pulse, mine, workers)
@@ -158,8 +158,8 @@ def _section(
 def _cells(v: Verdict) -> list[dict[str, Any]]:
     """The cells of a row of the table of verdicts."""
     values = (
-        v.name, v.motion, v.model, v.sentence, v.theta_ratio, _in_g(v.demand_a), _in_g(v.uplift_a), _in_g(v.first_overturning_a),
-        v.capacity_demand, _in_g(v.safe_to), v.outcome_linear.sentence, v.friction, v.fz_min,
+        v.structure, v.motion, v.model, v.sentence, v.theta_ratio, _in_g(v.demand_a), _in_g(v.uplift_a), _in_g(v.first_overturning_a),
+        v.capacity_demand, _in_g(v.safe_to), v.outcome_linear.sentence, v.friction_needed, v.fz_min,
     )  # fmt: skip
     return [{"text": _number(x), "number": not isinstance(x, str)} for x in values]
 

@@ -31,9 +31,10 @@ _STAGES = 3  # of a verdict
 _BESIDE = np.array([0.0, *(sign * 10.0**-n for n in range(12, 5, -1) for sign in (-1.0, 1.0))])  # relative changes of a demand
 _SAME = 0.01  # of theta/alpha: rotations under them that differ by less are one
 _WORTH = 3  # demands for each process that is started, at least
+OLD_COLUMNS = ("name", "friction")  # of structure and friction_needed, for this version
 CHECK_COLUMNS = (
-    "name", "motion", "model", "outcome", "theta_ratio", "demand_a", "uplift_a", "first_overturning_a", "capacity_demand", "safe_to",
-    "outcome_linear", "friction", "fz_min",
+    "structure", "motion", "model", "outcome", "theta_ratio", "demand_a", "uplift_a", "first_overturning_a", "capacity_demand", "safe_to",
+    "outcome_linear", "friction_needed", "fz_min", *OLD_COLUMNS,
 )  # fmt: skip
 
 
@@ -43,14 +44,14 @@ class Verdict:
 
     demand_a: the demand; uplift_a, first_overturning_a: the least that lift and overturn the body, None if none does;
     safe_to: upper end of the interval around the demand in which the body stands, None if it falls or nothing above overturns it;
-    theta_ratio: max |theta|/alpha, None if it falls; outcome_linear: by the linear equation; friction, fz_min: the friction that
-    the motion needs (impacts apart), and the least vertical force over the weight, of a rigid body whose mass centre is
-    known; friction is also None if the body loses the ground; unsettled: true if changes of the demand by 1e-12 to 1e-6 of it
+    theta_ratio: max |theta|/alpha, None if it falls; outcome_linear: by the linear equation; friction_needed, fz_min: the friction
+    that the motion needs (impacts apart), and the least vertical force over the weight, of a rigid body whose mass centre is
+    known; friction_needed is also None if the body loses the ground; unsettled: true if changes of the demand by 1e-12 to 1e-6 of it
     change the outcome, or theta_ratio by 0.01; dust: if many narrow intervals overturn the body, the share of amplitudes within
-    5 % above the first that do; slides: true if friction is more than that of the document.
+    5 % above the first that do; slides: true if friction_needed is more than that of the document.
     """
 
-    name: str
+    structure: str
     motion: str
     model: str
     outcome: Outcome
@@ -60,11 +61,21 @@ class Verdict:
     first_overturning_a: float | None
     safe_to: float | None
     outcome_linear: Outcome
-    friction: float | None = None
+    friction_needed: float | None = None
     fz_min: float | None = None
     unsettled: bool = False
     dust: float = 0.0
     slides: bool = False
+
+    @property
+    def name(self) -> str:
+        """`structure` under its old name."""
+        return self.structure
+
+    @property
+    def friction(self) -> float | None:
+        """`friction_needed` under its old name."""
+        return self.friction_needed
 
     @property
     def sentence(self) -> str:
@@ -85,6 +96,8 @@ class Verdict:
         """As `rocking check --json` prints it."""
         own = {
             **vars(self),
+            "name": self.structure,
+            "friction": self.friction_needed,
             "capacity_demand": self.capacity_demand,
             "outcome": self.outcome.flag,
             "outcome_linear": self.outcome_linear.flag,
@@ -148,7 +161,7 @@ def check(
         return math.floor(least / unit) * unit
 
     return Verdict(
-        name=structure.name,
+        structure=structure.name,
         motion=motion.name,
         model=method.model,
         outcome=Outcome.LOST_CONTACT if lifted_off else outcome,
@@ -160,7 +173,7 @@ def check(
         outcome_linear=Outcome(int(linear.outcome[0])),
         unsettled=bool(stands.any() and (falls.any() or np.ptp(governs.theta_ratio[stands]) > _SAME)),
         dust=found.dust,
-        slides=structure.friction is not None and (asked.get("friction") or 0.0) > structure.friction,
+        slides=structure.friction is not None and (asked.get("friction_needed") or 0.0) > structure.friction,
         **asked,
     )
 
@@ -219,11 +232,11 @@ def _check_one(a_max: float | Limit | None, workers: int, demand: Demand, progre
 
 
 def _forces(method: Method, structure: RockingParameters, motion: Motion, shaking: Grid) -> dict[str, float | None]:
-    """friction and fz_min of the history, as far as a body that falls is followed."""
+    """friction_needed and fz_min of the history, as far as a body that falls is followed."""
     if structure.arm is None:
         return {}
     asked = time_history(structure, motion, shaking, [method]).forces[method.model].demands
-    return {"friction": asked.friction.friction if np.isfinite(asked.friction.friction) else None, "fz_min": asked.fz_min}
+    return {"friction_needed": asked.friction.friction if np.isfinite(asked.friction.friction) else None, "fz_min": asked.fz_min}
 
 
 def _respond(method: Method, structure: RockingParameters, motion: Motion, amplitude: np.ndarray, omega: float) -> Response:

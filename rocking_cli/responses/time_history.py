@@ -182,7 +182,7 @@ class TimeHistory:
             elif forces:
                 asked = self.forces[model].demands
                 demanded = {
-                    "friction": _finite(asked.friction.friction),
+                    **dict.fromkeys(("friction_needed", "friction"), _finite(asked.friction.friction)),  # the latter for this version
                     f"friction_{when}": asked.friction.tau * time,
                     "friction_impact": None if asked.impact is None else _finite(asked.impact.friction),
                     "fz_min": asked.fz_min,

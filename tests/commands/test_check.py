@@ -35,15 +35,16 @@ def stated(tmp_path):
 def test_a_row_a_structure_the_weakest_first(rocking, three):
     done = rocking("check", three, *SHAKING, "--json", "--sort", "capacity")
     rows = [json.loads(line) for line in done.stdout.splitlines()]
-    assert [(r["name"], r["model"], r["outcome"]) for r in rows] == [
+    assert [(r["structure"], r["model"], r["outcome"]) for r in rows] == [
         ("Slender", "nonlinear", "overturned_after_impact"), ("Stated", "linear", "rocked"), ("Stocky", "nonlinear", "no_uplift"),
     ]  # fmt: skip
     assert [r["capacity_demand"] < 1.0 for r in rows] == [True, False, False]
     for r in rows:
         assert r["capacity_demand"] == pytest.approx(r["first_overturning_a"] / (0.35 * 9.81), rel=1e-12, abs=0)
-        assert (r["friction"] is None) == (r["fz_min"] is None) == (r["name"] == "Stated")
+        assert (r["friction"], r["name"]) == (r["friction_needed"], r["structure"])
+        assert (r["friction"] is None) == (r["fz_min"] is None) == (r["structure"] == "Stated")
     falls, stays = rows[0], rows[2]
-    assert 0.2 < falls["friction"] < 0.5
+    assert 0.2 < falls["friction_needed"] < 0.5
     assert (stays["friction"], stays["fz_min"]) == (pytest.approx(0.35, rel=1e-12), 1.0)
     assert "1 of 3 overturn: Slender" in done.stderr.splitlines()
     assert "would slide, their friction being less than what rocking asks for: Stocky" in done.stderr.splitlines()
@@ -71,8 +72,8 @@ def test_the_table_speaks_the_unit_of_the_request(rocking, stated):
     assert "uplift_a [m/s2]" in in_si[0]
     assert (float(in_g[1].split()[8]), float(in_si[1].split()[8])) == pytest.approx((0.2, 1.962), abs=1e-9)
     assert rocking("check", stated, *SHAKING, "--csv").stdout.splitlines()[0] == (
-        "name,motion,model,outcome,theta_ratio,demand_a [m/s2],uplift_a [m/s2],first_overturning_a [m/s2],capacity_demand,"
-        "safe_to [m/s2],outcome_linear,friction,fz_min"
+        "structure,motion,model,outcome,theta_ratio,demand_a [m/s2],uplift_a [m/s2],first_overturning_a [m/s2],capacity_demand,"
+        "safe_to [m/s2],outcome_linear,friction_needed,fz_min,name,friction"
     )
 
 
@@ -178,7 +179,7 @@ def test_a_record_of_a_set_goes_with_the_vertical_one(rocking, refused, tmp_path
     assert (plain["outcome"], plain["fz_min"]) == (row["outcome"], pytest.approx(row["fz_min"], rel=1e-5))
     last = json.loads(rocking("response", *with_up, "--model", "nonlinear", "--forces", "--events").stdout.splitlines()[-1])
     assert row["outcome"] == last["outcome"]
-    assert [row[key] for key in ("friction", "fz_min")] == pytest.approx([last[key] for key in ("friction", "fz_min")], rel=1e-9)
+    assert (row["friction_needed"], row["fz_min"]) == pytest.approx((last["friction_needed"], last["fz_min"]), rel=1e-9)
     # the push downwards lifts it, as far as the weight is less there: a = lambda (g - a/5)
     assert row["uplift_a"] == pytest.approx(0.25 * 9.81 / (1.0 + 0.25 * 0.2), rel=1e-12)
     assert "two records, or none" in refused(2, "check", "body.yaml", "--motion", "n.at2", "--vertical", "sine")

@@ -85,9 +85,9 @@ def capacities(axes: Axes, verdicts: Sequence[Verdict], in_g: bool) -> None:
             f"{ratio}  {v.sentence}{window}", (1.0, row), xycoords=("axes fraction", "data"), xytext=(6, 0),
             textcoords="offset points", va="center", fontsize=8,
         )  # fmt: skip
-    motions, names = (list(dict.fromkeys(x)) for x in ((v.motion for v in verdicts), (v.name for v in verdicts)))
-    of_motion = [v.motion if len(names) == 1 else f"{v.name}, {v.motion}" for v in verdicts]
-    axes.set_yticks(range(len(verdicts)), [literal(x) for x in (of_motion if len(motions) > 1 else [v.name for v in verdicts])])
+    motions, names = (list(dict.fromkeys(x)) for x in ((v.motion for v in verdicts), (v.structure for v in verdicts)))
+    of_motion = [v.motion if len(names) == 1 else f"{v.structure}, {v.motion}" for v in verdicts]
+    axes.set_yticks(range(len(verdicts)), [literal(x) for x in (of_motion if len(motions) > 1 else [v.structure for v in verdicts])])
     axes.invert_yaxis()
     axes.set(xlim=(0.0, most), xlabel=f"a_g [{'g' if in_g else 'm/s²'}]: bar to first overturning, dots uplift, line demand")
     under = (

@@ -19,7 +19,7 @@ def test_bars_end_at_the_first_overturning_and_lines_stand_at_the_demand():
     capacities(axes, verdicts, in_g=True)
     assert [bar.get_width() for bar in axes.patches] == pytest.approx([v.first_overturning_a / 9.81 for v in verdicts])
     assert [line.get_xdata()[0] for line in axes.lines] == pytest.approx([0.2, 0.35, 0.5, 0.35])
-    assert [t.get_text() for t in axes.get_yticklabels()] == [v.name for v in verdicts]
+    assert [t.get_text() for t in axes.get_yticklabels()] == [v.structure for v in verdicts]
     assert [text.get_text().split()[0] for text in axes.texts] == [f"{v.capacity_demand:.2f}" for v in verdicts]
 
 
