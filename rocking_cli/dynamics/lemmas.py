@@ -43,7 +43,7 @@ While a < 1, a body that has crossed y = 0 downwards does not come back.
 Proof. For y <= 0, l/m > 1 > a, so f < 0: the body has y' <= 0 at the crossing, and where y' = 0 it only falls.
 So y > 0 at the end of a subcritical window proves that there was no impact, and y <= 0 that there was exactly one.
 Varying weight: it holds, since f = m (a - w l/m) and below the ground w l/m > w > a where c < 1.
-Used in `march.advance.advance`, `march.windows.window_end`, `samples.interval.through_interval`.
+Used in `march.advance.advance`, `march.windows.window_end`.
 Test `test_lemmas.py::test_lemma_1_under_a_subcritical_drive_a_fallen_body_stays_below`.
 
 # Lemma 2 (supercritical drive)
@@ -51,7 +51,7 @@ Test `test_lemmas.py::test_lemma_1_under_a_subcritical_drive_a_fallen_body_stays
 While a >= 1 and y >= 0: if y' >= 0 at the start there is no event; if y' < 0 there is at most one minimum, and its sign decides.
 Proof. y' = 0 implies y'' >= 0. Undamped, y is convex there, so it lies above the point where the tangents at its ends meet.
 Varying weight: it holds, since above the ground w l/m <= w <= a where c >= 1.
-Used in `march.advance.next_step`, `march.advance.advance`, `samples.interval.through_interval`.
+Used in `march.advance.next_step`, `march.advance.advance`.
 Test `test_lemmas.py::test_lemma_2_under_a_supercritical_drive_there_is_one_minimum_at_most`,
 `march/test_advance.py::test_grazing_is_decided_on_either_side`.
 
@@ -60,7 +60,7 @@ Test `test_lemmas.py::test_lemma_2_under_a_supercritical_drive_there_is_one_mini
 In a step along which a falls and then rises at most once, y' changes from positive to negative at most once.
 Proof. Where a' < 0, V is concave while it is negative; where a' > 0, V is convex while it is positive.
 Varying weight: it does not hold, since a' + w' (y - 1) has no known sign. Bernstein bounds of the series isolate the turns.
-Used in `march.advance.turning_points`, `samples.interval.raise_peaks`, `march.turns.falls_through_zero`.
+Used in `march.advance.turning_points`, `march.turns.falls_through_zero`.
 Test `test_lemmas.py::test_lemma_3_a_drive_that_falls_and_then_rises_lets_the_body_turn_back_once`.
 
 # Lemma 4 (hidden turn)
@@ -162,14 +162,12 @@ Test `tests/envelopes/test_boundaries.py::test_above_overturning_without_impact_
 
 Undamped linear oscillator. While a >= c, y(h) >= y + v sinh h + (y - 1 + c)(cosh h - 1), and no impact comes before this bound is zero.
 While a <= c the same expression is an upper bound. Where y > 0 and a >= c on a stretch of length T, y is nowhere above the higher of its
-ends by more than (1 - c) T^2/8. If such an upper bound of y and the largest a leave y'' < 0, v falls throughout and a peak is the only one.
+ends by more than (1 - c) T^2/8.
 Proof. Green's function sinh is not negative, so y is monotone in the drive. y'' >= c - 1 gives the bound by the ends.
 The state at the end of a stretch is exact, whatever happens on the way.
 Varying weight: not used.
-Used in `samples.propagation.horizon`, `samples.exact.ExactStepper._doubtful`, `samples.peaks.peak_heights`,
-`samples.bounded.bounded_response`.
-Test `samples/test_exact.py::test_records_against_an_integration_that_shares_no_code`,
-`samples/test_peaks.py::test_a_peak_is_that_of_the_flow_from_sample_to_sample`.
+Used in `samples.propagation.horizon`, `samples.exact.ExactStepper._doubtful`, `samples.bounded.bounded_response`.
+Test `samples/test_exact.py::test_records_against_an_integration_that_shares_no_code`.
 
 # Lemma 12 (Taylor step over samples)
 

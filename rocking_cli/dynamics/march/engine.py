@@ -132,7 +132,9 @@ class Run:
         if self.observers:
             y, v = np.where(hit, 0.0, end.y), np.where(hit, passage.impact_v, end.v)
             b = np.where(hit, passage.impact_b, passage.force)
-            self.show(Arcs(lanes, passage.arc, passage.reach, y, v, b, np.flatnonzero(~(bad | over))))
+            arcs = Arcs(lanes, passage.arc, passage.reach, y, v, b, np.flatnonzero(~(bad | over)))
+            for observer in self.observers:
+                observer.arcs(arcs)
         self.work += Work(impacts=int(hit.sum()), steps=hit.size)
         self.finish(lanes, np.flatnonzero(bad), Outcome.FAILED, np.nan)
         last.peak = lanes.peak[shaken]
@@ -144,13 +146,8 @@ class Run:
         onward = self._onward(lanes, passage, k, u, np.flatnonzero(going & ~hit))
         for closing in self.closings if batch.equation.damping else ():
             onward = self._close(closing, onward) if closing.still else onward
-        landed = self.land(lanes.take(struck), passage.reach[struck], passage.impact_v[struck], passage.impact_b[struck])
+        landed = self._land(lanes.take(struck), passage.reach[struck], passage.impact_v[struck], passage.impact_b[struck])
         return self.end_free_fall(onward.join(landed))
-
-    def show(self, arcs: Arcs) -> None:
-        """Show arcs to the observers."""
-        for observer in self.observers:
-            observer.arcs(arcs)
 
     def _turning_points(self, lanes: Lanes, passage: Passage, wanted: Array) -> TurningPoints:
         """The turning points of those steps whose peak is wanted."""
@@ -169,9 +166,8 @@ class Run:
         self._renew_drive(lanes)
         return lanes
 
-    def land(self, lanes: Landing, h: Array, v: Array, b: Array, rest: Callable[[Landing], Landing] | None = None) -> Landing:
-        """These lanes after impacts h [tau] from now, with velocity v <= 0 and force b; those that came to their end are gone. rest: what
-        bodies whose bouncing is over do, `rest` unless given."""
+    def _land(self, lanes: Landing, h: Array, v: Array, b: Array) -> Landing:
+        """These lanes after impacts h [tau] from now, with velocity v <= 0 and force b; those that came to their end are gone."""
         batch, seg = self.batch, self.batch.segments
         lanes.k, lanes.u = place(seg, lanes.k, lanes.u + lanes.omega * h)
         lanes.y = np.zeros(h.size)
@@ -183,12 +179,12 @@ class Run:
             self.bounced[lanes.cell[lanes.k >= batch.shaken]] = True
         for closing in self.closings:
             lanes = self._close(closing, lanes)
-        lanes = (rest or self.rest)(lanes)
+        lanes = self._rest(lanes)
         for closing in self.after_rest:
             lanes = self._close(closing, lanes)
         return lanes
 
-    def rest(self, lanes: Landing) -> Landing:
+    def _rest(self, lanes: Landing) -> Landing:
         """Bodies whose bouncing is over skip to their next uplift, or finish."""
         batch = self.batch
         ends = batch.contact.sequence_ends(batch.segments, lanes, batch.equation)

@@ -12,7 +12,7 @@ from ..lanes import Lanes
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from ..samples.propagation import ExactLanes, Propagation
+    from ..samples.propagation import Propagation
 
 Array = np.ndarray
 
@@ -61,9 +61,7 @@ class Observer:
         """Lanes are to take these Taylor steps over samples, those that `go`, (steps,); sets `go` to False for those that the march must
         look at more closely."""
 
-    def propagates(
-        self, cell: Array, side: Array, lanes: ExactLanes, step: Propagation, proved: Array, strongest: Callable[[Array], Array]
-    ) -> Array:
+    def propagates(self, lanes: Lanes, step: Propagation, proved: Array, strongest: Callable[[Array], Array]) -> Array:
         """The lanes that are `proved` are to be propagated over samples, (lanes,); returns the indices of those that must go half as far.
         strongest: upper bound of the outward drive on the propagations of given indices."""
         return np.zeros(0, dtype=np.int64)

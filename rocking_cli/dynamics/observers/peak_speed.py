@@ -16,7 +16,7 @@ import numpy as np
 from ..contacts.contact import Contact
 from ..equations.equation import Equation
 from ..lanes import Lanes
-from ..samples.propagation import ExactLanes, Propagation
+from ..samples.propagation import Propagation
 from .extremes import Extremes, Ratio, Stretches, parts
 from .observer import Arcs, Observer, TaylorSteps
 
@@ -75,12 +75,10 @@ class PeakSpeed(Observer):
             go[at[first * last < 0.0]] = False
         self.speed.offer(cell[go], speed[go])
 
-    def propagates(
-        self, cell: Array, side: Array, lanes: ExactLanes, step: Propagation, proved: Array, strongest: Callable[[Array], Array]
-    ) -> Array:
+    def propagates(self, lanes: Lanes, step: Propagation, proved: Array, strongest: Callable[[Array], Array]) -> Array:
         """Propagations that may hold a larger speed: with c - 1 <= y'' <= r, v is below the lines of slope r from the start and c - 1 to
         the end, and above those of slope c - 1 from the start and r to the end."""
-        at = np.flatnonzero(proved)
+        cell, side, at = lanes.cell, lanes.side, np.flatnonzero(proved)
         self.speed.offer(cell[at], np.abs(self.contact.speed(side[at], step.v[at])))
         fastest = self.speed.largest[cell] / self.contact.speed(side, np.ones(side.size))
         at = np.flatnonzero((step.fall * step.time + np.maximum(step.v, -lanes.v) > fastest) & proved)

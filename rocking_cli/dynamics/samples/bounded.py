@@ -14,14 +14,13 @@ import numpy as np
 
 Array = np.ndarray
 
-_TERMS = 20  # of the series of the weights: the first one left out is below 1e-17 up to `LONGEST`
-LONGEST = 0.5  # longest interval between samples [tau] for which lanes are propagated
+_TERMS = 20  # of the series of the weights: the first one left out is below 1e-17 up to `stepper.LONGEST`
 LONGEST_STRETCH = 24.0  # tau: exp of it stays below 3e10, so that growth cannot bury the state in rounding
 _FORGOTTEN = 1e-20  # a mode that has decayed to this part is no longer felt
 
 
 def bounded_response(samples: Array, pace: Array) -> Array:
-    """Y + iY' at the samples, (paces, samples); pace: interval between samples [tau], (paces,), at most `LONGEST`."""
+    """Y + iY' at the samples, (paces, samples); pace: interval between samples [tau], (paces,), at most `stepper.LONGEST`."""
     all_of_it = -np.expm1(-pace)  # int_0^h exp(-t) dt
     far = np.zeros_like(pace)  # int_0^h exp(-t) t/h dt
     for k in range(_TERMS, -1, -1):

@@ -6,7 +6,7 @@ Lemma 12 proves that it holds no impact and no peak above the highest one; other
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -14,110 +14,54 @@ from ...motions.blocks import largest
 from ...motions.segments import Samples
 from ..equations.equation import Equation, Ramp
 from ..equations.ramp import WITHIN, degrees, factors_for, last_terms
-from ..lanes import Lanes
-from ..march.engine import Run, WindowStepper
+from ..march.engine import Run
 from ..observers.observer import TaylorSteps
-from ..outcome import Outcome
-from .bounded import LONGEST
+from .stepper import PooledLanes, SampleStepper
 
 Array = np.ndarray
 
 LANES = 32768  # lanes: a round of the march costs calls, not lanes
-_BLOCK = 5056  # lanes that step together: what they need fits the second-level cache, and no power of two lies between its rows
 _STEPS, _NARROW = 4, 16  # in a row, before lanes that wait get their round: of many lanes, and of fewer than a block
 _NEARLY = 0.9  # part of the displacement from which a body has overturned: beyond it the march judges
 
 
 @dataclass
-class SteppingLanes(Lanes):
-    """Lanes that can take steps: those with u = 0, whose b is not kept.
+class SteppingLanes(PooledLanes):
+    """degree: of the series."""
 
-    pace: tau between samples; outward: the outward drive of s = 1; degree: of the series; slot: place in the pool.
-    """
-
-    pace: Array
-    outward: Array
     degree: Array
-    slot: Array
 
 
-class TaylorStepper:
+class TaylorStepper(SampleStepper[SteppingLanes]):
     """How a run of any equation goes from sample to sample of a record."""
 
+    width = 5056  # what these lanes need fits the second-level cache, and no power of two lies between its rows
+
     def __init__(self, run: Run, samples: Samples) -> None:
-        self.run, self.samples, self.gains = run, samples.values, gains(samples.values)
-        self.equation, self.cells, self.segments = run.batch.equation, run.batch.cells, run.batch.segments
-        self.step, self.last = samples.step, samples.values.size - 1
+        super().__init__(run, samples)
         self.steepest = largest(self.gains)
 
-    def march(self, waiting: Array) -> None:
-        """Those of like pace together; from window to window where samples are far apart."""
-        pace = (self.step / self.cells.omega[:, waiting]).max(axis=0)
-        WindowStepper(self.run).march(waiting[pace > LONGEST])
-        waiting, pace = waiting[pace <= LONGEST], pace[pace <= LONGEST]
-        if waiting.size:
-            with np.errstate(all="ignore"):
-                self._advance(waiting[np.argsort(pace, kind="stable")])
-
-    def _advance(self, waiting: Array) -> None:
-        """Advance these cells, as many at once as the pool holds, until all are done."""
-        taken = min(self.run.pool, waiting.size)
-        lanes = self._launch(self.run.start(waiting[:taken]), np.arange(taken))
-        free = np.zeros(taken, dtype=bool)
-        ready = self._can_step(lanes)
-        while lanes.cell.size:
-            self._in_blocks(lanes, ready)
-            stopped = np.flatnonzero(~(ready | free))
-            going = self._careful(lanes.take(stopped))
-            free[stopped] = True
-            lanes.put(going.slot, going)
-            free[going.slot], ready[going.slot] = False, self._can_step(going)
-            lost = self._lost(lanes, np.flatnonzero(ready))
-            free[lost], ready[lost] = True, False
-            places = np.flatnonzero(free)
-            more = min(places.size, waiting.size - taken)
-            if more:
-                new = self._launch(self.run.start(waiting[taken : taken + more]), places[:more])
-                taken += more
-                lanes.put(new.slot, new)
-                free[new.slot], ready[new.slot] = False, self._can_step(new)
-            elif 4 * places.size >= free.size:
-                keep = np.flatnonzero(~free)
-                lanes, ready, free = lanes.take(keep), ready[keep], free[keep]
-                lanes.slot = np.arange(keep.size)
-
-    def _can_step(self, lanes: SteppingLanes) -> Array:
-        """Whether lanes stand at a sample from which they can take a step."""
-        return (lanes.u == 0.0) & (lanes.k < self.last)
-
-    def _launch(self, lanes: Lanes, slot: Array) -> SteppingLanes:
-        """Lanes with what they need for steps."""
-        own = {f.name: getattr(lanes, f.name) for f in fields(Lanes)}
-        pace = self.step / lanes.omega
-        degree = self._degree(lanes.amplitude, pace)
-        return SteppingLanes(**own, pace=pace, outward=-lanes.side * lanes.amplitude, degree=degree, slot=slot)
+    def launch(self, lanes: PooledLanes) -> SteppingLanes:
+        """Lanes with the degree of their series."""
+        return SteppingLanes(**vars(lanes), degree=self._degree(lanes.amplitude, lanes.pace))
 
     def _degree(self, amplitude: Array, pace: Array) -> Array:
         """Degree of the series of lanes, for speeds that rocking usually has."""
         return degrees(2.0 + amplitude * np.maximum(2.0, self.steepest / pace), pace, self.equation.tolerance)
 
-    def _in_blocks(self, lanes: SteppingLanes, ready: Array) -> None:
-        """Some steps of all lanes that are `ready`, in blocks of like degree, whose series have no rows of zeros. A lane stops where a step
-        is not proved."""
-        at = np.flatnonzero(ready)
-        at = at[np.argsort(lanes.degree[at].astype(np.int8), kind="stable")]
-        steps = _STEPS if at.size > _BLOCK else _NARROW
-        for first in range(0, at.size, _BLOCK):
-            self._block(lanes, at[first : first + _BLOCK], ready, steps)
+    def order(self, lanes: SteppingLanes, at: Array) -> Array:
+        """Those of like degree together, whose series have no rows of zeros."""
+        return at[np.argsort(lanes.degree[at].astype(np.int8), kind="stable")]
 
-    def _block(self, lanes: SteppingLanes, at: Array, ready: Array, steps: int) -> None:
+    def jump(self, lanes: SteppingLanes, at: Array, many: bool) -> Array:
+        """Some Taylor steps. A lane stops where a step is not proved."""
         k, y, v, peak, pace, outward, degree = (
             getattr(lanes, name).take(at) for name in ("k", "y", "v", "peak", "pace", "outward", "degree")
         )
         go, side, cell = np.ones(at.size, dtype=bool), lanes.side[at], lanes.cell[at]
         equation = self.equation.on(side, cell)
         factors, last = factors_for(pace, degree), degree * at.size + np.arange(at.size)
-        for _ in range(steps):
+        for _ in range(_STEPS if many else _NARROW):
             ramp = self._ramp(k, outward, pace, factors)
             end_y, end_v, proved = self._step(equation, y, v, peak, ramp, last)
             go &= proved
@@ -128,7 +72,8 @@ class TaylorStepper:
             go &= k < self.last
             if not go.any():
                 break
-        lanes.k[at], lanes.y[at], lanes.v[at], lanes.peak[at], ready[at] = k, y, v, peak, go
+        lanes.k[at], lanes.y[at], lanes.v[at], lanes.peak[at] = k, y, v, peak
+        return go
 
     def _ramp(self, k: Array, outward: Array, pace: Array, factors: Array) -> Ramp:
         """What drives lanes from sample k to the next."""
@@ -170,23 +115,11 @@ class TaylorStepper:
         end_v /= unit
         return end_y, end_v, proved
 
-    def _careful(self, lanes: SteppingLanes) -> SteppingLanes:
-        """A round of the march, and the rest of the interval after it where a step is proved."""
-        past = lanes.k >= len(self.segments)
-        if past.any():
-            self._ended(lanes, np.flatnonzero(past))
-            lanes = lanes.take(np.flatnonzero(~past))
-        at_sample = np.flatnonzero((lanes.u == 0.0) & (lanes.y > 0.0))
-        self.run.push(lanes, at_sample)
-        going = self.run.round(lanes)
-        going.pace, going.outward = self.step / going.omega, -going.side * going.amplitude
+    def after_round(self, lanes: SteppingLanes) -> None:
+        """Lanes inside an interval, after an impact, go on to its end where that is proved."""
+        super().after_round(lanes)
         if len(self.cells.amplitude) > 1:  # the other edge has its own
-            going.degree = self._degree(going.amplitude, going.pace)
-        self._rest_of_interval(going)
-        return going
-
-    def _rest_of_interval(self, lanes: SteppingLanes) -> None:
-        """Lanes inside an interval, after an impact, on to its end where that is proved."""
+            lanes.degree = self._degree(lanes.amplitude, lanes.pace)
         at = np.flatnonzero((lanes.u > 0.0) & (lanes.k < self.last) & (lanes.v > 0.0))
         if not at.size:
             return
@@ -203,21 +136,3 @@ class TaylorStepper:
         at = at[on]
         lanes.k[at], lanes.u[at] = some.k[on] + 1, 0.0
         lanes.y[at], lanes.v[at], lanes.peak[at] = y[on], v[on], np.maximum(some.peak[on], y[on])
-
-    def _ended(self, lanes: SteppingLanes, past: Array) -> None:
-        """Undamped lanes that have come to the end of the shaking."""
-        failed = ~np.isfinite(lanes.y[past])
-        self.run.finish(lanes, past[failed], Outcome.FAILED, np.nan)
-        self.run.end_shaking(lanes.take(past[~failed]))
-
-    def _lost(self, lanes: SteppingLanes, at: Array) -> Array:
-        """Lanes between samples that nothing can bring back (Lemma 6)."""
-        at = at[lanes.y[at] + lanes.v[at] > 1.0]
-        at = at[self.run.batch.cannot_return(lanes, at, lanes.k[at], lanes.y[at], lanes.v[at])]
-        self.run.overturn(lanes, at)
-        return at
-
-
-def gains(samples: Array) -> Array:
-    """How much s grows over the interval after each sample, 0 after the last."""
-    return np.append(np.diff(samples), 0.0)

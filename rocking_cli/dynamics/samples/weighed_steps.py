@@ -12,7 +12,8 @@ from ...motions.segments import Samples, followed_by
 from ..equations.equation import Equation, Ramp
 from ..equations.ramp import degrees
 from ..march.engine import Run
-from .taylor_steps import TaylorStepper, gains
+from .stepper import gains
+from .taylor_steps import TaylorStepper
 
 Array = np.ndarray
 

@@ -1,0 +1,140 @@
+"""Cells under a record of samples at equal steps: they jump over samples where a proof allows it, and take rounds of the march elsewhere.
+
+Subclasses say how far a lane can jump: `exact.ExactStepper` and `taylor_steps.TaylorStepper`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import ClassVar, Generic, TypeVar
+
+import numpy as np
+
+from ...motions.segments import Samples
+from ..drive import place
+from ..lanes import Lanes
+from ..march.engine import Run, WindowStepper
+from ..outcome import Outcome
+
+Array = np.ndarray
+
+LONGEST = 0.5  # interval between samples [tau] up to which lanes jump
+
+
+@dataclass
+class PooledLanes(Lanes):
+    """Lanes of the pool. pace: tau between samples; outward: the outward drive of s = 1; slot: place in the pool."""
+
+    pace: Array
+    outward: Array
+    slot: Array
+
+
+Pooled = TypeVar("Pooled", bound=PooledLanes)
+
+
+class SampleStepper(Generic[Pooled]):
+    """How a run goes along the samples of a record."""
+
+    width: ClassVar[int]  # lanes that jump together
+
+    def __init__(self, run: Run, samples: Samples) -> None:
+        self.run, self.samples, self.gains = run, samples.values, gains(samples.values)
+        self.equation, self.cells, self.segments = run.batch.equation, run.batch.cells, run.batch.segments
+        self.step, self.last = samples.step, samples.values.size - 1
+
+    def march(self, waiting: Array) -> None:
+        """Those of like pace together; from window to window where samples are far apart."""
+        pace = (self.step / self.cells.omega[:, waiting]).max(axis=0)
+        WindowStepper(self.run).march(waiting[pace > LONGEST])
+        waiting, pace = waiting[pace <= LONGEST], pace[pace <= LONGEST]
+        with np.errstate(all="ignore"):
+            for share in self.shares(waiting[np.argsort(pace, kind="stable")]) if waiting.size else ():
+                self._advance(share)
+
+    def shares(self, waiting: Array) -> Iterator[Array]:
+        """The cells in shares, each of which fills the pool by itself."""
+        yield waiting
+
+    def launch(self, lanes: PooledLanes) -> Pooled:
+        """Lanes with what they need besides in the pool."""
+        raise NotImplementedError
+
+    def can_jump(self, lanes: Pooled) -> Array:
+        """True for lanes that may try to jump."""
+        return (lanes.u == 0.0) & (lanes.k < self.last)
+
+    def order(self, lanes: Pooled, at: Array) -> Array:
+        """The indices `at`, those together that jump alike."""
+        return at
+
+    def jump(self, lanes: Pooled, at: Array, many: bool) -> Array:
+        """Move the lanes `at` over samples; returns which of them may jump on. many: True if others wait to jump."""
+        raise NotImplementedError
+
+    def after_round(self, lanes: Pooled) -> None:
+        """Renew what lanes need in the pool after a round of the march."""
+        lanes.pace, lanes.outward = self.step / lanes.omega, -lanes.side * lanes.amplitude
+
+    def _advance(self, waiting: Array) -> None:
+        """Advance these cells, as many at once as the pool holds, until all are done."""
+        taken = min(self.run.pool, waiting.size)
+        lanes = self._begin(waiting[:taken], np.arange(taken))
+        free = np.zeros(taken, dtype=bool)
+        ready = self.can_jump(lanes)
+        while lanes.cell.size:
+            at = self.order(lanes, np.flatnonzero(ready))
+            for first in range(0, at.size, self.width):
+                some = at[first : first + self.width]
+                ready[some] = self.jump(lanes, some, at.size > self.width)
+            stopped = np.flatnonzero(~(ready | free))
+            going = self._careful(lanes.take(stopped))
+            free[stopped] = True
+            lanes.put(going.slot, going)
+            free[going.slot], ready[going.slot] = False, self.can_jump(going)
+            lost = self._lost(lanes, np.flatnonzero(ready))
+            free[lost], ready[lost] = True, False
+            places = np.flatnonzero(free)
+            more = min(places.size, waiting.size - taken)
+            if more:
+                new = self._begin(waiting[taken : taken + more], places[:more])
+                taken += more
+                lanes.put(new.slot, new)
+                free[new.slot], ready[new.slot] = False, self.can_jump(new)
+            elif 4 * places.size >= free.size:
+                keep = np.flatnonzero(~free)
+                lanes, ready, free = lanes.take(keep), ready[keep], free[keep]
+                lanes.slot = np.arange(keep.size)
+
+    def _begin(self, cells: Array, slot: Array) -> Pooled:
+        """These cells at their first uplift."""
+        lanes = self.run.start(cells)
+        lanes.k, lanes.u = place(self.segments, lanes.k, lanes.u)
+        return self.launch(PooledLanes(**vars(lanes), pace=self.step / lanes.omega, outward=-lanes.side * lanes.amplitude, slot=slot))
+
+    def _careful(self, lanes: Pooled) -> Pooled:
+        """A round of the march for lanes that cannot jump."""
+        past = lanes.k >= len(self.segments)
+        if past.any():  # undamped, at the end of the shaking
+            ended = lanes.take(np.flatnonzero(past))
+            failed = ~np.isfinite(ended.y)
+            self.run.finish(ended, np.flatnonzero(failed), Outcome.FAILED, np.nan)
+            self.run.end_shaking(ended.take(np.flatnonzero(~failed)))
+            lanes = lanes.take(np.flatnonzero(~past))
+        self.run.push(lanes, np.flatnonzero((lanes.u == 0.0) & (lanes.y > 0.0)))  # jumps do not keep the force
+        going = self.run.round(lanes)
+        self.after_round(going)
+        return going
+
+    def _lost(self, lanes: PooledLanes, at: Array) -> Array:
+        """Lanes between samples that nothing can bring back (Lemma 6)."""
+        at = at[lanes.y[at] + lanes.v[at] > 1.0]
+        at = at[self.run.batch.cannot_return(lanes, at, lanes.k[at], lanes.y[at], lanes.v[at])]
+        self.run.overturn(lanes, at)
+        return at
+
+
+def gains(samples: Array) -> Array:
+    """How much s grows over the interval after each sample, 0 after the last."""
+    return np.append(np.diff(samples), 0.0)
