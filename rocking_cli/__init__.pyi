@@ -38,9 +38,9 @@ from .motions.intensity import intensity as intensity
 from .motions.reading import read_motion as read_motion
 from .motions.records import Record as Record
 from .motions.records import read_record as read_record
+from .reports.drawing_files import draw as draw
 from .reports.figures.capacities import draw_capacities as draw_capacities
 from .reports.figures.drawing import draw_structures as draw_structures
-from .reports.plot import draw as draw
 from .responses.check import Verdict as Verdict
 from .responses.check import check as check
 from .responses.history import History as History

@@ -28,7 +28,7 @@ for found in pkgutil.walk_packages(rocking_cli.__path__, "rocking_cli."):
 
 from rocking_cli import SpectraFile, dimensionless_oscillator, load_structures, parse_grid, sine, write_spectrum
 from rocking_cli.errors import Interrupted
-from rocking_cli.reports.plot import draw
+from rocking_cli.reports.drawing_files import draw
 
 def stop(done, total):
     if done == 2:

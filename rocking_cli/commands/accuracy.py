@@ -37,7 +37,7 @@ def accuracy(files: tuple[str, ...], wanted: Sample, sizeless: options.Oscillato
     independent reference (a Runge-Kutta method in small steps).
     """
     from ..motions.grid import parse_grid
-    from ..reports.accuracy import work_precision
+    from ..reports.work_precision import work_precision
     from ..spectra.scene import PulseScene
 
     motion = motions.one().motion

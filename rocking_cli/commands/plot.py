@@ -43,7 +43,7 @@ def plot(file: Path, wanted: Plot) -> None:
     pip install 'rocking[plot]'.
     """
     from ..publishing import check_target
-    from ..reports.plot import draw, is_spectra_file
+    from ..reports.drawing_files import draw, is_spectra_file
     from ..spectra.file.reader import SpectraFile
 
     if wanted.text and wanted.output is not None:

@@ -6,7 +6,7 @@ import pytest
 from matplotlib.figure import Figure
 from support.documents import csv_rows
 
-from rocking_cli.reports.plot import draw
+from rocking_cli.reports.drawing_files import draw
 
 
 @pytest.fixture

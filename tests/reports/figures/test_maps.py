@@ -12,7 +12,7 @@ from support.axes import lines
 from support.record_layouts import rows, wave
 
 from rocking_cli import Outcome, UsageError, closed_form_curves
-from rocking_cli.reports.plot import draw
+from rocking_cli.reports.drawing_files import draw
 from rocking_cli.reports.units import parse_units
 from rocking_cli.spectra.file.reader import SpectraFile
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from rocking_cli import Method, cosine, load_structures, parse_grid, sine
 from rocking_cli.motions.biaxial import with_vertical
-from rocking_cli.reports.accuracy import work_precision
+from rocking_cli.reports.work_precision import work_precision
 from rocking_cli.spectra.scene import PulseScene
 
 
