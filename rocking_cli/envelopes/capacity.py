@@ -38,6 +38,7 @@ _NEAR, _ABOVE = 0.9, 1.05  # of the lowest fall: where the fine search begins, a
 _STRETCH = 100  # amplitudes of the first stretch
 _FEW, _LONGER = 200, 100  # amplitudes of a stretch up to which one after the other is faster, and one more for so many segments
 _SHARE = 4  # of these, for one process
+_MANY = 1000  # amplitudes that processes share: fewer take nearly as long
 _FIRST_WINDOW = 1.5  # in A, computed together: that many cells cost about as much as one batch
 _PARTS = 256  # that a change is cut into at once: few changes, so that a batch costs the same whatever its size
 
@@ -150,12 +151,13 @@ class Stretches:
         run = self.shared or partial(map, self.look)
         if amplitude.size > _FEW + len(self.motion.segments) // _LONGER:
             outcome = np.empty(amplitude.size, dtype=np.uint8)
-            for i, part in enumerate(run((amplitude[i :: self.workers], False) for i in range(self.workers))):
-                outcome[i :: self.workers] = part
+            shares = self.workers if amplitude.size > _MANY else 1
+            for i, part in enumerate(run((amplitude[i::shares], False) for i in range(shares))):
+                outcome[i::shares] = part
             return outcome
         parts, end = [], np.inf
-        shares = [amplitude[i : i + _SHARE] for i in range(0, amplitude.size, _SHARE)]
-        for share, part in zip(shares, run((share, True) for share in shares), strict=True):
+        few = [amplitude[i : i + _SHARE] for i in range(0, amplitude.size, _SHARE)]
+        for share, part in zip(few, run((share, True) for share in few), strict=True):
             parts.append(part)
             end = min(end, *(_ABOVE * share[~safe(part)]), np.inf)
             if share[-1] >= end:
