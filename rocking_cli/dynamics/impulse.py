@@ -15,7 +15,6 @@ from .lanes import Lanes
 
 Array = np.ndarray
 
-FEW = 2  # pushes of a motion: under more, an envelope looks closer where the number of impacts changes, and bodies are followed to the end
 _ROUNDING = 1e-13  # of the terms that an integral over a segment is summed from
 _SURELY = 1.0 - 1e-9
 

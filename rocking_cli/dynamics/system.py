@@ -13,7 +13,6 @@ from .body import Body
 from .contacts.contact import Contact
 from .contacts.symmetric import Symmetric
 from .equations.equation import Equation
-from .weight import weighed
 
 _SYMMETRIC = Symmetric()
 
@@ -38,6 +37,8 @@ class System:
             return motion.segments
         if self.scale is None:
             raise ValueError("a vertical motion needs the scale of A: the ground acceleration over g of A = 1")
+        from .weight import weighed
+
         share = self.scale / self.contact.cells(self.equation, np.ones(1), np.ones(1), np.zeros(1)).amplitude[:, 0]
         return weighed(motion, float(share[0]), float(share[-1]))
 

@@ -21,7 +21,8 @@ from typing import NamedTuple
 import numpy as np
 
 from ..dynamics.contacts.contact import first_uplift
-from ..dynamics.impulse import FEW, ImpulseAhead
+from ..dynamics.impulse import ImpulseAhead
+from ..dynamics.march.closings import FEW
 from ..dynamics.outcome import Outcome, safe
 from ..dynamics.response import response
 from ..dynamics.system import System

@@ -14,7 +14,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from ..dynamics.impulse import FEW
+from ..dynamics.march.closings import FEW
 from ..dynamics.method import Method
 from ..dynamics.outcome import Outcome, safe
 from ..dynamics.response import response

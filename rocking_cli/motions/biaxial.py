@@ -13,7 +13,7 @@ import numpy as np
 from ..errors import UsageError
 from .blocks import blocks
 from .motion import Motion, checked_scale
-from .piece import Harmonic, Piece
+from .piece import Piece, plus
 from .polyline import Polyline
 from .segments import Samples, Segments
 
@@ -129,12 +129,3 @@ def combined(motion: Biaxial, factor: float) -> Motion:
     if isinstance(across, Polyline) and isinstance(up, Polyline):
         return across.plus(up, factor)
     return Motion(motion.name, tuple(plus(a, b.scaled(factor)) for a, b in zip(across.pieces, up.pieces, strict=True)))
-
-
-def plus(a: Piece, b: Piece) -> Piece:
-    """The sum of two pieces; sinusoids of equal frequency become one."""
-    waves: dict[float, complex] = {}
-    for h in (*a.harmonics, *b.harmonics):
-        waves[h.frequency] = waves.get(h.frequency, 0.0) + h.amplitude * np.exp(1j * h.phase)
-    harmonics = tuple(Harmonic(float(abs(c)), w, float(np.angle(c))) for w, c in waves.items())
-    return Piece(a.start, a.stop, harmonics, a.constant + b.constant, a.slope + b.slope)

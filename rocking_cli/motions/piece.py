@@ -41,3 +41,12 @@ class Piece:
         """The piece times a factor."""
         harmonics = tuple(replace(h, amplitude=factor * h.amplitude) for h in self.harmonics)
         return Piece(self.start, self.stop, harmonics, factor * self.constant, factor * self.slope)
+
+
+def plus(a: Piece, b: Piece) -> Piece:
+    """The sum of two pieces; sinusoids of equal frequency become one."""
+    waves: dict[float, complex] = {}
+    for h in (*a.harmonics, *b.harmonics):
+        waves[h.frequency] = waves.get(h.frequency, 0.0) + h.amplitude * np.exp(1j * h.phase)
+    harmonics = tuple(Harmonic(float(abs(c)), w, float(np.angle(c))) for w, c in waves.items())
+    return Piece(a.start, a.stop, harmonics, a.constant + b.constant, a.slope + b.slope)

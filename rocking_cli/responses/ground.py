@@ -9,7 +9,6 @@ from itertools import pairwise
 
 import numpy as np
 
-from ..motions.biaxial import Biaxial
 from ..motions.blocks import blocks
 from ..motions.motion import Motion
 from ..motions.polyline import Polyline
@@ -29,7 +28,12 @@ class Ground:
     @property
     def _signals(self) -> tuple[Motion, ...]:
         """The horizontal motion, and the vertical one where there is one."""
-        return (self.motion.across, self.motion.vertical) if isinstance(self.motion, Biaxial) else (self.motion,)
+        if self.motion.vertical is None:
+            return (self.motion,)
+        from ..motions.biaxial import Biaxial
+
+        assert isinstance(self.motion, Biaxial)  # the only one with a vertical part
+        return self.motion.across, self.motion.vertical
 
     @cached_property
     def stops(self) -> Array:

@@ -13,7 +13,6 @@ import numpy as np
 from ...motions.segments import Segments
 from ..drive import segment_value
 from ..lanes import Lanes
-from ..weight import WeighedSegments
 from .equation import Equation, Law, Ramp
 from .flow import LinearFlow
 from .ramp import ramp_flow
@@ -21,6 +20,7 @@ from .summed_flow import SummedFlow, can_be_summed
 from .taylor import TaylorSeries, order_for, series, weighed_series
 
 if TYPE_CHECKING:
+    from ..weight import WeighedSegments
     from .damped_flow import DampedFlow
 
 Array = np.ndarray

@@ -10,7 +10,7 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -18,8 +18,10 @@ from ...motions.segments import Segments
 from ..arrays import Arrays
 from ..drive import segment_value
 from ..lanes import Lanes
-from ..weight import WeighedSegments
 from .equation import Point
+
+if TYPE_CHECKING:
+    from ..weight import WeighedSegments
 
 Array = np.ndarray
 

@@ -12,15 +12,15 @@ from typing import NamedTuple
 import numpy as np
 
 from ...motions.segments import Segments
-from ..contacts.adiabatic import bounces_on
 from ..contacts.long_sequences import outlasts
 from ..contacts.settling import settles
-from ..impulse import FEW, ImpulseAhead
 from ..lanes import Lanes
 from ..outcome import Outcome
 from .batch import Batch
 
 Array = np.ndarray
+
+FEW = 2  # pushes of a motion: under more, an envelope looks closer where the number of impacts changes, and bodies are followed to the end
 
 
 class Closed(NamedTuple):
@@ -95,6 +95,12 @@ def _failed(proved: Callable[[Batch, Lanes], Array]) -> Callable[[Batch, Lanes],
     return lambda batch, lanes: Closed(np.flatnonzero(proved(batch, lanes)), Outcome.FAILED, np.nan)
 
 
+def _bounces_on(batch: Batch, lanes: Lanes) -> Array:
+    from ..contacts.adiabatic import bounces_on
+
+    return bounces_on(batch.segments, lanes, batch.equation)
+
+
 FREE_MOTION = Closing(frozenset({"undamped"}), free_motion, "free_phase", still=True)
 SYMMETRIC = frozenset({"undamped", "equal edges", "constant weight"})
 AT_IMPACTS = (
@@ -106,7 +112,7 @@ AT_IMPACTS = (
     ),
     Closing(
         SYMMETRIC | {"straight lines", "unobserved"},
-        _rocked(lambda batch, lanes: bounces_on(batch.segments, lanes, batch.equation)), "chatters_closed",
+        _rocked(_bounces_on), "chatters_closed",
     ),
     Closing(SYMMETRIC, _failed(lambda batch, lanes: outlasts(batch.segments, lanes, batch.equation, batch.most_steps))),
 )  # fmt: skip
@@ -114,6 +120,8 @@ AT_IMPACTS = (
 
 def impulse_bound(segments: Segments) -> Closing:
     """Lanes that nothing to come overturns (Lemma 9), where only the outcome is wanted."""
+    from ..impulse import ImpulseAhead
+
     ahead = ImpulseAhead.of(segments)
     return Closing(
         SYMMETRIC | {"linear equation", "only the outcome", "few pushes"},

@@ -14,11 +14,9 @@ from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
-from ...motions.biaxial import plus
 from ...motions.motion import Motion
-from ...motions.piece import Piece
+from ...motions.piece import Piece, plus
 from ...motions.turning_points import extremes
-from ...structures.mechanics.kinematics import linearise
 from ..outcome import FALLEN, Outcome
 from .contact_check import Arm, arms_of, lets_go
 from .extrapolation import Path, Point, Rate, path, step
@@ -72,6 +70,8 @@ def rigid_body_rates(structure: RockingParameters, edge: Edge) -> Rates:
 
 def mechanism_rates(structure: RockingParameters, edge: Edge) -> Rates:
     """Eq. 3.4: theta' = w/sqrt(M) and w' = -(L + push B)/sqrt(M) - 2 zeta w, over p^2/g, from the mechanism's own coefficients."""
+    from ...structures.mechanics.kinematics import linearise
+
     assert structure.mechanism is not None  # asked only where there is one
     mechanism, form, damping = structure.mechanism, linearise(structure.mechanism), structure.damping
 

@@ -20,7 +20,6 @@ from .difference import difference, reason
 from .digest import digest_line
 from .layout import BOOKKEEPING, Layout
 from .partial import Partial
-from .reader import SpectraFile
 
 
 class SpectraWriter:
@@ -68,6 +67,8 @@ class SpectraWriter:
 
     def _resume(self, layout: Layout, strict: bool) -> None:
         """Go on with a partial file: the same scene, and every chunk whose record is whole. Raises UsageError, OutputError, OSError."""
+        from .reader import SpectraFile
+
         with SpectraFile(self.part) as before:
             if (found := difference(before.scene, dict(layout.scene))) is not None:
                 place, there, here = found

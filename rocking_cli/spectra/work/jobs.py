@@ -19,7 +19,6 @@ from ...dynamics.march.account import Work
 from ...dynamics.method import LINEAR
 from ...dynamics.outcome import Difference, Outcome, difference
 from ...dynamics.response import Response, response, response_with_demands, that_left_the_ground
-from ...dynamics.single.response import response_alone
 from ...motions import Motion
 from ...processes import Run, processes
 from ...structures.parameters import RockingParameters
@@ -154,6 +153,8 @@ class Job:
             got, asked = response_with_demands(system, motion, *cells, found=known)
             beside |= asked
         elif known is None and self.one_by_one:
+            from ...dynamics.single.response import response_alone
+
             got = response_alone(method.system_of(structures[0]), motion, *cells)
         else:
             got = known or response(system, motion, *cells)

@@ -30,9 +30,10 @@ def version() -> str:
 
 def machine() -> dict[str, Any]:
     """This machine and its libraries by name, as JSON values; `cpu`: what NumPy uses of the processor's vector instructions."""
+    from importlib.metadata import version as version_of
+
     import h5py
     import numpy as np
-    import scipy
 
     vectors: Mapping[str, Any] = np.show_config(mode="dicts")
     simd = vectors.get("SIMD Extensions", {})
@@ -41,7 +42,7 @@ def machine() -> dict[str, Any]:
         "libc": " ".join(platform.libc_ver()).strip(),
         "python": platform.python_version(),
         "numpy": np.__version__,
-        "scipy": scipy.__version__,
+        "scipy": version_of("scipy"),
         "h5py": h5py.__version__,
         "hdf5": h5py.version.hdf5_version,
         "cpu": [*simd.get("baseline", []), *simd.get("found", [])],
