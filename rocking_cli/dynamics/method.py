@@ -36,35 +36,25 @@ Reference = Callable[["Motion", float, float, float], tuple["Outcome", float]]
 class EquationKind:
     """An equation of motion in the registry.
 
-    model: the word of `--model` and of files; name, source: as they are printed; exact: no tolerance; serves: True for a structure for
-    which it holds; build: the equation of a structure at a tolerance, raises ValueError; shares: numbers that structures must have in
-    common, besides restitution, to share a dimensionless computation; rates: name of its form in `references.general_solver`; of_cells:
-    the equation of plain cells of these alphas at a tolerance, None if there is none.
+    model: the word of `--model` and of files; serves: True for a structure for which it holds; build: the equation of a structure at a
+    tolerance, raises ValueError; shares: numbers besides restitution and damping that structures must have in common to share a
+    dimensionless computation; rates: name of its form in `references.general_solver`; exact: it has no tolerance; of_cells: the equation
+    of plain cells of these alphas at a tolerance, None if there is none.
     """
 
     model: str
-    name: str
-    source: str
-    exact: bool
     serves: Callable[[RockingParameters], bool]
     build: Callable[[RockingParameters, float], Equation]
-    shares: Callable[[RockingParameters], tuple[Any, ...]]
+    shares: Callable[[RockingParameters], Any]
     rates: str
+    exact: bool = False
     of_cells: Callable[[np.ndarray, float], Equation] | None = None
 
 
-def _rigid(structure: RockingParameters, tolerance: float) -> Equation:
+def _rigid(alpha: Any, tolerance: float, damping: float = 0.0) -> Equation:
     from .equations.rigid_body import RigidBodyEquation
 
-    left_right = structure.sides
-    alpha = (left_right[1].alpha, left_right[0].alpha) if left_right else structure.alpha
-    return RigidBodyEquation(alpha, tolerance, structure.damping)
-
-
-def _rigid_cells(alpha: np.ndarray, tolerance: float) -> Equation:
-    from .equations.rigid_body import RigidBodyEquation
-
-    return RigidBodyEquation(alpha, tolerance)
+    return RigidBodyEquation(alpha, tolerance, damping)
 
 
 def _mechanism(structure: RockingParameters, tolerance: float) -> Equation:
@@ -75,29 +65,30 @@ def _mechanism(structure: RockingParameters, tolerance: float) -> Equation:
 
 
 EQUATIONS = (
-    EquationKind(
-        "linear", "the linear oscillator", "Eqs. 2.4 and 3.6", True,
+    EquationKind(  # the linear oscillator, Eqs. 2.4 and 3.6
+        "linear",
         serves=lambda s: True,
         build=lambda s, tolerance: LinearEquation(s.damping),
-        shares=lambda s: (s.damping,),
+        shares=lambda s: None,
         rates="linear_rates",
+        exact=True,
     ),
-    EquationKind(
-        "nonlinear", "a mechanism", "Eq. 3.4", False,
+    EquationKind(  # a mechanism, Eq. 3.4
+        "nonlinear",
         serves=lambda s: s.mechanism is not None,
         build=_mechanism,
-        shares=lambda s: (s.damping, s.mechanism),
+        shares=lambda s: s.mechanism,
         rates="mechanism_rates",
     ),
-    EquationKind(
-        "nonlinear", "a rigid body", "Eq. 2.3", False,
+    EquationKind(  # a rigid body, Eq. 2.3
+        "nonlinear",
         serves=lambda s: s.a_scale == 1.0 and not s.dimensionless,
-        build=_rigid,
-        shares=lambda s: (s.damping, s.alpha),
+        build=lambda s, tolerance: _rigid(tuple(side.alpha for side in reversed(s.sides)) or s.alpha, tolerance, s.damping),
+        shares=lambda s: s.alpha,
         rates="rigid_body_rates",
-        of_cells=_rigid_cells,
+        of_cells=_rigid,
     ),
-)  # fmt: skip
+)
 MODELS = tuple(dict.fromkeys(kind.model for kind in EQUATIONS))
 
 
@@ -177,16 +168,16 @@ class Method:
     def shares(self, structure: RockingParameters) -> tuple[Any, ...]:
         """Structures for which this is equal are one system; with equal restitutions too they share one dimensionless computation,
         as sections 3.3 and 4 of the paper have it."""
-        return structure.one_sided, structure.sides, self.kind_of(structure).shares(structure)
+        return structure.one_sided, structure.sides, structure.damping, self.kind_of(structure).shares(structure)
 
     def reference_of(self, structure: RockingParameters) -> Reference:
-        """The slower, independent path (`CHECKED_BY`) to (outcome, theta_ratio) of a single cell (motion, A, Omega, eta)."""
+        """(outcome, theta_ratio) of a cell (motion, A, Omega, eta) by the slower, independent path, `CHECKED_BY`."""
         from .references.general_solver import solve_cell
 
         return partial(solve_cell, problem=self.problem_of(structure))
 
     def problem_of(self, structure: RockingParameters) -> Problem:
-        """The structure as the reference path takes it."""
+        """A structure as the reference path takes it."""
         from .references import general_solver
 
         return general_solver.problem_of(structure, getattr(general_solver, self.kind_of(structure).rates))

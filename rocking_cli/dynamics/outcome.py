@@ -1,4 +1,4 @@
-"""Outcomes of cells, each with its code, its words and its looks; which of them are overturned or safe."""
+"""Outcomes of cells, each with its code, sentence and colour; which of them are overturned or safe."""
 
 from __future__ import annotations
 
@@ -10,19 +10,8 @@ import numpy as np
 FALLEN = 3.0  # |theta|/alpha from which a body counts as overturned when the ground falls away; the end of its history
 
 
-class Outcome(IntEnum):
-    """Outcome codes as they stand in the spectra file; the names in lower case are its flag meanings.
-
-    sentence: what a person reads; colour: in figures (Okabe and Ito's, which the colour-blind tell apart); sign: in maps of characters.
-    """
-
-    NOT_COMPUTED = 0, "not computed", "#DDDDDD", "?"
-    NO_UPLIFT = 1, "no uplift", "#FFFFFF", " "
-    ROCKED = 2, "rocks and survives", "#BFDDEB", "."
-    OVERTURNED_NO_IMPACT = 3, "overturns without impact", "#7A4A00", "#"
-    OVERTURNED_AFTER_IMPACT = 4, "overturns after an impact", "#E69F00", "o"
-    FAILED = 5, "failed", "#000000", "!"
-    LOST_CONTACT = 6, "loses contact with the ground", "#CC79A7", "^"
+class _Code(IntEnum):
+    """A code, its sentence, its colour in figures (empty where they show nothing), and its sign in maps of characters."""
 
     sentence: str
     colour: str
@@ -37,6 +26,19 @@ class Outcome(IntEnum):
     def flag(self) -> str:
         """The word that files and tables use."""
         return self.name.lower()
+
+
+class Outcome(_Code):
+    """Outcome codes of the spectra file; their names in lower case are its flag meanings. Colours: Okabe and Ito's, which the
+    colour-blind tell apart."""
+
+    NOT_COMPUTED = 0, "not computed", "#DDDDDD", "?"
+    NO_UPLIFT = 1, "no uplift", "#FFFFFF", " "
+    ROCKED = 2, "rocks and survives", "#BFDDEB", "."
+    OVERTURNED_NO_IMPACT = 3, "overturns without impact", "#7A4A00", "#"
+    OVERTURNED_AFTER_IMPACT = 4, "overturns after an impact", "#E69F00", "o"
+    FAILED = 5, "failed", "#000000", "!"
+    LOST_CONTACT = 6, "loses contact with the ground", "#CC79A7", "^"
 
     @property
     def mode(self) -> str:
@@ -59,29 +61,14 @@ class Outcome(IntEnum):
         return self in (Outcome.NO_UPLIFT, Outcome.ROCKED)
 
 
-class Difference(IntEnum):
-    """How the linear equation judges a cell that the nonlinear one decides: codes of the file's `difference`, and words of a figure.
+class Difference(_Code):
+    """How the linear equation judges a cell that the nonlinear one decides: codes of the file's `difference`. It is unsafe if it stands
+    where the body falls (`Outcome.falls`)."""
 
-    colour: None where a figure shows nothing; unsafe: linear stands where the body falls (`Outcome.falls`).
-    """
-
-    NOT_COMPUTED = 0, "one of them failed", None
-    AGREES = 1, "linear agrees", None
+    NOT_COMPUTED = 0, "one of them failed"
+    AGREES = 1, "linear agrees"
     LINEAR_UNSAFE = 2, "linear stands, the body falls", "#D55E00"
     LINEAR_FALSE_ALARM = 3, "linear falls, the body stands", "#0072B2"
-
-    sentence: str
-    colour: str | None
-
-    def __new__(cls, code: int, sentence: str = "", colour: str | None = None) -> Self:
-        member = int.__new__(cls, code)
-        member._value_, member.sentence, member.colour = code, sentence, colour
-        return member
-
-    @property
-    def flag(self) -> str:
-        """The word that files use."""
-        return self.name.lower()
 
 
 _OVERTURNED, _FALLS, _SAFE = np.array([(o.overturned, o.falls, o.safe) for o in Outcome]).T

@@ -19,7 +19,6 @@ from .system import System
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from .observers.contact_loss import ContactLoss
     from .observers.observer import Observer
 
 Array = np.ndarray
@@ -59,49 +58,56 @@ def response(
     >>> Outcome(int(found.outcome)).flag, round(float(found.theta_ratio), 6)
     ('rocked', 0.15645)
     """
-    amplitude, omega, eta = np.broadcast_arrays(*(np.asarray(x, dtype=float) for x in (amplitude, omega, eta)))
-    if not (np.all(np.isfinite(amplitude)) and np.all(amplitude >= 0.0)):
+    shape, cells = _flat(amplitude, omega, eta)
+    if not (np.all(np.isfinite(cells[0])) and np.all(cells[0] >= 0.0)):
         raise ValueError("amplitude must be finite and not negative")
-    if not (np.all(np.isfinite(omega)) and np.all(omega > 0.0)):
+    if not (np.all(np.isfinite(cells[1])) and np.all(cells[1] > 0.0)):
         raise ValueError("omega must be positive and finite")
-    cells = amplitude.ravel(), omega.ravel(), eta.ravel()
-    prove = bool(amplitude.max(initial=0.0) > system.safe_amplitude(motion))  # peaks may, that a body presses on the ground
-    run, loss = run_of(system, motion, batch_of(system, motion, cells, peaks or prove), pool)
-    run.all()
-    look_at_forces(run, loss, system, motion, cells)
-    return response_of(run, amplitude.shape, peaks)
+    prove = bool(cells[0].max(initial=0.0) > system.safe_amplitude(motion))  # by the peaks, that the body presses on the ground
+    run = _marched(system, motion, cells, _batch(system, motion, cells, peaks or prove), pool=pool)
+    return _response(run, shape, peaks)
 
 
-def response_of(run: Run, shape: tuple[int, ...], peaks: bool = True) -> Response:
-    """The results of a run, in the shape of its cells."""
+def _flat(*numbers: Array | float) -> tuple[tuple[int, ...], Cells]:
+    """(shape, flat cells) of A, Omega and eta broadcast against each other."""
+    amplitude, omega, eta = np.broadcast_arrays(*(np.asarray(x, dtype=float) for x in numbers))
+    return amplitude.shape, (amplitude.ravel(), omega.ravel(), eta.ravel())
+
+
+def _response(run: Run, shape: tuple[int, ...], peaks: bool = True) -> Response:
     theta_ratio = run.theta_ratio if peaks else np.full(run.outcome.size, np.nan)
     return Response(theta_ratio.reshape(shape), run.outcome.reshape(shape), run.impacts.reshape(shape), run.work)
 
 
-def batch_of(system: System, motion: Motion, cells: Cells, peaks: bool) -> Batch:
-    """Flat cells under a motion; a record by the segments between its samples."""
+def _batch(system: System, motion: Motion, cells: Cells, peaks: bool) -> Batch:
+    """Flat cells under a motion; under a record by the segments between its samples."""
     sampled = motion.coarsest.samples is not None and motion.vertical is None
     return Batch.of(system, motion.coarsest.segments if sampled else system.segments(motion), *cells, peaks)
 
 
-def run_of(
-    system: System, motion: Motion, batch: Batch, pool: int | None = None, *observers: Observer, jumps: bool = True
-) -> tuple[Run, ContactLoss | None]:
-    """The run that answers for a batch, and its observer of lost contact. jumps: False if the observers have to see the arcs or Taylor
-    steps of every lane."""
+def _marched(
+    system: System, motion: Motion, cells: Cells, batch: Batch, *observers: Observer, pool: int | None = None, jumps: bool = True
+) -> Run:
+    """The finished run of a batch of these cells, with those that lost the ground. jumps: False if the observers have to see the arcs or
+    Taylor steps of every lane."""
     stepper, pool = _stepper_of(system, motion, pool, jumps)
-    loss = None
+    watched: Array | bool = False
     if system.body is not None:
         from .observers.contact_loss import ContactLoss
 
         on_the_way = stepper is WindowStepper and not system.equation.bounded
         loss = ContactLoss(system.body, batch.segments, batch.contact, batch.cells, _LIKELY if on_the_way else np.inf)
-        observers += (loss,) if loss.any else ()
-    return Run(batch, pool, stepper, observers), loss
+        observers, watched = observers + ((loss,) if loss.any else ()), loss.watched
+    run = Run(batch, pool, stepper, observers)
+    run.all()
+    doubtful = (run.outcome == Outcome.ROCKED) & ~np.asarray(watched)
+    gone = that_left_the_ground(system, motion, cells, doubtful, run.theta_ratio if batch.peaks else None)
+    run.outcome[gone], run.theta_ratio[gone] = Outcome.LOST_CONTACT, np.nan
+    return run
 
 
 def _stepper_of(system: System, motion: Motion, pool: int | None, jumps: bool) -> tuple[Callable[[Run], Stepper], int | None]:
-    """What advances the lanes, and how many of them together."""
+    """(the stepper of a run, the number of lanes that it advances together)."""
     samples = motion.coarsest.samples
     if samples is None or (motion.vertical is not None and not jumps):
         return WindowStepper, pool
@@ -110,22 +116,13 @@ def _stepper_of(system: System, motion: Motion, pool: int | None, jumps: bool) -
         from .samples.weighed_steps import WeighedTaylorStepper
 
         return partial(WeighedTaylorStepper, samples=samples), pool or LANES
-    if jumps and exact_over_samples(system, motion):
+    if jumps and motion.samples is not None and system.equation.bounded:  # linear, undamped, under equal steps: exact
         from .samples.exact import LANES, ExactStepper
 
         return partial(ExactStepper, samples=samples), pool or LANES
     from .samples.taylor_steps import LANES, TaylorStepper
 
     return partial(TaylorStepper, samples=samples), pool or LANES
-
-
-def look_at_forces(run: Run, loss: ContactLoss | None, system: System, motion: Motion, cells: Cells) -> None:
-    """Mark the cells of a run that lost the ground, where it did not look at them itself."""
-    doubtful = run.outcome == Outcome.ROCKED
-    if loss is not None:
-        doubtful &= ~loss.watched
-    gone = that_left_the_ground(system, motion, cells, doubtful, run.theta_ratio if run.batch.peaks else None)
-    run.outcome[gone], run.theta_ratio[gone] = Outcome.LOST_CONTACT, np.nan
 
 
 def that_left_the_ground(system: System, motion: Motion, cells: Cells, doubtful: Array, theta_ratio: Array | None) -> Array:
@@ -157,11 +154,6 @@ def that_left_the_ground(system: System, motion: Motion, cells: Cells, doubtful:
     return at[again.outcome == Outcome.LOST_CONTACT]
 
 
-def exact_over_samples(system: System, motion: Motion) -> bool:
-    """Whether the response is exact, not marched: the undamped linear oscillator under samples at equal steps, without a vertical part."""
-    return motion.samples is not None and motion.vertical is None and system.equation.bounded
-
-
 def response_with_demands(
     system: System, motion: Motion, amplitude: Array, omega: Array, eta: Array | float, *, found: Response | None = None
 ) -> tuple[Response, dict[str, Array]]:
@@ -175,17 +167,28 @@ def response_with_demands(
     from .observers.ground_forces import GroundForces
 
     found = response(system, motion, amplitude, omega, eta) if found is None else found
-    amplitude, omega, eta = np.broadcast_arrays(*(np.asarray(x, dtype=float) for x in (amplitude, omega, eta)))
-    at = upright(found.outcome)
-    batch = batch_of(system, motion, (amplitude[at], omega[at], eta[at]), peaks=False)
+    shape, (amplitude, omega, eta) = _flat(amplitude, omega, eta)
+    at = np.flatnonzero(upright(found.outcome))
+    cells = amplitude[at], omega[at], eta[at]
+    batch = _batch(system, motion, cells, peaks=False)
     forces = GroundForces(system.body, batch)
-    run, _ = run_of(replace(system, body=None), motion, batch, None, forces, jumps=False)
-    run.all()
-    asked = {}
-    for name, values in zip(("friction", "fz_min"), forces.result(run.outcome), strict=True):
-        asked[name] = np.full(amplitude.shape, np.nan)
-        asked[name][at] = np.where(upright(run.outcome), values, np.nan)
-    return found, asked
+    run = _marched(replace(system, body=None), motion, cells, batch, forces, jumps=False)
+    asked = {name: np.full(amplitude.size, np.nan) for name in ("friction", "fz_min")}
+    for values, known in zip(asked.values(), forces.result(run.outcome), strict=True):
+        values[at] = np.where(upright(run.outcome), known, np.nan)
+    return found, {name: values.reshape(shape) for name, values in asked.items()}
+
+
+def response_with_speed(system: System, motion: Motion, amplitude: Array, omega: Array, eta: Array | float) -> tuple[Response, Array]:
+    """`response`, and the largest |d theta/d tau|/alpha [-] under straight lines, tau = p t, NaN where theta_ratio is. If the edges differ,
+    alpha and p are those of A and Omega."""
+    from .observers.peak_speed import PeakSpeed
+
+    shape, cells = _flat(amplitude, omega, eta)
+    batch = _batch(system, motion, cells, peaks=True)
+    speed = PeakSpeed(batch.equation, batch.contact, batch.shaken, batch.size)
+    run = _marched(system, motion, cells, batch, speed, jumps=motion.vertical is None)
+    return _response(run, shape), np.where(safe(run.outcome), speed.speed.largest, np.nan).reshape(shape)
 
 
 def upright(outcome: Array) -> Array:

@@ -14,7 +14,7 @@ from rocking_cli import Method, Outcome, history, response
 from rocking_cli.dynamics.march.batch import Batch
 from rocking_cli.dynamics.march.engine import Run
 from rocking_cli.dynamics.observers.peak_speed import PeakSpeed
-from rocking_cli.dynamics.speeds import response_with_speed
+from rocking_cli.dynamics.response import response_with_speed
 from rocking_cli.motions.biaxial import with_vertical
 from rocking_cli.motions.polyline import record_motion
 from rocking_cli.motions.records import Record

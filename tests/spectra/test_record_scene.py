@@ -13,7 +13,7 @@ from support.documents import built, same_file
 from support.record_layouts import wave
 
 from rocking_cli import Axis, Method, UsageError, dimensionless_oscillator, overturned, response
-from rocking_cli.dynamics.speeds import response_with_speed
+from rocking_cli.dynamics.response import response_with_speed
 from rocking_cli.errors import Interrupted
 from rocking_cli.motions.intensity import intensity
 from rocking_cli.motions.polyline import record_motion

@@ -66,7 +66,7 @@ def _differences(axes: Axes, x: np.ndarray, y: np.ndarray, codes: np.ndarray) ->
     entries = []
     for one in Difference:
         there = np.ma.masked_not_equal(codes, int(one))
-        if one.colour is not None and there.count():
+        if one.colour and there.count():
             axes.pcolormesh(x, y, there, cmap=ListedColormap([one.colour]), shading="nearest", rasterized=True, gid=one.flag)
             entries.append(Patch(facecolor=one.colour, edgecolor="0.5", label=one.sentence))
     return entries

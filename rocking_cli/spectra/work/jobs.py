@@ -145,7 +145,7 @@ class Job:
         beside: dict[str, np.ndarray] = {}
         known: Response | None = None
         if "velocity_ratio" in self.quantities:
-            from ...dynamics.speeds import response_with_speed
+            from ...dynamics.response import response_with_speed
 
             known, rate = response_with_speed(system, motion, *cells)
             beside["velocity_ratio"] = rate * np.repeat([s.alpha for s in structures], counts)
