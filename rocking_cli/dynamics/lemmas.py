@@ -73,16 +73,6 @@ Varying weight: as Lemma 3.
 Used in `march.roots.hidden_turn`.
 Test `test_lemmas.py::test_lemma_4_finds_a_pair_of_turns_that_hides_between_two_ends`.
 
-# Lemma 5 (low bounce)
-
-Undamped, a bounce from impact to impact under a subcritical drive lies below the point where the tangents at its ends meet, if
-g v h < 1 - max a. g is the gain (the largest df/dy), v the speed after the first impact, h the length of the bounce.
-Proof. While the bounce is concave y <= v t <= v h, so y'' <= g y - (1 - max a) < 0. So the bounce is concave up to its end, and a concave
-function lies below its tangents.
-Varying weight: with w_+ g in the place of g, w_+ the largest weight. c is largest at an end of the window, and f <= c - 1 + w_+ g y.
-Used in `march.advance.low_bounces`.
-Test `march/test_advance.py::test_bounds_that_spare_root_searches_change_nothing`.
-
 # Lemma 6 (certain overturning)
 
 Linear: with g the rate of the unstable mode, a body with z = y - 1 + g v > e, e the strongest inward drive to come, never returns.

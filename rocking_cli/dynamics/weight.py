@@ -85,11 +85,6 @@ class WeighedSegments(Segments):
         inward = amplitude * np.where(side > 0.0, self.inward[0][k], -self.inward[1][k])
         return np.where(weight > 0.0, inward / weight, np.inf)
 
-    def greatest_weight(self, side: Array, amplitude: Array) -> Array:
-        """The largest w of the whole motion."""
-        sway = self.sway(side, amplitude)
-        return 1.0 + np.where(sway > 0.0, sway * self.vertical.later_max[0], sway * self.vertical.later_min[0])
-
     def followed_by_rest(self, length: float) -> WeighedSegments:
         """The same motion and then still ground, for a phase of this length [rad]."""
         parts = [x.followed_by_rest(length) for x in (self.vertical, self.right, self.left)]

@@ -73,10 +73,6 @@ class Segments:
         """The weight over m g at phase u of segment k, 1 under a motion without a vertical part."""
         return 1.0
 
-    def greatest_weight(self, _side: np.ndarray, _amplitude: np.ndarray) -> np.ndarray | float:
-        """The largest weight over m g of the whole motion."""
-        return 1.0
-
     def force_at_impact(self, _side: np.ndarray, _amplitude: np.ndarray, _k: np.ndarray, _u: np.ndarray, b: np.ndarray) -> np.ndarray:
         """The force on bodies at the ground; b: that force under a constant weight."""
         return b

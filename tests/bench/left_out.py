@@ -14,7 +14,7 @@ import numpy as np
 from rocking_cli import Motion, dimensionless_oscillator, linear_response, parse_grid, sine, spectrum, trace_envelope
 from rocking_cli.dynamics.contacts.symmetric import Symmetric
 from rocking_cli.dynamics.equations.linear import LinearEquation
-from rocking_cli.dynamics.march import advance, engine
+from rocking_cli.dynamics.march import engine
 from rocking_cli.motions import Piece
 
 ETA = 0.9
@@ -73,8 +73,6 @@ def main() -> None:
     near = scene(amplitude=NEAR, omega=AXIS[::20])
     ratio("end of a chatter, A up to 1.1", near, near, (Symmetric, "sequence_ends", no_lanes))
     ratio("end of a chatter, the whole grid", scene(), scene(), (Symmetric, "sequence_ends", no_lanes))
-    ratio("crests of low bounces, A up to 1.1", near, near, (engine, "low_bounces", no_lanes))
-    ratio("roots on ridges that clear the ground", scene(), scene(), (advance, "_clears", no_lanes))
     ratio("peaks, where only the outcome is asked for", scene(peaks=False), scene())
     ratio("envelope: amplitudes that bounds decide", envelope, envelope, (Symmetric, "alike", False))
     ratio("ten structures of equal restitution", *structures(10))

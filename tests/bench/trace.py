@@ -41,7 +41,7 @@ STAGES: dict[str, list[tuple[Any, str]]] = {
     ],
     "flow": [(x, name) for x in (LinearFlow, SummedFlow, TaylorSeries) for name in ("at", "at_ground")],
     "roots": [(advance, "impact_root"), (advance, "hidden_turn")],
-    "turning_points": [(advance, "turning_point"), (engine, "turning_points"), (engine, "low_bounces")],
+    "turning_points": [(advance, "turning_point"), (engine, "turning_points")],
     "contact": [(Symmetric, name) for name in ("uplift", "strike", "turn", "sequence_ends", "free_motion")],
     "lanes": [(Lanes, "take"), (Lanes, "join"), (engine.Run, "finish")],
     "rounds": [(engine.Run, "round")],

@@ -102,8 +102,6 @@ def advance(segments: Segments, lanes: Lanes, equation: Equation, until: Array |
     hit = end.y <= 0.0
     # A supercritical window entered inwards: its single minimum may touch the ground although both ends are above it.
     dips = np.flatnonzero((step.kind == SUPERCRITICAL) & ~hit & (lanes.v < 0.0) & (end.v > 0.0))
-    if not arc.damping:
-        dips = dips[~_clears(arc, end, step.h, dips)]
     if dips.size:
         h = step.h[dips]
         h_min, y_min = turning_point(arc.take(dips), np.zeros(dips.size), h, 0.5 * h, -1.0)
@@ -118,13 +116,6 @@ def advance(segments: Segments, lanes: Lanes, equation: Equation, until: Array |
         reach[at], impact_v[at] = impact_root(falling, step.subcritical[at], reach[at], guess)
         impact_b[at] = falling.at_ground(reach[at])
     return Passage(step, arc, end, reach, hit, impact_v, impact_b, bent)
-
-
-def _clears(arc: Flow, end: Point, h: Array, at: Array) -> Array:
-    """Whether the tangents at both ends of a convex arc meet above the ground, so that its minimum lies above it too."""
-    y, v, slope = arc.y[at], arc.v[at], end.v[at]
-    meet = (end.y[at] - slope * h[at] - y) / (v - slope)
-    return -v * meet < _SURELY * y
 
 
 def _impact_guess(arc: Flow, step: Step, end: Point, reach: Array, at: Array) -> Array:
@@ -187,25 +178,6 @@ def turning_points(segments: Segments, lanes: Lanes, passage: Passage, wanted: A
 def _slope(b: Array, v: Array, damping: float) -> Array:
     """Slope of exp(zeta tau) y' over that factor, y'' + zeta y'; from the force it is f - zeta y'."""
     return b + damping * v if damping else b
-
-
-def low_bounces(lanes: Lanes, passage: Passage, gain: Array | float) -> Array:
-    """Bounces from impact to impact within one subcritical window that cannot rise above their lane's peak so far.
-
-    There a is largest at an end, so that y'' <= g y - m with m = 1 - a there. While g v h < m the bounce is concave, and
-    lower than the point where the tangents at its ends meet. (Lemma 5; undamped.)
-    """
-    if passage.arc.damping:
-        return np.zeros(passage.hit.shape, dtype=bool)
-    low = passage.hit & (lanes.impacts > 0) & (lanes.y == 0.0) & (passage.step.kind == SUBCRITICAL)
-    at = np.flatnonzero(low)
-    if at.size:
-        v, fall, h = lanes.v[at], -passage.impact_v[at], passage.reach[at]
-        margin = -np.maximum(np.maximum(lanes.b[at], passage.impact_b[at]), -2.0)
-        low[at] = (np.broadcast_to(gain, low.shape)[at] * v * h < _SURELY * margin) & (
-            v * fall * h <= _SURELY * (v + fall) * lanes.peak[at]
-        )
-    return low
 
 
 def _bottom(segments: Segments, lanes: Lanes, passage: Passage, at: Array) -> Array:

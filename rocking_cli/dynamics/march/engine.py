@@ -19,7 +19,7 @@ from ..lanes import Lanes
 from ..observers.observer import Arcs, Observer
 from ..outcome import FALLEN, Outcome
 from .account import Work
-from .advance import Passage, TurningPoints, advance, low_bounces, turning_points
+from .advance import Passage, advance, turning_points
 from .batch import Batch
 from .closings import FREE_MOTION, Closed, Closing, closings_of, free_motion
 from .memory import keep_freed_memory
@@ -123,8 +123,8 @@ class Run:
         free = free_motion(batch, last)
         wanted = ~(bad | over)
         wanted[np.flatnonzero(shaken)[free.outcome != Outcome.ROCKED]] = False
-        found = self._turning_points(lanes, passage, wanted)
         if batch.peaks:
+            found = turning_points(seg, lanes, passage, wanted)
             np.maximum.at(lanes.peak, found.lanes, found.y)  # there may be several to a lane
             limit = np.broadcast_to(batch.equation.on(lanes.side, lanes.cell).limit, hit.shape)[found.lanes]
             fallen = found.lanes[found.y >= limit]  # on its side, though it may be back within one step
@@ -148,15 +148,6 @@ class Run:
             onward = self._close(closing, onward) if closing.still else onward
         landed = self._land(lanes.take(struck), passage.reach[struck], passage.impact_v[struck], passage.impact_b[struck])
         return self.end_free_fall(onward.join(landed))
-
-    def _turning_points(self, lanes: Lanes, passage: Passage, wanted: Array) -> TurningPoints:
-        """The turning points of those steps whose peak is wanted."""
-        if not self.batch.peaks:
-            return TurningPoints(np.zeros(0, dtype=np.int64), np.zeros(0), np.zeros(0))
-        segments = self.batch.segments
-        gain = self.batch.equation.on(lanes.side, lanes.cell).gain
-        gain = gain * np.maximum(1.0, segments.greatest_weight(lanes.side, lanes.amplitude))
-        return turning_points(segments, lanes, passage, wanted & ~low_bounces(lanes, passage, gain))
 
     def _onward(self, lanes: Landing, passage: Passage, k: Array, u: Array, at: Array) -> Landing:
         """The lanes `at`, which reached the end of their step in the air, in their new state."""
