@@ -7,8 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..motions.polynomials import Near
-from ..motions.segments import Segments
+from ..motions.segments import Near, Segments
 
 Array = np.ndarray
 

@@ -21,7 +21,6 @@ from typing import NamedTuple
 import numpy as np
 
 from ..dynamics.contacts.contact import first_uplift
-from ..dynamics.impulse import ImpulseAhead
 from ..dynamics.march.closings import FEW
 from ..dynamics.outcome import Outcome, safe
 from ..dynamics.response import response
@@ -211,6 +210,8 @@ class Search:
                 segments.length[part] @ (np.abs(segments.s_start[part]) + np.abs(segments.s_end[part])) for part in blocks(len(segments))
             )
             return scan.below((1.0 - 1e-9) * omegas / (0.5 * float(sum(parts))))
+        from ..dynamics.impulse import ImpulseAhead
+
         ahead = ImpulseAhead.of(segments)
         low, high = np.zeros(omegas.size, dtype=np.int64), np.full(omegas.size, scan.size)
         while np.any(high - low > 1):  # the more amplitude, the sooner the uplift

@@ -9,13 +9,10 @@ smooth function of t there too.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-if TYPE_CHECKING:
-    from .segments import Segments
-
+from .segments import Near, Segments
 
 Array = np.ndarray
 
@@ -24,14 +21,6 @@ _REMAINDER = 1e-17  # of a polynomial, over the largest |s|
 _MOST_PATCHES = 50_000  # above it there is no table
 _NODES = 64  # of the inverse, from each end of a segment to half of its rise
 _STEPS, _SHORT = 50, 1e-9  # Halley's method stops after so many steps, or after a step below this part of the segment
-
-
-class Near(NamedTuple):
-    """s - s_start and its first two derivatives by phase, (lanes,)."""
-
-    change: Array
-    rate: Array
-    bend: Array
 
 
 @dataclass(frozen=True)
@@ -102,7 +91,7 @@ class Table:
 
 
 def table_of(segments: Segments) -> Table | None:
-    """The table of a motion; None if it has at most one sinusoid and no slope, or if the table is too large."""
+    """The table of a motion; None if it is too large."""
     counts = _patches_of(segments)
     if counts is None:
         return None
@@ -126,9 +115,7 @@ def table_of(segments: Segments) -> Table | None:
 
 
 def _patches_of(segments: Segments) -> Array | None:
-    """The number of patches of each segment, (K,); None if there is no table."""
-    if segments.harmonics == 0 or (segments.harmonics == 1 and not segments.sloped):
-        return None
+    """The number of patches of each segment, (K,); None if there are too many."""
     size, w = np.hypot(segments.sin, segments.cos), segments.frequency  # (harmonics, K)
     peak = max(segments.later_max[0], -segments.later_min[0])
     counts = np.ones(len(segments), dtype=np.int64)

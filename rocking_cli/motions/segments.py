@@ -4,15 +4,25 @@ from __future__ import annotations
 
 from dataclasses import dataclass, fields
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from .blocks import largest
-from .polynomials import Table, table_of
+
+if TYPE_CHECKING:
+    from .polynomials import Table
 
 LEAF_LEVEL = 3
 LEAF = 1 << LEAF_LEVEL  # segments of the smallest block with stored extremes of s
+
+
+class Near(NamedTuple):
+    """s - s_start and its first two derivatives by phase, (lanes,)."""
+
+    change: np.ndarray
+    rate: np.ndarray
+    bend: np.ndarray
 
 
 @dataclass(frozen=True)
@@ -193,7 +203,11 @@ class Segments:
 
     @cached_property
     def table(self) -> Table | None:
-        """The segments as polynomials, see `table_of`."""
+        """The segments as polynomials; None if the motion has at most one sinusoid and no slope, or if the table is too large."""
+        if self.harmonics == 0 or (self.harmonics == 1 and not self.sloped):
+            return None
+        from .polynomials import table_of
+
         return table_of(self)
 
     @cached_property

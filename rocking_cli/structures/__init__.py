@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..errors import DocumentError, StructureError
-from .inline import inline_document
 from .kinds import KINDS, build
 from .parameters import RockingParameters, Side
 from .shared_keys import damping_of, friction_of
@@ -43,6 +42,7 @@ def read_documents(path: str | Path) -> list[Document]:
     ['configs/arch.yaml']
     """
     from ..documents.document import read_documents as of_file
+    from .inline import inline_document
 
     stated = inline_document(str(path))
     return of_file(path) if stated is None else [stated]
