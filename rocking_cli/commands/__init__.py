@@ -18,18 +18,18 @@ from . import progress, streams
 from .terms import in_options, no_such_option
 
 SECTIONS = {
-    "What stands there": {
+    "Structures": {
         "init": "Print a commented document to begin with.",
         "params": "Derive p, alpha, eta, lambda and a_scale of each structure.",
         "draw": "Draw structures to scale, with pivots, hinges and cracks.",
     },
-    "What shakes it": {
+    "Ground motions": {
         "records": "Show what recorded ground motions hold, and measure them.",
     },
     "One structure, one motion": {
-        "check": "Say which structures stand, and how much more it takes.",
+        "check": "Check which structures stand, and by what margin.",
         "response": "Time history of one structure under one motion.",
-        "compare": "Compare structures under one motion scaled alike, and the two equations.",
+        "compare": "Compare structures at equal A and Omega, or the two equations.",
     },
     "All amplitudes and frequencies": {
         "envelope": "Trace every interval of amplitude that overturns.",
@@ -37,8 +37,8 @@ SECTIONS = {
         "fragility": "Fit the probability of falling under a set of motions.",
         "predict": "Predict the response of structures from a spectrum.",
     },
-    "What came out": {
-        "report": "Write a page: what stands, what falls, and by how much.",
+    "Results": {
+        "report": "Write a page of verdicts, drawings and maps.",
         "plot": "Draw spectra, envelopes, responses, families.",
         "info": "Show what a spectra file holds, and verify it.",
         "convert": "Stream the cells of a spectra file.",
@@ -49,7 +49,7 @@ SECTIONS = {
         "help": "The reference of a command or a topic, with examples.",
     },
 }
-_COLLECTED = 20_000  # objects made before Python looks for cycles among them; at its own 700 it does so all through the imports
+_COLLECTED = 20_000  # objects between two garbage collections; the default of 700 collects many times during the imports
 COMMANDS = {name: summary for section in SECTIONS.values() for name, summary in section.items()}
 
 
@@ -90,7 +90,7 @@ class _Commands(click.Group):
 
 
 def _refuse_repetitions(context: click.Context, arguments: list[str]) -> None:
-    """Refuse a second value where one is taken: click would keep the last without a word. Raises click.UsageError."""
+    """Raise click.UsageError if an option that takes one value is given twice; click would keep the last one silently."""
     _, _, order = context.command.make_parser(context).parse_args(list(arguments))
     given: dict[str | None, click.Option] = {}
     for option in order:
@@ -118,7 +118,7 @@ def cli() -> None:
 
 
 def main(arguments: list[str] | None = None) -> Any:
-    """Run the command line; every failure becomes one sentence on standard error and its documented exit code."""
+    """Run the command line. A failure prints one sentence on standard error and ends with its documented exit code."""
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # others wait for work that never comes, at full speed, from NumPy's import on
     gc.set_threshold(_COLLECTED)
     listen()

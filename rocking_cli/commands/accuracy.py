@@ -20,9 +20,9 @@ class Sample:
         "--sample", type=click.IntRange(1, 10_000), default=40, show_default=True, help="Cells compared with the reference."
     )
     scipy: int = option(
-        "--scipy", type=click.IntRange(0, 10_000), default=10, show_default=True, help="Of these, cells for each SciPy solver."
+        "--scipy", type=click.IntRange(0, 10_000), default=10, show_default=True, help="Cells of the sample for each SciPy solver."
     )
-    seed: int = option("--seed", type=click.IntRange(0), default=0, show_default=True, help="Of the sample.")
+    seed: int = option("--seed", type=click.IntRange(0), default=0, show_default=True, help="Seed of the sample.")
 
 
 @click.command(epilog="Example: rocking accuracy --eta 0.9 --grid A=1:10:200,Omega=1:10:200 --sample 20 --scipy 4")

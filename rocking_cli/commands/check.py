@@ -1,4 +1,4 @@
-"""`rocking check`: does each structure stand, and how much more would it take."""
+"""`rocking check`: the verdict and the capacity of each structure under a motion."""
 
 from __future__ import annotations
 
@@ -22,17 +22,17 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Check:
-    """What `rocking check` asks for."""
+    """The options of `rocking check`."""
 
     a_max: Limit = options.a_max()
-    verdict_only: bool = option(
-        "--verdict-only", is_flag=True, help="Leave out the search for what overturns: first_overturning_a, safe_to stay empty."
+    verdict_only: bool = option("--verdict-only", is_flag=True, help="Skip the search; first_overturning_a and safe_to stay empty.")
+    sort: str | None = option(
+        "--sort", type=click.Choice(["capacity"]), help="Sort the rows: the weakest first, structures that never overturn last."
     )
-    sort: str | None = option("--sort", type=click.Choice(["capacity"]), help="The weakest first, those that never overturn last.")
     fail_on: str | None = option(
-        "--fail-on", type=click.Choice(["overturning"]), help="Exit code 5 where a structure falls or loses the ground."
+        "--fail-on", type=click.Choice(["overturning"]), help="Exit code 5 if a structure overturns or loses contact."
     )
-    output: Path | None = options.output(help="A figure of the capacities: .png, .svg or .pdf.")
+    output: Path | None = options.output(help="Draw the capacities: .png, .svg or .pdf.")
     overwrite: bool = options.overwrite()
     workers: int | None = options.workers()
 
@@ -42,14 +42,14 @@ class Check:
 @takes(motions=ground.Motions, vertical=ground.Vertical, shaking=Shaking, wanted=Check)
 @printed
 def check(files: tuple[str, ...], motions: ground.Motions, vertical: ground.Vertical, shaking: Shaking, wanted: Check) -> int:
-    """Check which structures stand under a motion, and how much more it would take to overturn them.
+    """Check which structures stand under a motion, and find the lowest amplitude that overturns each.
 
-    A row a structure and motion: the outcome and theta_max/alpha by the equation that governs (nonlinear for a known geometry in units:
-    a_g, f_g, a record; linear on dimensionless axes, A, Omega, and for stated parameters); demand_a, the amplitude asked for;
-    uplift_a and first_overturning_a, the least amplitudes that lift and overturn it; capacity_demand, the latter over the demand,
-    below 1 where the body falls or would for less, empty where nothing overturns up to --a-max and twice the demand; safe_to, where
-    the stretch around the demand that stands ends; outcome_linear, the linear verdict; friction_needed and fz_min, the coefficient
-    that the ground must have and the least vertical force over the weight of a rigid body. Accelerations are in m/s2
+    One row for each structure and motion: the outcome and theta_max/alpha by the governing equation (nonlinear for a known geometry in
+    units: a_g, f_g, a record; linear on dimensionless axes, A, Omega, and for stated parameters); demand_a, the amplitude of the motion;
+    uplift_a and first_overturning_a, the lowest amplitudes that lift and overturn the body; capacity_demand, first_overturning_a over
+    demand_a: below 1 if the body overturns at the demand or below it, empty if no amplitude up to --a-max and twice the demand
+    overturns; safe_to, the end of the safe interval around the demand; outcome_linear, the linear verdict; friction_needed and fz_min,
+    the required coefficient of friction and the least vertical force over the weight of a rigid body. Accelerations are in m/s2
     (JSON, CSV) or in the unit of the request (table), unless --units says otherwise.
     """
     from ..dynamics.outcome import Outcome
@@ -87,7 +87,7 @@ def check(files: tuple[str, ...], motions: ground.Motions, vertical: ground.Vert
         note(line)
     width = " or ".join(dict.fromkeys(narrowest(shake) for shake, _ in shakes))
     if not wanted.verdict_only:
-        note(f"nothing is claimed of intervals narrower than {width}, safe or overturning, away from the demand")
+        note(f"intervals narrower than {width} may be missed, except around the demand")
     if wanted.fail_on and any(v.falls for v in told):
         return 5
     return 4 if shaken.unread or any(v.outcome == Outcome.FAILED for v in told) else 0
@@ -102,7 +102,7 @@ def _in_g(asked: str) -> bool:
 
 
 def _remarks(verdicts: list[Verdict]) -> list[str]:
-    """What the table's columns do not say aloud."""
+    """The lines under the table."""
 
     several = len({v.motion for v in verdicts}) > 1
 
@@ -114,19 +114,19 @@ def _remarks(verdicts: list[Verdict]) -> list[str]:
     unsafe = named(v for v in verdicts if v.falls and v.outcome_linear.safe)
     lines = [f"{len(falls)} of {len(verdicts)} overturn{': ' if falls else ''}{', '.join(falls)}"]
     if lost := named(v for v in verdicts if v.falls and not v.outcome.overturned):
-        lines.append(f"lose contact with the ground, after which nothing is known of them: {', '.join(lost)}")
+        lines.append(f"lose contact with the ground, and their later motion is not known: {', '.join(lost)}")
     if window:
-        lines.append(f"stand in a safe window, and would fall for less: {', '.join(window)}")
+        lines.append(f"stand in a safe window, and overturn at a lower amplitude: {', '.join(window)}")
     if unsettled := named(v for v in verdicts if v.unsettled):
-        lines.append(f"hang on the last digits of the demand, so that another amplitude as good decides otherwise: {', '.join(unsettled)}")
+        lines.append(f"depend on the last digits of the demand, as the outcome changes within 1e-6 of it: {', '.join(unsettled)}")
     if lifted := named(v for v in verdicts if v.outcome.overturned and v.fz_min is not None and v.fz_min <= 0.0):
-        lines.append(f"lose contact with the ground (fz_min) before they lie, so that their fall is not proved: {', '.join(lifted)}")
+        lines.append(f"lose contact with the ground (fz_min) during their fall, which is therefore not proved: {', '.join(lifted)}")
     if slides := named(v for v in verdicts if v.slides):
-        lines.append(f"would slide, their friction being less than what rocking asks for: {', '.join(slides)}")
+        lines.append(f"would slide, because their friction is below friction_needed: {', '.join(slides)}")
     for v in verdicts:
         if v.dust:
             share = f"{100.0 * v.dust:.2g} % of the amplitudes within 5 % of it"
             lines.append(f"{named([v])[0]}: above first_overturning {share} overturn, and narrower intervals may begin below")
     if unsafe:
-        lines.append(f"the linear equation says they stand, and is wrong: {', '.join(unsafe)}")
+        lines.append(f"stand by the linear equation, which is wrong: {', '.join(unsafe)}")
     return lines

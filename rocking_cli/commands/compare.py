@@ -1,4 +1,4 @@
-"""`rocking compare`: structures under motions scaled alike, and the linear against the nonlinear equation."""
+"""`rocking compare`: structures at equal A and Omega, or the linear and the nonlinear equation."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ from .shaking import Shaking, no_shaking
 
 @dataclass(frozen=True)
 class Comparison:
-    """What `rocking compare` compares."""
+    """The options of `rocking compare`."""
 
     eta: float | None = option("--eta", type=click.FloatRange(0.0, 1.0), help="Restitution for every structure instead of its own.")
-    curves: bool = option("--curves", is_flag=True, help="The curves t, theta, tau, theta_ratio instead of a row a structure.")
+    curves: bool = option("--curves", is_flag=True, help="Print the curves t, theta, tau, theta_ratio instead.")
 
 
 @click.command(epilog="Example: rocking compare configs/block.yaml configs/spire.yaml configs/arch.yaml --A 2 --Omega 4 --eta 0.8")
@@ -27,8 +27,8 @@ class Comparison:
 def compare(files: tuple[str, ...], motions: ground.Motions, shaking: Shaking, model: options.Models, wanted: Comparison) -> int:
     """Compare the responses of structures to one motion scaled to equal A and Omega.
 
-    a_g and omega_g given in units are those of the first structure. A line on standard error says how far the dimensionless
-    curves lie apart; for structures of equal restitution they collapse in the linear model (Fig. 8). --model both compares the
+    a_g and omega_g with units hold for the first structure. A line on standard error states the largest distance of the
+    dimensionless curves; for structures of equal restitution they collapse in the linear model (Fig. 8). --model both compares the
     equations (Fig. 7): peaks, and quarter periods of free rocking from 0.3, 0.6 and 0.9 alpha.
     """
     from ..responses import comparison

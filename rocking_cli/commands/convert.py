@@ -12,7 +12,7 @@ from .printing import emit, printed, warn
 @click.argument("file", type=InputPath())
 @printed
 def convert(file: str) -> None:
-    """Stream the computed cells of a spectra file, one a row (CSV unless --json)."""
+    """Stream the computed cells of a spectra file, one row for each cell (CSV unless --json)."""
     from ..spectra.file.reader import SpectraFile
 
     with SpectraFile(file) as spectrum:

@@ -28,10 +28,11 @@ class Drawing:
 @units
 @quiet
 def draw(files: tuple[str, ...], wanted: Drawing) -> None:
-    """Draw structures to scale, a panel each: outline, pivots, mass centre, R and alpha, and dashed the shape at alpha.
+    """Draw structures to scale, a panel each: outline, pivots, mass centre, R and alpha; dashed: the shape at alpha.
 
-    An arch has its voussoirs, its hinges numbered from springing A, and the linkage displaced; a cracked spire its crack; a stack
-    what stays below the interface it rocks on. Kind parameters has no geometry. Figures need the extra: pip install 'rocking[plot]'.
+    For an arch the figure also has the voussoirs, the hinges numbered from springing A, and the displaced linkage; for a cracked spire
+    the crack; for a stack the pieces below the interface on which it rocks. Kind parameters has no geometry. Figures need the extra:
+    pip install 'rocking[plot]'.
     """
     from ..publishing import check_target
     from ..reports.figures.drawing import draw_structures

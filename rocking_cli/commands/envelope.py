@@ -24,22 +24,24 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Envelope:
-    """What `rocking envelope` traces."""
+    """The options of `rocking envelope`."""
 
     axes: str | None = option(
-        "--grid", metavar="AXIS", help="omega_g=START:STOP:N[:log] (or f_g, T_g), or Omega=…; of records T=… with --alpha."
+        "--grid", metavar="AXIS", help="omega_g=START:STOP:N[:log] (or f_g, T_g), or Omega=…; for records T=… with --alpha."
     )
     a_max: Limit = options.a_max()
     sign: str = option(
         "--sign", type=click.Choice(["worse", "+", "-", "both"]), default="worse", show_default=True,
-        help="Of the ground acceleration, where a body's sides differ: + or - alone, what overturns under either, or both apart.",
+        help="Sign of the ground acceleration, for unequal sides: + or - alone, worse (overturns under either), or both apart.",
     )  # fmt: skip
-    lowest: bool = option("--lowest", "--first", is_flag=True, help="Of each frequency (or record) the lowest overturning amplitude alone.")
+    lowest: bool = option(
+        "--lowest", "--first", is_flag=True, help="Print only the lowest overturning amplitude of each frequency (or record)."
+    )
     median: bool = option(
-        "--median", is_flag=True, help="Of records, the overturning spectrum: first overturnings, median, 16 and 84 % over them."
+        "--median", is_flag=True, help="Print the overturning spectrum of records: median, 16 and 84 % of the first overturnings."
     )
     closed_form: bool = option(
-        "--closed-form", is_flag=True, help="The closed-form curves of a sine, half-sine or rectangular pulse instead."
+        "--closed-form", is_flag=True, help="Print the closed-form curves of a sine, half-sine or rectangular pulse instead."
     )
     workers: int | None = options.workers()
 
@@ -54,18 +56,17 @@ def envelope(
 ) -> int:  # fmt: skip
     """Trace every interval of amplitude that overturns, for each frequency.
 
-    A_to is empty where the interval goes on beyond --a-max; a frequency that never overturns has mode none and neither end. No
-    interval wider than 1e-3 in A is missed; narrower ones, overturning or safe, can be: at low Omega just above uplift, and after
-    many impacts (several cycles) anywhere. Under motions that push more than twice the scan is ten times as fine around every
-    change, which finds most of those wider than 1e-4 and is no proof. For structures with units omega_g [rad/s], a_from and a_to
-    [m/s2] are printed as well.
+    A_to is empty if the interval continues beyond --a-max. A frequency without overturning has mode none and neither end. Every
+    interval wider than 1e-3 in A is found. A narrower one, overturning or safe, may be missed: at low Omega just above uplift, and
+    after many impacts (several cycles) anywhere. If a motion has more than two pushes, a scan ten times as fine around every change
+    finds most intervals wider than 1e-4, without proof. Structures with units also have omega_g [rad/s], a_from and a_to [m/s2].
 
-    Records have no frequency: what is sought is their scale, for each structure, or with --alpha and --grid T=… for blocks of
-    these critical angles and sizes T = 2 pi/p in s. A row states A, the peak a [m/s2] and the scale of the record as it is given. The
-    scan's amplitudes are 0.5 % apart, and nothing is claimed of narrower intervals.
+    Records have no frequency. The search varies their scale, for each structure, or with --alpha and --grid T=… for blocks of
+    these critical angles and sizes T = 2 pi/p in s. A row states A, the peak a [m/s2] and the factor of the original record. The
+    amplitudes of the scan are 0.5 % apart; narrower intervals may be missed.
 
-    --model both traces the intervals of both equations, a row each with its model, and says over how much of the amplitudes that
-    overturn a structure the linear one says that it stands.
+    --model both traces the intervals of both equations, a row each with its model. A line states over which share of the overturning
+    amplitudes the linear equation is unsafe.
     """
     from ..envelopes.intervals import CURVE_COLUMNS, check_curves, frequency_axis, structure_curves
 
@@ -89,7 +90,7 @@ def envelope(
 def _of_pulse(
     structures: Sequence[RockingParameters], motion: Motion, axis: Axis, methods: Sequence[Method], wanted: Envelope, told: list[str]
 ) -> int:
-    """Print the intervals of each structure by each method, and then the lines `told`; returns the exit code."""
+    """Print the intervals of each structure by each method, then the lines `told`. Returns the exit code."""
     from ..envelopes.intervals import INTERVAL_COLUMNS, NARROWEST, NONE, check_intervals, misjudged, structure_intervals
 
     for structure in structures:  # all of them, before the first row is printed
@@ -128,7 +129,7 @@ def _closing(told: list[str], narrowest: str, failed: int) -> int:
     """Print the last lines; returns the exit code."""
     for line in told:
         note(line)
-    note(f"nothing is claimed of intervals narrower than {narrowest}, safe or overturning")
+    note(f"intervals narrower than {narrowest}, safe or overturning, may be missed")
     if failed:
         note(f"{failed} intervals could not be decided (mode failed)")
     return 4 if failed else 0
@@ -150,7 +151,7 @@ def _of_records(
     if wanted.median and wanted.sign == "both":
         raise click.UsageError("--median does not go with --sign both")
     if len(model.models) > 1:
-        raise click.UsageError("--model both goes with a pulse; of records the nonlinear equation decides")
+        raise click.UsageError("--model both goes with a pulse; records use the nonlinear equation")
     structures = model.lifting(options.structures_of(files, sizeless.etas) if files else [])
     equation: dict[str, Any] = {"model": model.models[0], "tolerance": model.tolerance}
     scene = scene_of_words(structures, shaken.recordings, axes=wanted.axes, alphas=sizeless.alphas, etas=sizeless.etas, **equation)

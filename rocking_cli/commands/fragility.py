@@ -38,7 +38,7 @@ _IN_G = re.compile(r"g(?![a-z])", re.IGNORECASE)  # and not in gal
 
 
 def _refuse(why: str, stray: Callable[[str], bool]) -> None:
-    """Raise click.UsageError for the first parameter given that is one of those, since it would change nothing."""
+    """Raise click.UsageError for the first given parameter that `stray` selects by name, since it would have no effect."""
     context = click.get_current_context()
     for parameter in context.command.params:
         name = parameter.name or ""
@@ -51,23 +51,25 @@ def _refuse(why: str, stray: Callable[[str], bool]) -> None:
 
 @dataclass(frozen=True)
 class Fits:
-    """What `rocking fragility` fits, and to which motions."""
+    """The options of `rocking fragility`."""
 
     pulses: str | None = option(
         "--pulses", type=InputPath(), metavar="FILE", help="Site pulses instead of records: CSV of a_g, f_g, weight."
     )
     im: str = option("--im", default="PGA", show_default=True, type=Registered(_measures), help="Intensity measure of the curves.")
-    levels: str | None = option("--levels", metavar="LEVELS", help="START:STOP:N[:log] of it, or a list, with units: 0.1g:1g:10.")
+    levels: str | None = option("--levels", metavar="LEVELS", help="Levels: START:STOP:N[:log] or a list, with units: 0.1g:1g:10.")
     limits: str = option("--limit", default="0.1,0.5,1,overturning", show_default=True, help="Limit states: |theta|/alpha beyond these.")
-    methods: str = option("--method", default="stripes", show_default=True, help="Of stripes, first and cloud, one or more.")
+    methods: str = option("--method", default="stripes", show_default=True, help="One or more of stripes, first and cloud.")
     exact: bool = option(
-        "--exact", is_flag=True, help="Trace every interval that overturns: exact shares between levels, and resurrections."
+        "--exact", is_flag=True, help="Trace every interval that overturns: exact shares at every intensity, exact number of resurrections."
     )
-    efficiency: bool = option("--efficiency", is_flag=True, help="Instead, the dispersion of the first overturning over every measure.")
-    curve: bool = option("--curve", is_flag=True, help="Instead, points of the curves with their bands: what rocking plot draws.")
-    counts: str | None = option("--counts", type=InputPath(), metavar="FILE", help="Fit counts that exist already: CSV of im, n, z.")
-    samples: int = option("--bootstrap", type=click.IntRange(0, 100_000), default=1000, show_default=True, help="Draws for bands; 0: none.")
-    seed: int = option("--seed", type=click.IntRange(0), default=0, show_default=True, help="Seed of these draws.")
+    efficiency: bool = option("--efficiency", is_flag=True, help="Print the dispersion of first overturnings over every measure instead.")
+    curve: bool = option("--curve", is_flag=True, help="Print points of the curves with their bands instead, for rocking plot.")
+    counts: str | None = option("--counts", type=InputPath(), metavar="FILE", help="Fit given counts: CSV of im, n, z.")
+    samples: int = option(
+        "--bootstrap", type=click.IntRange(0, 100_000), default=1000, show_default=True, help="Samples for bands; 0: none."
+    )
+    seed: int = option("--seed", type=click.IntRange(0), default=0, show_default=True, help="Seed of the bootstrap.")
     output: Path | None = options.output(help="The HDF5 file of all cells to write (records).")
 
 
@@ -80,9 +82,10 @@ def fragility(
 ) -> int:
     """Fit lognormal fragility curves of structures under a set of records or site pulses.
 
-    A row a structure, limit state and method: median theta of the intensity measure, dispersion beta, the 95 % bands of both by
-    bootstrap over the motions. stripes: most likely curve of the counts at the levels; first: of the intensities of first
-    overturning, traced, the motions that never overturn as censored; cloud: regression on the rotations as recorded. Measures:
+    One row for each structure, limit state and method: median theta of the intensity measure, dispersion beta, the 95 % bands of both by
+    bootstrap over the motions. stripes: maximum likelihood for the counts at the levels; first: maximum likelihood for the traced
+    intensities of first overturning, with motions that never overturn as censored; cloud: regression on the rotations under the motions
+    as recorded. Measures:
     PGA, PGV, PGD, Arias, CAV, and nPGA = PGA/(lambda g), nPGV = p PGV/(g tan alpha), nPGD = p^2 PGD/(g tan alpha).
     """
     from ..fragility.fits import Resampling
@@ -92,14 +95,14 @@ def fragility(
     files, shaken = motions.several(files, vertical)
     upwards = vertical.upwards()
     if wanted.counts is not None:
-        _refuse("--counts stands alone: it takes no", lambda name: name not in _WITH_COUNTS)
+        _refuse("--counts does not go with", lambda name: name not in _WITH_COUNTS)
         _emit(counted(wanted.counts, Resampling(wanted.samples, wanted.seed)), [], wanted)
         return 0
     structures, texts = options.structures_and_texts(files)
     if bool(shaken.recordings) == (wanted.pulses is not None):
-        raise click.UsageError("no set of motions: give --motion with records, or --pulses with a table of them, one of the two")
+        raise click.UsageError("no set of motions: give either --motion with records, or --pulses with a table of pulses")
     if wanted.pulses is not None:
-        _refuse("--pulses states each pulse itself: it takes no", lambda name: name in _SHAPE)
+        _refuse("--pulses does not go with", lambda name: name in _SHAPE)
     if wanted.curve and wanted.efficiency:
         raise click.UsageError("--efficiency does not go with --curve")
     measure = measure_of(wanted.im)
@@ -129,13 +132,13 @@ def fragility(
     else:
         fits, refused = _fits(studies, states, methods)
         if not fits and not (wanted.exact and wanted.curve):
-            raise UsageError(refused[0] if refused else "no limit state that this method fits: first is of overturning, cloud of rotations")
+            raise UsageError(refused[0] if refused else "no limit state for this method: first needs overturning, cloud needs rotations")
         _emit(fits, studies if wanted.exact else [], wanted)
     for line in (*refused, *model.in_words([equation], structures), f"{len(members)} motions"):
         note(line)
     for study in studies:
         if study.resurrections:
-            words = f"{study.resurrections} of {len(members)} motions overturn it at one intensity and spare it at a larger one"
+            words = f"{study.resurrections} of {len(members)} motions overturn it at one intensity and not at a larger one"
             note(f"{study.structure.name}: {words}")
     stated = click.get_current_context().get_parameter_source("limits") is not click.core.ParameterSource.DEFAULT
     return 4 if shaken.unread or (refused and stated) else 0  # of the default limit states some may have no fit
@@ -164,7 +167,7 @@ def _studies(
 
 
 def _fits(studies: Sequence[Study], states: Sequence[float | None], methods: Sequence[str]) -> tuple[list[Fit], list[str]]:
-    """(the fits, a sentence for each that the data do not bear)."""
+    """(the fits, a sentence for each fit that the data do not support)."""
     from ..fragility.study import word_of
 
     fits, refused = [], []
@@ -181,7 +184,7 @@ def _fits(studies: Sequence[Study], states: Sequence[float | None], methods: Seq
 
 
 def _emit(fits: Sequence[Fit], exact: Sequence[Study], wanted: Fits) -> None:
-    """The rows of fits or of their curves; a table for people, or one in units asked for, names the measure's unit."""
+    """Print the rows of fits or of their curves. A table, or output with --units, states the unit of the measure."""
     from ..documents.quantities import headed
     from ..fragility.study import CURVE_COLUMNS, FRAGILITY_COLUMNS
     from ..reports.units import Units, dimension_of, parse_units

@@ -28,7 +28,7 @@ DT = "Time between the values of a record in a single column."
 
 @contextmanager
 def _named(**names: str) -> Iterator[None]:
-    """In errors of the library, the names of its arguments are replaced by those of options."""
+    """Context that replaces the names of library arguments in errors by those of options."""
     try:
         yield
     except RockingError as error:
@@ -38,11 +38,11 @@ def _named(**names: str) -> Iterator[None]:
 
 @dataclass(frozen=True)
 class Reading:
-    """How the files of records are read."""
+    """The options for reading records."""
 
     component: str | None = option(
         "--component", metavar="horizontal|all|NAME",
-        help="Components of a record, one by name or number (default: of each file of a set the horizontal ones, as motions of their own).",
+        help="Component of a record by name or number (default: each horizontal component of each file, as a motion of its own).",
     )  # fmt: skip
     unit: str | None = option("--unit", metavar="UNIT", help="Unit of a record in plain columns of numbers, such as g or m/s2.")
     motion_dt: float | None = option("--dt", "--motion-dt", type=Quantity("time"), metavar="TIME", help=DT)
@@ -50,7 +50,7 @@ class Reading:
 
 @dataclass(frozen=True)
 class Ground:
-    """The motion of a call: one pulse or motion document, or None and the records of a set; grid: one cell, the demand."""
+    """The motion of a call: one pulse or motion document, or None and a set of records. grid: one cell, the demand."""
 
     motion: Motion | None
     recordings: tuple[Recording, ...] = ()
@@ -59,7 +59,7 @@ class Ground:
 
     @property
     def shakes(self) -> list[tuple[Motion, Grid]]:
-        """Each motion with its demand: that of the call, of a record without it its peak."""
+        """Each motion with its demand, which is the peak of a record if the call states none."""
         from ..motions.grid import as_recorded
 
         shakes = [(r.motion, self.grid or as_recorded(r.acceleration)) for r in self.recordings]
@@ -141,7 +141,7 @@ class Source:
     )  # fmt: skip
     motion: tuple[str, ...] = option(
         "--motion", multiple=True, type=InputPath(), metavar="FILE...",
-        help="A record or a motion document instead of a pulse; where a command takes a set: records, a directory or a list; repeatable.",
+        help="A record or a motion document instead of a pulse; for a set: records, a directory or a list; repeatable.",
     )  # fmt: skip
 
 
@@ -149,7 +149,7 @@ class Source:
 class Motions(Reading, Source):
     """The ground motion: a pulse, a motion document, a record or a set of them."""
 
-    scale: float | None = option("--scale", type=float, metavar="FACTOR", help="Factor of the motion; a negative one turns it over.")
+    scale: float | None = option("--scale", type=float, metavar="FACTOR", help="Factor of the motion; a negative factor reverses it.")
     scale_to: str | None = option("--scale-to", metavar="IM=VALUE", help="Scale a record to an intensity measure, such as PGA=0.35g.")
 
     def one(self, vertical: Vertical | None = None) -> Ground:
@@ -166,9 +166,9 @@ class Motions(Reading, Source):
         return found if vertical is None else found.with_upwards(vertical.upwards())
 
     def several(self, files: tuple[str, ...], vertical: Vertical | None = None) -> tuple[tuple[str, ...], Ground]:
-        """(the structures among the files, the motion or the set of records that the options describe), without a vertical motion.
+        """(the structure files, the motion or the set of records that the options describe), without a vertical motion.
 
-        Records among the files belong to the set, so that a shell's pattern after --motion does. Raises UsageError.
+        Records among the files belong to the set, so that a shell pattern after --motion works. Raises UsageError.
         """
         unread: list[str] = []
 
@@ -183,7 +183,7 @@ class Motions(Reading, Source):
             own = [path for path in files if holds_records(path)]
             files = tuple(path for path in files if path not in own)
             if "-" in paths and "-" in files:
-                raise click.UsageError("standard input is given as structure and as motion; it can be one of them")
+                raise click.UsageError("standard input is given both as structure and as motion; expected only one")
             return read_motions((*paths, *own), unread=leave_out, **given)
 
         found = self._read(vertical, read)

@@ -13,12 +13,12 @@ F = Callable[..., Any]
 
 
 def option(*flags: str, **settings: Any) -> Any:
-    """A field of a group: the option of these flags, as `click.option` takes them, under the name of the field."""
+    """A field of a group: an option with the flags and attributes of `click.option`; its value is stored under the name of the field."""
     return field(metadata={"option": lambda name: click.option(*flags, name, **settings)})
 
 
 def takes(**groups: type) -> Callable[[F], F]:
-    """The options of these groups, in this order; the command receives each group as the argument of that name.
+    """A decorator with the options of these groups, in this order; the command receives each group as the argument of that name.
 
     >>> @dataclass(frozen=True)
     ... class Solver:

@@ -1,4 +1,4 @@
-"""`rocking help`: the reference of a command or a topic, from the pages beside the commands."""
+"""`rocking help`: the reference of a command or a topic, from the pages in `pages/`."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from .parameter_types import Registered
 TOPICS = {
     "documents": "Structure documents: every kind and every key.",
     "motions": "Pulses, motion documents and records as motions.",
-    "files": "What a spectra file holds, and what guards it.",
+    "files": "Spectra files: contents, checksums, partial files.",
     "output": "Streams, tables, JSON and CSV, exit codes, completion.",
-    "python": "The same from Python.",
+    "python": "The Python functions of each command.",
     "words": "The words of commands, columns and files, each with one meaning.",
-    "changes": "What is stable, and what has changed.",
+    "changes": "Stable interfaces, and changes by version.",
 }
 
 
@@ -50,7 +50,7 @@ def page(name: str) -> str:
 
 
 def _options(group: click.Context, name: str) -> str:
-    """What --help prints for a command; empty for a topic."""
+    """The text of --help for a command; empty for a topic."""
     if name not in COMMANDS:
         return ""
     assert isinstance(group.command, click.Group)

@@ -1,4 +1,4 @@
-"""`rocking info`: what a spectra file holds, and whether it is whole."""
+"""`rocking info`: the contents of a spectra file, and its verification."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ _MOST_NAMES = 12
 @click.option("--verify", is_flag=True, help="Check every chunk against its checksum.")
 @printed
 def info(files: tuple[str, ...], verify: bool) -> int:
-    """Show what spectra files hold: scene, completeness, run time, estimated error.
+    """Show the contents of spectra files: scene, completeness, run time, estimated error.
 
-    A file that is damaged, or with --verify holds a damaged chunk, ends with exit code 1.
+    The exit code is 1 if a file is damaged, or with --verify if a chunk is damaged.
     """
     from ..spectra.file.reader import SpectraFile
     from ..spectra.work.machine import described
@@ -68,5 +68,5 @@ def info(files: tuple[str, ...], verify: bool) -> int:
 
 
 def _names(values: list[str]) -> str:
-    """Names, or how many where they are too many to read."""
+    """The names in one text; the first, the last and the number if there are many."""
     return ", ".join(values) if len(values) <= _MOST_NAMES else f"{len(values)}, {values[0]} to {values[-1]}"

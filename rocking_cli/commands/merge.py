@@ -12,7 +12,7 @@ from .groups import takes
 from .parameter_types import InputPath
 from .printing import note, quiet, warn
 
-MOST = 20  # missing shards that are named
+MOST = 20  # missing shards in the message
 
 
 @dataclass(frozen=True)
@@ -29,7 +29,7 @@ class Merged:
 @takes(wanted=Merged)
 @quiet
 def merge(files: tuple[str, ...], wanted: Merged) -> int:
-    """Put together what `rocking spectrum --shard i/n` computed in n parts; exit code 4 where chunks are missing."""
+    """Join the n files of `rocking spectrum --shard i/n` into one; exit code 4 if chunks are missing."""
     from ..spectra.file.merging import merge as put_together
 
     merged = put_together(files, wanted.output, overwrite=wanted.overwrite, strict=wanted.strict)

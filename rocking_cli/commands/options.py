@@ -1,4 +1,4 @@
-"""Options that several commands share, each defined once so that it means the same everywhere; and the structures of a call."""
+"""Options that several commands share, each defined once, and the structures of a call."""
 
 from __future__ import annotations
 
@@ -40,22 +40,22 @@ def _at_most_the_cpus(_: click.Context, __: click.Parameter, given: int | None) 
     cpus = available_cpus()
     if given is None or given <= cpus:
         return given
-    note(f"--workers {given}: reduced to {cpus}, the CPUs that may be used here")
+    note(f"--workers {given}: reduced to {cpus}, the number of available CPUs")
     return cpus
 
 
 # Fields of groups, for the options that several groups share.
 output = partial(option, "-o", "--output", type=OutputPath())
 overwrite = partial(option, "--overwrite", is_flag=True, help="Replace an output that exists.")
-strict = partial(option, "--strict", is_flag=True, help="Refuse data of a machine or of libraries that may differ in the last digits.")
+strict = partial(option, "--strict", is_flag=True, help="Refuse data of machines or libraries whose results may differ in the last digits.")
 workers = partial(option, "--workers", type=click.IntRange(1), callback=_at_most_the_cpus, help="Processes to use (default: all cores).")
 a_max = partial(
     option, "--a-max", type=LimitType(), default="20", show_default=True, metavar="AMPLITUDE",
-    help="Largest amplitude that is searched: A, or with a unit a_g, such as 1g.",
+    help="Largest amplitude of the search: A, or with a unit a_g, such as 1g.",
 )  # fmt: skip
 linear_uplift = partial(
     option, "--linear-uplift", type=click.Choice(["alpha", "lambda"]), default="alpha", show_default=True,
-    help="Of rigid bodies by the linear equation: at alpha (Eq. 2.4), or at lambda g as the body does (a_scale = alpha/lambda, Eq. 3.9).",
+    help="Uplift of rigid bodies in the linear equation: alpha g (Eq. 2.4), or lambda g, the true one (a_scale = alpha/lambda, Eq. 3.9).",
 )  # fmt: skip
 
 
@@ -65,7 +65,7 @@ class Oscillators:
 
     etas: tuple[float | None, ...] = option(
         "--eta", multiple=True, type=Restitution(), metavar="ETA",
-        help="A dimensionless oscillator of this restitution instead of FILE; repeatable. Over --alpha that of the blocks, or `block`.",
+        help="A dimensionless oscillator of this restitution instead of FILE; repeatable. With --alpha: that of the blocks, or `block`.",
     )  # fmt: skip
 
 
@@ -80,7 +80,7 @@ class Sizeless(Oscillators):
 
 @dataclass(frozen=True)
 class Model:
-    """The equation of motion of a run; `model` None: that of the rule."""
+    """The equation of motion of a run; `model` None: the governing equation."""
 
     model: str | None = option("--model", type=Registered(model_names), help=_RULE.format(both=""))
     tolerance: float = option("--tolerance", type=float, default=1e-9, show_default=True, help="Error of theta/alpha aimed at (nonlinear).")
@@ -91,7 +91,7 @@ class Model:
         return (self.model,)
 
     def methods(self, structures: Sequence[RockingParameters], dimensionless: bool = False) -> list[Method]:
-        """The method of each equation that is asked for. Raises UsageError."""
+        """The method of each requested equation. Raises UsageError."""
         from ..dynamics.method import governing_method
 
         return [governing_method(*structures, model=one, tolerance=self.tolerance, dimensionless=dimensionless) for one in self.models]
@@ -128,15 +128,15 @@ class Equations(Models):
 
     @property
     def models(self) -> tuple[str | None, ...]:
-        """The equations that are asked for, (None,) for that of the rule; --linear-uplift lambda asks for the linear one."""
+        """The requested equations, (None,) for the governing one; --linear-uplift lambda requests the linear one."""
         return ("linear",) if self.model is None and self.linear_uplift == "lambda" else super().models
 
     def lifting(self, structures: list[RockingParameters]) -> list[RockingParameters]:
-        """The structures with the uplift that is asked for. Raises click.UsageError for another equation and without structures."""
+        """The structures with the requested uplift. Raises click.UsageError for another equation, or without structures."""
         if self.linear_uplift == "lambda" and not structures:
             raise click.UsageError("--linear-uplift lambda goes with structures: give FILE")
         if self.linear_uplift == "lambda" and self.models != ("linear",):
-            raise click.UsageError("--linear-uplift lambda goes with --model linear: the nonlinear equation lifts at lambda by itself")
+            raise click.UsageError("--linear-uplift lambda goes with --model linear; the nonlinear equation lifts at lambda anyway")
         return lifting(structures, self.linear_uplift)
 
 
@@ -147,12 +147,12 @@ def lifting(structures: list[RockingParameters], linear_uplift: str) -> list[Roc
 
 @dataclass(frozen=True)
 class Sweep:
-    """How a sweep is computed and written."""
+    """The options of the computation and of the file of a sweep."""
 
     workers: int | None = workers()
     overwrite: bool = overwrite()
     resume: bool = option("--resume", is_flag=True, help="Go on with an interrupted sweep of the same scene (OUTPUT.part).")
-    shard: str | None = option("--shard", metavar="I/N", help="Compute the I-th of N parts only; rocking merge puts them together.")
+    shard: str | None = option("--shard", metavar="I/N", help="Compute only the I-th of N parts; rocking merge joins them.")
     scheduler: str | None = option("--scheduler", metavar="ADDRESS", help="Compute on a dask.distributed cluster, such as tcp://host:8786.")
 
     def writing(self, documents: str) -> dict[str, Any]:
@@ -172,7 +172,7 @@ class Sweep:
 
 
 def command_line() -> str:
-    """The call as a user would type it again."""
+    """The call as a shell command."""
     return streams.printable(shlex.join(["rocking", *sys.argv[1:]]))
 
 
@@ -221,7 +221,7 @@ def documents_of(files: tuple[str, ...], most: int | None = None, place: str = "
 
 
 def remark_on(structures: Iterable[RockingParameters] = (), grid: Grid | None = None, spans: str = "") -> None:
-    """Print what is odd about structures, amplitudes and spans as they are written, in up to three lines."""
+    """Print up to three remarks on unusual structures, amplitudes and spans."""
     from ..reports.plausibility import bare_remarks, grid_remarks, span_remarks, structure_remarks
 
     remarks = [remark for one in structures for remark in structure_remarks(one)] + ([] if grid is None else list(grid_remarks(grid)))
@@ -233,7 +233,7 @@ def remark_on(structures: Iterable[RockingParameters] = (), grid: Grid | None = 
 
 
 def refuse_own_input(output: Path, recordings: Sequence[Recording] = ()) -> None:
-    """Raise click.UsageError for an output that is a document or a record of this call: --overwrite would destroy it."""
+    """Raise click.UsageError if the output is a document or a record of this call, which --overwrite would destroy."""
     context = click.get_current_context()
     sources = [recording.record.source for recording in recordings]
     for parameter in context.command.params:
@@ -242,4 +242,4 @@ def refuse_own_input(output: Path, recordings: Sequence[Recording] = ()) -> None
             sources += [given] if isinstance(given, str) else given
     for source in sources:
         if os.path.isfile(source) and output.is_file() and os.path.samefile(source, output):
-            raise click.UsageError(f"{output} is an input of this very call; give another output")
+            raise click.UsageError(f"{output} is an input of this call; give another output")

@@ -1,4 +1,4 @@
-"""What options take: kinds of values, each with what completes it."""
+"""Types of option values, with shell completion."""
 
 from __future__ import annotations
 
@@ -29,14 +29,14 @@ class OutputPath(click.Path):
 
 
 class InputPath(click.Path):
-    """The name of a file to read, or - for standard input; every shell completes it, and the library says what is wrong with it."""
+    """The name of a file to read, or - for standard input, with shell completion; the library reports its faults."""
 
     def __init__(self) -> None:
         super().__init__(readable=False, allow_dash=True)
 
 
 class Registered(click.ParamType):
-    """A word of a registry, which is imported where its words are listed or completed; the library refuses another."""
+    """A word of a registry. The registry is imported only to list or complete its words; the library refuses other words."""
 
     name = "choice"
 
@@ -94,7 +94,7 @@ STATION = "station"
 
 
 class PulseOrPath(InputPath):
-    """A pulse by name, `station` or the name of a file; all are completed."""
+    """A pulse by name, `station` or the name of a file, with shell completion."""
 
     def shell_complete(self, ctx: click.Context, param: click.Parameter, incomplete: str) -> list[CompletionItem]:
         return [

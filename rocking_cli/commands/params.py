@@ -1,4 +1,4 @@
-"""`rocking params`: structure documents to rocking parameters."""
+"""`rocking params`: rocking parameters of structure documents."""
 
 from __future__ import annotations
 
@@ -23,10 +23,10 @@ SHARED = {"one_sided": False, "damping": 0.0, "friction": None, "arm": None}  # 
 
 @dataclass(frozen=True)
 class Params:
-    """What `rocking params` derives."""
+    """The options of `rocking params`."""
 
     vary: tuple[str, ...] = option(
-        "--vary", multiple=True, metavar="KEY=START:STOP:N", help="A family over this key; repeatable, all combinations."
+        "--vary", multiple=True, metavar="KEY=START:STOP:N", help="Vary this key: a family of structures; repeatable, all combinations."
     )
     linear_uplift: str = options.linear_uplift()
 
@@ -38,12 +38,12 @@ class Params:
 def params(files: tuple[str, ...], wanted: Params) -> int:
     """Derive p, alpha, eta, lambda and a_scale of each structure.
 
-    FILE is a YAML or JSON structure document, - for standard input. Bounds of --vary without a unit take the unit that
-    the document uses for that key. A body with two unequal sides has the parameters of the edge that lifts first, and those
-    of both besides. Members of a family without a solution are reported and the rest kept (exit code 4).
+    FILE is a YAML or JSON structure document, - for standard input. Bounds of --vary without a unit have the unit of that key in the
+    document. A body with unequal sides has the parameters of the edge that lifts first, and those of each edge. Members of a family
+    without a solution are reported and left out (exit code 4).
 
-    The linear oscillator leaves the ground at alpha/a_scale g: of a rigid body, whose a_scale is 1, at alpha g, a little before the
-    body does at lambda g = tan(alpha) g.
+    The linear oscillator leaves the ground at alpha/a_scale g. A rigid body has a_scale = 1, so its oscillator lifts at alpha g, a
+    little below the lambda g = tan(alpha) g of the body.
     """
     from ..reports.tables import flat
     from ..structures import build_structure, with_distinct_names
@@ -88,7 +88,7 @@ def params(files: tuple[str, ...], wanted: Params) -> int:
 
 
 def _rows(record: dict[str, Any], form: str | None, varied: dict[str, float] | None = None) -> Iterator[dict[str, Any]]:
-    """A record as it is for JSON; for CSV with the columns of every member of a family, and for a table a row a side and an interface."""
+    """The rows of a record: for JSON the record; for CSV the columns of all members of a family; for a table a row a side or interface."""
     from ..structures.kinds import reports_of
     from ..structures.parameters import VARIED
 
@@ -100,7 +100,7 @@ def _rows(record: dict[str, Any], form: str | None, varied: dict[str, float] | N
     sides = record.pop("sides", [])
     if form == "csv":
         columns = {f"{side['side']}_{key}": value for side in sides for key, value in side.items() if key != "side"}
-        if varied is not None:  # the header is written with the first member, and others may have more to tell
+        if varied is not None:  # the header is written with the first member; later members may have more keys
             columns = {column: columns.get(column) for column in SIDES_COLUMNS}
             more = {key: record.get(key) for key in reports_of(record["structure_kind"])}
             shared = {key: record.get(key, absent) for key, absent in SHARED.items()}
@@ -111,7 +111,7 @@ def _rows(record: dict[str, Any], form: str | None, varied: dict[str, float] | N
         below += [{"name": f"  on {one.pop('on')}", **one} for one in record.pop("interfaces", [])]
         if "hinges" in record:
             record["hinges [deg]"] = ", ".join(f"{math.degrees(hinge['angle']):.6g}" for hinge in record.pop("hinges"))
-    # A varied key that is also a parameter, as alpha of a block, says so.
+    # alpha of a block is both a varied key and a parameter
     yield {**{_apart(heading, record): value for heading, value in (varied or {}).items()}, **record}
     if form is None:
         yield from below

@@ -14,10 +14,10 @@ from .printing import note, quiet, units, units_of
 
 @dataclass(frozen=True)
 class Plot:
-    """What `rocking plot` draws."""
+    """The options of `rocking plot`."""
 
     output: Path | None = options.output(help="The figure: .png, .svg or .pdf.")
-    structure: str | None = option("--structure", metavar="NAME", help="Which structure (or record) is mapped (default: the first).")
+    structure: str | None = option("--structure", metavar="NAME", help="Structure (or record) of the map (default: the first).")
     every: bool = option("--all", is_flag=True, help="A panel for every structure (or record) of a spectra file.")
     cut: str | None = option(
         "--slice", metavar="AXIS=VALUE", help="Rocking spectra along the other axis instead, such as f_g=1.5 or a_g=0.3g."
@@ -37,7 +37,7 @@ def plot(file: Path, wanted: Plot) -> None:
     """Draw a spectra file (overturning map or slice), or the CSV of check, envelope, response, compare --curves, params --vary,
     fragility --curve or accuracy.
 
-    Of records over alpha and T it draws theta_max/alpha, median and 16 to 84 %, and the map of one of them where it is named.
+    For records over alpha and T the figure shows the median of theta_max/alpha with 16 to 84 %, or the map of the named record.
 
     FILE may be - for CSV on standard input. Axes carry units: g and Hz unless --units says otherwise. Figures need the extra:
     pip install 'rocking[plot]'.

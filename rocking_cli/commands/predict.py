@@ -1,4 +1,4 @@
-"""`rocking predict`: a structure's response, read from a dimensionless spectrum."""
+"""`rocking predict`: the response of a structure under the motion of a dimensionless spectrum."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ from .shaking import Shaking, no_shaking
 
 @dataclass(frozen=True)
 class Prediction:
-    """How `rocking predict` reads the spectrum."""
+    """The options of `rocking predict`."""
 
     exact: bool = option(
-        "--exact", is_flag=True, help="For the spectrum's motion, also beyond its range or restitutions; nothing is interpolated."
+        "--exact", is_flag=True, help="Also beyond the range and restitutions of the spectrum, under its motion; nothing is interpolated."
     )
 
 
@@ -31,11 +31,11 @@ def predict(spectrum: str, files: tuple[str, ...], shaking: Shaking, wanted: Pre
     """Predict theta_max, outcome and margin of structures under the motion of a spectrum of equal restitution.
 
     SPECTRUM holds a linear spectrum on axes A and Omega. theta_max [rad] and the outcome are computed. capacity_demand is the
-    lowest overturning amplitude over the demand: below 1 a body that falls would fall for less. margin is the relative distance in
-    A to the nearest amplitude at which falling begins or ends, traced as by rocking envelope, which can miss what is narrower than
-    1e-3 in A; margin_side tells on which side of the demand. They are empty where nothing overturns up to A = 20 and twice the
-    demand. theta_ratio_interpolated is what the spectrum itself says, empty next to cells that overturn; interpolation_error is its
-    distance from the computed value.
+    lowest overturning amplitude over the demand, below 1 if a lower amplitude overturns the body. margin is the relative distance in
+    A to the nearest boundary between standing and overturning, traced as in rocking envelope, which may miss intervals narrower than
+    1e-3 in A; margin_side is the side of the demand on which the boundary lies. All three are empty if no amplitude up to A = 20 and twice
+    the demand overturns. theta_ratio_interpolated is the value in the spectrum, empty next to cells that overturn; interpolation_error
+    is its distance from the computed value.
     """
     from ..dynamics.outcome import Outcome
     from ..spectra.file.reader import SpectraFile

@@ -1,4 +1,4 @@
-"""What a call prints: rows on standard output, lines on standard error. --json, --csv, --units and --quiet belong to the whole call."""
+"""Output of a call: rows on standard output, lines on standard error; the options --json, --csv, --units and --quiet."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ _csv = _of_call("--csv", "form", flag_value="csv", help="CSV on standard output.
 
 
 def printed(command: F) -> F:
-    """--json and --csv (without either a table for people), --units and --quiet."""
+    """Decorator: the options --json, --csv, --units and --quiet."""
     return _json(_csv(units(quiet(command))))
 
 
@@ -72,7 +72,7 @@ def emit(
     rows: Iterable[Mapping[str, Any]], columns: Sequence[str] = (), *, form: str | None = None, table_units: str | None = None,
     without: Sequence[str] = (), old: Sequence[str] = (),
 ) -> None:  # fmt: skip
-    """Print rows, each as soon as it is there.
+    """Print rows, each as soon as it is computed.
 
     columns: the CSV header if there is no row; form: without --json and --csv; table_units: of a table without --units; without:
     columns that have no unit here; old: columns under an old name, for programs only.

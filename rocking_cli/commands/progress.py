@@ -1,4 +1,4 @@
-"""How far a run is: one line on standard error that a terminal renews, or a line every half a minute that says how long it takes yet."""
+"""Progress of a run on standard error: one line that a terminal renews, or a line every half a minute with the time left."""
 
 from __future__ import annotations
 
@@ -15,20 +15,20 @@ from . import streams
 from .printing import form, is_quiet
 
 _FIRST, _EVERY = 10.0, 30.0  # s until a run is called long, and from each line on it to the next
-_ENOUGH = 3  # units that tell how long the others take
+_ENOUGH = 3  # units that give the rate
 _current: ProgressLine | None = None
 
 
 def _follow(line: ProgressLine | None) -> None:
-    """Let `told` speak of this line."""
+    """Make this the line that `told` reports; None: no line."""
     global _current
     _current = line
 
 
 @contextmanager
 def told() -> Iterator[None]:
-    """For a call: after ten seconds, and every half a minute from then on, a line on standard error says how far it is, unless --quiet
-    is given or a `ProgressLine` on the terminal says so. A timer of the system, where it has one: a thread would endanger a fork."""
+    """Context of a call: prints the progress on standard error after ten seconds and then every half a minute, except with --quiet or while
+    a terminal shows a `ProgressLine`. It uses a system timer, if there is one, because a thread would endanger a fork."""
     _follow(None)
     began = monotonic()
     if not hasattr(signal, "setitimer"):
@@ -51,10 +51,10 @@ def told() -> Iterator[None]:
 
 
 class ProgressLine:
-    """Done and total, their unit, the rate and the time left, from the first moment on.
+    """A line with the units done and in total, the rate and the time left.
 
-    The line is not shown with --quiet, where standard error is no terminal, and where rows appear on the terminal one by one; `told`
-    speaks there. Another line ends this one, so that it stands on a line of its own.
+    The line is not shown with --quiet, if standard error is no terminal, or if rows appear on the terminal one by one; then `told`
+    prints lines instead. Any other output first ends this line.
     """
 
     def __init__(self, label: str, unit: str) -> None:
@@ -80,11 +80,11 @@ class ProgressLine:
 
     @property
     def shown(self) -> bool:
-        """Whether a terminal shows the line, or will renew it."""
+        """True if a terminal shows the line, or will renew it."""
         return self._bar is not None and self._done < max(self._total, 1)
 
     def in_words(self) -> str:
-        """The time left, at the rate so far, as soon as enough units are done, else the time passed."""
+        """The time left at the rate so far; the time passed until enough units are done."""
         seconds, new = monotonic() - self._start, self._done - self._first
         units = f"{self._done} of {self._total} {self._unit} done" if self._done < self._total else ""
         if not units or new < _ENOUGH:
@@ -95,7 +95,7 @@ class ProgressLine:
 
     def __call__(self, done: int, total: int) -> None:
         if not self._done:
-            self._first = done  # of a sweep that goes on, some were there before
+            self._first = done  # a resumed sweep begins with some units done
         self._done, self._total = done, total
         bar = self._bar
         if bar is None:

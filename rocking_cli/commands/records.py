@@ -1,4 +1,4 @@
-"""`rocking records`: what recorded ground motions hold, and their intensity measures."""
+"""`rocking records`: the contents and intensity measures of recorded ground motions."""
 
 from __future__ import annotations
 
@@ -28,10 +28,10 @@ def records(files: tuple[str, ...], reading: ground.Reading) -> int:
     """Show what records hold, a row a component: sampling and intensity measures in s, m/s2, m/s and m.
 
     FILE is a record of any known format, packed with gzip or not, - for standard input, a directory, or a list of files, one a line.
-    --component horizontal, all (default) or a name or number says which are shown. Files of a directory that cannot be read are left
-    out and named (exit code 4).
-    Measures are of the samples joined by straight lines, without any correction; header_pga is the peak that the file itself states,
-    header_difference by what part of it the peak of the samples exceeds it, unit that of the file.
+    --component selects horizontal, all (default), or one by name or number. Files of a directory that cannot be read are left out and
+    named (exit code 4).
+    The measures are integrals of the samples joined by straight lines, without any correction; header_pga is the peak in the header of
+    the file, header_difference the relative excess of the peak of the samples over it, unit the unit of the file.
     """
     from ..motions.records.components import ALL, chosen
     from ..motions.records.sets import read_set

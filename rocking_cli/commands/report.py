@@ -30,12 +30,12 @@ class Report:
 @takes(motions=ground.Motions, vertical=ground.Vertical, shaking=Shaking, wanted=Report)
 @quiet
 def report(files: tuple[str, ...], motions: ground.Motions, vertical: ground.Vertical, shaking: Shaking, wanted: Report) -> int:
-    """Write a page about structures under a pulse or a set of records: what stands, what falls, and by how much.
+    """Write a page about structures under a pulse or a set of records: verdicts, drawings, maps and fragility.
 
-    One HTML file that opens in a browser without a network: the table of rocking check, and for each structure its drawing,
-    parameters and their relations, the map with the demand on it, how often the linear equation is wrong, fragility where records
-    are given; then the command, versions and hashes. The equation is that of
-    rocking check. It needs the extra: pip install 'rocking[report]'.
+    The page is one HTML file that opens in a browser without a network. It holds the table of rocking check; for each structure its
+    drawing, parameters and their relations, the map with the demand, the number of cells in which the linear equation is wrong, and
+    fragility curves under records; then the command, versions and hashes. The equation is that of rocking check. The page needs the
+    extra: pip install 'rocking[report]'.
     """
     from ..dynamics.outcome import Outcome
     from ..motions.grid import demand_in_words

@@ -24,13 +24,13 @@ class OneMotion(ground.Motions):
 
 @dataclass(frozen=True)
 class Rows:
-    """What `rocking response` shows."""
+    """The options of `rocking response`."""
 
     release: float = option(
-        "--release", type=float, default=0.0, metavar="RATIO", help="Release from theta/alpha = RATIO; alone: free rocking."
+        "--release", type=float, default=0.0, metavar="RATIO", help="Release from theta/alpha = RATIO; without a motion: free rocking."
     )
     duration: float | None = option(
-        "--duration", type=Quantity("time"), metavar="TIME", help="Time to show (default: the shaking and 30/p after it)."
+        "--duration", type=Quantity("time"), metavar="TIME", help="Duration of the rows (default: the shaking and 30/p after it)."
     )
     dt: float | None = option(
         "--dt", type=Quantity("time"), metavar="TIME", help="Time between two rows (default: the samples of a record, 500 rows of a pulse)."
@@ -49,7 +49,7 @@ def response(file: str, motions: OneMotion, vertical: ground.Vertical, shaking: 
     """Time history of one structure: t [s], theta [rad], theta_dot [rad/s], ground_acceleration [m/s2].
 
     FILE holds one structure. An overturning body is followed to 3 alpha, or until it lies on its side or its linkage has
-    collapsed. In the events the speed at an impact is that before it; with --json a summary of each model is the last record.
+    collapsed. The speed of an impact in the events is the speed before it. With --json the last row of each model is a summary.
     --forces: fx_ratio and fz_ratio, the horizontal and vertical force over m g, and the friction that they need.
     """
     from ..responses.time_history import time_history

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 
 def no_shaking(*instead: str) -> click.UsageError:
-    """The error for a call without a motion; instead: what it takes besides an amplitude and a frequency with units."""
+    """The error for a call without a motion; instead: other options that may state one."""
     return click.UsageError(", or ".join(("no shaking: give --a-g and --omega-g (or --f-g, --T-g)", *instead)))
 
 
@@ -38,7 +38,7 @@ class Shaking:
     """One amplitude and one frequency, with units or dimensionless."""
 
     a_g: str | None = option(
-        "--a-g", metavar="VALUE", help="Amplitude of the ground acceleration, m/s2 or with g; a negative one turns the motion over."
+        "--a-g", metavar="VALUE", help="Amplitude of the ground acceleration, m/s2 or with g; a negative one reverses the motion."
     )
     omega_g: str | None = option("--omega-g", metavar="VALUE", help="Angular frequency of the motion, rad/s.")
     f_g: str | None = option("--f-g", metavar="VALUE", help="Its frequency in Hz.")
@@ -47,9 +47,9 @@ class Shaking:
     Omega: str | None = option("--Omega", metavar="VALUE", help="Dimensionless frequency omega_g/p.")
 
     def of(self, ground: Ground) -> Ground:
-        """The motion with its demand, a grid of one cell; turned over for a negative a_g.
+        """The motion with its demand, a grid of one cell; the motion is reversed for a negative a_g.
 
-        A record has both values; only its peak may be given. No grid without any value. Raises UsageError.
+        A record has both values, so only its peak may be given. The grid is None without any value. Raises UsageError.
         """
         from ..motions.grid import parse_grid
 
@@ -81,7 +81,7 @@ class Shaking:
 
 
 def note_demand(shakes: Sequence[tuple[Motion, Grid]]) -> None:
-    """Print how strong the shaking is that is asked for, with the acceleration in m/s2 and g."""
+    """Print the amplitude and frequency of the demand, with the acceleration in m/s2 and g."""
     from ..motions.grid import demand_in_words
     from ..reports.plausibility import bare_remarks
 
@@ -92,7 +92,7 @@ def note_demand(shakes: Sequence[tuple[Motion, Grid]]) -> None:
 
 
 def note_governing(structures: Iterable[RockingParameters], dimensionless: bool) -> None:
-    """Print which equation answers for the structures, each by itself."""
+    """Print the governing equation of each structure."""
     from ..dynamics.method import governing_method, model_in_words
 
     for line in dict.fromkeys(

@@ -16,24 +16,24 @@ from .progress import ProgressLine
 
 @dataclass(frozen=True)
 class Cells:
-    """What `rocking spectrum` computes and stores."""
+    """The options of `rocking spectrum`."""
 
     axes: str | None = option(
-        "--grid", metavar="AXES", help="a_g=START:STOP:N[:log],omega_g=… (or f_g, T_g), or A=…,Omega=…; of records see below."
+        "--grid", metavar="AXES", help="a_g=START:STOP:N[:log],omega_g=… (or f_g, T_g), or A=…,Omega=…; for records see below."
     )
     output: Path = options.output(required=True, help="The HDF5 file to write.")
     impacts: bool = option(
         "--impacts",
         is_flag=True,
-        help="Also store the number of impacts during the shaking, without those of a last bouncing below the peak.",
+        help="Also store the number of impacts during the shaking, without those of a last sequence of impacts below the peak.",
     )
     quantities: str | None = option(
         "--quantity", metavar="NAME,…",
-        help="Also store: condition (sensitivity to the input), friction, fz_min, linear, of records velocity_ratio.",
+        help="Also store: condition (sensitivity to the input), friction, fz_min, linear, for records velocity_ratio.",
     )  # fmt: skip
     no_validity: bool = option("--no-validity", is_flag=True, help="Do not compare cells of a linear sweep with the nonlinear equation.")
     chunk_cells: int | None = option("--chunk", type=click.IntRange(1), metavar="CELLS", help="Cells in one unit of work.")
-    check: int | None = option("--check", type=click.IntRange(0, 10_000), metavar="N", help="Cells computed again by the independent path.")
+    check: int | None = option("--check", type=click.IntRange(0, 10_000), metavar="N", help="Cells to verify by the independent path.")
     strict: bool = options.strict()
     json_: bool = option("--json", is_flag=True, help="The closing summary as a JSON record on standard output.")
 
@@ -53,10 +53,10 @@ def spectrum(
     Units: bounds of a_g in m/s2, or with g; omega_g in rad/s, f_g in Hz, T_g in s. A = a_scale a_g/(alpha g) and
     Omega = omega_g/p are dimensionless. NAME=VALUE gives an axis of one value. The file is OUTPUT.part until complete.
 
-    Records shake in their own time. Structures under them have an axis scale=START:STOP:N (factor of each record; 1 if there is no
-    --grid), A or a_g (its peak). Without structures --alpha gives the critical angles of blocks and the axis T=START:STOP:N their
-    sizes as 2 pi/p in s (no period), or p in rad/s; alpha and tan_alpha may stand in --grid too. The file has the dimensions
-    record, structure and scale (A, a_g), or record, alpha and T.
+    A record has its own time. Structures under records have an axis scale=START:STOP:N (factor of each record; 1 without --grid), A or
+    a_g (the peak). Without structures --alpha gives the critical angles of blocks and the axis T=START:STOP:N their sizes as
+    2 pi/p in s (no period), or p in rad/s; --grid may also state alpha or tan_alpha. The file has the dimensions record, structure
+    and scale (A, a_g), or record, alpha and T.
     """
     from ..motions.grid import parse_grid
     from ..reports.summary import summary_lines

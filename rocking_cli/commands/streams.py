@@ -1,4 +1,4 @@
-"""The standard streams of a call: the one place where output may fail, and where foreign text loses its power over a terminal."""
+"""The standard streams of a call: failures of output, and escapes for control characters."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from ..errors import OutputError
 
 
 def printable(text: str) -> str:
-    """The text with everything that is not a visible character or a space escaped: control characters, and half characters."""
+    """The text with every control character and half character escaped."""
     if text.isprintable():
         return text
     return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in text)
@@ -24,7 +24,7 @@ _unfinished: Callable[[], None] | None = None
 
 
 def end_line(unfinished: Callable[[], None] | None = None) -> None:
-    """End the line that stands unfinished on the terminal, if one does; `unfinished`: what will end the one that begins now."""
+    """End the unfinished line on the terminal, if there is one; `unfinished`: the function that will end the line which begins now."""
     global _unfinished
     before, _unfinished = _unfinished, unfinished
     if before is not None and before != unfinished:
@@ -48,9 +48,9 @@ def say(line: str) -> None:
 
 @contextmanager
 def guarded() -> Iterator[None]:
-    """For a call: a reader of standard output who has gone ends it without an error, what else befalls the streams is said once.
+    """Context of a call: a closed pipe on standard output ends it without an error; any other failure of the output is reported once.
 
-    Standard error may be closed or full; that changes nothing.
+    A closed or full standard error has no effect.
     """
     _occupy_descriptors()
     with redirect_stdout(cast(TextIO, _Output(sys.stdout))), redirect_stderr(cast(TextIO, _Stream(sys.stderr))):
@@ -58,7 +58,7 @@ def guarded() -> Iterator[None]:
 
 
 def _occupy_descriptors() -> None:
-    """A file opened while descriptor 1 or 2 is closed would take its number, and what a C library prints would go into it."""
+    """Open the closed descriptors among 0 to 2; otherwise the next opened file gets the number, and a C library would print into it."""
     descriptor = 0
     while descriptor <= 2:
         descriptor = os.open(os.devnull, os.O_RDWR)
@@ -66,9 +66,9 @@ def _occupy_descriptors() -> None:
 
 
 class _Stream:
-    """Standard error, or None where it is closed; what its encoding lacks is escaped, and a failure is nobody's error.
+    """Standard error, or None if it is closed. Characters that its encoding lacks are escaped, and failures are ignored.
 
-    It has no `buffer`, so that nobody writes past it.
+    It has no `buffer`, so all output goes through `write`.
     """
 
     def __init__(self, stream: TextIO | None) -> None:
@@ -79,7 +79,7 @@ class _Stream:
     def write(self, text: str | bytes) -> int:
         if isinstance(text, bytes):
             if not text:
-                raise TypeError("a stream of text")  # click asks in this way whether it is one
+                raise TypeError("a stream of text")  # click tests a text stream in this way
             text = text.decode()  # click writes what completes a word as bytes
         try:
             if self._stream is None:
@@ -106,7 +106,7 @@ class _Stream:
         return self._stream.fileno()
 
     def _failed(self, error: OSError) -> None:
-        """Keep the interpreter from flushing into the void when it ends."""
+        """Prevent the interpreter from flushing the stream at exit."""
         with suppress(OSError, ValueError):
             void = os.open(os.devnull, os.O_WRONLY)
             os.dup2(void, self.fileno())
@@ -114,7 +114,7 @@ class _Stream:
 
 
 class _Output(_Stream):
-    """Standard output: a reader who has gone has read enough, other failures are errors."""
+    """Standard output: a closed pipe is no error, other failures are."""
 
     def _failed(self, error: OSError) -> None:
         super()._failed(error)

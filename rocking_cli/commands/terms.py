@@ -1,4 +1,4 @@
-"""Between the library's terms and the options of a command: the library says `a_g`, at the shell that is --a-g."""
+"""Translation of the library's terms to the options of a command: `a_g` becomes --a-g."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ MEANT = {"--pga": "--a-g", "--amplitude": "--a-g", "--frequency": "--f-g", "--pe
 
 
 def in_options(text: str, command: click.Command) -> str:
-    """A sentence of the library, its arguments in backticks, with the command's options in their place; others stay as they are."""
+    """A sentence of the library in which the command's options replace arguments in backticks; other words in backticks stay."""
     options: dict[str, str] = {}
     for parameter in command.params:
         if isinstance(parameter, click.Option):
@@ -22,7 +22,7 @@ def in_options(text: str, command: click.Command) -> str:
 
 
 def no_such_option(error: click.NoSuchOption, arguments: list[str]) -> str:
-    """The sentence for an option that is not there, with the long one that was meant."""
+    """The sentence for an unknown option, with the long option that is probably meant."""
     name = error.option_name
     if not name.startswith("--"):  # of -pulse click sees -p
         name = next((a.partition("=")[0] for a in arguments if a.startswith(name) and not a.startswith("--")), name)

@@ -24,7 +24,7 @@ _FLOAT, _WHOLE, _TEXT = np.dtype("<f8"), np.dtype("<i8"), None
 
 
 class About(NamedTuple):
-    """How a list of values stands in a file: units, long name, type (None for text); get: the value of one structure or record."""
+    """The attributes of a list of values in a file: units, long name, type (None for text); get: the value of one structure or record."""
 
     units: str
     long_name: str
@@ -40,7 +40,7 @@ PARAMETERS = {
     "a_scale": About("1", "scale of the ground acceleration", lambda s: s.a_scale),
     "gravity": About("m s-2", "acceleration of gravity", lambda s: s.gravity),
 }
-"""Of each structure."""
+"""The lists of structures."""
 
 
 def _edge(number: int, word: str, key: str) -> About:
@@ -54,7 +54,7 @@ EDGE_PARAMETERS = {
     for number, word in enumerate(("left", "right"))
     for key in ("p", "alpha", "eta", "lambda", "a_scale")
 }
-"""Of each edge of a body whose edges differ, NaN for others; in files that hold such a body."""
+"""The lists for each edge of a body with unequal edges, NaN for other bodies; only in files with such a body."""
 
 RECORDED = {
     "factor": About("1", "factor that the record was multiplied by", lambda r: r.factor),
@@ -73,7 +73,7 @@ RECORDED = {
     "record_unit": About("1", "unit of the file's numbers", lambda r: r.record.unit, _TEXT),
     "sha256": About("1", "SHA-256 of the file", lambda r: r.record.sha256, _TEXT),
 }
-"""Of each record."""
+"""The lists of records."""
 
 VARIED = "varied_"  # prefix of the keys that families varied
 
@@ -89,7 +89,7 @@ ABOUT: dict[str, About] = {
 
 
 class Form(NamedTuple):
-    """A kind of spectrum: its dimensions in their order, and the dimension of every list that it always has beside them."""
+    """A kind of spectrum: its dimensions in their order, and the dimension of each further list that it always has."""
 
     dimensions: tuple[str, str, str]
     beside: Mapping[str, str]
@@ -127,17 +127,17 @@ class Frame:
     units: Mapping[str, str] = field(default_factory=dict)
 
     def about(self, name: str) -> About:
-        """How a list stands in the file."""
+        """The attributes of a list in the file."""
         return About(self.units[name], f"{name.removeprefix(VARIED)} as it was varied") if name in self.units else ABOUT[name]
 
     @property
     def labels(self) -> tuple[str, ...]:
-        """The lists that tell places apart besides the dimensions, for CF's attribute `coordinates`."""
+        """The further lists that distinguish places, for the CF attribute `coordinates`."""
         return tuple(self.beside) if self.of_records else tuple(self.units)
 
     @property
     def shape(self) -> tuple[int, int, int]:
-        """How many places there are on each dimension."""
+        """The number of places on each dimension."""
         first, second, third = (len(values) for values in self.dimensions.values())
         return first, second, third
 
@@ -163,7 +163,7 @@ def _lists(table: Mapping[str, About], dimension: str, of: Sequence[Any]) -> dic
 
 
 def beside_structures(structures: Sequence[RockingParameters]) -> dict[str, tuple[str, Values]]:
-    """The lists of structures: parameters, those of edges where a body has two, and varied keys."""
+    """The lists of structures: parameters, those of edges if a body has two, and varied keys."""
     varied = {name: About(unit, "", partial(_varied, name.removeprefix(VARIED))) for name, unit in varied_units(structures).items()}
     return _lists(PARAMETERS | (EDGE_PARAMETERS if any(s.sides for s in structures) else {}) | varied, "structure", structures)
 

@@ -1,4 +1,4 @@
-"""The overturning spectrum of a set of records: the first overturning over the size of a body, median and 16 and 84 % over the records."""
+"""The overturning spectrum of a set of records: quantiles of the first overturning against the size of a body."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ QUANTILES = (16, 50, 84)
 
 
 def overturning_spectrum(scene: RecordScene, records: Iterable[Mapping[str, Any]]) -> Iterator[dict[str, Any]]:
-    """One record a size or structure, from those of `tracing_records` with `first`.
+    """The rows of a spectrum, one for each size or structure, from the rows of `tracing_records` with `first`.
 
-    structure, or alpha [rad] and T [s]; p [rad/s]; pga_ratio_16, _50, _84: the first overturning PGA/(lambda g) that so many per cent
-    of the records reach, None where fewer of them overturn the body; overturned, records: their numbers.
+    structure, or alpha [rad] and T [s]; p [rad/s]; pga_ratio_16, _50, _84: quantiles of the first overturning PGA/(lambda g)
+    over the records [%], None if too few of them overturn the body; overturned, records: their numbers.
     """
     found: dict[tuple[Any, ...], list[float]] = {}
     keys = ("alpha", "T") if scene.over_angles else ("structure",)
@@ -39,7 +39,7 @@ def overturning_spectrum(scene: RecordScene, records: Iterable[Mapping[str, Any]
 
 
 def _quantile(rising: np.ndarray, share: float) -> float | None:
-    """Linear between the order statistics; None where it falls among those that are infinite."""
+    """The quantile, linear between the order statistics; None if it is infinite."""
     place = share * (rising.size - 1)
     low, high = float(rising[math.floor(place)]), float(rising[math.ceil(place)])
     return low + (place - math.floor(place)) * (high - low) if math.isfinite(high) else None

@@ -17,13 +17,13 @@ from ..motions.grid import Grid
 from ..structures.parameters import RockingParameters
 from .file.reader import SpectraFile
 
-ETA_TOLERANCE = 1e-6  # spectra of restitutions closer than this are taken for the same
+ETA_TOLERANCE = 1e-6  # restitutions closer than this count as equal
 
 
 def predict(structure: RockingParameters, spectrum: SpectraFile | str | Path, shaking: Grid) -> dict[str, Any]:
-    """The record of `predict_exactly` under the motion of a linear dimensionless spectrum, with the value that the spectrum itself gives.
+    """The row of `predict_exactly` under the motion of a linear dimensionless spectrum, with the value interpolated in the spectrum.
 
-    theta_ratio_interpolated is linear between the spectrum's cells around (A, Omega), None where one of them is not known to be
+    theta_ratio_interpolated is linear between the spectrum's cells around (A, Omega), None unless all of them are
     safe; interpolation_error is its distance from the computed theta_ratio. Raises UsageError when the spectrum has other axes,
     model or restitutions, or does not reach (A, Omega).
 
@@ -36,10 +36,10 @@ def predict(structure: RockingParameters, spectrum: SpectraFile | str | Path, sh
         with SpectraFile(spectrum) as file:
             return predict(structure, file, shaking)
     if not spectrum.grid.dimensionless or spectrum.scene["model"] != LINEAR.model:
-        raise UsageError(f"{spectrum.path}: accepted is a linear spectrum on axes A and Omega")
+        raise UsageError(f"{spectrum.path}: expected a linear spectrum on axes A and Omega")
     etas = {i: s.eta for i, s in enumerate(spectrum.structures) if LINEAR.shares(s) == LINEAR.shares(structure)}
     if not etas:
-        raise UsageError(f"{structure.name}: the spectrum holds none with its edges and damping; `exact` computes it")
+        raise UsageError(f"{structure.name}: the spectrum is for bodies with other edges or damping; `exact` computes it")
     nearest = min(etas, key=lambda i: abs(etas[i] - structure.eta))
     if abs(etas[nearest] - structure.eta) > ETA_TOLERANCE:
         held = ", ".join(f"{x:g}" for x in sorted(set(etas.values())))
@@ -61,18 +61,18 @@ def predict(structure: RockingParameters, spectrum: SpectraFile | str | Path, sh
 def predict_exactly(structure: RockingParameters, motion: Motion, shaking: Grid) -> dict[str, Any]:
     """theta_max [rad], theta_ratio and outcome, computed, and the distance to overturning, from boundaries traced along A.
 
-    capacity_demand: the lowest overturning amplitude over A, below 1 where a body that falls would fall for less; margin: relative
-    distance in A to the nearest amplitude at which falling begins or ends, and margin_side, on which side of A that is. They are
-    None where there is no such amplitude up to A_MAX and 2 A, and at A = 0. theta_max is None where the edges differ, since the
-    largest theta/alpha does not tell on which of them. Raises UsageError for a demand beyond what a scan reaches.
+    capacity_demand: the lowest overturning amplitude over A, below 1 if a lower amplitude overturns the body; margin: relative distance
+    in A to the nearest boundary between standing and overturning; margin_side: the side of A on which it lies. They are None if no
+    amplitude up to A_MAX and 2 A overturns, and at A = 0. theta_max is None if the edges differ, since the largest theta/alpha does
+    not state its edge. Raises UsageError for a demand above the limit of a scan.
     """
     amplitude, omega = (float(x[0]) for x in shaking.scaled(structure))
     if 2.0 * amplitude > HIGHEST:
-        raise UsageError(f"{structure.name}: A = {amplitude:.6g} is beyond what a prediction looks at; accepted is up to {HIGHEST / 2.0:g}")
+        raise UsageError(f"{structure.name}: found A = {amplitude:.6g}; expected up to {HIGHEST / 2.0:g}")
     found = response(LINEAR.system_of(structure), motion, np.array([amplitude]), np.array([omega]), structure.eta)
     falls = trace_envelope(structure, motion, [omega], a_max=max(A_MAX, 2.0 * amplitude, 2.0 / motion.peak), sign="+")  # as it is
     ends = [edge for i in falls for edge in (i.a_from, i.a_to) if edge is not None]
-    edges = [edge for edge in ends if ends.count(edge) == 1]  # two ways to fall that meet are no boundary of falling
+    edges = [edge for edge in ends if ends.count(edge) == 1]  # between two overturning modes there is no boundary
     nearest = min(edges, key=lambda edge: abs(edge - amplitude), default=None) if amplitude > 0.0 else None
     ratio = float(found.theta_ratio[0]) if np.isfinite(found.theta_ratio[0]) else None
     return {
@@ -89,7 +89,7 @@ def predict_exactly(structure: RockingParameters, motion: Motion, shaking: Grid)
 
 
 def _interpolated(spectrum: SpectraFile, index: int, amplitude: float, omega: float) -> float | None:
-    """theta_ratio between the cells around (A, Omega), None where one of them is not known to be safe."""
+    """theta_ratio between the cells around (A, Omega), None unless all of them are safe."""
     rows, x = _cell(spectrum.grid.frequency.values, omega)
     columns, y = _cell(spectrum.grid.amplitude.values, amplitude)
     block = spectrum.block(index, slice(rows[0], rows[-1] + 1), slice(columns[0], columns[-1] + 1))

@@ -1,7 +1,7 @@
-"""Overturning scales of records: of each structure, or each (alpha, 2 pi/p), the first one and the intervals above it.
+"""Overturning scales of records: the intervals of each structure, or of each (alpha, 2 pi/p).
 
-A record overturns after many impacts, where intervals have no least width, and a cell costs as much as a thousand of a pulse: so the
-scan's amplitudes are `RATIO` apart, relative to each other, and nothing is claimed of narrower intervals.
+Under a record a body overturns after many impacts. Its intervals have no least width, and a cell costs as much as a thousand cells of a
+pulse. The ratio of neighbouring amplitudes of the scan is therefore 1 + `RATIO`; narrower intervals may be missed.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from .record_scene import RecordScene
 
 Array = np.ndarray
 
-_PARTS = 128  # that a change is cut into at once: there are few, and a batch costs the same whatever its size
+_PARTS = 128  # parts of a bracket in one cut: there are few brackets, and a batch costs the same for any size
 _SMALL = 20_000  # cells below which starting processes takes longer than they save
 
 
@@ -72,7 +72,7 @@ class Tracing:
         return [search for search in found if search.lowest < most]
 
     def __call__(self, task: Task) -> list[Steps]:
-        """(amplitude, outcome from it on), rising, at each Omega of a task; empty if no amplitude lifts the body."""
+        """(amplitude, outcome from it on), rising, for each Omega of a task; empty if no amplitude lifts the body."""
         omegas = self.omegas(task.structure)[list(task.omegas)]
         found: list[Steps] = [[] for _ in omegas]
         for search in self.searches(task):
@@ -88,20 +88,21 @@ def check_tracing(tracing: Tracing) -> None:
     limits = [tracing.limit(i) for i in range(len(scene.structures))]
     for most in limits:
         if not (math.isfinite(most) and 0.0 < most <= HIGHEST):
-            raise UsageError(f"a-max is {most:g}, accepted is a positive amplitude up to {HIGHEST:g}")
+            raise UsageError(f"a-max: found {most:g}; expected a positive amplitude up to {HIGHEST:g}")
     if scene.columns.name != "T" and scene.columns.values.tolist() != [1.0]:
-        raise UsageError(f"`grid`: found {scene.columns.name}; accepted is none, since the scale is what is looked for")
+        raise UsageError(f"`grid`: found {scene.columns.name}; expected no axis, since the search varies the scale")
 
 
 def tracing_records(
     tracing: Tracing, *, sign: str = "worse", workers: int | None = None, progress: Callable[[int, int], None] | None = None
 ) -> Iterator[dict[str, Any]]:
-    """Records of the intervals that overturn, of one record after the other and one structure after the other.
+    """Rows of the overturning intervals, in the order of records and structures.
 
-    record, structure, or alpha [rad] and T = 2 pi/p [s]; A_from and A_to, the dimensionless amplitudes, a_from and a_to
-    [m/s2], the same as peaks of the ground, scale_from and scale_to, as factors of the record as it is (A_to and so on None where it
-    goes on beyond a_max); mode. With `first` one for each, without its end; A_from None and mode "none" where nothing overturns. sign
-    "both" adds `sign`, None where the sides are alike. Raises UsageError as `check_tracing`, OutputError when a worker process dies.
+    A row has record; structure, or alpha [rad] and T = 2 pi/p [s]; the ends as dimensionless amplitudes A_from and A_to, as peaks of the
+    ground a_from and a_to [m/s2], and as factors of the original record scale_from and scale_to (A_to, a_to and scale_to None if the
+    interval continues beyond a_max); mode. With `first` only the first interval, without its end; A_from None and mode "none" if no
+    amplitude overturns. sign "both" adds `sign`, None if the sides are equal. Raises UsageError as `check_tracing`, OutputError when a
+    worker process dies.
     """
     scene = tracing.scene
     tasks = list(_tasks(tracing, sign, 1))
@@ -127,7 +128,7 @@ def _tasks(tracing: Tracing, sign: str, shares: int) -> Iterator[Task]:
 
 
 def _told(scene: RecordScene, task: Task, column: int, steps: Steps, first: bool, signed: bool) -> Iterator[dict[str, Any]]:
-    """The intervals of one search as records."""
+    """The intervals of one search as rows."""
     recording, structure = scene.recordings[task.record], scene.structures[task.structure]
     if scene.over_angles:
         of: dict[str, Any] = {"record": recording.label, "alpha": structure.alpha, "T": float(scene.columns.values[column])}

@@ -32,8 +32,8 @@ AS_RECORDED = Axis("scale", np.array([1.0]))
 def block_of(alpha: float, eta: float | None) -> RockingParameters:
     """A rigid block of critical angle alpha [rad] whatever its size; eta: None for 1 - 3/2 sin^2 alpha.
 
-    It is the one of p = 1 rad/s; forces over its weight are those of any size (p^2 = 3g/(4R)). Raises StructureError for a restitution
-    out of range, which that of a block wider than high by 1.41 is.
+    Its p is 1 rad/s; forces over its weight are those of any size (p^2 = 3g/(4R)). Raises StructureError for a restitution out of
+    range, such as that of a block whose width is above 1.41 times its height.
     """
     if eta is None:
         eta, source = 1.0 - 1.5 * math.sin(alpha) ** 2, "momentum"
@@ -60,7 +60,7 @@ class RecordScene(Scene):
 
     def __post_init__(self) -> None:
         if self.columns.name not in COLUMNS:
-            raise UsageError(f"axis {self.columns.name}: accepted under records are {', '.join(COLUMNS)}")
+            raise UsageError(f"axis {self.columns.name}: expected under records: {', '.join(COLUMNS)}")
         if not self.recordings:
             raise UsageError("no record")
         if not self.structures:
@@ -73,11 +73,11 @@ class RecordScene(Scene):
             if not (np.all(np.isfinite(amplitude)) and np.all(np.isfinite(omega)) and np.all(omega > 0.0)):
                 raise UsageError(f"{s.name}: the scales in units of this structure (A, Omega) leave the range of double precision")
         if self.cells > MAX_CELLS:
-            raise UsageError(f"{self.cells:.3g} cells, accepted are up to {MAX_CELLS:.0e} in one file")
+            raise UsageError(f"found {self.cells:.3g} cells; expected up to {MAX_CELLS:.0e} in one file")
 
     @property
     def quantities(self) -> tuple[str, ...]:
-        """Rocking spectra have the speed beside the rotation."""
+        """The quantities of every rocking spectrum: the speed besides the rotation."""
         return ("velocity_ratio",) if self.over_angles else ()
 
     @property
@@ -130,7 +130,7 @@ class RecordScene(Scene):
         return () if self.over_angles and not self.weighed and self.method.mixes(structure) else self.shares(structure)
 
     def only(self, units: Sequence[Unit]) -> RecordScene:
-        """The scene with the samples of no other records than these units need, so that little travels with them."""
+        """The scene with the samples of only those records that these units need, to send less data."""
         wanted = {place for unit in units for place in unit.places}
         some = self.recordings[min(wanted)]
         return replace(self, recordings=tuple(r if i in wanted else some for i, r in enumerate(self.recordings)))
@@ -169,14 +169,14 @@ def structures_scene(
 ) -> RecordScene:
     """Structures under records at the values of an axis `scale`, `A` or `a_g`. Raises UsageError."""
     if columns.name == "T":
-        raise UsageError("axis T: structures have a size of their own; accepted are scale, A and a_g")
+        raise UsageError("axis T: structures have a size of their own; expected scale, A or a_g")
     return RecordScene(tuple(structures), tuple(recordings), columns, method)
 
 
 def angles_scene(
     alphas: Axis, periods: Axis, recordings: Sequence[Recording], eta: float | None = None, method: Method = LINEAR
 ) -> RecordScene:
-    """Rigid blocks over alpha and T = 2 pi/p under records; eta: None for that of a block. Raises UsageError."""
+    """Rigid blocks over alpha and T = 2 pi/p under records; eta: None for the value of a block. Raises UsageError."""
     blocks = []
     for alpha in alphas.values.tolist():
         try:
@@ -197,7 +197,7 @@ def scene_of_words(
     model: str | None = None,
     tolerance: float = TOLERANCE,
 ) -> RecordScene:
-    """The scene of what a user says: `--grid` (None: as recorded), `--alpha` and `--eta` (None: of a block).
+    """The scene of the options `--grid` (None: as recorded), `--alpha` and `--eta` (None: of a block).
 
     model, tolerance: those of `governing_method`. Raises UsageError.
     """
@@ -208,18 +208,16 @@ def scene_of_words(
         found["alpha"] = parse_angles(alphas)
     if "alpha" in found or "T" in found:
         if structures:
-            raise UsageError(
-                "structures have angles and a size of their own; accepted without them are alpha and T, with them scale, A or a_g"
-            )
+            raise UsageError("structures have angles and a size of their own; expected scale, A or a_g with them, alpha and T without them")
         if set(found) != {"alpha", "T"}:
             named = [*([written_axes(axes)] if axes is not None else []), *(["alpha"] if alphas is not None else [])]
-            raise UsageError(f"found {' and '.join(named)}; accepted are `alpha` and `grid` T=START:STOP:N together")
+            raise UsageError(f"found {' and '.join(named)}; expected `alpha` and `grid` T=START:STOP:N together")
         if len(etas) > 1:
-            raise UsageError(f"`eta` is given {len(etas)} times; accepted over alpha and T is one")
+            raise UsageError(f"`eta`: found {len(etas)} values; expected one over alpha and T")
         return angles_scene(
             found["alpha"], found["T"], recordings, etas[0] if etas else None, governing_method(model=model, tolerance=tolerance)
         )
     if len(found) > 1:
-        raise UsageError(f"`grid`: found {written_axes(axes or '')}; accepted is one of scale, A and a_g")
+        raise UsageError(f"`grid`: found {written_axes(axes or '')}; expected one of scale, A and a_g")
     columns = next(iter(found.values()), AS_RECORDED)
     return structures_scene(structures, recordings, columns, governing_method(*structures, model=model, tolerance=tolerance))

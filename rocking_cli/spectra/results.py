@@ -23,12 +23,12 @@ class Summary:
     """Counts, times and checks of a sweep; times, checks and counters are those of this run.
 
     run_time [s]; estimated_error: largest difference of theta/alpha from another path on the checked cells; sensitive_cells: checked
-    cells that were not drawn but chosen for their sensitivity; misjudged: checked cells whose outcome differs; beyond_tolerance: those
+    cells that were chosen for their sensitivity; misjudged: checked cells whose outcome differs; beyond_tolerance: those
     where theta/alpha differs by more than the tolerance times the condition; shared_cells: cells taken from another structure of equal
     restitution; resumed_cells: cells from an earlier run; elsewhere: the differences of its machine; records: their number, 0 for a
-    pulse; compared: checked cells of a linear sweep of records that the nonlinear equation judged too; otherwise: those that it ends
-    otherwise (overturned or not); differences: cells by `Difference`, where both equations answer; validity: of a linear sweep, where
-    it was asked for; weighed: True if the ground also moved vertically.
+    pulse; compared: checked cells of a linear sweep of records that were also computed by the nonlinear equation; otherwise: those of
+    them that differ in overturning; differences: cells by `Difference`, if both equations were computed; validity: of a linear sweep, if
+    requested; weighed: True if the ground also moved vertically.
     """
 
     structures: int
@@ -56,7 +56,7 @@ class Summary:
 
     @property
     def time_per_cell(self) -> float:
-        """Run time over the cells of this run [s]; those of other shards are none."""
+        """Run time over the cells of this run [s], without cells of other shards."""
         return self.run_time / max(1, self.cells - self.resumed_cells - self.outcomes[Outcome.NOT_COMPUTED.flag])
 
     @property
@@ -65,7 +65,7 @@ class Summary:
         return self.outcomes[Outcome.FAILED.flag]
 
     def record(self) -> dict[str, Any]:
-        """As one flat record for JSON and for the file's attributes."""
+        """The fields as one flat mapping, for JSON and for the file's attributes."""
         work = asdict(self.work)
         work.pop("cells")
         return {
@@ -95,8 +95,8 @@ class Summary:
 
 @dataclass(frozen=True, eq=False)
 class Spectrum:
-    """A spectrum in memory: theta_ratio, outcome, impacts, and beside them by name the variables of `QUANTITIES` that were asked for,
-    have the dimensions of the scene: (structure, frequency, amplitude), of records (record, structure, scale) and the like."""
+    """A spectrum in memory: theta_ratio, outcome, impacts, and by name the requested variables of `QUANTITIES`. All have the
+    dimensions of the scene, such as (structure, frequency, amplitude) or (record, structure, scale)."""
 
     scene: Scene
     theta_ratio: np.ndarray
@@ -107,16 +107,16 @@ class Spectrum:
 
     @property
     def velocity_ratio(self) -> np.ndarray | None:
-        """max |d theta/dt|/p [rad], of the spectra of records over alpha and T, else None unless asked for."""
+        """max |d theta/dt|/p [rad], in spectra of records over alpha and T and on request, otherwise None."""
         return self.beside.get("velocity_ratio")
 
     @property
     def condition(self) -> np.ndarray | None:
-        """The condition of each cell, None unless asked for."""
+        """The condition of each cell, None unless requested."""
         return self.beside.get("condition")
 
     def to_xarray(self) -> xarray.Dataset:
-        """As an xarray Dataset of the names, dimensions and attributes that the file has. Raises OutputError without xarray."""
+        """An xarray Dataset with the names, dimensions and attributes of the file. Raises OutputError without xarray."""
         from .file.dataset import dataset_of
 
         cells = {"theta_ratio": self.theta_ratio, "outcome": self.outcome, "impacts": self.impacts}

@@ -1,7 +1,7 @@
 """The cells of a sweep, cut into units of work. A unit is one chunk of the file.
 
-Every result has three dimensions, the first of which is cut into single places: structures under one pulse have (structure, frequency,
-amplitude); the spectra of records are scenes of their own (`record_scene`).
+Every result has three dimensions, such as (structure, frequency, amplitude) under one pulse; units cut the first into single places.
+Spectra of records are other scenes (`record_scene`).
 """
 
 from __future__ import annotations
@@ -35,8 +35,8 @@ class Unit:
 
 
 class Band(NamedTuple):
-    """Rows of a unit that are one structure under one motion: A and Omega broadcast to (rows, columns); sharers: the structures of the
-    unit's places, whose rotations are those of the one."""
+    """Rows of a unit with one structure under one motion: A and Omega broadcast to (rows, columns); sharers: the structures of the unit's
+    places, which all have the rotations of this one."""
 
     structure: RockingParameters
     motion: Motion
@@ -83,7 +83,7 @@ class Scene(ABC):
 
     @abstractmethod
     def sharing(self) -> list[tuple[int, ...]]:
-        """Places of the first dimension that share one computation."""
+        """Groups of places of the first dimension that share one computation."""
 
     @abstractmethod
     def bands(self, unit: Unit, size: tuple[int, int]) -> Iterator[Band]:
@@ -99,17 +99,17 @@ class Scene(ABC):
 
     @property
     def quantities(self) -> tuple[str, ...]:
-        """Those of QUANTITIES that belong to the result in any case."""
+        """The names of QUANTITIES that the result always has."""
         return ()
 
     def identity(self) -> dict[str, Any]:
-        """All that the result depends on, by name, as JSON values; two scenes of equal identity have equal spectra."""
+        """The input of the result by name, as JSON values; two scenes of equal identity have equal spectra."""
         from .work.machine import version
 
         return {"version": version(), **self.stated(), "model": self.method.model, "tolerance": self.method.stated_tolerance}
 
     def only(self, units: Sequence[Unit]) -> Scene:
-        """The scene with no more than these units need."""
+        """The scene with only the data that these units need."""
         return self
 
     def judge_of(self, cell: Cell) -> Outcome | None:
@@ -130,11 +130,11 @@ class Scene(ABC):
     def shares(self, structure: RockingParameters) -> tuple[Any, ...]:
         """A key: structures with equal keys differ under one motion in restitution only."""
         scale = (structure.alpha / structure.a_scale,) if self.weighed else ()
-        body = None if self.method.exact else self.method.body_of(structure)  # of the linear oscillator forces are looked at afterwards
+        body = None if self.method.exact else self.method.body_of(structure)  # forces of the linear oscillator are computed afterwards
         return (*self.method.shares(structure), *scale, body)
 
     def runs_with(self, structure: RockingParameters) -> tuple[Any, ...]:
-        """A key: structures with equal keys go into one run of the engine under one motion."""
+        """A key: structures with equal keys are computed in one run of the engine under one motion."""
         return self.shares(structure)
 
     @property

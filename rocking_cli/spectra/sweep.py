@@ -91,7 +91,7 @@ def write_spectrum(
 def write_scene(scene: Scene, path: str | Path, options: SweepOptions | None = None) -> Summary:
     """Compute a scene and stream it, chunk by chunk, into an HDF5 file (layout: `rocking help files`).
 
-    Raises UsageError for a scene or an output that is refused, OutputError when the file cannot be written or a worker process dies,
+    Raises UsageError for a refused scene or output, OutputError when the file cannot be written or a worker process dies,
     Interrupted on Ctrl-C.
     """
     from .file.layout import Layout
@@ -141,7 +141,7 @@ class _Packing:
 
 
 class _Sweep:
-    """The computation of a scene. todo: the units to compute; before: counts of outcomes in chunks that were there before. Raises
+    """The computation of a scene. todo: the units to compute; before: counts of outcomes in resumed chunks. Raises
     UsageError for a sweep that would take years, and for one of too many units of work."""
 
     def __init__(self, scene: Scene, options: SweepOptions) -> None:
@@ -150,7 +150,7 @@ class _Sweep:
         rows, columns = (-(-n // size) for n, size in zip(scene.shape[1:], self.chunk, strict=True))
         count, cells = rows * columns * len(scene.sharing()), self.chunk[0] * self.chunk[1]
         if count > _MOST_UNITS:
-            raise UsageError(f"{count} units of work of {cells} cells, accepted are up to {_MOST_UNITS}; make them larger")
+            raise UsageError(f"found {count} units of work of {cells} cells; expected up to {_MOST_UNITS} larger ones")
         refuse_endless(count * cells, 1 if scene.of_records else scene.segments)
         self.units = self.todo = list(cut_into_units(scene, self.chunk))
 

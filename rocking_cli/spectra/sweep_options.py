@@ -1,4 +1,4 @@
-"""The options of a sweep: how a scene is computed, and what its file holds."""
+"""The options of a sweep: its computation and its file."""
 
 from __future__ import annotations
 
@@ -23,10 +23,10 @@ class SweepOptions:
     workers: processes, None for all cores; scheduler: address of a dask.distributed cluster to compute on instead; chunk_cells: cells
     in one unit of work; check: cells computed again by the reference, None for a few; quantities: names of `QUANTITIES` to compute as
     well; sample_validity: compare some cells of a linear sweep with the nonlinear equation; progress: called with (units done, units);
-    tell: called with a line where the sweep waits for its cluster.
+    tell: called with a line while the sweep waits for its cluster.
 
-    Of a file: impacts: store their number; overwrite: replace an output; resume: go on with the partial file of an interrupted sweep
-    of the same scene, PATH.part, strict: unless it was begun on a machine whose results may differ in the last digits; shard: (i, n)
+    Of a file: impacts: store their number; overwrite: replace an output; resume: continue the partial file PATH.part of an
+    interrupted sweep of the same scene; strict: refuse one of a machine whose results may differ in the last digits; shard: (i, n)
     computes the i-th of n parts, for `merge`; documents, history: texts to keep.
 
     Raises UsageError.
@@ -52,31 +52,31 @@ class SweepOptions:
         if self.workers is not None and self.workers < 1:
             raise UsageError(f"workers is {self.workers}; it must be a whole number from 1")
         if self.chunk_cells < 1:
-            raise UsageError(f"a unit of work has at least one cell, found {self.chunk_cells}")
+            raise UsageError(f"a unit of work: found {self.chunk_cells} cells; expected one or more")
         for name in self.quantities:
             if name not in QUANTITIES:
-                raise UsageError(f"unknown quantity {name!r}; {', '.join(QUANTITIES)} are accepted")
+                raise UsageError(f"unknown quantity {name!r}; expected {', '.join(QUANTITIES)}")
         if self.resume and self.overwrite:
             raise UsageError("`resume` does not go with `overwrite`")
 
     def processes(self, scene: Scene) -> int:
-        """Processes for a scene: one for a small scene unless `workers` is given."""
+        """The number of processes for a scene: `workers` if given, otherwise one for a small scene."""
         return self.workers or (1 if scene.cells < SMALL_SWEEP else available_cpus())
 
     def chunk(self, scene: Scene) -> tuple[int, int]:
-        """(rows, columns) of a unit of work: whole rows where they fit."""
+        """(rows, columns) of a unit of work: whole rows if they fit."""
         _, rows, columns = scene.shape
         width = min(columns, self.chunk_cells)
         return min(rows, max(1, self.chunk_cells // width)), width
 
     def quantities_of(self, scene: Scene) -> tuple[str, ...]:
-        """The quantities of `QUANTITIES`, in their order, that are computed: those asked for, and those that belong to the scene.
+        """The quantities to compute, in the order of `QUANTITIES`: the requested ones, and those that the scene always has.
 
-        Raises UsageError where one is not defined for the scene.
+        Raises UsageError if one is not defined for the scene.
         """
         found = tuple(name for name in QUANTITIES if name in (*self.quantities, *scene.quantities))
         if "velocity_ratio" in found and not scene.of_records:
-            raise UsageError("quantity velocity_ratio: found the sweep of a pulse; a sweep of records is accepted")
+            raise UsageError("quantity velocity_ratio: found the sweep of a pulse; expected a sweep of records")
         if "friction" in found or "fz_min" in found:
             _demand_bodies(scene)
         if "linear" in found and scene.method.exact:
@@ -84,7 +84,7 @@ class SweepOptions:
         return found
 
     def variables_of(self, scene: Scene) -> tuple[str, ...]:
-        """The variables of `VARIABLES`, in their order, that the file of a scene holds. Raises UsageError as `quantities_of`."""
+        """The variables in the file of a scene, in the order of `VARIABLES`. Raises UsageError as `quantities_of`."""
         of_quantities = {name for key in self.quantities_of(scene) for name in QUANTITIES[key]}
         wanted = {"theta_ratio", "outcome", *of_quantities} | ({"impacts"} if self.impacts else set())
         return tuple(name for name in VARIABLES if name in wanted)

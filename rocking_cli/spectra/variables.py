@@ -1,4 +1,4 @@
-"""The variables of a spectrum: what is computed of each cell, and how it stands in a file.
+"""The variables of a spectrum, and their attributes in a file.
 
 A new variable is one entry of a table below.
 """
@@ -47,7 +47,7 @@ VARIABLES: dict[str, Variable] = {
     "condition": _real(
         "condition of the largest rotation",
         "sum of abs(d theta_ratio / d ln x) over the amplitude, the frequency and the restitution, by central differences; NaN "
-        "where overturned, failed or not computed, or where a cell beside it is",
+        "where overturned, failed or not computed, or if a cell of the differences is",
     ),
     "friction": _real(
         "required coefficient of friction",

@@ -122,9 +122,9 @@ def test_the_measure_that_explains_most_comes_first(rocking, stated):
         ([*SITE, "--method", "ida"], "--method: found 'ida'"),
         ([*SITE, "--im", "Sa"], "--im: found 'Sa'"),
         ([*SITE, "--resume"], "go with -o"),
-        ([*SITE, "--counts", "configs/motions/site_pulses.csv"], "stands alone"),
-        ([*SITE, "--pulse", "cosine"], "states each pulse itself: it takes no --pulse"),
-        ([*SITE, "--scale", "-1"], "it takes no --scale"),
+        ([*SITE, "--counts", "configs/motions/site_pulses.csv"], "--counts does not go with"),
+        ([*SITE, "--pulse", "cosine"], "--pulses does not go with --pulse"),
+        ([*SITE, "--scale", "-1"], "--pulses does not go with --scale"),
         ([*SITE, "--vertical", "configs/motions/synthetic.at2"], "expected two records, or none"),
         ([*SITE, "--vertical-scale", "2"], "--vertical-scale goes with --vertical"),
         ([*SITE, "--curve", "--efficiency"], "--efficiency does not go with --curve"),
@@ -137,7 +137,7 @@ def test_wrong_calls(refused, stated, arguments, words):
 def test_counts_take_no_option_that_would_change_nothing(rocking, refused, tmp_path):
     (tmp_path / "c.csv").write_text("im,n,z\n0.2,10,1\n0.4,10,4\n0.6,10,8\n")
     for stray in (["--im", "PGV"], ["-o", "x.h5"], ["--exact"], ["--model", "linear"], ["--scale", "2"], ["--vertical", "sine"]):
-        assert f"it takes no {stray[0].replace('-o', '--output')}" in refused(2, "fragility", "--counts", "c.csv", *stray)
+        assert f"--counts does not go with {stray[0].replace('-o', '--output')}" in refused(2, "fragility", "--counts", "c.csv", *stray)
     assert rocking("fragility", "--counts", "c.csv", "--seed", "1", "--bootstrap", "5", "--csv", "--units", "g", "-q").returncode == 0
 
 

@@ -52,7 +52,7 @@ def test_a_narrow_tongue_between_the_rows_of_the_spectrum_bounds_the_margin(thre
 
 
 def test_a_demand_beyond_the_scan_is_refused_by_its_own_name():
-    with pytest.raises(UsageError, match=r"^eta=0.8: A = 60000 is beyond what a prediction looks at; accepted is up to 50000$"):
+    with pytest.raises(UsageError, match=r"^eta=0.8: found A = 60000; expected up to 50000$"):
         predict_exactly(dimensionless_oscillator(0.8), sine(1), cell(6e4, 2.0))
 
 

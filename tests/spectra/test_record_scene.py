@@ -131,7 +131,7 @@ def test_a_file_of_records_is_labelled(records, tmp_path):
     with SpectraFile(tmp_path / "s.h5") as file:
         assert file.array("outcome").shape == scene.shape
         assert next(file.cells())["record"] == "a"
-        with pytest.raises(UsageError, match="that of a pulse is accepted"):
+        with pytest.raises(UsageError, match="expected the spectrum of a pulse"):
             file.motion()
 
 
@@ -222,10 +222,10 @@ def test_without_geometry_the_default_is_linear(records):
 @pytest.mark.parametrize(
     ("structures", "words", "said"),
     [
-        ([BLOCK], {"axes": "scale=1,A=2"}, "accepted is one of scale, A and a_g"),
+        ([BLOCK], {"axes": "scale=1,A=2"}, "expected one of scale, A and a_g"),
         ([BLOCK], {"axes": "T=1:2:2"}, "a size of their own"),
         ([BLOCK], {"alphas": "10deg"}, "a size of their own"),
-        ([], {"alphas": "10deg"}, "found alpha; accepted are .* together"),
+        ([], {"alphas": "10deg"}, "found alpha; expected .* together"),
         ([], {"alphas": "10deg", "axes": "A=3,p=3"}, "found A and p and alpha; accepted"),
         ([], {"axes": "T=1:2:2"}, "together"),
         ([], {"axes": "T=1:2:2", "alphas": "10deg", "etas": (0.9, 0.8)}, "2 times"),

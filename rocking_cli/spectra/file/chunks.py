@@ -1,4 +1,4 @@
-"""Chunks, the units of work as a file stores them: packed bytes, their checksum, and where each one lies in the grid."""
+"""Chunks, the units of work in a file: packed bytes, checksum, and place in the grid."""
 
 from __future__ import annotations
 

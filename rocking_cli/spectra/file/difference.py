@@ -14,9 +14,9 @@ def reason(error: BaseException) -> str:
 
 
 def difference(one: Any, other: Any, place: str = "") -> tuple[str, str, str] | None:
-    """(the place where two scenes first differ, the value there in each, as JSON of at most 60 characters); None where they are equal.
+    """(the place where two scenes first differ, the value there in each, as JSON of at most 60 characters); None if they are equal.
 
-    A list that begins with a name differs by that name.
+    If a text in a list differs, the place is that of the list.
     """
     if one == other:
         return None

@@ -1,6 +1,6 @@
 """The digest of a finished spectra file: over all its bytes but the chunks, checked before HDF5 reads the file.
 
-It stands behind the end that HDF5 knows, as a line of JSON and a line with the length of that. Chunks have checksums of their own.
+It follows the end of the HDF5 data, as a line of JSON and a line with its length. Chunks have their own checksums.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ def digest_line(file: BinaryIO, places: Sequence[tuple[int, int]]) -> bytes:
 
 
 def checked_digest(file: BinaryIO) -> str | None:
-    """The digest that a file ends with, None where it has none. Raises ValueError where the file is not what it was."""
+    """The digest at the end of a file, None if there is none. Raises ValueError if the file has changed."""
     size = file.seek(0, os.SEEK_END)
     last = _LAST.fullmatch(read(file, max(0, size - _LAST_LENGTH), _LAST_LENGTH))
     begins = size - _LAST_LENGTH - int(last[1]) if last is not None else 0
@@ -51,7 +51,7 @@ def checked_digest(file: BinaryIO) -> str | None:
 
 
 def read(file: BinaryIO, offset: int, length: int) -> bytes:
-    """These bytes of an open file, fewer where it ends before."""
+    """These bytes of an open file, fewer at its end."""
     file.seek(offset)
     pieces = []
     while length > 0 and (piece := file.read(min(length, _BLOCK))):

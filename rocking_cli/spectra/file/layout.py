@@ -1,4 +1,4 @@
-"""The layout of a spectra file: which datasets it has, built in memory, so that no half of one ever stands on a disk."""
+"""The layout of a spectra file: its datasets, built in memory so that no incomplete layout is ever on a disk."""
 
 from __future__ import annotations
 
@@ -96,5 +96,5 @@ def _describe(data: h5py.Dataset, about: Mapping[str, Any], *scales: h5py.Datase
 
 
 def _encodable(value: Any) -> Any:
-    """Text of a command line may hold bytes that are no UTF-8, which HDF5 does not store."""
+    """The value with bytes that are not UTF-8 escaped, since HDF5 cannot store them."""
     return value.encode("utf-8", "backslashreplace").decode() if isinstance(value, str) else value

@@ -1,4 +1,4 @@
-"""The parts of a sweep that was computed in shards, put together: bytes are copied, nothing is computed."""
+"""Merging of the shards of a sweep: bytes are copied, nothing is computed."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ class Merged:
 
 
 def merge(paths: Sequence[str | Path], output: str | Path, *, overwrite: bool = False, strict: bool = False) -> Merged:
-    """Write the spectrum that these shards hold together; strict: refuse machines that compute otherwise.
+    """Write one spectrum from these shards; strict: refuse shards of machines that compute differently.
 
     Raises UsageError when they are not of one scene, OutputError when one is damaged, two hold different data for the same
     cells, or the output cannot be written.
@@ -54,7 +54,7 @@ def merge(paths: Sequence[str | Path], output: str | Path, *, overwrite: bool = 
                 raise UsageError(f"{other.path}: is of another scene than {first.path}: its {place} differs: {there}, there {here}")
         machines = together([f.machines for f in files])
         if strict and unlike(machines):
-            raise UsageError(f"{output}: its shards come from machines that compute otherwise ({unlike(machines)})")
+            raise UsageError(f"{output}: its shards come from machines that compute differently ({unlike(machines)})")
         kept = {key: value for key, value in first.attributes.items() if key in KEPT}
         layout = Layout(first.frame, first.cut.chunk[1:], first.names, first.scene, kept)
         writer = stack.enter_context(SpectraWriter(Path(output), layout, overwrite=overwrite, machines=machines))
@@ -67,7 +67,7 @@ def merge(paths: Sequence[str | Path], output: str | Path, *, overwrite: bool = 
                     outcomes += holder.outcomes(index)
                     writer.write(first.cut.offset(index), packed)
         except BaseException:
-            writer.discard()  # it can be made again from the shards
+            writer.discard()  # it can be written again from the shards
             raise
         outcomes[Outcome.NOT_COMPUTED] = np.prod(first.cut.shape) - outcomes.sum()
         run_time, checked, error = ([f.attributes.get(key, 0) for f in files] for key in ("run_time", "checked_cells", "estimated_error"))
@@ -88,7 +88,7 @@ def _missing_shards(files: Sequence[SpectraFile]) -> tuple[str, ...]:
 
 
 def _agreed(holders: Sequence[SpectraFile], index: int) -> tuple[SpectraFile, Packed]:
-    """The first file where a chunk is intact, and its bytes; those of the others must say the same. Raises OutputError."""
+    """(the first file in which a chunk is intact, the bytes). Raises OutputError if another file has different bytes."""
     intact = [f for f in holders if f.intact(index)]
     first = intact[0] if intact else holders[0]
     packed = first.packed(index)

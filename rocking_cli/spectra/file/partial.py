@@ -1,8 +1,8 @@
 """The partial file of a sweep: the layout of the file to come, and behind it a record for each chunk that is done.
 
-A record is only appended, and has a checksum, so that a kill costs the last one at most, and a flipped bit the chunk that it is in.
-A process locks the partial file that it writes; another one finds it in use and touches nothing. Where the system has no locks, two
-sweeps of one output are not kept apart before their end.
+Records are only appended and have checksums, so a kill loses at most the last record, and a flipped bit only its chunk. A process
+locks its partial file; another process then finds it in use and changes nothing. On a system without locks, two sweeps of one output
+are only detected at their end.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from .digest import digest, read
 
 SIGNATURE = b"\x89HDF\r\n\x1a\n"
 NOTE = -1  # index of a record about the whole, as JSON
-PATIENCE = 0.3  # s: a process that only looks whether a partial file is in use locks it for an instant
+PATIENCE = 0.3  # s: a process that only tests for use of a partial file locks it for an instant
 _RECORD = struct.Struct("<4sqQI")  # magic, index of the chunk, bytes of the content, CRC-32 of all else
 _MAGIC = b"rock"
 _OF_OTHERS = {".csv", ".json", ".jsonl", ".txt", ".tsv", ".xlsx", ".yaml", ".yml", ".png", ".svg", ".pdf", ".html"}
@@ -90,7 +90,7 @@ def _head(index: int, content: bytes) -> bytes:
 
 
 def write(file: BinaryIO, offset: int, content: bytes) -> None:
-    """Write all of the content, which an unbuffered file may take in several pieces. Raises OSError."""
+    """Write all of the content, in several calls, since an unbuffered file may accept only some bytes. Raises OSError."""
     file.seek(offset)
     view = memoryview(content)
     while view:
@@ -106,11 +106,11 @@ def check_output(path: Path, overwrite: bool, resume: bool = False) -> None:
     """Refuse an output that cannot or must not be written, before any work is done. Raises UsageError, OutputError if it is in use or,
     with resume, if the file there is damaged."""
     if path.suffix.lower() in _OF_OTHERS:
-        raise UsageError(f"{path}: the output is HDF5, which {path.suffix} does not say; give a name such as {path.stem}.h5")
+        raise UsageError(f"{path}: the output is HDF5; found the ending {path.suffix}; give a name such as {path.stem}.h5")
     check_target(path, overwrite=True)
     partial = partial_of(followed(path))
     if kind := kind_of(partial):
-        raise UsageError(f"{partial}: is {kind}, where a sweep would keep its partial file; give another output")
+        raise UsageError(f"{partial}: is {kind}, but a partial file must have this name; give another output")
     if partial.exists() and not (overwrite or resume):
         with open(partial, "rb") as file:
             if not _locked(file):

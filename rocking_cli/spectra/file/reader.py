@@ -1,4 +1,4 @@
-"""Spectra files read back: what is in them, whether it is whole, and their cells."""
+"""Reading of spectra files: contents, checks, and cells."""
 
 from __future__ import annotations
 
@@ -37,9 +37,8 @@ class SpectraFile:
     """A spectra file, finished or partial, open for reading; a context manager.
 
     frame: the places of its cells; structures: parameters as stored; names: of the variables; cut, done: how it is cut, and which chunks
-    are there; attributes: of the root; digest: of a finished file, None of a partial one. Every byte that is read has been checked
-    against the digest or a checksum. Raises UsageError when the file cannot be opened and OutputError when it is no spectra file, or
-    is not as it was written.
+    are there; attributes: of the root; digest: of a finished file, None of a partial one. Every byte is checked against the digest or a
+    checksum. Raises UsageError if the file cannot be opened, and OutputError if it is no spectra file or has changed.
     """
 
     def __init__(self, path: str | Path) -> None:
@@ -122,15 +121,15 @@ class SpectraFile:
         """The grid of a spectrum of a pulse. Raises UsageError for one of records."""
         (frequency, omega), (amplitude, a) = list(self.frame.dimensions.items())[1:]
         if self.frame.of_records:
-            raise UsageError(f"{self.path}: holds spectra of records over {frequency} and {amplitude}; that of a pulse is accepted")
+            raise UsageError(f"{self.path}: found spectra of records over {frequency} and {amplitude}; expected the spectrum of a pulse")
         return Grid(Axis(amplitude, np.asarray(a)), Axis(frequency, np.asarray(omega)))
 
     def motion(self) -> Motion:
         """The ground motion of a spectrum of a pulse. Raises OutputError, UsageError for one of records."""
         if self.frame.of_records:
-            raise UsageError(f"{self.path}: holds spectra of records; that of a pulse is accepted")
+            raise UsageError(f"{self.path}: found spectra of records; expected the spectrum of a pulse")
         if "vertical" in self.scene:
-            raise UsageError(f"{self.path}: holds spectra under a vertical motion too; that of a horizontal pulse is accepted")
+            raise UsageError(f"{self.path}: found a vertical motion; expected the spectrum of a horizontal pulse alone")
         try:
             name, pieces = self.scene["motion"]
             return Motion(name, tuple(Piece(**{**p, "harmonics": tuple(Harmonic(**h) for h in p["harmonics"])}) for p in pieces))
@@ -138,11 +137,11 @@ class SpectraFile:
             raise OutputError(f"{self.path}: its motion cannot be read: {error}") from None
 
     def damaged_chunks(self) -> list[int]:
-        """Indices of the chunks that are marked done and are not as they were written."""
+        """Indices of the chunks that are marked done but damaged."""
         return [int(i) for i in np.flatnonzero(self.done) if not self.intact(int(i))]
 
     def intact(self, index: int) -> bool:
-        """True if a chunk is as it was written."""
+        """True if a chunk is undamaged."""
         try:
             self._arrays(index)
         except OutputError:
@@ -150,7 +149,7 @@ class SpectraFile:
         return True
 
     def outcomes(self, index: int) -> np.ndarray:
-        """How many cells of a chunk came to each outcome. Raises OutputError."""
+        """The number of cells of a chunk with each outcome. Raises OutputError."""
         return np.bincount(self._arrays(index)["outcome"].ravel(), minlength=len(Outcome))
 
     def packed(self, index: int) -> Packed:
@@ -193,19 +192,19 @@ class SpectraFile:
         return {name: values[0] for name, values in found.items()}
 
     def index(self, name: str | None) -> int:
-        """The structure of that name, the only one where no name is given. Raises UsageError."""
+        """The structure of that name; without a name the only one. Raises UsageError."""
         names = [s.name for s in self.structures]
         if name is None and len(names) == 1:
             return 0
         if name not in names:
             found = f"no structure {name!r}" if name is not None else f"{len(names)} structures"
-            raise UsageError(f"{self.path}: {found}; accepted are {', '.join(names)}")
+            raise UsageError(f"{self.path}: {found}; expected one of {', '.join(names)}")
         return names.index(name)
 
     def array(self, name: str) -> np.ndarray:
         """One variable over all three dimensions, NaN or 0 where it is not computed. Raises OutputError, UsageError."""
         if name not in self.names:
-            raise UsageError(f"{self.path}: has no variable {name!r}; accepted are {', '.join(self.names)}")
+            raise UsageError(f"{self.path}: has no variable {name!r}; expected one of {', '.join(self.names)}")
         return np.stack([self.block(i, slice(None))[name] for i in range(self.frame.shape[0])])
 
     def cells(self) -> Iterator[dict[str, Any]]:

@@ -1,4 +1,4 @@
-"""The one writer of a spectra file: it appends chunks to the partial file, and writes the HDF5 file from it when all are there."""
+"""The writer of a spectra file: it appends chunks to the partial file, and at the end writes the HDF5 file from it."""
 
 from __future__ import annotations
 
@@ -25,8 +25,8 @@ from .partial import Partial
 class SpectraWriter:
     """The one writer of a spectra file; a context manager that closes the partial file whatever happens.
 
-    strict: refuse a partial file that was begun on a machine which computes otherwise; machines: those whose chunks are written, this
-    one unless given. done: the chunks that are there, resumed of them from before, with their counts of outcomes. Raises UsageError for an
+    strict: refuse a partial file that was begun on a machine that computes differently; machines: those whose chunks are written, this
+    one unless given. done: the finished chunks; resumed: those of an earlier run, with their counts of outcomes. Raises UsageError for an
     output that is refused, OutputError when the file is in use or cannot be written.
     """
 
@@ -66,7 +66,7 @@ class SpectraWriter:
         return unlike(self.machines)
 
     def _resume(self, layout: Layout, strict: bool) -> None:
-        """Go on with a partial file: the same scene, and every chunk whose record is whole. Raises UsageError, OutputError, OSError."""
+        """Continue a partial file of the same scene with its intact chunks. Raises UsageError, OutputError, OSError."""
         from .reader import SpectraFile
 
         with SpectraFile(self.part) as before:
@@ -78,7 +78,7 @@ class SpectraWriter:
                 raise UsageError(f"{self.part}: is of shard {shards[0]}, this call computes {shards[1]}; give another output")
             machines = together([before.machines, self.machines])
             if strict and unlike(machines):
-                raise UsageError(f"{self.part}: was begun on a machine that computes otherwise ({unlike(machines)}); it is kept")
+                raise UsageError(f"{self.part}: was begun on a machine that computes differently ({unlike(machines)}); it is kept")
             self.machines = machines
             intact = [int(i) for i in np.flatnonzero(before.done) if before.intact(int(i))]  # a damaged chunk is computed again
             self.outcomes = {i: before.outcomes(i) for i in intact}
@@ -87,8 +87,8 @@ class SpectraWriter:
         self.resumed = len(intact)
 
     def has(self, places: Sequence[int], row: int, column: int) -> bool:
-        """True if the chunks at these places of the first dimension whose first cell is (row, column) are all there; if not, none
-        counts."""
+        """True if all chunks with the first cell (row, column) at these places of the first dimension are finished; otherwise none of them
+        counts as finished."""
         indices = [self.cut.index((i, row, column)) for i in places]
         if all(self.done[indices]):
             return True
@@ -102,13 +102,13 @@ class SpectraWriter:
         try:
             self._partial.log.append(index, joined(packed))
         except OSError as error:
-            kept = "; what was done is kept there for `resume`" if self.written or self.resumed else ""
+            kept = "; the finished chunks are kept there for `resume`" if self.written or self.resumed else ""
             raise OutputError(f"{self.part}: cannot be written: {error.strerror}{kept}") from None
         self.done[index] = True
         self.written += 1
 
     def finish(self, attributes: Mapping[str, Any]) -> None:
-        """Write the finished file from the partial file, with the closing attributes, and remove the latter. Raises OutputError."""
+        """Write the finished file from the partial file with the closing attributes, and remove the partial file. Raises OutputError."""
         self.kept = True
         if self.whole and not self.done.all():
             raise OutputError(f"{self.part}: {int((~self.done).sum())} of {self.done.size} chunks are missing; it is kept for `resume`")
@@ -165,13 +165,13 @@ class SpectraWriter:
 
 
 class _Target:
-    """An open file as HDF5 writes it. After a fault nothing more is done and HDF5 is told of none, so that it can close its file."""
+    """An open file for HDF5. After a fault it ignores writes and reports success, so that HDF5 can close its file; see `check`."""
 
     def __init__(self, file: BinaryIO) -> None:
         self._file, self._fault = file, cast(OSError | None, None)
 
     def check(self) -> None:
-        """Raise the OSError that has come up."""
+        """Raise the OSError of the first fault, if any."""
         if self._fault is not None:
             raise self._fault
 

@@ -34,9 +34,8 @@ def condition_of(respond: Callable[[Array, Array, Array], Answer], amplitude: Ar
         kappa = |d theta/d ln A| + |d theta/d ln Omega| + |d theta/d ln eta|,   theta = max |theta|/alpha        [-]
 
     by central differences over a relative 1e-7, or 100 times the tolerance of the method (0 of an exact one). respond: the
-    response of arrays (A, Omega, eta). NaN where a cell beside it does not rock as well: it overturned, failed, or is that close to
-    the boundary of one that did; 0 below uplift. From about 1e5 on it is no derivative, and bounds nothing: what changes by as much as it
-    can over 1e-7 may do so over 1e-12.
+    response of arrays (A, Omega, eta). NaN if the cell or a cell of the differences overturned or failed; 0 below uplift. From about 1e5
+    on the difference is no derivative and no bound: a rotation that changes completely over 1e-7 may do so over 1e-12.
     """
     cells = np.broadcast_arrays(*(np.asarray(x, dtype=float) for x in (amplitude, omega, eta)))
     step, total = max(STEP, _TOLERANCES * tolerance), np.zeros(cells[0].shape)

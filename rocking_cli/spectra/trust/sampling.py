@@ -1,6 +1,6 @@
-"""The cells that a sweep computes again by the slower path: some at random, some where an error would show most.
+"""The cells that a sweep computes again by the slower path: some at random, some of high sensitivity.
 
-They follow from the scene alone: neither the number of workers, the size of a unit nor a resumed sweep changes them.
+They depend on the scene alone, not on the number of workers, the size of a unit or a resumed sweep.
 """
 
 from __future__ import annotations
@@ -15,12 +15,12 @@ from .condition import STEP
 Array = np.ndarray
 
 _SEED = 20120924
-_CANDIDATES = 128  # among which the most sensitive are sought
+_CANDIDATES = 128  # candidates for the most sensitive cells
 _LONGEST, _LONGEST_RECORD = 1000, 10_000  # segments beyond which the search takes as long as a sweep, so that all cells are drawn
 
 
 def default_check(scene: Scene) -> int:
-    """Cells to compute again where the user does not say: so few that large sweeps spend under 3 % of their time on them."""
+    """The default number of cells to compute again: large sweeps spend under 3 % of their time on them."""
     return 4 if not scene.method.exact else max(4, min(64, scene.cells // 250_000))
 
 
@@ -29,7 +29,7 @@ def _too_long(scene: Scene) -> bool:
 
 
 def checked_cells(scene: Scene, check: int) -> Array:
-    """(structure, row, column, whether chosen as sensitive) of the cells to check: half of them drawn, half the most sensitive of 128."""
+    """(structure, row, column, True if chosen as sensitive) of the cells to check: half of them drawn, half the most sensitive of 128."""
     if _too_long(scene):
         drawn = sampled_cells(scene, check)
         return np.column_stack([drawn, np.zeros(len(drawn), dtype=np.int64)])
@@ -48,7 +48,7 @@ def sampled_cells(scene: Scene, check: int, seed: int = _SEED) -> Array:
     owners = [group[0] for group in scene.sharing()]
     drawn = _drawn(seed, 20 * check, (len(owners), rows, columns))
     found: list[tuple[int, int, int]] = []
-    seen: set[tuple[int, int, int]] = set()  # a small grid is drawn from many times over
+    seen: set[tuple[int, int, int]] = set()  # a small grid is drawn several times
     lifts: dict[int, float] = {}
     for owner, r, c in drawn.tolist():
         at = owners[owner], r, c
@@ -67,8 +67,8 @@ def sampled_cells(scene: Scene, check: int, seed: int = _SEED) -> Array:
 
 
 def _drawn(seed: int, count: int, below: tuple[int, ...]) -> Array:
-    """So many rows of whole numbers from 0, each column below its own limit of up to 2^32, from SplitMix64 (Steele, Lea and Flood 2014):
-    numpy.random takes longer to import than a small sweep to compute."""
+    """`count` rows of random whole numbers from 0, each column below a limit of up to 2^32, by SplitMix64 (Steele, Lea and Flood 2014);
+    the import of numpy.random takes longer than a small sweep."""
     with np.errstate(over="ignore"):
         z = np.uint64(seed) + np.arange(1, count * len(below) + 1, dtype=np.uint64) * np.uint64(0x9E3779B97F4A7C15)
         z = (z ^ (z >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
@@ -94,7 +94,7 @@ def sensitive_cells(scene: Scene, count: int) -> Array:
 
 
 def _candidates(scene: Scene) -> Array:
-    """Cells of the least damped structure under one motion, at most 128: drawn, or of records those of one row of one of them."""
+    """At most 128 cells of the least damped structure under one motion: drawn, or one row of one record."""
     if isinstance(scene, PulseScene):
         liveliest = max((group[0] for group in scene.sharing()), key=lambda i: abs(scene.structures[i].eta))
         drawn = sampled_cells(PulseScene((scene.structures[liveliest],), scene.grid, scene.motion, scene.method), _CANDIDATES, _SEED + 1)

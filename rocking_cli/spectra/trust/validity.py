@@ -1,6 +1,6 @@
-"""The linear equation of a sweep compared with the nonlinear one at some cells, half drawn, half beside a boundary.
+"""The linear equation of a sweep compared with the nonlinear one at some cells, half of them drawn, half next to a boundary.
 
-They follow from the scene alone, like the cells that are checked (`sampling`).
+The cells depend on the scene alone, like those of `sampling`.
 """
 
 from __future__ import annotations
@@ -19,14 +19,14 @@ from .sampling import sampled_cells
 Array = np.ndarray
 
 _CELLS = 64  # that the nonlinear equation judges
-_DRAWN = 512  # among which those beside a boundary are sought
-_STRUCTURES = 4  # each costs a few rounds of its own
+_DRAWN = 512  # candidates for cells next to a boundary
+_STRUCTURES = 4  # each structure costs a few further rounds
 _SEED = 20120925
 
 
 @dataclass(frozen=True)
 class Validity:
-    """Cells that both equations judged, how many of them end otherwise, and in how many linear stands though the body falls."""
+    """Numbers of cells: computed by both equations, with different outcomes, and with a body that falls but stands in the linear one."""
 
     sampled: int
     differ: int
@@ -41,7 +41,7 @@ class _Judged(NamedTuple):
 
 
 def validity(scene: Scene, tolerance: float = 1e-6) -> Validity | None:
-    """The comparison at cells of a linear sweep under a pulse; None where the nonlinear equation holds for none of the structures, or
+    """The comparison at cells of a linear sweep under a pulse; None if the nonlinear equation holds for none of the structures, or
     no cell leaves the ground. tolerance: of the nonlinear equation."""
     nonlinear = Method("nonlinear", tolerance)
     if not (isinstance(scene, PulseScene) and scene.method.exact):
@@ -59,7 +59,7 @@ def validity(scene: Scene, tolerance: float = 1e-6) -> Validity | None:
 
 
 def _judged(scene: PulseScene, place: int, nonlinear: Method, count: int) -> _Judged:
-    """Up to `count` cells of one structure, half of them drawn, and half beside a cell that ends otherwise at the next amplitude."""
+    """Up to `count` cells of one structure: half of them drawn, half with another outcome at the next amplitude."""
     structure = scene.structures[place]
     alone = PulseScene((structure,), scene.grid, scene.motion, scene.method)
     drawn = sampled_cells(alone, _DRAWN, _SEED)[:, 1:]

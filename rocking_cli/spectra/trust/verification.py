@@ -1,4 +1,4 @@
-"""Cells of a sweep that the reference computes again, and the comparison with the sweep."""
+"""Verification of some cells of a sweep by the reference."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from .condition import condition_of
 from .sampling import checked_cells
 
 Array = np.ndarray
-_EXACT = 1e-10  # in place of a tolerance where the method has none: two paths round differently
+_EXACT = 1e-10  # tolerance for an exact method, for the rounding of two paths
 Place = tuple[int, int, int]  # (structure, row, column) of a cell
 
 
@@ -27,14 +27,14 @@ class Answer(NamedTuple):
 
 
 def reference(scene: Scene, place: Place) -> Answer:
-    """A cell by the path that shares nothing with the march."""
+    """The answer for a cell by the reference, which shares no code with the march."""
     cell = scene.cell(*place)
     outcome, theta = scene.method.reference_of(cell.structure)(*cell[1:], cell.structure.eta)
     return Answer(outcome, theta, None if outcome == Outcome.FAILED else scene.judge_of(cell))
 
 
 class Verification:
-    """The cells of some units, of so many rows and columns, that are computed again.
+    """The cells of some units, of `size` rows and columns, that are computed again.
 
     sensitive: their places, with True for those chosen for their sensitivity; seen: outcome and theta/alpha of each in the sweep; answers:
     of the reference.
@@ -68,7 +68,7 @@ class Verification:
         }  # fmt: skip
 
     def _unexplained(self, place: Place, apart: float) -> bool:
-        """True if a difference of theta/alpha exceeds the tolerance times the condition of the cell, if that is known and above 1."""
+        """True if a difference of theta/alpha exceeds the tolerance times max(1, condition of the cell); the condition is 1 if unknown."""
         method, cell = self.scene.method, self.scene.cell(*place)
         tolerance = method.stated_tolerance or _EXACT
         if not apart > tolerance:

@@ -17,18 +17,18 @@ from ..scene import Unit
 from .jobs import Item, Job
 
 _AHEAD = 3  # batches under way for each of the cluster's threads
-_TO_ANSWER = 4.0  # s that a scheduler may take to accept a connection, and to begin to speak
+_TO_ANSWER = 4.0  # s for a scheduler to accept a connection, and to send its first bytes
 _LONGEST_GREETING = 1 << 32  # bytes
-_TO_GREET = 15.0  # s that it may take until it knows its client
-_PATIENCE = 4.0  # s without a worker after which that is said, again and again
+_TO_GREET = 15.0  # s for a scheduler to register its client
+_PATIENCE = 4.0  # s between messages about a missing worker
 
 
 @contextmanager
 def cluster(job: Job, address: str, tell: Callable[[str], None] | None = None) -> Iterator[tuple[Run, int]]:
     """A function from items to job.answer(item) of each, in their order, and the threads of the cluster whose scheduler is at `address`.
 
-    Items of a lost worker run anew. Where the cluster has no worker, that is told, and waited for. Raises UsageError for an address
-    that is none, OutputError without the extra `distributed`, without a scheduler there, or when an item fails for good.
+    Items of a lost worker run anew. Without a worker the function reports that and waits. Raises UsageError for an invalid
+    address, OutputError without the extra `distributed`, without a scheduler there, or when an item fails for good.
     """
     host, port = _host_and_port(address)
     try:
@@ -56,16 +56,16 @@ def cluster(job: Job, address: str, tell: Callable[[str], None] | None = None) -
                 try:
                     return future.result(timeout=_PATIENCE)
                 except TimeoutError:
-                    if future.done():  # the task's own
+                    if future.done():  # an exception of the task
                         raise
                     threads()
-        except Exception as error:  # whatever a cluster may fail with, what was done stays
-            raise OutputError(f"the cluster gave up a unit of work ({type(error).__name__}: {error}); what was done is kept") from None
+        except Exception as error:  # any failure of a cluster keeps the finished chunks
+            raise OutputError(f"the cluster gave up a unit of work ({type(error).__name__}: {error}); finished chunks are kept") from None
 
     with _silent_library():
         try:
             with socket.create_connection((host, port), timeout=_TO_ANSWER) as connection:
-                if not address.startswith("tls:"):  # a scheduler speaks first; the client would wait for ever
+                if not address.startswith("tls:"):  # a scheduler sends the first bytes; without this test the client would wait for ever
                     _demand_greeting(connection)
             client = Client(address, timeout=_TO_GREET, set_as_default=False)
         except (OSError, ValueError) as error:
@@ -78,7 +78,7 @@ def cluster(job: Job, address: str, tell: Callable[[str], None] | None = None) -
 def _host_and_port(address: str) -> tuple[str, int]:
     found = re.fullmatch(r"(?:(?:tcp|tls)://)?(?:\[([0-9A-Fa-f:.]+)\]|([^\s:/\[\]]+)):(\d{1,5})", address)
     if found is None or not 0 < int(found[3]) < 65536:
-        raise UsageError(f"`scheduler`: found {address!r}; HOST:PORT or tcp://HOST:PORT is accepted, such as tcp://localhost:8786")
+        raise UsageError(f"`scheduler`: found {address!r}; expected HOST:PORT or tcp://HOST:PORT, such as tcp://localhost:8786")
     return found[1] or found[2], int(found[3])
 
 
@@ -91,12 +91,12 @@ def _demand_greeting(connection: socket.socket) -> None:
             raise ConnectionError(f"it says {begun!r} and closes the connection" if begun else "the connection was closed")
         begun += more
     if int.from_bytes(begun, "little") > _LONGEST_GREETING:
-        raise ConnectionError(f"it begins with {begun!r}, which is no message of a scheduler")
+        raise ConnectionError(f"it begins with {begun!r}, which is not a message of a scheduler")
 
 
 @contextmanager
 def _silent_library() -> Iterator[None]:
-    """Log messages of the library are dropped: it connects anew by itself, and failures are told here in one sentence."""
+    """Context without the log messages of the library, which reconnects by itself; this module reports failures."""
     names = [name for name in logging.root.manager.loggerDict if name.partition(".")[0] in ("distributed", "tornado", "asyncio")]
     before = {logger: logger.level for logger in map(logging.getLogger, names)}
     for logger in before:

@@ -1,7 +1,7 @@
 """Units of work, computed here, in other processes or on a cluster, and collected in their own order.
 
-A unit's cells are computed by the same code in the same order wherever it runs, so neither the number of workers nor the
-size of a unit changes a bit of the result.
+The cells of a unit are computed by the same code in the same order everywhere, so the result does not depend on the number of
+workers or the size of a unit, to the last bit.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from ..scene import Band, Scene, Unit
 from ..trust.condition import condition_of
 from ..trust.verification import Answer, Place, Verification, reference
 
-_LONG, _FEW = 200, 20  # segments of a motion from which single cells are faster, and cells of a structure up to which they are
+_LONG, _FEW = 200, 20  # single cells are faster above so many segments, up to so many cells of a structure
 TOGETHER = 1 << 19  # cells of an exact equation that a worker computes in one batch
 
 Item = list[Unit] | Place
@@ -36,7 +36,7 @@ Item = list[Unit] | Place
 @dataclass(frozen=True)
 class Report:
     """The result of a unit: its data at each place (converted), its counters over all places, and (outcome, theta/alpha) of its cells
-    that may be checked. Units that ran together have their work counted with the first of them."""
+    to check. The work of units that ran together is counted with the first of them."""
 
     data: tuple[Any, ...]
     work: Work
@@ -47,7 +47,7 @@ class Report:
 
 @dataclass(frozen=True)
 class Block(Response):
-    """The response of cells, and by name the variables of the quantities asked for."""
+    """The response of cells, and by name the variables of the requested quantities."""
 
     beside: Mapping[str, np.ndarray] = field(default_factory=dict)
 
@@ -56,7 +56,7 @@ class Block(Response):
         return self.beside[name] if name in self.beside else getattr(self, name)
 
     def without(self, gone: np.ndarray) -> Block:
-        """The same where these cells, by index, have lost the ground."""
+        """The same block with these cells, by index, as lost contact."""
         outcome, floats = self.outcome.copy(), {"theta_ratio": self.theta_ratio.copy()}
         floats |= {name: self.beside[name].copy() for name in ("velocity_ratio", "condition") if name in self.beside}
         outcome.flat[gone] = Outcome.LOST_CONTACT
@@ -72,7 +72,7 @@ class Block(Response):
 
 @dataclass(frozen=True)
 class Job:
-    """Everything a worker needs; to processes of this machine it goes once, not with each unit."""
+    """The data that a worker needs; a process of this machine receives it once, not with each unit."""
 
     scene: Scene
     chunk: tuple[int, int]
@@ -87,7 +87,7 @@ class Job:
 
     @property
     def one_by_one(self) -> bool:
-        """True if each cell is marched on its own, which is faster for few cells of each system under long records."""
+        """True if each cell is marched alone, which is faster for few cells of each system under long records."""
         scene = self.scene
         _, rows, columns = scene.shape
         systems = {scene.runs_with(structure) for structure in scene.structures}
@@ -96,7 +96,7 @@ class Job:
 
     @property
     def together(self) -> int:
-        """Units that are best run as one batch, so that the engine's pool is seldom half empty; they are one system."""
+        """The number of units in one batch, which fills the engine's pool; they are one system."""
         if not (self.scene.method.exact and self.scene.one_system):
             return 1
         return max(1, TOGETHER // (self.chunk[0] * self.chunk[1]))
@@ -106,7 +106,7 @@ class Job:
         return self.run(item) if isinstance(item, list) else reference(self.scene, item)
 
     def run(self, units: Sequence[Unit]) -> list[Report]:
-        """Compute some units; those of their bands that are one system under one motion in one batch, one body where forces are asked."""
+        """Compute some units. Bands of one system under one motion form one batch; with forces also of one body."""
         scene = self.scene
         _, rows, columns = scene.shape
         sizes = [(min(self.chunk[0], rows - unit.row), min(self.chunk[1], columns - unit.column)) for unit in units]
@@ -121,8 +121,8 @@ class Job:
         return [self.report(unit, [found[i] for i, (m, _) in enumerate(bands) if m == n]) for n, unit in enumerate(units)]
 
     def blocks(self, bands: Sequence[Band], columns: Sequence[int]) -> Iterator[list[Block]]:
-        """The response of bands that go in one run under one motion, of so many columns, for each of their sharers; all of the work is
-        counted with the first."""
+        """The blocks of bands in one run under one motion, for each of their sharers; all work is counted with the first. columns: of
+        each band."""
         motion, sizes = bands[0].motion, [(band.rows, width) for band, width in zip(bands, columns, strict=True)]
         ends = np.cumsum([0, *(a * b for a, b in sizes)])
         cells = np.empty((3, int(ends[-1])))
@@ -137,11 +137,11 @@ class Job:
             work = Work()
 
     def together_of(self, structures: list[RockingParameters], counts: list[int], motion: Motion, cells: np.ndarray) -> Block:
-        """The response of cells (A, Omega, eta), so many of each structure, and the quantities."""
+        """The block of cells (A, Omega, eta) with the quantities; counts: cells of each structure."""
         method = self.scene.method
         system = method.system_of_cells(structures, counts)
         if method.exact and not self.forces:
-            system = replace(system, body=None, own=())  # each sharer of rotations has its own body
+            system = replace(system, body=None, own=())  # structures that share rotations have different bodies
         beside: dict[str, np.ndarray] = {}
         known: Response | None = None
         if "velocity_ratio" in self.quantities:
@@ -159,7 +159,7 @@ class Job:
         else:
             got = known or response(system, motion, *cells)
         if "condition" in self.quantities:
-            pairs = method.system_of_cells(structures * 2, counts * 2)  # of cells, one set after the other
+            pairs = method.system_of_cells(structures * 2, counts * 2)  # for several sets of cells in turn
             if method.exact:
                 pairs = replace(pairs, body=None, own=())
             amplitude, omega, eta = cells
@@ -172,7 +172,7 @@ class Job:
         return Block(got.theta_ratio, got.outcome, got.impacts, got.work, beside)
 
     def _standing(self, structure: RockingParameters, motion: Motion, cells: np.ndarray, block: Block) -> Block:
-        """The block of one of the structures that share it: its own where the linear equation lets it leave the ground."""
+        """The block of one of the structures that share it, with its own lost contact if the linear equation lets it leave the ground."""
         if not self.scene.method.exact:
             return block
         doubtful, (amplitude, omega, eta) = block.outcome.ravel() == Outcome.ROCKED, cells
@@ -183,7 +183,7 @@ class Job:
     def report(self, unit: Unit, blocks: Sequence[Sequence[Block]]) -> Report:
         """The report of a unit whose rows are these blocks, each for all places of the unit."""
         keys = [tuple(map(id, rows)) for rows in zip(*blocks, strict=True)]
-        parts = {key: joined(rows) for key, rows in zip(keys, zip(*blocks, strict=True), strict=True)}  # places mostly share one
+        parts = {key: joined(rows) for key, rows in zip(keys, zip(*blocks, strict=True), strict=True)}  # several places often share one
         data = {key: self.convert(one) if self.convert else one for key, one in parts.items()}
         outcomes = sum(np.bincount(parts[key].outcome.ravel(), minlength=len(Outcome)) for key in keys)
         first = parts[keys[0]]
@@ -211,12 +211,12 @@ def joined(blocks: Sequence[Block]) -> Block:
 
 
 Crew = AbstractContextManager[tuple[Run, int]]
-"""Gives a function from items to their answers, in order, and how many of them are computed at a time."""
+"""A context with (function from items to their answers in order, number of items computed at a time)."""
 
 
 @contextmanager
 def local_crew(job: Job, workers: int) -> Iterator[tuple[Run, int]]:
-    """This process, or so many others. Raises OutputError when one of them dies."""
+    """A crew of this process, or of `workers` others. Raises OutputError when one of them dies."""
     if workers == 1:
         yield partial(map, job.answer), 1
         return
@@ -225,7 +225,7 @@ def local_crew(job: Job, workers: int) -> Iterator[tuple[Run, int]]:
 
 
 def unit_reports(job: Job, units: Sequence[Unit], crew: Crew, verification: Verification) -> Iterator[tuple[Unit, Report]]:
-    """The reports of the units, in their order; with the last of them the verification has its answers."""
+    """The reports of the units, in their order; after the last one the verification has its answers."""
     with crew as (run, at_once):
         size = max(1, min(job.together, -(-len(units) // at_once)))
         batches = [list(units[i : i + size]) for i in range(0, len(units), size)]

@@ -1,6 +1,6 @@
-"""The state of this program, its libraries and the processor, on which the last digits of results depend.
+"""The state of the program, its libraries and the processor; the last digits of results depend on it.
 
-Two machines that agree in all of this compute the same bytes.
+Two machines with equal states compute the same bytes.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from typing import Any
 
 from ... import __version__
 
-_COMPUTES = ("dynamics", "motions", "spectra", "structures")  # packages on whose code the values of a spectrum hang
+_COMPUTES = ("dynamics", "motions", "spectra", "structures")  # packages whose code computes the values of a spectrum
 
 
 @cache
@@ -29,7 +29,7 @@ def version() -> str:
 
 
 def machine() -> dict[str, Any]:
-    """This machine and its libraries by name, as JSON values; `cpu`: what NumPy uses of the processor's vector instructions."""
+    """This machine and its libraries by name, as JSON values; `cpu`: the vector instructions that NumPy uses."""
     from importlib.metadata import version as version_of
 
     import h5py
@@ -55,7 +55,7 @@ def described(machine: Mapping[str, Any]) -> str:
 
 
 def machines_of(text: Any) -> list[dict[str, Any]]:
-    """The machines that a file's attribute `computed_on` lists, in their order; none where it cannot be read."""
+    """The machines that a file's attribute `computed_on` lists, in their order; none if it cannot be read."""
     try:
         found = json.loads(text)
     except (TypeError, ValueError):
@@ -70,7 +70,7 @@ def together(lists: Sequence[Sequence[Mapping[str, Any]]]) -> list[dict[str, Any
 
 
 def unlike(machines: Sequence[Mapping[str, Any]]) -> str:
-    """The differences of several machines, by name and value; empty where they compute alike."""
+    """The differences of several machines, by name and value; empty if they compute alike."""
     found = {
         key: dict.fromkeys(" ".join(v) if isinstance(v := m.get(key, "unknown"), list) else str(v) for m in machines)
         for key in dict.fromkeys(key for m in machines for key in m)

@@ -161,7 +161,7 @@ def test_a_cut_file_holds_the_records_before_the_cut(left):
 
 
 def test_names_of_other_formats_are_refused(tmp_path):
-    with pytest.raises(UsageError, match=r"the output is HDF5, which \.csv does not say"):
+    with pytest.raises(UsageError, match=r"the output is HDF5; found the ending \.csv"):
         check_output(tmp_path / "s.csv", overwrite=False)
     with pytest.raises(UsageError, match="`resume` does not go with `overwrite`"):
         SweepOptions(overwrite=True, resume=True)

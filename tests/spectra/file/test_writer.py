@@ -161,7 +161,7 @@ def test_a_full_disk_keeps_what_was_done(rocking, whole, tmp_path):
     call = f"ulimit -f {most}; exec {sys.executable} -m rocking_cli spectrum {' '.join(SMALL_SCENE)} -o cut.h5"
     done = subprocess.run(["bash", "-c", call], cwd=tmp_path, capture_output=True, text=True, timeout=PATIENCE, check=False)
     assert done.returncode == 1
-    assert "cut.h5.part: cannot be written: File too large; what was done is kept there for --resume" in done.stderr
+    assert "cut.h5.part: cannot be written: File too large; the finished chunks are kept there for --resume" in done.stderr
     assert len(done.stderr.strip().splitlines()) == 1
     assert rocking("spectrum", *SMALL_SCENE, "-o", "cut.h5", "--resume").returncode == 0
     same_file(tmp_path / "cut.h5", whole)

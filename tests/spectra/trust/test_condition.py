@@ -84,5 +84,5 @@ def test_condition_is_computed_on_request():
     for i, eta in enumerate((0.9, 0.5)):
         expected = condition_of(partial(linear_response, sine()), amplitude, omega, np.full(amplitude.shape, eta), 0.0)
         np.testing.assert_array_equal(found.condition[i], expected)
-    with pytest.raises(UsageError, match=f"unknown quantity 'conditions'; {', '.join(QUANTITIES)} are accepted"):
+    with pytest.raises(UsageError, match=f"unknown quantity 'conditions'; expected {', '.join(QUANTITIES)}"):
         spectrum(structures, sine(), grid, quantities=["conditions"])
