@@ -1,10 +1,10 @@
-"""Changes of the outcome along the amplitude, for many frequencies: a scan bounds what can be missed, then sections trace each change.
+"""Changes of the outcome along the amplitude, for many frequencies: a scan brackets the changes, and sections trace each one.
 
-Theorems on the linear oscillator spare most of the scan (Lemmas 9 and 10 of `dynamics`):
+For the linear oscillator theorems exclude most of the scan (Lemmas 9 and 10 of `dynamics`):
 
 - Nothing overturns while A int |s| dphi <= Omega, from the first uplift on. With E = v^2 + y (2 - y), dE/dtau = 2 v a, and v^2 <= E
   below y = 1: the root of E grows by at most int |a| dtau, impacts lower it, and a body that overturns has had E >= 1. Bodies that may
-  lose the ground without overturning are computed from a smaller amplitude on (`System.safe_amplitude`).
+  lose contact without overturning are computed from a smaller amplitude on (`System.safe_amplitude`).
 - If one amplitude overturns without impact, so does every larger one, provided that the motion lifts the body on its first segment at any
   amplitude. At a fixed time y = A J - K with K > 0 and dy/dA = J: if y > 0 it grows with A.
 - So if the first arc outlasts the shaking at one amplitude, it does at every larger one. The outcome then changes only at amplitudes whose
@@ -34,15 +34,15 @@ from .scan_grid import ScanGrid, gaps_between, onwards
 Array = np.ndarray
 Steps = list[tuple[float, int]]  # amplitudes, rising, and the outcome from each on
 
-FINE_STEP = 0.999e-4  # of the finer scan around changes of the outcome or of the number of impacts, where narrow intervals gather
+FINE_STEP = 0.999e-4  # step of the finer scan around changes of the outcome or of the number of impacts, where narrow intervals gather
 _AROUND = 12  # points on either side of such a change that the finer scan includes
-_WORTH = 20_000  # amplitudes in all from which bounds over stretches take less time than each amplitude by itself
+_WORTH = 20_000  # number of amplitudes from which bounds over stretches are faster than single amplitudes
 _BATCH = 1 << 20  # cells of the scan computed together
 _STRETCH = 80  # points computed together in a search for the first fall
 
 
 class Look(NamedTuple):
-    """Cells in the order of their row and amplitude: outcomes, and impacts until these were clear."""
+    """Cells in the order of row and amplitude: outcomes, and numbers of impacts until the outcome was certain."""
 
     row: Array
     amplitude: Array
@@ -54,8 +54,8 @@ class Look(NamedTuple):
 class Search:
     """The outcomes of a model with one restitution under one motion, up to an amplitude.
 
-    a_min: where the search begins, unless uplift is above it; ratio: of neighbouring amplitudes of the scan, less 1, in place of
-    SCAN_STEP and of the finer scan; digits: relative width to which changes are traced; parts: that a bracket is cut into at once.
+    a_min: first amplitude of the search, unless uplift is above it; ratio: ratio of neighbouring amplitudes of the scan minus 1, in
+    place of SCAN_STEP and of the finer scan; digits: relative width of traced changes; parts: parts of a bracket in one cut.
     """
 
     system: System
@@ -83,7 +83,7 @@ class Search:
         return ScanGrid.between(self.lowest, self.a_max, uplift=self.uplift, ratio=self.ratio)
 
     def outcome(self, amplitude: Array, omega: Array) -> Array:
-        """Codes of `Outcome`; safe is safe, with uplift and without."""
+        """Codes of `Outcome`, with ROCKED for every safe amplitude."""
         return self._respond(amplitude, omega)[0]
 
     def _respond(self, amplitude: Array, omega: Array) -> tuple[Array, Array]:
@@ -92,8 +92,8 @@ class Search:
         return np.where(found.outcome == Outcome.NO_UPLIFT, np.uint8(Outcome.ROCKED), found.outcome), found.impacts
 
     def rows(self, omegas: Array) -> list[Steps]:
-        """The outcomes for each Omega from `lowest` on, and every change, traced to `digits`; intervals narrower than the step of the
-        scan may be missed."""
+        """For each Omega the outcome at `lowest` and every change above it, traced to `digits`; intervals narrower than the step of
+        the scan may be missed."""
         begins, brackets = self._scan(omegas)
         return self._steps(begins, self._narrowed(omegas, brackets))
 
@@ -105,7 +105,7 @@ class Search:
         return rows
 
     def fall(self, omega: float) -> tuple[Brackets, int]:
-        """(the lowest change to an unsafe outcome in the scan at one Omega, if any, as row 0; the outcome at `a_max`)."""
+        """(the lowest change to an unsafe outcome in the scan at one Omega as row 0, if any; the outcome at `a_max`)."""
         begins, brackets = self._scan(np.array([omega]))
         start = Brackets(*(np.array([x]) for x in (0, self.lowest, self.lowest, Outcome.ROCKED, begins[0])))
         brackets = brackets.join(start)
@@ -119,7 +119,7 @@ class Search:
         return [float(found.high[(found.row == row) & ~safe(found.above)].min()) for row in rows]
 
     def first_falls(self, omegas: Array) -> list[Steps]:
-        """The rows up to the lowest unsafe amplitude of the scan, which is computed stretch by stretch."""
+        """The rows up to the lowest unsafe amplitude of the scan, computed stretch by stretch."""
         scan = self.grid
         going, at, parts = np.arange(omegas.size), 0, []
         while going.size and at < scan.size:
@@ -142,7 +142,7 @@ class Search:
         begins, parts = np.empty(omegas.size, dtype=np.uint8), [beyond]
         for begin in range(0, int(starts[-1]), _BATCH):
             end = min(begin + _BATCH, int(starts[-1]))
-            a, b = max(0, begin - 1 - _AROUND), min(end + _AROUND, int(starts[-1]))  # with the points around the gaps of this batch
+            a, b = max(0, begin - 1 - _AROUND), min(end + _AROUND, int(starts[-1]))  # including the points around the gaps of this batch
             top, bottom = np.searchsorted(starts, [a, b - 1], side="right")
             row = np.repeat(np.arange(top - 1, bottom), np.diff(np.clip(starts[top - 1 : bottom + 1], a, b)))
             place = np.arange(a, b)
@@ -179,7 +179,7 @@ class Search:
         return Brackets(row[at], amplitude[at], amplitude[at + 1], label[at], label[at + 1])
 
     def _doubtful(self, omegas: Array) -> tuple[Array, Array, Brackets]:
-        """(first and last scan point to compute, brackets of the changes above the last one); below the first nothing changes."""
+        """(first and last scan point to compute, brackets of the changes above the last one); there is no change below the first."""
         scan, segments = self.grid, self.motion.segments
         none = Brackets(*(np.zeros(0, dtype=kind) for kind in (np.int64, float, float, np.uint8, np.uint8)))
         first, last = np.zeros(omegas.size, dtype=np.int64), np.full(omegas.size, scan.size - 1)
@@ -191,10 +191,10 @@ class Search:
             return first, last, none
         over, falls = self._outcome_from(omegas, first, last, lambda label, _: label == Outcome.OVERTURNED_NO_IMPACT)
         last[over] = falls
-        # The energy does not decide about bodies that lose the ground.
+        # The energy does not decide for bodies that lose contact.
         if self.a_max > safe_to or segments.pushes > FEW or int((last - first).sum()) < _WORTH:
             return first, last, none
-        # From the first amplitude on whose first arc outlasts the shaking only the energy at its end matters.
+        # Above the first amplitude at which the first arc outlasts the shaking, only the energy at its end matters.
         clear, lasts = self._outcome_from(omegas, first, last, lambda label, impacts: (impacts == 0) & (label != Outcome.FAILED))
         row, point = self._unstruck(omegas, clear, lasts, last[clear], np.isin(clear, over)).T
         last[clear] = lasts
@@ -203,7 +203,7 @@ class Search:
         return first, last, Brackets(row, *ends, under, above).take(np.flatnonzero(under != above))
 
     def _quiet(self, omegas: Array) -> Array:
-        """The last point up to which the shaking from the first uplift on, A int |s| dphi <= Omega, overturns nothing."""
+        """The last scan point that cannot overturn, since A int |s| dphi <= Omega from the first uplift on."""
         scan, segments = self.grid, self.motion.segments
         if segments.straight:  # trapezoids of the whole motion; they exceed the integral if s changes its sign
             parts = (
@@ -214,7 +214,7 @@ class Search:
 
         ahead = ImpulseAhead.of(segments)
         low, high = np.zeros(omegas.size, dtype=np.int64), np.full(omegas.size, scan.size)
-        while np.any(high - low > 1):  # the more amplitude, the sooner the uplift
+        while np.any(high - low > 1):  # a larger amplitude lifts earlier
             middle = (low + high) // 2
             amplitude = scan.amplitude(middle)
             lift = first_uplift(segments, np.zeros(omegas.size, dtype=np.int64), np.zeros(omegas.size), amplitude, amplitude)
@@ -223,7 +223,7 @@ class Search:
         return low
 
     def _outcome_from(self, omegas: Array, first: Array, last: Array, holds: Callable[[Array, Array], Array]) -> tuple[Array, Array]:
-        """`onwards` for a condition on the outcome and the impacts of bodies that are lifted."""
+        """`onwards` for a condition on the outcome and the impacts of lifted bodies."""
 
         def there(points: Array, rows: Array) -> Array:
             amplitude = self.grid.amplitude(points)
@@ -233,7 +233,7 @@ class Search:
 
     def _unstruck(self, omegas: Array, row: Array, low: Array, high: Array, falls: Array) -> Array:
         """Gaps, (row, point below), that may hold a change between points `low` and `high` of rows whose bodies have no impact during the
-        shaking; falls: true if they overturn without impact at `high`, and only there."""
+        shaking; falls: true if they overturn without impact at `high`, but not below."""
         scan = self.grid
         top = np.column_stack([row[falls], high[falls] - 1])[low[falls] < high[falls]]
 
@@ -246,7 +246,7 @@ class Search:
         return np.concatenate([top, gaps_between(row, low, np.where(falls, high - 1, high), modes, differ)])
 
     def _narrowed(self, omegas: Array, brackets: Brackets, *, lowest: bool = False) -> Brackets:
-        """Each change to `digits`, or of each bracket the lowest alone."""
+        """The changes, traced to `digits`; lowest: only the lowest one of each bracket."""
         return narrowed(lambda amplitude, row: self.outcome(amplitude, omegas[row]), brackets, self.digits, self.parts, lowest)
 
 
@@ -257,6 +257,6 @@ def _around(flags: Array) -> Array:
 
 
 def _lifts_at_once(motion: Motion) -> bool:
-    """True if the first segment holds the strongest shaking, so that it lifts the body, and the same way, at any amplitude."""
+    """True if the first segment has the strongest shaking, so that it lifts the body, to the same side, at any amplitude."""
     start, end = motion.segments.s_start[0], motion.segments.s_end[0]
     return abs(start) == motion.peak or (abs(end) == motion.peak and start * end >= 0.0)

@@ -1,7 +1,7 @@
 """Capacity: the lowest amplitude that overturns one body, and the end of the safe interval around a demand.
 
-The boundaries are traced as those of an envelope, but the search goes no further than the two answers need. The demand itself is one of
-the amplitudes of the search, so that the answers and the response at the demand cannot contradict each other.
+The boundaries are traced as in an envelope, but the search stops when both answers are known. The demand is one of the amplitudes of
+the search, so the answers agree with the response at the demand.
 """
 
 from __future__ import annotations
@@ -31,16 +31,16 @@ from .intervals import HIGHEST
 Array = np.ndarray
 
 LONGEST_FINE = 200  # segments of a motion up to which the scan is as fine as an envelope's
-RATIO = 5e-3  # of neighbouring amplitudes, less 1, of an envelope beyond that: a cell costs a thousand times one of a pulse
-_COARSE, _FINE = 1e-3, 6e-5  # the same of a search for the lowest fall alone: everywhere, and in the tenth below a fall that is found
-_FINEST, _NEAREST = 5e-6, 0.997  # under a pulse, where falls are that narrow: steps, and how far below each fall the search goes
-_NEAR, _ABOVE = 0.9, 1.05  # of the lowest fall: where the fine search begins, and where the count of amplitudes that fall ends
+RATIO = 5e-3  # ratio of neighbouring amplitudes minus 1 of an envelope beyond that: a cell costs as much as a thousand of a pulse
+_COARSE, _FINE = 1e-3, 6e-5  # the same for a search for the lowest fall: everywhere, and in the tenth below a known fall
+_FINEST, _NEAREST = 5e-6, 0.997  # under a pulse with narrow falls: step, and reach of the search below each fall
+_NEAR, _ABOVE = 0.9, 1.05  # times the lowest fall: start of the fine search, and end of the count of falls
 _STRETCH = 100  # amplitudes of the first stretch
-_FEW, _LONGER = 200, 100  # amplitudes of a stretch up to which one after the other is faster, and one more for so many segments
-_SHARE = 4  # of these, for one process
+_FEW, _LONGER = 200, 100  # stretches of up to so many amplitudes, and one more for so many segments, are faster one by one
+_SHARE = 4  # the same per process
 _MANY = 1000  # amplitudes that processes share: fewer take nearly as long
-_FIRST_WINDOW = 1.5  # in A, computed together: that many cells cost about as much as one batch
-_PARTS = 256  # that a change is cut into at once: few changes, so that a batch costs the same whatever its size
+_FIRST_WINDOW = 1.5  # range of A in one batch: so many cells cost about as much as one round
+_PARTS = 256  # parts of a bracket in one cut: there are few brackets, and a batch costs the same for any size
 
 
 @dataclass(frozen=True)
@@ -48,9 +48,9 @@ class Capacity:
     """The capacity of a body against a demand; amplitudes A [-].
 
     first: the lowest amplitude that overturns, None if there is none; safe_to: the end of the safe interval around the demand, None if
-    the body falls under the demand or nothing above overturns; uplift: the amplitude that lifts the body, None if there is none.
-    dust: under a record or a pulse of several cycles, the share of amplitudes within 5 % of `first` that fall, if these are no
-    single interval, else 0.
+    the body falls under the demand or no larger amplitude overturns it; uplift: the lowest amplitude that lifts the body, None if there
+    is none. dust: under a record or a pulse of several cycles, the share of amplitudes up to 5 % above `first` that fall, if they form
+    more than one interval, otherwise 0.
     """
 
     first: float | None
@@ -64,9 +64,9 @@ def capacity(
 ) -> Capacity:
     """The capacity of a structure at Omega [-] against a demand of A = `amplitude` [-], searched up to `a_max` and twice the demand.
 
-    Intervals narrower than `narrowest` can be missed, but not around the demand. Changes are traced to the last digits of an
-    exact method, to its tolerance otherwise. workers: processes that share the search under a long motion. Raises UsageError if the search
-    is beyond the reach of a scan, OutputError when a process dies.
+    Intervals narrower than `narrowest` may be missed, but not around the demand. Changes are traced to the last digits of an exact method,
+    otherwise to its tolerance. workers: processes that share the search under a long motion. Raises UsageError if `amplitude` or
+    `a_max` is above the limit of a scan, OutputError when a process dies.
     """
     system, digits = method.system_of(structure), method.stated_tolerance or 4e-16
     lowest, top = system.least_uplift(motion), max(a_max, 2.0 * amplitude)
@@ -83,7 +83,7 @@ def capacity(
         first = below or (above if stands else stretches.narrowed(amplitude * (1.0 - _COARSE), amplitude))
         return Capacity(first, above, lowest, 0.0 if first is None else stretches.dust(first))
     search = Search(system, motion, structure.eta, top, digits=digits, parts=_PARTS)
-    falls: list[Brackets] = []  # the lowest of each window, until the outcome at the demand and the next fall above it are known
+    falls: list[Brackets] = []  # one window after the other, until the outcome at the demand and the next fall above it are known
     above_demand = False
     for begin, end in _windows(lowest, amplitude, top, at_once=system.equation.bounded):
         fall, last = replace(search, a_min=begin, a_max=end).fall(omega)
@@ -112,7 +112,7 @@ def _long(motion: Motion) -> bool:
 class Stretches:
     """The outcomes of one system at one Omega under a long motion.
 
-    shared, workers: the function of `processes` and their number; seen: amplitudes `_COARSE` apart and their falls, of every search so far.
+    shared, workers: the function of `processes` and their number; seen: all computed amplitudes `_COARSE` apart, with their falls.
     """
 
     system: System
@@ -126,7 +126,7 @@ class Stretches:
 
     @contextmanager
     def on_processes(self, workers: int) -> Iterator[Stretches]:
-        """The same on so many processes. Raises OutputError when one dies."""
+        """Context with the same search on `workers` processes. Raises OutputError when one dies."""
         if workers == 1:
             yield self
             return
@@ -134,10 +134,10 @@ class Stretches:
             yield replace(self, shared=run, workers=workers)
 
     def falls(self, low: float, high: float, ratio: float) -> tuple[Array, Array]:
-        """(amplitudes from `low` to `high`, true for each that falls); of few, those up to 5 % above the first that falls."""
+        """(amplitudes from `low` to `high`, true for each that falls); if they are few, only up to 5 % above the first fall."""
         if ratio == _COARSE:
             amplitude = np.geomspace(low, high, 2 + int(np.log(high / low) / np.log1p(ratio)))
-        else:  # the same ones whatever the ends are
+        else:  # the same amplitudes for any ends
             powers = np.arange(np.ceil(np.log(low) / np.log1p(ratio)), np.log(high) / np.log1p(ratio))
             amplitude = np.unique(np.concatenate([[low, high], np.clip((1.0 + ratio) ** powers, low, high)]))
         falls = ~safe(self._outcomes(amplitude))
@@ -147,7 +147,7 @@ class Stretches:
         return amplitude, falls
 
     def _outcomes(self, amplitude: Array) -> Array:
-        """The outcomes at rising amplitudes; of few, the first of them, to 5 % above the first that falls."""
+        """The outcomes at rising amplitudes; if they are few, only up to 5 % above the first fall."""
         run = self.shared or partial(map, self.look)
         if amplitude.size > _FEW + len(self.motion.segments) // _LONGER:
             outcome = np.empty(amplitude.size, dtype=np.uint8)
@@ -165,12 +165,12 @@ class Stretches:
         return np.concatenate(parts)
 
     def look(self, share: tuple[Array, bool]) -> Array:
-        """The outcomes at amplitudes, one after the other if that is asked, otherwise together."""
+        """The outcomes at the amplitudes of a share, computed one after the other or together as the share states."""
         amplitude, alone = share
         return self.alone(amplitude) if alone else response(self.system, self.motion, amplitude, self.omega, self.eta, peaks=False).outcome
 
     def alone(self, amplitude: Array | float) -> Array:
-        """The outcomes at single amplitudes."""
+        """The outcomes at amplitudes, each computed by itself."""
         return response_alone(self.system, self.motion, amplitude, self.omega, self.eta, peaks=False).outcome
 
     def first_fall(self, begin: float, end: float) -> float | None:
@@ -187,8 +187,8 @@ class Stretches:
         return None
 
     def lowest_fall(self, begin: float, below: float, found: float, ratio: float, near: float) -> float:
-        """The lowest amplitude from `begin` on that falls, on amplitudes at a ratio down to `near` times `found`, and anew below each
-        fall; a body falls at `found`, and stands at `below`, or does just below `found` if they are equal."""
+        """The lowest fall from `begin` on. The search computes amplitudes at a ratio from `near` times `found` to `found`, and again below
+        each new fall. The body falls at `found` and stands at `below`, or just below `found` if the two are equal."""
         known = found
         while known > (fine := max(begin, near * found)) * (1.0 + ratio):
             amplitude, falls = self.falls(fine, known, ratio)
@@ -200,21 +200,21 @@ class Stretches:
         return self.narrowed(below, found)
 
     def lowest_narrow_fall(self, begin: float, found: float) -> tuple[float, float]:
-        """(the lowest fall from `begin` on below one that was found, `dust` of it), to intervals 5e-6 of the amplitude wide if
-        there is dust."""
+        """(the lowest fall from `begin` on, `dust` of it), below a known fall; intervals 5e-6 of the amplitude wide are found if there
+        is dust."""
         first = self.lowest_fall(begin, found, found, _FINE, _NEAR)
         self.falls(first, _ABOVE * first, _COARSE)
         dust = self.dust(first)
         return (self.lowest_fall(begin, first, first, _FINEST, _NEAREST) if dust else first), dust
 
     def narrowed(self, low: float, high: float) -> float:
-        """The amplitude, within `digits`, from which a body falls that stands at `low` and falls at `high`."""
+        """The amplitude, within `digits`, between standing at `low` and falling at `high`."""
         while high - low > self.digits * high and low < (middle := 0.5 * (low + high)) < high:
             low, high = (middle, high) if safe(self.alone(middle)) else (low, middle)
         return high
 
     def dust(self, first: float) -> float:
-        """The share of the amplitudes `_COARSE` apart, within 5 % of the first fall, that fall; 0 if these are one interval."""
+        """The share of falls among amplitudes `_COARSE` apart up to 5 % above the first fall; 0 if the falls are one interval."""
         seen = sorted((a, bool(fall)) for amplitude, falls in self.seen for a, fall in zip(amplitude.tolist(), falls, strict=True))
         falls = [fall for a, fall in seen if first < a < _ABOVE * first]
         single = sum(one != other for one, other in pairwise([True, *falls])) <= 1
@@ -222,7 +222,7 @@ class Stretches:
 
 
 def _windows(lowest: float, demand: float, top: float, at_once: bool) -> Iterator[tuple[float, float]]:
-    """Ranges of amplitudes to search in turn: up to the demand, and from it on, wider and wider if a scan has no bounds of its own."""
+    """Ranges of amplitudes to search in turn: up to the demand, then above it, with rising widths unless `at_once`."""
     begin, width = lowest, _FIRST_WINDOW
     if demand > lowest * (1.0 + 1e-12):
         yield lowest, demand

@@ -1,4 +1,4 @@
-"""Brackets of amplitudes in which the outcome changes, cut into sections until the last digits."""
+"""Brackets of amplitudes in which the outcome changes, narrowed to the last digits by sections."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ from ..dynamics.arrays import Arrays
 
 Array = np.ndarray
 
-SECTIONS = 8  # parts that a bracket is cut into: three bits for one run of the engine
-_PARTS_OF_MANY = 16  # most sections of a bracket after the first cut, which may uncover hundreds of changes
-_MOST_CHANGES = 500  # in one row; above it the outcome is noise between the amplitudes of the scan
+SECTIONS = 8  # parts of a bracket in one cut: three bits for each run of the engine
+_PARTS_OF_MANY = 16  # largest number of sections of a bracket after the first cut, which may uncover hundreds of changes
+_MOST_CHANGES = 500  # largest number of changes in a row; above it the outcome is noise between the amplitudes of the scan
 
 
 @dataclass
@@ -30,7 +30,7 @@ class Brackets(Arrays):
 def narrowed(outcome: Callable[[Array, Array], Array], brackets: Brackets, digits: float, parts: int, lowest: bool) -> Brackets:
     """The changes, narrowed to a relative width of `digits`.
 
-    outcome: function from amplitudes and rows, of shapes that broadcast, to outcomes; parts: sections of a bracket in one cut. The first
+    outcome: function from amplitudes and rows, of shapes that broadcast, to outcomes; parts: parts of a bracket in one cut. The first
     cut keeps every change that it uncovers, unless a row has too many; if `lowest`, it keeps the lowest change of each bracket. Later
     cuts keep a chain of changes from the outcome below to the outcome above.
     """

@@ -1,7 +1,7 @@
 """Overturning curves of a linear block under a sine pulse, in closed form (Fig. 2 left, curves i-iv).
 
-Scalar, with SciPy's root finder; nothing is shared with the engine, which traces the same boundaries from its outcomes.
-With psi = arcsin(1/A) and T = (2 pi - psi)/Omega the state at the end of one cycle, never having come down, is
+Scalar, with SciPy's root finder. It shares no code with the engine, which traces the same boundaries from its outcomes.
+With psi = arcsin(1/A) and T = (2 pi - psi)/Omega the state at the end of one cycle without an impact is
 
     x_e = 1 - W cosh T + S sinh T,   v_e = -W sinh T + S cosh T - A Omega/(1 + Omega^2)
     W = Omega^2/(1 + Omega^2),       S = Omega sqrt(A^2 - 1)/(1 + Omega^2)
@@ -78,7 +78,7 @@ class _FirstSide(NamedTuple):
         """Time of the impact inside the pulse, None if there is none; NaN if the motion is below rounding."""
         if self.state(self.duration)[0] > 0.0:
             return None
-        below = (math.pi - 2.0 * self.psi) / self.omega  # the drive has fallen below 1: from here a fall is for good
+        below = (math.pi - 2.0 * self.psi) / self.omega  # the drive is below 1: from here the body cannot rise again
         if self.state(below)[0] <= 0.0:
             return math.nan
         return float(brentq(lambda t: self.state(t)[0], below, self.duration, xtol=1e-15, rtol=8.9e-16, maxiter=500))
@@ -94,7 +94,7 @@ def after_impact_margin(amplitude: float, omega: float, eta: float) -> float:
     if at is None:
         x_e, v_e = first.state(first.duration)
         return eta * math.sqrt(max(0.0, 1.0 + v_e**2 - (1.0 - x_e) ** 2)) - 1.0
-    if math.isnan(at):  # A so close to 1 does not overturn
+    if math.isnan(at):  # an A this close to 1 does not overturn
         return -1.0
     rest, phase = first.duration - at, first.psi + omega * at
     # On the other side x'' = x - 1 - A sin(phase + Omega t): unstable mode at the end of the pulse.

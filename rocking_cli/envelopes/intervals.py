@@ -2,8 +2,8 @@
 
 Between the interval that overturns after an impact and the one that overturns without lies a safe window, so a threshold
 is not enough. The outcome is computed at amplitudes 1e-3 apart, and closer just above uplift; every change between neighbours is traced
-to the last digits (`boundaries`). So no interval wider than 1e-3 is missed; a narrower one, safe or overturning, can be. Slow pulses
-(Omega below 1) have such intervals just above uplift, motions of several cycles at any amplitude that leads to many impacts. Under
+to the last digits (`boundaries`). So no interval wider than 1e-3 is missed; a narrower one, safe or overturning, may be. Slow pulses
+(Omega below 1) have narrow intervals just above uplift, motions of several cycles at any amplitude that leads to many impacts. Under
 several cycles a finer scan, 1e-4 apart, covers the surroundings of every change of the outcome or of the number of impacts. Narrow
 intervals gather there, but this is no proof.
 """
@@ -28,15 +28,15 @@ from .boundaries import Search, Steps
 from .scan_grid import SCAN_STEP
 
 A_MAX = 20.0
-NARROWEST = 1e-3  # width in A from which no interval is missed
-HIGHEST = 100_000.0  # of a_max; a larger scan takes too long
-SIGNS = {"+": (1.0,), "-": (-1.0,), "worse": (1.0, -1.0)}  # of the ground acceleration, for bodies whose sides differ
+NARROWEST = 1e-3  # no interval of this width in A is missed
+HIGHEST = 100_000.0  # largest a_max; a larger scan takes too long
+SIGNS = {"+": (1.0,), "-": (-1.0,), "worse": (1.0, -1.0)}  # of the ground acceleration, for bodies with unequal sides
 NONE = "none"  # the mode of a body that no amplitude overturns
 BOTH = "both"  # each sign by itself
 INTERVAL_COLUMNS = ("structure", "Omega", "A_from", "A_to", "mode")
 CURVE_COLUMNS = ("structure", "curve", "Omega", "A")
-_SMALL = 1_000_000  # amplitudes in all below which starting processes takes longer than they save
-_SHARE, _SHARE_IN_STEPS = 8_000_000, 100_000  # amplitudes of a process before it reports: seconds of an equation, exact or not
+_SMALL = 1_000_000  # number of amplitudes below which one process is faster
+_SHARE, _SHARE_IN_STEPS = 8_000_000, 100_000  # amplitudes of a process between reports: some seconds, by an exact equation and by others
 
 
 class Interval(NamedTuple):
@@ -61,9 +61,9 @@ def trace_envelope(
 ) -> list[Interval]:
     """Every overturning interval with A up to `a_max`, wider than 1e-3, for each Omega [-] of a structure.
 
-    For a linear oscillator of which only the restitution is known give `dimensionless_oscillator(eta)`. Boundaries are
+    For a linear oscillator with a restitution alone use `dimensionless_oscillator(eta)`. Boundaries are
     traced to the last digits of the model's outcome. Intervals that touch but differ in mode are listed apart. sign: of the
-    ground acceleration, for a body whose sides differ: "+", "-", or "worse", which lists the intervals of either. workers:
+    ground acceleration, for a body with unequal sides: "+", "-", or "worse", which lists the intervals of either. workers:
     processes, None for all cores if that saves time. Raises UsageError when a_max is not above the initiation or the model
     does not hold for the structure, OutputError when a worker process dies.
 
@@ -89,7 +89,7 @@ def trace_envelope(
 
 
 def merged(searches: Sequence[Search], omegas: np.ndarray) -> list[Steps]:
-    """The outcomes at each Omega under the worst motion of the searches; empty without searches."""
+    """The outcomes at each Omega, at each amplitude the worst of the searches; empty without searches."""
     rows: list[Steps] = [[] for _ in omegas]
     for search in searches:
         rows = [worse(one, other) if one else other for one, other in zip(rows, search.rows(omegas), strict=True)]
@@ -138,7 +138,7 @@ def check_intervals(
 
 
 def in_turn(search: Callable[[Any], Any], shares: Sequence[Any], workers: int) -> Iterator[Any]:
-    """The results of a search for each share of the work, in their order, from so many processes."""
+    """The results of a search for each share of the work, in order, from `workers` processes."""
     if workers == 1:
         yield from map(search, shares)
         return
@@ -179,11 +179,11 @@ def structure_intervals(
     lowest: bool = False,
     **more: Any,
 ) -> Iterator[dict[str, Any]]:
-    """Records of a structure's overturning intervals, with units if it has any. A frequency without any has one record of mode `NONE`.
+    """Rows of a structure's overturning intervals, with units if it has any. A frequency without overturning has one row of mode `NONE`.
 
-    sign "both" adds the sign, 1 or -1, to each record, None if the sides of the body are equal.
+    sign "both" adds the sign, 1 or -1, to each row, None if the sides of the body are equal.
 
-    lowest: of each frequency the lowest interval alone; more: arguments of `trace_envelope`. Raises as `trace_envelope`.
+    lowest: only the lowest interval of each frequency; more: arguments of `trace_envelope`. Raises as `trace_envelope`.
     """
     omegas = _scaled(structure, axis)
     apart = sign == BOTH and not method.system_of(structure).contact.alike
@@ -204,9 +204,9 @@ def structure_intervals(
 
 
 def misjudged(linear: Sequence[Mapping[str, Any]], nonlinear: Sequence[Mapping[str, Any]], *, a_max: float) -> str:
-    """A sentence that states over how much of A, summed over the frequencies, the two equations give different outcomes.
+    """A sentence on the length in A, summed over the frequencies, over which the two equations give different outcomes.
 
-    linear, nonlinear: the records of `structure_intervals` up to a_max.
+    linear, nonlinear: the rows of `structure_intervals` up to a_max.
     """
 
     def intervals(records: Sequence[Mapping[str, Any]], key: Any) -> list[tuple[float, float]]:
@@ -245,7 +245,7 @@ def _closed_form_of(motion: Motion) -> str:
 
 
 def structure_curves(structure: RockingParameters, motion: Motion, axis: Axis) -> Iterator[dict[str, Any]]:
-    """Records of the closed-form curves for a structure. Raises UsageError if there is no closed form."""
+    """Rows of the closed-form curves for a structure. Raises UsageError if there is no closed form."""
     from .closed_form import closed_form_curves
 
     for point in closed_form_curves(_scaled(structure, axis), structure.eta, _closed_form_of(motion)):

@@ -6,9 +6,9 @@ psi on nothing strikes the body until the end T of the shaking, so both of its m
     z = y - 1 + v = A Z - exp(T - psi),      Z = int exp(T - t) s dt from psi to T = dz/dA,      s outwards
     x = v + 1 - y = A X + exp(psi - T),      X = int exp(t - T) s dt from psi to T = dx/dA
 
-since A s = 1 at psi. The energy is 1 + z x: where z < 0 the body falls back, and overturns after its impact if z x > 1/eta^2 - 1.
-As A grows psi falls, so Z and X grow, and z and x are convex. So the ends of a stretch of amplitudes bound all four over the stretch, and
-with them z x and its slope Z x + X z. If these bounds exclude a change there is none, else the stretch is cut in two.
+since A s = 1 at psi. The energy is 1 + z x: if z < 0 the body falls back, and overturns after its impact if z x > 1/eta^2 - 1.
+psi decreases with A, so Z and X grow, and z and x are convex. The ends of a stretch of amplitudes therefore bound all four over the
+stretch, and so z x and its slope Z x + X z. A stretch whose bounds do not exclude a change is cut in two.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from ..motions.segments import Segments
 
 Array = np.ndarray
 
-_ROUNDING = 1e-12  # of the terms that z and x are summed from; a sum over some ten segments loses a hundredth of it
+_ROUNDING = 1e-12  # relative to the terms of z and x; a sum over ten segments loses a hundredth of it
 
 
 class Modes(NamedTuple):
@@ -69,7 +69,7 @@ def bounded_response(segments: Segments, k: Array, u: Array, omega: Array, sense
 
 def may_change(one: Modes, other: Modes, width: Array, eta: float) -> Array:
     """True if the outcome of bodies that fall back after the shaking may change between two amplitudes, `width` apart; (lanes,)."""
-    least = 1.0 / eta**2 - 1.0 if eta else np.inf  # z x from which the impact leaves energy enough
+    least = 1.0 / eta**2 - 1.0 if eta else np.inf  # z x from which the energy after the impact is sufficient
     with np.errstate(over="ignore", invalid="ignore"):
         z = _convex(one.z, other.z, one.z_slope, other.z_slope, width, np.maximum(one.z_noise, other.z_noise))
         x = _convex(one.x, other.x, one.x_slope, other.x_slope, width, np.maximum(one.x_noise, other.x_noise))

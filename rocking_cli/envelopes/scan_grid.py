@@ -11,7 +11,7 @@ import numpy as np
 from .changes import SECTIONS
 
 Array = np.ndarray
-Ends = TypeVar("Ends", bound=NamedTuple)  # of arrays, (rows,)
+Ends = TypeVar("Ends", bound=NamedTuple)  # arrays of shape (rows,)
 
 SCAN_STEP = 0.999e-3  # in A; no interval wider than 1e-3 is missed
 
@@ -48,9 +48,9 @@ class ScanGrid:
         return np.where(n < self.near.size, self.near[np.minimum(n, self.near.size - 1)], self.start + self.step * (n - self.near.size))
 
     def below(self, amplitude: Array) -> Array:
-        """The last scan point that is surely not above each amplitude; the first one if there is none."""
+        """The last scan point that is certainly not above each amplitude; the first point if there is none."""
         there = np.searchsorted(self.near, amplitude, side="right") - 1
-        top = self.start + self.step * (self.size - self.near.size + 1)  # a whole number holds no more of some amplitudes
+        top = self.start + self.step * (self.size - self.near.size + 1)  # larger scan numbers overflow a whole number
         beyond = np.floor((np.minimum(amplitude, top) - self.start) / self.step).astype(np.int64) - 1 + self.near.size
         return np.clip(np.where(beyond >= self.near.size, beyond, there), 0, self.size - 1)
 

@@ -1,4 +1,4 @@
-"""What a set of motions does to a structure: at levels of an intensity measure, and at every amplitude up to the highest of them."""
+"""The responses of a structure to a set of motions: at levels of an intensity measure, or at every intensity up to the highest level."""
 
 from __future__ import annotations
 
@@ -24,8 +24,8 @@ from .measures import Measure, Member
 Array = np.ndarray
 Interval = tuple[float, float]
 
-_SMALL = 500_000  # amplitudes times segments below which starting processes takes longer than they save
-_PARTS = 16  # that a change is cut into at once
+_SMALL = 500_000  # amplitudes times segments below which one process is faster
+_PARTS = 16  # parts of a bracket in one cut
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,8 +40,8 @@ class Exposure:
     outcome: Array
 
     def beyond(self, limit: float | None) -> tuple[Array, Array]:
-        """(where |theta|/alpha passes `limit`, None for overturning; where that is known), (members, levels). What leaves the ground
-        passes any."""
+        """(True beyond the limit state |theta|/alpha = `limit`, None for overturning; True if that is known), (members, levels). Lost
+        contact is beyond every limit."""
         gone, known = falls(self.outcome), (self.outcome != Outcome.FAILED) & (self.outcome != Outcome.NOT_COMPUTED)
         if limit is None:
             return gone, known
@@ -62,19 +62,19 @@ def exposures(
 ) -> list[Exposure]:
     """Each structure under every motion scaled to each level of a measure (SI).
 
-    path: the spectra file to write of records, with the other fields of `SweepOptions`; records are swept as any scene is. With
-    `resume` a complete file of the same scene, such as one put together from shards, is read; of a shard nothing comes back. Raises
-    UsageError for pulses with a path, and for several structures with one under a measure that depends on the structure.
+    path: the spectra file to write for records, with the other fields of `SweepOptions`. With `resume` a complete file of the same scene,
+    such as a merged one, is read; for a shard the result is empty. Raises UsageError for a path with pulses, or with several structures
+    under a measure that depends on the structure.
     """
     scales = levels ** (1.0 / measure.power)
     recordings = [m.recording for m in members if m.recording is not None]
     if len(recordings) < len(members):
         if path is not None:
-            raise UsageError("a spectra file goes with records; site pulses are computed at once")
+            raise UsageError("a spectra file goes with records, not with site pulses")
         return [_under_pulses(s, members, measure, levels, scales, method) for s in structures]
     groups = [[s] for s in structures] if measure.of_structure else [list(structures)]
     if path is not None and len(groups) > 1:
-        raise UsageError(f"{measure.name} scales the records for each structure anew; a spectra file takes one structure")
+        raise UsageError(f"{measure.name} depends on the structure; a spectra file then holds one structure only")
     return [exposure for group in groups for exposure in _under_records(group, members, measure, levels, path, method, workers, options)]
 
 
@@ -87,7 +87,7 @@ def _under_records(
     from ..spectra.sweep import spectrum_of, write_scene
     from ..spectra.sweep_options import SweepOptions
 
-    unit = [m.measured(measure, structures[0]) ** (-1.0 / measure.power) for m in members]  # the factor to a measure of 1
+    unit = [m.measured(measure, structures[0]) ** (-1.0 / measure.power) for m in members]  # the factor that scales the measure to 1
     recordings = [m.recording.times(f) for m, f in zip(members, unit, strict=True) if m.recording]
     scene = structures_scene(structures, recordings, Axis("scale", levels ** (1.0 / measure.power)), method)
     if path is None:
@@ -139,8 +139,8 @@ def traced(
     workers: int | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> list[list[Interval]]:
-    """For each motion of a set the intervals of a measure (SI) up to `highest` that overturn the structure, the last one perhaps on
-    beyond it (infinite). Traced as an envelope is, under records on amplitudes 0.5 % apart, so that narrower ones can be missed."""
+    """For each motion of a set the intervals of a measure (SI) that overturn the structure, up to `highest`; the end of an interval beyond
+    `highest` is infinite. Intervals are traced as in an envelope; under records those narrower than 0.5 % may be missed."""
     task = partial(_trace, structure, measure, highest, method)
     cells = sum(_amplitudes(structure, m, measure, highest) for m in members)
     small = cells * max(len(m.motion.segments) for m in members) < _SMALL
@@ -161,13 +161,13 @@ def traced(
 
 
 def _unit_amplitude(structure: RockingParameters, member: Member, measure: Measure) -> float:
-    """A at which a motion measures 1."""
+    """The A at which the measure of a motion is 1."""
     own = float(structure.dimensionless_amplitude(member.acceleration)) / member.motion.peak
     return own * member.measured(measure, structure) ** (-1.0 / measure.power)
 
 
 def _amplitudes(structure: RockingParameters, member: Member, measure: Measure, highest: float) -> float:
-    """Amplitudes that a search looks at, roughly."""
+    """The approximate number of amplitudes of a search."""
     top = _unit_amplitude(structure, member, measure) * highest ** (1.0 / measure.power)
     return np.log(max(top, 1.0)) / RATIO if len(member.motion.segments) > LONGEST_FINE else 1000.0 * max(0.0, top - 1.0)
 
@@ -197,12 +197,12 @@ def _trace(structure: RockingParameters, measure: Measure, highest: float, metho
 
 
 def first_of(intervals: Sequence[Sequence[Interval]]) -> Array:
-    """The first overturning of each motion, NaN where none does, (members,)."""
+    """The intensity of first overturning under each motion, NaN without overturning, (members,)."""
     return np.array([found[0][0] if found else np.nan for found in intervals])
 
 
 def share_overturned(intervals: Sequence[Sequence[Interval]], weight: Array) -> tuple[Array, Array]:
-    """(levels at which the share of motions that overturn changes, the share from each on), exact between them."""
+    """(levels at which the share of overturning motions changes, the share from each level on); the shares are exact."""
     steps = [
         (edge, sign * w) for found, w in zip(intervals, weight, strict=True) for i in found for edge, sign in zip(i, (1, -1), strict=True)
     ]

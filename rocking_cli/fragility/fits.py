@@ -19,16 +19,16 @@ from ..errors import UsageError
 Array = np.ndarray
 Estimate = tuple[Array, Array]  # ln theta and beta, each (...)
 
-LEAST = 1e-4  # a dispersion below this is that of data without any
+LEAST = 1e-4  # data with a dispersion below this count as data without scatter
 MOST = 1e3
-FEWEST = 4  # records that a curve is fitted to, at least
+FEWEST = 4  # least number of records for a fit
 _ROUNDS = 200
-_STRIDE = 2.0  # by which the argument of Phi changes in one step of Newton's method, at most
+_STRIDE = 2.0  # largest change of the argument of Phi in one step of Newton's method
 
 
 @dataclass(frozen=True)
 class Curve:
-    """A fragility curve: median theta [unit of the intensity measure], dispersion beta [-], and how many records it comes from."""
+    """A fragility curve: median theta [unit of the intensity measure], dispersion beta [-], and number of records."""
 
     theta: float
     beta: float
@@ -55,10 +55,10 @@ class Band:
 
 
 def stripes(x: Array, n: Array, z: Array) -> Estimate:
-    """The most likely curve of counts: z of n beyond the limit state at each level x (weights need not be whole numbers).
+    """The maximum-likelihood curve of counts: z of n beyond the limit state at each level x; n and z may be sums of weights.
 
     x: (k,), positive and rising; n, z: (..., k). Maximises sum z ln Phi(u) + (n - z) ln Phi(-u), u = ln(x/theta)/beta (Baker 2015,
-    Eq. 11). Where the counts do not rise beta is at its largest, where they jump from none to all at its least.
+    Eq. 11). If the counts do not rise, beta is its upper bound; if they change from none to all, its lower bound.
     """
     from scipy.special import log_ndtr
 
@@ -84,11 +84,11 @@ def stripes(x: Array, n: Array, z: Array) -> Estimate:
 
 
 def first_overturning(r: Array, limit: Array | float, weight: Array | None = None) -> Estimate:
-    """The curve of the intensities r at which records first overturn the body; those that do not up to their limit are NaN or infinite.
+    """The curve of the intensities r at which records first overturn the body, NaN or infinite for records that do not up to their limit.
 
-    r: (..., k); limit: how far each was followed, weight: 1 unless given, of the same shape or one number. Without such records theta =
-    exp(mean ln r) and beta is the standard deviation of ln r with k - 1; with them
-    sum [ln phi(u) - ln beta] + sum ln(1 - Phi(u_limit)), the latter over those that do not, is maximised.
+    r: (..., k); limit: the highest intensity computed; weight: 1 by default; both of the same shape or one number. If all records
+    overturn the body, theta = exp(mean ln r) and beta is the standard deviation of ln r with k - 1. Otherwise the curve maximises
+    sum [ln phi(u) - ln beta] + sum ln(1 - Phi(u_limit)), the second sum over the records that do not overturn the body.
     """
     r = np.asarray(r, dtype=float)
     y_limit, w = (np.broadcast_to(np.asarray(x, dtype=float), r.shape) for x in (np.log(limit), 1.0 if weight is None else weight))
@@ -108,8 +108,8 @@ def first_overturning(r: Array, limit: Array | float, weight: Array | None = Non
 
 
 def _censored(m: Array, first: Array, second: Array, spared: Array, limit: Array, mean: Array, spread: Array) -> Estimate:
-    """Sums of weight, y and y^2 over those that fall, weights and limits of those that do not, (..., k): in the parameters of Olsen
-    (1978), h = 1/beta and k = mu/beta, the likelihood is concave."""
+    """The censored fit from sums of weight, y and y^2 over overturning records, and weights and limits of the others, (..., k). The
+    likelihood is concave in the parameters of Olsen (1978), h = 1/beta and k = mu/beta."""
     from scipy.special import log_ndtr
 
     h = 1.0 / np.clip(np.nan_to_num(spread, nan=1.0), 0.05, 5.0)
@@ -130,9 +130,9 @@ def _censored(m: Array, first: Array, second: Array, spared: Array, limit: Array
 
 
 def cloud(x: Array, theta_ratio: Array, limit: float, weight: Array | None = None) -> Estimate:
-    """The curve of a regression ln(theta_max/alpha) = a + b ln x + sigma e, of records as they are, for |theta|/alpha beyond `limit`.
+    """The curve of a regression ln(theta_max/alpha) = a + b ln x + sigma e over unscaled records, for |theta|/alpha beyond `limit`.
 
-    x, theta_ratio: (..., k), those without a positive finite rotation left out. theta = exp((ln limit - a)/b), beta = sigma/b, sigma
+    x, theta_ratio: (..., k); records without a positive finite rotation are left out. theta = exp((ln limit - a)/b), beta = sigma/b, sigma
     with k - 2.
     """
     x, rotation = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(theta_ratio, dtype=float))
@@ -160,7 +160,7 @@ def check_levels(x: Array) -> Array:
 
 
 def fit_stripes(x: Array, n: Array, z: Array) -> Curve:
-    """The curve of counts at levels: z of n beyond the limit state at each x. Raises UsageError where fewer than two levels have some
+    """The curve of counts at levels: z of n beyond the limit state at each x. Raises UsageError unless two levels have some
     records beyond it and some not.
 
     >>> curve = fit_stripes([1.0, 1.5, 2.0], [54, 54, 54], [2, 25, 43])
@@ -195,7 +195,7 @@ def fit_first(r: Array, limit: Array | float, weight: Array | None = None) -> Cu
 
 def fit_cloud(x: Array, theta_ratio: Array, limit: float, weight: Array | None = None) -> Curve:
     """The curve of a regression of rotations as recorded on x, for |theta|/alpha beyond `limit`. Raises UsageError for too few of
-    them, or where they do not grow.
+    them, or if they do not grow with x.
 
     >>> curve = fit_cloud([1.0, 2.0, 3.0, 4.0], [0.1, 0.25, 0.3, 0.45], 0.5)
     >>> round(curve.theta, 4), round(curve.beta, 4)
@@ -203,7 +203,7 @@ def fit_cloud(x: Array, theta_ratio: Array, limit: float, weight: Array | None =
     """
     there = int(np.count_nonzero(np.isfinite(theta_ratio) & (np.asarray(theta_ratio) > 0.0)))
     if there < FEWEST:
-        raise UsageError(f"{there} of {np.size(x)} records rock the body and spare it; a regression needs {FEWEST}")
+        raise UsageError(f"{there} of {np.size(x)} records rock the body without overturning; a regression needs {FEWEST}")
     centre, beta = cloud(x, theta_ratio, limit, weight)
     if beta >= 0.99 * MOST:
         raise UsageError("the rotation does not grow with the intensity measure; a regression needs one that does")
@@ -212,7 +212,7 @@ def fit_cloud(x: Array, theta_ratio: Array, limit: float, weight: Array | None =
 
 @dataclass(frozen=True)
 class Resampling:
-    """How a band is drawn: samples, their seed, and the level of confidence."""
+    """Options of a bootstrap: number of samples, seed, and level of confidence."""
 
     samples: int = 1000
     seed: int = 0
@@ -222,9 +222,9 @@ class Resampling:
 def bootstrap(records: int, estimate: Callable[[Array], Estimate], how: Resampling, x: Array | None = None) -> Band | None:
     """The band of an estimate over resampled records, bias-corrected and accelerated.
 
-    Draws of few records vary too little: the level is widened as Student's t is wider than the normal, and by the root of
-    n/(n - 1) (Hesterberg 2015, section 3.6). estimate: of indices of records, (..., records); x: intensities at which the band of the
-    probability is wanted too. None where the draws do not vary.
+    Samples of few records vary too little, so the level is widened from the normal to Student's t, and by the root of n/(n - 1)
+    (Hesterberg 2015, section 3.6). estimate: function from indices of records, (..., records), to curves; x: intensities for the band of
+    the probability. None if the samples do not vary.
     """
     import warnings
 
@@ -235,7 +235,7 @@ def bootstrap(records: int, estimate: Callable[[Array], Estimate], how: Resampli
     def statistic(index: Array, axis: int = -1) -> Array:
         return _drawn(estimate(np.moveaxis(np.asarray(index, dtype=np.int64), axis, -1)), x)
 
-    with warnings.catch_warnings(), np.errstate(divide="ignore", invalid="ignore"):  # where all draws lie on one side of the estimate
+    with warnings.catch_warnings(), np.errstate(divide="ignore", invalid="ignore"):  # if all samples are on one side of the estimate
         warnings.simplefilter("ignore", stats.DegenerateDataWarning)
         found = stats.bootstrap(
             (np.arange(records),), statistic, n_resamples=how.samples, batch=max(1, 2_000_000 // (32 * records)), vectorized=True,
@@ -245,7 +245,7 @@ def bootstrap(records: int, estimate: Callable[[Array], Estimate], how: Resampli
 
 
 def bootstrap_counts(levels: Array, n: Array, z: Array, how: Resampling, x: Array | None = None) -> Band | None:
-    """The band of counts whose records are not known: those of each level drawn anew by themselves."""
+    """The band of counts without known records: the counts of each level are drawn independently."""
     random = np.random.default_rng(how.seed)
     whole = np.rint(np.asarray(n)).astype(np.int64)
     draws = random.binomial(whole, np.asarray(z, dtype=float) / n, size=(how.samples, np.size(n)))
@@ -270,7 +270,7 @@ def _band(low: Array, high: Array) -> Band | None:
 
 
 def resurrections(beyond: Array) -> int:
-    """Records that overturn the body at one level and spare it at a higher one; beyond: (records, levels), levels rising."""
+    """The number of records that overturn the body at one level and not at a higher one; beyond: (records, levels), levels rising."""
     beyond = np.asarray(beyond, dtype=bool)
     return int(np.count_nonzero((beyond[:, :-1] & ~beyond[:, 1:]).any(axis=1)))
 

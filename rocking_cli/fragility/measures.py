@@ -1,7 +1,7 @@
-"""Intensity measures that a fragility curve may run over, and the sets of motions that they measure.
+"""Intensity measures of fragility curves, and sets of motions.
 
-A measure of a structure is dimensionless: PGA/(lambda g), p PGV/(g tan alpha), p^2 PGD/(g tan alpha). Each grows with a power of the
-factor that a motion is scaled by.
+A measure that depends on the structure is dimensionless: PGA/(lambda g), p PGV/(g tan alpha), p^2 PGD/(g tan alpha). Each measure is
+proportional to a power of the scale factor of a motion.
 """
 
 from __future__ import annotations
@@ -25,14 +25,14 @@ from ..structures.parameters import RockingParameters
 if TYPE_CHECKING:
     from ..motions.biaxial import Upwards
 
-_STEPS = 4096  # of the trapezium rule over a piece of a pulse: its measures are right to 1e-6
+_STEPS = 4096  # steps of the trapezium rule over a piece of a pulse, for measures to 1e-6
 Value = Callable[[Intensity, RockingParameters], float]
 
 
 @dataclass(frozen=True)
 class Measure:
     """An intensity measure: its name, its unit and dimension (a word of `quantities.UNITS`), the value of a motion for a structure,
-    the power of the factor that it grows with, and whether it depends on the structure."""
+    the power of the scale factor, and True if it depends on the structure."""
 
     name: str
     unit: str
@@ -74,7 +74,7 @@ def measure_of(name: str) -> Measure:
 class Member:
     """A motion of a set: its amplitude a_g [m/s2], its phase per time omega [rad/s], its measures, and its weight.
 
-    recording: where it is one; its motion is then made when it is asked for.
+    recording: the record, if it is one; its motion is computed on request.
     """
 
     label: str
@@ -94,7 +94,7 @@ class Member:
         return self.recording.motion
 
     def measured(self, measure: Measure, structure: RockingParameters) -> float:
-        """The measure of the motion as it is. Raises UsageError where the motion has none of it."""
+        """The measure of the unscaled motion. Raises UsageError unless it is positive."""
         value = measure.value(self.intensity, structure)
         if not (math.isfinite(value) and value > 0.0):
             raise UsageError(f"{self.label}: its {measure.name} is {value:g}; the motion must have a positive one")
@@ -102,9 +102,9 @@ class Member:
 
 
 def shaken_upwards(members: Sequence[Member], upwards: Upwards) -> tuple[Member, ...]:
-    """The same motions, all of one kind, with a vertical one beside each; measures are those of the horizontal one. Raises UsageError where
-    a record would stand beside a pulse."""
-    upwards(members[0].motion)  # of records they are made later
+    """The same motions with a vertical motion added to each; the measures stay those of the horizontal one. Raises UsageError if one is a
+    record and the other a pulse."""
+    upwards(members[0].motion)  # the motions of records are computed later
     return tuple(
         replace(m, pulse=upwards(m.motion)) if m.recording is None else replace(m, recording=replace(m.recording, upwards=upwards))
         for m in members
@@ -112,7 +112,7 @@ def shaken_upwards(members: Sequence[Member], upwards: Upwards) -> tuple[Member,
 
 
 def members_of(recordings: Sequence[Recording]) -> tuple[Member, ...]:
-    """Records as a set, all of one weight."""
+    """The set of these records, with equal weights."""
     found = []
     for r in recordings:
         i, f = r.intensity, abs(r.factor)
@@ -122,10 +122,10 @@ def members_of(recordings: Sequence[Recording]) -> tuple[Member, ...]:
 
 
 def site_pulses(path: str | Path) -> tuple[Member, ...]:
-    """The pulses of a site: CSV with the columns a_g, one of f_g, T_g, omega_g, and weight (1) and pulse (sine) if they differ.
+    """The pulses of a site: CSV with the columns a_g, one of f_g, T_g, omega_g, and optionally weight (default 1) and pulse (default sine).
 
-    Cells are numbers in SI, or with a unit. Weights come to a mean of 1. Raises UsageError for a file that cannot be read, DocumentError
-    with file, line and column for what is in it.
+    Cells are numbers in SI, or with a unit. Weights are scaled to a mean of 1. Raises UsageError for an unreadable file, DocumentError
+    with file, line and column for its faults.
     """
     columns, rows = named_rows(path)
     frequencies = {"f_g": "frequency", "T_g": "time", "omega_g": "angular frequency"}

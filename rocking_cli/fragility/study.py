@@ -1,4 +1,4 @@
-"""Fragility curves of structures under a set of motions: which data each method fits, and the rows that come of it."""
+"""Fragility curves of structures under a set of motions: the data of each method, and the printed rows."""
 
 from __future__ import annotations
 
@@ -30,13 +30,13 @@ _POINTS = 61  # of a curve
 
 
 def word_of(limit: float | None) -> str:
-    """A limit state as it is printed."""
+    """The printed text of a limit state."""
     return "overturning" if limit is None else f"{limit:g}"
 
 
 @dataclass(frozen=True, eq=False)
 class Fit:
-    """A fitted curve with its band, and the points that it was fitted to: x and the fraction beyond."""
+    """A fitted curve with its band and data points: x and the fraction beyond the limit state."""
 
     structure: str
     im: str
@@ -48,7 +48,7 @@ class Fit:
     points: dict[float, float] = field(default_factory=dict)
 
     def record(self) -> dict[str, Any]:
-        """As one row."""
+        """The fit as one row."""
         c, b = self.curve, self.band
         ends = {key: None if b is None else getattr(b, key) for key in ("theta_low", "theta_high", "beta_low", "beta_high")}
         median, low, high = c.theta, ends["theta_low"], ends["theta_high"]
@@ -70,9 +70,10 @@ class Fit:
 
 @dataclass(frozen=True, eq=False)
 class Study:
-    """A structure under a set of motions, and what is asked of it.
+    """A structure under a set of motions.
 
-    exposure: at the levels; intervals: of the measure, where they are traced; recorded: (theta_ratio, outcome) as the motions are.
+    exposure: at the levels; intervals: overturning intervals of the measure, if traced; recorded: (theta_ratio, outcome) under the unscaled
+    motions.
     """
 
     structure: RockingParameters
@@ -85,16 +86,16 @@ class Study:
 
     @property
     def weight(self) -> Array:
-        """Of each motion, (members,)."""
+        """The weight of each motion, (members,)."""
         return np.array([m.weight for m in self.members])
 
     @property
     def own(self) -> Array:
-        """The measure of each motion as it is, (members,)."""
+        """The measure of each unscaled motion, (members,)."""
         return np.array([m.measured(self.measure, self.structure) for m in self.members])
 
     def fit(self, method: str, limit: float | None) -> Fit:
-        """The curve of a limit state by a method. Raises UsageError where the data do not bear it."""
+        """The curve of a limit state by a method. Raises UsageError if the data do not support a fit."""
         if len(self.members) < fragility.FEWEST:
             raise UsageError(f"{len(self.members)} records; a fit needs {fragility.FEWEST}")
         return {"stripes": self._stripes, "first": self._first, "cloud": self._cloud}[method](limit)
@@ -120,7 +121,7 @@ class Study:
 
     def _first(self, limit: float | None) -> Fit:
         if limit is not None:
-            raise UsageError(f"limit state {limit:g}: the method first is of overturning")
+            raise UsageError(f"limit state {limit:g}: the method first needs the limit state overturning")
         assert self.intervals is not None
         r, highest, w = first_of(self.intervals), float(self.exposure.levels[-1]), self.weight
         curve = fragility.fit_first(r, highest, w)
@@ -129,7 +130,7 @@ class Study:
 
     def _cloud(self, limit: float | None) -> Fit:
         if limit is None:
-            raise UsageError("limit state overturning: the method cloud is of rotations")
+            raise UsageError("limit state overturning: the method cloud needs a rotation")
         assert self.recorded is not None
         x, theta, w = self.own, self.recorded[0], self.weight
         curve = fragility.fit_cloud(x, theta, limit, w)
@@ -137,20 +138,20 @@ class Study:
 
     @property
     def resurrections(self) -> int:
-        """Motions that overturn the structure at one level and spare it at a higher one; exact where the intervals are traced."""
+        """The number of motions that overturn the structure at one level and not at a higher one; exact if the intervals are traced."""
         if self.intervals is None:
             return fragility.resurrections(self.exposure.beyond(None)[0])
         return sum(bool(found) and (len(found) > 1 or bool(np.isfinite(found[-1][1]))) for found in self.intervals)
 
     def exact_rows(self) -> Iterator[dict[str, Any]]:
-        """The share of motions that overturn the structure, wherever it changes."""
+        """The share of overturning motions as rows, one for each change."""
         assert self.intervals is not None
         names = {"structure": self.structure.name, "im": self.measure.name, "limit_state": "overturning", "method": "exact"}
         for x, share in zip(*share_overturned(self.intervals, self.weight), strict=True):
             yield {**names, "x": float(x), "probability": None, "low": None, "high": None, "fraction": float(share)}
 
     def efficiency(self) -> list[dict[str, Any]]:
-        """The dispersion of first overturnings over each measure, the smallest first; efficiency: the smallest over each.
+        """Rows: the dispersion of first overturnings over each measure, the smallest first; efficiency: the smallest over this one.
 
         Raises UsageError for too few overturnings.
         """
@@ -170,9 +171,9 @@ class Study:
 
 
 def counted(path: str | Path, how: Resampling) -> list[Fit]:
-    """The curves of counts that exist already: CSV with the columns im (a level), n and z.
+    """The curves of given counts: CSV with the columns im (a level), n and z.
 
-    Raises UsageError where the data do not bear a fit, DocumentError with file, line and column for what is in it.
+    Raises UsageError if the data do not support a fit, DocumentError with file, line and column for faults of the file.
     """
     columns, rows = named_rows(path)
     if set(columns) != {"im", "n", "z"}:

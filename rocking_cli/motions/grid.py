@@ -159,7 +159,7 @@ def as_recorded(acceleration: float) -> Grid:
 
 
 def demand_in_words(shakes: Sequence[tuple[Motion, Grid]]) -> str:
-    """How strong and how fast the shaking is of motions with a grid of one cell each, accelerations in m/s2 and g."""
+    """The amplitude and frequency of motions with a grid of one cell each, in words; accelerations in m/s2 and g."""
     values = [float(grid.amplitude.values[0]) for _, grid in shakes]
     motion, grid = shakes[0]
     name, own_time = grid.amplitude.name, motion.acceleration is not None

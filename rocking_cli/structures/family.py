@@ -17,7 +17,7 @@ MAX_MEMBERS = 1_000_000
 
 
 class Variation(NamedTuple):
-    """A key and the numbers that it takes; `unit` is their unit, None for the unit in the document."""
+    """A key and its varied values; `unit` is their unit, None for the unit in the document."""
 
     key: str
     values: tuple[float, ...]

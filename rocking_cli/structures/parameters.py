@@ -63,7 +63,7 @@ class Side:
         _demand("eta", self.eta, 0.0 <= self.eta <= 1.0, "a number from 0 to 1")
 
     def record(self) -> dict[str, Any]:
-        """As `rocking params --json` prints it."""
+        """The parameters as `rocking params --json` prints them."""
         return {"side": self.side, **self.numbers(), **({} if self.arm is None else {"arm": self.arm})}
 
     def numbers(self) -> dict[str, float]:

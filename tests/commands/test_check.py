@@ -204,7 +204,7 @@ def test_a_directory_gives_both_horizontal_components_and_the_station_its_vertic
     ("arguments", "words"),
     [
         (SHAKING, "--vertical station goes with a record: give --motion"),
-        (("--motion", "configs/motions/synthetic.at2"), "holds no vertical component beside one without a name"),
+        (("--motion", "configs/motions/synthetic.at2"), "holds no vertical component, only one without a name"),
         (("--motion", "configs/motions/synthetic.at2", "--vertical-unit", "g"), "--vertical-unit does not go with --vertical station"),
     ],
 )

@@ -161,7 +161,7 @@ def test_the_vertical_component_of_the_same_file_shakes_with_each_horizontal_one
     unread: list[str] = []
     found = read_motions(["set"], vertical=0.5, unread=unread.append)
     assert labels(found) == ["station N-S", "station E-W"]
-    assert "set/a.AT2: holds no vertical component beside one without a name" in unread[0]
+    assert "set/a.AT2: holds no vertical component, only one without a name" in unread[0]
     for r, peak in zip(found, (200.0, 150.0), strict=True):
         up = r.motion.vertical
         assert up is not None

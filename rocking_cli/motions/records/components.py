@@ -52,7 +52,7 @@ def vertical_of(records: Sequence[Record]) -> Record:
     """The one vertical component of a file. Raises UsageError if it has none or several."""
     found = [r for r in records if is_vertical(r)]
     if len(found) != 1:
-        held = f"{len(found)} vertical components ({names_of(found)})" if found else f"no vertical component beside {names_of(records)}"
+        held = f"{len(found)} vertical components ({names_of(found)})" if found else f"no vertical component, only {names_of(records)}"
         raise UsageError(f"{records[0].source}: holds {held}; expected one where `vertical` is {STATION}")
     return found[0]
 

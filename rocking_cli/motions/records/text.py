@@ -34,7 +34,7 @@ def stated(pattern: re.Pattern[str], lines: Iterable[str], group: int = 1) -> st
 
 
 class Layout(NamedTuple):
-    """How many numbers stand on a full line, and their width in characters (None: separated by blanks)."""
+    """The number of values on a full line, and their width in characters (None: separated by blanks)."""
 
     columns: int
     width: int | None = None

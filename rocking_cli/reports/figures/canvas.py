@@ -49,7 +49,7 @@ def units_of_figures(units: Units | None) -> Units:
 def canvas(target: str | Path, overwrite: bool = True, *, tell: Callable[[str], None] | None = None, instead: str = "") -> Iterator[Figure]:
     """An empty figure in the common style; it is written to `target` at the end. Without overwrite it replaces no file.
 
-    tell: called with the characters that the font lacks, in a sentence; instead: what needs no matplotlib, for the error. Raises
+    tell: called with the characters that the font lacks, in a sentence; instead: an alternative without matplotlib, for the error. Raises
     OutputError if matplotlib is not installed or the figure cannot be written.
     """
     target = Path(target)

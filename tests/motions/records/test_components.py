@@ -54,7 +54,7 @@ def test_one_is_not_taken_for_another(station):
         with pytest.raises(UsageError, match="holds the components N-S, E-W"):
             read_record(station, component=several)
     assert vertical_of(read_records(station)).component == "U-D"
-    with pytest.raises(UsageError, match="holds no vertical component beside N-S, E-W"):
+    with pytest.raises(UsageError, match="holds no vertical component, only N-S, E-W"):
         vertical_of(read_records(station)[:2])
 
 

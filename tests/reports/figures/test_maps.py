@@ -165,5 +165,5 @@ def test_a_map_with_forces_has_lines_of_equal_friction_and_none_of_a_vertical_mo
     assert np.nanmin(friction) <= contours.levels[-2] <= np.nanmax(friction)
     assert any("closed form" in line.get_label() for line in figures[0].axes[0].get_lines())
     assert not figures[1].axes[0].get_lines()
-    with SpectraFile(tmp_path / "v.h5") as file, pytest.raises(UsageError, match="under a vertical motion too"):
+    with SpectraFile(tmp_path / "v.h5") as file, pytest.raises(UsageError, match="found a vertical motion"):
         file.motion()

@@ -91,7 +91,7 @@ def test_shards_of_other_machines_are_told_and_refused_if_strict(tmp_path, monke
     first = shard(tmp_path / "1.h5", (1, 2))
     monkeypatch.setattr(store, "machine", lambda: {"numpy": "1.0"})
     second = shard(tmp_path / "2.h5", (2, 2))
-    with pytest.raises(UsageError, match=r"machines that compute otherwise .*numpy .* and 1\.0"):
+    with pytest.raises(UsageError, match=r"machines that compute differently .*numpy .* and 1\.0"):
         merge([first, second], tmp_path / "m.h5", strict=True)
     assert not list(tmp_path.glob("m.h5*"))
     assert "and 1.0" in merge([first, second], tmp_path / "m.h5").elsewhere

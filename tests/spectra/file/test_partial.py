@@ -104,7 +104,7 @@ def test_what_no_sweep_left_is_not_taken_over(output, tmp_path):
             begun(output, **options)
     part.rename(tmp_path / "victim")
     part.symlink_to("victim")
-    with pytest.raises(UsageError, match="is a link, where a sweep would keep its partial file"):
+    with pytest.raises(UsageError, match="is a link, but a partial file must have this name"):
         begun(output, overwrite=True)
     assert (tmp_path / "victim").read_text() == "precious"
 

@@ -336,7 +336,7 @@ def test_a_part_that_was_begun_elsewhere_is_told_and_refused_if_strict(tmp_path,
     part = left_part(tmp_path / "s.h5", 3)
     monkeypatch.undo()
     before = part.read_bytes()
-    with pytest.raises(UsageError, match=r"was begun on a machine that computes otherwise .*numpy 1\.0 and .*it is kept"):
+    with pytest.raises(UsageError, match=r"was begun on a machine that computes differently .*numpy 1\.0 and .*it is kept"):
         sweep(tmp_path / "s.h5", resume=True, strict=True)
     assert part.read_bytes() == before
     summary = sweep(tmp_path / "s.h5", resume=True)

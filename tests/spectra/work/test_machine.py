@@ -1,4 +1,4 @@
-"""Machines that compute otherwise are told apart, and told of."""
+"""Machines that compute differently are recognised, and named."""
 
 from __future__ import annotations
 
