@@ -155,7 +155,7 @@ def test_a_message_is_one_line_whatever_it_quotes(capsys, monkeypatch):
 def test_more_workers_than_cpus_are_reduced_with_a_line(rocking, monkeypatch):
     monkeypatch.setattr("rocking_cli.processes.available_cpus", lambda: 1)
     sweep = (*SWEEP.split(), "--overwrite", "-o", "s.h5", "--workers")
-    said = "--workers 64: reduced to 1, the CPUs that may be used here\n"
+    said = "--workers 64: reduced to 1, the number of available CPUs\n"
     assert rocking(*sweep, "64").stderr.startswith(said)
     assert said not in rocking(*sweep, "1").stderr
     assert rocking(*sweep, "64", "-q").stderr == ""

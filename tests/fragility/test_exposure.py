@@ -95,7 +95,7 @@ def test_a_file_of_cells_is_read_again_and_another_scene_refused(tmp_path):
     assert again.outcome.tolist() == fresh.outcome.tolist()
     with pytest.raises(UsageError, match="is of another scene"):
         exposures([BLOCK], RECORDS[:1], MEASURES["PGA"], 2 * levels, LINEAR, path=path, resume=True)
-    with pytest.raises(UsageError, match="takes one structure"):
+    with pytest.raises(UsageError, match="holds one structure only"):
         exposures([BLOCK, BLOCK], RECORDS, MEASURES["nPGA"], levels, LINEAR, path=tmp_path / "two.h5")
     with pytest.raises(UsageError, match="goes with records"):
         exposures([BLOCK], PULSES, MEASURES["PGA"], levels, LINEAR, path=tmp_path / "pulses.h5")

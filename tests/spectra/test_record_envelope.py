@@ -80,7 +80,7 @@ def test_a_body_that_the_limit_does_not_lift(records):
 def test_a_limit_that_is_none_is_refused(records):
     with pytest.raises(UsageError, match="a-max: found inf"):
         check_tracing(Tracing(structures_scene([BLOCK], records), math.inf))
-    with pytest.raises(UsageError, match="the scale is what is looked for"):
+    with pytest.raises(UsageError, match="the search varies the scale"):
         check_tracing(Tracing(structures_scene([BLOCK], records, Axis("A", np.array([1.0, 2.0])))))
 
 

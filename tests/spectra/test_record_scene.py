@@ -228,7 +228,7 @@ def test_without_geometry_the_default_is_linear(records):
         ([], {"alphas": "10deg"}, "found alpha; expected .* together"),
         ([], {"alphas": "10deg", "axes": "A=3,p=3"}, "found A and p and alpha; expected"),
         ([], {"axes": "T=1:2:2"}, "together"),
-        ([], {"axes": "T=1:2:2", "alphas": "10deg", "etas": (0.9, 0.8)}, "2 times"),
+        ([], {"axes": "T=1:2:2", "alphas": "10deg", "etas": (0.9, 0.8)}, "found 2 values"),
         ([], {"axes": "T=1:2:2", "alphas": "10deg,10deg"}, "an angle twice"),
         ([], {"axes": "T=1:2:2", "alphas": "10 kg"}, "`alpha`: found '10 kg'; expected an angle"),
         ([], {"axes": "T=1:2:2", "alphas": "95deg"}, "below a right one"),

@@ -105,7 +105,7 @@ def test_a_text_is_no_scheduler(refused):
         speaker.start()
         said = refused(1, *SMALL, "-o", "s.h5", "--scheduler", address)
         speaker.join()
-    assert f"no dask scheduler answers at {address}: it begins with b'SSH-2.0-', which is no message of a scheduler" in said
+    assert f"no dask scheduler answers at {address}: it begins with b'SSH-2.0-', which is not a message of a scheduler" in said
 
 
 def test_a_cluster_without_workers_is_told_and_waited_for(tmp_path, monkeypatch):
