@@ -1,4 +1,4 @@
-"""A rigid body and its forces on the ground; the motions under which it is proved to press on the ground throughout.
+"""A rigid body, its forces on the ground, and the proof that it keeps contact (Lemma 13).
 
 With z = alpha - u, u = |theta|, s the side, tau = p t of the side and w = 1 + zg''/g the weight over m g, the acceleration of the mass
 centre gives
@@ -10,7 +10,7 @@ energy over what is left to a peak, or what has been passed since one, bounds th
 
     u'^2 <= 2 int_u^u_m (w_+ sin z + P cos z) du        (linear: w_+ z + P; with damping u' <= 2 zeta u_m + sqrt((2 zeta u_m)^2 + that))
 
-and the speed bounds Fz from below. The few bodies in strong shaking that are left are followed (`observers.contact_loss`).
+and the speed bounds Fz from below. `observers.contact_loss` follows the bodies for which this proves nothing.
 """
 
 from __future__ import annotations
@@ -23,10 +23,10 @@ import numpy as np
 
 Array = np.ndarray
 
-_PARTS = 32  # of the path from the ground to the peak, on each of which the bound takes the worst of every term
-_PUSHES = np.geomspace(1e-2, 1e2, 256)  # over g, of which the largest that is proved is taken
-_TURNS, _STEPS = 2.0, 64  # of alpha, and parts of that, for which the largest push is kept
-FAR = 100.0  # rotation [rad] beyond which a body cannot have kept to the ground: its forces are not computed
+_PARTS = 32  # of the path from the ground to the peak; on each the bound takes the worst of every term
+_PUSHES = np.geomspace(1e-2, 1e2, 256)  # [g] that are tried
+_TURNS, _STEPS = 2.0, 64  # largest rotation over alpha for which pushes are tabulated, and the number of steps up to it
+FAR = 100.0  # rotation [rad] beyond which no forces are computed: the body has left the ground
 _LOWEST = -0.5 * np.pi  # least z for which the bound is computed
 
 
@@ -42,11 +42,11 @@ class Edge(NamedTuple):
 
 @dataclass(frozen=True)
 class Body:
-    """A rigid body: alpha [rad] and kappa = m R^2/I [-] of its edges (right and left, one if they are alike), linear: True for the linear
-    equation; zeta [-]; one_sided: True if it stands on its right edge only; a_scale [-] of its edges, 1 if none is given.
+    """A rigid body: alpha [rad], kappa = m R^2/I [-] and a_scale [-] (1 unless given) of its edges, right and left, or one if they are
+    alike; linear: True for the linear equation; damping: zeta [-]; one_sided: True if it stands on its right edge only.
 
-    The linear equation moves a body of another a_scale as one of a_scale 1 under that many times the push, and Fz, which follows from
-    the motion and the weight, is the same. So pushes are those: only Fx asks for the ground's own (`moves_with_the_ground`).
+    Pushes are a_scale times the ground acceleration: under them the linear equation and Fz are those of a_scale 1. Fx needs the
+    ground's own (`moves_with_the_ground`).
     """
 
     alpha: tuple[float, ...]
@@ -58,7 +58,7 @@ class Body:
 
     @property
     def moves_with_the_ground(self) -> bool:
-        """True if the push that moves it is the ground's, so that Fx is known too."""
+        """True if pushes are the ground's own, so that Fx is known."""
         return all(scale == 1.0 for scale in self.a_scale)
 
     @property
@@ -68,13 +68,13 @@ class Body:
         return tuple(Edge(a, k, *((a, a) if self.linear else (float(np.sin(a)), float(np.tan(a))))) for a, k in pairs)
 
     def on(self, side: Array) -> Edge:
-        """The numbers of the edges that lanes of these sides, +1 right and -1 left, are on."""
+        """The numbers of the edges of these sides, +1 right and -1 left."""
         if len(self.alpha) == 1:
             return self.edges[0]
         return Edge(*(np.where(side > 0.0, right, left) for right, left in zip(*self.edges, strict=True)))
 
     def pull(self, edge: Edge) -> Any:
-        """-u'' of a body that is about to lift, under its weight alone."""
+        """-u'' at the ground under the weight m g alone."""
         return edge.alpha if self.linear else np.sin(edge.alpha)
 
     def lifting(self, edge: Edge, push: Array | float, weight: Array | float) -> Any:
@@ -82,20 +82,20 @@ class Body:
         return (push if self.linear else push * np.cos(edge.alpha)) - weight * self.pull(edge)
 
     def lying(self, edge: Edge, push: Array | float, weight: Array | float) -> Any:
-        """Fz/(m g) of bounces on an edge that are too low to have a speed, under this outward push [g] and weight over m g."""
+        """Fz/(m g) of bounces without speed on an edge, under this outward push [g] and weight over m g."""
         return weight + edge.kappa * self.lifting(edge, push, weight) * np.sin(edge.alpha)
 
     def fall(self, edge: Edge, u: Array) -> Array:
-        """u'^2 that still ground adds on the way from u to an impact, undamped."""
+        """The growth of u'^2 from u to the impact on still ground, undamped."""
         z = edge.alpha - u
         return edge.alpha**2 - z * z if self.linear else 2.0 * (np.cos(z) - np.cos(edge.alpha))
 
     def square_at_ground(self, edge: Edge, y: Array, v: Array) -> Array:
-        """u'^2 at the ground over still ground of bodies at y, v [units of the edge], undamped."""
+        """u'^2 at the impact on still ground of bodies at y, v [units of the edge], undamped."""
         return (edge.unit * v) ** 2 + self.fall(edge, edge.unit * y)
 
     def top(self, edge: Edge, square: Array) -> Array:
-        """u to which still ground lets a body rise that leaves it with u'^2 = square, undamped."""
+        """The largest u on still ground of a body that leaves the ground with u'^2 = square, undamped."""
         if self.linear:
             return edge.alpha - np.sqrt(np.maximum(edge.alpha**2 - square, 0.0))
         return edge.alpha - np.arccos(np.minimum(np.cos(edge.alpha) + 0.5 * square, 1.0))
@@ -127,11 +127,11 @@ class Body:
         return kept
 
     def safe_push(self, sway: tuple[float, ...]) -> tuple[float, ...]:
-        """The push [g] on each edge up to which Fz > 0 is proved if the body does not overturn; sway: of the weight, over the push."""
+        """The push [g] on each edge up to which Fz > 0 is proved if the body does not overturn; sway: largest |w - 1| over the push."""
         return tuple(_safe_push(self, i, ratio) for i, ratio in enumerate(sway))
 
     def safe_at(self, edge: int, turn: Array, ratio: float) -> Array:
-        """The push [g] up to which this is proved for rotations up to `turn` [rad] on this edge."""
+        """The push [g] up to which Fz > 0 is proved for rotations up to `turn` [rad] on this edge; ratio: the sway."""
         step, pushes = _safe_pushes(self, edge, ratio)
         return pushes[np.minimum(np.ceil(turn / step), pushes.size - 1).astype(np.int64)]
 
@@ -140,7 +140,7 @@ class Body:
 def _safe_push(body: Body, edge: int, ratio: float) -> float:
     sway = ratio * _PUSHES
     with np.errstate(all="ignore"):
-        slope = np.where(sway < 1.0, _PUSHES / (1.0 - sway), np.inf)  # beyond the equilibrium of this inward push nothing returns
+        slope = np.where(sway < 1.0, _PUSHES / (1.0 - sway), np.inf)  # at most to the equilibrium of this inward push
         turn = body.alpha[edge] + (slope if body.linear else np.arctan(slope))
         kept = body.pressed(body.edges[edge], _PUSHES, turn, sway)
     return float(np.append(0.0, _PUSHES)[int(np.argmin(np.append(kept, False)))])
@@ -148,7 +148,7 @@ def _safe_push(body: Body, edge: int, ratio: float) -> float:
 
 @lru_cache(maxsize=256)
 def _safe_pushes(body: Body, edge: int, ratio: float) -> tuple[float, Array]:
-    """(step [rad], the pushes at its multiples and, last, beyond them)."""
+    """(step [rad], the pushes for rotations up to its multiples and, last, for any rotation)."""
     least = _safe_push(body, edge, ratio)
     turns = np.linspace(0.0, _TURNS * body.alpha[edge], _STEPS)
     pushes = max(least, float(_PUSHES[0])) * np.geomspace(1.0, 1e2, _STEPS)

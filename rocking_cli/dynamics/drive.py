@@ -11,8 +11,8 @@ from ..motions.segments import Near, Segments
 
 Array = np.ndarray
 
-_SHORT = 3e-6  # a step of Halley's method this short, against every scale of the drive there, leaves no error that a double holds
-_LEAST_SQUARE = 1e-300  # R^2 - x^2 at an extremum of the sinusoid, where rounding may leave 0 or less
+_SHORT = 3e-6  # of every scale of the drive: after a step of Halley's method this short the error is below rounding
+_LEAST_SQUARE = 1e-300  # for R^2 - x^2, which rounding may make 0 or less at an extremum of the sinusoid
 
 
 def crossing(segments: Segments, k: Array, level: Array) -> Array:
@@ -23,8 +23,8 @@ def crossing(segments: Segments, k: Array, level: Array) -> Array:
             return np.clip(np.nan_to_num((level - segments.s_start[k]) / segments.slope[k]), 0.0, length)
     if segments.harmonics != 1 or segments.sloped:
         return _bracketed_crossing(segments, k, level, length)
-    # A falling stretch is its rising mirror image, so that mirrored motions give mirrored bits. The angle is
-    # arcsin(level/R); the arctangent with the complement keeps its distance to the extremum exact where level is near R.
+    # A falling stretch is computed as its rising mirror image: mirrored motions give mirrored bits. The angle is arcsin(level/R) by an
+    # arctangent, which is exact near an extremum.
     wave = segments.wave
     x = level - wave.offset[k]
     x *= wave.sign[k]
@@ -41,7 +41,7 @@ def crossing(segments: Segments, k: Array, level: Array) -> Array:
 
 
 def summed(rows: Array) -> Array:
-    """Sum of (terms, lanes) over the terms, one after the other: NumPy's own order depends on the number of lanes."""
+    """Sum of (terms, lanes) over the terms in their order: NumPy's own order depends on the number of lanes."""
     total = rows[0].copy() if len(rows) else np.zeros(rows.shape[1:])
     for row in rows[1:]:
         total += row
@@ -49,7 +49,7 @@ def summed(rows: Array) -> Array:
 
 
 def turn(angle: Array) -> tuple[Array, Array]:
-    """(sin, 1 - cos) of angles [rad], from the tangent of their half."""
+    """(sin, 1 - cos) of angles [rad], by the tangent of the half angle."""
     sin = np.tan(0.5 * angle)
     cosm = sin * sin
     over = 2.0 / (cosm + 1.0)
@@ -116,26 +116,19 @@ def _bracketed_crossing(segments: Segments, k: Array, level: Array, length: Arra
 
 def place(segments: Segments, k: Array, u: Array) -> tuple[Array, Array]:
     """The same position with the phase inside its segment; k is the number of segments at the end of the motion."""
-    last = len(segments)
-    over = np.flatnonzero((k < last) & (u >= segments.length[np.minimum(k, last - 1)]))
-    if over.size:
-        k, u = k.copy(), u.copy()
+    k, u, over = k.copy(), u.copy(), np.arange(k.size)
     while over.size:
+        over = over[k[over] < len(segments)]
+        over = over[u[over] >= segments.length[k[over]]]
         u[over] -= segments.length[k[over]]
         k[over] += 1
-        u[over[k[over] >= last]] = 0.0
-        over = over[(k[over] < last)]
-        over = over[u[over] >= segments.length[k[over]]]
+        u[over[k[over] == len(segments)]] = 0.0
     return k, u
 
 
 def phase_between(segments: Segments, k: Array, u: Array, to_k: Array, to_u: Array) -> Array:
     """Phase from one position to a later one, summed over whole segments so that 10^4 cycles lose no digits."""
-    phase = to_u - u
-    at = k
-    behind = np.flatnonzero(at < to_k)
-    if behind.size:
-        at = at.copy()
+    phase, at, behind = to_u - u, k.copy(), np.flatnonzero(k < to_k)
     while behind.size:
         phase[behind] += segments.length[at[behind]]
         at[behind] += 1

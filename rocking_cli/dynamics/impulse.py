@@ -1,7 +1,4 @@
-"""int |s| dphi from any place in a motion of sinusoids to its end, and the bodies that the rest of the motion cannot overturn.
-
-For the undamped linear oscillator on equal edges (Lemma 9).
-"""
+"""int |s| dphi from any place in a motion of sinusoids to its end; it bounds overturning of undamped linear oscillators (Lemma 9)."""
 
 from __future__ import annotations
 
@@ -22,8 +19,8 @@ _SURELY = 1.0 - 1e-9
 class ImpulseAhead(NamedTuple):
     """int |s| dphi to the end of the motion; arrays over segments.
 
-    zero: the phase at which s changes its sign in a segment, the start if it does not; sign: of s after that; turn, last: an
-    antiderivative of s at `zero` and at the segment's end; later: the integral after the segment, with room for rounding.
+    zero: the phase at which s changes its sign in a segment, 0 if it does not; sign: of s after that; turn, last: an antiderivative of s
+    at `zero` and at the segment's end; later: the integral after the segment, with room for rounding.
     """
 
     segments: Segments
@@ -35,7 +32,7 @@ class ImpulseAhead(NamedTuple):
 
     @classmethod
     def of(cls, segments: Segments) -> Self:
-        """Of a motion without jumps inside its segments, as all have it."""
+        """The integral of a motion."""
         k = np.arange(len(segments))
         changes = segments.s_start * segments.s_end < 0.0
         zero = np.where(changes, crossing(segments, k, np.zeros(k.size)), 0.0)
@@ -46,7 +43,7 @@ class ImpulseAhead(NamedTuple):
         return cls(segments, zero, sign, turn, last, np.append(np.cumsum(whole[::-1])[::-1][1:], 0.0) + _ROUNDING * size)
 
     def after(self, k: Array, u: Array) -> Array:
-        """From phase u of segment k on, 0 at the end of the motion; (lanes,)."""
+        """The integral from phase u of segment k on, 0 at the end of the motion; (lanes,)."""
         found = np.zeros(k.shape)
         at = np.flatnonzero(k < len(self.segments))
         k, u = k[at], u[at]
@@ -57,16 +54,12 @@ class ImpulseAhead(NamedTuple):
         return found
 
     def cannot_overturn(self, lanes: Lanes) -> Array:
-        """True for lanes at y = 0 that cannot be overturned any more: v + A int |s| dphi/Omega < 1 (Lemma 9)."""
-        room = _SURELY * (1.0 - np.abs(lanes.v)) * lanes.omega
-        found = lanes.amplitude * self.later[lanes.k] < room
-        at = np.flatnonzero(found)
-        found[at] = lanes.amplitude[at] * self.after(lanes.k[at], lanes.u[at]) < room[at]
-        return found
+        """True for lanes at y = 0 that nothing to come overturns: |v| + A int |s| dphi/Omega < 1 (Lemma 9)."""
+        return lanes.amplitude * self.after(lanes.k, lanes.u) < _SURELY * (1.0 - np.abs(lanes.v)) * lanes.omega
 
 
 def _antiderivative(segments: Segments, k: Array, u: Array) -> Array:
-    """Of s by the phase, at phase u of segment k."""
+    """An antiderivative of s at phase u of segment k."""
     _, _, cos = segment_value(segments, k, u)
     level = segments.s_start[k] - summed(segments.sin.take(k, axis=1))
     return (level + 0.5 * segments.slope[k] * u) * u - summed(cos / segments.frequency.take(k, axis=1))

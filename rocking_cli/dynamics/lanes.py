@@ -1,4 +1,4 @@
-"""Lanes of the march: the state of many rocking bodies, as arrays of one length; and what each cell asks of its sides."""
+"""Lanes of the march, the state of many rocking bodies as arrays of one length; and the drive of each cell on its sides."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ Array = np.ndarray
 
 
 class Cells(NamedTuple):
-    """What drives each cell, a row a side: (1, cells) where the sides are alike, else (2, cells), right edge and left edge.
+    """The drive of each cell, a row a side: (1, cells) if the sides are alike, else (2, cells): right edge (theta > 0), left edge.
 
-    The right edge is the one of theta > 0. amplitude: the drive's, in units of the side's uplift acceleration; omega:
-    omega_g / p of the side; eta: speed after over speed before an impact on leaving the side, both in the sides' own units.
+    amplitude: over the side's uplift acceleration; omega: omega_g / p of the side; eta: speed after over speed before an impact on leaving
+    the side, both in the sides' own units.
     """
 
     amplitude: Array
@@ -32,10 +32,9 @@ class Cells(NamedTuple):
 class Lanes(Arrays):
     """One body a lane. The side is stored, never inferred from a sign.
 
-    cell: index of the cell; amplitude, omega, eta: those of the side the body is on (`Cells`); k, u: position in the motion
-    (segment, phase in it); side: +1 or -1; y, v: displacement on that side in its own unit and its derivative by its own tau;
-    b: the force, y'' less what damping takes; peak: largest y at a turning point so far, in the unit of the present side;
-    impacts, steps: numbers so far.
+    cell: index of the cell; amplitude, omega, eta: of the present side (`Cells`); k, u: segment of the motion and phase in it; side: +1
+    or -1; y, v: displacement in the unit of the side and its derivative by the tau of the side; b: the force y'' + 2 zeta y'; peak:
+    largest y at a turning point so far, in the unit of the present side; impacts, steps: numbers so far.
     """
 
     cell: Array

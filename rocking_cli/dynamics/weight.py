@@ -1,13 +1,13 @@
-"""The drive of a body whose weight varies: ground that moves sideways and upwards at once.
+"""The drive of a body on ground that moves sideways and upwards, so that its weight varies.
 
 With a the outward drive over its value at uplift and w = 1 + zg''/g the weight over m g, the force on a side is f = -w l(y) + a m(y). At
-the ground it is c - 1, c = a + 1 - w the *net drive*. The windows of the drive need only the sign of c - 1: on the
-right edge c = -A (s + r s_v), on the left A (s - r s_v), with s_v the vertical motion and r the zg''/g that goes with A = 1 on the edge.
-So a body has two effective motions, one for each edge, cut into segments on which both are monotone.
+the ground it is c - 1, c = a + 1 - w the *net drive*: on the right edge c = -A (s + r s_v), on the left A (s - r s_v), with s_v the
+vertical motion and r the zg''/g of A = 1 on the edge. So each edge has an effective motion; segments are monotone in both.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
 from functools import lru_cache
 from typing import Any
@@ -24,13 +24,12 @@ from .drive import drive_change
 Array = np.ndarray
 
 _ALIKE = 1e-9  # of a piece: extremes this close are one
-_LONG = 1 << 16  # segments, from which on those of one motion are kept: they take 400 bytes each
+_LONG = 1 << 16  # segments of a motion, which take 400 bytes each: of longer motions only the last is kept
 
 
 @dataclass(frozen=True)
 class WeighedSegments(Segments):
-    """The horizontal motion on common segments; `later_max` and `later_min` are those of the net drives, on the left and the right edge, as
-    uplift needs them.
+    """The horizontal motion on common segments, with `later_max` of the left and `later_min` of the right effective motion.
 
     vertical: s_v; right, left: the effective motions; edges: these two, one after the other; inward: (later_max, later_min) of the
     horizontal motion; share: r of the right edge and the left one.
@@ -54,7 +53,7 @@ class WeighedSegments(Segments):
         return self
 
     def offset(self, side: Array) -> Array:
-        """The number to add to a segment for its place in `edges`."""
+        """The index in `edges` of the first segment of this side."""
         return np.where(side > 0.0, 0, len(self)).astype(np.int64)
 
     def sway(self, side: Array, amplitude: Array) -> Array:
@@ -71,25 +70,24 @@ class WeighedSegments(Segments):
         return -side * amplitude * _value(self.edges, k + self.offset(side), u)
 
     def force_at_impact(self, side: Array, amplitude: Array, k: Array, u: Array, _b: Array) -> Array:
-        """c - 1, on each side its own."""
+        """c - 1 of this side."""
         return self.net(side, amplitude, k, u) - 1.0
 
     def least_weight(self, side: Array, amplitude: Array, k: Array) -> Array:
         """The least w from segment k on."""
         sway, at = self.sway(side, amplitude), np.minimum(k, len(self) - 1)
-        return 1.0 + np.where(sway > 0.0, sway * self.vertical.later_min[at], sway * self.vertical.later_max[at])
+        return 1.0 + np.minimum(sway * self.vertical.later_min[at], sway * self.vertical.later_max[at])
 
     def hardest(self, side: Array, amplitude: Array, k: Array) -> Array:
-        """The strongest inward drive from segment k on, over the least w to come; infinite where that is none."""
+        """The strongest inward drive over the least w, from segment k on; infinite where the least w is not positive."""
         weight = self.least_weight(side, amplitude, k)
         inward = amplitude * np.where(side > 0.0, self.inward[0][k], -self.inward[1][k])
         return np.where(weight > 0.0, inward / weight, np.inf)
 
     def followed_by_rest(self, length: float) -> WeighedSegments:
-        """The same motion and then still ground, for a phase of this length [rad]."""
-        parts = [x.followed_by_rest(length) for x in (self.vertical, self.right, self.left)]
-        inward = (followed_by(self.inward[0], 0.0), followed_by(self.inward[1], 0.0))
-        return _weighed(super().followed_by_rest(length), parts[0], parts[1], parts[2], inward, self.share)
+        """The same motion, then the ground at rest for a phase of this length [rad]."""
+        parts = [super().followed_by_rest(length), *(x.followed_by_rest(length) for x in (self.vertical, self.right, self.left))]
+        return _weighed(parts, (followed_by(self.inward[0], 0.0), followed_by(self.inward[1], 0.0)), self.share)
 
 
 def _value(segments: Segments, k: Array, u: Array) -> Array:
@@ -98,7 +96,7 @@ def _value(segments: Segments, k: Array, u: Array) -> Array:
 
 
 def weighed(motion: Motion, right: float, left: float) -> Segments:
-    """The segments of a motion for a body whose edges have these r; those of the motion itself where it is not Biaxial."""
+    """The segments of a motion for a body whose edges have these r: `WeighedSegments` of a Biaxial motion, else its own."""
     if not isinstance(motion, Biaxial):
         return motion.segments
     return (_last if len(motion.segments) > _LONG else _many)(motion, right, left)
@@ -107,17 +105,17 @@ def weighed(motion: Motion, right: float, left: float) -> Segments:
 def _made(motion: Biaxial, right: float, left: float) -> Segments:
     signals = (motion.across, motion.vertical, combined(motion, right), combined(motion, -left))
     if isinstance(motion.across, Polyline):
-        across, vertical, at_right, at_left = (signal.segments for signal in signals)
-        return _weighed(across, vertical, at_right, at_left, (across.later_max, across.later_min), (right, left))
-    inner = [_apart(sorted(x for piece in pieces for x in extremes(piece)), pieces[0].stop - pieces[0].start)
-             for pieces in zip(*(signal.pieces for signal in signals[1:]), strict=True)]  # fmt: skip
-    across, vertical, at_right, at_left = (signal.cut(inner) for signal in signals)
-    own = motion.across.segments  # whose extremes lie between the common cuts
-    at = np.maximum(np.searchsorted(own.start, across.start, side="right") - 1, 0)
-    return _weighed(across, vertical, at_right, at_left, (own.later_max[at], own.later_min[at]), (right, left))
+        parts = [signal.segments for signal in signals]
+    else:
+        inner = [_apart(sorted(x for piece in pieces for x in extremes(piece)), pieces[0].stop - pieces[0].start)
+                 for pieces in zip(*(signal.pieces for signal in signals[1:]), strict=True)]  # fmt: skip
+        parts = [signal.cut(inner) for signal in signals]
+    own = motion.across.segments  # its extremes lie between the common cuts
+    at = np.maximum(np.searchsorted(own.start, parts[0].start, side="right") - 1, 0)
+    return _weighed(parts, (own.later_max[at], own.later_min[at]), (right, left))
 
 
-_last, _many = lru_cache(maxsize=1)(_made), lru_cache(maxsize=64)(_made)  # the segments of a long motion are large
+_last, _many = lru_cache(maxsize=1)(_made), lru_cache(maxsize=64)(_made)
 
 
 def _apart(marks: list[float], length: float) -> list[float]:
@@ -128,20 +126,19 @@ def _apart(marks: list[float], length: float) -> list[float]:
     return kept
 
 
-def _weighed(
-    across: Segments, vertical: Segments, right: Segments, left: Segments, inward: tuple[Any, Any], share: tuple[float, float]
-) -> WeighedSegments:
+def _weighed(parts: Sequence[Segments], inward: tuple[Any, Any], share: tuple[float, float]) -> WeighedSegments:
+    """parts: of the horizontal, the vertical and the effective motions at the right and the left edge, on common cuts."""
+    across = parts[0]
+    vertical, right, left = (replace(part, length=across.length) for part in parts[1:])
     own = {f.name: getattr(across, f.name) for f in fields(Segments)}
     own |= {"later_max": left.later_max, "later_min": right.later_min}
-    vertical, right, left = (replace(part, length=across.length) for part in (vertical, right, left))
     both = {f.name: _joined(getattr(right, f.name), getattr(left, f.name)) for f in fields(Segments)}
     return WeighedSegments(**own, vertical=vertical, right=right, left=left, edges=Segments(**both), inward=inward, share=share)
 
 
 def _joined(a: Any, b: Any) -> Any:
-    """Two arrays over segments, one after the other; of sinusoids as many as the richer one has."""
-    if a.ndim == 1:
-        return np.concatenate([a, b])
-    rows = max(len(a), len(b))
-    a, b = (np.concatenate([x, np.zeros((rows - len(x), x.shape[1]))]) for x in (a, b))
-    return np.concatenate([a, b], axis=1)
+    """Two arrays over segments, one after the other; missing sinusoids are 0."""
+    if a.ndim == 2:
+        rows = max(len(a), len(b))
+        a, b = (np.pad(x, ((0, rows - len(x)), (0, 0))) for x in (a, b))
+    return np.concatenate([a, b], axis=-1)

@@ -1,7 +1,4 @@
-"""Bodies that lose next to nothing at impacts and are not lifted again: they bounce to the end of a record, at one action.
-
-Undamped, on equal edges, under straight lines without jumps: Lemma 14 and its letters.
-"""
+"""Undamped bodies with equal edges that keep nearly all speed at impacts: they bounce to the end of a record at one action (Lemma 14)."""
 
 from __future__ import annotations
 
@@ -16,13 +13,13 @@ from ..lanes import Cells, Lanes
 
 Array = np.ndarray
 
-_KEEPS = 0.99  # of its speed at an impact: bodies that keep less come to rest soon enough
+_KEEPS = 0.99  # eta above which bodies are tested: others come to rest soon
 _FIRST = 16  # steps of a lane before the first test
 _ROOM = (0.05, 0.1, 0.2, 0.4, 0.8)  # for G
 _SMALL = 0.095  # of D^2/g
 _PEAK = 1.17  # over W/D: 1.053 during the shaking, and after it, where a goes to 0 with M <= 1.05 y, 1.053 (1 + 1.106 e/D) D
-_JOINED = 1e-15  # of the largest s: lines that are joined differ by no more
-_SURELY = 1.0 - 1e-6  # part of a bound that is used, which rounding never needs
+_JOINED = 1e-15  # of the largest s: a larger change between lines is a jump
+_SURELY = 1.0 - 1e-6  # part of a bound that is used: the rest is room for rounding
 
 
 def keeps_bouncing(equation: Equation, cells: Cells, segments: Segments) -> bool:
@@ -31,8 +28,8 @@ def keeps_bouncing(equation: Equation, cells: Cells, segments: Segments) -> bool
 
 
 def bounces_on(segments: Segments, lanes: Lanes, equation: Equation) -> Array:
-    """Lanes of an undamped body with equal sides, just after an impact, that bounce near the ground until the shaking is over and never
-    rise above their peak, under straight lines. Lanes are tested after `_FIRST` steps, then each time that the number has doubled."""
+    """True for lanes just after an impact that bounce below their peak until the shaking is over. Lanes are tested after `_FIRST` steps,
+    then each time that the number has doubled."""
     found = np.zeros(lanes.v.shape, dtype=bool)
     looks = (lanes.steps >= _FIRST) & (lanes.steps & (lanes.steps - 1) == 0) & (lanes.eta > _KEEPS) & (lanes.v > 0.0)
     at = np.flatnonzero(looks & (lanes.b < 0.0) & (lanes.b > -2.0))
@@ -50,11 +47,11 @@ def bounces_on(segments: Segments, lanes: Lanes, equation: Equation) -> Array:
 
 
 def ceiling(segments: Segments, lane: Lanes, gain: float) -> float:
-    """A bound of all peaks to come of one body just after an impact that nothing lifts again [y]; infinite where it is not proved."""
+    """A bound of all later peaks [y] of one body just after an impact if nothing lifts it again; infinite if none is proved."""
     (k,), (u,), (amplitude,), (omega,), (v,), (b,) = (x.tolist() for x in (lane.k, lane.u, lane.amplitude, lane.omega, lane.v, lane.b))
     torn = _JOINED * amplitude * max(float(segments.later_max[0]), -float(segments.later_min[0]))
     now, sums, most, steepest, tall = abs(1.0 + b), 0.0, 0.0, 0.0, 0.0
-    if now == 1.0:  # a force that is lost against 1
+    if now == 1.0:  # the force is below rounding
         return np.inf
     end, before, phase_before = now, 0.0, 0.0  # of the line before: c at its end, c', the factor of phi
     for part in blocks(len(segments) - k):

@@ -37,9 +37,9 @@ class FreeMotion(NamedTuple):
 
 
 class Contact(ABC):
-    """How a body stands on the ground. The methods here hold for edges that are alike, or for a single one.
+    """How a body stands on the ground. The methods here hold for equal edges and for a single one.
 
-    alike: True if both edges are free and alike, as the bounds of an envelope need it.
+    alike: True if both edges are free and equal.
     """
 
     alike = False
@@ -54,7 +54,7 @@ class Contact(ABC):
 
     @abstractmethod
     def other_side(self, lanes: Lanes) -> OtherSide | None:
-        """The side on which lanes land at their next impact; None if it is always this one."""
+        """The side on which lanes land at their next impact; None for the same side."""
 
     def strongest(self, cells: Cells, segments: Segments) -> Array:
         """The motion's strongest drive of each cell over its value at uplift: above 1 the body lifts off, (cells,)."""
@@ -73,7 +73,7 @@ class Contact(ABC):
         return rate
 
     def sequence_ends(self, segments: Segments, lanes: Lanes, equation: Equation) -> Array:
-        """Lanes just after an impact whose sequence of impacts is proved to end in rest before anything else can happen (Lemma 7)."""
+        """True for lanes just after an impact whose sequence of impacts is proved to end in rest before any other event (Lemma 7)."""
         return sequence_ends(segments, lanes, equation, self.other_side(lanes))
 
     def sequence_time(self, lanes: Lanes, weight: Array | float = 1.0) -> Array:
@@ -81,7 +81,7 @@ class Contact(ABC):
         return sequence_time(lanes, self.other_side(lanes), weight)
 
     def free_motion(self, equation: Equation, lanes: Lanes, at: Array, y: Array, v: Array) -> FreeMotion:
-        """Outcome of the lanes of these indices, which are at y >= 0, v when the shaking is over, undamped (Lemma 8, Eq. 2.7)."""
+        """Outcome of undamped lanes of these indices, at y >= 0 and v when the shaking is over (Lemma 8, Eq. 2.7)."""
         lanes = lanes.take(at)
         other, here = self.other_side(lanes), equation.on(lanes.side, lanes.cell)
         there, back, unit = (here, lanes.eta, 1.0) if other is None else (equation.on(-lanes.side, lanes.cell), other.back, other.rotation)

@@ -1,4 +1,4 @@
-"""Sequences of impacts that are longer than the march follows: Lemma 7 (b)."""
+"""Sequences of impacts that take more steps than the march allows (Lemma 7 (b))."""
 
 from __future__ import annotations
 
@@ -14,16 +14,15 @@ from .sequences import BELOW_ROUNDING
 
 Array = np.ndarray
 
-_EVERY = 32  # steps of a lane from one look to the next
-_SHARES = (0.003, 0.01, 0.03, 0.1, 0.25, 0.5)  # of the segment that is left: stretches to fill with bounces
+_EVERY = 32  # steps of a lane from one test to the next
+_SHARES = (0.003, 0.01, 0.03, 0.1, 0.25, 0.5)  # of the rest of the segment: ends of the stretches that bounces fill
 
 
 def outlasts(segments: Segments, lanes: Lanes, equation: Equation, most: int) -> Array:
-    """Lanes of a body with equal sides, just after an impact, that are bound to take more than `most` steps.
+    """True for lanes with equal sides, just after an impact, that need more than `most` steps.
 
-    G^2 is the last over the first force on the side whose force grows. A sequence may end before only if it ends within the segment. That
-    takes a speed below (1 - eta^2) M of the time left, M the largest 1 - |a|, or one below rounding, while `most` impacts leave at least
-    eta^most v/G', G' the same root on the side whose force falls.
+    G^2 is the last over the first force on the side whose force grows, G'^2 on the other. A sequence ends early only within the segment:
+    with a speed below (1 - eta^2) M times the time left, M the largest 1 - |a|, or below rounding. `most` impacts leave eta^most v/G'.
     """
     found = np.zeros(lanes.v.shape, dtype=bool)
     at = np.flatnonzero((lanes.steps % _EVERY == 0) & (lanes.v > 0.0) & (lanes.y == 0.0) & (lanes.b < 0.0) & (lanes.b > -2.0))

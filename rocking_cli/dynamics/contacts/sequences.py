@@ -1,4 +1,4 @@
-"""Sequences of impacts that die out: the proof that they end in rest before anything else happens (Lemma 7), and how long they last."""
+"""Sequences of impacts that end in rest before any other event (Lemma 7): the proof, and their duration."""
 
 from __future__ import annotations
 
@@ -14,10 +14,9 @@ from ..lanes import Lanes
 
 Array = np.ndarray
 
-# Without loss at impacts a sequence never ends, with hardly any its end lies beyond counting; one this slow and this low is the same as
-# rest to every digit of theta/alpha.
+# With (nearly) no loss at impacts a sequence (nearly) never ends: a speed and a height below these are rest to every digit of theta/alpha.
 BELOW_ROUNDING, LOWEST = 1e-12, 1e-16
-_HARDLY_LOSES = 1.0 - 1e-6  # part of the speed that a cycle keeps
+_HARDLY_LOSES = 1.0 - 1e-6  # part of the speed that such a cycle keeps
 
 
 @dataclass
@@ -36,7 +35,7 @@ class OtherSide(Arrays):
 
 
 def sequence_ends(segments: Segments, lanes: Lanes, equation: Equation, there: OtherSide | None) -> Array:
-    """Lanes for which Lemma 7 holds; false if an arc could rise above the lane's peak so far, (lanes,)."""
+    """True for lanes for which Lemma 7 holds and no arc rises above the lane's peak so far, (lanes,)."""
     v, keeps = lanes.v, lanes.eta if there is None else there.eta * there.back
     slow = np.flatnonzero((lanes.b < 0.0) & ((v * v < 0.05 * lanes.b * lanes.b) | (v < BELOW_ROUNDING)))
     gap = np.zeros(v.shape)

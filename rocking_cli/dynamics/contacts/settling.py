@@ -1,7 +1,4 @@
-"""Bodies that are not lifted again: from an impact on they bounce to the end of the shaking, below their peak.
-
-For the undamped linear oscillator on equal edges: Lemma 7 (a).
-"""
+"""Undamped linear oscillators on equal edges that are not lifted again: they bounce to the end of the shaking (Lemma 7 (a))."""
 
 from __future__ import annotations
 
@@ -14,7 +11,7 @@ Array = np.ndarray
 
 
 def settles(segments: Segments, lanes: Lanes) -> Array:
-    """True for lanes just after an impact that stay on or near the ground until the shaking is over, and below their peak for good."""
+    """True for lanes just after an impact that bounce or rest until the shaking is over and never rise above their peak."""
     drive, ends = 1.0 + lanes.b, -lanes.side * lanes.amplitude * segments.s_end[lanes.k]
     left = 1.0 - np.maximum(np.maximum(np.abs(drive), np.abs(ends)), lanes.amplitude * segments.largest_later[lanes.k])
     variation = np.abs(ends - drive) + lanes.amplitude * segments.variation[lanes.k]
