@@ -112,10 +112,10 @@ v^2. Proof. Over an arc v^2 changes by int 2 y' a = -int 2 y da. While v^2 <= 3/
 y'' <= y - 1 + e. So an arc multiplies v^2 by at most 1 + 4/3 dV/(1 - e), and an impact lowers it.
 (b) More impacts than the march follows. On a stretch of a monotone segment with 1 - |a| >= m arcs begin with at most G v and last at most
 2 G v/(m - e), e < m/2, so a known number of them fills the stretch, unless the sequence ends before.
-Used in `contacts.sequences.sequence_ends`; (a) in `contacts.settling.settles`; (b) in `contacts.long_sequences.outlasts`.
+Used in `contacts.sequences.sequence_ends`; (a) in `contacts.sequences.settles`; (b) in `contacts.sequences.outlasts`.
 Test `test_lemmas.py::test_lemma_7_a_summed_sequence_ends_before_anything_else_happens`,
-`contacts/test_settling.py::test_marching_on_finds_the_same_peak`,
-`contacts/test_long_sequences.py::test_given_up_is_what_would_have_been_given_up`.
+`contacts/test_sequences.py::test_marching_on_finds_the_same_peak`,
+`contacts/test_sequences.py::test_given_up_is_what_would_have_been_given_up`.
 
 # Lemma 8 (free motion)
 

@@ -1,6 +1,6 @@
-"""The choice of equation, contact and reference for a structure: the registry of equations and the user's method.
+"""The choice of equation, contact and reference for a structure; a new equation is one entry of EQUATIONS.
 
-A new equation is one entry of EQUATIONS. Equations and contacts that most structures do without are imported where one is needed.
+Equations and contacts that few structures need are imported where they are used.
 """
 
 from __future__ import annotations
@@ -94,7 +94,8 @@ MODELS = tuple(dict.fromkeys(kind.model for kind in EQUATIONS))
 
 @dataclass(frozen=True)
 class Method:
-    """The equation of motion and, if it is not exact, the error of theta/alpha that is aimed at. Raises UsageError."""
+    """The model and the tolerance of theta/alpha, which an exact model does not use. Raises UsageError for an unknown model or a tolerance
+    out of range."""
 
     model: str = MODELS[0]
     tolerance: float = TOLERANCE
@@ -118,7 +119,7 @@ class Method:
         return None if self.exact else self.tolerance
 
     def kind_of(self, structure: RockingParameters) -> EquationKind:
-        """The equation that answers for a structure. Raises UsageError where the model has none for it."""
+        """The equation of the model for a structure. Raises UsageError if the model has none."""
         for kind in EQUATIONS:
             if kind.model == self.model and kind.serves(structure):
                 return kind
@@ -144,11 +145,11 @@ class Method:
             raise UsageError(f"{structure.name}: {error}") from None
 
     def mixes(self, structure: RockingParameters) -> bool:
-        """True if its cells can share one system with those of other such structures: undamped bodies whose two edges are alike."""
+        """True for an undamped body with equal edges, whose cells can share one system with those of other such bodies."""
         return self.kind_of(structure).of_cells is not None and structure.plain
 
     def system_of_cells(self, structures: Sequence[RockingParameters], counts: Sequence[int]) -> System:
-        """One system for `counts` cells of each of these structures, which are one (`shares`) or mix. Raises UsageError as `system_of`."""
+        """One system for `counts` cells of each of these structures, which have equal `shares` or mix. Raises UsageError as `system_of`."""
         one, of_cells = self.system_of(structures[0]), self.kind_of(structures[0]).of_cells
         if len({(*self.shares(s), self.body_of(s)) for s in structures}) == 1:
             return one
@@ -166,8 +167,7 @@ class Method:
         return Body(tuple(e.alpha for e in edges), kappa, self.exact, structure.damping, structure.one_sided, a_scale)
 
     def shares(self, structure: RockingParameters) -> tuple[Any, ...]:
-        """Structures for which this is equal are one system; with equal restitutions too they share one dimensionless computation,
-        as sections 3.3 and 4 of the paper have it."""
+        """A key: structures with equal keys are one system, and with equal restitutions one dimensionless computation (sections 3.3, 4)."""
         return structure.one_sided, structure.sides, structure.damping, self.kind_of(structure).shares(structure)
 
     def reference_of(self, structure: RockingParameters) -> Reference:
@@ -189,23 +189,20 @@ LINEAR = Method()
 def governing_method(
     *structures: RockingParameters, model: str | None = None, tolerance: float = TOLERANCE, dimensionless: bool = False
 ) -> Method:
-    """The equation of a run: that of `model` where it is given; else the nonlinear one where the geometry of all structures is known and
-    the motion has units (a_g, f_g, a record); else the linear one, on dimensionless axes (A, Omega) and for stated parameters. Raises
-    UsageError for an unknown model or a tolerance out of range.
-
-    The linear equation is not safe: it may spare a body that Eq. 2.3 overturns.
+    """The method of a run: the given model; else the nonlinear one if the geometry of all structures is known and the motion has units
+    (a_g, f_g, a record); else the linear one, which is not safe: a body that Eq. 2.3 overturns may survive. Raises UsageError as `Method`.
     """
     nonlinear = Method(MODELS[-1] if model is None else model, tolerance)
     return nonlinear if model is not None or (not dimensionless and all(map(_known, structures))) else LINEAR
 
 
 def _known(structure: RockingParameters) -> bool:
-    """True if the geometry of a structure is known, and the nonlinear equation has a form for it."""
+    """True if the geometry of a structure is known and there is a nonlinear equation for it."""
     return structure.structure != "parameters" and Method(MODELS[-1]).serves(structure)
 
 
 def model_in_words(method: Method, *structures: RockingParameters, model: str | None = None, dimensionless: bool = False) -> str:
-    """The line that names the equation of a run, with the reason if it is the linear one by default. Arguments of `governing_method`."""
+    """The line that names the model of a run, with the reason if it is linear by default. Parameters as of `governing_method`."""
     line = f"model: {method.model}"
     if model is not None or method != LINEAR:
         return line
@@ -216,7 +213,7 @@ def model_in_words(method: Method, *structures: RockingParameters, model: str | 
 
 
 def contact_of(structure: RockingParameters, equation: Equation) -> Contact:
-    """How a structure stands on the ground."""
+    """The contact of a structure under an equation."""
     if structure.one_sided:
         from .contacts.one_sided import OneSided
 

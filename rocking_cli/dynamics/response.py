@@ -1,4 +1,4 @@
-"""The response of arrays of cells: the march's front door."""
+"""The response of arrays of cells; ground forces and angular speeds with it."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 Array = np.ndarray
 Cells = tuple[Array, Array, Array]  # A, Omega and eta, of one shape
 
-_LIKELY = 2.0  # times the push that is proved beforehand: beyond it most cells would have to be looked at afterwards
+_LIKELY = 2.0  # times the push that is proved beforehand: cells beyond it are watched while they march
 
 
 @dataclass(frozen=True)
@@ -32,8 +32,7 @@ class Response:
     """Result for each cell, in the shape of the input.
 
     theta_ratio: max over time of |theta|/alpha [-], NaN where overturned or failed; outcome: uint8 codes of `Outcome`;
-    impacts: int32, impacts during the shaking (without those of bouncing that is closed in one step, since it ends in rest or nothing
-    lifts it again); work: counters.
+    impacts: int32, impacts during the shaking without those of sequences that are closed in one step; work: counters.
     """
 
     theta_ratio: Array
@@ -47,11 +46,10 @@ def response(
 ) -> Response:
     """Largest rotation and outcome of one system under one motion (Eqs. 2.3, 2.4, 2.6, 3.4).
 
-    Parameters: amplitude A = a_scale a_g / (alpha g) [-], finite and not negative; omega Omega = omega_g / p [-], positive and
-    finite; of a body with two unequal edges both are those of the edge that lifts first. eta [-]: within [0, 1], within (-1, 0]
-    of a one-sided body, not used where the two edges have restitutions of their own. They are broadcast against each other.
-    peaks: whether theta_ratio is wanted; without it only the outcome is computed and theta_ratio is NaN. pool: lanes advanced
-    together, None for what suits the equation. Raises ValueError when a number is out of range.
+    amplitude: A = a_scale a_g / (alpha g) [-], finite, not negative; omega: Omega = omega_g / p [-], finite, positive; if the edges differ
+    both are those of the edge that lifts first. eta [-]: within [0, 1], of a one-sided body within (-1, 0], not used if the edges have
+    restitutions of their own. They are broadcast against each other. peaks: False computes the outcome only, theta_ratio is NaN. pool:
+    number of lanes advanced together, None for the default. Raises ValueError for a number out of range.
 
     >>> (column,) = load_structures('configs/block.yaml')
     >>> found = response(Method('nonlinear').system_of(column), sine(), 1.5, 6.0, column.eta)
@@ -126,8 +124,8 @@ def _stepper_of(system: System, motion: Motion, pool: int | None, jumps: bool) -
 
 
 def that_left_the_ground(system: System, motion: Motion, cells: Cells, doubtful: Array, theta_ratio: Array | None) -> Array:
-    """Indices of the `doubtful` cells, bodies that rock upright, that lose the ground. Cells of which neither the amplitude nor the
-    rotation, where it is given, proves that they press on it are marched once more."""
+    """Indices of those `doubtful` cells, of bodies that rock and survive, that lose the ground. Cells are marched once more if neither
+    their amplitude nor their rotation, if it is given, proves that they press on the ground."""
     if system.own:
         ends = np.cumsum([count for _, count in system.own])
         found = []
@@ -159,8 +157,8 @@ def response_with_demands(
 ) -> tuple[Response, dict[str, Array]]:
     """`response`, and the ground forces by name: `friction`, the largest |Fx|/Fz [-], and `fz_min`, the least Fz over m g [-], to 1e-6.
 
-    Both are NaN where the body overturns. They come from a run of their own, of the bodies that stay upright. found: the response, where it
-    is known. Raises ValueError for a system without a `body` of a_scale 1.
+    Both are NaN where the body overturns. A second run of the bodies that stay upright computes them. found: the response, if it is known.
+    Raises ValueError for a system without a `body` of a_scale 1.
     """
     if system.body is None or not system.body.moves_with_the_ground:
         raise ValueError("demands need a system with a body, whose a_scale is 1")

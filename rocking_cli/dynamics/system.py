@@ -1,4 +1,4 @@
-"""A rocking structure as the march takes it: an equation of motion and a contact."""
+"""A rocking structure for the march: an equation of motion and a contact."""
 
 from __future__ import annotations
 
@@ -19,10 +19,10 @@ _SYMMETRIC = Symmetric()
 
 @dataclass(frozen=True)
 class System:
-    """An equation of motion on a contact; `Symmetric` unless given.
+    """An equation of motion on a contact, `Symmetric` unless given.
 
-    scale: alpha/a_scale, the ground acceleration over g of A = 1 [-]; body: for forces on the ground, None if they are not known; own: if
-    the cells belong to several structures, the system of each of these and its number of cells, in the order of the cells.
+    scale: alpha/a_scale, the ground acceleration over g of A = 1 [-]; body: None if the forces on the ground are not known; own: the
+    (system, number of cells) of each structure, in the order of the cells, if there are several structures.
     """
 
     equation: Equation
@@ -32,7 +32,7 @@ class System:
     own: tuple[tuple[System, int], ...] = ()
 
     def segments(self, motion: Motion) -> Segments:
-        """The segments of a motion; weighed for this body where it has a vertical part, for which the scale must be known (ValueError)."""
+        """The segments of a motion, `WeighedSegments` if it has a vertical part. Raises ValueError for such a motion without a scale."""
         if motion.vertical is None:
             return motion.segments
         if self.scale is None:
@@ -43,8 +43,7 @@ class System:
         return weighed(motion, float(share[0]), float(share[-1]))
 
     def safe_amplitude(self, motion: Motion) -> float:
-        """The amplitude A up to which the body is proved to press on the ground unless it overturns [-]; infinite if its forces are not
-        known."""
+        """The amplitude A up to which Fz > 0 is proved unless the body overturns [-]; infinite if its forces are not known."""
         if self.own:
             return min(system.safe_amplitude(motion) for system, _ in self.own)
         if self.body is None or self.scale is None or not motion.peak:
@@ -55,7 +54,7 @@ class System:
         return min(push / scale for push, scale in zip(pushes, scales, strict=True)) / (self.scale * motion.peak)
 
     def least_uplift(self, motion: Motion) -> float:
-        """The least amplitude A at which a motion lifts the body, or the ground falls away from it [-]; infinite if there is none."""
+        """The least amplitude A at which the body lifts off or the ground falls away [-]; infinite if there is none."""
         one, segments = self.contact.cells(self.equation, np.ones(1), np.ones(1), np.zeros(1)), self.segments(motion)
         strongest = float(self.contact.strongest(one, segments)[0])
         if (weighed := segments.weighed) is not None:  # w < 0 above 1/|w - 1| of A = 1, also where a wall holds the body

@@ -12,8 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...motions.segments import Segments
-from ..contacts.long_sequences import outlasts
-from ..contacts.settling import settles
+from ..contacts.sequences import outlasts, settles
 from ..lanes import Lanes
 from ..outcome import Outcome
 from .batch import Batch
