@@ -18,7 +18,7 @@ import numpy as np
 from ...dynamics.march.account import Work
 from ...dynamics.method import LINEAR
 from ...dynamics.outcome import Difference, Outcome, difference
-from ...dynamics.response import Response, response, response_with_demands, that_left_the_ground
+from ...dynamics.response import Response, response, response_with_demands, response_with_speed, that_left_the_ground
 from ...motions import Motion
 from ...processes import Run, processes
 from ...structures.parameters import RockingParameters
@@ -145,8 +145,6 @@ class Job:
         beside: dict[str, np.ndarray] = {}
         known: Response | None = None
         if "velocity_ratio" in self.quantities:
-            from ...dynamics.response import response_with_speed
-
             known, rate = response_with_speed(system, motion, *cells)
             beside["velocity_ratio"] = rate * np.repeat([s.alpha for s in structures], counts)
         if self.forces:
