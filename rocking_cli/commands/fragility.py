@@ -122,7 +122,7 @@ def fragility(
         raise click.UsageError("--shard, --scheduler and --resume go with -o OUT.h5")
     studies = list(_studies(structures, members, measure, levels, equation, wanted, sweep, texts))
     if not studies:
-        note(f"{wanted.output}: {sweep.shard} is written; rocking merge puts the parts together, and --resume reads the whole")
+        note(f"{wanted.output}: {sweep.shard} is written; join the shards by rocking merge, then repeat the call with --resume")
         return 4 if shaken.unread else 0
     refused: list[str] = []
     if wanted.efficiency:

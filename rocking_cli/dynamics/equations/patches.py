@@ -258,7 +258,7 @@ def _fit(path: _Path, start: float, stop: float, depth: int) -> list[tuple[float
 
 
 def _integral(coefficients: Array, edges: Array, centre: Array, half: Array) -> Array:
-    """The integral from y = 0 of a function by patches."""
+    """The coefficients, by patches, of the integral from y = 0 of a function given by patches."""
     n = np.arange(1, coefficients.shape[0] + 1)[:, None]
     raised = np.concatenate([np.zeros((1, centre.size)), coefficients * half / n])
     total = 0.0

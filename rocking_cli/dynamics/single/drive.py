@@ -86,7 +86,7 @@ class Reel:
         return block
 
     def waves(self, k: int) -> tuple[Wave, ...]:
-        """Of a segment that is not straight: of the motion, and the vertical one where there is one."""
+        """The waves of a segment that is not straight: the horizontal one, and the vertical one if there is one."""
         found = self._waves.get(k)
         if found is None:
             signals = [self.segments] if self.vertical is None else [self.segments, self.vertical]

@@ -69,7 +69,7 @@ def _text(law: Law, order: int, damped: bool, straight: bool, weighed: bool) -> 
 
 
 def _lines(law: Law, order: int, damped: bool, straight: bool, weighed: bool) -> list[str]:
-    """The terms from Y2 on."""
+    """The source lines that compute the Taylor terms from Y2 on."""
     lines = [*law.start]
     for n in range(order - 1):
         if n:

@@ -39,7 +39,7 @@ class Layout:
     """A spectra file without its cells.
 
     frame: the places of its cells; chunk: (rows, columns); names: of the variables; scene: the identity of the scene; attributes: others of
-    the root, of which shard is "i/n" for the part of the chunks that the file will hold, and absent where any may be missing.
+    the root, with shard "i/n" for the i-th of n parts, and without shard if any chunks may be missing.
     """
 
     frame: Frame
