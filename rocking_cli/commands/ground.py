@@ -149,7 +149,7 @@ class Source:
 class Motions(Reading, Source):
     """The ground motion: a pulse, a motion document, a record or a set of them."""
 
-    scale: float | None = option("--scale", type=float, metavar="FACTOR", help="Factor of the motion; a negative factor reverses it.")
+    scale: float | None = option("--scale", type=float, metavar="FACTOR", help="Factor of the motion; a negative one reverses it.")
     scale_to: str | None = option("--scale-to", metavar="IM=VALUE", help="Scale a record to an intensity measure, such as PGA=0.35g.")
 
     def one(self, vertical: Vertical | None = None) -> Ground:

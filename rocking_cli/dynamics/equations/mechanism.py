@@ -113,7 +113,7 @@ class MechanismEquation(Equation):
         return known.fastest
 
     def _compose(self, y: Array, over: Array, lift: Array, push: Array, drive: Array, unit: Array, weight: Array | None) -> None:
-        """Compute the Taylor terms of y from the second on, in place, with F and G as power series of y - y0; weight: its terms if it varies."""
+        """Compute terms 2 ... of y in place, with F and G as power series of y - y0; weight: its terms if it varies."""
         count, lanes = len(y) - 2, y.shape[1]
         power = np.zeros((count, count, lanes))  # [j, n]: term n of ((y - y0) / half)^j
         pushes = np.empty(drive.shape)  # G along the motion
