@@ -37,8 +37,8 @@ class Point(NamedTuple):
 class Flow(Protocol):
     """The motion of each lane from its present state on, until the next impact or the end of a piece.
 
-    damping: zeta [-]; y, v, b: displacement, velocity and acceleration at the start, (lanes,); longest: longest step [tau] that it can be
-    followed, (lanes,); fastest: rate [1/tau] of its fastest change, for the roots' tolerances, (lanes,).
+    damping: zeta [-]; y, v, b: displacement, velocity and acceleration at the start, (lanes,); longest: longest step [tau], (lanes,);
+    fastest: rate [1/tau] of the fastest change, for the roots' tolerances, (lanes,).
     """
 
     @property
@@ -116,7 +116,7 @@ class Equation(ABC):
     at which a drive of s = 1 lifts the body; limit: y from which the body counts as overturned whatever comes (it lies on its side, the
     linkage has collapsed); barrier: energy (`fall`) of a body that leaves the ground and just reaches its unstable equilibrium; bounds: the
     largest l and m from the ground up to the limit; bounded: True if an envelope may use Lemmas 9 and 10; pool: lanes that the march
-    advances together, for the best use of the caches.
+    advances together; per_y, per_rotation: |theta|/alpha of y = 1, and y of |theta|/alpha = 1, where they are proportional.
     """
 
     tolerance: float
@@ -126,6 +126,8 @@ class Equation(ABC):
     barrier: Any
     bounds: tuple[Any, Any]
     bounded = False
+    per_y: Any = 1.0
+    per_rotation: Any = 1.0
     pool = 16384  # fewer rounds against arrays that no longer fit the caches, measured with series of 24 terms
 
     def __init__(self, damping: float) -> None:
@@ -141,9 +143,33 @@ class Equation(ABC):
     def flow(self, segments: Segments, lanes: Lanes) -> Flow:
         """The flow of the lanes from their present state."""
 
-    @abstractmethod
+    def along(self, y: Array) -> Callable[[int], Array]:
+        """Function of n that returns terms n of l and m, (2, lanes), along a motion from its terms 0 to n of y, (terms, lanes). It must be
+        called for n = 0, 1 ... in this order."""
+        raise NotImplementedError
+
     def ramp_terms(self, y: Array, v: Array, ramp: Ramp) -> Array:
         """Terms of y in powers of time over `ramp.unit` under a straight line, (degrees + 2, lanes); see `ramp`."""
+        terms = np.empty((len(ramp.factors) + 2, y.size))
+        terms[0] = y
+        np.multiply(v, ramp.unit, out=terms[1])
+        term, drag = self.along(terms), 2.0 * self.damping / ramp.unit
+        before = np.empty((2, y.size))
+        for n, factor in enumerate(ramp.factors):
+            lift, push = here = term(n)
+            pushed = np.multiply(ramp.drive, push, out=terms[n + 2])
+            if n:
+                pushed += ramp.gain * before[1]
+            pushed -= lift if ramp.weight is None else ramp.weight[0] * lift
+            if n and ramp.weight is not None:
+                pushed -= ramp.weight[1] * before[0]
+            if not n and ramp.force is not None:
+                pushed[:] = ramp.force
+            if self.damping:
+                pushed -= drag * ((n + 1) * terms[n + 1])
+            pushed *= factor
+            before = here
+        return terms
 
     @abstractmethod
     def law(self, side: float) -> Law:
@@ -153,17 +179,17 @@ class Equation(ABC):
     def force(self, y: Array, a: Array, weight: Array | float = 1.0) -> Array:
         """f at displacement y under the outward drive a and the weight w (`weight`)."""
 
-    @abstractmethod
     def rotation(self, y: Array) -> Array:
         """|theta|/alpha at displacement y, of any shape."""
+        return y * self.per_y
 
-    @abstractmethod
     def rotation_rate(self, y: Array, v: Array) -> Array:
-        """Its derivative by tau."""
+        """Derivative of |theta|/alpha by tau."""
+        return v * self.per_y
 
-    @abstractmethod
     def displacement(self, rotation: Array) -> Array:
         """y of |theta|/alpha."""
+        return rotation * self.per_rotation
 
     @abstractmethod
     def fall(self, y: Array, v: Array) -> tuple[Array, Array]:

@@ -108,18 +108,6 @@ class LinearEquation(Equation):
         """w (y - 1) + a."""
         return weight * (y - 1.0) + a
 
-    def rotation(self, y: Array) -> Array:
-        """y itself."""
-        return y
-
-    def rotation_rate(self, y: Array, v: Array) -> Array:
-        """v itself."""
-        return v
-
-    def displacement(self, rotation: Array) -> Array:
-        """|theta|/alpha itself."""
-        return rotation
-
     def fall(self, y: Array, v: Array) -> tuple[Array, Array]:
         """The unstable mode y - 1 + v, and v^2 at the ground, which is 1 - D0* of Eq. 2.7, without cancellation."""
         return y - 1.0 + v > 0.0, v * v + y * (2.0 - y)

@@ -14,6 +14,7 @@ sign tests of `windows` need. Where it no longer falls, or is below -50 times it
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from functools import cached_property
 
 import numpy as np
@@ -24,7 +25,7 @@ from ...structures.mechanics.kinematics import Mechanism
 from ..drive import summed
 from ..lanes import Lanes
 from .collocation import collocated
-from .equation import Equation, Law, Ramp, falls_by_energy
+from .equation import Equation, Law, falls_by_energy
 from .patches import DEGREE, inverse, largest, tabulate
 from .ramp import MOST_TERMS, ramp_flow
 from .taylor import LOCAL, TaylorSeries, blocks, drive_series, longest, order_for, powers
@@ -32,7 +33,6 @@ from .taylor import LOCAL, TaylorSeries, blocks, drive_series, longest, order_fo
 Array = np.ndarray
 
 _SHIFT = 4  # powers of x that a narrow patch's series is shifted with
-_TOGETHER = 3  # powers of the series that are raised in one sum
 _MARKS, _NEAR = 2048, 4  # marks of a finer table: within half their distance powers above the 4th are below 1e-13
 _CHOOSE = np.array([[math.comb(j + k, k) for j in range(MOST_TERMS)] for k in range(_NEAR + 1)], dtype=float)
 _LEFT = 0.1  # of a step's error that the series about marks may leave out
@@ -96,75 +96,30 @@ class MechanismEquation(Equation):
 
     def _fill(self, y: Array, segments: Segments, lanes: Lanes) -> Array:
         """Fill (order + 1, lanes) with the terms of y; returns the rate in whose powers they are."""
-        count = len(y) - 2
+        count, table = len(y) - 2, self.table
         known = drive_series(segments, lanes, count)
         weight, drive = known.parts
-        table = self.table
         at, x = table.of(lanes.y)
-        lift, push = self._local(at, x, count)
+        lift, push = local = self._local(at, x, count)
         unit2 = known.unit * known.unit
         if weight is None:
             lift *= unit2
         drive[0] = (unit2 * lanes.b + lift[0] * (1.0 if weight is None else weight[0])) / push[0]
-        over = 1.0 / table.half[at]
         y[0] = lanes.y
         np.multiply(lanes.v, known.unit, out=y[1])
-        self._compose(y, over, lift, push, drive, known.unit, weight)
+        term, (lifts, pushes) = _composed(local, y, 1.0 / table.half[at])
+        for n in range(count):
+            term(n)
+            pushed = np.einsum("il,il->l", drive[: n + 1], pushes[n::-1])
+            pushed -= lifts[n] if weight is None else np.einsum("il,il->l", weight[: n + 1], lifts[n::-1])
+            if self.damping:
+                pushed -= (2.0 * self.damping * (n + 1)) * known.unit * y[n + 1]
+            np.multiply(pushed, 1.0 / ((n + 1) * (n + 2)), out=y[n + 2])
         return known.fastest
 
-    def _compose(self, y: Array, over: Array, lift: Array, push: Array, drive: Array, unit: Array, weight: Array | None) -> None:
-        """Compute terms 2 ... of y in place, with F and G as power series of y - y0; weight: its terms if it varies."""
-        count, lanes = len(y) - 2, y.shape[1]
-        power = np.zeros((count, count, lanes))  # [j, n]: term n of ((y - y0) / half)^j
-        pushes = np.empty(drive.shape)  # G along the motion
-        pushes[0], fallen = push[0], lift[0]
-        lifts = np.empty_like(drive)  # F along the motion, where the weight varies
-        for n in range(count):
-            if n:
-                np.multiply(y[n], over, out=power[1, n])
-                _raise(power, n)
-                here = power[1 : n + 1, n]
-                fallen = np.einsum("jl,jl->l", lift[1 : n + 1], here)
-                np.einsum("jl,jl->l", push[1 : n + 1], here, out=pushes[n])
-            if weight is not None:
-                lifts[n] = fallen
-                fallen = np.einsum("il,il->l", weight[: n + 1], lifts[n::-1])
-            pushed = np.einsum("il,il->l", drive[: n + 1], pushes[n::-1])
-            pushed -= fallen
-            if self.damping:
-                pushed -= (2.0 * self.damping * (n + 1)) * unit * y[n + 1]
-            np.multiply(pushed, 1.0 / ((n + 1) * (n + 2)), out=y[n + 2])
-
-    def ramp_terms(self, y: Array, v: Array, ramp: Ramp) -> Array:
-        """Terms of y under a straight line: those of F and G about each y, composed with the series of y."""
-        count, lanes = len(ramp.factors), y.size
-        lift, push = self._near(y, count)
-        drag = 2.0 * self.damping / ramp.unit
-        terms = np.empty((count + 2, lanes))
-        terms[0] = y
-        np.multiply(v, ramp.unit, out=terms[1])
-        power = np.zeros((count, count, lanes))  # [j, n]: term n of (y - y0)^j
-        pushes, falls = np.empty((count, lanes)), np.empty((count, lanes))
-        pushes[0], falls[0] = push[0], lift[0]
-        for n in range(count):
-            if n:
-                power[1, n] = terms[n]
-                _raise(power, n)
-                here = power[1 : n + 1, n]
-                np.einsum("jl,jl->l", lift[1 : n + 1], here, out=falls[n])
-                np.einsum("jl,jl->l", push[1 : n + 1], here, out=pushes[n])
-            pushed = np.multiply(ramp.drive, pushes[n], out=terms[n + 2])
-            if n:
-                pushed += ramp.gain * pushes[n - 1]
-            pushed -= falls[n] if ramp.weight is None else ramp.weight[0] * falls[n]
-            if n and ramp.weight is not None:
-                pushed -= ramp.weight[1] * falls[n - 1]
-            if not n and ramp.force is not None:
-                pushed[:] = ramp.force
-            if self.damping:
-                pushed -= drag * ((n + 1) * terms[n + 1])
-            pushed *= ramp.factors[n]
-        return terms
+    def along(self, y: Array) -> Callable[[int], Array]:
+        """Terms of F and G from their series about each y."""
+        return _composed(self._near(y[0], len(y) - 2), y, 1.0)[0]
 
     def law(self, side: float) -> Law:
         """F and G are power series of y about each y, composed with the series of the motion."""
@@ -266,8 +221,20 @@ class MechanismEquation(Equation):
         return np.interp(e, self.marks[1], self.marks[0])
 
 
-def _raise(power: Array, n: int) -> None:
-    """Term n of the second and higher powers [j, n] of a series from its terms up to n; term m of power j is zero for m < j."""
-    for j in range(1, n, _TOGETHER):
-        last = min(n, j + _TOGETHER)
-        np.einsum("il,jil->jl", power[1, 1 : n - j + 1], power[j:last, n - 1 : j - 1 : -1], out=power[j + 1 : last + 1, n])
+def _composed(local: Array, y: Array, over: Array | float) -> tuple[Callable[[int], Array], Array]:
+    """Function that finds term n of F and G along a motion from its terms of y, and the array (2, terms, lanes) of those that it has
+    found; local: series of F and G in powers of (y - y0) `over`, (2, terms, lanes)."""
+    _, count, lanes = local.shape
+    power = np.zeros((count, count, lanes))  # [j, n]: term n of power j; it is zero for n < j
+    found = np.empty(local.shape)
+    found[:, 0] = local[:, 0]
+
+    def term(n: int) -> Array:
+        if n:
+            np.multiply(y[n], over, out=power[1, n])
+            np.einsum("il,jil->jl", power[1, 1:n], power[1:n, n - 1 : 0 : -1], out=power[2 : n + 1, n])
+            for function, row in zip(local, found, strict=True):
+                np.einsum("jl,jl->l", function[1 : n + 1], power[1 : n + 1, n], out=row[n])
+        return found[:, n]
+
+    return term, found

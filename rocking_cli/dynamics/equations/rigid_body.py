@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import copy
 import math
+from collections.abc import Callable
 from typing import Any, Self
 
 import numpy as np
@@ -20,7 +21,7 @@ import numpy as np
 from ...motions.segments import Segments
 from ...structures.parameters import LEAST_ALPHA
 from ..lanes import Lanes
-from .equation import Equation, Law, Ramp, convolution, falls_by_energy
+from .equation import Equation, Law, convolution, falls_by_energy
 from .ramp import ramp_flow
 from .taylor import TaylorSeries, blocks, drive_series, order_for, series
 
@@ -46,28 +47,27 @@ class RigidBodyEquation(Equation):
         super().__init__(damping)
         self.order, self.tolerance = order_for(tolerance), tolerance
         self._by_cell = isinstance(alpha, np.ndarray)
-        if isinstance(alpha, np.ndarray):
-            self._edges = [_of_cells(alpha)]
-        else:
-            self._edges = [_numbers(x) for x in (alpha if isinstance(alpha, tuple) else (alpha,))]
-            most = max(numbers["gain"] for numbers in self._edges)
-            self._edges = [{**numbers, "gain": most} for numbers in self._edges]
-        self.__dict__.update(self._edges[0])
+        kinds, which = np.unique(np.atleast_1d(alpha), return_inverse=True)
+        numbers = [_numbers(x) for x in kinds.tolist()]
+        self._each = {
+            key: np.array([x[key] for x in numbers])[which] for key in numbers[0]
+        }  # of the cells, or of the right edge and the left
+        if not self._by_cell:
+            self._each["gain"][:] = self._each["gain"].max()
+        self.__dict__.update(self._each if self._by_cell else {key: float(x[0]) for key, x in self._each.items()})
 
-    def _with(self, numbers: dict[str, Any]) -> Self:
-        """The same equation with the numbers of an edge, or of an edge a lane."""
+    def _at(self, lanes: Array | slice) -> Self:
+        """The equation with numbers of these lanes, cells or edges, of those that it has."""
         there = copy.copy(self)
-        there.__dict__.update(numbers)
+        there._each = {key: x[lanes] for key, x in self._each.items()}
+        there.__dict__.update(there._each)
         return there
 
     def on(self, side: Array, cell: Array | None = None) -> Self:
         """The same body on the edges that the lanes are on, or each lane's own body."""
         if self._by_cell:
-            return self if cell is None else self._with({key: numbers[cell] for key, numbers in self._edges[0].items()})
-        if len(self._edges) == 1:
-            return self
-        right, left = self._edges
-        return self._with({key: np.where(side > 0.0, right[key], left[key]) for key in right})
+            return self if cell is None else self._at(cell)
+        return self if len(self._each["alpha"]) == 1 else self._at((side < 0.0).astype(np.int64))
 
     def flow(self, segments: Segments, lanes: Lanes) -> TaylorSeries:
         """The series of every lane from its present state."""
@@ -75,7 +75,7 @@ class RigidBodyEquation(Equation):
             return ramp_flow(self, segments, lanes)
         y, fastest = np.empty((self.order + 1, lanes.y.size)), np.empty(lanes.y.size)
         for block in blocks(lanes.y.size):
-            own = self if isinstance(self.alpha, float) else self._with({key: getattr(self, key)[block] for key in self._edges[0]})
+            own = self if isinstance(self.alpha, float) else self._at(block)
             fastest[block] = own._fill(y[:, block], segments, lanes.take(block))
         return series(y, fastest, self.tolerance, self.damping)
 
@@ -117,47 +117,25 @@ class RigidBodyEquation(Equation):
         np.multiply(rate[2:], 1.0 / (np.arange(2.0, order + 1.0)[:, None] * -self.sin), out=y[2:])
         return known.fastest
 
-    def ramp_terms(self, y: Array, v: Array, ramp: Ramp) -> Array:
-        """Terms of y under a straight line: those of sin z/sin(alpha) and cos z/cos(alpha) follow from each other."""
-        rows, lanes = len(ramp.factors), y.size
-        terms, rate = np.empty((rows + 2, lanes)), np.empty((rows, lanes))  # rate: n y_n
-        turn, both = np.empty((rows, 2, lanes)), np.empty((2, lanes))
-        half = np.tan(0.5 * (self.alpha - self.sin * y))
+    def along(self, y: Array) -> Callable[[int], Array]:
+        """Terms of sin z/sin(alpha) and cos z/cos(alpha), which follow from each other."""
+        rows, lanes = len(y) - 2, y.shape[1]
+        rate, turn, both = np.empty((rows, lanes)), np.empty((rows, 2, lanes)), np.empty((2, lanes))  # rate: n y_n
+        half = np.tan(0.5 * (self.alpha - self.sin * y[0]))
         square = half * half
         over = 1.0 / (1.0 + square)
-        half *= 2.0 / self.sin
-        np.multiply(half, over, out=turn[0, 0])
-        np.subtract(1.0, square, out=square)
-        square *= over
-        np.multiply(square, 1.0 / self.cos, out=turn[0, 1])
-        terms[0] = y
-        np.multiply(v, ramp.unit, out=terms[1])
+        turn[0] = half * (2.0 / self.sin) * over, (1.0 - square) * over * (1.0 / self.cos)
         falls, pushes = -self.cos, self.square / self.cos
-        drag = 2.0 * self.damping / ramp.unit if self.damping else None
-        for n in range(rows):
+
+        def term(n: int) -> Array:
             if n:
-                np.multiply(terms[n], n, out=rate[n])
-                if n == 1:
-                    np.multiply(rate[1], turn[0], out=both)
-                else:
-                    np.einsum("il,ijl->jl", rate[1 : n + 1], turn[n - 1 :: -1], out=both)
+                np.multiply(y[n], n, out=rate[n])
+                np.einsum("il,ijl->jl", rate[1 : n + 1], turn[n - 1 :: -1], out=both)
                 np.multiply(both[1], falls / n, out=turn[n, 0])
                 np.multiply(both[0], pushes / n, out=turn[n, 1])
-            pushed = np.multiply(ramp.drive, turn[n, 1], out=terms[n + 2])
-            if n:
-                pushed += np.multiply(ramp.gain, turn[n - 1, 1], out=half)
-            if ramp.weight is None:
-                pushed -= turn[n, 0]
-            else:
-                pushed -= np.multiply(ramp.weight[0], turn[n, 0], out=half)
-                if n:
-                    pushed -= np.multiply(ramp.weight[1], turn[n - 1, 0], out=half)
-            if not n and ramp.force is not None:
-                pushed[:] = ramp.force
-            if drag is not None:
-                pushed -= np.multiply(drag, (n + 1) * terms[n + 1], out=half)
-            pushed *= ramp.factors[n]
-        return terms
+            return turn[n]
+
+        return term
 
     def law(self, side: float) -> Law:
         """F = sin z/sin(alpha) and G = cos z/cos(alpha) follow from each other: n F_n = -cos(alpha) sum i Y_i G_(n-i)."""
@@ -185,18 +163,6 @@ class RigidBodyEquation(Equation):
         """-w sin z / sin(alpha) + a cos z / cos(alpha)."""
         z = self.alpha - self.sin * y
         return a * np.cos(z) / self.cos - weight * (np.sin(z) / self.sin)
-
-    def rotation(self, y: Array) -> Array:
-        """|theta|/alpha."""
-        return y * (self.sin / self.alpha)
-
-    def rotation_rate(self, y: Array, v: Array) -> Array:
-        """Its derivative by tau."""
-        return v * (self.sin / self.alpha)
-
-    def displacement(self, rotation: Array) -> Array:
-        """y of |theta|/alpha."""
-        return rotation * (self.alpha / self.sin)
 
     def fall(self, y: Array, v: Array) -> tuple[Array, Array]:
         """K = v^2/2 + [cos z - cos(alpha)]/sin^2(alpha) is constant between impacts; 1/(1 + cos(alpha)) at the barrier."""
@@ -228,13 +194,6 @@ class RigidBodyEquation(Equation):
         return passes | on_its_side
 
 
-def _of_cells(alpha: Array) -> dict[str, Any]:
-    """The numbers of each cell."""
-    kinds, which = np.unique(alpha, return_inverse=True)
-    numbers = [_numbers(x) for x in kinds.tolist()]
-    return {key: np.array([x[key] for x in numbers])[which] for key in numbers[0]}
-
-
 def _numbers(alpha: float) -> dict[str, float]:
     if not LEAST_ALPHA <= alpha < 0.5 * math.pi:
         raise ValueError(f"alpha is {alpha:g} rad, accepted for a rigid body is an angle from {LEAST_ALPHA:g} rad to below 90 deg")
@@ -242,5 +201,6 @@ def _numbers(alpha: float) -> dict[str, float]:
     return {
         "alpha": alpha, "sin": sin, "cos": cos, "tan": tan, "bottom": 2.0 * math.sin(0.5 * alpha) ** 2, "square": sin**2,
         "uplift_amplitude": tan / alpha, "limit": 0.5 * math.pi / sin, "barrier": 1.0 / (1.0 + cos),
+        "per_y": sin / alpha, "per_rotation": alpha / sin,
         "gain": 1.0 / cos**2,  # (cos z + tan(alpha) sin z) / cos(alpha), for |a| <= 1
     }  # fmt: skip
