@@ -2,7 +2,7 @@
 
     y'' + 2 zeta y' - y = -1 + a
 
-The roots of r^2 + 2 zeta r - 1 = 0 take the place of +1 and -1. With k = sqrt(1 + zeta^2), S = exp(-zeta h) sinh(k h)/k and
+With k = sqrt(1 + zeta^2), S = exp(-zeta h) sinh(k h)/k and
 C = int S dh (sinh h and cosh h - 1 without damping), the force f and a(h) = a(0) + sum_j [S_j sin(w_j h) - C_j (1 - cos(w_j h))] + r h,
 
     y(h) = y0 + v0 S + f C + sum_j [S_j G3(w_j, h) - C_j G4(w_j, h)] + r (S - h + 2 zeta C)
@@ -20,7 +20,6 @@ from functools import lru_cache
 
 import numpy as np
 
-from ..arrays import Arrays
 from ..drive import turn
 from .equation import Point
 from .flow import SMALL, LinearFlow
@@ -49,8 +48,9 @@ class DampedFlow(LinearFlow):
         c = (2.0 * half2 + s * zeta) * decay + np.expm1(h * -zeta)
         s *= decay
         tiny = np.flatnonzero(h < SMALL)
-        powers = _Powers.of(h[tiny], zeta)
-        c[tiny] = powers.c()
+        x = h[tiny]
+        s4, c4 = _higher(x, zeta)
+        c[tiny] = x * x * (0.5 - zeta * x / 3.0) + c4
         y, v = self.v * s + self.b * c, (s * (-2.0 * zeta) + c + 1.0) * self.v + self.b * s
         drive, drive_rate = np.zeros(h.shape), np.zeros(h.shape)
         for sin, cos, w in zip(self.sin, self.cos, self.w, strict=True):
@@ -59,9 +59,9 @@ class DampedFlow(LinearFlow):
             d, lag = w1 * w1 + cross * cross, w * s - sinw
             g3 = ((c + cosm) * cross + w1 * lag) / d
             g4 = ((d - w1) * c - w1 * cosm + cross * lag) / d
-            small = np.flatnonzero(w[tiny] * h[tiny] < SMALL)
+            small = np.flatnonzero(w[tiny] * x < SMALL)
             at = tiny[small]
-            g3[at], g4[at] = powers.take(small).responses(w[at])
+            g3[at], g4[at] = _responses(w[at], x[small], zeta, s4[small], c4[small])
             y += sin * g3
             y -= cos * g4
             v += ((c - g4) * sin - g3 * cos) * w
@@ -70,65 +70,36 @@ class DampedFlow(LinearFlow):
             drive_rate += ((1.0 - cosm) * sin - cos * sinw) * w
         if self.ramp is not None:
             ramp = s - h + 2.0 * zeta * c
-            ramp[tiny] = powers.ramp()
+            ramp[tiny] = x**3 / 6.0 + (s4 + 2.0 * zeta * c4)  # terms in h^2 cancel
             y, v = y + self.ramp * ramp, v + self.ramp * c
             drive, drive_rate = drive + self.ramp * h, drive_rate + self.ramp
         b = drive + self.b + y - v * (2.0 * zeta)
         return Point(y + self.y, v, b, drive_rate + v - b * (2.0 * zeta))
 
 
-@dataclass
-class _Powers(Arrays):
-    """S and C for small h without their first terms: s4 = S - h + zeta h^2 - (1 + 4 zeta^2) h^3/6, c4 = C - h^2/2 + zeta h^3/3."""
-
-    h: Array
-    zeta: float
-    s4: Array
-    c4: Array
-
-    @classmethod
-    def of(cls, h: Array, zeta: float) -> _Powers:
-        """From their series."""
-        s, c = np.zeros_like(h), np.zeros_like(h)
-        for s_n, c_n in zip(*_coefficients(zeta), strict=True):
-            s *= h
-            s += s_n
-            c *= h
-            c += c_n
-        h4 = (h * h) ** 2
-        return cls(h, zeta, s * h4, c * h4)
-
-    def c(self) -> Array:
-        """C."""
-        return self.h * self.h * (0.5 - self.zeta * self.h / 3.0) + self.c4
-
-    def ramp(self) -> Array:
-        """S - h + 2 zeta C, whose terms in h^2 cancel."""
-        return self.h**3 / 6.0 + (self.s4 + 2.0 * self.zeta * self.c4)
-
-    def responses(self, w: Array) -> tuple[Array, Array]:
-        """G3 and G4: what cancels, all below h^3 in the one and below h^4 in the other, is left out of each of their terms."""
-        h, zeta = self.h, self.zeta
-        x2 = (w * h) ** 2
-        odd, even = np.full_like(h, _ODD[-1]), np.full_like(h, _EVEN[-1])
-        for odd_n, even_n in zip(_ODD[-2::-1], _EVEN[-2::-1], strict=True):
-            odd *= -x2
-            odd += odd_n
-            even *= -x2
-            even += even_n
-        h3, cube = h**3 / 6.0, w * h * x2 / 6.0
-        sine5 = -cube * x2 * odd / 20.0  # x - sin x - x^3/6
-        cosine4 = x2 * x2 * even / 24.0  # cos x - 1 + x^2/2
-        w1, cross = 1.0 + w * w, 2.0 * zeta * w
-        d = w1 * w1 + cross * cross
-        lag3 = w * (h3 * (1.0 + 4.0 * zeta * zeta) + self.s4) + (cube + sine5)
-        g3 = (w1 * lag3 + cross * (self.c4 - 2.0 * zeta * h3 - cosine4)) / d
-        g4 = ((d - w1) * self.c4 + w1 * cosine4 + cross * (w * self.s4 + sine5)) / d
-        return g3, g4
+def _higher(h: Array, zeta: float) -> tuple[Array, Array]:
+    """S - h + zeta h^2 - (1 + 4 zeta^2) h^3/6 and C - h^2/2 + zeta h^3/3 for small h."""
+    s, c = (np.polyval(x, h) for x in _coefficients(zeta))
+    h4 = (h * h) ** 2
+    return s * h4, c * h4
 
 
-# Of 20 (x^3/6 - x + sin x)/(x^5/6) and 24 (cos x - 1 + x^2/2)/x^4 in powers of -x^2.
-_ODD, _EVEN = ([math.factorial(k) / math.factorial(2 * n + k) for n in range(7)] for k in (5, 4))
+def _responses(w: Array, h: Array, zeta: float, s4: Array, c4: Array) -> tuple[Array, Array]:
+    """G3 and G4 for small h and w h, from the results of `_higher`: lower powers, which cancel, are left out of each term."""
+    x2 = (w * h) ** 2
+    h3, cube = h**3 / 6.0, w * h * x2 / 6.0
+    sine5 = -cube * x2 * np.polyval(_ODD, -x2) / 20.0  # x - sin x - x^3/6
+    cosine4 = x2 * x2 * np.polyval(_EVEN, -x2) / 24.0  # cos x - 1 + x^2/2
+    w1, cross = 1.0 + w * w, 2.0 * zeta * w
+    d = w1 * w1 + cross * cross
+    lag3 = w * (h3 * (1.0 + 4.0 * zeta * zeta) + s4) + (cube + sine5)
+    g3 = (w1 * lag3 + cross * (c4 - 2.0 * zeta * h3 - cosine4)) / d
+    g4 = ((d - w1) * c4 + w1 * cosine4 + cross * (w * s4 + sine5)) / d
+    return g3, g4
+
+
+# Of 20 (x^3/6 - x + sin x)/(x^5/6) and 24 (cos x - 1 + x^2/2)/x^4 in powers of -x^2, the last first.
+_ODD, _EVEN = ([math.factorial(k) / math.factorial(2 * n + k) for n in range(6, -1, -1)] for k in (5, 4))
 
 
 @lru_cache(maxsize=64)

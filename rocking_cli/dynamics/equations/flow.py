@@ -4,8 +4,8 @@ With y = |theta|/alpha on the current side, tau = p t and the outward drive a = 
 
     y'' = y - 1 + a                                                                  (Eqs. 2.4 and 3.6, dimensionless)
 
-The state after h is written as the present state plus increments, each of which has its leading power of h as a factor:
-y is a small number wherever the motion is small, and a difference of terms of order one would turn it into noise.
+The state after h is the present state plus increments that have their leading power of h as a factor: where the motion is small, a
+difference of terms of order one would lose its digits.
 With b = y''(0) and a(h) = a(0) + sum_j [S_j sin(w_j h) - C_j (1 - cos(w_j h))] + r h,
 
     y(h) = y0 + v0 sinh h + b (cosh h - 1) + sum_j [S_j F3(w_j, h) - C_j F4(w_j, h)] + r (sinh h - h)
@@ -116,7 +116,4 @@ def _series(w: Array, h: Array) -> tuple[Array, Array]:
 def _sinh_minus(h: Array) -> Array:
     """sinh h - h for small h, without the subtraction."""
     h2 = h * h
-    total = np.full_like(h, _ODD[-1])
-    for c in _ODD[-2::-1]:
-        total = total * h2 + c
-    return h * h2 * total * (1.0 / 6.0)
+    return h * h2 * np.polyval(_ODD[::-1], h2) * (1.0 / 6.0)

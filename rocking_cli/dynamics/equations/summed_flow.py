@@ -27,6 +27,7 @@ Array = np.ndarray
 
 SHORT = 2.0  # below this, (1 + fastest w) h, an arc is taken from the drive's derivatives
 _PAIRS = 11  # of derivatives: the first power of h that is left out is below 1e-17 of the sum at SHORT
+_WEIGHED, _PRODUCTS = "kj,jl->kl", "...jl,jl->...l"
 _OVER = 1.0 / np.array([math.factorial(m) for m in range(2 * _PAIRS + 3)], dtype=float)[:, None]
 _MOST_LOST = 100.0  # roundings of what the drive adds to an arc, just above SHORT
 
@@ -43,7 +44,7 @@ def can_be_summed(segments: Segments) -> bool:
 class SummedFlow(NamedTuple):
     """One arc a lane: state at its start, (lanes,), and the drive's coefficients, (harmonics, lanes).
 
-    Of each lane the frequencies have the same ratios, so that a sum over them with powers of w is one with weights that all lanes share.
+    The frequencies of all lanes have the same ratios, so that lanes share the weights of sums over powers of w.
     """
 
     y: Array
@@ -56,6 +57,7 @@ class SummedFlow(NamedTuple):
     q: Array  # Q, (lanes,)
     rate: Array  # slope of the drive at the start, (lanes,)
     weights: Array  # powers 0, 2, 1 and 3 of the ratios of the frequencies to the fastest, (4, harmonics)
+    damping: float = 0.0
 
     @classmethod
     def of(cls, y: Array, v: Array, b: Array, sin: Array, cos: Array, top: Array, ratios: Array) -> SummedFlow:
@@ -66,7 +68,7 @@ class SummedFlow(NamedTuple):
         sines, cosines = sin * over, cos * over
         ratios2 = ratios * ratios
         weights = np.array([np.ones(ratios.size), ratios2, ratios, ratios * ratios2])
-        rate, p, q = (_weighed(weights[i : i + 1], x)[0] for i, x in ((2, sin), (2, sines), (1, cosines)))
+        rate, p, q = (_summed(_WEIGHED, weights[i : i + 1], x)[0] for i, x in ((2, sin), (2, sines), (1, cosines)))
         return cls(y, v, b, sines, cosines, top, top * p, top * top * q, top * rate, weights)
 
     @property
@@ -75,18 +77,13 @@ class SummedFlow(NamedTuple):
         return 1.0 + self.top
 
     @property
-    def damping(self) -> float:
-        """None."""
-        return 0.0
-
-    @property
     def longest(self) -> Array:
         """Longest step [tau]: cosh stays below 2e10, so growth cannot bury the state in rounding."""
         return np.full(self.y.shape, 24.0)
 
     def take(self, lanes: Array) -> SummedFlow:
         """The arcs of some lanes."""
-        return SummedFlow._make([*(x.take(lanes, axis=-1) for x in self[:-1]), self.weights])
+        return SummedFlow(*(x.take(lanes, axis=-1) for x in self[:-2]), self.weights)
 
     def at(self, h: Array) -> Point:
         """The state after h >= 0 [-]."""
@@ -118,7 +115,7 @@ class SummedFlow(NamedTuple):
         """Y, and the sum of its terms times w^2."""
         turned = self.cos * cosm
         turned -= self.sin * sin
-        total, curved = _weighed(self.weights[:2], turned)
+        total, curved = _summed(_WEIGHED, self.weights[:2], turned)
         return total, curved * self.top * self.top
 
     def _sums(self, sin: Array, cosm: Array) -> tuple[Array, Array, Array, Array]:
@@ -126,7 +123,7 @@ class SummedFlow(NamedTuple):
         turned, curved = self._turned(sin, cosm)
         np.multiply(self.cos, sin, out=sin)
         sin += np.multiply(self.sin, cosm, out=cosm)
-        rate, curved_rate = _weighed(self.weights[2:], sin)
+        rate, curved_rate = _summed(_WEIGHED, self.weights[2:], sin)
         return turned, rate * self.top, curved, curved_rate * self.top * self.top * self.top
 
     def _short(self, h: Array, sinh: Array, cosh1: Array) -> Point:
@@ -139,8 +136,8 @@ class SummedFlow(NamedTuple):
         shares = powers(share * share, _PAIRS)
         d: Array = np.empty((_PAIRS, 2, h.size))  # (d_1, d_2), (d_3, d_4) ...
         g: Array = np.empty((_PAIRS, 2, h.size))  # (G_3, G_4), (G_5, G_6) ...
-        d[:, 0] = _weighed(turns, self.sin * scale)
-        d[:, 1] = _weighed(turns * -ratios, self.cos * scale) * share
+        d[:, 0] = _summed(_WEIGHED, turns, self.sin * scale)
+        d[:, 1] = _summed(_WEIGHED, turns * -ratios, self.cos * scale) * share
         d *= shares[:, None]
         over2 = 1.0 / (self.fastest * self.fastest)
         np.multiply(d[0], over2, out=g[0])
@@ -150,8 +147,8 @@ class SummedFlow(NamedTuple):
         x = powers(self.fastest * h, len(_OVER))
         x *= _OVER
         d, g = d.reshape(-1, h.size), g.reshape(-1, h.size)
-        y, v = _dot(g, x[3:]), _dot(g, x[2:-1])
-        drive, rate = _dot(d, x[1:-2]), _dot(d, x[:-3])
+        y, v = _summed(_PRODUCTS, g, x[3:]), _summed(_PRODUCTS, g, x[2:-1])
+        drive, rate = _summed(_PRODUCTS, d, x[1:-2]), _summed(_PRODUCTS, d, x[:-3])
         y += self.v * sinh + self.b * cosh1
         v *= self.fastest
         v += self.v * cosh1 + self.b * sinh
@@ -164,15 +161,8 @@ class SummedFlow(NamedTuple):
         return self.b - self.y - turned - curved
 
 
-def _weighed(weights: Array, rows: Array) -> Array:
-    """(sums, lanes): sums over the terms of (terms, lanes) by weights (sums, terms), for each lane by itself."""
+def _summed(formula: str, one: Array, rows: Array) -> Array:
+    """np.einsum of weights, or of other rows, with rows (..., terms, lanes) over the terms, for each lane by itself."""
     if rows.shape[-1] == 1:  # NumPy sums a single lane in another order: no digit may depend on a lane's neighbours
-        return np.einsum("kj,jl->kl", weights, np.repeat(rows, 2, axis=1))[:, :1]
-    return np.einsum("kj,jl->kl", weights, rows)
-
-
-def _dot(one: Array, other: Array) -> Array:
-    """Sum of the products of two arrays (..., terms, lanes) over the terms, in the same way."""
-    if one.shape[-1] == 1:
-        return np.einsum("...jl,jl->...l", np.repeat(one, 2, axis=-1), np.repeat(other, 2, axis=-1))[..., :1]
-    return np.einsum("...jl,jl->...l", one, other)
+        return np.einsum(formula, one, np.repeat(rows, 2, axis=-1))[..., :1]
+    return np.einsum(formula, one, rows)
