@@ -69,7 +69,7 @@ def collocated(marks: Marks, tolerance: float, segments: Segments, lanes: Lanes)
     count = order_for(tolerance, _POINTS)
     w = segments.frequency.take(lanes.k, axis=1) * lanes.omega
     fastest = 1.0 + w.max(axis=0, initial=0.0)
-    start, far = marks.about(lanes.y), _FAR * marks.half(lanes.y)
+    start, far = marks.about(lanes.y), _FAR * marks.halves.take(marks.nearest(lanes.y)[0])
     drive = (lanes.b + start[0, 0]) / start[1, 0]
     stiff = np.abs(start[0, 1]) + np.abs(lanes.amplitude * start[1, 1])
     moves = (np.abs(lanes.v) + np.sqrt(0.5 * far * np.abs(lanes.b))) / far

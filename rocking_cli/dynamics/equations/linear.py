@@ -17,7 +17,7 @@ from .equation import Equation, Law, Ramp
 from .flow import LinearFlow
 from .ramp import ramp_flow
 from .summed_flow import SummedFlow, can_be_summed
-from .taylor import TaylorSeries, order_for, series, weighed_series
+from .taylor import TaylorSeries, drive_series, order_for, series
 
 if TYPE_CHECKING:
     from ..weight import WeighedSegments
@@ -45,8 +45,8 @@ class LinearEquation(Equation):
 
     def flow(self, segments: Segments, lanes: Lanes) -> LinearFlow | SummedFlow | DampedFlow | TaylorSeries:
         """The arc that each lane is about to follow: its state and the outward drive's coefficients; a series where the weight varies."""
-        if (weighed := segments.weighed) is not None:
-            return ramp_flow(self, segments, lanes) if segments.straight else self._series(weighed, lanes)
+        if segments.weighed is not None:
+            return ramp_flow(self, segments, lanes) if segments.straight else self._series(segments, lanes)
         _, sin, cos = segment_value(segments, lanes.k, lanes.u)
         outward = -lanes.side * lanes.amplitude
         ramp = outward * segments.slope[lanes.k] * lanes.omega if segments.sloped else None
@@ -61,9 +61,9 @@ class LinearEquation(Equation):
             return DampedFlow(lanes.y, lanes.v, lanes.b, outward * cos, outward * sin, w, ramp, self.damping)
         return LinearFlow(lanes.y, lanes.v, lanes.b, outward * cos, outward * sin, w, ramp)
 
-    def _series(self, segments: WeighedSegments, lanes: Lanes) -> TaylorSeries:
+    def _series(self, segments: Segments, lanes: Lanes) -> TaylorSeries:
         order = order_for(WEIGHED)
-        known = weighed_series(segments, lanes, order - 1)
+        known = drive_series(segments, lanes, order - 1)
         weight, drive = known.terms.swapaxes(0, 1)
         unit2 = known.unit * known.unit
         drive[0] = unit2 * lanes.b + weight[0] * (1.0 - lanes.y)

@@ -1,7 +1,7 @@
-"""The functions of a mechanism's equation by patches: power series in y, fitted to the linkage and good to rounding.
+"""The functions of a mechanism's equation as power series in y on patches, fitted to the linkage to rounding.
 
-They are fitted on patches that are short against the distance to the linkage's nearest lock-up, and then moved to narrow ones, on which
-a value takes a few terms.
+A patch is fitted where it is short against the distance to the linkage's nearest lock-up. It is then cut into narrow patches, on which a
+value takes a few terms.
 """
 
 from __future__ import annotations
@@ -18,20 +18,22 @@ Array = np.ndarray
 DEGREE = 28  # of a patch's series
 _PARTS = 512  # narrow patches that one is cut into
 _TERMS = 6  # of a narrow patch's series for a value: x is below 1/1024 there, and x^6 is 1e-18
-_MARKS, _POWERS = 2048, 4  # marks next to each other, and powers of the series about one
-_BEYOND = 0.45  # of a patch's fitted half width that marks go on beyond its end; half of it is as far as it was fitted
+_MARKS, _POWERS = 2048, 4  # intervals between marks, and powers of the series about a mark
+_BEYOND = 0.45  # marks go on beyond the ends by this part of a patch's fitted half width; the fit holds to 0.5
 _COLLAPSED = -50.0  # lambda(phi) / lambda(0): no drive below 50 times the uplift's brings the structure back from there
-_CLOSE = 1e-9  # a Newton step this short, of all the way, leaves an error of its square
+_CLOSE = 1e-9  # a Newton step this short, over the whole interval, leaves an error of its square
 _WIDEN = 2.0  # a patch's series is fitted on this times its width
-# A Chebyshev coefficient below this is rounding: values are of order one, and come from the linkage to 1e-14, or to 1e-15 over
-# lambda where that is small, since V' is then a small difference.
+# A smaller Chebyshev coefficient is rounding: values are of order one, with errors of 1e-14, or of 1e-15 over lambda where lambda is small.
 _SMALL = 3e-14
 
 
 @dataclass(frozen=True)
 class Marks:
-    """F/F0 and G/G0 about equal marks, so close that `_POWERS` powers do: the lowest mark, their step, (2, powers, marks) coefficients
-    of powers of y less the mark, and the half width of the patch at each; left: what the next power comes to two steps away."""
+    """F/F0 and G/G0 about equally spaced marks.
+
+    low: the lowest mark; step: their distance; rows: coefficients of powers of y less the mark, (2, powers, marks); halves: fitted half
+    width of the patch at each mark; left: the first term left out, two steps away from a mark.
+    """
 
     low: float
     step: float
@@ -39,30 +41,15 @@ class Marks:
     halves: Array
     left: float
 
-    def at(self, y: Array) -> Array:
-        """The nearest mark, or the last one."""
-        place = y - self.low
-        place *= 1.0 / self.step
-        np.rint(place, out=place)
-        return np.clip(place, 0.0, self.halves.size - 1.0, out=place).astype(np.int64)
-
     def nearest(self, y: Array) -> tuple[Array, Array]:
-        """(the nearest mark, its y), for y of any shape."""
-        at = self.at(y)
+        """(index of the nearest mark, its y), for y of any shape."""
+        at = np.clip(np.rint((y - self.low) * (1.0 / self.step)), 0.0, self.halves.size - 1.0).astype(np.int64)
         return at, self.low + at * self.step
 
     def about(self, y: Array) -> Array:
         """(2, 3, lanes): value, slope and half the second derivative of either at each y."""
         at, near = self.nearest(y)
-        c, x = self.rows.take(at, axis=2), y - near
-        for first in range(3):
-            for k in range(_POWERS - 1, first - 1, -1):
-                c[:, k] += x * c[:, k + 1]
-        return c[:, :3]
-
-    def half(self, y: Array) -> Array:
-        """Half the width that was fitted, of the patch at each y."""
-        return self.halves.take(self.at(y))
+        return _shifted(self.rows.take(at, axis=2), y - near, 3)
 
 
 @dataclass(frozen=True)
@@ -89,15 +76,12 @@ class Patches:
 
     @cached_property
     def marks(self) -> Marks:
-        """The same functions about marks from below the ground, where an arc may end, to beyond the last patch: as far as was fitted."""
+        """F and G about marks from below the ground, where an arc may end, to beyond the last patch."""
         low, high = (end + _BEYOND * width for end, width in zip(self.edges[[0, -1]], (-self.half[0], self.half[-1]), strict=True))
         y, step = np.linspace(low, high, _MARKS + 1, retstep=True)
         at, x = self.of(y)
-        rows = np.stack([self.lift[:, at], self.push[:, at]])
-        for first in range(_POWERS + 2):  # Horner's rule, repeated
-            for n in range(DEGREE - 1, first - 1, -1):
-                rows[:, n] += x * rows[:, n + 1]
-        rows = rows[:, : _POWERS + 2] / self.half[at] ** np.arange(_POWERS + 2)[:, None]
+        rows = _shifted(np.stack([self.lift[:, at], self.push[:, at]]), x, _POWERS + 2)
+        rows /= self.half[at] ** np.arange(_POWERS + 2)[:, None]
         left = np.abs(rows[:, -1]).max() * (2.0 * step) ** (_POWERS + 1)
         return Marks(float(low), float(step), np.ascontiguousarray(rows[:, :-1]), self.half[at], float(left))
 
@@ -111,13 +95,21 @@ class Patches:
         return total
 
     def slope(self, coefficients: Array, y: Array) -> Array:
-        """Its derivative."""
+        """The derivative of a tabulated function at y."""
         at, x = self.of(y)
         total = (_TERMS - 1) * coefficients[_TERMS - 1].take(at)
         for n in range(_TERMS - 2, 0, -1):
             total *= x
             total += n * coefficients[n].take(at)
         return total / self.half.take(at)
+
+
+def _shifted(rows: Array, x: Array, count: int) -> Array:
+    """The first terms of series (functions, terms, lanes) about x in place of 0, by Horner's rule; changes the rows."""
+    for first in range(count):
+        for n in range(rows.shape[1] - 2, first - 1, -1):
+            rows[:, n] += x * rows[:, n + 1]
+    return rows[:, :count]
 
 
 def largest(table: Patches, coefficients: Array) -> float:
@@ -165,24 +157,20 @@ def tabulate(mechanism: Mechanism) -> Patches:
 
 
 def _narrowed(wide: Patches) -> Patches:
-    """The same functions by patches so narrow that a value takes a few terms, and so does the way from the centre to any y in it."""
+    """The same functions on patches so narrow that a value, or a series about any y of the patch, takes a few terms of theirs."""
     share, width = (np.arange(_PARTS) + 0.5) / _PARTS, np.diff(wide.edges)
     edges = np.append((wide.edges[:-1, None] + width[:, None] * (share - 0.5 / _PARTS)).ravel(), wide.edges[-1])
     centre, half = (wide.edges[:-1, None] + width[:, None] * share).ravel(), wide.half.repeat(_PARTS)
     x = (centre - wide.centre.repeat(_PARTS)) / half
     functions = np.stack([np.pad(c, ((0, DEGREE + 2 - len(c)), (0, 0))) for c in (wide.lift, wide.push, wide.turn, wide.work, wide.thrust)])
-    rows = functions.repeat(_PARTS, axis=2)
-    for first in range(DEGREE + 1):  # Horner's rule, repeated
-        for n in range(DEGREE, first - 1, -1):
-            rows[:, n] += x * rows[:, n + 1]
+    rows = _shifted(functions.repeat(_PARTS, axis=2), x, DEGREE + 1)
     at_rest = np.polynomial.polynomial.polyval((0.0 - centre[0]) / half[0], rows[2:, :_TERMS, 0].T)
     rows[2:, 0, 0] -= at_rest  # 0 at rest to the last digit
-    lift, push = rows[0, : DEGREE + 1], rows[1, : DEGREE + 1]
-    return Patches(edges, centre, half, lift, push, *rows[2:, :_TERMS])
+    return Patches(edges, centre, half, *rows[:2, : DEGREE + 1], *rows[2:, :_TERMS])
 
 
 class _Path:
-    """The way from rest to collapse: y(phi) by quadrature, and F/F0, G/G0, phi/alpha at given y."""
+    """y(phi) from rest to collapse by quadrature, and F/F0, G/G0, phi/alpha at given y."""
 
     def __init__(self, mechanism: Mechanism, alpha: float, stiffness: float) -> None:
         self.mechanism, self.alpha = mechanism, alpha
@@ -220,7 +208,7 @@ class _Path:
 
 
 def _collapse(mechanism: Mechanism, alpha: float) -> float:
-    """The rotation from which nothing brings the structure back; at least 1.25 alpha."""
+    """The rotation [rad] at which the structure has collapsed; at least 1.25 alpha. Raises ValueError."""
     phi = np.linspace(0.0, mechanism.reach, 20001)[:-1]
     c = mechanism.coefficients(phi)
     with np.errstate(all="ignore"):

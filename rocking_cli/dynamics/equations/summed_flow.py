@@ -83,7 +83,7 @@ class SummedFlow(NamedTuple):
 
     def take(self, lanes: Array) -> SummedFlow:
         """The arcs of some lanes."""
-        return SummedFlow(*(x.take(lanes, axis=-1) for x in self[:-2]), self.weights)
+        return SummedFlow._make([*(x.take(lanes, axis=-1) for x in self[:-2]), *self[-2:]])
 
     def at(self, h: Array) -> Point:
         """The state after h >= 0 [-]."""

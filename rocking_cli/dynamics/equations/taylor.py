@@ -1,7 +1,6 @@
-"""Taylor series of each lane's motion: the flow of the equations that have no closed form.
+"""Taylor series of each lane's motion: the flow of equations without a closed form.
 
-The equation gives the series term by term; a step is as long as its last terms allow, so the error is controlled without a
-rejected step, and the series is the dense output on which impacts and peaks are found.
+The last terms of a series limit its step, so that no step is rejected. Impacts and peaks are found on the series.
 """
 
 from __future__ import annotations
@@ -25,10 +24,9 @@ if TYPE_CHECKING:
 
 Array = np.ndarray
 
-# The error of a step, in the velocity, is this part of the tolerance: rocking doubles an error every 0.7 in tau, and on the
-# cells that survive a pulse it grows by a factor of tens.
+# The error of a step, in the velocity, over the tolerance: errors double every 0.7 in tau, and grow by a factor of tens under a pulse.
 LOCAL = 3e-2
-LOWEST, HIGHEST = 1e-13, 1e-2  # tolerances that are accepted
+LOWEST, HIGHEST = 1e-13, 1e-2  # range of tolerances
 
 
 @dataclass
@@ -58,37 +56,26 @@ class TaylorSeries(Arrays):
 
     def at(self, h: Array) -> Point:
         """y and three derivatives after h."""
-        return self._point(*self._products(h))
+        return self._at(h)[0]
 
     def at_with_chord_errors(self, h: Array) -> tuple[Point, Array]:
-        """The same, and bounds of the distance of h y' and h^2 y'' up to there from the straight line between their ends, (2, lanes)."""
-        x, terms = self._products(h)
-        point, rest = self._point(x, terms), terms[3:]
-        np.abs(rest, out=rest)
-        return point, np.einsum("dn,nl->dl", _chord_errors(len(terms)), rest)[:, : x.size]
+        """`at`, and bounds of the distance of h y' and h^2 y'' up to there from the straight line between their ends, (2, lanes)."""
+        point, terms = self._at(h)
+        return point, np.einsum("dn,nl->dl", _chord_errors(len(terms)), np.abs(terms[3:]))[:, : h.size]
 
-    def _products(self, h: Array) -> tuple[Array, Array]:
-        """h over the unit, and the terms times its powers."""
+    def _at(self, h: Array) -> tuple[Point, Array]:
+        """The state after h, and the terms of y there."""
         x = np.maximum(h / self.unit, _TINY)
         terms = powers(x, len(self.terms))
         terms *= self.terms
         if x.size == 1:  # NumPy sums a single lane in another order: no digit may depend on a lane's neighbours
             terms = np.repeat(terms, 2, axis=1)
-        return x, terms
-
-    def _point(self, x: Array, terms: Array) -> Point:
         y, v, b, j = np.einsum("dn,nl->dl", _falling_factors(len(terms)), terms)[:, : x.size]
         over = 1.0 / (x * self.unit)
-        v *= over
-        b *= over
-        b *= over
-        j *= over
-        j *= over
-        j *= over
-        return Point(y, v, b, j)
+        return Point(y, v * over, b * over * over, j * over * over * over), terms
 
     def at_ground(self, h: Array) -> Array:
-        """The force at an impact after h: y'' less what damping takes."""
+        """The force at an impact after h: y'' plus the drag."""
         there = self.at(h)
         return there.b + 2.0 * self.damping * there.v if self.damping else there.b
 
@@ -125,8 +112,8 @@ def _chord_errors(count: int) -> Array:
 
 
 class Drive(NamedTuple):
-    """unit^2 times the TaylorSeries of the outward drive, without its first term, in powers of h / unit: (terms, lanes), or with the weight
-    over m g before it, whole, (terms, 2, lanes); and that unit."""
+    """unit^2 times the Taylor series of the outward drive in powers of h / unit, without its first term, (terms, lanes); or, where the
+    weight varies, those of the weight over m g, with its first term, and of the drive, (terms, 2, lanes)."""
 
     terms: Array
     unit: Array
@@ -148,37 +135,27 @@ def order_for(tolerance: float, terms: float = 0.98) -> int:
 def drive_series(segments: Segments, lanes: Lanes, order: int, gain: Array | float = 1.0) -> Drive:
     """Terms 1 ... order of the drive times `gain`, and those of the weight where it varies. The first, the drive now, follows from the
     force that a lane carries."""
-    if segments.weighed is not None:
-        return weighed_series(segments.weighed, lanes, order, gain)
-    w = segments.frequency.take(lanes.k, axis=1) * lanes.omega
-    fastest = 1.0 + w.max(axis=0, initial=0.0)
-    unit, terms = 1.0 / fastest, np.empty((order + 1, lanes.u.size))
-    _fill(terms, segments, lanes, segment_value(segments, lanes.k, lanes.u), _outward(lanes, unit, gain), w, unit)
-    return Drive(terms, unit, fastest)
-
-
-def weighed_series(segments: WeighedSegments, lanes: Lanes, order: int, gain: Array | float = 1.0) -> Drive:
-    """The same where the weight varies."""
-    vertical = segments.vertical
-    across, up = (part.frequency.take(lanes.k, axis=1) * lanes.omega for part in (segments, vertical))
-    fastest = 1.0 + np.maximum(across.max(axis=0, initial=0.0), up.max(axis=0, initial=0.0))
-    unit, terms = 1.0 / fastest, np.empty((order + 1, 2, lanes.u.size))
+    weighed, here = segments.weighed, segment_value(segments, lanes.k, lanes.u)
+    w, *up = (part.frequency.take(lanes.k, axis=1) * lanes.omega for part in (segments, *((weighed.vertical,) if weighed else ())))
+    fastest = 1.0 + np.maximum.reduce([x.max(axis=0, initial=0.0) for x in (w, *up)])
+    unit = 1.0 / fastest
     unit2 = unit * unit
-    sway, rise = segments.sway(lanes.side, lanes.amplitude) * unit2, segment_value(vertical, lanes.k, lanes.u)
-    _fill(terms[:, 0], vertical, lanes, rise, sway, up, unit)
+    outward = unit2 * gain * (-lanes.side * lanes.amplitude)
+    if weighed is None:
+        terms = np.empty((order + 1, lanes.u.size))
+        _fill(terms, segments, lanes, here, outward, w, unit)
+        return Drive(terms, unit, fastest)
+    terms, vertical = np.empty((order + 1, 2, lanes.u.size)), weighed.vertical
+    _fill(terms[:, 1], segments, lanes, here, outward, w, unit)
+    sway, rise = weighed.sway(lanes.side, lanes.amplitude) * unit2, segment_value(vertical, lanes.k, lanes.u)
+    _fill(terms[:, 0], vertical, lanes, rise, sway, up[0], unit)
     change = rise[0] if vertical.table is None else vertical.table.change(lanes.k, lanes.u)
     terms[0, 0] = unit2 + sway * (vertical.s_start[lanes.k] + change)
-    _fill(terms[:, 1], segments, lanes, segment_value(segments, lanes.k, lanes.u), _outward(lanes, unit, gain), across, unit)
     return Drive(terms, unit, fastest)
-
-
-def _outward(lanes: Lanes, unit: Array, gain: Array | float) -> Array:
-    """unit^2 times the outward drive of s = 1, times `gain`."""
-    return unit * unit * gain * (-lanes.side * lanes.amplitude)
 
 
 def _fill(terms: Array, segments: Segments, lanes: Lanes, here: tuple[Array, Array, Array], outward: Array, w: Array, unit: Array) -> None:
-    """Fill (terms, lanes) from the second on with `outward` times a motion that is `here` (`segment_value`), its frequencies w by tau."""
+    """Fill (terms, lanes) from the second on with `outward` times a motion; here: its `segment_value` now; w: its frequencies [1/tau]."""
     if not len(w):
         terms[1:] = 0.0
     mine = terms
@@ -199,7 +176,7 @@ def _fill(terms: Array, segments: Segments, lanes: Lanes, here: tuple[Array, Arr
 
 
 def blocks(lanes: int, size: int = 2048) -> Iterator[slice]:
-    """Parts of so many lanes, in each of which the recurrences stay in the second-level cache."""
+    """Slices of lanes for which the recurrences stay in the second-level cache."""
     return (slice(begin, begin + size) for begin in range(0, lanes, size))
 
 
