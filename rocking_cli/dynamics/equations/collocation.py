@@ -1,9 +1,8 @@
 """A mechanism's motion over a step as a polynomial whose y'' meets Eq. 3.4 at Chebyshev's points, in place of a Taylor series.
 
-F and G are series about marks so close to each other that four powers do. Sweeps integrate twice what the equation gives at the points: two
-with parabolas of F and G about the start, two with the series about the marks that y is then near to, the last ones with the equation's
-slope there. Whether that has come to its end is looked at afterwards, and a step of which it has not is halved. A step costs no
-more than one of Taylor's, which is bound to where its powers converge, and goes twice as far.
+A sweep integrates y'' at the points twice. Two sweeps take F and G as parabolas about the start, two as series about the marks nearest
+to y, and the last sweeps take the slope of the equation there. A step that has not converged is halved. It costs no more than a Taylor
+step, which must stay where its powers converge, and is twice as long.
 """
 
 from __future__ import annotations
@@ -23,20 +22,20 @@ Array = np.ndarray
 
 _POINTS = 0.57  # points of a step for each factor e of its error
 _COARSE = 2  # sweeps with parabolas: then all but one step in a hundred are near their marks
-_PACE = 0.17  # a step times the drive's pace is this for each point, at the most,
-_STIFF = 0.8  # the square of a step times the slope of the force this, so that each sweep leaves a tenth or less,
-_FAR = 2.0  # and y comes this far in half widths of a patch, which are short against the distance to the linkage's lock-up,
-# and half as deep as the lowest mark
-_HALVED = 8  # times that a step is, before it is left to others
-_NEAR = 2.0  # marks by which y may miss the one it was looked up at
-# Inside a step the velocity may be off by so many times what it may be at the end, where the points' weights are good to twice as many
-# powers and an error that grows fast along the step has hardly been summed up.
-_INSIDE = 3.0
+_PACE = 0.17  # largest step times the pace of the drive, for each point
+_STIFF = 0.8  # largest square of a step times the slope of the force: each sweep leaves a tenth of the error or less
+_FAR = 2.0  # largest change of y in a step, in half widths of a patch; y may also fall to half the lowest mark
+_HALVED = 8  # times that a step is halved before it is left to Taylor series
+_NEAR = 2.0  # largest distance of y from the mark of its series, in steps of marks
+_INSIDE = 3.0  # error of the velocity inside a step over that at the end, where the points are good to twice as many powers
 
 
 class Points(NamedTuple):
-    """Chebyshev's points of a step of length 1, both ends among them, but for the start; and what follows from values at all of them: y at
-    the points by integrating twice, Chebyshev coefficients, and from these terms 2 ... of y in powers of time."""
+    """Chebyshev's points of a step of length 1, and matrices for values of y'' at the start and the points.
+
+    at: the points with the end and without the start, (points, 1); twice: values to the double integral at the points; chebyshev: values to
+    Chebyshev coefficients; terms: these to the coefficients of time^2, time^3 ... of y.
+    """
 
     at: Array
     twice: Array
@@ -46,7 +45,7 @@ class Points(NamedTuple):
 
 @lru_cache(maxsize=16)
 def points(count: int) -> Points:
-    """`count` points besides the start."""
+    """The rule with `count` points besides the start."""
     n = np.arange(count + 1.0)
     values = np.cos(np.pi / count * np.fmod(np.outer(n, n), 2.0 * count))
     values[1::2] *= -1.0  # T_n at the points and the start
@@ -65,7 +64,7 @@ def points(count: int) -> Points:
 
 
 def collocated(marks: Marks, tolerance: float, segments: Segments, lanes: Lanes) -> tuple[TaylorSeries, Array]:
-    """The motion of every lane over a step of its own, undamped and under a steady weight, and the lanes of which it is not known."""
+    """The motion of undamped lanes under a steady weight, each over its own step, and the indices of lanes without a result."""
     count = order_for(tolerance, _POINTS)
     w = segments.frequency.take(lanes.k, axis=1) * lanes.omega
     fastest = 1.0 + w.max(axis=0, initial=0.0)
@@ -97,8 +96,8 @@ def collocated(marks: Marks, tolerance: float, segments: Segments, lanes: Lanes)
 def _step(
     marks: Marks, tolerance: float, segments: Segments, lanes: Lanes, w: Array, start: Array, drive: Array, length: Array
 ) -> tuple[Array, Array]:
-    """The terms of y in powers of time over `length`, (count + 3, lanes), and of which lanes they hold. At least two lanes: NumPy sums a
-    single one in another order, and no digit may depend on a lane's neighbours."""
+    """Terms of y in powers of time over `length`, (count + 3, lanes), and True for lanes where they hold. It needs two lanes or more: NumPy
+    sums a single lane in another order, and no digit may depend on a lane's neighbours."""
     rule = points(order_for(tolerance, _POINTS))
     count = len(rule.at)
     time = rule.at * length
@@ -109,31 +108,29 @@ def _step(
     straight = lanes.y + lanes.v * time
 
     def swept() -> Array:
-        y = np.einsum("kj,jl->kl", rule.twice, f)
-        y *= square
-        y += straight
-        return y
+        return np.einsum("kj,jl->kl", rule.twice, f) * square + straight
 
     y = straight + (0.5 * lanes.b) * (time * time)
-    force = _combined(start[:, :3], a)
+    falls, pushes = start[:, ::-1, None]  # highest power first
+    force = a * pushes - falls
     for _ in range(_COARSE):
-        _sum(force, y - lanes.y, later)
+        later[:] = np.polyval(force, y - lanes.y)
         y = swept()
     at, near = marks.nearest(y)
-    force = _combined(marks.rows, a, at)
+    falls, pushes = marks.rows[:, ::-1].take(at, axis=2)
+    force = a * pushes - falls
     for _ in range(2):
         x = y - near
-        _sum(force, x, later)
-        change, y = y, swept()
-    np.subtract(y, change, out=change)
-    slope = _slope(force, x)
+        later[:] = np.polyval(force, x)
+        before, y = y, swept()
+    change = y - before
+    slope = (1.5 * x * force[-4] + force[-3]) * (2.0 * x) + force[-2]  # without the last power
     second_order = np.abs(change).max(axis=0)
     second_order *= second_order * (np.abs(start[0, 2]) + np.abs(lanes.amplitude * start[1, 2]))
     for _ in range((count - 1) // 4):
         change *= slope
         later += change
-        change = np.einsum("kj,jl->kl", rule.twice[:, 1:], change)
-        change *= square
+        change = np.einsum("kj,jl->kl", rule.twice[:, 1:], change) * square
     series = np.einsum("kj,jl->kl", rule.chebyshev, f)
     terms = np.empty((count + 3, lanes.y.size))
     terms[0] = lanes.y
@@ -150,7 +147,7 @@ def _step(
 
 
 def _change(segments: Segments, lanes: Lanes, w: Array, time: Array) -> Array:
-    """What the drive gains until these times [tau], (points, lanes)."""
+    """Change of the drive until these times [tau], (points, lanes)."""
     _, sin, cos = segment_value(segments, lanes.k, lanes.u)
     outward = -lanes.side * lanes.amplitude
     total = np.zeros_like(time)
@@ -163,32 +160,4 @@ def _change(segments: Segments, lanes: Lanes, w: Array, time: Array) -> Array:
         half += 2.0 * outward * c
         half *= share
         total += half
-    return total
-
-
-def _combined(rows: Array, a: Array, at: Array | None = None) -> list[Array]:
-    """-F + a G in powers of what y is off, (points, lanes) each, from rows (2, powers, lanes), or (2, powers, marks) and the marks."""
-    force = []
-    for falls, pushes in zip(*rows, strict=True):
-        both = a * (pushes if at is None else pushes.take(at))
-        both -= falls if at is None else falls.take(at)
-        force.append(both)
-    return force
-
-
-def _sum(force: list[Array], x: Array, out: Array) -> None:
-    """The force at x."""
-    np.multiply(force[-1], x, out=out)
-    for row in force[-2:0:-1]:
-        out += row
-        out *= x
-    out += force[0]
-
-
-def _slope(force: list[Array], x: Array) -> Array:
-    """Its derivative by y there, short of the last power."""
-    total = (1.5 * x) * force[3]
-    total += force[2]
-    total *= 2.0 * x
-    total += force[1]
     return total

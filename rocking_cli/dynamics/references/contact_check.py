@@ -1,10 +1,8 @@
-"""Loss of contact of a rigid body on the reference path, from instants along its own steps.
+"""Loss of contact of a rigid body on the reference path, from instants along its steps; it shares nothing with the proof of `body`.
 
-Its mass centre is R cos(alpha - u) above the edge, u = |theta|, so that over m g and with ' by the tau of the path
+The mass centre is R cos(alpha - u) above the edge, u = |theta|, so that over m g, with ' by the tau of the path and the weight w over m g,
 
     Fz = w + rise (cos(alpha - u))'',   rise = R p^2/g
-
-w is the weight over m g. The engine's own proof (`body`) shares nothing with this file.
 """
 
 from __future__ import annotations
@@ -16,12 +14,12 @@ from typing import TYPE_CHECKING, NamedTuple
 if TYPE_CHECKING:
     from ...structures.parameters import RockingParameters, Side
 
-_NEAR, _PART = 0.1, 0.1  # a least force within this, and this part of its variation on a step, is searched for
-_ROUNDS = 32  # of the search; each leaves two thirds of the step
+_NEAR, _PART = 0.1, 0.1  # the least force of a step is searched for if it may be below the first plus the second times its variation
+_ROUNDS = 32  # of the search; each leaves two thirds of the interval
 
 
 class Arm(NamedTuple):
-    """An edge: alpha [rad], and rise, R p^2/g with the p of the path [-]."""
+    """An edge. alpha [rad]; rise: R p^2/g with the p of the path [-]."""
 
     alpha: float
     rise: float
@@ -40,9 +38,10 @@ def arms_of(structure: RockingParameters) -> tuple[Arm, Arm] | None:
 
 
 def lets_go(rough: tuple[float, float, float], force: Callable[[float], float]) -> bool:
-    """True if a force falls to zero on a step; rough: at its start, about its middle and at its end; force: by the part of the step.
+    """True if a force falls to zero on a step, which holds at most one minimum.
 
-    Steps are too short for more than one minimum. The search is skipped if the parabola through the three stays well above zero.
+    rough: the force at the start, about the middle and at the end; force: function of the part of the step. The search is skipped if the
+    parabola through the three stays well above zero.
     """
     first, middle, last = rough
     if first <= 0.0 or last <= 0.0:

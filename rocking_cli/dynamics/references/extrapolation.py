@@ -1,25 +1,26 @@
 """An equation of second order by the modified midpoint rule, extrapolated to steps of no length (Gragg, Bulirsch and Stoer).
 
-Hairer, Norsett and Wanner, Solving Ordinary Differential Equations I, II.9. It is a Runge-Kutta method of any order. SciPy's solvers
-take longer to import than a small sweep takes.
+Hairer, Norsett and Wanner, Solving Ordinary Differential Equations I, II.9. SciPy's solvers take longer to import than a small sweep
+takes.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import suppress
 from typing import NamedTuple
 
 Rate = Callable[[float, float, float], tuple[float, float]]  # (theta', w') of (time, theta, w)
 
 _PARTS = (2, 4, 6, 8, 10, 12, 14, 16)  # of a step, in one midpoint rule after the other
-_TOLERANCE = 1e-11  # between the last two extrapolations, over the state; the last one is nearer by (length/2)^2
+_TOLERANCE = 1e-11  # difference of the last two extrapolations over the state; the error of the last one is (length/2)^2 times as large
 _LEAST = 1e-15  # difference that is always allowed: forces that hardly lift a body are differences of terms of order one
-_PIECES = 5  # steps of a stretch, at the ends of which signs are compared
-_BOUNCES = 8.0  # first step from an impact, over speed by force: four times as long as the bounce
-_SHORTEST = 1e-12  # of a stretch
-_HOP = 1e-6  # of a stretch: hops from rest that are shorter count as none
-_NEAR = 1e-9  # of the time to a root
-_ROUNDS = 100  # of a search for a root; bisection alone takes 60
+_PIECES = 5  # least number of steps of a stretch; signs are compared at the ends of steps
+_BOUNCES = 8.0  # first step from an impact over speed/force: four times as long as the bounce
+_SHORTEST = 1e-12  # least step over the stretch
+_HOP = 1e-6  # shorter hops from rest, over the stretch, count as none
+_NEAR = 1e-9  # error of the time to a root
+_ROUNDS = 100  # limit of a search for a root; bisection alone takes 60
 
 
 class Point(NamedTuple):
@@ -41,40 +42,35 @@ class Path(NamedTuple):
 
 def step(rate: Rate, start: Point, length: float) -> Point | None:
     """The instant `length` later; None if the extrapolations do not agree: the step is too long."""
-    try:
-        return _extrapolated(rate, start, length)
-    except (ArithmeticError, ValueError):  # a midpoint has left the range of doubles, or of the equation
-        return None
-
-
-def _extrapolated(rate: Rate, start: Point, length: float) -> Point | None:
     time, theta, w = start
-    first = rate(time, theta, w)
     table: list[tuple[float, float]] = []  # the last row: the rule itself, then extrapolated once, twice, ...
-    for k, parts in enumerate(_PARTS):
-        h = length / parts
-        before, here = (theta, w), (theta + h * first[0], w + h * first[1])
-        for i in range(1, parts):
-            speed, force = rate(time + i * h, *here)
-            before, here = here, (before[0] + 2.0 * h * speed, before[1] + 2.0 * h * force)
-        speed, force = rate(time + length, *here)
-        row = [(0.5 * (before[0] + here[0] + h * speed), 0.5 * (before[1] + here[1] + h * force))]
-        for j in range(k):
-            over = (parts / _PARTS[k - 1 - j]) ** 2 - 1.0
-            row.append((row[j][0] + (row[j][0] - table[j][0]) / over, row[j][1] + (row[j][1] - table[j][1]) / over))
-        if k > 2 and all(
-            abs(a - b) <= max(_LEAST, _TOLERANCE * max(abs(a), abs(c), abs(length * d)))
-            for a, b, c, d in zip(row[-1], row[-2], (theta, w), first, strict=True)
-        ):
-            return Point(time + length, *row[-1])
-        table = row
+    with suppress(ArithmeticError, ValueError):  # a midpoint has left the range of doubles, or of the equation
+        first = rate(time, theta, w)
+        for k, parts in enumerate(_PARTS):
+            h = length / parts
+            before, here = (theta, w), (theta + h * first[0], w + h * first[1])
+            for i in range(1, parts):
+                speed, force = rate(time + i * h, *here)
+                before, here = here, (before[0] + 2.0 * h * speed, before[1] + 2.0 * h * force)
+            speed, force = rate(time + length, *here)
+            row = [(0.5 * (before[0] + here[0] + h * speed), 0.5 * (before[1] + here[1] + h * force))]
+            for j in range(k):
+                over = (parts / _PARTS[k - 1 - j]) ** 2 - 1.0
+                row.append((row[j][0] + (row[j][0] - table[j][0]) / over, row[j][1] + (row[j][1] - table[j][1]) / over))
+            if k > 2 and all(
+                abs(a - b) <= max(_LEAST, _TOLERANCE * max(abs(a), abs(c), abs(length * d)))
+                for a, b, c, d in zip(row[-1], row[-2], (theta, w), first, strict=True)
+            ):
+                return Point(time + length, *row[-1])
+            table = row
     return None
 
 
 def path(rate: Rate, start: Point, stop: float, limit: float) -> Path:
-    """From an instant on or above the ground until `stop`, an impact, or an angle beyond `limit`.
+    """The path from an instant on or above the ground until `stop`, an impact, or an angle beyond `limit`.
 
-    Between the ends of two steps there is at most one peak, or one dip, which may come to the ground where both ends lie above it.
+    A step holds at most one peak, or one dip, which may reach the ground although both ends of the step lie above it.
+    Raises ArithmeticError when no step is short enough.
     """
     peaks: list[Point] = []
     stretch, passed = stop - start.time, 0.0
@@ -111,8 +107,8 @@ def path(rate: Rate, start: Point, stop: float, limit: float) -> Path:
 
 
 def _passes_zero(rate: Rate, start: Point, end: Point, which: int, sense: float = 1.0) -> Point:
-    """The instant between two at which theta (which = 1) or w (2) falls (sense = 1) or rises (-1) through zero: Newton's method in a
-    bracket, to 1e-9 of the way. The caller's tangent takes the rest."""
+    """The instant between two at which theta (which = 1) or w (2) falls (sense = 1) or rises (-1) through zero, to 1e-9 of the time, by
+    Newton's method in a bracket. The caller improves it by the tangent."""
     low, high = 0.0, end.time - start.time
     length, there = high, end
     for _ in range(_ROUNDS):

@@ -1,9 +1,9 @@
 """Any equation and contact by a second, slower path, for checking: a Runge-Kutta method on the equation as the paper writes it.
 
 It shares no series, table, window, closed form or energy argument with the engine. The state is (theta, w), w = sqrt(M) theta', which
-takes the velocity term out of Eq. 3.4; for a rigid body M = 1. Strides are half a radian of the fastest motion, in five steps or
-more; impacts and peaks are sought where signs change (`extrapolation`). A body has lost contact where the ground falls away from it,
-and a rigid one that rocks where its Fz is not positive (`contact_check`).
+takes the velocity term out of Eq. 3.4; for a rigid body M = 1. A stretch is half a radian of the fastest motion, in five steps or
+more; impacts and peaks are found where signs change (`extrapolation`). A body loses contact where the ground falls away from it, and a
+rigid body that rocks where Fz <= 0 (`contact_check`).
 """
 
 from __future__ import annotations
@@ -26,8 +26,8 @@ if TYPE_CHECKING:
 
     Edge = Side | RockingParameters  # with p, alpha and a_scale
 
-_MAX_STRIDES, _A_SEGMENT = 5_000, 50  # strides of a cell, and these for each segment of the motion
-_SCRIPT_STRIDE = 10.0  # tau between two tests of overturning, where steps are the solver's own
+_MOST, _A_SEGMENT = 5_000, 50  # limit of stretches of a cell, and what each segment of the motion adds to it
+_SCRIPT_STRETCH = 10.0  # tau between two tests of overturning where the solver chooses its steps
 _AT_REST = 1e-11
 
 
@@ -36,8 +36,8 @@ class Rates:
     """An equation of motion on one edge.
 
     alpha: critical angle [rad]; uplift: static lambda [-]; limit: theta [rad] from which the body has overturned whatever comes; of:
-    (theta', w') by tau of the reference, from theta, w, the inward ground acceleration [g] and the weight over m g; returns: False if
-    nothing is known of bodies beyond alpha that have lost contact.
+    (theta', w') by tau, from theta, w, the inward ground acceleration [g] and the weight over m g; returns: False if nothing is known of
+    bodies beyond alpha that have lost contact.
     """
 
     alpha: float
@@ -87,9 +87,9 @@ def mechanism_rates(structure: RockingParameters, edge: Edge) -> Rates:
 class Problem:
     """A structure as general solvers take it.
 
-    edges: the equation by side, +1 for theta > 0 and -1, which a body has not that is free to the right only; scale: ground
-    acceleration of A = 1 [g]; eta: theta' after over before on leaving each edge, empty for that of the cell; arms: of a rigid body,
-    empty if its forces are not known.
+    edges: the equation of each side, +1 for theta > 0, and -1 unless the body rocks to the right only; scale: ground acceleration of
+    A = 1 [g]; eta: theta' after over before an impact on leaving each edge, empty for that of the cell; arms: those of a rigid body, empty
+    if its forces are not known.
     """
 
     edges: dict[int, Rates]
@@ -99,7 +99,7 @@ class Problem:
 
 
 def problem_of(structure: RockingParameters, rates: Callable[[RockingParameters, Edge], Rates]) -> Problem:
-    """A structure with the rates of an equation."""
+    """The problem of a structure with the rates of an equation."""
     arms = dict(zip((1, -1), arms_of(structure) or (), strict=False))
     scale = structure.alpha / structure.a_scale
     if structure.sides:
@@ -153,14 +153,14 @@ class _Body:
         self.least = 1.0 if vertical is None else 1.0 + self.drive * float(vertical.segments.later_min[0])  # weight over m g
 
     def run(self) -> tuple[Outcome, float]:
-        strides, vertical = _MAX_STRIDES + _A_SEGMENT * len(self.motion.segments), self.motion.vertical
+        left, vertical = _MOST + _A_SEGMENT * len(self.motion.segments), self.motion.vertical
         for piece, up in zip(self.motion.pieces, vertical.pieces if vertical else (None,) * len(self.motion.pieces), strict=True):
             self.up = up
             fall = next_uplift(up, up.start, -self.drive) if up is not None and self.least <= 0.0 else None
             end = (piece.stop if fall is None else fall) / self.omega
             while end - self.time > 1e-14 * end:
-                strides -= 1
-                if strides < 0:
+                left -= 1
+                if left < 0:
                     return Outcome.FAILED, math.nan
                 (self.move if self.side else self.wait)(piece, end)
                 if self.theta > self.here.limit or (self.side and self.theta > self.here.alpha and self.lost()):
@@ -189,14 +189,14 @@ class _Body:
         self.here, self.theta, self.w = self.problem.edges[self.side or 1], 0.0, 0.0
 
     def move(self, piece: Piece, end: float) -> None:
-        """One stride, or on to the impact in it."""
+        """One stretch, or on to the impact in it."""
         of, start, push = self.here.of, Point(self.time, self.theta, self.w), self.side * self.drive
 
         def rate(t: float, theta: float, w: float) -> tuple[float, float]:
             return of(theta, w, push * value(piece, self.omega * t), self.weight(t))
 
-        stride = 0.5 / (1.0 + self.omega * max((h.frequency for h in piece.harmonics), default=0.0))
-        stop = min(end, self.time + (stride if self.solver is path else _SCRIPT_STRIDE))
+        stretch = 0.5 / (1.0 + self.omega * max((h.frequency for h in piece.harmonics), default=0.0))
+        stop = min(end, self.time + (stretch if self.solver is path else _SCRIPT_STRETCH))
         peaks, there, struck, steps = self.solver(rate, start, stop, self.here.limit * (1.0 + 1e-9))  # surely beyond it
         self.press(rate, steps)
         for peak in peaks:
@@ -247,7 +247,7 @@ class _Body:
     def still(self) -> tuple[Outcome, float]:
         """After the shaking: on over still ground, until the outcome is certain."""
         ground, impacts, self.up = Piece(0.0, math.inf), 0, None
-        for _ in range(_MAX_STRIDES):
+        for _ in range(_MOST):
             if self.side == 0 or impacts > 2:
                 return (Outcome.ROCKED if self.peak > 0.0 else Outcome.NO_UPLIFT), self.peak
             if self.theta > self.here.alpha and self.w >= 0.0:

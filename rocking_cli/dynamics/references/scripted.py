@@ -2,23 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
-import numpy as np
 from scipy.integrate import solve_ivp
 
 from .extrapolation import Path, Point, Rate
-
-State = np.ndarray
-
-
-def _event(value: Callable[[State], float], direction: int, terminal: bool) -> Callable[[float, State], float]:
-    def event(t: float, state: State) -> float:
-        return float(value(state))
-
-    event.__dict__.update(direction=direction, terminal=terminal)
-    return event
 
 
 @dataclass(frozen=True)
@@ -29,12 +18,10 @@ class Script:
     tolerance: float
 
     def __call__(self, rate: Rate, start: Point, stop: float, limit: float) -> Path:
-        """As `extrapolation.path`."""
-        events = (  # an impact, a peak, and a body beyond its limit, where a strong motion asks for many steps
-            _event(lambda state: state[0], -1, True),
-            _event(lambda state: state[1], -1, False),
-            _event(lambda state: state[0] - limit, 1, True),
-        )
+        """See `extrapolation.path`."""
+        events: tuple[Any, ...] = (lambda t, state: state[0], lambda t, state: state[1], lambda t, state: state[0] - limit)
+        for event, direction, terminal in zip(events, (-1, -1, 1), (True, False, True), strict=True):  # impact, peak, fallen
+            event.direction, event.terminal = direction, terminal
         found = solve_ivp(
             lambda t, state: rate(t, float(state[0]), float(state[1])), (start.time, stop), start[1:],
             method=self.method, rtol=max(self.tolerance, 2.3e-14), atol=self.tolerance, events=events,

@@ -84,9 +84,9 @@ def test_an_uplift_shorter_than_a_stride_is_seen(omega):
     assert theta == pytest.approx(float(found.theta_ratio), rel=1e-5, abs=0)  # rounding of the drive over its excess: 2e-7
 
 
-def test_the_limit_of_strides_grows_with_the_motion(monkeypatch):
-    """A record has a stride or more a piece, however long it is."""
-    monkeypatch.setattr(general_solver, "_MAX_STRIDES", 20)
+def test_the_limit_of_stretches_grows_with_the_motion(monkeypatch):
+    """A record has a stretch or more a piece, however long it is."""
+    monkeypatch.setattr(general_solver, "_MOST", 20)
     heights = np.random.default_rng(0).uniform(-1.0, 1.0, 101)
     pieces = tuple(Piece(float(i), i + 1.0, (), float(a), float(b - a)) for i, (a, b) in enumerate(pairwise(heights)))
     motion = Motion("record", pieces)
