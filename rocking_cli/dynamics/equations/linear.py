@@ -1,7 +1,4 @@
-"""The linear oscillator (Eqs. 2.4 and 3.6): y is |theta|/alpha, the flow is exact.
-
-y'' = y - 1 + a - 2 zeta y'
-"""
+"""The linear oscillator (Eqs. 2.4 and 3.6): y is |theta|/alpha, the flow is exact."""
 
 from __future__ import annotations
 
@@ -36,7 +33,7 @@ class LinearEquation(Equation):
     tolerance = 1e-13  # of a series, where there is one: what it leaves out is below rounding
     bounds = (1.0, 1.0)
     barrier = 1.0
-    pool = 32768  # lanes: fewer rounds outweigh what no longer fits the second-level cache
+    pool = 32768  # fewer rounds outweigh arrays that no longer fit the second-level cache
 
     def __init__(self, damping: float = 0.0) -> None:
         super().__init__(damping)
@@ -44,7 +41,7 @@ class LinearEquation(Equation):
         self.growth = math.sqrt(1.0 + damping * damping) - damping  # rate of the unstable mode, over p
 
     def flow(self, segments: Segments, lanes: Lanes) -> LinearFlow | SummedFlow | DampedFlow | TaylorSeries:
-        """The arc that each lane is about to follow: its state and the outward drive's coefficients; a series where the weight varies."""
+        """The exact motion of each lane from its state; a series where the weight varies."""
         if segments.weighed is not None:
             return ramp_flow(self, segments, lanes) if segments.straight else self._series(segments, lanes)
         _, sin, cos = segment_value(segments, lanes.k, lanes.u)
@@ -109,7 +106,7 @@ class LinearEquation(Equation):
         return weight * (y - 1.0) + a
 
     def fall(self, y: Array, v: Array) -> tuple[Array, Array]:
-        """The unstable mode y - 1 + v, and v^2 at the ground, which is 1 - D0* of Eq. 2.7, without cancellation."""
+        """True if the unstable mode y - 1 + v is positive; the energy is v^2 at the ground, 1 - D0* of Eq. 2.7, without cancellation."""
         return y - 1.0 + v > 0.0, v * v + y * (2.0 - y)
 
     def peak(self, energy: Array) -> Array:
@@ -117,7 +114,7 @@ class LinearEquation(Equation):
         return energy / (1.0 + np.sqrt(np.maximum(0.0, 1.0 - energy)))
 
     def damped_peak(self, y: Array, v: Array) -> Array:
-        """The peak is where the two modes of y - 1 have grown alike: y' = 0."""
+        """y where y' = 0, from the two modes of y - 1."""
         up, down = self.growth, -1.0 / self.growth
         rising = (v > 0.0) & (y - 1.0 + up * v < 0.0)
         grows, decays = (v - down * (y - 1.0)) / (up - down), (up * (y - 1.0) - v) / (up - down)
@@ -125,8 +122,8 @@ class LinearEquation(Equation):
         return np.where(rising, y + grows * np.expm1(up * when) + decays * np.expm1(down * when), np.nan)
 
     def certainly_overturns(self, y: Array, v: Array, inward: Array, steady: bool = True) -> Array:
-        """The unstable mode z = y - 1 + g v, whose rate is g, exceeds all the inward drive still to come: z' = g (z + a) > 0; under a
-        weight that varies y - 1 itself, outwards."""
+        """True if the unstable mode z = y - 1 + g v, of rate g, exceeds all inward drive to come: z' = g (z + a) > 0. Under a weight that
+        varies y - 1 must exceed it, outwards."""
         if not steady:
             return (v > 0.0) & (y - 1.0 > inward)
         return y - 1.0 + (self.growth * v if self.damping else v) > inward

@@ -5,10 +5,9 @@ rest F0 and G0, y = q p^2/(g F0) and a the outward drive over lambda g,
 
     y'' = -F(y)/F0 + a G(y)/G0 - 2 zeta y'
 
-F and G are tabulated once, as power series in y about the centres of patches that are short against the distance to the
-linkage's nearest lock-up. A step is found by collocation (`collocation`); where the body is damped, its weight varies or the tolerance
-is too tight for that, it composes the local series with that of y. F/G = lambda(phi) falls all the way (checked), which is what the
-sign tests of `windows` need. Where it no longer falls, or is below -50 times its value at rest, the structure has collapsed.
+F and G are tabulated once (`patches`). A step is found by collocation (`collocation`); if the body is damped, its weight varies or the
+tolerance is too tight, the series of F and G are composed with that of y. F/G = lambda(phi) falls all the way (checked), as the sign
+tests of `windows` need. Where it no longer falls, or is below -50 times its value at rest, the structure has collapsed.
 """
 
 from __future__ import annotations
@@ -33,9 +32,9 @@ from .taylor import LOCAL, TaylorSeries, blocks, drive_series, longest, order_fo
 Array = np.ndarray
 
 _SHIFT = 4  # powers of x that a narrow patch's series is shifted with
-_MARKS, _NEAR = 2048, 4  # marks of a finer table: within half their distance powers above the 4th are below 1e-13
+_MARKS, _NEAR = 2048, 4  # intervals of a finer table: within half of one, powers above the 4th are below 1e-13
 _CHOOSE = np.array([[math.comb(j + k, k) for j in range(MOST_TERMS)] for k in range(_NEAR + 1)], dtype=float)
-_LEFT = 0.1  # of a step's error that the series about marks may leave out
+_LEFT = 0.1  # part of a step's error that the series about marks may leave out
 _MARGIN = 1e-6  # energy beyond a barrier from which overturning is certain, whatever the table's interpolation
 _FACTORIALS = np.array([[float(math.factorial(k))] for k in range(DEGREE + 1)])
 
@@ -43,8 +42,8 @@ _FACTORIALS = np.array([[float(math.factorial(k))] for k in range(DEGREE + 1)])
 class MechanismEquation(Equation):
     """Eq. 3.4 for one mechanism; tolerance: error of phi/alpha that is aimed at; damping: zeta [-], of q.
 
-    Raises ValueError when the mechanism does not stand or never becomes unstable, when its lambda(phi) does not fall on the
-    way there, or when the tolerance is not between 1e-13 and 1e-2.
+    Raises ValueError when the mechanism does not stand or never becomes unstable, when its lambda(phi) does not fall until then, or when
+    the tolerance is not between 1e-13 and 1e-2.
     """
 
     def __init__(self, mechanism: Mechanism, tolerance: float = 1e-9, damping: float = 0.0) -> None:
@@ -66,7 +65,8 @@ class MechanismEquation(Equation):
         """The motion of every lane over a step, as terms of a series."""
         if segments.straight:
             return ramp_flow(self, segments, lanes)
-        if self._marked_closely and segments.weighed is None:
+        marks_hold = not self.damping and self.table.marks.left <= _LEFT * LOCAL * self.tolerance
+        if marks_hold and segments.weighed is None:
             found, lost = collocated(self.table.marks, self.tolerance, segments, lanes)
             if lost.size:
                 terms = np.empty((len(found.terms), lost.size))
@@ -80,19 +80,14 @@ class MechanismEquation(Equation):
         return TaylorSeries(y, 1.0 / fastest, self._longest(y, fastest), fastest, self.damping)
 
     def _longest(self, terms: Array, fastest: Array) -> Array:
-        """The step [tau] that the tolerance allows, and on which y stays where its patch was fitted: beyond that F and G go astray, and no
-        term shows it."""
+        """The step [tau] that the tolerance allows and on which y stays where its patch was fitted; the terms do not show the error of F
+        and G beyond it."""
         step = longest(terms, fastest, self.tolerance)
         sizes = powers(step * fastest, len(terms))
         sizes *= terms
         np.abs(sizes, out=sizes)
         room = 0.5 * self.table.half.take(self.table.of(terms[0])[0])
         return step * np.minimum(1.0, room / summed(sizes[1:]))
-
-    @cached_property
-    def _marked_closely(self) -> bool:
-        """Whether arcs are found by collocation: undamped ones, to a tolerance that the series about marks keep."""
-        return not self.damping and self.table.marks.left <= _LEFT * LOCAL * self.tolerance
 
     def _fill(self, y: Array, segments: Segments, lanes: Lanes) -> Array:
         """Fill (order + 1, lanes) with the terms of y; returns the rate in whose powers they are."""
@@ -122,7 +117,7 @@ class MechanismEquation(Equation):
         return _composed(self._near(y[0], len(y) - 2), y, 1.0)[0]
 
     def law(self, side: float) -> Law:
-        """F and G are power series of y about each y, composed with the series of the motion."""
+        """Power series of F and G about each y, composed with the series of the motion."""
 
         def term(n: int) -> tuple[str, ...]:
             powers = [f"P{j}_{n} = {' + '.join(f'Y{i}*P{j - 1}_{n - i}' for i in range(1, n - j + 2))}" for j in range(2, n + 1)]
@@ -132,7 +127,7 @@ class MechanismEquation(Equation):
         return Law("mechanism", ("F, G = local", "F0 = F[0]", "G0 = G[0]"), term, {}, local=self._about)
 
     def _about(self, y: float, count: int) -> tuple[float, tuple[tuple[float, ...], ...]]:
-        """(half of what the patch at y was fitted on, the first terms of F and G in powers of y less this one)."""
+        """(half the fitted half width of the patch at y, the first terms of F and G in powers of y less this one)."""
         at, x = self.table.of(np.array([y]))
         half = float(self.table.half[at[0]])
         rows = self._local(at, x, count)[:, :, 0] / half ** np.arange(count)
@@ -158,7 +153,7 @@ class MechanismEquation(Equation):
         return self._local(at, x, count) / self.table.half[at] ** np.arange(count)[:, None]
 
     def _local(self, at: Array, x: Array, count: int) -> Array:
-        """(2, count, lanes): the series of F and G in powers of (y - y0) / half, shifted from the patch's centre to y0, which is near."""
+        """(2, count, lanes): the series of F and G in powers of (y - y0) / half, from those about the patch's centre, which is near y0."""
         if x.size == 1:  # NumPy sums a single lane in another order: no digit may depend on a lane's neighbours
             return self._local(at.repeat(2), x.repeat(2), count)[:, :, :1]
         given = min(count + _SHIFT, DEGREE + 1)
@@ -181,7 +176,7 @@ class MechanismEquation(Equation):
         return self.table.value(self.table.turn, y)
 
     def rotation_rate(self, y: Array, v: Array) -> Array:
-        """Its derivative by tau."""
+        """Derivative of phi/alpha by tau."""
         return v * self.table.slope(self.table.turn, y)
 
     def displacement(self, rotation: Array) -> Array:
@@ -194,18 +189,17 @@ class MechanismEquation(Equation):
         return falls_by_energy(v, energy, self.barrier, y > self.top), energy
 
     def peak(self, energy: Array) -> Array:
-        """y where the work of the weight has used up the energy."""
+        """y where the work of the weight is the energy."""
         return inverse(self.table, self.table.work, np.minimum(energy, self.barrier), self.top)
 
     def certainly_overturns(self, y: Array, v: Array, inward: Array, steady: bool = True) -> Array:
-        """Beyond the barrier of the strongest inward drive still to come, or with the speed to pass it; or collapsed.
+        """True beyond the barrier of the strongest inward drive still to come, with the speed to pass it, or where it has collapsed.
 
-        Under a constant inward drive e the equilibrium is where F/G = -e. It is a maximum of int F + e G, since F/G falls; a weaker drive
-        pushes back less.
+        Under a constant inward drive e the equilibrium, F/G = -e, is a maximum of int F + e G, since F/G falls.
         """
         table = self.table
         certain = y >= self.limit
-        if self.damping or not steady:  # energy is lost, or the barrier moves: only the equilibrium itself is a point of no return
+        if self.damping or not steady:  # energy is lost, or the barrier moves
             return certain | ((v > 0.0) & (y >= self._equilibrium(inward) * (1.0 + _MARGIN)))
         maybe = np.flatnonzero(~certain & (v > 0.0))
         maybe = maybe[0.5 * v[maybe] ** 2 + table.value(table.work, y[maybe]) > self.barrier]
@@ -217,7 +211,7 @@ class MechanismEquation(Equation):
         return certain
 
     def _equilibrium(self, e: Array) -> Array:
-        """y where F/G = -e, at most the limit; from a table, since at a maximum its last digits do not matter."""
+        """y where F/G = -e, at most the limit, from a table: an error of y is of second order at a maximum."""
         return np.interp(e, self.marks[1], self.marks[0])
 
 

@@ -1,7 +1,7 @@
-"""Short Taylor series under straight lines: from one sample of a record to the next, with as many terms as that takes.
+"""Short Taylor series under straight lines, from one sample of a record to the next.
 
-Under a drive a + r h the terms of y come from an equation's recurrence (`ramp_terms`). They fall like (g h)^n/n!, so that their number
-is known beforehand: it follows from a lane's own numbers, and the terms beyond it are zero, so that no digit depends on its neighbours.
+The terms of y (`Equation.ramp_terms`) fall like (g h)^n/n!, so that each lane's numbers give its number of terms. Further terms are zero:
+no digit depends on a lane's neighbours.
 """
 
 from __future__ import annotations
@@ -17,12 +17,10 @@ Array = np.ndarray
 
 LONGEST = 1.0  # tau: a series of `MOST_TERMS` holds any tolerance up to it
 MOST_TERMS = 24
-# The error of a step, in the velocity by tau, is this part of the tolerance: under a record, which strikes a body a hundred times, an error
-# grows further than under a pulse (`taylor.LOCAL`).
-WITHIN = 1e-2 * LOCAL
-_LEAST = 1e-3  # tau: the unit of what has come to the end of its line
-_GROWTH = 1.3  # g for what is not far beyond the barrier; where it is more, the last terms show it
-_ROOM = 0.1  # part of the error allowed to a step that the first term left out may come to by this estimate
+WITHIN = 1e-2 * LOCAL  # error of a step, in y', over the tolerance: after a hundred impacts it has grown further than under a pulse
+_LEAST = 1e-3  # tau: the unit of lanes at the end of their line
+_GROWTH = 1.3  # g of lanes not far beyond the barrier; where it is larger, the last terms show it
+_ROOM = 0.1  # largest first term left out, over the error that a step may have
 
 
 def degrees(size: Array, unit: Array, tolerance: float) -> Array:
@@ -48,8 +46,7 @@ def factors_for(unit: Array, degree: Array) -> Array:
 
 
 def last_terms(terms: Array, last: Array, unit: Array) -> Array:
-    """Size of the last two terms of each lane, by which the error is judged: at most `WITHIN` times tolerance and unit, (lanes,); last:
-    where the last one stands in the terms, row after row."""
+    """Size of the last two terms of each lane, (lanes,), at most `WITHIN` times tolerance and unit; last: flat index of the last term."""
     flat = terms.ravel()
     size = np.abs(flat.take(last - unit.size))
     size *= unit
@@ -59,7 +56,7 @@ def last_terms(terms: Array, last: Array, unit: Array) -> Array:
 
 
 def ramp_flow(equation: Equation, segments: Segments, lanes: Lanes) -> TaylorSeries:
-    """The series of lanes under straight lines, good to the end of their line or for `LONGEST`."""
+    """The series of lanes under straight lines, to the end of their line or for `LONGEST`."""
     outward = -lanes.side * lanes.amplitude
     slope = outward * segments.slope[lanes.k]
     drive = outward * segments.s_start[lanes.k] + slope * lanes.u
@@ -73,17 +70,16 @@ def ramp_flow(equation: Equation, segments: Segments, lanes: Lanes) -> TaylorSer
 
 
 def line_series(equation: Equation, y: Array, v: Array, ramp: Ramp) -> TaylorSeries:
-    """The series of lanes under ramps, whose factors are found here."""
+    """The series of lanes under ramps; it finds the factors."""
     unit = ramp.unit
     size = 2.0 + np.abs(ramp.drive) + np.abs(v) + np.abs(ramp.gain) / unit
     if ramp.weight is not None:
         size += np.abs(ramp.weight[0]) + np.abs(ramp.weight[1]) / unit
     degree = degrees(size, unit, equation.tolerance)
     terms = equation.ramp_terms(y, v, ramp._replace(factors=factors_for(unit, degree)))
+    last = last_terms(terms, degree * unit.size + np.arange(unit.size), unit)
     with np.errstate(divide="ignore"):
-        short = (WITHIN * equation.tolerance * unit / last_terms(terms, degree * unit.size + np.arange(unit.size), unit)) ** (
-            1.0 / (degree - 1.0)
-        )
-    if ramp.weight is not None:  # turns are isolated by coefficients that depend on their number, and no digit may on a lane's neighbours
+        short = (WITHIN * equation.tolerance * unit / last) ** (1.0 / (degree - 1.0))
+    if ramp.weight is not None:  # the digits of turning points depend on the number of terms, which must not depend on a lane's neighbours
         terms = np.concatenate([terms, np.zeros((MOST_TERMS + 1 - len(terms), unit.size))])
     return TaylorSeries(terms, unit, np.minimum(short, 1.0) * unit, np.full(unit.shape, _GROWTH), equation.damping)

@@ -4,9 +4,8 @@ With y = |theta| / sin(alpha), z = alpha - y sin(alpha) and a the outward drive 
 
     y'' = -sin z / sin(alpha) + a cos z / cos(alpha) - 2 zeta y'
 
-The series of y, sin z and cos z follow from each other term by term; the drive's are known. Under a subcritical drive
-(a < 1) tan z > tan alpha below the ground, so that a body which has crossed y = 0 stays below it; under a supercritical one f > 0 for
-y >= 0. So Lemmas 1 and 2 hold.
+The series of y, sin z and cos z follow from each other term by term. Under a subcritical drive (a < 1) tan z > tan alpha below the
+ground, so that a body that has crossed y = 0 stays below it; under a supercritical one f > 0 for y >= 0. So Lemmas 1 and 2 hold.
 """
 
 from __future__ import annotations
@@ -31,9 +30,9 @@ Array = np.ndarray
 class RigidBodyEquation(Equation):
     """Eq. 2.3 for a body of critical angle alpha [rad].
 
-    alpha: of both edges, or (right, left) of a body whose edges differ, or an array of those of both edges of each cell; tolerance:
-    error of theta/alpha that is aimed at; damping: zeta [-]. Raises ValueError when an alpha is not between 1e-30 and pi/2, the
-    tolerance not between 1e-13 and 1e-2, or the damping negative.
+    alpha: of both edges, (right, left) of a body whose edges differ, or an array of one alpha for each cell; tolerance: error of
+    theta/alpha that is aimed at; damping: zeta [-]. Raises ValueError when an alpha is not between 1e-30 and pi/2, the tolerance not
+    between 1e-13 and 1e-2, or the damping negative.
     """
 
     alpha: Any
@@ -95,7 +94,7 @@ class RigidBodyEquation(Equation):
         over = 1.0 / (1.0 + half * half)
         sin[0] = 2.0 * half * over
         cos[0] = (1.0 - half * half) * over
-        pushed = unit2 * lanes.b * -self.sin  # z'' as the lane carries it: at uplift it is 0 to the last bit
+        pushed = unit2 * lanes.b * -self.sin  # z'' of the lane: exactly 0 at uplift
         weight, drive = known.parts
         drive[0] = (pushed - (unit2 if weight is None else weight[0]) * sin[0]) / cos[0]
         y[0] = lanes.y
@@ -176,16 +175,15 @@ class RigidBodyEquation(Equation):
         return (self.alpha - 2.0 * np.arcsin(np.sqrt(0.5 * left))) / self.sin
 
     def certainly_overturns(self, y: Array, v: Array, inward: Array, steady: bool = True) -> Array:
-        """Beyond the barrier of the strongest inward drive that is still to come, or with the speed to pass it.
+        """True beyond the barrier of the strongest inward drive still to come, with the speed to pass it, or where theta >= pi/2.
 
         Under a constant inward e = inward tan(alpha) the equilibrium is at beta = alpha + arctan e and y'' is
-        sqrt(1 + e^2) sin(theta - beta) / sin(alpha); a weaker drive pushes back less. While v > 0 the energy over that barrier
-        never falls, so a body that passes it goes on. On its side (theta = pi/2) a body has overturned.
+        sqrt(1 + e^2) sin(theta - beta) / sin(alpha). While v > 0 the energy over that barrier never falls.
         """
         e = inward * self.tan
         gap = self.alpha + np.arctan(e) - self.sin * y
         on_its_side = self.sin * y >= 0.5 * math.pi
-        if self.damping or not steady:  # energy is lost, or the barrier moves: only the equilibrium itself is a point of no return
+        if self.damping or not steady:  # energy is lost, or the barrier moves
             return ((v > 0.0) & (gap <= 0.0)) | on_its_side
         half = np.tan(0.5 * gap)
         half *= half
