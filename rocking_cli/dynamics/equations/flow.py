@@ -81,7 +81,8 @@ class LinearFlow(Arrays):
             drive_rate += ((1.0 - cosm) * s - c * sinw) * w
         if self.ramp is not None:
             tiny, sinh_h = h < SMALL, sinh - h
-            sinh_h[tiny] = _sinh_minus(h[tiny])
+            x, x2 = h[tiny], h[tiny] * h[tiny]
+            sinh_h[tiny] = x * x2 * np.polyval(_ODD[::-1], x2) * (1.0 / 6.0)
             y = y + self.ramp * sinh_h
             v = v + self.ramp * cosh1
             drive = drive + self.ramp * h
@@ -111,9 +112,3 @@ def _series(w: Array, h: Array) -> tuple[Array, Array]:
     factor = w * h * h2 / (1.0 + w2)
     (odd_h, odd_wh), (even_h, even_wh) = total
     return factor * (odd_h + w2 * odd_wh) * (1.0 / 6.0), w * h * factor * (even_h + w2 * even_wh) * (1.0 / 24.0)
-
-
-def _sinh_minus(h: Array) -> Array:
-    """sinh h - h for small h, without the subtraction."""
-    h2 = h * h
-    return h * h2 * np.polyval(_ODD[::-1], h2) * (1.0 / 6.0)

@@ -17,7 +17,6 @@ from .summed_flow import SummedFlow, can_be_summed
 from .taylor import TaylorSeries, drive_series, order_for, series
 
 if TYPE_CHECKING:
-    from ..weight import WeighedSegments
     from .damped_flow import DampedFlow
 
 Array = np.ndarray

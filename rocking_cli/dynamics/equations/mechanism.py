@@ -49,14 +49,12 @@ class MechanismEquation(Equation):
     def __init__(self, mechanism: Mechanism, tolerance: float = 1e-9, damping: float = 0.0) -> None:
         super().__init__(damping)
         self.order, self.tolerance = order_for(tolerance, 0.8), tolerance  # fewer terms than for a body: they cost their third power
-        self.table = tabulate(mechanism)
-        table = self.table
+        self.table = table = tabulate(mechanism)
         self.limit = float(table.edges[-1])
         self.top = float(inverse(table, table.turn, np.array([1.0]), self.limit)[0])  # y at phi = alpha
         self.barrier = float(table.value(table.work, np.array([self.top]))[0])
         inner = np.linspace(0.0, self.top, 257)
-        rates = (np.abs(table.slope(c, inner)) for c in (table.lift, table.push))
-        self.gain = float(sum(r.max() for r in rates))
+        self.gain = float(sum(np.abs(table.slope(c, inner)).max() for c in (table.lift, table.push)))
         self.bounds = largest(table, table.lift), largest(table, table.push)
         beyond = np.linspace(self.top, self.limit, 4097)
         self.marks = beyond, -table.value(table.lift, beyond) / table.value(table.push, beyond)

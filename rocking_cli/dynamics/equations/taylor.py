@@ -20,7 +20,7 @@ from ..lanes import Lanes
 from .equation import Point
 
 if TYPE_CHECKING:
-    from ..weight import WeighedSegments
+    pass
 
 Array = np.ndarray
 
