@@ -14,7 +14,7 @@ from contextlib import contextmanager
 from itertools import islice
 from typing import Any
 
-from .errors import OutputError
+from .errors import OutputError, UsageError
 
 # Forked workers have the task and the imported packages from the start; only items and results travel.
 _METHOD = "fork" if sys.platform == "linux" else "spawn"
@@ -31,6 +31,16 @@ _task: Callable[[Any], Any]  # of a worker process
 def available_cpus() -> int:
     """CPUs that this process may use, which a batch system or a container may have made fewer than the machine has."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+_MOST = 1e14  # cells times segments: years of a processor by the quickest equation
+
+
+def refuse_endless(cells: float, segments: int) -> None:
+    """Raise UsageError if these cells under a motion of so many segments would take years of a processor."""
+    if cells * segments > _MOST:
+        found = f"{cells:.3g} cells under {segments} segments of shaking"
+        raise UsageError(f"found {found}, which would take years; expected up to {_MOST / segments:.3g} cells")
 
 
 def in_order(submit: Callable[[Any], Any], wait: Callable[[Any], Any], items: Iterable[Any], ahead: int) -> Iterator[Any]:

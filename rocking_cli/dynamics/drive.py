@@ -7,7 +7,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..motions.segments import Near, Segments
+from ..motions.piece import Near
+from ..motions.segments import Segments
 
 Array = np.ndarray
 

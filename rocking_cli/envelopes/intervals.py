@@ -21,8 +21,7 @@ from ..dynamics.outcome import Outcome
 from ..errors import UsageError
 from ..motions import Motion, pulse
 from ..motions.grid import Axis, parse_axes, scaled_frequency, written_axes
-from ..processes import available_cpus, processes
-from ..spectra.cost import refuse_endless
+from ..processes import available_cpus, processes, refuse_endless
 from ..structures.parameters import RockingParameters
 from .boundaries import Search, Steps
 from .scan_grid import SCAN_STEP

@@ -6,6 +6,7 @@ s(phi) = c0 + c1 (phi - start) + sum_j C_j sin(w_j phi + f_j)
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -50,3 +51,11 @@ def plus(a: Piece, b: Piece) -> Piece:
         waves[h.frequency] = waves.get(h.frequency, 0.0) + h.amplitude * np.exp(1j * h.phase)
     harmonics = tuple(Harmonic(float(abs(c)), w, float(np.angle(c))) for w, c in waves.items())
     return Piece(a.start, a.stop, harmonics, a.constant + b.constant, a.slope + b.slope)
+
+
+class Near(NamedTuple):
+    """s - s_start and its first two derivatives by phase, (lanes,)."""
+
+    change: np.ndarray
+    rate: np.ndarray
+    bend: np.ndarray

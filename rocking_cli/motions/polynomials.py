@@ -9,10 +9,11 @@ smooth function of t there too.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
-from .segments import Near, Segments
+from .piece import Near
 
 Array = np.ndarray
 
@@ -90,13 +91,13 @@ class Table:
         return low
 
 
-def table_of(segments: Segments) -> Table | None:
-    """The table of a motion; None if it is too large."""
+def table_of(segments: Any) -> Table | None:
+    """The table of `Segments`; None if it is too large."""
     counts = _patches_of(segments)
     if counts is None:
         return None
     half = 0.5 * segments.length / counts
-    k = np.repeat(np.arange(len(segments)), counts)
+    k = np.repeat(np.arange(segments.length.size), counts)
     last = np.cumsum(counts) - 1
     first = last - counts + 1
     centre = (2.0 * (np.arange(k.size) - first[k]) + 1.0) * half[k]
@@ -110,15 +111,15 @@ def table_of(segments: Segments) -> Table | None:
             factor *= f * half[k] / (n + 1)
     terms[0] += segments.slope[k] * centre
     terms[1] += segments.slope[k] * half[k]
-    table = Table(first, last, half, terms, np.zeros((len(segments), 2, _NODES + 2)))
+    table = Table(first, last, half, terms, np.zeros((segments.length.size, 2, _NODES + 2)))
     return Table(first, last, half, terms, _inverse(segments, table))
 
 
-def _patches_of(segments: Segments) -> Array | None:
+def _patches_of(segments: Any) -> Array | None:
     """The number of patches of each segment, (K,); None if there are too many."""
     size, w = np.hypot(segments.sin, segments.cos), segments.frequency  # (harmonics, K)
     peak = max(segments.later_max[0], -segments.later_min[0])
-    counts = np.ones(len(segments), dtype=np.int64)
+    counts = np.ones(segments.length.size, dtype=np.int64)
     over = float(np.prod(np.arange(2.0, DEGREE + 2.0)))
     for _ in range(64):
         half = 0.5 * segments.length / counts
@@ -131,12 +132,12 @@ def _patches_of(segments: Segments) -> Array | None:
     return counts
 
 
-def _inverse(segments: Segments, table: Table) -> Array:
+def _inverse(segments: Any, table: Table) -> Array:
     """Phases [rad] at the nodes by Halley's method inside brackets, (K, 2, _NODES + 2)."""
     t = np.sqrt(0.5) / _NODES * np.arange(_NODES + 2.0)
     at = 2.0 / np.pi * np.arcsin(t)  # between two extremes of one sinusoid
-    at, share = (np.stack([x, 1.0 - x]) * np.ones((len(segments), 1, 1)) for x in (at, t * t))
-    k = np.broadcast_to(np.arange(len(segments))[:, None, None], share.shape).ravel()
+    at, share = (np.stack([x, 1.0 - x]) * np.ones((segments.length.size, 1, 1)) for x in (at, t * t))
+    k = np.broadcast_to(np.arange(segments.length.size)[:, None, None], share.shape).ravel()
     length, rise = segments.length[k], segments.s_end[k] - segments.s_start[k]
     at, wanted, sense = at.ravel() * length, share.ravel() * np.abs(rise), np.sign(rise)
     low, high = np.where(share.ravel() == 1.0, length, 0.0), np.where(share.ravel() == 0.0, 0.0, length)  # the ends are known

@@ -17,14 +17,6 @@ LEAF_LEVEL = 3
 LEAF = 1 << LEAF_LEVEL  # segments of the smallest block with stored extremes of s
 
 
-class Near(NamedTuple):
-    """s - s_start and its first two derivatives by phase, (lanes,)."""
-
-    change: np.ndarray
-    rate: np.ndarray
-    bend: np.ndarray
-
-
 @dataclass(frozen=True)
 class Wave:
     """Segments with a single sinusoid in rising form: sign (s - offset) = radius sin(angle + w u), u the phase from the start [rad]."""

@@ -18,8 +18,8 @@ from ..interruption import check as check_for_a_stop
 from ..interruption import deferred
 from ..motions import Motion
 from ..motions.grid import Grid
+from ..processes import refuse_endless
 from ..structures.parameters import RockingParameters
-from .cost import refuse_endless
 from .results import Spectrum, Summary
 from .scene import PulseScene, Scene, Unit, cut_into_units
 from .sweep_options import SweepOptions

@@ -27,7 +27,7 @@ from .chunks import ChunkGrid, Packed, checksum, split, unpack
 from .difference import reason
 from .digest import checked_digest, read
 from .layout import BOOKKEEPING, CHUNK_TABLES
-from .partial import SIGNATURE, Log
+from .log import SIGNATURE, Log
 
 _FAULTS = (*FAULTS, UsageError)
 UNPACKED = 8  # chunks that are kept as arrays

@@ -11,7 +11,8 @@ import h5py
 import pytest
 
 from rocking_cli import OutputError, UsageError
-from rocking_cli.spectra.file.partial import NOTE, Log, Partial, check_output
+from rocking_cli.spectra.file.log import NOTE, Log
+from rocking_cli.spectra.file.partial import Partial, check_output
 from rocking_cli.spectra.sweep_options import SweepOptions
 
 

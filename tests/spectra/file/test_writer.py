@@ -33,12 +33,12 @@ from rocking_cli.commands import main
 from rocking_cli.errors import Interrupted
 from rocking_cli.reports.summary import summary_lines
 from rocking_cli.spectra.dimensions import pulse_frame
-from rocking_cli.spectra.file import partial
+from rocking_cli.spectra.file import log
 from rocking_cli.spectra.file import writer as store
 from rocking_cli.spectra.file.chunks import pack
 from rocking_cli.spectra.file.difference import difference
 from rocking_cli.spectra.file.layout import Layout
-from rocking_cli.spectra.file.partial import Log
+from rocking_cli.spectra.file.log import Log
 from rocking_cli.spectra.file.reader import SpectraFile
 from rocking_cli.spectra.file.writer import SpectraWriter
 from rocking_cli.spectra.work import machine
@@ -302,11 +302,11 @@ def test_a_part_whose_layout_is_cut_or_ends_elsewhere_is_kept(tmp_path):
 @pytest.mark.parametrize("at", ["chunk", "finish"])
 def test_a_disk_that_fills_up_keeps_the_part_whole(tmp_path, monkeypatch, at):
     sweep(tmp_path / "whole.h5")
-    write, copy, calls = partial.write, SpectraWriter._copy_into, []
+    write, copy, calls = log.write, SpectraWriter._copy_into, []
 
     def full(file, offset, content):
         calls.append(offset)
-        if len(calls) == 6:  # layout, signature, a note, two chunks
+        if len(calls) == 4:  # a note, two chunks
             write(file, offset, content[: len(content) // 2])
             raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
         write(file, offset, content)
@@ -317,7 +317,7 @@ def test_a_disk_that_fills_up_keeps_the_part_whole(tmp_path, monkeypatch, at):
 
     with monkeypatch.context() as patch:
         if at == "chunk":
-            patch.setattr(partial, "write", full)
+            patch.setattr(log, "write", full)
         else:
             patch.setattr(SpectraWriter, "_copy_into", full_at_the_end)
         with pytest.raises(OutputError, match=r"cannot be written: No space left on device; .* (is|are) kept"):
