@@ -54,7 +54,6 @@ def check(files: tuple[str, ...], motions: ground.Motions, vertical: ground.Vert
     """
     from ..dynamics.outcome import Outcome
     from ..envelopes.capacity import narrowest
-    from ..publishing import check_target
     from ..responses.check import CHECK_COLUMNS, OLD_COLUMNS, verdicts
 
     files, shaken = motions.several(files, vertical)
@@ -62,6 +61,8 @@ def check(files: tuple[str, ...], motions: ground.Motions, vertical: ground.Vert
     structures = options.structures_of(files)
     shakes = needed(shaken)
     if wanted.output is not None:
+        from ..publishing import check_target
+
         check_target(wanted.output, wanted.overwrite, options.FIGURES)
     demands = [(structure, *shake) for shake in shakes for structure in structures]
     told: list[Verdict] = []

@@ -12,7 +12,7 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import yaml
 
@@ -20,7 +20,9 @@ from ..errors import DocumentError, did_you_mean
 from .composition import DEEPEST, MOST_VALUES, Place, compose, text_of
 from .files import read_bytes
 from .quantities import SMALLEST_LENGTH, accepted, parse_quantity, split_quantity
-from .table import Cell, delimiter_of, demand_no_table, rows_of
+
+if TYPE_CHECKING:
+    from .table import Cell
 
 MEANT = {"eta": "restitution", "e": "restitution", "zeta": "damping", "g": "gravity", "r": "radius", "h": "height", "b": "width"}
 _ITEM = re.compile(r"([a-z_]+)_(\d{1,4})_([a-z_]+)")  # a CSV column for an item of a list, such as pieces_1_width
@@ -238,14 +240,22 @@ def parse_documents(text: str, source: str = "<text>") -> list[Document]:
     >>> [document.values['kind'].content for document in parse_documents('{"kind": "block"} {"kind": "arch"}')]
     ['block', 'arch']
     """
-    if delimiter := delimiter_of(text):
-        documents = [document_of(cells, source, i) for i, cells in enumerate(rows_of(text, source, delimiter))]
-    else:
-        demand_no_table(text, source)
+    documents = _rows(text, source) if any(x in text.lstrip().partition("\n")[0] for x in ",;\t") else None
+    if documents is None:
         documents = [_document(node, source, i, first) for i, (node, first) in enumerate(compose(text, source))]
     if not documents:
         raise DocumentError(f"{Place(source, 1, 1)}: empty; expected a structure document, such as `kind: block` with width and height")
     return documents
+
+
+def _rows(text: str, source: str) -> list[Document] | None:
+    """The documents of a CSV table, None for any other text. Raises DocumentError for a table without a column `kind`."""
+    from .table import delimiter_of, demand_no_table, rows_of
+
+    if delimiter := delimiter_of(text):
+        return [document_of(cells, source, i) for i, cells in enumerate(rows_of(text, source, delimiter))]
+    demand_no_table(text, source)
+    return None
 
 
 def document_of(cells: Sequence[Cell], source: str, index: int = 0) -> Document:

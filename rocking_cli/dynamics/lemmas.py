@@ -156,7 +156,7 @@ ends by more than (1 - c) T^2/8.
 Proof. Green's function sinh is not negative, so y is monotone in the drive. y'' >= c - 1 gives the bound by the ends.
 The state at the end of a stretch is exact, whatever happens on the way.
 Varying weight: not used.
-Used in `samples.propagation.horizon`, `samples.exact.ExactStepper._doubtful`, `samples.bounded.bounded_response`.
+Used in `samples.exact.horizon`, `samples.exact.ExactStepper._doubtful`, `samples.bounded.bounded_response`.
 Test `samples/test_exact.py::test_records_against_an_integration_that_shares_no_code`.
 
 # Lemma 12 (Taylor step over samples)

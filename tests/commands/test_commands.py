@@ -154,7 +154,7 @@ def test_commands_import_only_what_they_use(arguments, unwanted, pytestconfig, t
 @pytest.mark.parametrize(
     ("arguments", "most"),
     [
-        (["check", "configs/block.yaml", "--a-g", "0.35g", "--f-g", "1.5"], 12_500),
+        (["check", "configs/block.yaml", "--a-g", "0.35g", "--f-g", "1.5"], 12_000),
         (["spectrum", "--eta", "0.9", "--grid", "A=1:2:2,Omega=1:2:2", "-q", "-o", "OUT"], 10_000),
     ],
     ids=["check", "spectrum"],

@@ -9,7 +9,7 @@ import numpy as np
 from ...motions.blocks import blocks
 from ...motions.segments import Segments
 from ..equations.equation import Equation
-from ..lanes import Cells, Lanes
+from ..lanes import Lanes
 
 Array = np.ndarray
 
@@ -20,11 +20,6 @@ _SMALL = 0.095  # of D^2/g
 _PEAK = 1.17  # over W/D: 1.053 during the shaking, and after it, where a goes to 0 with M <= 1.05 y, 1.053 (1 + 1.106 e/D) D
 _JOINED = 1e-15  # of the largest s: a larger change between lines is a jump
 _SURELY = 1.0 - 1e-6  # part of a bound that is used: the rest is room for rounding
-
-
-def keeps_bouncing(equation: Equation, cells: Cells, segments: Segments) -> bool:
-    """True if `bounces_on` may hold for some of these cells."""
-    return segments.straight and not equation.damping and bool((cells.eta > _KEEPS).any())
 
 
 def bounces_on(segments: Segments, lanes: Lanes, equation: Equation) -> Array:

@@ -14,14 +14,14 @@ _INSTANT = 1e-9  # tau: within it of a free fall the weight is as good as none
 
 
 class FreeFall:
-    """Where the ground first falls away from the body of each cell, (cells,): k, u its place in the motion; ever: whether it does."""
+    """Where the ground first falls away from the body of each cell, (cells,): k, u its place in the motion; ever: True if it does."""
 
     def __init__(self, segments: Segments, first: Uplift, ever: Array) -> None:
         self.segments, self.k, self.u, self.ever = segments, first.k, first.u, ever
 
     @classmethod
     def of(cls, segments: Segments, cells: Cells, shaken: int) -> FreeFall | None:
-        """That of cells under a motion which ends with segment `shaken`; None where the ground falls away from none of them."""
+        """The free fall of cells under a motion that ends with segment `shaken`; None if the ground falls away from none of them."""
         weighed = segments.weighed
         if weighed is None:
             return None
@@ -31,13 +31,8 @@ class FreeFall:
         ever = first.k < shaken
         return cls(segments, first, ever) if ever.any() else None
 
-    def of_cells(self, cell: Array) -> FreeFall:
-        """That of these cells."""
-        zero = np.zeros(cell.size)
-        return FreeFall(self.segments, Uplift(self.k[cell], self.u[cell], zero, zero), self.ever[cell])
-
     def until(self, lanes: Lanes) -> Array:
-        """The time [tau] that is left until then."""
+        """The time [tau] that is left until the ground falls away; 0 after it."""
         k, start = self.k[lanes.cell], self.segments.start
         last = len(self.segments) - 1
         ahead = start[np.minimum(k, last)] - start[np.minimum(lanes.k, last)]  # its rounding is far below `_INSTANT`
@@ -45,11 +40,11 @@ class FreeFall:
         return np.where(self.ever[lanes.cell], np.where(lanes.k > k, 0.0, until), np.inf)
 
     def now(self, lanes: Lanes) -> Array:
-        """Whether it has come to that."""
+        """True for lanes from which the ground falls away now."""
         return np.asarray(self.until(lanes) <= _INSTANT)
 
     def sooner(self, cell: Array, lift: Uplift) -> tuple[Array, Array]:
-        """(k, u) of what comes first to bodies at rest: this, or that they lift off."""
+        """(k, u) of the free fall or of the uplift of bodies at rest, the earlier one."""
         k, u = self.k[cell], self.u[cell]
         before = (k < lift.k) | ((k == lift.k) & (u < lift.u))
         return np.where(before, k, lift.k), np.where(before, u, lift.u)

@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from collections.abc import Callable
+from typing import NamedTuple
 
 import numpy as np
 
 from ..equations.equation import Equation, Flow, Ramp
 from ..lanes import Lanes
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from ..samples.propagation import Propagation
 
 Array = np.ndarray
 
@@ -45,6 +41,16 @@ class TaylorSteps(NamedTuple):
     start: tuple[Array, Array]
     end: tuple[Array, Array]
     ramp: Ramp
+
+
+class Propagation(NamedTuple):
+    """The propagation of all lanes: y and y' at their ends, the peak with them, 1 - a at the most, and their time [tau]."""
+
+    y: Array
+    v: Array
+    peak: Array
+    fall: Array
+    time: Array
 
 
 class Observer:

@@ -16,9 +16,8 @@ import numpy as np
 from ..contacts.contact import Contact
 from ..equations.equation import Equation
 from ..lanes import Lanes
-from ..samples.propagation import Propagation
 from .extremes import Extremes, Ratio, Stretches, parts
-from .observer import Arcs, Observer, TaylorSteps
+from .observer import Arcs, Observer, Propagation, TaylorSteps
 
 Array = np.ndarray
 

@@ -10,8 +10,8 @@ import numpy as np
 
 from ...motions.segments import Samples
 from ..march.engine import Run
+from ..observers.observer import Propagation
 from .bounded import LONGEST_STRETCH, bounded_response, shares
-from .propagation import Propagation, horizon
 from .stepper import PooledLanes, SampleStepper
 from .stretches import stretches
 
@@ -141,3 +141,21 @@ class ExactStepper(SampleStepper[ExactLanes]):
         """Upper bound of the outward drive over the stretches of these lanes."""
         drive = lanes.outward[at]
         return -np.abs(drive) * self.stretches.at((drive < 0.0) * self.stretches.face, lanes.level[at], lanes.k[at])
+
+
+def horizon(y: Array, v: Array, least: Array) -> tuple[Array, Array]:
+    """Time [tau] for which y + v sinh h + (y - 1 + least)(cosh h - 1) stays positive, and 1 - least."""
+    fall = 1.0 - least
+    q = y - fall
+    grows = q + v
+    root = fall * fall
+    q -= v
+    q *= grows
+    root -= q
+    np.sqrt(root, out=root)
+    root += fall
+    root /= -grows  # exp of the time
+    never = np.flatnonzero((grows >= 0.0) & ~(root > 1.0))
+    time = np.log(np.maximum(root, 1.0, out=root), out=root)
+    time[never] = np.inf
+    return time, fall

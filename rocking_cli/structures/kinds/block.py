@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from ...documents.document import Document
 from ..mechanics.single_body import radius_and_alpha, rectangular_block
 from ..parameters import RockingParameters
-from ..sketch import Sketch, standing_rectangle
+
+if TYPE_CHECKING:
+    from ..sketch import Sketch
 
 REPORTS = ()
 SIZES = ("width", "height")
@@ -19,4 +23,6 @@ def build(document: Document, name: str) -> RockingParameters:
 
 def sketch(document: Document, _: RockingParameters) -> Sketch:
     """The rectangle."""
+    from ..sketch import standing_rectangle
+
     return standing_rectangle(*radius_and_alpha(document))

@@ -14,13 +14,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from ...documents.document import Document
 from ..parameters import RockingParameters, Side
 from ..shared_keys import gravity_of, mass_of, one_sided_restitution_of, restitution_of
-from ..sketch import Point
 from .kinematics import Moments, spin_about
+
+if TYPE_CHECKING:
+    from ..sketch import Point
 
 
 def rigid_body(
