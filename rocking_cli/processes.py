@@ -127,5 +127,7 @@ def _answer(item: Any) -> Any:
         try:
             pickle.loads(pickle.dumps(error))
         except Exception as fault:  # the pool would take an exception that cannot be made again for the death of a process
-            raise RuntimeError(f"{type(fault).__name__}: {fault}; from {error!r}") from None
-        raise
+            words = f"{type(fault).__name__}: {fault}; from {error!r}"
+        else:
+            raise
+    raise RuntimeError(words)  # out here it has no context, which some packages pickle too

@@ -28,11 +28,8 @@ SUPERCRITICAL, SUBCRITICAL, SUPERCRITICAL_FIRST = np.int8(0), np.int8(1), np.int
 
 
 class Step(NamedTuple):
-    """How far each lane goes in one proof.
-
-    k, u: where the step ends; h: its length [tau]; kind: SUPERCRITICAL, SUBCRITICAL or SUPERCRITICAL_FIRST;
-    subcritical: time [tau] in it at which its subcritical window begins.
-    """
+    """How far each lane goes in one proof. k, u: where the step ends; h: its length [tau]; kind: SUPERCRITICAL, SUBCRITICAL or
+    SUPERCRITICAL_FIRST; subcritical: time [tau] in it at which its subcritical window begins."""
 
     k: Array
     u: Array
