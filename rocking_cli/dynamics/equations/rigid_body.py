@@ -48,18 +48,19 @@ class RigidBodyEquation(Equation):
         self._by_cell = isinstance(alpha, np.ndarray)
         kinds, which = np.unique(np.atleast_1d(alpha), return_inverse=True)
         numbers = [_numbers(x) for x in kinds.tolist()]
-        self._each = {
-            key: np.array([x[key] for x in numbers])[which] for key in numbers[0]
-        }  # of the cells, or of the right edge and the left
+        # Of the cells, or of the right edge and the left.
+        self._each = {key: np.array([x[key] for x in numbers])[which] for key in numbers[0]}
         if not self._by_cell:
             self._each["gain"][:] = self._each["gain"].max()
-        self.__dict__.update(self._each if self._by_cell else {key: float(x[0]) for key, x in self._each.items()})
+        for key, x in self._each.items():
+            setattr(self, key, x if self._by_cell else float(x[0]))
 
     def _at(self, lanes: Array | slice) -> Self:
         """The equation with numbers of these lanes, cells or edges, of those that it has."""
         there = copy.copy(self)
         there._each = {key: x[lanes] for key, x in self._each.items()}
-        there.__dict__.update(there._each)
+        for key, x in there._each.items():
+            setattr(there, key, x)
         return there
 
     def on(self, side: Array, cell: Array | None = None) -> Self:
