@@ -61,6 +61,8 @@ def conditions(batch: Batch, observed: bool) -> frozenset[str]:
 def free_motion(batch: Batch, lanes: Lanes) -> Closed:
     """Undamped lanes for which the shaking is over: the outcome of their free motion (Lemma 8)."""
     at = np.flatnonzero(lanes.k >= len(batch.segments))
+    if not at.size:
+        return Closed(at, at, lanes.peak[at])
     free = batch.contact.free_motion(batch.equation, lanes, at, lanes.y[at], lanes.v[at])
     before = np.where(lanes.impacts[at] > 0, Outcome.OVERTURNED_AFTER_IMPACT, Outcome.OVERTURNED_NO_IMPACT)
     outcome = np.where(free.overturns, before, np.where(free.overturns_after_impact, Outcome.OVERTURNED_AFTER_IMPACT, Outcome.ROCKED))

@@ -107,9 +107,8 @@ class Run:
         """Take one step of every lane; returns the lanes that go on."""
         batch, seg = self.batch, self.batch.segments
         lanes.steps += 1
-        passage = advance(
-            seg, lanes, batch.equation.on(lanes.side, lanes.cell), np.inf if batch.free_fall is None else batch.free_fall.until(lanes)
-        )
+        equation = batch.equation.on(lanes.side, lanes.cell)
+        passage = advance(seg, lanes, equation, np.inf if batch.free_fall is None else batch.free_fall.until(lanes))
         end, hit = passage.end, passage.hit
         k, u = place(seg, passage.step.k, passage.step.u)
         bad = ~(np.isfinite(end.y) & np.isfinite(passage.reach)) | (lanes.steps > batch.most_steps)
@@ -125,7 +124,7 @@ class Run:
         if batch.peaks:
             found = turning_points(seg, lanes, passage, wanted)
             np.maximum.at(lanes.peak, found.lanes, found.y)  # there may be several to a lane
-            limit = np.broadcast_to(batch.equation.on(lanes.side, lanes.cell).limit, hit.shape)[found.lanes]
+            limit = np.broadcast_to(equation.limit, hit.shape)[found.lanes]
             fallen = found.lanes[found.y >= limit]  # on its side, though it may be back within one step
             over[fallen] = ~bad[fallen]
         if self.observers:
@@ -211,7 +210,9 @@ class Run:
         closed = closing.closes(self.batch, lanes)
         if closed.at.size:
             ended = self._end(closing, lanes, closed)
-            lanes = lanes.take(np.setdiff1d(np.arange(lanes.k.size), ended, assume_unique=True))
+            going = np.ones(lanes.k.size, dtype=bool)
+            going[ended] = False
+            lanes = lanes.take(np.flatnonzero(going))
         return lanes
 
     def _end(self, closing: Closing, lanes: Lanes, closed: Closed) -> Array:
@@ -238,6 +239,8 @@ class Run:
 
     def finish(self, lanes: Lanes, at: Array, outcome: Outcome | Array, peak: Array | float) -> None:
         """Hand in the results of the lanes `at`: their outcomes, and the largest y of those that rocked, NaN of others."""
+        if not at.size:
+            return
         cell = lanes.cell[at]
         self.outcome[cell] = outcome
         if self.batch.peaks:
