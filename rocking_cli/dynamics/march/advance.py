@@ -39,8 +39,7 @@ class Step(NamedTuple):
 
 
 class Passage(NamedTuple):
-    """What a step comes to: the state at its end, and where there was an impact its time, velocity and force; bent: where the weight
-    varies, how far the step is bent (`TaylorSeries.bent`)."""
+    """A step and the state at its end; time, velocity and force of an impact; bent: `TaylorSeries.bent`, where the weight varies."""
 
     step: Step
     arc: Flow

@@ -93,7 +93,7 @@ class Run:
 
     def start(self, cell: Array) -> Lanes:
         """Bodies at rest, taken to their first uplift; k is the number of segments where there is none."""
-        zero, first_segment, count = np.zeros(cell.size), np.zeros(cell.size, dtype=np.int64), np.zeros(cell.size, dtype=np.int32)
+        zero, first_segment, count = (np.zeros(cell.size, dtype=kind) for kind in (np.float64, np.int64, np.int32))
         first, to = self.batch.rests_until(cell, first_segment, zero)
         for observer in self.observers if cell.size else ():
             observer.rest(cell, first_segment, zero, *to)
@@ -210,9 +210,7 @@ class Run:
         closed = closing.closes(self.batch, lanes)
         if closed.at.size:
             ended = self._end(closing, lanes, closed)
-            going = np.ones(lanes.k.size, dtype=bool)
-            going[ended] = False
-            lanes = lanes.take(np.flatnonzero(going))
+            lanes = lanes.take(np.delete(np.arange(lanes.k.size), ended))
         return lanes
 
     def _end(self, closing: Closing, lanes: Lanes, closed: Closed) -> Array:

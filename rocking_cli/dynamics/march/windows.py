@@ -3,8 +3,7 @@
 On one side y'' - y = a - 1 (linear), and the sign of a - 1 decides what y can do: Lemma 1 where a < 1, Lemma 2 where a >= 1. A window
 with a < 1 ends at any inner maximum of a, so that a falls and then rises once along it (Lemma 3).
 
-A position in the motion is a segment k and the phase u since that segment's start. The boundaries are the crossings of
-a = 1, found in closed form on a monotone segment, and the ends of pieces.
+A position in the motion is a segment k and the phase u since its start. Boundaries are the crossings of a = 1 and the ends of pieces.
 """
 
 from __future__ import annotations
@@ -34,10 +33,8 @@ class Windows(NamedTuple):
 
 
 def window_end(segments: Segments, k: Array, u: Array, side: Array, amplitude: Array) -> Windows:
-    """The end of the window that (k, u) lies in; a boundary belongs to the window that it begins.
-
-    Where the weight varies the windows are those of the net drive, on the side that the body is on.
-    """
+    """The end of the window that (k, u) lies in; a boundary belongs to the window that it begins. Where the weight varies the windows are
+    those of the net drive on the body's side."""
     if (weighed := segments.weighed) is not None:
         offset = weighed.offset(side)
         there = _beyond_cuts(weighed.edges, window_end(weighed.edges, k + offset, u, side, amplitude), side, amplitude)
