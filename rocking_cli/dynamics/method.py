@@ -102,7 +102,7 @@ class Method:
 
     def __post_init__(self) -> None:
         if self.model not in MODELS:
-            raise UsageError(f"unknown model {self.model!r}, accepted are {', '.join(MODELS)}{did_you_mean(self.model, MODELS)}")
+            raise UsageError(f"unknown model {self.model!r}; expected {', '.join(MODELS)}{did_you_mean(self.model, MODELS)}")
         try:
             order_for(self.tolerance)
         except ValueError as error:

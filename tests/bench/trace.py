@@ -113,5 +113,5 @@ def trace(scene: str) -> None:
 if __name__ == "__main__":
     for chosen in sys.argv[1:] or SCENES:
         if chosen not in SCENES:
-            sys.exit(f"no scene {chosen!r}, accepted are {', '.join(SCENES)}")
+            sys.exit(f"no scene {chosen!r}; expected {', '.join(SCENES)}")
         trace(chosen)

@@ -132,7 +132,7 @@ class Equation(ABC):
 
     def __init__(self, damping: float) -> None:
         if not 0.0 <= damping < math.inf:
-            raise ValueError(f"damping is {damping:g}, accepted is a number from 0")
+            raise ValueError(f"damping: found {damping:g}; expected a number from 0")
         self.damping = damping
 
     def on(self, side: Array, cell: Array | None = None) -> Self:
@@ -143,33 +143,9 @@ class Equation(ABC):
     def flow(self, segments: Segments, lanes: Lanes) -> Flow:
         """The flow of the lanes from their present state."""
 
-    def along(self, y: Array) -> Callable[[int], Array]:
-        """Function of n that returns terms n of l and m, (2, lanes), along a motion from its terms 0 to n of y, (terms, lanes). It must be
-        called for n = 0, 1 ... in this order."""
-        raise NotImplementedError
-
+    @abstractmethod
     def ramp_terms(self, y: Array, v: Array, ramp: Ramp) -> Array:
         """Terms of y in powers of time over `ramp.unit` under a straight line, (degrees + 2, lanes); see `ramp`."""
-        terms = np.empty((len(ramp.factors) + 2, y.size))
-        terms[0] = y
-        np.multiply(v, ramp.unit, out=terms[1])
-        term, drag = self.along(terms), 2.0 * self.damping / ramp.unit
-        before = np.empty((2, y.size))
-        for n, factor in enumerate(ramp.factors):
-            lift, push = here = term(n)
-            pushed = np.multiply(ramp.drive, push, out=terms[n + 2])
-            if n:
-                pushed += ramp.gain * before[1]
-            pushed -= lift if ramp.weight is None else ramp.weight[0] * lift
-            if n and ramp.weight is not None:
-                pushed -= ramp.weight[1] * before[0]
-            if not n and ramp.force is not None:
-                pushed[:] = ramp.force
-            if self.damping:
-                pushed -= drag * ((n + 1) * terms[n + 1])
-            pushed *= factor
-            before = here
-        return terms
 
     @abstractmethod
     def law(self, side: float) -> Law:
@@ -214,3 +190,28 @@ def falls_by_energy(v: Array, energy: Array, barrier: Array | float, beyond: Arr
     """True where bodies of this energy on still ground overturn. beyond: past the unstable equilibrium, from where only the speed
     to climb back over the barrier saves them."""
     return np.where(beyond, (v >= 0.0) | (energy < barrier), (v > 0.0) & (energy > barrier))
+
+
+def terms_along(along: Callable[[Array], Callable[[int], Array]], damping: float, y: Array, v: Array, ramp: Ramp) -> Array:
+    """`Equation.ramp_terms` of an equation with this damping. along(y): function of n that returns terms n of l and m, (2, lanes), from
+    the terms 0 to n of y, (terms, lanes); it is called for n = 0, 1 ... in this order."""
+    terms = np.empty((len(ramp.factors) + 2, y.size))
+    terms[0] = y
+    np.multiply(v, ramp.unit, out=terms[1])
+    term, drag = along(terms), 2.0 * damping / ramp.unit
+    before = np.empty((2, y.size))
+    for n, factor in enumerate(ramp.factors):
+        lift, push = here = term(n)
+        pushed = np.multiply(ramp.drive, push, out=terms[n + 2])
+        if n:
+            pushed += ramp.gain * before[1]
+        pushed -= lift if ramp.weight is None else ramp.weight[0] * lift
+        if n and ramp.weight is not None:
+            pushed -= ramp.weight[1] * before[0]
+        if not n and ramp.force is not None:
+            pushed[:] = ramp.force
+        if damping:
+            pushed -= drag * ((n + 1) * terms[n + 1])
+        pushed *= factor
+        before = here
+    return terms

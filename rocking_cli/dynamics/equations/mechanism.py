@@ -24,7 +24,7 @@ from ...structures.mechanics.kinematics import Mechanism
 from ..drive import summed
 from ..lanes import Lanes
 from .collocation import collocated
-from .equation import Equation, Law, falls_by_energy
+from .equation import Equation, Law, Ramp, falls_by_energy, terms_along
 from .patches import DEGREE, inverse, largest, tabulate
 from .ramp import MOST_TERMS, ramp_flow
 from .taylor import LOCAL, TaylorSeries, blocks, drive_series, longest, order_for, powers
@@ -110,7 +110,11 @@ class MechanismEquation(Equation):
             np.multiply(pushed, 1.0 / ((n + 1) * (n + 2)), out=y[n + 2])
         return known.fastest
 
-    def along(self, y: Array) -> Callable[[int], Array]:
+    def ramp_terms(self, y: Array, v: Array, ramp: Ramp) -> Array:
+        """The terms that follow from `_along`."""
+        return terms_along(self._along, self.damping, y, v, ramp)
+
+    def _along(self, y: Array) -> Callable[[int], Array]:
         """Terms of F and G from their series about each y."""
         return _composed(self._near(y[0], len(y) - 2), y, 1.0)[0]
 

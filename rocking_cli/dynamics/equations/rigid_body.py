@@ -20,7 +20,7 @@ import numpy as np
 from ...motions.segments import Segments
 from ...structures.parameters import LEAST_ALPHA
 from ..lanes import Lanes
-from .equation import Equation, Law, convolution, falls_by_energy
+from .equation import Equation, Law, Ramp, convolution, falls_by_energy, terms_along
 from .ramp import ramp_flow
 from .taylor import TaylorSeries, blocks, drive_series, order_for, series
 
@@ -54,6 +54,7 @@ class RigidBodyEquation(Equation):
             self._each["gain"][:] = self._each["gain"].max()
         for key, x in self._each.items():
             setattr(self, key, x if self._by_cell else float(x[0]))
+        self.bounds = 1.0, 1.0 / self.cos
 
     def _at(self, lanes: Array | slice) -> Self:
         """The equation with numbers of these lanes, cells or edges, of those that it has."""
@@ -61,6 +62,7 @@ class RigidBodyEquation(Equation):
         there._each = {key: x[lanes] for key, x in self._each.items()}
         for key, x in there._each.items():
             setattr(there, key, x)
+        there.bounds = 1.0, 1.0 / there.cos
         return there
 
     def on(self, side: Array, cell: Array | None = None) -> Self:
@@ -117,7 +119,11 @@ class RigidBodyEquation(Equation):
         np.multiply(rate[2:], 1.0 / (np.arange(2.0, order + 1.0)[:, None] * -self.sin), out=y[2:])
         return known.fastest
 
-    def along(self, y: Array) -> Callable[[int], Array]:
+    def ramp_terms(self, y: Array, v: Array, ramp: Ramp) -> Array:
+        """The terms that follow from `_along`."""
+        return terms_along(self._along, self.damping, y, v, ramp)
+
+    def _along(self, y: Array) -> Callable[[int], Array]:
         """Terms of sin z/sin(alpha) and cos z/cos(alpha), which follow from each other."""
         rows, lanes = len(y) - 2, y.shape[1]
         rate, turn, both = np.empty((rows, lanes)), np.empty((rows, 2, lanes)), np.empty((2, lanes))  # rate: n y_n
@@ -153,11 +159,6 @@ class RigidBodyEquation(Equation):
             )
 
         return Law("rigid body", start, term, numbers)
-
-    @property
-    def bounds(self) -> tuple[Any, Any]:  # type: ignore[override]
-        """l and m are 1 and 1/cos(alpha) at the most."""
-        return 1.0, 1.0 / self.cos
 
     def force(self, y: Array, a: Array, weight: Array | float = 1.0) -> Array:
         """-w sin z / sin(alpha) + a cos z / cos(alpha)."""
@@ -195,7 +196,7 @@ class RigidBodyEquation(Equation):
 
 def _numbers(alpha: float) -> dict[str, float]:
     if not LEAST_ALPHA <= alpha < 0.5 * math.pi:
-        raise ValueError(f"alpha is {alpha:g} rad, accepted for a rigid body is an angle from {LEAST_ALPHA:g} rad to below 90 deg")
+        raise ValueError(f"alpha: found {alpha:g} rad; expected an angle of a rigid body from {LEAST_ALPHA:g} rad to below 90 deg")
     sin, cos, tan = math.sin(alpha), math.cos(alpha), math.tan(alpha)
     return {
         "alpha": alpha, "sin": sin, "cos": cos, "tan": tan, "bottom": 2.0 * math.sin(0.5 * alpha) ** 2, "square": sin**2,

@@ -128,7 +128,7 @@ class Drive(NamedTuple):
 def order_for(tolerance: float, terms: float = 0.98) -> int:
     """Terms of a series: `terms` for each factor e of a step's error. Raises ValueError when the tolerance is out of range."""
     if not LOWEST <= tolerance <= HIGHEST:
-        raise ValueError(f"tolerance is {tolerance:g}, accepted is a number from {LOWEST:g} to {HIGHEST:g}")
+        raise ValueError(f"tolerance: found {tolerance:g}; expected a number from {LOWEST:g} to {HIGHEST:g}")
     return max(8, math.ceil(-terms * math.log(tolerance * LOCAL)))
 
 

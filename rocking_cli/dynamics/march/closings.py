@@ -104,6 +104,7 @@ def _bounces_on(batch: Batch, lanes: Lanes) -> Array:
 
 FREE_MOTION = Closing(frozenset({"undamped"}), free_motion, "free_phase", still=True)
 SYMMETRIC = frozenset({"undamped", "equal edges", "constant weight"})
+OUTCOME_ONLY = SYMMETRIC | {"linear equation", "only the outcome", "few pushes"}
 AT_IMPACTS = (
     FREE_MOTION,
     Closing(frozenset({"damped"}), damped_settling, still=True),
@@ -111,10 +112,7 @@ AT_IMPACTS = (
     Closing(
         SYMMETRIC | {"linear equation", "only the peak"}, _rocked(lambda batch, lanes: settles(batch.segments, lanes)), "chatters_closed"
     ),
-    Closing(
-        SYMMETRIC | {"straight lines", "unobserved"},
-        _rocked(_bounces_on), "chatters_closed",
-    ),
+    Closing(SYMMETRIC | {"straight lines", "unobserved"}, _rocked(_bounces_on), "chatters_closed"),
     Closing(SYMMETRIC, _failed(lambda batch, lanes: outlasts(batch.segments, lanes, batch.equation, batch.most_steps))),
 )  # fmt: skip
 
@@ -124,14 +122,11 @@ def impulse_bound(segments: Segments) -> Closing:
     from ..impulse import ImpulseAhead
 
     ahead = ImpulseAhead.of(segments)
-    return Closing(
-        SYMMETRIC | {"linear equation", "only the outcome", "few pushes"},
-        lambda batch, lanes: Closed(np.flatnonzero(ahead.cannot_overturn(lanes)), Outcome.ROCKED, np.nan),
-    )
+    return Closing(OUTCOME_ONLY, lambda _, lanes: Closed(np.flatnonzero(ahead.cannot_overturn(lanes)), Outcome.ROCKED, np.nan))
 
 
 def closings_of(batch: Batch, observed: bool) -> tuple[list[Closing], list[Closing]]:
     """The closings of a run: for lanes just after an impact, and for those of them that have been taken to their next uplift."""
     held = conditions(batch, observed)
-    after_rest = [impulse_bound(batch.segments)] if {"linear equation", "only the outcome", "few pushes"} | SYMMETRIC <= held else []
+    after_rest = [impulse_bound(batch.segments)] if held >= OUTCOME_ONLY else []
     return [closing for closing in AT_IMPACTS if closing.needs <= held], after_rest

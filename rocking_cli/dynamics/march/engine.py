@@ -1,8 +1,7 @@
 """The march: cells (A, Omega, eta) under one motion, advanced arc by arc in a pool of lanes.
 
 In each round every lane goes to the end of a window of the drive, or to its impact (`advance`). Lanes that finish hand in their result and
-new cells take their places. What is known in closed form is not marched through: cells that never leave the ground, rest, and lanes whose
-outcome a closing proves.
+new cells take their places. The march leaves out cells that never leave the ground, rest, and lanes whose outcome a closing proves.
 """
 
 from __future__ import annotations

@@ -101,7 +101,7 @@ class ContactLoss(Observer):
         return Ends(u, v, b, self.ground.weight(lanes, h) + edge.kappa * (b * np.sin(z) - v * v * np.cos(z)))
 
     def may_close(self, lanes: Lanes) -> Array:
-        """All. Of those that are watched the drive is monotone until they rest: they bounce without speed."""
+        """True for all. Watched lanes bounce without speed under a drive that is monotone until they rest: Fz is least at an end."""
         some = lanes.take(np.flatnonzero(self.watched[lanes.cell] & (lanes.v > 0.0)))
         lasts = self.ground.bouncing_lasts(some, self.contact) if some.cell.size else np.zeros(0)
         for sense in (1.0,) if self.body.one_sided else (1.0, -1.0):

@@ -37,7 +37,7 @@ class GroundForces(Observer):
     def __init__(self, body: Body, batch: Batch) -> None:
         self.body, self.batch, self.cells, self.segments = body, batch, batch.cells, batch.segments
         self.ground, self.resting = Ground(body, batch.segments), Resting(body, batch.segments, batch.cells)
-        self.extremes, self._steps, self._free = ForceExtremes(batch.size), np.empty((11, 0)), np.empty((4, 0))
+        self.extremes, self._steps, self._free = ForceExtremes(batch.size), np.empty((11, 0)), [np.empty((4, 0))]
 
     def arcs(self, arcs: Arcs) -> None:
         """Search the forces on these arcs."""
@@ -50,9 +50,8 @@ class GroundForces(Observer):
             point = flow.take(own).at(h)
             return self._forces(lanes.take(own), h, point.y, point.v)
 
-        fastest = np.where(
-            lanes.k < self.batch.shaken, flow.fastest, 1.0 + 2.0 * self.body.damping
-        )  # the drive does not bend on still ground
+        # The drive does not bend on still ground.
+        fastest = np.where(lanes.k < self.batch.shaken, flow.fastest, 1.0 + 2.0 * self.body.damping)
         rate = fastest + unit * np.maximum(np.abs(lanes.v), np.abs(v))
         ends = self._forces(lanes, zero, lanes.y, lanes.v), self._forces(lanes, stop, y, v)
         self.extremes.take_in_along(lanes.cell, along, Stretches(np.arange(at.size), zero, stop, rate), *ends)
@@ -101,11 +100,11 @@ class GroundForces(Observer):
         edge = self.body.on(lanes.side)
         square = self.body.square_at_ground(edge, lanes.y, lanes.v)
         top = np.where(lanes.v > 0.0, self.body.top(edge, square), edge.unit * lanes.y)
-        self._free = np.concatenate([self._free, [lanes.cell, lanes.side, square, top]], axis=1)
+        self._free.append(np.array([lanes.cell, lanes.side, square, top]))
 
     def _search_free(self) -> None:
         """Three arcs, so that each edge has its fastest impact, and bounces without speed."""
-        cell, side, square, top = self._free
+        cell, side, square, top = np.concatenate(self._free, axis=1)
         cell, zero = cell.astype(np.int64), np.zeros(cell.size)
         kept = self.cells.eta[0, cell] * self.cells.eta[-1, cell]
         bounces = np.flatnonzero((kept > 0.0) & (kept < 1.0))
@@ -158,10 +157,8 @@ class GroundForces(Observer):
                 drift = np.maximum(drift, (pull[0] - pull[1]) ** 2 / np.abs(pull).min(axis=0))  # of the push when they rest
             fx, fz = (np.array(x) for x in zip(*found, strict=True))  # (edges, 4, 2, lanes)
             change = np.maximum(np.abs(fx - fx[:, :1]), np.abs(fz - fz[:, :1])).max(axis=(0, 1, 2))
-            known, can = (
-                (speed == 0.0) | (change + drift < _STILL * np.clip(fz.min(axis=(0, 1, 2)), 0.0, 1.0)),
-                self.extremes.can_be_beaten(cell, fx, fz),
-            )
+            known = (speed == 0.0) | (change + drift < _STILL * np.clip(fz.min(axis=(0, 1, 2)), 0.0, 1.0))
+            can = self.extremes.can_be_beaten(cell, fx, fz)
         bounces, done = np.flatnonzero(known & (speed > 0.0)), known | ~can
         self.extremes.take_in(cell[bounces], fx[:, 0][..., bounces], fz[:, 0][..., bounces])
         self._rest_after(lanes, lasts, np.flatnonzero(done & (lanes.k < self.batch.shaken)))

@@ -8,7 +8,7 @@ y = 1 + c Y + up exp(tau) + down exp(-tau), c = -side A: the state at any later 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -44,12 +44,3 @@ def _mode(samples: Array, weights: Sequence[float], decays: Sequence[float]) -> 
         reach = 1 << level
         total[:-reach] += decay * total[reach:]
     return total
-
-
-def shares(order: Array, rows: Array, most: int) -> Iterator[Array]:
-    """`order`, sorted by rows, cut so that each part has at most so many of them."""
-    first = 0
-    while first < order.size:
-        stop = int(np.searchsorted(rows, rows[first] + most))
-        yield order[first:stop]
-        first = stop

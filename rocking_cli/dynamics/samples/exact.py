@@ -11,7 +11,7 @@ import numpy as np
 from ...motions.segments import Samples
 from ..march.engine import Run
 from ..observers.observer import Propagation
-from .bounded import LONGEST_STRETCH, bounded_response, shares
+from .bounded import LONGEST_STRETCH, bounded_response
 from .stepper import PooledLanes, SampleStepper
 from .stretches import stretches
 
@@ -39,8 +39,6 @@ class ExactLanes(PooledLanes):
 class ExactStepper(SampleStepper[ExactLanes]):
     """How a run of the undamped linear oscillator goes through a record."""
 
-    width = 5056
-
     def __init__(self, run: Run, samples: Samples) -> None:
         super().__init__(run, samples)
         self.stretches = stretches(self.samples, 1 + math.ceil(math.log2(self.last)))
@@ -51,7 +49,7 @@ class ExactStepper(SampleStepper[ExactLanes]):
         paces, which = np.unique(self.step / self.cells.omega[:, waiting], return_inverse=True)
         which = which.reshape(-1, waiting.size)
         order = np.argsort(which[0], kind="stable")
-        for some in shares(order, which[0][order], max(1, _TABLES // (16 * len(which) * self.samples.size))):
+        for some in _cut(order, which[0][order], max(1, _TABLES // (16 * len(which) * self.samples.size))):
             mine, row = np.unique(which[:, some], return_inverse=True)
             self.bounded = bounded_response(self.samples, paces[mine]).ravel()
             self.rows[:, waiting[some]] = row.reshape(len(which), -1) * self.samples.size
@@ -159,3 +157,12 @@ def horizon(y: Array, v: Array, least: Array) -> tuple[Array, Array]:
     time = np.log(np.maximum(root, 1.0, out=root), out=root)
     time[never] = np.inf
     return time, fall
+
+
+def _cut(order: Array, rows: Array, most: int) -> Iterator[Array]:
+    """`order`, sorted by rows, cut so that each part has at most so many of them."""
+    first = 0
+    while first < order.size:
+        stop = int(np.searchsorted(rows, rows[first] + most))
+        yield order[first:stop]
+        first = stop

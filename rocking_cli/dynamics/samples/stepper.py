@@ -5,9 +5,10 @@ Subclasses say how far a lane can jump: `exact.ExactStepper` and `taylor_steps.T
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import ClassVar, Generic, TypeVar
+from typing import Generic, TypeVar
 
 import numpy as np
 
@@ -19,6 +20,7 @@ from ..outcome import Outcome
 
 Array = np.ndarray
 
+WIDTH = 5056  # lanes that jump together: what they need fits the second-level cache, and no power of two lies between its rows
 LONGEST = 0.5  # interval between samples [tau] up to which lanes jump
 
 
@@ -34,10 +36,8 @@ class PooledLanes(Lanes):
 Pooled = TypeVar("Pooled", bound=PooledLanes)
 
 
-class SampleStepper(Generic[Pooled]):
+class SampleStepper(ABC, Generic[Pooled]):
     """How a run goes along the samples of a record."""
-
-    width: ClassVar[int]  # lanes that jump together
 
     def __init__(self, run: Run, samples: Samples) -> None:
         self.run, self.samples, self.gains = run, samples.values, gains(samples.values)
@@ -57,9 +57,9 @@ class SampleStepper(Generic[Pooled]):
         """The cells in shares, each of which fills the pool by itself."""
         yield waiting
 
+    @abstractmethod
     def launch(self, lanes: PooledLanes) -> Pooled:
-        """Lanes with what they need besides in the pool."""
-        raise NotImplementedError
+        """Lanes with the other numbers that they need in the pool."""
 
     def can_jump(self, lanes: Pooled) -> Array:
         """True for lanes that may try to jump."""
@@ -69,12 +69,12 @@ class SampleStepper(Generic[Pooled]):
         """The indices `at`, those together that jump alike."""
         return at
 
+    @abstractmethod
     def jump(self, lanes: Pooled, at: Array, many: bool) -> Array:
-        """Move the lanes `at` over samples; returns which of them may jump on. many: True if others wait to jump."""
-        raise NotImplementedError
+        """Move the lanes `at` over samples; returns True for those that may jump on. many: True if others wait to jump."""
 
     def after_round(self, lanes: Pooled) -> None:
-        """Renew what lanes need in the pool after a round of the march."""
+        """Renew the numbers of lanes in the pool after a round of the march."""
         lanes.pace, lanes.outward = self.step / lanes.omega, -lanes.side * lanes.amplitude
 
     def _advance(self, waiting: Array) -> None:
@@ -85,9 +85,9 @@ class SampleStepper(Generic[Pooled]):
         ready = self.can_jump(lanes)
         while lanes.cell.size:
             at = self.order(lanes, np.flatnonzero(ready))
-            for first in range(0, at.size, self.width):
-                some = at[first : first + self.width]
-                ready[some] = self.jump(lanes, some, at.size > self.width)
+            for first in range(0, at.size, WIDTH):
+                some = at[first : first + WIDTH]
+                ready[some] = self.jump(lanes, some, at.size > WIDTH)
             stopped = np.flatnonzero(~(ready | free))
             going = self._careful(lanes.take(stopped))
             free[stopped] = True

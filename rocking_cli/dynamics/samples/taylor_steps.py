@@ -35,8 +35,6 @@ class SteppingLanes(PooledLanes):
 class TaylorStepper(SampleStepper[SteppingLanes]):
     """How a run of any equation goes from sample to sample of a record."""
 
-    width = 5056  # what these lanes need fits the second-level cache, and no power of two lies between its rows
-
     def __init__(self, run: Run, samples: Samples) -> None:
         super().__init__(run, samples)
         self.steepest = largest(self.gains)

@@ -105,5 +105,5 @@ def test_a_step_keeps_the_tolerance_and_does_not_waste_it(tolerance):
 
 @pytest.mark.parametrize("tolerance", [0.0, 1e-14, 0.5, math.nan])
 def test_tolerances_without_sense_are_refused(tolerance):
-    with pytest.raises(ValueError, match=r"accepted is a number from 1e-13 to 0\.01"):
+    with pytest.raises(ValueError, match=r"expected a number from 1e-13 to 0\.01"):
         taylor.order_for(tolerance)

@@ -139,7 +139,7 @@ def test_no_digit_depends_on_the_neighbours(name, monkeypatch):
     np.testing.assert_array_equal(narrow.theta_ratio, together.theta_ratio)
     alone = [response(system, motion, amplitude[i : i + 1], omega[i : i + 1], eta).theta_ratio[0] for i in range(2)]
     np.testing.assert_array_equal(alone, together.theta_ratio[:2])
-    monkeypatch.setattr("rocking_cli.dynamics.samples.taylor_steps.TaylorStepper.width", 3)
+    monkeypatch.setattr("rocking_cli.dynamics.samples.stepper.WIDTH", 3)
     np.testing.assert_array_equal(response(system, motion, amplitude, omega, eta).theta_ratio, together.theta_ratio)
     np.testing.assert_array_equal(response(system, motion, amplitude, omega, eta, peaks=False).outcome, together.outcome)
 

@@ -109,7 +109,7 @@ def test_no_digit_depends_on_the_neighbours(monkeypatch):
     (system, eta), (motion, _) = SYSTEMS["a damped body of unlike edges"], upwards(slice(36, 52), 0.04, 0.8, 2)
     amplitude, omega = cells(8, 6)
     together = response(system, motion, amplitude, omega, eta)
-    monkeypatch.setattr("rocking_cli.dynamics.samples.taylor_steps.TaylorStepper.width", 3)
+    monkeypatch.setattr("rocking_cli.dynamics.samples.stepper.WIDTH", 3)
     narrow = response(system, motion, amplitude, omega, eta, pool=4)
     alone = [response(system, motion, amplitude[i : i + 1], omega[i : i + 1], eta).theta_ratio[0] for i in range(2)]
     np.testing.assert_array_equal(narrow.theta_ratio, together.theta_ratio)
