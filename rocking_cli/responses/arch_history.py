@@ -16,8 +16,8 @@ from ..errors import UsageError
 from ..structures.mechanics.fourbar import FourBar
 from ..structures.parameters import RockingParameters
 from .arch_forces import ArchForces, Resultants, State
-from .extremes import extent
-from .ground import Ground
+from .chebyshev import extent
+from .ground_history import Ground
 from .history import Arc, Event, History
 
 Array = np.ndarray

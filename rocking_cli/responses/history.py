@@ -21,9 +21,9 @@ from ..dynamics.equations.taylor import TaylorSeries
 from ..dynamics.lanes import Lanes
 from ..dynamics.march.batch import MAX_STEPS
 from ..dynamics.outcome import FALLEN, Outcome
-from ..dynamics.single.body import Listener
 from ..dynamics.single.lane import Lane
 from ..dynamics.single.march import march
+from ..dynamics.single.state import Listener
 from ..dynamics.system import System
 from ..motions.blocks import blocks
 from ..motions.motion import Motion

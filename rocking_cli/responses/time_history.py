@@ -16,8 +16,8 @@ from ..errors import UsageError
 from ..motions import Motion, Piece
 from ..motions.grid import Grid
 from ..structures.parameters import RockingParameters
-from .forces import Body, Demands, ForceHistory
-from .ground import Ground
+from .force_history import Body, Demands, ForceHistory
+from .ground_history import Ground
 from .history import LOST, Event, History, history
 
 if TYPE_CHECKING:

@@ -18,7 +18,7 @@ from ..body import Body
 from ..contacts.contact import Contact
 from ..lanes import Cells, Lanes
 from ..march.chord_errors import Ends, Shakes, chord_errors
-from ..march.ground import Ground
+from ..march.ground_push import Ground
 from .observer import Arcs, Observer
 
 Array = np.ndarray

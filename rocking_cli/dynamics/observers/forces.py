@@ -14,7 +14,7 @@ import numpy as np
 
 from ..arrays import Arrays
 from ..body import Body, Edge
-from ..march.ground import Shaking
+from ..march.ground_push import Shaking
 from .extremes import Extremes, Ratio, Stretches, parts
 
 Array = np.ndarray

@@ -14,7 +14,7 @@ from ..equations.equation import Ramp
 from ..equations.ramp import line_series
 from ..lanes import Lanes
 from ..march.batch import Batch
-from ..march.ground import Ground, Shaking
+from ..march.ground_push import Ground, Shaking
 from ..outcome import Outcome
 from .extremes import Stretches
 from .forces import ForceExtremes, Forces, forces_on

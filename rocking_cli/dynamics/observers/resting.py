@@ -7,7 +7,7 @@ import numpy as np
 from ...motions.segments import Segments
 from ..body import Body
 from ..lanes import Cells
-from ..march.ground import value_and_slope
+from ..march.ground_push import value_and_slope
 from .extremes import Stretches
 from .forces import ForceExtremes, Forces
 

@@ -11,7 +11,7 @@ from ..equations.ramp import LONGEST, MOST_TERMS, degrees
 from ..lanes import Cells, Lanes
 from ..march.batch import SETTLING
 from ..system import System
-from .drive import Reel
+from .drive_lists import Reel
 from .recurrence import Code, compiled
 
 _ORDER = 18  # of series under sinusoids

@@ -16,9 +16,9 @@ import numpy as np
 
 from ..equations.ramp import LONGEST
 from ..outcome import FALLEN, Outcome
-from .body import Body, Ended, Listener
 from .lane import Face, Lane
-from .roots import first_root, only_root, turns, value
+from .series_roots import first_root, only_root, turns, value
+from .state import Body, Ended, Listener
 
 _INSTANT = 1e-12  # of a step: what is only the rounding of where it begins or ends
 _ROOM = 0.9  # of the step that the last terms allow

@@ -17,7 +17,7 @@ from types import CodeType
 from typing import Any, NamedTuple
 
 from ..equations.equation import Law
-from .roots import only_root, value
+from .series_roots import only_root, value
 
 Terms = Callable[..., tuple[float, ...]]
 

@@ -13,7 +13,7 @@ from rocking_cli import LinearEquation, Method, Outcome, RigidBodyEquation, Syst
 from rocking_cli.dynamics.contacts.one_sided import OneSided
 from rocking_cli.dynamics.contacts.unequal import Unequal
 from rocking_cli.dynamics.single.response import response_alone
-from rocking_cli.dynamics.single.roots import first_root, only_root, turns
+from rocking_cli.dynamics.single.series_roots import first_root, only_root, turns
 from rocking_cli.motions.biaxial import with_vertical
 
 ALPHA, LEFT = 0.25, 0.2

@@ -28,8 +28,8 @@ from ..dynamics.equations.taylor import blocks
 from ..dynamics.outcome import Outcome
 from ..errors import UsageError
 from ..structures.parameters import RockingParameters, Side
-from .extremes import Extent, extent, first_below
-from .ground import Ground
+from .chebyshev import Extent, extent, first_below
+from .ground_history import Ground
 from .history import LATE, Event, History
 
 Array = np.ndarray

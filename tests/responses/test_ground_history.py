@@ -12,8 +12,8 @@ from rocking_cli.motions.biaxial import with_vertical
 from rocking_cli.motions.polyline import record_motion
 from rocking_cli.motions.pulses import sine
 from rocking_cli.motions.records import Record
-from rocking_cli.responses.extremes import Extent, extent
-from rocking_cli.responses.ground import Ground
+from rocking_cli.responses.chebyshev import Extent, extent
+from rocking_cli.responses.ground_history import Ground
 
 
 def lines(samples, dt):

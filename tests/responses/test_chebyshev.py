@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from rocking_cli.responses.extremes import extent
+from rocking_cli.responses.chebyshev import extent
 
 
 def test_every_extremum_counts_and_none_is_a_sample():

@@ -12,7 +12,7 @@ import numpy as np
 from ..motions.blocks import blocks
 from ..motions.motion import Motion
 from ..motions.polyline import Polyline
-from .extremes import Extent
+from .chebyshev import Extent
 
 Array = np.ndarray
 

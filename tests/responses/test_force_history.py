@@ -19,7 +19,7 @@ from rocking_cli.motions.biaxial import with_vertical
 from rocking_cli.motions.grid import as_recorded
 from rocking_cli.motions.polyline import record_motion
 from rocking_cli.motions.records import read_record
-from rocking_cli.responses.ground import Ground
+from rocking_cli.responses.ground_history import Ground
 from rocking_cli.responses.time_history import time_history
 
 BLOCK = "kind: block\nwidth: 0.6\nheight: 3\n"
