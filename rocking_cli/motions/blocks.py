@@ -9,9 +9,10 @@ import numpy as np
 _PART = 1 << 16
 
 
-def blocks(size: int) -> Iterator[slice]:
-    """Slices of consecutive blocks of an array of this size."""
-    return (slice(first, min(first + _PART, size)) for first in range(0, size, _PART))
+def blocks(size: int, most: int | None = None) -> Iterator[slice]:
+    """Slices of consecutive blocks of an array of this size, each of at most `most` values (default 2^16)."""
+    step = most or _PART
+    return (slice(first, min(first + step, size)) for first in range(0, size, step))
 
 
 def largest(values: np.ndarray) -> float:

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..documents.quantities import DEFAULT_GRAVITY
-from .blocks import blocks, largest
+from .blocks import largest
 from .records import Record
 
 Array = np.ndarray
@@ -41,44 +41,35 @@ def intensity(record: Record) -> Intensity:
     (3.924, 0.67)
     """
     a, dt = record.acceleration, record.dt
-    energy, v, d, pgv, pgd, cav = [0.0], 0.0, 0.0, 0.0, 0.0, 0.0
-    for part in blocks(a.size - 1):  # of intervals
-        here = a[part.start : part.stop + 1]
-        speeds = velocity(here, dt, v)
-        places = displacement(here, speeds, dt, d)
-        energy.append(float(_energy(here, dt, energy[-1])[-1]))
-        pgv = max(pgv, _largest_velocity(here, speeds, dt))
-        pgd = max(pgd, _largest_displacement(here, speeds, places, dt))
-        cav += _absolute(here, dt)
-        v, d = float(speeds[-1]), float(places[-1])
-    at_5, at_75, at_95 = (_reached(a, dt, np.array(energy), part) for part in (0.05, 0.75, 0.95))
-    pga = largest(a)
-    first = next(part.start + int(at[0]) for part in blocks(a.size) if (at := np.flatnonzero(np.abs(a[part]) == pga)).size)
+    v = velocity(a, dt)
+    d = displacement(a, v, dt)
+    energy = _from_zero(dt / 3.0 * (a[:-1] ** 2 + a[:-1] * a[1:] + a[1:] ** 2))
+    at_5, at_75, at_95 = (_reached(a, dt, energy, part) for part in (0.05, 0.75, 0.95))
     return Intensity(
-        pga=pga,
-        pga_time=first * dt,
-        pgv=pgv,
-        pgd=pgd,
-        arias=math.pi / (2.0 * DEFAULT_GRAVITY) * energy[-1],
-        cav=cav,
+        pga=largest(a),
+        pga_time=int(np.abs(a).argmax()) * dt,
+        pgv=_largest_velocity(a, v, dt),
+        pgd=_largest_displacement(a, v, d, dt),
+        arias=math.pi / (2.0 * DEFAULT_GRAVITY) * float(energy[-1]),
+        cav=_absolute(a, dt),
         d5_75=at_75 - at_5,
         d5_95=at_95 - at_5,
     )
 
 
-def velocity(a: Array, dt: float, begin: float = 0.0) -> Array:
-    """Velocity at the samples, shape of `a`; `begin` is its first value."""
-    return np.cumsum(np.concatenate([[begin], 0.5 * dt * (a[:-1] + a[1:])]))
+def velocity(a: Array, dt: float) -> Array:
+    """Velocity at the samples, shape of `a`, from rest."""
+    return _from_zero(0.5 * dt * (a[:-1] + a[1:]))
 
 
-def displacement(a: Array, v: Array, dt: float, begin: float = 0.0) -> Array:
-    """Displacement at the samples, shape of `a`; v: velocity at the samples; `begin` is its first value."""
-    return np.cumsum(np.concatenate([[begin], dt * v[:-1] + dt * dt / 6.0 * (2.0 * a[:-1] + a[1:])]))
+def displacement(a: Array, v: Array, dt: float) -> Array:
+    """Displacement at the samples, shape of `a`, from zero; v: velocity at the samples."""
+    return _from_zero(dt * v[:-1] + dt * dt / 6.0 * (2.0 * a[:-1] + a[1:]))
 
 
-def _energy(a: Array, dt: float, begin: float) -> Array:
-    """Integral of a^2 up to each sample, over an interval dt (a0^2 + a0 a1 + a1^2)/3."""
-    return np.cumsum(np.concatenate([[begin], dt / 3.0 * (a[:-1] ** 2 + a[:-1] * a[1:] + a[1:] ** 2)]))
+def _from_zero(gains: Array) -> Array:
+    """Sums up to each sample of what each interval adds."""
+    return np.cumsum(np.concatenate([[0.0], gains]))
 
 
 def _absolute(a: Array, dt: float) -> float:
@@ -115,19 +106,12 @@ def _largest_displacement(a: Array, v: Array, d: Array, dt: float) -> float:
 
 
 def _reached(a: Array, dt: float, energy: Array, part: float) -> float:
-    """Time [s] at which the integral of a^2 first reaches `part` of its final value; 0 if the record is zero.
-
-    energy: the integral at the start of every block of intervals, and at the end.
-    """
+    """Time [s] at which the integral of a^2, `energy` at the samples, reaches `part` of its final value; 0 if the record is zero."""
     target = part * float(energy[-1])
     if not target > 0.0:
         return 0.0
-    block = int(np.searchsorted(energy, target)) - 1
-    within = list(blocks(a.size - 1))[block]
-    sums = _energy(a[within.start : within.stop + 1], dt, float(energy[block]))
-    before = int(np.searchsorted(sums, target)) - 1
-    i = within.start + before
-    a0, rise, wanted = float(a[i]), float(a[i + 1] - a[i]) / dt, target - float(sums[before])
+    i = int(np.searchsorted(energy, target)) - 1
+    a0, rise, wanted = float(a[i]), float(a[i + 1] - a[i]) / dt, target - float(energy[i])
     low, high = 0.0, dt
     for _ in range(60):  # bisection of a rising function; 60 steps reach double precision
         middle = 0.5 * (low + high)

@@ -13,9 +13,6 @@ from .blocks import largest
 if TYPE_CHECKING:
     from .polynomials import Table
 
-LEAF_LEVEL = 3
-LEAF = 1 << LEAF_LEVEL  # segments of the smallest block with stored extremes of s
-
 
 @dataclass(frozen=True)
 class Wave:
@@ -91,15 +88,14 @@ class Segments:
 
     @cached_property
     def _blocks(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """(largest s, largest -s, first index of each level j) over blocks of LEAF 2^j segments, level by level up to a single block."""
-        sizes = [-(-len(self) // LEAF)]
+        """(largest s, largest -s, first index of each level j) over blocks of 2^j segments, level by level up to a single block."""
+        sizes = [len(self)]
         while sizes[-1] > 1:
             sizes.append((sizes[-1] + 1) // 2)
         start = np.cumsum([0, *sizes])
         high, low = np.empty(start[-1]), np.empty(start[-1])
-        first = np.arange(0, len(self), LEAF)
-        high[: first.size] = np.maximum(np.maximum.reduceat(self.s_start, first), np.maximum.reduceat(self.s_end, first))
-        low[: first.size] = -np.minimum(np.minimum.reduceat(self.s_start, first), np.minimum.reduceat(self.s_end, first))
+        np.maximum(self.s_start, self.s_end, out=high[: len(self)])
+        np.maximum(-self.s_start, -self.s_end, out=low[: len(self)])
         for values in (high, low):
             for begin, middle, end in zip(start, start[1:], start[2:], strict=False):
                 below, above = values[begin:middle], values[middle:end]
@@ -110,31 +106,9 @@ class Segments:
 
     def next_beyond(self, k: np.ndarray, above: np.ndarray, below: np.ndarray) -> np.ndarray:
         """The first segment from k on with s > above or -s > below; K if there is none; shape of k, (lanes,)."""
+        high, low, start = self._blocks
         found = np.full(k.shape, len(self))
         lanes = np.flatnonzero(k < len(self))
-        at, loud = self._in_leaf(k[lanes], above[lanes], below[lanes])
-        found[lanes[loud]] = at[loud]
-        lanes = lanes[~loud]
-        leaf = self._next_leaf(k[lanes] // LEAF + 1, above[lanes], below[lanes])
-        lanes, leaf = lanes[leaf * LEAF < len(self)], leaf[leaf * LEAF < len(self)]
-        found[lanes], _ = self._in_leaf(leaf * LEAF, above[lanes], below[lanes])
-        return found
-
-    def _in_leaf(self, k: np.ndarray, above: np.ndarray, below: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """(first such segment from k to the end of its block of LEAF segments, true if there is one)."""
-        at = k + np.arange(LEAF)[:, None]
-        inside = at < np.minimum((k // LEAF + 1) * LEAF, len(self))
-        at = np.minimum(at, len(self) - 1)
-        start, end = self.s_start[at], self.s_end[at]
-        loud = ((np.maximum(start, end) > above) | (-np.minimum(start, end) > below)) & inside
-        return k + loud.argmax(axis=0), loud.any(axis=0)
-
-    def _next_leaf(self, k: np.ndarray, above: np.ndarray, below: np.ndarray) -> np.ndarray:
-        """The first such block of LEAF segments from block k on; the number of blocks if there is none."""
-        high, low, start = self._blocks
-        leaves = int(start[1])
-        found = np.full(k.shape, leaves)
-        lanes = np.flatnonzero(k < leaves)
         at, above, below, level = k[lanes], above[lanes], below[lanes], np.zeros(lanes.size, dtype=np.int64)
         while lanes.size:  # to larger blocks while no value is large, then down into the first block with a large value
             block = start[level] + (at >> level)
@@ -142,7 +116,7 @@ class Segments:
             over = ((at >> level) + 1) << level
             level = np.where(loud, level - 1, np.where((over >> level) & 1, level, np.minimum(level + 1, start.size - 2)))
             at = np.where(loud, at, over)
-            done = (level < 0) | (at >= leaves)
+            done = (level < 0) | (at >= len(self))
             if done.any():
                 here = level < 0
                 found[lanes[here]] = at[here]
@@ -159,13 +133,10 @@ class Segments:
         while lanes.size:  # take the largest block that begins at the segment and fits
             room, aligned = to[lanes] - at, at & -at
             level = np.frexp(np.where(aligned > 0, np.minimum(aligned, room), room).astype(float))[1] - 1
-            whole = (1 << level) >= LEAF  # else take a single segment
-            level = np.clip(level - LEAF_LEVEL, 0, start.size - 2)
-            block = start[level] + (at >> (level + LEAF_LEVEL))
-            first, last = self.s_start[at], self.s_end[at]
-            largest[lanes] = np.maximum(largest[lanes], np.where(whole, high[block], np.maximum(first, last)))
-            least[lanes] = np.minimum(least[lanes], np.where(whole, -low[block], np.minimum(first, last)))
-            at = at + np.where(whole, LEAF << level, 1)
+            block = start[level] + (at >> level)
+            largest[lanes] = np.maximum(largest[lanes], high[block])
+            least[lanes] = np.minimum(least[lanes], -low[block])
+            at = at + (1 << level)
             going = at < to[lanes]
             lanes, at = lanes[going], at[going]
         return largest, least

@@ -24,9 +24,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..dynamics.body import FAR
-from ..dynamics.equations.taylor import blocks
 from ..dynamics.outcome import Outcome
 from ..errors import UsageError
+from ..motions.blocks import blocks
 from ..structures.parameters import RockingParameters, Side
 from .chebyshev import Extent, extent, first_below
 from .ground_history import Ground

@@ -26,7 +26,7 @@ from rocking_cli.dynamics.equations.summed_flow import _PAIRS, SHORT, SummedFlow
 from rocking_cli.dynamics.equations.taylor import TaylorSeries, order_for
 
 OPERATIONS = ("product and sum", "division", "tangent", "sinh", "root")
-BLOCK = 2048  # lanes of a full block (`taylor.blocks`)
+BLOCK = 2048  # lanes of a full block (`taylor.CACHED`)
 NEAR, WIDE = 1024, 8192  # elements of blocks that the first and the second cache hold; a call of NumPy wants the wider one
 Array = np.ndarray
 Counts = tuple[int, int, int, int, int]  # of OPERATIONS

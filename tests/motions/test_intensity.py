@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import dataclasses
 import math
 
 import numpy as np
 import pytest
 from support.record_layouts import wave
 
-from rocking_cli.motions import blocks
 from rocking_cli.motions.intensity import intensity
 from rocking_cli.motions.records import Record
 
@@ -92,13 +90,3 @@ def test_scaled_mirrored_and_refined_records():
 def test_a_record_that_is_zero_throughout_measures_nothing():
     found = intensity(record(np.zeros(10), 0.01))
     assert found == type(found)(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-
-
-def test_a_record_measured_part_by_part(monkeypatch):
-    """Sums go on from part to part with the same digits, but for that of CAV, which is pairwise."""
-    long = record(np.append(wave(700, 2.0) + 0.01, [2.5, -2.5]), 0.02)
-    wanted = intensity(long)
-    monkeypatch.setattr(blocks, "_PART", 64)
-    found = intensity(long)
-    assert found.cav == pytest.approx(wanted.cav, rel=1e-14, abs=0)
-    assert dataclasses.replace(found, cav=wanted.cav) == wanted

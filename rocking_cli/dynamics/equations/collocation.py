@@ -12,11 +12,12 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ...motions.blocks import blocks
 from ...motions.segments import Segments
 from ..drive import segment_value
 from ..lanes import Lanes
 from .patches import Marks
-from .taylor import LOCAL, TaylorSeries, blocks, order_for
+from .taylor import CACHED, LOCAL, TaylorSeries, order_for
 
 Array = np.ndarray
 
@@ -82,7 +83,7 @@ def collocated(marks: Marks, tolerance: float, segments: Segments, lanes: Lanes)
         known = w[:, some], start[..., some], drive[some], length[some]
         terms[:, some], holds[some] = _step(marks, tolerance, segments, lanes.take(some), *known)
 
-    for block in blocks(lanes.y.size):
+    for block in blocks(lanes.y.size, CACHED):
         fill(block if block.start + 1 < lanes.y.size else np.array([block.start, block.start]))
     for _ in range(_HALVED):
         again = np.flatnonzero(~holds)

@@ -19,6 +19,7 @@ from functools import cached_property
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
+from ...motions.blocks import blocks
 from ...motions.segments import Segments
 from ...structures.mechanics.kinematics import Mechanism
 from ..drive import summed
@@ -27,7 +28,7 @@ from .collocation import collocated
 from .equation import Equation, Law, Ramp, falls_by_energy, terms_along
 from .patches import DEGREE, inverse, largest, tabulate
 from .ramp import MOST_TERMS, ramp_flow
-from .taylor import LOCAL, TaylorSeries, blocks, drive_series, longest, order_for, powers
+from .taylor import CACHED, LOCAL, TaylorSeries, drive_series, longest, order_for, powers
 
 Array = np.ndarray
 
@@ -73,7 +74,7 @@ class MechanismEquation(Equation):
                 found.longest[lost] = self._longest(terms, found.fastest[lost])
             return found
         y, fastest = np.empty((self.order + 1, lanes.y.size)), np.empty(lanes.y.size)
-        for block in blocks(lanes.y.size):
+        for block in blocks(lanes.y.size, CACHED):
             fastest[block] = self._fill(y[:, block], segments, lanes.take(block))
         return TaylorSeries(y, 1.0 / fastest, self._longest(y, fastest), fastest, self.damping)
 

@@ -17,12 +17,13 @@ from typing import Any, Self
 
 import numpy as np
 
+from ...motions.blocks import blocks
 from ...motions.segments import Segments
 from ...structures.parameters import LEAST_ALPHA
 from ..lanes import Lanes
 from .equation import Equation, Law, Ramp, convolution, falls_by_energy, terms_along
 from .ramp import ramp_flow
-from .taylor import TaylorSeries, blocks, drive_series, order_for, series
+from .taylor import CACHED, TaylorSeries, drive_series, order_for, series
 
 Array = np.ndarray
 
@@ -76,7 +77,7 @@ class RigidBodyEquation(Equation):
         if segments.straight:
             return ramp_flow(self, segments, lanes)
         y, fastest = np.empty((self.order + 1, lanes.y.size)), np.empty(lanes.y.size)
-        for block in blocks(lanes.y.size):
+        for block in blocks(lanes.y.size, CACHED):
             own = self if isinstance(self.alpha, float) else self._at(block)
             fastest[block] = own._fill(y[:, block], segments, lanes.take(block))
         return series(y, fastest, self.tolerance, self.damping)

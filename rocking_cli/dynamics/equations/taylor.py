@@ -6,10 +6,9 @@ The last terms of a series limit its step, so that no step is rejected. Impacts 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -19,14 +18,12 @@ from ..drive import segment_value
 from ..lanes import Lanes
 from .equation import Point
 
-if TYPE_CHECKING:
-    pass
-
 Array = np.ndarray
 
 # The error of a step, in the velocity, over the tolerance: errors double every 0.7 in tau, and grow by a factor of tens under a pulse.
 LOCAL = 3e-2
 LOWEST, HIGHEST = 1e-13, 1e-2  # range of tolerances
+CACHED = 2048  # lanes for which the recurrences stay in the second-level cache
 
 
 @dataclass
@@ -173,11 +170,6 @@ def _fill(terms: Array, segments: Segments, lanes: Lanes, here: tuple[Array, Arr
             terms[1:] += mine[1:]
     if segments.sloped:
         terms[1] += outward * segments.slope[lanes.k] * lanes.omega * unit
-
-
-def blocks(lanes: int, size: int = 2048) -> Iterator[slice]:
-    """Slices of lanes for which the recurrences stay in the second-level cache."""
-    return (slice(begin, begin + size) for begin in range(0, lanes, size))
 
 
 def series(terms: Array, fastest: Array, tolerance: float, damping: float = 0.0) -> TaylorSeries:

@@ -51,11 +51,7 @@ class Ground:
 
     def weight(self, lanes: Lanes, h: Array | float) -> Array | float:
         """The weight over m g after h."""
-        weighed = self.segments.weighed
-        if weighed is None:
-            return 1.0
-        change = segment_value(weighed.vertical, lanes.k, lanes.u + lanes.omega * h)[0]
-        return 1.0 + weighed.sway(lanes.side, lanes.amplitude) * (weighed.vertical.s_start[lanes.k] + change)
+        return self.segments.weight(lanes.side, lanes.amplitude, lanes.k, lanes.u + lanes.omega * h)
 
     def bouncing_lasts(self, lanes: Lanes, contact: Contact) -> Array:
         """How long [tau] lanes just after an impact bounce until they rest, as long as under the drive half way, at most to the end of

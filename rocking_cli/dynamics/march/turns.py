@@ -13,8 +13,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ...motions.blocks import blocks
 from ..equations.equation import Flow, Point
-from ..equations.taylor import TaylorSeries, blocks, powers
+from ..equations.taylor import CACHED, TaylorSeries, powers
 
 Array = np.ndarray
 
@@ -40,7 +41,7 @@ def falls_through_zero(arc: Flow, reach: Array, lanes: Array, once: Array) -> tu
     if not isinstance(arc, TaylorSeries):
         raise TypeError("turns of a series only")
     found: list[tuple[Array, Array, Array]] = [(once, np.zeros(once.size), np.ones(once.size))]
-    parts = [_speed(arc.take(lanes[part]), reach[lanes[part]]) for part in blocks(lanes.size)]
+    parts = [_speed(arc.take(lanes[part]), reach[lanes[part]]) for part in blocks(lanes.size, CACHED)]
     speed = np.concatenate([np.zeros((len(arc.terms) - 1, 0)), *parts], axis=1)
     own = lanes
     bernstein = _bernstein(speed)
@@ -83,7 +84,7 @@ def _bernstein(terms: Array) -> Array:
     """Bernstein coefficients on [0, 1] of polynomials, (terms, lanes), each summed in the same order whatever its neighbours."""
     if terms.shape[1] == 1:  # NumPy sums a single lane in another order
         return _bernstein(np.repeat(terms, 2, axis=1))[:, :1]
-    parts = [np.einsum("in,nl->il", _from_powers(len(terms)), terms[:, block]) for block in blocks(terms.shape[1])]
+    parts = [np.einsum("in,nl->il", _from_powers(len(terms)), terms[:, block]) for block in blocks(terms.shape[1], CACHED)]
     return np.concatenate([terms[:, :0], *parts], axis=1)
 
 
