@@ -92,7 +92,7 @@ def _bracketed_crossing(segments: Segments, k: Array, level: Array, length: Arra
     low, high = np.zeros_like(length), length.copy()
     start, end = segments.s_start[k], segments.s_end[k]
     share = np.clip((level - start) / np.where(end == start, 1.0, end - start), 0.0, 1.0)
-    u = share * length if segments.table is None else segments.table.phase(k, share)
+    u = length * (2.0 / np.pi) * np.arcsin(np.sqrt(share))  # exact between two extremes of one sinusoid
     np.minimum(u, length, out=u)
     lanes = np.flatnonzero((level != start) & (length > 0.0))
     sense = np.where(end > start, 1.0, -1.0)
