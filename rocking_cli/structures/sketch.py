@@ -37,12 +37,6 @@ def rocker(bodies: Iterable[Outline], left: Point, right: Point, centre: Point, 
     return Sketch(bodies, moved=moved, pivots=(("left", left), ("right", right)), centre=centre, **more)
 
 
-def standing_rectangle(radius: float, alpha: float) -> Sketch:
-    """The sketch of a rectangular block of half diagonal `radius` [m] and slenderness `alpha` [rad]."""
-    half, z = radius * math.sin(alpha), radius * math.cos(alpha)
-    return rocker([rectangle(-half, half, 0.0, 2.0 * z)], (-half, 0.0), (half, 0.0), (0.0, z))
-
-
 def rectangle(left: float, right: float, low: float, high: float) -> Outline:
     """The four corners of a rectangle."""
     return ((left, low), (right, low), (right, high), (left, high))

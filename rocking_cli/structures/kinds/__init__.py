@@ -2,11 +2,12 @@
 
 A new kind is one file, and its name in KINDS. The file has
 
-- `build(document, name)`, which returns the RockingParameters of a document. The document's methods read its keys and refuse wrong
-  values; a key that no method reads is refused afterwards. May raise StructureError for a geometry that does not rock;
+- `body(document)`, which returns the `Body` of a rigid body, or `build(document, name)`, which returns the RockingParameters of any
+  other structure. The document's methods read its keys and refuse wrong values; a key that no method reads is refused afterwards.
+  Both may raise StructureError for a geometry that does not rock;
 - `REPORTS`, the keys of this kind in RockingParameters.details; a document of kind `parameters` keeps them;
 - `SIZES`, the keys that `block:0.5x2` states, if the kind has this form;
-- `sketch(document, parameters)`, the geometry for `rocking draw`, if the kind has one.
+- `sketch(document, parameters)` beside `build`, the geometry for `rocking draw`, if the kind has one.
 
 An installed package adds a kind by an entry point; `damping`, `friction`, and `gravity` and `restitution` if build does not read them,
 are read for it:
@@ -47,13 +48,17 @@ def build(document: Document, name: str) -> RockingParameters:
     found = {} if value is not None and isinstance(value.content, str) and value.content in KINDS else installed(GROUP)
     word = document.choice("kind", [*KINDS, *found])
     if word in KINDS:
-        built: RockingParameters = _own(word).build(document, name)
-        return built
+        return _built(_own(word), document, name)
     with _blamed(document, found[word]):
-        built = _load(found[word]).build(document, name)
+        built = _built(_load(found[word]), document, name)
         if not isinstance(built, RockingParameters):
             raise TypeError(f"build returns {type(built).__name__}, which is no RockingParameters")
     return _with_shared_keys(document, built)
+
+
+def _built(kind: Any, document: Document, name: str) -> RockingParameters:
+    built: RockingParameters = kind.body(document).parameters(document, name) if hasattr(kind, "body") else kind.build(document, name)
+    return built
 
 
 def _own(word: str) -> Any:
@@ -63,8 +68,9 @@ def _own(word: str) -> Any:
 
 def _load(entry: EntryPoint) -> Any:
     kind = entry.load()
-    if not (callable(getattr(kind, "build", None)) and isinstance(getattr(kind, "REPORTS", None), tuple | list)):
-        raise TypeError(f"{entry.value} has no build(document, name), or no REPORTS, a tuple of keys")
+    made = any(callable(getattr(kind, name, None)) for name in ("body", "build"))
+    if not (made and isinstance(getattr(kind, "REPORTS", None), tuple | list)):
+        raise TypeError(f"{entry.value} has no build(document, name) and no body(document), or no REPORTS, a tuple of keys")
     return kind
 
 
@@ -106,8 +112,10 @@ def sketch_of(document: Document, built: RockingParameters) -> Sketch:
     """The sketch of a structure that was built from the document. Raises DocumentError if its kind has no geometry."""
     word = str(document.values["kind"].content)
     kind = _own(word) if word in KINDS else _load(installed(GROUP)[word])
-    if not hasattr(kind, "sketch"):
-        drawn = [name for name in KINDS if hasattr(_own(name), "sketch")]
-        raise document.fault("kind", f"{word}, which states no geometry to draw", f"one of {', '.join(drawn)}")
-    sketch: Sketch = kind.sketch(document, built)
-    return sketch
+    if hasattr(kind, "body"):
+        found: Sketch = kind.body(document).drawing
+    elif hasattr(kind, "sketch"):
+        found = kind.sketch(document, built)
+    else:
+        raise document.fault("kind", f"{word}, which states no geometry to draw", f"one of {', '.join(KINDS[:-1])}")
+    return found

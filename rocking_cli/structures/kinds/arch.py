@@ -15,9 +15,8 @@ import numpy as np
 from ...documents.document import Document, Value
 from ...documents.quantities import SMALLEST_LENGTH, parse_quantity
 from ..mechanics.fourbar import EXTRADOS, FACES, INTRADOS, FourBar, Ring
-from ..mechanics.hinges import search_continuous, search_joints
+from ..mechanics.hinges import carried_through, search_continuous, search_joints, static_uplift
 from ..mechanics.kinematics import linearise
-from ..mechanics.statics import carried_through, static_uplift
 from ..parameters import RockingParameters
 from ..shared_keys import gravity_of, restitution_of
 from ..sketch import Outline, Sketch

@@ -2,27 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from ...documents.document import Document
-from ..mechanics.single_body import radius_and_alpha, rectangular_block
-from ..parameters import RockingParameters
-
-if TYPE_CHECKING:
-    from ..sketch import Sketch
+from ..mechanics.single_body import Body, radius_and_alpha, rectangle_body
 
 REPORTS = ()
 SIZES = ("width", "height")
 
 
-def build(document: Document, name: str) -> RockingParameters:
-    """The parameters of a block. Keys: width and height, or radius (half the diagonal) and alpha. Raises DocumentError."""
-    limit = "a block with alpha up to 54.7 deg (width/height up to 1.414)"
-    return rectangular_block(document, name, *radius_and_alpha(document), limit=limit)
-
-
-def sketch(document: Document, _: RockingParameters) -> Sketch:
-    """The rectangle."""
-    from ..sketch import standing_rectangle
-
-    return standing_rectangle(*radius_and_alpha(document))
+def body(document: Document) -> Body:
+    """A block from width and height, or from radius (half the diagonal) and alpha. Raises DocumentError."""
+    return rectangle_body(*radius_and_alpha(document), limit="a block with alpha up to 54.7 deg (width/height up to 1.414)")

@@ -3,34 +3,24 @@
 from __future__ import annotations
 
 from ...documents.document import Document
-from ..mechanics.stacked_pieces import Stack, round_piece
-from ..parameters import RockingParameters
-from ..sketch import Sketch
+from ..mechanics.single_body import Body
+from ..mechanics.stacked_pieces import round_piece, stacked
 
 REPORTS = ("rocks_on", "interfaces", "direction")
 SIZES = ("radius", "height")
 
 
-def build(document: Document, name: str) -> RockingParameters:
-    """The parameters of a drum or a stack of drums. Raises DocumentError.
+def body(document: Document) -> Body:
+    """A drum or a stack of drums. Raises DocumentError.
 
     Keys: radius and height (cylinder); base_radius, top_radius and height (frustum); or drums: a list of these, from below.
     offset [m, towards +x]: of the mass centre of a single drum from its axis, or of a drum of a stack from the line of the stack.
     """
-    return _stack(document).parameters(name)
-
-
-def _stack(document: Document) -> Stack:
     if document.has("drums"):
         wanted = "a list of drums from below, each with radius, or base_radius and top_radius, and height"
-        return Stack(document, "drums", "drum", [round_piece(part) for part in document.parts("drums", wanted)])
+        return stacked(document, "drums", "drum", [round_piece(part) for part in document.parts("drums", wanted)])
     drum = round_piece(document)
     if not abs(drum.axis) < drum.foot:
         wanted = f"a length between -{drum.foot:g} and {drum.foot:g} m, above its base"
         raise document.fault("offset", str(document.values["offset"]), wanted)
-    return Stack(document, "drums", "drum", [drum._replace(axis=0.0, body=drum.body.shifted(drum.axis))])
-
-
-def sketch(document: Document, _: RockingParameters) -> Sketch:
-    """The section of the drum or drums."""
-    return _stack(document).sketch()
+    return stacked(document, "drums", "drum", [drum._replace(axis=0.0, body=drum.body.shifted(drum.axis))])

@@ -11,37 +11,34 @@ from __future__ import annotations
 import math
 
 from ...documents.document import Document
-from ..mechanics.single_body import radius_and_alpha, rigid_body
-from ..parameters import RockingParameters
+from ..mechanics.single_body import Body, EqualEdges, radius_and_alpha
 from ..sketch import Sketch, rectangle, turned
 
 REPORTS = ("cap_ratio",)
 
 
-def build(document: Document, name: str) -> RockingParameters:
-    """The parameters of a frame. Raises DocumentError.
+def body(document: Document) -> Body:
+    """A frame. Raises DocumentError.
 
-    Keys: columns: their number; width and height (or radius and alpha) of one column; cap_ratio: gamma.
+    Keys: columns: their number; width and height (or radius and alpha) of one column; cap_ratio: gamma. The drawing shows up to six of
+    the columns.
     """
-    _columns(document)
+    count = document.integer("columns", 1, 1_000_000)
     where = "a number from 0, the mass of the beam over that of all columns"
     gamma = document.quantity("cap_ratio", "number", least=0.0, where=where)
     radius, alpha = radius_and_alpha(document)
     # The mass of the beam moves on the diagonal 2 R: it adds 2 gamma to M R and 4 gamma to I/(M R^2).
     inertia = (4.0 / 3.0 + 4.0 * gamma) / (1.0 + 2.0 * gamma)
     eta = (1.0 - 1.5 * math.sin(alpha) ** 2 + 3.0 * gamma * math.cos(2.0 * alpha)) / (1.0 + 3.0 * gamma)
-    limit, details = "more slender columns", {"cap_ratio": gamma}
-    return rigid_body(document, name, radius, alpha, inertia, limit=limit, eta=eta, whole=False, details=details)
+    return EqualEdges(
+        radius=radius, alpha=alpha, inertia=inertia, eta=eta, whole=False, limit="more slender columns", details={"cap_ratio": gamma},
+        drawing=_drawing(radius, alpha, min(count, 6)),
+    )  # fmt: skip
 
 
-def _columns(document: Document) -> int:
-    return document.integer("columns", 1, 1_000_000)
-
-
-def sketch(document: Document, built: RockingParameters) -> Sketch:
-    """Up to six of the columns, and the beam."""
-    radius, alpha = radius_and_alpha(document)
-    half, height, count = radius * math.sin(alpha), 2.0 * radius * math.cos(alpha), min(_columns(document), 6)
+def _drawing(radius: float, alpha: float, count: int) -> Sketch:
+    """The columns and the beam, at rest and at alpha."""
+    half, height = radius * math.sin(alpha), 2.0 * radius * math.cos(alpha)
     step = max(5.0 * half, 0.6 * height)
     axes = [step * (i - 0.5 * (count - 1)) for i in range(count)]
     columns = [rectangle(x - half, x + half, 0.0, height) for x in axes]

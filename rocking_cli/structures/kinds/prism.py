@@ -10,9 +10,8 @@ from collections.abc import Sequence
 
 from ...documents.document import Document
 from ..mechanics.kinematics import Moments
-from ..mechanics.single_body import body_on_edges
-from ..parameters import RockingParameters
-from ..sketch import Sketch, rocker
+from ..mechanics.single_body import Body, body_on_edges
+from ..sketch import rocker
 
 REPORTS = ("direction",)
 
@@ -31,19 +30,24 @@ def polygon_moments(corners: Sequence[Corner]) -> Moments:
     return Moments(mass, x, z, polar)
 
 
-def build(document: Document, name: str) -> RockingParameters:
-    """The parameters of a prism from the key `corners`, [[x, z], ...] in order; its lowest corners are the base. Raises DocumentError."""
+def body(document: Document) -> Body:
+    """A prism from the key `corners`, [[x, z], ...] in order; its lowest corners are the base. Raises DocumentError."""
     corners = _corners(document)
-    tolerance = 1e-9 * _size(corners)
-    lowest, left, right = _base(corners)
+    tolerance = 1e-9 * max(math.dist(a, b) for a in corners for b in corners)
+    lowest = min(z for _, z in corners)
+    feet = [x for x, z in corners if z - lowest <= tolerance]
+    left, right = min(feet), max(feet)
     if right - left <= tolerance:
         raise document.fault("corners", "a section that rests on one point", "a base of two lowest corners or more")
-    middle = 0.5 * (left + right)
+    middle, half = 0.5 * (left + right), 0.5 * (right - left)
     placed = [(x - middle, z - lowest) for x, z in corners]
     highest = max(z for _, z in placed)
     top = min(corner for corner in placed if highest - corner[1] <= tolerance)
-    limit = "a section more slender than this one"
-    return body_on_edges(document, name, polygon_moments(placed), 0.5 * (right - left), limit=limit, top=top)
+    moments, section = polygon_moments(placed), polygon_moments(corners)
+    if not (abs(moments.x / moments.mass) < half and moments.z > 0.0):
+        raise document.fault(None, "a centroid that is not above the base", "a prism that stands")
+    drawing = rocker([tuple(corners)], (left, lowest), (right, lowest), (section.x / section.mass, section.z / section.mass))
+    return body_on_edges(moments, half, top=top, limit="a section more slender than this one", drawing=drawing)
 
 
 def _corners(document: Document) -> list[Corner]:
@@ -61,7 +65,7 @@ def _corners(document: Document) -> list[Corner]:
     if _crosses_itself(corners):
         raise document.fault("corners", "a section that crosses itself", "corners in order around the section")
     area = polygon_moments(corners).mass
-    if abs(area) <= 1e-12 * _size(corners) ** 2:
+    if abs(area) <= 1e-12 * max(math.dist(a, b) for a in corners for b in corners) ** 2:
         raise document.fault("corners", "a section without area", wanted)
     return corners if area > 0.0 else corners[::-1]
 
@@ -88,22 +92,3 @@ def _touch(a: Corner, b: Corner, c: Corner, d: Corner) -> bool:
     """True if the edges a-b and c-d have a common point."""
     apart = any(max(a[i], b[i]) < min(c[i], d[i]) or max(c[i], d[i]) < min(a[i], b[i]) for i in (0, 1))
     return not apart and _turn(a, b, c) * _turn(a, b, d) <= 0.0 and _turn(c, d, a) * _turn(c, d, b) <= 0.0
-
-
-def sketch(document: Document, _: RockingParameters) -> Sketch:
-    """The section."""
-    corners = _corners(document)
-    base, left, right = _base(corners)
-    body = polygon_moments(corners)
-    return rocker([tuple(corners)], (left, base), (right, base), (body.x / body.mass, body.z / body.mass))
-
-
-def _base(corners: Sequence[Corner]) -> tuple[float, float, float]:
-    """(z, left x, right x) of the lowest corners [m]."""
-    lowest = min(z for _, z in corners)
-    feet = [x for x, z in corners if z - lowest <= 1e-9 * _size(corners)]
-    return lowest, min(feet), max(feet)
-
-
-def _size(corners: Sequence[Corner]) -> float:
-    return max(math.dist(a, b) for a in corners for b in corners)

@@ -6,35 +6,32 @@ import math
 
 from ...documents.document import Document
 from ..mechanics.kinematics import Moments
-from ..mechanics.single_body import body_on_edges
-from ..parameters import RockingParameters
+from ..mechanics.single_body import Body, body_on_edges
 from ..shared_keys import mass_of
-from ..sketch import Sketch, circle, rocker
+from ..sketch import circle, rocker
 
 _WIDEST = 1000.0  # moments about the middle between the edges then lose six digits of sixteen
 REPORTS = ("direction",)
 
 
-def build(document: Document, name: str) -> RockingParameters:
-    """The parameters of a rigid body. Raises DocumentError.
+def body(document: Document) -> Body:
+    """A rigid body. Raises DocumentError.
 
     Keys: left, right: horizontal distance from each edge to the mass centre; height of the mass centre above the edges; gyration:
-    radius of gyration about the mass centre, or inertia about it and mass; mass is optional with gyration.
+    radius of gyration about the mass centre, or inertia about it and mass; mass is optional with gyration. The drawing shows the base,
+    and the circle of the radius of gyration in place of an outline.
     """
-    left, right, height = _lengths(document)
-    half, x = 0.5 * (left + right), 0.5 * (left - right)
-    square = _gyration(document) ** 2
+    left, right, height = document.length("left"), document.length("right"), document.length("height")
+    half, x, gyration = 0.5 * (left + right), 0.5 * (left - right), _gyration(document)
     reach = math.hypot(min(left, right), height)
     if max(left, right) > _WIDEST * reach:
         far = "left" if left > right else "right"
         wanted = f"up to {_WIDEST:g} times the {reach:g} m from the other edge to the mass centre"
         raise document.fault(far, f"{max(left, right):g} m", wanted)
-    body = Moments(1.0, x, height, square + x * x + height * height)
-    return body_on_edges(document, name, body, half, limit="a body more slender than this one")
-
-
-def _lengths(document: Document) -> tuple[float, float, float]:
-    return document.length("left"), document.length("right"), document.length("height")
+    moments = Moments(1.0, x, height, gyration**2 + x * x + height * height)
+    outlines = [circle((0.0, height), gyration), ((-left, 0.0), (right, 0.0))]
+    drawing = rocker(outlines, (-left, 0.0), (right, 0.0), (0.0, height))
+    return body_on_edges(moments, half, limit="a body more slender than this one", drawing=drawing)
 
 
 def _gyration(document: Document) -> float:
@@ -47,10 +44,3 @@ def _gyration(document: Document) -> float:
     if (mass := mass_of(document)) is None:
         raise document.missing("mass", "the mass [kg] that goes with inertia")
     return math.sqrt(inertia / mass)
-
-
-def sketch(document: Document, built: RockingParameters) -> Sketch:
-    """The base, and the circle of the radius of gyration in place of an outline."""
-    left, right, height = _lengths(document)
-    ring = circle((0.0, height), _gyration(document))
-    return rocker([ring, ((-left, 0.0), (right, 0.0))], (-left, 0.0), (right, 0.0), (0.0, height))

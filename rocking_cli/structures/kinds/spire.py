@@ -10,15 +10,14 @@ from __future__ import annotations
 
 import itertools
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from ...documents.document import Document
 from ..mechanics.kinematics import Moments, spin_about
-from ..mechanics.single_body import symmetric_body
-from ..parameters import RockingParameters
-from ..sketch import Sketch, rocker
+from ..mechanics.single_body import Body, symmetric_body
+from ..sketch import rocker
 
 REPORTS = ("tip_height", "crack_height")
 SIZES = ("base_radius", "height")
@@ -113,24 +112,25 @@ class Spire(NamedTuple):
         return shared / float(after.product(after, body._replace(x=-body.x)))
 
 
-def build(document: Document, name: str) -> RockingParameters:
-    """The parameters of a spire. Raises DocumentError.
+def body(document: Document) -> Body:
+    """A spire; the drawing shows its section, the crack and its mirror image. Raises DocumentError.
 
     Keys: base_radius, height, thickness (absent: thin wall), tip_height, crack: none | diagonal, crack_height.
     """
     spire = _read(document)
-    cracked = spire.crack_height > 0.0
-    return symmetric_body(
-        document,
-        name,
-        spire.rocking(),
-        spire.base_radius,
-        limit="a spire more slender, or cracked lower",
-        eta=spire.restitution(),
-        top=None if cracked else (0.0, spire.height),
-        whole=not cracked,
-        details={"tip_height": spire.tip_height, "crack_height": spire.crack_height} if cracked else {},
-    )
+    r, h, crack, moments = spire.base_radius, spire.height, spire.crack_height, spire.rocking()
+    left, right, apex, inner = (-r, 0.0), (r, 0.0), (0.0, h), r - spire.thickness
+    hollows = (((-inner, 0.0), (inner, 0.0), (0.0, spire.tip_height)),) if spire.thickness else ()
+    centre = (moments.x / moments.mass, moments.z / moments.mass)
+    more: dict[str, Any] = {"limit": "a spire more slender, or cracked lower", "eta": spire.restitution()}
+    if not crack:
+        drawing = rocker([(left, right, apex)], left, right, centre, hollows=hollows)
+        return symmetric_body(moments, r, top=apex, drawing=drawing, **more)
+    windward = (-r * (1.0 - crack / h), crack)
+    lines = (("crack", (right, windward)), ("its mirror image", (left, (-windward[0], crack))))
+    drawing = rocker([(windward, right, apex)], left, right, centre, still=((left, right, windward),), hollows=hollows, lines=lines)
+    more["details"] = {"tip_height": spire.tip_height, "crack_height": crack}
+    return symmetric_body(moments, r, whole=False, drawing=drawing, **more)
 
 
 def _read(document: Document) -> Spire:
@@ -157,19 +157,3 @@ def _read(document: Document) -> Spire:
         raise document.fault("crack_height", "a crack up to the apex, above which nothing is left", f"crack_height well below {height:g} m")
     # A lower crack is the same as none in double precision.
     return Spire(base, height, thickness, tip, 0.0 if crack_height < 1e-16 * height else crack_height)
-
-
-def sketch(document: Document, _: RockingParameters) -> Sketch:
-    """The section of the spire, the crack and its mirror image."""
-    spire = _read(document)
-    r, h = spire.base_radius, spire.height
-    body = spire.rocking()
-    centre = (body.x / body.mass, body.z / body.mass)
-    left, right, apex = (-r, 0.0), (r, 0.0), (0.0, h)
-    inner = r - spire.thickness
-    hollows = (((-inner, 0.0), (inner, 0.0), (0.0, spire.tip_height)),) if spire.thickness else ()
-    if not spire.crack_height:
-        return rocker([(left, right, apex)], left, right, centre, hollows=hollows)
-    windward = (-r * (1.0 - spire.crack_height / h), spire.crack_height)
-    lines = (("crack", (right, windward)), ("its mirror image", ((-r, 0.0), (-windward[0], windward[1]))))
-    return rocker([(windward, right, apex)], left, right, centre, still=((left, right, windward),), hollows=hollows, lines=lines)

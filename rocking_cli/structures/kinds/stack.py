@@ -4,30 +4,25 @@ from __future__ import annotations
 
 from ...documents.document import Document
 from ..mechanics.kinematics import Moments
-from ..mechanics.stacked_pieces import Piece, Stack, offset_of, round_piece
-from ..parameters import RockingParameters
-from ..sketch import Sketch
+from ..mechanics.single_body import Body
+from ..mechanics.stacked_pieces import Piece, offset_of, round_piece, stacked
 
 REPORTS = ("rocks_on", "interfaces", "direction")
 _WANTED = "a list of pieces from below, each with height and width (and depth), or radius, or base_radius and top_radius"
 
 
-def build(document: Document, name: str) -> RockingParameters:
-    """The parameters of a stack from the key `pieces`, a list from below. Raises DocumentError.
+def body(document: Document) -> Body:
+    """A stack from the key `pieces`, a list from below. Raises DocumentError.
 
     Keys of a piece: height; width (in the direction of rocking) and depth (default: the width), or radius, or base_radius and
     top_radius; offset of its axis towards +x; density, for all pieces or for none.
     """
-    return _stack(document).parameters(name)
-
-
-def _stack(document: Document) -> Stack:
     parts = document.parts("pieces", _WANTED)
     pieces = [_piece(part) for part in parts]
     dense = [part for part in parts if part.has("density")]
     if dense and len(dense) < len(parts):
         raise dense[0].fault("density", "a density of some pieces only", "density for every piece, or for none")
-    return Stack(document, "pieces", "piece", pieces)
+    return stacked(document, "pieces", "piece", pieces)
 
 
 def _piece(part: Document) -> Piece:
@@ -46,8 +41,3 @@ def _cuboid(part: Document) -> Piece:
     mass = width * (part.length("depth") if part.has("depth") else width) * height
     moments = Moments(mass, 0.0, 0.5 * mass * height, mass * (width * width / 12.0 + height * height / 3.0))
     return Piece(0.5 * width, 0.5 * width, height, offset_of(part), moments)
-
-
-def sketch(document: Document, _: RockingParameters) -> Sketch:
-    """The sections of the pieces."""
-    return _stack(document).sketch()

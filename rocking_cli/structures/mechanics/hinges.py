@@ -2,10 +2,15 @@
 
 For n voussoirs the search tries every choice of four of the n + 1 joints. For a continuous arch it starts from the best of a
 coarse set of joints, and refines until the gradient is zero for every hinge that can move.
+
+The static theorem gives the largest horizontal acceleration that a thrust without tension can carry, a lower bound of lambda. Both
+bounds are equal where four hinges govern: the thrust through the hinges then stays inside every joint. They differ for short thick
+arches, whose joints open over their whole depth.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from itertools import pairwise, product
 
 import numpy as np
@@ -16,6 +21,7 @@ Hinges = tuple[float, ...]  # angles of A, B, C, D [rad]
 
 _COARSE = 36  # joints of the coarse set; the neighbourhood of a minimum is several joints wide
 _LATTICE = np.array(list(product((-1.0, -0.5, 0.0, 0.5, 1.0), repeat=4)))
+_ROUNDING = 1e-9  # of the thickness, by which rounding may move the thrust out of a joint
 _STEP = 1e-30  # of the complex-step derivative, which subtracts nothing and so loses no digits
 
 
@@ -100,3 +106,46 @@ def _curvature(ring: Ring, s: np.ndarray, step: float = 1e-5) -> np.ndarray:
     """The second derivatives of lambda, shape (4, 4)."""
     rows = [(_gradient(ring, s + step * unit) - _gradient(ring, s - step * unit)) / (2.0 * step) for unit in np.eye(4)]
     return 0.5 * (np.array(rows) + np.array(rows).T)
+
+
+def carried_through(ring: Ring, joints: np.ndarray, hinges: Sequence[float]) -> bool:
+    """True if the thrust through four hinges [rad] stays inside every joint [rad]: then their mechanism governs."""
+    places = np.array(hinges)
+    x, z = (np.array(c)[:, None] for c in zip(*(ring.point(s, face) for s, face in zip(places, FACES, strict=True)), strict=True))
+    fx, fz, moment = _thrust(ring, places)
+    equations = moment + z * fx - x * fz
+    try:
+        found = np.append(np.linalg.solve(equations[:, :4], -equations[:, 4]), 1.0)
+    except np.linalg.LinAlgError:
+        return False
+    normal, eccentric = (forces @ found for forces in _in_joints(ring, joints))
+    return bool(np.all(normal > 0.0) and np.all(np.abs(eccentric) <= (0.5 + _ROUNDING) * ring.thickness * normal))
+
+
+def static_uplift(ring: Ring, joints: np.ndarray) -> float | None:
+    """lambda [-] by the static theorem for these joints [rad], by a linear program; None if no thrust carries the arch's own weight."""
+    from scipy.optimize import linprog
+
+    ring = Ring(1.0, ring.thickness / ring.radius, ring.angle)  # lambda does not depend on the scale, but the solver's tolerances do
+    normal, eccentric = _in_joints(ring, joints)
+    outside = np.vstack([side * eccentric - 0.5 * ring.thickness * normal for side in (1.0, -1.0)])
+    found = linprog([0.0, 0.0, 0.0, -1.0], outside[:, :4], -outside[:, 4], bounds=[(None, None)] * 4, method="highs")
+    return float(found.x[3]) if found.status == 0 else None
+
+
+def _thrust(ring: Ring, s: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Fx, Fz and the moment about the centre in the joints at s [rad], by the equilibrium of the arch up to there, shape (joints, 5).
+
+    They are linear in Fx, Fz and moment at the left springing, lambda, and 1.
+    """
+    unit, part = np.eye(5), ring.sector(np.zeros(s.size), s)
+    mass, x, z = (np.asarray(moment)[:, None] for moment in part[:3])
+    return unit[0] + mass * unit[3], unit[1] - mass * unit[4], unit[2] - z * unit[3] - x * unit[4]
+
+
+def _in_joints(ring: Ring, joints: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The normal force and its moment about the middle of each joint, linear as in `_thrust`."""
+    polar = (0.5 * np.pi + 0.5 * ring.angle - joints)[:, None]
+    fx, fz, moment = _thrust(ring, joints)
+    normal = np.sin(polar) * fx - np.cos(polar) * fz
+    return normal, moment + ring.radius * normal

@@ -13,126 +13,143 @@ e = eta_right eta_left (I_G + m r_L.r_T) / (I_G + m r_T^2) (Sorrentino et al. 20
 from __future__ import annotations
 
 import math
+from abc import ABC, abstractmethod
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any, NamedTuple
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple
 
 from ...documents.document import Document
 from ..parameters import RockingParameters, Side
 from ..shared_keys import gravity_of, mass_of, one_sided_restitution_of, restitution_of
+from ..sketch import Point, Sketch, rectangle, rocker
 from .kinematics import Moments, spin_about
-
-if TYPE_CHECKING:
-    from ..sketch import Point
-
-
-def rigid_body(
-    document: Document,
-    name: str,
-    radius: float,
-    alpha: float,
-    inertia: float,
-    *,
-    limit: str,
-    eta: float | None = None,
-    backing: float | None = None,
-    whole: bool = True,
-    details: Mapping[str, Any] | None = None,
-) -> RockingParameters:
-    """The parameters of a rigid body with equal edges: p^2 = M g R/I_P, lambda = tan alpha (Eq. 2.2), a_scale = 1 (Eq. 2.4).
-
-    radius: R, from the edge to the mass centre [m]; alpha [rad]; inertia: I_P/(M R^2) about the edge [-]; limit: states for which
-    bodies eta >= 0; eta: from angular momentum, by default 1 - (M R^2/I_P)(1 - cos 2 alpha) (Eqs. 2.6, 3.3); backing: the factor of
-    the impact on a backing, None if the geometry does not define it; whole: true if the same body rocks on both edges, so that its
-    ground forces are known; details: as in `RockingParameters`. Raises DocumentError.
-    """
-    gravity = gravity_of(document)
-    p, momentum = math.sqrt(gravity / (radius * inertia)), 1.0 - 2.0 * math.sin(alpha) ** 2 / inertia if eta is None else eta
-    if one_sided := document.flag("one_sided"):
-        eta, source = one_sided_restitution_of(document, (momentum, momentum), backing)
-    else:
-        eta, source = restitution_of(document, momentum, limit)
-    kind, uplift, arm, details = _kind(document), math.tan(alpha), radius if whole else None, _with_mass(document, details)
-    return RockingParameters(name, kind, p, alpha, eta, uplift, 1.0, source, gravity, details, one_sided=one_sided, arm=arm)
-
-
-def rectangular_block(document: Document, name: str, radius: float, alpha: float, *, limit: str, **more: Any) -> RockingParameters:
-    """The parameters of a rectangle of half diagonal `radius` [m]: p^2 = 3g/(4R), eta = 1 - 3/2 sin^2 alpha.
-
-    One-sided, it hits its backing at its top: e = (1 - 3/2 sin^2 alpha)^2 (1 - 3/2 cos^2 alpha). Raises DocumentError.
-    """
-    return rigid_body(document, name, radius, alpha, 4.0 / 3.0, limit=limit, backing=1.0 - 1.5 * math.cos(alpha) ** 2, **more)
-
-
-def symmetric_body(
-    document: Document, name: str, body: Moments, half: float, *, top: Point | None = None, **more: Any
-) -> RockingParameters:
-    """The parameters of a body on its right edge (half, 0) [m]; the body that rocks on the left edge is its mirror image.
-
-    top: (x, z) [m] of the impact point on a backing, None if the geometry does not define it; more: as for `rigid_body`.
-    Raises DocumentError if the mass centre is not above the base.
-    """
-    _demand_above_base(document, body, half)
-    right, z = half - body.x / body.mass, body.z / body.mass
-    radius = math.hypot(right, z)
-    inertia, alpha = body.about(half, 0.0) / (body.mass * radius**2), math.atan2(right, z)
-    return rigid_body(document, name, radius, alpha, inertia, backing=_against_backing(body, half, top), **more)
-
-
-def body_on_edges(
-    document: Document,
-    name: str,
-    body: Moments,
-    half: float,
-    *,
-    limit: str,
-    top: Point | None = None,
-    details: Mapping[str, Any] | None = None,
-) -> RockingParameters:
-    """The parameters of a body that rocks as a whole on the edges (-half, 0) and (half, 0) [m]; arguments as for `symmetric_body`."""
-    _demand_above_base(document, body, half)
-    if abs(body.x) <= 1e-13 * math.sqrt(body.mass * body.polar):  # the offset is rounding
-        body = body._replace(x=0.0)
-    gravity, kind = gravity_of(document), _kind(document)
-    left, right = edges_of(body, half, gravity)
-    if body.x == 0.0:
-        return symmetric_body(document, name, body, half, limit=limit, eta=right.eta, top=top, details=details)
-    more = _with_mass(document, details)
-    if document.flag("one_sided"):
-        e, source = one_sided_restitution_of(document, (right.eta, left.eta), _against_backing(body, half, top))
-        return RockingParameters(
-            name, kind, right.p, right.alpha, e, right.uplift, 1.0, source, gravity, more, one_sided=True, arm=right.arm
-        )
-    eta_left, source = restitution_of(document, left.eta, limit)
-    eta_right, _ = restitution_of(document, right.eta, limit)
-    more["direction"] = "over the left edge" if body.x < 0.0 else "over the right edge"
-    return RockingParameters.of_sides(
-        name, kind, left.side("left", eta_left), right.side("right", eta_right), eta_source=source, gravity=gravity, details=more
-    )
-
-
-def _kind(document: Document) -> str:
-    return str(document.values["kind"].content)
-
-
-def _with_mass(document: Document, details: Mapping[str, Any] | None) -> dict[str, Any]:
-    """The details of a body, and its mass [kg] if the document states it."""
-    mass = mass_of(document)
-    return {**(details or {}), **({} if mass is None else {"mass": mass})}
 
 
 class Edge(NamedTuple):
     """A body on one edge: p [rad/s], alpha [rad], lambda [-], eta from angular momentum at the impact that leaves this edge
-    (negative if the body is too squat to rock), and the distance R to the mass centre [m]."""
+    (negative if the body is too squat to rock), and the distance R to the mass centre [m], None if the ground forces are not known."""
 
     p: float
     alpha: float
     uplift: float
     eta: float
-    arm: float
+    arm: float | None
 
     def side(self, name: str, eta: float) -> Side:
         """The parameters on this edge with the restitution `eta`."""
         return Side(name, self.p, self.alpha, self.uplift, 1.0, eta, self.arm)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Body(ABC):
+    """A rigid body as its kind reads it from a document.
+
+    limit: states for which bodies the momentum model holds; drawing: its geometry; backing: the factor of the impact on a backing,
+    None if the geometry does not define it; details: as in `RockingParameters`.
+    """
+
+    limit: str
+    drawing: Sketch
+    backing: float | None = None
+    details: Mapping[str, Any] = field(default_factory=dict)
+
+    @abstractmethod
+    def edges(self, gravity: float) -> tuple[Edge, Edge]:
+        """The parameters on the left edge and on the right edge; gravity [m/s2]."""
+
+    def parameters(self, document: Document, name: str) -> RockingParameters:
+        """The rocking parameters, with gravity, restitution, sides and mass of the document. Raises DocumentError."""
+        gravity, mass = gravity_of(document), mass_of(document)
+        left, right = self.edges(gravity)
+        details = {**self.details, **({} if mass is None else {"mass": mass})}
+        more: dict[str, Any] = {"name": name, "structure": str(document.values["kind"].content), "gravity": gravity, "details": details}
+        if document.flag("one_sided"):
+            e, source = one_sided_restitution_of(document, (right.eta, left.eta), self.backing)
+            numbers: dict[str, Any] = {
+                "p": right.p,
+                "alpha": right.alpha,
+                "eta": e,
+                "uplift": right.uplift,
+                "a_scale": 1.0,
+                "arm": right.arm,
+            }
+            return RockingParameters(**more, **numbers, eta_source=source, one_sided=True)
+        eta_left, source = restitution_of(document, left.eta, self.limit)
+        eta_right, _ = restitution_of(document, right.eta, self.limit)
+        details |= self.direction()
+        return RockingParameters.of_sides(**more, left=left.side("left", eta_left), right=right.side("right", eta_right), eta_source=source)
+
+    def direction(self) -> dict[str, str]:
+        """The edge over which the body falls, if its edges may differ."""
+        return {}
+
+
+@dataclass(frozen=True, kw_only=True)
+class EqualEdges(Body):
+    """A rigid body with equal edges: p^2 = M g R/I_P, lambda = tan alpha (Eq. 2.2), a_scale = 1 (Eq. 2.4).
+
+    radius: R, from the edge to the mass centre [m]; alpha [rad]; inertia: I_P/(M R^2) about the edge [-]; eta: from angular
+    momentum, by default 1 - (M R^2/I_P)(1 - cos 2 alpha) (Eqs. 2.6, 3.3); whole: true if the same body rocks on both edges, so that
+    its ground forces are known.
+    """
+
+    radius: float
+    alpha: float
+    inertia: float
+    eta: float | None = None
+    whole: bool = True
+
+    def edges(self, gravity: float) -> tuple[Edge, Edge]:
+        """The same parameters twice."""
+        eta = 1.0 - 2.0 * math.sin(self.alpha) ** 2 / self.inertia if self.eta is None else self.eta
+        p, arm = math.sqrt(gravity / (self.radius * self.inertia)), self.radius if self.whole else None
+        return (Edge(p, self.alpha, math.tan(self.alpha), eta, arm),) * 2
+
+
+@dataclass(frozen=True, kw_only=True)
+class TwoEdges(Body):
+    """A rigid body on the edges (-half, 0) and (half, 0) [m]."""
+
+    moments: Moments
+    half: float
+
+    def edges(self, gravity: float) -> tuple[Edge, Edge]:
+        """As `edges_of`."""
+        return edges_of(self.moments, self.half, gravity)
+
+    def direction(self) -> dict[str, str]:
+        """The side of the mass centre."""
+        return {"direction": "over the left edge" if self.moments.x < 0.0 else "over the right edge"}
+
+
+def rectangle_body(radius: float, alpha: float, **more: Any) -> EqualEdges:
+    """A rectangle of half diagonal `radius` [m]: p^2 = 3g/(4R), eta = 1 - 3/2 sin^2 alpha; `more`: other fields of the body.
+
+    One-sided, it hits its backing at its top: e = (1 - 3/2 sin^2 alpha)^2 (1 - 3/2 cos^2 alpha).
+    """
+    half, z = radius * math.sin(alpha), radius * math.cos(alpha)
+    drawing = rocker([rectangle(-half, half, 0.0, 2.0 * z)], (-half, 0.0), (half, 0.0), (0.0, z))
+    backing = 1.0 - 1.5 * math.cos(alpha) ** 2
+    return EqualEdges(radius=radius, alpha=alpha, inertia=4.0 / 3.0, backing=backing, drawing=drawing, **more)
+
+
+def symmetric_body(moments: Moments, half: float, *, top: Point | None = None, **more: Any) -> EqualEdges:
+    """A body on its right edge (half, 0) [m]; the body that rocks on the left edge is its mirror image.
+
+    top: (x, z) [m] of the impact point on a backing, None if the geometry does not define it; more: the other fields of the body.
+    """
+    right, z = half - moments.x / moments.mass, moments.z / moments.mass
+    radius = math.hypot(right, z)
+    inertia, alpha = moments.about(half, 0.0) / (moments.mass * radius**2), math.atan2(right, z)
+    return EqualEdges(radius=radius, alpha=alpha, inertia=inertia, backing=_against_backing(moments, half, top), **more)
+
+
+def body_on_edges(moments: Moments, half: float, *, top: Point | None = None, **more: Any) -> Body:
+    """A body that rocks as a whole on the edges (-half, 0) and (half, 0) [m]; arguments as for `symmetric_body`."""
+    if abs(moments.x) <= 1e-13 * math.sqrt(moments.mass * moments.polar):  # the offset is rounding
+        moments = moments._replace(x=0.0)
+        return symmetric_body(moments, half, top=top, eta=edges_of(moments, half, 1.0)[1].eta, **more)
+    return TwoEdges(moments=moments, half=half, backing=_against_backing(moments, half, top), **more)
 
 
 def edges_of(body: Moments, half: float, gravity: float) -> tuple[Edge, Edge]:
@@ -149,19 +166,13 @@ def edges_of(body: Moments, half: float, gravity: float) -> tuple[Edge, Edge]:
     return on(-half), on(half)
 
 
-def _demand_above_base(document: Document, body: Moments, half: float) -> None:
-    """Raise DocumentError if the mass centre is not above the base."""
-    if not (abs(body.x / body.mass) < half and body.z > 0.0):
-        raise document.fault(None, "a centroid that is not above the base", f"a {_kind(document)} that stands")
-
-
 def _against_backing(body: Moments, half: float, top: Point | None) -> float | None:
     """(I_G + m r_L.r_T)/(I_G + m r_T^2), the factor of the impact on the backing at T = `top`; None without `top`."""
     if top is None:
         return None
     x, z = body.x / body.mass, body.z / body.mass
     central = body.about(x, z)
-    return (central + body.mass * ((x + half) * (x - top[0]) + z * (z - top[1]))) / body.about(*top)
+    return float((central + body.mass * ((x + half) * (x - top[0]) + z * (z - top[1]))) / body.about(*top))
 
 
 def radius_and_alpha(document: Document, centroid: float = 0.5) -> tuple[float, float]:

@@ -12,11 +12,10 @@ from itertools import accumulate
 from typing import NamedTuple
 
 from ...documents.document import Document
-from ..parameters import RockingParameters
 from ..shared_keys import gravity_of
-from ..sketch import Sketch, rocker
+from ..sketch import rocker
 from .kinematics import Moments
-from .single_body import body_on_edges, edges_of, symmetric_body
+from .single_body import Body, body_on_edges, edges_of, symmetric_body
 
 
 class Piece(NamedTuple):
@@ -91,53 +90,41 @@ class Bed(NamedTuple):
         return {"p": edge.p, "alpha": edge.alpha, "eta": edge.eta if edge.eta >= 0.0 else None, "lambda": edge.uplift}
 
 
-class Stack:
-    """The pieces of a document from below; key: of their list in the document; word: for one of them.
+def stacked(document: Document, key: str, word: str, pieces: Sequence[Piece]) -> Body:
+    """The body that rocks on the interface with the least margin, the lowest if several are equal.
 
-    beds: the interfaces from the ground upwards; weakest: the number of the one with the least margin, the lowest if several are equal.
-    Raises DocumentError if a piece does not stand on the one below it.
+    pieces: from below; key: of their list in the document; word: for one of them.
+    Raises DocumentError if a piece does not stand on the one below it, or the stack does not stand.
     """
-
-    def __init__(self, document: Document, key: str, word: str, pieces: Sequence[Piece]) -> None:
-        self.document, self.key, self.word, self.pieces = document, key, word, pieces
-        body, beds = Moments(0.0, 0.0, 0.0, 0.0), []
-        for i in range(len(pieces) - 1, -1, -1):
-            piece = pieces[i]
-            body = piece.body.shifted(x=piece.axis).plus(body.shifted(z=piece.height))
-            left, right = piece.axis - piece.foot, piece.axis + piece.foot
-            if i:
-                below = pieces[i - 1]
-                left, right = max(left, below.axis - below.head), min(right, below.axis + below.head)
-            if not right > left:
-                found = f"{word} {i + 1} from below apart from the one below it"
-                raise document.fault(key, found, f"{word}s that stand on each other")
-            beds.append(Bed(left, right, body))
-        self.beds = beds[::-1]
-        self.weakest = min(range(len(beds)), key=lambda i: self.beds[i].margin)
-
-    def parameters(self, name: str) -> RockingParameters:
-        """The rocking parameters. Raises DocumentError if the stack does not stand."""
-        bed, last = self.beds[self.weakest], self.pieces[-1]
-        if not bed.margin > 0.0:
-            found = f"{self.word} {self.weakest + 1} from below, with the pieces on it, beyond its edge"
-            raise self.document.fault(self.key, found, "a stack that stands")
-        top = (last.axis - last.head - 0.5 * (bed.left + bed.right), sum(piece.height for piece in self.pieces[self.weakest :]))
-        details = {}
-        if len(self.pieces) > 1:
-            gravity = gravity_of(self.document)
-            supports = ["its base", *(f"{self.word} {i} from below" for i in range(1, len(self.beds)))]
-            interfaces = [{"on": on, **one.numbers(gravity)} for on, one in zip(supports, self.beds, strict=True)]
-            details = {"rocks_on": supports[self.weakest], "interfaces": interfaces}
-        rock = body_on_edges if bed.centred.x else symmetric_body
-        limit = f"a {self.word} more slender than this one"
-        return rock(self.document, name, bed.centred, bed.half, limit=limit, top=top, details=details)
-
-    def sketch(self) -> Sketch:
-        """The pieces above and below the weakest interface."""
-        levels = list(accumulate((piece.height for piece in self.pieces), initial=0.0))
-        outlines = []
-        for (foot, head, _, axis, _), low, top in zip(self.pieces, levels, levels[1:], strict=False):
-            outlines.append(((axis - foot, low), (axis + foot, low), (axis + head, top), (axis - head, top)))
-        bed, base = self.beds[self.weakest], levels[self.weakest]
-        centre = (bed.body.x / bed.body.mass, base + bed.body.z / bed.body.mass)
-        return rocker(outlines[self.weakest :], (bed.left, base), (bed.right, base), centre, still=tuple(outlines[: self.weakest]))
+    moments, beds = Moments(0.0, 0.0, 0.0, 0.0), list[Bed]()
+    for i in range(len(pieces) - 1, -1, -1):
+        piece = pieces[i]
+        moments = piece.body.shifted(x=piece.axis).plus(moments.shifted(z=piece.height))
+        left, right = piece.axis - piece.foot, piece.axis + piece.foot
+        if i:
+            below = pieces[i - 1]
+            left, right = max(left, below.axis - below.head), min(right, below.axis + below.head)
+        if not right > left:
+            raise document.fault(key, f"{word} {i + 1} from below apart from the one below it", f"{word}s that stand on each other")
+        beds.insert(0, Bed(left, right, moments))
+    weakest = min(range(len(beds)), key=lambda i: beds[i].margin)
+    bed, last = beds[weakest], pieces[-1]
+    if not bed.margin > 0.0:
+        raise document.fault(key, f"{word} {weakest + 1} from below, with the pieces on it, beyond its edge", "a stack that stands")
+    details = {}
+    if len(pieces) > 1:
+        gravity = gravity_of(document)
+        supports = ["its base", *(f"{word} {i} from below" for i in range(1, len(beds)))]
+        interfaces = [{"on": on, **one.numbers(gravity)} for on, one in zip(supports, beds, strict=True)]
+        details = {"rocks_on": supports[weakest], "interfaces": interfaces}
+    levels = list(accumulate((piece.height for piece in pieces), initial=0.0))
+    outlines = []
+    for (foot, head, _, axis, _), low, high in zip(pieces, levels, levels[1:], strict=False):
+        outlines.append(((axis - foot, low), (axis + foot, low), (axis + head, high), (axis - head, high)))
+    base, (mass, x, z, _) = levels[weakest], bed.body
+    feet = (bed.left, base), (bed.right, base)
+    drawing = rocker(outlines[weakest:], *feet, (x / mass, base + z / mass), still=tuple(outlines[:weakest]))
+    top = last.axis - last.head - 0.5 * (bed.left + bed.right), sum(piece.height for piece in pieces[weakest:])
+    rock = body_on_edges if bed.centred.x else symmetric_body
+    limit = f"a {word} more slender than this one"
+    return rock(bed.centred, bed.half, top=top, limit=limit, details=details, drawing=drawing)

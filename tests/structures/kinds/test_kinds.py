@@ -24,10 +24,10 @@ from rocking_cli.structures.kinds import GROUP
     ],
 )
 def test_a_bug_in_a_builder_is_not_the_documents_fault_and_a_geometry_is(monkeypatch, error, raised, words):
-    def build(document, name):
+    def body(document):
         raise error
 
-    monkeypatch.setattr("rocking_cli.structures.kinds.block.build", build)
+    monkeypatch.setattr("rocking_cli.structures.kinds.block.body", body)
     with pytest.raises(raised, match=words):
         build_structure(parse_documents("kind: block", "tower.yaml")[0])
 
