@@ -15,7 +15,7 @@ from .. import __version__
 from ..errors import RockingError, did_you_mean
 from ..interruption import listen
 from . import progress, streams
-from .terms import in_options, no_such_option
+from .printing import in_options
 
 SECTIONS = {
     "Structures": {
@@ -50,6 +50,7 @@ SECTIONS = {
     },
 }
 _COLLECTED = 20_000  # objects between two garbage collections; the default of 700 collects many times during the imports
+_MEANT = {"--pga": "--a-g", "--amplitude": "--a-g", "--frequency": "--f-g", "--period": "--T-g", "--record": "--motion"}
 COMMANDS = {name: summary for section in SECTIONS.values() for name, summary in section.items()}
 
 
@@ -104,6 +105,15 @@ def _refuse_repetitions(context: click.Context, arguments: list[str]) -> None:
             raise click.UsageError(f"{option.opts[-1]} is given twice; expected one value", context)
 
 
+def _no_such_option(error: click.NoSuchOption, arguments: list[str]) -> str:
+    """The sentence for an unknown option, with the long option that is probably meant."""
+    name = error.option_name
+    if not name.startswith("--"):  # of -pulse click sees -p
+        name = next((a.partition("=")[0] for a in arguments if a.startswith(name) and not a.startswith("--")), name)
+    long = [o for p in error.ctx.command.params for o in p.opts if o.startswith("--")] if error.ctx is not None else []
+    return f"No such option {name}{did_you_mean('--' + name.lstrip('-'), [*long, '--help'], _MEANT)}"
+
+
 @click.group(
     cls=_Commands,
     context_settings={"help_option_names": ["-h", "--help"]},
@@ -133,7 +143,7 @@ def main(arguments: list[str] | None = None) -> Any:
             if isinstance(error, click.UsageError) and error.ctx is not None:
                 said = error.format_message()
                 if isinstance(error, click.NoSuchOption):
-                    said = no_such_option(error, sys.argv if arguments is None else arguments)
+                    said = _no_such_option(error, sys.argv if arguments is None else arguments)
                 streams.say(f"{error.ctx.command_path}: {said} (see --help)")
             else:
                 streams.say(f"rocking: {error.format_message()}")

@@ -2,34 +2,28 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import click
 
 from . import ground, options
-from .groups import option, takes
+from .command import command, group, option
 from .printing import emit, note, printed
 
 
-@dataclass(frozen=True)
-class Sample:
-    """The scene and its cells that `rocking accuracy` compares."""
-
-    axes: str = option("--grid", required=True, metavar="AXES", help="The grid of the scene, as in rocking spectrum.")
+@command("rocking accuracy --eta 0.9 --grid A=1:10:200,Omega=1:10:200 --sample 20 --scipy 4", printed)
+def accuracy(
+    files: tuple[str, ...] = options.files(),
+    axes: str = option("--grid", required=True, metavar="AXES", help="The grid of the scene, as in rocking spectrum."),
     sample: int = option(
         "--sample", type=click.IntRange(1, 10_000), default=40, show_default=True, help="Cells compared with the reference."
-    )
+    ),
     scipy: int = option(
         "--scipy", type=click.IntRange(0, 10_000), default=10, show_default=True, help="Cells of the sample for each SciPy solver."
-    )
-    seed: int = option("--seed", type=click.IntRange(0), default=0, show_default=True, help="Seed of the sample.")
-
-
-@click.command(epilog="Example: rocking accuracy --eta 0.9 --grid A=1:10:200,Omega=1:10:200 --sample 20 --scipy 4")
-@options.files
-@takes(wanted=Sample, sizeless=options.Oscillators, motions=ground.Motions, model=options.Model)
-@printed
-def accuracy(files: tuple[str, ...], wanted: Sample, sizeless: options.Oscillators, motions: ground.Motions, model: options.Model) -> None:
+    ),
+    seed: int = option("--seed", type=click.IntRange(0), default=0, show_default=True, help="Seed of the sample."),
+    sizeless: options.Oscillators = group(options.Oscillators),
+    motions: ground.Motions = group(ground.Motions),
+    model: options.Model = group(options.Model),
+) -> None:
     """Work-precision table of one structure's scene.
 
     For the engine (the exact linear one, or the nonlinear one at tolerances from 1e-4 to 1e-12) and for SciPy's RK45, LSODA
@@ -42,13 +36,13 @@ def accuracy(files: tuple[str, ...], wanted: Sample, sizeless: options.Oscillato
 
     motion = motions.one().motion
     assert motion is not None
-    grid = parse_grid(wanted.axes, own_time=motion.acceleration is not None)
+    grid = parse_grid(axes, own_time=motion.acceleration is not None)
     structures = options.structures_of(files, sizeless.etas)
     if len(structures) > 1:
         raise click.UsageError(f"found {len(structures)} structures; expected one")
     methods = model.methods(structures, grid.dimensionless)
     for line in model.in_words(methods, structures, grid.dimensionless):
         note(line)
-    note(f"{structures[0].name}, {motion.name}; {wanted.sample} cells, seed {wanted.seed}; times in s a cell")
+    note(f"{structures[0].name}, {motion.name}; {sample} cells, seed {seed}; times in s a cell")
     scene = PulseScene(tuple(structures), grid, motion, methods[0])
-    emit(line.record() for line in work_precision(scene, sample=wanted.sample, scipy=wanted.scipy, seed=wanted.seed))
+    emit(line.record() for line in work_precision(scene, sample=sample, scipy=scipy, seed=seed))

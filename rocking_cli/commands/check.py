@@ -2,46 +2,38 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from . import ground, options
-from .groups import option, takes
+from .command import command, group, option
 from .printing import emit, note, printed, units_of
 from .progress import ProgressLine
-from .shaking import Shaking, needed, note_demand, note_governing
 
 if TYPE_CHECKING:
     from ..envelopes.limit import Limit
     from ..responses.check import Verdict
 
 
-@dataclass(frozen=True)
-class Check:
-    """The options of `rocking check`."""
-
-    a_max: Limit = options.a_max()
-    verdict_only: bool = option("--verdict-only", is_flag=True, help="Skip the search; first_overturning_a and safe_to stay empty.")
+@command("rocking check configs/block.yaml configs/arch.yaml --a-g 0.35g --f-g 1.5 --sort capacity", printed)
+def check(
+    files: tuple[str, ...] = options.files(),
+    asked: ground.Demand = group(ground.Demand),
+    a_max: Limit = options.a_max(),
+    verdict_only: bool = option("--verdict-only", is_flag=True, help="Skip the search; first_overturning_a and safe_to stay empty."),
     sort: str | None = option(
         "--sort", type=click.Choice(["capacity"]), help="Sort the rows: the weakest first, structures that never overturn last."
-    )
+    ),
     fail_on: str | None = option(
         "--fail-on", type=click.Choice(["overturning"]), help="Exit code 5 if a structure overturns or loses contact."
-    )
-    output: Path | None = options.output(help="Draw the capacities: .png, .svg or .pdf.")
-    overwrite: bool = options.overwrite()
-    workers: int | None = options.workers()
-
-
-@click.command(epilog="Example: rocking check configs/block.yaml configs/arch.yaml --a-g 0.35g --f-g 1.5 --sort capacity")
-@options.files
-@takes(motions=ground.Motions, vertical=ground.Vertical, shaking=Shaking, wanted=Check)
-@printed
-def check(files: tuple[str, ...], motions: ground.Motions, vertical: ground.Vertical, shaking: Shaking, wanted: Check) -> int:
+    ),
+    output: Path | None = options.output(help="Draw the capacities: .png, .svg or .pdf."),
+    overwrite: bool = options.overwrite(),
+    workers: int | None = options.workers(),
+) -> int:
     """Check which structures stand under a motion, and find the lowest amplitude that overturns each.
 
     One row for each structure and motion: the outcome and theta_max/alpha by the governing equation (nonlinear for a known geometry in
@@ -56,19 +48,19 @@ def check(files: tuple[str, ...], motions: ground.Motions, vertical: ground.Vert
     from ..envelopes.capacity import narrowest
     from ..responses.check import CHECK_COLUMNS, OLD_COLUMNS, verdicts
 
-    files, shaken = motions.several(files, vertical)
-    shaken = shaking.of(shaken).with_upwards(vertical.upwards())
+    files, shaken = asked.several(files)
+    shaken = asked.of(shaken)
     structures = options.structures_of(files)
-    shakes = needed(shaken)
-    if wanted.output is not None:
+    shakes = shaken.needed()
+    if output is not None:
         from ..publishing import check_target
 
-        check_target(wanted.output, wanted.overwrite, options.FIGURES)
+        check_target(output, overwrite, options.FIGURES)
     demands = [(structure, *shake) for shake in shakes for structure in structures]
     told: list[Verdict] = []
-    a_max = None if wanted.verdict_only else wanted.a_max
-    found: Iterable[Verdict] = verdicts(demands, a_max=a_max, workers=wanted.workers, progress=ProgressLine("check", "stages"))
-    if wanted.sort:
+    limit = None if verdict_only else a_max
+    found: Iterable[Verdict] = verdicts(demands, a_max=limit, workers=workers, progress=ProgressLine("check", "stages"))
+    if sort:
         found = sorted(found, key=lambda v: float("inf") if v.capacity_demand is None else v.capacity_demand)
 
     def rows() -> Iterator[dict[str, Any]]:
@@ -76,20 +68,20 @@ def check(files: tuple[str, ...], motions: ground.Motions, vertical: ground.Vert
             told.append(verdict)
             yield verdict.record()
 
-    in_g = _in_g(shaking.a_g or motions.scale_to or ("g" if motions.motion else ""))
+    in_g = _in_g(asked.a_g or asked.scale_to or ("g" if asked.motion else ""))
     emit(rows(), CHECK_COLUMNS, table_units="g" if in_g else None, old=OLD_COLUMNS)
-    if wanted.output is not None:
+    if output is not None:
         from ..reports.figures.capacities import draw_capacities
 
-        draw_capacities(told, wanted.output, in_g=in_g, overwrite=wanted.overwrite, tell=note)
-    note_demand(shakes)
-    note_governing(structures, shakes[0][1].dimensionless)
+        draw_capacities(told, output, in_g=in_g, overwrite=overwrite, tell=note)
+    ground.note_demand(shakes)
+    ground.note_governing(structures, shakes[0][1].dimensionless)
     for line in _remarks(told):
         note(line)
     width = " or ".join(dict.fromkeys(narrowest(shake) for shake, _ in shakes))
-    if not wanted.verdict_only:
+    if not verdict_only:
         note(f"intervals narrower than {width} may be missed, except around the demand")
-    if wanted.fail_on and any(v.falls for v in told):
+    if fail_on and any(v.falls for v in told):
         return 5
     return 4 if shaken.unread or any(v.outcome == Outcome.FAILED for v in told) else 0
 
@@ -111,23 +103,26 @@ def _remarks(verdicts: list[Verdict]) -> list[str]:
         return [f"{v.structure} under {v.motion}" if several else v.structure for v in found]
 
     falls = named(v for v in verdicts if v.outcome.overturned)
-    window = named(v for v in verdicts if v.outcome.safe and v.capacity_demand is not None and v.capacity_demand < 1.0)
-    unsafe = named(v for v in verdicts if v.falls and v.outcome_linear.safe)
     lines = [f"{len(falls)} of {len(verdicts)} overturn{': ' if falls else ''}{', '.join(falls)}"]
-    if lost := named(v for v in verdicts if v.falls and not v.outcome.overturned):
-        lines.append(f"lose contact with the ground, and their later motion is not known: {', '.join(lost)}")
-    if window:
-        lines.append(f"stand in a safe window, and overturn at a lower amplitude: {', '.join(window)}")
-    if unsettled := named(v for v in verdicts if v.unsettled):
-        lines.append(f"depend on the last digits of the demand, as the outcome changes within 1e-6 of it: {', '.join(unsettled)}")
-    if lifted := named(v for v in verdicts if v.outcome.overturned and v.fz_min is not None and v.fz_min <= 0.0):
-        lines.append(f"lose contact with the ground (fz_min) during their fall, which is therefore not proved: {', '.join(lifted)}")
-    if slides := named(v for v in verdicts if v.slides):
-        lines.append(f"would slide, because their friction is below friction_needed: {', '.join(slides)}")
+    told: list[tuple[str, Callable[[Verdict], Any]]] = [
+        ("lose contact with the ground, and their later motion is not known", lambda v: v.falls and not v.outcome.overturned),
+        (
+            "stand in a safe window, and overturn at a lower amplitude",
+            lambda v: v.outcome.safe and v.capacity_demand is not None and v.capacity_demand < 1.0,
+        ),
+        ("depend on the last digits of the demand, as the outcome changes within 1e-6 of it", lambda v: v.unsettled),
+        (
+            "lose contact with the ground (fz_min) during their fall, which is therefore not proved",
+            lambda v: v.outcome.overturned and v.fz_min is not None and v.fz_min <= 0.0,
+        ),
+        ("would slide, because their friction is below friction_needed", lambda v: v.slides),
+        ("stand by the linear equation, which is wrong", lambda v: v.falls and v.outcome_linear.safe),
+    ]
+    for words, holds in told:
+        if names := named(filter(holds, verdicts)):
+            lines.append(f"{words}: {', '.join(names)}")
     for v in verdicts:
         if v.dust:
             share = f"{100.0 * v.dust:.2g} % of the amplitudes within 5 % of it"
             lines.append(f"{named([v])[0]}: above first_overturning {share} overturn, and narrower intervals may begin below")
-    if unsafe:
-        lines.append(f"stand by the linear equation, which is wrong: {', '.join(unsafe)}")
     return lines

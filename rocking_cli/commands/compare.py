@@ -2,29 +2,22 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import click
 
 from . import ground, options
-from .groups import option, takes
+from .command import command, group, option
 from .printing import emit, note, printed
-from .shaking import Shaking, no_shaking
 
 
-@dataclass(frozen=True)
-class Comparison:
-    """The options of `rocking compare`."""
-
-    eta: float | None = option("--eta", type=click.FloatRange(0.0, 1.0), help="Restitution for every structure instead of its own.")
-    curves: bool = option("--curves", is_flag=True, help="Print the curves t, theta, tau, theta_ratio instead.")
-
-
-@click.command(epilog="Example: rocking compare configs/block.yaml configs/spire.yaml configs/arch.yaml --A 2 --Omega 4 --eta 0.8")
-@options.files
-@takes(motions=ground.Motions, shaking=Shaking, model=options.Models, wanted=Comparison)
-@printed
-def compare(files: tuple[str, ...], motions: ground.Motions, shaking: Shaking, model: options.Models, wanted: Comparison) -> int:
+@command("rocking compare configs/block.yaml configs/spire.yaml configs/arch.yaml --A 2 --Omega 4 --eta 0.8", printed)
+def compare(
+    files: tuple[str, ...] = options.files(),
+    motions: ground.Motions = group(ground.Motions),
+    shaking: ground.Shaking = group(ground.Shaking),
+    model: options.Models = group(options.Models),
+    eta: float | None = option("--eta", type=click.FloatRange(0.0, 1.0), help="Restitution for every structure instead of its own."),
+    curves: bool = option("--curves", is_flag=True, help="Print the curves t, theta, tau, theta_ratio instead."),
+) -> int:
     """Compare the responses of structures to one motion scaled to equal A and Omega.
 
     a_g and omega_g with units hold for the first structure. A line on standard error states the largest distance of the
@@ -36,15 +29,15 @@ def compare(files: tuple[str, ...], motions: ground.Motions, shaking: Shaking, m
     shaken = shaking.of(motions.one())
     structures = options.structures_of(files)
     if shaken.grid is None or shaken.motion is None:
-        raise no_shaking("--A and --Omega")
-    if wanted.eta is not None:
+        raise ground.no_shaking("--A and --Omega")
+    if eta is not None:
         try:
-            structures = [s.with_restitution(wanted.eta) for s in structures]
+            structures = [s.with_restitution(eta) for s in structures]
         except ValueError as error:
             raise click.UsageError(f"--eta: {error}") from None
     methods = model.methods(structures, shaken.grid.dimensionless)
     responses = comparison.compare(structures, shaken.motion, shaken.grid, methods)
-    emit((comparison.curve_records if wanted.curves else comparison.comparison_records)(responses, methods))
+    emit((comparison.curve_records if curves else comparison.comparison_records)(responses, methods))
     for line in model.in_words(methods, structures, shaken.grid.dimensionless):
         note(line)
     for method in methods:

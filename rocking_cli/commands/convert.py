@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-import click
-
+from .command import argument, command
 from .parameter_types import InputPath
 from .printing import emit, printed, warn
 
 
-@click.command(epilog="Example: rocking convert slice.h5 --csv | head")
-@click.argument("file", type=InputPath())
-@printed
-def convert(file: str) -> None:
+@command("rocking convert slice.h5 --csv | head", printed)
+def convert(file: str = argument(type=InputPath())) -> None:
     """Stream the computed cells of a spectra file, one row for each cell (CSV unless --json)."""
     from ..spectra.file.reader import SpectraFile
 

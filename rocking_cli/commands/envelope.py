@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from . import ground, options
-from .groups import option, takes
+from .command import command, group, option
 from .printing import emit, note, printed
 from .progress import ProgressLine
 
@@ -46,14 +46,14 @@ class Envelope:
     workers: int | None = options.workers()
 
 
-@click.command(epilog="Example: rocking envelope --eta 0.9 --grid Omega=2:6:5")
-@options.files
-@takes(wanted=Envelope, sizeless=options.Sizeless, motions=ground.Motions, vertical=ground.Vertical, model=options.Equations)
-@printed
+@command("rocking envelope --eta 0.9 --grid Omega=2:6:5", printed)
 def envelope(
-    files: tuple[str, ...], wanted: Envelope, sizeless: options.Sizeless, motions: ground.Motions, vertical: ground.Vertical,
-    model: options.Equations,
-) -> int:  # fmt: skip
+    files: tuple[str, ...] = options.files(),
+    wanted: Envelope = group(Envelope),
+    sizeless: options.Sizeless = group(options.Sizeless),
+    motions: ground.BothWays = group(ground.BothWays),
+    model: options.Equations = group(options.Equations),
+) -> int:
     """Trace every interval of amplitude that overturns, for each frequency.
 
     A_to is empty if the interval continues beyond --a-max. A frequency without overturning has mode none and neither end. Every
@@ -70,8 +70,7 @@ def envelope(
     """
     from ..envelopes.intervals import CURVE_COLUMNS, check_curves, frequency_axis, structure_curves
 
-    files, shaken = motions.several(files, vertical)
-    shaken = shaken.of_one(vertical.upwards())
+    files, shaken = motions.several(files, one_upwards=True)
     if shaken.motion is None:
         return _of_records(files, wanted, sizeless, shaken, model)
     if sizeless.alphas is not None or wanted.median:

@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from itertools import product
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from ..errors import UsageError
 from . import ground, options
-from .groups import option, takes
+from .command import command, group, option
 from .parameter_types import InputPath, Registered
 from .printing import emit, form, note, printed, units_of
 from .progress import ProgressLine
@@ -73,12 +74,13 @@ class Fits:
     output: Path | None = options.output(help="The HDF5 file of all cells to write (records).")
 
 
-@click.command(epilog="Example: rocking fragility configs/block.yaml --pulses configs/motions/site_pulses.csv --levels 0.2g:0.7g:11")
-@options.files
-@takes(motions=ground.Motions, vertical=ground.Vertical, wanted=Fits, model=options.Model, sweep=options.Sweep)
-@printed
+@command("rocking fragility configs/block.yaml --pulses configs/motions/site_pulses.csv --levels 0.2g:0.7g:11", printed)
 def fragility(
-    files: tuple[str, ...], motions: ground.Motions, vertical: ground.Vertical, wanted: Fits, model: options.Model, sweep: options.Sweep
+    files: tuple[str, ...] = options.files(),
+    motions: ground.BothWays = group(ground.BothWays),
+    wanted: Fits = group(Fits),
+    model: options.Model = group(options.Model),
+    sweep: options.Sweep = group(options.Sweep),
 ) -> int:
     """Fit lognormal fragility curves of structures under a set of records or site pulses.
 
@@ -90,10 +92,9 @@ def fragility(
     """
     from ..fragility.fits import Resampling
     from ..fragility.measures import measure_of, members_of, shaken_upwards, site_pulses
-    from ..fragility.study import counted
+    from ..fragility.study import EFFICIENCY_COLUMNS, METHODS, counted
 
-    files, shaken = motions.several(files, vertical)
-    upwards = vertical.upwards()
+    files, shaken = motions.several(files)
     if wanted.counts is not None:
         _refuse("--counts does not go with", lambda name: name not in _WITH_COUNTS)
         _emit(counted(wanted.counts, Resampling(wanted.samples, wanted.seed)), [], wanted)
@@ -107,10 +108,11 @@ def fragility(
         raise click.UsageError("--efficiency does not go with --curve")
     measure = measure_of(wanted.im)
     levels = _levels(wanted.levels, measure)
-    states, methods = _limits(wanted.limits), _methods(wanted.methods)
+    states = dict.fromkeys(_each("--limit", wanted.limits, _limit, "positive values of |theta|/alpha, or overturning"))
+    methods = dict.fromkeys(_each("--method", wanted.methods, lambda name: METHODS[METHODS.index(name)], ", ".join(METHODS)))
     members = site_pulses(wanted.pulses) if wanted.pulses is not None else members_of(shaken.recordings)
-    if upwards is not None:
-        members = shaken_upwards(members, upwards)
+    if shaken.upwards is not None:
+        members = shaken_upwards(members, shaken.upwards)
     (equation,) = model.methods(structures)
     if wanted.output is not None:
         from ..spectra.file.partial import check_output
@@ -120,14 +122,12 @@ def fragility(
             options.refuse_own_input(wanted.output, shaken.recordings)
     elif sweep.shard is not None or sweep.scheduler is not None or sweep.resume:
         raise click.UsageError("--shard, --scheduler and --resume go with -o OUT.h5")
-    studies = list(_studies(structures, members, measure, levels, equation, wanted, sweep, texts))
+    studies = list(_studies(structures, members, measure, levels, equation, methods, wanted, sweep, texts))
     if not studies:
         note(f"{wanted.output}: {sweep.shard} is written; join the shards by rocking merge, then repeat the call with --resume")
         return 4 if shaken.unread else 0
     refused: list[str] = []
     if wanted.efficiency:
-        from ..fragility.study import EFFICIENCY_COLUMNS
-
         emit([row for study in studies for row in study.efficiency()], EFFICIENCY_COLUMNS, without=("theta",))
     else:
         fits, refused = _fits(studies, states, methods)
@@ -146,40 +146,37 @@ def fragility(
 
 def _studies(
     structures: Sequence[RockingParameters], members: Sequence[Member], measure: Measure, levels: np.ndarray, method: Method,
-    wanted: Fits, sweep: options.Sweep, texts: str,
+    fits: Iterable[str], wanted: Fits, sweep: options.Sweep, texts: str,
 ) -> Iterator[Study]:  # fmt: skip
-    """Each structure under the set of motions."""
+    """Each structure under the set of motions; fits: the methods of fitting."""
     from ..fragility.exposure import as_recorded, exposures, traced
     from ..fragility.fits import Resampling
     from ..fragility.study import Study
 
-    writing = {**sweep.writing(texts), "history": options.command_line()}
-    line = ProgressLine("fragility", "chunks")
-    found = exposures(structures, members, measure, levels, method, path=wanted.output, workers=sweep.workers, progress=line, **writing)
+    writing = {**sweep.writing(texts), "history": options.command_line(), "path": wanted.output, "workers": sweep.workers}
+    found = exposures(structures, members, measure, levels, method, progress=ProgressLine("fragility", "chunks"), **writing)
     for structure, exposure in zip(structures, found, strict=False):
         intervals = recorded = None
-        if wanted.exact or wanted.efficiency or "first" in _methods(wanted.methods):
+        if wanted.exact or wanted.efficiency or "first" in fits:
             line = ProgressLine(structure.name, "motions")
             intervals = traced(structure, members, measure, float(levels[-1]), method, workers=sweep.workers, progress=line)
-        if "cloud" in _methods(wanted.methods):
+        if "cloud" in fits:
             recorded = as_recorded(structure, members, method)
         yield Study(structure, members, measure, Resampling(wanted.samples, wanted.seed), exposure, intervals, recorded)
 
 
-def _fits(studies: Sequence[Study], states: Sequence[float | None], methods: Sequence[str]) -> tuple[list[Fit], list[str]]:
+def _fits(studies: Sequence[Study], states: Iterable[float | None], methods: Iterable[str]) -> tuple[list[Fit], list[str]]:
     """(the fits, a sentence for each fit that the data do not support)."""
     from ..fragility.study import word_of
 
     fits, refused = [], []
-    for study in studies:
-        for method in methods:
-            for state in states:
-                if (method == "first") != (state is None) and method != "stripes":
-                    continue  # first is of overturning, cloud of rotations
-                try:
-                    fits.append(study.fit(method, state))
-                except UsageError as error:
-                    refused.append(f"{study.structure.name}, {word_of(state)}, {method}: {error}")
+    for study, method, state in product(studies, methods, states):
+        if (method == "first") != (state is None) and method != "stripes":
+            continue  # first is of overturning, cloud of rotations
+        try:
+            fits.append(study.fit(method, state))
+        except UsageError as error:
+            refused.append(f"{study.structure.name}, {word_of(state)}, {method}: {error}")
     return fits, refused
 
 
@@ -211,6 +208,17 @@ def _emit(fits: Sequence[Fit], exact: Sequence[Study], wanted: Fits) -> None:
     emit(records, FRAGILITY_COLUMNS, without=("theta",))
 
 
+def _each(flag: str, text: str, read: Callable[[str], Any], expected: str = "") -> list[Any]:
+    """The values of the words between commas; expected: the words that `read` takes, for those that it refuses by a ValueError."""
+    found: list[Any] = []
+    for part in map(str.strip, text.split(",")):
+        try:
+            found.append(read(part))
+        except ValueError as error:
+            raise click.UsageError(f"{flag}: found {part!r}; expected {expected or error}") from None
+    return found
+
+
 def _levels(text: str | None, measure: Measure) -> np.ndarray:
     """The levels of --levels, in SI. Raises UsageError."""
     import numpy as np
@@ -224,34 +232,12 @@ def _levels(text: str | None, measure: Measure) -> np.ndarray:
     if ":" in text:
         options.remark_on(spans=f"{measure.name}={text}")
         return check_levels(parse_span("--levels", text, measure.dimension))
-    found = []
-    for part in text.split(","):
-        try:
-            found.append(parse_quantity(part.strip(), measure.dimension))
-        except ValueError as error:
-            raise click.UsageError(f"--levels: found {part.strip()!r}; expected {error}") from None
-    return check_levels(np.array(found))
+    return check_levels(np.array(_each("--levels", text, lambda part: parse_quantity(part, measure.dimension))))
 
 
-def _limits(text: str) -> list[float | None]:
-    found: list[float | None] = []
-    for part in (x.strip() for x in text.split(",")):
-        try:
-            value = None if part == "overturning" else float(part)
-        except ValueError:
-            value = -1.0
-        if value is not None and not 0.0 < value < 1e3:
-            raise click.UsageError(f"--limit: found {part!r}; expected positive values of |theta|/alpha, or overturning")
-        if value not in found:
-            found.append(value)
-    return found
-
-
-def _methods(text: str) -> list[str]:
-    from ..fragility.study import METHODS
-
-    found = [x.strip() for x in text.split(",")]
-    for name in found:
-        if name not in METHODS:
-            raise click.UsageError(f"--method: found {name!r}; expected {', '.join(METHODS)}")
-    return list(dict.fromkeys(found))
+def _limit(text: str) -> float | None:
+    """A limit state: a value of |theta|/alpha, or None for overturning. Raises ValueError."""
+    value = None if text == "overturning" else float(text)
+    if value is not None and not 0.0 < value < 1e3:
+        raise ValueError
+    return value

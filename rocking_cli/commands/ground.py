@@ -1,19 +1,20 @@
-"""The options of the ground motion: pulses, records, the vertical part."""
+"""The options of the ground motion: pulses, records, the vertical part, and the demand: one amplitude and one frequency."""
 
 from __future__ import annotations
 
 import os
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from ..errors import RockingError
-from .groups import option
-from .parameter_types import STATION, InputPath, PulseOrPath, Quantity, Registered, pulse_names
+from ..errors import RockingError, UsageError
+from .command import option
+from .options import remark_on
+from .parameter_types import STATION, InputPath, PulseOrPath, Registered, pulse_names, quantity
 from .printing import note, warn
 
 if TYPE_CHECKING:
@@ -21,6 +22,7 @@ if TYPE_CHECKING:
     from ..motions.biaxial import Upwards
     from ..motions.grid import Grid
     from ..motions.recording import Recording
+    from ..structures import RockingParameters
 
 _PULSE = ("pulse", "cycles", "gamma", "phase")
 DT = "Time between the values of a record in a single column."
@@ -45,7 +47,7 @@ class Reading:
         help="Component of a record by name or number (default: each horizontal component of each file, as a motion of its own).",
     )  # fmt: skip
     unit: str | None = option("--unit", metavar="UNIT", help="Unit of a record in plain columns of numbers, such as g or m/s2.")
-    motion_dt: float | None = option("--dt", "--motion-dt", type=Quantity("time"), metavar="TIME", help=DT)
+    motion_dt: float | None = option("--dt", "--motion-dt", type=quantity("time"), metavar="TIME", help=DT)
 
 
 @dataclass(frozen=True)
@@ -56,6 +58,7 @@ class Ground:
     recordings: tuple[Recording, ...] = ()
     grid: Grid | None = None
     unread: tuple[str, ...] = ()  # files of a directory that cannot be read
+    upwards: Upwards | None = None  # which the motions have already
 
     @property
     def shakes(self) -> list[tuple[Motion, Grid]]:
@@ -65,67 +68,18 @@ class Ground:
         shakes = [(r.motion, self.grid or as_recorded(r.acceleration)) for r in self.recordings]
         return shakes if self.motion is None or self.grid is None else [*shakes, (self.motion, self.grid)]
 
+    def needed(self) -> list[tuple[Motion, Grid]]:
+        """The motions with their demands. Raises click.UsageError if there are none."""
+        if not self.shakes:
+            raise no_shaking("--motion FILE")
+        return self.shakes
+
     def with_upwards(self, upwards: Upwards | None) -> Ground:
         """The same motions together with a vertical one."""
         if upwards is None:
             return self
         motion = None if self.motion is None else upwards(self.motion)
-        return replace(self, motion=motion, recordings=tuple(replace(r, upwards=upwards) for r in self.recordings))
-
-    def of_one(self, upwards: Upwards | None) -> Ground:
-        """The same motion together with a vertical one. Raises click.UsageError for a vertical one and a set of records."""
-        if upwards is not None and self.motion is None:
-            raise click.UsageError("--vertical goes with one pulse or motion document here, not with a set of records")
-        return self.with_upwards(upwards)
-
-
-@dataclass(frozen=True)
-class Vertical:
-    """A vertical motion."""
-
-    vertical: str | None = option(
-        "--vertical", type=PulseOrPath(), metavar="MOTION",
-        help=f"Vertical motion, upwards: a pulse by name, a motion document, a record, or {STATION}: the component of the same file.",
-    )  # fmt: skip
-    vertical_scale: float | None = option(
-        "--vertical-scale", type=float, metavar="FACTOR", help="Factor of the vertical motion (default 1)."
-    )
-    vertical_component: str | None = option("--vertical-component", metavar="NAME", help="The component of a file that holds several.")
-    vertical_unit: str | None = option("--vertical-unit", metavar="UNIT", help="Unit of a vertical record in plain columns of numbers.")
-    vertical_dt: float | None = option("--vertical-dt", type=Quantity("time"), metavar="TIME", help=DT)
-
-    def _reading(self) -> dict[str, Any]:
-        found = {"component": self.vertical_component, "unit": self.vertical_unit, "dt": self.vertical_dt}
-        return {key: value for key, value in found.items() if value is not None}
-
-    def of_the_station(self) -> float | None:
-        """The factor of the vertical component of the same file; None without --vertical station. Raises click.UsageError."""
-        if self.vertical != STATION:
-            return None
-        for key in self._reading():
-            raise click.UsageError(f"--vertical-{key} does not go with --vertical {STATION}")
-        return 1.0 if self.vertical_scale is None else self.vertical_scale
-
-    def upwards(self) -> Upwards | None:
-        """The vertical motion of a pulse or a file; None without one. Raises UsageError."""
-        given = self._reading()
-        if self.vertical is None:
-            for key in [*(["scale"] if self.vertical_scale is not None else []), *given]:
-                raise click.UsageError(f"--vertical-{key} goes with --vertical")
-        if self.vertical in (None, STATION):
-            return None
-        from ..motions import PULSES, pulse
-        from ..motions.biaxial import Upwards
-        from ..motions.reading import read_motion
-
-        if self.vertical in PULSES:
-            for key in given:
-                raise click.UsageError(f"--vertical-{key} goes with a record: give one to --vertical")
-            motion = pulse(self.vertical)
-        else:
-            with _named(component="vertical_component", unit="vertical_unit", dt="vertical_dt"):
-                motion = read_motion(self.vertical, tell=note, **given)
-        return Upwards(motion, 1.0 if self.vertical_scale is None else self.vertical_scale)
+        return replace(self, motion=motion, recordings=tuple(replace(r, upwards=upwards) for r in self.recordings), upwards=upwards)
 
 
 @dataclass(frozen=True)
@@ -136,7 +90,7 @@ class Source:
     cycles: float | None = option("--cycles", type=float, help="Cycles of a sine or cosine, in half cycles (default 1).")
     gamma: float | None = option("--gamma", type=float, help="Duration over period of a mavroeidis-papageorgiou pulse (default 2).")
     phase: float | None = option(
-        "--phase", type=Quantity("angle"), metavar="ANGLE",
+        "--phase", type=quantity("angle"), metavar="ANGLE",
         help="Phase of a mavroeidis-papageorgiou pulse, in rad or with a unit (default 0).",
     )  # fmt: skip
     motion: tuple[str, ...] = option(
@@ -152,8 +106,8 @@ class Motions(Reading, Source):
     scale: float | None = option("--scale", type=float, metavar="FACTOR", help="Factor of the motion; a negative one reverses it.")
     scale_to: str | None = option("--scale-to", metavar="IM=VALUE", help="Scale a record to an intensity measure, such as PGA=0.35g.")
 
-    def one(self, vertical: Vertical | None = None) -> Ground:
-        """The motion that the options describe, with its vertical part. Raises UsageError for a set of records."""
+    def one(self) -> Ground:
+        """The motion that the options describe. Raises UsageError for a set of records."""
         if len(self.motion) > 1 or any(map(os.path.isdir, self.motion)):
             raise click.UsageError(f"--motion: found {' '.join(self.motion)}; expected one motion")
 
@@ -162,11 +116,10 @@ class Motions(Reading, Source):
 
             return read_motion(paths[0], **given)
 
-        found = Ground(self._read(vertical, read))
-        return found if vertical is None else found.with_upwards(vertical.upwards())
+        return Ground(self._read(read)).with_upwards(self.upwards())
 
-    def several(self, files: tuple[str, ...], vertical: Vertical | None = None) -> tuple[tuple[str, ...], Ground]:
-        """(the structure files, the motion or the set of records that the options describe), without a vertical motion.
+    def several(self, files: tuple[str, ...], one_upwards: bool = False) -> tuple[tuple[str, ...], Ground]:
+        """(the structure files, the motion or the set of records that the options describe); one_upwards: no vertical one for a set.
 
         Records among the files belong to the set, so that a shell pattern after --motion works. Raises UsageError.
         """
@@ -186,14 +139,23 @@ class Motions(Reading, Source):
                 raise click.UsageError("standard input is given both as structure and as motion; expected only one")
             return read_motions((*paths, *own), unread=leave_out, **given)
 
-        found = self._read(vertical, read)
-        return files, Ground(None, found, None, tuple(unread)) if isinstance(found, tuple) else Ground(found)
+        found, upwards = self._read(read), self.upwards()
+        if one_upwards and upwards is not None and isinstance(found, tuple):
+            raise click.UsageError("--vertical goes with one pulse or motion document here, not with a set of records")
+        ground = Ground(None, found, None, tuple(unread)) if isinstance(found, tuple) else Ground(found)
+        return files, ground.with_upwards(upwards)
 
-    def _read(self, vertical: Vertical | None, read: Callable[..., Any]) -> Any:
-        station = None if vertical is None else vertical.of_the_station()
-        given = {key: value for key, value in vars(self).items() if value is not None and key != "motion"}
-        if station is not None:
-            given["vertical"] = station
+    def of_the_station(self) -> float | None:
+        """The factor of the vertical component of the same file; None without --vertical station. Raises click.UsageError."""
+        return None
+
+    def upwards(self) -> Upwards | None:
+        """The vertical motion of a pulse or a file; None without one. Raises UsageError."""
+        return None
+
+    def _read(self, read: Callable[..., Any]) -> Any:
+        given = {one.name: getattr(self, one.name) for one in fields(Motions) if one.name != "motion"} | {"vertical": self.of_the_station()}
+        given = {key: value for key, value in given.items() if value is not None}
         shape = {key: given.pop(key) for key in _PULSE if key in given}
         if self.motion:
             for key in shape:
@@ -210,3 +172,127 @@ class Motions(Reading, Source):
             raise click.UsageError(f"{flag} goes with a record: give --motion")
         found = pulse(shape.pop("pulse", "sine"), **shape)
         return found if factor is None else found.scaled(factor)
+
+
+@dataclass(frozen=True)
+class BothWays(Motions):
+    """The ground motion and a vertical one."""
+
+    vertical: str | None = option(
+        "--vertical", type=PulseOrPath(), metavar="MOTION",
+        help=f"Vertical motion, upwards: a pulse by name, a motion document, a record, or {STATION}: the component of the same file.",
+    )  # fmt: skip
+    vertical_scale: float | None = option(
+        "--vertical-scale", type=float, metavar="FACTOR", help="Factor of the vertical motion (default 1)."
+    )
+    vertical_component: str | None = option("--vertical-component", metavar="NAME", help="The component of a file that holds several.")
+    vertical_unit: str | None = option("--vertical-unit", metavar="UNIT", help="Unit of a vertical record in plain columns of numbers.")
+    vertical_dt: float | None = option("--vertical-dt", type=quantity("time"), metavar="TIME", help=DT)
+
+    def of_the_station(self) -> float | None:
+        if self.vertical != STATION:
+            return None
+        self._refuse(f"does not go with --vertical {STATION}", "component", "unit", "dt")
+        return 1.0 if self.vertical_scale is None else self.vertical_scale
+
+    def upwards(self) -> Upwards | None:
+        if self.vertical is None:
+            self._refuse("goes with --vertical", "scale", "component", "unit", "dt")
+        if self.vertical in (None, STATION):
+            return None
+        from ..motions import PULSES, pulse
+        from ..motions.biaxial import Upwards
+        from ..motions.reading import read_motion
+
+        if self.vertical in PULSES:
+            self._refuse("goes with a record: give one to --vertical", "component", "unit", "dt")
+            motion = pulse(self.vertical)
+        else:
+            component, unit, dt = self.vertical_component, self.vertical_unit, self.vertical_dt
+            with _named(component="vertical_component", unit="vertical_unit", dt="vertical_dt"):
+                motion = read_motion(self.vertical, component=component, unit=unit, dt=dt, tell=note)
+        return Upwards(motion, 1.0 if self.vertical_scale is None else self.vertical_scale)
+
+    def _refuse(self, why: str, *keys: str) -> None:
+        """Raise click.UsageError for the first of these options of the vertical motion that is given."""
+        for key in keys:
+            if getattr(self, f"vertical_{key}") is not None:
+                raise click.UsageError(f"--vertical-{key} {why}")
+
+
+def no_shaking(*instead: str) -> click.UsageError:
+    """The error for a call without a motion; instead: other options that may state one."""
+    return click.UsageError(", or ".join(("no shaking: give --a-g and --omega-g (or --f-g, --T-g)", *instead)))
+
+
+@dataclass(frozen=True)
+class Shaking:
+    """One amplitude and one frequency, with units or dimensionless."""
+
+    a_g: str | None = option(
+        "--a-g", metavar="VALUE", help="Amplitude of the ground acceleration, m/s2 or with g; a negative one reverses the motion."
+    )
+    omega_g: str | None = option("--omega-g", metavar="VALUE", help="Angular frequency of the motion, rad/s.")
+    f_g: str | None = option("--f-g", metavar="VALUE", help="Its frequency in Hz.")
+    T_g: str | None = option("--T-g", metavar="VALUE", help="Its period in s, the duration t_p of a rectangular pulse.")
+    A: str | None = option("--A", metavar="VALUE", help="Dimensionless amplitude a_scale a_g/(alpha g).")
+    Omega: str | None = option("--Omega", metavar="VALUE", help="Dimensionless frequency omega_g/p.")
+
+    def of(self, ground: Ground) -> Ground:
+        """The motion with its demand, a grid of one cell; the motion is reversed for a negative a_g.
+
+        A record has both values, so only its peak may be given. The grid is None without any value. Raises UsageError.
+        """
+        from ..motions.grid import parse_grid
+
+        given = {one.name: value for one in fields(Shaking) if (value := getattr(self, one.name)) is not None}
+        own = None if ground.motion is None else ground.motion.acceleration
+        if given.get("a_g", "").startswith("-"):
+            given["a_g"] = given["a_g"][1:]
+            motion = None if ground.motion is None else ground.motion.scaled(-1.0)
+            ground = replace(ground, motion=motion, recordings=tuple(replace(r, factor=-r.factor) for r in ground.recordings))
+        if own is not None and not given:
+            given = {"a_g": f"{own!r} m/s2"}
+        if not given:
+            return ground
+        flags = {key: f"--{key.replace('_', '-')}" for key in given}
+        for key, value in given.items():
+            if "," in value:
+                raise click.UsageError(f"{flags[key]}: found {value!r}; expected one value")
+        try:
+            grid = parse_grid(
+                ",".join(f"{key}={value}" for key, value in given.items()), own_time=own is not None or bool(ground.recordings)
+            )
+        except UsageError as error:
+            text = str(error).replace("`grid`: ", "")  # the axes are options of their own here
+            raise UsageError(re.sub(r"`grid` (\w+):", r"`\1`:", text)) from None
+        if grid.shape != (1, 1):
+            raise UsageError(f"found {' '.join(f'{flags[k]} {v}' for k, v in given.items())}; expected one value of each")
+        remark_on(grid=grid)
+        return replace(ground, grid=grid)
+
+
+@dataclass(frozen=True)
+class Demand(Shaking, BothWays):
+    """The ground motion, a vertical one, and the demand."""
+
+
+def note_demand(shakes: Sequence[tuple[Motion, Grid]]) -> None:
+    """Print the amplitude and frequency of the demand, with the acceleration in m/s2 and g."""
+    from ..motions.grid import demand_in_words
+    from ..reports.plausibility import bare_remarks
+
+    note(f"demand: {demand_in_words(shakes)}")
+    asked = click.get_current_context().params
+    for remark in bare_remarks(f"a_g={asked['a_g']}" if asked["a_g"] else asked.get("scale_to") or ""):
+        note(remark)
+
+
+def note_governing(structures: Iterable[RockingParameters], dimensionless: bool) -> None:
+    """Print the governing equation of each structure."""
+    from ..dynamics.method import governing_method, model_in_words
+
+    for line in dict.fromkeys(
+        model_in_words(governing_method(one, dimensionless=dimensionless), one, dimensionless=dimensionless) for one in structures
+    ):
+        note(line)

@@ -8,6 +8,7 @@ import click
 
 from ..errors import did_you_mean
 from . import COMMANDS, streams
+from .command import argument, command
 from .parameter_types import Registered
 
 TOPICS = {
@@ -21,17 +22,17 @@ TOPICS = {
 }
 
 
-@click.command(name="help", epilog="Example: rocking help documents")
-@click.argument("name", required=False, type=Registered(lambda: [*COMMANDS, *TOPICS]), metavar="[COMMAND|TOPIC]")
-@click.pass_context
-def help(context: click.Context, name: str | None) -> None:
+@command("rocking help documents")
+def help(
+    name: str | None = argument(required=False, type=Registered(lambda: [*COMMANDS, *TOPICS]), metavar="[COMMAND|TOPIC]"),
+) -> None:
     """Print the reference of a command, its options and examples, or of a topic.
 
     Without a name, list the commands and the topics.
     """
     if name is not None and name not in COMMANDS | TOPICS:
         raise click.UsageError(f"No such command or topic {name!r}{did_you_mean(name, COMMANDS | TOPICS)}")
-    group = context.find_root()
+    group = click.get_current_context().find_root()
     if name is None:
         formatter = group.make_formatter()
         with formatter.section("Topics"):

@@ -4,20 +4,19 @@ from __future__ import annotations
 
 from typing import Any
 
-import click
-
 from . import streams
+from .command import argument, command, option
 from .parameter_types import InputPath
 from .printing import emit, form, printed
 
 _MOST_NAMES = 12
 
 
-@click.command(epilog="Example: rocking info towers.h5 --verify")
-@click.argument("files", nargs=-1, type=InputPath(), required=True, metavar="FILE...")
-@click.option("--verify", is_flag=True, help="Check every chunk against its checksum.")
-@printed
-def info(files: tuple[str, ...], verify: bool) -> int:
+@command("rocking info towers.h5 --verify", printed)
+def info(
+    files: tuple[str, ...] = argument(nargs=-1, type=InputPath(), required=True, metavar="FILE..."),
+    verify: bool = option("--verify", is_flag=True, help="Check every chunk against its checksum."),
+) -> int:
     """Show the contents of spectra files: scene, completeness, run time, estimated error.
 
     The exit code is 1 if a file is damaged, or with --verify if a chunk is damaged.

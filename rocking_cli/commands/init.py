@@ -6,11 +6,11 @@ import click
 
 from ..structures.kinds import KINDS
 from . import streams
+from .command import argument, command
 
 
-@click.command(epilog="Example: rocking init arch > arch.yaml")
-@click.argument("kind", type=click.Choice(list(KINDS)), metavar="KIND")
-def init(kind: str) -> None:
+@command("rocking init arch > arch.yaml")
+def init(kind: str = argument(type=click.Choice(list(KINDS)), metavar="KIND")) -> None:
     """Print a commented document of a kind of structure, which is valid as it is.
 
     KIND is block, point_mass, spire, arch, frame, prism, drum, rigid, stack, wall or parameters; rocking help documents lists all keys.

@@ -2,38 +2,28 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from pathlib import Path
 
-import click
-
 from . import options
-from .groups import takes
+from .command import argument, command
 from .parameter_types import InputPath
 from .printing import note, quiet, warn
 
 MOST = 20  # missing shards in the message
 
 
-@dataclass(frozen=True)
-class Merged:
-    """The file that `rocking merge` writes."""
-
-    output: Path = options.output(required=True, help="The HDF5 file to write.")
-    overwrite: bool = options.overwrite()
-    strict: bool = options.strict()
-
-
-@click.command(epilog="Example: rocking merge part-1.h5 part-2.h5 -o whole.h5")
-@click.argument("files", nargs=-1, type=InputPath(), required=True, metavar="FILE...")
-@takes(wanted=Merged)
-@quiet
-def merge(files: tuple[str, ...], wanted: Merged) -> int:
+@command("rocking merge part-1.h5 part-2.h5 -o whole.h5", quiet)
+def merge(
+    files: tuple[str, ...] = argument(nargs=-1, type=InputPath(), required=True, metavar="FILE..."),
+    output: Path = options.output(required=True, help="The HDF5 file to write."),
+    overwrite: bool = options.overwrite(),
+    strict: bool = options.strict(),
+) -> int:
     """Join the n files of `rocking spectrum --shard i/n` into one; exit code 4 if chunks are missing."""
     from ..spectra.file.merging import merge as put_together
 
-    merged = put_together(files, wanted.output, overwrite=wanted.overwrite, strict=wanted.strict)
-    note(f"{wanted.output}: {merged.there} of {merged.whole} chunks")
+    merged = put_together(files, output, overwrite=overwrite, strict=strict)
+    note(f"{output}: {merged.there} of {merged.whole} chunks")
     if merged.elsewhere:
         note(f"computed on machines that differ: {merged.elsewhere}; the last digits of cells may differ")
     if merged.missing:

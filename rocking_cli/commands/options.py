@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from . import streams
-from .groups import option
-from .parameter_types import InputPath, LimitType, OutputPath, Registered, Restitution, model_names
+from .command import argument, option
+from .parameter_types import InputPath, OutputPath, Parsed, Registered, Restitution, limit, model_names
 from .printing import note
 
 if TYPE_CHECKING:
@@ -31,8 +31,6 @@ _RULE = (
     "(A, Omega) and for stated parameters."
 )
 
-files = click.argument("files", nargs=-1, type=InputPath(), metavar="[FILE]...")
-
 
 def _at_most_the_cpus(_: click.Context, __: click.Parameter, given: int | None) -> int | None:
     from ..processes import available_cpus
@@ -44,13 +42,14 @@ def _at_most_the_cpus(_: click.Context, __: click.Parameter, given: int | None) 
     return cpus
 
 
-# Fields of groups, for the options that several groups share.
+# Arguments and options that several commands share.
+files = partial(argument, nargs=-1, type=InputPath(), metavar="[FILE]...")
 output = partial(option, "-o", "--output", type=OutputPath())
 overwrite = partial(option, "--overwrite", is_flag=True, help="Replace an output that exists.")
 strict = partial(option, "--strict", is_flag=True, help="Refuse data of machines or libraries whose results may differ in the last digits.")
 workers = partial(option, "--workers", type=click.IntRange(1), callback=_at_most_the_cpus, help="Processes to use (default: all cores).")
 a_max = partial(
-    option, "--a-max", type=LimitType(), default="20", show_default=True, metavar="AMPLITUDE",
+    option, "--a-max", type=Parsed("amplitude", limit), default="20", show_default=True, metavar="AMPLITUDE",
     help="Largest amplitude of the search: A, or with a unit a_g, such as 1g.",
 )  # fmt: skip
 linear_uplift = partial(

@@ -60,34 +60,39 @@ class Restitution(click.FloatRange):
         return None if value == "block" else super().convert(value, param, ctx)
 
 
-class LimitType(click.ParamType):
-    """`20` is A, `1g` and `5 m/s2` are accelerations."""
+class Parsed(click.ParamType):
+    """A value that a function reads from its text; the function raises ValueError with the texts that it accepts."""
 
-    name = "amplitude"
+    def __init__(self, name: str, read: Callable[[str], Any]) -> None:
+        self.name, self.read = name, read
 
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Limit:
-        from ..documents.quantities import parse_quantity
-        from ..envelopes.limit import Limit
-
-        for dimension in ("number", "acceleration"):
-            with suppress(ValueError):
-                return Limit(parse_quantity(str(value), dimension), dimension == "acceleration")
-        raise click.BadParameter(f"found {value!r}; expected a number A, or an acceleration with a unit, such as 1g", ctx, param)
-
-
-class Quantity(click.ParamType):
-    """A number in SI, bare or with a unit of this dimension."""
-
-    def __init__(self, dimension: str) -> None:
-        self.name = dimension
-
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
-        from ..documents.quantities import parse_quantity
-
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
         try:
-            return parse_quantity(value, self.name)
+            return self.read(str(value))
         except ValueError as error:
             raise UsageError(f"{param.opts[-1] if param else self.name}: found {value!r}; expected {error}") from None
+
+
+def quantity(dimension: str) -> Parsed:
+    """A number in SI, bare or with a unit of this dimension."""
+
+    def read(text: str) -> float:
+        from ..documents.quantities import parse_quantity
+
+        return parse_quantity(text, dimension)
+
+    return Parsed(dimension, read)
+
+
+def limit(text: str) -> Limit:
+    """The amplitude of a text: `20` is A, `1g` and `5 m/s2` are accelerations. Raises ValueError."""
+    from ..documents.quantities import parse_quantity
+    from ..envelopes.limit import Limit
+
+    for dimension in ("number", "acceleration"):
+        with suppress(ValueError):
+            return Limit(parse_quantity(text, dimension), dimension == "acceleration")
+    raise ValueError("a number A, or an acceleration with a unit, such as 1g")
 
 
 STATION = "station"

@@ -4,13 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-import click
-
 from . import options
-from .groups import option, takes
+from .command import command, option
 from .printing import emit, form, note, printed
 from .progress import ProgressLine
 
@@ -21,21 +18,14 @@ SIDES_COLUMNS = [f"{side}_{key}" for side in ("left", "right") for key in ("p", 
 SHARED = {"one_sided": False, "damping": 0.0, "friction": None, "arm": None}  # keys that some members have, and what stands for none
 
 
-@dataclass(frozen=True)
-class Params:
-    """The options of `rocking params`."""
-
+@command("rocking params configs/block.yaml --json | jq .p", printed)
+def params(
+    files: tuple[str, ...] = options.files(),
     vary: tuple[str, ...] = option(
         "--vary", multiple=True, metavar="KEY=START:STOP:N", help="Vary this key: a family of structures; repeatable, all combinations."
-    )
-    linear_uplift: str = options.linear_uplift()
-
-
-@click.command(epilog="Example: rocking params configs/block.yaml --json | jq .p")
-@options.files
-@takes(wanted=Params)
-@printed
-def params(files: tuple[str, ...], wanted: Params) -> int:
+    ),
+    linear_uplift: str = options.linear_uplift(),
+) -> int:
     """Derive p, alpha, eta, lambda and a_scale of each structure.
 
     FILE is a YAML or JSON structure document, - for standard input. Bounds of --vary without a unit have the unit of that key in the
@@ -50,7 +40,7 @@ def params(files: tuple[str, ...], wanted: Params) -> int:
     from ..structures.family import family, members, parse_variation
 
     documents = options.documents_of(files)
-    variations = [parse_variation(text) for text in wanted.vary]
+    variations = [parse_variation(text) for text in vary]
     total = members(variations)
     shown = form()
     faults: list[str] = []
@@ -58,7 +48,7 @@ def params(files: tuple[str, ...], wanted: Params) -> int:
 
     def records() -> Iterator[dict[str, Any]]:
         if not variations:
-            built = options.lifting(with_distinct_names([build_structure(document) for document in documents]), wanted.linear_uplift)
+            built = options.lifting(with_distinct_names([build_structure(document) for document in documents]), linear_uplift)
             options.remark_on(built)
             early.extend(s for s in built if shown is None and s.uplift > 1.01 * s.linear_uplift)
             plain = [structure.record() for structure in built]
@@ -77,7 +67,7 @@ def params(files: tuple[str, ...], wanted: Params) -> int:
                     varied = ", ".join(f"{key} = {value:g}" for key, value in member.shown.items())
                     note(f"no solution for {varied}: {member.fault}")
                 else:
-                    (structure,) = options.lifting([member.parameters], wanted.linear_uplift)
+                    (structure,) = options.lifting([member.parameters], linear_uplift)
                     yield from _rows(structure.record(), shown, member.shown)
 
     emit(records())

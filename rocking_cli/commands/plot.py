@@ -2,38 +2,29 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from pathlib import Path
 
 import click
 
 from . import options, streams
-from .groups import option, takes
+from .command import argument, command, option
 from .printing import note, quiet, units, units_of
 
 
-@dataclass(frozen=True)
-class Plot:
-    """The options of `rocking plot`."""
-
-    output: Path | None = options.output(help="The figure: .png, .svg or .pdf.")
-    structure: str | None = option("--structure", metavar="NAME", help="Structure (or record) of the map (default: the first).")
-    every: bool = option("--all", is_flag=True, help="A panel for every structure (or record) of a spectra file.")
+@command("rocking plot slice.h5 --text", quiet, units)
+def plot(
+    file: Path = argument(type=click.Path(path_type=Path)),
+    output: Path | None = options.output(help="The figure: .png, .svg or .pdf."),
+    structure: str | None = option("--structure", metavar="NAME", help="Structure (or record) of the map (default: the first)."),
+    every: bool = option("--all", is_flag=True, help="A panel for every structure (or record) of a spectra file."),
     cut: str | None = option(
         "--slice", metavar="AXIS=VALUE", help="Rocking spectra along the other axis instead, such as f_g=1.5 or a_g=0.3g."
-    )
-    over: str | None = option("--over", metavar="KEY[/KEY]", help="The axis of a family (default: the first key varied).")
-    log: str | None = option("--log", type=click.Choice(["x", "y", "xy"]), help="Logarithmic axes.")
-    text: bool = option("--text", is_flag=True, help="A quick look in the terminal, without matplotlib.")
-    overwrite: bool = options.overwrite()
-
-
-@click.command(epilog="Example: rocking plot slice.h5 --text")
-@click.argument("file", type=click.Path(path_type=Path))
-@takes(wanted=Plot)
-@units
-@quiet
-def plot(file: Path, wanted: Plot) -> None:
+    ),
+    over: str | None = option("--over", metavar="KEY[/KEY]", help="The axis of a family (default: the first key varied)."),
+    log: str | None = option("--log", type=click.Choice(["x", "y", "xy"]), help="Logarithmic axes."),
+    text: bool = option("--text", is_flag=True, help="A quick look in the terminal, without matplotlib."),
+    overwrite: bool = options.overwrite(),
+) -> None:
     """Draw a spectra file (overturning map or slice), or the CSV of check, envelope, response, compare --curves, params --vary,
     fragility --curve or accuracy.
 
@@ -46,38 +37,38 @@ def plot(file: Path, wanted: Plot) -> None:
     from ..reports.drawing_files import draw, is_spectra_file
     from ..spectra.file.reader import SpectraFile
 
-    if wanted.text and wanted.output is not None:
+    if text and output is not None:
         raise click.UsageError("--text does not go with -o")
-    if wanted.text and not is_spectra_file(file):
+    if text and not is_spectra_file(file):
         raise click.UsageError(f"{file}: --text draws spectra files (.h5), and -o FIGURE.png CSV as well")
-    given = {"--structure": wanted.structure is not None, "--all": wanted.every, "--slice": wanted.cut is not None}
+    given = {"--structure": structure is not None, "--all": every, "--slice": cut is not None}
     for flag, there in given.items():
         if there and not is_spectra_file(file):
             raise click.UsageError(f"{flag} goes with a spectra file (.h5)")
     if sum(given.values()) > 1:
         raise click.UsageError(f"{' and '.join(flag for flag, there in given.items() if there)} do not go together")
-    if wanted.over is not None and is_spectra_file(file):
+    if over is not None and is_spectra_file(file):
         raise click.UsageError("--over goes with the CSV of params --vary")
-    if wanted.text:
+    if text:
         from ..reports.figures.characters import text_map
 
         with SpectraFile(file) as spectrum:
-            for line in text_map(spectrum, wanted.structure, wanted.cut):
+            for line in text_map(spectrum, structure, cut):
                 streams.put(line)
         return
-    if wanted.output is None:
+    if output is None:
         raise click.UsageError("no output: give -o FIGURE.png (or .svg, .pdf), or --text")
-    check_target(wanted.output, wanted.overwrite, options.FIGURES)
+    check_target(output, overwrite, options.FIGURES)
     told = draw(
         file,
-        wanted.output,
-        structure=wanted.structure,
-        cut=wanted.cut,
-        every=wanted.every,
-        over=wanted.over,
-        log=wanted.log or "",
+        output,
+        structure=structure,
+        cut=cut,
+        every=every,
+        over=over,
+        log=log or "",
         units=units_of(),
-        overwrite=wanted.overwrite,
+        overwrite=overwrite,
         tell=note,
     )
     if told:

@@ -2,32 +2,21 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
-import click
-
 from . import ground, options
-from .groups import option, takes
+from .command import argument, command, group, option
 from .parameter_types import InputPath
 from .printing import emit, note, printed
-from .shaking import Shaking, no_shaking
 
 
-@dataclass(frozen=True)
-class Prediction:
-    """The options of `rocking predict`."""
-
+@command("rocking predict shared.h5 configs/block.yaml --a-g 0.35g --f-g 1.5", printed)
+def predict(
+    spectrum: str = argument(type=InputPath()),
+    files: tuple[str, ...] = options.files(),
+    shaking: ground.Shaking = group(ground.Shaking),
     exact: bool = option(
         "--exact", is_flag=True, help="Also beyond the range and restitutions of the spectrum, under its motion; nothing is interpolated."
-    )
-
-
-@click.command(epilog="Example: rocking predict shared.h5 configs/block.yaml --a-g 0.35g --f-g 1.5")
-@click.argument("spectrum", type=InputPath())
-@options.files
-@takes(shaking=Shaking, wanted=Prediction)
-@printed
-def predict(spectrum: str, files: tuple[str, ...], shaking: Shaking, wanted: Prediction) -> int:
+    ),
+) -> int:
     """Predict theta_max, outcome and margin of structures under the motion of a spectrum of equal restitution.
 
     SPECTRUM holds a linear spectrum on axes A and Omega. theta_max [rad] and the outcome are computed. capacity_demand is the
@@ -45,9 +34,9 @@ def predict(spectrum: str, files: tuple[str, ...], shaking: Shaking, wanted: Pre
     structures = options.structures_of(files)
     grid = shaking.of(ground.Ground(None)).grid
     if grid is None:
-        raise no_shaking("--A and --Omega")
+        raise ground.no_shaking("--A and --Omega")
     with SpectraFile(spectrum) as file:
-        if wanted.exact:
+        if exact:
             records = [predict_exactly(s, file.motion(), grid) for s in structures]
         else:
             records = [beside_spectrum(s, file, grid) for s in structures]

@@ -1,7 +1,11 @@
-"""Output of a call: rows on standard output, lines on standard error; the options --json, --csv, --units and --quiet."""
+"""Output of a call: rows on standard output, lines on standard error; the options --json, --csv, --units and --quiet.
+
+The library speaks of arguments in backticks; `in_options` makes them options: `a_g` becomes --a-g.
+"""
 
 from __future__ import annotations
 
+import re
 import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
@@ -10,12 +14,10 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from . import streams
-from .terms import in_options
+from .command import F
 
 if TYPE_CHECKING:
     from ..reports.units import Units
-
-F = Callable[..., Any]
 
 
 def _keep(context: click.Context, parameter: click.Parameter, value: Any) -> None:
@@ -89,6 +91,16 @@ def emit(
         units = replace(units or Units(), without=frozenset(without))
     for line in lines(rows, form or "table", columns, encoding=sys.stdout.encoding, units=units):
         streams.put(line)
+
+
+def in_options(text: str, command: click.Command) -> str:
+    """A sentence of the library in which the command's options replace arguments in backticks; other words in backticks stay."""
+    options: dict[str, str] = {}
+    for parameter in command.params:
+        if isinstance(parameter, click.Option):
+            long = parameter.opts[-1]
+            options |= {str(parameter.name): long, long.lstrip("-").replace("-", "_"): long}
+    return re.sub(r"`(\w+)`", lambda found: options.get(found[1], found[0]), text)
 
 
 def warn(text: str) -> None:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from . import ground, options
-from .groups import takes
+from .command import command, group
 from .printing import emit, note, printed, warn
 
 if TYPE_CHECKING:
@@ -20,11 +20,8 @@ COLUMNS = (
 )  # fmt: skip
 
 
-@click.command(epilog="Example: rocking records configs/motions/synthetic.at2")
-@options.files
-@takes(reading=ground.Reading)
-@printed
-def records(files: tuple[str, ...], reading: ground.Reading) -> int:
+@command("rocking records configs/motions/synthetic.at2", printed)
+def records(files: tuple[str, ...] = options.files(), reading: ground.Reading = group(ground.Reading)) -> int:
     """Show what records hold, a row a component: sampling and intensity measures in s, m/s2, m/s and m.
 
     FILE is a record of any known format, packed with gzip or not, - for standard input, a directory, or a list of files, one a line.

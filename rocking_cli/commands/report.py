@@ -2,34 +2,24 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from pathlib import Path
 
-import click
-
 from . import ground, options
-from .groups import takes
+from .command import command, group
 from .printing import note, quiet
 from .progress import ProgressLine
-from .shaking import Shaking, needed, note_demand, note_governing
 
 MOST = 12  # structures of a page
 
 
-@dataclass(frozen=True)
-class Report:
-    """The page that `rocking report` writes."""
-
-    output: Path = options.output(required=True, help="The page: .html.")
-    workers: int | None = options.workers()
-    overwrite: bool = options.overwrite()
-
-
-@click.command(epilog="Example: rocking report configs/block.yaml configs/arch.yaml --a-g 0.35g --f-g 1.5 -o report.html")
-@options.files
-@takes(motions=ground.Motions, vertical=ground.Vertical, shaking=Shaking, wanted=Report)
-@quiet
-def report(files: tuple[str, ...], motions: ground.Motions, vertical: ground.Vertical, shaking: Shaking, wanted: Report) -> int:
+@command("rocking report configs/block.yaml configs/arch.yaml --a-g 0.35g --f-g 1.5 -o report.html", quiet)
+def report(
+    files: tuple[str, ...] = options.files(),
+    asked: ground.Demand = group(ground.Demand),
+    output: Path = options.output(required=True, help="The page: .html."),
+    workers: int | None = options.workers(),
+    overwrite: bool = options.overwrite(),
+) -> int:
     """Write a page about structures under a pulse or a set of records: verdicts, drawings, maps and fragility.
 
     The page is one HTML file that opens in a browser without a network. It holds the table of rocking check; for each structure its
@@ -44,31 +34,31 @@ def report(files: tuple[str, ...], motions: ground.Motions, vertical: ground.Ver
     from ..responses.check import check_all, tally
     from ..structures import build_structure, with_distinct_names
 
-    files, shaken = motions.several(files, vertical)
-    shaken = shaking.of(shaken).with_upwards(vertical.upwards())
+    files, shaken = asked.several(files)
+    shaken = asked.of(shaken)
     documents = options.documents_of(files, MOST, "a page")
-    shakes = needed(shaken)
-    check_target(wanted.output, wanted.overwrite, (".html", ".htm"))
-    options.refuse_own_input(wanted.output, shaken.recordings)
+    shakes = shaken.needed()
+    check_target(output, overwrite, (".html", ".htm"))
+    options.refuse_own_input(output, shaken.recordings)
     demand_extra()
     structures = with_distinct_names([build_structure(document) for document in documents])
     options.remark_on(structures)
     demands = [(structure, *shake) for shake in shakes for structure in structures]
-    verdicts = check_all(demands, workers=wanted.workers, progress=ProgressLine("report", "stages"))
+    verdicts = check_all(demands, workers=workers, progress=ProgressLine("report", "stages"))
     text = page(
         [Subject(document, structure) for document, structure in zip(documents, structures, strict=True)],
         verdicts,
         pulse=None if shaken.recordings else shakes[0],
         demand=demand_in_words(shakes),
         recordings=shaken.recordings,
-        vertical=vertical.vertical,
+        vertical=asked.vertical,
         command=options.command_line(),
         made=options.now(),
-        workers=wanted.workers,
+        workers=workers,
     )
-    with published(wanted.output, wanted.overwrite) as file:
+    with published(output, overwrite) as file:
         file.write(text.encode())
-    note_demand(shakes)
-    note_governing(structures, shakes[0][1].dimensionless)
-    note(f"{wanted.output}: {tally(verdicts)}")
+    ground.note_demand(shakes)
+    ground.note_governing(structures, shakes[0][1].dimensionless)
+    note(f"{output}: {tally(verdicts)}")
     return 4 if shaken.unread or any(v.outcome == Outcome.FAILED for v in verdicts) else 0

@@ -2,52 +2,45 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import click
 
 from . import ground, options
-from .groups import option, takes
+from .command import command, group, option
 from .printing import emit, is_quiet, note, quiet
 from .progress import ProgressLine
 
 
-@dataclass(frozen=True)
-class Cells:
-    """The options of `rocking spectrum`."""
-
+@command("rocking spectrum configs/block.yaml --grid a_g=0.1g:1g:50,f_g=0.5:5:40 -o block.h5", quiet)
+def spectrum(
+    files: tuple[str, ...] = options.files(),
     axes: str | None = option(
         "--grid", metavar="AXES", help="a_g=START:STOP:N[:log],omega_g=… (or f_g, T_g), or A=…,Omega=…; for records see below."
-    )
-    output: Path = options.output(required=True, help="The HDF5 file to write.")
+    ),
+    output: Path = options.output(required=True, help="The HDF5 file to write."),
     impacts: bool = option(
         "--impacts",
         is_flag=True,
         help="Also store the number of impacts during the shaking, without those of a last sequence of impacts below the peak.",
-    )
-    quantities: str | None = option(
-        "--quantity", metavar="NAME,…",
+    ),
+    quantity: str | None = option(
+        "--quantity",
+        metavar="NAME,…",
         help="Also store: condition (sensitivity to the input), friction, fz_min, linear, for records velocity_ratio.",
-    )  # fmt: skip
-    no_validity: bool = option("--no-validity", is_flag=True, help="Do not compare cells of a linear sweep with the nonlinear equation.")
-    chunk_cells: int | None = option("--chunk", type=click.IntRange(1), metavar="CELLS", help="Cells in one unit of work.")
-    check: int | None = option("--check", type=click.IntRange(0, 10_000), metavar="N", help="Cells to verify by the independent path.")
-    strict: bool = options.strict()
-    json_: bool = option("--json", is_flag=True, help="The closing summary as a JSON record on standard output.")
-
-
-@click.command(epilog="Example: rocking spectrum configs/block.yaml --grid a_g=0.1g:1g:50,f_g=0.5:5:40 -o block.h5")
-@options.files
-@takes(
-    wanted=Cells, sizeless=options.Sizeless, motions=ground.Motions, vertical=ground.Vertical, model=options.Equations, sweep=options.Sweep
-)
-@quiet
-def spectrum(
-    files: tuple[str, ...], wanted: Cells, sizeless: options.Sizeless, motions: ground.Motions, vertical: ground.Vertical,
-    model: options.Equations, sweep: options.Sweep,
-) -> int:  # fmt: skip
+    ),
+    no_validity: bool = option("--no-validity", is_flag=True, help="Do not compare cells of a linear sweep with the nonlinear equation."),
+    chunk_cells: int | None = option("--chunk", type=click.IntRange(1), metavar="CELLS", help="Cells in one unit of work."),
+    check: int | None = option("--check", type=click.IntRange(0, 10_000), metavar="N", help="Cells to verify by the independent path."),
+    strict: bool = options.strict(),
+    json_: bool = option("--json", is_flag=True, help="The closing summary as a JSON record on standard output."),
+    sizeless: options.Sizeless = group(options.Sizeless),
+    motions: ground.BothWays = group(ground.BothWays),
+    model: options.Equations = group(options.Equations),
+    sweep: options.Sweep = group(options.Sweep),
+) -> int:
     """Sweep every structure over a grid and write its rocking spectrum.
 
     Units: bounds of a_g in m/s2, or with g; omega_g in rad/s, f_g in Hz, T_g in s. A = a_scale a_g/(alpha g) and
@@ -65,18 +58,17 @@ def spectrum(
     from ..spectra.sweep import write_scene
     from ..spectra.sweep_options import CHUNK_CELLS, SweepOptions
 
-    files, shaken = motions.several(files, vertical)
-    shaken = shaken.of_one(vertical.upwards())
-    quantities = [name.strip() for name in wanted.quantities.split(",")] if wanted.quantities is not None else []
+    files, shaken = motions.several(files, one_upwards=True)
+    quantities = [name.strip() for name in quantity.split(",")] if quantity is not None else []
     if len(model.models) > 1:
         quantities.append("linear")
-    if shaken.motion is not None and wanted.axes is None:
+    if shaken.motion is not None and axes is None:
         raise click.UsageError("no --grid: give two axes, such as a_g=0.1g:1g:50,f_g=0.5:5:40, or records as --motion")
     if shaken.motion is not None and sizeless.alphas is not None:
         raise click.UsageError("--alpha goes with records: give --motion")
-    grid = None if shaken.motion is None else parse_grid(wanted.axes or "")
-    check_output(wanted.output, sweep.overwrite, sweep.resume)
-    options.refuse_own_input(wanted.output, shaken.recordings)
+    grid = None if shaken.motion is None else parse_grid(axes or "")
+    check_output(output, sweep.overwrite, sweep.resume)
+    options.refuse_own_input(output, shaken.recordings)
     scene: Scene
     model = replace(model, model=model.models[-1])
     if grid is not None and shaken.motion is not None:
@@ -89,24 +81,24 @@ def spectrum(
         structures, texts = options.structures_and_texts(files, sizeless.etas) if files else ([], "")
         structures = model.lifting(structures)
         equation: dict[str, Any] = {"model": model.model, "tolerance": model.tolerance}
-        scene = scene_of_words(structures, shaken.recordings, axes=wanted.axes, alphas=sizeless.alphas, etas=sizeless.etas, **equation)
-    options.remark_on(grid=grid, spans=wanted.axes or "")
+        scene = scene_of_words(structures, shaken.recordings, axes=axes, alphas=sizeless.alphas, etas=sizeless.etas, **equation)
+    options.remark_on(grid=grid, spans=axes or "")
     settings = SweepOptions(
         workers=sweep.workers,
-        chunk_cells=wanted.chunk_cells or CHUNK_CELLS,
-        check=wanted.check,
-        impacts=wanted.impacts,
+        chunk_cells=chunk_cells or CHUNK_CELLS,
+        check=check,
+        impacts=impacts,
         quantities=quantities,
-        strict=wanted.strict,
+        strict=strict,
         history=f"{options.now()}: {options.command_line()}",
-        sample_validity=not (wanted.no_validity or is_quiet()),
+        sample_validity=not (no_validity or is_quiet()),
         progress=ProgressLine("spectrum", "chunks"),
         **sweep.writing(texts),
     )
-    summary = write_scene(scene, wanted.output, settings)
+    summary = write_scene(scene, output, settings)
     told = model.in_words([scene.method], structures, grid is not None and grid.dimensionless)
-    for line in (*told, *summary_lines(summary, str(wanted.output))):
+    for line in (*told, *summary_lines(summary, str(output))):
         note(line)
-    if wanted.json_:
-        emit([{"output": str(wanted.output), **summary.record()}], form="json")
+    if json_:
+        emit([{"output": str(output), **summary.record()}], form="json")
     return 4 if summary.failed or shaken.unread else 0

@@ -10,10 +10,10 @@ import click
 import pytest
 
 from rocking_cli.commands import cli
-from rocking_cli.commands.terms import in_options
+from rocking_cli.commands.printing import in_options
 
 PACKAGE = Path(__file__).resolve().parents[2] / "rocking_cli"
-LIBRARY = sorted(path for path in PACKAGE.rglob("*.py") if "commands" not in path.parts)
+LIBRARY = sorted(path for path in PACKAGE.rglob("*.py") if path.relative_to(PACKAGE).parts[0] != "commands")
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,56 @@
+"""A command is a function: its parameters are the arguments, options and groups of options of the command line."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import Field, field, fields
+from functools import wraps
+from inspect import signature
+from typing import Any
+
+import click
+
+F = Callable[..., Any]
+
+
+def option(*flags: str, **settings: Any) -> Any:
+    """A parameter of a command, or a field of a group: an option with the flags and attributes of `click.option`."""
+    return field(metadata={"click": lambda name: click.option(*flags, name, **settings)})
+
+
+def argument(**settings: Any) -> Any:
+    """A parameter of a command: an argument with the attributes of `click.argument`."""
+    return field(metadata={"click": lambda name: click.argument(name, **settings)})
+
+
+def group(of: type) -> Any:
+    """A parameter of a command: an object of this frozen dataclass, whose fields are options."""
+    return field(metadata={"group": of})
+
+
+def command(example: str, *shared: Callable[[F], F]) -> Callable[[F], click.Command]:
+    """A decorator that makes a command of a function; shared: decorators that add the options of the output.
+
+    >>> @command("rocking greet Ada --loud", printed)
+    ... def greet(name: str = argument(), loud: bool = option("--loud", is_flag=True), model: Model = group(Model)) -> None:
+    ...     '''Its help.'''
+    """
+
+    def decorate(function: F) -> click.Command:
+        declared: dict[str, Field[Any]] = {name: one.default for name, one in signature(function).parameters.items()}
+        groups = {name: one.metadata["group"] for name, one in declared.items() if "group" in one.metadata}
+
+        @wraps(function)
+        def called(**given: Any) -> Any:
+            made = {name: of(**{one.name: given.pop(one.name) for one in fields(of)}) for name, of in groups.items()}
+            return function(**made, **given)
+
+        options: dict[str, Field[Any]] = {}
+        for name, one in declared.items():
+            options |= {inner.name: inner for inner in fields(groups[name])} if name in groups else {name: one}
+        wanted: F = called
+        for decorator in (*shared, *(one.metadata["click"](name) for name, one in reversed(options.items()))):
+            wanted = decorator(wanted)
+        return click.command(epilog=f"Example: {example}")(wanted)
+
+    return decorate
