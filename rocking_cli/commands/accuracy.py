@@ -45,4 +45,4 @@ def accuracy(
         note(line)
     note(f"{structures[0].name}, {motion.name}; {sample} cells, seed {seed}; times in s a cell")
     scene = PulseScene(tuple(structures), grid, motion, methods[0])
-    emit(line.record() for line in work_precision(scene, sample=sample, scipy=scipy, seed=seed))
+    emit(work_precision(scene, sample=sample, scipy=scipy, seed=seed))

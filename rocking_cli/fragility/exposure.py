@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from contextlib import nullcontext
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -24,7 +25,6 @@ from .measures import Measure, Member
 Array = np.ndarray
 Interval = tuple[float, float]
 
-_SMALL = 500_000  # amplitudes times segments below which one process is faster
 _PARTS = 16  # parts of a bracket in one cut
 
 
@@ -50,16 +50,9 @@ class Exposure:
 
 
 def exposures(
-    structures: Sequence[RockingParameters],
-    members: Sequence[Member],
-    measure: Measure,
-    levels: Array,
-    method: Method,
-    *,
-    path: Path | None = None,
-    workers: int | None = None,
-    **options: Any,
-) -> list[Exposure]:
+    structures: Sequence[RockingParameters], members: Sequence[Member], measure: Measure, levels: Array, method: Method, *,
+    path: Path | None = None, workers: int | None = None, **options: Any,
+) -> list[Exposure]:  # fmt: skip
     """Each structure under every motion scaled to each level of a measure (SI).
 
     path: the spectra file to write for records, with the other fields of `SweepOptions`. With `resume` a complete file of the same scene,
@@ -71,7 +64,8 @@ def exposures(
     if len(recordings) < len(members):
         if path is not None:
             raise UsageError("a spectra file goes with records, not with site pulses")
-        return [_under_pulses(s, members, measure, levels, scales, method) for s in structures]
+        amplitudes = [[_unit_amplitude(s, m, measure) * scales for m in members] for s in structures]
+        return [Exposure(levels, *_under_each(s, members, a, method)) for s, a in zip(structures, amplitudes, strict=True)]
     groups = [[s] for s in structures] if measure.of_structure else [list(structures)]
     if path is not None and len(groups) > 1:
         raise UsageError(f"{measure.name} depends on the structure; a spectra file then holds one structure only")
@@ -106,53 +100,34 @@ def _under_records(
     return [Exposure(levels, theta[:, i], outcome[:, i]) for i in range(len(structures))]
 
 
-def _under_pulses(
-    structure: RockingParameters, members: Sequence[Member], measure: Measure, levels: Array, scales: Array, method: Method
-) -> Exposure:
+def _under_each(
+    structure: RockingParameters, members: Sequence[Member], amplitudes: Sequence[Array], method: Method
+) -> tuple[Array, Array]:
+    """(theta_ratio, outcome) of a structure under each motion at its amplitudes A, (members, amplitudes)."""
     system = method.system_of(structure)
-    theta, outcome = np.full((len(members), levels.size), np.nan), np.zeros((len(members), levels.size), dtype=np.uint8)
-    for i, member in enumerate(members):
-        amplitude = _unit_amplitude(structure, member, measure) * scales
-        found = response(system, member.motion, amplitude, np.array([member.omega / structure.p]), structure.eta)
-        theta[i], outcome[i] = found.theta_ratio, found.outcome
-    return Exposure(levels, theta, outcome)
+    found = [
+        response(system, m.motion, a, np.array([m.omega / structure.p]), structure.eta) for m, a in zip(members, amplitudes, strict=True)
+    ]
+    return np.array([f.theta_ratio for f in found]), np.array([f.outcome for f in found])
 
 
 def as_recorded(structure: RockingParameters, members: Sequence[Member], method: Method) -> tuple[Array, Array]:
     """(theta_ratio, outcome) of a structure under each motion as it is, (members,)."""
-    system = method.system_of(structure)
-    theta, outcome = np.full(len(members), np.nan), np.zeros(len(members), dtype=np.uint8)
-    for i, member in enumerate(members):
-        amplitude = np.array([structure.dimensionless_amplitude(member.acceleration / member.motion.peak)])
-        found = response(system, member.motion, amplitude, np.array([member.omega / structure.p]), structure.eta)
-        theta[i], outcome[i] = found.theta_ratio[0], found.outcome[0]
-    return theta, outcome
+    own = [np.array([structure.dimensionless_amplitude(m.acceleration / m.motion.peak)]) for m in members]
+    theta, outcome = _under_each(structure, members, own, method)
+    return theta[:, 0], outcome[:, 0]
 
 
 def traced(
-    structure: RockingParameters,
-    members: Sequence[Member],
-    measure: Measure,
-    highest: float,
-    method: Method,
-    *,
-    workers: int | None = None,
-    progress: Callable[[int, int], None] | None = None,
-) -> list[list[Interval]]:
+    structure: RockingParameters, members: Sequence[Member], measure: Measure, highest: float, method: Method, *,
+    workers: int | None = None, progress: Callable[[int, int], None] | None = None,
+) -> list[list[Interval]]:  # fmt: skip
     """For each motion of a set the intervals of a measure (SI) that overturn the structure, up to `highest`; the end of an interval beyond
     `highest` is infinite. Intervals are traced as in an envelope; under records those narrower than 0.5 % may be missed."""
     task = partial(_trace, structure, measure, highest, method)
-    cells = sum(_amplitudes(structure, m, measure, highest) for m in members)
-    small = cells * max(len(m.motion.segments) for m in members) < _SMALL
-    workers = min(workers or (1 if small else available_cpus()), len(members))
+    workers = min(workers or (available_cpus() if any(m.recording for m in members) else 1), len(members))
     found = []
-    if workers == 1:
-        for member in members:
-            found.append(task(member))
-            if progress is not None:
-                progress(len(found), len(members))
-        return found
-    with processes(workers, task, "fewer `workers` need less") as run:
+    with processes(workers, task, "fewer `workers` need less") if workers > 1 else nullcontext(partial(map, task)) as run:
         for intervals in run(members):
             found.append(intervals)
             if progress is not None:
@@ -164,12 +139,6 @@ def _unit_amplitude(structure: RockingParameters, member: Member, measure: Measu
     """The A at which the measure of a motion is 1."""
     own = float(structure.dimensionless_amplitude(member.acceleration)) / member.motion.peak
     return own * member.measured(measure, structure) ** (-1.0 / measure.power)
-
-
-def _amplitudes(structure: RockingParameters, member: Member, measure: Measure, highest: float) -> float:
-    """The approximate number of amplitudes of a search."""
-    top = _unit_amplitude(structure, member, measure) * highest ** (1.0 / measure.power)
-    return np.log(max(top, 1.0)) / RATIO if len(member.motion.segments) > LONGEST_FINE else 1000.0 * max(0.0, top - 1.0)
 
 
 def _trace(structure: RockingParameters, measure: Measure, highest: float, method: Method, member: Member) -> list[Interval]:

@@ -4,7 +4,7 @@
 
 fitted to counts at levels (stripes, Baker 2015), to the intensity at which each record first overturns the body (incremental dynamic
 analysis, with the records that never do as censored), or to rotations as recorded (cloud). The fits take arrays of many samples at
-once, (..., k), so that a bootstrap is one call; both likelihoods are concave in the parameters that Newton's method runs in.
+once, (..., k), so that a bootstrap is one call.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ LEAST = 1e-4  # data with a dispersion below this count as data without scatter
 MOST = 1e3
 FEWEST = 4  # least number of records for a fit
 _ROUNDS = 200
-_STRIDE = 2.0  # largest change of the argument of Phi in one step of Newton's method
+_STRIDE = 2.0  # largest change of the argument of Phi in one step of Newton's method; the slope changes by half at most
 
 
 @dataclass(frozen=True)
@@ -60,27 +60,16 @@ def stripes(x: Array, n: Array, z: Array) -> Estimate:
     x: (k,), positive and rising; n, z: (..., k). Maximises sum z ln Phi(u) + (n - z) ln Phi(-u), u = ln(x/theta)/beta (Baker 2015,
     Eq. 11). If the counts do not rise, beta is its upper bound; if they change from none to all, its lower bound.
     """
-    from scipy.special import log_ndtr
+    from scipy.special import ndtri
 
     n, z = np.broadcast_arrays(np.asarray(n, dtype=float), np.asarray(z, dtype=float))
     y = np.log(np.asarray(x, dtype=float))
     middle = y.mean()
     y = y - middle
-    share = (z.sum(axis=-1) + 0.5) / (n.sum(axis=-1) + 1.0)
-    start, slope = _normal_quantile(share), np.full(z.shape[:-1], 1.0 / max(float(y.std()), 1e-3))
-    for _ in range(_ROUNDS):
-        u = start[..., None] + slope[..., None] * y
-        log_density = -0.5 * u * u - 0.5 * np.log(2.0 * np.pi)
-        up, down = np.exp(log_density - log_ndtr(u)), np.exp(log_density - log_ndtr(-u))
-        pull, weight = z * up - (n - z) * down, z * up * (u + up) + (n - z) * down * (down - u)
-        step = _newton(pull.sum(-1), (pull * y).sum(-1), weight.sum(-1), (weight * y).sum(-1), (weight * y * y).sum(-1))
-        largest = np.abs(step[0][..., None] + step[1][..., None] * y).max(axis=-1)
-        share = np.minimum(1.0, _STRIDE / np.maximum(largest, 1e-300))
-        start, slope = start + share * step[0], np.clip(slope + share * step[1], 1.0 / MOST, 1.0 / LEAST)
-        if largest.max() < 1e-13:
-            break
+    start = np.asarray(ndtri((z.sum(axis=-1) + 0.5) / (n.sum(axis=-1) + 1.0)))
+    centre, beta = _likeliest(start, np.full(z.shape[:-1], 1.0 / max(float(y.std()), 1e-3)), y, z, n - z)
     reach = 3.0 * (y[-1] - y[0] + 1.0)
-    return middle + np.clip(-start / slope, y[0] - reach, y[-1] + reach), 1.0 / slope
+    return middle + np.clip(centre, y[0] - reach, y[-1] + reach), beta
 
 
 def first_overturning(r: Array, limit: Array | float, weight: Array | None = None) -> Estimate:
@@ -102,31 +91,41 @@ def first_overturning(r: Array, limit: Array | float, weight: Array | None = Non
         mean = first / m
         spread = np.sqrt(np.maximum(second / m - mean * mean, 0.0) * count / np.maximum(count - 1, 1))
         if np.any(spared > 0.0):
-            found, every = _censored(m, first, second, spared, y_limit, mean, spread), ~np.any(spared > 0.0, axis=-1)
+            slope = 1.0 / np.clip(np.nan_to_num(spread, nan=1.0), 0.05, 5.0)
+            found = _likeliest(-np.nan_to_num(mean) * slope, slope, y_limit, np.zeros_like(spared), spared, m, first, second)
+            every = ~np.any(spared > 0.0, axis=-1)
             mean, spread = np.where(every, mean, found[0]), np.where(every, spread, found[1])
     return middle + np.clip(np.nan_to_num(mean, nan=9.0), -9.0, 9.0), np.clip(np.nan_to_num(spread, nan=MOST), LEAST, MOST)
 
 
-def _censored(m: Array, first: Array, second: Array, spared: Array, limit: Array, mean: Array, spread: Array) -> Estimate:
-    """The censored fit from sums of weight, y and y^2 over overturning records, and weights and limits of the others, (..., k). The
-    likelihood is concave in the parameters of Olsen (1978), h = 1/beta and k = mu/beta."""
+def _likeliest(
+    start: Array, slope: Array, y: Array, below: Array, above: Array, m: Array | float = 0.0, first: Array | float = 0.0,
+    second: Array | float = 0.0,
+) -> Estimate:  # fmt: skip
+    """(mu, beta) of the largest likelihood, by Newton's method in slope = 1/beta and start = -mu/beta (Olsen 1978), u = start + slope y.
+
+    below, above: weights of the records known to be below and above each y, (..., k); m, first, second: the sums of weight, y and y^2 of
+    those known exactly. The likelihood is the sum of below ln Phi(u) + above ln Phi(-u), and of ln slope - u^2/2 of the latter.
+    """
     from scipy.special import log_ndtr
 
-    h = 1.0 / np.clip(np.nan_to_num(spread, nan=1.0), 0.05, 5.0)
-    k = np.nan_to_num(mean) * h
     for _ in range(_ROUNDS):
-        v = k[..., None] - h[..., None] * limit
-        hazard = np.exp(-0.5 * v * v - 0.5 * np.log(2.0 * np.pi) - log_ndtr(v))
-        pull, weight = spared * hazard, spared * hazard * (v + hazard)
-        step = _newton(
-            m / h - h * second + k * first - (pull * limit).sum(-1), h * first - m * k + pull.sum(-1),
-            m / h**2 + second + (weight * limit * limit).sum(-1), -first - (weight * limit).sum(-1), m + weight.sum(-1),
-        )  # fmt: skip
-        share = np.minimum(1.0, np.minimum(0.5 * h / np.maximum(np.abs(step[0]), 1e-300), _STRIDE / np.maximum(np.abs(step[1]), 1e-300)))
-        h, k = h + share * step[0], k + share * step[1]
-        if max(np.abs(step[0] / h).max(), np.abs(step[1]).max()) < 1e-13:
+        u = start[..., None] + slope[..., None] * y
+        log_density = -0.5 * u * u - 0.5 * np.log(2.0 * np.pi)
+        up, down = np.exp(log_density - log_ndtr(u)), np.exp(log_density - log_ndtr(-u))
+        pull, weight = below * up - above * down, below * up * (u + up) + above * down * (down - u)
+        g0, g1 = pull.sum(-1) - m * start - first * slope, (pull * y).sum(-1) - first * start - second * slope + m / slope
+        h00, h01, h11 = weight.sum(-1) + m, (weight * y).sum(-1) + first, (weight * y * y).sum(-1) + second + m / slope**2
+        with np.errstate(all="ignore"):
+            det = h00 * h11 - h01 * h01
+            steps = ((h11 * g0 - h01 * g1) / det, (h00 * g1 - h01 * g0) / det)
+        d0, d1 = (np.where(det > 0.0, np.nan_to_num(step), 0.0) for step in steps)
+        largest = np.maximum(np.abs(d0[..., None] + d1[..., None] * y).max(axis=-1), np.where(m, 2.0 * _STRIDE * np.abs(d1) / slope, 0.0))
+        share = np.minimum(1.0, _STRIDE / np.maximum(largest, 1e-300))
+        start, slope = start + share * d0, np.clip(slope + share * d1, 1.0 / MOST, 1.0 / LEAST)
+        if largest.max() < 1e-13:
             break
-    return k / h, 1.0 / h
+    return -start / slope, 1.0 / slope
 
 
 def cloud(x: Array, theta_ratio: Array, limit: float, weight: Array | None = None) -> Estimate:
@@ -273,18 +272,3 @@ def resurrections(beyond: Array) -> int:
     """The number of records that overturn the body at one level and not at a higher one; beyond: (records, levels), levels rising."""
     beyond = np.asarray(beyond, dtype=bool)
     return int(np.count_nonzero((beyond[:, :-1] & ~beyond[:, 1:]).any(axis=1)))
-
-
-def _newton(g0: Array, g1: Array, h00: Array, h01: Array, h11: Array) -> tuple[Array, Array]:
-    """The step (h)^-1 g of a concave function with gradient g and second derivatives -h."""
-    with np.errstate(all="ignore"):
-        det = h00 * h11 - h01 * h01
-        steps = ((h11 * g0 - h01 * g1) / det, (h00 * g1 - h01 * g0) / det)
-    sure = det > 0.0
-    return np.where(sure, np.nan_to_num(steps[0]), 0.0), np.where(sure, np.nan_to_num(steps[1]), 0.0)
-
-
-def _normal_quantile(share: Array) -> Array:
-    from scipy.special import ndtri
-
-    return np.asarray(ndtri(share))

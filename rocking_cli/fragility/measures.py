@@ -140,56 +140,49 @@ def site_pulses(path: str | Path) -> tuple[Member, ...]:
         )
     found: list[Member] = []
     for line, row in rows:
-
-        def number(column: str, dimension: str, line: int = line, row: dict[str, str] = row) -> float:
-            text = (row[column] or "").strip()
-            try:
-                value = parse_quantity(text, dimension)
-            except ValueError as error:
-                raise DocumentError(f"{path}, line {line}: {column}: found {text!r}; expected {error}") from None
-            if not value > 0.0:
-                raise DocumentError(f"{path}, line {line}: {column}: found {text!r}; expected a positive number")
-            return value
-
-        stated, key = number(given[0], frequencies[given[0]]), given[0]
-        omega = stated if key == "omega_g" else 2.0 * math.pi * stated if key == "f_g" else 2.0 * math.pi / stated
+        stated = _positive(path, line, row, given[0], frequencies[given[0]])
+        omega = stated if given[0] == "omega_g" else 2.0 * math.pi * (stated if given[0] == "f_g" else 1.0 / stated)
+        a_g = _positive(path, line, row, "a_g", "acceleration")
         try:
-            motion, a_g = pulse((row.get("pulse") or "sine").strip()), number("a_g", "acceleration")
+            motion = pulse((row.get("pulse") or "sine").strip())
         except UsageError as error:
             raise DocumentError(f"{path}, line {line}: {error}") from None
-        weight = number("weight", "number") if "weight" in columns else 1.0
+        weight = _positive(path, line, row, "weight", "number") if "weight" in columns else 1.0
         label = f"{motion.name}, {a_g:.4g} m/s2, {omega / (2.0 * math.pi):.4g} Hz"
         found.append(Member(label, a_g * motion.peak, omega, pulse_intensity(motion, a_g, omega), weight, pulse=motion))
     if not found:
         raise DocumentError(f"{path}: holds no pulse")
     mean = sum(m.weight for m in found) / len(found)
-    return tuple(Member(m.label, m.acceleration, m.omega, m.intensity, m.weight / mean, m.pulse) for m in found)
+    return tuple(replace(m, weight=m.weight / mean) for m in found)
+
+
+def cell(path: str | Path, line: int, row: dict[str, str], column: str, dimension: str) -> float:
+    """The quantity in a cell of a table. Raises DocumentError with file, line and column."""
+    text = (row[column] or "").strip()
+    try:
+        return parse_quantity(text, dimension)
+    except ValueError as error:
+        raise DocumentError(f"{path}, line {line}: {column}: found {text!r}; expected {error}") from None
+
+
+def _positive(path: str | Path, line: int, row: dict[str, str], column: str, dimension: str) -> float:
+    value = cell(path, line, row, column, dimension)
+    if not value > 0.0:
+        raise DocumentError(f"{path}, line {line}: {column}: found {row[column].strip()!r}; expected a positive number")
+    return value
 
 
 def pulse_intensity(motion: Motion, a_g: float, omega: float) -> Intensity:
     """The measures of a pulse of amplitude a_g [m/s2] and angular frequency omega [rad/s], by the trapezium rule over each piece."""
-    v0 = d0 = 0.0
-    pga, at, pgv, pgd, energy, cav = 0.0, 0.0, 0.0, 0.0, [np.zeros(1)], 0.0
-    times = [np.zeros(1)]
-    for piece in motion.pieces:
-        phase = np.linspace(piece.start, piece.stop, _STEPS + 1)
-        t, a = phase / omega, a_g * piece.value(phase)
-        v = v0 + _running(a, t)
-        d = d0 + _running(v, t)
-        largest = int(np.abs(a).argmax())
-        if abs(a[largest]) > pga:
-            pga, at = float(abs(a[largest])), float(t[largest])
-        pgv, pgd = max(pgv, float(np.abs(v).max())), max(pgd, float(np.abs(d).max()))
-        energy.append(float(energy[-1][-1]) + _running(a * a, t))
-        times.append(t)
-        cav += float(_running(np.abs(a), t)[-1])
-        v0, d0 = float(v[-1]), float(d[-1])
-    total, when = np.concatenate(energy), np.concatenate(times)
-    at_5, at_75, at_95 = (float(when[np.searchsorted(total, part * total[-1])]) for part in (0.05, 0.75, 0.95))
-    arias = math.pi / (2.0 * DEFAULT_GRAVITY) * float(total[-1])
-    return Intensity(pga, at, pgv, pgd, arias, cav, at_75 - at_5, at_95 - at_5)
+    from scipy.integrate import cumulative_trapezoid
 
-
-def _running(y: np.ndarray, t: np.ndarray) -> np.ndarray:
-    """Integral of y from the first t to each."""
-    return np.concatenate([[0.0], np.cumsum(0.5 * (y[1:] + y[:-1]) * np.diff(t))])
+    phases = [np.linspace(piece.start, piece.stop, _STEPS + 1) for piece in motion.pieces]
+    t = np.concatenate(phases) / omega
+    a = a_g * np.concatenate([piece.value(phase) for piece, phase in zip(motion.pieces, phases, strict=True)])
+    v, energy, cav = (cumulative_trapezoid(y, t, initial=0.0) for y in (a, a * a, np.abs(a)))
+    d = cumulative_trapezoid(v, t, initial=0.0)
+    at = int(np.abs(a).argmax())
+    pga, pgv, pgd = (float(np.abs(y).max()) for y in (a, v, d))
+    at_5, at_75, at_95 = np.interp(energy[-1] * np.array([0.05, 0.75, 0.95]), energy, t).tolist()
+    arias = math.pi / (2.0 * DEFAULT_GRAVITY) * float(energy[-1])
+    return Intensity(pga, float(t[at]), pgv, pgd, arias, float(cav[-1]), at_75 - at_5, at_95 - at_5)

@@ -15,7 +15,7 @@ from ..structures.parameters import RockingParameters
 from . import fits as fragility
 from .exposure import Exposure, Interval, first_of, share_overturned
 from .fits import Band, Curve, Resampling
-from .measures import MEASURES, Measure, Member
+from .measures import MEASURES, Measure, Member, cell
 
 Array = np.ndarray
 METHODS = ("stripes", "first", "cloud")
@@ -50,19 +50,16 @@ class Fit:
     def record(self) -> dict[str, Any]:
         """The fit as one row."""
         c, b = self.curve, self.band
-        ends = {key: None if b is None else getattr(b, key) for key in ("theta_low", "theta_high", "beta_low", "beta_high")}
-        median, low, high = c.theta, ends["theta_low"], ends["theta_high"]
-        fitted = {"median": median, "beta": c.beta, "median_low": low, "median_high": high}
-        fitted |= {key: ends[key] for key in ("beta_low", "beta_high")}
-        return {**self._names(), **fitted, "n": round(c.n), "theta": median, "theta_low": low, "theta_high": high}
+        low, high, *beta = (None,) * 4 if b is None else (b.theta_low, b.theta_high, b.beta_low, b.beta_high)
+        values = (c.theta, c.beta, low, high, *beta, round(c.n), c.theta, low, high)
+        return {**self._names(), **dict(zip(FRAGILITY_COLUMNS[4:], values, strict=True))}
 
     def points_of_curve(self) -> Iterator[dict[str, Any]]:
         """The curve as rows, with the band, and the fraction at the levels."""
         probability = self.curve(self.x)
         for i, x in enumerate(self.x.tolist()):
             low, high = (None, None) if self.band is None else (float(self.band.low[i]), float(self.band.high[i]))
-            row = {"x": x, "probability": float(probability[i]), "low": low, "high": high, "fraction": self.points.get(x)}
-            yield {**self._names(), **row}
+            yield {**self._names(), "x": x, "probability": float(probability[i]), "low": low, "high": high, "fraction": self.points.get(x)}
 
     def _names(self) -> dict[str, Any]:
         return {"structure": self.structure, "im": self.im, "limit_state": self.limit, "method": self.method}
@@ -178,7 +175,7 @@ def counted(path: str | Path, how: Resampling) -> list[Fit]:
     columns, rows = named_rows(path)
     if set(columns) != {"im", "n", "z"}:
         raise DocumentError(f"{path}, line 1: found the columns {', '.join(columns) or 'none'}; expected im, n and z")
-    values = {key: np.array([_number(path, line, key, row[key]) for line, row in rows]) for key in ("im", "n", "z")}
+    values = {key: np.array([cell(path, line, row, key, "number") for line, row in rows]) for key in ("im", "n", "z")}
     x, n, z = values["im"], values["n"], values["z"]
     try:
         curve = fragility.fit_stripes(x, n, z)
@@ -188,13 +185,3 @@ def counted(path: str | Path, how: Resampling) -> list[Fit]:
     band = fragility.bootstrap_counts(x, n, z, how, at) if how.samples else None
     points = dict(zip(x.tolist(), (z / n).tolist(), strict=True))
     return [Fit(Path(path).stem, "im", "counted", "stripes", curve, band, at, points)]
-
-
-def _number(path: str | Path, line: int, column: str, text: str | None) -> float:
-    try:
-        value = float(text or "")
-        if not np.isfinite(value):
-            raise ValueError
-    except ValueError:
-        raise DocumentError(f"{path}, line {line}: {column}: found {text!r}; expected a number") from None
-    return value

@@ -6,47 +6,35 @@ A new figure is one file with a function of figure, rows and units, and one line
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from ..errors import UsageError
 from ..spectra.file.reader import SpectraFile
-from .figures.canvas import MARKERS, canvas, legend, look, panels, refuse_empty, units_of_figures
-from .figures.capacities import verdicts
+from .figures.canvas import canvas, panels, refuse_empty, units_of_figures
+from .figures.capacities import checked
 from .figures.characters import place_of
-from .figures.envelopes import bands, curves, record_bars
-from .figures.families import family
-from .figures.fragility_curves import fragility_curves, overturning_spectra
-from .figures.histories import comparison, response
+from .figures.curves import accuracy, closed_forms, comparison, family, fragility_curves, overturning_spectra, response
+from .figures.envelopes import bands
 from .figures.maps import outcome_map
-from .figures.record_spectra import record_spectra
-from .figures.slices import of_record, slice_of, spectrum_lines
-from .rows import Rows, column, groups, rows_of
+from .figures.slices import of_record, record_spectra, slice_of, spectrum_lines
+from .rows import Rows, rows_of
 from .units import Units
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+    Kind = tuple[set[str], Callable[[Figure, Rows, Units], list[Axes]]]
 DRAWN = "check, envelope, response, compare (curves), params (a family), fragility (curves) or accuracy"
 MOST_PANELS = 24
 
 
 def draw(
-    source: str | Path,
-    target: str | Path,
-    *,
-    structure: str | None = None,
-    cut: str | None = None,
-    every: bool = False,
-    over: str | None = None,
-    log: str = "",
-    units: Units | None = None,
-    overwrite: bool = True,
-    tell: Callable[[str], None] | None = None,
-) -> str | None:
+    source: str | Path, target: str | Path, *, structure: str | None = None, cut: str | None = None, every: bool = False,
+    over: str | None = None, log: str = "", units: Units | None = None, overwrite: bool = True, tell: Callable[[str], None] | None = None,
+) -> str | None:  # fmt: skip
     """Draw a file into a PNG, SVG or PDF; for a slice, return a sentence that states its value.
 
     source: a spectra file, or CSV (`-`: standard input); structure: name of the structure or record of a map, None for the first; cut:
@@ -115,23 +103,10 @@ def _places(figure: Figure, file: SpectraFile, name: str | None, every: bool, un
     return axes
 
 
-def accuracy(figure: Figure, rows: Rows, _: Units) -> list[Axes]:
-    """Draw the largest error over run time, one line for each method."""
-    axes = figure.add_subplot()
-    for i, ((method,), some) in enumerate(groups(rows, "method").items()):
-        error = np.maximum(column(some, "error_max"), 1e-17)
-        axes.plot(1e6 * column(some, "time_per_cell"), error, marker=MARKERS[i % len(MARKERS)], label=method, **look(i))
-    axes.set(xscale="log", yscale="log", xlabel="run time a cell [µs]", ylabel=r"largest error of $\theta/\alpha$ [-]")
-    legend(axes)
-    return [axes]
-
-
-TABLES: tuple[tuple[set[str], Callable[[Figure, Rows, Units], list[Axes]]], ...] = (
-    ({"Omega", "A_from", "A_to", "mode"}, bands),
-    ({"T", "A_from", "mode"}, bands),
-    ({"record", "a_from", "mode"}, record_bars),
-    ({"motion", "outcome_linear", "first_overturning_a", "capacity_demand"}, verdicts),
-    ({"curve", "Omega", "A"}, curves),
+TABLES: tuple[Kind, ...] = (
+    ({"A_from", "mode"}, bands),
+    ({"motion", "outcome_linear", "first_overturning_a", "capacity_demand"}, checked),
+    ({"curve", "Omega", "A"}, closed_forms),
     ({"structure", "tau", "theta_ratio", "t", "theta"}, comparison),
     ({"method", "time_per_cell", "error_max"}, accuracy),
     ({"im", "limit_state", "probability", "fraction"}, fragility_curves),
@@ -147,11 +122,10 @@ def _table(figure: Figure, source: str, rows: Rows, units: Units, over: str | No
     if "event" in there:
         raise UsageError(f"{source}: found events; expected the time history, which rocking response prints without them")
     try:
-        for wanted, kind in TABLES:
+        kinds: tuple[Kind, ...] = (*TABLES, ({"p", "alpha", "eta", "lambda"}, partial(family, over=over)))
+        for wanted, kind in kinds:
             if wanted <= there:
                 return kind(figure, rows, units)
-        if {"p", "alpha", "eta", "lambda"} <= there:
-            return family(figure, rows, units, over)
     except (ValueError, TypeError, KeyError) as error:
         raise UsageError(f"{source}: cannot be drawn: {error}") from None
     raise UsageError(f"{source}: found the columns {', '.join(sorted(there))[:80]}; expected the CSV of {DRAWN}")

@@ -12,7 +12,7 @@ import platform
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from importlib import import_module
-from importlib.metadata import PackageNotFoundError, version
+from importlib.metadata import version
 from importlib.resources import files
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -29,7 +29,7 @@ from ..errors import DocumentError, OutputError, UsageError
 from ..fragility.exposure import exposures
 from ..fragility.fits import FEWEST, Resampling
 from ..fragility.measures import MEASURES, members_of
-from ..fragility.study import LIMITS, Study, word_of
+from ..fragility.study import LIMITS, Fit, Study, word_of
 from ..motions import Motion
 from ..motions.grid import Axis, Grid
 from ..motions.recording import Recording
@@ -40,8 +40,8 @@ from ..structures import RockingParameters
 from ..structures.kinds import sketch_of
 from .figures.canvas import FIGURE_UNITS, canvas, literal
 from .figures.capacities import capacities
+from .figures.curves import fragility_curves
 from .figures.drawing import structure_axes
-from .figures.fragility_curves import fragility_curves
 from .figures.maps import outcome_map
 from .relations import parameter_rows
 
@@ -76,17 +76,9 @@ def demand_extra() -> None:
 
 
 def page(
-    subjects: Sequence[Subject],
-    verdicts: Sequence[Verdict],
-    *,
-    pulse: tuple[Motion, Grid] | None = None,
-    recordings: Sequence[Recording] = (),
-    vertical: str | None = None,
-    demand: str,
-    command: str,
-    made: str,
-    workers: int | None = None,
-) -> str:
+    subjects: Sequence[Subject], verdicts: Sequence[Verdict], *, pulse: tuple[Motion, Grid] | None = None,
+    recordings: Sequence[Recording] = (), vertical: str | None = None, demand: str, command: str, made: str, workers: int | None = None,
+) -> str:  # fmt: skip
     """The page as HTML.
 
     verdicts: of `check`, for each structure and motion; pulse: a motion and the demand, a grid of one cell; recordings: the records
@@ -107,11 +99,11 @@ def page(
             lead=f"{tally(verdicts)}, under {motions}: {demand}.",
             heads=HEADS,
             verdicts=[{"falls": v.falls, "cells": _cells(v)} for v in verdicts],
-            capacities=_image(folder, lambda figure: _capacities(figure, verdicts)),
+            capacities=_image(folder, lambda figure: capacities(figure, verdicts, True)),
             structures=[_section(folder, one, verdicts, pulse, recordings, workers) for one in subjects],
             command=command,
             made=made,
-            versions=[("rocking", __version__), ("Python", platform.python_version()), *((p, _version(p)) for p in _PACKAGES)],
+            versions=[("rocking", __version__), ("Python", platform.python_version()), *((p, version(p)) for p in _PACKAGES)],
             hashes=_hashes(subjects, recordings, vertical),
         )
 
@@ -130,26 +122,25 @@ def _hashes(subjects: Sequence[Subject], recordings: Sequence[Recording], vertic
 
 
 def _section(
-    folder: Path,
-    subject: Subject,
-    verdicts: Sequence[Verdict],
-    pulse: tuple[Motion, Grid] | None,
-    recordings: Sequence[Recording],
+    folder: Path, subject: Subject, verdicts: Sequence[Verdict], pulse: tuple[Motion, Grid] | None, recordings: Sequence[Recording],
     workers: int | None,
-) -> dict[str, Any]:
+) -> dict[str, Any]:  # fmt: skip
     """The template's values for one structure."""
     structure = subject.structure
     mine = [v for v in verdicts if v.structure == structure.name]
-    drawn, validity = None, _agreement(mine)
+    linear = all(v.model == LINEAR.model for v in mine)
+    outcomes = np.array([(v.outcome, v.outcome_linear) for v in mine], dtype=np.uint8).reshape(-1, 2)
+    drawn, codes = None, difference(outcomes[:, 0], outcomes[:, 1])
     if pulse is not None:
-        drawn, validity = _map(folder, structure, *pulse, mine, workers)
+        drawn, codes = _map(folder, structure, *pulse, mine, workers)
+    cases = "motions" if pulse is None else "cells of the map"
     return {
         "name": structure.name,
         "kind": f"kind {structure.structure}, restitution {structure.eta_source}" if structure.eta_source else structure.structure,
         "drawing": _drawing(folder, subject),
         "parameters": parameter_rows(structure),
         "map": drawn,
-        "validity": validity,
+        "validity": "The linear equation alone answers here." if linear else _agreement(codes, cases),
         "fragility": _fragility(folder, structure, recordings, workers) if recordings else None,
         "text": subject.document.text.strip(),
     }
@@ -158,18 +149,17 @@ def _section(
 def _cells(v: Verdict) -> list[dict[str, Any]]:
     """The cells of a row of the table of verdicts."""
     values = (
-        v.structure, v.motion, v.model, v.sentence, v.theta_ratio, _in_g(v.demand_a), _in_g(v.uplift_a), _in_g(v.first_overturning_a),
-        v.capacity_demand, _in_g(v.safe_to), v.outcome_linear.sentence, v.friction_needed, v.fz_min,
+        v.structure, v.motion, v.model, v.sentence, v.theta_ratio, v.demand_a, v.uplift_a, v.first_overturning_a, v.capacity_demand,
+        v.safe_to, v.outcome_linear.sentence, v.friction_needed, v.fz_min,
     )  # fmt: skip
-    return [{"text": _number(x), "number": not isinstance(x, str)} for x in values]
+    return [
+        {"text": _number(x, DEFAULT_GRAVITY if "[g]" in head else 1.0), "number": not isinstance(x, str)}
+        for head, x in zip(HEADS, values, strict=True)
+    ]
 
 
-def _in_g(acceleration: float | None) -> float | None:
-    return None if acceleration is None else acceleration / DEFAULT_GRAVITY
-
-
-def _number(x: float | str | None) -> str:
-    return "–" if x is None else x if isinstance(x, str) else f"{x:.4g}"
+def _number(x: float | str | None, unit: float = 1.0) -> str:
+    return "–" if x is None else x if isinstance(x, str) else f"{x / unit:.4g}"
 
 
 def _image(folder: Path, plan: Plan) -> str:
@@ -178,11 +168,6 @@ def _image(folder: Path, plan: Plan) -> str:
     with canvas(target) as figure:
         plan(figure)
     return f"data:image/svg+xml;base64,{base64.b64encode(target.read_bytes()).decode()}"
-
-
-def _capacities(figure: Figure, verdicts: Sequence[Verdict]) -> None:
-    figure.set_size_inches(6.4, 1.6 + 0.32 * len(verdicts))
-    capacities(figure.add_subplot(), verdicts, True)
 
 
 def _drawing(folder: Path, subject: Subject) -> str | None:
@@ -196,8 +181,8 @@ def _drawing(folder: Path, subject: Subject) -> str | None:
 
 def _map(
     folder: Path, structure: RockingParameters, motion: Motion, demand: Grid, mine: Sequence[Verdict], workers: int | None
-) -> tuple[str, str]:
-    """(map around the demand as a data URL, sentence on the number of cells in which the linear equation is wrong)."""
+) -> tuple[str, np.ndarray]:
+    """(map around the demand as a data URL, `Difference` of each of its cells, empty for the linear equation)."""
     (omega,) = demand.frequency.values / (1.0 if demand.frequency.name == "omega_g" else 1.0 / structure.p)
     amplitude = mine[0].demand_a
     most = 2.0 * max([amplitude, *(v.first_overturning_a for v in mine if v.first_overturning_a is not None)])
@@ -223,34 +208,20 @@ def _map(
             figure.legend(handles=entries, loc="outside right upper")
 
         picture = _image(folder, plan)
-        if method == LINEAR:
-            return picture, "The linear equation alone answers here."
-        codes = file.block(0, slice(None))["difference"]
-    judged = int(np.count_nonzero(codes != Difference.NOT_COMPUTED))
-    wrong, unsafe = (int(np.count_nonzero(x)) for x in ((codes > Difference.AGREES), codes == Difference.LINEAR_UNSAFE))
-    return picture, (
-        f"{wrong} of the {judged} cells of the map end otherwise by the linear equation than by the nonlinear one; in {unsafe} of "
-        f"them it says that the structure stands, and the structure falls or leaves the ground.{_not_compared(codes.size - judged)}"
-    )
+        return picture, np.zeros(0) if method == LINEAR else file.block(0, slice(None))["difference"]
 
 
-def _agreement(mine: Sequence[Verdict]) -> str:
-    """A sentence that compares the linear outcomes with the governing ones."""
-    if all(v.model == LINEAR.model for v in mine):
-        return "The linear equation alone answers here."
-    codes = [Difference(int(difference(np.uint8(v.outcome), np.uint8(v.outcome_linear)))) for v in mine]
-    judged = [code for code in codes if code != Difference.NOT_COMPUTED]
-    unsafe, agree = (judged.count(code) for code in (Difference.LINEAR_UNSAFE, Difference.AGREES))
+def _agreement(codes: np.ndarray, cases: str) -> str:
+    """A sentence that compares the linear outcomes with the nonlinear ones; codes: `Difference` of each case; cases: what they are."""
+    judged = codes[codes != Difference.NOT_COMPUTED]
+    wrong, unsafe = (int(np.count_nonzero(x)) for x in (judged > Difference.AGREES, judged == Difference.LINEAR_UNSAFE))
+    missing = codes.size - judged.size
+    verb = "is" if missing == 1 else "are"
+    more = f" {missing} more {verb} not compared: by one equation or both the structure has no outcome." if missing else ""
     return (
-        f"Under {len(judged) - agree} of {len(judged)} motions the linear equation ends otherwise than the nonlinear one; under {unsafe} "
-        f"of them it says that the structure stands, and the structure falls or leaves the ground.{_not_compared(len(codes) - len(judged))}"
+        f"In {wrong} of {judged.size} {cases} the linear equation ends otherwise than the nonlinear one; in {unsafe} of them it says that "
+        f"the structure stands, and the structure falls or leaves the ground.{more}"
     )
-
-
-def _not_compared(count: int) -> str:
-    """A sentence on the number of cases without an outcome by one of the equations, empty for none."""
-    verb = "is" if count == 1 else "are"
-    return f" {count} more {verb} not compared: by one equation or both the structure has no outcome." if count else ""
 
 
 def _fragility(folder: Path, structure: RockingParameters, recordings: Sequence[Recording], workers: int | None) -> dict[str, Any]:
@@ -272,29 +243,18 @@ def _fragility(folder: Path, structure: RockingParameters, recordings: Sequence[
     rows = [{key: "" if value is None else str(value) for key, value in row.items()} for fit in fits for row in fit.points_of_curve()]
     return {
         "figure": _image(folder, lambda figure: fragility_curves(figure, rows, FIGURE_UNITS)) if fits else None,
-        "fits": [_fitted(fit.record()) for fit in fits],
+        "fits": [_fitted(fit) for fit in fits],
         "remarks": remarks,
     }
 
 
-def _fitted(record: dict[str, Any]) -> dict[str, str]:
+def _fitted(fit: Fit) -> dict[str, str]:
     """The parameters of a fitted curve as texts."""
-
-    def band(key: str, unit: float) -> str:
-        low, high = (record[f"{key}_{end}"] for end in ("low", "high"))
-        return "–" if low is None or high is None else f"{low / unit:.3g} to {high / unit:.3g}"
-
+    c, b, g = fit.curve, fit.band, DEFAULT_GRAVITY
     return {
-        "limit": record["limit_state"],
-        "theta": f"{record['median'] / DEFAULT_GRAVITY:.4g}",
-        "theta_band": band("median", DEFAULT_GRAVITY),
-        "beta": f"{record['beta']:.3g}",
-        "beta_band": band("beta", 1.0),
+        "limit": fit.limit,
+        "theta": f"{c.theta / g:.4g}",
+        "theta_band": f"{b.theta_low / g:.3g} to {b.theta_high / g:.3g}" if b else "–",
+        "beta": f"{c.beta:.3g}",
+        "beta_band": f"{b.beta_low:.3g} to {b.beta_high:.3g}" if b else "–",
     }
-
-
-def _version(package: str) -> str:
-    try:
-        return version(package)
-    except PackageNotFoundError:
-        return "not installed"

@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-import csv
-import io
 from collections.abc import Iterable
 from contextlib import suppress
 
 import numpy as np
 
-from ..documents.composition import text_of
-from ..documents.files import read_bytes
+from ..documents.table import named_rows
 from ..errors import DocumentError, UsageError
 from .units import si_of
 
@@ -20,12 +17,11 @@ Rows = list[dict[str, str]]
 def rows_of(source: str) -> Rows:
     """All rows of a CSV file; `-` is standard input. Raises UsageError if it is not CSV or has no rows."""
     try:
-        name, raw = read_bytes(source)
-        rows = [_in_si(row) for row in csv.DictReader(io.StringIO(text_of(name, raw), newline=""), strict=True)]
-    except (DocumentError, csv.Error) as error:
+        rows = [_in_si(row) for _, row in named_rows(source)[1]]
+    except DocumentError as error:
         raise UsageError(f"{source}: neither a spectra file nor CSV ({error})") from None
     if not rows:
-        raise UsageError(f"{name}: holds no rows")
+        raise UsageError(f"{source}: holds no rows")
     return rows
 
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Iterator
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -26,32 +25,12 @@ SCIPY_TOLERANCES = (1e-4, 1e-6, 1e-8, 1e-10, 1e-12)
 TIMED_CELLS = 50_000  # the engine computes about so many cells at once to measure its time per cell
 
 
-@dataclass(frozen=True)
-class WorkPrecision:
-    """The accuracy of one method at one tolerance (None: exact) for a sample of cells.
+def work_precision(scene: PulseScene, *, sample: int = 40, scipy: int = 10, seed: int = 0) -> Iterator[dict[str, Any]]:
+    """The accuracy of each method at each tolerance (None: exact) for the first structure of a scene, as rows.
 
     time_per_cell [s]; error_max, error_99: maximum and 99th percentile of the error of theta/alpha over the cells with the right
-    outcome; misjudged: number of the other cells.
-    """
-
-    method: str
-    tolerance: float | None
-    cells: int
-    time_per_cell: float
-    error_max: float
-    error_99: float
-    misjudged: int
-
-    def record(self) -> dict[str, Any]:
-        """The fields by name."""
-        return dict(vars(self))
-
-
-def work_precision(scene: PulseScene, *, sample: int = 40, scipy: int = 10, seed: int = 0) -> Iterator[WorkPrecision]:
-    """The accuracy of each method for the first structure of a scene.
-
-    sample: number of cells for the error of the engine; scipy: number of cells for each SciPy solver, 0 for none.
-    Raises UsageError if no cell of the grid lifts.
+    outcome; misjudged: number of the other cells. sample: number of cells for the error of the engine; scipy: number of cells for each
+    SciPy solver, 0 for none. Raises UsageError if no cell of the grid lifts.
     """
     structure = scene.structures[0]
     one = PulseScene((structure,), scene.grid, scene.motion, scene.method)
@@ -94,8 +73,11 @@ def _timed(grid: Grid, amplitude: np.ndarray, omega: np.ndarray) -> tuple[np.nda
 
 def _compare(
     method: str, tolerance: float | None, answers: list[tuple[Outcome, float]], truth: list[tuple[Outcome, float]], cost: float
-) -> WorkPrecision:
+) -> dict[str, Any]:
     right = [(x, y) for (o, x), (p, y) in zip(answers, truth, strict=True) if o == p]
     gaps = np.array([abs(x - y) for x, y in right if math.isfinite(y)])
     worst, most = (float(gaps.max()), float(np.quantile(gaps, 0.99))) if gaps.size else (math.nan, math.nan)
-    return WorkPrecision(method, tolerance, len(answers), cost, worst, most, len(answers) - len(right))
+    return {
+        "method": method, "tolerance": tolerance, "cells": len(answers), "time_per_cell": cost, "error_max": worst, "error_99": most,
+        "misjudged": len(answers) - len(right),
+    }  # fmt: skip

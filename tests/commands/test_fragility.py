@@ -8,7 +8,7 @@ import json
 import pytest
 from matplotlib.figure import Figure
 
-from rocking_cli.reports.figures.fragility_curves import LABELS, fragility_curves
+from rocking_cli.reports.figures.curves import MEASURE_LABELS, fragility_curves
 from rocking_cli.reports.units import parse_units
 
 SITE = ("--pulses", "configs/motions/site_pulses.csv", "--levels", "0.2g:0.45g:4", "--bootstrap", "50")
@@ -70,7 +70,7 @@ def test_a_figure_speaks_the_units_asked_for(im, heading, factor):
     keys = ("structure", "im", "limit_state", "method", "x", "probability", "low", "high", "fraction")
     rows = [dict(zip(keys, ("S", im, "1", "stripes", x, "0.5", "0.4", "0.6", "0.5"), strict=True)) for x in ("1", "3")]
     (axes,) = fragility_curves(Figure(), rows, parse_units("g,cm/s"))
-    assert axes.get_xlabel() == LABELS.get(im, heading)
+    assert axes.get_xlabel() == MEASURE_LABELS.get(im, heading)
     assert axes.lines[0].get_xdata().tolist() == pytest.approx([1 / factor, 3 / factor], rel=1e-14)
 
 

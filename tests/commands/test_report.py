@@ -96,7 +96,7 @@ def test_the_page_holds_the_verdict_and_trusts_no_name(text, verdict):
     relations = {row[0].strip(): row[4].strip() for row in found.rows if len(row) == 5}
     assert relations["p"] == "p² = 3 g/(4 R)"
     assert relations["η"] == "θ̇ after = η θ̇ before an impact"  # given, and not from momentum
-    assert re.search(r"\d+ of the \d+ cells of the map end otherwise", text)
+    assert re.search(r"In \d+ of \d+ cells of the map the linear equation ends otherwise", text)
     assert [found.rows[-1][0].strip(), len(found.rows[-1][1].strip())] == ["<text>", 64]
 
 
@@ -128,7 +128,7 @@ def test_each_edge_and_the_damping_are_stated_and_what_leaves_the_ground_is_not_
         assert rows["α", f"critical angle, {side.side} edge"] == pytest.approx(side.alpha, rel=1e-5)
         assert rows["η", f"coefficient of restitution, {side.side} edge"] == pytest.approx(side.eta, rel=1e-5)
     assert rows["ζ", "viscous damping"] == 0.05
-    assert "Under 2 of 2 motions the linear equation ends otherwise than the nonlinear one; under 2 of them" in text
+    assert "In 2 of 2 motions the linear equation ends otherwise than the nonlinear one; in 2 of them" in text
     assert "1 more is not compared" in text
 
 

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from rocking_cli import Axis, build_structure, parse_documents
 from rocking_cli.motions.recording import Recording
 from rocking_cli.motions.records import Record
-from rocking_cli.reports.figures.fragility_curves import overturning_spectra
+from rocking_cli.reports.figures.curves import overturning_spectra
 from rocking_cli.reports.units import Units
 from rocking_cli.spectra.overturning_spectrum import overturning_spectrum
 from rocking_cli.spectra.record_envelope import Tracing, tracing_records

@@ -1,4 +1,4 @@
-"""The parts common to all figures: style, colours, panels, legends and the output file.
+"""The parts common to all figures: style, colours, labels, panels, legends and the output file.
 
 The colours of Okabe and Ito are distinct for colour-blind readers; lines also differ in dash. No display is needed. matplotlib is
 the extra `plot`.
@@ -18,6 +18,7 @@ import numpy as np
 
 from ...errors import OutputError, UsageError
 from ...publishing import published
+from ..rows import Rows, column, groups
 from ..units import Units, parse_units
 
 if TYPE_CHECKING:
@@ -38,6 +39,13 @@ _NO_GLYPH = r"Glyph (\d+) "  # the beginning of a warning of matplotlib
 _SHORT = 5  # a legend inside the axes has at most so many entries
 _NARROW = 28  # and so many characters in each
 FIGURE_UNITS = parse_units("g,Hz")  # the default
+SYMBOLS = {
+    "A": r"$A = a_{scale}\,a_g/(\alpha g)$", "Omega": r"$\Omega = \omega_g/p$", "a_g": r"$a_g$", "omega_g": r"$\omega_g$", "f_g": r"$f_g$",
+    "t": "time $t$", "tau": r"$p\,t$", "theta": r"rotation $\theta$", "theta_ratio": r"$\theta/\alpha$",
+    "theta_max_ratio": r"$\theta_{max}/\alpha$", "ground_acceleration": r"$\ddot{x}_g$", "A_s": r"$A\,s$", "p": "$p$", "alpha": r"$\alpha$",
+    "eta": r"$\eta$", "lambda": r"$\lambda$", "a_scale": r"$a_{scale}$", "T": r"$T = 2\pi/p$", "scale": "factor of the record",
+}  # fmt: skip
+PLAIN = {"m/s2": "m/s²", "cm/s2": "cm/s²"}
 
 
 def units_of_figures(units: Units | None) -> Units:
@@ -78,6 +86,37 @@ def canvas(target: str | Path, overwrite: bool = True, *, tell: Callable[[str], 
 def literal(text: str) -> str:
     """The text with its dollar signs escaped, so that matplotlib reads no formula in it."""
     return text.replace("$", r"\$")
+
+
+def label(column: str, units: Units) -> str:
+    """The axis label of a column in these units, such as `$a_g$ [m/s²]`."""
+    name, unit, _ = units.column(column)
+    return f"{SYMBOLS.get(name, name.replace('_', ' '))} [{PLAIN.get(unit, unit) or '-'}]"
+
+
+def valued(column: str, value: float, units: Units) -> str:
+    """A column and a value (in SI units) as text, such as `$f_g$ = 1.5 Hz`."""
+    name, unit, factor = units.column(column)
+    short = {"A": "$A$", "Omega": r"$\Omega$", "T": "$T$"}.get(name) or SYMBOLS.get(name, name)
+    return f"{short} = {value / factor:.4g} {PLAIN.get(unit, unit)}".rstrip()
+
+
+def titled(name: str, eta: float) -> str:
+    """The name of a structure and its eta; only eta if the name states it, as that of a dimensionless oscillator."""
+    own = f"eta={eta:g}"
+    return rf"$\eta$ = {eta:.4g}" if name == own else rf"{literal(name)}, $\eta$ = {eta:.4g}"
+
+
+def values(rows: Rows, name: str, units: Units) -> np.ndarray:
+    """A column of numbers in these units."""
+    return column(rows, name) / units.column(name)[2]
+
+
+def series(rows: Rows, *keys: str, marked: bool = False) -> Iterator[tuple[Rows, dict[str, Any]]]:
+    """(rows, arguments of `plot`) of each line: its name, which is the texts in the columns `keys`, its colour, dash and marker."""
+    for i, (texts, some) in enumerate(groups(rows, *keys).items()):
+        marker = {"marker": MARKERS[i % len(MARKERS)]} if marked else {}
+        yield some, {**look(i), **marker, "label": literal(", ".join(texts))}
 
 
 def look(number: int) -> dict[str, Any]:

@@ -34,42 +34,34 @@ def draw_capacities(
     >>> draw_capacities([check(arch, sine(), parse_grid('a_g=0.35g,f_g=1.5'))], 'capacity.svg')
     """
     with canvas(target, overwrite, tell=tell) as figure:
-        _bars(figure, verdicts, in_g)
+        capacities(figure, verdicts, in_g)
 
 
-def verdicts(figure: Figure, rows: Rows, units: Units) -> list[Axes]:
+def checked(figure: Figure, rows: Rows, units: Units) -> list[Axes]:
     """Draw the rows of `rocking check --csv`. Raises ValueError if a row states neither its demand nor its capacity."""
-    return [_bars(figure, [_verdict(row) for row in rows], units.of("acceleration")[0] == "g")]
+    return [capacities(figure, [_verdict(row) for row in rows], units.of("acceleration")[0] == "g")]
 
 
 def _verdict(row: dict[str, str]) -> Verdict:
     from ...responses.check import Verdict
 
-    def number(key: str) -> float | None:
-        return float(row[key]) if row.get(key) else None
-
     name = row.get("structure") or row["name"]
-    demand, first, ratio = (number(key) for key in ("demand_a", "first_overturning_a", "capacity_demand"))
+    theta, demand, uplift, first, safe_to, ratio = (
+        float(row[key]) if row.get(key) else None
+        for key in ("theta_ratio", "demand_a", "uplift_a", "first_overturning_a", "safe_to", "capacity_demand")
+    )
     if demand is None:
         if first is None or ratio is None:
             raise ValueError(f"{name} never overturns, and no column demand_a states the demand")
         demand = first / ratio
-    outcomes = [next(o for o in Outcome if o.flag == row[key]) for key in ("outcome", "outcome_linear")]
-    return Verdict(
-        name, row["motion"], row["model"], outcomes[0], number("theta_ratio"), demand, number("uplift_a"), first, number("safe_to"),
-        outcomes[1],
-    )  # fmt: skip
+    outcome, linear = (next(o for o in Outcome if o.flag == row[key]) for key in ("outcome", "outcome_linear"))
+    return Verdict(name, row["motion"], row["model"], outcome, theta, demand, uplift, first, safe_to, linear)
 
 
-def _bars(figure: Figure, verdicts: Sequence[Verdict], in_g: bool) -> Axes:
+def capacities(figure: Figure, verdicts: Sequence[Verdict], in_g: bool) -> Axes:
+    """Draw for each structure a bar up to its first overturning, marks at uplift and demand, and the outcome in words."""
     figure.set_size_inches(6.4, 1.6 + _ROW * len(verdicts))
     axes = figure.add_subplot()
-    capacities(axes, verdicts, in_g)
-    return axes
-
-
-def capacities(axes: Axes, verdicts: Sequence[Verdict], in_g: bool) -> None:
-    """Draw for each structure a bar up to its first overturning, marks at uplift and demand, and the outcome in words."""
     unit = DEFAULT_GRAVITY if in_g else 1.0
     most = 1.15 * max(x for v in verdicts for x in (v.demand_a, v.uplift_a, v.first_overturning_a) if x is not None) / unit
     for row, v in enumerate(verdicts):
@@ -90,8 +82,8 @@ def capacities(axes: Axes, verdicts: Sequence[Verdict], in_g: bool) -> None:
     axes.set_yticks(range(len(verdicts)), [literal(x) for x in (of_motion if len(motions) > 1 else [v.structure for v in verdicts])])
     axes.invert_yaxis()
     axes.set(xlim=(0.0, most), xlabel=f"a_g [{'g' if in_g else 'm/s²'}]: bar to first overturning, dots uplift, line demand")
-    under = (
-        motions[0] if len(motions) == 1 else f"{', '.join(names)}, {len(motions)} motions" if len(names) == 1 else f"{len(motions)} motions"
-    )
-    axes.set_title(literal(f"capacity over demand: {under}"))
+    under = motions[0] if len(motions) == 1 else f"{len(motions)} motions"
+    of = f"{names[0]}, " if len(motions) > 1 and len(names) == 1 else ""
+    axes.set_title(literal(f"capacity over demand: {of}{under}"))
     axes.grid(axis="y", visible=False)
+    return axes

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import textwrap
+
 import numpy as np
 
 from ...dynamics.outcome import Outcome
+from ...errors import UsageError
 from ...spectra.file.reader import SpectraFile
 from .slices import Slice, of_record, slice_of
 
@@ -33,18 +36,12 @@ def text_map(file: SpectraFile, name: str | None, cut: str | None, width: int = 
 
 def _head(items: list[str], width: int) -> list[str]:
     """The items in as few lines as possible; no item is broken."""
-    lines = [items[0][:width]]
-    for i, item in enumerate(items[1:]):
-        gap = "  " if i else " "
-        fits = len(lines[-1]) + len(gap) + len(item) <= width
-        lines[-1:] = [lines[-1] + gap + item] if fits else [lines[-1], item]
-    return lines
+    unbroken = [item[:width].replace(" ", "\xa0") for item in items]
+    return [line.replace("\xa0", " ") for line in textwrap.wrap("  ".join(unbroken), width)]
 
 
 def place_of(file: SpectraFile, name: str | None) -> int:
     """The index of a structure or record on the first dimension, 0 without a name. Raises UsageError for an unknown name."""
-    from ...errors import UsageError
-
     word, names = next(iter(file.frame.dimensions.items()))
     if name is None:
         return 0
@@ -62,12 +59,8 @@ def _slice_text(found: Slice, width: int, height: int) -> list[str]:
     tall = max(1, room // shown - 3)
     for name, theta in list(zip(found.names, found.theta, strict=True))[:shown]:
         picked = theta[np.linspace(0, theta.size - 1, min(width - _MARGIN, theta.size)).astype(int)]
-        lines += [_plain(name), *_bars(picked, tall)]
+        lines += [name.replace(r"$\eta$", "eta").replace(r"\$", "$"), *_bars(picked, tall)]
     return [line[:width] for line in lines]
-
-
-def _plain(name: str) -> str:
-    return name.replace(r"$\eta$", "eta").replace(r"\$", "$")
 
 
 def _bars(values: np.ndarray, height: int) -> list[str]:

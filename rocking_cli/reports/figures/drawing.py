@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ...documents.document import Document
 from ...structures import RockingParameters, build_structure
@@ -50,16 +50,17 @@ def structure_axes(axes: Axes, built: RockingParameters, sketch: Sketch, units: 
     def scaled(outline: Outline) -> list[Point]:
         return [(x / metre, z / metre) for x, z in outline]
 
-    for outline in sketch.still:
-        axes.fill(*zip(*scaled(outline), strict=True), facecolor=GROUND, edgecolor="0.6", lw=0.8, label="_stays")
-    for outline in sketch.bodies:
-        axes.fill(*zip(*scaled(outline), strict=True), facecolor=STONE, edgecolor=INK, lw=0.9, label="_rocks")
-    for outline in sketch.hollows:
-        axes.plot(*zip(*scaled((*outline, outline[0])), strict=True), color="0.45", lw=0.7, ls=(0, (4, 3)), label="_hollow")
-    for outline in sketch.moved:
-        axes.fill(*zip(*scaled(outline), strict=True), facecolor="none", edgecolor="#0072B2", lw=0.9, ls="--", label="_moved")
+    layers: tuple[tuple[Sequence[Outline], dict[str, Any]], ...] = (
+        (sketch.still, {"facecolor": GROUND, "edgecolor": "0.6", "lw": 0.8, "label": "_stays"}),
+        (sketch.bodies, {"facecolor": STONE, "edgecolor": INK, "lw": 0.9, "label": "_rocks"}),
+        (sketch.hollows, {"facecolor": "none", "edgecolor": "0.45", "lw": 0.7, "ls": (0, (4, 3)), "label": "_hollow"}),
+        (sketch.moved, {"facecolor": "none", "edgecolor": "#0072B2", "lw": 0.9, "ls": "--", "label": "_moved"}),
+    )
+    for outlines, style in layers:
+        for outline in outlines:
+            axes.fill(*zip(*scaled(outline), strict=True), **style)
     for i, (label, course) in enumerate(sketch.lines):
-        axes.plot(*zip(*scaled(course), strict=True), color="#D55E00", lw=1.6 if i == 0 else 0.8, ls="-" if i == 0 else ":", label=label)
+        axes.plot(*zip(*scaled(course), strict=True), color="#D55E00", lw=0.8 if i else 1.6, ls=":" if i else "-", label=label)
         if i == 0:
             axes.annotate(label, scaled(course)[-1], xytext=(-4, 6), textcoords="offset points", ha="right", color="#D55E00", fontsize=8)
     for name, point in sketch.pivots:

@@ -1,4 +1,4 @@
-"""Overturning envelopes: intervals of amplitude over frequency, one panel for each structure; and the closed-form curves."""
+"""Overturning envelopes: intervals of amplitude over frequency, size or record, one panel for each structure."""
 
 from __future__ import annotations
 
@@ -9,10 +9,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...dynamics.outcome import Outcome
-from ..rows import Rows, column, groups
+from ..rows import Rows, groups
 from ..units import Units
-from .canvas import legend, literal, look, panels
-from .labels import label, valued
+from .canvas import label, legend, literal, panels, valued, values
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -21,63 +20,45 @@ if TYPE_CHECKING:
 _MODES = {o.mode: o for o in Outcome}
 _APART = ("structure", "record", "alpha", "sign", "model")  # each combination of their values has its panel
 _MOST = 24  # panels
+_WIDTHS = {"T": 2.5, "record": 6.0}  # of bars; the intervals of neighbouring sizes and records are unrelated
 Interval = tuple[float, float, float]  # frequency, lower and upper amplitude
 
 
 def bands(figure: Figure, rows: Rows, units: Units) -> list[Axes]:
-    """Draw overturning amplitudes over frequency (of records: over T = 2 pi/p), one panel for each structure and record.
+    """Draw overturning amplitudes over frequency, over T = 2 pi/p, or of each record.
 
-    Intervals of neighbouring frequencies that overlap are joined; intervals of records are bars. Raises ValueError for too many panels.
+    Intervals of neighbouring frequencies that overlap are joined; others are bars. Raises ValueError for too many panels.
     """
-    dimensional = all(row.get("omega_g") for row in rows)
-    over = "omega_g" if dimensional else "Omega" if "Omega" in rows[0] else "T"
-    low, high = ("a_from", "a_to") if dimensional else ("A_from", "A_to")
-    found = groups(rows, *_APART)
-    drawn = _panels(figure, len(found))
-    for axes, (key, some) in zip(drawn, found.items(), strict=True):
-        x = column(some, over) / units.column(over)[2]
-        frequencies = sorted(set(x.tolist()))
-        bars = over == "T"  # under a record the intervals of neighbouring sizes are unrelated
-        _draw(axes, some, (low, high), x, units, [] if bars else frequencies, 2.5 if bars else 1.0)
-        margin = 0.02 * (frequencies[-1] - frequencies[0]) or 0.5
-        axes.set(xlim=(frequencies[0] - margin, frequencies[-1] + margin))
-        axes.set(xlabel=label(over, units), ylabel=label("a_g" if dimensional else "A", units), title=_title(some[0], key, units))
+    over = next(key for key in ("omega_g", "Omega", "T", "record") if all(row.get(key) for row in rows))
+    amplitude = "a" if over in ("omega_g", "record") else "A"
+    found = groups(rows, *(key for key in _APART if key != over))
+    if len(found) > _MOST:
+        raise ValueError(f"found {len(found)} panels; expected up to {_MOST}")
+    records = list(dict.fromkeys(row["record"] for row in rows)) if over == "record" else []
+    drawn = panels(figure, len(found))
+    for axes, some in zip(drawn, found.values(), strict=True):
+        x = np.array([float(records.index(row["record"])) for row in some]) if records else values(some, over, units)
+        places = sorted(set(x.tolist()))
+        _draw(axes, some, (f"{amplitude}_from", f"{amplitude}_to"), x, units, [] if over in _WIDTHS else places, _WIDTHS.get(over, 1.0))
+        if records:
+            axes.set_xticks(range(len(records)), [literal(record) for record in records], rotation=45.0, ha="right")
+            axes.set(xlim=(-0.5, len(records) - 0.5))
+        else:
+            margin = 0.02 * (places[-1] - places[0]) or 0.5
+            axes.set(xlim=(places[0] - margin, places[-1] + margin), xlabel=label(over, units))
+        names = [(key, some[0][key]) for key in _APART if key != over and some[0].get(key)]
+        title = ", ".join(valued(key, float(text), units) if key == "alpha" else literal(text) for key, text in names)
+        axes.set(ylabel=label("a_g" if amplitude == "a" else "A", units), title=title)
     return drawn
 
 
-def record_bars(figure: Figure, rows: Rows, units: Units) -> list[Axes]:
-    """Draw the overturning amplitudes of records, a bar for each, one panel for each structure."""
-    records = list(dict.fromkeys(row["record"] for row in rows))
-    found = groups(rows, *(name for name in _APART if name != "record"))
-    drawn = _panels(figure, len(found))
-    for axes, (key, some) in zip(drawn, found.items(), strict=True):
-        x = np.array([float(records.index(row["record"])) for row in some])
-        _draw(axes, some, ("a_from", "a_to"), x, units, [], width=6.0)
-        axes.set_xticks(range(len(records)), [literal(record) for record in records], rotation=45.0, ha="right")
-        axes.set(xlim=(-0.5, len(records) - 0.5), ylabel=label("a_g", units), title=_title(some[0], key, units))
-    return drawn
-
-
-def _panels(figure: Figure, count: int) -> list[Axes]:
-    if count > _MOST:
-        raise ValueError(f"found {count} panels; expected up to {_MOST}")
-    return panels(figure, count)
-
-
-def _title(row: dict[str, str], key: tuple[str, ...], units: Units) -> str:
-    names = [name for name in _APART if name in row]
-    known = [(name, text) for name, text in zip(names, key, strict=False) if text]
-    return ", ".join(valued(name, float(text), units) if name == "alpha" else literal(text) for name, text in known)
-
-
-def _draw(axes: Axes, some: Rows, ends: tuple[str, str], x: np.ndarray, units: Units, frequencies: list[float], width: float = 1.0) -> None:
+def _draw(axes: Axes, some: Rows, ends: tuple[str, str], x: np.ndarray, units: Units, frequencies: list[float], width: float) -> None:
     """Draw the intervals at each x, joined between neighbouring `frequencies`; only their lower ends if the rows have no upper end."""
     from matplotlib.collections import PolyCollection
     from matplotlib.patches import Patch
 
-    factor = units.column(ends[0])[2]
-    low = column(some, ends[0]) / factor
-    high = column(some, ends[1]) / factor if ends[1] in some[0] else low
+    low = values(some, ends[0], units)
+    high = values(some, ends[1], units) if ends[1] in some[0] else low
     top = 1.1 * float(np.nanmax(np.concatenate([low, high, [0.0]]))) or 1.0
     entries: list[Any] = []
     for mode in dict.fromkeys(row["mode"] for row in some):
@@ -107,13 +88,3 @@ def _joined(intervals: list[Interval], frequencies: list[float]) -> Iterator[lis
             for under, over in at[right]:
                 if low < over and under < high:
                     yield [(left, low), (right, under), (right, over), (left, high)]
-
-
-def curves(figure: Figure, rows: Rows, units: Units) -> list[Axes]:
-    """Draw the closed-form curves A(Omega), one line for each."""
-    axes = figure.add_subplot()
-    for i, (key, some) in enumerate(groups(rows, "structure", "curve").items()):
-        axes.plot(column(some, "Omega"), column(some, "A"), label=literal(" ".join(key).replace("_", " ")), **look(i))
-    axes.set(xlabel=label("Omega", units), ylabel=label("A", units))
-    legend(axes)
-    return [axes]

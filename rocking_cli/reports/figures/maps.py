@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -12,16 +11,14 @@ from ...dynamics.outcome import Difference, Outcome
 from ...errors import UsageError
 from ...spectra.file.reader import SpectraFile
 from ..units import Units
-from .canvas import DASHES, literal
-from .labels import label, titled
+from .canvas import DASHES, label, literal, titled
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-_Curves = dict[str, dict[float, float]]  # A by Omega, by curve
 _OMEGAS = 80  # points of a curve
+_END = 40  # points between the two in which it ends
 _ALONG = {"initiation": 0.7, "no_impact": 0.9, "after_impact_upper": 0.75, "after_impact_lower": 0.5}  # place of the name on a curve
-_NOSE = 40  # halvings of the interval in which a curve ends
 
 
 def outcome_map(axes: Axes, file: SpectraFile, place: int, units: Units) -> list[Any]:
@@ -99,17 +96,18 @@ def _closed_form(axes: Axes, file: SpectraFile, place: int, units: Units) -> Non
         return
     low, high = grid.frequency.values[[0, -1]] / (1.0 if grid.dimensionless else s.p)
 
-    def at(omegas: np.ndarray) -> _Curves:
-        found: _Curves = {}
+    curves: dict[str, dict[float, float]] = {}  # A by Omega, by curve
+
+    def add(omegas: np.ndarray) -> None:
         for point in closed_form_curves(omegas, s.eta, name):
-            found.setdefault(point.curve, {})[point.omega] = point.amplitude
-        return found
+            curves.setdefault(point.curve, {})[point.omega] = point.amplitude
 
     omegas = np.linspace(low, high, _OMEGAS)
-    curves = at(omegas)
-    for curve in ("after_impact_lower", "after_impact_upper"):
-        for end in _ends(curves.get(curve, {}), omegas):
-            curves[curve] |= _to_the_nose(at, curve, *end)
+    add(omegas)
+    there = [sum(w in points for points in curves.values()) for w in omegas.tolist()]
+    for i in np.flatnonzero(np.diff(there)):  # curves end between these two, with an upright tangent
+        bend = np.linspace(0.0, 1.0, _END) ** 2
+        add(omegas[i] + (omegas[i + 1] - omegas[i]) * (bend if there[i + 1] > there[i] else 1.0 - bend))
     for (curve, points), dash in zip(curves.items(), DASHES, strict=False):
         omega = np.array(sorted(points))
         amplitude = np.array([points[w] for w in omega])
@@ -118,26 +116,6 @@ def _closed_form(axes: Axes, file: SpectraFile, place: int, units: Units) -> Non
         x, y = omega / units.column(grid.frequency.name)[2], amplitude / units.column(grid.amplitude.name)[2]
         axes.plot(x, y, color="k", ls=dash, lw=1.2, label=f"closed form: {curve.replace('_', ' ')}")
         _named(axes, curve.replace("_", " "), x, y, _ALONG.get(curve, 0.5))
-
-
-def _ends(points: dict[float, float], omegas: np.ndarray) -> list[tuple[float, float]]:
-    """(Omega on the curve, neighbouring Omega beyond its end) for each end of a curve."""
-    there = [float(w) in points for w in omegas]
-    pairs = [(i, i + 1) for i in range(len(omegas) - 1) if there[i] != there[i + 1]]
-    return [(float(omegas[a if there[a] else b]), float(omegas[b if there[a] else a])) for a, b in pairs]
-
-
-def _to_the_nose(at: Callable[[np.ndarray], _Curves], curve: str, inside: float, outside: float) -> dict[float, float]:
-    """Points of a curve between its last known Omega and its end, by bisection."""
-    found: dict[float, float] = {}
-    for _ in range(_NOSE):
-        middle = 0.5 * (inside + outside)
-        points = at(np.array([middle])).get(curve, {})
-        found |= points
-        inside, outside = (middle, outside) if points else (inside, middle)
-        if abs(outside - inside) < 1e-4 * abs(inside):
-            break
-    return found
 
 
 def _named(axes: Axes, text: str, x: np.ndarray, y: np.ndarray, along: float) -> None:

@@ -15,8 +15,7 @@ from rocking_cli.responses.check import check
 def test_bars_end_at_the_first_overturning_and_lines_stand_at_the_demand():
     texts = ("kind: block\nwidth: 0.4\nheight: 2", "kind: block\nwidth: 1\nheight: 2\ngravity: 9.81")
     verdicts = [check(build_structure(parse_documents(t)[0]), sine(), parse_grid("a_g=0.35g,f_g=1.2")) for t in texts]
-    axes = Figure().add_subplot()
-    capacities(axes, verdicts, in_g=True)
+    axes = capacities(Figure(), verdicts, in_g=True)
     assert [bar.get_width() for bar in axes.patches] == pytest.approx([v.first_overturning_a / 9.81 for v in verdicts])
     assert [line.get_xdata()[0] for line in axes.lines] == pytest.approx([0.2, 0.35, 0.5, 0.35])
     assert [t.get_text() for t in axes.get_yticklabels()] == [v.structure for v in verdicts]
@@ -25,6 +24,5 @@ def test_bars_end_at_the_first_overturning_and_lines_stand_at_the_demand():
 
 def test_bars_of_one_structure_under_several_motions_are_named_by_the_motion():
     verdict = check(build_structure(parse_documents("kind: block\nwidth: 0.4\nheight: 2")[0]), sine(), parse_grid("a_g=0.35g,f_g=1.2"))
-    axes = Figure().add_subplot()
-    capacities(axes, [replace(verdict, motion=name) for name in ("north", "east")], in_g=True)
+    axes = capacities(Figure(), [replace(verdict, motion=name) for name in ("north", "east")], in_g=True)
     assert [t.get_text() for t in axes.get_yticklabels()] == ["north", "east"]

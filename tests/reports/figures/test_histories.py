@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from support.axes import lines, numbers, same
 
-from rocking_cli.reports.figures.histories import with_jumps
+from rocking_cli.reports.figures.curves import with_jumps
 from rocking_cli.reports.units import parse_units
 
 

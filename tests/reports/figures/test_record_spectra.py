@@ -9,7 +9,7 @@ from support.record_layouts import wave
 from rocking_cli import Axis, Method, Outcome
 from rocking_cli.motions.recording import Recording
 from rocking_cli.motions.records import Record
-from rocking_cli.reports.figures.record_spectra import SHARES, record_quantiles
+from rocking_cli.reports.figures.slices import SHARES, record_quantiles
 from rocking_cli.spectra.file.reader import SpectraFile
 from rocking_cli.spectra.record_scene import angles_scene
 from rocking_cli.spectra.sweep import write_scene
