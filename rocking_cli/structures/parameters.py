@@ -34,17 +34,11 @@ def _check_numbers(of: Side | RockingParameters) -> None:
         _demand("arm", of.arm, of.arm > 0.0, "a positive finite length")
 
 
-def _fields_in(record: Mapping[str, Any]) -> dict[str, Any]:
-    """The five parameters of a record by the names of the fields."""
-    return {name: record[key] for key, name in _FIELDS.items()}
-
-
 @dataclass(frozen=True)
 class Side:
-    """The parameters of an unsymmetric body while it stands on one edge.
+    """The parameters of an unsymmetric body while it stands on its `side` "right" (theta > 0) or "left" (theta < 0).
 
-    side: "right" (theta > 0) or "left" (theta < 0); p, alpha, uplift, a_scale and arm as in `RockingParameters`; eta: angular
-    speed after the impact over the speed before it, when the body leaves this edge for the other [-].
+    eta: angular speed after over before the impact with which it leaves this edge [-]; the others as in `RockingParameters`.
     Raises StructureError if a number is not finite or out of range.
     """
 
@@ -68,7 +62,15 @@ class Side:
 
     def numbers(self) -> dict[str, float]:
         """The five parameters by their printed names."""
-        return {key: getattr(self, name) for key, name in _FIELDS.items()}
+        return _numbers(self)
+
+
+def _numbers(of: Side | RockingParameters) -> dict[str, float]:
+    return {key: getattr(of, name) for key, name in _FIELDS.items()}
+
+
+def _fields_in(record: Mapping[str, Any]) -> dict[str, Any]:
+    return {name: record[key] for key, name in _FIELDS.items()}
 
 
 @dataclass(frozen=True)
@@ -119,7 +121,7 @@ class RockingParameters:
         if self.one_sided:
             raise StructureError("a one-sided body has one side")
         weaker = weaker_side(self.sides)
-        if any(getattr(weaker, name) != getattr(self, name) for name in _FIELDS.values()):
+        if weaker.numbers() != _numbers(self):
             raise StructureError(f"p, alpha, lambda, a_scale and eta are not those of the {weaker.side} edge, which lifts first")
 
     @classmethod
@@ -170,27 +172,11 @@ class RockingParameters:
 
     def record(self) -> dict[str, Any]:
         """The parameters as `rocking params --json` prints them: a document of kind `parameters`."""
-        more = {
-            "sides": [side.record() for side in self.sides],
-            "one_sided": self.one_sided,
-            "damping": self.damping,
-            "friction": self.friction,
-            "arm": self.arm,
-        }
-        return {
-            "name": self.name,
-            "kind": "parameters",
-            "structure_kind": self.structure,
-            "p": self.p,
-            "alpha": self.alpha,
-            "eta": self.eta,
-            "lambda": self.uplift,
-            "a_scale": self.a_scale,
-            "eta_source": self.eta_source,
-            "gravity": self.gravity,
-            **{key: value for key, value in more.items() if value},
-            **self.details,
-        }
+        kind = {"name": self.name, "kind": "parameters", "structure_kind": self.structure}
+        numbers = {key: getattr(self, _FIELDS[key]) for key in ("p", "alpha", "eta", "lambda", "a_scale")}
+        more = {key: getattr(self, key) for key in ("one_sided", "damping", "friction", "arm") if getattr(self, key)}
+        sides = {"sides": [side.record() for side in self.sides]} if self.sides else {}
+        return {**kind, **numbers, "eta_source": self.eta_source, "gravity": self.gravity, **sides, **more, **self.details}
 
     def alpha_on(self, side: Any) -> Any:
         """alpha [rad] on the right edge (side = +1) or the left edge (side = -1), shape of `side`."""

@@ -22,7 +22,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from contextlib import AbstractContextManager
 from dataclasses import replace
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
@@ -32,8 +31,6 @@ from ..parameters import RockingParameters
 from ..shared_keys import gravity_of, one_sided_restitution_of, restitution_of
 
 if TYPE_CHECKING:
-    from importlib.metadata import EntryPoint
-
     from ...documents.document import Document
     from ..sketch import Sketch
 
@@ -48,9 +45,10 @@ def build(document: Document, name: str) -> RockingParameters:
     found = {} if value is not None and isinstance(value.content, str) and value.content in KINDS else installed(GROUP)
     word = document.choice("kind", [*KINDS, *found])
     if word in KINDS:
-        return _built(_own(word), document, name)
-    with _blamed(document, found[word]):
-        built = _built(_load(found[word]), document, name)
+        return _built(_module(word), document, name)
+    wanted = f"a package that works, or one of {', '.join(KINDS)}"
+    with blamed(found[word], lambda said: document.fault("kind", said, wanted)):
+        built = _built(_module(word), document, name)
         if not isinstance(built, RockingParameters):
             raise TypeError(f"build returns {type(built).__name__}, which is no RockingParameters")
     return _with_shared_keys(document, built)
@@ -61,21 +59,15 @@ def _built(kind: Any, document: Document, name: str) -> RockingParameters:
     return built
 
 
-def _own(word: str) -> Any:
-    """The module of a kind of this package."""
-    return import_module("." + {"parameters": "stated"}.get(word, word), __package__)
-
-
-def _load(entry: EntryPoint) -> Any:
-    kind = entry.load()
+def _module(word: str) -> Any:
+    """The module of a kind, of this package or of an installed one. Raises TypeError if it is not a module of a kind."""
+    if word in KINDS:
+        return import_module("." + {"parameters": "stated"}.get(word, word), __package__)
+    kind = (entry := installed(GROUP)[word]).load()
     made = any(callable(getattr(kind, name, None)) for name in ("body", "build"))
     if not (made and isinstance(getattr(kind, "REPORTS", None), tuple | list)):
         raise TypeError(f"{entry.value} has no build(document, name) and no body(document), or no REPORTS, a tuple of keys")
     return kind
-
-
-def _blamed(document: Document, entry: EntryPoint) -> AbstractContextManager[None]:
-    return blamed(entry, lambda found: document.fault("kind", found, f"a package that works, or one of {', '.join(KINDS)}"))
 
 
 def _with_shared_keys(document: Document, built: RockingParameters) -> RockingParameters:
@@ -96,22 +88,20 @@ def _with_shared_keys(document: Document, built: RockingParameters) -> RockingPa
 def reports_of(word: str) -> Sequence[str]:
     """The details that a kind reports; empty for an unknown kind and for a package that does not load."""
     try:
-        kind = _own(word) if word in KINDS else _load(installed(GROUP)[word])
+        return tuple(_module(word).REPORTS)
     except (Exception, SystemExit):
         return ()
-    reports: Sequence[str] = kind.REPORTS
-    return reports
 
 
 def sizes_of(word: str) -> Sequence[str]:
     """The keys that the sizes of `KIND:AxB` state; empty for a kind without this form."""
-    return tuple(getattr(_own(word), "SIZES", ())) if word in KINDS else ()
+    return tuple(getattr(_module(word), "SIZES", ())) if word in KINDS else ()
 
 
 def sketch_of(document: Document, built: RockingParameters) -> Sketch:
     """The sketch of a structure that was built from the document. Raises DocumentError if its kind has no geometry."""
     word = str(document.values["kind"].content)
-    kind = _own(word) if word in KINDS else _load(installed(GROUP)[word])
+    kind = _module(word)
     if hasattr(kind, "body"):
         found: Sketch = kind.body(document).drawing
     elif hasattr(kind, "sketch"):
