@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from ..motions.biaxial import Biaxial, combined
+from ..motions.biaxial import combined
 from ..motions.motion import Motion
 from ..motions.polyline import Polyline
 from ..motions.segments import Segments, followed_by
@@ -96,21 +96,22 @@ def _value(segments: Segments, k: Array, u: Array) -> Array:
 
 
 def weighed(motion: Motion, right: float, left: float) -> Segments:
-    """The segments of a motion for a body whose edges have these r: `WeighedSegments` of a Biaxial motion, else its own."""
-    if not isinstance(motion, Biaxial):
+    """The segments of a motion for a body whose edges have these r: `WeighedSegments` under a vertical motion, else its own."""
+    if motion.vertical is None:
         return motion.segments
     return (_last if len(motion.segments) > _LONG else _many)(motion, right, left)
 
 
-def _made(motion: Biaxial, right: float, left: float) -> Segments:
-    signals = (motion.across, motion.vertical, combined(motion, right), combined(motion, -left))
-    if isinstance(motion.across, Polyline):
+def _made(motion: Motion, right: float, left: float) -> Segments:
+    assert motion.vertical is not None
+    signals = (motion, motion.vertical, combined(motion, right), combined(motion, -left))
+    if all(isinstance(signal, Polyline) for signal in signals):
         parts = [signal.segments for signal in signals]
     else:
         inner = [_apart(sorted(x for piece in pieces for x in extremes(piece)), pieces[0].stop - pieces[0].start)
                  for pieces in zip(*(signal.pieces for signal in signals[1:]), strict=True)]  # fmt: skip
         parts = [signal.cut(inner) for signal in signals]
-    own = motion.across.segments  # its extremes lie between the common cuts
+    own = motion.segments  # its extremes lie between the common cuts
     at = np.maximum(np.searchsorted(own.start, parts[0].start, side="right") - 1, 0)
     return _weighed(parts, (own.later_max[at], own.later_min[at]), (right, left))
 

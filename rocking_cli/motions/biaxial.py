@@ -1,11 +1,9 @@
-"""Horizontal and vertical ground motion together, with one time and one amplitude."""
+"""Horizontal and vertical ground motion together: on the same pieces, with one time and one amplitude."""
 
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -13,75 +11,11 @@ import numpy as np
 from ..errors import UsageError
 from .blocks import blocks
 from .motion import Motion, checked_scale
-from .piece import Piece, plus
+from .piece import plus
 from .polyline import Polyline
-from .segments import Samples, Segments
 
 
-class Biaxial(Motion):
-    """A horizontal and a vertical motion cut into the same pieces. The methods of `Motion` are those of the horizontal motion.
-
-    The horizontal acceleration is s a_g and the vertical one, positive upwards, is s_v a_g. told: name of the vertical motion as
-    recorded.
-    """
-
-    across: Motion
-    _vertical: Motion
-    told: str
-
-    __eq__ = object.__eq__  # caches hold results by motion, and a comparison of all pieces would be slow
-    __hash__ = object.__hash__
-
-    def __init__(self, across: Motion, vertical: Motion, told: str) -> None:
-        name = f"{across.name} with {told} upwards"
-        for key, value in {"name": name, "across": across, "_vertical": vertical, "told": told}.items():
-            object.__setattr__(self, key, value)
-
-    @property
-    def vertical(self) -> Motion:
-        """The vertical motion, on the same pieces."""
-        return self._vertical
-
-    @cached_property
-    def pieces(self) -> Sequence[Piece]:
-        """The horizontal pieces."""
-        return self.across.pieces
-
-    @property
-    def acceleration(self) -> float | None:
-        """The amplitude of the horizontal motion, see `Motion.acceleration`."""
-        return self.across.acceleration
-
-    @property
-    def duration(self) -> float:
-        """Phase at which both motions have ended [rad]."""
-        return self.across.duration
-
-    @property
-    def samples(self) -> Samples | None:
-        """The horizontal samples; None if the vertical motion has no samples at the same instants."""
-        return None if self._vertical.samples is None else self.across.samples
-
-    def value(self, phase: np.ndarray | float) -> np.ndarray:
-        """The horizontal s(phase) [-]."""
-        return self.across.value(phase)
-
-    def still_until(self, phase: float) -> Biaxial:
-        """Both motions, with the ground at rest after them up to a phase [rad]."""
-        return Biaxial(self.across.still_until(phase), self._vertical.still_until(phase), self.told)
-
-    def scaled(self, factor: float) -> Biaxial:
-        """Both motions times a factor. A negative factor reverses the horizontal motion only; the vertical one takes |factor|."""
-        share = abs(factor)
-        return Biaxial(self.across.scaled(factor), self._vertical.scaled(share), _times(self.told, share))
-
-    @cached_property
-    def segments(self) -> Segments:
-        """The segments of the horizontal motion."""
-        return self.across.segments
-
-
-def with_vertical(motion: Motion, vertical: Motion, scale: float = 1.0) -> Biaxial:
+def with_vertical(motion: Motion, vertical: Motion, scale: float = 1.0) -> Motion:
     """A horizontal motion together with a vertical one times `scale`, which may be negative.
 
     Two records keep the ratio of their amplitudes. Two pulses or motion documents share a_g and phase.
@@ -91,15 +25,10 @@ def with_vertical(motion: Motion, vertical: Motion, scale: float = 1.0) -> Biaxi
     if (own is None) != (other is None):
         raise UsageError("only one of the horizontal and the vertical motion is a record; expected two records, or none")
     factor = checked_scale(vertical.name, scale) * (1.0 if own is None or other is None else other / own)
-    told = _times(vertical.name, scale)
     marks = np.sort(np.concatenate([motion.marks, vertical.marks]))
     marks = marks[np.diff(marks, prepend=-np.inf) > 1e-12 * marks[-1]]
-    return Biaxial(motion.on(marks), vertical.on(marks).scaled(factor), told)
-
-
-def _times(name: str, factor: float) -> str:
-    """A name with its factor, or without a factor of 1."""
-    return name if factor == 1.0 else f"{name}, times {factor:g}"
+    told = vertical.name if scale == 1.0 else f"{vertical.name}, times {scale:g}"
+    return motion.on(marks, vertical.on(marks).scaled(factor, told))
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,7 +38,7 @@ class Upwards:
     vertical: Motion
     scale: float = 1.0
 
-    def __call__(self, motion: Motion) -> Biaxial:
+    def __call__(self, motion: Motion) -> Motion:
         """The horizontal motion `motion` together with this one, see `with_vertical`."""
         return with_vertical(motion, self.vertical, self.scale)
 
@@ -117,15 +46,17 @@ class Upwards:
         """The data on which a result depends: name, hash of the samples of a record, its amplitude [m/s2], scale."""
         lines, found = self.vertical, hashlib.sha256()
         if isinstance(lines, Polyline):
-            for part in blocks(lines.start.size):
+            for part in blocks(lines.start.size):  # one after the other, as in files of earlier versions
                 for column in (lines.start, lines.stop, lines.constant, lines.slope):
                     found.update(np.ascontiguousarray(column[part]).tobytes())
         return [lines.name, found.hexdigest(), lines.acceleration, self.scale]
 
 
-def combined(motion: Biaxial, factor: float) -> Motion:
-    """The horizontal motion plus `factor` times the vertical one, as one motion."""
-    across, up = motion.across, motion.vertical
-    if isinstance(across, Polyline) and isinstance(up, Polyline):
-        return across.plus(up, factor)
-    return Motion(motion.name, tuple(plus(a, b.scaled(factor)) for a, b in zip(across.pieces, up.pieces, strict=True)))
+def combined(motion: Motion, factor: float) -> Motion:
+    """The horizontal motion plus `factor` times its vertical one, as one motion."""
+    up = motion.vertical
+    assert up is not None
+    if isinstance(motion, Polyline) and isinstance(up, Polyline):
+        constant, slope = motion.constant + factor * up.constant, motion.slope + factor * up.slope
+        return Polyline(motion.name, motion.start, motion.stop, constant, slope)
+    return Motion(motion.name, tuple(plus(a, b.scaled(factor)) for a, b in zip(motion.pieces, up.pieces, strict=True)))

@@ -21,24 +21,22 @@ from .turning_points import extremes
 LARGEST_SCALE = 1e100  # larger amplitudes may overflow
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Motion:
     """A named motion: contiguous pieces from phase 0; the ground acceleration is a_g s(phi).
+
+    vertical: the vertical motion on the same pieces, positive upwards, over the same amplitude; None if there is none.
 
     Raises MotionError if there is no piece, if pieces overlap or leave a gap, or if a number is not finite.
     """
 
     name: str
     pieces: Sequence[Piece]
+    vertical: Motion | None = None
 
     @property
     def acceleration(self) -> float | None:
         """The amplitude a_g of a record [m/s2], which runs in its own time (omega_g = 1 rad/s); None for any other motion."""
-        return None
-
-    @property
-    def vertical(self) -> Motion | None:
-        """The vertical motion, positive upwards, over the same amplitude; None if there is none."""
         return None
 
     @property
@@ -78,25 +76,39 @@ class Motion:
 
     def still_until(self, phase: float) -> Motion:
         """The motion with the ground at rest after it up to a phase [rad]."""
-        return Motion(self.name, (*self.pieces, Piece(self.duration, phase)))
+        up = None if self.vertical is None else self.vertical.still_until(phase)
+        return Motion(self.name, (*self.pieces, Piece(self.duration, phase)), up)
 
     @property
     def marks(self) -> np.ndarray:
         """The starts of the pieces and the end of the last one [rad], shape (n + 1,)."""
         return np.array([0.0, *(p.stop for p in self.pieces)])
 
-    def on(self, marks: np.ndarray) -> Motion:
-        """The same motion with a piece between each two of these phases [rad], which include all its own marks; zero after its end."""
+    def on(self, marks: np.ndarray, vertical: Motion | None = None) -> Motion:
+        """The same motion with a piece between each two of these phases [rad], which include all its own marks; zero after its end.
+
+        vertical: a motion on the same pieces to add to it.
+        """
         pieces = []
         for start, stop in pairwise(marks.tolist()):
             middle = 0.5 * (start + stop)
             piece = next((p for p in self.pieces if p.start <= middle < p.stop), Piece(start, stop))
             pieces.append(replace(piece, start=start, stop=stop, constant=piece.constant + piece.slope * (start - piece.start)))
-        return Motion(self.name, tuple(pieces))
+        return Motion(self.name + upwards(vertical), tuple(pieces), vertical)
 
-    def scaled(self, factor: float) -> Motion:
-        """The motion times a factor, which may be negative. Raises MotionError, see `checked_scale`."""
-        return Motion(f"{self.name}, times {checked_scale(self.name, factor):g}", tuple(p.scaled(factor) for p in self.pieces))
+    def scaled(self, factor: float, name: str | None = None) -> Motion:
+        """The motion times a factor. A negative factor reverses the horizontal motion only; the vertical one takes |factor|.
+
+        name: by default that of the motion with the factor. Raises MotionError, see `checked_scale`.
+        """
+        told, up = self._scaled_name(factor)
+        return Motion(name or told, tuple(p.scaled(factor) for p in self.pieces), up)
+
+    def _scaled_name(self, factor: float) -> tuple[str, Motion | None]:
+        """The name and the vertical motion of the motion times a factor."""
+        own = f"{self.name.removesuffix(upwards(self.vertical))}, times {checked_scale(self.name, factor):g}"
+        up = self.vertical if self.vertical is None or abs(factor) == 1.0 else self.vertical.scaled(abs(factor))
+        return own + upwards(up), up
 
     @property
     def peak(self) -> float:
@@ -157,6 +169,11 @@ class Motion:
                 exact = (rest == 0.0) & (left == 0.0) & (last > first)
                 length[mine[exact]] = (last - first)[exact] * (np.pi / 2) / h.frequency
         return length
+
+
+def upwards(vertical: Motion | None) -> str:
+    """The end of the name of a motion with this vertical one."""
+    return "" if vertical is None else f" with {vertical.name} upwards"
 
 
 def checked_scale(name: str, factor: float) -> float:

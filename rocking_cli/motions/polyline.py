@@ -13,7 +13,7 @@ import numpy as np
 
 from ..errors import MotionError
 from .blocks import largest
-from .motion import Motion, checked_scale
+from .motion import Motion, checked_scale, upwards
 from .piece import Piece
 from .segments import Samples, Segments, line_segments
 
@@ -39,7 +39,10 @@ class Polyline(Motion):
     slope: Array
     _acceleration: float | None
 
-    def __init__(self, name: str, start: Array, stop: Array, constant: Array, slope: Array, acceleration: float | None = None) -> None:
+    def __init__(
+        self, name: str, start: Array, stop: Array, constant: Array, slope: Array, acceleration: float | None = None,
+        vertical: Motion | None = None,
+    ) -> None:  # fmt: skip
         arrays = {"start": start, "stop": stop, "constant": constant, "slope": slope}
         if not start.size:
             raise MotionError(f"motion {name!r}: no pieces; a motion needs at least one")
@@ -47,7 +50,7 @@ class Polyline(Motion):
             raise MotionError(f"motion {name!r}: holds a number that is not finite")
         if not np.all(stop > start):
             raise MotionError(f"motion {name!r}: an interval is empty or runs backwards")
-        for key, value in {"name": name, **arrays, "_acceleration": acceleration}.items():
+        for key, value in {"name": name, **arrays, "_acceleration": acceleration, "vertical": vertical}.items():
             object.__setattr__(self, key, value)
 
     @property
@@ -81,34 +84,33 @@ class Polyline(Motion):
         """The motion with the ground at rest after it up to a phase [rad]."""
         lasts = {"start": self.duration, "stop": phase, "constant": 0.0, "slope": 0.0}
         columns = {key: np.append(getattr(self, key), last) for key, last in lasts.items()}
-        return Polyline(self.name, **columns, acceleration=self.acceleration)
+        up = None if self.vertical is None else self.vertical.still_until(phase)
+        return Polyline(self.name, **columns, acceleration=self.acceleration, vertical=up)
 
-    def scaled(self, factor: float) -> Polyline:
-        """The motion times a factor, which may be negative. Raises MotionError, see `checked_scale`."""
-        name = f"{self.name}, times {checked_scale(self.name, factor):g}"
-        return Polyline(name, self.start, self.stop, factor * self.constant, factor * self.slope)
+    def scaled(self, factor: float, name: str | None = None) -> Polyline:
+        """See `Motion.scaled`."""
+        told, up = self._scaled_name(factor)
+        return Polyline(name or told, self.start, self.stop, factor * self.constant, factor * self.slope, vertical=up)
 
     @property
     def marks(self) -> Array:
         """See `Motion.marks`."""
         return np.append(self.start, self.stop[-1])
 
-    def on(self, marks: Array) -> Polyline:
+    def on(self, marks: Array, vertical: Motion | None = None) -> Polyline:
         """See `Motion.on`."""
         start, stop = marks[:-1], marks[1:]
         i = self._at(0.5 * (start + stop))
         moves = start < self.stop[-1]
         constant = np.where(moves, self.constant[i] + self.slope[i] * (start - self.start[i]), 0.0)
-        return Polyline(self.name, start, stop, constant, np.where(moves, self.slope[i], 0.0), self.acceleration)
-
-    def plus(self, other: Polyline, factor: float) -> Polyline:
-        """The sum of this motion and `factor` times another motion with the same intervals."""
-        constant, slope = self.constant + factor * other.constant, self.slope + factor * other.slope
-        return Polyline(self.name, self.start, self.stop, constant, slope)
+        slope = np.where(moves, self.slope[i], 0.0)
+        return Polyline(self.name + upwards(vertical), start, stop, constant, slope, self.acceleration, vertical)
 
     @cached_property
     def samples(self) -> Samples | None:
-        """Step and samples; None if the intervals are not equal within rounding, or the lines are not joined."""
+        """Step and samples; None if intervals are not equal within rounding, or lines not joined, here or in the vertical motion."""
+        if self.vertical is not None and self.vertical.samples is None:
+            return None
         count, last, end = self.start.size, self.duration, self.segments.s_end
         apart = _ROUNDING * largest(self.constant)
         if not largest(self.start - (last / count) * np.arange(count)) <= _ROUNDING * last:
@@ -120,7 +122,7 @@ class Polyline(Motion):
     @cached_property
     def coarsest(self) -> Polyline:
         """The same lines in the fewest equal intervals with a point at every kink; it undoes an interpolation between samples."""
-        if self.samples is None:
+        if self.samples is None or self.vertical is not None:
             return self
         s = self.samples.values
         bends = np.flatnonzero(np.abs(s[2:] - 2.0 * s[1:-1] + s[:-2]) > _STRAIGHT * largest(s))

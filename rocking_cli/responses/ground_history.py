@@ -28,12 +28,7 @@ class Ground:
     @property
     def _signals(self) -> tuple[Motion, ...]:
         """The horizontal motion, and the vertical one where there is one."""
-        if self.motion.vertical is None:
-            return (self.motion,)
-        from ..motions.biaxial import Biaxial
-
-        assert isinstance(self.motion, Biaxial)  # the only one with a vertical part
-        return self.motion.across, self.motion.vertical
+        return (self.motion,) if self.motion.vertical is None else (self.motion, self.motion.vertical)
 
     @cached_property
     def stops(self) -> Array:

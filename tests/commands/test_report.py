@@ -20,7 +20,7 @@ import pytest
 from rocking_cli import Outcome, Verdict, build_structure, check, parse_documents, parse_grid, sine
 from rocking_cli.fragility.exposure import Exposure
 from rocking_cli.fragility.measures import members_of, shaken_upwards
-from rocking_cli.motions.biaxial import Biaxial, Upwards
+from rocking_cli.motions.biaxial import Upwards
 from rocking_cli.motions.reading import read_motions
 from rocking_cli.motions.recording import Recording
 from rocking_cli.reports.page import Subject, page
@@ -151,7 +151,7 @@ def test_a_vertical_motion_is_in_every_verdict_and_in_the_curves(rocking, monkey
     monkeypatch.setattr("rocking_cli.reports.page.exposures", half_of_them)
     call = ("report", "configs/parameters.yaml", "--unit", "g", "--dt", "0.02", "--motion", *(f"{i}.txt" for i in range(5)), "-o", "r.html")
     assert rocking(*call, "--vertical", "3.txt", "--vertical-unit", "g", "--vertical-dt", "0.02", "--vertical-scale", "0.5").returncode == 0
-    assert [type(motion) for _, motion, _ in demands] == [Biaxial] * 5
+    assert all(motion.vertical is not None for _, motion, _ in demands)
     wanted = shaken_upwards(members_of(records), Upwards(records[3].motion, 0.5))
     assert [m.recording.identity() for m in members] == [m.recording.identity() for m in wanted]
     found = Page((tmp_path / "r.html").read_text(encoding="utf-8"))

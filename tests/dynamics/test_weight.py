@@ -16,7 +16,7 @@ from rocking_cli.dynamics.method import Method
 from rocking_cli.dynamics.weight import WeighedSegments, weighed
 from rocking_cli.errors import UsageError
 from rocking_cli.motions import Harmonic, Piece
-from rocking_cli.motions.biaxial import Biaxial, with_vertical
+from rocking_cli.motions.biaxial import with_vertical
 from rocking_cli.motions.polyline import Polyline
 from rocking_cli.responses.history import history
 from rocking_cli.structures.parameters import Side
@@ -204,7 +204,6 @@ def test_records_keep_the_ratio_of_their_amplitudes_and_others_do_not_go_with_th
     one = Polyline("one", start, stop, np.array([0.0, 1.0]), np.array([10.0, -5.0]), 4.0)
     two = Polyline("two", np.array([0.0]), np.array([0.2]), np.array([1.0]), np.array([-5.0]), 2.0)
     both = with_vertical(one, two, 0.5)
-    assert isinstance(both, Biaxial)
     assert both.vertical.value(np.array([0.0, 0.05, 0.1, 0.25])) == pytest.approx([0.25, 0.1875, 0.125, 0.0], abs=1e-15)
     assert (float(both.value(0.05)), both.duration) == pytest.approx((0.5, 0.3), rel=1e-14)
     with pytest.raises(UsageError, match="two records, or none"):
@@ -262,3 +261,17 @@ def test_uplift_needs_the_part_of_gravity_that_is_there(model, share):
         lifted = body.alpha / body.a_scale if model == "linear" else body.uplift
         lifts = float(body.ground_acceleration(system.least_uplift(with_vertical(sine(), sine(), share)))) / body.gravity
         assert lifts == pytest.approx(lifted / (1.0 + lifted * abs(share)), rel=1e-12)
+
+
+def test_points_under_a_vertical_sine_are_as_the_same_lines_in_pieces():
+    """The sine is cut at its extremes, and the points with it."""
+    time, level = np.array([0.0, 1.0, 4.0, 6.0]), np.array([0.0, 1.0, -1.0, 0.0])
+    points = Polyline("points", time[:-1], time[1:], level[:-1], np.diff(level) / np.diff(time))
+    (body, _), a = drawn("symmetric linear", np.random.default_rng(4)), np.linspace(0.5, 4.0, 15)[None, :]
+    omega = np.geomspace(0.5, 8.0, 7)[:, None]
+    found, wanted = (
+        response(Method("linear").system_of(body), with_vertical(m, sine(), 0.5), a, omega, 0.9)
+        for m in (points, Motion("p", points.pieces))
+    )
+    np.testing.assert_array_equal(found.outcome, wanted.outcome)
+    np.testing.assert_array_equal(found.theta_ratio, wanted.theta_ratio)

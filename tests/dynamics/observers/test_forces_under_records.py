@@ -101,13 +101,13 @@ def test_a_rest_under_lines_has_the_extremes_of_many_instants(kind):
     found = ForceExtremes(40)
     Resting(system.body, segments, cells).note(found, np.arange(40), k, u, to_k, to_u)
     friction, lift = found.largest.reshape(2, 40)
-    start, length = np.append(segments.start, segments.start[-1] + segments.length[-1]), motion.across.duration
+    start, length = np.append(segments.start, segments.start[-1] + segments.length[-1]), motion.duration
     for i in range(40):
         low, high = start[k[i]] + u[i], start[to_k[i]] + to_u[i]
         phase = np.sort(np.append(np.linspace(low, high, 500), start)) if high > low else start[:0]
         phase = phase[(phase >= low) & (phase <= high) & (phase < length * (1.0 - 1e-12))]
         scale = float(cells.amplitude[0, i]) * system.body.edges[0].uplift
-        fx, fz = -scale * motion.across.value(phase), 1.0 + scale * motion.vertical.value(phase)
+        fx, fz = -scale * motion.value(phase), 1.0 + scale * motion.vertical.value(phase)
         most = ((np.maximum(fx, 0.0) if kind == "one-sided" else np.abs(fx)) / fz).max(initial=0.0)
         assert friction[i] == pytest.approx(most, abs=1e-9)
         assert -lift[i] == pytest.approx(fz.min(initial=1.0), abs=1e-9)

@@ -81,7 +81,7 @@ def against_the_integration(words, samples, count, seed):
         a_g = float(body.ground_acceleration(amplitude))
         up = motion.vertical.scaled(a_g)
         found = response(Method("nonlinear" if nonlinear else "linear", 1e-11).system_of(body), motion, amplitude, 1.0 / p, eta)
-        marks = tuple(motion.across.stop.tolist())
+        marks = tuple(motion.stop.tolist())
         shaking = Shaking(partial(_at, motion.scaled(a_g)), partial(_at, up), marks[-1], marks)
         wanted = swing(Body(Edge(p, alpha, eta), Edge(p, alpha, eta), zeta, nonlinear), shaking)
         if wanted.outcome == "undecided" or up.peak > 0.95 * body.gravity:
