@@ -21,7 +21,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-Array = np.ndarray
+from .lanes import Array
 
 _PARTS = 32  # of the path from the ground to the peak; on each the bound takes the worst of every term
 _PUSHES = np.geomspace(1e-2, 1e2, 256)  # [g] that are tried

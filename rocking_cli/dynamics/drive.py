@@ -9,8 +9,7 @@ import numpy as np
 
 from ..motions.piece import Near
 from ..motions.segments import Segments
-
-Array = np.ndarray
+from .lanes import Array
 
 _SHORT = 3e-6  # of every scale of the drive: after a step of Halley's method this short the error is below rounding
 _LEAST_SQUARE = 1e-300  # for R^2 - x^2, which rounding may make 0 or less at an extremum of the sinusoid

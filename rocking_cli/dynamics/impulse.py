@@ -8,9 +8,7 @@ import numpy as np
 
 from ..motions.segments import Segments
 from .drive import crossing, segment_value, summed
-from .lanes import Lanes
-
-Array = np.ndarray
+from .lanes import Array, Lanes
 
 _ROUNDING = 1e-13  # of the terms that an integral over a segment is summed from
 _SURELY = 1.0 - 1e-9

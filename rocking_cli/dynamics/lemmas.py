@@ -43,7 +43,7 @@ While a < 1, a body that has crossed y = 0 downwards does not come back.
 Proof. For y <= 0, l/m > 1 > a, so f < 0: the body has y' <= 0 at the crossing, and where y' = 0 it only falls.
 So y > 0 at the end of a subcritical window proves that there was no impact, and y <= 0 that there was exactly one.
 Varying weight: it holds, since f = m (a - w l/m) and below the ground w l/m > w > a where c < 1.
-Used in `march.advance.advance`, `march.windows.window_end`.
+Used in `march.advance.advance`, `march.advance.window_end`.
 Test `test_lemmas.py::test_lemma_1_under_a_subcritical_drive_a_fallen_body_stays_below`.
 
 # Lemma 2 (supercritical drive)
@@ -60,7 +60,7 @@ Test `test_lemmas.py::test_lemma_2_under_a_supercritical_drive_there_is_one_mini
 In a step along which a falls and then rises at most once, y' changes from positive to negative at most once.
 Proof. Where a' < 0, V is concave while it is negative; where a' > 0, V is convex while it is positive.
 Varying weight: it does not hold, since a' + w' (y - 1) has no known sign. Bernstein bounds of the series isolate the turns.
-Used in `march.advance.turning_points`, `march.turns.falls_through_zero`.
+Used in `march.advance.turning_points`, `march.roots.falls_through_zero`.
 Test `test_lemmas.py::test_lemma_3_a_drive_that_falls_and_then_rises_lets_the_body_turn_back_once`.
 
 # Lemma 4 (hidden turn)
@@ -105,17 +105,13 @@ Varying weight: with c and d the net drives on the two sides, it lasts at most 2
 Speeds gain on either side, by at most the root of the largest over the least force there; G is the product of both roots, and e holds w
 times what y adds.
 
-The same sums give two more proofs.
-(a) No later uplift. Undamped linear oscillator, equal sides: let |a| <= e < 1 from an impact on, and V the total variation of a to come,
+No later uplift. Undamped linear oscillator, equal sides: let |a| <= e < 1 from an impact on, and V the total variation of a to come,
 jumps and the last one included. The body then bounces to the end of the shaking below its peak, as v^2 exp(4/3 V/(1 - e)) bounds every
 v^2. Proof. Over an arc v^2 changes by int 2 y' a = -int 2 y da. While v^2 <= 3/4 (1 - e)^2 no arc rises above 2/3 v^2/(1 - e), since
 y'' <= y - 1 + e. So an arc multiplies v^2 by at most 1 + 4/3 dV/(1 - e), and an impact lowers it.
-(b) More impacts than the march follows. On a stretch of a monotone segment with 1 - |a| >= m arcs begin with at most G v and last at most
-2 G v/(m - e), e < m/2, so a known number of them fills the stretch, unless the sequence ends before.
-Used in `contacts.sequences.sequence_ends`; (a) in `contacts.sequences.settles`; (b) in `contacts.sequences.outlasts`.
+Used in `contacts.sequences.sequence_ends`, `contacts.sequences.settles`.
 Test `test_lemmas.py::test_lemma_7_a_summed_sequence_ends_before_anything_else_happens`,
-`contacts/test_sequences.py::test_marching_on_finds_the_same_peak`,
-`contacts/test_sequences.py::test_given_up_is_what_would_have_been_given_up`.
+`contacts/test_sequences.py::test_marching_on_finds_the_same_peak`.
 
 # Lemma 8 (free motion)
 
@@ -156,7 +152,7 @@ ends by more than (1 - c) T^2/8.
 Proof. Green's function sinh is not negative, so y is monotone in the drive. y'' >= c - 1 gives the bound by the ends.
 The state at the end of a stretch is exact, whatever happens on the way.
 Varying weight: not used.
-Used in `samples.exact.horizon`, `samples.exact.ExactStepper._doubtful`, `samples.bounded.bounded_response`.
+Used in `samples.exact.horizon`, `samples.exact.ExactStepper._doubtful`, `samples.exact.bounded_response`.
 Test `samples/test_exact.py::test_records_against_an_integration_that_shares_no_code`.
 
 # Lemma 12 (Taylor step over samples)
@@ -168,7 +164,7 @@ K = L + M max(0, -a), f >= -K and y'' + 2 zeta y' >= -K, so that
   y' <= -K h at the end.
 Proof. The first claim is the integral of the inequality. From the peak y falls at most by exp(2 zeta s) K s^2/2 to an end s away.
 Varying weight: with w_+ L in the place of L, w_+ the largest weight of a stretch on which w > 0.
-Used in `samples.taylor_steps.TaylorStepper._step`, `samples.weighed_steps.WeighedTaylorStepper._step`, `single.recurrence`,
+Used in `samples.taylor_steps.TaylorStepper._step`, `samples.taylor_steps.WeighedTaylorStepper._step`, `single.recurrence`,
 `observers.peak_speed`.
 Test `samples/test_taylor_steps.py::test_lemma_12_a_step_that_is_taken_holds_no_impact_and_no_higher_peak`.
 
@@ -199,6 +195,6 @@ As long as W <= 0.095 D^2/g, and so g y <= D/10, y <= 1.053 W/F, M <= 1.05 y and
 Where a line ends, Q changes by phi times the change of c'. An impact lowers Q while |c' phi| <= 1: log W falls by at least 2 (1 - eta), and
 c' phi changes by 1 - eta of itself. If all these changes, for W = W_0 exp(G) [(1 - c^2)/(1 - c_0^2)]^(2/3), sum up to no more than G, W is
 never beyond this value: it would have to reach it first.
-Used in `contacts.adiabatic.bounces_on`, `contacts.adiabatic.ceiling`.
+Used in `contacts.sequences.bounces_on`, `contacts.sequences.ceiling`.
 Test `contacts/test_adiabatic.py::test_no_peak_is_above_the_ceiling`, `contacts/test_adiabatic.py::test_marching_on_finds_the_same_peak`.
 """

@@ -15,8 +15,7 @@ import numpy as np
 from ..errors import UsageError, did_you_mean
 from ..structures.parameters import RockingParameters, Side
 from .body import Body
-from .contacts.contact import Contact
-from .contacts.symmetric import Symmetric
+from .contacts.contact import Contact, Symmetric
 from .equations.equation import Equation
 from .equations.linear import LinearEquation
 from .equations.taylor import order_for
@@ -215,12 +214,12 @@ def model_in_words(method: Method, *structures: RockingParameters, model: str | 
 def contact_of(structure: RockingParameters, equation: Equation) -> Contact:
     """The contact of a structure under an equation."""
     if structure.one_sided:
-        from .contacts.one_sided import OneSided
+        from .contacts.contact import OneSided
 
         return OneSided()
     if not structure.sides:
         return Symmetric()
-    from .contacts.unequal import Unequal, exchange
+    from .contacts.contact import Unequal, exchange
 
     left, right = structure.sides
     there = equation.on(np.array([1.0, -1.0]))

@@ -10,10 +10,10 @@ import numpy as np
 
 from ..motions.motion import Motion
 from .equations.linear import LinearEquation
-from .march.account import Work
+from .lanes import Array
 from .march.batch import Batch
 from .march.engine import Run, Stepper, WindowStepper
-from .outcome import Outcome, safe
+from .outcome import Outcome, Work, safe
 from .system import System
 
 if TYPE_CHECKING:
@@ -21,7 +21,6 @@ if TYPE_CHECKING:
 
     from .observers.observer import Observer
 
-Array = np.ndarray
 Cells = tuple[Array, Array, Array]  # A, Omega and eta, of one shape
 
 _LIKELY = 2.0  # times the push that is proved beforehand: cells beyond it are watched while they march
@@ -110,8 +109,7 @@ def _stepper_of(system: System, motion: Motion, pool: int | None, jumps: bool) -
     if samples is None or (motion.vertical is not None and not jumps):
         return WindowStepper, pool
     if motion.vertical is not None:
-        from .samples.taylor_steps import LANES
-        from .samples.weighed_steps import WeighedTaylorStepper
+        from .samples.taylor_steps import LANES, WeighedTaylorStepper
 
         return partial(WeighedTaylorStepper, samples=samples), pool or LANES
     if jumps and motion.samples is not None and system.equation.bounded:  # linear, undamped, under equal steps: exact

@@ -10,8 +10,7 @@ import numpy as np
 from ..motions.motion import Motion
 from ..motions.segments import Segments
 from .body import Body
-from .contacts.contact import Contact
-from .contacts.symmetric import Symmetric
+from .contacts.contact import Contact, Symmetric
 from .equations.equation import Equation
 
 _SYMMETRIC = Symmetric()

@@ -20,8 +20,7 @@ from ..motions.polyline import Polyline
 from ..motions.segments import Segments, followed_by
 from ..motions.turning_points import extremes
 from .drive import drive_change
-
-Array = np.ndarray
+from .lanes import Array
 
 _ALIKE = 1e-9  # of a piece: extremes this close are one
 _LONG = 1 << 16  # segments of a motion, which take 400 bytes each: of longer motions only the last is kept

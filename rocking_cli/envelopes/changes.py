@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..dynamics.arrays import Arrays
+from ..dynamics.lanes import Arrays
 
 Array = np.ndarray
 

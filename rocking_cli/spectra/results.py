@@ -8,9 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..dynamics.march.account import Work
 from ..dynamics.method import LINEAR
-from ..dynamics.outcome import Outcome
+from ..dynamics.outcome import Outcome, Work
 from .scene import Scene
 from .trust.validity import Validity
 

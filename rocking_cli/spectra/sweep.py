@@ -10,9 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from ..dynamics.march.account import Work
 from ..dynamics.method import CHECKED_BY, Method, governing_method
-from ..dynamics.outcome import Difference, Outcome
+from ..dynamics.outcome import Difference, Outcome, Work
 from ..errors import Interrupted, UsageError
 from ..interruption import check as check_for_a_stop
 from ..interruption import deferred

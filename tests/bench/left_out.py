@@ -12,7 +12,7 @@ from unittest import mock
 import numpy as np
 
 from rocking_cli import Motion, dimensionless_oscillator, linear_response, parse_grid, sine, spectrum, trace_envelope
-from rocking_cli.dynamics.contacts.symmetric import Symmetric
+from rocking_cli.dynamics.contacts.contact import Symmetric
 from rocking_cli.dynamics.equations.linear import LinearEquation
 from rocking_cli.dynamics.march import engine
 from rocking_cli.motions import Piece

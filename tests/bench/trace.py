@@ -18,7 +18,7 @@ from unittest import mock
 import numpy as np
 from scenes import SCENES
 
-from rocking_cli.dynamics.contacts.symmetric import Symmetric
+from rocking_cli.dynamics.contacts.contact import Symmetric
 from rocking_cli.dynamics.equations.flow import LinearFlow
 from rocking_cli.dynamics.equations.linear import LinearEquation
 from rocking_cli.dynamics.equations.mechanism import MechanismEquation

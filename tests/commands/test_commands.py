@@ -105,7 +105,7 @@ def test_help_shows_an_example_that_runs(rocking, command):
 RECORD = "configs/motions/synthetic.at2"
 BODY = "rocking_cli.dynamics.equations.rigid_body"
 LOSS = "rocking_cli.dynamics.observers.contact_loss"
-FORCES = [f"rocking_cli.dynamics.observers.{name}" for name in ("ground_forces", "forces", "resting")]
+FORCES = [f"rocking_cli.dynamics.observers.{name}" for name in ("ground_forces", "forces")]
 
 
 @pytest.mark.parametrize(

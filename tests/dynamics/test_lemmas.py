@@ -14,9 +14,7 @@ from scipy.optimize import brentq
 
 from rocking_cli import LinearEquation, RigidBodyEquation, System, response
 from rocking_cli.dynamics import lemmas
-from rocking_cli.dynamics.contacts.one_sided import OneSided
-from rocking_cli.dynamics.contacts.symmetric import Symmetric
-from rocking_cli.dynamics.contacts.unequal import Unequal
+from rocking_cli.dynamics.contacts.contact import OneSided, Symmetric, Unequal
 from rocking_cli.dynamics.equations.damped_flow import DampedFlow
 from rocking_cli.dynamics.equations.flow import LinearFlow
 from rocking_cli.dynamics.march.batch import Batch

@@ -11,7 +11,7 @@ from oracles.collocation import Body, Edge, conditioning, integrate
 from oracles.single_cell import condition
 
 from rocking_cli import Method, Motion, Outcome, RockingParameters, cosine, pulse, response, sine
-from rocking_cli.dynamics.contacts.unequal import Unequal
+from rocking_cli.dynamics.contacts.contact import Unequal
 from rocking_cli.dynamics.equations.rigid_body import RigidBodyEquation
 from rocking_cli.dynamics.system import System
 from rocking_cli.motions import Harmonic, Piece

@@ -1,11 +1,13 @@
 """The contact with the ground: where a body lifts off, the result of an impact, and the outcome of the free motion.
 
-`symmetric`, `unequal` and `one_sided` are the contacts; `Contact` holds their common part.
+`Symmetric`, `Unequal` and `OneSided` are the contacts; `Contact` holds their common part.
 """
 
 from __future__ import annotations
 
+import math
 from abc import ABC, abstractmethod
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -13,10 +15,8 @@ import numpy as np
 from ...motions.segments import Segments
 from ..drive import crossing, drive_change
 from ..equations.equation import Equation
-from ..lanes import Cells, Lanes
+from ..lanes import Array, Cells, Lanes
 from .sequences import OtherSide, sequence_ends, sequence_time
-
-Array = np.ndarray
 
 
 class Uplift(NamedTuple):
@@ -136,3 +136,121 @@ def first_uplift(segments: Segments, k: Array, u: Array, right: Array, left: Arr
             k[waiting] = segments.next_beyond(k[waiting] + 1, 1.0 / left[waiting], 1.0 / right[waiting])
         u[waiting] = 0.0
     return Uplift(k, u, side, b)
+
+
+class Symmetric(Contact):
+    """Two equal edges: an impact puts the body on the other one with eta times its speed (Eq. 2.6), eta within [0, 1], of each cell."""
+
+    alike = True
+
+    def cells(self, equation: Equation, amplitude: Array, omega: Array, eta: Array) -> Cells:
+        """One row for both sides."""
+        if not np.all((eta >= 0.0) & (eta <= 1.0)):
+            raise ValueError("eta must be within [0, 1]")
+        return Cells((amplitude / equation.uplift_amplitude)[None], omega[None], eta[None])
+
+    def strike(self, cells: Cells, lanes: Lanes, v: Array, b: Array) -> None:
+        """The side flips, and with it the sign of the drive."""
+        lanes.side = -lanes.side
+        lanes.v = -lanes.eta * v
+        lanes.b = -2.0 - b  # b = -1 + a at y = 0, and a changes sign
+
+    def other_side(self, lanes: Lanes) -> OtherSide:
+        """The other side is like this one."""
+        return OtherSide(1.0, 1.0, lanes.eta, lanes.eta, 1.0)
+
+
+class OneSided(Contact):
+    """A body that is free for theta > 0 only, on its right edge: a facade against transverse walls (Sorrentino et al. 2011).
+
+    At theta = 0 it hits its backing and returns on the same side with e times its speed; eta is e, within (-1, 0], of each cell. It lifts
+    off only outwards, and an inward drive presses it to its backing.
+    """
+
+    def cells(self, equation: Equation, amplitude: Array, omega: Array, eta: Array) -> Cells:
+        """One row, of the right edge; the lanes' eta is -e."""
+        if not np.all((eta > -1.0) & (eta <= 0.0)):
+            raise ValueError("eta of a one-sided body must be within (-1, 0]")
+        return Cells((amplitude / equation.uplift_amplitude)[None], omega[None], np.abs(eta)[None])
+
+    def strongest(self, cells: Cells, segments: Segments) -> Array:
+        """-A min s: only a ground acceleration towards the backing lifts it."""
+        return cells.amplitude[0] * -segments.later_min[0]
+
+    def uplift(self, cells: Cells, segments: Segments, cell: Array, k: Array, u: Array) -> Uplift:
+        """At -A s > 1."""
+        amplitude = cells.amplitude[0, cell]
+        return first_uplift(segments, k, u, amplitude, np.zeros_like(amplitude))
+
+    def strike(self, cells: Cells, lanes: Lanes, v: Array, b: Array) -> None:
+        """Back on the same side, under the same force."""
+        lanes.v = -lanes.eta * v
+        lanes.b = b.copy()
+
+    def other_side(self, lanes: Lanes) -> None:
+        """Every arc is on this side."""
+
+
+def exchange(one: float, other: float) -> tuple[float, float]:
+    """one/other and other/one of positive units, to a few roundings: their product is 1 to every digit, so that impacts which take nothing
+    take nothing in these units either."""
+    there, back = one / other, other / one
+    while 0.0 < abs(there * back - 1.0) < 1.0:
+        there = math.nextafter(there, math.inf)
+        back = 1.0 / there
+    return there, back
+
+
+@dataclass(frozen=True)
+class Unequal(Contact):
+    """Two edges that differ: A = 1 and Omega = 1 of a reference in the units of each edge, (right, left).
+
+    With y = |theta| over its unit and tau = p t on each side, an impact multiplies the speed y' by eta_12 (unit_1 p_1)/(unit_2 p_2), which
+    may exceed 1; eta_12 eta_21 < 1. drive: amplitude over the edge's uplift; omega: omega_g over the edge's p; eta: speed y' after over y'
+    before on leaving the edge; rotation: |theta|/alpha of y = 1; pace: |theta'| of d(|theta|/alpha)/dtau = 1 over that of the reference.
+    Raises ValueError when a number is out of range.
+    """
+
+    drive: tuple[float, float]
+    omega: tuple[float, float]
+    eta: tuple[float, float]
+    rotation: tuple[float, float]
+    pace: tuple[float, float] = (1.0, 1.0)
+
+    def __post_init__(self) -> None:
+        if not all(x > 0.0 for x in (*self.drive, *self.omega, *self.rotation, *self.pace)):
+            raise ValueError("drive, omega, rotation and pace of both edges must be positive")
+        if not (min(self.eta) >= 0.0 and self.eta[0] * self.eta[1] <= 1.0):
+            raise ValueError("eta of both edges must be from 0, and their product at most 1")
+
+    def _of(self, pair: tuple[float, float], side: Array) -> Array:
+        return np.where(side > 0.0, *pair)
+
+    def cells(self, equation: Equation, amplitude: Array, omega: Array, eta: Array) -> Cells:
+        """A row for each edge; eta is this body's own, the cells' is ignored."""
+        drive, frequency, own = (np.array(pair)[:, None] for pair in (self.drive, self.omega, self.eta))
+        return Cells(drive * amplitude, frequency * omega, np.broadcast_to(own, (2, omega.size)))
+
+    def turn(self, cells: Cells, lanes: Lanes, at: Array, side: Array) -> None:
+        """Drive, time and restitution are the new side's, and the peak is in its unit."""
+        lanes.peak[at] *= self._of(self.rotation, lanes.side[at]) / self._of(self.rotation, side)
+        lanes.side[at] = side
+        row, cell = cells.row(side), lanes.cell[at]
+        lanes.amplitude[at], lanes.omega[at], lanes.eta[at] = (values[row, cell] for values in cells)
+
+    def speed(self, side: Array, rate: Array) -> Array:
+        """In units of the reference."""
+        return rate * self._of(self.pace, side)
+
+    def strike(self, cells: Cells, lanes: Lanes, v: Array, b: Array) -> None:
+        """The side flips; drive, time and unit become those of the other edge."""
+        lanes.v = -lanes.eta * v
+        # b = -1 + a at y = 0; a changes sign, and is measured by the other edge's uplift
+        lanes.b = -1.0 - (1.0 + b) * (self._of(self.drive, -lanes.side) / self._of(self.drive, lanes.side))
+        self.turn(cells, lanes, np.arange(lanes.side.size), -lanes.side)
+
+    def other_side(self, lanes: Lanes) -> OtherSide:
+        """The other edge."""
+        here, there = lanes.side, -lanes.side
+        drive, omega, rotation = (self._of(pair, there) / self._of(pair, here) for pair in (self.drive, self.omega, self.rotation))
+        return OtherSide(drive, omega, lanes.eta, self._of(self.eta, there), rotation)

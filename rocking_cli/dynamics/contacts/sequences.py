@@ -1,26 +1,29 @@
 """Sequences of impacts (Lemma 7): those that end in rest before any other event and their duration, those that last until the shaking is
-over, and those that take more steps than the march allows."""
+over, also at one action under a record (Lemma 14)."""
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
 
+from ...motions.blocks import blocks
 from ...motions.segments import Segments
-from ..arrays import Arrays
 from ..drive import drive_change
 from ..equations.equation import Equation
-from ..lanes import Lanes
-
-Array = np.ndarray
+from ..lanes import Array, Arrays, Lanes
 
 # With (nearly) no loss at impacts a sequence (nearly) never ends: a speed and a height below these are rest to every digit of theta/alpha.
 BELOW_ROUNDING, LOWEST = 1e-12, 1e-16
 _HARDLY_LOSES = 1.0 - 1e-6  # part of the speed that such a cycle keeps
-_EVERY = 32  # steps of a lane from one test to the next
-_SHARES = (0.003, 0.01, 0.03, 0.1, 0.25, 0.5)  # of the rest of the segment: ends of the stretches that bounces fill
+_KEEPS = 0.99  # eta above which bodies are tested: others come to rest soon
+_FIRST = 16  # steps of a lane before the first test
+_ROOM = (0.05, 0.1, 0.2, 0.4, 0.8)  # for G
+_SMALL = 0.095  # of D^2/g
+_PEAK = 1.17  # over W/D: 1.053 during the shaking, and after it, where a goes to 0 with M <= 1.05 y, 1.053 (1 + 1.106 e/D) D
+_JOINED = 1e-15  # of the largest s: a larger change between lines is a jump
+_SURELY = 1.0 - 1e-6  # part of a bound that is used: the rest is room for rounding
 
 
 @dataclass
@@ -106,7 +109,7 @@ def sequence_time(lanes: Lanes, there: OtherSide | None, weight: Array | float =
 
 def settles(segments: Segments, lanes: Lanes) -> Array:
     """True for lanes just after an impact that bounce or rest until the shaking is over and never rise above their peak: undamped linear
-    oscillators with equal edges (Lemma 7 (a))."""
+    oscillators with equal edges (Lemma 7)."""
     drive, ends = 1.0 + lanes.b, -lanes.side * lanes.amplitude * segments.s_end[lanes.k]
     left = 1.0 - np.maximum(np.maximum(np.abs(drive), np.abs(ends)), lanes.amplitude * segments.largest_later[lanes.k])
     variation = np.abs(ends - drive) + lanes.amplitude * segments.variation[lanes.k]
@@ -115,32 +118,55 @@ def settles(segments: Segments, lanes: Lanes) -> Array:
         return np.asarray((left > 0.0) & (fastest <= 0.75 * left * left) & (fastest <= 1.5 * left * lanes.peak))
 
 
-def outlasts(segments: Segments, lanes: Lanes, equation: Equation, most: int) -> Array:
-    """True for lanes with equal sides, just after an impact, that need more than `most` steps (Lemma 7 (b)).
-
-    G^2 is the last over the first force on the side whose force grows, G'^2 on the other. A sequence ends early only within the segment:
-    with a speed below (1 - eta^2) M times the time left, M the largest 1 - |a|, or below rounding. `most` impacts leave eta^most v/G'.
-    """
+def bounces_on(segments: Segments, lanes: Lanes, equation: Equation) -> Array:
+    """True for lanes just after an impact that bounce below their peak until the shaking is over. Lanes are tested after `_FIRST` steps,
+    then each time that the number has doubled."""
     found = np.zeros(lanes.v.shape, dtype=bool)
-    at = np.flatnonzero((lanes.steps % _EVERY == 0) & (lanes.v > 0.0) & (lanes.y == 0.0) & (lanes.b < 0.0) & (lanes.b > -2.0))
-    kept = lanes.eta[at] ** most
-    at, kept = at[kept > 0.0], kept[kept > 0.0]  # others have come to rest by then
-    if not at.size or equation.damping:
+    looks = (lanes.steps >= _FIRST) & (lanes.steps & (lanes.steps - 1) == 0) & (lanes.eta > _KEEPS) & (lanes.v > 0.0)
+    at = np.flatnonzero(looks & (lanes.b < 0.0) & (lanes.b > -2.0))
+    if not at.size:
         return found
-    k, u, v, eta, a0 = lanes.k[at], lanes.u[at], lanes.v[at], lanes.eta[at], 1.0 + lanes.b[at]
-    left, gain = segments.length[k] - u, equation.on(lanes.side[at], lanes.cell[at]).gain
-    outward, now = -lanes.side[at] * lanes.amplitude[at], drive_change(segments, k, u)
-    begins = a0 + outward * (drive_change(segments, k, u + _SHARES[0] * left) - now)
-    for share, to in pairwise(_SHARES):
-        ends = a0 + outward * (drive_change(segments, k, u + to * left) - now)
-        rises, here, there = ends > a0, (1.0 - ends) / (1.0 - a0), (1.0 + ends) / (1.0 + a0)
-        fastest, slowest = v * np.sqrt(np.where(rises, there, here)), v * kept * np.sqrt(np.where(rises, here, there))
-        least, first = 1.0 - np.maximum(np.abs(begins), np.abs(ends)), 1.0 - np.abs(a0)
-        most_force = np.where(a0 * ends > 0.0, np.maximum(first, 1.0 - np.abs(ends)), 1.0)  # of the weaker side, until the stretch ends
-        many = (to - share) * left / lanes.omega[at] * (0.5 * least) / (2.0 * fastest) > most
-        goes_on = np.where(eta < 1.0, 3.0 * slowest * lanes.omega[at] > (1.0 - eta * eta) * left * most_force, True)
-        goes_on &= slowest > BELOW_ROUNDING
-        gap = np.minimum(least, first)
-        found[at] |= (gap > 0.0) & (20.0 * gain * fastest**2 < gap**2) & many & goes_on
-        begins = ends
+    k = lanes.k[at]
+    later = np.minimum(k + 1, len(segments) - 1)
+    loudest = np.maximum(np.maximum(segments.later_max[later], -segments.later_min[later]), np.abs(segments.s_end[k]))
+    at = at[lanes.amplitude[at] * loudest < 1.0]
+    gains = np.broadcast_to(equation.on(lanes.side[at], lanes.cell[at]).gain, at.shape)
+    for lane, gain in zip(at.tolist(), gains.tolist(), strict=True):  # one by one: no sum depends on a lane's neighbours
+        highest = ceiling(segments, lanes.take(slice(lane, lane + 1)), gain)
+        found[lane] = math.isfinite(highest) and highest <= lanes.peak[lane]  # the peak is infinite where none is wanted
     return found
+
+
+def ceiling(segments: Segments, lane: Lanes, gain: float) -> float:
+    """A bound of all later peaks [y] of one body just after an impact if nothing lifts it again; infinite if none is proved."""
+    (k,), (u,), (amplitude,), (omega,), (v,), (b,) = (x.tolist() for x in (lane.k, lane.u, lane.amplitude, lane.omega, lane.v, lane.b))
+    torn = _JOINED * amplitude * max(float(segments.later_max[0]), -float(segments.later_min[0]))
+    now, sums, most, steepest, tall = abs(1.0 + b), 0.0, 0.0, 0.0, 0.0
+    if now == 1.0:  # the force is below rounding
+        return np.inf
+    end, before, phase_before = now, 0.0, 0.0  # of the line before: c at its end, c', the factor of phi
+    for part in blocks(len(segments) - k):
+        at = slice(k + part.start, k + part.stop)
+        ends = np.append(end, amplitude * segments.s_end[at])
+        if np.abs(amplitude * segments.s_start[at] - ends[:-1])[0 if part.start else 1 :].max(initial=0.0) > torn:
+            return np.inf
+        e = np.maximum(np.abs(ends[:-1]), np.abs(ends[1:]))
+        force, square = 1.0 - e, 1.0 - e * e  # D, 1 - e^2
+        slope = amplitude * omega * segments.slope[at]  # c'
+        rate, lasts = np.abs(slope), segments.length[at] / omega
+        if not part.start:
+            lasts[0] -= u / omega
+            before = slope[0]
+        phase = 2.0 / 3.0 / square + 0.36 / (force * force)
+        turns = np.abs(np.diff(slope, prepend=before)) * np.maximum(np.append(phase_before, phase[:-1]), phase)
+        lines = rate * rate * lasts * (4.0 / 3.0 * e / (square * square) + 0.74 / force**3)
+        sums += float(lines.sum()) + float(turns.sum())
+        tall += 2.0 * gain * float((rate * lasts / force**3).sum())
+        most, steepest = max(most, float(e.max())), max(steepest, float((rate * phase).max()))
+        end, before, phase_before = float(ends[-1]), float(slope[-1]), float(phase[-1])
+    for room in _ROOM:
+        still = 0.5 * v * v * math.exp(room) / (1.0 - now * now) ** (2.0 / 3.0)  # the most that W could be where c = 0
+        if math.sqrt(2.0 * still) * (sums + 2.0 * steepest) + still * tall <= _SURELY * room:
+            highest = still * (1.0 - most * most) ** (2.0 / 3.0) / (1.0 - most)  # W/D, which grows with |c|
+            return _PEAK * highest / _SURELY if highest <= _SMALL * (1.0 - most) / gain else np.inf
+    return np.inf

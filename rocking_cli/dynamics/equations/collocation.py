@@ -15,11 +15,9 @@ import numpy as np
 from ...motions.blocks import blocks
 from ...motions.segments import Segments
 from ..drive import segment_value
-from ..lanes import Lanes
+from ..lanes import Array, Lanes
 from .patches import Marks
 from .taylor import CACHED, LOCAL, TaylorSeries, order_for
-
-Array = np.ndarray
 
 _POINTS = 0.57  # points of a step for each factor e of its error
 _COARSE = 2  # sweeps with parabolas: then all but one step in a hundred are near their marks

@@ -21,10 +21,9 @@ from functools import lru_cache
 import numpy as np
 
 from ..drive import turn
+from ..lanes import Array
 from .equation import Point
 from .flow import SMALL, LinearFlow
-
-Array = np.ndarray
 
 _TERMS = 17  # powers of h in a series: what is left out at SMALL is below 1e-17 of its sum for zeta up to 1
 

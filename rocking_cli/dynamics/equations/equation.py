@@ -20,9 +20,7 @@ from typing import Any, NamedTuple, Protocol, Self
 import numpy as np
 
 from ...motions.segments import Segments
-from ..lanes import Lanes
-
-Array = np.ndarray
+from ..lanes import Array, Lanes
 
 
 class Point(NamedTuple):

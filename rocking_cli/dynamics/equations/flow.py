@@ -19,11 +19,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..arrays import Arrays
 from ..drive import turn
+from ..lanes import Array, Arrays
 from .equation import Point
-
-Array = np.ndarray
 
 SMALL = 0.5  # below this, max(1, w) h, the differences in F3, F4 are taken from their series
 _TERMS = 7  # terms of those series: the first one left out is below 1e-17 of the sum at SMALL

@@ -9,17 +9,14 @@ import numpy as np
 
 from ...motions.segments import Segments
 from ..drive import segment_value
-from ..lanes import Lanes
+from ..lanes import Array, Lanes
 from .equation import Equation, Law, Ramp
 from .flow import LinearFlow
-from .ramp import ramp_flow
 from .summed_flow import SummedFlow, can_be_summed
-from .taylor import TaylorSeries, drive_series, order_for, series
+from .taylor import TaylorSeries, drive_series, order_for, ramp_flow, series
 
 if TYPE_CHECKING:
     from .damped_flow import DampedFlow
-
-Array = np.ndarray
 
 WEIGHED = 1e-12  # tolerance of the series where the weight varies, which has no closed form
 

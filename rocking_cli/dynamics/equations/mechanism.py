@@ -7,7 +7,7 @@ rest F0 and G0, y = q p^2/(g F0) and a the outward drive over lambda g,
 
 F and G are tabulated once (`patches`). A step is found by collocation (`collocation`); if the body is damped, its weight varies or the
 tolerance is too tight, the series of F and G are composed with that of y. F/G = lambda(phi) falls all the way (checked), as the sign
-tests of `windows` need. Where it no longer falls, or is below -50 times its value at rest, the structure has collapsed.
+tests of `march.advance` need. Where it no longer falls, or is below -50 times its value at rest, the structure has collapsed.
 """
 
 from __future__ import annotations
@@ -23,14 +23,11 @@ from ...motions.blocks import blocks
 from ...motions.segments import Segments
 from ...structures.mechanics.kinematics import Mechanism
 from ..drive import summed
-from ..lanes import Lanes
+from ..lanes import Array, Lanes
 from .collocation import collocated
 from .equation import Equation, Law, Ramp, falls_by_energy, terms_along
 from .patches import DEGREE, inverse, largest, tabulate
-from .ramp import MOST_TERMS, ramp_flow
-from .taylor import CACHED, LOCAL, TaylorSeries, drive_series, longest, order_for, powers
-
-Array = np.ndarray
+from .taylor import CACHED, LOCAL, MOST_TERMS, TaylorSeries, drive_series, longest, order_for, powers, ramp_flow
 
 _SHIFT = 4  # powers of x that a narrow patch's series is shifted with
 _MARKS, _NEAR = 2048, 4  # intervals of a finer table: within half of one, powers above the 4th are below 1e-13

@@ -12,8 +12,7 @@ from functools import cached_property, lru_cache
 import numpy as np
 
 from ...structures.mechanics.kinematics import Mechanism, linearise
-
-Array = np.ndarray
+from ..lanes import Array
 
 DEGREE = 28  # of a patch's series
 _PARTS = 512  # narrow patches that one is cut into

@@ -20,12 +20,9 @@ import numpy as np
 from ...motions.blocks import blocks
 from ...motions.segments import Segments
 from ...structures.parameters import LEAST_ALPHA
-from ..lanes import Lanes
+from ..lanes import Array, Lanes
 from .equation import Equation, Law, Ramp, convolution, falls_by_energy, terms_along
-from .ramp import ramp_flow
-from .taylor import CACHED, TaylorSeries, drive_series, order_for, series
-
-Array = np.ndarray
+from .taylor import CACHED, TaylorSeries, drive_series, order_for, ramp_flow, series
 
 
 class RigidBodyEquation(Equation):

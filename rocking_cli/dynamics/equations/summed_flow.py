@@ -20,10 +20,9 @@ import numpy as np
 
 from ...motions.segments import Segments
 from ..drive import turn
+from ..lanes import Array
 from .equation import Point
 from .taylor import powers
-
-Array = np.ndarray
 
 SHORT = 2.0  # below this, (1 + fastest w) h, an arc is taken from the drive's derivatives
 _PAIRS = 11  # of derivatives: the first power of h that is left out is below 1e-17 of the sum at SHORT

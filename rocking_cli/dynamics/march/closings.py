@@ -1,7 +1,4 @@
-"""Closings: proofs that lanes come to a known outcome, so that they need not be followed.
-
-A run chooses its closings once, by what they need and what holds for it (`conditions`).
-"""
+"""Closings: proofs that lanes come to a known outcome, so that they need not be followed."""
 
 from __future__ import annotations
 
@@ -12,12 +9,10 @@ from typing import NamedTuple
 import numpy as np
 
 from ...motions.segments import Segments
-from ..contacts.sequences import outlasts, settles
-from ..lanes import Lanes
+from ..contacts.sequences import bounces_on, settles
+from ..lanes import Array, Lanes
 from ..outcome import Outcome
 from .batch import Batch
-
-Array = np.ndarray
 
 FEW = 2  # pushes of a motion: under more, an envelope looks closer where the number of impacts changes, and bodies are followed to the end
 
@@ -32,30 +27,12 @@ class Closed(NamedTuple):
 
 @dataclass(frozen=True)
 class Closing:
-    """needs: conditions under which the proof holds; closes(batch, lanes): the lanes just after an impact that it closes; counts: field of
-    `Work` that counts them; still: True of lanes that are left on still ground, which observers are told."""
+    """closes(batch, lanes): the lanes just after an impact that it closes; counts: field of `Work` that counts them; still: True of lanes
+    that are left on still ground, which observers are told."""
 
-    needs: frozenset[str]
     closes: Callable[[Batch, Lanes], Closed]
     counts: str | None = None
     still: bool = False
-
-
-def conditions(batch: Batch, observed: bool) -> frozenset[str]:
-    """What holds for a run, of what closings may need; observed: True if anything but peaks and outcomes is looked for."""
-    held = {
-        "undamped": not batch.equation.damping,
-        "damped": bool(batch.equation.damping),
-        "equal edges": batch.contact.alike,
-        "constant weight": batch.segments.weighed is None,
-        "linear equation": batch.equation.bounded,
-        "straight lines": batch.segments.straight,
-        "few pushes": not batch.segments.straight and batch.segments.pushes <= FEW,
-        "only the peak": batch.peaks and not observed,
-        "only the outcome": not batch.peaks and not observed,
-        "unobserved": not observed,
-    }
-    return frozenset(name for name, holds in held.items() if holds)
 
 
 def free_motion(batch: Batch, lanes: Lanes) -> Closed:
@@ -84,37 +61,20 @@ def damped_settling(batch: Batch, lanes: Lanes) -> Closed:
     return Closed(at, Outcome.ROCKED, lanes.peak[at])
 
 
-def _rocked(proved: Callable[[Batch, Lanes], Array]) -> Callable[[Batch, Lanes], Closed]:
-    def closes(batch: Batch, lanes: Lanes) -> Closed:
-        at = np.flatnonzero(proved(batch, lanes))
-        return Closed(at, Outcome.ROCKED, lanes.peak[at])
-
-    return closes
+def _rocked(lanes: Lanes, proved: Array) -> Closed:
+    at = np.flatnonzero(proved)
+    return Closed(at, Outcome.ROCKED, lanes.peak[at])
 
 
-def _failed(proved: Callable[[Batch, Lanes], Array]) -> Callable[[Batch, Lanes], Closed]:
-    return lambda batch, lanes: Closed(np.flatnonzero(proved(batch, lanes)), Outcome.FAILED, np.nan)
+def _unsettled(batch: Batch, lanes: Lanes) -> Closed:
+    """Damped lanes at the end of the still ground, where they should have settled."""
+    return Closed(np.flatnonzero(lanes.k >= len(batch.segments)), Outcome.FAILED, np.nan)
 
 
-def _bounces_on(batch: Batch, lanes: Lanes) -> Array:
-    from ..contacts.adiabatic import bounces_on
-
-    return bounces_on(batch.segments, lanes, batch.equation)
-
-
-FREE_MOTION = Closing(frozenset({"undamped"}), free_motion, "free_phase", still=True)
-SYMMETRIC = frozenset({"undamped", "equal edges", "constant weight"})
-OUTCOME_ONLY = SYMMETRIC | {"linear equation", "only the outcome", "few pushes"}
-AT_IMPACTS = (
-    FREE_MOTION,
-    Closing(frozenset({"damped"}), damped_settling, still=True),
-    Closing(frozenset({"damped"}), _failed(lambda batch, lanes: lanes.k >= len(batch.segments))),  # it should have settled
-    Closing(
-        SYMMETRIC | {"linear equation", "only the peak"}, _rocked(lambda batch, lanes: settles(batch.segments, lanes)), "chatters_closed"
-    ),
-    Closing(SYMMETRIC | {"straight lines", "unobserved"}, _rocked(_bounces_on), "chatters_closed"),
-    Closing(SYMMETRIC, _failed(lambda batch, lanes: outlasts(batch.segments, lanes, batch.equation, batch.most_steps))),
-)  # fmt: skip
+FREE_MOTION = Closing(free_motion, "free_phase", still=True)
+DAMPED = [Closing(damped_settling, still=True), Closing(_unsettled)]
+SETTLES = Closing(lambda batch, lanes: _rocked(lanes, settles(batch.segments, lanes)), "chatters_closed")
+BOUNCES_ON = Closing(lambda batch, lanes: _rocked(lanes, bounces_on(batch.segments, lanes, batch.equation)), "chatters_closed")
 
 
 def impulse_bound(segments: Segments) -> Closing:
@@ -122,11 +82,17 @@ def impulse_bound(segments: Segments) -> Closing:
     from ..impulse import ImpulseAhead
 
     ahead = ImpulseAhead.of(segments)
-    return Closing(OUTCOME_ONLY, lambda _, lanes: Closed(np.flatnonzero(ahead.cannot_overturn(lanes)), Outcome.ROCKED, np.nan))
+    return Closing(lambda _, lanes: Closed(np.flatnonzero(ahead.cannot_overturn(lanes)), Outcome.ROCKED, np.nan))
 
 
 def closings_of(batch: Batch, observed: bool) -> tuple[list[Closing], list[Closing]]:
-    """The closings of a run: for lanes just after an impact, and for those of them that have been taken to their next uplift."""
-    held = conditions(batch, observed)
-    after_rest = [impulse_bound(batch.segments)] if held >= OUTCOME_ONLY else []
-    return [closing for closing in AT_IMPACTS if closing.needs <= held], after_rest
+    """The closings of a run: for lanes just after an impact, and for those of them that have been taken to their next uplift. observed:
+    True if anything but peaks and outcomes is looked for."""
+    segments, linear = batch.segments, batch.equation.bounded
+    if batch.equation.damping:
+        return DAMPED, []
+    if observed or not batch.contact.alike or segments.weighed is not None:
+        return [FREE_MOTION], []
+    few = not segments.straight and segments.pushes <= FEW
+    early = [SETTLES] * (linear and batch.peaks) + [BOUNCES_ON] * segments.straight
+    return [FREE_MOTION, *early], [impulse_bound(segments)] if linear and few and not batch.peaks else []

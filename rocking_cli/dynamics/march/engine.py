@@ -6,26 +6,39 @@ new cells take their places. The march leaves out cells that never leave the gro
 
 from __future__ import annotations
 
+import ctypes
+import sys
 from collections.abc import Callable, Sequence
+from contextlib import suppress
+from functools import cache
 from typing import Protocol, TypeVar
 
 import numpy as np
 
 from ..contacts.contact import Uplift
 from ..drive import place
-from ..lanes import Lanes
+from ..lanes import Array, Lanes
 from ..observers.observer import Arcs, Observer
-from ..outcome import FALLEN, Outcome
-from .account import Work
+from ..outcome import FALLEN, Outcome, Work
 from .advance import Passage, advance, turning_points
 from .batch import Batch
 from .closings import FREE_MOTION, Closed, Closing, closings_of, free_motion
-from .memory import keep_freed_memory
 
-Array = np.ndarray
 Landing = TypeVar("Landing", bound=Lanes)
 
 STILL = 1e-100  # a speed whose square a double does not hold is none
+_TRIM_THRESHOLD, _MMAP_THRESHOLD = -1, -3  # of mallopt(3)
+_BLOCK = 32 << 20  # bytes, the largest that it takes
+
+
+@cache
+def keep_freed_memory() -> None:
+    """Let glibc keep freed blocks of up to 32 MB, 64 MB in all: to fault the arrays of each round in anew takes as long as all the rest."""
+    if sys.platform == "linux":
+        with suppress(AttributeError):  # another library than glibc
+            mallopt = ctypes.CDLL(None).mallopt
+            mallopt(_MMAP_THRESHOLD, _BLOCK)
+            mallopt(_TRIM_THRESHOLD, 2 * _BLOCK)
 
 
 class Stepper(Protocol):

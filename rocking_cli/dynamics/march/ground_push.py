@@ -10,9 +10,7 @@ from ...motions.segments import Segments
 from ..body import Body
 from ..contacts.contact import Contact
 from ..drive import segment_value, summed
-from ..lanes import Lanes
-
-Array = np.ndarray
+from ..lanes import Array, Lanes
 
 _TRIALS = 4  # of the time that a bouncing lasts
 

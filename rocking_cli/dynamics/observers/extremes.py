@@ -12,9 +12,8 @@ from typing import TypeVar
 
 import numpy as np
 
-from ..arrays import Arrays
+from ..lanes import Array, Arrays
 
-Array = np.ndarray
 Values = TypeVar("Values", bound=Arrays)
 
 _CUT = 1.6  # over the rate at which a quantity bends: length of the stretches

@@ -12,12 +12,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..arrays import Arrays
 from ..body import Body, Edge
+from ..lanes import Array, Arrays
 from ..march.ground_push import Shaking
 from .extremes import Extremes, Ratio, Stretches, parts
-
-Array = np.ndarray
 
 
 @dataclass

@@ -8,9 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..equations.equation import Equation, Flow, Ramp
-from ..lanes import Lanes
-
-Array = np.ndarray
+from ..lanes import Array, Lanes
 
 
 class Arcs(NamedTuple):

@@ -15,11 +15,9 @@ import numpy as np
 
 from ..contacts.contact import Contact
 from ..equations.equation import Equation
-from ..lanes import Lanes
+from ..lanes import Array, Lanes
 from .extremes import Extremes, Ratio, Stretches, parts
 from .observer import Arcs, Observer, Propagation, TaylorSteps
-
-Array = np.ndarray
 
 
 class PeakSpeed(Observer):

@@ -1,21 +1,25 @@
-"""Exact propagation of the undamped linear oscillator over many samples of a record, each proved free of impacts (Lemma 11)."""
+"""Exact propagation of the undamped linear oscillator over many samples of a record, each proved free of impacts (Lemma 11).
+
+Of all solutions of Y'' = Y + s one stays bounded. It is the sum of its two modes, each integrated in the direction in which it decays:
+Y + Y' = -int_tau^T exp(tau - t) s dt and Y - Y' = -int_0^tau exp(t - tau) s dt. Every motion on one side is then
+y = 1 + c Y + up exp(tau) + down exp(-tau), c = -side A. So the state at any later sample costs two exponentials.
+"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
+from ...motions.blocks import largest
 from ...motions.segments import Samples
+from ..lanes import Array
 from ..march.engine import Run
 from ..observers.observer import Propagation
-from .bounded import LONGEST_STRETCH, bounded_response
 from .stepper import PooledLanes, SampleStepper
-from .stretches import stretches
-
-Array = np.ndarray
 
 LANES = 65536  # lanes: fewer rounds outweigh what no longer fits any cache
 _TABLES = 1 << 25  # bytes of tables at a time
@@ -23,6 +27,71 @@ _LEAST = 1e-8  # over 1 + A: a displacement below it, which a propagation knows 
 _ROUNDS = 16  # propagations in a row, before lanes that wait get their round
 _FEW = 2  # of so many lanes one must go on
 _SURELY = 1.0 - 1e-6  # part of a horizon that is used: y at a propagation's end may be off by 1e-15 of 1e-8
+_TERMS = 20  # of the series of the weights: the first one left out is below 1e-17 up to `stepper.LONGEST`
+LONGEST_STRETCH = 24.0  # tau: exp of it stays below 3e10, so that growth cannot bury the state in rounding
+_FORGOTTEN = 1e-20  # a mode that has decayed to this part is no longer felt
+SLACK = 1e-6  # part of the peak by which each bound lies below what it bounds: far above the rounding to single precision
+_FINE = 3  # stretches of 2^k samples begin at every sample up to this k, at every 2^(k - 3)rd beyond
+
+
+def bounded_response(samples: Array, pace: Array) -> Array:
+    """Y + iY' at the samples, (paces, samples); pace: interval between samples [tau], (paces,), at most `stepper.LONGEST`."""
+    all_of_it = -np.expm1(-pace)  # int_0^h exp(-t) dt
+    far = np.zeros_like(pace)  # int_0^h exp(-t) t/h dt
+    for k in range(_TERMS, -1, -1):
+        far = far * -pace + (k + 1.0) / math.factorial(k + 2)
+    far *= pace
+    near = all_of_it - far
+    decays = np.exp(-pace[:, None] * 2.0 ** np.arange((samples.size - 1).bit_length()))  # over 1, 2, 4 ... samples
+    result = np.empty((pace.size, samples.size), dtype=complex)
+    for row, *weights, decay in zip(result, near.tolist(), far.tolist(), decays, strict=True):
+        felt = decay[decay >= _FORGOTTEN].tolist()
+        up, down = _mode(samples, weights, felt), _mode(samples[::-1], weights, felt)[::-1]
+        row.real, row.imag = 0.5 * (up + down), 0.5 * (up - down)
+    return result
+
+
+def _mode(samples: Array, weights: Sequence[float], decays: Sequence[float]) -> Array:
+    """The integral of one mode from each sample to the last of them."""
+    near, far = weights
+    total = np.append(-(near * samples[:-1] + far * samples[1:]), 0.0)
+    for level, decay in enumerate(decays):
+        reach = 1 << level
+        total[:-reach] += decay * total[reach:]
+    return total
+
+
+class Stretches(NamedTuple):
+    """Bounds over stretches: that of level k from sample n covers the samples n ... n + 2^k, as far as there are any.
+
+    low: (2 sides x stretches,), 40 bytes a sample; start, shift: (levels,); face: entries of one side: 0 is the right edge, this the left.
+    """
+
+    low: Array
+    start: Array
+    shift: Array
+    face: int
+
+    def at(self, face: Array, level: Array, n: Array) -> Array:
+        """Lower bound of the outward drive of A = 1 over the stretch."""
+        return self.low.take(face + self.start.take(level) + (n >> self.shift.take(level)))
+
+
+def stretches(samples: Array, levels: int) -> Stretches:
+    """The bounds of samples s (n,), for stretches of 1, 2, 4 ... 2^(levels - 1) intervals; on the right edge the outward drive is -s."""
+    last = samples.size - 1
+    slack = SLACK * largest(samples)
+    shift = np.maximum(0, np.arange(levels, dtype=np.int64) - _FINE)
+    sizes = last // (1 << shift) + 1
+    start = np.cumsum(sizes) - sizes
+    low = np.empty((2, int(sizes.sum())), dtype=np.float32)
+    for side, outward in zip(low, (-samples, samples), strict=True):
+        least = (outward - slack).astype(np.float32)
+        for level in range(levels):
+            reach = 1 << max(level - 1, 0)  # from the front: what comes later has not changed yet
+            least[:-reach] = np.minimum(least[:-reach], least[reach:])
+            side[start[level] : start[level] + sizes[level]] = np.minimum.reduceat(least, np.arange(0, last + 1, 1 << int(shift[level])))
+    return Stretches(low.ravel(), start, shift, low.shape[1])
 
 
 @dataclass
@@ -80,7 +149,7 @@ class ExactStepper(SampleStepper[ExactLanes]):
 
     def _top(self, pace: Array) -> Array:
         """The level of the longest stretch."""
-        return np.minimum(np.frexp(LONGEST_STRETCH / pace)[1] - 1, self.stretches.levels - 1).astype(np.int64)
+        return np.minimum(np.frexp(LONGEST_STRETCH / pace)[1] - 1, self.stretches.start.size - 1).astype(np.int64)
 
     def can_jump(self, lanes: ExactLanes) -> Array:
         """All but those that bounce within this interval."""

@@ -14,11 +14,9 @@ import numpy as np
 
 from ...motions.segments import Samples
 from ..drive import place
-from ..lanes import Lanes
+from ..lanes import Array, Lanes
 from ..march.engine import Run, WindowStepper
 from ..outcome import Outcome
-
-Array = np.ndarray
 
 WIDTH = 5056  # lanes that jump together: what they need fits the second-level cache, and no power of two lies between its rows
 LONGEST = 0.5  # interval between samples [tau] up to which lanes jump

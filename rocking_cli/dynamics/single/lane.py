@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...motions.segments import Segments
-from ..equations.ramp import LONGEST, MOST_TERMS, degrees
+from ..equations.taylor import LONGEST, MOST_TERMS, degrees
 from ..lanes import Cells, Lanes
 from ..march.batch import SETTLING
 from ..system import System

@@ -14,7 +14,7 @@ from functools import partial
 
 import numpy as np
 
-from ..equations.ramp import LONGEST
+from ..equations.taylor import LONGEST
 from ..outcome import FALLEN, Outcome
 from .lane import Face, Lane
 from .series_roots import first_root, only_root, turns, value

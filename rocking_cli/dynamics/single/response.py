@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ...motions.motion import Motion
-from ..march.account import Work
-from ..outcome import Outcome
+from ..outcome import Outcome, Work
 from ..response import Response, response, that_left_the_ground
 from ..system import System
 from .lane import Lane

@@ -11,9 +11,9 @@ import numpy as np
 from ..contacts.contact import Uplift
 from ..contacts.sequences import BELOW_ROUNDING
 from ..drive import place
-from ..equations.ramp import LONGEST, WITHIN
+from ..equations.taylor import LONGEST, WITHIN
 from ..lanes import Cells, Lanes
-from ..march.free_fall import FreeFall
+from ..march.batch import FreeFall
 from ..outcome import Outcome
 from .lane import Face, Lane
 

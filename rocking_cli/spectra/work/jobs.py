@@ -15,9 +15,8 @@ from typing import Any
 
 import numpy as np
 
-from ...dynamics.march.account import Work
 from ...dynamics.method import LINEAR
-from ...dynamics.outcome import Difference, Outcome, difference
+from ...dynamics.outcome import Difference, Outcome, Work, difference
 from ...dynamics.response import Response, response, response_with_demands, response_with_speed, that_left_the_ground
 from ...motions import Motion
 from ...processes import Run, processes

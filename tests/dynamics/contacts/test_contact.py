@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from rocking_cli.dynamics.contacts.symmetric import Symmetric
+from rocking_cli.dynamics.contacts.contact import Symmetric
 from rocking_cli.dynamics.equations.linear import LinearEquation
 
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from rocking_cli import LinearEquation, sine
-from rocking_cli.dynamics.contacts.one_sided import OneSided
+from rocking_cli.dynamics.contacts.contact import OneSided
 
 CONTACT = OneSided()
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from rocking_cli import LinearEquation, RigidBodyEquation, cosine, sine
-from rocking_cli.dynamics.contacts.symmetric import Symmetric
+from rocking_cli.dynamics.contacts.contact import Symmetric
 
 CONTACT = Symmetric()
 

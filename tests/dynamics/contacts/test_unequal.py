@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from rocking_cli import LinearEquation, Method, Motion, response, sine
-from rocking_cli.dynamics.contacts.unequal import Unequal
+from rocking_cli.dynamics.contacts.contact import Unequal
 from rocking_cli.motions import Piece
 from rocking_cli.structures.parameters import RockingParameters, Side
 

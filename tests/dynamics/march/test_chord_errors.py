@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from rocking_cli.dynamics.body import Body
-from rocking_cli.dynamics.march import chord_errors
+from rocking_cli.dynamics.observers import contact_loss
 
 
 def forces_of(body, edge, push, weight, u, rate):
@@ -43,8 +43,8 @@ def test_forces_leave_their_chords_by_no_more_than_their_sag(linear):
     (first, begin), (last, end) = seen[0], seen[-1]
     most = np.maximum(np.abs(push), np.abs(push + push1 * h)), np.abs(push1), np.zeros(1)
     heaviest = np.maximum(weight, weight + weight1 * h) - 1.0, np.abs(weight1), np.zeros(1)
-    ends = [chord_errors.Ends(*state, forces[2], forces[1]) for forces, state in ((first, begin), (last, end))]
-    error = chord_errors.chord_errors(body, edge, chord_errors.Shakes(*most, *heaviest), h, *ends)
+    ends = [contact_loss.Ends(*state, forces[2], forces[1]) for forces, state in ((first, begin), (last, end))]
+    error = contact_loss.chord_errors(body, edge, contact_loss.Shakes(*most, *heaviest), h, *ends)
     values, share = np.array([forces[1] for forces, _ in seen]), np.arange(steps + 1)[:, None] / steps
     off = np.abs(values - (1.0 - share) * values[0] - share * values[-1]).max(axis=0)
     kept = u > 0.0

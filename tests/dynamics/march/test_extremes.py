@@ -25,6 +25,7 @@ from rocking_cli import (
     spectrum,
     trace_envelope,
 )
+from rocking_cli.dynamics.march import batch
 
 DECIDED = (Outcome.NO_UPLIFT, Outcome.ROCKED, Outcome.OVERTURNED_NO_IMPACT, Outcome.OVERTURNED_AFTER_IMPACT)
 
@@ -94,13 +95,7 @@ def test_many_cycles(cycles):
 
 def test_a_hundred_thousand_impacts_end_in_an_outcome(monkeypatch):
     """Without loss a body just above uplift never stops bouncing: the cell is given up as failed after a bounded number of steps."""
-    from rocking_cli.dynamics.march import batch, closings
-
     monkeypatch.setattr(batch, "MAX_STEPS", 1000)
-    found = linear_response(sine(), 1 + 1e-6, 1.0, 1.0)
-    assert found.outcome == Outcome.FAILED
-    assert int(found.impacts) < 100  # which is known long before
-    monkeypatch.setattr(closings, "AT_IMPACTS", closings.AT_IMPACTS[:-1])
     found = linear_response(sine(), 1 + 1e-6, 1.0, 1.0)
     assert found.outcome == Outcome.FAILED
     assert 900 < int(found.impacts) < 2 * 1000

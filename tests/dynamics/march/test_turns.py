@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from rocking_cli.dynamics.equations.taylor import TaylorSeries
-from rocking_cli.dynamics.march.turns import falls_through_zero, sense
+from rocking_cli.dynamics.march.roots import falls_through_zero, sense
 
 
 @pytest.mark.parametrize("bent", [0.05, 0.5, 4.0])  # hardly, monotone, with several turns

@@ -8,7 +8,7 @@ from oracles.single_cell import LADDER
 
 from rocking_cli import cosine, pulse, sine
 from rocking_cli.dynamics.drive import crossing, phase_between, place, segment_value
-from rocking_cli.dynamics.march.windows import window_end
+from rocking_cli.dynamics.march.advance import window_end
 from rocking_cli.dynamics.weight import weighed
 from rocking_cli.motions import Harmonic, Motion, Piece
 from rocking_cli.motions.biaxial import with_vertical

@@ -10,7 +10,7 @@ from support.synthetic_records import RECORDS, noise, shaken
 from rocking_cli import Method, response
 from rocking_cli.dynamics.observers import ground_forces
 from rocking_cli.dynamics.observers.forces import ForceExtremes
-from rocking_cli.dynamics.observers.resting import Resting
+from rocking_cli.dynamics.observers.ground_forces import Resting
 from rocking_cli.dynamics.outcome import safe
 from rocking_cli.dynamics.response import response_with_demands
 from rocking_cli.motions import Harmonic, Motion, Piece

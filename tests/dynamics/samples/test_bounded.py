@@ -8,7 +8,7 @@ import mpmath
 import numpy as np
 import pytest
 
-from rocking_cli.dynamics.samples.bounded import bounded_response
+from rocking_cli.dynamics.samples.exact import bounded_response
 
 
 def by_integration(samples, pace, at):

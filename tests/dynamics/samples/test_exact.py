@@ -10,9 +10,7 @@ from oracles.record_lockstep import lockstep
 from support.synthetic_records import RECORDS, allowance, assert_same, cells, noise, shaken
 
 from rocking_cli import LinearEquation, System, linear_response, response
-from rocking_cli.dynamics.contacts.one_sided import OneSided
-from rocking_cli.dynamics.contacts.symmetric import Symmetric
-from rocking_cli.dynamics.contacts.unequal import Unequal
+from rocking_cli.dynamics.contacts.contact import OneSided, Symmetric, Unequal
 from rocking_cli.dynamics.march.batch import Batch
 from rocking_cli.dynamics.march.engine import Run
 from rocking_cli.dynamics.samples.exact import LANES, ExactStepper

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from rocking_cli.dynamics.samples.stretches import SLACK, stretches
+from rocking_cli.dynamics.samples.exact import SLACK, stretches
 
 
 @pytest.mark.parametrize("count", [2, 3, 17, 300])

@@ -10,10 +10,9 @@ from oracles.record_lockstep import Rigid, lockstep
 from support.synthetic_records import RECORDS, allowance, assert_same, cells, shaken
 
 from rocking_cli import LinearEquation, Method, Outcome, RigidBodyEquation, System, load_structures, nonlinear_response, response, sine
-from rocking_cli.dynamics.contacts.one_sided import OneSided
-from rocking_cli.dynamics.contacts.unequal import Unequal
+from rocking_cli.dynamics.contacts.contact import OneSided, Unequal
 from rocking_cli.dynamics.equations.equation import Ramp
-from rocking_cli.dynamics.equations.ramp import degrees, factors_for
+from rocking_cli.dynamics.equations.taylor import degrees, factors_for
 from rocking_cli.dynamics.march.batch import Batch
 from rocking_cli.dynamics.march.engine import Run
 from rocking_cli.dynamics.samples.taylor_steps import TaylorStepper

@@ -12,11 +12,10 @@ from oracles.vertical_motion import Shaking, swing
 from support.synthetic_records import RECORDS, allowance, assert_same, cells, noise, shaken
 
 from rocking_cli import LinearEquation, Method, Outcome, RigidBodyEquation, RockingParameters, System, load_structures, response
-from rocking_cli.dynamics.contacts.one_sided import OneSided
-from rocking_cli.dynamics.contacts.unequal import Unequal
+from rocking_cli.dynamics.contacts.contact import OneSided, Unequal
 from rocking_cli.dynamics.march.batch import Batch
 from rocking_cli.dynamics.march.engine import Run
-from rocking_cli.dynamics.samples import weighed_steps
+from rocking_cli.dynamics.samples import taylor_steps
 from rocking_cli.motions import Harmonic, Motion, Piece
 from rocking_cli.motions.biaxial import with_vertical
 
@@ -132,7 +131,7 @@ def test_records_of_one_step_are_stepped_and_others_marched(monkeypatch):
     motion, _ = upwards(slice(30, 54), 0.04, 0.5, 2)
     other = with_vertical(shaken(RECORDS[2][30:54], 0.04), shaken(UPWARDS[30:54], 0.03))
     stepped = []
-    monkeypatch.setattr(weighed_steps.WeighedTaylorStepper, "march", lambda self, waiting: stepped.append(waiting.size))
+    monkeypatch.setattr(taylor_steps.WeighedTaylorStepper, "march", lambda self, waiting: stepped.append(waiting.size))
     for m in (motion, other):
         response(SYSTEMS["a body"][0], m, [2.0, 3.0], 0.5, 0.9)
     assert stepped == [2]

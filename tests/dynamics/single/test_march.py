@@ -10,8 +10,7 @@ from oracles.record_lockstep import LINEAR, Rigid, lockstep
 from support.synthetic_records import RECORDS, allowance, assert_same, cells, noise, shaken
 
 from rocking_cli import LinearEquation, Method, Outcome, RigidBodyEquation, System, cosine, load_structures, pulse, response, sine
-from rocking_cli.dynamics.contacts.one_sided import OneSided
-from rocking_cli.dynamics.contacts.unequal import Unequal
+from rocking_cli.dynamics.contacts.contact import OneSided, Unequal
 from rocking_cli.dynamics.single.response import response_alone
 from rocking_cli.dynamics.single.series_roots import first_root, only_root, turns
 from rocking_cli.motions.biaxial import with_vertical

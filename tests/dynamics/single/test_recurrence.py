@@ -7,7 +7,7 @@ import pytest
 
 from rocking_cli import LinearEquation, Method, RigidBodyEquation, load_structures
 from rocking_cli.dynamics.equations.equation import Ramp
-from rocking_cli.dynamics.equations.ramp import factors_for
+from rocking_cli.dynamics.equations.taylor import factors_for
 from rocking_cli.dynamics.single.recurrence import compiled
 
 ORDER = 11
