@@ -1,13 +1,8 @@
 """The interface of an equation of motion to the march, `Equation`, and the records that go with it.
 
-All equations are put in one form. On one side, with tau = p t of that side and the displacement y >= 0 in the unit in which
-the body at rest falls back with acceleration 1,
-
-    y'' = f - 2 zeta y',   f = -l(y) + a(tau) m(y),   l(0) = m(0) = 1,   l/m > 1 for y < 0
-
-where a is the outward drive over its value at uplift and f the force. The linear oscillator has l = 1 - y, m = 1 (Eq. 2.4), a
-rigid body l = sin(alpha - theta)/sin alpha, m = cos(alpha - theta)/cos alpha (Eq. 2.3), a mechanism the forces of Eq. 3.4 in
-its canonical coordinate. Uplift, windows and impacts need nothing else.
+All equations have one form, which `dynamics.lemmas` states. The linear oscillator has l = 1 - y, m = 1 (Eq. 2.4), a rigid body
+l = sin(alpha - theta)/sin alpha, m = cos(alpha - theta)/cos alpha (Eq. 2.3), a mechanism the forces of Eq. 3.4 in its canonical
+coordinate. Uplift, windows and impacts need nothing else.
 """
 
 from __future__ import annotations
@@ -33,10 +28,10 @@ class Point(NamedTuple):
 
 
 class Flow(Protocol):
-    """The motion of each lane from its present state on, until the next impact or the end of a piece.
+    """The motion of each lane from its present state on, until the next impact or the end of a piece. Arrays are (lanes,).
 
-    damping: zeta [-]; y, v, b: displacement, velocity and acceleration at the start, (lanes,); longest: longest step [tau], (lanes,);
-    fastest: rate [1/tau] of the fastest change, for the roots' tolerances, (lanes,).
+    damping: zeta [-]; y, v, b: displacement, velocity and acceleration at the start; longest: longest step [tau]; fastest: rate [1/tau] of
+    the fastest change, for the roots' tolerances.
     """
 
     @property
@@ -66,7 +61,7 @@ class Ramp(NamedTuple):
     """The drive of each lane over its unit of time [tau]: its value now and its gain until the unit is over, (lanes,).
 
     factors: unit^2/((n + 1)(n + 2)) for the terms n + 2 of y, 0 beyond a lane's degree, (degrees, lanes); force: f now if it is known
-    to more digits than by the drive, as at uplift, where it is 0; weight: w now and its gain, if it varies.
+    to more digits than the drive tells, as at uplift, where it is 0; weight: w now and its gain, if it varies.
     """
 
     drive: Array
@@ -105,9 +100,8 @@ def convolution(a: str, b: str, n: int, first: int = 0) -> str:
 
 
 class Equation(ABC):
-    """An equation of motion in the form above; y, v in its own unit, per tau.
-
-    Its numbers are floats, or (lanes,) arrays where the two sides of a body differ or every cell has a body of its own (`on`).
+    """An equation of motion; y, v in its own unit, per tau. Its numbers are floats, or (lanes,) arrays where the two sides of a body differ
+    or every cell has a body of its own (`on`).
 
     damping: zeta [-]; without damping the motion after the shaking has a closed form. tolerance: error of theta/alpha that series keep;
     gain: bound of the growth of f with y, near the ground and for |a| <= 1, on either side; uplift_amplitude: the dimensionless amplitude A
@@ -141,9 +135,33 @@ class Equation(ABC):
     def flow(self, segments: Segments, lanes: Lanes) -> Flow:
         """The flow of the lanes from their present state."""
 
-    @abstractmethod
+    def along(self, y: Array) -> Callable[[int], Array]:
+        """A function of n that returns terms n of l and m, (2, lanes), from the terms 0 to n of y, (terms, lanes); it is called for n = 0,
+        1 ... in this order."""
+        raise NotImplementedError
+
     def ramp_terms(self, y: Array, v: Array, ramp: Ramp) -> Array:
-        """Terms of y in powers of time over `ramp.unit` under a straight line, (degrees + 2, lanes); see `ramp`."""
+        """Terms of y in powers of time over `ramp.unit` under a straight line, (degrees + 2, lanes)."""
+        terms = np.empty((len(ramp.factors) + 2, y.size))
+        terms[0] = y
+        np.multiply(v, ramp.unit, out=terms[1])
+        term, drag = self.along(terms), 2.0 * self.damping / ramp.unit
+        before = np.empty((2, y.size))
+        for n, factor in enumerate(ramp.factors):
+            lift, push = here = term(n)
+            pushed = np.multiply(ramp.drive, push, out=terms[n + 2])
+            if n:
+                pushed += ramp.gain * before[1]
+            pushed -= lift if ramp.weight is None else ramp.weight[0] * lift
+            if n and ramp.weight is not None:
+                pushed -= ramp.weight[1] * before[0]
+            if not n and ramp.force is not None:
+                pushed[:] = ramp.force
+            if self.damping:
+                pushed -= drag * ((n + 1) * terms[n + 1])
+            pushed *= factor
+            before = here
+        return terms
 
     @abstractmethod
     def law(self, side: float) -> Law:
@@ -188,28 +206,3 @@ def falls_by_energy(v: Array, energy: Array, barrier: Array | float, beyond: Arr
     """True where bodies of this energy on still ground overturn. beyond: past the unstable equilibrium, from where only the speed
     to climb back over the barrier saves them."""
     return np.where(beyond, (v >= 0.0) | (energy < barrier), (v > 0.0) & (energy > barrier))
-
-
-def terms_along(along: Callable[[Array], Callable[[int], Array]], damping: float, y: Array, v: Array, ramp: Ramp) -> Array:
-    """`Equation.ramp_terms` of an equation with this damping. along(y): function of n that returns terms n of l and m, (2, lanes), from
-    the terms 0 to n of y, (terms, lanes); it is called for n = 0, 1 ... in this order."""
-    terms = np.empty((len(ramp.factors) + 2, y.size))
-    terms[0] = y
-    np.multiply(v, ramp.unit, out=terms[1])
-    term, drag = along(terms), 2.0 * damping / ramp.unit
-    before = np.empty((2, y.size))
-    for n, factor in enumerate(ramp.factors):
-        lift, push = here = term(n)
-        pushed = np.multiply(ramp.drive, push, out=terms[n + 2])
-        if n:
-            pushed += ramp.gain * before[1]
-        pushed -= lift if ramp.weight is None else ramp.weight[0] * lift
-        if n and ramp.weight is not None:
-            pushed -= ramp.weight[1] * before[0]
-        if not n and ramp.force is not None:
-            pushed[:] = ramp.force
-        if damping:
-            pushed -= drag * ((n + 1) * terms[n + 1])
-        pushed *= factor
-        before = here
-    return terms

@@ -25,7 +25,7 @@ from ...structures.mechanics.kinematics import Mechanism
 from ..drive import summed
 from ..lanes import Array, Lanes
 from .collocation import collocated
-from .equation import Equation, Law, Ramp, falls_by_energy, terms_along
+from .equation import Equation, Law, falls_by_energy
 from .patches import DEGREE, inverse, largest, tabulate
 from .taylor import CACHED, LOCAL, MOST_TERMS, TaylorSeries, drive_series, longest, order_for, powers, ramp_flow
 
@@ -108,11 +108,7 @@ class MechanismEquation(Equation):
             np.multiply(pushed, 1.0 / ((n + 1) * (n + 2)), out=y[n + 2])
         return known.fastest
 
-    def ramp_terms(self, y: Array, v: Array, ramp: Ramp) -> Array:
-        """The terms that follow from `_along`."""
-        return terms_along(self._along, self.damping, y, v, ramp)
-
-    def _along(self, y: Array) -> Callable[[int], Array]:
+    def along(self, y: Array) -> Callable[[int], Array]:
         """Terms of F and G from their series about each y."""
         return _composed(self._near(y[0], len(y) - 2), y, 1.0)[0]
 

@@ -21,7 +21,7 @@ from ...motions.blocks import blocks
 from ...motions.segments import Segments
 from ...structures.parameters import LEAST_ALPHA
 from ..lanes import Array, Lanes
-from .equation import Equation, Law, Ramp, convolution, falls_by_energy, terms_along
+from .equation import Equation, Law, convolution, falls_by_energy
 from .taylor import CACHED, TaylorSeries, drive_series, order_for, ramp_flow, series
 
 
@@ -117,11 +117,7 @@ class RigidBodyEquation(Equation):
         np.multiply(rate[2:], 1.0 / (np.arange(2.0, order + 1.0)[:, None] * -self.sin), out=y[2:])
         return known.fastest
 
-    def ramp_terms(self, y: Array, v: Array, ramp: Ramp) -> Array:
-        """The terms that follow from `_along`."""
-        return terms_along(self._along, self.damping, y, v, ramp)
-
-    def _along(self, y: Array) -> Callable[[int], Array]:
+    def along(self, y: Array) -> Callable[[int], Array]:
         """Terms of sin z/sin(alpha) and cos z/cos(alpha), which follow from each other."""
         rows, lanes = len(y) - 2, y.shape[1]
         rate, turn, both = np.empty((rows, lanes)), np.empty((rows, 2, lanes)), np.empty((2, lanes))  # rate: n y_n
