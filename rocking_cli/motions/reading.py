@@ -20,7 +20,7 @@ from .motion_document import build_motion
 from .polyline import record_motion
 from .recording import Recording, with_distinct_labels
 from .records import Record, is_record, pick, records_of
-from .records.components import chosen, vertical_of
+from .records.record import chosen, vertical_of
 from .records.sets import NoRecord, read_set, record_files
 
 LONG, _BYTES = 5_000_000, 200  # a record with so many samples gets a remark on memory; bytes for each sample

@@ -1,8 +1,8 @@
 """Recorded ground motions: a reader for each format. The content of a file shows its format, never its name.
 
-A new format is one module with NAME, recognise(head) and read(text), and one word in FORMATS. recognise returns True for the first
-characters of a file of the format; read takes a `RecordText` and returns a list of `Series`. An installed package adds a format by an
-entry point, a module or an object with the same three names:
+A new format is one module with NAME, recognise(head) and read(text), or several as a tuple FORMATS, and one word in FORMATS here.
+recognise returns True for the first characters of a file of the format; read takes a `RecordText` and returns a list of `Series`. An
+installed package adds a format by an entry point, a module or an object with the same three names:
 
     [project.entry-points."rocking.records"]
     ours = "my_package.ours"
@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import gzip
 import hashlib
+import io
 import re
 import sys
 import zlib
@@ -23,14 +24,12 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ...documents.files import STDIN, read_bytes
+from ...documents.files import LARGEST, STDIN, read_bytes
 from ...documents.quantities import UNITS
 from ...errors import DocumentError, NoAcceleration, UsageError
 from ...plugins import blamed, installed
 from . import plain
-from .components import pick
-from .opening import PACKED, refuse_binary, unpack
-from .record import Record, Series, record_of
+from .record import Record, Series, pick, record_of
 from .text import HEAD, RecordText
 
 if TYPE_CHECKING:
@@ -39,7 +38,9 @@ if TYPE_CHECKING:
 __all__ = ["FORMATS", "Record", "Series", "demand_unit", "is_record", "pick", "read_record", "read_records", "records_of", "unknown"]
 
 GROUP = "rocking.records"
-FORMATS = ("esm", "cosmos", "geonet", "smc", "csmip", "volume1", "cwb", "knet", "afad", "peer")
+_PACKED = b"\x1f\x8b"  # gzip
+_COUNTS = "counts of an instrument and no unit; convert it to an acceleration with the station's response first"
+FORMATS = ("keyed", "cosmos", "geonet", "smc", "csmip", "volume1", "peer")
 _DOCUMENT = re.compile(r"^[\s{\"']*kind[\"']?\s*:", re.MULTILINE)
 _UNCORRECTED = re.compile(
     r"\A\s*(?:\d\s+)?(?:UNCORRECTED ACCELER(?:OGRAM|ATION)|RAW ACCELERATION(?! COUNTS)|\* VOL1DS)\b"
@@ -50,8 +51,9 @@ _UNCORRECTED = re.compile(
 
 @cache
 def _formats() -> tuple[Any, ...]:
-    """The modules of FORMATS, imported when the first file is read."""
-    return tuple(import_module(f"{__name__}.{name}") for name in FORMATS)
+    """The formats of the modules of FORMATS, imported when the first file is read."""
+    modules = (import_module(f"{__name__}.{name}") for name in FORMATS)
+    return tuple(found for module in modules for found in getattr(module, "FORMATS", (module,)))
 
 
 @cache
@@ -101,8 +103,8 @@ def records_of(source: str, raw: bytes, *, unit: str | None = None, dt: float | 
     named, and UsageError for an unknown unit.
     """
     demand_unit(unit)
-    unpacked = unpack(source, raw)
-    refuse_binary(source, unpacked)
+    unpacked = _unpack(source, raw)
+    _refuse_binary(source, unpacked)
     text = RecordText(source, unpacked, unit, dt)
     found, entry = _format_of(source, text.head)
     if found is None:
@@ -151,7 +153,7 @@ def unknown(source: str, raw: bytes) -> str:
 def is_record(path: str) -> bool:
     """True if a file begins as a record does; only its beginning is read. Structure and motion documents are not records."""
     with open(path, "rb") as file:
-        packed = file.read(2) == PACKED
+        packed = file.read(2) == _PACKED
         file.seek(0)
         try:
             raw = gzip.GzipFile(fileobj=file).read(HEAD) if packed else file.read(HEAD)
@@ -167,3 +169,33 @@ def _distinct(series: list[Series]) -> list[Series]:
         return series
     numbered = (s._replace(component=f"{s.component or 'channel'} ({i})") for i, s in enumerate(series, 1))
     return [s if s.component is not None and names.count(s.component) == 1 else other for s, other in zip(series, numbered, strict=True)]
+
+
+def _unpack(source: str, raw: bytes) -> bytes:
+    """The bytes of a file, unpacked if it is a gzip file. Raises DocumentError."""
+    if not raw.startswith(_PACKED):
+        return raw
+    try:
+        with gzip.open(io.BytesIO(raw)) as file:
+            unpacked = file.read(LARGEST + 1)
+    except (OSError, EOFError, zlib.error) as error:
+        raise DocumentError(f"{source}: a damaged gzip file ({error})") from None
+    if len(unpacked) > LARGEST:
+        raise DocumentError(f"{source}: larger than {LARGEST >> 20} MiB when unpacked, the limit of a file")
+    return unpacked
+
+
+def _refuse_binary(source: str, raw: bytes) -> None:
+    """Raise DocumentError for an empty file, NoAcceleration for archives, SAC and miniSEED, and for all else that is no text."""
+    if not (raw[:HEAD].strip() or raw.strip()):
+        raise DocumentError(f"{source}: empty; expected a record or a motion document")
+    if raw.startswith(b"PK\x03\x04") or raw[257:262] == b"ustar":
+        raise NoAcceleration(f"{source}: an archive (zip or tar); unpack it and name the files in it")
+    if raw[:3] == b"MS\x03" or (raw[:6].strip(b" 0123456789") == b"" and raw[6:7] in b"DRQM" and raw[7:8] in b" \0" and len(raw) >= 48):
+        raise NoAcceleration(f"{source}: miniSEED, which holds {_COUNTS}")
+    if len(raw) >= 632 and raw[304:308] in (b"\x06\0\0\0", b"\0\0\0\x06", b"\x07\0\0\0", b"\0\0\0\x07"):
+        raise NoAcceleration(f"{source}: SAC, which holds {_COUNTS}")
+    if raw[:HEAD].split(None, 6)[:5] == [b"-12345.00"] * 5 or raw[:HEAD].count(b"-12345.00") > 20:
+        raise NoAcceleration(f"{source}: SAC (alphanumeric), which holds {_COUNTS}")
+    if 100 * raw[:HEAD].count(0) > len(raw[:HEAD]):  # some headers of real files pad a name with a few
+        raise NoAcceleration(f"{source}: a binary file; expected a record or a motion document in text")

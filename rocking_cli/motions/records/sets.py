@@ -10,8 +10,7 @@ from typing import BinaryIO, TypeVar
 from ...documents.files import read_bytes
 from ...errors import DocumentError, NoAcceleration, NoComponent, UsageError
 from . import demand_unit, records_of, unknown
-from .components import names_of
-from .record import Record
+from .record import Record, names_of
 from .text import HEAD
 
 Taken = TypeVar("Taken")

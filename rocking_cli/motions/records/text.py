@@ -14,7 +14,7 @@ import numpy as np
 
 from ...errors import DocumentError, NoAcceleration
 from .numbers import NUMBER, OF_NUMBERS, Array, parsed, shown, value_of
-from .record import WRITTEN_UNITS, unit_of
+from .record import WRITTEN_UNITS, Series, unit_of
 
 Keys = dict[str, tuple[str, int]]
 
@@ -31,6 +31,14 @@ def begins(pattern: str) -> Callable[[str], bool]:
 def stated(pattern: re.Pattern[str], lines: Iterable[str], group: int = 1) -> str | None:
     """A group of the first match of a pattern in the lines of a header; None if no line matches."""
     return next((found[group] for line in lines if (found := pattern.search(line))), None)
+
+
+class Format(NamedTuple):
+    """A format of a module that holds several, with the names that a module of one format has."""
+
+    NAME: str
+    recognise: Callable[[str], bool]
+    read: Callable[[RecordText], list[Series]]
 
 
 class Layout(NamedTuple):
@@ -211,17 +219,12 @@ class RecordText:
         columns of a fixed width at a line that is not full."""
         if count > len(self.raw) - self.at + 1:
             raise self.fault(f"{count} values are declared, more than a file of {len(self.raw)} bytes holds")
-        at, first, columns = self.at, self.line, layout.columns
-        block = self._take(-(-count // columns))
-        full = True
-        if layout.width is not None:
-            rows = [layout.split(line, min(columns, count - i * columns)) for i, line in enumerate(block.removesuffix(b"\n").split(b"\n"))]
-            full = all(len(row) == columns for row in rows[:-1])
-            block = b" ".join(field for row in rows for field in row)
-        found = parsed(block)
-        if found is not None and found.size == count and full:
-            return found
-        self.at, self.line = at, first
+        at, first = self.at, self.line
+        if layout.width is None:
+            found = parsed(self._take(-(-count // layout.columns)))
+            if found is not None and found.size == count:
+                return found
+            self.at, self.line = at, first
         values: list[float] = []
         for row in self._rows(count, layout):
             values += [self._value(token, f", after {len(values) + i} of {count} values") for i, token in enumerate(row)]

@@ -8,7 +8,7 @@ from support.record_layouts import of_a_station, wave
 
 from rocking_cli.errors import UsageError
 from rocking_cli.motions.records import Record, read_record, read_records
-from rocking_cli.motions.records.components import chosen, is_vertical, vertical_of
+from rocking_cli.motions.records.record import chosen, is_vertical, vertical_of
 
 
 def record(component, form="COSMOS"):

@@ -101,7 +101,7 @@ def test_a_file_too_large_is_refused_before_it_is_read(tmp_path, monkeypatch):
     assert tracemalloc.get_traced_memory()[1] < 1_000_000
     tracemalloc.stop()
     (tmp_path / "packed.gz").write_bytes(gzip.compress(b"0 0\n" * 1000))
-    monkeypatch.setattr(records.opening, "LARGEST", 3999)
+    monkeypatch.setattr(records, "LARGEST", 3999)
     with pytest.raises(DocumentError, match="when unpacked"):
         read_records(tmp_path / "packed.gz")
 
