@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import io
+import json
 import signal
 import subprocess
 import sys
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
 from hypothesis import settings
+from support.documents import csv_rows
 
 from rocking_cli import dimensionless_oscillator, parse_grid, sine, write_spectrum
 from rocking_cli.commands import main, progress
@@ -19,7 +22,28 @@ settings.register_profile("the same everywhere", derandomize=True, database=None
 settings.load_profile("the same everywhere")
 
 ROOT = Path(__file__).resolve().parent.parent
-Run = Callable[..., subprocess.CompletedProcess[str]]
+
+
+class Done(subprocess.CompletedProcess[str]):
+    """A finished call."""
+
+    @property
+    def records(self) -> list[dict[str, Any]]:
+        """The JSON Lines that it printed."""
+        return [json.loads(line) for line in self.stdout.splitlines()]
+
+    @property
+    def record(self) -> dict[str, Any]:
+        """The only one of them."""
+        return json.loads(self.stdout)
+
+    @property
+    def rows(self) -> list[dict[str, str]]:
+        """The rows of the CSV that it printed, by the names of their columns without units."""
+        return csv_rows(self.stdout)
+
+
+Run = Callable[..., Done]
 
 
 @pytest.fixture
@@ -30,7 +54,7 @@ def rocking(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Run:
     """
     (tmp_path / "configs").symlink_to(ROOT / "configs")
 
-    def run(*arguments: str, stdin: str | None = None) -> subprocess.CompletedProcess[str]:
+    def run(*arguments: str, stdin: str | None = None) -> Done:
         handlers = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
         with monkeypatch.context() as patch:
             patch.chdir(tmp_path)
@@ -48,7 +72,7 @@ def rocking(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Run:
                 for number, handler in handlers.items():
                     signal.signal(number, handler)
         said = [stream.buffer.getvalue().decode() for stream in streams]
-        return subprocess.CompletedProcess(list(arguments), int(ended.value.code or 0), *said)
+        return Done(list(arguments), int(ended.value.code or 0), *said)
 
     return run
 

@@ -42,11 +42,6 @@ def interrupted() -> Iterator[int]:
     raise KeyboardInterrupt
 
 
-def refuse(n: int) -> int:
-    time.sleep(0.1 if n == 1 else 0.0)  # the first fails last
-    raise UsageError(f"not {n}")
-
-
 class Untold(Exception):
     """An exception that cannot be made again from what is pickled of it."""
 
@@ -57,22 +52,18 @@ class Untold(Exception):
         return Untold, (1,)
 
 
-def refuse_untold(n: int) -> int:
-    raise Untold(n, n)
+FAULTS = {"refused": UsageError("not 1"), "no file": FileNotFoundError(2, "No such file", "1"), "untold": Untold(1, 1)}
 
 
-def unpicklable(n: int) -> object:
-    return lambda: n
-
-
-def file_error(n: int) -> int:
-    raise FileNotFoundError(2, "No such file", str(n))
-
-
-def die(n: int) -> int:
-    if n == 3:
+def fails(how: str) -> object:
+    """Raise one of the faults, the first of two last; or return, or do, what a process cannot."""
+    if how != "refused":
+        time.sleep(0.1)
+    if how in FAULTS:
+        raise FAULTS[how]
+    if how == "dies":
         os.kill(os.getpid(), signal.SIGKILL)
-    return n
+    return lambda: how
 
 
 def signals(_: int) -> tuple[object, object, set[int]]:
@@ -106,23 +97,19 @@ def test_the_first_items_are_under_way_before_a_result_is_asked_for(tmp_path):
         assert list(results) == [None, None, None]
 
 
-def test_large_items_and_results_travel():
-    with processes(2, bytes.upper, "") as run:
-        assert list(run([b"a" * 3_000_000] * 6)) == [b"A" * 3_000_000] * 6
-
-
 @pytest.mark.parametrize(
-    ("task", "error", "words"),
+    ("how", "error", "words"),
     [
-        (refuse, UsageError, "not 1"),
-        (file_error, FileNotFoundError, "No such file"),
-        (refuse_untold, RuntimeError, "two"),
-        (unpicklable, AttributeError, "lambda"),
+        ("refused", UsageError, "not 1"),
+        ("no file", FileNotFoundError, "No such file"),
+        ("untold", RuntimeError, "two"),
+        ("unpicklable", AttributeError, "lambda"),
+        ("dies", OutputError, r"^a worker process died by signal 9 \(out of memory\?\); fewer$"),
     ],
 )
-def test_what_a_task_raises_is_raised_here(task, error, words):
-    with pytest.raises(error, match=words), processes(2, task, "") as run:
-        list(run([1, 2]))
+def test_what_a_task_raises_is_raised_here_and_a_death_is_told_with_its_signal(how, error, words):
+    with pytest.raises(error, match=words), processes(2, fails, "fewer") as run:
+        list(run([how, "refused"]))
 
 
 def test_all_processes_are_gone_afterwards():
@@ -134,14 +121,6 @@ def test_all_processes_are_gone_afterwards():
         pids.update(run(interrupted()))
     assert pids
     assert all(gone(pid) for pid in pids)
-
-
-def test_a_death_is_told_with_its_signal_and_the_advice():
-    with (
-        pytest.raises(OutputError, match=r"^a worker process died by signal 9 \(out of memory\?\); fewer$"),
-        processes(2, die, "fewer") as run,
-    ):
-        list(run(range(10)))
 
 
 @linux

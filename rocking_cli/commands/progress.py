@@ -7,9 +7,6 @@ import sys
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from time import monotonic
-from typing import TextIO, cast
-
-import click
 
 from . import streams
 from .printing import form, is_quiet
@@ -51,7 +48,7 @@ def told() -> Iterator[None]:
 
 
 class ProgressLine:
-    """A line with the units done and in total, the rate and the time left.
+    """A line with the units done and in total, and the time left.
 
     The line is not shown with --quiet, if standard error is no terminal, or if rows appear on the terminal one by one; then `told`
     prints lines instead. Any other output first ends this line.
@@ -60,28 +57,14 @@ class ProgressLine:
     def __init__(self, label: str, unit: str) -> None:
         self._label, self._unit, self._start, self._first = label, unit, monotonic(), 0
         self._done = self._total = 0
+        self._visible = sys.stderr.isatty() and not is_quiet() and not (form() is not None and sys.stdout.isatty())
         _follow(self)
-        hidden = is_quiet() or (form() is not None and sys.stdout.isatty()) or not sys.stderr.isatty()
-        self._bar = (
-            None
-            if hidden
-            else click.progressbar(
-                length=1,  # until the first call tells it
-                label=streams.printable(label),
-                width=20,
-                show_percent=True,
-                item_show_func=lambda rate: rate,
-                file=cast(TextIO, sys.stderr),
-            )
-        )
-        if self._bar is not None:
-            streams.end_line(self._bar.render_finish)
-            self._bar.__enter__()
+        self._show()
 
     @property
     def shown(self) -> bool:
         """True if a terminal shows the line, or will renew it."""
-        return self._bar is not None and self._done < max(self._total, 1)
+        return self._visible and self._done < max(self._total, 1)
 
     def in_words(self) -> str:
         """The time left at the rate so far; the time passed until enough units are done."""
@@ -97,13 +80,12 @@ class ProgressLine:
         if not self._done:
             self._first = done  # a resumed sweep begins with some units done
         self._done, self._total = done, total
-        bar = self._bar
-        if bar is None:
-            return
-        streams.end_line(bar.render_finish)
-        bar.length, bar.show_pos = total, True
-        seconds = monotonic() - self._start
-        new = done - self._first
-        bar.update(done - bar.pos, f"{new / seconds:.3g} {self._unit}/s" if new and seconds > 0.0 else self._unit)
-        if done >= total:
-            streams.end_line()
+        self._show()
+
+    def _show(self) -> None:
+        if self._visible:
+            share, seconds = self._done / max(self._total, 1), monotonic() - self._start
+            words = self.in_words() if share < 1.0 else f"{self._label}: {self._total} {self._unit} in {seconds:.0f} s"
+            streams.renew(f"[{'#' * int(20 * share):-<20}] {words}")
+            if share >= 1.0:
+                streams.end_line()

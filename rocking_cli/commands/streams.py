@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager, redirect_stderr, redirect_stdout, suppress
 from typing import TextIO, cast
 
@@ -20,15 +20,23 @@ def printable(text: str) -> str:
     return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in text)
 
 
-_unfinished: Callable[[], None] | None = None
+_unfinished = False  # the line that the terminal renews
 
 
-def end_line(unfinished: Callable[[], None] | None = None) -> None:
-    """End the unfinished line on the terminal, if there is one; `unfinished`: the function that will end the line which begins now."""
+def renew(line: str) -> None:
+    """Write a line over the one that the terminal renews on standard error."""
     global _unfinished
-    before, _unfinished = _unfinished, unfinished
-    if before is not None and before != unfinished:
-        before()
+    _unfinished = True
+    sys.stderr.write(f"\r\x1b[K{printable(line)}")
+    sys.stderr.flush()
+
+
+def end_line() -> None:
+    """End the line that the terminal renews, if there is one."""
+    global _unfinished
+    if _unfinished:
+        _unfinished = False
+        sys.stderr.write("\n")
 
 
 def put(line: str) -> None:

@@ -34,7 +34,7 @@ def stated(tmp_path):
 
 def test_a_row_a_structure_the_weakest_first(rocking, three):
     done = rocking("check", three, *SHAKING, "--json", "--sort", "capacity")
-    rows = [json.loads(line) for line in done.stdout.splitlines()]
+    rows = done.records
     assert [(r["structure"], r["model"], r["outcome"]) for r in rows] == [
         ("Slender", "nonlinear", "overturned_after_impact"), ("Stated", "linear", "rocked"), ("Stocky", "nonlinear", "no_uplift"),
     ]  # fmt: skip
@@ -52,7 +52,7 @@ def test_a_row_a_structure_the_weakest_first(rocking, three):
 
 def test_the_verdict_alone(rocking, three):
     searched, alone = (rocking("check", three, *SHAKING, "--json", *more) for more in ((), ("--verdict-only",)))
-    searched, alone = ([json.loads(line) for line in done.stdout.splitlines()] for done in (searched, alone))
+    searched, alone = (done.records for done in (searched, alone))
     found_by_search = dict.fromkeys(("first_overturning_a", "capacity_demand", "safe_to"))
     assert alone == [row | found_by_search for row in searched]
 
@@ -60,7 +60,7 @@ def test_the_verdict_alone(rocking, three):
 def test_a_fall_during_which_the_ground_would_have_to_pull_is_told(rocking, tmp_path):
     (tmp_path / "stocky.yaml").write_text("{kind: block, radius: 2.8376, alpha: 0.756, restitution: 0.933, damping: 0.02}")
     done = rocking("check", "stocky.yaml", "--a-g", "2.1447g", "--omega-g", "4.83072", "--cycles", "4.5", "--verdict-only", "--json")
-    row = json.loads(done.stdout)
+    row = done.record
     assert row["outcome"] == "overturned_after_impact"
     assert row["fz_min"] < 0.0
     assert "lose contact with the ground (fz_min) during their fall" in done.stderr
@@ -83,7 +83,7 @@ def test_the_demand_is_a_column_and_both_readings_of_a_bare_number_are_told(rock
         "demand: PGA 0.4 m/s2 = 0.0408 g",
         "PGA=0.4: 0.4 without a unit is 0.4 m/s2 = 0.0408 g; 0.4 g would be 3.924 m/s2",
     ]
-    assert json.loads(done.stdout)["demand_a"] == pytest.approx(0.4, rel=1e-12)
+    assert done.record["demand_a"] == pytest.approx(0.4, rel=1e-12)
     done = rocking("response", "configs/block.yaml", "--a-g", "0.35g", "--f-g", "1.5", "--events", "--json")
     assert done.stderr.splitlines()[0] == "demand: a_g 3.4335 m/s2 = 0.35 g, f_g 1.5 Hz"
     assert "without a unit" not in done.stderr
@@ -95,14 +95,14 @@ def test_a_row_a_structure_and_record(rocking, stated, tmp_path):
         (tmp_path / f"r{n}.csv").write_text("".join(f"{0.3 * i:.1f},{peak * x}\n" for i, x in enumerate((0, 1, 1, 0, -1, -1, 0))))
     call = ("check", stated, "--motion", "r0.csv", "r1.csv", "--unit", "m/s2", "--json", "--a-max", "5")
     done = rocking(*call)
-    rows = [json.loads(line) for line in done.stdout.splitlines()]
+    rows = done.records
     assert [r["motion"] for r in rows] == ["r0", "r1"]
     assert rows[0]["first_overturning_a"] == pytest.approx(rows[1]["first_overturning_a"], rel=1e-12)
     assert rows[0]["capacity_demand"] == pytest.approx(2.0 * rows[1]["capacity_demand"], rel=1e-12)
     assert [r["capacity_demand"] < 1.0 for r in rows] == [False, True]
     assert "1 of 2 overturn: stated under r1" in done.stderr.splitlines()
     alike = rocking(*call, "--a-g", "3")
-    first, second = (json.loads(line) for line in alike.stdout.splitlines())
+    first, second = alike.records
     assert first["outcome"] == second["outcome"]
     for key in ("first_overturning_a", "capacity_demand"):
         assert first[key] == pytest.approx(second[key], rel=1e-12)
@@ -114,45 +114,17 @@ def test_pipelines_can_fail_on_overturning(rocking, stated):
     assert rocking("check", stated, "--a-g", "0.1g", "--f-g", "1.2", "-q", "--fail-on", "overturning").returncode == 0
 
 
-def test_a_body_that_leaves_the_ground_does_not_pass(rocking, tmp_path):
-    (tmp_path / "body.yaml").write_text("{kind: block, name: Body, width: 0.5, height: 2}")
-    call = ("check", "body.yaml", "--a-g", "0.35g", "--f-g", "1.5", "--vertical", "sine", "--vertical-scale", "9", "--a-max", "2")
+def test_a_body_that_leaves_the_ground_does_not_pass_and_linear_is_wrong_of_it(rocking):
+    call = ("check", "block:1.6x2,restitution=0.6", "--a-g", "1.85g", "--f-g", "1.144", "--a-max", "1")
     done = rocking(*call, "--fail-on", "overturning", "--json")
-    assert (done.returncode, json.loads(done.stdout)["outcome"]) == (5, "lost_contact")
+    assert (done.returncode, done.record["outcome"], done.record["outcome_linear"]) == (5, "lost_contact", "rocked")
     assert "0 of 1 overturn\nlose contact with the ground" in done.stderr
-
-
-def test_linear_is_wrong_of_a_body_that_leaves_the_ground_too(rocking):
-    done = rocking("check", "block:1.6x2,restitution=0.6", "--a-g", "1.85g", "--f-g", "1.144", "--a-max", "1", "--json")
-    verdict = json.loads(done.stdout)
-    assert (verdict["outcome"], verdict["outcome_linear"]) == ("lost_contact", "rocked")
     assert "stand by the linear equation, which is wrong: block" in done.stderr
 
 
-def test_a_figure_of_the_capacities(rocking, refused, stated, tmp_path):
+def test_a_figure_of_the_capacities(rocking, stated, tmp_path):
     assert rocking("check", stated, *SHAKING, "-q", "-o", "check.svg").returncode == 0
     assert (tmp_path / "check.svg").stat().st_size > 5000
-    assert "exists; --overwrite" in refused(2, "check", stated, *SHAKING, "-o", "check.svg")
-    assert "ends in .png" in refused(2, "check", stated, *SHAKING, "-o", "check.txt")
-
-
-def test_without_a_structure_only_what_the_command_takes_is_offered(refused):
-    assert "--eta" not in refused(2, "check", *SHAKING)
-    assert "or --eta" in refused(2, "envelope", "--grid", "f_g=1")
-
-
-@pytest.mark.parametrize(
-    ("arguments", "words"),
-    [
-        ([], "no shaking"),
-        (["--a-g", "0", "--f-g", "1"], "the amplitude is 0"),
-        (["--a-g", "1:2:3", "--f-g", "1"], "one value of each"),
-        ([*SHAKING, "--a-max", "nan"], "expected a number A, or an acceleration"),
-        ([*SHAKING, "--a-max", "1e6"], "expected up to 100000"),
-    ],
-)
-def test_wrong_calls(refused, stated, arguments, words):
-    assert words in refused(2, "check", stated, *arguments)
 
 
 def test_a_negative_amplitude_turns_records_over_too(rocking, tmp_path):
@@ -170,12 +142,12 @@ def test_a_record_of_a_set_goes_with_the_vertical_one(rocking, refused, tmp_path
     for name, peak in (("n", 0.28), ("up", 0.14)):
         (tmp_path / f"{name}.at2").write_text(head + " ".join(f"{peak * x:.3f}" for x in (0, 1, 1, 0, -1)) + "\n")
     with_up = ("body.yaml", "--motion", "n.at2", "--vertical", "up.at2", "--vertical-scale", "0.4", "--json")
-    row = json.loads(rocking("check", *with_up, "--a-max", "1.2").stdout)
+    row = rocking("check", *with_up, "--a-max", "1.2").record
     assert row["motion"].startswith("n with up")
     (tmp_path / "up.txt").write_text("".join(f"{9.81 * 0.14 * x:.6f}\n" for x in (0, 1, 1, 0, -1)))  # the same, in m/s2
     in_columns = ("body.yaml", "--motion", "n.at2", "--vertical", "up.txt", "--vertical-scale", "0.4", "--json", "--a-max", "1.2")
     assert "give it as --vertical-unit" in refused(3, "check", *in_columns)
-    plain = json.loads(rocking("check", *in_columns, "--vertical-unit", "m/s2", "--vertical-dt", "0.2 s").stdout)
+    plain = rocking("check", *in_columns, "--vertical-unit", "m/s2", "--vertical-dt", "0.2 s").record
     assert (plain["outcome"], plain["fz_min"]) == (row["outcome"], pytest.approx(row["fz_min"], rel=1e-5))
     last = json.loads(rocking("response", *with_up, "--model", "nonlinear", "--forces", "--events").stdout.splitlines()[-1])
     assert row["outcome"] == last["outcome"]
@@ -189,10 +161,10 @@ def test_a_directory_gives_both_horizontal_components_and_the_station_its_vertic
     (tmp_path / "set").mkdir()
     (tmp_path / "set" / "a.txt").write_text(of_a_station(wave(60, 900.0), wave(60, 200.0), wave(60, 90.0), dt=0.1))
     done = rocking("check", "block:0.5x2", "--motion", "set", "--vertical", "station", "--json")
-    rows = [json.loads(line) for line in done.stdout.splitlines()]
+    rows = done.records
     assert (done.returncode, [r["motion"].split(" with")[0] for r in rows]) == (0, ["a N-S", "a E-W"])
     named = ("--component", "N-S", "--vertical", "set/a.txt", "--vertical-component", "U-D")
-    assert json.loads(rocking("check", "block:0.5x2", "--motion", "set/a.txt", *named, "--json").stdout) == rows[0]
+    assert rocking("check", "block:0.5x2", "--motion", "set/a.txt", *named, "--json").record == rows[0]
 
     (tmp_path / "set" / "b.csv").write_text("0 0\n0.1 1\n0.2 0\n")
     done = rocking("check", stated, "--motion", "set", "-q")
@@ -200,19 +172,7 @@ def test_a_directory_gives_both_horizontal_components_and_the_station_its_vertic
     assert rocking("check", stated, "--motion", "set", "--scale", "9", "--fail-on", "overturning").returncode == 5
 
 
-@pytest.mark.parametrize(
-    ("arguments", "words"),
-    [
-        (SHAKING, "--vertical station goes with a record: give --motion"),
-        (("--motion", "configs/motions/synthetic.at2"), "holds no vertical component, only one without a name"),
-        (("--motion", "configs/motions/synthetic.at2", "--vertical-unit", "g"), "--vertical-unit does not go with --vertical station"),
-    ],
-)
-def test_a_station_is_that_of_a_record(refused, stated, arguments, words):
-    assert words in refused(2, "check", stated, "--vertical", "station", *arguments)
-
-
-def test_the_limit_of_the_search_is_written_as_for_an_envelope(rocking, refused, stated):
+def test_the_limit_of_the_search_is_written_as_for_an_envelope(rocking, stated):
     """0.3 g is A = 1.5 of a body that lifts at 0.2 g; neither reaches its first overturning."""
     both = [rocking("check", stated, "--a-g", "0.1g", "--f-g", "1.2", "--a-max", most, "--csv").stdout for most in ("0.3g", "1.5")]
     assert both[0] == both[1]
@@ -221,4 +181,3 @@ def test_the_limit_of_the_search_is_written_as_for_an_envelope(rocking, refused,
     traced = [rocking("envelope", stated, *record, "--a-max", most, "--first", "--csv") for most in ("0.3g", "1.5")]
     assert traced[0].stdout == traced[1].stdout != ""
     assert "up to 2.943 m/s2" in traced[0].stderr
-    assert "found an acceleration; expected a number A" in refused(2, "envelope", "--eta", "0.9", "--grid", "Omega=2", "--a-max", "1g")

@@ -2,23 +2,18 @@
 
 from __future__ import annotations
 
-import json
-
 import pytest
-from support.documents import csv_rows
 
 
 def test_comparison_collapses_and_tells_the_models_apart(rocking):
     files = ("configs/block.yaml", "configs/spire.yaml", "configs/arch.yaml")
     done = rocking("compare", *files, "--A", "2", "--Omega", "4", "--eta", "0.8", "--json")
-    found = [json.loads(x) for x in done.stdout.splitlines()]
+    found = done.records
     assert len({round(r["theta_ratio"], 10) for r in found}) == 1
     assert len({round(r["theta_max"], 4) for r in found}) == 3
     apart = float(done.stderr.split("up to ")[1].split()[0])
     assert apart < 1e-10
-    (arch,) = [
-        json.loads(x) for x in rocking("compare", files[2], "--A", "1.2", "--Omega", "4", "--model", "both", "--json").stdout.splitlines()
-    ]
+    (arch,) = rocking("compare", files[2], "--A", "1.2", "--Omega", "4", "--model", "both", "--json").records
     ratios = [arch[f"quarter_period_ratio_{x}"] for x in (0.3, 0.6, 0.9)]
     assert ratios == pytest.approx([1.0737, 1.0622, 1.0441], abs=2e-4)
     assert arch["peak_difference"] == pytest.approx(arch["theta_ratio_nonlinear"] / arch["theta_ratio_linear"] - 1)
@@ -26,6 +21,6 @@ def test_comparison_collapses_and_tells_the_models_apart(rocking):
 
 def test_curves_of_a_comparison(rocking):
     done = rocking("compare", "configs/block.yaml", "configs/spire.yaml", "--A", "2", "--Omega", "4", "--curves", "--csv")
-    found = csv_rows(done.stdout)
+    found = done.rows
     assert list(found[0]) == ["structure", "model", "t", "theta", "tau", "theta_ratio"]
     assert {r["structure"] for r in found} == {"Column", "Spire"}

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 
 import h5py
@@ -18,7 +17,7 @@ def test_every_cell_is_a_line_in_the_order_of_the_file(rocking, tmp_path):
     assert lines[0] == "structure,Omega,A,outcome,theta_ratio"
     assert len(lines) == 1 + 2 * 15 * 20
     assert [line.split(",")[3] for line in lines[1:]] == [Outcome(o).flag for o in outcome.flat]
-    records = [json.loads(line) for line in rocking("convert", "s.h5", "--json").stdout.splitlines()]
+    records = rocking("convert", "s.h5", "--json").records
     assert [r["theta_ratio"] for r in records] == [None if math.isnan(x) else x for x in theta.flat]
     assert records[299] == {"structure": "eta=0.9", "Omega": 12.0, "A": 12.0, "outcome": "rocked", "theta_ratio": theta[0, -1, -1]}
 

@@ -61,7 +61,3 @@ def test_every_kind_and_every_pulse_stands_in_a_page():
     for words, name in ((KINDS, "documents"), (PULSES, "motions")):
         for word in words:
             assert re.search(rf"^  {word}  ", page(name), re.MULTILINE), word
-
-
-def test_an_unknown_name_is_refused(refused):
-    assert "No such command or topic 'document' (did you mean 'documents'?)" in refused(2, "help", "document")

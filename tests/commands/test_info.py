@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import replace
 
 from support.documents import SMALL_SCENE
@@ -12,7 +11,7 @@ from rocking_cli import dimensionless_oscillator, parse_grid, sine, write_spectr
 
 def test_a_complete_file_is_told_and_verified(rocking):
     rocking("spectrum", *SMALL_SCENE, "-o", "s.h5")
-    (record,) = [json.loads(x) for x in rocking("info", "s.h5", "--verify", "--json").stdout.splitlines()]
+    (record,) = rocking("info", "s.h5", "--verify", "--json").records
     assert record["complete"] == "yes"
     assert record["damaged_chunks"] == 0
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import json
-
 import pytest
 
 from rocking_cli.structures import KINDS
@@ -14,11 +12,10 @@ def test_it_prints_a_commented_document_that_is_valid(rocking, kind):
     done = rocking("init", kind)
     assert (done.returncode, done.stderr) == (0, "")
     assert done.stdout.startswith("# ")
-    record = json.loads(rocking("params", "-", "--json", stdin=done.stdout).stdout)
+    record = rocking("params", "-", "--json", stdin=done.stdout).record
     assert record["structure_kind"] == kind
 
 
-def test_an_unknown_kind_is_refused_and_its_help_names_all(rocking, refused):
-    assert "'tower' is not one of 'block'" in refused(2, "init", "tower")
+def test_its_help_names_all_kinds(rocking):
     told = " ".join(rocking("init", "--help").stdout.split())
     assert all(kind in told for kind in KINDS)

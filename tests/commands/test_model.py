@@ -65,14 +65,3 @@ def test_the_functions_follow_the_rule():
     column = load_structures("configs/block.yaml")
     for axes, model in (("a_g=0.3g,f_g=2", "nonlinear"), ("A=2,Omega=3", "linear")):
         assert spectrum(column, sine(), parse_grid(axes), check=0).scene.identity()["model"] == model
-
-
-@pytest.mark.parametrize(
-    "call",
-    [
-        ("spectrum", "--eta", "0.9", "--grid", "A=2,Omega=3", "-o", "s.h5", "--check", "1000000000"),
-        ("fragility", "--counts", "c.csv", "--bootstrap", "1000000000"),
-    ],
-)
-def test_numbers_that_would_take_for_ever_are_refused(refused, call):
-    assert "is not in the range" in refused(2, *call)

@@ -17,7 +17,7 @@ def test_prediction_is_the_computed_response_and_states_how_far_the_spectrum_is_
     (tmp_path / "two.yaml").write_text(STRUCTURE)
     for shaking in (("--a-g", "0.55g", "--f-g", "1.5"), ("--A", "7.5", "--Omega", "2")):
         call = ("predict", str(spectrum_file), "two.yaml", *shaking, "--json")
-        beside, exact = ([json.loads(x) for x in rocking(*call, *how).stdout.splitlines()] for how in ((), ("--exact",)))
+        beside, exact = (rocking(*call, *how).records for how in ((), ("--exact",)))
         assert [r["structure"] for r in beside] == ["One", "Two"]
         for a, b in zip(beside, exact, strict=True):
             read_off, error = (a.pop(key) for key in ("theta_ratio_interpolated", "interpolation_error"))
@@ -40,15 +40,12 @@ def test_columns_of_a_prediction(rocking, spectrum_file, tmp_path):
     assert len(lines) == 3
 
 
-def test_prediction_near_a_boundary_is_decided_and_outside_the_spectrum_refused(rocking, refused, spectrum_file, tmp_path):
+def test_prediction_near_a_boundary_is_decided(rocking, spectrum_file, tmp_path):
     (tmp_path / "two.yaml").write_text(STRUCTURE)
     near = rocking("predict", str(spectrum_file), "two.yaml", "--A", "3.0187", "--Omega", "5", "--json")
     record = json.loads(near.stdout.splitlines()[0])
     assert (record["outcome"], record["margin_side"], record["theta_ratio_interpolated"]) == ("overturned_after_impact", "below", None)
     assert record["capacity_demand"] == pytest.approx(3.01860 / 3.0187, abs=5.1e-6)
-    assert "is outside the spectrum" in refused(2, "predict", str(spectrum_file), "two.yaml", "--A", "9", "--Omega", "5")
-    other = ("predict", str(spectrum_file), "configs/spire.yaml", "--A", "2", "--Omega", "5")
-    assert "the spectrum holds 0.9" in refused(2, *other)
 
 
 def test_without_shaking_nothing_moves(rocking, spectrum_file, tmp_path):

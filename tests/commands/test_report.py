@@ -7,9 +7,6 @@ import hashlib
 import json
 import math
 import re
-import shutil
-import subprocess
-import sys
 from dataclasses import replace
 from html.parser import HTMLParser
 from pathlib import Path
@@ -27,7 +24,6 @@ from rocking_cli.reports.page import Subject, page
 
 HOSTILE = """<script>document.title = "taken"</script>'"&amp; $x$ {{ 7 * 7 }}"""
 DEMAND = parse_grid("a_g=0.6g,f_g=1.2")
-CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
 
 
 class Page(HTMLParser):
@@ -175,54 +171,3 @@ def test_fragility_where_records_are_given(tmp_path):
     found = Page(page([subject(STATED)], [STANDS], recordings=recordings(tmp_path, 5), demand="", command="x", made="today", workers=1))
     assert len([row for row in found.rows if row[0].strip() == "overturning"]) == 1
     assert len(found.sources) == 2  # capacities and curves
-
-
-def test_pages_that_cannot_be_written(refused, tmp_path):
-    call = ("report", "configs/parameters.yaml", "--a-g", "0.6g", "--f-g", "1.2", "-o")
-    (tmp_path / "there.html").write_text("")
-    assert "exists; --overwrite replaces it" in refused(2, *call, "there.html")
-    assert "ends in .html" in refused(2, *call, "r.pdf")
-    assert "does not exist" in refused(2, *call, "none/r.html")
-    assert "no shaking" in refused(2, "report", "configs/parameters.yaml", "-o", "r.html")
-    assert "no structure" in refused(2, "report", *call[2:], "r.html")
-
-
-@pytest.mark.parametrize("package", ["jinja2", "matplotlib"])
-def test_without_a_package_one_sentence_says_so(refused, monkeypatch, package):
-    monkeypatch.setitem(sys.modules, package, None)
-    call = ("report", "configs/parameters.yaml", "--a-g", "0.6g", "--f-g", "1.2", "-o", "r.html", "-q")
-    assert f"a report needs {package}: pip install 'rocking[report]'" in refused(1, *call)
-
-
-def browsed(page: Path, profile: Path) -> tuple[str, str, set[str]]:
-    """What a browser makes of a page: the document, what it says of it, and the addresses that the page asks a network for."""
-    log = profile.with_suffix(".json")
-    call = [
-        str(CHROMIUM), "--headless", "--no-sandbox", "--disable-gpu", "--no-first-run", f"--user-data-dir={profile}",
-        f"--log-net-log={log}", "--enable-logging=stderr", "--dump-dom", page.as_uri(),
-    ]  # fmt: skip
-    done = subprocess.run(call, capture_output=True, text=True, check=True)
-    asked = re.findall(r'"initiator":"(?:file|null).*?"url":"(https?://[^"]*)"', log.read_text())  # the browser itself asks for updates
-    return done.stdout, done.stderr, set(asked)
-
-
-ABSENT = "no Chromium on this machine"
-
-
-@pytest.mark.skipif(CHROMIUM is None, reason=ABSENT)
-def test_a_browser_asks_nothing_of_a_network_and_finds_no_fault(text, tmp_path):
-    (tmp_path / "r.html").write_text(text, encoding="utf-8")
-    shown, said, asked = browsed(tmp_path / "r.html", tmp_path / "profile")
-    assert "CONSOLE" not in said
-    assert asked == set()
-    assert "<title>taken</title>" not in shown
-    assert "What stands and what falls" in shown
-
-
-@pytest.mark.soak
-@pytest.mark.skipif(CHROMIUM is None, reason=ABSENT)
-def test_a_page_that_asks_and_fails_is_noticed(tmp_path):
-    (tmp_path / "bad.html").write_text("<img src='http://127.0.0.1:8089/x.png'><script>console.error('fault')</script>")
-    _, said, asked = browsed(tmp_path / "bad.html", tmp_path / "profile")
-    assert "CONSOLE" in said
-    assert asked == {"http://127.0.0.1:8089/x.png"}

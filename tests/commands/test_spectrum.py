@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 import re
 import signal
@@ -27,7 +26,7 @@ SMALL = "A=0.5:9:40,Omega=0.5:12:30"
 def test_summary_and_file(rocking, tmp_path):
     done = rocking("spectrum", "configs/block.yaml", "configs/spire.yaml", "--grid", SMALL, "-o", "s.h5", "--json")
     assert done.returncode == 0, done.stderr
-    record = json.loads(done.stdout)
+    record = done.record
     assert record["cells"] == 2400
     assert record["estimated_error"] < 1e-12
     assert "us a cell" in done.stderr
@@ -49,11 +48,8 @@ def test_quantities_on_request_are_variables_of_the_file(rocking, tmp_path):
         assert f["impacts"].shape == f["condition"].shape
     assert condition[0] == 0.0
     assert np.isnan(condition[np.isnan(theta)]).all()
-    rows = [json.loads(line) for line in rocking("convert", "s.h5", "--json").stdout.splitlines()]
+    rows = rocking("convert", "s.h5", "--json").records
     assert [row["condition"] for row in rows] == [None if np.isnan(x) else x for x in condition]
-    other = rocking("spectrum", "--eta", "0.9", "--grid", "A=0.5:9:7,Omega=5", "--quantity", "condition,size", "-o", "t.h5")
-    assert other.returncode == 2
-    assert "unknown quantity 'size'" in other.stderr
 
 
 def test_pipeline_from_params(rocking, tmp_path):
@@ -70,7 +66,7 @@ def test_arches_and_spires_sweep_like_any_other_structure(rocking, tmp_path):
     files, periods = [f"configs/{name}.yaml" for name in ("arch", "spire_cracked", "prism")], "T_g=0.5:2:4"
     assert rocking("spectrum", *files, "--grid", f"a_g=0.1g:2g:20,{periods}", "-o", "s.h5").returncode == 0
     envelope = rocking("envelope", *files, "--grid", periods, "--a-max", "20", "--sign", "+", "--json")
-    rows = [json.loads(line) for line in envelope.stdout.splitlines()]
+    rows = envelope.records
     with h5py.File(tmp_path / "s.h5") as f:
         outcome, a_g, omega_g = f["outcome"][...], f["a_g"][...], f["omega_g"][...]
         names = f["structure"].asstr()[...].tolist()
@@ -89,51 +85,6 @@ def test_quiet_says_nothing(rocking):
     assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
 
 
-@pytest.mark.parametrize(
-    ("arguments", "words"),
-    [
-        (["--grid", "A=1:2"], "START:STOP:N"),
-        (["--grid", "A=2:1:9,Omega=1:2:3"], "found START 2 above STOP 1"),
-        (["--grid", "A=1:1:9,Omega=1:2:3"], "a single value is written"),
-        (["--grid", "A=1:2:0,Omega=1:2:3"], "N = '0'"),
-        (["--grid", "A=1:2:1000000,Omega=1:2:1000000"], "cells"),
-        (["--grid", "a_g=1:2:3,omega_g=1:2:3"], "no units"),
-        (["--grid", SMALL, "--pulse", "sinus"], "unknown pulse 'sinus'"),
-        (["--grid", SMALL, "--cycles", "0.3"], "multiple of 0.5"),
-        (["--grid", SMALL, "--workers", "0"], "workers"),
-        (["--grid", SMALL, "--chunk", "0"], "chunk"),
-        (["--grid", SMALL, "--eta", "1.5"], "1.5"),
-        (["--grid", SMALL, "--shard", "²/3"], "I/N with I from 1 to N"),
-        (["--grid", SMALL, "--shard", "4/3"], "I/N with I from 1 to N"),
-        ([], "--grid"),
-    ],
-)
-def test_wrong_calls(refused, arguments, words):
-    assert words in refused(2, "spectrum", "--eta", "0.9", *arguments, "-o", "s.h5")
-
-
-@pytest.mark.parametrize(
-    ("arguments", "words"),
-    [
-        (["--alpha", "60deg"], "alpha 1.0472 rad: eta is -0.125; expected a number from 0 to 1; --eta gives it another one"),
-        (["--alpha", "10deg", "--eta", "nan"], "alpha 0.174533 rad: eta is nan; expected a number from 0 to 1\n"),
-        (["--alpha", "1e-90"], "alpha 1e-90 rad: alpha is 1e-90 rad; expected an angle from 1e-30 rad\n"),
-        (["--alpha", "10deg", "--model", "linear", "--linear-uplift", "lambda"], "--linear-uplift lambda goes with structures"),
-    ],
-)
-def test_wrong_calls_over_angles(refused, arguments, words):
-    assert words in refused(2, "spectrum", "--motion", "configs/motions/synthetic.at2", "--grid", "T=1", *arguments, "-o", "s.h5")
-
-
-def test_wrong_outputs(refused, tmp_path):
-    (tmp_path / "there.h5").write_text("mine")
-    assert "--overwrite" in refused(2, "spectrum", "--eta", "0.9", "--grid", SMALL, "-o", "there.h5")
-    assert "does not exist" in refused(2, "spectrum", "--eta", "0.9", "--grid", SMALL, "-o", "no/s.h5")
-    assert "folder" in refused(2, "spectrum", "--eta", "0.9", "--grid", SMALL, "-o", "configs")
-    assert "no structure" in refused(2, "spectrum", "--grid", SMALL, "-o", "s.h5")
-    assert "width: found 2 kg" in refused(3, "spectrum", "-", "--grid", SMALL, "-o", "s.h5", stdin="kind: block\nwidth: 2 kg\nheight: 1")
-
-
 def test_an_input_is_never_the_output(refused, tmp_path):
     (tmp_path / "mine.doc").write_text("kind: block\nwidth: 1\nheight: 5")
     (tmp_path / "mine.dat").write_text("0\n1\n0\n")
@@ -143,12 +94,6 @@ def test_an_input_is_never_the_output(refused, tmp_path):
     shaken = ("spectrum", "mine.doc", "--unit", "g", "--dt", "1", "--overwrite", "--motion")
     for motion, output in (("mine.dat", "mine.dat"), ("mine.dat", "link.h5"), ("set.lst", "mine.dat"), ("set.lst", "set.lst")):
         assert f"{output} is an input of this call" in refused(2, *shaken, motion, "-o", output)
-    assert "standard output" in refused(2, "spectrum", "mine.doc", "--grid", SMALL, "-o", "-")
-
-
-def test_numbers_beyond_double_precision_are_refused(refused):
-    document = "kind: parameters\np: 1\nalpha: 1e-30\nlambda: 1e-30\neta: 0.9\ngravity: 1e-290"
-    assert "range of double precision" in refused(2, "spectrum", "-", "--grid", "a_g=1:3:3,f_g=1:2:2", "-o", "s.h5", "-q", stdin=document)
 
 
 def test_nonlinear_sweep_of_the_reference_block(rocking, tmp_path):
@@ -156,7 +101,7 @@ def test_nonlinear_sweep_of_the_reference_block(rocking, tmp_path):
     # Boundaries at A = 3.03234, 6.74302, 7.49300 for Omega = 5.
     done = rocking("spectrum", "b.yaml", "--grid", "A=3.03:7.5:448,Omega=5", "--model", "nonlinear", "-o", "s.h5", "--json", "--impacts")
     assert done.returncode == 0, done.stderr
-    assert json.loads(done.stdout)["estimated_error"] < 5e-9
+    assert done.record["estimated_error"] < 5e-9
     with h5py.File(tmp_path / "s.h5") as f:
         a, outcome = f["A"][...], f["outcome"][0, 0]
         assert f.attrs["model"] == "nonlinear"
@@ -200,13 +145,8 @@ def test_a_step_count_that_runs_away_is_a_failed_cell(monkeypatch, tmp_path):
     assert history(System(LinearEquation()), sine(), 1.5, 4.0, 1.0, duration=30.0).outcome == Outcome.FAILED
 
 
-def test_an_output_whose_name_promises_another_format_is_refused(refused):
-    for name in ("x.csv", "x.JSON", "x.png"):
-        assert "the output is HDF5" in refused(2, "spectrum", "--eta", "0.9", "--grid", "A=1:2:3,Omega=5", "-o", name)
-
-
 def test_two_paths_are_said_to_differ_beyond_the_tolerance_and_not_below_it(rocking):
     call = ("spectrum", "configs/block.yaml", "--grid", "a_g=0.5g:0.9g:5,f_g=1:2:3", "--cycles", "3", "--tolerance", "1e-3", "-o", "s.h5")
     done = rocking(*call, "--json")
-    assert json.loads(done.stdout)["estimated_error"] > 1e-6
+    assert done.record["estimated_error"] > 1e-6
     assert "do not rely" not in done.stderr

@@ -117,8 +117,7 @@ def test_closed_descriptors_do_not_end_up_in_the_file(tmp_path):
     assert shell(f"rocking {SWEEP} -o s.h5 2>&-", tmp_path).returncode == 0
     assert shell(f"rocking {SWEEP} -o t.h5 <&- >&- 2>&-", tmp_path).returncode == 0
     for name in ("s.h5", "t.h5"):
-        done = shell(f"rocking info --verify {name} --json", tmp_path)
-        assert json.loads(done.stdout)["damaged_chunks"] == 0
+        assert json.loads(shell(f"rocking info --verify {name} --json", tmp_path).stdout)["damaged_chunks"] == 0
 
 
 def test_names_that_are_not_utf_8_or_too_long(rocking, tmp_path):
@@ -134,22 +133,12 @@ def test_names_that_are_not_utf_8_or_too_long(rocking, tmp_path):
         assert len(done.stderr.splitlines()) == 1
 
 
-@pytest.mark.parametrize("arguments", [["merge", "s.h5", "-o", ""], [*SWEEP.split(), "-o", ""], ["plot", "s.h5", "-o", ""]])
-def test_an_empty_name_is_refused(arguments, refused):
-    assert "found an empty name" in refused(2, *arguments)
-
-
 def test_a_message_is_one_line_whatever_it_quotes(capsys, monkeypatch):
     monkeypatch.setattr(interruption, "listen", lambda: None)
     with pytest.raises(SystemExit) as ended:
         main(["params", "--\x1b[31mx\ny"])
     assert ended.value.code == 2
-    out, err = capsys.readouterr()
-    assert out == ""
-    assert err.startswith("rocking params: No such option")
-    assert r"--\x1b[31mx\ny" in err
-    assert err.endswith(" (see --help)\n")
-    assert err.count("\n") == 1
+    assert capsys.readouterr() == ("", "rocking params: No such option --\\x1b[31mx\\ny (see --help)\n")
 
 
 def test_more_workers_than_cpus_are_reduced_with_a_line(rocking, monkeypatch):

@@ -31,16 +31,6 @@ def test_arguments_become_the_options_of_the_command(command, text, said):
     assert in_options(text, found) == said
 
 
-def test_sentences_of_the_library_are_told_in_options(refused, tmp_path):
-    (tmp_path / "plain.txt").write_text("1\n2\n3\n4\n")
-    plain = ["configs/block.yaml", "--motion", "plain.txt", "--unit", "g"]
-    assert "give their step as --motion-dt\n" in refused(3, "response", *plain)
-    assert "give their step as --motion-dt\n" in refused(3, "compare", *plain)
-    assert "rocking: --resume does not go with --overwrite\n" in refused(
-        2, "spectrum", "--eta", "0.9", "--grid", "A=2,Omega=5", "-o", "s.h5", "--resume", "--overwrite"
-    )
-
-
 @pytest.mark.parametrize("path", LIBRARY, ids=lambda path: str(path.relative_to(PACKAGE)))
 def test_no_sentence_of_the_library_names_an_option(path):
     tree = ast.parse(path.read_text(encoding="utf-8"))

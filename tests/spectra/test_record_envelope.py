@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 
 import numpy as np
@@ -90,7 +89,7 @@ def test_the_command(rocking, refused, tmp_path):
         (tmp_path / name).write_text(rows(wave(30, 3.0), 1, "{:.9e}"))
     call = ("--motion", "a.txt", "b.txt", "--unit", "m/s2", "--dt", "0.05", "--a-max", "2")
     done = rocking("envelope", "b.yaml", *call, "--first", "--json")
-    one, other = (json.loads(line) for line in done.stdout.splitlines())
+    one, other = done.records
     assert one | {"record": "b"} == other
     assert "model: nonlinear" in done.stderr
     done = rocking("envelope", *call, "--alpha", "8deg", "--grid", "T=0.6", "--eta", "block", "--model", "linear", "--csv", "-q")
