@@ -15,12 +15,10 @@ import os
 import subprocess
 import sys
 import time
-from contextlib import nullcontext
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
-import bounds
 import compiled
 import compiled_taylor
 import h5py
@@ -31,14 +29,7 @@ import scenes
 import speed
 from distributed import LocalCluster
 
-from rocking_cli import (
-    Method,
-    RockingParameters,
-    linear_response,
-    nonlinear_response,
-    response,
-    sine,
-)
+from rocking_cli import Method, RockingParameters, linear_response, nonlinear_response, response, sine
 from rocking_cli.spectra.file.chunks import pack
 from rocking_cli.structures.parameters import Side
 
@@ -46,13 +37,13 @@ ETA, ALPHA = scenes.ETA, scenes.ALPHA
 CONFIG = scenes.ARCH.with_name("block.yaml")
 
 
-def clock(action, times=2):
+def clock(action, times=2, now=time.perf_counter):
     """(least time, result)."""
     best = np.inf
     for _ in range(times):
-        start = time.perf_counter()
+        start = now()
         result = action()
-        best = min(best, time.perf_counter() - start)
+        best = min(best, now() - start)
     return best, result
 
 
@@ -110,18 +101,6 @@ def scene_l(axis, cores, rounds=4):
     return least
 
 
-def engine_cells(cells, eta, alpha):
-    """As the peers answer: outcome and theta/alpha of each cell."""
-    found = nonlinear_response(sine(), *cells.T, eta, alpha)
-    return np.column_stack([found.outcome, found.theta_ratio])
-
-
-def bytes_moved(count):
-    """Seconds to copy so many bytes of arrays that no cache holds."""
-    there = np.ones(1 << 26, dtype=np.uint8)
-    return count * clock(there.copy, 3)[0] / there.size
-
-
 def systems(values):
     """Bodies with unequal edges, one side, or damping, over the symmetric one; `values` a side of the grid, least of three turns."""
     alpha = 0.2
@@ -168,27 +147,13 @@ def main() -> None:
     for name, seconds in best.items():
         exact = agreement(theta, outcome, found.theta_ratio, found.outcome) if name == "engine, one process" else ""
         line(name, seconds, n * n, exact)
-    rate = bounds.rates()
-    print("  an element in the cache: " + ", ".join(f"{name} {1e9 * x:.2g} ns" for name, x in zip(bounds.OPERATIONS, rate, strict=True)))
-    with bounds.counted() as work:
-        linear = scenes.linear(sine(), n // 3)
-    line("its functions, divisions, products and sums alone", bounds.seconds(work, rate), linear)
-    line("its numbers, moved once: 16 bytes in, 13 out", bytes_moved(29), 1)
     heyoka, answer = peers.on_all_cores(peers.heyoka_cells, cells, ETA, None, 1e-12, workers=cores)
-    line(
-        f"heyoka tol 1e-12, {cores} processes",
-        heyoka,
-        len(cells),
-        agreement(answer[:, 1], answer[:, 0], found.theta_ratio[picked], found.outcome[picked]),
-    )
+    same = agreement(answer[:, 1], answer[:, 0], found.theta_ratio[picked], found.outcome[picked])
+    line(f"heyoka tol 1e-12, {cores} processes", heyoka, len(cells), same)
     scipy, answer = peers.on_all_cores(peers.scipy_cells, cells[:400], ETA, None, 1e-12, workers=cores)
     some = tuple(x[:400] for x in picked)
-    line(
-        f"SciPy DOP853 1e-12, {cores} processes",
-        scipy,
-        400,
-        agreement(answer[:, 1], answer[:, 0], found.theta_ratio[some], found.outcome[some]),
-    )
+    same = agreement(answer[:, 1], answer[:, 0], found.theta_ratio[some], found.outcome[some])
+    line(f"SciPy DOP853 1e-12, {cores} processes", scipy, 400, same)
     ours = all_workers / n**2
     cells_of = {"linear": engine / n**2, "sweep": ours, "linear_compiled": kernels / n**2, speed.KERNEL: kernel / n**2}
     cells_of |= {"linear_heyoka": heyoka / len(cells), "linear_scipy": scipy / 400}
@@ -202,93 +167,57 @@ def main() -> None:
     print(f"Scene N, alpha {ALPHA}, tolerance 1e-9, {n // 2} x {n // 2}")
     half = axis[::2]
     some = cells[: len(cells) // 4]
-    engine = halves = with_one = np.inf
-    grid = np.column_stack([np.tile(half, half.size), np.repeat(half, half.size)])
+    engine = with_one = np.inf
     numba.set_num_threads(1)
     taylor = partial(compiled_taylor.sweep, half, half, ETA, ALPHA, 1e-9, compiled_taylor.ORDER)
     kernel, _ = clock(taylor, 1)  # compiles
     for _ in range(3):
         kernel = min(kernel, clock(taylor, 1)[0])
         engine = min(engine, clock(lambda: nonlinear_response(sine(), half[None, :], half[:, None], ETA, ALPHA), 1)[0])
-        halves = min(halves, peers.on_all_cores(engine_cells, grid, ETA, ALPHA, workers=cores)[0])
         seconds, answer = clock(lambda: peers.heyoka_cells(some, ETA, ALPHA, 1e-9), 1)
         with_one = min(with_one, seconds)
     line("engine, one process", engine, half.size**2)
-    line(f"its share in each of {cores} processes at once", halves, half.size**2)
     line("compiled Taylor kernel, one thread", kernel, half.size**2)
     exact = nonlinear_response(sine(), *cells.T, ETA, ALPHA, tolerance=1e-13)
-    with bounds.counted() as work:
-        mine = nonlinear_response(sine(), *cells.T, ETA, ALPHA)
-    cells_of["nonlinear_bound"] = bounds.seconds(work, rate) / len(cells)
+    mine = nonlinear_response(sine(), *cells.T, ETA, ALPHA)
     first = slice(0, len(cells) // 4)
-    line(
-        "heyoka tol 1e-9, one process",
-        with_one,
-        len(cells) // 4,
-        agreement(answer[:, 1], answer[:, 0], exact.theta_ratio[first], exact.outcome[first]),
-    )
-    line(
-        "engine against tolerance 1e-13", engine, half.size**2, agreement(mine.theta_ratio, mine.outcome, exact.theta_ratio, exact.outcome)
-    )
+    same = agreement(answer[:, 1], answer[:, 0], exact.theta_ratio[first], exact.outcome[first])
+    line("heyoka tol 1e-9, one process", with_one, len(some), same)
+    same = agreement(mine.theta_ratio, mine.outcome, exact.theta_ratio, exact.outcome)
+    line("engine against tolerance 1e-13", engine, half.size**2, same)
     cells_of |= {"nonlinear": engine / half.size**2, "nonlinear_compiled": kernel / half.size**2, "nonlinear_heyoka": with_one / len(some)}
-    cells_of["nonlinear_halves"] = halves / half.size**2
     print(f"  engine / compiled                  {engine / kernel:8.2f}")
-    print(f"  heyoka / engine                    {with_one / (len(cells) // 4) / (engine / half.size**2):8.2f}")
+    print(f"  heyoka / engine                    {with_one / len(some) / (engine / half.size**2):8.2f}")
 
     systems(n // 3)
-    figures = {key: 1e6 * value for key, value in cells_of.items()} | {
-        "sweep_process": 1e6 * best[f"the same, whole process, {cores} workers"] / n**2
-    }
-    figures |= {"packing": 1e6 * write / n**2, "one_cell": one_cell()}
-    figures |= other_scenes(n, cores, rate) | {"nonlinear_command": nonlinear_command(n // 2, cores)} | processes() | many_cells(n, cores)
-    figures["start"] = 1e6 * figures["process_import"] / n**2
+    cells_of["sweep_process"] = best[f"the same, whole process, {cores} workers"] / n**2
+    figures = {key: 1e6 * value for key, value in cells_of.items()}
+    figures |= other_scenes(n) | {"nonlinear_command": nonlinear_command(n // 2, cores)} | processes() | many_cells(n, cores)
     print(speed.table(figures))
     if n == 1000:
         speed.write(figures)
 
 
-def other_scenes(n, cores, rate):
-    """Figures of the scenes with one process, in its own time, least of three; of envelopes on all cores, by the wall; and their bounds."""
+def other_scenes(n):
+    """Figures of the scenes with one process, in its own time, least of three; of envelopes on all cores, by the wall."""
     found = {}
     for key, scene in (("linear_small", "linear-small"), *((name, name) for name in ("ricker", "mavroeidis", "arch", "lossless"))):
-        least, cells, work = counted_once(scenes.SCENES[scene], 3, time.process_time)
-        arithmetic, each = bounds.seconds(work, rate), 1.0 if key == "lossless" else 1e6 / cells
-        found |= {key: each * least, f"{key}_bound": each * arithmetic}
-        print(f"Scene {scene}: {cells} cells, {least:.3f} s, arithmetic {arithmetic:.4f} s")
-        if scene == "arch":
-            print(f"  its steps alone, by the same calls in full blocks: {bounds.steps_alone(scenes.SCENES[scene]):.4f} s")
+        least, cells = clock(scenes.SCENES[scene], 3, time.process_time)
+        found[key] = (1.0 if key == "lossless" else 1e6 / cells) * least
+        print(f"Scene {scene}: {cells} cells, {least:.3f} s")
     whole = 2 * n // 5
-    found["envelope"], found["envelope_bound"] = envelope(sine(), whole, cores, rate, times=2)
+    found["envelope"] = envelope(sine(), whole, times=2)
     # A run waits as long for the last bodies of few frequencies as of many, so what these take is not a part of what many take.
-    few, some = (envelope(sine(5), whole // part, cores, rate) for part in (50, 10))
+    few, some = (envelope(sine(5), whole // part) for part in (50, 10))
     more = (whole - whole // 10) / (whole // 10 - whole // 50)
-    found |= {f"envelope_cycles{end}": b + (b - a) * more for end, a, b in zip(("", "_bound"), few, some, strict=True)}
-    return found
+    return found | {"envelope_cycles": some + (some - few) * more}
 
 
-def envelope(motion, frequencies, cores, rate, times=1):
-    """Seconds of an envelope on all cores, and of its arithmetic there."""
-    least, _, work = counted_once(partial(scenes.envelope, motion, frequencies), times, time.perf_counter)
-    arithmetic = bounds.seconds(work, rate) / cores
-    what = f"Envelope, {frequencies} frequencies 0.5 ... 12, {motion.name}, {cores} processes"
-    print(f"{what}: {least:.2f} s, arithmetic {arithmetic:.3f} s", flush=True)
-    return least, arithmetic
-
-
-def counted_once(action, times, now):
-    """(least time of so many runs, their result, the operations of the first)."""
-    least, result, work = np.inf, None, None
-    for turn in range(times):
-        with nullcontext(work) if turn else bounds.counted() as work:
-            start = now()
-            result = action()
-            least = min(least, now() - start)
-    return least, result, work
-
-
-def one_cell():
-    """Seconds of one cell that bounces eight times: the calls of every round, and hardly anything in them."""
-    return clock(lambda: linear_response(sine(), 1.08, 8.0, ETA), 20)[0]
+def envelope(motion, frequencies, times=1):
+    """Seconds of an envelope on all cores."""
+    least, _ = clock(partial(scenes.envelope, motion, frequencies), times)
+    print(f"Envelope, {frequencies} frequencies 0.5 ... 12, {motion.name}: {least:.2f} s", flush=True)
+    return least
 
 
 def nonlinear_command(values, workers):
@@ -300,15 +229,11 @@ def processes():
     """Seconds of whole commands, by the wall: the least of seven, with their compiled modules kept as they are for a user."""
     environment = {key: value for key, value in os.environ.items() if key != "PYTHONDONTWRITEBYTECODE"}
     found, python = {}, [sys.executable, "-m", "rocking_cli"]
-    imports = {"process": "numpy, h5py, click, yaml", "help": "click", "params": "click, yaml"}
-    grid = ["--grid", "A=0.5:12:10,Omega=0.5:12:10", "-o", "out/small.h5", "--overwrite", "-q"]
-    for key, arguments in {"process": ["spectrum", "--eta", "0.9", *grid], "help": ["--help"], "params": ["params", str(CONFIG)]}.items():
-        found[key], _ = clock(
-            lambda arguments=arguments: subprocess.run([*python, *arguments], check=True, capture_output=True, env=environment), 7
-        )
-        bare = [sys.executable, "-c", f"import {imports[key]}"]
-        found[f"{key}_import"], _ = clock(lambda bare=bare: subprocess.run(bare, check=True, env=environment), 7)
-        print(f"rocking {arguments[0]}: {found[key]:.3f} s, of which {found[f'{key}_import']:.3f} s to import {imports[key]}")
+    small = ["--eta", "0.9", "--grid", "A=0.5:12:10,Omega=0.5:12:10", "-o", "out/small.h5", "--overwrite", "-q"]
+    for key, arguments in {"process": ["spectrum", *small], "help": ["--help"], "params": ["params", str(CONFIG)]}.items():
+        command = partial(subprocess.run, [*python, *arguments], check=True, capture_output=True, env=environment)
+        found[key], _ = clock(command, 7)
+        print(f"rocking {arguments[0]}: {found[key]:.3f} s")
     return found
 
 

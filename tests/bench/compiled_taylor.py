@@ -2,15 +2,11 @@
 
 Same windows, same recurrences, same control of the step, same roots; order and arithmetic are what is fastest for one cell at a time. It
 knows nothing but this one motion and finds no turn that hides between two ends of a step.
-
-    python tests/bench/compiled_taylor.py 300
 """
 
 from __future__ import annotations
 
 import math
-import sys
-import time
 
 import numpy as np
 from numba import njit, prange
@@ -218,28 +214,3 @@ def sweep(amplitude, omega, eta, alpha, tol, order):
 
 
 ORDER = 24  # terms at a tolerance of 1e-9: 14 ... 26 tried, 20 and above are within 3 %
-
-
-if __name__ == "__main__":
-    import numba
-
-    from rocking_cli import nonlinear_response, sine
-
-    numba.set_num_threads(1)
-    axis = np.linspace(0.5, 12.0, int(sys.argv[1]))
-    sweep(axis[:2], axis[:2], 0.9, 0.25, 1e-9, ORDER)
-    exact = nonlinear_response(sine(), axis[None, :], axis[:, None], 0.9, 0.25, tolerance=1e-13)
-    least = {}
-    for _ in range(4):
-        for order in (14, 16, 18, 20, 22, 24, 26):
-            start = time.process_time()
-            theta, outcome = sweep(axis, axis, 0.9, 0.25, 1e-9, order)
-            least[order] = min(time.process_time() - start, least.get(order, (np.inf,))[0]), theta, outcome
-        start = time.process_time()
-        mine = nonlinear_response(sine(), axis[None, :], axis[:, None], 0.9, 0.25)
-        least["engine"] = min(time.process_time() - start, least.get("engine", (np.inf,))[0]), mine.theta_ratio, mine.outcome
-    for name, (seconds, theta, outcome) in least.items():
-        same = outcome == exact.outcome
-        gaps = np.abs(theta - exact.theta_ratio)[same]
-        wrong, error = (~same).sum(), np.nanquantile(gaps, 0.99)
-        print(f"{name}: {1e6 * seconds / axis.size**2:.3f} us a cell, {wrong} outcomes differ, 99 % within {error:.1e}")

@@ -153,10 +153,10 @@ def columns(rows: list[dict[str, object]]) -> Arrays:
         values = [row.get(key) for row in rows]
         if key in COUNTERS or any(isinstance(x, (list, dict)) for x in values):
             continue
-        words = any(isinstance(x, str) for x in values)
-        found[key] = (
-            np.array([str(x) for x in values], dtype="S") if words else np.array([np.nan if x is None else float(x) for x in values])
-        )
+        if any(isinstance(x, str) for x in values):
+            found[key] = np.array([str(x) for x in values], dtype="S")
+        else:
+            found[key] = np.array([np.nan if x is None else float(x) for x in values])
     return found
 
 
@@ -187,6 +187,11 @@ def filed(*words: str) -> Arrays:
 def documents(*names: str) -> list[str]:
     """The paths of documents of these structures."""
     return [written(f"{name.replace(' ', '_')}.yaml", STRUCTURES[name]) for name in names]
+
+
+def words(text: str) -> list[str]:
+    """The words of a command."""
+    return text.split()
 
 
 def chosen(model: str) -> list[str]:
@@ -249,22 +254,17 @@ def scenes() -> dict[str, Callable[[], Arrays]]:
     body, pushes = rk.dimensionless_oscillator(0.9), np.linspace(0.6, 9.0, 12)
     for motion in (rk.sine(), rk.sine(2), rk.pulse("half-sine"), rk.pulse("rectangular")):
         found[f"envelope, {motion.name}"] = lambda g=motion: traced(body, g, pushes, method=MODELS[0][1], a_max=12.0)
-    found["envelope, fine"] = lambda: traced(
-        rk.dimensionless_oscillator(0.8), rk.sine(), np.linspace(0.4, 8.0, 60), a_max=20.0, method=MODELS[0][1]
-    )
-    found["envelope, lossless"] = lambda: traced(
-        rk.dimensionless_oscillator(1.0), rk.sine(), np.linspace(0.5, 8.0, 20), a_max=10.0, method=MODELS[0][1]
-    )
-    found["envelope, nonlinear"] = lambda: traced(structure("block"), rk.sine(), np.array([2.0, 4.0, 7.0]), method=MODELS[1][1], a_max=10.0)
-    found["envelope, unequal"] = lambda: traced(
-        structure("unequal"), rk.sine(), np.array([3.0, 6.0]), method=MODELS[0][1], a_max=8.0, sign="worse"
-    )
-    found["envelope, one side"] = lambda: traced(
-        structure("one-sided"), rk.sine(), np.array([3.0, 6.0]), method=MODELS[0][1], a_max=8.0, sign="-"
-    )
-    found["closed form"] = lambda: columns(
-        [vars(c) if hasattr(c, "__dict__") else c._asdict() for c in rk.closed_form_curves(pushes, 0.9, "sine")]
-    )
+    linear, nonlinear = MODELS[0][1], MODELS[1][1]
+    for name, eta, omegas, a_max in (("fine", 0.8, np.linspace(0.4, 8.0, 60), 20.0), ("lossless", 1.0, np.linspace(0.5, 8.0, 20), 10.0)):
+        of = rk.dimensionless_oscillator(eta)
+        found[f"envelope, {name}"] = lambda o=of, w=omegas, a=a_max: traced(o, rk.sine(), w, a_max=a, method=linear)
+    for name, of, omegas, more in (
+        ("nonlinear", "block", [2.0, 4.0, 7.0], {"method": nonlinear, "a_max": 10.0}),
+        ("unequal", "unequal", [3.0, 6.0], {"method": linear, "a_max": 8.0, "sign": "worse"}),
+        ("one side", "one-sided", [3.0, 6.0], {"method": linear, "a_max": 8.0, "sign": "-"}),
+    ):
+        found[f"envelope, {name}"] = lambda o=of, w=omegas, m=more: traced(structure(o), rk.sine(), np.array(w), **m)
+    found["closed form"] = lambda: columns([c._asdict() for c in rk.closed_form_curves(pushes, 0.9, "sine")])
 
     for name in ("block", "stocky", "unequal", "one-sided", "damped", "arch"):
         found[f"check, {name}"] = lambda n=name: judged(n, rk.sine(), "a_g=0.4g,f_g=1.2")
@@ -286,19 +286,9 @@ def scenes() -> dict[str, Callable[[], Arrays]]:
         equation = chosen(model)
         upwards = ["--vertical", up, "--vertical-scale", "0.6", *equation, "--no-validity"]
         found[f"vertical, {model}"] = lambda o=upwards: filed(block, unequal, *sized, "--pulse", "sine", "--cycles", "2", *o)
-        angles = [
-            "--alpha",
-            "10,15,20deg",
-            "--eta",
-            "0.9",
-            "--grid",
-            "T=0.5:6:10",
-            "--quantity",
-            "condition,velocity_ratio",
-            "--no-validity",
-        ]
+        angles = words("--alpha 10,15,20deg --eta 0.9 --grid T=0.5:6:10 --quantity condition,velocity_ratio --no-validity")
         found[f"spectra of records, {model}"] = lambda o=equation, a=angles: filed(*recorded, "--motion", other, *a, *o)
-        traces = ["--alpha", "15deg", "--eta", "0.9", "--grid", "T=1:4:2", "--a-max", "4", "--sign", "worse", "--workers", "1"]
+        traces = words("--alpha 15deg --eta 0.9 --grid T=1:4:2 --a-max 4 --sign worse --workers 1")
         found[f"intervals of records, {model}"] = lambda o=equation, t=traces: printed("envelope", *brief, *t, *o)
         found[f"first intervals, {model}"] = lambda o=equation, t=traces: printed("envelope", *brief, *t, "--lowest", *o)
     forces = ["--quantity", "friction,fz_min", *chosen("nonlinear")]
@@ -308,22 +298,10 @@ def scenes() -> dict[str, Callable[[], Arrays]]:
     found["check, vertical"] = lambda: printed("check", block, *shaking, *upwards, "--a-max", "4", "--workers", "1")
     sampled = ["--duration", "8", "--forces", *chosen("nonlinear")]
     found["response of a record"] = lambda: printed("response", block, *recorded, *sampled)
-    found["response of an arch"] = lambda: printed(
-        "response", documents("arch")[0], "--pulse", "sine", "--a-g", "0.6g", "--T-g", "0.8", *sampled
-    )
+    pulsed = words("--pulse sine --a-g 0.6g --T-g 0.8")
+    found["response of an arch"] = lambda: printed("response", documents("arch")[0], *pulsed, *sampled)
     found["measures"] = lambda: printed("records", path, other, "--unit", "g")
-    stripes = [
-        "--levels",
-        "0.1g:1g:6",
-        "--im",
-        "PGA",
-        "--limit",
-        "0.1,0.5,1,overturning",
-        "--method",
-        "stripes,first,cloud",
-        "--workers",
-        "1",
-    ]
+    stripes = words("--levels 0.1g:1g:6 --im PGA --limit 0.1,0.5,1,overturning --method stripes,first,cloud --workers 1")
     sites = written("sites.csv", "a_g,T_g\n" + "".join(f"{0.2 + 0.1 * i:.2f}g,{0.4 + 0.13 * i:.2f}s\n" for i in range(8)))
     found["fragility"] = lambda: printed("fragility", block, "--pulses", sites, *stripes)
     return found

@@ -33,22 +33,11 @@ ROOM = ROOT / "rocking_cli"
 TESTS = ["tests/dynamics", "tests/responses/test_history.py", "tests/envelopes/test_closed_form.py", "tests/envelopes/test_boundaries.py"]
 SLOWER = 6.0  # times what its tests take, and a minute: a mutant that takes longer goes round in circles, which a person would notice
 CALLS = "CALLS"  # the variable that names the file of which test calls what
-OPERATORS = {  # not < for <=: of floats that differ in nothing but a tie
-    ast.Lt: (ast.GtE,),
-    ast.LtE: (ast.Gt,),
-    ast.Gt: (ast.LtE,),
-    ast.GtE: (ast.Lt,),
-    ast.Eq: (ast.NotEq,),
-    ast.NotEq: (ast.Eq,),
-    ast.Add: (ast.Sub,),
-    ast.Sub: (ast.Add,),
-    ast.Mult: (ast.Div,),
-    ast.Div: (ast.Mult,),
-    ast.BitAnd: (ast.BitOr,),
-    ast.BitOr: (ast.BitAnd,),
-    ast.And: (ast.Or,),
-    ast.Or: (ast.And,),
-}
+OPPOSITES = (  # not < for <=: of floats that differ in nothing but a tie
+    (ast.Lt, ast.GtE), (ast.LtE, ast.Gt), (ast.Eq, ast.NotEq), (ast.Add, ast.Sub), (ast.Mult, ast.Div), (ast.BitAnd, ast.BitOr),
+    (ast.And, ast.Or),
+)  # fmt: skip
+OPERATORS = {one: other for pair in OPPOSITES for one, other in (pair, pair[::-1])}
 Change = tuple[Path, int, int]  # file, place and alternative
 
 
@@ -93,7 +82,7 @@ def places(parent: ast.AST, statement: ast.stmt | None = None, scope: tuple[str,
 def alternatives(node: ast.AST) -> list[ast.AST]:
     """What may stand in the place of a node: another operator, the other sign, another number; none for most nodes."""
     if type(node) in OPERATORS:
-        return [other() for other in OPERATORS[type(node)]]
+        return [OPERATORS[type(node)]()]
     if isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub | ast.Invert | ast.Not):
         return [node.operand]
     if isinstance(node, ast.Constant) and isinstance(node.value, bool):
@@ -176,20 +165,8 @@ class Suite:
         with tempfile.TemporaryDirectory() as folder:
             shutil.copytree(ROOT / "rocking_cli", Path(folder) / "rocking_cli", ignore=shutil.ignore_patterns("__pycache__"))
             (Path(folder) / path.relative_to(ROOT)).write_text(text, encoding="utf-8")
-            call = [
-                sys.executable,
-                "-P",
-                "-m",
-                "pytest",
-                "-x",
-                "-q",
-                "-n",
-                "0",
-                "--tb=no",
-                "-p",
-                "no:cacheprovider",
-                *(name for _, name in wanted),
-            ]
+            options = ["-x", "-q", "-n", "0", "--tb=no", "-p", "no:cacheprovider"]
+            call = [sys.executable, "-P", "-m", "pytest", *options, *(name for _, name in wanted)]
             environment = {**os.environ, "PYTHONPATH": folder}
             try:
                 done = subprocess.run(call, cwd=ROOT, env=environment, capture_output=True, timeout=most, check=False)

@@ -1,8 +1,7 @@
-"""Records: the flight beside the march through all samples and a compiled kernel that walks through them, in turns of one run.
+"""Records in process time: `python tests/bench/records.py [--values N]`, N values of each axis.
 
-Scene R: a synthetic record of 2,000 points, A 1 ... 8, 2 pi/p 0.5 ... 12 s, eta 0.9, by the linear equation, which is flown, and by
-Eq. 2.3, which is walked (alpha 0.25, tolerance 1e-9). `--values` sets the values of each axis; the march takes every eighth of them, so
-that its narrow rounds are fewer than those of a whole scene.
+Scene R: a synthetic record of 2,000 points, A 1 ... 8, 2 pi/p 0.5 ... 12 s, eta 0.9, by the linear equation and by Eq. 2.3 (alpha 0.25,
+tolerance 1e-9), and by the linear equation the same record with four times as many points, and one of 20,000 points.
 """
 
 from __future__ import annotations
@@ -10,117 +9,49 @@ from __future__ import annotations
 import argparse
 import resource
 import time
+from functools import partial
 
-import compiled_record
-import numba
 import numpy as np
+from waiting import quake
 
-from rocking_cli import LinearEquation, RigidBodyEquation, System, linear_response, nonlinear_response
-from rocking_cli.dynamics.equations.equation import Equation
-from rocking_cli.dynamics.march.batch import Batch
-from rocking_cli.dynamics.march.engine import Run
+from rocking_cli import linear_response, nonlinear_response
 from rocking_cli.motions.polyline import Polyline, record_motion
 from rocking_cli.motions.records import Record
 
 ETA, ALPHA, TURNS = 0.9, 0.25, 2
-MOST, QUICKER, KERNEL, REFINED, LONGER, NONLINEAR = 60.0, 10.0, 0.25, 1.5, 2.0, 300.0  # the marks
+MOST, REFINED, LONGER, NONLINEAR = 60.0, 1.5, 2.0, 300.0  # what is aimed at: us a cell and ratios
 
 
 def shaken(samples: np.ndarray, dt: float) -> Polyline:
     return record_motion(Record("synthetic", "text", None, dt, samples, None, "m/s2", "synthetic", ""))
 
 
-def noise(count: int, dt: float, seed: int = 1) -> np.ndarray:
-    """Noise about 2.5 Hz that swells and fades."""
-    f = np.fft.rfftfreq(count, dt)
-    low = (f / 0.2) ** 2 / np.sqrt((1.0 - (f / 0.2) ** 2) ** 2 + (1.2 * f / 0.2) ** 2)
-    ground = np.sqrt((1.0 + 1.44 * (f / 2.5) ** 2) / ((1.0 - (f / 2.5) ** 2) ** 2 + 1.44 * (f / 2.5) ** 2))
-    white = np.fft.rfft(np.random.default_rng(seed).standard_normal(count))
-    t = np.arange(count) / count
-    return (
-        np.fft.irfft(white * low * ground / (1.0 + (f / 12.0) ** 4), count)
-        * np.minimum(1.0, t / 0.12)
-        * np.exp(-4.0 * np.maximum(0.0, t - 0.35))
-    )
-
-
-def marched(motion: Polyline, amplitude: np.ndarray, omega: np.ndarray, equation: Equation) -> Run:
-    a, w = np.broadcast_arrays(amplitude[None, :], omega[:, None])
-    run = Run(Batch.of(System(equation), motion.segments, a.ravel(), w.ravel(), np.full(a.size, ETA)))
-    run.all()
-    return run
-
-
 def scene(values: int) -> None:
-    """Least process time of each, in turns; what each is held against."""
-    numba.set_num_threads(1)
-    samples = noise(2000, 0.01)
-    fine = np.interp(np.arange(4 * 2000 - 3) / 4.0, np.arange(2000), samples)
-    motions = {"2,000 points": shaken(samples, 0.01), "the same four times as finely": shaken(fine, 0.0025)}
-    motions["20,000 points in the same time"] = shaken(noise(20_000, 0.001), 0.001)
-    amplitude, omega = np.linspace(1.0, 8.0, values), np.linspace(0.5, 12.0, values) / (2.0 * np.pi)
-    some = slice(None, None, 8)
-    first = motions["2,000 points"]
-    walk = {name: (m.samples.values, m.segments.later_max, m.samples.step) for name, m in motions.items()}
-    walk = {n: (s, np.maximum.accumulate(np.abs(s)[::-1])[::-1].copy(), step) for n, (s, _, step) in walk.items()}
-    compiled_record.sweep(*walk["2,000 points"], amplitude[:2], omega[:2], ETA)
-    best: dict[str, float] = {}
-
-    def note(name, action, cells):
-        start = time.process_time()
-        found = action()
-        best[name] = min(best.get(name, np.inf), 1e6 * (time.process_time() - start) / cells)
-        return found
-
+    """Least process time of each, in turns, beside what is aimed at."""
+    samples = quake(2000, 0.01, 1)
+    first = shaken(samples, 0.01)
+    fine = shaken(np.interp(np.arange(4 * 2000 - 3) / 4.0, np.arange(2000), samples), 0.0025)
+    long = shaken(quake(20_000, 0.001, 1), 0.001)
+    cells = np.linspace(1.0, 8.0, values)[None, :], np.linspace(0.5, 12.0, values)[:, None] / (2.0 * np.pi), ETA
+    runs = {key: partial(linear_response, motion, *cells) for key, motion in (("linear", first), ("fine", fine), ("long", long))}
+    runs["Eq. 2.3"] = partial(nonlinear_response, first, *cells, ALPHA)
+    best, found = dict.fromkeys(runs, np.inf), {}
     for _ in range(TURNS):
-        for name, motion in motions.items():
-            found = note(name, lambda m=motion: linear_response(m, amplitude[None, :], omega[:, None], ETA), values**2)
-            if motion is first:
-                theta, outcome = found.theta_ratio, found.outcome
-            elif name.startswith("the same"):
-                gap = np.abs(found.theta_ratio - theta)
-                refined = f"{(found.outcome != outcome).sum()} outcomes differ, 99.9 % within {np.nanquantile(gap, 0.999):.1e}"
-        answer = note(
-            "compiled kernel, 2,000 points", lambda: compiled_record.sweep(*walk["2,000 points"], amplitude, omega, ETA), values**2
-        )
-    few = amplitude[some].size ** 2
-    small = note("march, every eighth value", lambda: marched(first, amplitude[some], omega[some], LinearEquation()), few)
-    small_flight = note(
-        "flight, every eighth value",
-        lambda: linear_response(first, amplitude[None, some], omega[some, None], ETA),
-        few,
-    )
-    slow = note(
-        "march of Eq. 2.3, every eighth value",
-        lambda: marched(first, amplitude[some], omega[some], RigidBodyEquation(ALPHA)), few,
-    )  # fmt: skip
-    walked = note(
-        "walk, every eighth value",
-        lambda: nonlinear_response(first, amplitude[None, some], omega[some, None], ETA, ALPHA), few,
-    )  # fmt: skip
-    for _ in range(TURNS):
-        note("Eq. 2.3, 2,000 points", lambda: nonlinear_response(first, amplitude[None, :], omega[:, None], ETA, ALPHA), values**2)
-    for name, each in best.items():
-        print(f"  {name:<42}{each:10.1f} us a cell")
-    gap = np.abs(answer[0] - theta)[answer[1] == outcome]
-    print(f"  against the kernel: {(answer[1] != outcome).sum()} outcomes differ, 99 % within {np.nanquantile(gap, 0.99):.1e}")
-    print(f"  refined: {refined}")
-    print(f"  Eq. 2.3 against its march: {(slow.outcome != walked.outcome.ravel()).sum()} of {slow.outcome.size} outcomes differ")
-    print(f"  against the march: {(small.outcome != small_flight.outcome.ravel()).sum()} of {small.outcome.size} outcomes differ")
-    flight = best["2,000 points"]
-    mark("us a cell", flight, MOST)
-    mark("march / flight", best["march, every eighth value"] / best["flight, every eighth value"], QUICKER, least=True)
-    mark("flight / compiled kernel", flight / best["compiled kernel, 2,000 points"], KERNEL)
-    mark("four times as finely / flight", best["the same four times as finely"] / flight, REFINED)
-    mark("20,000 points / flight", best["20,000 points in the same time"] / flight, LONGER)
-    mark("Eq. 2.3, us a cell", best["Eq. 2.3, 2,000 points"], NONLINEAR)
-    print(f"  {resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024:.0f} MB at the most, with the compiler")
-
-
-def mark(name: str, found: float, limit: float, least: bool = False) -> None:
-    """A figure beside what is asked of it."""
-    met = found >= limit if least else found <= limit
-    print(f"  {name:<42}{found:10.2f}  {'at least' if least else 'at most'} {limit:g}: {'met' if met else 'NOT MET'}")
+        for key, run in runs.items():
+            start = time.process_time()
+            found[key] = run()
+            best[key] = min(best[key], 1e6 * (time.process_time() - start) / values**2)
+    gap = np.abs(found["fine"].theta_ratio - found["linear"].theta_ratio)
+    differ = (found["fine"].outcome != found["linear"].outcome).sum()
+    print(f"  four times as finely: {differ} outcomes differ, 99.9 % within {np.nanquantile(gap, 0.999):.1e}")
+    for name, value, limit in (
+        ("linear, us a cell", best["linear"], MOST),
+        ("four times as finely, over that", best["fine"] / best["linear"], REFINED),
+        ("20,000 points in the same time, over that", best["long"] / best["linear"], LONGER),
+        ("Eq. 2.3, us a cell", best["Eq. 2.3"], NONLINEAR),
+    ):
+        print(f"  {name:<42}{value:10.2f}  at most {limit:g}: {'met' if value <= limit else 'NOT MET'}")
+    print(f"  {resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024:.0f} MB at the most")
 
 
 if __name__ == "__main__":
