@@ -7,7 +7,7 @@ import os
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import TypedDict, Unpack
 
 from ..documents.document import documents_of
 from ..documents.files import STDIN, read_bytes
@@ -27,22 +27,26 @@ LONG, _BYTES = 5_000_000, 200  # a record with so many samples gets a remark on 
 MEASURES = {"PGA": "acceleration", "PGV": "velocity", "PGD": "length", "Arias": "velocity", "CAV": "velocity"}  # dimensions by name
 
 
-def read_motion(
-    path: str | Path,
-    *,
-    component: str | None = None,
-    unit: str | None = None,
-    dt: float | None = None,
-    scale: float | None = None,
-    scale_to: str | None = None,
-    vertical: float | None = None,
-    tell: Callable[[str], None] | None = None,
-) -> Motion:
-    """The motion of a motion document or a record, times `scale`, which may be negative; path `-` is standard input.
+class Given(TypedDict, total=False):
+    """Choices for the motion of a file: its factor `scale`, which may be negative, and `tell`, called with each remark.
 
-    For a record only: component of a file with several; unit and dt [s] of a file of plain numbers; scale_to, instead of `scale`: a
-    text such as `PGA=0.35g`; vertical: factor of the vertical component of the same file, which is added; tell: called with each
-    remark about the record. Raises UsageError if the file cannot be read or an option does not apply, and DocumentError.
+    For records only: component by name or number; unit and dt [s] of plain numbers; scale_to, instead of `scale`: a text such as
+    `PGA=0.35g`; vertical: factor of the vertical component of the same file, which is added.
+    """
+
+    component: str | None
+    unit: str | None
+    dt: float | None
+    scale: float | None
+    scale_to: str | None
+    vertical: float | None
+    tell: Callable[[str], None] | None
+
+
+def read_motion(path: str | Path, **given: Unpack[Given]) -> Motion:
+    """The motion of a motion document or a record; path `-` is standard input; given: see `Given`.
+
+    Raises UsageError if the file cannot be read or an option does not apply, and DocumentError.
 
     >>> read_motion('configs/motions/two_pulses.yaml').name
     'Two pulses'
@@ -51,43 +55,34 @@ def read_motion(
     3.4335
     """
     source, raw = read_bytes(path)
-    records = records_of(source, raw, unit=unit, dt=dt)
+    records = records_of(source, raw, unit=given.get("unit"), dt=given.get("dt"))
     if records is None:
-        return _of_document(source, raw, scale, component=component, unit=unit, dt=dt, scale_to=scale_to, vertical=vertical)
-    return _scaled(_upwards(records, vertical)(pick(records, component)), scale, scale_to, tell).motion
+        return _of_document(source, raw, given)
+    (recording,) = _recordings(records, [pick(records, given.get("component"))], given)
+    return _scaled(recording, given).motion
 
 
 def read_motions(
-    paths: Sequence[str],
-    *,
-    component: str | None = None,
-    unit: str | None = None,
-    dt: float | None = None,
-    scale: float | None = None,
-    scale_to: str | None = None,
-    vertical: float | None = None,
-    tell: Callable[[str], None] | None = None,
-    unread: Callable[[str], None] | None = None,
+    paths: Sequence[str], *, unread: Callable[[str], None] | None = None, **given: Unpack[Given]
 ) -> Motion | tuple[Recording, ...]:
     """The motion of a single motion document, or the records of files, directories and lists of files (see `record_files`).
 
-    component: `horizontal`, `all`, or a name or number; None: each horizontal component of each file; tell: called with each remark
-    and each file of a directory that is left out; unread: called with each file of a directory that cannot be read, an error if None;
-    other arguments as for `read_motion`. Raises UsageError and DocumentError as `read_motion` does, and UsageError without a record.
+    unread: called with each file of a directory that cannot be read, an error if None; given: see `Given`, but component may be
+    `horizontal` or `all` too; None: each horizontal component of each file. Raises UsageError and DocumentError as `read_motion` does,
+    and UsageError without a record.
     """
 
     def shaken(records: list[Record]) -> list[Recording]:
-        with_upwards = _upwards(records, vertical)
-        return [with_upwards(record) for record in chosen(records, component)]
+        return _recordings(records, chosen(records, given.get("component")), given)
 
+    tell = given.get("tell") or (lambda text: None)
     try:
-        taken = read_set(paths, shaken, unit=unit, dt=dt, tell=tell or (lambda text: None), unread=unread)
-        found = [_scaled(recording, scale, scale_to, tell) for recording in taken]
+        taken = read_set(paths, shaken, unit=given.get("unit"), dt=given.get("dt"), tell=tell, unread=unread)
+        found = [_scaled(recording, given) for recording in taken]
     except NoRecord as error:
         if len(paths) > 1 or error.source not in (paths[0], STDIN):
             raise DocumentError(f"{error}; a set holds records only") from None
-        of_records = {"component": component, "unit": unit, "dt": dt, "scale_to": scale_to, "vertical": vertical}
-        return _of_document(error.source, error.raw, scale, **of_records)
+        return _of_document(error.source, error.raw, given)
     if not found:
         raise UsageError(f"{', '.join(paths)}: no record among the files")
     return with_distinct_labels(found)
@@ -100,29 +95,30 @@ def holds_records(path: str) -> bool:
     return os.path.isdir(path) or (os.path.isfile(path) and (is_record(path) or next(record_files([path]))[0] != path))
 
 
-def _upwards(records: list[Record], vertical: float | None) -> Callable[[Record], Recording]:
-    """The function from a record of a file to its recording, with the vertical component of the file if it has a factor."""
+def _recordings(records: list[Record], taken: Sequence[Record], given: Given) -> list[Recording]:
+    """The recordings of some records of a file, with the vertical component of the file if it has a factor."""
+    vertical = given.get("vertical")
     up = None if vertical is None else Upwards(record_motion(vertical_of(records)), vertical)
-    return lambda record: Recording(record, upwards=up)
+    return [Recording(record, upwards=up) for record in taken]
 
 
-def _scaled(recording: Recording, scale: float | None, scale_to: str | None, tell: Callable[[str], None] | None) -> Recording:
-    """The recording with the factor from `scale` or `scale_to`; tell: called with each remark. Raises UsageError."""
-    record = recording.record
+def _scaled(recording: Recording, given: Given) -> Recording:
+    """The recording with its factor. Raises UsageError."""
+    record, tell = recording.record, given.get("tell")
     if tell is not None:
         for remark in remarks_on(record):
             tell(f"{record.source}: {remark}")
-    return replace(recording, factor=factor_of(record, scale, scale_to))
+    return replace(recording, factor=factor_of(record, given.get("scale"), given.get("scale_to")))
 
 
-def _of_document(source: str, raw: bytes, scale: float | None, **of_records: Any) -> Motion:
-    """The motion of the bytes of a document, times `scale`. Raises DocumentError, and UsageError if an option of records is given."""
+def _of_document(source: str, raw: bytes, given: Given) -> Motion:
+    """The motion of the bytes of a document, times `scale`. Raises DocumentError, and UsageError if a choice for records is given."""
     documents = documents_of(source, raw)
     if len(documents) > 1:
         raise DocumentError(f"{documents[1].place}: a second document; a motion file holds one")
-    motion = build_motion(documents[0])
-    for name, given in of_records.items():
-        if given is not None:
+    motion, scale = build_motion(documents[0]), given.get("scale")
+    for name in ("component", "unit", "dt", "scale_to", "vertical"):
+        if given.get(name) is not None:
             raise UsageError(f"{source}: found a motion document; `{name}` applies to a record only")
     return motion if scale is None else motion.scaled(scale)
 

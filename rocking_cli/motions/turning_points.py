@@ -5,11 +5,10 @@ from the bound sum_j |C_j| w_j^(n+1) of the derivatives:
 
     free      |T_0| > sum_{n>=1} |T_n|               r has no root
     monotone  |T_1| > sum_{n>=2} n |T_n|             r has one root or none; its signs at the ends decide
-    curved    2 |T_2| > sum_{n>=3} n (n-1) |T_n|     r has one turning point, whose sign decides between two roots, one and none
     flat      sum |T_n| below rounding               s is constant
 
-An interval that passes no test is halved. A turning point of r that is zero within rounding (an inflection with a level tangent, or
-two extremes about 1e-7 apart) is no extreme: s is monotone there in double precision.
+An interval that passes no test is halved. Ends at which r is zero within rounding decide nothing: two extremes about 1e-7 apart, or an
+inflection with a level tangent, are no extremes, and s is monotone there in double precision.
 """
 
 from __future__ import annotations
@@ -49,32 +48,31 @@ def isolated_extremes(piece: Piece) -> Array:
     fastest = max(h.frequency for h in piece.harmonics)
     edges = np.linspace(piece.start, piece.stop, math.ceil((piece.stop - piece.start) * fastest / (2.0 * math.pi) * _CELLS) + 2)
     low, high = edges[:-1], edges[1:]
-    ends: list[tuple[Array, Array]] = []
+    ends = [edges]
     n = np.arange(float(_TERMS))[:, None]
     for _ in range(_HALVINGS):
         terms, rest, rounding = _series(piece, low, high)
         size = np.abs(terms)
         free = size[0] > size[1:].sum(axis=0) + rest + rounding[0]
         monotone = size[1] > (n * size)[2:].sum(axis=0) + _TERMS * rest + rounding[1]
-        curved = 2.0 * size[2] > (n * (n - 1.0) * size)[3:].sum(axis=0) + _TERMS * (_TERMS - 1) * rest + rounding[2]
         flat = size.sum(axis=0) + rest <= 4.0 * rounding[0]
-        single = (monotone | flat) & ~free
-        turning = curved & ~(free | single)
-        ends += [(low[single], high[single]), *_about_turns(piece, low[turning], high[turning], rounding[0, turning])]
-        open_ = ~(free | single | curved)
+        open_ = ~(free | monotone | flat)
         if not open_.any():
             break
         middle = 0.5 * (low[open_] + high[open_])
+        ends.append(middle)
         low, high = np.concatenate([low[open_], middle]), np.concatenate([middle, high[open_]])
-    before, after = (np.concatenate(x) for x in zip(*ends, strict=True))
-    change = (_rate(piece, before) >= 0.0) != (_rate(piece, after) >= 0.0)  # zero counts as positive in both neighbours
-    return np.unique(_bisected(partial(_rate, piece), before[change], after[change]))
+    at = np.unique(np.concatenate(ends))
+    terms, _, rounding = _series(piece, at, at)
+    at, rises = (x[np.abs(terms[0]) > rounding[0]] for x in (at, terms[0] > 0.0))
+    change = np.flatnonzero(rises[1:] != rises[:-1])
+    return _bisected(partial(_rate, piece), at[change], at[change + 1])
 
 
 def _series(piece: Piece, low: Array, high: Array) -> tuple[Array, Array, Array]:
-    """T_n (terms, intervals); bound of the remainder (intervals); bound of rounding in r, r' d and r'' d^2 (3, intervals)."""
+    """T_n (terms, intervals); bound of the remainder (intervals); bound of rounding in r and r' d (2, intervals)."""
     middle, half = 0.5 * (low + high), 0.5 * (high - low)
-    terms, rest, rounding = np.zeros((_TERMS, middle.size)), np.zeros(middle.size), np.zeros((3, middle.size))
+    terms, rest, rounding = np.zeros((_TERMS, middle.size)), np.zeros(middle.size), np.zeros((2, middle.size))
     terms[0] = piece.slope
     for h in piece.harmonics:
         argument, x = h.frequency * middle + h.phase, h.frequency * half
@@ -85,26 +83,15 @@ def _series(piece: Piece, low: Array, high: Array) -> tuple[Array, Array, Array]
             terms[n] += size * (cos, -sin, -cos, sin)[n % 4]
             size = size * x / (n + 1)
         rest += np.abs(size)
-        rounding += error * x ** np.arange(3.0)[:, None]
+        rounding += error * x ** np.arange(2.0)[:, None]
     rounding[0] += 4.0 * np.finfo(float).eps * abs(piece.slope)
     return terms, rest, rounding
 
 
-def _about_turns(piece: Piece, low: Array, high: Array, rounding: Array) -> list[tuple[Array, Array]]:
-    """The parts before and after the turning point of r in each interval, if r changes its sign in the interval."""
-    if not low.size:
-        return []
-    turn = _bisected(partial(_rate, piece, order=1), low, high)
-    deep = (np.abs(_rate(piece, turn)) > rounding) | ((_rate(piece, low) >= 0.0) != (_rate(piece, high) >= 0.0))
-    return [(low[deep], turn[deep]), (turn[deep], high[deep])]
-
-
-def _rate(piece: Piece, phase: Array, order: int = 0) -> Array:
-    """ds/dphase (order 0) or its derivative (order 1) at phases [rad], one-dimensional."""
+def _rate(piece: Piece, phase: Array) -> Array:
+    """ds/dphase at phases [rad], one-dimensional."""
     amplitude, w, f = np.array([(h.amplitude, h.frequency, h.phase) for h in piece.harmonics]).T[:, :, None]
-    argument = w * phase + f
-    total = (amplitude * w * np.cos(argument) if order == 0 else -amplitude * w * w * np.sin(argument)).sum(axis=0)
-    return total + piece.slope if order == 0 else np.asarray(total)
+    return np.asarray((amplitude * w * np.cos(w * phase + f)).sum(axis=0) + piece.slope)
 
 
 def _bisected(function: Callable[[Array], Array], low: Array, high: Array) -> Array:
