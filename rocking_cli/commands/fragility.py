@@ -115,7 +115,7 @@ def fragility(
         members = shaken_upwards(members, shaken.upwards)
     (equation,) = model.methods(structures)
     if wanted.output is not None:
-        from ..spectra.file.partial import check_output
+        from ..spectra.file.writer import check_output
 
         if not (sweep.resume and wanted.output.is_file()):
             check_output(wanted.output, sweep.overwrite, sweep.resume)

@@ -53,7 +53,7 @@ def spectrum(
     """
     from ..motions.grid import parse_grid
     from ..reports.summary import summary_lines
-    from ..spectra.file.partial import check_output
+    from ..spectra.file.writer import check_output
     from ..spectra.scene import PulseScene, Scene
     from ..spectra.sweep import write_scene
     from ..spectra.sweep_options import CHUNK_CELLS, SweepOptions

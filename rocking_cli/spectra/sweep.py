@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -107,8 +107,9 @@ def write_scene(scene: Scene, path: str | Path, options: SweepOptions | None = N
     layout = Layout(scene.frame(), sweep.chunk, names, {**scene.identity(), **stored}, attributes)
     with SpectraWriter(Path(path), layout, overwrite=options.overwrite, resume=options.resume, strict=options.strict) as writer:
         mine = sweep.units[part - 1 :: count]
-        sweep.todo = [unit for unit in mine if not writer.has(unit.places, unit.row, unit.column)]
-        sweep.before = writer.outcomes
+        found = [writer.found(unit.places, unit.row, unit.column) for unit in mine]
+        sweep.todo = [unit for unit, counts in zip(mine, found, strict=True) if counts is None]
+        sweep.before += sum(counts for counts in found if counts is not None)
 
         def keep(unit: Unit, data: tuple[dict[str, bytes], ...]) -> None:
             for i, own in zip(unit.places, data, strict=True):
@@ -117,7 +118,7 @@ def write_scene(scene: Scene, path: str | Path, options: SweepOptions | None = N
         try:
             summary = sweep.run(keep, _Packing(names, sweep.chunk))
         except KeyboardInterrupt:
-            kept = writer.written + writer.resumed
+            kept = int(writer.done.sum())
             if not kept:
                 raise Interrupted("interrupted before the first chunk was done; nothing is kept") from None
             raise Interrupted(f"interrupted; {kept} of {writer.cut.size} chunks are kept in {writer.part}; `resume` goes on") from None
@@ -140,12 +141,12 @@ class _Packing:
 
 
 class _Sweep:
-    """The computation of a scene. todo: the units to compute; before: counts of outcomes in resumed chunks. Raises
+    """The computation of a scene. todo: the units to compute; before: counts of outcomes in resumed units. Raises
     UsageError for a sweep that would take years, and for one of too many units of work."""
 
     def __init__(self, scene: Scene, options: SweepOptions) -> None:
         self.scene, self.options, self.chunk = scene, options, options.chunk(scene)
-        self.before: Mapping[int, np.ndarray] = {}
+        self.before = np.zeros(len(Outcome), dtype=np.int64)
         rows, columns = (-(-n // size) for n, size in zip(scene.shape[1:], self.chunk, strict=True))
         count, cells = rows * columns * len(scene.sharing()), self.chunk[0] * self.chunk[1]
         if count > _MOST_UNITS:
@@ -168,8 +169,7 @@ class _Sweep:
 
             crew = cluster(job, options.scheduler, options.tell)
         total, shared, differences = Work(), 0, np.zeros(len(Difference), dtype=np.int64)
-        resumed = sum(self.before.values(), np.zeros(len(Outcome), dtype=np.int64))
-        outcomes = resumed.copy()
+        outcomes = self.before.copy()
         for done, (unit, report) in enumerate(unit_reports(job, self.todo, crew, verification), 1 + len(self.units) - len(self.todo)):
             with deferred():
                 keep(unit, report.data)
@@ -195,6 +195,6 @@ class _Sweep:
             records=scene.shape[0] if scene.of_records else 0,
             weighed=scene.weighed,
             differences={d.flag: int(differences[d]) for d in Difference} if "linear" in quantities else {},
-            resumed_cells=int(resumed.sum()),
+            resumed_cells=int(self.before.sum()),
             **verification.compared(),
         )

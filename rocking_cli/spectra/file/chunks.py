@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import math
 import struct
 import zlib
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import product
 
 import numpy as np
 
@@ -30,7 +32,7 @@ class ChunkGrid:
     @property
     def size(self) -> int:
         """Chunks in all."""
-        return int(np.prod([int(n) for n in self.counts], dtype=object))
+        return math.prod(self.counts)
 
     def offset(self, index: int) -> tuple[int, ...]:
         """The first cell of a chunk."""
@@ -46,34 +48,28 @@ class ChunkGrid:
 
     def within(self, cells: Sequence[slice]) -> Iterator[int]:
         """The chunks that hold any of these cells (slices with start and stop)."""
-        lows = [s.start // c for s, c in zip(cells, self.chunk, strict=True)]
-        spans = [-(-s.stop // c) - low if s.stop > s.start else 0 for s, c, low in zip(cells, self.chunk, lows, strict=True)]
-        for place in np.ndindex(*spans):
-            yield int(np.ravel_multi_index([low + i for low, i in zip(lows, place, strict=True)], self.counts))
+        spans = [range(s.start // c, -(-s.stop // c) if s.stop > s.start else 0) for s, c in zip(cells, self.chunk, strict=True)]
+        return (int(np.ravel_multi_index(place, self.counts)) for place in product(*spans))
 
 
 def pack(block: np.ndarray, shape: tuple[int, ...] | None = None) -> bytes:
     """A block as HDF5's shuffle and gzip filters store it, filled up with zeros to the shape of a chunk. Workers call this."""
-    if shape is not None and block.shape != shape:
-        block = np.pad(block, [(0, n - m) for m, n in zip(block.shape, shape, strict=True)])
-    size = block.dtype.itemsize
-    if size > 1:
-        block = block.reshape(-1).view(np.uint8).reshape(-1, size).T
-    return zlib.compress(np.ascontiguousarray(block).tobytes(), GZIP_LEVEL)
+    if shape not in (None, block.shape):
+        block = np.pad(block, [(0, n - m) for m, n in zip(block.shape, shape or (), strict=True)])
+    planes = np.ascontiguousarray(block).view(np.uint8).reshape(-1, block.dtype.itemsize).T
+    return zlib.compress(planes.tobytes(), GZIP_LEVEL)
 
 
 def unpack(raw: bytes, dtype: np.dtype, shape: tuple[int, ...]) -> np.ndarray:
     """The inverse of `pack`. Raises ValueError when the bytes are not such a chunk; never unpacks more than one."""
-    expected = dtype.itemsize * int(np.prod(shape))
+    expected = dtype.itemsize * math.prod(shape)
     try:
         data = np.frombuffer(zlib.decompressobj().decompress(raw, expected + 1), dtype=np.uint8)
     except zlib.error as error:
         raise ValueError(str(error)) from None
     if data.size != expected:
         raise ValueError(f"{data.size if data.size < expected else 'more'} bytes, expected {expected}")
-    if dtype.itemsize > 1:
-        data = np.ascontiguousarray(data.reshape(dtype.itemsize, -1).T)
-    return data.reshape(-1).view(dtype).reshape(shape)
+    return np.ascontiguousarray(data.reshape(dtype.itemsize, -1).T).view(dtype).reshape(shape)
 
 
 def checksum(packed: Packed) -> int:

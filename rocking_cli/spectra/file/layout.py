@@ -12,23 +12,16 @@ import h5py
 import numpy as np
 
 from ... import __version__
-from ..dimensions import Frame
+from ..dimensions import Frame, Values
 from ..variables import VARIABLES, Variable
 from .chunks import GZIP_LEVEL, ChunkGrid
 
 BOOKKEEPING = "bookkeeping"  # name of the group
 
+_FLAGS = {"flag_values": np.array([0, 1], dtype="u1"), "flag_meanings": "open done"}
 CHUNK_TABLES = {
     "chunk": Variable(np.dtype("<i4"), {"units": "1", "long_name": "unit of work, row-major over the chunks of the data"}),
-    "chunk_done": Variable(
-        np.dtype("u1"),
-        {
-            "units": "1",
-            "long_name": "whether this chunk's data are written",
-            "flag_values": np.array([0, 1], dtype="u1"),
-            "flag_meanings": "open done",
-        },
-    ),
+    "chunk_done": Variable(np.dtype("u1"), {"units": "1", "long_name": "whether this chunk's data are written", **_FLAGS}),
     "chunk_checksum": Variable(np.dtype("<u4"), {"units": "1", "long_name": "CRC-32 of this chunk's stored bytes"}),
 }
 """The variables of each chunk in the group of bookkeeping."""
@@ -63,36 +56,34 @@ class Layout:
             lists = {**{name: (name, values) for name, values in frame.dimensions.items()}, **frame.beside}
             for name, (dimension, values) in lists.items():
                 about = frame.about(name)
-                file.create_dataset(name, data=values, dtype=about.dtype or h5py.string_dtype())
-                _describe(file[name], {"units": about.units, "long_name": about.long_name})
-                if name == dimension:
-                    file[name].make_scale(name)
-                else:
-                    file[name].dims[0].attach_scale(file[dimension])
+                _add_list(file, name, dimension, values, about.dtype, {"units": about.units, "long_name": about.long_name})
             labels = {"coordinates": " ".join(frame.labels)} if frame.labels else {}
             for name in self.names:
                 kind = VARIABLES[name]
-                file.create_dataset(
+                data = file.create_dataset(
                     name, cut.shape, kind.dtype, chunks=cut.chunk, shuffle=kind.dtype.itemsize > 1,
                     compression="gzip", compression_opts=GZIP_LEVEL, fillvalue=kind.fill,
                 )  # fmt: skip
-                _describe(file[name], {**kind.attributes, **labels}, *(file[dimension] for dimension in frame.dimensions))
+                for key, value in {**kind.attributes, **labels}.items():
+                    data.attrs[key] = np.array([value], dtype=data.dtype) if key == "_FillValue" else value
+                for i, dimension in enumerate(frame.dimensions):
+                    data.dims[i].attach_scale(file[dimension])
             tables = file.create_group(BOOKKEEPING, track_order=True)
             for name, kind in CHUNK_TABLES.items():
-                tables[name] = np.arange(cut.size, dtype=kind.dtype) if name == "chunk" else np.zeros(cut.size, dtype=kind.dtype)
-                _describe(tables[name], kind.attributes)
-                if name == "chunk":
-                    tables[name].make_scale(name)
-                else:
-                    tables[name].dims[0].attach_scale(tables["chunk"])
+                values = np.arange(cut.size) if name == "chunk" else np.zeros(cut.size)
+                _add_list(tables, name, "chunk", values, kind.dtype, kind.attributes)
         return buffer.getvalue()
 
 
-def _describe(data: h5py.Dataset, about: Mapping[str, Any], *scales: h5py.Dataset) -> None:
-    for key, value in about.items():
-        data.attrs[key] = np.array([value], dtype=data.dtype) if key == "_FillValue" else value
-    for i, scale in enumerate(scales):
-        data.dims[i].attach_scale(scale)
+def _add_list(group: h5py.Group, name: str, dimension: str, values: Values, dtype: np.dtype | None, attributes: Mapping[str, Any]) -> None:
+    """Add numbers, or texts without a dtype, along a dimension; the list that has its name is the scale of the dimension."""
+    data = group.create_dataset(name, data=values, dtype=dtype or h5py.string_dtype())
+    for key, value in attributes.items():
+        data.attrs[key] = value
+    if name == dimension:
+        data.make_scale(name)
+    else:
+        data.dims[0].attach_scale(group[dimension])
 
 
 def _encodable(value: Any) -> Any:

@@ -14,10 +14,9 @@ from ...errors import OutputError, UsageError
 from ..variables import VARIABLES
 from ..work.machine import together, unlike
 from .chunks import Packed, unpack
-from .difference import difference
 from .layout import Layout
 from .reader import SpectraFile
-from .writer import SpectraWriter
+from .writer import SpectraWriter, difference
 
 KEPT = ("history", "documents", "motion", "model", "tolerance")
 
@@ -73,7 +72,7 @@ def merge(paths: Sequence[str | Path], output: str | Path, *, overwrite: bool = 
         run_time, checked, error = ([f.attributes.get(key, 0) for f in files] for key in ("run_time", "checked_cells", "estimated_error"))
         totals = {"run_time": sum(run_time), "checked_cells": sum(checked), "estimated_error": max(error)}
         writer.finish({"cells": int(outcomes.sum()), **totals, **{f"cells_{o.flag}": int(outcomes[o]) for o in Outcome}})
-        return Merged(writer.written, writer.cut.size, writer.elsewhere, _missing_shards(files))
+        return Merged(int(writer.done.sum()), writer.cut.size, writer.elsewhere, _missing_shards(files))
 
 
 def _missing_shards(files: Sequence[SpectraFile]) -> tuple[str, ...]:

@@ -6,10 +6,10 @@ import io
 import json
 import os
 import stat
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from contextlib import ExitStack
 from functools import lru_cache
 from pathlib import Path
-from types import TracebackType
 from typing import Any
 
 import h5py
@@ -24,16 +24,14 @@ from ..dimensions import EDGE_PARAMETERS, VARIED, Frame, Values, form_among, var
 from ..variables import VARIABLES
 from ..work.machine import machines_of
 from .chunks import ChunkGrid, Packed, checksum, split, unpack
-from .difference import reason
-from .digest import checked_digest, read
+from .integrity import SIGNATURE, Log, checked_digest, read, reason
 from .layout import BOOKKEEPING, CHUNK_TABLES
-from .log import SIGNATURE, Log
 
 _FAULTS = (*FAULTS, UsageError)
 UNPACKED = 8  # chunks that are kept as arrays
 
 
-class SpectraFile:
+class SpectraFile(ExitStack[None]):
     """A spectra file, finished or partial, open for reading; a context manager.
 
     frame: the places of its cells; structures: parameters as stored; names: of the variables; cut, done: how it is cut, and which chunks
@@ -42,18 +40,19 @@ class SpectraFile:
     """
 
     def __init__(self, path: str | Path) -> None:
+        super().__init__()
         self.path = Path(path)
         try:
             if not stat.S_ISREG(os.stat(path).st_mode):
                 raise UsageError(f"{path}: cannot be read: not a regular file")
-            self._raw = io.FileIO(path)
+            raw = self.enter_context(io.FileIO(path))
         except OSError as error:
             what = "no such file" if isinstance(error, FileNotFoundError) else error.strerror
             raise UsageError(f"{path}: cannot be read: {what}") from None
         try:
-            self._open()
+            self._open(raw)
         except BaseException as error:
-            self._raw.close()
+            self.close()
             if isinstance(error, _FAULTS):
                 raise OutputError(
                     f"{path}: is not a spectra file as this program wrote it: changed by another one, or damaged ({reason(error)})"
@@ -61,21 +60,13 @@ class SpectraFile:
             raise
         self._arrays = lru_cache(UNPACKED)(self._unpacked)
 
-    def _open(self) -> None:
-        if read(self._raw, 0, len(SIGNATURE)) != SIGNATURE:
+    def _open(self, raw: io.FileIO) -> None:
+        """Check the bytes, and read the lists and attributes. Raises OutputError, one of FAULTS, or UsageError."""
+        if read(raw, 0, len(SIGNATURE)) != SIGNATURE:
             raise OutputError(f"{self.path}: is not an HDF5 file, or is damaged")
-        self.digest = checked_digest(self._raw)
-        self._log = Log(self._raw) if self.digest is None else None
-        self.file = h5py.File(self._raw if self._log is None else io.BytesIO(self._log.image), "r")
-        try:
-            self._understand()
-        except BaseException:
-            self.file.close()
-            raise
-
-    def _understand(self) -> None:
-        """Read the lists and attributes of the file, whose bytes have been checked. Raises one of FAULTS, or UsageError."""
-        file = self.file
+        self.digest = checked_digest(raw)
+        self._log = Log(raw) if self.digest is None else None
+        file = self.file = self.enter_context(h5py.File(raw if self._log is None else io.BytesIO(self._log.image), "r"))
         tables = file.get(BOOKKEEPING, file)  # of an earlier version they stand at the root
         names = {name for name in file if name not in CHUNK_TABLES and name != BOOKKEEPING}
         for group, some in ((file, names), (tables, CHUNK_TABLES)):
@@ -100,11 +91,6 @@ class SpectraFile:
         if self._log is not None:
             self.attributes["computed_on"] = json.dumps(self._log.notes.get("computed_on"))
             self.done = np.isin(np.arange(self.cut.size), list(self._log.places))
-
-    def close(self) -> None:
-        """Close the file."""
-        self.file.close()
-        self._raw.close()
 
     @property
     def complete(self) -> bool:
@@ -179,27 +165,16 @@ class SpectraFile:
     def block(self, place: int, rows: slice, columns: slice = slice(None)) -> dict[str, np.ndarray]:
         """The variables at one place of the first dimension, over a part of the other two; every chunk is checked. Raises
         OutputError."""
-        others = [slice(*s.indices(n)[:2]) for s, n in zip((rows, columns), self.frame.shape[1:], strict=True)]
-        wanted = (slice(place, place + 1), *others)
+        wanted = [slice(*s.indices(n)[:2]) for s, n in zip((slice(place, place + 1), rows, columns), self.frame.shape, strict=True)]
         shape = [max(0, s.stop - s.start) for s in wanted]
         found = {name: np.full(shape, VARIABLES[name].fill, VARIABLES[name].dtype) for name in self.names}
         for index in self.cut.within(wanted):
             if self.done[index]:
-                pairs = [_overlap(a, b) for a, b in zip(wanted, self.cut.extent(index), strict=True)]
-                here, there = (tuple(pair[i] for pair in pairs) for i in (0, 1))
+                chunk = self.cut.extent(index)
+                common = [slice(max(a.start, b.start), min(a.stop, b.stop)) for a, b in zip(wanted, chunk, strict=True)]
                 for name, array in self._arrays(index).items():
-                    found[name][here] = array[there]
+                    found[name][_within(wanted, common)] = array[_within(chunk, common)]
         return {name: values[0] for name, values in found.items()}
-
-    def index(self, name: str | None) -> int:
-        """The structure of that name; without a name the only one. Raises UsageError."""
-        names = [s.name for s in self.structures]
-        if name is None and len(names) == 1:
-            return 0
-        if name not in names:
-            found = f"no structure {name!r}" if name is not None else f"{len(names)} structures"
-            raise UsageError(f"{self.path}: {found}; expected one of {', '.join(names)}")
-        return names.index(name)
 
     def array(self, name: str) -> np.ndarray:
         """One variable over all three dimensions, NaN or 0 where it is not computed. Raises OutputError, UsageError."""
@@ -216,22 +191,14 @@ class SpectraFile:
         for i, place in enumerate(places):
             for begin in range(0, len(rows), height):
                 block = self.block(i, slice(begin, begin + height))
-                for r, row in enumerate(block["outcome"]):
-                    for c in np.flatnonzero(row != Outcome.NOT_COMPUTED):
-                        record = {first: place, second: rows[begin + r], third: columns[c], "outcome": Outcome(int(row[c])).flag}
-                        yield record | {name: _told(name, block[name][r, c]) for name in self.names if name != "outcome"}
-
-    def __enter__(self) -> SpectraFile:
-        return self
-
-    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
-        self.close()
+                for r, c in np.argwhere(block["outcome"] != Outcome.NOT_COMPUTED).tolist():
+                    record = {first: place, second: rows[begin + r], third: columns[c], "outcome": _told("outcome", block["outcome"][r, c])}
+                    yield record | {name: _told(name, block[name][r, c]) for name in self.names if name != "outcome"}
 
 
-def _overlap(one: slice, other: slice) -> tuple[slice, slice]:
-    """The common part of two ranges, counted from the start of each."""
-    low, high = max(one.start, other.start), min(one.stop, other.stop)
-    return slice(low - one.start, high - one.start), slice(low - other.start, high - other.start)
+def _within(cells: Sequence[slice], some: Sequence[slice]) -> tuple[slice, ...]:
+    """The places of some cells, counted from the first of all cells."""
+    return tuple(slice(s.start - first.start, s.stop - first.start) for s, first in zip(some, cells, strict=True))
 
 
 def _told(name: str, value: np.generic) -> float | int | str | None:
@@ -244,7 +211,7 @@ def _told(name: str, value: np.generic) -> float | int | str | None:
 
 def _plain(value: Any) -> Any:
     """An attribute's value as Python has it."""
-    return value.item() if isinstance(value, np.generic) else value.tolist() if isinstance(value, np.ndarray) else value
+    return value.tolist() if isinstance(value, np.generic | np.ndarray) else value
 
 
 def _demand_own(group: h5py.Group, name: str) -> None:

@@ -1,10 +1,19 @@
-"""The writer of a spectra file: it appends chunks to the partial file, and at the end writes the HDF5 file from it."""
+"""The writer of a spectra file: it appends chunks to the partial file, and at the end writes the HDF5 file from it.
+
+The partial file is the layout of the file to come, and behind it a record for each chunk that is done. Records are only appended and have
+checksums, so a kill loses at most the last record, and a flipped bit only its chunk. A process locks its partial file; another process
+then finds it in use and changes nothing. On a system without locks, two sweeps of one output are only detected at their end.
+"""
 
 from __future__ import annotations
 
+import io
 import json
 import os
-from collections.abc import Callable, Mapping, Sequence
+import secrets
+import time
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from pathlib import Path
 from types import TracebackType
 from typing import Any, BinaryIO, cast
@@ -13,21 +22,109 @@ import h5py
 import numpy as np
 
 from ...errors import OutputError, UsageError
-from ...publishing import published
+from ...publishing import check_target, followed, kind_of, published
 from ..work.machine import machine, together, unlike
 from .chunks import Packed, checksum, joined, split
-from .difference import difference, reason
-from .digest import digest_line
+from .integrity import NOTE, SIGNATURE, Log, digest, digest_line, read, reason, record_of, write
 from .layout import BOOKKEEPING, Layout
-from .partial import Partial
+
+PATIENCE = 0.3  # s: a process that only tests for use of a partial file locks it for an instant
+_OF_OTHERS = {".csv", ".json", ".jsonl", ".txt", ".tsv", ".xlsx", ".yaml", ".yml", ".png", ".svg", ".pdf", ".html"}
+
+
+def check_output(path: Path, overwrite: bool, resume: bool = False) -> Path:
+    """Refuse an output that cannot or must not be written, before any work is done; the name of its partial file. Raises UsageError,
+    OutputError if it is in use or, with resume, if the file there is damaged."""
+    if path.suffix.lower() in _OF_OTHERS:
+        raise UsageError(f"{path}: the output is HDF5; found the ending {path.suffix}; give a name such as {path.stem}.h5")
+    check_target(path, overwrite=True)
+    output = followed(path)
+    partial = output.with_name(output.name + ".part")
+    if kind := kind_of(partial):
+        raise UsageError(f"{partial}: is {kind}, but a partial file must have this name; give another output")
+    if partial.exists() and not (overwrite or resume):
+        with open(partial, "rb") as file:
+            if not _locked(file):
+                raise OutputError(f"{partial}: is in use by another process")
+    _refuse_existing(output, partial if partial.exists() else None, overwrite, resume)
+    return partial
+
+
+def _refuse_existing(path: Path, partial: Path | None, overwrite: bool, resume: bool) -> None:
+    if overwrite:
+        return
+    if os.path.lexists(path):
+        if resume:
+            _demand_whole(path)
+        raise UsageError(f"{path}: exists{' and is complete' if resume else ''}; `overwrite` replaces it")
+    if partial is not None and not resume:
+        raise UsageError(f"{partial}: exists, left by a sweep that did not finish; `resume` goes on with it, `overwrite` begins anew")
+
+
+def _demand_whole(path: Path) -> None:
+    """Raise OutputError unless a file is a finished spectra file, every chunk of it as it was written."""
+    from .reader import SpectraFile
+
+    try:
+        with SpectraFile(path) as file:
+            if file.digest is None:
+                raise OutputError(f"{path}: is a partial file")
+            if damaged := file.damaged_chunks():
+                raise OutputError(f"{path}: is damaged: {len(damaged)} of its chunks are not as they were written")
+    except OutputError as error:
+        raise OutputError(f"{error}; `overwrite` replaces it") from None
+
+
+def _locked(file: BinaryIO) -> bool:
+    """Lock an open file for this process, True also where there are no locks; False where another process has it."""
+    try:
+        import fcntl
+    except ImportError:
+        return True
+    end = time.monotonic() + PATIENCE
+    while True:
+        try:
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            return True
+        except BlockingIOError:
+            if time.monotonic() > end:
+                return False
+            time.sleep(0.02)
+        except OSError:  # a file system without locks
+            return True
+
+
+def _opened(path: Path) -> tuple[BinaryIO, bool]:
+    """(a partial file, opened and locked; True if it is new). Raises OutputError when another process has it, OSError."""
+    end = time.monotonic() + PATIENCE
+    while time.monotonic() <= end:
+        try:
+            file, new = io.FileIO(path, "x+"), True
+        except FileExistsError:
+            file, new = io.FileIO(path, "r+"), False
+        if not _locked(file):
+            file.close()
+            break
+        if _stands(file, path):
+            return file, new
+        file.close()
+    raise OutputError(f"{path}: is in use by another process")
+
+
+def _stands(file: BinaryIO, path: Path) -> bool:
+    """True if an open file is the one under this name, so that nobody has removed it meanwhile."""
+    with suppress(FileNotFoundError):
+        return os.path.samestat(os.lstat(path), os.fstat(file.fileno()))
+    return False
 
 
 class SpectraWriter:
     """The one writer of a spectra file; a context manager that closes the partial file whatever happens.
 
     strict: refuse a partial file that was begun on a machine that computes differently; machines: those whose chunks are written, this
-    one unless given. done: the finished chunks; resumed: those of an earlier run, with their counts of outcomes. Raises UsageError for an
-    output that is refused, OutputError when the file is in use or cannot be written.
+    one unless given. part: the partial file; done: the finished chunks; resumed: those of an earlier run, with their counts of outcomes;
+    elsewhere: the differences of the machines, empty where they compute alike. Raises UsageError for an output that is refused, OutputError
+    when the file is in use or cannot be written.
     """
 
     def __init__(
@@ -40,30 +137,44 @@ class SpectraWriter:
         strict: bool = False,
         machines: Sequence[Mapping[str, Any]] = (),
     ) -> None:
-        self.names, self.cut, self.overwrite = layout.names, layout.cut, overwrite
+        self.part, self.output, self.overwrite = check_output(path, overwrite, resume), followed(path), overwrite
+        self.names, self.cut = layout.names, layout.cut
         self.whole = layout.attributes.get("shard") == "1/1"
-        self.written = self.resumed = 0
-        self.kept = False
-        self.outcomes: dict[int, np.ndarray] = {}
+        self.resumed: dict[int, np.ndarray] = {}
         self.done = np.zeros(self.cut.size, dtype=bool)
         self.machines = together([machines or [machine()]])
-        self._partial = Partial(path, layout.image(), overwrite=overwrite, resume=resume)
-        self.part = self._partial.path
         try:
-            if self._partial.resumes:
-                self._resume(layout, strict)
-            self._partial.log.note(computed_on=self.machines)
-        except BaseException as error:
-            self._partial.discard()
-            self._partial.file.close()
-            if isinstance(error, OSError):
-                raise OutputError(f"{self.part}: cannot be written: {error.strerror}") from None
-            raise
+            self.file, self.created = _opened(self.part)
+            try:
+                self._begin(layout, overwrite, resume, strict)
+            except BaseException:
+                self.discard()
+                self.file.close()
+                raise
+        except OSError as error:
+            raise OutputError(f"{self.part}: cannot be written: {error.strerror}") from None
+        except ValueError as error:
+            raise OutputError(f"{self.part}: is not a sweep that can go on ({error}); it is kept, `overwrite` begins anew") from None
 
-    @property
-    def elsewhere(self) -> str:
-        """The differences of the machines on which this file was computed; empty where they compute alike."""
-        return unlike(self.machines)
+    def _begin(self, layout: Layout, overwrite: bool, resume: bool, strict: bool) -> None:
+        """Begin the partial file, or go on with it. Raises UsageError, OutputError, OSError, or ValueError for one that cannot go on."""
+        head = read(self.file, 0, len(SIGNATURE))
+        if any(head) and head != SIGNATURE:
+            raise UsageError(f"{self.part}: is no partial file of this program; move it away, or give another output")
+        begun = any(head)  # these bytes are written last
+        _refuse_existing(self.output, self.part if begun else None, overwrite, resume)  # they may have appeared before it was locked
+        if not (begun and resume):
+            self.created = True
+            image = layout.image()
+            self.file.truncate(0)
+            note = json.dumps({"layout": digest([image]), "token": secrets.token_hex(8)}).encode()
+            write(self.file, len(SIGNATURE), image[len(SIGNATURE) :] + record_of(NOTE, note))
+            write(self.file, 0, SIGNATURE)
+        self.log = Log(self.file)
+        if begun and resume:
+            self._resume(layout, strict)
+        self.log.note(computed_on=self.machines)
+        self.elsewhere = unlike(self.machines)
 
     def _resume(self, layout: Layout, strict: bool) -> None:
         """Continue a partial file of the same scene with its intact chunks. Raises UsageError, OutputError, OSError."""
@@ -81,56 +192,48 @@ class SpectraWriter:
                 raise UsageError(f"{self.part}: was begun on a machine that computes differently ({unlike(machines)}); it is kept")
             self.machines = machines
             intact = [int(i) for i in np.flatnonzero(before.done) if before.intact(int(i))]  # a damaged chunk is computed again
-            self.outcomes = {i: before.outcomes(i) for i in intact}
+            self.resumed = {i: before.outcomes(i) for i in intact}
         self.done[intact] = True
-        self._partial.file.truncate(self._partial.log.end)
-        self.resumed = len(intact)
+        self.file.truncate(self.log.end)
 
-    def has(self, places: Sequence[int], row: int, column: int) -> bool:
-        """True if all chunks with the first cell (row, column) at these places of the first dimension are finished; otherwise none of them
-        counts as finished."""
-        indices = [self.cut.index((i, row, column)) for i in places]
-        if all(self.done[indices]):
-            return True
-        for index in indices:
-            self.outcomes.pop(index, None)
-        return False
+    def found(self, places: Sequence[int], row: int, column: int) -> np.ndarray | None:
+        """The counts of outcomes in the resumed chunks with the first cell (row, column) at these places of the first dimension; None
+        unless all of them are there."""
+        chunks = {self.cut.index((i, row, column)) for i in places}
+        return np.sum([self.resumed[i] for i in chunks], axis=0) if chunks <= self.resumed.keys() else None
 
     def write(self, offset: tuple[int, ...], packed: Packed) -> None:
         """Write the packed chunk whose first cell is (place, row, column). Raises OutputError."""
         index = self.cut.index(offset)
         try:
-            self._partial.log.append(index, joined(packed))
+            self.log.append(index, joined(packed))
         except OSError as error:
-            kept = "; the finished chunks are kept there for `resume`" if self.written or self.resumed else ""
+            kept = "; the finished chunks are kept there for `resume`" if self.done.any() else ""
             raise OutputError(f"{self.part}: cannot be written: {error.strerror}{kept}") from None
         self.done[index] = True
-        self.written += 1
 
     def finish(self, attributes: Mapping[str, Any]) -> None:
         """Write the finished file from the partial file with the closing attributes, and remove the partial file. Raises OutputError."""
-        self.kept = True
         if self.whole and not self.done.all():
             raise OutputError(f"{self.part}: {int((~self.done).sum())} of {self.done.size} chunks are missing; it is kept for `resume`")
-        output = self._partial.output
-        unfinished = output.with_name(f"{output.name}.{self._partial.log.notes['token']}.part")  # the same in a resumed sweep
+        unfinished = self.output.with_name(f"{self.output.name}.{self.log.notes['token']}.part")  # the same in a resumed sweep
         try:
-            with published(output, self.overwrite, unfinished) as file:
+            with published(self.output, self.overwrite, unfinished) as file:
                 self._copy_into(file, {**attributes, "computed_on": json.dumps(self.machines)})
         except OutputError as error:
-            raise OutputError(f"{error}; the result is kept as {self.part}") from None
-        self._partial.remove()
+            raise OutputError(f"{error}{f'; the result is kept as {self.part}' if self.done.any() else ''}") from None
+        self._remove()
 
     def _copy_into(self, file: BinaryIO, attributes: Mapping[str, Any]) -> None:
         """Write the HDF5 file: the layout, the chunks that are done, and the digest behind it. Raises OutputError, OSError."""
-        log, target, places = self._partial.log, _Target(file), list[tuple[int, int]]()
-        file.write(log.image)
+        target, places = _Target(file), list[tuple[int, int]]()
+        file.write(self.log.image)
         try:
             with h5py.File(target, "r+") as h5:
                 tables = h5[BOOKKEEPING]
                 sums = tables["chunk_checksum"][...]
                 for index in map(int, np.flatnonzero(self.done)):
-                    packed = split(log.content(index), self.names)
+                    packed = split(self.log.content(index), self.names)
                     for name in self.names:
                         h5[name].id.write_direct_chunk(self.cut.offset(index), packed[name], 0)
                     sums[index] = checksum(packed)
@@ -153,15 +256,51 @@ class SpectraWriter:
 
     def discard(self) -> None:
         """Remove the partial file, if this process made it."""
-        self._partial.discard()
+        if self.created:
+            self._remove()
+
+    def _remove(self) -> None:
+        """Remove the partial file if it is still there."""
+        if not self.file.closed and _stands(self.file, self.part):
+            try:
+                self.part.unlink()
+            except PermissionError:  # a system that removes no open file
+                self.file.close()
+                self.part.unlink()
 
     def __enter__(self) -> SpectraWriter:
         return self
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
-        if error is not None and not (self.written or self.resumed or self.kept):
-            self._partial.discard()  # there is nothing in it to keep
-        self._partial.file.close()
+        if error is not None and not self.done.any():
+            self.discard()  # there is nothing in it to keep
+        self.file.close()
+
+
+def difference(one: Any, other: Any) -> tuple[str, str, str] | None:
+    """(the place where two scenes first differ, the value there in each, as JSON of at most 60 characters); None if they are equal.
+
+    The place of a text that begins a list is that of the list.
+    """
+    texts = [{place: json.dumps(value) for place, value in _values(scene)} for scene in (one, other)]
+    for place in texts[0] | texts[1]:
+        if texts[0].get(place) != texts[1].get(place):
+            first, second = (found if len(found) <= 60 else f"{found[:57]}..." for found in (text.get(place, "null") for text in texts))
+            return place, first, second
+    return None
+
+
+def _values(scene: Any, place: str = "") -> Iterator[tuple[str, Any]]:
+    """The values of a scene, each with its place; a list without lists or mappings is one value."""
+    if isinstance(scene, Mapping) and scene:
+        for key, value in scene.items():
+            yield from _values(value, f"{place}.{key}" if place else key)
+    elif isinstance(scene, list) and any(isinstance(x, list | Mapping) for x in scene):
+        yield f"number of {place}", len(scene)
+        for i, value in enumerate(scene):
+            yield from _values(value, f"{place}[{i}]" if i or not isinstance(value, str) else place)
+    else:
+        yield place, scene
 
 
 class _Target:

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from rocking_cli import OutputError, RockingError
-from rocking_cli.spectra.file.digest import digest_line
+from rocking_cli.spectra.file.integrity import digest_line
 from rocking_cli.spectra.file.reader import SpectraFile
 
 

@@ -1,147 +1,169 @@
-"""Sweeps that are stopped go on to the same file."""
+"""A sweep that is stopped goes on to the same file; its partial file belongs to one process, and nothing of others is replaced."""
 
 from __future__ import annotations
 
 import errno
+import fcntl
 import os
-import random
 import shutil
 import signal
 import subprocess
 import sys
-import time
 
 import h5py
 import numpy as np
 import pytest
 import xarray
-from support.documents import SMALL_SCENE, same_file
+from support.documents import SMALL_SCENE, built, same_file
 from support.watched_processes import PATIENCE, PROGRAM, children, grows
 
-from rocking_cli import (
-    Outcome,
-    OutputError,
-    UsageError,
-    build_structure,
-    dimensionless_oscillator,
-    parse_documents,
-    parse_grid,
-    sine,
-    write_spectrum,
-)
-from rocking_cli.commands import main
+from rocking_cli import Outcome, OutputError, UsageError, cosine, dimensionless_oscillator, parse_grid, sine, write_spectrum
 from rocking_cli.errors import Interrupted
 from rocking_cli.reports.summary import summary_lines
 from rocking_cli.spectra.dimensions import pulse_frame
-from rocking_cli.spectra.file import log
 from rocking_cli.spectra.file import writer as store
 from rocking_cli.spectra.file.chunks import pack
-from rocking_cli.spectra.file.difference import difference
+from rocking_cli.spectra.file.integrity import Log
 from rocking_cli.spectra.file.layout import Layout
-from rocking_cli.spectra.file.log import Log
 from rocking_cli.spectra.file.reader import SpectraFile
-from rocking_cli.spectra.file.writer import SpectraWriter
+from rocking_cli.spectra.file.writer import SpectraWriter, difference
+from rocking_cli.spectra.sweep_options import SweepOptions
 from rocking_cli.spectra.work import machine
 
-
-def kill_loop(folder, kills, seed, values):
-    """SIGKILL a resumed sweep at random sizes of its part; every part opens, every finished file equals the uninterrupted one."""
-    moment, finished, opened = random.Random(seed), 0, 0
-    call = [*PROGRAM, "spectrum", "--eta", "0.9", "--eta", "0.7", "-q", "--chunk", "10000"]
-    call += ["--grid", f"A=0.5:12:{values},Omega=0.5:12:{values}"]
-    subprocess.run([*call, "-o", "whole.h5"], cwd=folder, check=True)
-    whole, part = (folder / "whole.h5").stat().st_size, folder / "cut.h5.part"
-    done = 0
-    while done < kills or not finished:
-        process = subprocess.Popen([*call, "-o", "cut.h5", "--resume"], cwd=folder, stderr=subprocess.PIPE, start_new_session=True)
-        begun = part.stat().st_size if part.exists() else -1
-        if done < kills and grows(part, begun + int(moment.uniform(0.0, 0.5) * whole), process):
-            time.sleep(moment.uniform(0.0, 0.02))  # somewhere between two writes, or in one
-            if process.poll() is None:
-                os.killpg(process.pid, signal.SIGKILL)
-        said = process.communicate()[1]
-        done += 1
-        assert process.returncode in (0, -signal.SIGKILL), said
-        if (folder / "cut.h5").exists():
-            same_file(folder / "cut.h5", folder / "whole.h5")
-            (folder / "cut.h5").unlink()
-            finished += 1
-        elif part.exists():
-            with SpectraFile(part) as file:
-                assert file.damaged_chunks() == []
-            opened += 1
-    return finished, opened
+GRID = parse_grid("A=0.5:12:40,Omega=0.5:12:30")
+ONE = [dimensionless_oscillator(0.9)]
 
 
-def test_killed_sweeps_go_on_to_the_same_file(tmp_path):
-    finished, opened = kill_loop(tmp_path, 2, 1, 250)
-    assert finished
-    assert opened
+def sweep(path, structures=ONE, motion=sine(), grid=GRID, **options):  # noqa: B008
+    """Six chunks of 200 cells."""
+    return write_spectrum(structures, motion, grid, path, workers=1, chunk_cells=200, **options)
 
 
-@pytest.fixture(scope="module")
-def whole(tmp_path_factory):
-    """The small scene, swept without a stop."""
-    path = tmp_path_factory.mktemp("swept") / "whole.h5"
-    with pytest.raises(SystemExit):
-        main(["spectrum", *SMALL_SCENE, "-o", str(path)])
-    return path
+def left_part(path, chunks=3, **options):
+    """The partial file that a sweep leaves which is interrupted after some chunks."""
+
+    def stop(done, total):
+        if done == chunks:
+            raise KeyboardInterrupt
+
+    with pytest.raises(Interrupted):
+        sweep(path, progress=stop, **options)
+    return path.with_name(path.name + ".part")
 
 
 @pytest.fixture
-def left(tmp_path, rocking, monkeypatch):
-    """The partial file of the small scene, with all its chunks, as a kill before the end leaves it."""
-
-    def stop(*_):
-        raise KeyboardInterrupt
-
-    with monkeypatch.context() as patch:
-        patch.setattr(SpectraWriter, "finish", stop)
-        assert rocking("spectrum", *SMALL_SCENE, "-o", "cut.h5").returncode == 130
-    return tmp_path / "cut.h5.part"
+def output(tmp_path):
+    return tmp_path / "s.h5"
 
 
-def test_resume_takes_only_its_own_scene(rocking, refused, left, tmp_path):
-    left.rename(tmp_path / "b.h5.part")
-    other = ["--grid", "A=0.5:12:120,Omega=0.5:12:121", *SMALL_SCENE[2:]]
-    assert "its axis Omega is" in refused(2, "spectrum", *other, "-o", "b.h5", "--resume")
-    said = refused(2, "spectrum", *SMALL_SCENE, "--pulse", "cosine", "-o", "b.h5", "--resume")
-    assert 'its motion is "sine, 1 cycle", this one\'s "cosine, 1 cycle"' in said
-    assert "its number of structures is 2, this one's 1" in refused(
-        2, "spectrum", *SMALL_SCENE[:2], "--eta", "0.8", *SMALL_SCENE[6:], "-o", "b.h5", "--resume"
-    )
-    assert "--resume goes on" in refused(2, "spectrum", *SMALL_SCENE, "-o", "b.h5")
-    assert "does not go with" in refused(2, "spectrum", *SMALL_SCENE, "-o", "b.h5", "--resume", "--overwrite")
-    assert rocking("spectrum", *SMALL_SCENE, "-o", "b.h5", "--resume").returncode == 0
-    assert "is complete" in refused(2, "spectrum", *SMALL_SCENE, "-o", "b.h5", "--resume")
+@pytest.fixture
+def whole(tmp_path_factory):
+    """The same sweep without a stop."""
+    path = tmp_path_factory.mktemp("swept") / "whole.h5"
+    sweep(path)
+    return path
 
 
-def test_resume_calls_no_damaged_file_complete(refused, whole, tmp_path):
+def flip(path, at):
+    data = bytearray(path.read_bytes())
+    data[at] ^= 8
+    path.write_bytes(data)
+
+
+def names(folder):
+    return sorted(p.name for p in folder.iterdir())
+
+
+def layout():
+    return Layout(pulse_frame(ONE, GRID), (5, 40), ("theta_ratio", "outcome"), {}, {"shard": "1/1"})
+
+
+def test_killed_sweeps_go_on_to_the_same_file(tmp_path):
+    call = [*PROGRAM, "spectrum", "--eta", "0.9", "-q", "--chunk", "10000", "--grid", "A=0.5:12:400,Omega=0.5:12:400"]
+    subprocess.run([*call, "-o", "whole.h5"], cwd=tmp_path, check=True)
+    part = tmp_path / "cut.h5.part"
+    for share in (0.2, 0.4):
+        process = subprocess.Popen([*call, "-o", "cut.h5", "--resume"], cwd=tmp_path)
+        assert grows(part, int(share * (tmp_path / "whole.h5").stat().st_size), process)
+        process.kill()
+        process.wait()
+        with SpectraFile(part) as file:
+            assert file.damaged_chunks() == []
+    subprocess.run([*call, "-o", "cut.h5", "--resume"], cwd=tmp_path, check=True)
+    same_file(tmp_path / "cut.h5", tmp_path / "whole.h5")
+
+
+@pytest.mark.parametrize(
+    ("changed", "words"),
+    [
+        ({"grid": parse_grid("A=0.5:12:40,Omega=0.5:12:31")}, "is of another scene: its axis Omega is"),
+        ({"motion": cosine()}, 'its motion is "sine, 1 cycle", this one\'s "cosine, 1 cycle"'),
+        ({"structures": [*ONE, dimensionless_oscillator(0.7)]}, "its number of structures is 1, this one's 2"),
+        ({"shard": (1, 2)}, r"s\.h5\.part: is of shard 1/1, this call computes 1/2"),
+        ({"impacts": True}, "its impacts is false, this one's true"),
+        ({"resume": False}, "left by a sweep that did not finish; `resume` goes on with it, `overwrite` begins anew"),
+    ],
+)
+def test_resume_takes_only_its_own_scene(output, whole, changed, words):
+    part = left_part(output)
+    before = part.read_bytes()
+    with pytest.raises(UsageError, match=words):
+        sweep(output, **{"resume": True, **changed})
+    assert part.read_bytes() == before
+    assert sweep(output, resume=True).resumed_cells == 600
+    same_file(output, whole)
+    with pytest.raises(UsageError, match="exists and is complete"):
+        sweep(output, resume=True)
+
+
+def test_a_part_that_another_state_of_the_program_began_is_refused(output, monkeypatch):
+    monkeypatch.setattr(machine, "version", lambda: "0.1.0+1234")
+    left_part(output)
+    monkeypatch.undo()
+    with pytest.raises(UsageError, match=r'its version is "0\.1\.0\+1234", this one\'s "'):
+        sweep(output, resume=True)
+
+
+@pytest.mark.parametrize(
+    ("one", "other", "found"),
+    [
+        ({"a": 1}, {"a": 1}, None),
+        ({"a": 1}, {"a": 1, "b": 2}, ("b", "null", "2")),
+        ({"a": 1, "b": None}, {"a": 1}, ("b", "null", "null")),
+        ({"a": {}}, {}, ("a", "{}", "null")),
+        ({"s": [{"eta": 0.9}, {"eta": 0.8}]}, {"s": [{"eta": 0.9}, {"eta": 0.7}]}, ("s[1].eta", "0.8", "0.7")),
+        ({"s": [{}]}, {"s": [{}, {}]}, ("number of s", "1", "2")),
+        ({"axis A": [0.5, 12.0, 3]}, {"axis A": [0.5, 12.0, 4]}, ("axis A", "[0.5, 12.0, 3]", "[0.5, 12.0, 4]")),
+        ({"motion": ["sine", [{"end": 1.0}]]}, {"motion": ["cosine", [{"end": 1.0}]]}, ("motion", '"sine"', '"cosine"')),
+        ({"motion": ["sine", [{"end": 1.0}]]}, {"motion": ["sine", [{"end": 2.0}]]}, ("motion[1][0].end", "1.0", "2.0")),
+    ],
+)
+def test_scenes_differ_by_a_field_with_both_its_values(one, other, found):
+    assert difference(one, other) == found
+
+
+def test_resume_calls_no_damaged_file_complete(output, whole):
     data = whole.read_bytes()
     with h5py.File(whole) as file:
         chunk = file["theta_ratio"].id.get_chunk_info(0)
     flipped = bytearray(data)
     flipped[chunk.byte_offset + chunk.size // 2] ^= 1
-    for bytes_, said in ((data[:-10000], "or damaged ("), (b"", "is not an HDF5 file, or is damaged"), (flipped, "1 of its chunks")):
-        (tmp_path / "b.h5").write_bytes(bytes_)
-        found = refused(1, "spectrum", *SMALL_SCENE, "-o", "b.h5", "--resume")
-        assert said in found
-        assert "--overwrite replaces it" in found
-        assert "complete" not in found
-        assert (tmp_path / "b.h5").read_bytes() == bytes_
+    for content, said in ((data[:-1000], r"or damaged \("), (b"", "is not an HDF5 file, or is damaged"), (flipped, "1 of its chunks")):
+        output.write_bytes(content)
+        with pytest.raises(OutputError, match=f"{said}.*; `overwrite` replaces it$"):
+            sweep(output, resume=True)
+        assert output.read_bytes() == content
 
 
-def test_resume_computes_damaged_chunks_again(rocking, whole, left, tmp_path):
-    with SpectraFile(left) as file:
-        at, length = file._log.places[3]
-    data = bytearray(left.read_bytes())
-    data[at + length // 2] ^= 8
-    left.write_bytes(data)
-    info = rocking("info", "cut.h5.part", "--verify")
-    assert info.returncode == 1
-    assert "chunk 3 is damaged" in info.stderr
-    assert rocking("spectrum", *SMALL_SCENE, "-o", "cut.h5", "--resume").returncode == 0
-    same_file(tmp_path / "cut.h5", whole)
+def test_resume_computes_damaged_chunks_again(rocking, output, whole):
+    part = left_part(output, 5)
+    with open(part, "rb") as file:
+        at, length = Log(file).places[3]
+    flip(part, at + length // 2)
+    info = rocking("info", "s.h5.part", "--verify")
+    assert (info.returncode, "chunk 3 is damaged" in info.stderr) == (1, True)
+    assert sweep(output, resume=True).resumed_cells == 800
+    same_file(output, whole)
 
 
 def test_a_worker_that_dies_loses_nothing_that_was_done(rocking, tmp_path):
@@ -156,23 +178,31 @@ def test_a_worker_that_dies_loses_nothing_that_was_done(rocking, tmp_path):
     assert rocking("info", "s.h5.part", "--verify").returncode == 0
 
 
-def test_a_full_disk_keeps_what_was_done(rocking, whole, tmp_path):
-    most = whole.stat().st_size // 2048  # kB, half
-    call = f"ulimit -f {most}; exec {sys.executable} -m rocking_cli spectrum {' '.join(SMALL_SCENE)} -o cut.h5"
-    done = subprocess.run(["bash", "-c", call], cwd=tmp_path, capture_output=True, text=True, timeout=PATIENCE, check=False)
-    assert done.returncode == 1
-    assert "cut.h5.part: cannot be written: File too large; the finished chunks are kept there for --resume" in done.stderr
-    assert len(done.stderr.strip().splitlines()) == 1
+def test_a_full_disk_keeps_what_was_done(rocking, tmp_path):
+    assert rocking("spectrum", *SMALL_SCENE, "-o", "whole.h5").returncode == 0
+    half = (tmp_path / "whole.h5").stat().st_size // 2048
+    for most, kept in ((13, ""), (half, "; the finished chunks are kept there for --resume")):  # kB: in the layout, in a chunk
+        call = f"ulimit -f {most}; exec {sys.executable} -m rocking_cli spectrum {' '.join(SMALL_SCENE)} -o cut.h5"
+        done = subprocess.run(["bash", "-c", call], cwd=tmp_path, capture_output=True, text=True, timeout=PATIENCE, check=False)
+        assert (done.returncode, done.stderr) == (1, f"rocking: cut.h5.part: cannot be written: File too large{kept}\n")
+        assert names(tmp_path) == ["configs", *["cut.h5.part"] * bool(kept), "whole.h5"]
     assert rocking("spectrum", *SMALL_SCENE, "-o", "cut.h5", "--resume").returncode == 0
-    same_file(tmp_path / "cut.h5", whole)
+    same_file(tmp_path / "cut.h5", tmp_path / "whole.h5")
 
 
-def test_a_disk_full_before_the_first_chunk_claims_to_keep_nothing(rocking, tmp_path):
-    call = f"ulimit -f 13; exec {sys.executable} -m rocking_cli spectrum {' '.join(SMALL_SCENE)} -o cut.h5"
-    done = subprocess.run(["bash", "-c", call], cwd=tmp_path, capture_output=True, text=True, timeout=PATIENCE, check=False)
-    assert done.returncode == 1
-    assert done.stderr == "rocking: cut.h5.part: cannot be written: File too large\n"
-    assert not list(tmp_path.glob("cut.h5*"))
+def test_a_disk_that_is_full_at_the_end_keeps_the_part_whole(output, monkeypatch):
+    copy = SpectraWriter._copy_into
+
+    def full_at_the_end(writer, file, attributes):
+        copy(writer, file, attributes)
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    with monkeypatch.context() as patch:
+        patch.setattr(SpectraWriter, "_copy_into", full_at_the_end)
+        with pytest.raises(OutputError, match=r"cannot be written: No space left on device; the result is kept as .*s\.h5\.part"):
+            sweep(output)
+    assert names(output.parent) == ["s.h5.part"]
+    assert sweep(output, resume=True).resumed_cells == 1200
 
 
 def test_a_folder_that_vanishes_is_a_sentence(tmp_path):
@@ -188,15 +218,10 @@ def test_a_folder_that_vanishes_is_a_sentence(tmp_path):
     assert "Traceback" not in said
 
 
-GRID = parse_grid("A=0.5:9:53,Omega=0.5:12:37")
-TWO = [dimensionless_oscillator(0.9), dimensionless_oscillator(0.6)]
-
-
-def test_xarray_sees_dimensions_coordinates_units_and_flags(tmp_path):
-    (document,) = parse_documents("kind: block\nname: Säule\nwidth: 0.5\nheight: 2")
-    path = tmp_path / "s.h5"
-    write_spectrum([build_structure(document)], sine(), parse_grid("a_g=0.1g:1g:12,omega_g=1:20:9"), path, documents=document.text)
-    with xarray.open_dataset(path, engine="h5netcdf") as d:
+def test_xarray_sees_dimensions_coordinates_units_and_flags(output):
+    text = "kind: block\nname: Säule\nwidth: 0.5\nheight: 2"
+    write_spectrum([built(text)], sine(), parse_grid("a_g=0.1g:1g:12,omega_g=1:20:9"), output, documents=text)
+    with xarray.open_dataset(output, engine="h5netcdf") as d:
         assert d.theta_ratio.dims == ("structure", "omega_g", "a_g")
         assert d.sizes["omega_g"] == 9
         assert (d.omega_g.units, d.a_g.units, d.theta_ratio.units) == ("rad s-1", "m s-2", "1")
@@ -215,212 +240,143 @@ def test_xarray_sees_dimensions_coordinates_units_and_flags(tmp_path):
         assert d.sel(structure="Säule").theta_ratio.shape == (9, 12)
 
 
-def test_hdf5_file_is_chunked_compressed_and_marked_done(tmp_path):
-    write_spectrum(TWO, sine(), GRID, tmp_path / "s.h5", chunk_cells=500)
-    with h5py.File(tmp_path / "s.h5") as f:
+def test_hdf5_file_is_chunked_compressed_and_marked_done(whole):
+    with h5py.File(whole) as f:
         theta = f["theta_ratio"]
-        assert theta.chunks == (1, 9, 53)
-        assert theta.compression == "gzip"
-        assert theta.shuffle
-        assert f["bookkeeping/chunk_done"][...].all()
-        assert f["bookkeeping/chunk_done"].size == 2 * 5
+        assert (theta.chunks, theta.compression, theta.shuffle) == ((1, 5, 40), "gzip", True)
+        assert f["bookkeeping/chunk_done"][...].tolist() == [1] * 6
         assert [scale.name for scale in (d[0] for d in theta.dims)] == ["/structure", "/Omega", "/A"]
         assert {"theta_ratio", "outcome", "bookkeeping"} <= set(f)
 
 
-def left_part(path, chunks, **options):
-    """The part that a sweep of six chunks leaves which is interrupted after some."""
-
-    def stop(done, total):
-        if done == chunks:
-            raise KeyboardInterrupt
-
-    with pytest.raises(Interrupted):
-        sweep(path, progress=stop, **options)
-    return path.with_name(path.name + ".part")
-
-
-def sweep(path, **options):
-    grid = parse_grid("A=0.5:12:40,Omega=0.5:12:30")
-    return write_spectrum([dimensionless_oscillator(0.9)], sine(), grid, path, workers=1, chunk_cells=200, **options)
-
-
-def test_a_shard_does_not_go_on_with_the_part_of_another(tmp_path):
-    part = left_part(tmp_path / "s.h5", 3)
-    before = part.read_bytes()
-    with pytest.raises(UsageError, match=r"s\.h5\.part: is of shard 1/1, this call computes 1/2"):
-        sweep(tmp_path / "s.h5", resume=True, shard=(1, 2))
-    assert part.read_bytes() == before
-    sweep(tmp_path / "s.h5", resume=True)
-    sweep(tmp_path / "whole.h5")
-    same_file(tmp_path / "s.h5", tmp_path / "whole.h5")
-
-
-def test_an_incomplete_file_is_never_published(tmp_path):
-    with pytest.raises(OutputError, match="5 of 6 chunks are missing; it is kept for `resume`"):
-        with_one_chunk(tmp_path / "s.h5")
-    assert [p.name for p in tmp_path.iterdir()] == ["s.h5.part"]
-
-
-def with_one_chunk(path):
-    grid = parse_grid("A=0.5:12:40,Omega=0.5:12:30")
-    frame = pulse_frame([dimensionless_oscillator(0.9)], grid)
-    with SpectraWriter(path, Layout(frame, (5, 40), ("theta_ratio", "outcome"), {}, {"shard": "1/1"})) as writer:
+def test_an_incomplete_file_is_never_published(output):
+    with SpectraWriter(output, layout()) as writer:
         writer.write((0, 0, 0), {"theta_ratio": pack(np.zeros((5, 40))), "outcome": pack(np.ones((5, 40), "u1"))})
-        writer.finish({})
+        with pytest.raises(OutputError, match="5 of 6 chunks are missing; it is kept for `resume`"):
+            writer.finish({})
+    assert names(output.parent) == ["s.h5.part"]
 
 
-def test_a_chunk_that_is_damaged_before_the_end_is_not_published(tmp_path):
+def test_a_chunk_that_is_damaged_before_the_end_is_not_published(output):
     """A bit that flips in the partial file while the sweep goes on."""
-
-    def flip(done, total):
-        if done == 4:
-            part = tmp_path / "s.h5.part"
-            data = part.read_bytes()
-            with open(part, "r+b") as raw:
-                raw.seek(len(data) - 9)
-                raw.write(bytes([data[-9] ^ 1]))
-
+    part = output.with_name("s.h5.part")
     with pytest.raises(OutputError, match=r"cannot be finished: its checksum does not fit; the result is kept as .*s\.h5\.part"):
-        sweep(tmp_path / "s.h5", progress=flip)
-    assert [p.name for p in tmp_path.iterdir()] == ["s.h5.part"]
-    assert sweep(tmp_path / "s.h5", resume=True).resumed_cells == 1000
+        sweep(output, progress=lambda done, total: done == 4 and flip(part, -9))
+    assert names(output.parent) == ["s.h5.part"]
+    assert sweep(output, resume=True).resumed_cells == 1000
 
 
-def test_a_part_whose_layout_is_cut_or_ends_elsewhere_is_kept(tmp_path):
+def test_a_part_whose_layout_is_cut_or_ends_elsewhere_is_kept(output):
     """Bytes 40 to 47 of the superblock are the end of the layout."""
-    part = left_part(tmp_path / "s.h5", 3)
-    whole = part.read_bytes()
-    ends = [whole[:byte] + bytes([whole[byte] ^ 16]) + whole[byte + 1 :] for byte in range(40, 48)]
-    for damaged in (whole[:9], whole[:2500], whole[:4000], *ends):
+    part = left_part(output)
+    data = part.read_bytes()
+    ends = [data[:byte] + bytes([data[byte] ^ 16]) + data[byte + 1 :] for byte in range(40, 48)]
+    for damaged in (data[:9], data[:2500], data[:4000], *ends, layout().image()):  # the last one as an earlier version left it
         part.write_bytes(damaged)
         with pytest.raises(OutputError, match=r"is not a sweep that can go on \(it.*\); it is kept, `overwrite` begins anew"):
-            sweep(tmp_path / "s.h5", resume=True)
+            sweep(output, resume=True)
         assert part.read_bytes() == damaged
+    sweep(output, overwrite=True)
 
 
-@pytest.mark.parametrize("at", ["chunk", "finish"])
-def test_a_disk_that_fills_up_keeps_the_part_whole(tmp_path, monkeypatch, at):
-    sweep(tmp_path / "whole.h5")
-    write, copy, calls = log.write, SpectraWriter._copy_into, []
-
-    def full(file, offset, content):
-        calls.append(offset)
-        if len(calls) == 4:  # a note, two chunks
-            write(file, offset, content[: len(content) // 2])
-            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
-        write(file, offset, content)
-
-    def full_at_the_end(writer, file, attributes):
-        copy(writer, file, attributes)
-        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
-
-    with monkeypatch.context() as patch:
-        if at == "chunk":
-            patch.setattr(log, "write", full)
-        else:
-            patch.setattr(SpectraWriter, "_copy_into", full_at_the_end)
-        with pytest.raises(OutputError, match=r"cannot be written: No space left on device; .* (is|are) kept"):
-            sweep(tmp_path / "s.h5")
-    assert sorted(p.name for p in tmp_path.iterdir()) == ["s.h5.part", "whole.h5"]
-    done = 2 if at == "chunk" else 6
-    with SpectraFile(tmp_path / "s.h5.part") as part:
-        assert int(part.done.sum()) == done
-        assert part.damaged_chunks() == []
-    assert sweep(tmp_path / "s.h5", resume=True).resumed_cells == 200 * done
-    same_file(tmp_path / "s.h5", tmp_path / "whole.h5")
+def test_a_layout_that_was_never_whole_is_begun_anew(output):
+    """Its signature is written last; a kill before leaves zeros."""
+    for content in (b"", bytes(100), bytes(8) + layout().image()[8:]):
+        output.with_name("s.h5.part").write_bytes(content)
+        assert sweep(output, resume=True).resumed_cells == 0
+        output.unlink()
 
 
-def test_a_part_that_was_begun_elsewhere_is_told_and_refused_if_strict(tmp_path, monkeypatch):
+def test_a_part_that_was_begun_elsewhere_is_told_and_refused_if_strict(output, monkeypatch):
     monkeypatch.setattr(store, "machine", lambda: {"numpy": "1.0"})
-    part = left_part(tmp_path / "s.h5", 3)
+    part = left_part(output)
     monkeypatch.undo()
     before = part.read_bytes()
     with pytest.raises(UsageError, match=r"was begun on a machine that computes differently .*numpy 1\.0 and .*it is kept"):
-        sweep(tmp_path / "s.h5", resume=True, strict=True)
+        sweep(output, resume=True, strict=True)
     assert part.read_bytes() == before
-    summary = sweep(tmp_path / "s.h5", resume=True)
+    summary = sweep(output, resume=True)
     assert "numpy 1.0 and" in summary.elsewhere
     assert any("machines that differ: " in line and "numpy 1.0 and" in line for line in summary_lines(summary, "s.h5"))
-    with SpectraFile(tmp_path / "s.h5") as file:
+    with SpectraFile(output) as file:
         assert file.attributes["elsewhere"] == summary.elsewhere
 
 
-def test_a_part_that_another_state_of_the_program_began_is_refused(tmp_path, monkeypatch):
-    monkeypatch.setattr(machine, "version", lambda: "0.1.0+1234")
-    part = left_part(tmp_path / "s.h5", 3)
-    monkeypatch.undo()
-    before = part.read_bytes()
-    with pytest.raises(UsageError, match=r'its version is "0\.1\.0\+1234", this one\'s "'):
-        sweep(tmp_path / "s.h5", resume=True)
-    assert part.read_bytes() == before
-
-
-def test_a_part_in_use_is_left_alone(tmp_path):
+def test_a_part_in_use_is_left_alone(output, whole):
     """Two sweeps of one output at once: the second one, whatever it is told, touches nothing."""
-    path, refusals = tmp_path / "s.h5", []
 
     def meanwhile(done, total):
         if done == 2:
             for options in ({}, {"overwrite": True}, {"resume": True}):
-                with pytest.raises(OutputError, match=r"in use by another process$") as refusal:
-                    sweep(path, **options)
-                refusals.append(str(refusal.value))
-            with SpectraFile(tmp_path / "s.h5.part") as part:  # which may be read meanwhile
+                with pytest.raises(OutputError, match=r"in use by another process$"):
+                    sweep(output, **options)
+            with SpectraFile(output.with_name("s.h5.part")) as part:  # which may be read meanwhile
                 assert int(part.done.sum()) == 2
 
-    sweep(path, progress=meanwhile)
-    sweep(tmp_path / "whole.h5")
-    assert len(refusals) == 3
-    same_file(path, tmp_path / "whole.h5")
-    assert sorted(p.name for p in tmp_path.iterdir()) == ["s.h5", "whole.h5"]
+    sweep(output, progress=meanwhile)
+    same_file(output, whole)
+    assert names(output.parent) == ["s.h5"]
 
 
-@pytest.mark.parametrize(
-    ("one", "other", "found"),
-    [
-        ({"a": 1}, {"a": 1}, None),
-        ({"a": 1}, {"a": 1, "b": 2}, ("b", "null", "2")),
-        ({"a": 1, "b": None}, {"a": 1}, ("b", "null", "null")),
-        ({"s": [{"eta": 0.9}, {"eta": 0.8}]}, {"s": [{"eta": 0.9}, {"eta": 0.7}]}, ("s[1].eta", "0.8", "0.7")),
-        ({"s": [{}]}, {"s": [{}, {}]}, ("number of s", "1", "2")),
-        ({"axis A": [0.5, 12.0, 3]}, {"axis A": [0.5, 12.0, 4]}, ("axis A", "[0.5, 12.0, 3]", "[0.5, 12.0, 4]")),
-        ({"motion": ["sine", [{"end": 1.0}]]}, {"motion": ["cosine", [{"end": 1.0}]]}, ("motion", '"sine"', '"cosine"')),
-        ({"motion": ["sine", [{"end": 1.0}]]}, {"motion": ["sine", [{"end": 2.0}]]}, ("motion[1][0].end", "1.0", "2.0")),
-    ],
-)
-def test_scenes_differ_by_a_field_with_both_its_values(one, other, found):
-    assert difference(one, other) == found
+def test_only_the_file_that_was_opened_is_removed(output):
+    with SpectraWriter(output, layout()) as first:
+        first.part.unlink()
+        with SpectraWriter(output, layout()) as second:
+            first.discard()
+            assert names(output.parent) == ["s.h5.part"]
+            second.discard()
+            assert names(output.parent) == []
 
 
-def test_outputs_are_never_replaced_unasked(tmp_path):
-    path = tmp_path / "s.h5"
-    path.write_text("mine")
+def test_without_locks_a_sweep_goes_on_all_the_same(output, monkeypatch):
+    def no_locks(*_):
+        raise OSError(errno.ENOLCK, os.strerror(errno.ENOLCK))
+
+    monkeypatch.setattr(fcntl, "flock", no_locks)
+    left_part(output)
+    assert sweep(output, resume=True).resumed_cells == 600
+
+
+def test_outputs_are_never_replaced_unasked(output, tmp_path):
+    output.write_text("mine")
     with pytest.raises(UsageError, match="exists; `overwrite`"):
-        write_spectrum(TWO, sine(), GRID, path)
-    assert path.read_text() == "mine"
-    write_spectrum(TWO, sine(), GRID, path, overwrite=True)
-    assert path.read_bytes()[:4] == b"\x89HDF"
-    (tmp_path / "t.h5.part").write_text("half")
-    with pytest.raises(UsageError, match="left by a sweep"):
-        write_spectrum(TWO, sine(), GRID, tmp_path / "t.h5")
+        sweep(output)
+    assert output.read_text() == "mine"
+    sweep(output, overwrite=True)
+    assert output.read_bytes()[:4] == b"\x89HDF"
     with pytest.raises(UsageError, match="does not exist"):
-        write_spectrum(TWO, sine(), GRID, tmp_path / "nowhere" / "t.h5")
+        sweep(tmp_path / "nowhere" / "t.h5")
+    with pytest.raises(UsageError, match=r"the output is HDF5; found the ending \.csv"):
+        sweep(tmp_path / "s.csv")
+    with pytest.raises(UsageError, match="`resume` does not go with `overwrite`"):
+        SweepOptions(overwrite=True, resume=True)
 
 
-def test_a_file_that_appears_meanwhile_is_kept(tmp_path):
-    path = tmp_path / "s.h5"
+def test_a_part_that_no_sweep_left_is_not_taken_over(output, tmp_path):
+    """Neither a foreign file nor a link, whatever is asked for."""
+    part = tmp_path / "s.h5.part"
+    part.write_text("precious")
+    for options in ({"resume": True}, {"overwrite": True}):
+        with pytest.raises(UsageError, match="is no partial file of this program; move it away"):
+            sweep(output, **options)
+    part.rename(tmp_path / "victim")
+    part.symlink_to("victim")
+    with pytest.raises(UsageError, match="is a link, but a partial file must have this name"):
+        sweep(output, overwrite=True)
+    assert (tmp_path / "victim").read_text() == "precious"
+
+
+def test_a_file_that_appears_meanwhile_is_kept(output):
     with pytest.raises(OutputError, match="has appeared meanwhile"):
-        write_spectrum(TWO, sine(), GRID, path, workers=1, progress=lambda done, total: path.write_text("mine"))
-    assert path.read_text() == "mine"
-    assert h5py.is_hdf5(tmp_path / "s.h5.part")
+        sweep(output, progress=lambda done, total: output.write_text("mine"))
+    assert output.read_text() == "mine"
+    assert h5py.is_hdf5(output.with_name("s.h5.part"))
 
 
-def test_what_a_kill_leaves_of_the_finished_file_is_removed(tmp_path):
+def test_what_a_kill_leaves_of_the_finished_file_is_removed(output):
     """The finished file has a name that the partial file states until it is complete."""
-    part = left_part(tmp_path / "s.h5", 3)
-    with open(part, "rb") as file:
-        half = tmp_path / f"s.h5.{Log(file).notes['token']}.part"
+    with open(left_part(output), "rb") as file:
+        half = output.with_name(f"s.h5.{Log(file).notes['token']}.part")
     half.write_bytes(b"half")
-    sweep(tmp_path / "s.h5", resume=True)
-    assert [p.name for p in tmp_path.iterdir()] == ["s.h5"]
+    sweep(output, resume=True)
+    assert names(output.parent) == ["s.h5"]

@@ -1,0 +1,156 @@
+"""Checksums of all bytes: the digest of a finished file, and the records of a partial one.
+
+A digest follows the end of the HDF5 data of a finished file, as a line of JSON and a line with its length. It is over all bytes but the
+chunks, which have checksums of their own. A partial file is a layout, and behind it records, which are only appended: damage costs one.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import re
+import struct
+import zlib
+from collections.abc import Iterable, Sequence
+from contextlib import suppress
+from itertools import chain
+from typing import Any, BinaryIO
+
+_LAST = re.compile(rb"\nrocking seal 1 (\d{10})\n")
+_LAST_LENGTH = 27
+_BLOCK = 1 << 24  # bytes that are read at once
+
+SIGNATURE = b"\x89HDF\r\n\x1a\n"
+NOTE = -1  # index of a record about the whole, as JSON
+_RECORD = struct.Struct("<4sqQI")  # magic, index of the chunk, bytes of the content, CRC-32 of all else
+_MAGIC = b"rock"
+
+
+def read(file: BinaryIO, offset: int, length: int) -> bytes:
+    """These bytes of an open file, fewer at its end."""
+    file.seek(offset)
+    pieces = []
+    while length > 0 and (piece := file.read(min(length, _BLOCK))):
+        pieces.append(piece)
+        length -= len(piece)
+    return b"".join(pieces)
+
+
+def write(file: BinaryIO, offset: int, content: bytes) -> None:
+    """Write all of the content, in several calls, since an unbuffered file may accept only some bytes. Raises OSError."""
+    file.seek(offset)
+    view = memoryview(content)
+    while view:
+        view = view[file.write(view) :]
+
+
+def digest(pieces: Iterable[bytes]) -> str:
+    """BLAKE2b of the pieces put together, 64 hexadecimal digits."""
+    found = hashlib.blake2b(digest_size=32)
+    for piece in pieces:
+        found.update(piece)
+    return found.hexdigest()
+
+
+def _digest_of(file: BinaryIO, size: int, ranges: Sequence[tuple[int, int]]) -> str:
+    places = ((at, min(_BLOCK, begin + length - at)) for begin, length in ranges for at in range(begin, begin + length, _BLOCK))
+    return f"blake2b:{digest(chain([json.dumps([size, ranges]).encode()], (read(file, *place) for place in places)))}"
+
+
+def digest_line(file: BinaryIO, places: Sequence[tuple[int, int]]) -> bytes:
+    """The last lines of a finished file, whose chunks lie at these places (offset, length). Raises ValueError if they overlap."""
+    size, end, ranges = file.seek(0, os.SEEK_END), 0, []
+    for begin, length in sorted([*places, (size, 0)]):
+        if begin < end:
+            raise ValueError(f"two chunks lie at byte {begin}")
+        if begin > end:
+            ranges.append((end, begin - end))
+        end = begin + length
+    line = json.dumps({"size": size, "metadata": ranges, "digest": _digest_of(file, size, ranges)}).encode()
+    return b"\n" + line + b"\nrocking seal 1 %010d\n" % len(line)
+
+
+def checked_digest(file: BinaryIO) -> str | None:
+    """The digest at the end of a file, None if there is none. Raises ValueError if the file has changed."""
+    size = file.seek(0, os.SEEK_END)
+    last = _LAST.fullmatch(read(file, max(0, size - _LAST_LENGTH), _LAST_LENGTH))
+    begins = size - _LAST_LENGTH - int(last[1]) if last is not None else 0
+    if begins < 1:
+        return None
+    try:
+        stated = json.loads(read(file, begins, size - _LAST_LENGTH - begins))
+        body, ranges, found = stated["size"], [(int(o), int(n)) for o, n in stated["metadata"]], str(stated["digest"])
+    except (ValueError, LookupError, TypeError, RecursionError):
+        raise ValueError("its digest is damaged") from None
+    if body != begins - 1 or read(file, body, 1) != b"\n" or any(o < 0 or n < 0 or o + n > body for o, n in ranges):
+        raise ValueError("its digest is damaged")
+    if found != _digest_of(file, body, ranges):
+        raise ValueError("it does not fit its digest")
+    return found
+
+
+class Log:
+    """The layout and the records of a partial file.
+
+    image: the bytes of an HDF5 file without chunks; notes: statements about the whole; places: (offset, bytes) of the last record of each
+    index; end: where the last whole record ends. Raises ValueError where it is no partial file, or its layout is damaged.
+    """
+
+    def __init__(self, file: BinaryIO) -> None:
+        self.file, size = file, file.seek(0, os.SEEK_END)
+        head = read(file, 0, 48)
+        self.end = int.from_bytes(head[40:48], "little") if head[:8] == SIGNATURE else 0  # as HDF5 states it
+        if not 48 <= self.end <= size:
+            raise ValueError("it is not finished, and is no partial file of this program")
+        self.image = read(file, 0, self.end)
+        self.notes: dict[str, Any] = {}
+        self.places: dict[int, tuple[int, int]] = {}
+        while self.end + _RECORD.size <= size:
+            magic, index, length, _ = _RECORD.unpack(read(file, self.end, _RECORD.size))
+            if magic != _MAGIC or self.end + _RECORD.size + length > size:
+                break
+            self.places[index] = self.end, _RECORD.size + length
+            if index == NOTE:
+                self.notes |= json.loads(self.content(NOTE))
+            self.end += _RECORD.size + length
+        if "layout" not in self.notes:
+            raise ValueError("it has neither a digest nor the records of a partial file")
+        if self.notes["layout"] != digest([self.image]):
+            raise ValueError("its layout is damaged")
+
+    def content(self, index: int) -> bytes:
+        """The content of a record. Raises ValueError where it is damaged, KeyError where there is none."""
+        raw = read(self.file, *self.places[index])
+        if raw != record_of(index, raw[_RECORD.size :]):
+            raise ValueError("its checksum does not fit")
+        return raw[_RECORD.size :]
+
+    def append(self, index: int, content: bytes) -> None:
+        """Append a record. Raises OSError, after which the file is as it was before."""
+        record = record_of(index, content)
+        try:
+            write(self.file, self.end, record)
+        except OSError:
+            with suppress(OSError):
+                self.file.truncate(self.end)
+            raise
+        self.places[index] = self.end, len(record)
+        self.end += len(record)
+
+    def note(self, **words: Any) -> None:
+        """Append a statement about the whole. Raises OSError."""
+        self.append(NOTE, json.dumps(words).encode())
+        self.notes |= words
+
+
+def record_of(index: int, content: bytes) -> bytes:
+    """A record: its head, and the content."""
+    head = zlib.crc32(struct.pack("<qQ", index, len(content)))
+    return _RECORD.pack(_MAGIC, index, len(content), zlib.crc32(content, head)) + content
+
+
+def reason(error: BaseException) -> str:
+    """The message of a fault."""
+    text = str(error.args[0]) if isinstance(error, KeyError) and error.args else str(error)
+    return text if " " in text else f"it has no {text!r}"
