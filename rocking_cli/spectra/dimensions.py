@@ -131,6 +131,11 @@ class Frame:
         return About(self.units[name], f"{name.removeprefix(VARIED)} as it was varied") if name in self.units else ABOUT[name]
 
     @property
+    def lists(self) -> dict[str, tuple[str, Values]]:
+        """All lists by name, those of the dimensions first, each with its dimension."""
+        return {**{name: (name, values) for name, values in self.dimensions.items()}, **self.beside}
+
+    @property
     def labels(self) -> tuple[str, ...]:
         """The further lists that distinguish places, for the CF attribute `coordinates`."""
         return tuple(self.beside) if self.of_records else tuple(self.units)

@@ -10,8 +10,10 @@ import numpy as np
 
 from ..dynamics.method import LINEAR
 from ..dynamics.outcome import Outcome, Work
+from ..errors import OutputError
 from .scene import Scene
 from .trust.validity import Validity
+from .variables import VARIABLES
 
 if TYPE_CHECKING:
     import xarray
@@ -116,7 +118,18 @@ class Spectrum:
 
     def to_xarray(self) -> xarray.Dataset:
         """An xarray Dataset with the names, dimensions and attributes of the file. Raises OutputError without xarray."""
-        from .file.dataset import dataset_of
-
-        cells = {"theta_ratio": self.theta_ratio, "outcome": self.outcome, "impacts": self.impacts}
-        return dataset_of(self.scene.frame(), cells | dict(self.beside))
+        try:
+            import xarray as xr
+        except ImportError:
+            raise OutputError("to_xarray needs xarray: pip install xarray") from None
+        frame, cells = self.scene.frame(), {"theta_ratio": self.theta_ratio, "outcome": self.outcome, "impacts": self.impacts}
+        along = {
+            name: xr.Variable(dimension, values, {"units": frame.about(name).units, "long_name": frame.about(name).long_name})
+            for name, (dimension, values) in frame.lists.items()
+        }
+        data = {
+            name: xr.Variable(tuple(frame.dimensions), values, {k: v for k, v in VARIABLES[name].attributes.items() if k != "_FillValue"})
+            for name, values in {**cells, **self.beside}.items()
+        }
+        found = xr.Dataset({**data, **along})
+        return found.set_coords(list(along)) if frame.of_records else found

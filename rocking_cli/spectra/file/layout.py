@@ -53,8 +53,7 @@ class Layout:
             root = {"Conventions": "CF-1.11", "title": "Rocking spectra", "source": f"rocking {__version__}"}
             for key, value in {**root, "scene": json.dumps(self.scene), **self.attributes}.items():
                 file.attrs[key] = _encodable(value)
-            lists = {**{name: (name, values) for name, values in frame.dimensions.items()}, **frame.beside}
-            for name, (dimension, values) in lists.items():
+            for name, (dimension, values) in frame.lists.items():
                 about = frame.about(name)
                 _add_list(file, name, dimension, values, about.dtype, {"units": about.units, "long_name": about.long_name})
             labels = {"coordinates": " ".join(frame.labels)} if frame.labels else {}
