@@ -119,12 +119,7 @@ class RecordScene(Scene):
         motion, columns = recording.motion, slice(unit.column, unit.column + size[1])
         for structure in self.structures[unit.row : unit.row + size[0]]:
             amplitude, omega = np.broadcast_arrays(*self._scaled(structure, recording.acceleration))
-            yield Band(structure, motion, 1, amplitude[columns], omega[columns], (structure,))
-
-    def cell(self, place: int, row: int, column: int) -> Cell:
-        recording, structure = self.recordings[place], self.structures[row]
-        amplitude, omega = np.broadcast_arrays(*self._scaled(structure, recording.acceleration))
-        return Cell(structure, recording.motion, float(amplitude[column]), float(omega[column]))
+            yield Band(structure, motion, (1, size[1]), amplitude[columns], omega[columns], (structure,))
 
     def runs_with(self, structure: RockingParameters) -> tuple[Any, ...]:
         return () if self.over_angles and not self.weighed and self.method.mixes(structure) else self.shares(structure)

@@ -35,15 +35,25 @@ class Unit:
 
 
 class Band(NamedTuple):
-    """Rows of a unit with one structure under one motion: A and Omega broadcast to (rows, columns); sharers: the structures of the unit's
-    places, which all have the rotations of this one."""
+    """Rows of a unit with one structure under one motion: A and Omega broadcast to the shape (rows, columns); sharers: the structures of
+    the unit's places, which all have the rotations of this one."""
 
     structure: RockingParameters
     motion: Motion
-    rows: int
+    shape: tuple[int, int]
     amplitude: Array
     omega: Array
     sharers: tuple[RockingParameters, ...]
+
+    @property
+    def size(self) -> int:
+        """Number of cells."""
+        return self.shape[0] * self.shape[1]
+
+    def cells(self) -> Array:
+        """A, Omega and eta of each cell."""
+        every = [np.broadcast_to(x, self.shape).ravel() for x in (self.amplitude, self.omega, self.structure.eta)]
+        return np.stack(every)
 
 
 class Cell(NamedTuple):
@@ -90,10 +100,6 @@ class Scene(ABC):
         """The rows of a unit of (rows, columns), in their order."""
 
     @abstractmethod
-    def cell(self, place: int, row: int, column: int) -> Cell:
-        """One cell."""
-
-    @abstractmethod
     def frame(self) -> Frame:
         """The places of the cells, as a file has them."""
 
@@ -101,6 +107,11 @@ class Scene(ABC):
     def quantities(self) -> tuple[str, ...]:
         """The names of QUANTITIES that the result always has."""
         return ()
+
+    def cell(self, place: int, row: int, column: int) -> Cell:
+        """One cell."""
+        (band,) = self.bands(Unit((place,), row, column), (1, 1))
+        return Cell(band.structure, band.motion, band.amplitude.item(), band.omega.item())
 
     def identity(self) -> dict[str, Any]:
         """The input of the result by name, as JSON values; two scenes of equal identity have equal spectra."""
@@ -192,12 +203,7 @@ class PulseScene(Scene):
         amplitude, omega = self.grid.scaled(structure)
         columns = amplitude[unit.column : unit.column + size[1]]
         sharers = tuple(self.structures[i] for i in unit.places)
-        yield Band(structure, self.motion, size[0], columns, omega[unit.row : unit.row + size[0], None], sharers)
-
-    def cell(self, place: int, row: int, column: int) -> Cell:
-        structure = self.structures[place]
-        amplitude, omega = self.grid.scaled(structure)
-        return Cell(structure, self.motion, float(amplitude[column]), float(omega[row]))
+        yield Band(structure, self.motion, size, columns, omega[unit.row : unit.row + size[0], None], sharers)
 
     def frame(self) -> Frame:
         return pulse_frame(self.structures, self.grid)

@@ -56,10 +56,10 @@ def spectrum_of(scene: Scene, options: SweepOptions | None = None) -> Spectrum:
     arrays = {name: np.full(scene.shape, VARIABLES[name].fill, VARIABLES[name].dtype) for name in options.variables_of(scene)}
 
     def keep(unit: Unit, blocks: tuple[Block, ...]) -> None:
-        rows, columns = blocks[0].outcome.shape
+        rows, columns = blocks[0]["outcome"].shape
         for i, block in zip(unit.places, blocks, strict=True):
             for name, values in arrays.items():
-                values[i, unit.row : unit.row + rows, unit.column : unit.column + columns] = block.variable(name)
+                values[i, unit.row : unit.row + rows, unit.column : unit.column + columns] = block[name]
 
     summary = _Sweep(scene, options).run(keep)
     theta_ratio, outcome, impacts = (arrays.pop(name) for name in ("theta_ratio", "outcome", "impacts"))
@@ -137,7 +137,7 @@ class _Packing:
     def __call__(self, block: Block) -> dict[str, bytes]:
         from .file.chunks import pack
 
-        return {name: pack(block.variable(name), self.chunk) for name in self.names}
+        return {name: pack(block[name], self.chunk) for name in self.names}
 
 
 class _Sweep:

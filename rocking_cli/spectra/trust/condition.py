@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Protocol
 
 import numpy as np
 
-from ...dynamics.outcome import Outcome
+from ...dynamics.outcome import safe
+from ...dynamics.response import Response
 
 Array = np.ndarray
 
@@ -16,19 +16,7 @@ _ETA = 2
 _TOLERANCES = 100.0  # of a method with a tolerance, the least change of input, so that its own error stays below the difference
 
 
-class Answer(Protocol):
-    """The part of a response that is compared."""
-
-    @property
-    def theta_ratio(self) -> Array:
-        """max |theta|/alpha."""
-
-    @property
-    def outcome(self) -> Array:
-        """Codes of `Outcome`."""
-
-
-def condition_of(respond: Callable[[Array, Array, Array], Answer], amplitude: Array, omega: Array, eta: Array, tolerance: float) -> Array:
+def condition_of(respond: Callable[[Array, Array, Array], Response], amplitude: Array, omega: Array, eta: Array, tolerance: float) -> Array:
     """Condition of cells (any shape, broadcast): change of max |theta|/alpha over a small relative change of the input,
 
         kappa = |d theta/d ln A| + |d theta/d ln Omega| + |d theta/d ln eta|,   theta = max |theta|/alpha        [-]
@@ -45,7 +33,7 @@ def condition_of(respond: Callable[[Array, Array, Array], Answer], amplitude: Ar
             np.clip(ends, -1.0, 1.0, out=ends)
         beside = [ends if j == i else np.stack([x, x]) for j, x in enumerate(cells)]
         found = respond(*beside)
-        still = ((found.outcome == Outcome.ROCKED) | (found.outcome == Outcome.NO_UPLIFT)).all(axis=0)
+        still = safe(found.outcome).all(axis=0)
         width = np.abs(ends[1] - ends[0])
         with np.errstate(divide="ignore", invalid="ignore"):
             rate = np.abs(found.theta_ratio[1] - found.theta_ratio[0]) * np.abs(values) / width

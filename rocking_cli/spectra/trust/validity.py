@@ -5,8 +5,8 @@ The cells depend on the scene alone, like those of `sampling`.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import NamedTuple
+from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -33,48 +33,31 @@ class Validity:
     unsafe: int
 
 
-class _Judged(NamedTuple):
-    """Cells (row, column) of a structure, and `Difference` of each."""
-
-    cells: Array
-    codes: Array
-
-
 def validity(scene: Scene, tolerance: float = 1e-6) -> Validity | None:
     """The comparison at cells of a linear sweep under a pulse; None if the nonlinear equation holds for none of the structures, or
     no cell leaves the ground. tolerance: of the nonlinear equation."""
     nonlinear = Method("nonlinear", tolerance)
     if not (isinstance(scene, PulseScene) and scene.method.exact):
         return None
-    known = [i for i, s in enumerate(scene.structures) if nonlinear.serves(s)]
-    if not known:
-        return None
+    known = [s for s in scene.structures if nonlinear.serves(s)]
     some = [known[i] for i in np.linspace(0, len(known) - 1, min(_STRUCTURES, len(known))).astype(int)]
-    found = [_judged(scene, i, nonlinear, _CELLS // len(some)) for i in some]
-    codes = np.concatenate([one.codes for one in found])
+    judged = [_differences(replace(scene, structures=(structure,)), nonlinear, _CELLS // len(some)) for structure in some]
+    codes = np.concatenate([np.zeros(0, np.uint8), *judged])
     codes = codes[codes != Difference.NOT_COMPUTED]
     if not codes.size:
         return None
     return Validity(codes.size, int(np.count_nonzero(codes != Difference.AGREES)), int(np.count_nonzero(codes == Difference.LINEAR_UNSAFE)))
 
 
-def _judged(scene: PulseScene, place: int, nonlinear: Method, count: int) -> _Judged:
-    """Up to `count` cells of one structure: half of them drawn, half with another outcome at the next amplitude."""
-    structure = scene.structures[place]
-    alone = PulseScene((structure,), scene.grid, scene.motion, scene.method)
-    drawn = sampled_cells(alone, _DRAWN, _SEED)[:, 1:]
-    if not drawn.size:
-        return _Judged(drawn, np.zeros(0, dtype=np.uint8))
+def _differences(scene: PulseScene, nonlinear: Method, count: int) -> Array:
+    """`Difference` of up to `count` cells of one structure: half of them drawn, half with another outcome at the next amplitude."""
+    (structure,), drawn = scene.structures, sampled_cells(scene, _DRAWN, _SEED)[:, 1:]
     amplitude, omega = scene.grid.scaled(structure)
-    system = scene.method.system_of(structure)
     beside = np.stack([drawn[:, 1], np.minimum(drawn[:, 1] + 1, amplitude.size - 1)])
-    linear = response(system, scene.motion, amplitude[beside], omega[drawn[:, 0]], structure.eta, peaks=False).outcome
+    respond = partial(response, motion=scene.motion, eta=structure.eta, peaks=False)
+    linear = respond(scene.method.system_of(structure), amplitude=amplitude[beside], omega=omega[drawn[:, 0]]).outcome
     changes = falls(linear[0]) != falls(linear[1])
     near = np.flatnonzero(changes)[: count // 2]
-    others = np.ones(len(drawn), dtype=bool)
-    others[near] = False
-    at = np.concatenate([near, np.flatnonzero(others)[: count - near.size]])
-    decided = response(
-        nonlinear.system_of(structure), scene.motion, amplitude[drawn[at, 1]], omega[drawn[at, 0]], structure.eta, peaks=False
-    )
-    return _Judged(drawn[at], difference(decided.outcome, linear[0][at]))
+    at = np.append(near, np.setdiff1d(np.arange(len(drawn)), near)[: count - near.size])
+    decided = respond(nonlinear.system_of(structure), amplitude=amplitude[drawn[at, 1]], omega=omega[drawn[at, 0]])
+    return difference(decided.outcome, linear[0][at])

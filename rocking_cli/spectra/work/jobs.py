@@ -8,9 +8,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import partial
-from itertools import chain
+from itertools import chain, repeat
 from typing import Any
 
 import numpy as np
@@ -44,29 +44,8 @@ class Report:
     seen: Mapping[Place, tuple[int, float]]
 
 
-@dataclass(frozen=True)
-class Block(Response):
-    """The response of cells, and by name the variables of the requested quantities."""
-
-    beside: Mapping[str, np.ndarray] = field(default_factory=dict)
-
-    def variable(self, name: str) -> np.ndarray:
-        """A variable of the file."""
-        return self.beside[name] if name in self.beside else getattr(self, name)
-
-    def without(self, gone: np.ndarray) -> Block:
-        """The same block with these cells, by index, as lost contact."""
-        outcome, floats = self.outcome.copy(), {"theta_ratio": self.theta_ratio.copy()}
-        floats |= {name: self.beside[name].copy() for name in ("velocity_ratio", "condition") if name in self.beside}
-        outcome.flat[gone] = Outcome.LOST_CONTACT
-        for values in floats.values():
-            values.flat[gone] = np.nan
-        return replace(self, theta_ratio=floats.pop("theta_ratio"), outcome=outcome, beside={**self.beside, **floats})
-
-    def cut(self, first: int, last: int, size: tuple[int, int], work: Work) -> Block:
-        """The cells from the first to before the last, as (rows, columns)."""
-        theta_ratio, outcome, impacts = (x[first:last].reshape(size) for x in (self.theta_ratio, self.outcome, self.impacts))
-        return Block(theta_ratio, outcome, impacts, work, {name: x[first:last].reshape(size) for name, x in self.beside.items()})
+Block = dict[str, np.ndarray]
+"""The variables of cells by name."""
 
 
 @dataclass(frozen=True)
@@ -108,40 +87,36 @@ class Job:
         """Compute some units. Bands of one system under one motion form one batch; with forces also of one body."""
         scene = self.scene
         _, rows, columns = scene.shape
-        sizes = [(min(self.chunk[0], rows - unit.row), min(self.chunk[1], columns - unit.column)) for unit in units]
-        bands = [(n, band) for n, unit in enumerate(units) for band in scene.bands(unit, sizes[n])]
-        batches: dict[Any, list[int]] = {}
-        for i, (_, band) in enumerate(bands):
+        bands = [list(scene.bands(u, (min(self.chunk[0], rows - u.row), min(self.chunk[1], columns - u.column)))) for u in units]
+        batches: dict[Any, list[Band]] = {}
+        for band in chain.from_iterable(bands):
             body = scene.method.body_of(band.structure) if self.forces else None
-            batches.setdefault((id(band.motion), scene.runs_with(band.structure), body), []).append(i)
+            batches.setdefault((id(band.motion), scene.runs_with(band.structure), body), []).append(band)
         found: dict[int, list[Block]] = {}
+        work = Work()
         for batch in batches.values():
-            found |= zip(batch, self.blocks([bands[i][1] for i in batch], [sizes[bands[i][0]][1] for i in batch]), strict=True)
-        return [self.report(unit, [found[i] for i, (m, _) in enumerate(bands) if m == n]) for n, unit in enumerate(units)]
+            whole, cells, own = self.together_of(batch)
+            work += own
+            found |= {id(band): blocks for band, blocks in zip(batch, self.cut(batch, whole, cells), strict=True)}
+        works = chain([work], repeat(Work()))
+        return [self.report(unit, [found[id(band)] for band in own], w) for unit, own, w in zip(units, bands, works, strict=False)]
 
-    def blocks(self, bands: Sequence[Band], columns: Sequence[int]) -> Iterator[list[Block]]:
-        """The blocks of bands in one run under one motion, for each of their sharers; all work is counted with the first. columns: of
-        each band."""
-        motion, sizes = bands[0].motion, [(band.rows, width) for band, width in zip(bands, columns, strict=True)]
-        ends = np.cumsum([0, *(a * b for a, b in sizes)])
-        cells = np.empty((3, int(ends[-1])))
-        for band, size, first, last in zip(bands, sizes, ends[:-1], ends[1:], strict=True):
-            here = cells[:, first:last].reshape(3, *size)
-            here[0], here[1], here[2] = band.amplitude, band.omega, band.structure.eta
-        whole = self.together_of([band.structure for band in bands], [a * b for a, b in sizes], motion, cells)
-        work = whole.work
-        for band, size, first, last in zip(bands, sizes, ends[:-1], ends[1:], strict=True):
-            block = whole.cut(first, last, size, work)
-            yield [self._standing(sharer, motion, cells[:, first:last], block) for sharer in band.sharers]
-            work = Work()
+    def cut(self, batch: Sequence[Band], whole: Block, cells: np.ndarray) -> Iterator[list[Block]]:
+        """The blocks of each band of a batch, for each of its sharers."""
+        last = 0
+        for band in batch:
+            first, last = last, last + band.size
+            block = {name: x[first:last].reshape(band.shape) for name, x in whole.items()}
+            yield [self._standing(sharer, band.motion, cells[:, first:last], block) for sharer in band.sharers]
 
-    def together_of(self, structures: list[RockingParameters], counts: list[int], motion: Motion, cells: np.ndarray) -> Block:
-        """The block of cells (A, Omega, eta) with the quantities; counts: cells of each structure."""
-        method = self.scene.method
+    def together_of(self, batch: Sequence[Band]) -> tuple[Block, np.ndarray, Work]:
+        """(the variables of all cells of bands under one motion, their A, Omega and eta, the work)."""
+        method, motion, counts, structures = self.scene.method, batch[0].motion, [b.size for b in batch], [b.structure for b in batch]
+        cells = np.concatenate([band.cells() for band in batch], axis=1)
         system = method.system_of_cells(structures, counts)
         if method.exact and not self.forces:
             system = replace(system, body=None, own=())  # structures that share rotations have different bodies
-        beside: dict[str, np.ndarray] = {}
+        beside: Block = {}
         known: Response | None = None
         if "velocity_ratio" in self.quantities:
             known, rate = response_with_speed(system, motion, *cells)
@@ -166,45 +141,42 @@ class Job:
             linear = response(LINEAR.system_of_cells(structures, counts), motion, *cells)
             beside |= {"theta_ratio_linear": linear.theta_ratio, "outcome_linear": linear.outcome}
             beside["difference"] = difference(got.outcome, linear.outcome)
-        return Block(got.theta_ratio, got.outcome, got.impacts, got.work, beside)
+        return {"theta_ratio": got.theta_ratio, "outcome": got.outcome, "impacts": got.impacts, **beside}, cells, got.work
 
     def _standing(self, structure: RockingParameters, motion: Motion, cells: np.ndarray, block: Block) -> Block:
         """The block of one of the structures that share it, with its own lost contact if the linear equation lets it leave the ground."""
         if not self.scene.method.exact:
             return block
-        doubtful, (amplitude, omega, eta) = block.outcome.ravel() == Outcome.ROCKED, cells
-        system = self.scene.method.system_of(structure)
-        gone = that_left_the_ground(system, motion, (amplitude, omega, eta), doubtful, block.theta_ratio.ravel())
-        return block.without(gone) if gone.size else block
+        doubtful, system = block["outcome"].ravel() == Outcome.ROCKED, self.scene.method.system_of(structure)
+        gone = that_left_the_ground(system, motion, (cells[0], cells[1], cells[2]), doubtful, block["theta_ratio"].ravel())
+        if gone.size:
+            block = {name: x.copy() for name, x in block.items()}
+            block["outcome"].flat[gone] = Outcome.LOST_CONTACT
+            for name in {"theta_ratio", "velocity_ratio", "condition"} & block.keys():
+                block[name].flat[gone] = np.nan
+        return block
 
-    def report(self, unit: Unit, blocks: Sequence[Sequence[Block]]) -> Report:
-        """The report of a unit whose rows are these blocks, each for all places of the unit."""
-        keys = [tuple(map(id, rows)) for rows in zip(*blocks, strict=True)]
-        parts = {key: joined(rows) for key, rows in zip(keys, zip(*blocks, strict=True), strict=True)}  # several places often share one
+    def report(self, unit: Unit, bands: Sequence[Sequence[Block]], work: Work) -> Report:
+        """The report of a unit of these bands, each with its block at all places of the unit."""
+        keys = [tuple(map(id, blocks)) for blocks in zip(*bands, strict=True)]
+        parts = {  # several places often share one
+            key: {name: np.concatenate([block[name] for block in blocks]) for name in blocks[0]}
+            for key, blocks in zip(keys, zip(*bands, strict=True), strict=True)
+        }
         data = {key: self.convert(one) if self.convert else one for key, one in parts.items()}
-        outcomes = sum(np.bincount(parts[key].outcome.ravel(), minlength=len(Outcome)) for key in keys)
+        outcomes = sum(np.bincount(parts[key]["outcome"].ravel(), minlength=len(Outcome)) for key in keys)
         first = parts[keys[0]]
-        differences = np.bincount(first.beside.get("difference", np.zeros(0, np.uint8)).ravel(), minlength=len(Difference))
-        seen = self.seen(unit, first)
-        return Report(tuple(data[key] for key in keys), first.work, np.asarray(outcomes), len(keys) * differences, seen)
+        differences = np.bincount(first.get("difference", np.zeros(0, np.uint8)).ravel(), minlength=len(Difference))
+        return Report(tuple(data[key] for key in keys), work, np.asarray(outcomes), len(keys) * differences, self.seen(unit, first))
 
-    def seen(self, unit: Unit, response: Response) -> dict[Place, tuple[int, float]]:
+    def seen(self, unit: Unit, block: Block) -> dict[Place, tuple[int, float]]:
         """Outcome and theta/alpha of the cells to check in this unit."""
         found = {}
         for i, row, column in self.checked:
             r, c = row - unit.row, column - unit.column
             if i == unit.places[0] and 0 <= r < self.chunk[0] and 0 <= c < self.chunk[1]:
-                found[i, row, column] = int(response.outcome[r, c]), float(response.theta_ratio[r, c])
+                found[i, row, column] = int(block["outcome"][r, c]), float(block["theta_ratio"][r, c])
         return found
-
-
-def joined(blocks: Sequence[Block]) -> Block:
-    """One block with the rows of all blocks in order."""
-    if len(blocks) == 1:
-        return blocks[0]
-    theta_ratio, outcome, impacts = (np.concatenate([getattr(b, name) for b in blocks]) for name in ("theta_ratio", "outcome", "impacts"))
-    beside = {name: np.concatenate([b.beside[name] for b in blocks]) for name in blocks[0].beside}
-    return Block(theta_ratio, outcome, impacts, sum((b.work for b in blocks), Work()), beside)
 
 
 Crew = AbstractContextManager[tuple[Run, int]]
