@@ -141,8 +141,7 @@ def _of_records(
     from ..dynamics.method import model_in_words
     from ..envelopes.capacity import RATIO
     from ..envelopes.intervals import NONE
-    from ..spectra.overturning_spectrum import overturning_spectrum
-    from ..spectra.record_envelope import Tracing, check_tracing, tracing_records
+    from ..spectra.record_envelope import Tracing, check_tracing, overturning_spectrum, tracing_records
     from ..spectra.record_scene import scene_of_words
 
     if wanted.closed_form:

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import partial
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -28,7 +27,7 @@ class About(NamedTuple):
 
     units: str
     long_name: str
-    get: Callable[[Any], Any] | None = None
+    get: Callable[[Any], Any] = str
     dtype: np.dtype | None = _FLOAT
 
 
@@ -159,22 +158,17 @@ def pulse_frame(structures: Sequence[RockingParameters], grid: Grid) -> Frame:
 
 
 def _lists(table: Mapping[str, About], dimension: str, of: Sequence[Any]) -> dict[str, tuple[str, Values]]:
-    found: dict[str, tuple[str, Values]] = {}
-    for name, about in table.items():
-        assert about.get is not None
-        values = [about.get(one) for one in of]
-        found[name] = dimension, values if about.dtype is None else np.array(values, dtype=about.dtype)
-    return found
+    values = {name: [about.get(one) for one in of] for name, about in table.items()}
+    return {name: (dimension, some if table[name].dtype is None else np.array(some, table[name].dtype)) for name, some in values.items()}
 
 
 def beside_structures(structures: Sequence[RockingParameters]) -> dict[str, tuple[str, Values]]:
     """The lists of structures: parameters, those of edges if a body has two, and varied keys."""
-    varied = {name: About(unit, "", partial(_varied, name.removeprefix(VARIED))) for name, unit in varied_units(structures).items()}
-    return _lists(PARAMETERS | (EDGE_PARAMETERS if any(s.sides for s in structures) else {}) | varied, "structure", structures)
-
-
-def _varied(key: str, structure: RockingParameters) -> float:
-    return float(structure.details.get("varied", {}).get(key, np.nan))
+    found = _lists(PARAMETERS | (EDGE_PARAMETERS if any(s.sides for s in structures) else {}), "structure", structures)
+    for name in varied_units(structures):
+        values = [s.details.get("varied", {}).get(name.removeprefix(VARIED), np.nan) for s in structures]
+        found[name] = "structure", np.array(values, dtype=float)
+    return found
 
 
 def varied_units(structures: Sequence[RockingParameters]) -> dict[str, str]:

@@ -1,4 +1,4 @@
-"""Overturning scales of records: the intervals of each structure, or of each (alpha, 2 pi/p).
+"""Overturning scales of records: the intervals of each structure, or of each (alpha, 2 pi/p), and their quantiles over the records.
 
 Under a record a body overturns after many impacts. Its intervals have no least width, and a cell costs as much as a thousand cells of a
 pulse. The ratio of neighbouring amplitudes of the scan is therefore 1 + `RATIO`; narrower intervals may be missed.
@@ -7,7 +7,7 @@ pulse. The ratio of neighbouring amplitudes of the scan is therefore 1 + `RATIO`
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -26,6 +26,7 @@ Array = np.ndarray
 
 _PARTS = 128  # parts of a bracket in one cut: there are few brackets, and a batch costs the same for any size
 _SMALL = 20_000  # cells below which starting processes takes longer than they save
+QUANTILES = (16, 50, 84)
 
 
 @dataclass(frozen=True)
@@ -146,3 +147,35 @@ def _told(scene: RecordScene, task: Task, column: int, steps: Steps, first: bool
         row: dict[str, Any] = {**of, **{f"A_{key}": a for key, a in bounds.items()}, "mode": mode}
         row |= {f"a_{key}": None if a is None else float(structure.ground_acceleration(a)) for key, a in bounds.items()}
         yield row | {f"scale_{key}": None if a is None else a / own for key, a in bounds.items()}
+
+
+def overturning_spectrum(scene: RecordScene, records: Iterable[Mapping[str, Any]]) -> Iterator[dict[str, Any]]:
+    """The rows of a spectrum, one for each size or structure, from the rows of `tracing_records` with `first`.
+
+    structure, or alpha [rad] and T [s]; p [rad/s]; pga_ratio_16, _50, _84: quantiles of the first overturning PGA/(lambda g)
+    over the records [%], None if too few of them overturn the body; overturned, records: their numbers.
+    """
+    found: dict[tuple[Any, ...], list[float]] = {}
+    keys = ("alpha", "T") if scene.over_angles else ("structure",)
+    for record in records:
+        a = record["A_from"]
+        found.setdefault(tuple(record[key] for key in keys), []).append(math.inf if a is None else a)
+    bodies = {s.alpha if scene.over_angles else s.name: s for s in scene.structures}
+    for place, amplitudes in found.items():
+        body = bodies[place[0]]
+        uplift = math.tan(body.alpha) if scene.over_angles else body.uplift
+        ratio = np.sort(amplitudes) * body.ground_acceleration(1.0) / (uplift * body.gravity)
+        yield {
+            **dict(zip(keys, place, strict=True)),
+            "p": 2.0 * math.pi / place[1] if scene.over_angles else body.p,
+            **{f"pga_ratio_{q}": _quantile(ratio, q / 100.0) for q in QUANTILES},
+            "overturned": int(np.isfinite(ratio).sum()),
+            "records": ratio.size,
+        }
+
+
+def _quantile(rising: np.ndarray, share: float) -> float | None:
+    """The quantile, linear between the order statistics; None if it is infinite."""
+    place = share * (rising.size - 1)
+    low, high = float(rising[math.floor(place)]), float(rising[math.ceil(place)])
+    return low + (place - math.floor(place)) * (high - low) if math.isfinite(high) else None

@@ -22,9 +22,8 @@ from ..structures.parameters import RockingParameters
 from .results import Spectrum, Summary
 from .scene import PulseScene, Scene, Unit, cut_into_units
 from .sweep_options import SweepOptions
-from .trust.sampling import default_check
 from .trust.validity import validity
-from .trust.verification import Verification
+from .trust.verification import Verification, default_check
 from .variables import VARIABLES
 from .work.jobs import Block, Job, local_crew, unit_reports
 
@@ -98,8 +97,12 @@ def write_scene(scene: Scene, path: str | Path, options: SweepOptions | None = N
 
     options = options or SweepOptions()
     sweep, names, (part, count) = _Sweep(scene, options), options.variables_of(scene), options.shard or (1, 1)
-    attributes: dict[str, Any] = {"history": options.history, "documents": options.documents, "motion": scene.title}
-    attributes["model"] = scene.method.model
+    attributes: dict[str, Any] = {
+        "history": options.history,
+        "documents": options.documents,
+        "motion": scene.title,
+        "model": scene.method.model,
+    }
     if scene.method.stated_tolerance is not None:
         attributes["tolerance"] = scene.method.stated_tolerance
     attributes["shard"] = f"{part}/{count}"

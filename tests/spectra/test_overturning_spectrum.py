@@ -13,8 +13,7 @@ from rocking_cli.motions.recording import Recording
 from rocking_cli.motions.records import Record
 from rocking_cli.reports.figures.curves import overturning_spectra
 from rocking_cli.reports.units import Units
-from rocking_cli.spectra.overturning_spectrum import overturning_spectrum
-from rocking_cli.spectra.record_envelope import Tracing, tracing_records
+from rocking_cli.spectra.record_envelope import Tracing, overturning_spectrum, tracing_records
 from rocking_cli.spectra.record_scene import angles_scene, structures_scene
 
 RECORDS = tuple(

@@ -1,6 +1,6 @@
 """The linear equation of a sweep compared with the nonlinear one at some cells, half of them drawn, half next to a boundary.
 
-The cells depend on the scene alone, like those of `sampling`.
+The cells depend on the scene alone, like those of `verification`.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from ...dynamics.method import Method
 from ...dynamics.outcome import Difference, difference, falls
 from ...dynamics.response import response
 from ..scene import PulseScene, Scene
-from .sampling import sampled_cells
+from .verification import sampled_cells
 
 Array = np.ndarray
 

@@ -84,12 +84,10 @@ def _host_and_port(address: str) -> tuple[str, int]:
 
 def _demand_greeting(connection: socket.socket) -> None:
     """Raise ConnectionError unless a message of dask begins: the number of its bytes or parts, in eight bytes."""
-    begun = b""
-    while len(begun) < 8:
-        more = connection.recv(8 - len(begun))
-        if not more:
-            raise ConnectionError(f"it says {begun!r} and closes the connection" if begun else "the connection was closed")
-        begun += more
+    with connection.makefile("rb") as stream:
+        begun = stream.read(8)
+    if len(begun) < 8:
+        raise ConnectionError(f"it says {begun!r} and closes the connection" if begun else "the connection was closed")
     if int.from_bytes(begun, "little") > _LONGEST_GREETING:
         raise ConnectionError(f"it begins with {begun!r}, which is not a message of a scheduler")
 

@@ -18,10 +18,9 @@ from rocking_cli.motions.records import Record
 from rocking_cli.reports.summary import summary_lines
 from rocking_cli.spectra.record_scene import structures_scene
 from rocking_cli.spectra.scene import PulseScene, cut_into_units
-from rocking_cli.spectra.trust import sampling
+from rocking_cli.spectra.trust import verification as sampling
 from rocking_cli.spectra.trust.condition import condition_of
-from rocking_cli.spectra.trust.sampling import checked_cells
-from rocking_cli.spectra.trust.verification import Verification
+from rocking_cli.spectra.trust.verification import Verification, checked_cells
 from rocking_cli.spectra.work.jobs import Job, local_crew, unit_reports
 
 GRID = parse_grid("A=0.5:4:60,Omega=0.5:6:50")
