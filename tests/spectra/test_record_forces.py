@@ -13,11 +13,10 @@ from oracles.ground_forces import asked
 from oracles.vertical_motion import Shaking
 from support.documents import built
 from support.record_layouts import wave
+from support.synthetic_records import recorded
 
 from rocking_cli import Axis, Method, Outcome, Spectrum
 from rocking_cli.dynamics.response import response_with_demands
-from rocking_cli.motions.recording import Recording
-from rocking_cli.motions.records import Record
 from rocking_cli.spectra.record_scene import angles_scene
 from rocking_cli.spectra.sweep import spectrum_of
 from rocking_cli.spectra.sweep_options import SweepOptions
@@ -25,16 +24,12 @@ from rocking_cli.spectra.sweep_options import SweepOptions
 FORCES = ("friction", "fz_min")
 
 
-def recording(samples: np.ndarray, dt: float) -> Recording:
-    return Recording(Record("r", "text", None, dt, samples, None, "m/s2", "r", "r" * 64))
-
-
-SHORT = recording(wave(12, 30.0), 0.1)
+SHORT = recorded(wave(12, 30.0), 0.1)
 
 
 def judged(samples: np.ndarray, dt: float, degrees: np.ndarray, periods: np.ndarray, eta: float | None, model: str) -> Counter:
     """How often blocks keep and lose the ground, of those that do not overturn; both ways must tell the same of every cell."""
-    scene = angles_scene(Axis("alpha", np.radians(degrees)), Axis("T", periods), [recording(samples, dt)], eta, Method(model))
+    scene = angles_scene(Axis("alpha", np.radians(degrees)), Axis("T", periods), [recorded(samples, dt)], eta, Method(model))
     found, times, seen = spectrum_of(scene, SweepOptions(workers=1, check=0)), dt * np.arange(samples.size), Counter()
     shaking = Shaking(lambda t: float(np.interp(t, times, samples)), lambda t: 0.0, times[-1], tuple(times[1:]))
     for j, block in enumerate(scene.structures):

@@ -11,17 +11,16 @@ import pytest
 import xarray
 from support.documents import built, same_file
 from support.record_layouts import wave
+from support.synthetic_records import recorded
 
 from rocking_cli import Axis, Method, UsageError, dimensionless_oscillator, overturned, response
 from rocking_cli.dynamics.response import response_with_speed
-from rocking_cli.errors import Interrupted
 from rocking_cli.motions.intensity import intensity
-from rocking_cli.motions.polyline import record_motion
 from rocking_cli.motions.recording import Recording, with_distinct_labels
-from rocking_cli.motions.records import Record
 from rocking_cli.reports.summary import summary_lines
 from rocking_cli.spectra.file.merging import merge
 from rocking_cli.spectra.file.reader import SpectraFile
+from rocking_cli.spectra.file.writer import difference
 from rocking_cli.spectra.record_scene import angles_scene, block_of, scene_of_words, structures_scene
 from rocking_cli.spectra.scene import cut_into_units
 from rocking_cli.spectra.sweep import spectrum_of, write_scene
@@ -33,13 +32,13 @@ BLOCK = built("kind: block\nwidth: 0.4 m\nheight: 2 m\nrestitution: 0.6")
 SPIRE = built("kind: parameters\np: 2\nalpha: 0.15\neta: 0.5\nlambda: 0.2")
 
 
-def record(name: str, count: int, peak: float) -> Record:
-    return Record(name, "text", None, 0.02, wave(count, peak), None, "m/s2", name, name * 64)
+def recording(name: str, count: int, peak: float, factor: float = 1.0) -> Recording:
+    return recorded(wave(count, peak), 0.02, name, factor)
 
 
 @pytest.fixture(scope="module")
 def records() -> tuple[Recording, ...]:
-    return Recording(record("a", 70, 3.0)), Recording(record("b", 50, -4.0), -1.5)
+    return recording("a", 70, 3.0), recording("b", 50, -4.0, -1.5)
 
 
 def alone(structure, motion, acceleration, method):
@@ -64,7 +63,7 @@ def test_columns_scale_each_record_under_each_structure(records, name):
 
 def test_few_cells_of_each_structure_under_a_long_record():
     """They are marched one by one: every outcome equal, rotations within the tolerance times the condition."""
-    quake = Recording(record("long", 260, 5.0))
+    quake = recording("long", 260, 5.0)
     scene = structures_scene([BLOCK, built("kind: block\nwidth: 0.5 m\nheight: 2 m")], (quake,), Axis("scale", np.array([0.5, 1.0, 1.5])))
     found = spectrum_of(scene, SweepOptions(workers=1, check=0))
     for j, structure in enumerate(scene.structures):
@@ -75,8 +74,7 @@ def test_few_cells_of_each_structure_under_a_long_record():
 
 def test_a_factor_is_part_of_the_record(records):
     """Its sign turns it over; its size is what a column `scale` multiplies."""
-    turned = record("b", 50, 4.0)
-    there, here = records[1].motion, record_motion(turned, 1.5)
+    there, here = records[1].motion, recording("b", 50, 4.0, 1.5).motion
     assert records[1].acceleration == pytest.approx(6.0, rel=1e-14, abs=0.0)
     assert there.acceleration == here.acceleration
     times = 0.02 * np.arange(49) + 0.007
@@ -104,7 +102,7 @@ def test_rocking_spectra_over_alpha_and_size(records, eta):
 
 
 def test_blocks_of_all_angles_go_in_one_run_and_are_those_of_each_alone():
-    short = (Recording(record("a", 18, 6.0)),)
+    short = (recording("a", 18, 6.0),)
     scene, own = (angles_scene(Axis("alpha", x), PERIODS, short, 0.5, NONLINEAR) for x in (ALPHAS.values, ALPHAS.values[1:]))
     assert len({scene.runs_with(s) for s in scene.structures}) == 1
     together, alone = (spectrum_of(x, SweepOptions(workers=1, check=0, quantities=("condition",))) for x in (scene, own))
@@ -145,27 +143,13 @@ def test_shards_and_workers_change_no_bit(records, tmp_path):
     same_file(tmp_path / "merged.h5", tmp_path / "whole.h5")
 
 
-def test_a_sweep_of_other_records_does_not_go_on(records, tmp_path):
-    columns = Axis("scale", np.array([1.0]))
-
-    def stop(done, total):
-        raise KeyboardInterrupt
-
-    with pytest.raises(Interrupted):
-        write_scene(
-            structures_scene([BLOCK], records, columns), tmp_path / "s.h5", SweepOptions(workers=1, check=0, shard=(1, 2), progress=stop)
-        )
-    others = (records[0], Recording(records[1].record, 2.0))
-    with pytest.raises(UsageError, match=r"is of another scene: its records\[1\] is"):
-        write_scene(
-            structures_scene([BLOCK], others, columns), tmp_path / "s.h5", SweepOptions(workers=1, check=0, shard=(1, 2), resume=True)
-        )
-
-
 def test_the_scene_states_a_hash_and_no_sample(records, tmp_path):
     write_scene(structures_scene([BLOCK], records), tmp_path / "s.h5", SweepOptions(workers=1, check=0))
     with h5py.File(tmp_path / "s.h5") as file:
         assert len(file.attrs["scene"]) < 1500
+    others = (records[0], Recording(records[1].record, 2.0))
+    one, other = (structures_scene([BLOCK], some).identity() for some in (records, others))
+    assert difference(one, other)[0] == "records[1]"
 
 
 def test_equal_names_are_told_apart_and_bad_scenes_refused(records):
@@ -185,7 +169,7 @@ def test_equal_names_are_told_apart_and_bad_scenes_refused(records):
 
 
 def test_what_travels_with_a_unit_is_its_own_records(records):
-    many = [Recording(record(chr(97 + i), 400, 3.0)) for i in range(20)]
+    many = [recording(chr(97 + i), 400, 3.0) for i in range(20)]
     scene = structures_scene([BLOCK], many)
     units = list(cut_into_units(scene, (1, 1)))[3:5]
     some = scene.only(units)

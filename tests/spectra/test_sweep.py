@@ -8,6 +8,7 @@ import tracemalloc
 import h5py
 import numpy as np
 import pytest
+from support.documents import built
 
 from rocking_cli import (
     Method,
@@ -15,7 +16,6 @@ from rocking_cli import (
     RockingParameters,
     UsageError,
     build_structure,
-    cosine,
     dimensionless_oscillator,
     linear_response,
     parse_documents,
@@ -52,14 +52,6 @@ def test_workers_and_chunks_change_no_bit(tmp_path, workers, chunk):
     assert not (tmp_path / "s.h5.part").exists()
 
 
-def test_in_memory_equals_the_file(tmp_path):
-    write_spectrum(TWO, cosine(1), GRID, tmp_path / "s.h5", impacts=True)
-    memory = spectrum(TWO, cosine(1), GRID)
-    data = read(tmp_path / "s.h5")
-    assert data["theta_ratio"].tobytes() == memory.theta_ratio.tobytes()
-    assert data["outcome"].tobytes() == memory.outcome.tobytes()
-
-
 def test_structures_of_equal_restitution_are_computed_once():
     texts = "kind: block\nwidth: 1\nheight: 5\nrestitution: 0.9\n---\nkind: spire\nbase_radius: 1\nheight: 9\nrestitution: 0.9"
     structures = [build_structure(d) for d in parse_documents(texts)]
@@ -88,6 +80,14 @@ def test_a_restitution_alone_needs_dimensionless_axes():
         spectrum(TWO, sine(), parse_grid("a_g=1:2:3,omega_g=1:2:3"))
     with pytest.raises(UsageError, match="no structure"):
         spectrum([], sine(), GRID)
+
+
+def test_a_model_is_refused_where_it_does_not_hold():
+    with pytest.raises(UsageError, match="a rigid body, whose a_scale is 1"):
+        Method("nonlinear").system_of(built("kind: parameters\np: 2\nalpha: 0.1\neta: 0.9\nlambda: 0.3"))
+    for given, words in ((("quadratic",), "unknown model"), (("nonlinear", 0.5), "tolerance")):
+        with pytest.raises(UsageError, match=words):
+            Method(*given)
 
 
 def test_an_interruption_names_the_part_that_it_leaves(tmp_path, monkeypatch):

@@ -5,12 +5,17 @@ from __future__ import annotations
 import numpy as np
 
 from rocking_cli import linear_response
-from rocking_cli.motions.polyline import record_motion
+from rocking_cli.motions.recording import Recording
 from rocking_cli.motions.records import Record
 
 
+def recorded(samples, dt, name="r", factor=1.0):
+    """Samples [m/s2] as a recording."""
+    return Recording(Record(name, "text", None, dt, np.array(samples, dtype=float), None, "m/s2", name, name * 64), factor)
+
+
 def shaken(samples, dt):
-    return record_motion(Record("r", "text", None, dt, np.array(samples, dtype=float), None, "m/s2", "r", ""))
+    return recorded(samples, dt).motion
 
 
 def noise(count, dt, seed, quiet=0):

@@ -1,4 +1,4 @@
-"""The attack on spectra files, seeded and bounded: `make soak` runs it and prints how much was tried and what was bad."""
+"""The attack on spectra files, seeded and bounded: `make soak` runs all of it and prints how much was tried and what was bad."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ from rocking_cli import dimensionless_oscillator, parse_grid, sine, write_spectr
 from rocking_cli.errors import Interrupted, RockingError
 from rocking_cli.spectra.file.reader import SpectraFile
 
-pytestmark = pytest.mark.soak
 SWEEP = [*PROGRAM, "spectrum", "--eta", "0.9", "--workers", "1", "-q"]
+MERGE = [*PROGRAM, "merge", "1.h5", "2.h5", "-q"]
 SCENE = ["--grid", "A=0.5:12:100,Omega=0.5:12:100", "--chunk", "1500"]
 
 
@@ -89,42 +89,35 @@ def left(tmp_path):
     return tmp_path / "cut.h5.part"
 
 
-def test_single_bit_flips_in_a_finished_file(finished, table):
-    raw, before, counts, chance = finished.read_bytes(), numbers(finished), collections.Counter(), random.Random(12)
-    for _ in range(2000):
-        data = bytearray(raw)
-        data[chance.randrange(len(raw))] ^= 1 << chance.randrange(8)
-        finished.write_bytes(data)
-        counts[judged(finished, before, True)] += 1
-    table("bit flips, finished file", counts)
+def flipped(data: bytearray, i: int, chance: random.Random) -> bytearray:
+    """A bit is another one; of every second copy one in the first 25 kB, where layout and index are."""
+    data[chance.randrange(len(data) if i % 2 else min(len(data), 25_000))] ^= 1 << chance.randrange(8)
+    return data
 
 
-def test_single_bit_flips_in_a_part(left, table):
-    """Half of them in the first 25 kB, where layout and index are."""
-    raw, before, counts, chance = left.read_bytes(), numbers(left), collections.Counter(), random.Random(13)
-    for i in range(150):
-        data = bytearray(raw)
-        data[chance.randrange(len(raw) if i % 2 else 25_000)] ^= 1 << chance.randrange(8)
-        left.write_bytes(data)
-        counts[judged(left, before, False)] += 1
-    table("bit flips, part", counts)
+def overwritten(data: bytearray, i: int, chance: random.Random) -> bytearray:
+    """Runs of foreign bytes; every tenth copy is cut there."""
+    for _ in range(chance.randint(1, 4)):
+        at, other, length = chance.randrange(len(data)), chance.randrange(len(data)), chance.choice((1, 2, 4, 8, 64, 512))
+        foreign = (chance.randbytes(length), bytes(length), b"\xff" * length, data[other : other + length])
+        data[at : at + length] = chance.choice(foreign)
+    return data[:at] if i % 10 == 9 else data
 
 
-def test_runs_of_foreign_bytes(finished, left, table):
-    counts, chance = collections.Counter(), random.Random(18)
-    originals = [(path, path.read_bytes(), numbers(path)) for path in (finished, left)]
-    for i in range(300):
-        path, raw, before = originals[i % 4 == 0]
-        data = bytearray(raw)
-        for _ in range(chance.randint(1, 4)):
-            at, other, length = chance.randrange(len(data)), chance.randrange(len(data)), chance.choice((1, 2, 4, 8, 64, 512))
-            foreign = (chance.randbytes(length), bytes(length), b"\xff" * length, data[other : other + length])
-            data[at : at + length] = chance.choice(foreign)
-        path.write_bytes(data)
-        counts[judged(path, before, path is finished)] += 1
-    table("runs of foreign bytes", counts)
+@pytest.mark.parametrize("which", ["finished", "left"])
+@pytest.mark.parametrize("damage", [flipped, overwritten])
+@pytest.mark.parametrize("tries", [25, pytest.param(600, marks=pytest.mark.soak)])
+def test_damaged_files_are_refused_and_never_give_another_number(which, damage, tries, request, table):
+    path = request.getfixturevalue(which)
+    raw, before, counts, chance = path.read_bytes(), numbers(path), collections.Counter(), random.Random(12)
+    for i in range(tries):
+        path.write_bytes(damage(bytearray(raw), i, chance))
+        counts[judged(path, before, which == "finished")] += 1
+    assert counts["refused"] > 0.8 * tries
+    table(f"{damage.__name__}, {which}", counts)
 
 
+@pytest.mark.soak
 def test_truncated_parts(left, finished, table):
     """Every 200 bytes of the first 6 kB, and anywhere: it goes on to the same file, or is refused and kept to the last byte."""
     raw, chance, counts, whole = left.read_bytes(), random.Random(14), collections.Counter(), numbers(finished)
@@ -165,37 +158,34 @@ def swept(folder: Path, name: str, *call: str) -> Numbers:
     return numbers(folder / name)
 
 
-@pytest.mark.parametrize("option", ["--overwrite", "--resume", "-q"])
-def test_races_of_four_sweeps_on_one_output(tmp_path, table, option):
-    chance, counts, whole = random.Random(15), collections.Counter(), swept(tmp_path, "whole.h5", *SCENE)
-    for _ in range(20):
-        delays = [0.0, *(chance.choice((0.0, 0.02, 0.3)) for _ in range(3))]
-        counts[raced(tmp_path, [[*SWEEP, *SCENE, option]] * 4, delays, [whole] * 4)] += 1
-    table(f"races of four sweeps {option.replace('-q', '')}", counts)
+OTHER = ["--grid", "A=0.5:12:200,Omega=0.5:12:100", "--chunk", "1500"]
+RACES = {  # what runs at once on one output, and how the calls are drawn
+    "four sweeps --overwrite": lambda chance: [[*SWEEP, *SCENE, "--overwrite"]] * 4,
+    "four sweeps --resume": lambda chance: [[*SWEEP, *SCENE, "--resume"]] * 4,
+    "four sweeps": lambda chance: [[*SWEEP, *SCENE]] * 4,
+    "another scene with --overwrite": lambda chance: [[*SWEEP, *scene, "--overwrite"] for scene in (OTHER, SCENE)],
+    "merges and sweeps": lambda chance: [
+        *([*chance.choice((MERGE, [*SWEEP, *SCENE])), *chance.choice(([], ["--overwrite"]))] for _ in range(3)),
+        [*SWEEP, *SCENE, "--resume"],
+    ],
+}
 
 
-def test_races_of_merges_and_sweeps(tmp_path, table):
-    chance, counts, whole = random.Random(19), collections.Counter(), swept(tmp_path, "whole.h5", *SCENE)
+@pytest.mark.soak
+@pytest.mark.parametrize("race", RACES)
+def test_races_on_one_output(tmp_path, table, race):
+    chance, counts = random.Random(15), collections.Counter()
+    whole, other = swept(tmp_path, "whole.h5", *SCENE), swept(tmp_path, "other.h5", *OTHER)
     for i in (1, 2):
         swept(tmp_path, f"{i}.h5", *SCENE, "--shard", f"{i}/2")
-    merge, sweep = [*PROGRAM, "merge", "1.h5", "2.h5", "-q"], [*SWEEP, *SCENE]
     for _ in range(20):
-        calls = [[*chance.choice((merge, sweep)), *chance.choice(([], ["--overwrite"]))] for _ in range(3)]
-        calls.append([*sweep, "--resume"])
-        counts[raced(tmp_path, calls, [chance.choice((0.0, 0.02, 0.3)) for _ in calls], [whole] * 4)] += 1
-    table("races of merges and sweeps", counts)
+        calls = RACES[race](chance)
+        delays = [0.0, *(chance.choice((0.0, 0.02, 0.3, 0.6)) for _ in calls[1:])]
+        counts[raced(tmp_path, calls, delays, [other if OTHER[1] in call else whole for call in calls])] += 1
+    table(f"races of {race}", counts)
 
 
-def test_overwriting_an_output_that_another_scene_is_written_to(tmp_path, table):
-    chance, counts = random.Random(16), collections.Counter()
-    scenes = [["--grid", f"A=0.5:12:{n},Omega=0.5:12:100", "--chunk", "1500"] for n in (200, 100)]
-    wholes = [swept(tmp_path, f"{i}.h5", *scene) for i, scene in enumerate(scenes)]
-    for _ in range(20):
-        calls = [[*SWEEP, *scene, "--overwrite"] for scene in scenes]
-        counts[raced(tmp_path, calls, [0.0, chance.uniform(0.0, 0.6)], wholes)] += 1
-    table("another scene with --overwrite", counts)
-
-
+@pytest.mark.soak
 def test_kills_and_resumes(tmp_path, table):
     chance, counts = random.Random(17), collections.Counter()
     call = [*SWEEP, "--grid", "A=0.5:12:800,Omega=0.5:12:800", "--chunk", "5000", "--resume"]
@@ -216,6 +206,7 @@ def test_kills_and_resumes(tmp_path, table):
     table("kills and resumes", counts)
 
 
+@pytest.mark.soak
 def test_full_disks(tmp_path, table):
     """A limit on the length of files, at every place: in the layout nothing is left, behind it the part goes on to the same."""
     counts = collections.Counter()

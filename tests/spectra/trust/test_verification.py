@@ -10,11 +10,10 @@ import numpy as np
 import pytest
 from support.documents import built
 from support.record_layouts import wave
+from support.synthetic_records import recorded
 
 from rocking_cli import Axis, Outcome, dimensionless_oscillator, linear_response, parse_grid, sine, spectrum
 from rocking_cli.motions import Motion, Piece
-from rocking_cli.motions.recording import Recording
-from rocking_cli.motions.records import Record
 from rocking_cli.reports.summary import summary_lines
 from rocking_cli.spectra.record_scene import structures_scene
 from rocking_cli.spectra.scene import PulseScene, cut_into_units
@@ -117,9 +116,8 @@ def test_cells_are_those_of_one_draw_after_the_other_each_taken_once():
 
 def test_half_of_the_cells_checked_under_a_record_are_the_most_sensitive():
     """Those of one structure under one record: none of its cells beside them answers to a change of A more than they do."""
-    samples = Record("a", "text", None, 0.1, wave(24, 3.0), None, "m/s2", "a", "a")
     block = built("kind: block\nwidth: 0.3 m\nheight: 1.2 m")
-    scene = structures_scene([block], [Recording(samples)], Axis("A", np.linspace(0.5, 2.5, 60)))
+    scene = structures_scene([block], [recorded(wave(24, 3.0), 0.1)], Axis("A", np.linspace(0.5, 2.5, 60)))
     cells = checked_cells(scene, 8)
     assert cells[:, 3].tolist() == [0] * 4 + [1] * 4
     step = 1e-7 * np.array([[-1.0], [1.0]])
