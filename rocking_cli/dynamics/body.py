@@ -21,13 +21,17 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from .lanes import Array
+from ..motions.segments import Segments
+from .contacts.contact import Contact
+from .drive import segment_value, summed
+from .lanes import Array, Lanes
 
 _PARTS = 32  # of the path from the ground to the peak; on each the bound takes the worst of every term
 _PUSHES = np.geomspace(1e-2, 1e2, 256)  # [g] that are tried
 _TURNS, _STEPS = 2.0, 64  # largest rotation over alpha for which pushes are tabulated, and the number of steps up to it
 FAR = 100.0  # rotation [rad] beyond which no forces are computed: the body has left the ground
 _LOWEST = -0.5 * np.pi  # least z for which the bound is computed
+_TRIALS = 4  # of the time that a bouncing lasts
 
 
 class Edge(NamedTuple):
@@ -156,3 +160,48 @@ def _safe_pushes(body: Body, edge: int, ratio: float) -> tuple[float, Array]:
         kept = body.pressed(body.edges[edge], pushes[:, None], turns, ratio * pushes[:, None])
     first = np.argmin(np.concatenate([kept, np.zeros((1, turns.size), dtype=bool)]), axis=0)
     return float(turns[1]), np.append(np.concatenate([[least], pushes])[first], least)
+
+
+class Shaking(NamedTuple):
+    """The outward push over g and the weight over m g, and their slopes by tau; the weight's are floats where it does not vary."""
+
+    push: Array
+    push_slope: Array
+    weight: Array | float
+    weight_slope: Array | float
+
+
+class Ground:
+    """The ground of a motion under a rigid body: its push and weight along the march, and how long a bouncing lasts under them."""
+
+    def __init__(self, body: Body, segments: Segments) -> None:
+        self.body, self.segments = body, segments
+
+    def shaking(self, lanes: Lanes, h: Array) -> Shaking:
+        """After h [tau] on the present side of lanes, by the closed form of the piece that they are in."""
+        phase = lanes.u + lanes.omega * h
+        outward = -lanes.side * lanes.amplitude * self.body.on(lanes.side).uplift
+        push, push_slope = value_and_slope(self.segments, lanes.k, phase)
+        weighed = self.segments.weighed
+        if weighed is None:
+            return Shaking(outward * push, outward * lanes.omega * push_slope, 1.0, 0.0)
+        sway = weighed.sway(lanes.side, lanes.amplitude)
+        rise, rise_slope = value_and_slope(weighed.vertical, lanes.k, phase)
+        return Shaking(outward * push, outward * lanes.omega * push_slope, 1.0 + sway * rise, sway * lanes.omega * rise_slope)
+
+    def bouncing_lasts(self, lanes: Lanes, contact: Contact) -> Array:
+        """The time [tau] that lanes just after an impact bounce, under the drive half way, at most to the end of their segment."""
+        here = self.body.on(lanes.side)
+        room, trial = (self.segments.length[lanes.k] - lanes.u) / lanes.omega, lanes.take(np.arange(lanes.cell.size))
+        lasts = np.zeros(lanes.cell.size)
+        for _ in range(_TRIALS):
+            now = self.shaking(lanes, 0.5 * lasts)
+            trial.b = self.body.lifting(here, now.push, now.weight) / here.unit
+            lasts = np.clip(contact.sequence_time(trial, now.weight), 0.0, room)
+        return lasts
+
+
+def value_and_slope(segments: Segments, k: Array, phase: Array) -> tuple[Array, Array]:
+    """s and its slope by the phase."""
+    change, _, cos = segment_value(segments, k, phase)
+    return segments.s_start[k] + change, summed(segments.frequency.take(k, axis=1) * cos) + segments.slope[k]

@@ -131,7 +131,7 @@ sqrt(E) + A int |s| dphi/Omega < 1 over what is still to come, E = v^2 + y (2 - 
 Proof. dE/dtau = 2 v a, and v^2 <= E below y = 1, so sqrt(E) grows by at most int |a| dtau. Impacts lower it. A body that overturns has
 had E >= 1.
 Varying weight: not used.
-Used in `impulse.ImpulseAhead.cannot_overturn`, `rocking_cli.envelopes.boundaries`.
+Used in `drive.ImpulseAhead.cannot_overturn`, `rocking_cli.envelopes.boundaries`.
 Test `test_impulse.py::test_lemma_9_nothing_to_come_overturns_what_is_below_the_bound`.
 
 # Lemma 10 (nothing returns above)

@@ -1,6 +1,6 @@
 """The choice of equation, contact and reference for a structure; a new equation is one entry of EQUATIONS.
 
-Equations and contacts that few structures need are imported where they are used.
+Equations that few structures need are imported where they are used.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ import numpy as np
 from ..errors import UsageError, did_you_mean
 from ..structures.parameters import RockingParameters, Side
 from .body import Body
-from .contacts.contact import Contact, Symmetric
+from .contacts.contact import Contact, OneSided, Symmetric, Unequal, exchange
 from .equations.equation import Equation
 from .equations.linear import LinearEquation
 from .equations.taylor import order_for
@@ -56,6 +56,10 @@ def _rigid(alpha: Any, tolerance: float, damping: float = 0.0) -> Equation:
     return RigidBodyEquation(alpha, tolerance, damping)
 
 
+def _rigid_body(structure: RockingParameters, tolerance: float) -> Equation:
+    return _rigid(tuple(side.alpha for side in reversed(structure.sides)) or structure.alpha, tolerance, structure.damping)
+
+
 def _mechanism(structure: RockingParameters, tolerance: float) -> Equation:
     from .equations.mechanism import MechanismEquation
 
@@ -65,27 +69,11 @@ def _mechanism(structure: RockingParameters, tolerance: float) -> Equation:
 
 EQUATIONS = (
     EquationKind(  # the linear oscillator, Eqs. 2.4 and 3.6
-        "linear",
-        serves=lambda s: True,
-        build=lambda s, tolerance: LinearEquation(s.damping),
-        shares=lambda s: None,
-        rates="linear_rates",
-        exact=True,
+        "linear", lambda s: True, lambda s, tolerance: LinearEquation(s.damping), lambda s: None, "linear_rates", exact=True
     ),
-    EquationKind(  # a mechanism, Eq. 3.4
-        "nonlinear",
-        serves=lambda s: s.mechanism is not None,
-        build=_mechanism,
-        shares=lambda s: s.mechanism,
-        rates="mechanism_rates",
-    ),
+    EquationKind("nonlinear", lambda s: s.mechanism is not None, _mechanism, lambda s: s.mechanism, "mechanism_rates"),  # Eq. 3.4
     EquationKind(  # a rigid body, Eq. 2.3
-        "nonlinear",
-        serves=lambda s: s.a_scale == 1.0 and not s.dimensionless,
-        build=lambda s, tolerance: _rigid(tuple(side.alpha for side in reversed(s.sides)) or s.alpha, tolerance, s.damping),
-        shares=lambda s: s.alpha,
-        rates="rigid_body_rates",
-        of_cells=_rigid,
+        "nonlinear", lambda s: s.a_scale == 1.0 and not s.dimensionless, _rigid_body, lambda s: s.alpha, "rigid_body_rates", of_cells=_rigid
     ),
 )
 MODELS = tuple(dict.fromkeys(kind.model for kind in EQUATIONS))
@@ -214,13 +202,9 @@ def model_in_words(method: Method, *structures: RockingParameters, model: str | 
 def contact_of(structure: RockingParameters, equation: Equation) -> Contact:
     """The contact of a structure under an equation."""
     if structure.one_sided:
-        from .contacts.contact import OneSided
-
         return OneSided()
     if not structure.sides:
         return Symmetric()
-    from .contacts.contact import Unequal, exchange
-
     left, right = structure.sides
     there = equation.on(np.array([1.0, -1.0]))
     turns, lifts = (np.broadcast_to(x, 2).tolist() for x in (there.rotation(np.ones(2)), there.uplift_amplitude))

@@ -71,6 +71,10 @@ def _flat(*numbers: Array | float) -> tuple[tuple[int, ...], Cells]:
     return amplitude.shape, (amplitude.ravel(), omega.ravel(), eta.ravel())
 
 
+def _of(cells: Cells, at: Array | slice) -> Cells:
+    return cells[0][at], cells[1][at], cells[2][at]
+
+
 def _response(run: Run, shape: tuple[int, ...], peaks: bool = True) -> Response:
     theta_ratio = run.theta_ratio if peaks else np.full(run.outcome.size, np.nan)
     return Response(theta_ratio.reshape(shape), run.outcome.reshape(shape), run.impacts.reshape(shape), run.work)
@@ -93,7 +97,7 @@ def _marched(
         from .observers.contact_loss import ContactLoss
 
         on_the_way = stepper is WindowStepper and not system.equation.bounded
-        loss = ContactLoss(system.body, batch.segments, batch.contact, batch.cells, _LIKELY if on_the_way else np.inf)
+        loss = ContactLoss(system.body, batch, _LIKELY if on_the_way else np.inf)
         observers, watched = observers + ((loss,) if loss.any else ()), loss.watched
     run = Run(batch, pool, stepper, observers)
     run.all()
@@ -105,20 +109,16 @@ def _marched(
 
 def _stepper_of(system: System, motion: Motion, pool: int | None, jumps: bool) -> tuple[Callable[[Run], Stepper], int | None]:
     """(the stepper of a run, the number of lanes that it advances together)."""
-    samples = motion.coarsest.samples
-    if samples is None or (motion.vertical is not None and not jumps):
+    samples, weighed = motion.coarsest.samples, motion.vertical is not None
+    if samples is None or (weighed and not jumps):
         return WindowStepper, pool
-    if motion.vertical is not None:
-        from .samples.taylor_steps import LANES, WeighedTaylorStepper
-
-        return partial(WeighedTaylorStepper, samples=samples), pool or LANES
-    if jumps and motion.samples is not None and system.equation.bounded:  # linear, undamped, under equal steps: exact
+    if jumps and not weighed and motion.samples is not None and system.equation.bounded:  # linear, undamped, under equal steps: exact
         from .samples.exact import LANES, ExactStepper
 
         return partial(ExactStepper, samples=samples), pool or LANES
-    from .samples.taylor_steps import LANES, TaylorStepper
+    from .samples.taylor_steps import LANES, TaylorStepper, WeighedTaylorStepper
 
-    return partial(TaylorStepper, samples=samples), pool or LANES
+    return partial(WeighedTaylorStepper if weighed else TaylorStepper, samples=samples), pool or LANES
 
 
 def that_left_the_ground(system: System, motion: Motion, cells: Cells, doubtful: Array, theta_ratio: Array | None) -> Array:
@@ -129,22 +129,20 @@ def that_left_the_ground(system: System, motion: Motion, cells: Cells, doubtful:
         found = []
         for (own, count), end in zip(system.own, ends, strict=True):
             some = slice(end - count, end)
-            here = cells[0][some], cells[1][some], cells[2][some]
             turned = None if theta_ratio is None else theta_ratio[some]
-            found.append(end - count + that_left_the_ground(own, motion, here, doubtful[some], turned))
+            found.append(end - count + that_left_the_ground(own, motion, _of(cells, some), doubtful[some], turned))
         return np.concatenate(found)
     if system.body is None or not np.any(doubtful & (cells[0] > system.safe_amplitude(motion))):
         return np.zeros(0, dtype=np.int64)
     from .observers.contact_loss import ContactLoss
 
     segments = system.segments(motion)
-    held = system.contact.cells(system.equation, *cells)
-    loss = ContactLoss(system.body, segments, system.contact, held, np.inf)
+    loss = ContactLoss(system.body, Batch.of(system, segments, *cells, peaks=False), np.inf)
     at = np.flatnonzero(loss.open & doubtful)
     if theta_ratio is not None:
-        at = at[~loss.pressed(at, held, theta_ratio[at])]
-    batch = Batch.of(system, segments, cells[0][at], cells[1][at], cells[2][at], peaks=False)
-    watch = ContactLoss(system.body, batch.segments, batch.contact, batch.cells, 1.0)
+        at = at[~loss.pressed(at, theta_ratio[at])]
+    batch = Batch.of(system, segments, *_of(cells, at), peaks=False)
+    watch = ContactLoss(system.body, batch, 1.0)
     again = Run(batch, observers=[watch] if watch.any else [])
     again.all()
     return at[again.outcome == Outcome.LOST_CONTACT]
@@ -163,13 +161,13 @@ def response_with_demands(
     from .observers.ground_forces import GroundForces
 
     found = response(system, motion, amplitude, omega, eta) if found is None else found
-    shape, (amplitude, omega, eta) = _flat(amplitude, omega, eta)
+    shape, cells = _flat(amplitude, omega, eta)
     at = np.flatnonzero(upright(found.outcome))
-    cells = amplitude[at], omega[at], eta[at]
+    cells = _of(cells, at)
     batch = _batch(system, motion, cells, peaks=False)
     forces = GroundForces(system.body, batch)
     run = _marched(replace(system, body=None), motion, cells, batch, forces, jumps=False)
-    asked = {name: np.full(amplitude.size, np.nan) for name in ("friction", "fz_min")}
+    asked = {name: np.full(found.outcome.size, np.nan) for name in ("friction", "fz_min")}
     for values, known in zip(asked.values(), forces.result(run.outcome), strict=True):
         values[at] = np.where(upright(run.outcome), known, np.nan)
     return found, {name: values.reshape(shape) for name, values in asked.items()}
@@ -182,7 +180,7 @@ def response_with_speed(system: System, motion: Motion, amplitude: Array, omega:
 
     shape, cells = _flat(amplitude, omega, eta)
     batch = _batch(system, motion, cells, peaks=True)
-    speed = PeakSpeed(batch.equation, batch.contact, batch.shaken, batch.size)
+    speed = PeakSpeed(batch)
     run = _marched(system, motion, cells, batch, speed, jumps=motion.vertical is None)
     return _response(run, shape), np.where(safe(run.outcome), speed.speed.largest, np.nan).reshape(shape)
 

@@ -210,7 +210,7 @@ class Search:
                 segments.length[part] @ (np.abs(segments.s_start[part]) + np.abs(segments.s_end[part])) for part in blocks(len(segments))
             )
             return scan.below((1.0 - 1e-9) * omegas / (0.5 * float(sum(parts))))
-        from ..dynamics.impulse import ImpulseAhead
+        from ..dynamics.drive import ImpulseAhead
 
         ahead = ImpulseAhead.of(segments)
         low, high = np.zeros(omegas.size, dtype=np.int64), np.full(omegas.size, scan.size)

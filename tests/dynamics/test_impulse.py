@@ -10,7 +10,7 @@ from scipy.integrate import quad
 from scipy.optimize import brentq
 
 from rocking_cli import LinearEquation, Outcome, System, cosine, linear_response, pulse, sine
-from rocking_cli.dynamics.impulse import ImpulseAhead
+from rocking_cli.dynamics.drive import ImpulseAhead
 from rocking_cli.dynamics.lanes import Lanes
 from rocking_cli.dynamics.march import closings
 from rocking_cli.dynamics.march.batch import Batch

@@ -102,7 +102,7 @@ def test_the_largest_speed_by_another_integration(model, body, damping):
     found, speed = response_with_speed(system, MOTION, amplitude, omega, eta)
     plain = response(system, MOTION, amplitude, omega, eta)
     batch = Batch.of(system, MOTION.segments, amplitude, omega, np.full(count, eta))
-    marched = PeakSpeed(batch.equation, batch.contact, batch.shaken, batch.size)
+    marched = PeakSpeed(batch)
     Run(batch, observers=[marched]).all()
     assert np.array_equal(found.outcome, plain.outcome)
     np.testing.assert_allclose(found.theta_ratio, plain.theta_ratio, rtol=1e-9, atol=0)  # jumps are cut where a speed may hide

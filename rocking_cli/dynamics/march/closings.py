@@ -10,6 +10,7 @@ import numpy as np
 
 from ...motions.segments import Segments
 from ..contacts.sequences import bounces_on, settles
+from ..drive import ImpulseAhead
 from ..lanes import Array, Lanes
 from ..outcome import Outcome
 from .batch import Batch
@@ -79,8 +80,6 @@ BOUNCES_ON = Closing(lambda batch, lanes: _rocked(lanes, bounces_on(batch.segmen
 
 def impulse_bound(segments: Segments) -> Closing:
     """Lanes that nothing to come overturns (Lemma 9), where only the outcome is wanted."""
-    from ..impulse import ImpulseAhead
-
     ahead = ImpulseAhead.of(segments)
     return Closing(lambda _, lanes: Closed(np.flatnonzero(ahead.cannot_overturn(lanes)), Outcome.ROCKED, np.nan))
 

@@ -21,14 +21,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...motions.segments import Segments
-from ..body import Body, Edge
-from ..contacts.contact import Contact
-from ..lanes import Array, Arrays, Cells, Lanes
-from ..march.ground_push import Ground
+from ..body import Body, Edge, Ground
+from ..lanes import Array, Arrays, Lanes
+from ..march.batch import Batch
 from .observer import Arcs, Observer
 
 _ROOM = 0.25  # of the bound of a speed; a longer stretch has none
+_HALVINGS = 30  # a stretch this short in which Fz is positive wherever it was looked at only touches zero
 
 
 @dataclass
@@ -52,29 +51,22 @@ class Shakes(NamedTuple):
     sway2: Array
 
 
-def fastest(body: Body, edge: Edge, s: Shakes, h: Array, u0: Array, v0: Array, u1: Array, v1: Array) -> Array:
-    """Bound of |u'| on stretches of length h between these ends; infinite where they are too long for one.
+def chord_errors(body: Body, edge: Edge, s: Shakes, h: Array, one: Ends, other: Ends) -> Array:
+    """h^2/8 times a bound of |Fz''| over m g; infinite where the stretch is too long for a bound of |u'|.
 
-    |u'''| is at most P' + W' |z| + 2 zeta (P + W |z|) and (P + W + 4 zeta^2) |u'|, for the nonlinear
-    equation with |sin z| for |z|; the linear one has no P |u'|.
+    |u'''| is at most P' + W' |z| + 2 zeta (P + W |z|) and (P + W + 4 zeta^2) |u'|, for the nonlinear equation with |sin z| for |z|; the
+    linear one has no P |u'|.
     """
-    zeta2, weight = 2.0 * body.damping, 1.0 + s.sway
-    by_turn = s.sway1 + zeta2 * weight
-    flat, steep = s.push1 + zeta2 * s.push, weight + zeta2 * zeta2
+    zeta2, heavy, eighth = 2.0 * body.damping, 1.0 + s.sway, 0.125 * h * h
+    flat, steep, by_turn = s.push1 + zeta2 * s.push, heavy + zeta2 * zeta2, s.sway1 + zeta2 * heavy
     if body.linear:
-        flat, steep = flat + by_turn * (edge.alpha + 0.5 * (u0 + u1)), steep + by_turn * 0.5 * h
+        flat, steep = flat + by_turn * (edge.alpha + 0.5 * (one.u + other.u)), steep + by_turn * 0.5 * h
     else:
         flat, steep = flat + by_turn, steep + s.push
-    eighth = 0.125 * h * h
     room = 1.0 - eighth * steep
-    return np.where(room > _ROOM, (np.maximum(np.abs(v0), np.abs(v1)) + eighth * flat) / np.maximum(room, _ROOM), np.inf)
-
-
-def chord_errors(body: Body, edge: Edge, s: Shakes, h: Array, one: Ends, other: Ends) -> Array:
-    """h^2/8 times a bound of |Fz''| over m g."""
-    zeta2, heavy, v = 2.0 * body.damping, 1.0 + s.sway, fastest(body, edge, s, h, one.u, one.v, other.u, other.v)
-    middle = edge.alpha - 0.5 * (one.u + other.u)
-    turn = np.abs(middle) + 0.5 * v * h
+    v = (np.maximum(np.abs(one.v), np.abs(other.v)) + eighth * flat) / np.maximum(room, _ROOM)  # the fastest |u'|
+    v = np.where(room > _ROOM, v, np.inf)
+    turn = np.abs(edge.alpha - 0.5 * (one.u + other.u)) + 0.5 * v * h
     sin = np.sin(np.minimum(turn, 0.5 * np.pi))
     lean = turn if body.linear else sin
     b = s.push + heavy * lean + zeta2 * v
@@ -84,18 +76,7 @@ def chord_errors(body: Body, edge: Edge, s: Shakes, h: Array, one: Ends, other: 
     q = s.push2 + 2.0 * (s.push1 * sin + s.sway1) * v + (s.push + heavy * sin) * square + (s.push * sin + heavy) * b
     q += s.sway2 * lean + zeta2 * j + 6.0 * square * b
     rest = 4.0 * v * j + 3.0 * b * b + square * square
-    return 0.125 * h * h * (s.sway2 + edge.kappa * (q * sin + rest))
-
-
-_HALVINGS = 30  # a stretch this short in which Fz is positive wherever it was looked at only touches zero
-
-
-class _Motion(NamedTuple):
-    """Largest |s|, |s'| and |s''| of a motion, by its phase."""
-
-    size: float
-    slope: float
-    bend: float
+    return eighth * (s.sway2 + edge.kappa * (q * sin + rest))
 
 
 class ContactLoss(Observer):
@@ -104,27 +85,28 @@ class ContactLoss(Observer):
     ahead: the push over the proved one, above 0, beyond which cells are watched.
     """
 
-    def __init__(self, body: Body, segments: Segments, contact: Contact, cells: Cells, ahead: float) -> None:
-        self.body, self.segments, self.contact, self.ground = body, segments, contact, Ground(body, segments)
-        self.across, self.up, share = _sizes(segments), _Motion(0.0, 0.0, 0.0), (0.0, 0.0)
+    def __init__(self, body: Body, batch: Batch, ahead: float) -> None:
+        self.body, self.batch, self.segments, self.ground = body, batch, batch.segments, Ground(body, batch.segments)
+        segments = batch.segments
+        # Bounds of |s|, |s'| and |s''| by the phase, of the horizontal and the vertical motion.
+        self.across, self.up, share = (segments.largest, *segments.steepest), (0.0, 0.0, 0.0), (0.0, 0.0)
         if (weighed := segments.weighed) is not None:  # whose horizontal extremes lie between the ends
             most, least = weighed.inward
-            largest = max(self.across.size, float(most[0]), -float(least[0]))
-            self.across, self.up, share = self.across._replace(size=largest), _sizes(weighed.vertical), weighed.share
-        edges = body.edges
-        self.sway = tuple(abs(share[i]) * self.up.size / (e.uplift * self.across.size or 1.0) for i, e in enumerate(edges))
+            self.across = (max(segments.largest, float(most[0]), -float(least[0])), *segments.steepest)
+            self.up, share = (weighed.vertical.largest, *weighed.vertical.steepest), weighed.share
+        self.sway = tuple(abs(r) * self.up[0] / (e.uplift * self.across[0] or 1.0) for r, e in zip(share, body.edges, strict=False))
         safe = np.array(body.safe_push(self.sway))[:, None]
-        pushes = cells.amplitude * (np.array([e.uplift for e in edges])[:, None] * self.across.size)
+        pushes = batch.cells.amplitude * (np.array([e.uplift for e in body.edges])[:, None] * self.across[0])
         self.open = np.any(pushes > safe, axis=0)
         self.watched: Array = self.open & np.any(pushes / ahead > safe, axis=0)
         self.any = bool(self.watched.any())
         self._lost = np.zeros(self.watched.size, dtype=bool)
 
-    def pressed(self, at: Array, cells: Cells, theta_ratio: Array) -> Array:
-        """Whether the largest rotation of these cells proves that they pressed on the ground throughout."""
+    def pressed(self, at: Array, theta_ratio: Array) -> Array:
+        """True for those of these cells whose largest rotation proves that they pressed on the ground throughout."""
         kept = np.ones(at.size, dtype=bool)
         for i, (edge, ratio) in enumerate(zip(self.body.edges, self.sway, strict=True)):
-            push = cells.amplitude[i, at] * (edge.uplift * self.across.size)
+            push = self.batch.cells.amplitude[i, at] * (edge.uplift * self.across[0])
             kept &= push <= self.body.safe_at(i, edge.alpha * theta_ratio, ratio)
         return kept
 
@@ -154,24 +136,28 @@ class ContactLoss(Observer):
     def _shaking(self, lanes: Lanes) -> Shakes:
         weighed, size = self.segments.weighed, self.body.on(lanes.side).uplift * lanes.amplitude
         sway = np.zeros(size.size) if weighed is None else np.abs(weighed.sway(lanes.side, lanes.amplitude))
-        return Shakes(*(x for motion, size in ((self.across, size), (self.up, sway)) for x in (
-            size * motion.size, size * lanes.omega * motion.slope, size * lanes.omega**2 * motion.bend)))  # fmt: skip
+        rates = 1.0, lanes.omega, lanes.omega**2
+        return Shakes(
+            *(x * rate * bound for x, most in ((size, self.across), (sway, self.up)) for rate, bound in zip(rates, most, strict=True))
+        )
 
     def _ends(self, lanes: Lanes, h: Array, y: Array, v: Array, b: Array) -> Ends:
         """The ends of stretches after h at displacement y, and Fz there."""
+        weight = self.segments.weight(lanes.side, lanes.amplitude, lanes.k, lanes.u + lanes.omega * h)
         edge = self.body.on(lanes.side)
         u, v, b = edge.unit * y, edge.unit * v, edge.unit * b
         z = edge.alpha - u
-        return Ends(u, v, b, self.ground.weight(lanes, h) + edge.kappa * (b * np.sin(z) - v * v * np.cos(z)))
+        return Ends(u, v, b, weight + edge.kappa * (b * np.sin(z) - v * v * np.cos(z)))
 
     def may_close(self, lanes: Lanes) -> Array:
         """True for all. Watched lanes bounce without speed under a drive that is monotone until they rest: Fz is least at an end."""
         some = lanes.take(np.flatnonzero(self.watched[lanes.cell] & (lanes.v > 0.0)))
-        lasts = self.ground.bouncing_lasts(some, self.contact) if some.cell.size else np.zeros(0)
+        lasts = self.ground.bouncing_lasts(some, self.batch.contact) if some.cell.size else np.zeros(0)
         for sense in (1.0,) if self.body.one_sided else (1.0, -1.0):
             edge = self.body.on(sense * some.side)
             for h in (np.zeros(lasts.size), lasts):
-                least = self.body.lying(edge, sense * self.ground.push(some, h), self.ground.weight(some, h))
+                shaking = self.ground.shaking(some, h)
+                least = self.body.lying(edge, sense * shaking.push, shaking.weight)
                 self._lost[some.cell[np.flatnonzero(least <= 0.0)]] = True
         return super().may_close(lanes)
 
@@ -204,8 +190,3 @@ class ContactLoss(Observer):
     def may_settle(self, lanes: Lanes, bounced: Array) -> Array:
         """All but those that may still lose the ground."""
         return ~self.watched[lanes.cell] | self._lost[lanes.cell] | (self._least_to_come(lanes) > 0.0)
-
-
-def _sizes(segments: Segments) -> _Motion:
-    """Bounds over the whole motion."""
-    return _Motion(segments.largest, *segments.steepest)

@@ -12,9 +12,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..body import Body, Edge
+from ..body import Body, Edge, Shaking
 from ..lanes import Array, Arrays
-from ..march.ground_push import Shaking
 from .extremes import Extremes, Ratio, Stretches, parts
 
 

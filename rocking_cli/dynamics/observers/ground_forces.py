@@ -9,78 +9,19 @@ from __future__ import annotations
 import numpy as np
 
 from ...motions.segments import Segments
-from ..body import FAR, Body
+from ..body import FAR, Body, Ground, Shaking, value_and_slope
 from ..drive import place
 from ..equations.equation import Ramp
 from ..equations.taylor import line_series
-from ..lanes import Array, Cells, Lanes
+from ..lanes import Array, Lanes
 from ..march.batch import Batch
-from ..march.ground_push import Ground, Shaking, value_and_slope
 from ..outcome import Outcome
 from .extremes import Stretches
 from .forces import ForceExtremes, Forces, forces_on
 from .observer import Arcs, Observer, TaylorSteps
 
-_SEGMENTS = 1 << 16  # of rests, searched at a time
-
-
-class Resting:
-    """Bodies at rest under a motion. Positions are (k, u), segment and phase in it; rests last from one to another, (rests,), whose segment
-    is the number of segments where they last to the end."""
-
-    def __init__(self, body: Body, segments: Segments, cells: Cells) -> None:
-        self.body, self.segments, self.cells = body, segments, cells
-
-    def note(self, extremes: ForceExtremes, cell: Array, k: Array, u: Array, to_k: Array, to_u: Array) -> None:
-        """Take rests into the extremes of their cells; of a one-sided body only an outward Fx counts."""
-        last = len(self.segments) - 1
-        to_k, to_u = np.minimum(to_k, last), np.where(to_k > last, self.segments.length[last], to_u)
-        push = self.cells.amplitude[0, cell] * self.body.edges[0].uplift  # outward, over g, of s = -1 on the right edge
-        if self.segments.weighed is None:
-            largest, least = _range(self.segments, k, u, to_k, to_u)
-            extremes.offer(cell, push * (-least if self.body.one_sided else np.maximum(-least, largest)))
-            return
-        most = max(1, _SEGMENTS // (last + 1))  # whole rests at a time, so that no digit depends on other cells
-        for first in range(0, cell.size, most):
-            some = slice(first, first + most)
-            self._weighed(extremes, *(x[some] for x in (cell, push, k, u, to_k, to_u)))
-
-    def _weighed(self, extremes: ForceExtremes, cell: Array, push: Array, k: Array, u: Array, to_k: Array, to_u: Array) -> None:
-        """Search every segment of these rests."""
-        seg = self.segments.weighed
-        assert seg is not None
-        count = np.maximum(to_k - k + (to_u > 0.0), 0) * ((k < to_k) | (u < to_u))
-        rest = np.repeat(np.arange(cell.size), count)
-        at = k[rest] + np.arange(rest.size) - np.repeat(np.cumsum(count) - count, count)
-        low, high = np.where(at == k[rest], u[rest], 0.0), np.where(at == to_k[rest], to_u[rest], seg.length[at])
-        cell, push = cell[rest], -push[rest]
-        sway = seg.sway(np.ones(cell.size), self.cells.amplitude[0, cell])
-
-        def along(own: Array, phase: Array) -> Forces:
-            (s, slope), (rise, rise_slope) = (value_and_slope(x, at[own], phase) for x in (seg, seg.vertical))
-            return Forces(push[own] * s, 1.0 + sway[own] * rise, push[own] * slope, sway[own] * rise_slope)
-
-        every, rate = np.arange(cell.size), np.zeros(cell.size)
-        if not seg.straight:  # of straight lines the ends have the extremes
-            rate = np.maximum(*(x.frequency[:, at].max(axis=0, initial=0.0) for x in (seg, seg.vertical)))
-        whole = Stretches(every, low, high, rate)
-        extremes.take_in_along(cell, along, whole, along(every, low), along(every, high), self.body.one_sided)
-
-
-def _range(segments: Segments, k: Array, u: Array, to_k: Array, to_u: Array) -> tuple[Array, Array]:
-    """The largest s and the least, and 0, between two positions: just after the first and just before the last."""
-    over, enters = to_k > k, to_u > 0.0
-    ends = (
-        np.where(over | (u < to_u), value_and_slope(segments, k, u)[0], 0.0),
-        np.where(over, segments.s_end[k], 0.0),
-        np.where(over & enters, segments.s_start[to_k], 0.0),
-        np.where(enters & (over | (u < to_u)), value_and_slope(segments, to_k, to_u)[0], 0.0),
-    )
-    largest, least = segments.extent(k + 1, to_k)
-    return np.maximum(np.maximum(largest, 0.0), np.max(ends, axis=0)), np.minimum(np.minimum(least, 0.0), np.min(ends, axis=0))
-
-
 _TOGETHER = 4096  # Taylor steps over samples that are searched at once
+_SEGMENTS = 1 << 16  # of rests, searched at a time
 _STILL = 1e-7  # change of a force over m g by the speed of bounces, below which they are taken to have none
 _ROOM = 1.25  # times the speed of now: what a sequence of impacts may come to
 _ARCS = 3  # on still ground: each edge has had its fastest impact
@@ -93,8 +34,8 @@ class GroundForces(Observer):
 
     def __init__(self, body: Body, batch: Batch) -> None:
         self.body, self.batch, self.cells, self.segments = body, batch, batch.cells, batch.segments
-        self.ground, self.resting = Ground(body, batch.segments), Resting(body, batch.segments, batch.cells)
-        self.extremes, self._steps, self._free = ForceExtremes(batch.size), np.empty((11, 0)), [np.empty((4, 0))]
+        self.ground, self.extremes = Ground(body, batch.segments), ForceExtremes(batch.size)
+        self._steps, self._free = np.empty((11, 0)), [np.empty((4, 0))]
 
     def arcs(self, arcs: Arcs) -> None:
         """Search the forces on these arcs."""
@@ -149,8 +90,38 @@ class GroundForces(Observer):
         self.extremes.take_in_along(s[0].astype(np.int64), along, Stretches(every, zero, unit, rate), *ends)
 
     def rest(self, cell: Array, k: Array, u: Array, to_k: Array, to_u: Array) -> None:
-        """Take in bodies at rest from (k, u) to another position; to_k: the number of segments where they rest to the end."""
-        self.resting.note(self.extremes, cell, k, u, to_k, to_u)
+        """Take in the forces at rest, xg''/g across and 1 + zg''/g upwards; of a one-sided body only an outward Fx counts."""
+        last = len(self.segments) - 1
+        to_k, to_u = np.minimum(to_k, last), np.where(to_k > last, self.segments.length[last], to_u)
+        push = self.cells.amplitude[0, cell] * self.body.edges[0].uplift  # outward, over g, of s = -1 on the right edge
+        if self.segments.weighed is None:
+            largest, least = _range(self.segments, k, u, to_k, to_u)
+            self.extremes.offer(cell, push * (-least if self.body.one_sided else np.maximum(-least, largest)))
+            return
+        most = max(1, _SEGMENTS // (last + 1))  # whole rests at a time, so that no digit depends on other cells
+        for first in range(0, cell.size, most):
+            some = slice(first, first + most)
+            self._weighed_rest(*(x[some] for x in (cell, push, k, u, to_k, to_u)))
+
+    def _weighed_rest(self, cell: Array, push: Array, k: Array, u: Array, to_k: Array, to_u: Array) -> None:
+        """Search every segment of these rests."""
+        seg = self.segments.weighed
+        count = np.maximum(to_k - k + (to_u > 0.0), 0) * ((k < to_k) | (u < to_u))
+        rest = np.repeat(np.arange(cell.size), count)
+        at = k[rest] + np.arange(rest.size) - np.repeat(np.cumsum(count) - count, count)
+        low, high = np.where(at == k[rest], u[rest], 0.0), np.where(at == to_k[rest], to_u[rest], seg.length[at])
+        cell, push = cell[rest], -push[rest]
+        sway = seg.sway(np.ones(cell.size), self.cells.amplitude[0, cell])
+
+        def along(own: Array, phase: Array) -> Forces:
+            (s, slope), (rise, rise_slope) = (value_and_slope(x, at[own], phase) for x in (seg, seg.vertical))
+            return Forces(push[own] * s, 1.0 + sway[own] * rise, push[own] * slope, sway[own] * rise_slope)
+
+        every, rate = np.arange(cell.size), np.zeros(cell.size)
+        if not seg.straight:  # of straight lines the ends have the extremes
+            rate = np.maximum(*(x.frequency[:, at].max(axis=0, initial=0.0) for x in (seg, seg.vertical)))
+        whole = Stretches(every, low, high, rate)
+        self.extremes.take_in_along(cell, along, whole, along(every, low), along(every, high), self.body.one_sided)
 
     def free(self, lanes: Lanes) -> None:
         """Hold undamped motions until the result is asked for."""
@@ -198,8 +169,8 @@ class GroundForces(Observer):
         """Lanes whose forces until they rest cannot beat the extremes so far, or are within `_STILL` of those of bounces without speed: at
         the fastest impact and at the highest point, under the push and the weight of now and of the time when they rest."""
         cell, count, lasts = lanes.cell, lanes.cell.size, self.ground.bouncing_lasts(lanes, self.batch.contact)
-        here, both, h = self.body.on(lanes.side), lanes.join(lanes), np.append(np.zeros(count), lasts)
-        push, weight = (np.broadcast_to(x(both, h), 2 * count).reshape(2, count) for x in (self.ground.push, self.ground.weight))
+        here, shaking = self.body.on(lanes.side), self.ground.shaking(lanes.join(lanes), np.append(np.zeros(count), lasts))
+        push, weight = (np.broadcast_to(x, 2 * count).reshape(2, count) for x in (shaking.push, shaking.weight))
         u, zero = here.unit * lanes.y, np.zeros((2, count))
         speed = _ROOM * np.sqrt(self.body.square_at_ground(here, lanes.y, lanes.v)) / here.unit
         drift, found = np.zeros(count), []
@@ -235,3 +206,16 @@ class GroundForces(Observer):
             self.extremes.take_in(fallen, np.zeros(fallen.size), np.zeros(fallen.size))
         friction, lift = self.extremes.largest.reshape(2, -1)
         return friction, -lift
+
+
+def _range(segments: Segments, k: Array, u: Array, to_k: Array, to_u: Array) -> tuple[Array, Array]:
+    """The largest s and the least, and 0, between two positions: just after the first and just before the last."""
+    over, enters = to_k > k, to_u > 0.0
+    ends = (
+        np.where(over | (u < to_u), value_and_slope(segments, k, u)[0], 0.0),
+        np.where(over, segments.s_end[k], 0.0),
+        np.where(over & enters, segments.s_start[to_k], 0.0),
+        np.where(enters & (over | (u < to_u)), value_and_slope(segments, to_k, to_u)[0], 0.0),
+    )
+    largest, least = segments.extent(k + 1, to_k)
+    return np.maximum(np.maximum(largest, 0.0), np.max(ends, axis=0)), np.minimum(np.minimum(least, 0.0), np.min(ends, axis=0))

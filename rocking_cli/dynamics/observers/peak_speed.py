@@ -13,19 +13,17 @@ from collections.abc import Callable
 
 import numpy as np
 
-from ..contacts.contact import Contact
-from ..equations.equation import Equation
 from ..lanes import Array, Lanes
+from ..march.batch import Batch
 from .extremes import Extremes, Ratio, Stretches, parts
 from .observer import Arcs, Observer, Propagation, TaylorSteps
 
 
 class PeakSpeed(Observer):
-    """max |d theta/d tau|/alpha [-] of each cell so far in `speed`, tau = p t, p and alpha those of the reference. shaken: the segment from
-    which on the ground is still; cells: how many."""
+    """max |d theta/d tau|/alpha [-] of each cell so far in `speed`, tau = p t, p and alpha those of the reference."""
 
-    def __init__(self, equation: Equation, contact: Contact, shaken: int, cells: int) -> None:
-        self.equation, self.contact, self.shaken, self.speed = equation, contact, shaken, Extremes(np.zeros(cells))
+    def __init__(self, batch: Batch) -> None:
+        self.equation, self.contact, self.shaken, self.speed = batch.equation, batch.contact, batch.shaken, Extremes(np.zeros(batch.size))
 
     def _speed(self, side: Array, cell: Array, y: Array, v: Array) -> Array:
         """|d theta/d tau|/alpha of lanes of these cells on these sides."""

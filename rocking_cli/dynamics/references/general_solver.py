@@ -3,7 +3,7 @@
 It shares no series, table, window, closed form or energy argument with the engine. The state is (theta, w), w = sqrt(M) theta', which
 takes the velocity term out of Eq. 3.4; for a rigid body M = 1. A stretch is half a radian of the fastest motion, in five steps or
 more; impacts and peaks are found where signs change (`extrapolation`). A body loses contact where the ground falls away from it, and a
-rigid body that rocks where Fz <= 0 (`contact_check`).
+rigid body that rocks where Fz <= 0 at instants along its steps.
 """
 
 from __future__ import annotations
@@ -12,13 +12,12 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from itertools import pairwise
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from ...motions.motion import Motion
 from ...motions.piece import Piece, plus
 from ...motions.turning_points import extremes
 from ..outcome import FALLEN, Outcome
-from .contact_check import Arm, arms_of, lets_go
 from .extrapolation import Path, Point, Rate, path, step
 
 if TYPE_CHECKING:
@@ -26,9 +25,24 @@ if TYPE_CHECKING:
 
     Edge = Side | RockingParameters  # with p, alpha and a_scale
 
+
 _MOST, _A_SEGMENT = 5_000, 50  # limit of stretches of a cell, and what each segment of the motion adds to it
 _SCRIPT_STRETCH = 10.0  # tau between two tests of overturning where the solver chooses its steps
 _AT_REST = 1e-11
+_NEAR, _PART = 0.1, 0.1  # the least force of a step is searched for if it may be below the first plus the second times its variation
+_ROUNDS = 32  # of the search; each leaves two thirds of the interval
+
+
+class Arm(NamedTuple):
+    """An edge. alpha [rad]; rise: R p^2/g with the p of the path [-]: over m g, Fz = w + rise (cos(alpha - u))'', u = |theta|."""
+
+    alpha: float
+    rise: float
+
+    def fz(self, u: float, rate: float, bend: float, weight: float) -> float:
+        """Fz/(m g) at u [rad] with these derivatives by tau, under this weight over m g."""
+        z = self.alpha - u
+        return weight + self.rise * (bend * math.sin(z) - rate * rate * math.cos(z))
 
 
 @dataclass(frozen=True)
@@ -100,13 +114,13 @@ class Problem:
 
 def problem_of(structure: RockingParameters, rates: Callable[[RockingParameters, Edge], Rates]) -> Problem:
     """The problem of a structure with the rates of an equation."""
-    arms = dict(zip((1, -1), arms_of(structure) or (), strict=False))
-    scale = structure.alpha / structure.a_scale
-    if structure.sides:
-        sides = dict(zip((-1, 1), structure.sides, strict=True))
+    sides: dict[int, Edge] = dict(zip((-1, 1), structure.sides, strict=False))
+    scale, own = structure.alpha / structure.a_scale, sides or dict.fromkeys((1,) if structure.one_sided else (1, -1), structure)
+    arms = {i: Arm(e.alpha, e.arm * structure.p**2 / structure.gravity) for i, e in own.items() if e.arm is not None}
+    arms = arms if len(arms) == len(own) else {}
+    if sides:
         return Problem({i: rates(structure, s) for i, s in sides.items()}, scale, {i: s.eta for i, s in sides.items()}, arms)
-    edge = rates(structure, structure)
-    return Problem({1: edge} if structure.one_sided else {1: edge, -1: edge}, scale, arms=arms)
+    return Problem(dict.fromkeys(own, rates(structure, structure)), scale, arms=arms)
 
 
 def solve_cell(
@@ -138,6 +152,27 @@ def next_uplift(piece: Piece, phase: float, push: float) -> float | None:
             return high
         low = mark
     return None
+
+
+def lets_go(rough: tuple[float, float, float], force: Callable[[float], float]) -> bool:
+    """True if a force falls to zero on a step, which holds at most one minimum.
+
+    rough: the force at the start, about the middle and at the end; force: function of the part of the step. The search is skipped if the
+    parabola through the three stays well above zero.
+    """
+    first, middle, last = rough
+    if first <= 0.0 or last <= 0.0:
+        return True
+    slope, bend = 0.5 * (last - first), first - 2.0 * middle + last
+    dip = middle - 0.5 * slope * slope / bend if bend > abs(slope) else min(rough)
+    low, high = 0.0, 1.0
+    for _ in range(_ROUNDS if dip <= _NEAR + _PART * (max(rough) - min(rough)) else 0):
+        third = (high - low) / 3.0
+        one, other = force(low + third), force(high - third)
+        if one <= 0.0 or other <= 0.0:
+            return True
+        low, high = (low, high - third) if one < other else (low + third, high)
+    return False
 
 
 class _Body:

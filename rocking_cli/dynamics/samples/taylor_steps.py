@@ -50,26 +50,31 @@ class TaylorStepper(SampleStepper[SteppingLanes]):
         """Those of like degree together, whose series have no rows of zeros."""
         return at[np.argsort(lanes.degree[at].astype(np.int8), kind="stable")]
 
+    def can_jump(self, lanes: SteppingLanes) -> Array:
+        """Those at a sample, and those inside an interval just after an impact."""
+        return ((lanes.u == 0.0) | (lanes.v > 0.0)) & (lanes.k < self.last)
+
     def jump(self, lanes: SteppingLanes, at: Array, many: bool) -> Array:
-        """Some Taylor steps. A lane stops where a step is not proved."""
-        k, y, v, peak, pace, outward, degree = (
-            getattr(lanes, name).take(at) for name in ("k", "y", "v", "peak", "pace", "outward", "degree")
-        )
-        go, side, cell = np.ones(at.size, dtype=bool), lanes.side[at], lanes.cell[at]
-        equation = self.equation.on(side, cell)
+        """Some Taylor steps, the first one to the next sample. A lane stops where a step is not proved."""
+        names = "cell", "side", "k", "u", "y", "v", "peak", "pace", "outward", "degree"
+        cell, side, k, u, y, v, peak, pace, outward, degree = (getattr(lanes, name).take(at) for name in names)
+        go, equation, past = np.ones(at.size, dtype=bool), self.equation.on(side, cell), u / self.step
         factors, last = factors_for(pace, degree), degree * at.size + np.arange(at.size)
-        for _ in range(_STEPS if many else _NARROW):
+        for n in range(_STEPS if many else _NARROW):
             ramp = self._ramp(k, outward, pace, factors)
+            if n == 0 and past.any():
+                ramp = ramp.after(past)._replace(factors=factors_for(pace * (1.0 - past), degree))
             end_y, end_v, proved = self._step(equation, y, v, peak, ramp, last)
             go &= proved
             for observer in self.run.observers:
                 observer.steps(TaylorSteps(cell, side, equation, (y, v), (end_y, end_v), ramp), go)
             y, v, peak = np.where(go, end_y, y), np.where(go, end_v, v), np.where(go, np.maximum(peak, end_y), peak)
             k += go
+            u *= ~go
             go &= k < self.last
             if not go.any():
                 break
-        lanes.k[at], lanes.y[at], lanes.v[at], lanes.peak[at] = k, y, v, peak
+        lanes.k[at], lanes.u[at], lanes.y[at], lanes.v[at], lanes.peak[at] = k, u, y, v, peak
         return go
 
     def _ramp(self, k: Array, outward: Array, pace: Array, factors: Array) -> Ramp:
@@ -113,26 +118,10 @@ class TaylorStepper(SampleStepper[SteppingLanes]):
         return end_y, end_v, proved
 
     def after_round(self, lanes: SteppingLanes) -> None:
-        """Lanes inside an interval, after an impact, go on to its end where that is proved."""
+        """The degree too is that of the edge that a lane is on."""
         super().after_round(lanes)
-        if len(self.cells.amplitude) > 1:  # the other edge has its own
+        if len(self.cells.amplitude) > 1:
             lanes.degree = self._degree(lanes.amplitude, lanes.pace)
-        at = np.flatnonzero((lanes.u > 0.0) & (lanes.k < self.last) & (lanes.v > 0.0))
-        if not at.size:
-            return
-        some = lanes.take(at)
-        share = some.u / self.step
-        factors = factors_for(some.pace * (1.0 - share), some.degree)
-        ramp = self._ramp(some.k, some.outward, some.pace, factors).after(share)
-        last = some.degree * at.size + np.arange(at.size)
-        equation = self.equation.on(some.side, some.cell)
-        y, v, proved = self._step(equation, some.y, some.v, some.peak, ramp, last)
-        for observer in self.run.observers:
-            observer.steps(TaylorSteps(some.cell, some.side, equation, (some.y, some.v), (y, v), ramp), proved)
-        on = np.flatnonzero(proved)
-        at = at[on]
-        lanes.k[at], lanes.u[at] = some.k[on] + 1, 0.0
-        lanes.y[at], lanes.v[at], lanes.peak[at] = y[on], v[on], np.maximum(some.peak[on], y[on])
 
 
 class WeighedTaylorStepper(TaylorStepper):

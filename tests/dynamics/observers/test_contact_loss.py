@@ -177,10 +177,10 @@ def test_what_a_rotation_proves_to_press_does():
     system = Method("nonlinear").system_of(body)
     scene = sine(), amplitude, omega, np.full(omega.size, 0.9)
     batch = Batch.of(system, sine().segments, *scene[1:])
-    loss = ContactLoss(system.body, batch.segments, batch.contact, batch.cells, 2.0)
+    loss = ContactLoss(system.body, batch, 2.0)
     found, forces = response_with_demands(system, *scene)
     at = np.flatnonzero(found.outcome == Outcome.ROCKED)
-    proved = loss.pressed(at, batch.cells, found.theta_ratio[at])
+    proved = loss.pressed(at, found.theta_ratio[at])
     assert forces["fz_min"][at[proved]].min() > 0.0
     assert 0.5 < proved.mean() < 1.0
     assert not np.any(loss.open & (amplitude <= system.safe_amplitude(sine())))

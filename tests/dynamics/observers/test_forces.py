@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from rocking_cli.dynamics.body import Body
-from rocking_cli.dynamics.march.ground_push import Shaking
+from rocking_cli.dynamics.body import Body, Shaking
 from rocking_cli.dynamics.observers.extremes import Extremes, Stretches
 from rocking_cli.dynamics.observers.forces import ForceExtremes, Forces, forces_on
 

@@ -8,9 +8,9 @@ from support.stocky_bodies import KINDS, drawn
 from support.synthetic_records import RECORDS, noise, shaken
 
 from rocking_cli import Method, response
+from rocking_cli.dynamics.march.batch import Batch
 from rocking_cli.dynamics.observers import ground_forces
-from rocking_cli.dynamics.observers.forces import ForceExtremes
-from rocking_cli.dynamics.observers.ground_forces import Resting
+from rocking_cli.dynamics.observers.ground_forces import GroundForces
 from rocking_cli.dynamics.outcome import safe
 from rocking_cli.dynamics.response import response_with_demands
 from rocking_cli.motions import Harmonic, Motion, Piece
@@ -94,13 +94,13 @@ def test_following_the_forces_changes_no_bit_of_the_rest(model, etas):
 def test_a_rest_under_lines_has_the_extremes_of_many_instants(kind):
     system, motion, amplitude, omega, _ = bodies(kind, "nonlinear", upwards(SPIKES, 0.5), 40, 9)
     segments, random = system.segments(motion), np.random.default_rng(1)
-    cells = system.contact.cells(system.equation, amplitude, omega, np.zeros(40))
+    forces = GroundForces(system.body, Batch.of(system, segments, amplitude, omega, np.zeros(40)))
+    cells = forces.cells
     k, to_k = np.sort(random.integers(0, len(segments) + 1, (2, 40)), axis=0)
     u, to_u = (random.uniform(0.0, 1.0, 40) * np.append(segments.length, 0.0)[i] for i in (k, to_k))
     u[:3], to_u[:5] = 0.0, 0.0
-    found = ForceExtremes(40)
-    Resting(system.body, segments, cells).note(found, np.arange(40), k, u, to_k, to_u)
-    friction, lift = found.largest.reshape(2, 40)
+    forces.rest(np.arange(40), k, u, to_k, to_u)
+    friction, lift = forces.extremes.largest.reshape(2, 40)
     start, length = np.append(segments.start, segments.start[-1] + segments.length[-1]), motion.duration
     for i in range(40):
         low, high = start[k[i]] + u[i], start[to_k[i]] + to_u[i]

@@ -15,8 +15,7 @@ from rocking_cli import Method, Outcome, RockingParameters, cosine, load_structu
 from rocking_cli.dynamics.observers.contact_loss import ContactLoss
 from rocking_cli.dynamics.observers.observer import Observer
 from rocking_cli.dynamics.references import general_solver
-from rocking_cli.dynamics.references.contact_check import lets_go
-from rocking_cli.dynamics.references.general_solver import solve_cell
+from rocking_cli.dynamics.references.general_solver import lets_go, solve_cell
 from rocking_cli.dynamics.references.scripted import Script
 from rocking_cli.motions.biaxial import with_vertical
 from rocking_cli.motions.polyline import Polyline
@@ -114,7 +113,7 @@ def test_a_sweep_counts_bodies_that_one_path_alone_sees_leave_the_ground(model, 
     with monkeypatch.context() as blind:
         blind.setattr(general_solver, "lets_go", lambda rough, force: False)
         assert spectrum([pendulum()], motion, grid, method=method, check=6).summary.misjudged == lost
-    monkeypatch.setattr(ContactLoss, "pressed", lambda self, at, cells, theta_ratio: np.ones(at.size, dtype=bool))
+    monkeypatch.setattr(ContactLoss, "pressed", lambda self, at, theta_ratio: np.ones(at.size, dtype=bool))
     monkeypatch.setattr(ContactLoss, "arcs", lambda self, *lanes: None)
     monkeypatch.setattr(ContactLoss, "free", lambda self, *lanes: None)
     monkeypatch.setattr(ContactLoss, "may_close", Observer.may_close)
