@@ -17,24 +17,20 @@ MAX_MEMBERS = 1_000_000
 
 
 class Variation(NamedTuple):
-    """A key and its varied values; `unit` is their unit, None for the unit in the document."""
+    """A key and its varied values."""
 
     key: str
     values: tuple[float, ...]
-    unit: str | None
+    unit: str | None  # None: that of the document
 
 
 class Member(NamedTuple):
-    """One member of a family.
+    """One member of a family."""
 
-    varied: the varied values by key, in SI units; shown: the same values in the units of the option, by heading with unit;
-    parameters: None if the document has no solution, and then `varied` is empty and `fault` states the reason.
-    """
-
-    varied: dict[str, float]
-    shown: dict[str, float]
+    varied: dict[str, float]  # SI values by key, empty without parameters
+    shown: dict[str, float]  # the same values in the units of the option, by heading with unit
     parameters: RockingParameters | None
-    fault: str | None
+    fault: str | None  # the reason why the document has no solution
 
 
 def parse_variation(text: str) -> Variation:
@@ -98,7 +94,7 @@ def family(document: Document, variations: Sequence[Variation | str]) -> Iterato
         dimensions = varied.dimensions
         if built and (words := [key for key in keys if key not in dimensions]):
             raise UsageError(f"`vary` {words[0]}: found a key that takes a text; expected a key that takes a number")
-        shown = {headed(key, units[i] or si_unit(dimensions.get(key))): values[i] for i, key in enumerate(keys)}
+        shown = {headed(key, unit or si_unit(dimensions.get(key))): value for key, unit, value in zip(keys, units, values, strict=True)}
         si = {key: parse_quantity(text, dimensions[key]) for key, text in texts.items()} if built else {}
         if built:
             name = " ".join([built.name, *(f"{key}={value:g}{unit}" for key, value, unit in zip(keys, values, units, strict=True))])

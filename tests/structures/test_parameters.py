@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import json
 import math
 from dataclasses import replace
 
 import pytest
+from support.documents import built
 
-from rocking_cli import RockingParameters, build_structure, dimensionless_oscillator, parse_documents
+from rocking_cli import RockingParameters, dimensionless_oscillator
 from rocking_cli.structures.parameters import Side
 
 LEFT = Side("left", 2.1, 0.3, 0.31, 1.0, 0.8)
@@ -77,11 +79,40 @@ def test_a_linear_oscillator_can_lift_where_the_body_does():
     """Eq. 3.9 for a rigid body: a_g at A = 1 is then lambda g; unequal edges each by itself, and mechanisms as they are."""
     texts = ("kind: block\nwidth: 1\nheight: 2", "kind: rigid\nleft: 0.42\nright: 0.31\nheight: 1.15\ngyration: 0.68")
     for text in texts:
-        body = build_structure(parse_documents(text)[0])
+        body = built(text)
         lifted = body.lifting_at_lambda()
         assert body.linear_uplift == body.alpha
         assert lifted.linear_uplift == pytest.approx(body.uplift, rel=1e-14, abs=0.0)
         assert lifted.ground_acceleration(1.0) == pytest.approx(body.uplift * 9.81, rel=1e-14, abs=0.0)
         assert [side.a_scale for side in lifted.sides] == [side.alpha / side.uplift for side in body.sides]
-    stated = build_structure(parse_documents("kind: parameters\np: 2\nalpha: 0.1\neta: 0.9\nlambda: 0.3\na_scale: 0.5")[0])
+    stated = built("kind: parameters\np: 2\nalpha: 0.1\neta: 0.9\nlambda: 0.3\na_scale: 0.5")
     assert stated.lifting_at_lambda() == stated
+
+
+STATUE = "kind: rigid\nleft: 0.42\nright: 31 cm\nheight: 1.15\ngyration: 0.68\n"
+TEXTS = [STATUE + more for more in ("", "mass: 3 t", "restitution: 0.7\ndamping: 0.05", "one_sided: true\nrestitution: -0.3")]
+TEXTS += ["kind: block\nwidth: 0.5\nheight: 2", "kind: spire\nbase_radius: 1\nheight: 9\nname: Ö 'x'"]
+
+
+@pytest.mark.parametrize("body", [TWO, replace(TWO, damping=0.05), *map(built, TEXTS)], ids=range(8))
+def test_what_is_printed_is_a_document_of_the_same_body(body):
+    assert built(json.dumps(body.record())) == body
+
+
+SIDES = "kind: parameters\nsides:\n- {side: left, p: 2, alpha: 0.2, lambda: 0.2, eta: 0.9}\n"
+OTHER = "- {side: right, p: 2, alpha: 0.3, a_scale: 1, eta: 0.8}\n"
+
+
+def test_sides_are_read_with_lambda_or_a_scale():
+    body = built(SIDES + OTHER)
+    assert body.sides[1] == Side("right", 2.0, 0.3, 0.3, 1.0, 0.8)
+    assert (body.alpha, body.eta) == (0.2, 0.9)
+    assert built(SIDES + OTHER + "alpha: 0.2\np: 2 rad/s") == body
+
+
+def test_parameters_give_lambda_and_a_scale_from_each_other():
+    base = "kind: parameters\np: 2\nalpha: 0.2\neta: 0.9\n"
+    assert built(base + "lambda: 0.4").a_scale == pytest.approx(0.5)
+    assert built(base + "a_scale: 0.5").uplift == pytest.approx(0.4)
+    both = built(base + "lambda: 0.3\na_scale: 1")
+    assert (both.uplift, both.a_scale) == (0.3, 1.0)

@@ -28,8 +28,7 @@ _STEP = 1e-30  # of the complex-step derivative, which subtracts nothing and so 
 def search_joints(ring: Ring, joints: np.ndarray) -> tuple[Hinges, float] | None:
     """(hinges, lambda) of the governing mechanism with hinges on these joints [rad], or None if no mechanism is admissible.
 
-    lambda <= 0 means that the arch does not stand. Two hinges on one joint mean that the joint opens over its whole depth. That is
-    no four-bar linkage, but it may govern short thick arches.
+    lambda <= 0: the arch does not stand. Two hinges on one joint: it opens over its whole depth, which may govern short thick arches.
     """
     count = joints.size
     inner, outer = np.array(ring.point(joints, FACES[0])), np.array(ring.point(joints, FACES[1]))

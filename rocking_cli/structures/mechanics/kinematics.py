@@ -77,13 +77,9 @@ class Mechanism(Protocol):
     def __hash__(self) -> int: ...
 
     @property
-    def reach(self) -> float:
-        """The largest rotation phi [rad] at which the links still fit together."""
-        ...
+    def reach(self) -> float: ...  # the largest rotation phi [rad] at which the links still fit together
 
-    def coefficients(self, phi: Any) -> Coefficients:
-        """M, V'/g and B at rotations phi [rad], of any shape."""
-        ...
+    def coefficients(self, phi: Any) -> Coefficients: ...  # M, V'/g and B at rotations phi [rad], of any shape
 
     def overlap(self) -> tuple[float, float]:
         """(int rho u.w, int rho w.w), u before an impact and w after it; the first only over the parts that move in both fields.
@@ -94,18 +90,14 @@ class Mechanism(Protocol):
 
 
 class Linearised(NamedTuple):
-    """A mechanism linearised at its unstable equilibrium (Eqs. 3.5-3.9).
+    """A mechanism linearised at its unstable equilibrium (Eqs. 3.5-3.9)."""
 
-    alpha [rad]; uplift: lambda [-]; stiffness: p^2/g [1/m]; a_scale (Eq. 3.9) [-]; a_scale_3_7 (Eq. 3.7) [-]; eta from
-    angular momentum [-].
-    """
-
-    alpha: float
-    uplift: float
-    stiffness: float
-    a_scale: float
-    a_scale_3_7: float
-    eta: float
+    alpha: float  # rad
+    uplift: float  # lambda
+    stiffness: float  # p^2/g [1/m]
+    a_scale: float  # Eq. 3.9
+    a_scale_3_7: float  # Eq. 3.7
+    eta: float  # from angular momentum
 
 
 def linearise(mechanism: Mechanism) -> Linearised:

@@ -79,16 +79,6 @@ def test_crack_at_the_base_and_vanishing_wall():
     assert (film.p, film.alpha, film.eta) == pytest.approx((thin.p, thin.alpha, thin.eta), rel=1e-6, abs=0)
 
 
-def test_family_of_figure_4_is_smooth():
-    values = [
-        built(f"kind: spire\nbase_radius: {r}\nheight: 12\nthickness: 0.15\ncrack: diagonal\nrestitution: 0.5")
-        for r in np.linspace(1, 2, 41)
-    ]
-    for name in ("p", "alpha"):
-        line = np.array([getattr(v, name) for v in values])
-        assert np.abs(np.diff(line, 2)).max() < 0.05 * np.abs(np.diff(line)).max()
-
-
 @settings(max_examples=60)
 @given(st.floats(0.05, 0.2), st.floats(0.02, 0.5), st.floats(0, 0.5))
 def test_spires_are_rocking_structures(kappa, wall, crack):
