@@ -30,8 +30,8 @@ def records(files: tuple[str, ...] = options.files(), reading: ground.Reading = 
     The measures are integrals of the samples joined by straight lines, without any correction; header_pga is the peak in the header of
     the file, header_difference the relative excess of the peak of the samples over it, unit the unit of the file.
     """
+    from ..motions.reading import read_set
     from ..motions.records.record import ALL, chosen
-    from ..motions.records.sets import read_set
 
     if not files:
         raise click.UsageError("no record: give FILE, or - for standard input")

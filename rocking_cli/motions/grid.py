@@ -125,18 +125,17 @@ def parse_axes(text: str, *, records: bool = False) -> dict[str, Axis]:
         key, equals, span = (x.strip() for x in part.partition("="))
         if not equals or not span:
             raise UsageError(f"`grid`: found {part.strip()!r}; expected {_FORM}, with commas between axes")
-        if key in _PULSE_AXES and key not in known:
-            raise UsageError(f"`grid`: found {key}; expected {', '.join(known)}, since a record runs in its own time")
         if key not in known:
-            of = " of records" if records else ""
-            raise UsageError(f"`grid`: unknown axis {key!r}{of}; expected {', '.join(known)}{did_you_mean(key, known, MEANT)}")
+            why = ", since a record runs in its own time" if key in _PULSE_AXES else did_you_mean(key, known, MEANT)
+            raise UsageError(f"`grid`: unknown axis {key!r}; expected {', '.join(known)}{why}")
         name, dimension = known[key]
-        values = _span(key, span, dimension)
+        values = parse_span(f"`grid` {key}", span, dimension)
+        if values[0] < 0.0 or (values[0] == 0.0 and key not in _FROM_ZERO):
+            raise UsageError(f"`grid` {key}: found {span!r}; expected positive values{' or zero' if key in _FROM_ZERO else ''}")
         if key == "f_g":
             values = 2.0 * math.pi * values
         elif key in ("T_g", "p"):
-            with np.errstate(divide="ignore"):
-                values = (2.0 * math.pi / values)[::-1]
+            values = (2.0 * math.pi / values)[::-1]
         elif key == "tan_alpha":
             values = np.arctan(values)
         if name in axes:
@@ -249,10 +248,3 @@ def parse_span(key: str, span: str, dimension: str) -> np.ndarray:
             raise UsageError(f"{key}: found START {parts[0]}; a logarithmic axis needs a positive START")
         return np.asarray(np.geomspace(start, stop, count))
     return np.linspace(start, stop, count)
-
-
-def _span(key: str, span: str, dimension: str) -> np.ndarray:
-    values = parse_span(f"`grid` {key}", span, dimension)
-    if values[0] < 0.0 or (values[0] == 0.0 and key not in _FROM_ZERO):
-        raise UsageError(f"`grid` {key}: found {span!r}; expected positive values{' or zero' if key in _FROM_ZERO else ''}")
-    return values

@@ -1,17 +1,222 @@
-"""The motion of a file: documents and records told apart, scaled, and turned over."""
+"""The motion of a file and of a set: documents and records told apart, scaled, turned over, and what becomes of other files."""
 
 from __future__ import annotations
 
+import gzip
+import io
+import os
+import sys
+import threading
+
 import numpy as np
 import pytest
-from support.record_layouts import wave
+from support.record_layouts import of_a_station, rows, wave
 
-from rocking_cli.errors import DocumentError, UsageError
-from rocking_cli.motions import pulse
+from rocking_cli import DocumentError, Motion, UsageError, pulse
 from rocking_cli.motions.intensity import intensity
 from rocking_cli.motions.polyline import Polyline
-from rocking_cli.motions.reading import factor_to, read_motion
+from rocking_cli.motions.reading import factor_to, holds_records, read_motion, read_motions
 from rocking_cli.motions.records import read_record
+
+AT2 = "OF OUR OWN\n\nACCELERATION TIME SERIES IN UNITS OF G\nNPTS= 40, DT= .0200 SEC\n"
+ESM = "EVENT_NAME: \nSAMPLING_INTERVAL_S: 0.01\nNDATA: 3"
+PULSE = "points: [[0, 0], [1, 1], [2, 0]]\n"
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    for i, name in enumerate(("b.AT2", "a.AT2")):
+        (tmp_path / name).write_text(AT2 + rows(wave(40, 0.2 + 0.1 * i), 5, "{:15.7E}"))
+    (tmp_path / "c.txt.gz").write_bytes(gzip.compress(b"0 0\n0.1 1.0\n0.2 -2.0\n0.3 0\n"))
+    (tmp_path / "block.yaml").write_text("kind: block\nwidth: 1\nheight: 3\n")
+    (tmp_path / "pulse.yaml").write_text(PULSE)
+    (tmp_path / "binary.h5").write_bytes(b"\x89HDF\r\n\x1a\n" + bytes(500))
+    (tmp_path / "list").write_text("# ours\na.AT2\n\nb.AT2\n")
+    return tmp_path
+
+
+def labels(found):
+    return [r.label for r in found]
+
+
+def test_files_a_list_and_standard_input_name_the_same_set(folder, monkeypatch):
+    by_name = read_motions(["a.AT2", "b.AT2"])
+    assert labels(by_name) == ["a", "b"]
+    monkeypatch.setattr(sys, "stdin", io.TextIOWrapper(io.BytesIO(b"a.AT2\nb.AT2\n")))
+    for other in (read_motions(["list"]), read_motions(["-"])):
+        assert [r.identity() for r in other] == [r.identity() for r in by_name]
+    alike = read_motions(["a.AT2", "list"])
+    assert labels(alike) == [r.motion.name for r in alike] == ["a (1)", "a (2)", "b"]
+
+
+def test_no_two_records_have_one_name(folder):
+    (folder / "a (1).AT2").write_bytes((folder / "a.AT2").read_bytes())
+    assert labels(read_motions(["a.AT2", "a (1).AT2", "a.AT2"])) == ["a (2)", "a (1)", "a (3)"]
+
+
+def test_a_record_on_standard_input_is_a_set_of_one(folder, monkeypatch):
+    monkeypatch.setattr(sys, "stdin", io.TextIOWrapper(io.BytesIO((folder / "a.AT2").read_bytes())))
+    (only,) = read_motions(["-"])
+    assert only.label == "record"
+    assert only.acceleration == pytest.approx(0.3 * 9.81, rel=1e-6)
+
+
+def test_of_a_directory_the_records_are_taken(folder):
+    said: list[str] = []
+    with pytest.raises(DocumentError, match="without a unit"):
+        read_motions(["."])
+    (folder / "c.txt.gz").unlink()
+    found = read_motions(["."], tell=said.append)
+    assert labels(found) == ["a", "b"]
+    assert sorted(line.partition(":")[0] for line in said) == ["./binary.h5", "./block.yaml", "./list", "./pulse.yaml"]
+
+
+def test_of_a_directory_velocities_are_left_out_and_said(folder):
+    (folder / "set").mkdir()
+    at2 = (folder / "a.AT2").read_text()
+    (folder / "set" / "a.AT2").write_text(at2)
+    (folder / "set" / "a.VT2").write_text(at2.replace("ACCELERATION", "VELOCITY"))
+    said: list[str] = []
+    assert labels(read_motions(["set"], tell=said.append)) == ["a"]
+    assert [(line.split(":")[0], line[-8:]) for line in said] == [("set/a.VT2", "left out")]
+    with pytest.raises(DocumentError, match="VELOCITY"):
+        read_motions(["set/a.VT2"])
+
+
+def test_of_a_directory_uncorrected_accelerograms_are_left_out_and_said(folder):
+    """The corrected ones may lie beside them, and would be counted twice."""
+    (folder / "set").mkdir()
+    (folder / "set" / "a.AT2").write_text((folder / "a.AT2").read_text())
+    for name, first in (
+        ("b.V1", "Uncorrected Accelerogram Data"),
+        ("c.V1A", "Uncorrected accelerogram 1 GNS Science"),
+        ("d.V1", "* VOL1DS FILE"),
+        ("e.V1c", "Uncorrected acceleration  (Format v01.20 with 13 text lines)"),
+        ("f.V1c", "Raw acceleration          (Format v01.20 with 13 text lines)"),
+        ("g.smc", "1 UNCORRECTED ACCELEROGRAM"),
+        ("h.DAT", f"{ESM}\nDATA_TYPE: UNPROCESSED ACCELERATION"),
+        ("i.ASC", f"{ESM}\nDATA_TYPE: ACCELERATION\nPROCESSING: none"),
+    ):
+        (folder / "set" / name).write_text(f"{first}\n1 2 3\n")
+    said: list[str] = []
+    assert labels(read_motions(["set"], tell=said.append)) == ["a"]
+    left_out = ["b.V1", "c.V1A", "d.V1", "e.V1c", "f.V1c", "g.smc", "h.DAT", "i.ASC"]
+    assert [line.split(":")[0] for line in said] == [f"set/{name}" for name in left_out]
+    assert all(line.endswith("an uncorrected accelerogram, which is taken where the file itself is named; left out") for line in said)
+    with pytest.raises(DocumentError, match="the file ends within its header"):
+        read_motions(["set/b.V1"])
+
+
+@pytest.fixture
+def mixed(folder):
+    """A station of three components, numbers without a unit, half a file, and text that is no record."""
+    (folder / "set").mkdir()
+    (folder / "set" / "station.txt").write_text(of_a_station(wave(50, 200.0), wave(50, 150.0), wave(50, 90.0)))
+    (folder / "set" / "a.AT2").write_text((folder / "a.AT2").read_text())
+    (folder / "set" / "up.AT2").write_text((folder / "a.AT2").read_text().replace("\n\n", "\nNowhere, 1/2/1900, Some Station, UP\n"))
+    (folder / "set" / "half.AT2").write_text((folder / "a.AT2").read_text()[:-100])
+    (folder / "set" / "still.csv").write_text("0 0\n0.1 0\n0.2 0\n")
+    (folder / "set" / "plain.csv").write_text("0 0\n0.1 1\n0.2 0\n")
+    (folder / "set" / "README").write_text("free\n")
+    (folder / "set" / "link").symlink_to("nowhere")
+    return folder
+
+
+def test_one_file_ends_no_set(mixed):
+    said: list[str] = []
+    unread: list[str] = []
+    found = read_motions(["set"], tell=said.append, unread=unread.append)
+    assert labels(found) == ["a", "station N-S", "station E-W"]
+    assert said == [
+        "set/README: left out, no record format",
+        "set/up.AT2: holds UP and no horizontal component; left out, `component` all takes it",
+    ]
+    assert [line.split(":")[0] for line in unread] == ["set/half.AT2", "set/link", "set/plain.csv", "set/still.csv"]
+    assert all(line.endswith("; left out") for line in unread)
+    with pytest.raises(DocumentError, match=r"half\.AT2:\d+: the file ends after"):
+        read_motions(["set/half.AT2"], unread=unread.append)
+
+
+def test_what_a_list_names_is_not_quoted(folder):
+    (folder / "secret").write_text("root:secret\n")
+    (folder / "names").write_text("secret\n")
+    with pytest.raises(DocumentError) as error:
+        read_motions(["names"])
+    assert str(error.value) == "secret: no record format; a set holds records only"
+    with pytest.raises(DocumentError, match="it begins with 'root:secret'"):
+        read_motions(["a.AT2", "secret"])
+
+
+def test_a_unit_goes_to_the_plain_numbers_of_a_directory(mixed):
+    unread: list[str] = []
+    found = read_motions(["set"], unit="g", component="all", unread=unread.append)
+    assert labels(found) == ["a", "plain", "station N-S", "station E-W", "station U-D", "up UP"]
+    assert [line for line in unread if "still" in line] == [
+        "set/still.csv: motion 'still': zero throughout; the motion must have a non-zero value; left out"
+    ]
+    with pytest.raises(UsageError, match="`unit`: found 'furlong'"):
+        read_motions(["set"], unit="furlong", unread=unread.append)
+
+
+def test_the_vertical_component_of_the_same_file_shakes_with_each_horizontal_one(mixed):
+    unread: list[str] = []
+    found = read_motions(["set"], vertical=0.5, unread=unread.append)
+    assert labels(found) == ["station N-S", "station E-W"]
+    assert "set/a.AT2: holds no vertical component, only one without a name" in unread[0]
+    for r, peak in zip(found, (200.0, 150.0), strict=True):
+        up = r.motion.vertical
+        assert up is not None
+        assert up.peak * r.acceleration == pytest.approx(0.5 * 0.9, rel=1e-12)
+        assert r.acceleration == pytest.approx(0.01 * peak, rel=1e-12)
+    one = read_motion("set/station.txt", component="E-W", vertical=0.5)
+    assert one.vertical.value([0.3, 0.5]) == pytest.approx(found[1].motion.vertical.value([0.3, 0.5]), rel=1e-14)
+    with pytest.raises(UsageError, match="`vertical` applies to a record only"):
+        read_motions(["pulse.yaml"], vertical=1.0)
+
+
+def test_what_a_path_holds(folder):
+    held = {name: holds_records(name) for name in (*sorted(os.listdir()), ".", "-", "nowhere")}
+    assert {name for name, there in held.items() if there} == {"a.AT2", "b.AT2", "c.txt.gz", "list", "."}
+
+
+def test_one_document_is_a_motion_and_belongs_to_no_set(folder):
+    found = read_motions(["pulse.yaml"], scale=2.0)
+    assert isinstance(found, Motion)
+    assert found.peak == 2.0
+    with pytest.raises(DocumentError, match=r"pulse\.yaml: no record format .* a set holds records only"):
+        read_motions(["a.AT2", "pulse.yaml"])
+
+
+def test_a_set_is_scaled_record_by_record(folder):
+    for found in (read_motions(["a.AT2", "b.AT2"], scale_to="PGA=0.5g"), read_motions(["list"], scale_to="PGA=0.5g")):
+        assert [r.acceleration for r in found] == pytest.approx([0.5 * 9.81] * 2, rel=1e-12)
+    (one, _) = read_motions(["list"], scale_to="Arias=1")
+    assert intensity(one.record).arias * one.factor**2 == pytest.approx(1.0, rel=1e-12)
+    assert [r.factor for r in read_motions(["list"], scale=-1.5)] == [-1.5, -1.5]
+
+
+def test_what_does_not_fit_is_refused(folder):
+    with pytest.raises(UsageError, match="found 'PGA=-1g'; expected a positive intensity"):
+        read_motions(["a.AT2"], scale_to="PGA=-1g")
+    with pytest.raises(UsageError, match="component: found '99'; expected 1, the only one"):
+        read_motions(["a.AT2"], component="99")
+    with pytest.raises(UsageError, match="nowhere: cannot be read"):
+        read_motions(["nowhere"])
+    assert read_motions(["a.AT2"], component="1")
+
+
+def test_a_pipe_is_read_where_somebody_writes_to_it(folder, monkeypatch):
+    monkeypatch.setattr("rocking_cli.documents.files._PATIENCE", 0.01)
+    os.mkfifo("pipe")
+    with pytest.raises(UsageError, match="pipe: a pipe that nobody writes to"):
+        read_motion("pipe")
+    ends = os.open("pipe", os.O_RDWR)  # a writer who has not begun
+    begin = threading.Timer(0.1, lambda: (os.write(ends, (folder / "a.AT2").read_bytes()), os.close(ends)))
+    begin.start()
+    assert np.array_equal(read_motion("pipe").value([0.3]), read_motion("a.AT2").value([0.3]))
+    begin.join()
+
 
 SAMPLES = wave(400, -2.5)
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import warnings
 
 import numpy as np
 
@@ -27,16 +26,11 @@ def _with_e(text: bytes) -> bytes:
 
 def parsed(block: bytes) -> Array | None:
     """The numbers between the blanks of a block; None if one of its words is not a finite number."""
-    block = _with_e(block)
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        try:
-            values = np.fromstring(block, sep=" ")  # takes -1-2 for two numbers, hence the count of words below
-        except (DeprecationWarning, ValueError):
-            return None
-    blank = np.frombuffer(b" " + block, dtype=np.uint8) <= 32
-    words = int(np.count_nonzero(blank[:-1] > blank[1:]))
-    return values if values.size == words and bool(np.all(np.isfinite(values))) else None
+    try:
+        values = np.array(_with_e(block).split(), dtype=bytes).astype(float)
+    except ValueError:
+        return None
+    return values if np.all(np.isfinite(values)) and b"_" not in block else None  # Python takes 1_000 for a number
 
 
 def shown(token: bytes) -> str:

@@ -19,8 +19,8 @@ from support.record_layouts import rows, wave
 
 from rocking_cli.errors import DocumentError, RockingError, UsageError
 from rocking_cli.motions import records
+from rocking_cli.motions.reading import record_files
 from rocking_cli.motions.records import read_record, read_records
-from rocking_cli.motions.records.sets import record_files
 
 AT2 = "PEER\nNowhere\nACCELERATION TIME SERIES IN UNITS OF G\nNPTS= 500, DT= .01 SEC\n" + rows(wave(500, 0.2), 5, "{:15.7E}")
 
