@@ -141,7 +141,7 @@ def _of_records(
     from ..dynamics.method import model_in_words
     from ..envelopes.capacity import RATIO
     from ..envelopes.intervals import NONE
-    from ..spectra.record_envelope import Tracing, check_tracing, overturning_spectrum, tracing_records
+    from ..spectra.record_envelope import Tracing, overturning_spectrum, tracing_records
     from ..spectra.record_scene import scene_of_words
 
     if wanted.closed_form:
@@ -154,7 +154,6 @@ def _of_records(
     equation: dict[str, Any] = {"model": model.models[0], "tolerance": model.tolerance}
     scene = scene_of_words(structures, shaken.recordings, axes=wanted.axes, alphas=sizeless.alphas, etas=sizeless.etas, **equation)
     tracing = Tracing(scene, wanted.a_max, wanted.lowest or wanted.median)
-    check_tracing(tracing)
     modes: Counter[str] = Counter()
 
     def rows() -> Iterator[dict[str, Any]]:

@@ -55,8 +55,7 @@ def spectrum(
     from ..reports.summary import summary_lines
     from ..spectra.file.writer import check_output
     from ..spectra.scene import PulseScene, Scene
-    from ..spectra.sweep import write_scene
-    from ..spectra.sweep_options import CHUNK_CELLS, SweepOptions
+    from ..spectra.sweep import CHUNK_CELLS, SweepOptions, write_scene
 
     files, shaken = motions.several(files, one_upwards=True)
     quantities = [name.strip() for name in quantity.split(",")] if quantity is not None else []

@@ -78,8 +78,7 @@ def _under_records(
 ) -> list[Exposure]:  # fmt: skip
     from ..spectra.file.reader import SpectraFile
     from ..spectra.record_scene import structures_scene
-    from ..spectra.sweep import spectrum_of, write_scene
-    from ..spectra.sweep_options import SweepOptions
+    from ..spectra.sweep import SweepOptions, spectrum_of, write_scene
 
     unit = [m.measured(measure, structures[0]) ** (-1.0 / measure.power) for m in members]  # the factor that scales the measure to 1
     recordings = [m.recording.times(f) for m, f in zip(members, unit, strict=True) if m.recording]

@@ -17,7 +17,7 @@ from ..dynamics.response import response
 from ..errors import UsageError
 from ..motions.grid import Grid
 from ..spectra.scene import PulseScene
-from ..spectra.trust.verification import sampled_cells
+from ..spectra.verification import sampled_cells
 
 TOLERANCES = (1e-4, 1e-6, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12)
 SCIPY_METHODS = ("RK45", "LSODA", "DOP853")

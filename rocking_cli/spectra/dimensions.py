@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from ..motions.grid import LONG_NAMES, UNITS, Grid
+from ..motions.grid import LONG_NAMES, UNITS
 from ..structures.parameters import RockingParameters
 
 if TYPE_CHECKING:
@@ -149,12 +149,6 @@ class Frame:
     def of_records(self) -> bool:
         """True for spectra of records."""
         return "record" in self.dimensions
-
-
-def pulse_frame(structures: Sequence[RockingParameters], grid: Grid) -> Frame:
-    """The places of structures over a grid of frequency and amplitude."""
-    axes = {axis.name: axis.values for axis in (grid.frequency, grid.amplitude)}
-    return Frame({"structure": [s.name for s in structures], **axes}, beside_structures(structures), varied_units(structures))
 
 
 def _lists(table: Mapping[str, About], dimension: str, of: Sequence[Any]) -> dict[str, tuple[str, Values]]:

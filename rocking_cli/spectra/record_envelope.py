@@ -41,11 +41,20 @@ class Task:
 
 @dataclass(frozen=True)
 class Tracing:
-    """A scene to trace; its columns are T or unused. first: trace the lowest overturning amplitude only."""
+    """A scene to trace; its columns are T or unused. first: trace the lowest overturning amplitude only. Raises UsageError for a limit or
+    columns that the search cannot take."""
 
     scene: RecordScene
     a_max: float | Limit = A_MAX
     first: bool = False
+
+    def __post_init__(self) -> None:
+        columns = self.scene.columns
+        for most in map(self.limit, range(len(self.scene.structures))):
+            if not (math.isfinite(most) and 0.0 < most <= HIGHEST):
+                raise UsageError(f"a-max: found {most:g}; expected a positive amplitude up to {HIGHEST:g}")
+        if columns.name != "T" and columns.values.tolist() != [1.0]:
+            raise UsageError(f"`grid`: found {columns.name}; expected no axis, since the search varies the scale")
 
     def limit(self, structure: int) -> float:
         """The largest A of the search for a structure."""
@@ -83,17 +92,6 @@ class Tracing:
         return found
 
 
-def check_tracing(tracing: Tracing) -> None:
-    """Check the limits of the search. Raises UsageError."""
-    scene = tracing.scene
-    limits = [tracing.limit(i) for i in range(len(scene.structures))]
-    for most in limits:
-        if not (math.isfinite(most) and 0.0 < most <= HIGHEST):
-            raise UsageError(f"a-max: found {most:g}; expected a positive amplitude up to {HIGHEST:g}")
-    if scene.columns.name != "T" and scene.columns.values.tolist() != [1.0]:
-        raise UsageError(f"`grid`: found {scene.columns.name}; expected no axis, since the search varies the scale")
-
-
 def tracing_records(
     tracing: Tracing, *, sign: str = "worse", workers: int | None = None, progress: Callable[[int, int], None] | None = None
 ) -> Iterator[dict[str, Any]]:
@@ -102,8 +100,7 @@ def tracing_records(
     A row has record; structure, or alpha [rad] and T = 2 pi/p [s]; the ends as dimensionless amplitudes A_from and A_to, as peaks of the
     ground a_from and a_to [m/s2], and as factors of the original record scale_from and scale_to (A_to, a_to and scale_to None if the
     interval continues beyond a_max); mode. With `first` only the first interval, without its end; A_from None and mode "none" if no
-    amplitude overturns. sign "both" adds `sign`, None if the sides are equal. Raises UsageError as `check_tracing`, OutputError when a
-    worker process dies.
+    amplitude overturns. sign "both" adds `sign`, None if the sides are equal. Raises OutputError when a worker process dies.
     """
     scene = tracing.scene
     tasks = list(_tasks(tracing, sign, 1))

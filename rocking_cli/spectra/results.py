@@ -12,11 +12,17 @@ from ..dynamics.method import LINEAR
 from ..dynamics.outcome import Outcome, Work
 from ..errors import OutputError
 from .scene import Scene
-from .trust.validity import Validity
 from .variables import VARIABLES
+from .verification import Validity
 
 if TYPE_CHECKING:
     import xarray
+
+
+_RECORDED = (
+    "structures", "records", "cells", "model", "run_time", "time_per_cell", "workers",
+    "estimated_error", "checked_by", "checked_cells", "sensitive_cells",
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -70,17 +76,7 @@ class Summary:
         work = asdict(self.work)
         work.pop("cells")
         return {
-            "structures": self.structures,
-            **({"records": self.records} if self.records else {}),
-            "cells": self.cells,
-            "model": self.model,
-            "run_time": self.run_time,
-            "time_per_cell": self.time_per_cell,
-            "workers": self.workers,
-            "estimated_error": self.estimated_error,
-            "checked_by": self.checked_by,
-            "checked_cells": self.checked_cells,
-            "sensitive_cells": self.sensitive_cells,
+            **{name: getattr(self, name) for name in _RECORDED if name != "records" or self.records},
             "misjudged_cells": self.misjudged,
             "beyond_tolerance": self.beyond_tolerance,
             **({"compared_cells": self.compared, "otherwise_cells": self.otherwise} if self.compared else {}),

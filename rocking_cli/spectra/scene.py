@@ -20,7 +20,7 @@ from ..errors import UsageError
 from ..motions import Motion
 from ..motions.grid import Grid
 from ..structures.parameters import RockingParameters
-from .dimensions import Frame, pulse_frame
+from .dimensions import Frame, beside_structures, varied_units
 
 Array = np.ndarray
 
@@ -206,7 +206,9 @@ class PulseScene(Scene):
         yield Band(structure, self.motion, size, columns, omega[unit.row : unit.row + size[0], None], sharers)
 
     def frame(self) -> Frame:
-        return pulse_frame(self.structures, self.grid)
+        axes = {axis.name: axis.values for axis in (self.grid.frequency, self.grid.amplitude)}
+        names = [s.name for s in self.structures]
+        return Frame({"structure": names, **axes}, beside_structures(self.structures), varied_units(self.structures))
 
     def stated(self) -> dict[str, Any]:
         return {

@@ -30,7 +30,7 @@ import speed
 from distributed import LocalCluster
 
 from rocking_cli import Method, RockingParameters, linear_response, nonlinear_response, response, sine
-from rocking_cli.spectra.file.chunks import pack
+from rocking_cli.spectra.file.layout import pack
 from rocking_cli.structures.parameters import Side
 
 ETA, ALPHA = scenes.ETA, scenes.ALPHA

@@ -19,8 +19,7 @@ from rocking_cli.motions.recording import Recording
 from rocking_cli.motions.records import Record
 from rocking_cli.spectra.record_envelope import Tracing, tracing_records
 from rocking_cli.spectra.record_scene import angles_scene
-from rocking_cli.spectra.sweep import write_scene
-from rocking_cli.spectra.sweep_options import SweepOptions
+from rocking_cli.spectra.sweep import SweepOptions, write_scene
 
 SAMPLES, STEP = 2000, 0.01
 DATABASE = 21_000  # horizontal components

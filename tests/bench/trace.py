@@ -28,9 +28,8 @@ from rocking_cli.dynamics.equations.taylor import TaylorSeries
 from rocking_cli.dynamics.lanes import Lanes
 from rocking_cli.dynamics.march import advance, engine
 from rocking_cli.envelopes import boundaries
-from rocking_cli.spectra import sweep
+from rocking_cli.spectra import sweep, verification
 from rocking_cli.spectra.file import writer as store
-from rocking_cli.spectra.trust import verification
 from rocking_cli.spectra.work import jobs
 
 STAGES: dict[str, list[tuple[Any, str]]] = {
@@ -47,7 +46,7 @@ STAGES: dict[str, list[tuple[Any, str]]] = {
     "rounds": [(engine.Run, "round")],
     "boundaries": [(boundaries.Search, "rows")],
     "check": [(verification, "checked_cells"), (jobs, "reference")],
-    "writing": [(sweep._Packing, "__call__"), (store.SpectraWriter, "write"), (store.SpectraWriter, "finish")],
+    "writing": [(sweep, "_packed"), (store.SpectraWriter, "write"), (store.SpectraWriter, "finish")],
 }
 
 

@@ -16,7 +16,7 @@ from rocking_cli.dynamics.references.general_solver import solve_cell
 from rocking_cli.motions.recording import Recording
 from rocking_cli.reports.figures.curves import overturning_spectra
 from rocking_cli.reports.units import Units
-from rocking_cli.spectra.record_envelope import NONE, Tracing, check_tracing, overturning_spectrum, tracing_records
+from rocking_cli.spectra.record_envelope import NONE, Tracing, overturning_spectrum, tracing_records
 from rocking_cli.spectra.record_scene import angles_scene, structures_scene
 
 BLOCK = built("kind: block\nwidth: 0.12 m\nheight: 0.5 m")
@@ -80,9 +80,9 @@ def test_a_body_that_the_limit_does_not_lift(records):
 
 def test_a_limit_that_is_none_is_refused(records):
     with pytest.raises(UsageError, match="a-max: found inf"):
-        check_tracing(Tracing(structures_scene([BLOCK], records), math.inf))
+        Tracing(structures_scene([BLOCK], records), math.inf)
     with pytest.raises(UsageError, match="the search varies the scale"):
-        check_tracing(Tracing(structures_scene([BLOCK], records, Axis("A", np.array([1.0, 2.0])))))
+        Tracing(structures_scene([BLOCK], records, Axis("A", np.array([1.0, 2.0]))))
 
 
 def test_the_command(rocking, refused, tmp_path):

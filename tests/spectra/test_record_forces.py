@@ -18,8 +18,7 @@ from support.synthetic_records import recorded
 from rocking_cli import Axis, Method, Outcome, Spectrum
 from rocking_cli.dynamics.response import response_with_demands
 from rocking_cli.spectra.record_scene import angles_scene
-from rocking_cli.spectra.sweep import spectrum_of
-from rocking_cli.spectra.sweep_options import SweepOptions
+from rocking_cli.spectra.sweep import SweepOptions, spectrum_of
 
 FORCES = ("friction", "fz_min")
 

@@ -23,8 +23,7 @@ from rocking_cli.spectra.file.reader import SpectraFile
 from rocking_cli.spectra.file.writer import difference
 from rocking_cli.spectra.record_scene import angles_scene, block_of, scene_of_words, structures_scene
 from rocking_cli.spectra.scene import cut_into_units
-from rocking_cli.spectra.sweep import spectrum_of, write_scene
-from rocking_cli.spectra.sweep_options import SweepOptions
+from rocking_cli.spectra.sweep import SweepOptions, spectrum_of, write_scene
 
 NONLINEAR = Method("nonlinear", 1e-8)
 ALPHAS, PERIODS = Axis("alpha", np.radians([10.0, 15.0])), Axis("T", np.array([1.0, 2.5, 6.0]))

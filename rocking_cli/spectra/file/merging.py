@@ -13,8 +13,7 @@ from ...dynamics.outcome import Outcome
 from ...errors import OutputError, UsageError
 from ..variables import VARIABLES
 from ..work.machine import together, unlike
-from .chunks import Packed, unpack
-from .layout import Layout
+from .layout import Layout, Packed, unpack
 from .reader import SpectraFile
 from .writer import SpectraWriter, difference
 

@@ -23,9 +23,8 @@ from ...structures.parameters import RockingParameters
 from ..dimensions import EDGE_PARAMETERS, VARIED, Frame, Values, form_among, varied_units
 from ..variables import VARIABLES
 from ..work.machine import machines_of
-from .chunks import ChunkGrid, Packed, checksum, split, unpack
 from .integrity import SIGNATURE, Log, checked_digest, read, reason
-from .layout import BOOKKEEPING, CHUNK_TABLES
+from .layout import BOOKKEEPING, CHUNK_TABLES, ChunkGrid, Packed, checksum, split, unpack
 
 _FAULTS = (*FAULTS, UsageError)
 UNPACKED = 8  # chunks that are kept as arrays

@@ -24,9 +24,8 @@ import numpy as np
 from ...errors import OutputError, UsageError
 from ...publishing import check_target, followed, kind_of, published
 from ..work.machine import machine, together, unlike
-from .chunks import Packed, checksum, joined, split
 from .integrity import NOTE, SIGNATURE, Log, digest, digest_line, read, reason, record_of, write
-from .layout import BOOKKEEPING, Layout
+from .layout import BOOKKEEPING, Layout, Packed, checksum, joined, split
 
 PATIENCE = 0.3  # s: a process that only tests for use of a partial file locks it for an instant
 _OF_OTHERS = {".csv", ".json", ".jsonl", ".txt", ".tsv", ".xlsx", ".yaml", ".yml", ".png", ".svg", ".pdf", ".html"}

@@ -22,8 +22,7 @@ from ...motions import Motion
 from ...processes import Run, processes
 from ...structures.parameters import RockingParameters
 from ..scene import Band, Scene, Unit
-from ..trust.condition import condition_of
-from ..trust.verification import Answer, Place, Verification, reference
+from ..verification import Answer, Place, Verification, condition_of, reference
 
 _LONG, _FEW = 200, 20  # single cells are faster above so many segments, up to so many cells of a structure
 TOGETHER = 1 << 19  # cells of an exact equation that a worker computes in one batch

@@ -19,8 +19,7 @@ from rocking_cli.motions.biaxial import with_vertical
 from rocking_cli.motions.polyline import Polyline
 from rocking_cli.responses.time_history import time_history
 from rocking_cli.spectra.scene import PulseScene
-from rocking_cli.spectra.sweep import spectrum_of
-from rocking_cli.spectra.sweep_options import SweepOptions
+from rocking_cli.spectra.sweep import SweepOptions, spectrum_of
 
 MOTIONS = [sine(1), sine(2), pulse("rectangular-impulse"), cosine(1)]
 STEP = 0.15  # s

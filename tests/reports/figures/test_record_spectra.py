@@ -12,8 +12,7 @@ from rocking_cli.motions.records import Record
 from rocking_cli.reports.figures.slices import SHARES, record_quantiles
 from rocking_cli.spectra.file.reader import SpectraFile
 from rocking_cli.spectra.record_scene import angles_scene
-from rocking_cli.spectra.sweep import write_scene
-from rocking_cli.spectra.sweep_options import SweepOptions
+from rocking_cli.spectra.sweep import SweepOptions, write_scene
 
 ALPHAS, PERIODS = Axis("alpha", np.array([0.15, 0.85])), Axis("T", np.array([0.5, 1.2, 5.0]))
 

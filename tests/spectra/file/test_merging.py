@@ -9,8 +9,7 @@ import pytest
 
 from rocking_cli import OutputError, UsageError, dimensionless_oscillator, parse_grid, sine, write_spectrum
 from rocking_cli.spectra.file import writer as store
-from rocking_cli.spectra.file.chunks import pack, unpack
-from rocking_cli.spectra.file.layout import Layout
+from rocking_cli.spectra.file.layout import Layout, pack, unpack
 from rocking_cli.spectra.file.merging import merge
 from rocking_cli.spectra.file.reader import SpectraFile
 from rocking_cli.spectra.file.writer import SpectraWriter

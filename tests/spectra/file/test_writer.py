@@ -20,14 +20,13 @@ from support.watched_processes import PATIENCE, PROGRAM, children, grows
 from rocking_cli import Outcome, OutputError, UsageError, cosine, dimensionless_oscillator, parse_grid, sine, write_spectrum
 from rocking_cli.errors import Interrupted
 from rocking_cli.reports.summary import summary_lines
-from rocking_cli.spectra.dimensions import pulse_frame
 from rocking_cli.spectra.file import writer as store
-from rocking_cli.spectra.file.chunks import pack
 from rocking_cli.spectra.file.integrity import Log
-from rocking_cli.spectra.file.layout import Layout
+from rocking_cli.spectra.file.layout import Layout, pack
 from rocking_cli.spectra.file.reader import SpectraFile
 from rocking_cli.spectra.file.writer import SpectraWriter, difference
-from rocking_cli.spectra.sweep_options import SweepOptions
+from rocking_cli.spectra.scene import PulseScene
+from rocking_cli.spectra.sweep import SweepOptions
 from rocking_cli.spectra.work import machine
 
 GRID = parse_grid("A=0.5:12:40,Omega=0.5:12:30")
@@ -75,7 +74,7 @@ def names(folder):
 
 
 def layout():
-    return Layout(pulse_frame(ONE, GRID), (5, 40), ("theta_ratio", "outcome"), {}, {"shard": "1/1"})
+    return Layout(PulseScene(tuple(ONE), GRID, sine()).frame(), (5, 40), ("theta_ratio", "outcome"), {}, {"shard": "1/1"})
 
 
 def test_killed_sweeps_go_on_to_the_same_file(tmp_path):

@@ -8,7 +8,7 @@ import h5py
 import numpy as np
 import pytest
 
-from rocking_cli.spectra.file.chunks import GZIP_LEVEL, ChunkGrid, pack, unpack
+from rocking_cli.spectra.file.layout import GZIP_LEVEL, ChunkGrid, pack, unpack
 
 
 @pytest.mark.parametrize("dtype", ["<f8", "<i4", "u1"])

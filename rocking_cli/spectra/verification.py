@@ -1,27 +1,62 @@
-"""Verification: some cells of a sweep are computed again by the reference, half of them at random, half of high sensitivity.
+"""The trust in a sweep: cells computed again by the reference, their condition, and the linear equation beside the nonlinear one.
 
-The cells depend on the scene alone, not on the number of workers, the size of a unit or a resumed sweep.
+Half of the cells are drawn at random, half are those of high sensitivity. They depend on the scene alone, not on workers or units.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
 from itertools import islice
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from ...dynamics.outcome import Outcome
-from ...dynamics.response import Response, response
-from ..scene import PulseScene, Scene, Unit
-from .condition import STEP, condition_of
+from ..dynamics.method import Method
+from ..dynamics.outcome import Difference, Outcome, difference, falls, safe
+from ..dynamics.response import Response, response
+from .scene import PulseScene, Scene, Unit
 
 Array = np.ndarray
+Place = tuple[int, int, int]  # (structure, row, column) of a cell
+
 _SEED = 20120924
 _CANDIDATES = 128  # candidates for the most sensitive cells
 _LONGEST, _LONGEST_RECORD = 1000, 10_000  # segments beyond which the search takes as long as a sweep, so that all cells are drawn
 _EXACT = 1e-10  # tolerance for an exact method, for the rounding of two paths
-Place = tuple[int, int, int]  # (structure, row, column) of a cell
+STEP = 1e-7  # relative change of each input; the linear equation leaves the differences 8 digits
+_ETA = 2
+_TOLERANCES = 100.0  # of a method with a tolerance, the least change of input, so that its own error stays below the difference
+_CELLS = 64  # that the nonlinear equation judges
+_DRAWN = 512  # candidates for cells next to a boundary
+_STRUCTURES = 4  # each structure costs a few further rounds
+_SEED_OF_VALIDITY = 20120925
+
+
+def condition_of(respond: Callable[[Array, Array, Array], Response], amplitude: Array, omega: Array, eta: Array, tolerance: float) -> Array:
+    """Condition of cells (any shape, broadcast): change of max |theta|/alpha over a small relative change of the input,
+
+        kappa = |d theta/d ln A| + |d theta/d ln Omega| + |d theta/d ln eta|,   theta = max |theta|/alpha        [-]
+
+    by central differences over a relative 1e-7, or 100 times the tolerance of the method (0 of an exact one). respond: the
+    response of arrays (A, Omega, eta). NaN if the cell or a cell of the differences overturned or failed; 0 below uplift. From about 1e5
+    on the difference is no derivative and no bound: a rotation that changes completely over 1e-7 may do so over 1e-12.
+    """
+    cells = np.broadcast_arrays(*(np.asarray(x, dtype=float) for x in (amplitude, omega, eta)))
+    step, total = max(STEP, _TOLERANCES * tolerance), np.zeros(cells[0].shape)
+    for i, values in enumerate(cells):
+        ends = np.stack([values * (1.0 - step), values * (1.0 + step)])
+        if i == _ETA:
+            np.clip(ends, -1.0, 1.0, out=ends)
+        beside = [ends if j == i else np.stack([x, x]) for j, x in enumerate(cells)]
+        found = respond(*beside)
+        still = safe(found.outcome).all(axis=0)
+        width = np.abs(ends[1] - ends[0])
+        with np.errstate(divide="ignore", invalid="ignore"):
+            rate = np.abs(found.theta_ratio[1] - found.theta_ratio[0]) * np.abs(values) / width
+        total += np.where(still, np.where(width == 0.0, 0.0, rate), np.nan)
+    return total
 
 
 def default_check(scene: Scene) -> int:
@@ -73,7 +108,7 @@ def sensitive_cells(scene: Scene, count: int) -> Array:
         return drawn
     cells = [scene.cell(*at) for at in drawn.tolist()]
     structure, motion = cells[0].structure, cells[0].motion
-    step = max(STEP, 100.0 * (scene.method.stated_tolerance or 0.0))
+    step = max(STEP, _TOLERANCES * (scene.method.stated_tolerance or 0.0))
     beside = np.array([cell.amplitude for cell in cells]) * np.array([[1.0 - step], [1.0 + step]])
     found = response(scene.method.system_of(structure), motion, beside, np.array([cell.omega for cell in cells]), structure.eta)
     change = np.abs(found.theta_ratio[1] - found.theta_ratio[0])
@@ -86,7 +121,7 @@ def _candidates(scene: Scene) -> Array:
     """At most 128 cells of the least damped structure under one motion: drawn, or one row of one record."""
     if isinstance(scene, PulseScene):
         liveliest = max((group[0] for group in scene.sharing()), key=lambda i: abs(scene.structures[i].eta))
-        drawn = sampled_cells(PulseScene((scene.structures[liveliest],), scene.grid, scene.motion, scene.method), _CANDIDATES, _SEED + 1)
+        drawn = sampled_cells(replace(scene, structures=(scene.structures[liveliest],)), _CANDIDATES, _SEED + 1)
         drawn[:, 0] = liveliest
         return drawn
     one = sampled_cells(scene, 1, _SEED + 1)
@@ -149,10 +184,46 @@ class Verification:
         tolerance = method.stated_tolerance or _EXACT
         if not apart > tolerance:
             return False
-
-        def respond(amplitude: Array, omega: Array, eta: Array) -> Response:
-            return response(method.system_of(cell.structure), cell.motion, amplitude, omega, eta)
-
         amplitude, omega, eta = (np.array([x]) for x in (cell.amplitude, cell.omega, cell.structure.eta))
+        respond = partial(response, method.system_of(cell.structure), cell.motion)
         (condition,) = condition_of(respond, amplitude, omega, eta, method.stated_tolerance or 0.0)
         return not apart <= tolerance * np.nanmax([1.0, condition])
+
+
+@dataclass(frozen=True)
+class Validity:
+    """Numbers of cells: computed by both equations, with different outcomes, and with a body that falls but stands in the linear one."""
+
+    sampled: int
+    differ: int
+    unsafe: int
+
+
+def validity(scene: Scene, tolerance: float = 1e-6) -> Validity | None:
+    """The comparison at cells of a linear sweep under a pulse; None if the nonlinear equation holds for none of the structures, or
+    no cell leaves the ground. tolerance: of the nonlinear equation."""
+    nonlinear = Method("nonlinear", tolerance)
+    if not (isinstance(scene, PulseScene) and scene.method.exact):
+        return None
+    known = [s for s in scene.structures if nonlinear.serves(s)]
+    some = [known[i] for i in np.linspace(0, len(known) - 1, min(_STRUCTURES, len(known))).astype(int)]
+    judged = [_differences(replace(scene, structures=(structure,)), nonlinear, _CELLS // len(some)) for structure in some]
+    codes = np.concatenate([np.zeros(0, np.uint8), *judged])
+    codes = codes[codes != Difference.NOT_COMPUTED]
+    if not codes.size:
+        return None
+    return Validity(codes.size, int(np.count_nonzero(codes != Difference.AGREES)), int(np.count_nonzero(codes == Difference.LINEAR_UNSAFE)))
+
+
+def _differences(scene: PulseScene, nonlinear: Method, count: int) -> Array:
+    """`Difference` of up to `count` cells of one structure: half of them drawn, half with another outcome at the next amplitude."""
+    (structure,), drawn = scene.structures, sampled_cells(scene, _DRAWN, _SEED_OF_VALIDITY)[:, 1:]
+    amplitude, omega = scene.grid.scaled(structure)
+    beside = np.stack([drawn[:, 1], np.minimum(drawn[:, 1] + 1, amplitude.size - 1)])
+    respond = partial(response, motion=scene.motion, eta=structure.eta, peaks=False)
+    linear = respond(scene.method.system_of(structure), amplitude=amplitude[beside], omega=omega[drawn[:, 0]]).outcome
+    changes = falls(linear[0]) != falls(linear[1])
+    near = np.flatnonzero(changes)[: count // 2]
+    at = np.append(near, np.setdiff1d(np.arange(len(drawn)), near)[: count - near.size])
+    decided = respond(nonlinear.system_of(structure), amplitude=amplitude[drawn[at, 1]], omega=omega[drawn[at, 0]])
+    return difference(decided.outcome, linear[0][at])
