@@ -22,13 +22,13 @@ SI = {
 """The SI unit of each dimension. Gravity and Arias intensity are separate dimensions, because `--units` must not change them."""
 
 COLUMNS = {
-    **dict.fromkeys(("alpha", "theta", "theta_max", "angle"), "angle"),
+    **dict.fromkeys(("alpha", "alpha_geometric", "theta", "theta_max", "angle"), "angle"),
     "p": "frequency parameter", "theta_dot": "angular velocity", "omega_g": "circular frequency",
     **dict.fromkeys(("a_g", "a_from", "a_to", "demand_a", "uplift_a", "first_overturning_a", "safe_to"), "acceleration"),
     **dict.fromkeys(("ground_acceleration", "pga", "header_pga"), "acceleration"),
     **dict.fromkeys(("t", "t_max", "dt", "duration", "pga_time", "d5_75", "d5_95", "T", "run_time", "time_per_cell"), "time"),
     "pgv": "velocity", "arias": "intensity", "cav": "intensity", "gravity": "gravity", "mass": "mass",
-    **dict.fromkeys(("pgd", "x", "z", "arm", "length", "tip_height", "crack_height"), "length"),
+    **dict.fromkeys(("pgd", "x", "z", "arm", "length", "tip_height", "crack_height", "inset"), "length"),
 }  # fmt: skip
 """The dimension of each column that has a unit."""
 

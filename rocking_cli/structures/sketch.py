@@ -9,6 +9,7 @@ from typing import Any
 
 Point = tuple[float, float]
 Outline = tuple[Point, ...]
+Lines = tuple[tuple[str, Outline], ...]
 
 
 @dataclass(frozen=True)
@@ -26,15 +27,23 @@ class Sketch:
     hollows: tuple[Outline, ...] = ()
     pivots: tuple[tuple[str, Point], ...] = ()
     centre: Point | None = None
-    lines: tuple[tuple[str, Outline], ...] = ()
+    lines: Lines = ()
 
 
-def rocker(bodies: Iterable[Outline], left: Point, right: Point, centre: Point, **more: Any) -> Sketch:
-    """The sketch of one rigid body on two edges, also turned by alpha about the right edge. `more`: other fields of the sketch."""
-    bodies = tuple(bodies)
+def rocker(
+    bodies: Iterable[Outline], left: Point, right: Point, centre: Point, *, inset: float = 0.0, lines: Lines = (), **more: Any
+) -> Sketch:
+    """The sketch of one rigid body on two edges, also turned by alpha about the right pivot. `more`: other fields of the sketch.
+
+    inset: how far the pivots lie inside the edges [m].
+    """
+    bodies, edges = tuple(bodies), (left, right)
+    if inset:
+        left, right = (left[0] + inset, left[1]), (right[0] - inset, right[1])
+        lines = (("inset", (right, edges[1])), ("_inset", (edges[0], left)), *lines)
     alpha = math.atan2(right[0] - centre[0], centre[1] - right[1])
     moved = tuple(turned(outline, right, alpha) for outline in bodies)
-    return Sketch(bodies, moved=moved, pivots=(("left", left), ("right", right)), centre=centre, **more)
+    return Sketch(bodies, moved=moved, pivots=(("left", left), ("right", right)), centre=centre, lines=lines, **more)
 
 
 def rectangle(left: float, right: float, low: float, high: float) -> Outline:

@@ -2,7 +2,7 @@
 
 A new kind is one file, and its name in KINDS. The file has
 
-- `body(document)`, which returns the `Body` of a rigid body, or `build(document, name)`, which returns the RockingParameters of any
+- `body(document)`, which returns the `RigidBody` of a rigid body, or `build(document, name)`, which returns the RockingParameters of any
   other structure. The document's methods read its keys and refuse wrong values; a key that no method reads is refused afterwards.
   Both may raise StructureError for a geometry that does not rock;
 - `REPORTS`, the keys of this kind in RockingParameters.details; a document of kind `parameters` keeps them;
@@ -32,8 +32,10 @@ from ..shared_keys import gravity_of, one_sided_restitution_of, restitution_of
 
 if TYPE_CHECKING:
     from ...documents.document import Document
+    from ..mechanics.single_body import RigidBody
     from ..sketch import Sketch
 
+OF_BODIES = ("inset",)  # keys that every rigid kind takes, and no other one
 GROUP = "rocking.structures"
 KINDS = ("block", "point_mass", "spire", "arch", "frame", "prism", "drum", "rigid", "stack", "wall", "parameters")
 
@@ -45,7 +47,10 @@ def build(document: Document, name: str) -> RockingParameters:
     found = {} if value is not None and isinstance(value.content, str) and value.content in KINDS else installed(GROUP)
     word = document.choice("kind", [*KINDS, *found])
     if word in KINDS:
-        return _built(_module(word), document, name)
+        built = _built(_module(word), document, name)
+        for key in set(OF_BODIES) & document.keys.keys() - document.asked:
+            raise document.fault(key, f"{key} of kind {word}", f"no {key}, or a kind of one rigid body, such as block or wall")
+        return built
     wanted = f"a package that works, or one of {', '.join(KINDS)}"
     with blamed(found[word], lambda said: document.fault("kind", said, wanted)):
         built = _built(_module(word), document, name)
@@ -103,7 +108,8 @@ def sketch_of(document: Document, built: RockingParameters) -> Sketch:
     word = str(document.values["kind"].content)
     kind = _module(word)
     if hasattr(kind, "body"):
-        found: Sketch = kind.body(document).drawing
+        body: RigidBody = kind.body(document)
+        found: Sketch = body.drawn(body.inset_of(document))
     elif hasattr(kind, "sketch"):
         found = kind.sketch(document, built)
     else:

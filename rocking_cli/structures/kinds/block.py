@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from ...documents.document import Document
-from ..mechanics.single_body import Body, radius_and_alpha, rectangle_body
+from ..mechanics.single_body import RigidBody, radius_and_alpha, rectangle_body
 
 REPORTS = ()
 SIZES = ("width", "height")
 
 
-def body(document: Document) -> Body:
+def body(document: Document) -> RigidBody:
     """A block from width and height, or from radius (half the diagonal) and alpha. Raises DocumentError."""
     return rectangle_body(*radius_and_alpha(document), limit="a block with alpha up to 54.7 deg (width/height up to 1.414)")

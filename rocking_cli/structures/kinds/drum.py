@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from ...documents.document import Document
-from ..mechanics.single_body import Body
+from ..mechanics.single_body import RigidBody
 from ..mechanics.stacked_pieces import round_piece, stacked
 
 REPORTS = ("rocks_on", "interfaces", "direction")
 SIZES = ("radius", "height")
 
 
-def body(document: Document) -> Body:
+def body(document: Document) -> RigidBody:
     """A drum or a stack of drums. Raises DocumentError.
 
     Keys: radius and height (cylinder); base_radius, top_radius and height (frustum); or drums: a list of these, from below.

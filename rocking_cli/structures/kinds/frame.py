@@ -9,15 +9,16 @@ With gamma = mass of the beam / mass of all columns, the frame rocks as one bloc
 from __future__ import annotations
 
 import math
+from functools import partial
 
 from ...documents.document import Document
-from ..mechanics.single_body import Body, EqualEdges, radius_and_alpha
+from ..mechanics.single_body import EqualEdges, RigidBody, radius_and_alpha
 from ..sketch import Sketch, rectangle, turned
 
 REPORTS = ("cap_ratio",)
 
 
-def body(document: Document) -> Body:
+def body(document: Document) -> RigidBody:
     """A frame. Raises DocumentError.
 
     Keys: columns: their number; width and height (or radius and alpha) of one column; cap_ratio: gamma. The drawing shows up to six of
@@ -26,25 +27,35 @@ def body(document: Document) -> Body:
     count = document.integer("columns", 1, 1_000_000)
     where = "a number from 0, the mass of the beam over that of all columns"
     gamma = document.quantity("cap_ratio", "number", least=0.0, where=where)
-    radius, alpha = radius_and_alpha(document)
+    return _frame(min(count, 6), gamma, *radius_and_alpha(document))
+
+
+def _frame(drawn: int, gamma: float, radius: float, alpha: float, inset: float = 0.0) -> RigidBody:
+    """The body of columns of this half diagonal, whose pivots lie inside the edges of base and head [m]; drawn: number of columns."""
+    edge, height = radius * math.sin(alpha), 2.0 * radius * math.cos(alpha)
+    drawing, again = _drawing(edge, height, inset, drawn), partial(_frame, drawn, gamma, radius, alpha)
+    whole = 4.0 / 3.0  # I/(m R^2) of a column
+    if inset:
+        reach = math.hypot(edge - inset, 0.5 * height)
+        radius, alpha, whole = reach, math.atan2(edge - inset, 0.5 * height), 1.0 + (radius / reach) ** 2 / 3.0
     # The mass of the beam moves on the diagonal 2 R: it adds 2 gamma to M R and 4 gamma to I/(M R^2).
-    inertia = (4.0 / 3.0 + 4.0 * gamma) / (1.0 + 2.0 * gamma)
-    eta = (1.0 - 1.5 * math.sin(alpha) ** 2 + 3.0 * gamma * math.cos(2.0 * alpha)) / (1.0 + 3.0 * gamma)
+    inertia, share = (whole + 4.0 * gamma) / (1.0 + 2.0 * gamma), 4.0 / whole * gamma
+    eta = (1.0 - 2.0 / whole * math.sin(alpha) ** 2 + share * math.cos(2.0 * alpha)) / (1.0 + share)
     return EqualEdges(
         radius=radius, alpha=alpha, inertia=inertia, eta=eta, whole=False, limit="more slender columns", details={"cap_ratio": gamma},
-        drawing=_drawing(radius, alpha, min(count, 6)),
+        drawing=drawing, again=again,
     )  # fmt: skip
 
 
-def _drawing(radius: float, alpha: float, count: int) -> Sketch:
+def _drawing(half: float, height: float, inset: float, count: int) -> Sketch:
     """The columns and the beam, at rest and at alpha."""
-    half, height = radius * math.sin(alpha), 2.0 * radius * math.cos(alpha)
+    foot, alpha = half - inset, math.atan2(half - inset, 0.5 * height)
     step = max(5.0 * half, 0.6 * height)
     axes = [step * (i - 0.5 * (count - 1)) for i in range(count)]
     columns = [rectangle(x - half, x + half, 0.0, height) for x in axes]
     beam = rectangle(axes[0] - 2.0 * half, axes[-1] + 2.0 * half, height, height * 1.08)
-    leaning = [turned(column, (x + half, 0.0), alpha) for column, x in zip(columns, axes, strict=True)]
-    (corner,) = turned([(axes[0] - half, height)], (axes[0] + half, 0.0), alpha)  # the beam rests on it
-    lifted = tuple((x + corner[0] - axes[0] + half, z + corner[1] - height) for x, z in beam)
-    pivots = [(name, (x + side * half, 0.0)) for x in axes for name, side in (("left", -1.0), ("right", 1.0))]
+    leaning = [turned(column, (x + foot, 0.0), alpha) for column, x in zip(columns, axes, strict=True)]
+    (corner,) = turned([(axes[0] - foot, height)], (axes[0] + foot, 0.0), alpha)  # the beam rests on it
+    lifted = tuple((x + corner[0] - axes[0] + foot, z + corner[1] - height) for x, z in beam)
+    pivots = [(name, (x + side * foot, 0.0)) for x in axes for name, side in (("left", -1.0), ("right", 1.0))]
     return Sketch(bodies=(*columns, beam), moved=(*leaning, lifted), pivots=tuple(pivots))

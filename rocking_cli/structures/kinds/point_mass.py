@@ -5,14 +5,14 @@ from __future__ import annotations
 import math
 
 from ...documents.document import Document
-from ..mechanics.single_body import Body, EqualEdges, radius_and_alpha
+from ..mechanics.single_body import EqualEdges, RigidBody, radius_and_alpha
 from ..sketch import circle, rocker
 
 REPORTS = ()
 SIZES = ("width", "height")
 
 
-def body(document: Document) -> Body:
+def body(document: Document) -> RigidBody:
     """A mass on two struts from width (distance of the supports) and height, or from radius (length of a strut) and alpha.
 
     Raises DocumentError.

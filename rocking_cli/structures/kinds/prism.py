@@ -10,7 +10,7 @@ from collections.abc import Sequence
 
 from ...documents.document import Document
 from ..mechanics.kinematics import Moments
-from ..mechanics.single_body import Body, body_on_edges
+from ..mechanics.single_body import RigidBody, body_on_edges
 from ..sketch import rocker
 
 REPORTS = ("direction",)
@@ -30,7 +30,7 @@ def polygon_moments(corners: Sequence[Corner]) -> Moments:
     return Moments(mass, x, z, polar)
 
 
-def body(document: Document) -> Body:
+def body(document: Document) -> RigidBody:
     """A prism from the key `corners`, [[x, z], ...] in order; its lowest corners are the base. Raises DocumentError."""
     corners = _corners(document)
     tolerance = 1e-9 * max(math.dist(a, b) for a in corners for b in corners)

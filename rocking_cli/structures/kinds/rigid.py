@@ -6,7 +6,7 @@ import math
 
 from ...documents.document import Document
 from ..mechanics.kinematics import Moments
-from ..mechanics.single_body import Body, body_on_edges
+from ..mechanics.single_body import RigidBody, body_on_edges
 from ..shared_keys import mass_of
 from ..sketch import circle, rocker
 
@@ -14,7 +14,7 @@ _WIDEST = 1000.0  # moments about the middle between the edges then lose six dig
 REPORTS = ("direction",)
 
 
-def body(document: Document) -> Body:
+def body(document: Document) -> RigidBody:
     """A rigid body. Raises DocumentError.
 
     Keys: left, right: horizontal distance from each edge to the mass centre; height of the mass centre above the edges; gyration:

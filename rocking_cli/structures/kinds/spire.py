@@ -16,7 +16,7 @@ import numpy as np
 
 from ...documents.document import Document
 from ..mechanics.kinematics import Moments, spin_about
-from ..mechanics.single_body import Body, symmetric_body
+from ..mechanics.single_body import RigidBody, symmetric_body
 from ..sketch import rocker
 
 REPORTS = ("tip_height", "crack_height")
@@ -112,7 +112,7 @@ class Spire(NamedTuple):
         return shared / float(after.product(after, body._replace(x=-body.x)))
 
 
-def body(document: Document) -> Body:
+def body(document: Document) -> RigidBody:
     """A spire; the drawing shows its section, the crack and its mirror image. Raises DocumentError.
 
     Keys: base_radius, height, thickness (absent: thin wall), tip_height, crack: none | diagonal, crack_height.
@@ -129,7 +129,11 @@ def body(document: Document) -> Body:
     windward = (-r * (1.0 - crack / h), crack)
     lines = (("crack", (right, windward)), ("its mirror image", (left, (-windward[0], crack))))
     drawing = rocker([(windward, right, apex)], left, right, centre, still=((left, right, windward),), hollows=hollows, lines=lines)
-    more["details"] = {"tip_height": spire.tip_height, "crack_height": crack}
+
+    def refused(_: float) -> RigidBody:
+        raise document.fault("inset", "an inset of a cracked spire", "no inset, or crack: none")
+
+    more["details"], more["again"] = {"tip_height": spire.tip_height, "crack_height": crack}, refused
     return symmetric_body(moments, r, whole=False, drawing=drawing, **more)
 
 

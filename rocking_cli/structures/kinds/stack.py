@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from ...documents.document import Document
 from ..mechanics.kinematics import Moments
-from ..mechanics.single_body import Body
+from ..mechanics.single_body import RigidBody
 from ..mechanics.stacked_pieces import Piece, offset_of, round_piece, stacked
 
 REPORTS = ("rocks_on", "interfaces", "direction")
 _WANTED = "a list of pieces from below, each with height and width (and depth), or radius, or base_radius and top_radius"
 
 
-def body(document: Document) -> Body:
+def body(document: Document) -> RigidBody:
     """A stack from the key `pieces`, a list from below. Raises DocumentError.
 
     Keys of a piece: height; width (in the direction of rocking) and depth (default: the width), or radius, or base_radius and

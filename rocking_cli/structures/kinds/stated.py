@@ -21,7 +21,8 @@ def build(document: Document, name: str) -> RockingParameters:
     structure = document.word("structure_kind", "parameters")
     if structure == DIMENSIONLESS:
         raise document.fault("structure_kind", structure, "the kind of a structure, which has units")
-    reported = (*reports_of(structure), "mass", *VARIED)
+    inset = ("inset", "alpha_geometric") if document.has("alpha_geometric") else ()  # the stated alpha is that with the inset
+    reported = (*reports_of(structure), "mass", *inset, *VARIED)
     details = {key: document.values[key].plain() for key in document.values if key in reported and document.has(key)}
     _check_varied(document, details)
     more: dict[str, Any] = {"eta_source": document.word("eta_source", "given"), "gravity": gravity_of(document), "details": details}

@@ -5,13 +5,13 @@ from __future__ import annotations
 import math
 
 from ...documents.document import Document
-from ..mechanics.single_body import Body, rectangle_body
+from ..mechanics.single_body import RigidBody, rectangle_body
 
 REPORTS = ("length",)
 SIZES = ("thickness", "height")
 
 
-def body(document: Document) -> Body:
+def body(document: Document) -> RigidBody:
     """A wall from thickness, height, and length (only reported). Raises DocumentError."""
     thickness, height = document.length("thickness"), document.length("height")
     details = {"length": document.length("length")} if document.has("length") else {}

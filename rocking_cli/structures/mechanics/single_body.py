@@ -14,8 +14,8 @@ from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
 from ...documents.document import Document
@@ -41,16 +41,19 @@ class Edge(NamedTuple):
 
 
 @dataclass(frozen=True, kw_only=True)
-class Body(ABC):
+class RigidBody(ABC):
     """A rigid body as its kind reads it from a document.
 
-    limit: states for which bodies the momentum model holds; drawing: its geometry; backing: the factor of the impact on a backing,
-    None if the geometry does not define it; details: as in `RockingParameters`.
+    limit: states for which bodies the momentum model holds; drawing: its geometry; top: (x, z) [m] from the middle of the base of the
+    impact point on a backing, and backing: the factor of this impact, None if the geometry does not define them; again: the body with
+    its pivots inside the edges by a length [m], if `moved_in` does not hold for it; details: as in `RockingParameters`.
     """
 
     limit: str
     drawing: Sketch
+    top: Point | None = None
     backing: float | None = None
+    again: Callable[[float], RigidBody] | None = None
     details: Mapping[str, Any] = field(default_factory=dict)
 
     @abstractmethod
@@ -58,10 +61,16 @@ class Body(ABC):
         """The parameters on the left edge and on the right edge; gravity [m/s2]."""
 
     def parameters(self, document: Document, name: str) -> RockingParameters:
-        """The rocking parameters, with gravity, restitution, sides and mass of the document. Raises DocumentError."""
+        """The rocking parameters, with gravity, restitution, sides, mass and inset of the document. Raises DocumentError."""
+        if document.has("inset"):
+            inset, whole = self.inset_of(document), min(self.edges(1.0), key=lambda edge: edge.uplift)
+            return self.moved_in(inset)._parameters(document, name, {"inset": inset, "alpha_geometric": whole.alpha})
+        return self._parameters(document, name, {})
+
+    def _parameters(self, document: Document, name: str, more_details: dict[str, float]) -> RockingParameters:
         gravity, mass = gravity_of(document), mass_of(document)
         left, right = self.edges(gravity)
-        details = {**self.details, **({} if mass is None else {"mass": mass})}
+        details = {**self.details, **({} if mass is None else {"mass": mass}), **more_details}
         more: dict[str, Any] = {"name": name, "structure": str(document.values["kind"].content), "gravity": gravity, "details": details}
         if document.flag("one_sided"):
             e, source = one_sided_restitution_of(document, (right.eta, left.eta), self.backing)
@@ -83,9 +92,36 @@ class Body(ABC):
         """The edge over which the body falls, if its edges may differ."""
         return {}
 
+    def inset_of(self, document: Document) -> float:
+        """The document's inset, how far the pivots lie inside the edges [m], 0 by default. Raises DocumentError."""
+        where = f"a length from 0 to below {self.reach:g} m, beyond which the mass centre is not above the base"
+        return document.quantity("inset", "length", least=0.0, below=self.reach, where=where, default=0.0)
+
+    def drawn(self, inset: float) -> Sketch:
+        """The drawing with the pivots moved in [m]."""
+        return self.drawing if inset == 0.0 else self.moved_in(inset).drawing
+
+    def moved_in(self, inset: float) -> RigidBody:
+        """The body with its pivots inside the edges [m]."""
+        return self if inset == 0.0 else self.again(inset) if self.again else self._moved_in(inset)
+
+    @property
+    @abstractmethod
+    def reach(self) -> float:
+        """The least horizontal distance from an edge to the mass centre [m]."""
+
+    @abstractmethod
+    def _moved_in(self, inset: float) -> RigidBody: ...
+
+    def _redrawn(self, inset: float) -> Sketch:
+        drawn = self.drawing
+        assert drawn.centre is not None
+        (_, left), (_, right) = drawn.pivots
+        return rocker(drawn.bodies, left, right, drawn.centre, inset=inset, still=drawn.still, hollows=drawn.hollows, lines=drawn.lines)
+
 
 @dataclass(frozen=True, kw_only=True)
-class EqualEdges(Body):
+class EqualEdges(RigidBody):
     """A rigid body with equal edges: p^2 = M g R/I_P, lambda = tan alpha (Eq. 2.2), a_scale = 1 (Eq. 2.4).
 
     radius: R, from the edge to the mass centre [m]; alpha [rad]; inertia: I_P/(M R^2) about the edge [-]; eta: from angular
@@ -105,9 +141,20 @@ class EqualEdges(Body):
         p, arm = math.sqrt(gravity / (self.radius * self.inertia)), self.radius if self.whole else None
         return (Edge(p, self.alpha, math.tan(self.alpha), eta, arm),) * 2
 
+    @property
+    def reach(self) -> float:
+        """Half the width of the base."""
+        return self.radius * math.sin(self.alpha)
+
+    def _moved_in(self, inset: float) -> RigidBody:
+        half, z = self.reach - inset, self.radius * math.cos(self.alpha)
+        polar = (self.inertia - 1.0) * self.radius**2 + z * z
+        moved = symmetric_body(Moments(1.0, 0.0, z, polar), half, top=self.top, limit=self.limit, drawing=self._redrawn(inset))
+        return replace(moved, details=self.details)
+
 
 @dataclass(frozen=True, kw_only=True)
-class TwoEdges(Body):
+class TwoEdges(RigidBody):
     """A rigid body on the edges (-half, 0) and (half, 0) [m]."""
 
     moments: Moments
@@ -116,6 +163,16 @@ class TwoEdges(Body):
     def edges(self, gravity: float) -> tuple[Edge, Edge]:
         """As `edges_of`."""
         return edges_of(self.moments, self.half, gravity)
+
+    @property
+    def reach(self) -> float:
+        """That of the nearer edge."""
+        return self.half - abs(self.moments.x / self.moments.mass)
+
+    def _moved_in(self, inset: float) -> RigidBody:
+        half = self.half - inset
+        backing = _against_backing(self.moments, half, self.top)
+        return replace(self, half=half, backing=backing, drawing=self._redrawn(inset))
 
     def direction(self) -> dict[str, str]:
         """The side of the mass centre."""
@@ -130,7 +187,8 @@ def rectangle_body(radius: float, alpha: float, **more: Any) -> EqualEdges:
     half, z = radius * math.sin(alpha), radius * math.cos(alpha)
     drawing = rocker([rectangle(-half, half, 0.0, 2.0 * z)], (-half, 0.0), (half, 0.0), (0.0, z))
     backing = 1.0 - 1.5 * math.cos(alpha) ** 2
-    return EqualEdges(radius=radius, alpha=alpha, inertia=4.0 / 3.0, backing=backing, drawing=drawing, **more)
+    top = (-half, 2.0 * z)
+    return EqualEdges(radius=radius, alpha=alpha, inertia=4.0 / 3.0, top=top, backing=backing, drawing=drawing, **more)
 
 
 def symmetric_body(moments: Moments, half: float, *, top: Point | None = None, **more: Any) -> EqualEdges:
@@ -141,15 +199,15 @@ def symmetric_body(moments: Moments, half: float, *, top: Point | None = None, *
     right, z = half - moments.x / moments.mass, moments.z / moments.mass
     radius = math.hypot(right, z)
     inertia, alpha = moments.about(half, 0.0) / (moments.mass * radius**2), math.atan2(right, z)
-    return EqualEdges(radius=radius, alpha=alpha, inertia=inertia, backing=_against_backing(moments, half, top), **more)
+    return EqualEdges(radius=radius, alpha=alpha, inertia=inertia, top=top, backing=_against_backing(moments, half, top), **more)
 
 
-def body_on_edges(moments: Moments, half: float, *, top: Point | None = None, **more: Any) -> Body:
+def body_on_edges(moments: Moments, half: float, *, top: Point | None = None, **more: Any) -> RigidBody:
     """A body that rocks as a whole on the edges (-half, 0) and (half, 0) [m]; arguments as for `symmetric_body`."""
     if abs(moments.x) <= 1e-13 * math.sqrt(moments.mass * moments.polar):  # the offset is rounding
         moments = moments._replace(x=0.0)
         return symmetric_body(moments, half, top=top, eta=edges_of(moments, half, 1.0)[1].eta, **more)
-    return TwoEdges(moments=moments, half=half, backing=_against_backing(moments, half, top), **more)
+    return TwoEdges(moments=moments, half=half, top=top, backing=_against_backing(moments, half, top), **more)
 
 
 def edges_of(body: Moments, half: float, gravity: float) -> tuple[Edge, Edge]:

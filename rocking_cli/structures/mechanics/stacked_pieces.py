@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from functools import partial
 from itertools import accumulate
 from typing import NamedTuple
 
@@ -15,7 +16,7 @@ from ...documents.document import Document
 from ..shared_keys import gravity_of
 from ..sketch import rocker
 from .kinematics import Moments
-from .single_body import Body, body_on_edges, edges_of, symmetric_body
+from .single_body import RigidBody, body_on_edges, edges_of, symmetric_body
 
 
 class Piece(NamedTuple):
@@ -90,10 +91,10 @@ class Bed(NamedTuple):
         return {"p": edge.p, "alpha": edge.alpha, "eta": edge.eta if edge.eta >= 0.0 else None, "lambda": edge.uplift}
 
 
-def stacked(document: Document, key: str, word: str, pieces: Sequence[Piece]) -> Body:
+def stacked(document: Document, key: str, word: str, pieces: Sequence[Piece], inset: float = 0.0) -> RigidBody:
     """The body that rocks on the interface with the least margin, the lowest if several are equal.
 
-    pieces: from below; key: of their list in the document; word: for one of them.
+    pieces: from below; key: of their list in the document; word: for one of them; inset: from the edges of every interface [m].
     Raises DocumentError if a piece does not stand on the one below it, or the stack does not stand.
     """
     moments, beds = Moments(0.0, 0.0, 0.0, 0.0), list[Bed]()
@@ -104,13 +105,17 @@ def stacked(document: Document, key: str, word: str, pieces: Sequence[Piece]) ->
         if i:
             below = pieces[i - 1]
             left, right = max(left, below.axis - below.head), min(right, below.axis + below.head)
+        left, right = left + inset, right - inset
         if not right > left:
+            if inset:
+                raise document.fault("inset", f"an inset beyond half the base of {word} {i + 1} from below", "a shorter one")
             raise document.fault(key, f"{word} {i + 1} from below apart from the one below it", f"{word}s that stand on each other")
         beds.insert(0, Bed(left, right, moments))
     weakest = min(range(len(beds)), key=lambda i: beds[i].margin)
     bed, last = beds[weakest], pieces[-1]
     if not bed.margin > 0.0:
-        raise document.fault(key, f"{word} {weakest + 1} from below, with the pieces on it, beyond its edge", "a stack that stands")
+        found = f"{word} {weakest + 1} from below, with the pieces on it, beyond its edge"
+        raise document.fault("inset" if inset else key, found, "a stack that stands")
     details = {}
     if len(pieces) > 1:
         gravity = gravity_of(document)
@@ -122,9 +127,10 @@ def stacked(document: Document, key: str, word: str, pieces: Sequence[Piece]) ->
     for (foot, head, _, axis, _), low, high in zip(pieces, levels, levels[1:], strict=False):
         outlines.append(((axis - foot, low), (axis + foot, low), (axis + head, high), (axis - head, high)))
     base, (mass, x, z, _) = levels[weakest], bed.body
-    feet = (bed.left, base), (bed.right, base)
-    drawing = rocker(outlines[weakest:], *feet, (x / mass, base + z / mass), still=tuple(outlines[:weakest]))
+    edges = (bed.left - inset, base), (bed.right + inset, base)
+    drawing = rocker(outlines[weakest:], *edges, (x / mass, base + z / mass), inset=inset, still=tuple(outlines[:weakest]))
     top = last.axis - last.head - 0.5 * (bed.left + bed.right), sum(piece.height for piece in pieces[weakest:])
     rock = body_on_edges if bed.centred.x else symmetric_body
     limit = f"a {word} more slender than this one"
-    return rock(bed.centred, bed.half, top=top, limit=limit, details=details, drawing=drawing)
+    again = partial(stacked, document, key, word, pieces)
+    return rock(bed.centred, bed.half, top=top, limit=limit, details=details, drawing=drawing, again=again)

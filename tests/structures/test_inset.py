@@ -1,0 +1,118 @@
+"""Pivots inside the edges: the same body on a narrower base, on every rigid kind."""
+
+from __future__ import annotations
+
+import json
+import math
+from dataclasses import replace
+
+import pytest
+from support.documents import built
+
+from rocking_cli import DocumentError, build_structure
+from rocking_cli.structures import KINDS, read_documents
+from rocking_cli.structures.kinds import sketch_of
+
+RIGID = [kind for kind in KINDS if kind not in ("arch", "parameters")]
+
+
+def same(found, wanted, **tolerance):
+    for one, other in zip(found.sides or (found,), wanted.sides or (wanted,), strict=True):
+        told = tuple((x.p, x.alpha, x.uplift, x.eta) for x in (one, other))
+        assert told[0] == pytest.approx(told[1], **(tolerance or {"rel": 1e-13, "abs": 0}))
+
+
+def test_a_block_rocks_as_the_rigid_body_whose_edges_lie_further_inside():
+    gyration = math.hypot(0.5, 2) / math.sqrt(12)
+    found = built("kind: block\nwidth: 0.5\nheight: 2\ninset: 20 mm")
+    same(found, built(f"kind: rigid\nleft: 0.23\nright: 0.23\nheight: 1\ngyration: {gyration!r}"))
+    assert (found.details["inset"], found.details["alpha_geometric"]) == (0.02, math.atan(0.25))
+    assert found.alpha == pytest.approx(math.atan(0.23), rel=1e-14)
+
+
+def test_an_unequal_body_moves_both_its_edges():
+    body = "kind: rigid\nheight: 1.15\ngyration: 0.68\nleft: {}\nright: {}\n"
+    found = built(body.format(0.42, 0.31) + "inset: 3 cm")
+    same(found, built(body.format(0.39, 0.28)))
+    assert found.details["alpha_geometric"] == math.atan2(0.31, 1.15)
+
+
+def test_a_point_mass_and_a_spire_by_hand():
+    same(built("kind: point_mass\nwidth: 1.2\nheight: 4\ninset: 0.1"), built("kind: point_mass\nwidth: 1\nheight: 4"))
+    spire, r, d = built("kind: spire\nbase_radius: 1.5\nheight: 12\ninset: 0.2"), 1.5, 0.2
+    inertia = 0.25 * r**2 + 12**2 / 6 + (r - d) ** 2  # about the pivot, of a thin wall
+    assert spire.p**2 == pytest.approx(9.81 * math.hypot(4, r - d) / inertia, rel=1e-13)
+    assert spire.eta == pytest.approx(1 - 2 * (r - d) ** 2 / inertia, rel=1e-13)
+
+
+def test_a_one_sided_wall_still_meets_its_backing_at_its_top():
+    b, h, d = 0.6, 4.0, 0.05  # half widths and heights; I_G/m, then the vectors from edges and top to the mass centre
+    central, x = (b * b + h * h) / 3, b - d
+    base = (central + h * h - x * x) / (central + h * h + x * x)
+    backing = (central + x * b - h * h) / (central + b * b + h * h)
+    assert built("kind: wall\nthickness: 1.2\nheight: 8\none_sided: true\ninset: 5 cm").eta == pytest.approx(base**2 * backing, rel=1e-13)
+
+
+def test_a_frame_by_the_energy_and_momentum_of_its_parts():
+    b, h, gamma, d = 0.25, 1.5, 0.7, 0.03
+    found = built(f"kind: frame\ncolumns: 4\nwidth: {2 * b}\nheight: {2 * h}\ncap_ratio: {gamma}\ninset: {d}")
+    x, central = b - d, (b * b + h * h) / 3  # a column of mass 1, and the beam on its head at twice the lever
+    inertia = central + x * x + h * h + gamma * 4 * (x * x + h * h)
+    assert found.p**2 == pytest.approx(9.81 * math.hypot(x, h) * (1 + 2 * gamma) / inertia, rel=1e-13)
+    shared = central + h * h - x * x + gamma * 4 * (h * h - x * x)
+    assert (found.alpha, found.eta) == pytest.approx((math.atan2(x, h), shared / inertia), rel=1e-13)
+
+
+def test_every_interface_of_a_stack_is_narrower_and_another_one_may_govern():
+    stack = "kind: stack\npieces: [{width: 1, height: 3}, {width: 0.4, height: 1}]\ninset: "
+    found = built(stack + "0")
+    assert (found.details["rocks_on"], found.alpha) == ("its base", found.details["alpha_geometric"])
+    worn = built(stack + "0.15")
+    assert worn.details["rocks_on"] == "piece 1 from below"
+    assert [interface["lambda"] for interface in worn.details["interfaces"]][1] == pytest.approx(0.05 / 0.5, rel=1e-13)
+    assert worn.details["alpha_geometric"] == found.alpha
+
+
+@pytest.mark.parametrize("kind", RIGID)
+def test_every_rigid_kind_takes_an_inset(kind, pytestconfig):
+    (document,) = read_documents(pytestconfig.rootpath / "configs" / f"{kind}.yaml")
+    plain, none, worn = (build_structure(document.with_value("inset", text, "f.yaml")) for text in ("null", "0", "5 mm"))
+    assert replace(none, details=plain.details) == plain
+    assert none.details["alpha_geometric"] == plain.alpha == worn.details["alpha_geometric"]
+    assert worn.alpha < plain.alpha
+    assert built(json.dumps(worn.record())) == replace(worn, mechanism=None)
+    drawn, before = (sketch_of(document.with_value("inset", text, "f.yaml"), plain) for text in ("5 mm", "0"))
+    for (name, (x, z)), (_, (edge, level)) in zip(drawn.pivots, before.pivots, strict=True):
+        assert (x, z) == pytest.approx((edge + (0.005 if name == "left" else -0.005), level), abs=1e-13)
+    assert len(drawn.moved) == len(drawn.bodies)
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("kind: block\nwidth: 1\nheight: 5\ninset: -1 mm", r"f.yaml:4:8: inset: found -1 mm; expected a length from 0 to below 0.5 m"),
+        ("kind: block\nwidth: 1\nheight: 5\ninset: 0.5", r"f.yaml:4:8: inset: found 0.5; expected a length from 0 to below 0.5 m"),
+        ("kind: block\nwidth: 1\nheight: 5\ninset: 5 deg", "inset: found 5 deg; expected a length"),
+        (
+            "kind: rigid\nleft: 0.4\nright: 0.3\nheight: 2\ngyration: 1\ninset: 0.3",
+            "inset: found 0.3; expected a length from 0 to below 0.3 m",
+        ),
+        (
+            "kind: arch\nradius: 10\nthickness: 1.5\nangle: 3\ninset: 1 cm",
+            r"f.yaml:5:8: inset: found inset of kind arch; expected no inset",
+        ),
+        ("kind: parameters\np: 1\nalpha: 0.2\neta: 1\nlambda: 0.2\ninset: 0.1", r"f.yaml:6:8: inset: found inset of kind parameters"),
+        ("kind: spire\nbase_radius: 1\nheight: 9\ncrack_height: 3\ninset: 0.1", "inset: found an inset of a cracked spire"),
+        (
+            "kind: stack\npieces: [{width: 1, height: 5}, {width: 0.2, height: 0.1}]\ninset: 0.2",
+            "inset: found an inset beyond half the base of piece 2",
+        ),
+        (
+            "kind: stack\npieces: [{width: 1, height: 6}, {width: 0.4, height: 0.1, offset: 0.1}]\ninset: 0.2",
+            "inset: found piece 2 from below, with the pieces on it, beyond its edge",
+        ),
+    ],
+)
+def test_refusals(text, words):
+    with pytest.raises(DocumentError, match=words):
+        built(text)
