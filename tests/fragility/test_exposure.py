@@ -11,7 +11,6 @@ from rocking_cli import (
     UsageError,
     build_structure,
     cosine,
-    overturned,
     parse_documents,
     pulse,
     response,
@@ -75,19 +74,6 @@ def test_cells_lie_in_the_traced_intervals_and_shares_are_those_of_the_cells(nam
     assert [np.isfinite(r) for r in first] == [bool(mine) for mine in intervals]
 
 
-def test_a_record_at_a_level_is_the_record_scaled_to_it():
-    levels = np.array([2.0, 4.0])
-    (found,) = exposures([BLOCK], RECORDS[:1], MEASURES["PGA"], levels, LINEAR)
-    for n, member in enumerate(RECORDS[:1]):
-        alone = response(LINEAR.system_of(BLOCK), member.motion, BLOCK.dimensionless_amplitude(levels), 1.0 / BLOCK.p, BLOCK.eta)
-        assert np.allclose(alone.theta_ratio, found.theta_ratio[n], rtol=1e-9, atol=1e-12, equal_nan=True)
-        assert alone.outcome.tolist() == found.outcome[n].tolist()
-    own, outcome = as_recorded(BLOCK, RECORDS[:1], LINEAR)
-    (same,) = exposures([BLOCK], RECORDS[:1], MEASURES["PGA"], np.array([RECORDS[0].acceleration, 9.0]), LINEAR)
-    assert own[0] == pytest.approx(same.theta_ratio[0, 0], rel=1e-9)
-    assert overturned(outcome).tolist() == np.isnan(own).tolist()
-
-
 def test_a_file_of_cells_is_read_again_and_another_scene_refused(tmp_path):
     path, levels = tmp_path / "cells.h5", np.array([2.0, 4.0, 6.0])
     (fresh,) = exposures([BLOCK], RECORDS[:1], MEASURES["PGA"], levels, LINEAR, path=path)
@@ -101,30 +87,34 @@ def test_a_file_of_cells_is_read_again_and_another_scene_refused(tmp_path):
         exposures([BLOCK], PULSES, MEASURES["PGA"], levels, LINEAR, path=tmp_path / "pulses.h5")
 
 
-def test_a_vertical_motion_is_beside_every_record_and_every_pulse(tmp_path):
-    """Cells are those of single responses to both together, scaled together; the measure is that of the horizontal motion."""
+UPWARDS = {"records": Upwards(record_motion(record(7)), 0.6), "pulses": Upwards(cosine(), -0.4)}
+
+
+@pytest.mark.parametrize("up", [None, UPWARDS["records"], UPWARDS["pulses"]], ids=["level", "vertical record", "vertical pulse"])
+def test_cells_are_single_responses_to_the_scaled_motions(up):
+    """A vertical motion is scaled together with the horizontal one, whose measure counts."""
+    method, levels = Method("nonlinear"), np.array([2.6, 4.0])
+    members = PULSES[:2] if up is UPWARDS["pulses"] else RECORDS[:2]
+    shaken = members if up is None else shaken_upwards(members, up)
+    (found,), recorded = exposures([BLOCK], shaken, MEASURES["PGA"], levels, method), as_recorded(BLOCK, shaken, method)
+    for i, member in enumerate(members):
+        motion = member.motion if up is None else with_vertical(member.motion, up.vertical, up.scale)
+        amplitude = BLOCK.dimensionless_amplitude(np.array([*levels, member.acceleration]))
+        alone = response(method.system_of(BLOCK), motion, amplitude, np.array([member.omega / BLOCK.p]), BLOCK.eta)
+        assert alone.outcome.tolist() == [*found.outcome[i], recorded[1][i]]
+        assert alone.theta_ratio == pytest.approx([*found.theta_ratio[i], recorded[0][i]], rel=1e-9, nan_ok=True)
+
+
+def test_a_file_of_cells_with_a_vertical_motion_is_read_again_for_it_alone(tmp_path):
     method, levels, measure = Method("nonlinear"), np.array([2.6, 4.0]), MEASURES["PGA"]
-    system = method.system_of(BLOCK)
-    upwards = {"records": Upwards(record_motion(record(7)), 0.6), "pulses": Upwards(cosine(), -0.4)}
-    for members, up in ((RECORDS[:2], upwards["records"]), (PULSES[:2], upwards["pulses"])):
-        shaken = shaken_upwards(members, up)
-        (found,), (level,) = (exposures([BLOCK], some, measure, levels, method) for some in (shaken, members))
-        assert not np.array_equal(found.theta_ratio, level.theta_ratio, equal_nan=True)
-        recorded = as_recorded(BLOCK, shaken, method)
-        for i, member in enumerate(members):
-            motion, own = with_vertical(member.motion, up.vertical, up.scale), member.acceleration
-            amplitude = BLOCK.dimensionless_amplitude(np.array([*levels, own]))
-            alone = response(system, motion, amplitude, np.array([member.omega / BLOCK.p]), BLOCK.eta)
-            assert alone.outcome.tolist() == [*found.outcome[i], recorded[1][i]]
-            assert alone.theta_ratio == pytest.approx([*found.theta_ratio[i], recorded[0][i]], rel=1e-9, nan_ok=True)
-    shaken = shaken_upwards(RECORDS[:1], upwards["records"])
+    shaken = shaken_upwards(RECORDS[:1], UPWARDS["records"])
     (kept,) = exposures([BLOCK], shaken, measure, levels, method, path=tmp_path / "up.h5")
     (again,) = exposures([BLOCK], shaken, measure, levels, method, path=tmp_path / "up.h5", resume=True)
     assert again.outcome.tolist() == kept.outcome.tolist()
     with pytest.raises(UsageError, match="is of another scene"):
         exposures([BLOCK], RECORDS[:1], measure, levels, method, path=tmp_path / "up.h5", resume=True)
     with pytest.raises(UsageError, match="expected two records, or none"):
-        shaken_upwards(RECORDS, upwards["pulses"])
+        shaken_upwards(RECORDS, UPWARDS["pulses"])
 
 
 def test_shares_step_where_intervals_begin_and_end():

@@ -1,4 +1,4 @@
-"""Shared by the tests of figures: a figure instead of a file, the CSV that it is drawn from, and what its axes hold."""
+"""Shared by the tests of figures: a figure instead of a file, the files that it is drawn from, and what its axes hold."""
 
 from __future__ import annotations
 
@@ -19,9 +19,12 @@ def figures(monkeypatch):
 
 @pytest.fixture
 def drawn(figures, tmp_path):
-    """A function that draws a file and returns the figure; its attribute `told` is the sentence that `draw` returned."""
+    """A function that draws a file, or the text of a CSV, and returns the figure; its attribute `told` is what `draw` returned."""
 
     def run(source, **options):
+        if isinstance(source, str):
+            (tmp_path / "text.csv").write_text(source)
+            source = tmp_path / "text.csv"
         told = draw(source, tmp_path / "figure.png", **options)
         figures[-1].told = told
         return figures[-1]
@@ -37,5 +40,18 @@ def table(rocking, tmp_path):
         text = rocking(*call, "--csv").stdout
         (tmp_path / "table.csv").write_text(text)
         return tmp_path / "table.csv", csv_rows(text)
+
+    return run
+
+
+@pytest.fixture
+def swept(rocking, tmp_path):
+    """A function that writes the spectra file of a call and returns its path."""
+
+    def run(*call, stdin=None):
+        path = tmp_path / f"{len(list(tmp_path.glob('*.h5')))}.h5"
+        done = rocking("spectrum", *call, "--check", "0", "-o", path.name, "-q", stdin=stdin)
+        assert done.returncode == 0, done.stderr
+        return path
 
     return run

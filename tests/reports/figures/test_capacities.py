@@ -20,9 +20,5 @@ def test_bars_end_at_the_first_overturning_and_lines_stand_at_the_demand():
     assert [line.get_xdata()[0] for line in axes.lines] == pytest.approx([0.2, 0.35, 0.5, 0.35])
     assert [t.get_text() for t in axes.get_yticklabels()] == [v.structure for v in verdicts]
     assert [text.get_text().split()[0] for text in axes.texts] == [f"{v.capacity_demand:.2f}" for v in verdicts]
-
-
-def test_bars_of_one_structure_under_several_motions_are_named_by_the_motion():
-    verdict = check(build_structure(parse_documents("kind: block\nwidth: 0.4\nheight: 2")[0]), sine(), parse_grid("a_g=0.35g,f_g=1.2"))
-    axes = capacities(Figure(), [replace(verdict, motion=name) for name in ("north", "east")], in_g=True)
+    axes = capacities(Figure(), [replace(verdicts[0], motion=name) for name in ("north", "east")], in_g=True)
     assert [t.get_text() for t in axes.get_yticklabels()] == ["north", "east"]

@@ -25,9 +25,9 @@ def test_it_fits_a_terminal_of_80_columns_and_24_rows_with_its_prompt(spectrum_f
     assert max(map(len, told)) <= 80
 
 
-def test_slices_of_many_structures_fit_too(rocking, tmp_path):
-    names = [f"block:0.5x{height}" for height in range(2, 9)]
-    rocking("spectrum", *names, "--grid", "a_g=0.1g:1g:5,f_g=1:2:3", "-o", "many.h5", "-q")
-    lines = rocking("plot", "many.h5", "--text", "--slice", "f_g=1.5").stdout.splitlines()
+def test_slices_of_many_structures_fit_too(swept):
+    many = swept(*(f"block:0.5x{height}" for height in range(2, 9)), "--grid", "a_g=0.1g:1g:5,f_g=1:2:3")
+    with SpectraFile(many) as file:
+        lines = text_map(file, None, "f_g=1.5")
     assert len(lines) <= 23
     assert lines[0].startswith("theta_max/alpha at omega_g = 9.42478 over a_g")

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from support.axes import lines, numbers, same
 
-from rocking_cli import Outcome, UsageError
+from rocking_cli import Outcome
 
 
 def inside(axes, x, y):
@@ -65,12 +65,11 @@ def test_both_equations_have_a_panel_each(drawn, table):
     assert [axes.get_title() for axes in drawn(source).axes] == ["Column, linear", "Column, nonlinear"]
 
 
-def test_records_are_bars_in_g(drawn, tmp_path):
-    (tmp_path / "r.csv").write_text(
+def test_records_are_bars_in_g(drawn):
+    (axes,) = drawn(
         "record,structure,A_from,A_to,mode,a_from [m/s2],a_to [m/s2]\n"
         "one,Column,1,2,after_impact,2.4525,4.905\none,Column,3,,no_impact,7.3575,\ntwo,Column,,,none,,\n"
-    )
-    (axes,) = drawn(tmp_path / "r.csv").axes
+    ).axes
     assert [tick.get_text() for tick in axes.get_xticklabels()] == ["one", "two"]
     assert (axes.get_ylabel(), axes.get_title()) == ("$a_g$ [g]", "Column")
     strokes = [np.array(s) for c in axes.collections if hasattr(c, "get_segments") for s in c.get_segments()]
@@ -79,17 +78,10 @@ def test_records_are_bars_in_g(drawn, tmp_path):
     np.testing.assert_allclose(strokes, [[(0, 0.25), (0, 0.5)], [(0, 0.75), (0, top)]], rtol=1e-12)
 
 
-def test_blocks_under_a_record_are_bands_over_their_size(drawn, tmp_path):
-    (tmp_path / "r.csv").write_text(
+def test_blocks_under_a_record_are_bands_over_their_size(drawn):
+    first, second = drawn(
         "record,alpha [rad],T [s],A_from,mode\none,0.1,1,2,after_impact\none,0.1,2,3,after_impact\none,0.2,1,4,no_impact\n"
-    )
-    first, second = drawn(tmp_path / "r.csv").axes
+    ).axes
     assert (first.get_title(), second.get_title()) == (r"one, $\alpha$ = 0.1 rad", r"one, $\alpha$ = 0.2 rad")
     assert (first.get_xlabel(), first.get_ylabel()) == (r"$T = 2\pi/p$ [s]", r"$A = a_{scale}\,a_g/(\alpha g)$ [-]")
     same(first.get_lines()[0].get_data(), np.array([1, 2]), np.array([2, 3]))
-
-
-def test_an_envelope_without_an_interval_is_refused(drawn, tmp_path):
-    (tmp_path / "none.csv").write_text("structure,Omega,A_from,A_to,mode\nx,1,,,none\nx,2,,,none\n")
-    with pytest.raises(UsageError, match="holds nothing to draw"):
-        drawn(tmp_path / "none.csv")

@@ -63,39 +63,23 @@ def test_its_curves_go_up_to_their_nose_and_have_their_names_on_them(figure):
     assert not closed_form_curves(np.array([1.001 * max(low_x[-1], high_x[-1])]), 0.9)[2:]
 
 
-@pytest.fixture
-def towers(rocking, tmp_path):
-    """Two structures under a cosine, for which there are no closed-form curves."""
-    call = ("spectrum", "configs/block.yaml", "configs/spire.yaml", "--pulse", "cosine", "--grid", "a_g=0.2g:1g:9,f_g=0.5:2:7")
-    assert rocking(*call, "-o", "t.h5", "-q").returncode == 0
-    return tmp_path / "t.h5"
-
-
-def test_a_map_with_units_is_in_g_and_hz_or_in_those_asked_for(drawn, towers):
-    (axes,) = drawn(towers).axes
+def test_a_map_with_units_is_in_g_and_hz_or_in_those_asked_for_with_a_panel_for_every_structure(drawn, swept):
+    towers = swept("configs/block.yaml", "configs/spire.yaml", "--pulse", "cosine", "--grid", "a_g=0.2g:1g:9,f_g=0.5:2:7")
+    figure = drawn(towers, every=True)
+    axes, other = figure.axes
     assert (axes.get_xlabel(), axes.get_ylabel()) == ("$f_g$ [Hz]", "$a_g$ [g]")
     assert (*axes.get_xlim(), *axes.get_ylim()) == pytest.approx((0.5, 2, 0.2, 1), rel=1e-12)
-    (si,) = drawn(towers, units=parse_units("m/s2,rad/s")).axes
+    assert [one.get_title().partition(",")[0] for one in figure.axes] == ["Column", "Spire"]
+    assert len(figure.legends) == 1
+    (si,) = drawn(towers, structure="Spire", units=parse_units("m/s2,rad/s")).axes
     assert (si.get_xlabel(), si.get_ylabel()) == (r"$\omega_g$ [rad/s]", "$a_g$ [m/s²]")
     assert si.get_xlim() == pytest.approx((math.pi, 4 * math.pi), rel=1e-12)
+    np.testing.assert_array_equal(other.collections[0].get_array(), si.collections[0].get_array())
 
 
-def test_curves_over_a_map_with_units_are_in_them(drawn, rocking, tmp_path):
-    call = (
-        "spectrum",
-        "configs/block.yaml",
-        "--pulse",
-        "rectangular",
-        "--grid",
-        "a_g=0.2g:1g:9,f_g=0.5:2:7",
-        "--model",
-        "linear",
-        "-o",
-        "t.h5",
-        "-q",
-    )
-    assert rocking(*call).returncode == 0
-    curves = lines(drawn(tmp_path / "t.h5").axes[0])
+def test_curves_over_a_map_with_units_are_in_them(drawn, swept):
+    call = ("configs/block.yaml", "--pulse", "rectangular", "--grid", "a_g=0.2g:1g:9,f_g=0.5:2:7", "--model", "linear")
+    curves = lines(drawn(swept(*call)).axes[0])
     x, y = curves["closed form: initiation"]
     np.testing.assert_allclose(y, math.atan(0.25), rtol=1e-12)  # A = 1 is a_g = alpha g
     assert x[[0, -1]] == pytest.approx([0.5, 2], rel=1e-12)
@@ -104,44 +88,26 @@ def test_curves_over_a_map_with_units_are_in_them(drawn, rocking, tmp_path):
     np.testing.assert_allclose(y, math.atan(0.25) / -np.expm1(-p / x), rtol=1e-12)  # A = 1/(1 - exp(-p t_d)), t_d = 1/f_g
 
 
-def test_a_panel_for_every_structure(drawn, towers):
-    figure = drawn(towers, every=True)
-    assert [axes.get_title().partition(",")[0] for axes in figure.axes] == ["Column", "Spire"]
-    (second,) = drawn(towers, structure="Spire").axes
-    np.testing.assert_array_equal(figure.axes[1].collections[0].get_array(), second.collections[0].get_array())
-    assert len(figure.legends) == 1
-
-
 @pytest.mark.parametrize("more", ["one_sided: true", "damping: 0.05"])
-def test_a_map_of_another_body_carries_no_curves(drawn, rocking, tmp_path, more):
-    rocking("spectrum", "-", "--grid", "A=1:4:4,Omega=2:5:4", "-o", "other.h5", "-q", stdin=f"kind: block\nwidth: 1\nheight: 5\n{more}\n")
-    assert lines(drawn(tmp_path / "other.h5").axes[0]) == {}
+def test_a_map_of_another_body_carries_no_curves(drawn, swept, more):
+    other = swept("-", "--grid", "A=1:4:4,Omega=2:5:4", stdin=f"kind: block\nwidth: 1\nheight: 5\n{more}\n")
+    assert lines(drawn(other).axes[0]) == {}
 
 
-@pytest.fixture
-def record(tmp_path):
-    """A short record in a plain column, and how it is given."""
+def test_blocks_under_a_record_are_a_map_and_structures_are_lines_over_its_factor(drawn, swept, tmp_path):
     (tmp_path / "wave.txt").write_text(rows(wave(30, 3.0), 1, "{:.9e}"))
-    return "--motion", "wave.txt", "--unit", "m/s2", "--dt", "0.05"
-
-
-def test_a_map_of_blocks_under_a_record(drawn, rocking, tmp_path, record):
-    scene = (*record, "--alpha", "10,15,20deg", "--grid", "T=3:4:2", "--model", "linear", "--check", "0")
-    assert rocking("spectrum", *scene, "-o", "r.h5", "-q").returncode == 0
-    with SpectraFile(tmp_path / "r.h5") as file:
+    record = ("--motion", "wave.txt", "--unit", "m/s2", "--dt", "0.05", "--model", "linear")
+    path = swept(*record, "--alpha", "10,15,20deg", "--grid", "T=3:4:2")
+    with SpectraFile(path) as file:
         outcome = file.block(0, slice(None))["outcome"]
-    (axes,) = drawn(tmp_path / "r.h5", structure="wave", units=parse_units("deg")).axes
+    (axes,) = drawn(path, structure="wave", units=parse_units("deg")).axes
     np.testing.assert_array_equal(axes.collections[0].get_array().reshape(outcome.shape), outcome)
     assert (axes.get_xlabel(), axes.get_ylabel()) == (r"$T = 2\pi/p$ [s]", r"$\alpha$ [deg]")
     assert axes.get_ylim() == pytest.approx((10, 20), rel=1e-12)
-
-
-def test_structures_under_a_record_are_lines_over_its_factor(drawn, rocking, tmp_path, record):
-    scene = ("configs/block.yaml", *record, "--grid", "scale=0.5:1:2", "--model", "linear", "--check", "0")
-    assert rocking("spectrum", *scene, "-o", "s.h5", "-q").returncode == 0
-    with SpectraFile(tmp_path / "s.h5") as file:
+    path = swept("configs/block.yaml", *record, "--grid", "scale=0.5:1:2")
+    with SpectraFile(path) as file:
         theta = file.block(0, slice(None))["theta_ratio"][0]
-    (axes,) = drawn(tmp_path / "s.h5").axes
+    (axes,) = drawn(path).axes
     np.testing.assert_array_equal(axes.get_lines()[0].get_ydata(), theta)
     assert axes.get_xlabel() == "factor of the record [-]"
 
@@ -153,17 +119,15 @@ def test_a_file_without_a_cell_is_refused(drawn, spectrum_file, monkeypatch):
         drawn(spectrum_file)
 
 
-def test_a_map_with_forces_has_lines_of_equal_friction_and_none_of_a_vertical_motion_the_closed_forms(rocking, tmp_path, figures):
-    call = ("spectrum", "configs/block.yaml", "--grid", "A=0.5:3:6,Omega=2:6:5", "--check", "0", "--no-validity", "-q")
-    assert rocking(*call, "--quantity", "friction", "-o", "f.h5").returncode == 0
-    assert rocking(*call, "--vertical", "cosine", "--vertical-scale", "0.5", "-o", "v.h5").returncode == 0
-    for name in ("f", "v"):
-        draw(tmp_path / f"{name}.h5", tmp_path / f"{name}.png")
-    with SpectraFile(tmp_path / "f.h5") as file:
+def test_a_map_with_forces_has_lines_of_equal_friction_and_none_of_a_vertical_motion_the_closed_forms(drawn, swept):
+    call = ("configs/block.yaml", "--grid", "A=0.5:3:6,Omega=2:6:5", "--no-validity")
+    path, upwards = swept(*call, "--quantity", "friction"), swept(*call, "--vertical", "cosine", "--vertical-scale", "0.5")
+    with SpectraFile(path) as file:
         friction = file.block(0, slice(None))["friction"]
-    (contours,) = [c for c in figures[0].axes[0].collections if hasattr(c, "levels")]
+    (axes,) = drawn(path).axes
+    (contours,) = [c for c in axes.collections if hasattr(c, "levels")]
     assert np.nanmin(friction) <= contours.levels[-2] <= np.nanmax(friction)
-    assert any("closed form" in line.get_label() for line in figures[0].axes[0].get_lines())
-    assert not figures[1].axes[0].get_lines()
-    with SpectraFile(tmp_path / "v.h5") as file, pytest.raises(UsageError, match="found a vertical motion"):
+    assert any("closed form" in label for label in lines(axes))
+    assert not drawn(upwards).axes[0].get_lines()
+    with SpectraFile(upwards) as file, pytest.raises(UsageError, match="found a vertical motion"):
         file.motion()
