@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from . import options
-from .command import command
+from .command import command, group
 from .printing import note, quiet, units, units_of
 
 MOST = 12  # panels that a page shows
@@ -15,17 +15,18 @@ MOST = 12  # panels that a page shows
 def draw(
     files: tuple[str, ...] = options.files(),
     output: Path = options.output(required=True, help="The figure: .png, .svg or .pdf."),
+    looks: options.Looks = group(options.Looks),
     overwrite: bool = options.overwrite(),
 ) -> None:
-    """Draw structures to scale, a panel each: outline, pivots, mass centre, R and alpha; dashed: the shape at alpha.
+    """Draw structures at one scale, a panel each: outline, pivots, mass centre, R and alpha; dashed: the shape at alpha.
 
     For an arch the figure also has the voussoirs, the hinges numbered from springing A, and the displaced linkage; for a cracked spire
-    the crack; for a stack the pieces below the interface on which it rocks. Kind parameters has no geometry. Figures need the extra:
-    pip install 'rocking[plot]'.
+    the crack; for a stack the pieces below the interface on which it rocks. Kind parameters has no geometry and is left out. Figures
+    need the extra: pip install 'rocking[plot]'.
     """
     from ..publishing import check_target
     from ..reports.figures.drawing import draw_structures
 
     check_target(output, overwrite, options.FIGURES)
     documents = options.documents_of(files, MOST, "a figure")
-    draw_structures(documents, output, units=units_of(), overwrite=overwrite, tell=note)
+    draw_structures(documents, output, units=units_of(), look=looks.look(), overwrite=overwrite, tell=note)

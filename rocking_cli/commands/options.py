@@ -15,13 +15,14 @@ import click
 
 from . import streams
 from .command import argument, option
-from .parameter_types import InputPath, OutputPath, Parsed, Registered, Restitution, limit, model_names
+from .parameter_types import InputPath, OutputPath, Parsed, Registered, Restitution, limit, model_names, quantity
 from .printing import note
 
 if TYPE_CHECKING:
     from ..dynamics.method import Method
     from ..motions.grid import Grid
     from ..motions.recording import Recording
+    from ..reports.figures.canvas import Look
     from ..structures import RockingParameters
 
 FIGURES = (".png", ".svg", ".pdf")
@@ -56,6 +57,24 @@ linear_uplift = partial(
     option, "--linear-uplift", type=click.Choice(["alpha", "lambda"]), default="alpha", show_default=True,
     help="Uplift of rigid bodies in the linear equation: alpha g (Eq. 2.4), or lambda g, the true one (a_scale = alpha/lambda, Eq. 3.9).",
 )  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Looks:
+    """How a figure is written."""
+
+    size: float | None = option("--size", type=quantity("length"), metavar="WIDTH", help="Width of the figure, such as 85mm.")
+    dpi: float | None = option("--dpi", type=click.FloatRange(20.0, 2400.0), help="Dots per inch (default: 200; maps in SVG and PDF 600).")
+    title: str | None = option("--title", metavar="TEXT", help="Title in place of the figure's own.")
+    style: str | None = option("--style", type=InputPath(), metavar="FILE", help="Style file of matplotlib (.mplstyle).")
+
+    def look(self) -> Look:
+        """The look that the options ask for. Raises click.UsageError."""
+        from ..reports.figures.canvas import Look
+
+        if self.size is not None and not 0.02 <= self.size <= 2.0:
+            raise click.UsageError(f"--size: found {self.size:g} m; expected a width from 20 mm to 2 m, with its unit, such as 85mm")
+        return Look(self.size, self.dpi, self.title, self.style)
 
 
 @dataclass(frozen=True)

@@ -7,13 +7,14 @@ from pathlib import Path
 import click
 
 from . import options, streams
-from .command import argument, command, option
+from .command import argument, command, group, option
+from .parameter_types import InputPath, OutputPath
 from .printing import note, quiet, units, units_of
 
 
 @command("rocking plot slice.h5 --text", quiet, units)
 def plot(
-    file: Path = argument(type=click.Path(path_type=Path)),
+    files: tuple[Path, ...] = argument(nargs=-1, required=True, type=click.Path(path_type=Path), metavar="FILE..."),
     output: Path | None = options.output(help="The figure: .png, .svg or .pdf."),
     structure: str | None = option("--structure", metavar="NAME", help="Structure (or record) of the map (default: the first)."),
     every: bool = option("--all", is_flag=True, help="A panel for every structure (or record) of a spectra file."),
@@ -22,7 +23,15 @@ def plot(
     ),
     over: str | None = option("--over", metavar="KEY[/KEY]", help="The axis of a family (default: the first key varied)."),
     log: str | None = option("--log", type=click.Choice(["x", "y", "xy"]), help="Logarithmic axes."),
+    phase: bool = option("--phase", is_flag=True, help="The phase portrait of a response, with the separatrix."),
+    animate: Path | None = option(
+        "--animate", type=OutputPath(), metavar="OUT.gif", help="The body of a response in motion, in real time."
+    ),
+    body: str | None = option(
+        "--body", type=InputPath(), metavar="FILE", help="The structure to animate (default: the block of its p, alpha)."
+    ),
     text: bool = option("--text", is_flag=True, help="A quick look in the terminal, without matplotlib."),
+    looks: options.Looks = group(options.Looks),
     overwrite: bool = options.overwrite(),
 ) -> None:
     """Draw a spectra file (overturning map or slice), or the CSV of check, envelope, response, compare --curves, params --vary,
@@ -30,13 +39,16 @@ def plot(
 
     For records over alpha and T the figure shows the median of theta_max/alpha with 16 to 84 %, or the map of the named record.
 
-    FILE may be - for CSV on standard input. Axes carry units: g and Hz unless --units says otherwise. Figures need the extra:
-    pip install 'rocking[plot]'.
+    FILE may be - for CSV on standard input; several responses go into one panel. Axes carry units: g and Hz unless --units says
+    otherwise. Figures need the extra: pip install 'rocking[plot]'.
     """
     from ..publishing import check_target
     from ..reports.drawing_files import draw, is_spectra_file
     from ..spectra.file.reader import SpectraFile
 
+    file, *others = files
+    if others and text:
+        raise click.UsageError(f"--text: found {len(files)} files; expected one")
     if text and output is not None:
         raise click.UsageError("--text does not go with -o")
     if text and not is_spectra_file(file):
@@ -45,10 +57,13 @@ def plot(
     for flag, there in given.items():
         if there and not is_spectra_file(file):
             raise click.UsageError(f"{flag} goes with a spectra file (.h5)")
+    for flag, there in {"--over": over is not None, "--phase": phase, "--animate": animate is not None}.items():
+        if there and is_spectra_file(file):
+            raise click.UsageError(f"{flag} goes with CSV, of {'params --vary' if flag == '--over' else 'a response'}")
+    if body is not None and animate is None:
+        raise click.UsageError("--body goes with --animate")
     if sum(given.values()) > 1:
         raise click.UsageError(f"{' and '.join(flag for flag, there in given.items() if there)} do not go together")
-    if over is not None and is_spectra_file(file):
-        raise click.UsageError("--over goes with the CSV of params --vary")
     if text:
         from ..reports.figures.characters import text_map
 
@@ -56,11 +71,21 @@ def plot(
             for line in text_map(spectrum, structure, cut):
                 streams.put(line)
         return
+    look = looks.look()
+    if animate is not None:
+        from ..reports.figures.animation import animate as moving
+        from ..reports.rows import rows_of
+
+        check_target(animate, overwrite, (".gif",))
+        documents = options.documents_of((body,), 1, "an animation") if body is not None else [None]
+        moving(rows_of(str(file)), animate, documents[0], look=look, overwrite=overwrite, tell=note)
+    if output is None and animate is not None:
+        return
     if output is None:
         raise click.UsageError("no output: give -o FIGURE.png (or .svg, .pdf), or --text")
     check_target(output, overwrite, options.FIGURES)
     told = draw(
-        file,
+        files,
         output,
         structure=structure,
         cut=cut,
@@ -68,6 +93,8 @@ def plot(
         over=over,
         log=log or "",
         units=units_of(),
+        look=look,
+        portrait=phase,
         overwrite=overwrite,
         tell=note,
     )

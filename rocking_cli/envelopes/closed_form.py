@@ -102,6 +102,17 @@ def after_impact_margin(amplitude: float, omega: float, eta: float) -> float:
     return math.exp(rest) * (-eta * first.state(at)[1] - 1.0 - drive)
 
 
+def peak_after_impact(amplitude: float, omega: float, eta: float) -> float:
+    """theta_max/alpha after the first impact of a linear block under a one-cycle sine (Eq. 2.7); NaN if it overturns then.
+
+    Exact if the impact follows the pulse: D0* = (1 - x_e)^2 - v_e^2 is the energy at the end of the pulse.
+    """
+    first = _FirstSide(amplitude, omega)
+    x_e, v_e = first.state(first.duration)
+    left = 1.0 - eta**2 * (1.0 - (1.0 - x_e) ** 2 + v_e**2)
+    return 1.0 - math.sqrt(left) if 0.0 <= left <= 1.0 else math.nan
+
+
 def _single_impact(amplitude: float, omega: float, eta: float) -> bool:
     """True if the body has no second impact until the pulse ends; otherwise the curve does not exist."""
     first = _FirstSide(amplitude, omega)

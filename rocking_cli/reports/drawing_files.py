@@ -5,17 +5,17 @@ A new figure is one file with a function of figure, rows and units, and one line
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..errors import UsageError
 from ..spectra.file.reader import SpectraFile
-from .figures.canvas import canvas, panels, refuse_empty, units_of_figures
+from .figures.canvas import SOURCE, Look, canvas, panels, refuse_empty, units_of_figures
 from .figures.capacities import checked
 from .figures.characters import place_of
-from .figures.curves import accuracy, closed_forms, comparison, family, fragility_curves, overturning_spectra, response
+from .figures.curves import accuracy, closed_forms, comparison, family, fragility_curves, overturning_spectra, phase, response
 from .figures.envelopes import bands
 from .figures.maps import outcome_map
 from .figures.slices import of_record, record_spectra, slice_of, spectrum_lines
@@ -32,23 +32,26 @@ MOST_PANELS = 24
 
 
 def draw(
-    source: str | Path, target: str | Path, *, structure: str | None = None, cut: str | None = None, every: bool = False,
-    over: str | None = None, log: str = "", units: Units | None = None, overwrite: bool = True, tell: Callable[[str], None] | None = None,
+    source: str | Path | Sequence[str | Path], target: str | Path, *, structure: str | None = None, cut: str | None = None,
+    every: bool = False, over: str | None = None, log: str = "", units: Units | None = None, look: Look | None = None,
+    portrait: bool = False, overwrite: bool = True, tell: Callable[[str], None] | None = None,
 ) -> str | None:  # fmt: skip
     """Draw a file into a PNG, SVG or PDF; for a slice, return a sentence that states its value.
 
-    source: a spectra file, or CSV (`-`: standard input); structure: name of the structure or record of a map, None for the first; cut:
-    a slice of a spectra file, such as `Omega=5` or `f_g=1.5`; every: a panel for each structure; over: the abscissa of a family,
-    `KEY` or `KEY/KEY`; log: x, y or xy; units: None for g and Hz; overwrite: an existing file may be replaced; tell: called with the
-    characters that the font lacks. Raises UsageError if the source is another file or has nothing to draw, and OutputError if matplotlib
-    is not installed or the figure cannot be written.
+    source: a spectra file, or CSV (`-`: standard input), or the CSV of several responses; structure: name of the structure or record of
+    a map, None for the first; cut: a slice of a spectra file, such as `Omega=5` or `f_g=1.5`; every: a panel for each structure; over:
+    the abscissa of a family, `KEY` or `KEY/KEY`; log: x, y or xy; units: None for g and Hz; portrait: the phase portrait of a response;
+    overwrite: an existing file may be replaced; tell: called with the characters that the font lacks. Raises UsageError if the source
+    is another file or has nothing to draw, and OutputError if matplotlib is not installed or the figure cannot be written.
 
     >>> _ = write_spectrum([dimensionless_oscillator(0.9)], sine(), parse_grid('A=1:8:50,Omega=4:5:2'), 'd.h5', workers=1)
     >>> draw('d.h5', 'slice.svg', cut='Omega=5')
     'slice at Omega = 5, the nearest of the file'
     """
-    source, shown, told = Path(source), units_of_figures(units), None
-    with canvas(target, overwrite, tell=tell, instead="; `text` needs nothing" if is_spectra_file(source) else "") as figure:
+    sources = [Path(x) for x in ([source] if isinstance(source, str | Path) else source)]
+    source, shown, told = sources[0], units_of_figures(units), None
+    instead = "; `text` needs nothing" if is_spectra_file(source) else ""
+    with canvas(target, overwrite, look=look, tell=tell, instead=instead) as figure:
         if is_spectra_file(source):
             with SpectraFile(source) as file:
                 if cut is not None:
@@ -59,7 +62,7 @@ def draw(
                 else:
                     axes = _places(figure, file, structure, every, shown)
         else:
-            axes = _table(figure, str(source), rows_of(str(source)), shown, over)
+            axes = _table(figure, str(source), _rows(sources), shown, over, portrait)
         refuse_empty(axes, str(source))
         for one in axes:
             if "x" in log:
@@ -67,6 +70,16 @@ def draw(
             if "y" in log:
                 one.set_yscale("log")
     return told
+
+
+def _rows(sources: Sequence[Path]) -> Rows:
+    """The rows of one CSV, or of several with their names. Raises UsageError if several are not all responses."""
+    if len(sources) == 1:
+        return rows_of(str(sources[0]))
+    found = [{SOURCE: source.stem, **row} for source in sources for row in rows_of(str(source))]
+    if len({tuple(row) for row in found}) > 1 or not {"t", "tau"} & set(found[0]) or "structure" in found[0]:
+        raise UsageError(f"{', '.join(map(str, sources))}: expected one file, or several CSV of rocking response with the same columns")
+    return found
 
 
 def is_spectra_file(source: Path) -> bool:
@@ -117,13 +130,13 @@ TABLES: tuple[Kind, ...] = (
 """Columns and figure of each table; the first entry whose columns are all there applies."""
 
 
-def _table(figure: Figure, source: str, rows: Rows, units: Units, over: str | None) -> list[Axes]:
+def _table(figure: Figure, source: str, rows: Rows, units: Units, over: str | None, portrait: bool) -> list[Axes]:
     there = set(rows[0])
     if "event" in there:
         raise UsageError(f"{source}: found events; expected the time history, which rocking response prints without them")
     try:
         kinds: tuple[Kind, ...] = (*TABLES, ({"p", "alpha", "eta", "lambda"}, partial(family, over=over)))
-        for wanted, kind in kinds:
+        for wanted, kind in [(set(), phase)] if portrait else kinds:
             if wanted <= there:
                 return kind(figure, rows, units)
     except (ValueError, TypeError, KeyError) as error:

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import csv
+import io
+import json
 from collections.abc import Iterable
 from contextlib import suppress
 
 import numpy as np
 
-from ..documents.table import named_rows
+from ..documents.composition import text_of
+from ..documents.files import read_bytes
 from ..errors import DocumentError, UsageError
 from .units import si_of
 
@@ -15,10 +19,17 @@ Rows = list[dict[str, str]]
 
 
 def rows_of(source: str) -> Rows:
-    """All rows of a CSV file; `-` is standard input. Raises UsageError if it is not CSV or has no rows."""
+    """All rows of a CSV file, or of JSON Lines without its summaries; `-` is standard input. Raises UsageError if it is neither, or has
+    no rows."""
     try:
-        rows = [_in_si(row) for _, row in named_rows(source)[1]]
-    except DocumentError as error:
+        name, raw = read_bytes(source)
+        text = text_of(name, raw)
+        if text.lstrip().startswith("{"):
+            found = [json.loads(line) for line in text.splitlines() if line.strip()]
+            rows = [{k: "" if v is None else str(v) for k, v in row.items()} for row in found if row.get("event") != "summary"]
+        else:
+            rows = [_in_si(row) for row in csv.DictReader(io.StringIO(text, newline=""), strict=True)]
+    except (DocumentError, csv.Error, ValueError) as error:
         raise UsageError(f"{source}: neither a spectra file nor CSV ({error})") from None
     if not rows:
         raise UsageError(f"{source}: holds no rows")

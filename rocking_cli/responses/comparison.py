@@ -70,14 +70,15 @@ def comparison_records(responses: Sequence[TimeHistory], methods: Sequence[Metho
 
 
 def curve_records(responses: Sequence[TimeHistory], methods: Sequence[Method]) -> Iterator[dict[str, Any]]:
-    """The curves themselves: structure, model, t [s], theta [rad], tau and theta/alpha."""
+    """The curves themselves: structure, model, t [s], theta [rad], tau, theta/alpha and the ground acceleration [m/s2]."""
     for r in responses:
         tau = r.times(None, False)
+        ground = r.structure.ground_acceleration(r.amplitude * r.motion.value(tau * r.omega))
         for method in methods:
             found = r.histories[method.model]
-            for x, y, alpha in zip(tau, found.at(tau)[0], r.structure.alpha_on(found.sides(tau)), strict=True):
+            for x, y, alpha, a in zip(tau, found.at(tau)[0], r.structure.alpha_on(found.sides(tau)), ground, strict=True):
                 if np.isfinite(y):
                     yield {
                         "structure": r.structure.name, "model": method.model, "t": float(x) / r.structure.p,
-                        "theta": float(alpha) * float(y), "tau": float(x), "theta_ratio": float(y),
+                        "theta": float(alpha) * float(y), "tau": float(x), "theta_ratio": float(y), "ground_acceleration": float(a),
                     }  # fmt: skip

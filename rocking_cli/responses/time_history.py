@@ -126,22 +126,24 @@ class TimeHistory:
         self, *, dt: float | None = None, steps: bool = False, dimensionless: bool = False, forces: bool = False
     ) -> Iterator[dict[str, Any]]:
         """One record a time; dt in s, or in tau with `dimensionless`; forces: with those on the ground, over m g, too. Columns carry
-        the model's name where there are two."""
+        the model's name where there are two. With units tau and theta/alpha come last."""
         s = self.structure
         time = 1.0 if dimensionless else 1.0 / s.p
         tau = self.times(None if dt is None else dt / time, steps)
         names = ("tau", "theta_ratio", "theta_ratio_rate", "A") if dimensionless else ("t", "theta", "theta_dot", "ground_acceleration")
         ground = self.amplitude * self.motion.value(tau * self.omega)
         columns: dict[str, np.ndarray] = {names[0]: tau * time}
+        last = {} if dimensionless else {"tau": tau}
         for model, found in self.histories.items():
             suffix = f"_{model}" if len(self.histories) > 1 else ""
             ratio, rate = found.at(tau)
             angle = 1.0 if dimensionless else s.alpha_on(found.sides(tau))
             columns[names[1] + suffix], columns[names[2] + suffix] = ratio * angle, rate * angle / time
+            last |= {} if dimensionless else {f"theta_ratio{suffix}": ratio}
             if forces:
                 acting = self.arch_forces[model].columns(tau) if self.arch_forces else self.forces[model].columns(tau)
                 columns |= {name + suffix: values for name, values in acting.items()}
-        columns[names[3]] = ground if dimensionless else s.ground_acceleration(ground)
+        columns |= {names[3]: ground if dimensionless else s.ground_acceleration(ground), **last}
         keys = list(columns)
         for row in zip(*columns.values(), strict=True):
             yield {k: None if math.isnan(x) else float(x) for k, x in zip(keys, row, strict=True)}

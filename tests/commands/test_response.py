@@ -13,7 +13,7 @@ IMPULSE = ("--pulse", "rectangular-impulse", "--a-g", "0.5g", "--T-g", "0.4")
 def test_time_history_has_the_documented_columns(rocking):
     done = rocking("response", "configs/block.yaml", "--a-g", "3.5", "--f-g", "1.5", "--dt", "0.01", "--csv")
     found = done.rows
-    assert list(found[0]) == ["t", "theta", "theta_dot", "ground_acceleration"]
+    assert list(found[0]) == ["t", "theta", "theta_dot", "ground_acceleration", "tau", "theta_ratio"]
     assert [float(r["t"]) for r in found[:3]] == pytest.approx([0.0, 0.01, 0.02])
     assert float(found[10]["ground_acceleration"]) == pytest.approx(3.5 * math.sin(2 * math.pi * 1.5 * 0.1))
     assert "Column, nonlinear: rocks and survives, largest theta" in done.stderr
@@ -57,7 +57,9 @@ def test_forces_in_the_history_and_in_the_closing_record(rocking, tmp_path):
     (tmp_path / "b.yaml").write_text("kind: block\nwidth: 0.6\nheight: 3\nfriction: 0.19\n")
     call = ("response", "b.yaml", "--a-g", "0.3g", "--f-g", "2", "--model", "nonlinear")
     done = rocking(*call, "--forces", "--csv")
-    assert list(done.rows[0]) == ["t", "theta", "theta_dot", "fx_ratio", "fz_ratio", "ground_acceleration"]
+    assert list(done.rows[0]) == [
+        "t", "theta", "theta_dot", "fx_ratio", "fz_ratio", "ground_acceleration", "tau", "theta_ratio",
+    ]  # fmt: skip
     assert "with the friction 0.19 of the document the base would slide before it rocks" in done.stderr
     *events, last = rocking(*call, "--forces", "--events", "--json").records
     assert list(last)[:2] == ["model", "event"]

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import pytest
 
-from rocking_cli import closed_form_curves, dimensionless_oscillator, sine, trace_envelope
-from rocking_cli.envelopes.closed_form import no_impact_amplitude
+from rocking_cli import closed_form_curves, dimensionless_oscillator, linear_response, sine, trace_envelope
+from rocking_cli.envelopes.closed_form import no_impact_amplitude, peak_after_impact
 
 
 @pytest.mark.parametrize("eta", [0.5, 0.9, *(pytest.param(eta, marks=pytest.mark.soak) for eta in (0.7, 1.0))])
@@ -37,3 +39,10 @@ def test_half_sine_closed_form():
 def test_closed_form_only_where_there_is_one():
     with pytest.raises(ValueError, match="expected"):
         no_impact_amplitude(3.0, "cosine")
+
+
+def test_eq_2_7_is_the_peak_where_the_impact_follows_the_pulse():
+    """At Omega = 5 and eta = 0.7 the first impact is after the pulse from A = 3, and the peak is after it up to A = 3.3."""
+    found = linear_response(sine(), np.array([3.05, 3.2]), 5.0, 0.7)
+    assert found.theta_ratio.ravel() == pytest.approx([peak_after_impact(a, 5.0, 0.7) for a in (3.05, 3.2)], rel=1e-9)
+    assert math.isnan(peak_after_impact(4.0, 5.0, 0.9))  # overturns after it

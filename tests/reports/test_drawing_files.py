@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from support.axes import lines, numbers, same
 
 from rocking_cli import OutputError, UsageError
-from rocking_cli.reports.figures.canvas import canvas, legend
+from rocking_cli.reports.figures.canvas import Look, canvas, legend, line_style
 
 
 @pytest.mark.parametrize(("log", "scales"), [("", ("linear", "linear")), ("x", ("log", "linear")), ("xy", ("log", "log"))])
@@ -70,3 +70,19 @@ def test_a_figure_is_written_whole_or_not_at_all_and_alike_each_time(tmp_path, m
         figure.add_subplot()
     assert target.read_bytes() == again.read_bytes()
     assert sorted(path.name for path in tmp_path.iterdir()) == [target.name, again.name]
+
+
+def test_a_figure_has_the_size_the_title_and_the_style_asked_for_and_its_texts_as_text(tmp_path):
+    (tmp_path / "grey.mplstyle").write_text("axes.prop_cycle: cycler('color', ['808080'])\nlines.linewidth: 3\n")
+    with canvas(tmp_path / "x.svg", look=Look(0.085, None, "Hall $1", tmp_path / "grey.mplstyle")) as figure:
+        figure.add_subplot(title="its own").plot([0, 1], [0, 1], **line_style(0))
+    drawn = (tmp_path / "x.svg").read_text()
+    assert f'width="{85 / 25.4 * 72:.6f}pt"' in drawn
+    assert "Hall $1</text>" in drawn
+    assert "its own" not in drawn
+    assert "stroke: #808080; stroke-width: 3" in drawn
+    with canvas(tmp_path / "y.png", look=Look(0.1, 100.0)) as figure:
+        figure.add_subplot()
+    assert int.from_bytes((tmp_path / "y.png").read_bytes()[16:20], "big") == int(0.1 / 0.0254 * 100)
+    with pytest.raises(UsageError, match="cannot be read as a style"), canvas(tmp_path / "z.png", look=Look(style="none.mplstyle")):
+        pass

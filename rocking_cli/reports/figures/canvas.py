@@ -11,6 +11,7 @@ import re
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -29,12 +30,16 @@ COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#0
 DASHES = ("-", "--", "-.", ":", (0, (5, 1, 1, 1, 1, 1)))
 MARKERS = "osv^D"
 STYLE: dict[Any, Any] = {
-    "font.size": 9, "axes.grid": True, "grid.alpha": 0.3, "grid.linewidth": 0.5, "axes.axisbelow": True, "axes.titlesize": 9,
-    "legend.fontsize": 8, "legend.framealpha": 0.9, "savefig.dpi": 200, "figure.constrained_layout.use": True, "svg.hashsalt": "rocking",
+    "font.size": 9, "axes.grid": True, "grid.alpha": 0.3, "grid.linewidth": 0.5, "axes.axisbelow": True, "axes.titlesize": "medium",
+    "legend.fontsize": "small", "legend.framealpha": 0.9, "figure.dpi": 200, "figure.constrained_layout.use": True,
+    "svg.hashsalt": "rocking", "svg.fonttype": "none", "pdf.fonttype": 42, "axes.prop_cycle": f"cycler('color', {list(COLOURS)})",
 }  # fmt: skip
-PANEL = (4.2, 3.2)  # inches
+WIDTH, PANEL = 5.6, (4.2, 3.2)  # inches
+_INCH = 0.0254  # m
 MOST_ACROSS = 3
 _UNDATED: dict[str, dict[str, Any]] = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}  # equal figures give equal files
+_LEAST_TEXT = 0.6  # of a text's own size, in a narrow figure
+_FINE = 600  # dots per inch of a map inside an SVG or PDF
 _NO_GLYPH = r"Glyph (\d+) "  # the beginning of a warning of matplotlib
 _SHORT = 5  # a legend inside the axes has at most so many entries
 _NARROW = 28  # and so many characters in each
@@ -45,6 +50,7 @@ SYMBOLS = {
     "theta_max_ratio": r"$\theta_{max}/\alpha$", "ground_acceleration": r"$\ddot{x}_g$", "A_s": r"$A\,s$", "p": "$p$", "alpha": r"$\alpha$",
     "eta": r"$\eta$", "lambda": r"$\lambda$", "a_scale": r"$a_{scale}$", "T": r"$T = 2\pi/p$", "scale": "factor of the record",
 }  # fmt: skip
+SOURCE = "file"  # a column that names the file of each row, where several are drawn
 PLAIN = {"m/s2": "m/s²", "cm/s2": "cm/s²"}
 
 
@@ -53,27 +59,68 @@ def units_of_figures(units: Units | None) -> Units:
     return FIGURE_UNITS if units is None else Units({**FIGURE_UNITS.chosen, **units.chosen})
 
 
-@contextmanager
-def canvas(target: str | Path, overwrite: bool = True, *, tell: Callable[[str], None] | None = None, instead: str = "") -> Iterator[Figure]:
-    """An empty figure in the common style; it is written to `target` at the end. Without overwrite it replaces no file.
+@dataclass(frozen=True)
+class Look:
+    """How a figure is written: its width [m], dots per inch, its title, a style file of matplotlib; None: as the figure has it."""
 
-    tell: called with the characters that the font lacks, in a sentence; instead: an alternative without matplotlib, for the error. Raises
-    OutputError if matplotlib is not installed or the figure cannot be written.
-    """
-    target = Path(target)
+    width: float | None = None
+    dpi: float | None = None
+    title: str | None = None
+    style: str | Path | None = None
+
+    def finish(self, figure: Figure) -> None:
+        """Give the figure its title and its size. The title is that of the only panel, or stands above all of them."""
+        if self.title is not None and len(figure.axes) == 1:
+            figure.axes[0].title.set_text(literal(self.title))
+        elif self.title is not None:
+            figure.suptitle(literal(self.title))
+        if self.width is not None:
+            width, height = figure.get_size_inches()
+            figure.set_size_inches(self.width / _INCH, height * max(self.text, self.width / _INCH / width))
+
+    @property
+    def text(self) -> float:
+        """The size of texts in a figure of this width, over that in one of its own width."""
+        return 1.0 if self.width is None else min(1.0, max(_LEAST_TEXT, self.width / _INCH / WIDTH))
+
+
+@contextmanager
+def styled(look: Look, instead: str = "") -> Iterator[Figure]:
+    """An empty figure in the common style. instead: an alternative without matplotlib, for the error. Raises OutputError if matplotlib is
+    not installed, and UsageError if the style file cannot be read."""
     try:
         import matplotlib as mpl
         from matplotlib.figure import Figure
     except ImportError:
         raise OutputError(f"figures need matplotlib: pip install 'rocking[plot]'{instead}") from None
     with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(5.6, 4.0))
+        if look.style is not None:
+            try:
+                mpl.rc_file(look.style, use_default_template=False)
+            except (OSError, UnicodeDecodeError) as error:
+                raise UsageError(f"{look.style}: cannot be read as a style of matplotlib: {error}") from None
+        mpl.rcParams["font.size"] *= look.text
+        yield Figure(figsize=(WIDTH, 4.0))
+
+
+@contextmanager
+def canvas(
+    target: str | Path, overwrite: bool = True, *, look: Look | None = None, tell: Callable[[str], None] | None = None, instead: str = ""
+) -> Iterator[Figure]:
+    """A `styled` figure; it is written to `target` at the end. Without overwrite it replaces no file.
+
+    tell: called with the characters that the font lacks, in a sentence. Raises OutputError if the figure cannot be written.
+    """
+    target, look = Path(target), look or Look()
+    with styled(look, instead) as figure:
         yield figure
+        look.finish(figure)
         form, drawn = target.suffix[1:].lower(), io.BytesIO()
+        dpi = look.dpi or (_FINE if form in _UNDATED else figure.dpi)
         with warnings.catch_warnings(record=True) as raised:
             warnings.filterwarnings("always", message=_NO_GLYPH)
             try:
-                figure.savefig(drawn, format=form, metadata=_UNDATED.get(form))
+                figure.savefig(drawn, format=form, dpi=dpi, metadata=_UNDATED.get(form))
             except (OSError, ValueError) as error:
                 raise OutputError(f"{target}: cannot be drawn: {error}") from None
     missing = sorted({chr(int(found[1])) for w in raised if (found := re.match(_NO_GLYPH, str(w.message)))})
@@ -116,21 +163,20 @@ def series(rows: Rows, *keys: str, marked: bool = False) -> Iterator[tuple[Rows,
     """(rows, arguments of `plot`) of each line: its name, which is the texts in the columns `keys`, its colour, dash and marker."""
     for i, (texts, some) in enumerate(groups(rows, *keys).items()):
         marker = {"marker": MARKERS[i % len(MARKERS)]} if marked else {}
-        yield some, {**look(i), **marker, "label": literal(", ".join(texts))}
+        yield some, {**line_style(i), **marker, "label": literal(", ".join(texts))}
 
 
-def look(number: int) -> dict[str, Any]:
-    """Colour and dash of line `number`, as arguments of `plot`."""
-    return {"color": COLOURS[number % len(COLOURS)], "ls": DASHES[number % len(DASHES)]}
+def line_style(number: int) -> dict[str, Any]:
+    """Colour (of the style) and dash of line `number`, as arguments of `plot`."""
+    return {"color": f"C{number}", "ls": DASHES[number % len(DASHES)]}
 
 
-def panels(figure: Figure, count: int, size: tuple[float, float] | None = None) -> list[Axes]:
-    """`count` axes in rows of three; size: width and height of each [inches], by default the whole figure for one, PANEL for more."""
+def panels(figure: Figure, count: int) -> list[Axes]:
+    """`count` axes in rows of three, each of the size PANEL if there are several."""
     across = min(count, MOST_ACROSS)
     down = -(-count // across)
-    if size or count > 1:
-        width, height = size or PANEL
-        figure.set_size_inches(width * across, height * down)
+    if count > 1:
+        figure.set_size_inches(PANEL[0] * across, PANEL[1] * down)
     axes = list(figure.subplots(down, across, squeeze=False).ravel())
     for spare in axes[count:]:
         spare.remove()

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from ...documents.quantities import DEFAULT_GRAVITY
 from ...dynamics.outcome import Outcome
-from .canvas import canvas, literal
+from .canvas import Look, canvas, literal
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -22,7 +22,7 @@ _ROW = 0.32  # inches
 
 
 def draw_capacities(
-    verdicts: Sequence[Verdict], target: str | Path, *, in_g: bool = False, overwrite: bool = True,
+    verdicts: Sequence[Verdict], target: str | Path, *, in_g: bool = False, look: Look | None = None, overwrite: bool = True,
     tell: Callable[[str], None] | None = None,
 ) -> None:  # fmt: skip
     """Draw the verdicts of a check into a PNG, SVG or PDF file.
@@ -33,7 +33,7 @@ def draw_capacities(
     >>> (arch,) = load_structures('configs/parameters.yaml')
     >>> draw_capacities([check(arch, sine(), parse_grid('a_g=0.35g,f_g=1.5'))], 'capacity.svg')
     """
-    with canvas(target, overwrite, tell=tell) as figure:
+    with canvas(target, overwrite, look=look, tell=tell) as figure:
         capacities(figure, verdicts, in_g)
 
 
@@ -75,15 +75,15 @@ def capacities(figure: Figure, verdicts: Sequence[Verdict], in_g: bool) -> Axes:
         window = ", in a safe window" if v.outcome.safe and v.capacity_demand is not None and v.capacity_demand < 1.0 else ""
         axes.annotate(
             f"{ratio}  {v.sentence}{window}", (1.0, row), xycoords=("axes fraction", "data"), xytext=(6, 0),
-            textcoords="offset points", va="center", fontsize=8,
+            textcoords="offset points", va="center", fontsize="small",
         )  # fmt: skip
     motions, names = (list(dict.fromkeys(x)) for x in ((v.motion for v in verdicts), (v.structure for v in verdicts)))
     of_motion = [v.motion if len(names) == 1 else f"{v.structure}, {v.motion}" for v in verdicts]
     axes.set_yticks(range(len(verdicts)), [literal(x) for x in (of_motion if len(motions) > 1 else [v.structure for v in verdicts])])
     axes.invert_yaxis()
-    axes.set(xlim=(0.0, most), xlabel=f"a_g [{'g' if in_g else 'm/s²'}]: bar to first overturning, dots uplift, line demand")
+    axes.set(xlim=(0.0, most), xlabel=f"a_g [{'g' if in_g else 'm/s²'}]\nbar: to the first overturning; dots: uplift; line: demand")
     under = motions[0] if len(motions) == 1 else f"{len(motions)} motions"
-    of = f"{names[0]}, " if len(motions) > 1 and len(names) == 1 else ""
-    axes.set_title(literal(f"capacity over demand: {of}{under}"))
+    of, models = f"{names[0]}, " if len(names) == 1 else "", list(dict.fromkeys(v.model for v in verdicts))
+    axes.set_title(literal(f"capacity over demand: {of}{under}, {' or '.join(models)} equation"))
     axes.grid(axis="y", visible=False)
     return axes

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+import re
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -10,7 +11,7 @@ from ...documents.quantities import headed
 from ...errors import UsageError
 from ..rows import Rows, column, groups
 from ..units import HEADING, Units, dimension_of
-from .canvas import MARKERS, PLAIN, label, legend, look, series, values
+from .canvas import DASHES, MARKERS, PLAIN, SOURCE, label, legend, line_style, literal, series, values
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -27,24 +28,28 @@ _X = "over"  # a column for the abscissa of a family
 
 
 def response(figure: Figure, rows: Rows, units: Units) -> list[Axes]:
-    """Draw the rotation (a line for each equation), below it the forces if the rows have any, and the ground acceleration."""
+    """Draw the rotation (a line for each file and equation), below it the forces if the rows have any, and the ground acceleration."""
     x, y, ground = ("t", "theta", "ground_acceleration") if "t" in rows[0] else ("tau", "theta_ratio", "A")
     pushes = [c for c in rows[0] if c.startswith(("fx_ratio", "fz_ratio")) and not c.endswith("_after")]
     ratios = [3, *([1.5] if pushes else []), 1]
     axes, *between, below = figure.subplots(len(ratios), 1, sharex=True, height_ratios=ratios)
-    drawn = [c for c in rows[0] if c == y or (c.startswith(f"{y}_") and not c.startswith((f"{y}_dot", f"{y}_rate")))]
-    for i, name in enumerate(drawn):
-        model = name.removeprefix(y).strip("_")
-        axes.plot(values(rows, x, units), values(rows, name, units), label=f"{model} equation" if model else "response", **look(i))
+    files = groups(rows, SOURCE)
+    for i, (source, some) in enumerate(files.items()):
+        for j, name in enumerate(c for c in rows[0] if re.fullmatch(f"{y}(_linear|_nonlinear)?", c)):
+            model = name.removeprefix(y).strip("_")
+            text = ", ".join([*map(literal, source), *([f"{model} equation"] if model else [])]) or "response"
+            style = line_style(j) if len(files) == 1 else {"color": f"C{i}", "ls": DASHES[j]}
+            axes.plot(values(some, x, units), values(some, name, units), label=text, **style)
+        style = {"color": "0.3" if len(files) == 1 else f"C{i}", "lw": 1.0}
+        below.plot(*with_jumps(values(some, x, units), values(some, ground, units)), **style)
     axes.set_ylabel(label(y, units))
     legend(axes)
-    below.plot(*with_jumps(values(rows, x, units), values(rows, ground, units)), color="0.3", lw=1.0)
     below.set(xlabel=label(x, units), ylabel=label("ground_acceleration" if x == "t" else "A_s", units))
     for one in between:
         for i, name in enumerate(pushes):
-            word, model = name[:2], name[len("fx_ratio") :].strip("_")
-            text = f"$F_{word[1]}/mg$" + (f", {model} equation" if model else "")
-            one.plot(*with_jumps(values(rows, x, units), values(rows, name, units)), label=text, **look(i))
+            style = {"color": "C2" if name[1] == "x" else "C3", "ls": DASHES[i // 2]}  # an equation has its dash of above
+            text = f"$F_{name[1]}/mg$" if i < 2 else "_"
+            one.plot(*with_jumps(values(rows, x, units), values(rows, name, units)), label=text, **style)
         one.set_ylabel("$F/mg$ [-]")
         legend(one)
     return [axes, *between, below]
@@ -58,15 +63,52 @@ def with_jumps(t: np.ndarray, a: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return np.insert(t, jumps, t[jumps]), np.insert(a, jumps, a[jumps - 1])
 
 
+def phase(figure: Figure, rows: Rows, units: Units) -> list[Axes]:
+    """Draw the phase portrait of a response: theta_dot/(p alpha) over theta/alpha, and the separatrix of the linear equation, inside
+    which a body left to itself comes back. Raises ValueError if the rows do not tell p and alpha."""
+    axes = figure.add_subplot()
+    for i, suffix in enumerate(s for s in ("", "_linear", "_nonlinear") if f"theta_ratio{s}" in rows[0]):
+        if "t" in rows[0]:
+            ratio, alpha, p = scaled(rows, suffix)[1:]
+            rate = column(rows, f"theta_dot{suffix}") / (p * alpha)
+        else:
+            ratio, rate = column(rows, f"theta_ratio{suffix}"), column(rows, f"theta_ratio_rate{suffix}")
+        axes.plot(ratio, rate, lw=1.0, **line_style(i), label=f"{suffix[1:]} equation" if suffix else "response")
+        axes.plot(ratio[-1:], rate[-1:], "o", color=f"C{i}", ms=4.0)
+    if not axes.get_lines():
+        raise ValueError("found no column theta_ratio; expected the CSV of rocking response")
+    reach = 1.05 * max(1.0, *(float(np.nanmax(np.abs(line.get_xdata()))) for line in axes.get_lines()))
+    x = np.linspace(0.0, reach, 201)
+    for side, sign in ((1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)):
+        axes.plot(side * x, sign * (1.0 - x), color="0.4", lw=0.9, ls="--", label="separatrix, linear" if side == sign == 1.0 else None)
+    axes.set(xlim=(-reach, reach), xlabel=label("theta_ratio", units), ylabel=r"$\dot\theta/(p\,\alpha)$ [-]")
+    legend(axes)
+    return [axes]
+
+
+def scaled(rows: Rows, suffix: str = "") -> tuple[np.ndarray, np.ndarray, np.ndarray, float]:
+    """(theta, theta/alpha, alpha at each time, p) of a response with units. Raises ValueError if it does not rock."""
+    theta, ratio, tau, t = (column(rows, name) for name in (f"theta{suffix}", f"theta_ratio{suffix}", "tau", "t"))
+    rocks = np.flatnonzero(ratio)
+    if not rocks.size:
+        raise ValueError("the body does not rock, so that its angle alpha is not known")
+    return theta, ratio, np.interp(np.arange(ratio.size), rocks, theta[rocks] / ratio[rocks]), float(tau[-1] / t[-1])
+
+
 def comparison(figure: Figure, rows: Rows, units: Units) -> list[Axes]:
-    """Draw theta over t, and theta/alpha over p t, in which the responses coincide (Fig. 8)."""
-    figure.set_size_inches(8.0, 3.6)
-    axes = list(figure.subplots(1, 2))
-    for one, x, y in zip(axes, ("t", "tau"), ("theta", "theta_ratio"), strict=True):
+    """Draw the ground acceleration if the rows have it, theta over t, and theta/alpha over p t, in which the responses coincide
+    (Figs. 8b to 8d)."""
+    shown = [("t", "theta"), ("tau", "theta_ratio")]
+    shown[:0] = [("t", "ground_acceleration")] if "ground_acceleration" in rows[0] else []
+    figure.set_size_inches(4.0 * len(shown), 3.6)
+    axes = list(figure.subplots(1, len(shown)))
+    for one, (x, y) in zip(axes, shown, strict=True):
         for i, (some, style) in enumerate(series(rows, "structure", "model")):
             one.plot(values(some, x, units), values(some, y, units), lw=2.4 - 0.5 * min(i, 3), **style)
         one.set(xlabel=label(x, units), ylabel=label(y, units))
-    legend(axes[0])
+    if len(shown) == 3:  # the ground moves for the first part of the response only
+        axes[0].set_xlim(0.0, 1.1 * max(float(row["t"]) for row in rows if float(row["ground_acceleration"])))
+    legend(axes[-1])
     return axes
 
 
@@ -93,21 +135,30 @@ def closed_forms(figure: Figure, rows: Rows, units: Units) -> list[Axes]:
 def fragility_curves(figure: Figure, rows: Rows, units: Units) -> list[Axes]:
     """Draw a fragility curve with its confidence band and the observed fractions for each structure, limit state and method.
 
-    A method without a fitted curve is drawn as steps of its fractions.
+    A curve is dashed beyond the last level of its fractions. A method without a fitted curve is drawn as steps of its fractions.
     """
     axes = figure.add_subplot()
-    im = rows[0]["im"]
+    im, keys = rows[0]["im"], ("structure", "limit_state", "method")
     dimension = dimension_of(im.lower())
     unit, factor = ("", 1.0) if dimension is None else units.of(dimension)
-    for i, (some, style) in enumerate(series(rows, "structure", "limit_state", "method")):
+    rows = [
+        {**row, "limit_state": row["limit_state"] if row["limit_state"] == "overturning" else f"θ/α > {row['limit_state']}"} for row in rows
+    ]
+    varied = [key for key in keys if len(groups(rows, key)) > 1]
+    for i, some in enumerate(groups(rows, *keys).values()):
         x, p, share = column(some, "x") / factor, column(some, "probability"), column(some, "fraction")
+        style: dict[str, Any] = {"color": f"C{i}", "label": literal(", ".join(some[0][key] for key in varied)) or None}
         if np.all(np.isnan(p)):
             axes.step(np.append(0.0, x), np.append(0.0, share), where="post", lw=1.0, **style)
             continue
-        axes.plot(x, p, **style)
+        last = float(np.max(x[~np.isnan(share)], initial=0.0)) or float(x[-1])
+        axes.plot(x[x <= last], p[x <= last], **style)
+        axes.plot(x[x >= last], p[x >= last], color=style["color"], ls="--")
         axes.fill_between(x, column(some, "low"), column(some, "high"), color=style["color"], alpha=0.15, lw=0.0)
         axes.plot(x, share, ls="", marker=MARKERS[i % len(MARKERS)], ms=4.0, color=style["color"])
-    axes.set(xlabel=MEASURE_LABELS.get(im) or headed(im, PLAIN.get(unit, unit)), ylabel="probability [-]", ylim=(0.0, 1.0))
+    state = "limit state" if "limit_state" in varied else rows[0]["limit_state"]
+    title = literal(", ".join(rows[0][key] for key in keys if key not in varied and key != "limit_state"))
+    axes.set(xlabel=MEASURE_LABELS.get(im) or headed(im, PLAIN.get(unit, unit)), ylabel=f"P({state} | {im})", ylim=(0.0, 1.0), title=title)
     axes.set_xlim(left=0.0)
     legend(axes)
     return [axes]
@@ -119,7 +170,7 @@ def overturning_spectra(figure: Figure, rows: Rows, _: Units) -> list[Axes]:
     for i, (group, some) in enumerate(groups(rows, "alpha").items()):
         p = column(some, "p")
         low, middle, high = (column(some, f"pga_ratio_{q}") for q in (16, 50, 84))
-        style = look(i) if group else {**look(i), "ls": "", "marker": MARKERS[i % len(MARKERS)]}
+        style = line_style(i) if group else {**line_style(i), "ls": "", "marker": MARKERS[i % len(MARKERS)]}
         axes.plot(p, middle, label=rf"$\alpha$ = {np.degrees(float(group[0])):.3g}°" if group else None, **style)
         axes.fill_between(p, low, high, color=style["color"], alpha=0.2, lw=0.0)
     axes.set(xlabel=r"$p$ [rad/s]", ylabel=r"first overturning PGA/$(\lambda g)$ [-]")
@@ -146,7 +197,7 @@ def family(figure: Figure, rows: Rows, units: Units, over: str | None = None) ->
     for one, key in zip(panels, keys, strict=False):
         for i, (group, some) in enumerate(groups(rows, *others).items()):
             text = ", ".join(_valued(k, v) for k, v in zip(others, group, strict=True)) or "_"
-            one.plot(*_broken(some, values(some, key, units)), label=text, **look(i))
+            one.plot(*_broken(some, values(some, key, units)), label=text, **line_style(i))
         one.set_ylabel(label(key, units))
     for one in panels[len(keys) // 2 : len(keys)]:
         one.set_xlabel(xlabel)

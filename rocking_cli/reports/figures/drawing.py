@@ -7,40 +7,60 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from ...documents.document import Document
+from ...errors import DocumentError
 from ...structures import RockingParameters, build_structure
 from ...structures.kinds import sketch_of
 from ...structures.parameters import weaker_side
 from ...structures.sketch import Outline, Point, Sketch, rectangle
 from ..units import Units
-from .canvas import canvas, literal, panels
+from .canvas import MOST_ACROSS, Look, canvas, literal, panels
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-_PANEL = (4.2, 4.6)  # inches
+_WIDTH = 4.2  # inches, of a panel
 _PLAIN = {"facecolor": "w", "edgecolor": "none", "alpha": 0.7, "pad": 0.8}
 STONE, GROUND, INK = "#D9CBB8", "#EFEFEF", "#333333"
 
 
 def draw_structures(
-    documents: Sequence[Document], target: str | Path, *, units: Units | None = None, overwrite: bool = True,
+    documents: Sequence[Document], target: str | Path, *, units: Units | None = None, look: Look | None = None, overwrite: bool = True,
     tell: Callable[[str], None] | None = None,
 ) -> None:  # fmt: skip
-    """Draw the structure of each document in its own panel of a PNG, SVG or PDF file.
+    """Draw the structure of each document in its own panel of a PNG, SVG or PDF file, all at one scale.
 
-    overwrite: an existing file may be replaced; tell: called with the characters that the font lacks.
+    A structure without geometry is left out. overwrite: an existing file may be replaced; tell: called with a sentence on each structure
+    left out, and on the characters that the font lacks.
 
-    Raises DocumentError if a document is not valid or its kind has no geometry, and OutputError if matplotlib is not installed or
+    Raises DocumentError if a document is not valid or if no structure has a geometry, and OutputError if matplotlib is not installed or
     the figure cannot be written.
 
     >>> draw_structures(read_documents('configs/arch.yaml'), 'arch.svg')
     """
-    built = [build_structure(document) for document in documents]
-    sketches = [sketch_of(document, one) for document, one in zip(documents, built, strict=True)]
-    with canvas(target, overwrite, tell=tell) as figure:
-        for axes, one, sketch in zip(panels(figure, len(built), _PANEL), built, sketches, strict=True):
+    found: list[tuple[RockingParameters, Sketch]] = []
+    for document in documents:
+        one = build_structure(document)
+        try:
+            found.append((one, sketch_of(document, one)))
+        except DocumentError as error:
+            if document is documents[-1] and not found:
+                raise
+            if tell is not None:
+                tell(f"{error}; left out")
+    with canvas(target, overwrite, look=look, tell=tell) as figure:
+        drawn = panels(figure, len(found))
+        for axes, (one, sketch) in zip(drawn, found, strict=True):
             structure_axes(axes, one, sketch, units or Units())
+        spans = np.array([(*axes.get_xlim(), *axes.get_ylim()) for axes in drawn])
+        width, height = np.diff(spans[:, :2]).max(), np.diff(spans[:, 2:]).max()
+        for axes, (left, right, low, _) in zip(drawn, spans, strict=True):
+            axes.set(xlim=(0.5 * (left + right - width), 0.5 * (left + right + width)), ylim=(low, low + height))
+        across = min(len(found), MOST_ACROSS)
+        down = -(-len(found) // across)
+        figure.set_size_inches(_WIDTH * across, down * (1.0 + (_WIDTH - 0.6) * min(1.4, max(0.4, height / width))))
 
 
 def structure_axes(axes: Axes, built: RockingParameters, sketch: Sketch, units: Units) -> None:
@@ -62,7 +82,9 @@ def structure_axes(axes: Axes, built: RockingParameters, sketch: Sketch, units: 
     for i, (label, course) in enumerate(sketch.lines):
         axes.plot(*zip(*scaled(course), strict=True), color="#D55E00", lw=0.8 if i else 1.6, ls=":" if i else "-", label=label)
         if i == 0:
-            axes.annotate(label, scaled(course)[-1], xytext=(-4, 6), textcoords="offset points", ha="right", color="#D55E00", fontsize=8)
+            axes.annotate(
+                label, scaled(course)[-1], xytext=(-4, 6), textcoords="offset points", ha="right", color="#D55E00", fontsize="small"
+            )
     for name, point in sketch.pivots:
         ((x, z),) = scaled((point,))
         axes.plot(x, z, "o", color="#D55E00", ms=4.5, label=f"_pivot {name}")
@@ -81,7 +103,7 @@ def structure_axes(axes: Axes, built: RockingParameters, sketch: Sketch, units: 
     axes.margins(0.08)
     axes.grid(visible=False)
     axes.set(xlabel=f"$x$ [{unit}]", ylabel=f"$z$ [{unit}]")
-    axes.set_title(f"{literal(built.name)}\n{_numbers(built, units)}", fontsize=8)
+    axes.set_title(f"{literal(built.name)}\n{_numbers(built, units)}", fontsize="small")
 
 
 def _mass_centre(axes: Axes, built: RockingParameters, sketch: Sketch, metre: float, unit: str) -> None:
@@ -100,7 +122,7 @@ def _mass_centre(axes: Axes, built: RockingParameters, sketch: Sketch, metre: fl
     axes.annotate(r"$\alpha$", (px, pz + reach), xytext=(away, 0), textcoords="offset points", ha="left" if away > 0 else "right")
     axes.annotate(
         f"$R$ = {radius:.3g} {unit}", (0.5 * (px + cx), 0.5 * (pz + cz)), xytext=(-away, 0), textcoords="offset points",
-        ha="right" if away > 0 else "left", va="center", fontsize=8, bbox=_PLAIN,
+        ha="right" if away > 0 else "left", va="center", fontsize="small", bbox=_PLAIN,
     )  # fmt: skip
 
 
@@ -108,4 +130,4 @@ def _numbers(built: RockingParameters, units: Units) -> str:
     name, radian = units.of("angle") if "angle" in units.chosen else ("deg", math.pi / 180.0)
     angle = f"{built.alpha / radian:.4g}{'°' if name == 'deg' else f' {name}'}"
     scale = f", $a_{{scale}}$ = {built.a_scale:.4g}" if built.a_scale != 1.0 else ""
-    return rf"$p$ = {built.p:.4g} rad/s, $\alpha$ = {angle}, $\eta$ = {built.eta:.3g}, $\lambda$ = {built.uplift:.4g}{scale}"
+    return f"$p$ = {built.p:.4g} rad/s, $\\alpha$ = {angle}\n$\\eta$ = {built.eta:.3g}, $\\lambda$ = {built.uplift:.4g}{scale}"

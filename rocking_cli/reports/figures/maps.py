@@ -72,7 +72,7 @@ def _differences(axes: Axes, x: np.ndarray, y: np.ndarray, codes: np.ndarray) ->
 def _frictions(axes: Axes, x: np.ndarray, y: np.ndarray, friction: np.ndarray) -> None:
     """Draw lines of equal required friction, (up, across), where the body stays upright."""
     lines = axes.contour(x, y, np.ma.masked_invalid(friction), colors="0.25", linewidths=0.7)
-    axes.clabel(lines, fmt=lambda level: f"μ = {level:g}", fontsize=6)
+    axes.clabel(lines, fmt=lambda level: f"μ = {level:g}", fontsize="x-small")
 
 
 def _title(file: SpectraFile, place: int) -> str:
@@ -124,5 +124,5 @@ def _named(axes: Axes, text: str, x: np.ndarray, y: np.ndarray, along: float) ->
     inside = np.flatnonzero((x >= left) & (x <= right) & (y >= bottom) & (y <= top))
     if inside.size:
         at = inside[int(along * (inside.size - 1))]
-        axes.annotate(text, (x[at], y[at]), ha="center", va="center", fontsize=7,
+        axes.annotate(text, (x[at], y[at]), ha="center", va="center", fontsize="x-small",
                       bbox={"facecolor": "w", "edgecolor": "none", "alpha": 0.75, "pad": 0.6})  # fmt: skip

@@ -13,11 +13,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...documents.quantities import parse_quantity
+from ...dynamics.method import LINEAR
 from ...dynamics.outcome import Outcome, falls
 from ...errors import UsageError
 from ...spectra.file.reader import SpectraFile
 from ..units import Units
-from .canvas import PANEL, SYMBOLS, label, legend, literal, look, titled, valued
+from .canvas import PANEL, SYMBOLS, label, legend, line_style, literal, titled, valued
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -33,7 +34,10 @@ _LEVELS = (0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.8, 1.0)
 @dataclass(frozen=True)
 class Slice:
     """A line of cells: axis `where` = `value`, the axis `along` it with values `x` (SI units), and the name, theta_max/alpha and
-    outcome of each structure or record."""
+    outcome of each structure or record.
+
+    etas: the restitution of each structure if Eq. 2.7 holds: plain bodies under one cycle of a sine by the linear equation, over A.
+    """
 
     where: str
     value: float
@@ -43,6 +47,7 @@ class Slice:
     theta: tuple[np.ndarray, ...]
     outcome: tuple[np.ndarray, ...]
     title: str
+    etas: tuple[float, ...] = ()
 
 
 def slice_of(file: SpectraFile, cut: str) -> Slice:
@@ -71,8 +76,15 @@ def slice_of(file: SpectraFile, cut: str) -> Slice:
     title = f"{literal(file.scene['motion'][0])}, " if first == "structure" else ""
     return Slice(
         name, float(values[at]), along, np.asarray(x), tuple(names), tuple(b["theta_ratio"].ravel() for b in blocks),
-        tuple(b["outcome"].ravel() for b in blocks), f"{title}{file.scene['model']} equation",
+        tuple(b["outcome"].ravel() for b in blocks), f"{title}{file.scene['model']} equation", _etas(file) if along == "A" else (),
     )  # fmt: skip
+
+
+def _etas(file: SpectraFile) -> tuple[float, ...]:
+    from ...motions import sine
+
+    known = file.scene["model"] == LINEAR.model and "vertical" not in file.scene and all(s.plain for s in file.structures)
+    return tuple(s.eta for s in file.structures) if known and file.motion().pieces == sine().pieces else ()
 
 
 def _accepted(name: str, values: np.ndarray) -> str:
@@ -98,8 +110,13 @@ def spectrum_lines(axes: Axes, found: Slice, units: Units) -> None:
         raise UsageError("holds no computed cell on this line, nothing to draw")
     x = found.x / units.column(found.along)[2]
     for i, (name, theta, outcome) in enumerate(zip(found.names, found.theta, found.outcome, strict=True)):
-        style: dict[str, Any] = look(i)
+        style: dict[str, Any] = line_style(i)
         axes.plot(x, theta, label=name, marker="." if x.size == 1 else None, **style)
+        if found.etas:
+            from ...envelopes.closed_form import peak_after_impact
+
+            peaks = [peak_after_impact(a, found.value, found.etas[i]) if a >= 1.0 else math.nan for a in found.x.tolist()]
+            axes.plot(x, peaks, color=style["color"], lw=0.8, ls=(0, (1, 1)), label="Eq. 2.7, after the first impact" if i == 0 else None)
         bars = _spans(x, falls(outcome))
         if bars:
             axes.broken_barh(bars, (1.01 + 0.02 * i, 0.014), transform=axes.get_xaxis_transform(), color=style["color"], clip_on=False)
@@ -141,10 +158,10 @@ def record_spectra(figure: Figure, file: SpectraFile, units: Units) -> list[Axes
         figure.set_size_inches(2.0 * PANEL[0], PANEL[1])
     first, *others = figure.subplots(1, 2 if contours else 1, squeeze=False)[0]
     for i, a in enumerate(alpha):
-        first.plot(period, finite[1, i], label=valued("alpha", float(a), units), **look(i))
+        first.plot(period, finite[1, i], label=valued("alpha", float(a), units), **line_style(i))
         if count > 1:  # an infinite upper quantile is drawn at the top
             low, high = finite[0, i], np.where(np.isinf(found[2, i]), max(1.0, float(np.nanmax(finite, initial=0.0))), finite[2, i])
-            first.fill_between(period, low, high, color=look(i)["color"], alpha=0.15, lw=0.0)
+            first.fill_between(period, low, high, color=line_style(i)["color"], alpha=0.15, lw=0.0)
     many = f"median and 16 to 84 % of {count} records" if count > 1 else literal(str(file.frame.dimensions["record"][0]))
     first.set(xlabel=label("T", units), ylabel=label("theta_max_ratio", units), title=f"{many}, {file.scene['model']} equation")
     first.set_ylim(bottom=0.0)

@@ -78,10 +78,12 @@ def test_units_are_those_asked_for(drawn, table):
 def test_a_comparison_collapses_from_left_to_right(drawn, table):
     call = ("compare", "configs/block.yaml", "configs/spire.yaml", "--A", "2", "--Omega", "4", "--eta", "0.8", "--curves")
     source, rows = table(*call)
-    left, right = drawn(source).axes
+    ground, left, right = drawn(source).axes
+    assert ground.get_ylabel() == r"$\ddot{x}_g$ [g]"
     assert set(lines(left)) == {"Column, linear", "Spire, linear"}
     for name in ("Column", "Spire"):
         mine = [r for r in rows if r["structure"] == name]
+        same(lines(ground)[f"{name}, linear"], numbers(mine, "t"), numbers(mine, "ground_acceleration") / 9.81)
         same(lines(left)[f"{name}, linear"], numbers(mine, "t"), numbers(mine, "theta"))
         same(lines(right)[f"{name}, linear"], numbers(mine, "tau"), numbers(mine, "theta_ratio"))
     heights = [[np.abs(y).max() for _, y in lines(axes).values()] for axes in (left, right)]
@@ -140,3 +142,42 @@ def test_a_varied_angle_keeps_the_unit_of_the_option(drawn, table):
 def test_what_was_not_varied_is_no_family(drawn):
     with pytest.raises(UsageError, match="a family is drawn over the keys that were varied"):
         drawn("name,p,alpha,eta,lambda\nx,1,1,1,1\n")
+
+
+def test_several_responses_are_in_one_panel_with_a_dash_for_each_equation(drawn, table, tmp_path):
+    names = []
+    for t in ("0.36", "0.44"):
+        call = ("response", "configs/arch.yaml", "--pulse", "rectangular-impulse", "--a-g", "1g", "--T-g", t, "--model", "both")
+        names.append(table(*call, "--duration", "1")[0].rename(tmp_path / f"t{t}.csv"))
+    axes, below = drawn(names).axes
+    looks = {line.get_label(): (line.get_color(), line.get_linestyle()) for line in axes.get_lines()}
+    assert looks == {
+        f"t{t}, {m} equation": (f"C{i}", ls) for i, t in enumerate(("0.36", "0.44")) for m, ls in (("linear", "-"), ("nonlinear", "--"))
+    }
+    assert len(below.get_lines()) == 2
+    with pytest.raises(UsageError, match="several CSV of rocking response"):
+        drawn([names[0], table(*SPIRES)[0]])
+
+
+@pytest.mark.parametrize("extra", [("--json",), ("--dimensionless", "--csv")])
+def test_a_phase_portrait_has_the_separatrix_inside_which_a_body_comes_back(drawn, rocking, extra):
+    """A body released inside the separatrix stays inside it: (1 - |x|)^2 - y^2 is constant up to an impact."""
+    free = ("response", "block:0.5x2,restitution=0.9", "--release", "0.8", "--model", "linear", "--duration", "3")
+    (axes,) = drawn(rocking(*free, *extra).stdout, portrait=True).axes
+    path, _, separatrix, *_ = axes.get_lines()
+    x, y = path.get_data()
+    assert (x[0], y[0]) == pytest.approx((0.8, 0.0), abs=1e-12)
+    assert np.all(np.abs(x) + np.abs(y) < 1.0)
+    before = np.cumsum(x <= 0.0) == 0
+    assert ((1.0 - x) ** 2 - y**2)[before] == pytest.approx(0.04, rel=1e-9)
+    assert np.add(*separatrix.get_data()) == pytest.approx(1.0, rel=1e-12)
+    assert axes.get_ylabel() == r"$\dot\theta/(p\,\alpha)$ [-]"
+
+
+def test_a_fragility_curve_is_dashed_beyond_its_last_level(drawn):
+    head = "structure,im,limit_state,method,x,probability,low,high,fraction\n"
+    (axes,) = drawn(head + "".join(f"S,PGA,0.5,stripes,{x},{x / 50},,,{0.1 if x in (10, 20) else ''}\n" for x in (5, 10, 20, 30))).axes
+    assert axes.get_ylabel() == "P(θ/α > 0.5 | PGA)"
+    solid, dashed, _ = axes.get_lines()
+    assert (solid.get_xdata()[-1], dashed.get_xdata()[0], dashed.get_linestyle()) == (20 / 9.81, 20 / 9.81, "--")
+    assert axes.get_title() == "S, stripes"

@@ -7,6 +7,7 @@ import math
 import numpy as np
 import pytest
 
+from rocking_cli import DocumentError
 from rocking_cli.reports.figures.drawing import draw_structures
 from rocking_cli.reports.units import parse_units
 from rocking_cli.structures import read_documents
@@ -41,7 +42,7 @@ def test_a_block_has_its_pivots_mass_centre_and_alpha(drawn):
     ends = np.arctan2(arc[[0, -1], 0] - 0.25, arc[[0, -1], 1])
     assert ends == pytest.approx([0, -math.atan(0.25)], abs=1e-12)
     assert axes.get_title() == (
-        "Column\n$p$ = 2.672 rad/s, $\\alpha$ = 14.04°, $\\eta$ = 0.912, $\\lambda$ = 0.25"
+        "Column\n$p$ = 2.672 rad/s, $\\alpha$ = 14.04°\n$\\eta$ = 0.912, $\\lambda$ = 0.25"
     )  # fmt: skip
     assert "$R$ = 1.03 m" in [text.get_text() for text in axes.texts]
 
@@ -81,3 +82,13 @@ def test_a_dollar_in_a_name_is_a_dollar(drawn, tmp_path):
     (tmp_path / "dollar.yaml").write_text('kind: block\nname: "a $ b $ c"\nwidth: 1\nheight: 5\n')
     (axes,) = drawn(tmp_path / "dollar")
     assert axes.get_title().startswith("a \\$ b \\$ c\n")
+
+
+def test_bodies_are_at_one_scale_and_one_without_geometry_is_left_out(drawn):
+    told = []
+    axes = drawn("block", "parameters", "spire", tell=told.append)
+    assert [one.get_title().partition("\n")[0] for one in axes] == ["Column", "Spire"]
+    assert len({(np.diff(one.get_xlim()).item(), np.diff(one.get_ylim()).item()) for one in axes}) == 1
+    assert [said.endswith("left out") for said in told] == [True]
+    with pytest.raises(DocumentError, match="states no geometry"):
+        drawn("parameters")

@@ -11,6 +11,7 @@ from support.record_layouts import wave
 
 from rocking_cli import Axis, Method, Outcome, UsageError, overturned
 from rocking_cli.dynamics.outcome import falls
+from rocking_cli.envelopes.closed_form import peak_after_impact
 from rocking_cli.motions.recording import Recording
 from rocking_cli.motions.records import Record
 from rocking_cli.reports.figures.slices import SHARES, record_quantiles, slice_of
@@ -41,9 +42,11 @@ def test_a_slice_is_a_row_of_the_file_with_bars_where_it_overturns(drawn, spectr
     at = int(np.abs(frequency - 5.0).argmin())
     figure = drawn(spectrum_file, cut="Omega=5")
     (axes,) = figure.axes
-    ((label, line),) = lines(axes).items()
-    assert label == r"$\eta$ = 0.9"
-    same(line, amplitude, block["theta_ratio"][at])
+    shown = lines(axes)
+    assert set(shown) == {r"$\eta$ = 0.9", "Eq. 2.7, after the first impact"}
+    same(shown[r"$\eta$ = 0.9"], amplitude, block["theta_ratio"][at])
+    peaks = shown["Eq. 2.7, after the first impact"][1]
+    assert np.array_equal(np.isnan(peaks), [a < 1.0 or np.isnan(peak_after_impact(a, frequency[at], 0.9)) for a in amplitude])
     assert axes.get_title().splitlines()[0] == r"$\eta$ = 0.9"
     assert rf"sine, 1 cycle, linear equation, $\Omega$ = {frequency[at]:.4g}" in axes.get_title()
     assert figure.told == f"slice at Omega = {frequency[at]:.6g}, the nearest of the file"

@@ -1,0 +1,115 @@
+"""A response in motion: the body and its ground as a GIF in real time."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ...documents.document import Document
+from ...documents.quantities import DEFAULT_GRAVITY
+from ...errors import UsageError
+from ...publishing import published
+from ...structures import build_structure
+from ...structures.kinds import sketch_of
+from ...structures.sketch import Outline, Sketch, rectangle, rocker, turned
+from ..rows import Rows, column
+from .canvas import Look, styled
+from .curves import scaled
+from .drawing import GROUND, INK, STONE
+
+if TYPE_CHECKING:
+    from matplotlib.patches import Polygon
+
+_FRAMES = 25  # in a second
+_LONGEST = 60.0  # s
+
+
+def animate(
+    rows: Rows, target: str | Path, body: Document | None = None, *, look: Look | None = None, overwrite: bool = True,
+    tell: Callable[[str], None] | None = None,
+) -> None:  # fmt: skip
+    """Write the response in `rows`, those of `rocking response --csv`, as a GIF in real time.
+
+    body: the document of the structure; None: the block with the p and alpha of the response. The ground moves by the double integral of
+    its acceleration. Raises UsageError if the rows have no times or no rocking body, and OutputError if the GIF cannot be written.
+    """
+    if not {"t", "ground_acceleration"} <= set(rows[0]):
+        raise UsageError("an animation is in real time; found no columns t and ground_acceleration; expected a response with units")
+    t, suffix = column(rows, "t"), "" if "theta" in rows[0] else "_nonlinear"
+    try:
+        theta, ratio, alpha, p = scaled(rows, suffix)
+    except (KeyError, ValueError) as error:
+        raise UsageError(f"an animation needs a response that rocks, with the columns tau and theta_ratio: {error}") from None
+    sketch = _block(float(alpha.max()), p) if body is None else sketch_of(body, build_structure(body))
+    if t[-1] > _LONGEST and tell is not None:
+        tell(f"{target}: found {t[-1]:.4g} s; the first {_LONGEST:g} s are shown")
+    times = np.arange(0.0, min(float(t[-1]), _LONGEST), 1.0 / _FRAMES)
+    turn, lean = np.interp(times, t, theta), np.interp(times, t, ratio)
+    ground = np.interp(times, t, _place(_place(column(rows, "ground_acceleration"), t), t))
+    outlines = [*sketch.bodies, *sketch.still]
+    corners = np.concatenate([np.array(outline) for outline in (*outlines, *sketch.moved)])
+    (left, low), (right, high) = corners.min(axis=0), corners.max(axis=0)
+    reach = 0.4 * (high - low)
+    look, frames = look or Look(), []
+    with styled(look) as figure:
+        from matplotlib.backends.backend_agg import FigureCanvasAgg
+        from PIL import Image
+
+        axes = figure.add_subplot(aspect="equal", xlabel="$x$ [m]", ylabel="$z$ [m]")
+        axes.set(xlim=(left + ground.min() - reach, right + ground.max() + reach), ylim=(low - 0.1 * reach, high + 0.3 * reach), title=" ")
+        axes.grid(visible=False)
+        stone = [axes.fill(*zip(*outline, strict=True), facecolor=STONE, edgecolor=INK, lw=0.9)[0] for outline in sketch.bodies]
+        still = [axes.fill(*zip(*outline, strict=True), facecolor=GROUND, edgecolor="0.6", lw=0.8)[0] for outline in sketch.still]
+        (floor,) = axes.plot([], [], color=INK, lw=1.2, marker="|", ms=6.0)
+        ticks = np.linspace(left - reach, right + reach, 12)
+        clock = axes.text(0.02, 0.97, "", transform=axes.transAxes, va="top")
+        figure.set_size_inches(5.6, 0.9 + 5.0 * min(1.5, float(np.diff(axes.get_ylim())[0] / np.diff(axes.get_xlim())[0])))
+        look.finish(figure)
+        figure.set_dpi(look.dpi or 100.0)
+        canvas: Any = FigureCanvasAgg(figure)
+        canvas.draw()
+        figure.set_layout_engine("none")  # what stays needs no new layout in each frame
+        for now, angle, share, x in zip(times, turn, lean, ground, strict=True):
+            _move(stone, shape_at(sketch, float(angle), float(share)), float(x))
+            _move(still, sketch.still, float(x))
+            floor.set_data(ticks + x, np.full(ticks.size, low))
+            clock.set_text(f"{now:.1f} s")
+            canvas.draw()
+            frames.append(Image.fromarray(np.asarray(canvas.buffer_rgba())[..., :3].copy()))
+    drawn = io.BytesIO()
+    frames[0].save(drawn, format="gif", save_all=True, append_images=frames[1:], duration=1000 // _FRAMES, loop=0)
+    with published(Path(target), overwrite) as file:
+        file.write(drawn.getvalue())
+
+
+def _block(alpha: float, p: float) -> Sketch:
+    """The block with this alpha and p, R = 3 g/(4 p^2)."""
+    radius = 0.75 * DEFAULT_GRAVITY / p**2
+    half, height = radius * np.sin(alpha), 2.0 * radius * np.cos(alpha)
+    return rocker([rectangle(-half, half, 0.0, height)], (-half, 0.0), (half, 0.0), (0.0, 0.5 * height))
+
+
+def _place(rate: np.ndarray, t: np.ndarray) -> np.ndarray:
+    """The integral of a rate from the first time to each."""
+    from scipy.integrate import cumulative_trapezoid
+
+    return np.asarray(cumulative_trapezoid(rate, t, initial=0.0))
+
+
+def shape_at(sketch: Sketch, angle: float, share: float) -> list[Outline]:
+    """The outlines of the bodies at theta = `angle` = `share` alpha: turned about an edge, or of a linkage between rest and alpha."""
+    if sketch.centre is not None:
+        about = dict(sketch.pivots)["right" if angle > 0.0 else "left"]
+        return [turned(outline, about, angle) for outline in sketch.bodies]
+    sign = -1.0 if share < 0.0 else 1.0  # the mirror image of the mechanism
+    mixed = [np.array(a) + abs(share) * (np.array(b) - np.array(a)) for a, b in zip(sketch.bodies, sketch.moved, strict=True)]
+    return [tuple((sign * x, z) for x, z in outline.tolist()) for outline in mixed]
+
+
+def _move(patches: list[Polygon], outlines: Sequence[Outline], x: float) -> None:
+    for patch, outline in zip(patches, outlines, strict=True):
+        patch.set_xy([(a + x, z) for a, z in outline])
