@@ -88,7 +88,8 @@ def fragility(
     bootstrap over the motions. stripes: maximum likelihood for the counts at the levels; first: maximum likelihood for the traced
     intensities of first overturning, with motions that never overturn as censored; cloud: regression on the rotations under the motions
     as recorded. Measures:
-    PGA, PGV, PGD, Arias, CAV, and nPGA = PGA/(lambda g), nPGV = p PGV/(g tan alpha), nPGD = p^2 PGD/(g tan alpha).
+    PGA, PGV, PGD, Arias, CAV, SA(T) and AvgSA(T) of records, nPGA = PGA/(lambda g), nPGV = p PGV/(g tan alpha) and nPGD =
+    p^2 PGD/(g tan alpha).
     """
     from ..fragility.fits import Resampling
     from ..fragility.measures import measure_of, members_of, shaken_upwards, site_pulses

@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from . import ground, options
-from .command import command, group
+from .command import command, group, option
 from .printing import emit, note, printed, warn
 
 if TYPE_CHECKING:
     from ..motions.records import Record
 
+SPECTRUM_COLUMNS = ("name", "component", "damping", "T", "S_a", "S_d")
 COLUMNS = (
     "name", "format", "component", "npts", "dt", "duration", "pga", "pga_time", "pgv", "pgd", "arias", "cav", "d5_75", "d5_95",
     "header_pga", "header_difference", "unit",
@@ -21,7 +23,13 @@ COLUMNS = (
 
 
 @command("rocking records configs/motions/synthetic.at2", printed)
-def records(files: tuple[str, ...] = options.files(), reading: ground.Reading = group(ground.Reading)) -> int:
+def records(
+    files: tuple[str, ...] = options.files(),
+    reading: ground.Reading = group(ground.Reading),
+    spectrum: bool = option("--export-spectrum", is_flag=True, help="The elastic response spectrum instead, a row a period."),
+    periods: str | None = option("--periods", metavar="START:STOP:N[:log]", help="Periods of the spectrum (default 0.02:5:100:log s)."),
+    damping: float | None = option("--damping", type=float, metavar="RATIO", help="Damping ratio of the spectrum (default 0.05)."),
+) -> int:
     """Show what records hold, a row a component: sampling and intensity measures in s, m/s2, m/s and m.
 
     FILE is a record of any known format, packed with gzip or not, - for standard input, a directory, or a list of files, one a line.
@@ -29,27 +37,42 @@ def records(files: tuple[str, ...] = options.files(), reading: ground.Reading = 
     named (exit code 4).
     The measures are integrals of the samples joined by straight lines, without any correction; header_pga is the peak in the header of
     the file, header_difference the relative excess of the peak of the samples over it, unit the unit of the file.
+    --export-spectrum: the largest displacement S_d of an oscillator of period T, also between samples and after the record, and
+    S_a = (2 pi/T)^2 S_d.
     """
     from ..motions.reading import read_set
     from ..motions.records.record import ALL, chosen
 
     if not files:
         raise click.UsageError("no record: give FILE, or - for standard input")
+    if not spectrum and (periods is not None or damping is not None):
+        raise click.UsageError("--periods and --damping go with --export-spectrum")
     notes: list[str] = []
     unread: list[str] = []
 
     def rows(found: list[Record]) -> list[dict[str, Any]]:
         records = chosen(found, reading.component or ALL)
         notes.extend(f"{record.source}: {remark}" for record in records for remark in record.remarks)
-        return [_row(record) for record in records]
+        return [row for record in records for row in (_spectrum(record, periods, damping) if spectrum else [_row(record)])]
 
     taken = list(read_set(files, rows, unit=reading.unit, dt=reading.motion_dt, tell=notes.append, unread=unread.append))
-    emit(taken, COLUMNS)
+    emit(taken, SPECTRUM_COLUMNS if spectrum else COLUMNS)
     for line in dict.fromkeys(notes):
         note(line)
     for line in unread:
         warn(line)
     return 4 if unread else 0
+
+
+def _spectrum(record: Record, periods: str | None, damping: float | None) -> list[dict[str, Any]]:
+    """The rows of the response spectrum of a record. Raises UsageError."""
+    from ..motions.grid import parse_span
+    from ..motions.response_spectra import DAMPING, displacement_spectrum
+
+    at, ratio = parse_span("--periods", periods or "0.02:5:100:log", "time"), DAMPING if damping is None else damping
+    names = {"name": record.name, "component": record.component, "damping": ratio}
+    found = zip(at.tolist(), displacement_spectrum(record, at, ratio).tolist(), strict=True)
+    return [names | {"T": t, "S_a": (2.0 * math.pi / t) ** 2 * d, "S_d": d} for t, d in found]
 
 
 def _row(record: Record) -> dict[str, Any]:

@@ -20,6 +20,7 @@ from ..errors import DocumentError, UsageError, did_you_mean
 from ..motions import Motion, pulse
 from ..motions.intensity import Intensity
 from ..motions.recording import Recording
+from ..motions.response_spectra import mean_acceleration, periods_of
 from ..structures.parameters import RockingParameters
 
 if TYPE_CHECKING:
@@ -27,6 +28,7 @@ if TYPE_CHECKING:
 
 _STEPS = 4096  # steps of the trapezium rule over a piece of a pulse, for measures to 1e-6
 Value = Callable[[Intensity, RockingParameters], float]
+SPECTRAL = ("SA(0.5)", "SA(1)", "SA(2)", "AvgSA(1)")  # measures of records that are compared with MEASURES
 
 
 @dataclass(frozen=True)
@@ -40,6 +42,7 @@ class Measure:
     value: Value
     power: float = 1.0
     of_structure: bool = False
+    periods: tuple[float, ...] = ()  # of SA and AvgSA, in s
 
 
 def _tan(s: RockingParameters) -> float:
@@ -63,10 +66,12 @@ MEASURES = {
 
 
 def measure_of(name: str) -> Measure:
-    """The measure of that name. Raises UsageError."""
+    """The measure of that name, one of MEASURES or SA(T), AvgSA(T1), AvgSA(T, T, ...) (see `periods_of`). Raises UsageError."""
+    if (spectral := periods_of(name)) is not None:
+        return Measure(spectral[0], "m/s2", "acceleration", lambda i, s: math.nan, periods=tuple(spectral[1].tolist()))
     found = next((m for key, m in MEASURES.items() if key.casefold() == name.strip().casefold()), None)
     if found is None:
-        raise UsageError(f"`im`: found {name!r}; expected {', '.join(MEASURES)}{did_you_mean(name, MEASURES)}")
+        raise UsageError(f"`im`: found {name!r}; expected {', '.join(MEASURES)}, SA(T), AvgSA(T){did_you_mean(name, MEASURES)}")
     return found
 
 
@@ -94,8 +99,13 @@ class Member:
         return self.recording.motion
 
     def measured(self, measure: Measure, structure: RockingParameters) -> float:
-        """The measure of the unscaled motion. Raises UsageError unless it is positive."""
-        value = measure.value(self.intensity, structure)
+        """The measure of the motion as it stands. Raises UsageError unless it is positive, and for SA or AvgSA of a pulse."""
+        if not measure.periods:
+            value = measure.value(self.intensity, structure)
+        elif self.recording is None:
+            raise UsageError(f"{self.label}: found {measure.name} of a pulse; expected a record, or another measure")
+        else:
+            value = abs(self.recording.factor) * mean_acceleration(self.recording.record, np.array(measure.periods))
         if not (math.isfinite(value) and value > 0.0):
             raise UsageError(f"{self.label}: its {measure.name} is {value:g}; the motion must have a positive one")
         return value

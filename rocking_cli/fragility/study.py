@@ -15,7 +15,7 @@ from ..structures.parameters import RockingParameters
 from . import fits as fragility
 from .exposure import Exposure, Interval, first_of, share_overturned
 from .fits import Band, Curve, Resampling
-from .measures import MEASURES, Measure, Member, cell
+from .measures import MEASURES, SPECTRAL, Measure, Member, cell, measure_of
 
 Array = np.ndarray
 METHODS = ("stripes", "first", "cloud")
@@ -156,7 +156,8 @@ class Study:
         factor = (first_of(self.intervals) / self.own) ** (1.0 / self.measure.power)
         most = (float(self.exposure.levels[-1]) / self.own) ** (1.0 / self.measure.power)
         found: list[tuple[str, Curve]] = []
-        for measure in MEASURES.values():
+        spectral = map(measure_of, SPECTRAL) if all(m.recording is not None for m in self.members) else ()
+        for measure in {m.name: m for m in (*MEASURES.values(), *spectral, self.measure)}.values():
             own = np.array([m.measured(measure, self.structure) for m in self.members])
             found.append((measure.name, fragility.fit_first(own * factor**measure.power, own * most**measure.power, self.weight)))
         found.sort(key=lambda pair: pair[1].beta)

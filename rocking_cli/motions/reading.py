@@ -23,6 +23,7 @@ from .recording import Recording, with_distinct_labels
 from .records import Record, demand_unit, is_record, pick, records_of, unknown
 from .records.record import chosen, names_of, vertical_of
 from .records.text import HEAD
+from .response_spectra import mean_acceleration, periods_of
 
 Taken = TypeVar("Taken")
 
@@ -146,14 +147,16 @@ def factor_of(record: Record, scale: float | None, scale_to: str | None) -> floa
 def factor_to(record: Record, text: str) -> float:
     """The factor that scales a record to an intensity measure, such as PGA=0.35g. Raises UsageError."""
     name, equals, value = (x.strip() for x in text.partition("="))
-    measure = next((m for m in MEASURES if m.casefold() == name.casefold()), None)
+    spectral = periods_of(name)
+    measure = next((m for m in MEASURES if m.casefold() == name.casefold()), None) if spectral is None else spectral[0]
     if measure is None or not equals:
-        raise UsageError(f"`scale_to`: found {text!r}; expected MEASURE=VALUE, such as PGA=0.35g, with one of {', '.join(MEASURES)}")
+        known = f"{', '.join(MEASURES)}, SA(T) and AvgSA(T)"
+        raise UsageError(f"`scale_to`: found {text!r}; expected MEASURE=VALUE, such as PGA=0.35g, with one of {known}")
     try:
-        wanted = parse_quantity(value, MEASURES[measure])
+        wanted = parse_quantity(value, MEASURES.get(measure, "acceleration"))
     except ValueError as error:
         raise UsageError(f"`scale_to` {measure}: found {value!r}; expected {error}") from None
-    own = float(getattr(intensity(record), measure.casefold()))
+    own = float(getattr(intensity(record), measure.casefold())) if spectral is None else mean_acceleration(record, spectral[1])
     if not own > 0.0:
         raise UsageError(f"`scale_to`: the record has a {measure} of {own:g}; expected a non-zero {measure}")
     if not wanted > 0.0:

@@ -25,10 +25,10 @@ COLUMNS = {
     **dict.fromkeys(("alpha", "alpha_geometric", "theta", "theta_max", "angle"), "angle"),
     "p": "frequency parameter", "theta_dot": "angular velocity", "omega_g": "circular frequency",
     **dict.fromkeys(("a_g", "a_from", "a_to", "demand_a", "uplift_a", "first_overturning_a", "safe_to"), "acceleration"),
-    **dict.fromkeys(("ground_acceleration", "pga", "header_pga"), "acceleration"),
+    **dict.fromkeys(("ground_acceleration", "pga", "header_pga", "S_a", "sa", "avgsa"), "acceleration"),
     **dict.fromkeys(("t", "t_max", "dt", "duration", "pga_time", "d5_75", "d5_95", "T", "run_time", "time_per_cell"), "time"),
     "pgv": "velocity", "arias": "intensity", "cav": "intensity", "gravity": "gravity", "mass": "mass",
-    **dict.fromkeys(("pgd", "x", "z", "arm", "length", "tip_height", "crack_height", "inset"), "length"),
+    **dict.fromkeys(("pgd", "S_d", "x", "z", "arm", "length", "tip_height", "crack_height", "inset"), "length"),
 }  # fmt: skip
 """The dimension of each column that has a unit."""
 
@@ -95,7 +95,7 @@ class Units:
 
 def dimension_of(column: str) -> str | None:
     """The dimension of a column, also for a side (left_p), a list item (hinges_1_angle) or an equation (theta_linear); None if none."""
-    found = COLUMNS.get(column)
+    found = COLUMNS.get(column.partition("(")[0])  # SA(1) is SA at 1 s
     if found is None and (match := _OF_ONE.fullmatch(column)):
         return dimension_of(match[1] or match[2])
     return found

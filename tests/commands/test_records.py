@@ -137,3 +137,14 @@ def test_rows_under_a_record_stand_at_its_samples(rocking):
     assert turns
     assert all(min(abs(t - x) for t in times) < 1e-12 * x for x in turns)
     assert [float(r["t"]) for r in rocking(*call, "--csv", "--dt", "0.5").rows][:3] == pytest.approx([0.0, 0.5, 1.0])
+
+
+def test_response_spectra_of_records(rocking):
+    given = ("records", "configs/motions/synthetic.at2", "--export-spectrum")
+    found = rocking(*given, "--periods", "0.5:2:4", "--damping", "0.1", "--json").records
+    assert [(row["name"], row["T"], row["damping"]) for row in found] == [("synthetic", t, 0.1) for t in (0.5, 1.0, 1.5, 2.0)]
+    assert all(row["S_a"] == pytest.approx((2 * np.pi / row["T"]) ** 2 * row["S_d"]) for row in found)
+    assert len(rocking(*given, "--csv").rows) == 100
+    assert rocking("records", "configs/motions/synthetic.at2", "--periods", "1").returncode == 2
+    done = rocking(*given, "--periods", "0:1:3")
+    assert (done.returncode, "positive times" in done.stderr) == (2, True)

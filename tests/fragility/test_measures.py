@@ -4,9 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from support.record_layouts import wave
 
 from rocking_cli import DocumentError, UsageError, build_structure, parse_documents, pulse, sine
-from rocking_cli.fragility.measures import MEASURES, Member, measure_of, pulse_intensity, site_pulses
+from rocking_cli.fragility.measures import MEASURES, Member, measure_of, members_of, pulse_intensity, site_pulses
+from rocking_cli.motions.recording import Recording
+from rocking_cli.motions.records import Record
+from rocking_cli.motions.response_spectra import mean_acceleration
 
 BLOCK = build_structure(parse_documents("kind: block\nwidth: 0.5\nheight: 2")[0])
 
@@ -63,3 +67,14 @@ def test_unknown_measures_and_those_that_a_motion_lacks_are_refused():
     still = Member("still", 1.0, 1.0, pulse_intensity(sine(), 0.0, 1.0), pulse=sine())
     with pytest.raises(UsageError, match="still: its PGV is 0"):
         still.measured(MEASURES["PGV"], BLOCK)
+
+
+def test_spectral_measures_are_of_records_only():
+    record = Record("r", "text", None, 0.02, wave(300, 3.0), None, "m/s2", "r", "")
+    (member,) = members_of([Recording(record, -2.0)])
+    measure = measure_of("avgsa(0.5,1)")
+    assert (measure.name, measure.dimension, measure.power) == ("AvgSA(0.5,1)", "acceleration", 1.0)
+    assert member.measured(measure, BLOCK) == pytest.approx(2.0 * mean_acceleration(record, np.array([0.5, 1.0])), rel=1e-14)
+    pulse_member = Member("p", 1.0, 1.0, pulse_intensity(pulse("sine"), 1.0, 1.0), pulse=pulse("sine"))
+    with pytest.raises(UsageError, match=r"found AvgSA\(0.5,1\) of a pulse; expected a record"):
+        pulse_member.measured(measure, BLOCK)

@@ -272,7 +272,7 @@ def test_documents_and_pulses_are_turned_over(tmp_path):
             {"scale_to": "PGA"},
             "`scale_to`: found 'PGA'; expected MEASURE=VALUE, such as PGA=0.35g, with one of PGA, PGV, PGD, Arias, CAV",
         ),
-        ({"scale_to": "SA=1g"}, "`scale_to`: found 'SA=1g'"),
+        ({"scale_to": "SA=1g"}, "SA: found '' for a period; expected a time"),
         ({"scale_to": "PGA=1 m"}, "`scale_to` PGA: found '1 m'; expected an acceleration"),
         ({"scale_to": "PGA=0"}, "expected a positive intensity"),
         ({"scale_to": "PGA=-0.1g"}, "expected a positive intensity"),

@@ -1,0 +1,111 @@
+"""Elastic response spectra of records, and the intensity measures that are read from them.
+
+The displacement u of an oscillator with circular frequency w and damping xi under straight lines a(t) has z = u' - conj(s) u,
+s = w (-xi + i sqrt(1 - xi^2)), with z' = s z - a, and so an exact recurrence from sample to sample (Nigam and Jennings 1969):
+
+    z(h) = E z - a0 (E - 1)/s - (a1 - a0) (E - 1 - s h)/(s^2 h),   E = exp(s h),   u = Im z / Im s
+
+S_d is the largest |u| at any time, also between the samples and after the record; S_a = w^2 S_d is the pseudo-acceleration.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+
+import numpy as np
+
+from ..documents.quantities import parse_quantity
+from ..errors import UsageError
+from .records import Record
+
+Array = np.ndarray
+
+DAMPING = 0.05  # of a spectrum that states none, and of measures
+_STEPS = 12  # in the shortest period, at least: then a step holds one turning point of u
+_SIZE = 1 << 21  # samples times periods that are computed at once
+_NAME = re.compile(r"(SA|AvgSA)(?:\((.*)\))?", re.IGNORECASE)
+_MEAN = np.linspace(0.2, 1.5, 10)  # periods over T1 of AvgSA(T1)
+
+
+def displacement_spectrum(record: Record, periods: Array, damping: float = DAMPING) -> Array:
+    """S_d [m] of the unscaled record at periods [s] of shape (n,), to 1e-6 of the largest. Raises UsageError for bad periods or damping."""
+    periods = np.asarray(periods, dtype=float)
+    if not (periods.ndim == 1 and periods.size and np.all(np.isfinite(periods)) and np.all(periods > 0.0)):
+        raise UsageError("`periods`: expected one or more positive times in s")
+    if not 0.0 <= damping < 1.0:
+        raise UsageError(f"`damping`: found {damping:g}; expected a number from 0 to below 1")
+    found, order = np.empty(periods.size), np.argsort(periods)
+    while order.size:
+        finer = max(1, math.ceil(record.dt * _STEPS / periods[order[0]]))
+        some, order = np.split(order, [max(1, _SIZE // (finer * record.npts))])
+        found[some] = _largest(record, finer, 2.0 * math.pi / periods[some], damping)
+    return found
+
+
+def acceleration_spectrum(record: Record, periods: Array, damping: float = DAMPING) -> Array:
+    """S_a = (2 pi/T)^2 S_d [m/s2], the pseudo-acceleration of the unscaled record; arguments and errors as `displacement_spectrum`."""
+    return (2.0 * math.pi / np.asarray(periods)) ** 2 * displacement_spectrum(record, periods, damping)
+
+
+def periods_of(name: str) -> tuple[str, Array] | None:
+    """The name and the periods [s] of SA(T), or of AvgSA(T1) (ten from 0.2 to 1.5 T1; T1 = 1 s if not stated) or AvgSA(T, T, ...).
+
+    None for another measure. Raises UsageError for a period that is not positive.
+    """
+    if (match := _NAME.fullmatch(name.strip())) is None:
+        return None
+    mean, text = match[1].casefold() != "sa", match[2] or ("1" if match[1].casefold() != "sa" else "")
+    try:
+        periods = np.array([parse_quantity(part, "time") for part in text.split(",")])
+    except ValueError as error:
+        raise UsageError(f"{name}: found {text!r} for a period; expected {error}") from None
+    if not np.all(periods > 0.0) or (periods.size > 1 and not mean):
+        raise UsageError(f"{name}: expected {'positive periods' if mean else 'one positive period'} in s, as in SA(1.0) or AvgSA(0.5,1)")
+    told = f"{'AvgSA' if mean else 'SA'}({','.join(f'{x:g}' for x in periods)})"
+    return told, periods[0] * _MEAN if mean and periods.size == 1 else periods
+
+
+def mean_acceleration(record: Record, periods: Array) -> float:
+    """The geometric mean of S_a [m/s2] over the periods, at 5 % damping; 0 for a record that is zero."""
+    found = acceleration_spectrum(record, periods)
+    return float(np.exp(np.log(found).mean())) if np.all(found > 0.0) else 0.0
+
+
+def _largest(record: Record, finer: int, w: Array, damping: float) -> Array:
+    """max |u| [m] of oscillators w [rad/s], with the steps of the record cut into `finer` equal ones."""
+    steps = finer * (record.npts - 1)
+    a = np.interp(np.arange(steps + 1) / finer, np.arange(record.npts), record.acceleration)[:, None]
+    h, s = record.dt / finer, w * complex(-damping, math.sqrt(1.0 - damping**2))
+    z = np.zeros((steps + 1, w.size), dtype=complex)
+    z[1:] = -a[:-1] * _gain(s, h) - np.diff(a, axis=0) * _rise(s, h)
+    factor, reach = np.exp(s * h), 1
+    while reach <= steps:  # sums of all that came before, over twice as many steps each time
+        z[reach:] += factor * z[:-reach]
+        factor, reach = factor * factor, 2 * reach
+    u, v = z.imag / s.imag, z.real - damping * w * z.imag / s.imag
+    most = np.abs(u).max(axis=0)
+    k, i = np.nonzero(v[:-1] * v[1:] < 0.0)
+    a0, slope, oscillator, wi = a[k, 0], (a[k + 1, 0] - a[k, 0]) / h, s[i], w[i]
+    t = h * v[k, i] / (v[k, i] - v[k + 1, i])
+    for _ in range(4):  # Newton's method for u' = 0
+        there = np.exp(oscillator * t) * z[k, i] - a0 * _gain(oscillator, t) - slope * t * _rise(oscillator, t)
+        place, speed = there.imag / oscillator.imag, there.real - damping * wi * there.imag / oscillator.imag
+        bend = -2.0 * damping * wi * speed - wi**2 * place - a0 - slope * t
+        t = np.clip(t - speed / np.where(bend == 0.0, np.inf, bend), 0.0, h)
+    np.maximum.at(most, i, np.abs(place))
+    turn = np.mod(-np.angle(z[-1] * s), math.pi) / s.imag  # the first after the record
+    return np.maximum(most, np.abs((z[-1] * np.exp(s * turn)).imag) / s.imag)
+
+
+def _gain(s: Array, h: Array | float) -> Array:
+    """(exp(s h) - 1)/s."""
+    return np.expm1(s * h) / s
+
+
+def _rise(s: Array, h: Array | float) -> Array:
+    """(exp(s h) - 1 - s h)/(s^2 h), by its series where s h is small."""
+    x = s * h
+    small = np.abs(x) < 1e-3
+    safe = np.where(x == 0.0, 1.0, x)
+    return h * np.where(small, 0.5 + x / 6.0 + x * x / 24.0 + x**3 / 120.0, (np.expm1(x) - x) / (safe * safe))
