@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import click
+
 from . import ground, options
-from .command import command, group
+from .command import command, group, option
 from .printing import note, quiet
 from .progress import ProgressLine
 
@@ -17,6 +19,9 @@ def report(
     files: tuple[str, ...] = options.files(),
     asked: ground.Demand = group(ground.Demand),
     output: Path = options.output(required=True, help="The page: .html."),
+    title: str | None = option("--title", metavar="TEXT", help="Title of the page (default: the names of the structures)."),
+    summary: bool = option("--summary", is_flag=True, help="A first page in words: a sentence on each structure; the details follow."),
+    sort: str | None = option("--sort", type=click.Choice(["capacity"]), help="The structures with the least capacity first."),
     workers: int | None = options.workers(),
     overwrite: bool = options.overwrite(),
 ) -> int:
@@ -30,6 +35,7 @@ def report(
     from ..dynamics.outcome import Outcome
     from ..motions.grid import demand_in_words
     from ..publishing import check_target, published
+    from ..reports.overview import demand_plainly
     from ..reports.page import Subject, demand_extra, page
     from ..responses.check import check_all, tally
     from ..structures import build_structure, with_distinct_names
@@ -49,12 +55,15 @@ def report(
         [Subject(document, structure) for document, structure in zip(documents, structures, strict=True)],
         verdicts,
         pulse=None if shaken.recordings else shakes[0],
-        demand=demand_in_words(shakes),
+        demand=demand_plainly(shakes, asked.vertical) if summary else demand_in_words(shakes),
         recordings=shaken.recordings,
         vertical=asked.vertical,
         command=options.command_line(),
         made=options.now(),
         workers=workers,
+        title=title,
+        summary=summary,
+        by_capacity=sort is not None,
     )
     with published(output, overwrite) as file:
         file.write(text.encode())

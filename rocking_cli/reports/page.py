@@ -43,6 +43,7 @@ from .figures.capacities import capacities
 from .figures.curves import fragility_curves
 from .figures.drawing import structure_axes
 from .figures.maps import outcome_map
+from .overview import OVERVIEW, capacity_left, overview_row, worst_of
 from .relations import parameter_rows
 
 if TYPE_CHECKING:
@@ -78,11 +79,14 @@ def demand_extra() -> None:
 def page(
     subjects: Sequence[Subject], verdicts: Sequence[Verdict], *, pulse: tuple[Motion, Grid] | None = None,
     recordings: Sequence[Recording] = (), vertical: str | None = None, demand: str, command: str, made: str, workers: int | None = None,
+    title: str | None = None, summary: bool = False, by_capacity: bool = False,
 ) -> str:  # fmt: skip
     """The page as HTML.
 
     verdicts: of `check`, for each structure and motion; pulse: a motion and the demand, a grid of one cell; recordings: the records
-    of the demand; vertical: name or file of the vertical motion; demand: the strength of the shaking in words.
+    of the demand; vertical: name or file of the vertical motion; demand: the strength of the shaking in words; title: None for the names
+    of the structures; summary: a first page with a sentence on each structure, and a list of contents, stand before the details;
+    by_capacity: the structures with the least capacity come first.
     Raises OutputError if jinja2 or matplotlib is not installed.
     """
     demand_extra()
@@ -92,13 +96,19 @@ def page(
         (files(__package__) / "page.html").read_text(encoding="utf-8")
     )
     motions = ", ".join(dict.fromkeys(v.motion for v in verdicts))
+    of = {s.structure.name: [v for v in verdicts if v.structure == s.structure.name] for s in subjects}
+    if by_capacity:
+        verdicts = sorted(verdicts, key=capacity_left)
+        subjects = sorted(subjects, key=lambda s: min(map(capacity_left, of[s.structure.name])))
     with TemporaryDirectory() as name:
         folder = Path(name)
         return template.render(
-            title=f"Rocking of {', '.join(s.structure.name for s in subjects)}",
-            lead=f"{tally(verdicts)}, under {motions}: {demand}.",
-            heads=HEADS,
-            verdicts=[{"falls": v.falls, "cells": _cells(v)} for v in verdicts],
+            title=title or f"Rocking of {', '.join(s.structure.name for s in subjects)}",
+            lead=f"{tally(verdicts)}, under {demand}." if summary else f"{tally(verdicts)}, under {motions}: {demand}.",
+            overview=[_row(OVERVIEW, overview_row(of[s.structure.name]), worst_of(of[s.structure.name])) for s in subjects]
+            if summary
+            else [],
+            verdicts=[_row(HEADS, _values(v), v) for v in verdicts],
             capacities=_image(folder, lambda figure: capacities(figure, verdicts, True)),
             structures=[_section(folder, one, verdicts, pulse, recordings, workers) for one in subjects],
             command=command,
@@ -146,16 +156,21 @@ def _section(
     }
 
 
-def _cells(v: Verdict) -> list[dict[str, Any]]:
-    """The cells of a row of the table of verdicts."""
-    values = (
+def _row(heads: Sequence[str], values: Sequence[str | float | None], v: Verdict) -> dict[str, Any]:
+    """The template's values for a row of a table of verdicts."""
+    cells = [
+        {"head": head, "text": _number(x, DEFAULT_GRAVITY if "[g]" in head else 1.0), "number": not isinstance(x, str)}
+        for head, x in zip(heads, values, strict=True)
+    ]
+    return {"falls": v.falls, "cells": cells}
+
+
+def _values(v: Verdict) -> tuple[str | float | None, ...]:
+    """The cells of HEADS."""
+    return (
         v.structure, v.motion, v.model, v.sentence, v.theta_ratio, v.demand_a, v.uplift_a, v.first_overturning_a, v.capacity_demand,
         v.safe_to, v.outcome_linear.sentence, v.friction_needed, v.fz_min,
     )  # fmt: skip
-    return [
-        {"text": _number(x, DEFAULT_GRAVITY if "[g]" in head else 1.0), "number": not isinstance(x, str)}
-        for head, x in zip(HEADS, values, strict=True)
-    ]
 
 
 def _number(x: float | str | None, unit: float = 1.0) -> str:

@@ -14,12 +14,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from rocking_cli import Outcome, Verdict, build_structure, check, parse_documents, parse_grid, sine
+from rocking_cli import Outcome, Verdict, build_structure, check, cosine, parse_documents, parse_grid, pulse, sine
 from rocking_cli.fragility.exposure import Exposure
 from rocking_cli.fragility.measures import members_of, shaken_upwards
 from rocking_cli.motions.biaxial import Upwards
 from rocking_cli.motions.reading import read_motions
 from rocking_cli.motions.recording import Recording
+from rocking_cli.reports.overview import OVERVIEW, demand_plainly, overview_row, verdict_plainly
 from rocking_cli.reports.page import Subject, page
 
 HOSTILE = """<script>document.title = "taken"</script>'"&amp; $x$ {{ 7 * 7 }}"""
@@ -164,6 +165,59 @@ def test_an_input_has_one_hash_and_the_top_names_the_frequency(rocking, tmp_path
     rows = [[cell.strip() for cell in row] for row in Page(shown).rows]
     assert [row for row in rows if row[0] == "three.yaml"] == [["three.yaml", hashlib.sha256(text.encode()).hexdigest()]]
     assert "under sine, 1 cycle: a_g 3.4335 m/s2 = 0.35 g, f_g 1.5 Hz." in shown
+
+
+def test_a_first_page_in_words_comes_before_the_details(rocking, tmp_path):
+    text = "".join(
+        f"kind: parameters\nname: S{i}\np: 2\nalpha: {alpha}\neta: 0.9\na_scale: 1\n---\n" for i, alpha in enumerate((0.4, 0.2, 0.3))
+    )
+    (tmp_path / "three.yaml").write_text(text.removesuffix("---\n"))
+    call = ("report", "three.yaml", "--a-g", "0.35g", "--f-g", "1", "--summary", "--title", "Sculpture hall", "--sort", "capacity")
+    assert rocking(*call, "-o", "r.html").returncode == 0
+    shown = (tmp_path / "r.html").read_text(encoding="utf-8")
+    assert "<h1>Sculpture hall</h1>" in shown
+    assert "under one cycle of a sine of 0.35 g at 1 Hz." in shown
+    head, *rows = [[cell.strip() for cell in row] for row in Page(shown).rows][:4]
+    assert head == list(OVERVIEW)
+    assert [row[0] for row in rows] == ["S1", "S2", "S0"]
+    assert [row[1].split(":")[0] for row in rows] == ["Falls", "Stands", "Stands"]
+    assert re.findall(r'<a href="#s\d">(.*?)</a>', shown) == ["S1", "S2", "S0"] == re.findall(r'<h2 id="s\d">(.*?)</h2>', shown)
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        ({}, "Stands: it rocks to 50 % of its critical angle."),
+        ({"first_overturning_a": 3.924}, "Stands: it rocks to 50 % of its critical angle. Weaker shaking, from 0.4 g, overturns it."),
+        (
+            {"outcome": Outcome.NO_UPLIFT, "unsettled": True},
+            "Stands: it does not lift. A change of the demand in its last digits changes this.",
+        ),
+        ({"outcome": Outcome.LOST_CONTACT}, "Leaves the ground: its later motion is not known, so it counts as falling."),
+        ({"outcome": Outcome.FAILED}, "Not known: the computation failed."),
+        ({"outcome": Outcome.OVERTURNED_NO_IMPACT, "slides": True}, "Falls: it overturns without impact. Its base would slide."),
+    ],
+)
+def test_a_verdict_in_a_sentence(changes, said):
+    assert verdict_plainly(replace(STANDS, demand_a=4.0, **changes)) == said
+
+
+def test_the_worst_of_several_motions_speaks_for_a_structure():
+    falls, failed = replace(STANDS, motion="1", outcome=Outcome.OVERTURNED_NO_IMPACT), replace(STANDS, motion="2", outcome=Outcome.FAILED)
+    assert overview_row([STANDS, falls, STANDS])[1:3] == ("Falls: it overturns without impact. It falls under 1 of 3 motions.", "1")
+    assert overview_row([STANDS, falls, failed])[2] == "2"
+
+
+@pytest.mark.parametrize(
+    ("motion", "axes", "words"),
+    [
+        (sine(0.5), "a_g=0.3g,f_g=2", "half a cycle of a sine of 0.3 g at 2 Hz"),
+        (pulse("ricker-antisymmetric"), "A=2,Omega=4", "an antisymmetric Ricker of A = 2 at Omega = 4"),
+        (cosine(2), "a_g=3,omega_g=5", "2 cycles of a cosine of 0.306 g at 0.7958 Hz, with the vertical motion up.at2"),
+    ],
+)
+def test_a_demand_in_words(motion, axes, words):
+    assert demand_plainly([(motion, parse_grid(axes))], "up.at2" if "up.at2" in words else None) == words
 
 
 @pytest.mark.soak

@@ -22,7 +22,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 _WIDTH = 4.2  # inches, of a panel
-_PLAIN = {"facecolor": "w", "edgecolor": "none", "alpha": 0.7, "pad": 0.8}
 STONE, GROUND, INK = "#D9CBB8", "#EFEFEF", "#333333"
 
 
@@ -97,17 +96,16 @@ def structure_axes(axes: Axes, built: RockingParameters, sketch: Sketch, units: 
         top = max(z for outline in sketch.bodies for _, z in outline) / metre
         wall = rectangle(left - 0.15 * top, left, base, top)
         axes.fill(*zip(*wall, strict=True), facecolor="none", edgecolor="0.5", hatch="///", lw=0.0, label="_backing")
-    if sketch.centre is not None:
-        _mass_centre(axes, built, sketch, metre, unit)
+    radius = "" if sketch.centre is None else f", $R$ = {_mass_centre(axes, built, sketch, metre):.3g} {unit}"
     axes.set_aspect("equal")
     axes.margins(0.08)
     axes.grid(visible=False)
     axes.set(xlabel=f"$x$ [{unit}]", ylabel=f"$z$ [{unit}]")
-    axes.set_title(f"{literal(built.name)}\n{_numbers(built, units)}", fontsize="small")
+    axes.set_title(f"{literal(built.name)}\n{_numbers(built, units)}{radius}", fontsize="small")
 
 
-def _mass_centre(axes: Axes, built: RockingParameters, sketch: Sketch, metre: float, unit: str) -> None:
-    """Draw the mass centre, and alpha at the weaker edge (the right edge if both are equal)."""
+def _mass_centre(axes: Axes, built: RockingParameters, sketch: Sketch, metre: float) -> float:
+    """Draw the mass centre, and R and alpha at the weaker edge (the right edge if both are equal); returns R in the unit of the axes."""
     assert sketch.centre is not None
     side = weaker_side(built.sides).side if built.sides else "right"
     (px, pz), (cx, cz) = ((x / metre, z / metre) for x, z in (dict(sketch.pivots)[side], sketch.centre))
@@ -120,10 +118,7 @@ def _mass_centre(axes: Axes, built: RockingParameters, sketch: Sketch, metre: fl
     axes.plot([px + reach * math.sin(a) for a in arc], [pz + reach * math.cos(a) for a in arc], color=INK, lw=0.9, label="_alpha")
     away = math.copysign(6, -alpha)
     axes.annotate(r"$\alpha$", (px, pz + reach), xytext=(away, 0), textcoords="offset points", ha="left" if away > 0 else "right")
-    axes.annotate(
-        f"$R$ = {radius:.3g} {unit}", (0.5 * (px + cx), 0.5 * (pz + cz)), xytext=(-away, 0), textcoords="offset points",
-        ha="right" if away > 0 else "left", va="center", fontsize="small", bbox=_PLAIN,
-    )  # fmt: skip
+    return radius
 
 
 def _numbers(built: RockingParameters, units: Units) -> str:

@@ -1,0 +1,72 @@
+"""The first page for a curator: the demand and each verdict in words."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Sequence
+
+from ..documents.quantities import DEFAULT_GRAVITY
+from ..dynamics.outcome import Outcome
+from ..motions import Motion
+from ..motions.grid import Grid
+from ..responses.check import Verdict
+
+OVERVIEW = ("structure", "verdict", "worst motion", "capacity over demand", "overturns from [g]", "friction needed")
+_CYCLES = re.compile(r"(.+), ([\d.]+) cycles?")
+
+
+def demand_plainly(shakes: Sequence[tuple[Motion, Grid]], vertical: str | None = None) -> str:
+    """The demand in words, such as `one cycle of a sine of 0.3 g at 1 Hz`; shakes: motions with a grid of one cell each; vertical: name
+    of the vertical motion."""
+    upwards = f", with the vertical motion {vertical}" if vertical else ""
+    motion, grid = shakes[0]
+    peaks = [abs(float(shake.amplitude.values[0])) for _, shake in shakes]
+    with_unit, unit = ("{} g", DEFAULT_GRAVITY) if grid.amplitude.name == "a_g" else (grid.amplitude.name + " = {}", 1.0)
+    size = with_unit.format(" to ".join(dict.fromkeys(f"{x / unit:.3g}" for x in (min(peaks), max(peaks)))))
+    if motion.acceleration is not None:
+        return (f"{len(shakes)} records of peak {size}" if len(shakes) > 1 else f"the record {motion.name}, of peak {size}") + upwards
+    match, omega = _CYCLES.fullmatch(motion.name), float(grid.frequency.values[0])
+    name, count = match.groups() if match else (motion.name, None)
+    cycles = {None: "", "1": "one cycle of ", "0.5": "half a cycle of "}.get(count, f"{count} cycles of ")
+    at = f"{omega / math.tau:.4g} Hz" if grid.frequency.name == "omega_g" else f"{grid.frequency.name} = {omega:.4g}"
+    return f"{cycles}a{'n' if name[0].lower() in 'aeiou' else ''} {name} of {size} at {at}{upwards}"
+
+
+def verdict_plainly(v: Verdict) -> str:
+    """A verdict in a sentence or two."""
+    first = None if v.first_overturning_a is None else f"{v.first_overturning_a / DEFAULT_GRAVITY:.3g} g"
+    if v.outcome == Outcome.FAILED:
+        said = "Not known: the computation failed."
+    elif v.outcome.overturned:
+        said = f"Falls: it {v.outcome.sentence}."
+    elif v.falls:
+        said = "Leaves the ground: its later motion is not known, so it counts as falling."
+    elif v.outcome == Outcome.NO_UPLIFT:
+        said = "Stands: it does not lift."
+    else:
+        said = f"Stands: it rocks to {100.0 * (v.theta_ratio or 0.0):.2g} % of its critical angle."
+        if first is not None and v.capacity_demand is not None and v.capacity_demand < 1.0:
+            said += f" Weaker shaking, from {first}, overturns it."
+    if v.unsettled:
+        said += " A change of the demand in its last digits changes this."
+    return said + " Its base would slide." * v.slides
+
+
+def capacity_left(v: Verdict) -> float:
+    """Capacity over demand, for sorting: below all others for an unknown outcome, infinite if nothing overturns the structure."""
+    if v.outcome == Outcome.FAILED:
+        return -1.0
+    return math.inf if v.capacity_demand is None else v.capacity_demand
+
+
+def worst_of(verdicts: Sequence[Verdict]) -> Verdict:
+    """The verdict that decides: an unknown outcome or a fall before any that stands, then the least capacity."""
+    return min(verdicts, key=lambda v: (v.outcome.safe, capacity_left(v)))
+
+
+def overview_row(verdicts: Sequence[Verdict]) -> tuple[str | float | None, ...]:
+    """The cells of OVERVIEW for one structure, from its verdicts under all motions."""
+    v, falls = worst_of(verdicts), sum(one.falls for one in verdicts)
+    said = verdict_plainly(v) + (f" It falls under {falls} of {len(verdicts)} motions." if falls and len(verdicts) > 1 else "")
+    return v.structure, said, v.motion, v.capacity_demand, v.first_overturning_a, v.friction_needed
