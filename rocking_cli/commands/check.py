@@ -24,6 +24,7 @@ def check(
     asked: ground.Demand = group(ground.Demand),
     a_max: Limit = options.a_max(),
     verdict_only: bool = option("--verdict-only", is_flag=True, help="Skip the search; first_overturning_a and safe_to stay empty."),
+    vary: tuple[str, ...] = options.vary(),
     sort: str | None = option(
         "--sort", type=click.Choice(["capacity"]), help="Sort the rows: the weakest first, structures that never overturn last."
     ),
@@ -42,7 +43,8 @@ def check(
     demand_a: below 1 if the body overturns at the demand or below it, empty if no amplitude up to --a-max and twice the demand
     overturns; safe_to, the end of the safe interval around the demand; outcome_linear, the linear verdict; friction_needed and fz_min,
     the required coefficient of friction and the least vertical force over the weight of a rigid body. Accelerations are in m/s2
-    (JSON, CSV) or in the unit of the request (table), unless --units says otherwise.
+    (JSON, CSV) or in the unit of the request (table), unless --units says otherwise. With --vary the first columns hold the varied
+    values: rocking plot check.csv --over KEY -o capacity.png draws the capacity over them.
     """
     from ..dynamics.outcome import Outcome
     from ..envelopes.capacity import narrowest
@@ -50,7 +52,7 @@ def check(
 
     files, shaken = asked.several(files)
     shaken = asked.of(shaken)
-    structures = options.structures_of(files)
+    structures, varied, lost = options.members_of(files, vary)
     shakes = shaken.needed()
     if output is not None:
         from ..publishing import check_target
@@ -66,7 +68,7 @@ def check(
     def rows() -> Iterator[dict[str, Any]]:
         for verdict in found:
             told.append(verdict)
-            yield verdict.record()
+            yield {**varied.get(verdict.structure, {}), **verdict.record()}
 
     in_g = _in_g(asked.a_g or asked.scale_to or ("g" if asked.motion else ""))
     emit(rows(), CHECK_COLUMNS, table_units="g" if in_g else None, old=OLD_COLUMNS)
@@ -83,7 +85,7 @@ def check(
         note(f"intervals narrower than {width} may be missed, except around the demand")
     if fail_on and any(v.falls for v in told):
         return 5
-    return 4 if shaken.unread or any(v.outcome == Outcome.FAILED for v in told) else 0
+    return 4 if lost or shaken.unread or any(v.outcome == Outcome.FAILED for v in told) else 0
 
 
 def _in_g(asked: str) -> bool:

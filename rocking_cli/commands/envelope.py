@@ -40,6 +40,7 @@ class Envelope:
     median: bool = option(
         "--median", is_flag=True, help="Print the overturning spectrum of records: median, 16 and 84 % of the first overturnings."
     )
+    vary: tuple[str, ...] = options.vary()
     closed_form: bool = option(
         "--closed-form", is_flag=True, help="Print the closed-form curves of a sine, half-sine or rectangular pulse instead."
     )
@@ -76,19 +77,23 @@ def envelope(
     if sizeless.alphas is not None or wanted.median:
         raise click.UsageError(f"{'--median' if wanted.median else '--alpha'} goes with records: give --motion")
     motion, axis = shaken.motion, frequency_axis(wanted.axes)
-    structures = model.lifting(options.structures_of(files, sizeless.etas))
+    structures, varied, lost = options.members_of(files, wanted.vary, sizeless.etas)
+    structures = model.lifting(structures)
     if wanted.closed_form:
         for structure in structures:  # all of them, before the first row is printed
             check_curves(structure, motion, axis)
-        emit((row for structure in structures for row in structure_curves(structure, motion, axis)), CURVE_COLUMNS)
-        return 0
+        rows = ({**varied.get(s.name, {}), **row} for s in structures for row in structure_curves(s, motion, axis))
+        emit(rows, CURVE_COLUMNS)
+        return 4 if lost else 0
     methods = model.methods(structures, axis.name == "Omega")
-    return _of_pulse(structures, motion, axis, methods, wanted, model.in_words(methods, structures, axis.name == "Omega"))
+    told = model.in_words(methods, structures, axis.name == "Omega")
+    return _of_pulse(structures, motion, axis, methods, wanted, told, varied) or 4 * bool(lost)
 
 
 def _of_pulse(
-    structures: Sequence[RockingParameters], motion: Motion, axis: Axis, methods: Sequence[Method], wanted: Envelope, told: list[str]
-) -> int:
+    structures: Sequence[RockingParameters], motion: Motion, axis: Axis, methods: Sequence[Method], wanted: Envelope, told: list[str],
+    varied: dict[str, dict[str, float]],
+) -> int:  # fmt: skip
     """Print the intervals of each structure by each method, then the lines `told`. Returns the exit code."""
     from ..envelopes.intervals import INTERVAL_COLUMNS, NARROWEST, NONE, check_intervals, misjudged, structure_intervals
 
@@ -112,7 +117,7 @@ def _of_pulse(
                     found.append(row)
                     if row["mode"] == NONE:
                         none.add(row["Omega"])
-                    yield {**row, "model": method.model} if both else row
+                    yield {**varied.get(structure.name, {}), **row, **({"model": method.model} if both else {})}
                 if none:
                     by = f", {method.model}" if both else ""
                     told.append(f"{structure.name}{by}: no overturning up to A = {most:g} at {len(none)} of {axis.values.size} frequencies")
@@ -150,7 +155,8 @@ def _of_records(
         raise click.UsageError("--median does not go with --sign both")
     if len(model.models) > 1:
         raise click.UsageError("--model both goes with a pulse; records use the nonlinear equation")
-    structures = model.lifting(options.structures_of(files, sizeless.etas) if files else [])
+    structures, varied, lost = options.members_of(files, wanted.vary, sizeless.etas) if files else ([], {}, 0)
+    structures = model.lifting(structures)
     equation: dict[str, Any] = {"model": model.models[0], "tolerance": model.tolerance}
     scene = scene_of_words(structures, shaken.recordings, axes=wanted.axes, alphas=sizeless.alphas, etas=sizeless.etas, **equation)
     tracing = Tracing(scene, wanted.a_max, wanted.lowest or wanted.median)
@@ -159,7 +165,7 @@ def _of_records(
     def rows() -> Iterator[dict[str, Any]]:
         for row in tracing_records(tracing, sign=wanted.sign, workers=wanted.workers, progress=ProgressLine("envelope", "searches")):
             modes[row["mode"]] += 1
-            yield row
+            yield {**varied.get(str(row.get("structure")), {}), **row}
 
     if wanted.median:
         emit(overturning_spectrum(scene, rows()))
@@ -170,4 +176,4 @@ def _of_records(
     if modes[NONE]:
         told.append(f"no overturning up to {tracing.most} in {modes[NONE]} searches")
     code = _closing(told, f"{100.0 * RATIO:g} % of the amplitude", modes["failed"])
-    return 4 if shaken.unread else code
+    return 4 if lost or shaken.unread else code

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from ..motions.recording import Recording
     from ..reports.figures.canvas import Look
     from ..structures import RockingParameters
+    from .families import Family
 
 FIGURES = (".png", ".svg", ".pdf")
 _REMARKS = 3  # printed at most
@@ -52,6 +53,10 @@ workers = partial(option, "--workers", type=click.IntRange(1), callback=_at_most
 a_max = partial(
     option, "--a-max", type=Parsed("amplitude", limit), default="20", show_default=True, metavar="AMPLITUDE",
     help="Largest amplitude of the search: A, or with a unit a_g, such as 1g.",
+)  # fmt: skip
+vary = partial(
+    option, "--vary", multiple=True, metavar="KEY=START:STOP:N",
+    help="Vary this key: a family of structures; repeatable, all combinations.",
 )  # fmt: skip
 linear_uplift = partial(
     option, "--linear-uplift", type=click.Choice(["alpha", "lambda"]), default="alpha", show_default=True,
@@ -222,6 +227,17 @@ def structures_and_texts(files: tuple[str, ...], etas: tuple[float | None, ...] 
     found = with_distinct_names([*structures, *oscillators])
     remark_on(found)
     return found, "\n---\n".join(d.text for d in documents)
+
+
+def members_of(files: tuple[str, ...], vary: tuple[str, ...], etas: tuple[float | None, ...] = ()) -> Family:
+    """The structures of `structures_of`, or the families of --vary with the columns of their varied values."""
+    if not vary:
+        return structures_of(files, etas), {}, 0
+    from .families import families
+
+    if etas:
+        raise click.UsageError("--vary goes with FILE, not with --eta")
+    return families(documents_of(files), vary)
 
 
 def documents_of(files: tuple[str, ...], most: int | None = None, place: str = "") -> list[Any]:

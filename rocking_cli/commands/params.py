@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 from . import options
-from .command import command, option
+from .command import command
 from .printing import emit, form, note, printed
 from .progress import ProgressLine
 
@@ -21,9 +21,7 @@ SHARED = {"one_sided": False, "damping": 0.0, "friction": None, "arm": None}  # 
 @command("rocking params configs/block.yaml --json | jq .p", printed)
 def params(
     files: tuple[str, ...] = options.files(),
-    vary: tuple[str, ...] = option(
-        "--vary", multiple=True, metavar="KEY=START:STOP:N", help="Vary this key: a family of structures; repeatable, all combinations."
-    ),
+    vary: tuple[str, ...] = options.vary(),
     linear_uplift: str = options.linear_uplift(),
 ) -> int:
     """Derive p, alpha, eta, lambda and a_scale of each structure.
@@ -38,6 +36,7 @@ def params(
     from ..reports.tables import flat
     from ..structures import build_structure, with_distinct_names
     from ..structures.family import family, members, parse_variation
+    from .families import note_no_solution
 
     documents = options.documents_of(files)
     variations = [parse_variation(text) for text in vary]
@@ -64,8 +63,7 @@ def params(
                 progress(i * total + j, len(documents) * total)
                 if member.parameters is None:
                     faults.append(str(member.fault))
-                    varied = ", ".join(f"{key} = {value:g}" for key, value in member.shown.items())
-                    note(f"no solution for {varied}: {member.fault}")
+                    note_no_solution(member)
                 else:
                     (structure,) = options.lifting([member.parameters], linear_uplift)
                     yield from _rows(structure.record(), shown, member.shown)

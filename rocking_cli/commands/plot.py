@@ -59,7 +59,7 @@ def plot(
             raise click.UsageError(f"{flag} goes with a spectra file (.h5)")
     for flag, there in {"--over": over is not None, "--phase": phase, "--animate": animate is not None}.items():
         if there and is_spectra_file(file):
-            raise click.UsageError(f"{flag} goes with CSV, of {'params --vary' if flag == '--over' else 'a response'}")
+            raise click.UsageError(f"{flag} goes with CSV, of {'a family (--vary)' if flag == '--over' else 'a response'}")
     if body is not None and animate is None:
         raise click.UsageError("--body goes with --animate")
     if sum(given.values()) > 1:

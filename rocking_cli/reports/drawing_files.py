@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..errors import UsageError
 from ..spectra.file.reader import SpectraFile
+from .figures import curves
 from .figures.canvas import SOURCE, Look, canvas, panels, refuse_empty, units_of_figures
 from .figures.capacities import checked
 from .figures.characters import place_of
@@ -135,6 +136,8 @@ def _table(figure: Figure, source: str, rows: Rows, units: Units, over: str | No
     if "event" in there:
         raise UsageError(f"{source}: found events; expected the time history, which rocking response prints without them")
     try:
+        if any(heading.startswith(curves.VARIED) for heading in there) and there & {"first_overturning_a", "A_from"}:
+            return curves.least_amplitudes(figure, rows, units, over)
         kinds: tuple[Kind, ...] = (*TABLES, ({"p", "alpha", "eta", "lambda"}, partial(family, over=over)))
         for wanted, kind in [(set(), phase)] if portrait else kinds:
             if wanted <= there:

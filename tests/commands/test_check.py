@@ -181,3 +181,15 @@ def test_the_limit_of_the_search_is_written_as_for_an_envelope(rocking, stated):
     traced = [rocking("envelope", stated, *record, "--a-max", most, "--first", "--csv") for most in ("0.3g", "1.5")]
     assert traced[0].stdout == traced[1].stdout != ""
     assert "up to 2.943 m/s2" in traced[0].stderr
+
+
+def test_a_varied_value_is_a_column_and_members_without_a_solution_are_left_out(rocking):
+    call = ("check", "block:0.5x2,name=B", *SHAKING, "--verdict-only", "--vary", "")
+    done = rocking(*call[:-1], "width=40cm:300cm:2", "--json")
+    (row,), (told, *_) = done.records, done.stderr.splitlines()
+    assert (row["varied_width"], row["structure"], done.returncode) == (0.4, "B width=40cm", 4)
+    assert told.startswith("no solution for width [cm] = 300: block:0.5x2,name=B: ")
+    alone = rocking(*call[:1], "block:0.4x2,name=B", *call[2:-2], "--json").records
+    assert [{**row, "structure": "B", "name": "B"}] == [{"varied_width": 0.4, **one} for one in alone]
+    header = rocking(*call[:-1], "width=40cm:60cm:2", "--vary", "damping=0:0.1:2", "--csv").stdout.splitlines()
+    assert (header[0].split(",")[:3], len(header)) == (["varied_width [m]", "varied_damping", "structure"], 5)

@@ -81,3 +81,11 @@ def test_both_equations_are_traced_and_their_difference_told(rocking):
         alone = rocking(*call, "--model", model).records
         assert [{k: v for k, v in r.items() if k != "model"} for r in rows if r["model"] == model] == alone
     assert "Column: the linear equation is unsafe over " in both.stderr
+
+
+def test_a_varied_value_is_a_column(rocking):
+    call = ("envelope", "--grid", "f_g=1", "--lowest", "--a-max", "3", "--json", "-q")
+    rows = rocking(*call, "configs/block.yaml", "--vary", "height=1.5:2:2").records
+    assert [(row.pop("varied_height"), row.pop("structure")) for row in rows] == [(1.5, "Column height=1.5m"), (2.0, "Column height=2m")]
+    alone = rocking(*call, "configs/block.yaml").records[0]
+    assert rows[1] == {key: value for key, value in alone.items() if key != "structure"}

@@ -11,7 +11,7 @@ from ...documents.quantities import headed
 from ...errors import UsageError
 from ..rows import Rows, column, groups
 from ..units import HEADING, Units, dimension_of
-from .canvas import DASHES, MARKERS, PLAIN, SOURCE, label, legend, line_style, literal, series, values
+from .canvas import DASHES, MARKERS, PLAIN, SOURCE, label, legend, line_style, literal, series, valued, values
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -24,6 +24,7 @@ MEASURE_LABELS = {
 _JUMP = 8.0  # a step so many times larger than its neighbours is a jump of the motion
 _MOVED = 0.02  # rad; a hinge that moves less between two members is still the same hinge
 _LEAP = 4.0  # times the median step
+VARIED = "varied_"  # begins the columns of the varied values of check and envelope
 _X = "over"  # a column for the abscissa of a family
 
 
@@ -211,16 +212,46 @@ def family(figure: Figure, rows: Rows, units: Units, over: str | None = None) ->
     return panels[: len(keys)]
 
 
+def least_amplitudes(figure: Figure, rows: Rows, units: Units, over: str | None = None) -> list[Axes]:
+    """Draw the least amplitude that overturns over the first varied key, or over `KEY/KEY`: the CSV of check or envelope with `vary`.
+
+    One line for each motion or frequency and for each value of the other varied keys; the demand is dashed. Lines have a gap where
+    nothing overturns. Raises UsageError.
+    """
+    y = next(key for key in ("first_overturning_a", "a_from", "A_from") if key in rows[0])
+    varied = [heading for heading in rows[0] if heading.startswith(VARIED)]
+    x, xlabel, others = _abscissa(rows, varied, over)
+    frequency = next((key for key in ("omega_g", "Omega") if rows[0].get(key)), "")
+    for row, value in zip(rows, x, strict=True):
+        row[_X] = repr(float(value))
+        if frequency:  # its last digits differ between structures
+            row[frequency] = f"{float(row[frequency]):.9g}"
+    axes, demands = figure.add_subplot(), set[float]()
+    places = [key for key in ("motion", "record", frequency, "model") if len(groups(rows, key)) > 1]
+    for i, (group, some) in enumerate(groups(rows, *others, *places).items()):
+        named = zip([*others, *places], group, strict=True)
+        text = ", ".join(_valued(k, v) if k in others else valued(k, float(v), units) if k == frequency else v for k, v in named)
+        least = [min(lines, key=lambda row: float(row[y] or "inf")) for lines in groups(some, _X).values()]
+        axes.plot(*_broken(least, values(least, y, units)), label=text or "_", **line_style(i))
+        if "demand_a" in rows[0] and (demand := round(float(values(some, "demand_a", units)[0]), 9)) not in demands:
+            axes.axhline(demand, color="0.4", lw=1.0, ls="--", label="_" if demands else "demand")
+            demands.add(demand)
+    axes.set(xlabel=xlabel, ylabel=label(y, units))
+    axes.set_ylim(bottom=0.0)
+    legend(axes)
+    return [axes]
+
+
 def _abscissa(rows: Rows, varied: list[str], over: str | None) -> tuple[np.ndarray, str, list[str]]:
     """(values, label, other columns) of the abscissa; the other columns are constant along a line. Raises UsageError."""
-    names = {heading.partition(" [")[0]: heading for heading in varied}
+    names = {heading.partition(" [")[0].removeprefix(VARIED): heading for heading in varied}
     keys = next(iter(names)).split("/") if over is None else over.split("/")
     if len(keys) > 2 or any(key not in names for key in keys):
         raise UsageError(f"`over`: found {over!r}; expected {', '.join(names)}, or one over another, such as KEY/KEY")
     numbers, headings = [column(rows, names[key]) for key in keys], [names[key] for key in keys]
     others = [heading for heading in varied if heading not in headings]
     if len(keys) == 1:
-        return numbers[0], headings[0].replace("_", " "), others
+        return numbers[0], headings[0].removeprefix(VARIED).replace("_", " "), others
     units = [(HEADING.fullmatch(heading) or {"unit": ""})["unit"] for heading in headings]
     if units[0] != units[1]:
         raise UsageError(f"`over`: {keys[0]} is in {units[0]} and {keys[1]} in {units[1]}; expected one unit for both")
@@ -247,4 +278,4 @@ def _broken(some: Rows, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 def _valued(heading: str, value: str) -> str:
     """A column heading and a value as text: `height = 8 m` from `height [m]` and 8."""
     key, _, unit = heading.partition(" [")
-    return f"{key.replace('_', ' ')} = {float(value):.4g} {unit.removesuffix(']')}".rstrip()
+    return f"{key.removeprefix(VARIED).replace('_', ' ')} = {float(value):.4g} {unit.removesuffix(']')}".rstrip()

@@ -181,3 +181,26 @@ def test_a_fragility_curve_is_dashed_beyond_its_last_level(drawn):
     solid, dashed, _ = axes.get_lines()
     assert (solid.get_xdata()[-1], dashed.get_xdata()[0], dashed.get_linestyle()) == (20 / 9.81, 20 / 9.81, "--")
     assert axes.get_title() == "S, stripes"
+
+
+def test_the_least_amplitude_of_a_check_is_drawn_over_a_varied_key(drawn, table):
+    source, rows = table("check", "block:radius=1,alpha=10deg", "--a-g", "0.3g", "--f-g", "2", "--a-max", "3", "--vary", "alpha=10:14:3")
+    (axes,) = drawn(source, over="alpha").axes
+    assert (axes.get_xlabel(), axes.get_ylabel()) == ("alpha [rad]", "first overturning a [g]")
+    curve, demand = axes.get_lines()
+    same(curve.get_data(), numbers(rows, "varied_alpha"), numbers(rows, "first_overturning_a") / 9.81)
+    assert (demand.get_label(), demand.get_ydata()[0]) == ("demand", pytest.approx(0.3))
+
+
+def test_the_least_amplitude_of_an_envelope_is_drawn_for_each_frequency_over_a_quotient(drawn, table):
+    call = ("envelope", "block:0.3x2", "--grid", "f_g=1:2:2", "--a-max", "4", "--vary", "width=0.3:0.5:3", "--vary", "height=2:3:2")
+    source, rows = table(*call)
+    (axes,) = drawn(source, over="width/height").axes
+    assert axes.get_xlabel() == "width / height [-]"
+    found = lines(axes)
+    assert sorted(found) == [f"height = {h} m, $f_g$ = {f} Hz" for h in (2, 3) for f in (1, 2)]
+    for label, line in found.items():
+        height, frequency = float(label.split()[2]), float(label.split()[-2])
+        mine = [r for r in rows if float(r["varied_height"]) == height and abs(float(r["omega_g"]) - frequency * 2 * np.pi) < 1e-9]
+        least = [min(numbers([r for r in mine if float(r["varied_width"]) == w], "a_from")) for w in (0.3, 0.4, 0.5)]
+        same(line, np.array([0.3, 0.4, 0.5]) / height, np.array(least) / 9.81)
