@@ -69,7 +69,8 @@ def _numbers(of: Side | RockingParameters) -> dict[str, float]:
     return {key: getattr(of, name) for key, name in _FIELDS.items()}
 
 
-def _fields_in(record: Mapping[str, Any]) -> dict[str, Any]:
+def fields_in(record: Mapping[str, Any]) -> dict[str, Any]:
+    """The five parameters of a record by the names of the fields."""
     return {name: record[key] for key, name in _FIELDS.items()}
 
 
@@ -129,7 +130,7 @@ class RockingParameters:
         """A body on two edges; without `sides` if their parameters are equal. `more`: the other fields."""
         sides = () if left.numbers() == right.numbers() else (left, right)
         weaker = weaker_side((left, right))
-        return cls(name, structure, **_fields_in(weaker.numbers()), sides=sides, arm=weaker.arm, **more)
+        return cls(name, structure, **fields_in(weaker.numbers()), sides=sides, arm=weaker.arm, **more)
 
     @property
     def plain(self) -> bool:
@@ -139,12 +140,12 @@ class RockingParameters:
     @classmethod
     def from_record(cls, record: Mapping[str, Any]) -> RockingParameters:
         """The parameters from the dictionary of `record()`. Raises KeyError, TypeError or ValueError if it is not valid."""
-        sides = tuple(Side(side["side"], arm=side.get("arm"), **_fields_in(side)) for side in record.get("sides", ()))
+        sides = tuple(Side(side["side"], arm=side.get("arm"), **fields_in(side)) for side in record.get("sides", ()))
         kind = record["structure_kind"] if "structure_kind" in record else record["structure"]  # files of earlier versions
         more = {key: record[key] for key in ("one_sided", "damping", "friction", "arm") if key in record}
         more |= {"eta_source": record["eta_source"], "gravity": record["gravity"]}
         details = {key: record[key] for key in VARIED if key in record}
-        return cls(record["name"], kind, **_fields_in(record), sides=sides, details=details, **more)
+        return cls(record["name"], kind, **fields_in(record), sides=sides, details=details, **more)
 
     @property
     def linear_uplift(self) -> float:

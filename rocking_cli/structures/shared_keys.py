@@ -71,13 +71,10 @@ def damping_of(document: Document) -> float:
 
 def friction_of(document: Document) -> float | None:
     """The document's coefficient of friction [-], None if absent."""
-    return _positive(document, "friction", "number", "a positive number (a coefficient of friction)")
+    where = "a positive number (a coefficient of friction)"
+    return document.quantity("friction", "number", above=0.0, where=where) if document.has("friction") else None
 
 
 def mass_of(document: Document) -> float | None:
     """The document's mass [kg], None if absent."""
-    return _positive(document, "mass", "mass", "a positive mass")
-
-
-def _positive(document: Document, key: str, dimension: str, where: str) -> float | None:
-    return document.quantity(key, dimension, above=0.0, where=where) if document.has(key) else None
+    return document.quantity("mass", "mass", above=0.0, where="a positive mass") if document.has("mass") else None

@@ -109,7 +109,7 @@ def sketch_of(document: Document, built: RockingParameters) -> Sketch:
     kind = _module(word)
     if hasattr(kind, "body"):
         body: RigidBody = kind.body(document)
-        found: Sketch = body.drawn(body.inset_of(document))
+        found: Sketch = body.moved_in(body.inset_of(document)).drawing
     elif hasattr(kind, "sketch"):
         found = kind.sketch(document, built)
     else:

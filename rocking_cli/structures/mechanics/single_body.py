@@ -19,7 +19,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
 from ...documents.document import Document
-from ..parameters import RockingParameters, Side
+from ..parameters import RockingParameters, Side, fields_in
 from ..shared_keys import gravity_of, mass_of, one_sided_restitution_of, restitution_of
 from ..sketch import Point, Sketch, rectangle, rocker
 from .kinematics import Moments, spin_about
@@ -74,15 +74,8 @@ class RigidBody(ABC):
         more: dict[str, Any] = {"name": name, "structure": str(document.values["kind"].content), "gravity": gravity, "details": details}
         if document.flag("one_sided"):
             e, source = one_sided_restitution_of(document, (right.eta, left.eta), self.backing)
-            numbers: dict[str, Any] = {
-                "p": right.p,
-                "alpha": right.alpha,
-                "eta": e,
-                "uplift": right.uplift,
-                "a_scale": 1.0,
-                "arm": right.arm,
-            }
-            return RockingParameters(**more, **numbers, eta_source=source, one_sided=True)
+            numbers = right.side("right", 0.0).numbers() | {"eta": e}
+            return RockingParameters(**more, **fields_in(numbers), arm=right.arm, eta_source=source, one_sided=True)
         eta_left, source = restitution_of(document, left.eta, self.limit)
         eta_right, _ = restitution_of(document, right.eta, self.limit)
         details |= self.direction()
@@ -96,10 +89,6 @@ class RigidBody(ABC):
         """The document's inset, how far the pivots lie inside the edges [m], 0 by default. Raises DocumentError."""
         where = f"a length from 0 to below {self.reach:g} m, beyond which the mass centre is not above the base"
         return document.quantity("inset", "length", least=0.0, below=self.reach, where=where, default=0.0)
-
-    def drawn(self, inset: float) -> Sketch:
-        """The drawing with the pivots moved in [m]."""
-        return self.drawing if inset == 0.0 else self.moved_in(inset).drawing
 
     def moved_in(self, inset: float) -> RigidBody:
         """The body with its pivots inside the edges [m]."""
