@@ -38,7 +38,8 @@ def check(
     """Check which structures stand under a motion, and find the lowest amplitude that overturns each.
 
     One row for each structure and motion: the outcome and theta_max/alpha by the governing equation (nonlinear for a known geometry in
-    units: a_g, f_g, a record; linear on dimensionless axes, A, Omega, and for stated parameters); demand_a, the amplitude of the motion;
+    units: a_g, f_g, a record; linear on dimensionless axes, A, Omega, and for stated parameters); top_displacement, the largest one of
+    the top from its rest position (mm in the table); demand_a, the amplitude of the motion;
     uplift_a and first_overturning_a, the lowest amplitudes that lift and overturn the body; capacity_demand, first_overturning_a over
     demand_a: below 1 if the body overturns at the demand or below it, empty if no amplitude up to --a-max and twice the demand
     overturns; safe_to, the end of the safe interval around the demand; outcome_linear, the linear verdict; friction_needed and fz_min,
@@ -71,7 +72,7 @@ def check(
             yield {**varied.get(verdict.structure, {}), **verdict.record()}
 
     in_g = _in_g(asked.a_g or asked.scale_to or ("g" if asked.motion else ""))
-    emit(rows(), CHECK_COLUMNS, table_units="g" if in_g else None, old=OLD_COLUMNS)
+    emit(rows(), CHECK_COLUMNS, table_units="g,mm" if in_g else "mm", old=OLD_COLUMNS)
     if output is not None:
         from ..reports.figures.capacities import draw_capacities
 

@@ -26,7 +26,7 @@ COLUMNS = (
 def records(
     files: tuple[str, ...] = options.files(),
     reading: ground.Reading = group(ground.Reading),
-    spectrum: bool = option("--export-spectrum", is_flag=True, help="The elastic response spectrum instead, a row a period."),
+    export_spectrum: bool = option("--export-spectrum", is_flag=True, help="The elastic response spectrum instead, a row a period."),
     periods: str | None = option("--periods", metavar="START:STOP:N[:log]", help="Periods of the spectrum (default 0.02:5:100:log s)."),
     damping: float | None = option("--damping", type=float, metavar="RATIO", help="Damping ratio of the spectrum (default 0.05)."),
 ) -> int:
@@ -45,7 +45,7 @@ def records(
 
     if not files:
         raise click.UsageError("no record: give FILE, or - for standard input")
-    if not spectrum and (periods is not None or damping is not None):
+    if not export_spectrum and (periods is not None or damping is not None):
         raise click.UsageError("--periods and --damping go with --export-spectrum")
     notes: list[str] = []
     unread: list[str] = []
@@ -53,10 +53,10 @@ def records(
     def rows(found: list[Record]) -> list[dict[str, Any]]:
         records = chosen(found, reading.component or ALL)
         notes.extend(f"{record.source}: {remark}" for record in records for remark in record.remarks)
-        return [row for record in records for row in (_spectrum(record, periods, damping) if spectrum else [_row(record)])]
+        return [row for record in records for row in (_spectrum(record, periods, damping) if export_spectrum else [_row(record)])]
 
     taken = list(read_set(files, rows, unit=reading.unit, dt=reading.motion_dt, tell=notes.append, unread=unread.append))
-    emit(taken, SPECTRUM_COLUMNS if spectrum else COLUMNS)
+    emit(taken, SPECTRUM_COLUMNS if export_spectrum else COLUMNS)
     for line in dict.fromkeys(notes):
         note(line)
     for line in unread:

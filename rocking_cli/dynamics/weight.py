@@ -15,10 +15,9 @@ from typing import Any
 import numpy as np
 
 from ..motions.biaxial import combined
-from ..motions.motion import Motion
+from ..motions.motion import Motion, extremes
 from ..motions.polyline import Polyline
 from ..motions.segments import Segments, followed_by
-from ..motions.turning_points import extremes
 from .drive import drive_change
 from .lanes import Array
 

@@ -16,7 +16,6 @@ import numpy as np
 from ..errors import MotionError
 from .piece import Harmonic, Piece
 from .segments import Samples, Segments, largest_from
-from .turning_points import extremes
 
 LARGEST_SCALE = 1e100  # larger amplitudes may overflow
 
@@ -169,6 +168,23 @@ class Motion:
                 exact = (rest == 0.0) & (left == 0.0) & (last > first)
                 length[mine[exact]] = (last - first)[exact] * (np.pi / 2) / h.frequency
         return length
+
+
+def extremes(piece: Piece) -> list[float]:
+    """Phases [rad] strictly inside the piece where s has an extreme, in order."""
+    if not piece.harmonics:
+        return []
+    if len(piece.harmonics) == 1 and piece.slope == 0.0:
+        h = piece.harmonics[0]
+        first = np.ceil((h.frequency * piece.start + h.phase) / np.pi - 0.5)
+        last = np.floor((h.frequency * piece.stop + h.phase) / np.pi - 0.5)
+        found = (((np.arange(first, last + 1) + 0.5) * np.pi - h.phase) / h.frequency).tolist()
+    else:
+        from .turning_points import isolated_extremes
+
+        found = isolated_extremes(piece).tolist()
+    margin = 1e-12 * (piece.stop - piece.start)
+    return [float(x) for x in found if piece.start + margin < x < piece.stop - margin]
 
 
 def upwards(vertical: Motion | None) -> str:

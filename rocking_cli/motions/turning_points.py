@@ -28,21 +28,6 @@ _CELLS = 4  # first intervals for each period of the fastest sinusoid
 _HALVINGS = 64
 
 
-def extremes(piece: Piece) -> list[float]:
-    """Phases [rad] strictly inside the piece where s has an extreme, in order."""
-    if not piece.harmonics:
-        return []
-    if len(piece.harmonics) == 1 and piece.slope == 0.0:
-        h = piece.harmonics[0]
-        first = np.ceil((h.frequency * piece.start + h.phase) / np.pi - 0.5)
-        last = np.floor((h.frequency * piece.stop + h.phase) / np.pi - 0.5)
-        found = (((np.arange(first, last + 1) + 0.5) * np.pi - h.phase) / h.frequency).tolist()
-    else:
-        found = isolated_extremes(piece).tolist()
-    margin = 1e-12 * (piece.stop - piece.start)
-    return [float(x) for x in found if piece.start + margin < x < piece.stop - margin]
-
-
 def isolated_extremes(piece: Piece) -> Array:
     """Phases [rad] of the extremes of s within the piece, in order; the piece must have sinusoids."""
     fastest = max(h.frequency for h in piece.harmonics)

@@ -28,7 +28,7 @@ COLUMNS = {
     **dict.fromkeys(("ground_acceleration", "pga", "header_pga", "S_a", "sa", "avgsa"), "acceleration"),
     **dict.fromkeys(("t", "t_max", "dt", "duration", "pga_time", "d5_75", "d5_95", "T", "run_time", "time_per_cell"), "time"),
     "pgv": "velocity", "arias": "intensity", "cav": "intensity", "gravity": "gravity", "mass": "mass",
-    **dict.fromkeys(("pgd", "S_d", "x", "z", "arm", "length", "tip_height", "crack_height", "inset"), "length"),
+    **dict.fromkeys(("pgd", "S_d", "top_displacement", "x", "z", "arm", "length", "tip_height", "crack_height", "inset"), "length"),
 }  # fmt: skip
 """The dimension of each column that has a unit."""
 

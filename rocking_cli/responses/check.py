@@ -33,8 +33,8 @@ _SAME = 0.01  # of theta/alpha: rotations under them that differ by less are one
 _WORTH = 3  # demands for each process that is started, at least
 OLD_COLUMNS = ("name", "friction")  # of structure and friction_needed, for this version
 CHECK_COLUMNS = (
-    "structure", "motion", "model", "outcome", "theta_ratio", "demand_a", "uplift_a", "first_overturning_a", "capacity_demand", "safe_to",
-    "outcome_linear", "friction_needed", "fz_min", *OLD_COLUMNS,
+    "structure", "motion", "model", "outcome", "theta_ratio", "top_displacement", "demand_a", "uplift_a", "first_overturning_a",
+    "capacity_demand", "safe_to", "outcome_linear", "friction_needed", "fz_min", *OLD_COLUMNS,
 )  # fmt: skip
 
 
@@ -48,7 +48,8 @@ class Verdict:
     that the motion needs (impacts apart), and the least vertical force over the weight, of a rigid body whose mass centre is
     known; friction_needed is also None if the body loses the ground; unsettled: true if changes of the demand by 1e-12 to 1e-6 of it
     change the outcome, or theta_ratio by 0.01; dust: if many narrow intervals overturn the body, the share of amplitudes within
-    5 % above the first that do; slides: true if friction_needed is more than that of the document.
+    5 % above the first that do; slides: true if friction_needed is more than that of the document; top_displacement: the largest of the
+    top of the body from its rest position [m], None without a geometry or if it falls.
     """
 
     structure: str
@@ -66,6 +67,7 @@ class Verdict:
     unsettled: bool = False
     dust: float = 0.0
     slides: bool = False
+    top_displacement: float | None = None
 
     @property
     def name(self) -> str:
@@ -143,7 +145,7 @@ def check(
     else:
         found = capacity(structure, motion, amplitude, omega, method=method, a_max=a_max, workers=workers)
     done(2, _STAGES)
-    asked = _forces(method, structure, motion, shaking)
+    asked = _of_history(method, structure, motion, shaking)
     done(_STAGES, _STAGES)
     lifted_off = outcome == Outcome.ROCKED and (asked.get("fz_min", 1.0) or 0.0) <= 0.0
     near = beside[falls] if stands[0] and a_max is not None else beside[:0]
@@ -231,12 +233,16 @@ def _check_one(a_max: float | Limit | None, workers: int, demand: Demand, progre
     return check(*demand, a_max=most, workers=workers, progress=progress)
 
 
-def _forces(method: Method, structure: RockingParameters, motion: Motion, shaking: Grid) -> dict[str, float | None]:
-    """friction_needed and fz_min of the history, as far as a body that falls is followed."""
-    if structure.arm is None:
+def _of_history(method: Method, structure: RockingParameters, motion: Motion, shaking: Grid) -> dict[str, float | None]:
+    """friction_needed, fz_min and top_displacement of the history, as far as a body that falls is followed."""
+    if structure.arm is None and not structure.top:
         return {}
-    asked = time_history(structure, motion, shaking, [method]).forces[method.model].demands
-    return {"friction_needed": asked.friction.friction if np.isfinite(asked.friction.friction) else None, "fz_min": asked.fz_min}
+    found = time_history(structure, motion, shaking, [method])
+    top = {"top_displacement": found.top_displacement(method.model)}
+    if structure.arm is None:
+        return top
+    asked = found.forces[method.model].demands
+    return top | {"friction_needed": asked.friction.friction if np.isfinite(asked.friction.friction) else None, "fz_min": asked.fz_min}
 
 
 def _respond(method: Method, structure: RockingParameters, motion: Motion, amplitude: np.ndarray, omega: float) -> Response:

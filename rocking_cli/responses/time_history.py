@@ -86,6 +86,17 @@ class TimeHistory:
         body = Body.of(s)
         return {model: ForceHistory(body, ground, found) for model, found in self.histories.items()}
 
+    def top_displacement(self, model: str) -> float | None:
+        """The largest displacement of the top from its rest position [m]; None without a geometry, and if the body does not stand."""
+        s, found = self.structure, self.histories[model]
+        if not s.top or found.theta_ratio is None or self.outcome(model).falls:
+            return None
+        largest = [(abs(e.theta_ratio), e.side) for e in found.events if e.event in ("release", "peak")]
+        if found.theta_ratio > max((ratio for ratio, _ in largest), default=0.0) * (1.0 + 1e-9):  # at the end, or after it
+            largest.append((found.theta_ratio, float(found.sides(np.array([found.end]))[0])))
+        turned = [(s.top[side > 0.0], ratio * float(s.alpha_on(side))) for ratio, side in largest]
+        return max((2.0 * arm * math.sin(0.5 * angle) for arm, angle in turned), default=0.0)
+
     def outcome(self, model: str) -> Outcome:
         """The outcome by one equation: a body whose forces are known has lost contact if it rocks and Fz <= 0."""
         return self.histories[model].outcome if self._lost(model) is None else Outcome.LOST_CONTACT
@@ -193,6 +204,8 @@ class TimeHistory:
                 }
             if self.amplitude and not dimensionless:
                 demanded["demand_a"] = float(s.ground_acceleration(self.amplitude))
+            if not dimensionless:
+                demanded["top_displacement"] = self.top_displacement(model)
             yield {"model": model, "event": "summary", **demanded, "theta_ratio": found.theta_ratio, "outcome": self.outcome(model).flag}
 
     def summary(self, *, forces: bool = False) -> Iterator[str]:
@@ -205,6 +218,8 @@ class TimeHistory:
                 text += f", largest theta {ratio:.6g} alpha after {found.end / s.p:.4g} s"
             elif peak is not None:
                 text += f", largest theta {ratio * float(s.alpha_on(peak.side)):.6g} rad ({ratio:.6g} alpha) at {peak.tau / s.p:.4g} s"
+            if top := self.top_displacement(model):
+                text += f", top displaced by up to {1e3 * top:.4g} mm"
             if not any(m.event in ("rest", "overturning") for m in found.events) and found.outcome == Outcome.ROCKED:
                 text += f"; still rocking at {found.end / s.p:.4g} s"
             if forces:

@@ -86,6 +86,7 @@ class RockingParameters:
     one_sided: the body rocks on its right edge only (theta > 0). Its eta includes the impact on its backing and lies in (-1, 0].
     damping: zeta of the moment -2 zeta p theta' [-]; friction: coefficient of the base or joints [-], None if not stated.
     arm: R, distance from the edge to the mass centre [m], only for one rigid body; without R the ground forces are not known.
+    top: distances from the left and the right edge to the farthest point of the top [m], empty without a geometry.
     Raises StructureError if a number is not finite or out of range, or if the sides do not agree with the rest.
     """
 
@@ -105,6 +106,7 @@ class RockingParameters:
     damping: float = 0.0
     friction: float | None = None
     arm: float | None = None
+    top: tuple[float, ...] = field(default=(), repr=False, compare=False)
 
     def __post_init__(self) -> None:
         _check_numbers(self)

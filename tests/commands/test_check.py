@@ -70,10 +70,10 @@ def test_the_table_speaks_the_unit_of_the_request(rocking, stated):
     in_g, in_si = (rocking("check", stated, "--a-g", a, "--f-g", "1.2").stdout.splitlines() for a in ("0.35g", "3.4335"))
     assert "uplift_a [g]" in in_g[0]
     assert "uplift_a [m/s2]" in in_si[0]
-    assert (float(in_g[1].split()[8]), float(in_si[1].split()[8])) == pytest.approx((0.2, 1.962), abs=1e-9)
+    assert (float(in_g[1].split()[9]), float(in_si[1].split()[9])) == pytest.approx((0.2, 1.962), abs=1e-9)
     assert rocking("check", stated, *SHAKING, "--csv").stdout.splitlines()[0] == (
-        "structure,motion,model,outcome,theta_ratio,demand_a [m/s2],uplift_a [m/s2],first_overturning_a [m/s2],capacity_demand,"
-        "safe_to [m/s2],outcome_linear,friction_needed,fz_min,name,friction"
+        "structure,motion,model,outcome,theta_ratio,top_displacement [m],demand_a [m/s2],uplift_a [m/s2],"
+        "first_overturning_a [m/s2],capacity_demand,safe_to [m/s2],outcome_linear,friction_needed,fz_min,name,friction"
     )
 
 

@@ -68,9 +68,11 @@ def test_forces_in_the_history_and_in_the_closing_record(rocking, tmp_path):
     impact = next(e for e in events if e["event"] == "impact")
     assert abs(impact["impulse_x"]) / impact["impulse_z"] == pytest.approx(last["friction_impact"], rel=1e-12)
     bare = rocking(*call, "--events", "--json").records[-1]
-    assert bare == {key: last[key] for key in ("model", "event", "demand_a", "theta_ratio", "outcome")}
+    assert bare == {key: last[key] for key in ("model", "event", "demand_a", "top_displacement", "theta_ratio", "outcome")}
     again = rocking("params", "b.yaml", "--json").stdout
-    assert json.loads(rocking("response", "-", *call[2:], "--forces", "--events", "--json", stdin=again).stdout.splitlines()[-1]) == last
+    assert json.loads(
+        rocking("response", "-", *call[2:], "--forces", "--events", "--json", stdin=again).stdout.splitlines()[-1]
+    ) == last | {"top_displacement": None}
 
 
 def test_forces_of_an_arch(rocking):

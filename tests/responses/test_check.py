@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -130,10 +131,12 @@ def test_a_fallen_statue_says_how_little_it_takes():
 def test_the_record_has_the_documented_columns():
     record = check(structure_of("kind: block\nwidth: 0.5\nheight: 2"), sine(), parse_grid("a_g=0.3g,f_g=1")).record()
     assert tuple(record) == CHECK_COLUMNS == (
-        "structure", "motion", "model", "outcome", "theta_ratio", "demand_a", "uplift_a", "first_overturning_a", "capacity_demand",
-        "safe_to", "outcome_linear", "friction_needed", "fz_min", "name", "friction",
+        "structure", "motion", "model", "outcome", "theta_ratio", "top_displacement", "demand_a", "uplift_a", "first_overturning_a",
+        "capacity_demand", "safe_to", "outcome_linear", "friction_needed", "fz_min", "name", "friction",
     )  # fmt: skip
     assert record["uplift_a"] == pytest.approx(0.25 * 9.81, rel=1e-12, abs=0)
+    turned = 2.0 * math.sin(0.5 * record["theta_ratio"] * math.atan(0.25))
+    assert record["top_displacement"] == pytest.approx(turned * math.hypot(0.5, 2.0), rel=1e-9)
 
 
 def test_friction_is_that_of_the_response():

@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 import pytest
+from support.documents import built
 
 from rocking_cli import Outcome, build_structure, check, cosine, parse_documents, parse_grid, pulse, sine
 from rocking_cli.dynamics.method import LINEAR, Method
@@ -88,3 +89,36 @@ def test_what_becomes_of_a_body_does_not_depend_on_how_much_of_it_is_shown(model
         assert [e["event"] for e in cut.events()] == [e["event"] for e in long.events() if e["t"] <= duration]
         assert list(cut.records())[-1]["t"] == pytest.approx(duration, rel=1e-14)
         assert list(cut.records(steps=True))[-1]["t"] == pytest.approx(duration, rel=1e-14)
+
+
+@pytest.mark.parametrize(
+    ("text", "left", "right", "corners"),
+    [
+        ("kind: block\nwidth: 0.5\nheight: 2\n", (-0.25, 0.0), (0.25, 0.0), [(-0.25, 2.0), (0.25, 2.0)]),
+        (
+            "kind: prism\ncorners: [[0, 0], [0.6, 0], [0.5, 1.8], [0.3, 1.8]]\n", (0.0, 0.0), (0.6, 0.0), [(0.5, 1.8), (0.3, 1.8)],
+        ),
+        ("kind: block\nwidth: 0.6\nheight: 2\ninset: 40 mm\n", (-0.26, 0.0), (0.26, 0.0), [(-0.3, 2.0), (0.3, 2.0)]),
+    ],
+)  # fmt: skip
+def test_the_top_moves_as_far_as_its_corners(text, left, right, corners):
+    """Each corner turned about the edge at many instants: theta > 0 turns towards +x about the right one."""
+    body = built(text)
+    for share, motion in ((1.3, sine(1.5)), (1.3, sine(1.5).scaled(-1.0)), (0.4, sine())):
+        found = time_history(body, motion, parse_grid(f"a_g={share * body.uplift}g,f_g=2"), [Method("nonlinear")])
+        theta = np.array([row["theta"] for row in found.records(dt=1e-3)])
+        most = 0.0
+        for x, z in corners:
+            for pivot, turned in ((right, theta[theta > 0.0]), (left, theta[theta < 0.0])):
+                dx, dz = x - pivot[0], z - pivot[1]
+                move = np.hypot(np.cos(turned) * dx + np.sin(turned) * dz - dx, np.cos(turned) * dz - np.sin(turned) * dx - dz)
+                most = max(most, move.max(initial=0.0))
+        assert found.top_displacement("nonlinear") == pytest.approx(most, rel=1e-4, abs=1e-15)
+        assert bool(most) == (share > 1.0)
+
+
+def test_what_falls_or_has_no_geometry_has_no_top():
+    history = time_history(built("kind: block\nwidth: 0.5\nheight: 2\n"), sine(), parse_grid("a_g=9,f_g=0.5"), [Method("nonlinear")])
+    assert history.top_displacement("nonlinear") is None
+    stated = built("kind: parameters\np: 2\nalpha: 0.2\neta: 0.9\nlambda: 0.2\n")
+    assert time_history(stated, sine(), parse_grid("a_g=2.5,f_g=1"), [Method("linear")]).top_displacement("linear") is None

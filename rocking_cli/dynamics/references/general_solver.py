@@ -14,9 +14,8 @@ from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import TYPE_CHECKING, NamedTuple
 
-from ...motions.motion import Motion
+from ...motions.motion import Motion, extremes
 from ...motions.piece import Piece, plus
-from ...motions.turning_points import extremes
 from ..outcome import FALLEN, Outcome
 from .extrapolation import Path, Point, Rate, path, step
 

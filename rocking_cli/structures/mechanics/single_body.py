@@ -72,6 +72,7 @@ class RigidBody(ABC):
         left, right = self.edges(gravity)
         details = {**self.details, **({} if mass is None else {"mass": mass}), **more_details}
         more: dict[str, Any] = {"name": name, "structure": str(document.values["kind"].content), "gravity": gravity, "details": details}
+        more["top"] = self._top_arms()
         if document.flag("one_sided"):
             e, source = one_sided_restitution_of(document, (right.eta, left.eta), self.backing)
             numbers = right.side("right", 0.0).numbers() | {"eta": e}
@@ -80,6 +81,13 @@ class RigidBody(ABC):
         eta_right, _ = restitution_of(document, right.eta, self.limit)
         details |= self.direction()
         return RockingParameters.of_sides(**more, left=left.side("left", eta_left), right=right.side("right", eta_right), eta_source=source)
+
+    def _top_arms(self) -> tuple[float, ...]:
+        """The distances from the left and the right edge to the farthest point of the top [m]; empty if the geometry defines no top."""
+        points = [point for outline in self.drawing.bodies for point in outline] if self.top is not None else []
+        highest = max((z for _, z in points), default=0.0)
+        top = [point for point in points if highest - point[1] <= 1e-9 * highest]
+        return tuple(max(math.dist(pivot, point) for point in top) for _, pivot in self.drawing.pivots if top)
 
     def direction(self) -> dict[str, str]:
         """The edge over which the body falls, if its edges may differ."""
