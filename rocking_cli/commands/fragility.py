@@ -64,7 +64,12 @@ class Fits:
     exact: bool = option(
         "--exact", is_flag=True, help="Trace every interval that overturns: exact shares at every intensity, exact number of resurrections."
     )
-    efficiency: bool = option("--efficiency", is_flag=True, help="Print the dispersion of first overturnings over every measure instead.")
+    efficiency: bool = option(
+        "--efficiency",
+        is_flag=True,
+        help="Print the dispersion over every measure instead; with --exact, that of traced first overturnings.",
+    )
+    cells: bool = option("--cells", is_flag=True, help="Print every motion at every level over PGA and PGV/PGA instead, for rocking plot.")
     curve: bool = option("--curve", is_flag=True, help="Print points of the curves with their bands instead, for rocking plot.")
     counts: str | None = option("--counts", type=InputPath(), metavar="FILE", help="Fit given counts: CSV of im, n, z.")
     samples: int = option(
@@ -105,8 +110,9 @@ def fragility(
         raise click.UsageError("no set of motions: give either --motion with records, or --pulses with a table of pulses")
     if wanted.pulses is not None:
         _refuse("--pulses does not go with", lambda name: name in _SHAPE)
-    if wanted.curve and wanted.efficiency:
-        raise click.UsageError("--efficiency does not go with --curve")
+    asked = [f"--{name}" for name in ("efficiency", "cells", "curve") if getattr(wanted, name)]
+    if len(asked) > 1:
+        raise click.UsageError(f"{' and '.join(asked)} do not go together")
     measure = measure_of(wanted.im)
     levels = _levels(wanted.levels, measure)
     states = dict.fromkeys(_each("--limit", wanted.limits, _limit, "positive values of |theta|/alpha, or overturning"))
@@ -128,7 +134,11 @@ def fragility(
         note(f"{wanted.output}: {sweep.shard} is written; join the shards by rocking merge, then repeat the call with --resume")
         return 4 if shaken.unread else 0
     refused: list[str] = []
-    if wanted.efficiency:
+    if wanted.cells:
+        from ..fragility.study import CELL_COLUMNS
+
+        emit([row for study in studies for row in study.cells()], CELL_COLUMNS)
+    elif wanted.efficiency:
         emit([row for study in studies for row in study.efficiency()], EFFICIENCY_COLUMNS, without=("theta",))
     else:
         fits, refused = _fits(studies, states, methods)
@@ -158,7 +168,7 @@ def _studies(
     found = exposures(structures, members, measure, levels, method, progress=ProgressLine("fragility", "chunks"), **writing)
     for structure, exposure in zip(structures, found, strict=False):
         intervals = recorded = None
-        if wanted.exact or wanted.efficiency or "first" in fits:
+        if wanted.exact or "first" in fits:
             line = ProgressLine(structure.name, "motions")
             intervals = traced(structure, members, measure, float(levels[-1]), method, workers=sweep.workers, progress=line)
         if "cloud" in fits:

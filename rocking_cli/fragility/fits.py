@@ -57,7 +57,7 @@ class Band:
 def stripes(x: Array, n: Array, z: Array) -> Estimate:
     """The maximum-likelihood curve of counts: z of n beyond the limit state at each level x; n and z may be sums of weights.
 
-    x: (k,), positive and rising; n, z: (..., k). Maximises sum z ln Phi(u) + (n - z) ln Phi(-u), u = ln(x/theta)/beta (Baker 2015,
+    x: (k,), positive; n, z: (..., k). Maximises sum z ln Phi(u) + (n - z) ln Phi(-u), u = ln(x/theta)/beta (Baker 2015,
     Eq. 11). If the counts do not rise, beta is its upper bound; if they change from none to all, its lower bound.
     """
     from scipy.special import ndtri
@@ -68,8 +68,8 @@ def stripes(x: Array, n: Array, z: Array) -> Estimate:
     y = y - middle
     start = np.asarray(ndtri((z.sum(axis=-1) + 0.5) / (n.sum(axis=-1) + 1.0)))
     centre, beta = _likeliest(start, np.full(z.shape[:-1], 1.0 / max(float(y.std()), 1e-3)), y, z, n - z)
-    reach = 3.0 * (y[-1] - y[0] + 1.0)
-    return middle + np.clip(centre, y[0] - reach, y[-1] + reach), beta
+    reach = 3.0 * (np.ptp(y) + 1.0)
+    return middle + np.clip(centre, y.min() - reach, y.max() + reach), beta
 
 
 def first_overturning(r: Array, limit: Array | float, weight: Array | None = None) -> Estimate:
@@ -172,10 +172,16 @@ def fit_stripes(x: Array, n: Array, z: Array) -> Curve:
     some = int(np.count_nonzero((z > 0.0) & (z < n)))
     if some < 2:
         raise UsageError(f"{some} level{'' if some == 1 else 's'} with some records beyond the limit state and some not; a fit needs two")
+    return fit_cells(x, n, z)
+
+
+def fit_cells(x: Array, n: Array, z: Array) -> Curve:
+    """The curve of cells at any x, in any order: z of the weight n of each beyond the limit state. Raises UsageError for a share that
+    does not rise with x."""
     centre, beta = stripes(x, n, z)
     if beta >= 0.99 * MOST:
         raise UsageError("the share beyond the limit state does not rise with the levels; a fit needs one that does")
-    return Curve(float(np.exp(centre)), float(beta), float(n.max()))
+    return Curve(float(np.exp(centre)), float(beta), float(np.max(n)))
 
 
 def fit_first(r: Array, limit: Array | float, weight: Array | None = None) -> Curve:

@@ -3,19 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from ..documents.table import named_rows
+from ..dynamics.outcome import Outcome
 from ..errors import DocumentError, UsageError
 from ..structures.parameters import RockingParameters
 from . import fits as fragility
 from .exposure import Exposure, Interval, first_of, share_overturned
 from .fits import Band, Curve, Resampling
-from .measures import MEASURES, SPECTRAL, Measure, Member, cell, measure_of
+from .measures import MEASURES, Measure, Member, cell
 
 Array = np.ndarray
 METHODS = ("stripes", "first", "cloud")
@@ -25,6 +26,7 @@ FRAGILITY_COLUMNS = (
     "n", "theta", "theta_low", "theta_high",
 )  # fmt: skip
 CURVE_COLUMNS = ("structure", "im", "limit_state", "method", "x", "probability", "low", "high", "fraction")
+CELL_COLUMNS = ("structure", "motion", "pga", "pgv_pga", "theta_ratio", "outcome")
 EFFICIENCY_COLUMNS = ("structure", "im", "theta", "beta", "efficiency", "n")
 _POINTS = 61  # of a curve
 
@@ -148,24 +150,40 @@ class Study:
             yield {**names, "x": float(x), "probability": None, "low": None, "high": None, "fraction": float(share)}
 
     def efficiency(self) -> list[dict[str, Any]]:
-        """Rows: the dispersion of first overturnings over each measure, the smallest first; efficiency: the smallest over this one.
+        """Rows: the dispersion over each measure, the smallest first; efficiency: the smallest over this one.
 
-        Raises UsageError for too few overturnings.
+        The dispersion is that of the first overturnings if the intervals are traced, otherwise that of the cells at the levels: each motion
+        at each level has its own value of another measure. Raises UsageError for too few overturnings.
         """
-        assert self.intervals is not None
-        factor = (first_of(self.intervals) / self.own) ** (1.0 / self.measure.power)
-        most = (float(self.exposure.levels[-1]) / self.own) ** (1.0 / self.measure.power)
         found: list[tuple[str, Curve]] = []
-        spectral = map(measure_of, SPECTRAL) if all(m.recording is not None for m in self.members) else ()
-        for measure in {m.name: m for m in (*MEASURES.values(), *spectral, self.measure)}.values():
+        gone, known = self.exposure.beyond(None)
+        for measure in MEASURES.values():
             own = np.array([m.measured(measure, self.structure) for m in self.members])
-            found.append((measure.name, fragility.fit_first(own * factor**measure.power, own * most**measure.power, self.weight)))
+            power = measure.power / self.measure.power
+            if self.intervals is not None:
+                first, most = first_of(self.intervals) / self.own, float(self.exposure.levels[-1]) / self.own
+                curve = fragility.fit_first(own * first**power, own * most**power, self.weight)
+            else:
+                x, n = own[:, None] * (self.exposure.levels / self.own[:, None]) ** power, self.weight[:, None] * known
+                if not 0.0 < (n * gone).sum() < n.sum():
+                    raise UsageError(f"{self.structure.name}: all cells overturn, or none; expected levels at which some do")
+                curve = replace(fragility.fit_cells(x.ravel(), n.ravel(), (n * gone).ravel()), n=float(len(self.members)))
+            found.append((measure.name, curve))
         found.sort(key=lambda pair: pair[1].beta)
         least = found[0][1].beta
         return [
             {"structure": self.structure.name, "im": im, "theta": c.theta, "beta": c.beta, "efficiency": least / c.beta, "n": round(c.n)}
             for im, c in found
         ]
+
+    def cells(self) -> Iterator[dict[str, Any]]:
+        """The cells as rows over two measures: PGA [m/s2] and PGV/PGA [s], which no factor of a motion changes."""
+        pga = MEASURES["PGA"]
+        for i, m in enumerate(self.members):
+            at = m.intensity.pga * (self.exposure.levels / self.own[i]) ** (pga.power / self.measure.power)
+            for x, theta, outcome in zip(at, self.exposure.theta_ratio[i], self.exposure.outcome[i], strict=True):
+                row = {"structure": self.structure.name, "motion": m.label, "pga": float(x), "pgv_pga": m.intensity.pgv / m.intensity.pga}
+                yield {**row, "theta_ratio": float(theta), "outcome": Outcome(int(outcome)).flag}
 
 
 def counted(path: str | Path, how: Resampling) -> list[Fit]:

@@ -18,7 +18,7 @@ from .figures.capacities import checked
 from .figures.characters import place_of
 from .figures.curves import accuracy, closed_forms, comparison, family, fragility_curves, overturning_spectra, phase, response
 from .figures.envelopes import bands
-from .figures.maps import outcome_map
+from .figures.maps import outcome_map, two_measures
 from .figures.slices import of_record, record_spectra, slice_of, spectrum_lines
 from .rows import Rows, rows_of
 from .units import Units
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     Kind = tuple[set[str], Callable[[Figure, Rows, Units], list[Axes]]]
-DRAWN = "check, envelope, response, compare (curves), params (a family), fragility (curves) or accuracy"
+DRAWN = "check, envelope, response, compare (curves), params (a family), fragility (curves, cells) or accuracy"
 MOST_PANELS = 24
 
 
@@ -124,6 +124,7 @@ TABLES: tuple[Kind, ...] = (
     ({"structure", "tau", "theta_ratio", "t", "theta"}, comparison),
     ({"method", "time_per_cell", "error_max"}, accuracy),
     ({"im", "limit_state", "probability", "fraction"}, fragility_curves),
+    ({"pga", "pgv_pga", "outcome"}, two_measures),
     ({"p", "pga_ratio_16", "pga_ratio_50", "pga_ratio_84"}, overturning_spectra),
     ({"t"}, response),
     ({"tau"}, response),

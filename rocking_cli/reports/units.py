@@ -26,7 +26,7 @@ COLUMNS = {
     "p": "frequency parameter", "theta_dot": "angular velocity", "omega_g": "circular frequency",
     **dict.fromkeys(("a_g", "a_from", "a_to", "demand_a", "uplift_a", "first_overturning_a", "safe_to"), "acceleration"),
     **dict.fromkeys(("ground_acceleration", "pga", "header_pga", "S_a", "sa", "avgsa"), "acceleration"),
-    **dict.fromkeys(("t", "t_max", "dt", "duration", "pga_time", "d5_75", "d5_95", "T", "run_time", "time_per_cell"), "time"),
+    **dict.fromkeys(("t", "t_max", "dt", "duration", "pga_time", "d5_75", "d5_95", "T", "run_time", "time_per_cell", "pgv_pga"), "time"),
     "pgv": "velocity", "arias": "intensity", "cav": "intensity", "gravity": "gravity", "mass": "mass",
     **dict.fromkeys(("pgd", "S_d", "top_displacement", "x", "z", "arm", "length", "tip_height", "crack_height", "inset"), "length"),
 }  # fmt: skip

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 
+import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
@@ -99,11 +100,22 @@ def test_a_table_is_in_g_where_the_levels_are(rocking, levels, unit):
     assert f"PGA [{unit}]" in table
 
 
-def test_the_measure_that_explains_most_comes_first(rocking, stated):
-    rows = rocking("fragility", stated, *SITE, "--efficiency", "--json").records
+@pytest.mark.parametrize("how", [(), ("--exact",)], ids=["cells", "exact"])
+def test_the_measure_that_explains_most_comes_first(rocking, stated, how):
+    rows = rocking("fragility", stated, *SITE, "--efficiency", *how, "--json").records
     assert {r["im"] for r in rows} == {"PGA", "PGV", "PGD", "Arias", "CAV", "nPGA", "nPGV", "nPGD"}
     assert [r["beta"] for r in rows] == sorted(r["beta"] for r in rows)
     assert rows[0]["efficiency"] == 1.0
     beta = {r["im"]: r["beta"] for r in rows}
     for name in ("PGA", "PGV", "PGD"):  # of one structure a factor changes no dispersion
-        assert beta[f"n{name}"] == pytest.approx(beta[name], rel=1e-9)
+        assert beta[f"n{name}"] == pytest.approx(beta[name], rel=1e-7)
+    (fit,) = rocking("fragility", stated, *SITE, "--method", "first" if how else "stripes", "--limit", "overturning", "--json").records
+    assert beta["PGA"] == pytest.approx(fit["beta"], rel=1e-7)
+
+
+def test_cells_are_every_motion_at_every_level_over_two_measures(rocking, stated):
+    rows = list(csv.DictReader(rocking("fragility", stated, *SITE, "--cells", "--csv").stdout.splitlines()))
+    assert list(rows[0]) == ["structure", "motion", "pga [m/s2]", "pgv_pga [s]", "theta_ratio", "outcome"]
+    assert len(rows) == 9 * 4
+    assert [float(r["pga [m/s2]"]) / 9.81 for r in rows[:4]] == pytest.approx(np.linspace(0.2, 0.45, 4), rel=1e-12)
+    assert float(rows[0]["pgv_pga [s]"]) == pytest.approx(2 / (2 * np.pi * 0.7), rel=1e-6)  # of a sine 2/omega

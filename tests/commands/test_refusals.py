@@ -105,7 +105,7 @@ REFUSED = {
         (2, f"stated.yaml {SITE} {LEVELS} --scale -1", "--pulses does not go with --scale"),
         (2, f"stated.yaml {SITE} {LEVELS} --vertical configs/motions/synthetic.at2", "expected two records, or none"),
         (2, f"stated.yaml {SITE} {LEVELS} --vertical-scale 2", "--vertical-scale goes with --vertical"),
-        (2, f"stated.yaml {SITE} {LEVELS} --curve --efficiency", "--efficiency does not go with --curve"),
+        (2, f"stated.yaml {SITE} {LEVELS} --curve --efficiency", "--efficiency and --curve do not go together"),
         (2, f"stated.yaml {SITE} --levels 0.01g,0.02g,0.03g --limit overturning", "stated, overturning, stripes: 0 levels with some"),
         (2, "stated.yaml --counts counts.csv", "--counts does not go with structure"),
         (2, "--counts counts.csv --im PGV", "--counts does not go with --im"),

@@ -49,6 +49,7 @@ SYMBOLS = {
     "t": "time $t$", "tau": r"$p\,t$", "theta": r"rotation $\theta$", "theta_ratio": r"$\theta/\alpha$",
     "theta_max_ratio": r"$\theta_{max}/\alpha$", "ground_acceleration": r"$\ddot{x}_g$", "A_s": r"$A\,s$", "p": "$p$", "alpha": r"$\alpha$",
     "eta": r"$\eta$", "lambda": r"$\lambda$", "a_scale": r"$a_{scale}$", "T": r"$T = 2\pi/p$", "scale": "factor of the record",
+    "pga": "PGA", "pgv_pga": "PGV/PGA",
 }  # fmt: skip
 SOURCE = "file"  # a column that names the file of each row, where several are drawn
 PLAIN = {"m/s2": "m/s²", "cm/s2": "cm/s²"}
