@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -10,12 +10,14 @@ import click
 
 from . import ground, options
 from .command import command, group, option
-from .printing import emit, note, printed, units_of
+from .printing import emit, is_quiet, note, printed, units_of
 from .progress import ProgressLine
 
 if TYPE_CHECKING:
     from ..envelopes.limit import Limit
-    from ..responses.check import Verdict
+    from ..responses.check import Demand, Verdict
+
+INSET = 0.05  # of the width, whose effect on the capacity is told
 
 
 @command("rocking check configs/block.yaml configs/arch.yaml --a-g 0.35g --f-g 1.5 --sort capacity", printed)
@@ -81,6 +83,8 @@ def check(
     ground.note_governing(structures, shakes[0][1].dimensionless)
     for line in _remarks(told):
         note(line)
+    if not (verdict_only or is_quiet()) and (remark := _of_an_inset(told, demands, a_max, workers)):
+        note(remark)
     width = " or ".join(dict.fromkeys(narrowest(shake) for shake, _ in shakes))
     if not verdict_only:
         note(f"intervals narrower than {width} may be missed, except around the demand")
@@ -95,6 +99,25 @@ def _in_g(asked: str) -> bool:
     if units is not None and "acceleration" in units.chosen:
         return units.of("acceleration")[0] == "g"
     return asked.rstrip().endswith("g")
+
+
+def _of_an_inset(told: list[Verdict], demands: Sequence[Demand], a_max: Limit, workers: int | None) -> str | None:
+    """How much of the least capacity an inset takes, None if no structure has a capacity and geometry to tell it."""
+    from ..responses.check import check_all
+    from ..structures.mechanics.worn_edges import worn
+
+    asked = {(structure.name, motion.name): (structure, motion, grid) for structure, motion, grid in demands}
+    for verdict in sorted((v for v in told if v.first_overturning_a), key=lambda v: v.capacity_demand or 0.0):
+        structure, motion, grid = asked[verdict.structure, verdict.motion]
+        if "inset" in structure.details or (found := worn(structure, INSET)) is None:
+            continue
+        (other,) = check_all([(found[1], motion, grid)], a_max=a_max, workers=workers)
+        if other.first_overturning_a is None or verdict.first_overturning_a is None:
+            return None
+        change = 100.0 * (other.first_overturning_a / verdict.first_overturning_a - 1.0)
+        pivots = f"pivots {1000.0 * found[0]:.3g} mm inside the edges ({100.0 * INSET:g} % of the width: rounding, wear)"
+        return f"{structure.name}: {pivots} {'take' if change <= 0.0 else 'add'} {abs(change):.2g} % of the capacity"
+    return None
 
 
 def _remarks(verdicts: list[Verdict]) -> list[str]:

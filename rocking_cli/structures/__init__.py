@@ -42,9 +42,12 @@ def read_documents(path: str | Path) -> list[Document]:
     ['configs/arch.yaml']
     """
     from ..documents.document import read_documents as of_file
-    from .inline import inline_document
 
-    stated = inline_document(str(path))
+    stated = None
+    if ":" in str(path):
+        from .inline import inline_document
+
+        stated = inline_document(str(path))
     return of_file(path) if stated is None else [stated]
 
 

@@ -193,3 +193,14 @@ def test_a_varied_value_is_a_column_and_members_without_a_solution_are_left_out(
     assert [{**row, "structure": "B", "name": "B"}] == [{"varied_width": 0.4, **one} for one in alone]
     header = rocking(*call[:-1], "width=40cm:60cm:2", "--vary", "damping=0:0.1:2", "--csv").stdout.splitlines()
     assert (header[0].split(",")[:3], len(header)) == (["varied_width [m]", "varied_damping", "structure"], 5)
+
+
+def test_the_effect_of_an_inset_on_the_least_capacity_is_told(rocking):
+    plain, worn = (rocking("check", text, *SHAKING, "--json") for text in ("block:0.5x2,name=B", "block:0.5x2,name=B,inset=25mm"))
+    least = [done.records[0]["first_overturning_a"] for done in (plain, worn)]
+    told = (
+        f"B: pivots 25 mm inside the edges (5 % of the width: rounding, wear) take {100 - 100 * least[1] / least[0]:.2g} % of the capacity"
+    )
+    assert told in plain.stderr.splitlines()
+    for done in (worn, rocking("check", "block:0.5x2", *SHAKING, "--verdict-only"), rocking("check", "configs/parameters.yaml", *SHAKING)):
+        assert "inside the edges" not in done.stderr

@@ -12,6 +12,7 @@ from support.documents import built
 from rocking_cli import DocumentError, build_structure
 from rocking_cli.structures import KINDS, read_documents
 from rocking_cli.structures.kinds import sketch_of
+from rocking_cli.structures.mechanics.worn_edges import worn
 
 RIGID = [kind for kind in KINDS if kind not in ("arch", "parameters")]
 
@@ -116,3 +117,35 @@ def test_every_rigid_kind_takes_an_inset(kind, pytestconfig):
 def test_refusals(text, words):
     with pytest.raises(DocumentError, match=words):
         built(text)
+
+
+@pytest.mark.parametrize(
+    ("text", "width"),
+    [
+        ("kind: block\nwidth: 0.5\nheight: 2", 0.5),
+        ("kind: block\nwidth: 0.5\nheight: 2\nrestitution: 0.8\nfriction: 0.4", 0.5),
+        ("kind: wall\nthickness: 1.2\nheight: 8\none_sided: true\nrestitution: -0.4", 1.2),
+        ("kind: rigid\nleft: 0.42\nright: 0.31\nheight: 1.15\ngyration: 0.68\ndamping: 0.02", 0.73),
+        ("kind: prism\ncorners: [[0, 0], [1, 0], [0.9, 6]]", 1.0),
+    ],
+)
+def test_parameters_alone_give_the_body_whose_pivots_moved_by_a_share_of_the_width(text, width):
+    inset, found = worn(built(text), 0.05)
+    wanted = built(f"{text}\ninset: {0.05 * width!r}")
+    assert inset == pytest.approx(0.05 * width, rel=1e-12)
+    same(found, wanted, rel=1e-10, abs=0)
+    keys = ("arm", "eta_source", "one_sided", "damping", "friction", "gravity", "name")
+    assert [getattr(found, key) for key in keys[1:]] == [getattr(wanted, key) for key in keys[1:]]
+    assert found.arm == pytest.approx(wanted.arm, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "kind: arch\nradius: 10\nthickness: 1.5\nangle: 3",
+        "kind: parameters\np: 1\nalpha: 0.2\neta: 1\nlambda: 0.2",
+        "kind: rigid\nleft: 0.04\nright: 1\nheight: 3\ngyration: 1\nrestitution: 0.5",
+    ],
+)
+def test_parameters_without_a_mass_centre_or_that_would_fall_give_none(text):
+    assert worn(built(text), 0.05) is None
