@@ -153,7 +153,7 @@ Proof. Green's function sinh is not negative, so y is monotone in the drive. y''
 The state at the end of a stretch is exact, whatever happens on the way.
 Varying weight: not used.
 Used in `samples.exact.horizon`, `samples.exact.ExactStepper._doubtful`, `samples.exact.bounded_response`.
-Test `samples/test_exact.py::test_records_against_an_integration_that_shares_no_code`.
+Test `samples/test_records.py::test_records_against_an_integration_that_shares_no_code`.
 
 # Lemma 12 (Taylor step over samples)
 
@@ -196,5 +196,6 @@ Where a line ends, Q changes by phi times the change of c'. An impact lowers Q w
 c' phi changes by 1 - eta of itself. If all these changes, for W = W_0 exp(G) [(1 - c^2)/(1 - c_0^2)]^(2/3), sum up to no more than G, W is
 never beyond this value: it would have to reach it first.
 Used in `contacts.sequences.bounces_on`, `contacts.sequences.ceiling`.
-Test `contacts/test_adiabatic.py::test_no_peak_is_above_the_ceiling`, `contacts/test_adiabatic.py::test_marching_on_finds_the_same_peak`.
+Test `contacts/test_sequences.py::test_no_peak_is_above_the_ceiling`,
+`contacts/test_sequences.py::test_marching_on_under_a_record_finds_the_same_peak`.
 """

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from oracles.single_cell import INTERVALS
+from support.references import INTERVALS
 
 from rocking_cli import (
     RockingParameters,

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from oracles.single_cell import integrate
+from oracles.collocation import Body, Edge, integrate
 from support.documents import TWO_PULSES, built_motion
 from support.references import reference
 
@@ -77,7 +77,8 @@ def test_cells_under_a_ricker_wavelet_against_its_formula(name):
     motion, random = pulse(name), np.random.default_rng(3)
     for _ in range(6):
         amplitude, omega, eta = random.uniform(1.1, 6), random.uniform(0.7, 6), random.uniform(0.5, 1)
-        flag, theta, _ = integrate(lambda phase: float(SHAPES[name](phase)), motion.duration, amplitude, omega, eta, pieces_a_turn=8)
+        edge = Edge(1.0, 0.1, eta)
+        flag, theta, _ = integrate(Body(edge, edge), SHAPES[name], motion.duration, amplitude * 0.1 * 9.81, omega)
         found = linear_response(motion, amplitude, omega, eta)
         assert Outcome(int(found.outcome)).flag == flag
         assert math.isnan(theta) or abs(float(found.theta_ratio) - theta) < 1e-8

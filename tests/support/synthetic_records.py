@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from rocking_cli import linear_response
+from rocking_cli import Motion, linear_response
+from rocking_cli.motions import Harmonic, Piece
+from rocking_cli.motions.biaxial import with_vertical
 from rocking_cli.motions.recording import Recording
 from rocking_cli.motions.records import Record
 
@@ -24,6 +26,17 @@ def noise(count, dt, seed, quiet=0):
     colour = f * f / ((0.3 + f * f) * np.sqrt((1.0 - (f / 2.5) ** 2) ** 2 + (f / 2.5) ** 2) * (1.0 + (f / 12.0) ** 4))
     t = np.arange(count) / count
     return np.append(np.zeros(quiet), np.fft.irfft(np.fft.rfft(random.standard_normal(count)) * colour, count) * t * np.exp(-6.0 * t))
+
+
+def long_series(motion):
+    """The same motion with a sinusoid of no height in each piece, for which the march takes its long series, not the short ones."""
+    return Motion(motion.name, tuple(Piece(p.start, p.stop, (Harmonic(0.0),), p.constant, p.slope) for p in motion.pieces))
+
+
+def upwards(one, other, share):
+    """A record with another one upwards, of `share` times its peak; and both as `long_series`."""
+    share, long = share * one.acceleration / other.acceleration, with_vertical(long_series(one), long_series(other), share)
+    return with_vertical(one, other, share), long
 
 
 RECORDS = [noise(100, 0.05, 1), noise(110, 0.05, 2, quiet=40), noise(120, 0.04, 3)]

@@ -1,4 +1,4 @@
-"""The closed form after the shaking against marching."""
+"""The contacts: uplift, impacts and sums of their sequences on equal edges, on one side and on edges that differ; the free motion."""
 
 from __future__ import annotations
 
@@ -6,9 +6,28 @@ import math
 
 import numpy as np
 import pytest
+from support.references import lanes
 
-from rocking_cli.dynamics.contacts.contact import Symmetric
-from rocking_cli.dynamics.equations.linear import LinearEquation
+from rocking_cli import LinearEquation, Method, Motion, RigidBodyEquation, cosine, response, sine
+from rocking_cli.dynamics.contacts.contact import OneSided, Symmetric, Unequal
+from rocking_cli.motions import Piece
+from rocking_cli.structures.parameters import RockingParameters, Side
+
+LEFT, RIGHT = Side("left", 2.0, 0.2, math.tan(0.2), 1.0, 0.9), Side("right", 1.6, 0.3, math.tan(0.3), 1.0, 0.7)
+BODY = RockingParameters.of_sides("body", "prism", LEFT, RIGHT)
+
+
+def cells(contact=None, amplitude=2.0, eta=0.8, equation=None):
+    amplitude = np.atleast_1d(np.asarray(amplitude, dtype=float))
+    sized = amplitude, np.full(amplitude.size, 3.0), np.full(amplitude.size, eta)
+    return (contact or Symmetric()).cells(equation or LinearEquation(), *sized)
+
+
+def first_uplift(contact, motion, held):
+    """(segment, phase from the start of the motion, side, force) of the first uplift of a body at rest."""
+    found = contact.uplift(held, motion.segments, np.array([0]), np.array([0]), np.zeros(1))
+    start = np.append(motion.segments.start, motion.duration)
+    return int(found.k[0]), float(start[found.k[0]] + found.u[0]), float(found.side[0]), float(found.b[0])
 
 
 def march(y, v, eta):
@@ -27,12 +46,179 @@ def march(y, v, eta):
     raise AssertionError("undecided")
 
 
-def test_free_motion_equals_marching(lanes):
+def test_free_motion_equals_marching():
     random = np.random.default_rng(4)
     y, v, eta = random.uniform(0, 1.5, 60), random.uniform(-2, 1.2, 60), random.uniform(0.3, 1, 60)
-    free = Symmetric().free_motion(LinearEquation(), lanes(np.ones(60), eta=eta), np.arange(60), y, v)
+    free = Symmetric().free_motion(LinearEquation(), lanes(eta=eta), np.arange(60), y, v)
     for i in range(60):
         overturns, peak = march(y[i], v[i], eta[i])
         assert overturns == (free.overturns[i] or free.overturns_after_impact[i])
         if not overturns and v[i] > 0:
             assert free.peak[i] == pytest.approx(peak, abs=2e-3)
+
+
+def test_a_rigid_body_lifts_at_the_tangent_of_alpha():
+    """A = a_g/(alpha g), and the body lifts at a_g = g tan(alpha) (Eq. 2.2)."""
+    lift = np.tan(0.4) / 0.4
+    held = cells(amplitude=[0.999 * lift, 1.001 * lift], equation=RigidBodyEquation(0.4))
+    strongest = Symmetric().strongest(held, sine().segments)
+    assert strongest[0] < 1.0 < strongest[1]
+
+
+@pytest.mark.parametrize("amplitude", [1.0 + 1e-12, 1.3, 40.0])
+def test_uplift_under_a_sine_is_at_the_arcsine(amplitude):
+    """Omega tau_1 = arcsin(1/A), against the ground's push."""
+    found = first_uplift(Symmetric(), sine(), cells(amplitude=amplitude))
+    assert found == (0, pytest.approx(np.arcsin(1.0 / amplitude), rel=1e-14, abs=0), -1.0, 0.0)
+
+
+def test_a_jump_of_the_ground_lifts_at_once_and_with_force():
+    assert first_uplift(Symmetric(), cosine(1), cells(amplitude=1.7)) == (0, 0.0, -1.0, pytest.approx(0.7, rel=1e-14, abs=0))
+
+
+def test_only_a_ground_acceleration_towards_the_backing_lifts_a_one_sided_body():
+    """Under a sine the second half cycle does: phase pi + arcsin(1/A), to the right."""
+    contact, held, half = OneSided(), cells(OneSided(), eta=-0.6), sine(0.5)
+    assert first_uplift(contact, sine(), held)[1:3] == (pytest.approx(math.pi + math.asin(0.5), rel=1e-14, abs=0), 1.0)
+    assert contact.strongest(held, half.segments)[0] == 0.0
+    assert first_uplift(contact, half, held)[0] == len(half.segments)
+
+
+def test_an_impact_turns_the_side_the_drive_and_a_part_of_the_speed():
+    body = lanes(side=[1.0, -1.0], eta=0.8)
+    Symmetric().strike(cells(amplitude=[2.0, 2.0]), body, np.array([-0.5, -1.5]), np.array([-0.25, -3.0]))
+    assert body.side.tolist() == [-1.0, 1.0]
+    assert body.v.tolist() == [0.8 * 0.5, 0.8 * 1.5]
+    assert (body.b + 1.0).tolist() == [-0.75, 2.0]  # a = 0.75 and -2 before
+
+
+def test_an_impact_returns_a_one_sided_body_to_its_side():
+    body = lanes(eta=0.6)
+    OneSided().strike(cells(OneSided(), eta=-0.6), body, np.array([-0.5]), np.array([-1.75]))
+    assert (body.side[0], body.v[0], body.b[0]) == (1.0, 0.3, -1.75)
+
+
+@pytest.mark.parametrize(("contact", "force"), [(Symmetric(), -0.7), (OneSided(), -1.4)], ids=["equal", "one side"])
+def test_sequence_time_is_the_sum_of_its_arcs(contact, force):
+    body, total, speed, a = lanes(v=1e-3, b=force, eta=0.6), 0.0, 1e-3, 1.0 + force
+    for _ in range(200):
+        total, speed, a = total + 2.0 * speed / (1.0 - a), 0.6 * speed, -a if contact.alike else a
+    assert contact.sequence_time(body)[0] == pytest.approx(total, rel=1e-13, abs=0)
+
+
+@pytest.mark.parametrize(
+    ("contact", "eta", "expected"),
+    [
+        *((Symmetric(), eta, r"within \[0, 1\]") for eta in (-0.1, 1.1, np.nan)),
+        *((OneSided(), eta, r"within \(-1, 0\]") for eta in (0.1, -1.0, -1.2, np.nan)),
+    ],
+)
+def test_restitutions_out_of_range_are_refused(contact, eta, expected):
+    with pytest.raises(ValueError, match=expected):
+        cells(contact, eta=eta)
+
+
+@pytest.mark.parametrize("model", ["linear", "nonlinear"])
+def test_units_of_the_edges_come_from_their_geometry(model):
+    """A and Omega are those of the left edge, which lifts first; speeds change by eta alpha_1 p_1/(alpha_2 p_2), sines where nonlinear."""
+    system = Method(model).system_of(BODY)
+    contact = system.contact
+    unit = (lambda x: x) if model == "linear" else math.sin
+    lift = (lambda x: x) if model == "linear" else math.tan
+    assert contact.drive == pytest.approx((0.2 / lift(0.3), 0.2 / lift(0.2)), rel=1e-14, abs=0)
+    assert contact.omega == pytest.approx((2.0 / 1.6, 1.0), rel=1e-14, abs=0)
+    ratio = unit(0.3) * 1.6 / (unit(0.2) * 2.0)
+    assert contact.eta == pytest.approx((0.7 * ratio, 0.9 / ratio), rel=1e-14, abs=0)
+    assert contact.eta[0] * contact.eta[1] == pytest.approx(0.63, rel=1e-14, abs=0)
+
+
+@pytest.mark.parametrize("model", ["linear", "nonlinear"])
+def test_impacts_that_take_nothing_take_nothing_in_the_units_of_the_edges_either(model):
+    """A product above 1 would be refused, and bouncing settle under one below; as they are multiplied a quarter of such pairs are off."""
+    random, products = np.random.default_rng(1), set()
+    for p, other, alpha, angle in random.uniform((1.0, 1.0, 0.1, 0.1), (4.0, 4.0, 0.9, 0.9), (300, 4)).tolist():
+        left, right = Side("left", p, alpha, math.tan(alpha), 1.0, 1.0), Side("right", other, angle, math.tan(angle), 1.0, 1.0)
+        contact = Method(model).system_of(RockingParameters.of_sides("body", "prism", left, right)).contact
+        products.add(contact.eta[0] * contact.eta[1])
+    assert products == {1.0}
+
+
+def test_the_weaker_edge_lifts_first_whichever_way_the_ground_moves_first():
+    system = Method().system_of(BODY)
+    cells = system.contact.cells(system.equation, np.array([1.2]), np.array([4.0]), np.array([0.9]))
+    pushed = [system.contact.uplift(cells, m.segments, np.array([0]), np.array([0]), np.zeros(1)) for m in (sine(), sine().scaled(-1.0))]
+    # The stronger edge would need A = 1.5: mirrored, the first half cycle passes without uplift.
+    assert [p.side[0] for p in pushed] == [-1.0, -1.0]
+    assert pushed[0].u[0] == pytest.approx(math.asin(1.0 / 1.2), rel=1e-14, abs=0)
+    assert pushed[1].k[0] > 0
+
+
+def test_an_impact_carries_energy_over_to_the_units_of_the_other_edge():
+    """|theta'| in rad/s: eta times as fast after as before; theta of the peak is the same angle over its own alpha."""
+    contact = Method().system_of(BODY).contact
+    body = lanes(side=-1.0, eta=contact.eta[1], amplitude=2.0 * contact.drive[1], omega=4.0)
+    cells = contact.cells(None, np.array([2.0]), np.array([4.0]), np.array([0.5]))
+    contact.strike(cells, body, np.array([-0.6]), np.array([-1.2]))
+    assert body.side[0] == 1.0
+    assert body.v[0] * 0.3 * 1.6 == pytest.approx(0.9 * 0.6 * 0.2 * 2.0, rel=1e-14, abs=0)
+    assert (body.amplitude[0], body.omega[0], body.eta[0]) == (cells.amplitude[0, 0], cells.omega[0, 0], contact.eta[0])
+    assert body.b[0] + 1.0 == pytest.approx(0.2 * 0.2 / 0.3, rel=1e-13, abs=0)  # the drive -0.2 of the left edge, the other way round
+
+
+def test_a_second_impact_after_the_shaking_may_be_the_one_that_overturns():
+    """A push that ends with the body coming down fast: it fails to pass the strong edge, returns, and falls over the weak one."""
+    contact = Unequal(drive=(1.0, 1.0), omega=(1.0, 1.0), eta=(0.5, 1.9), rotation=(1.0, 1.0))
+    equation = LinearEquation()
+    free = contact.free_motion(equation, lanes(eta=0.5), np.array([0]), np.array([0.5]), np.array([-1.6]))
+    energy = 1.6**2 + 0.5 * 1.5
+    assert 0.5**2 * energy < 1.0 < (0.5 * 1.9) ** 2 * energy
+    assert (bool(free.overturns[0]), bool(free.overturns_after_impact[0])) == (False, True)
+
+
+@pytest.mark.parametrize(
+    ("rotation", "v", "highest"), [((1.0, 1.0), -0.5, "across"), ((1.0, 0.5), 0.5, "outward"), ((2.0, 0.5), -0.5, "back")]
+)
+def test_after_the_shaking_the_largest_of_three_arcs_is_kept_and_none_of_a_body_that_falls(rotation, v, highest):
+    """From y = 0.3: E = v^2 + y (2 - y) is left with eta^2 of it at each impact, and an arc rises to 1 - sqrt(1 - E)."""
+    eta = (1.1, 0.85)
+    contact = Unequal(drive=(1.0, 1.0), omega=(1.0, 1.0), eta=eta, rotation=rotation)
+    energy = 0.5**2 + 0.3 * 1.7
+    rises = {
+        "outward": 1.0 - math.sqrt(1.0 - energy) if v > 0.0 else 0.3,
+        "across": (1.0 - math.sqrt(1.0 - eta[0] ** 2 * energy)) * rotation[1] / rotation[0],
+        "back": 1.0 - math.sqrt(1.0 - (eta[0] * eta[1]) ** 2 * energy),
+    }
+    assert max(rises, key=rises.__getitem__) == highest
+    free = contact.free_motion(LinearEquation(), lanes(eta=eta[0]), np.array([0]), np.array([0.3]), np.array([v]))
+    assert free.peak[0] == pytest.approx(rises[highest], rel=1e-14)
+    for y, speed in ((0.9, 1.5), (0.3, -0.7)):
+        free = contact.free_motion(LinearEquation(), lanes(eta=eta[0]), np.array([0]), np.array([y]), np.array([speed]))
+        assert free.overturns[0] != free.overturns_after_impact[0]
+        assert math.isnan(free.peak[0])
+
+
+def test_bounces_that_rise_above_the_peak_on_the_other_edge_are_not_summed():
+    """Thrown across with eight times its speed v, it rises there to (8 v)^2/(2 (1 + a)), less what y takes of the force."""
+    contact = Unequal(drive=(1.0, 1.0), omega=(1.0, 1.0), eta=(8.0, 0.1), rotation=(1.0, 1.0))
+    push = Motion("push", (Piece(0.0, 50.0, (), -0.25),)).segments  # a = 0.5 for A = 2 on the right edge
+    v, beyond = 1e-3, 1.5
+    height = beyond - math.sqrt(beyond**2 - (8.0 * v) ** 2)
+    body = lanes(v=v, b=-0.5, eta=8.0, amplitude=2.0, omega=3.0, peak=np.array([0.99, 5.0]) * height)
+    assert contact.sequence_ends(push, body, LinearEquation()).tolist() == [False, True]
+
+
+def test_rectangular_push_overturns_each_edge_at_its_own_closed_form():
+    """A = 1/(1 - exp(-p t_d)) of the edge that the ground throws the body on to."""
+    t_d = 0.9
+    system = Method().system_of(BODY)
+    for side, sign in ((LEFT, 1.0), (RIGHT, -1.0)):
+        push = Motion("push", (Piece(0.0, t_d * BODY.p, (), sign),))
+        edge = side.alpha / BODY.alpha / (1.0 - math.exp(-side.p * t_d))
+        below, above = (int(response(system, push, f * edge, 1.0, 0.9).outcome) for f in (1.0 - 1e-9, 1.0 + 1e-9))
+        assert (below, above) == (2, 3)
+
+
+@pytest.mark.parametrize("bad", [{"drive": (0.0, 1.0)}, {"omega": (1.0, -1.0)}, {"eta": (1.2, 0.9)}, {"eta": (-0.1, 0.9)}])
+def test_numbers_out_of_range_are_refused(bad):
+    with pytest.raises(ValueError, match="of both edges"):
+        Unequal(**{"drive": (1.0, 1.0), "omega": (1.0, 1.0), "eta": (0.9, 0.9), "rotation": (1.0, 1.0), **bad})

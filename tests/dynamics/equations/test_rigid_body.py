@@ -6,14 +6,13 @@ import math
 
 import numpy as np
 import pytest
-from oracles.single_cell import integrate_rigid_body
 from scipy.integrate import quad
 from scipy.optimize import brentq
+from support.references import integrated, lanes
 
 from rocking_cli import Method, Outcome, cosine, linear_response, nonlinear_response, parse_documents, sine, trace_envelope
 from rocking_cli import build_structure as build
 from rocking_cli.dynamics.equations.rigid_body import RigidBodyEquation
-from rocking_cli.dynamics.lanes import Lanes
 from rocking_cli.dynamics.response import response
 from rocking_cli.dynamics.system import System
 from rocking_cli.motions import Harmonic, Motion, Piece
@@ -47,7 +46,7 @@ def test_random_cells_stay_within_five_tolerances(n):
     worst = dict.fromkeys((1e-4, 1e-6, 1e-8, 1e-9, 1e-10, 1e-11), 0.0)
     for amplitude, omega, eta, alpha in zip(*draw, strict=True):
         around = nonlinear_response(sine(), amplitude * np.array([1 - 1e-7, 1 + 1e-7]), omega, eta, alpha, tolerance=1e-11).outcome
-        flag, theta = integrate_rigid_body(np.sin, 2 * math.pi, amplitude, omega, eta, alpha)
+        flag, theta = integrated(sine(), amplitude, omega, eta, alpha)[:2]
         for tolerance in worst:
             found = nonlinear_response(sine(), amplitude, omega, eta, alpha, tolerance=tolerance)
             if around[0] == around[1]:  # no boundary of outcome within 1e-7 of the amplitude
@@ -63,23 +62,18 @@ def test_jump_at_the_start_and_several_cycles(n):
     for amplitude, omega, eta, alpha in zip(
         *(random.uniform(a, b, 40)[:n] for a, b in ((0.9, 5), (0.5, 12), (0.5, 1), (0.05, 0.6))), strict=True
     ):
-        flag, theta = integrate_rigid_body(np.cos, 3 * math.pi, amplitude, omega, eta, alpha)
+        flag, theta = integrated(cosine(1.5), amplitude, omega, eta, alpha)[:2]
         found = nonlinear_response(cosine(1.5), amplitude, omega, eta, alpha, tolerance=1e-10)
         assert Outcome(int(found.outcome)).flag == flag
         if not math.isnan(theta):
             assert abs(float(found.theta_ratio) - theta) < 5e-10
 
 
-def one(x):
-    return np.array([float(x)])
-
-
 def series_from(model, y, v, segments=None):
     """The model's series on still ground from one state; a sinusoid, though of no height, calls for the long series."""
     still = segments or Motion("still", (Piece(0.0, 1.0, (Harmonic(0.0),)),)).segments
     b = -math.sin(model.alpha - model.sin * y) / model.sin
-    k = np.zeros(1, dtype=np.int64)
-    return model.flow(still, Lanes(k, one(1), one(1), one(1), k, one(0), one(1), one(y), one(v), one(b), one(0), k, k))
+    return model.flow(still, lanes(y=y, v=v, b=b))
 
 
 @pytest.mark.parametrize("alpha", [0.1, 0.25, 0.6])

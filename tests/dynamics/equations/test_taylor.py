@@ -7,14 +7,11 @@ import math
 import mpmath
 import numpy as np
 import pytest
-from oracles.single_cell import LADDER
+from support.references import LADDER, MIXED, lanes
 
 from rocking_cli import cosine, sine
 from rocking_cli.dynamics.equations import taylor
-from rocking_cli.dynamics.lanes import Lanes
-from rocking_cli.motions import Harmonic, Motion, Piece
 
-MIXED = Motion("mixed", (Piece(0, 12, (Harmonic(0.5, 1, 0.3), Harmonic(0.3, 1.7, 1.0), Harmonic(-0.4, 0.6, 0.2)), 0.1, 0.02),))
 EPS = np.finfo(float).eps
 
 
@@ -70,8 +67,7 @@ def test_the_series_of_the_drive_is_the_drive(motion):
     k = random.integers(0, len(segments), n)
     u = random.uniform(0.05, 0.95, n) * segments.length[k]
     side, amplitude, omega = random.choice([-1.0, 1.0], n), random.uniform(0.5, 8.0, n), random.uniform(0.2, 15.0, n)
-    lanes = Lanes(k, amplitude, omega, np.ones(n), k, u, side, *(np.zeros(n) for _ in range(4)), k, k)
-    drive = taylor.drive_series(segments, lanes, order)
+    drive = taylor.drive_series(segments, lanes(amplitude=amplitude, omega=omega, k=k, u=u, side=side), order)
     mpmath.mp.dps = 40
     for i in range(n):
         phase = float(segments.start[k[i]] + u[i])

@@ -8,10 +8,10 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from oracles.multiple_precision import march
-from oracles.single_cell import INTERVALS, LADDER, RTOL, condition, integrate, ladder
+from support.references import INTERVALS, LADDER, MIXED, integrated
+from support.synthetic_records import allowance
 
-from rocking_cli import Motion, Outcome, cosine, linear_response, overturned, pulse, sine
+from rocking_cli import Motion, Outcome, cosine, linear_response, pulse, sine
 from rocking_cli.dynamics.march.engine import Run
 from rocking_cli.motions import Harmonic, Piece
 
@@ -24,78 +24,47 @@ def test_outcome_changes_where_the_reference_table_says(omega, begin, end, no_im
     assert outcome.tolist() == [Outcome.ROCKED, after, after, Outcome.ROCKED, Outcome.ROCKED, without]
 
 
-def compare(motion, s, amplitude, omega, eta):
-    """Every cell to twice what the errors of the oracle's steps come to in it."""
+def compare(motion, amplitude, omega, eta):
+    """Every cell to what errors of 1e-15 come to in it."""
     response = linear_response(motion, amplitude, omega, eta)
-    tolerance = 2.0 * RTOL * condition(motion, amplitude, omega, eta)
-    breaks = tuple(p.stop for p in motion.pieces[:-1])
-    for i in range(amplitude.size):
-        flag, theta, impacts = integrate(s, motion.duration, amplitude[i], omega[i], eta[i], breaks)
-        case = (amplitude[i], omega[i], eta[i])
+    allowed = 1e-3 * allowance(motion, amplitude, omega, eta)
+    for i, case in enumerate(zip(amplitude, omega, eta, strict=True)):
+        flag, theta, impacts = integrated(motion, *case)
         assert Outcome(response.outcome[i]).flag == flag, case
-        if not math.isnan(theta):
-            assert abs(response.theta_ratio[i] - theta) <= tolerance[i], case
-        if impacts < 10:  # the oracle ends a chatter by a threshold
-            assert response.impacts[i] == impacts, case
+        assert math.isnan(theta) or abs(response.theta_ratio[i] - theta) <= allowed[i], case
+        assert impacts >= 10 or response.impacts[i] == impacts, case  # the oracle ends a sequence of impacts by a threshold
 
 
 @pytest.mark.parametrize("n", [30, pytest.param(200, marks=pytest.mark.soak)])
 def test_random_cells_equal_an_independent_integration(n):
     random = np.random.default_rng(1)
     amplitude, omega, eta = random.uniform(0.5, 12, 200), random.uniform(0.5, 12, 200), random.uniform(0.5, 1, 200)
-    compare(sine(), math.sin, amplitude[:n], omega[:n], eta[:n])
+    compare(sine(), amplitude[:n], omega[:n], eta[:n])
 
 
-MIXED = Motion("mixed", (Piece(0, 12, (Harmonic(0.5, 1, 0.3), Harmonic(0.3, 1.7, 1.0), Harmonic(-0.4, 0.6, 0.2)), 0.1, 0.02),))
-
-
-def mixed(q):
-    return 0.1 + 0.02 * q + 0.5 * math.sin(q + 0.3) + 0.3 * math.sin(1.7 * q + 1) - 0.4 * math.sin(0.6 * q + 0.2)
-
-
-@pytest.mark.parametrize("n", [3, pytest.param(24, marks=pytest.mark.soak)])
+@pytest.mark.parametrize("n", [6, pytest.param(24, marks=pytest.mark.soak)])
 @pytest.mark.parametrize(
-    ("motion", "s", "largest"),
-    [
-        (sine(0.5), math.sin, 12),
-        (sine(1.5), math.sin, 5),
-        (sine(6), math.sin, 4),
-        (cosine(1), math.cos, 8),
-        (cosine(2.5), math.cos, 3),
-        (LADDER, ladder, 6),
-        (MIXED, mixed, 4),
-    ],
-    ids=["half-sine", "sine-1.5", "sine-6", "cosine", "cosine-2.5", "ramps-and-jumps", "three-sinusoids-and-a-ramp"],
+    ("motion", "largest"),
+    [(sine(0.5), 12), (sine(1.5), 5), (sine(6), 4), (cosine(1), 8), (cosine(2.5), 3), (LADDER, 6), (MIXED, 4)],
+    ids=lambda x: getattr(x, "name", ""),
 )
-def test_other_motions_equal_an_independent_integration(motion, s, largest, n):
+def test_other_motions_equal_an_independent_integration(motion, largest, n):
     random = np.random.default_rng(2)
     draw = [random.uniform(low, high, 24) for low, high in ((0.9, largest), (0.5, 12), (0.5, 1))]
-    compare(motion, s, *(x[:n] for x in draw))
+    compare(motion, *(x[:n] for x in draw))
 
 
-def test_amplitudes_barely_above_uplift_keep_their_relative_accuracy():
-    # 60-digit evaluation of the exact flow (mpmath): root of y', and the crest after the pulse where that is higher.
-    import mpmath
-
-    mpmath.mp.dps = 60
-    for amplitude in (1.001, 1.01, 1.1):
-        for omega in (3.0, 10.0):
-            a, w = mpmath.mpf(amplitude), mpmath.mpf(omega)
-            psi = mpmath.asin(1 / a)
-
-            def v(t, a=a, w=w, psi=psi):
-                d = 1 + w * w
-                return (-mpmath.sinh(t) * w * w + w * mpmath.sqrt(a * a - 1) * mpmath.cosh(t) - a * w * mpmath.cos(psi + w * t)) / d
-
-            def y(t, a=a, w=w, psi=psi):
-                d = 1 + w * w
-                return 1 + (-mpmath.cosh(t) * w * w + w * mpmath.sqrt(a * a - 1) * mpmath.sinh(t) - a * mpmath.sin(psi + w * t)) / d
-
-            ridge = (mpmath.pi - 2 * psi) / w
-            peak = y(mpmath.findroot(v, (ridge, 3 * ridge), solver="anderson"))
-            got = linear_response(sine(), amplitude, omega, 0.5).theta_ratio
-            condition_of_peak = 2 * amplitude / (amplitude - 1)  # it is 9 (A - 1)^2/(2 Omega^2) at first
-            assert abs(float(got / peak) - 1) < np.finfo(float).eps * (2 * condition_of_peak + 150)
+@pytest.mark.parametrize(
+    ("amplitude", "omega", "peak"),  # in 60 digits: the exact flow at the root of y'
+    [
+        (1.001, 3.0, 4.99700212697253e-07), (1.001, 10.0, 4.4964839168937423e-08), (1.01, 3.0, 4.970211270508924e-05),
+        (1.01, 10.0, 4.465099455444657e-06), (1.1, 3.0, 0.00471980249891647), (1.1, 10.0, 0.00041749898436687613),
+    ],
+)  # fmt: skip
+def test_amplitudes_barely_above_uplift_keep_their_relative_accuracy(amplitude, omega, peak):
+    got = float(linear_response(sine(), amplitude, omega, 0.5).theta_ratio)
+    condition_of_peak = 2 * amplitude / (amplitude - 1)  # it is 9 (A - 1)^2/(2 Omega^2) at first
+    assert abs(got / peak - 1) < np.finfo(float).eps * (2 * condition_of_peak + 150)
 
 
 def test_first_uplift_and_no_uplift():
@@ -160,16 +129,6 @@ def test_without_peaks_the_outcome_is_the_same():
     assert np.isnan(bare.theta_ratio).all()
 
 
-def test_extreme_cells_are_decided():
-    amplitude = np.array([1 + 1e-12, 1 + 1e-8, 1 + 1e-4, 1.1, 3.0, 1e4, 1e8])
-    omega = np.array([1e-4, 1e-2, 1.0, 1e2, 1e4])
-    for motion in (sine(), cosine(), sine(5.5)):
-        for eta in (0.0, 1e-6, 0.5, 0.9):
-            response = linear_response(motion, amplitude[:, None], omega, eta)
-            assert (overturned(response.outcome) | (response.outcome == Outcome.ROCKED)).all()
-            assert np.array_equal(np.isnan(response.theta_ratio), overturned(response.outcome))
-
-
 @pytest.mark.parametrize(
     "bad", [{"amplitude": -1.0}, {"amplitude": np.inf}, {"omega": 0.0}, {"omega": np.nan}, {"eta": 1.1}, {"eta": -0.1}, {"eta": np.nan}]
 )
@@ -179,18 +138,17 @@ def test_numbers_out_of_range_are_refused(bad):
 
 
 @pytest.mark.parametrize(
-    ("motion", "amplitude", "omega", "eta", "tolerance"),
+    ("motion", "amplitude", "omega", "eta", "theta", "tolerance"),  # by closed-form arcs in 50 digits, with steps that pass no event
     [
-        (cosine(5), 743.56, 80.335, 0.3, 3e-13),  # A = 743: a rounding of the drive is 1e-13
-        (cosine(40), 743.56, 2000.0, 0.3, 1e-12),
-        (sine(40), 200.0, 700.0, 0.7, 1e-13),
-        (pulse("ricker-antisymmetric"), 30.0, 25.0, 0.5, 1e-15),
-        (pulse("rectangular-impulse"), 3.0, 30.0, 0.5, 1e-15),
-        (sine(), 1.0 + 1e-9, 1.0, 0.5, 1e-24),  # a peak of 4.5e-18
+        (cosine(5), 743.56, 80.335, 0.3, 0.6598258167426396, 3e-13),  # A = 743: a rounding of the drive is 1e-13
+        (cosine(40), 743.56, 2000.0, 0.3, 0.0036951909052310777, 1e-12),
+        (sine(40), 200.0, 700.0, 0.7, 0.0499960913594055, 1e-13),
+        (pulse("ricker-antisymmetric"), 30.0, 25.0, 0.5, 0.05040777378125502, 1e-15),
+        (pulse("rectangular-impulse"), 3.0, 30.0, 0.5, 0.08054332243517943, 1e-15),
+        (sine(), 1.0 + 1e-9, 1.0, 0.5, 4.5000007491633706e-18, 1e-24),
     ],
 )
-def test_cells_equal_fifty_digits(motion, amplitude, omega, eta, tolerance):
-    flag, theta, _ = march(motion, amplitude, omega, eta)
+def test_cells_equal_fifty_digits(motion, amplitude, omega, eta, theta, tolerance):
     found = linear_response(motion, amplitude, omega, eta)
-    assert Outcome(int(found.outcome)).flag == flag == "rocked"
+    assert found.outcome == Outcome.ROCKED
     assert float(found.theta_ratio) == pytest.approx(theta, rel=0.0, abs=tolerance)

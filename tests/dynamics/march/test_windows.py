@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from oracles.single_cell import LADDER
+from support.references import LADDER, MIXED
 
 from rocking_cli import cosine, pulse, sine
 from rocking_cli.dynamics.drive import crossing, phase_between, place, segment_value
@@ -13,7 +13,6 @@ from rocking_cli.dynamics.weight import weighed
 from rocking_cli.motions import Harmonic, Motion, Piece
 from rocking_cli.motions.biaxial import with_vertical
 
-MIXED = Motion("mixed", (Piece(0, 12, (Harmonic(0.5, 1, 0.3), Harmonic(0.3, 1.7, 1.0), Harmonic(-0.4, 0.6, 0.2)), 0.1, 0.02),))
 MOTIONS = [sine(), sine(2.5), cosine(1.5), LADDER, MIXED, pulse("ricker-symmetric"), pulse("rectangular-impulse")]
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from support.stocky_bodies import KINDS, drawn
+from support.bodies import KINDS, drawn
 from support.synthetic_records import RECORDS, noise, shaken
 
 from rocking_cli import Method, response

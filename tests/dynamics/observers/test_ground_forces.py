@@ -3,26 +3,22 @@
 from __future__ import annotations
 
 import math
-from functools import partial
 
 import numpy as np
 import pytest
 from oracles.ground_forces import asked
-from oracles.vertical_motion import Shaking
-from support.stocky_bodies import ACROSS, KINDS, UP, drawn, ground
+from support.bodies import KINDS, drawn, shaken, shaking
 
 from rocking_cli import Method, Outcome, build_structure, cosine, parse_documents, parse_grid, pulse, response, sine
 from rocking_cli.dynamics.observers import extremes, ground_forces
 from rocking_cli.dynamics.response import response_with_demands
 from rocking_cli.errors import UsageError
 from rocking_cli.motions.biaxial import with_vertical
-from rocking_cli.motions.polyline import Polyline
 from rocking_cli.responses.time_history import time_history
 from rocking_cli.spectra.scene import PulseScene
 from rocking_cli.spectra.sweep import SweepOptions, spectrum_of
 
 MOTIONS = [sine(1), sine(2), pulse("rectangular-impulse"), cosine(1)]
-STEP = 0.15  # s
 ETAS = 0.4, 0.85
 
 BLOCK = "kind: block\nwidth: 0.6\nheight: 3\n"
@@ -33,66 +29,33 @@ def body_of(text):
     return build_structure(parse_documents(text)[0])
 
 
-def record(random):
-    values = np.concatenate([[0.0], random.uniform(-1.0, 1.0, 20), [0.0]])
-    t = STEP * np.arange(values.size)
-    return Polyline("r", t[:-1], t[1:], values[:-1], np.diff(values) / STEP, 1.0)
-
-
-def shaken(random, body, vertical, recorded):
-    """(motion, A, Omega) of a pulse, or of a record in its own time."""
-    motion = record(random) if recorded else ACROSS[random.integers(len(ACROSS))]
-    if vertical:
-        up = record(random) if recorded else UP[random.integers(len(UP))]
-        motion = with_vertical(motion, up, random.uniform(-0.4, 0.4))
-    return motion, random.uniform(0.9, 3.0), 1.0 / body.p if recorded else random.uniform(1.0, 10.0)
-
-
-def from_integration(kind, cells, seed, *, vertical=False, recorded=False, angles=(0.1, 0.6)):
-    """Largest differences of friction and of fz_min, of bodies that stay on the ground."""
-    random, worst = np.random.default_rng(seed), []
-    while len(worst) < cells:
+@pytest.mark.parametrize(
+    ("kind", "vertical", "count", "angles", "recorded"),
+    [
+        ("unequal", True, 1, (0.1, 0.6), False),
+        ("damped", False, 1, (0.1, 0.6), False),
+        *(
+            pytest.param(kind, vertical, *rest, marks=pytest.mark.soak)
+            for kind in KINDS
+            for vertical in (False, True)
+            for rest in ((25, (0.1, 0.6), False), (15, (0.6, 1.2), False), (5, (0.1, 0.5), True))
+        ),
+    ],
+)
+def test_they_are_those_of_an_integration_by_another_solver(kind, vertical, count, angles, recorded):
+    random = np.random.default_rng(5)
+    while count:
         body, solved, arms = drawn(kind, random, angles, ETAS, 0.3)
-        motion, amplitude, omega = shaken(random, body, vertical, recorded)
+        motion, *cell = shaken(random, body, (0.4 * vertical,), (0.9, 3.0), recorded)
         system = Method("nonlinear" if solved.nonlinear else "linear", 1e-11).system_of(body)
-        found, got = response_with_demands(system, motion, amplitude, omega, body.eta)
+        found, got = response_with_demands(system, motion, *cell, body.eta)
         if int(found.outcome) not in (Outcome.NO_UPLIFT, Outcome.ROCKED):
             continue
-        a_g, omega_g = float(body.ground_acceleration(amplitude)), omega * body.p
-        across, up = (partial(ground, m, a_g, omega_g) for m in (motion, motion.vertical))
-        marks = tuple(float(piece.stop) / omega_g for piece in motion.pieces)
-        there = asked(solved, arms, Shaking(across, up, marks[-1], marks))
+        there = asked(solved, arms, shaking(motion, body, *cell))
         assert there.answer.outcome in ("rocked", "no_uplift")
-        differences = abs(float(got["friction"]) - there.friction), abs(float(got["fz_min"]) - there.fz_min)
-        assert max(differences) < 1e-6, (kind, motion.name, amplitude, omega)
-        worst.append(differences)
-    return np.max(worst, axis=0)
-
-
-@pytest.mark.parametrize(("kind", "vertical", "seed"), [("unequal", True, 5), ("damped", False, 5)])
-def test_they_are_those_of_an_integration_by_another_solver(kind, vertical, seed):
-    from_integration(kind, 1, seed, vertical=vertical)
-
-
-@pytest.mark.soak
-@pytest.mark.parametrize("vertical", [False, True])
-@pytest.mark.parametrize("kind", KINDS)
-def test_those_of_many_bodies_are(kind, vertical):
-    from_integration(kind, 25, 5, vertical=vertical)
-
-
-@pytest.mark.soak
-@pytest.mark.parametrize("vertical", [False, True])
-@pytest.mark.parametrize("kind", KINDS)
-def test_those_of_stocky_bodies_are(kind, vertical):
-    from_integration(kind, 15, 6, vertical=vertical, angles=(0.6, 1.2))
-
-
-@pytest.mark.soak
-@pytest.mark.parametrize("vertical", [False, True])
-@pytest.mark.parametrize("kind", KINDS)
-def test_those_under_records_are(kind, vertical):
-    from_integration(kind, 5, 3, vertical=vertical, recorded=True, angles=(0.1, 0.5))
+        assert float(got["friction"]) == pytest.approx(there.friction, abs=1e-6), (kind, motion.name, *cell)
+        assert float(got["fz_min"]) == pytest.approx(there.fz_min, abs=1e-6), (kind, motion.name, *cell)
+        count -= 1
 
 
 @pytest.mark.parametrize("motion", [sine(2), with_vertical(sine(1), cosine(1.0), 0.2)], ids=["steady", "weighed"])
@@ -120,19 +83,17 @@ def worst(text, model, motion, cells, seed):
     return len(differences) - 1, *np.max(differences, axis=0)
 
 
-@pytest.mark.parametrize(("name", "model"), [("block", "nonlinear"), ("one-sided", "linear")])
-def test_the_extremes_are_those_of_the_histories(name, model):
-    count, friction, least = worst(BODIES[name], model, sine(1).scaled(-1), 2, 4)
-    assert count > 0
-    assert max(friction, least) < 1e-6
-
-
-@pytest.mark.soak
-@pytest.mark.parametrize("model", ["linear", "nonlinear"])
-@pytest.mark.parametrize("motion", MOTIONS, ids=lambda m: m.name)
-def test_the_extremes_of_many_cells_are_those_of_their_histories(motion, model):
-    count, friction, least = worst(BODIES["block"], model, motion, 80, 9)
-    assert count >= 3  # most bodies overturn under a rectangular pulse
+@pytest.mark.parametrize(
+    ("name", "model", "motion", "cells"),
+    [
+        ("block", "nonlinear", sine(1).scaled(-1), 2),
+        ("one-sided", "linear", sine(1).scaled(-1), 2),
+        *(pytest.param("block", model, m, 80, marks=pytest.mark.soak) for model in ("linear", "nonlinear") for m in MOTIONS),
+    ],
+)
+def test_the_extremes_are_those_of_the_histories(name, model, motion, cells):
+    count, friction, least = worst(BODIES[name], model, motion, cells, 4 if cells == 2 else 9)
+    assert count >= (3 if cells > 2 else 1)  # most bodies overturn under a rectangular pulse
     assert max(friction, least) < 1e-6
 
 
@@ -228,17 +189,20 @@ def apart_from_short_cuts(kind, model, motion, cells, seed, monkeypatch):
     return max(float((np.abs(one - fine) / (1.0 + np.abs(fine))).max()) for one, fine in pairs)
 
 
-@pytest.mark.parametrize(("kind", "model"), [("unequal", "linear"), ("plain", "nonlinear"), ("damped", "linear")])
-def test_extremes_do_not_depend_on_how_arcs_are_cut(kind, model, monkeypatch):
-    assert apart_from_short_cuts(kind, model, sine(1), 100, 13, monkeypatch) < 1e-6
-
-
-@pytest.mark.soak
-@pytest.mark.parametrize("model", ["linear", "nonlinear"])
-@pytest.mark.parametrize("kind", KINDS)
-@pytest.mark.parametrize("motion", [sine(1), cosine(1.5), pulse("ricker-symmetric")], ids=lambda m: m.name)
-def test_extremes_of_many_do_not_depend_on_how_arcs_are_cut(kind, model, motion, monkeypatch):
-    assert apart_from_short_cuts(kind, model, motion, 1500, 5, monkeypatch) < 1e-6
+@pytest.mark.parametrize(
+    ("kind", "model", "motion", "cells", "seed"),
+    [
+        *((kind, model, sine(1), 100, 13) for kind, model in (("unequal", "linear"), ("plain", "nonlinear"), ("damped", "linear"))),
+        *(
+            pytest.param(kind, model, motion, 1500, 5, marks=pytest.mark.soak)
+            for kind in KINDS
+            for model in ("linear", "nonlinear")
+            for motion in (sine(1), cosine(1.5), pulse("ricker-symmetric"))
+        ),
+    ],
+)
+def test_extremes_do_not_depend_on_how_arcs_are_cut(kind, model, motion, cells, seed, monkeypatch):
+    assert apart_from_short_cuts(kind, model, motion, cells, seed, monkeypatch) < 1e-6
 
 
 @pytest.mark.parametrize("model", ["linear", "nonlinear"])

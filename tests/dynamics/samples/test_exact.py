@@ -1,72 +1,22 @@
-"""Exact propagation through records against the march, an integration that shares no code with either, and what changes nothing."""
+"""Exact propagation through records against the march, and the tables that it needs."""
 
 from __future__ import annotations
 
 from functools import partial
+from itertools import pairwise
 
+import mpmath
 import numpy as np
 import pytest
-from oracles.record_lockstep import lockstep
 from support.synthetic_records import RECORDS, allowance, assert_same, cells, noise, shaken
 
 from rocking_cli import LinearEquation, System, linear_response, response
 from rocking_cli.dynamics.contacts.contact import OneSided, Symmetric, Unequal
 from rocking_cli.dynamics.march.batch import Batch
 from rocking_cli.dynamics.march.engine import Run
-from rocking_cli.dynamics.samples.exact import LANES, ExactStepper
+from rocking_cli.dynamics.samples.exact import LANES, SLACK, ExactStepper, bounded_response, stretches
 
 UNEQUAL = Unequal(drive=(1.0, 0.8), omega=(1.0, 1.15), eta=(1.05, 0.6), rotation=(1.0, 1.2))
-
-
-def marched(system, motion, amplitude, omega, eta):
-    run = Run(Batch.of(system, motion.segments, amplitude, omega, np.broadcast_to(eta, omega.shape)), 32768)
-    run.all()
-    return run
-
-
-def against_lockstep(seed, count):
-    motion = shaken(RECORDS[seed], 0.04)
-    amplitude, omega = cells(count, seed)
-    eta = np.resize([0.5, 0.9, 0.0], count)
-    found = linear_response(motion, amplitude, omega, eta)
-    outcome, theta = lockstep(*reversed(motion.samples), amplitude, omega, eta)
-    assert_same(found, theta, outcome, allowance(motion, amplitude, omega, eta))
-    assert np.unique(outcome).size >= 2
-
-
-@pytest.mark.parametrize("seed", range(3))
-def test_records_against_an_integration_that_shares_no_code(seed):
-    against_lockstep(seed, 12)
-
-
-@pytest.mark.soak
-@pytest.mark.parametrize("seed", range(3))
-def test_four_thousand_cells_of_each_record(seed):
-    against_lockstep(seed, 4000)
-
-
-def without_loss(seed, count):
-    """Only bodies that bounce little: without loss some never end."""
-    motion = shaken(RECORDS[seed], 0.04)
-    amplitude, omega = cells(count, 10 + seed)
-    amplitude += 2.0
-    few = linear_response(motion, amplitude, omega, 0.98).impacts < 40
-    amplitude, omega, eta = amplitude[few], omega[few], np.ones(few.sum())
-    found = linear_response(motion, amplitude, omega, eta)
-    few = found.impacts < 200
-    amplitude, omega, eta, found = amplitude[few], omega[few], eta[few], linear_response(motion, amplitude[few], omega[few], eta[few])
-    outcome, theta = lockstep(*reversed(motion.samples), amplitude, omega, eta)
-    assert_same(found, theta, outcome, allowance(motion, amplitude, omega, eta))
-
-
-def test_bodies_that_lose_no_speed():
-    without_loss(0, 6)
-
-
-@pytest.mark.soak
-@pytest.mark.parametrize("seed", range(3))
-def test_two_thousand_bodies_that_lose_no_speed(seed):
-    without_loss(seed, 3000)
 
 
 @pytest.mark.parametrize(("contact", "eta"), [(Symmetric(), 0.9), (OneSided(), -0.5), (UNEQUAL, 0.9)], ids=["equal", "one side", "unequal"])
@@ -76,7 +26,8 @@ def test_the_same_as_the_march(contact, eta):
     amplitude, omega = cells(count, 4)
     omega[:3] /= 50.0  # samples too far apart to be propagated over
     found = response(system, motion, amplitude, omega, eta)
-    run = marched(system, motion, amplitude, omega, eta)
+    run = Run(Batch.of(system, motion.segments, amplitude, omega, np.full(count, eta)))
+    run.all()
     np.testing.assert_array_equal(found.impacts, run.impacts)
     allowed = allowance(motion, amplitude, omega, np.full(count, eta), lambda *cell: response(system, *cell))
     assert_same(found, run.theta_ratio, run.outcome, allowed)
@@ -99,25 +50,6 @@ def test_no_digit_depends_on_the_neighbours():
     np.testing.assert_array_equal(alone, together.theta_ratio[:3])
 
 
-def test_what_changes_nothing():
-    """The mirrored, refined, delayed and continued record, and the scaled record against the scaled amplitude."""
-    samples = RECORDS[2]
-    amplitude, omega = cells(20, 7)
-    eta = np.full(20, 0.8)
-    motion = shaken(samples, 0.02)
-    first = linear_response(motion, amplitude, omega, eta)
-    mirrored = linear_response(shaken(-samples, 0.02), amplitude, omega, eta)
-    np.testing.assert_array_equal(mirrored.theta_ratio, first.theta_ratio)
-    scaled = linear_response(shaken(4.0 * samples, 0.02), amplitude, omega, eta)
-    np.testing.assert_array_equal(scaled.theta_ratio, first.theta_ratio)
-    fine = np.interp(np.arange(4 * samples.size - 3) / 4.0, np.arange(samples.size), samples)
-    allowed = allowance(motion, amplitude, omega, eta)
-    delayed, continued = np.append(np.zeros(33), samples), np.append(samples, np.zeros(500))
-    for other in (shaken(fine, 0.005), shaken(delayed, 0.02), shaken(continued, 0.02)):
-        found = linear_response(other, amplitude, omega, eta)
-        assert_same(found, first.theta_ratio, first.outcome, allowed)
-
-
 def test_tables_in_shares_change_no_bit(monkeypatch):
     motion = shaken(RECORDS[0], 0.03)
     amplitude, omega = cells(12, 6)
@@ -138,3 +70,48 @@ def test_the_work_follows_the_impacts_and_not_the_samples():
         run.all()
         rounds.append(run.work.steps)
     assert rounds[1] < 1.5 * rounds[0]
+
+
+def by_integration(samples, pace, at):
+    """-1/2 of the integral of exp(-|t|) s about a sample, and its derivative, line by line."""
+    with mpmath.workdps(40):
+        h, value, rate = mpmath.mpf(pace), mpmath.mpf(0), mpmath.mpf(0)
+        for i, (s0, s1) in enumerate(pairwise(samples)):
+            later = i >= at
+            near, far, between = (s0, s1, i - at) if later else (s1, s0, at - i - 1)
+            total = mpmath.exp(-between * h) * mpmath.quad(lambda t, a=near, b=far: mpmath.exp(-t) * (a + (b - a) * t / h), [0, h])
+            value -= total / 2
+            rate -= total / 2 if later else -total / 2
+        return complex(value, rate)
+
+
+@pytest.mark.parametrize("pace", [1e-4, 0.03, 0.5])
+def test_the_bounded_response_is_the_integral(pace):
+    samples = np.random.default_rng(7).standard_normal(14)
+    (found,) = bounded_response(samples, np.array([pace]))
+    for at in (0, 5, 13):
+        assert abs(found[at] - by_integration(samples, pace, at)) < 2e-16 * np.abs(samples).max() * samples.size
+
+
+def test_a_row_does_not_depend_on_its_neighbours():
+    samples = np.random.default_rng(8).standard_normal(3000)
+    samples[:2000] = 0.0  # what is no longer felt of the end is not added for the sake of another row
+    both = bounded_response(samples, np.array([0.4, 0.001]))
+    np.testing.assert_array_equal(both[1], bounded_response(samples, np.array([0.001]))[0])
+
+
+@pytest.mark.parametrize("count", [2, 3, 17, 300])
+def test_each_bound_is_below_its_stretch_and_not_below_a_stretch_a_quarter_longer(count):
+    samples = np.random.default_rng(count).standard_normal(count)
+    slack = SLACK * np.abs(samples).max()
+    levels = 1 + int(np.ceil(np.log2(count)))
+    bounds = stretches(samples, levels)
+    n = np.arange(count)
+    for face, outward in ((0, -samples), (bounds.face, samples)):
+        for level in range(levels):
+            found = bounds.at(np.full(count, face), np.full(count, level), n)
+            reach, late = 1 << level, 1 << max(0, level - 3)
+            least = np.array([outward[i : i + reach + 1].min() for i in n])
+            wide = np.array([outward[i // late * late : i // late * late + late + reach].min() for i in n])
+            assert np.all(found <= least - 0.9 * slack)
+            assert np.all(found >= wide - 1.1 * slack)

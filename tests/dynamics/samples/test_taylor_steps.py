@@ -1,4 +1,4 @@
-"""Taylor steps over samples against the march by long series, an integration that shares no code with either, and what changes nothing."""
+"""Taylor steps over samples against the march by long series, and on ground that moves upwards too against an integration."""
 
 from __future__ import annotations
 
@@ -6,8 +6,9 @@ import math
 
 import numpy as np
 import pytest
-from oracles.record_lockstep import Rigid, lockstep
-from support.synthetic_records import RECORDS, allowance, assert_same, cells, shaken
+from oracles.vertical_motion import swing
+from support.bodies import drawn, shaking
+from support.synthetic_records import RECORDS, allowance, assert_same, cells, long_series, noise, shaken, upwards
 
 from rocking_cli import LinearEquation, Method, Outcome, RigidBodyEquation, System, load_structures, nonlinear_response, response, sine
 from rocking_cli.dynamics.contacts.contact import OneSided, Unequal
@@ -15,36 +16,39 @@ from rocking_cli.dynamics.equations.equation import Ramp
 from rocking_cli.dynamics.equations.taylor import degrees, factors_for
 from rocking_cli.dynamics.march.batch import Batch
 from rocking_cli.dynamics.march.engine import Run
+from rocking_cli.dynamics.samples import taylor_steps
 from rocking_cli.dynamics.samples.taylor_steps import TaylorStepper
-from rocking_cli.motions import Harmonic, Motion, Piece
+from rocking_cli.motions.biaxial import with_vertical
 
 ALPHA, LEFT = 0.25, 0.2
 TURNS = tuple(math.sin(alpha) / alpha for alpha in (ALPHA, LEFT))
 UNEQUAL = Unequal(drive=(1.0, 0.8), omega=(1.0, 1.15), eta=(1.05, 0.6), rotation=TURNS)
 SIDES = Unequal(drive=(1.0, 0.8), omega=(1.0, 1.15), eta=(1.05, 0.6), rotation=(1.0, 1.0))
 SYSTEMS = {
-    "a body": (System(RigidBodyEquation(ALPHA)), 0.9),
-    "a damped body of unlike edges": (System(RigidBodyEquation((ALPHA, LEFT), damping=0.05), UNEQUAL), 0.9),
-    "a body on one side": (System(RigidBodyEquation(0.5), OneSided()), -0.5),
-    "the damped oscillator": (System(LinearEquation(0.05)), 0.9),
-    "the damped oscillator of unlike edges": (System(LinearEquation(0.3), SIDES), 0.9),
-    "the damped oscillator on one side": (System(LinearEquation(0.02), OneSided()), -0.6),
+    "a body": (System(RigidBodyEquation(ALPHA), scale=ALPHA), 0.9),
+    "a damped body of unlike edges": (System(RigidBodyEquation((ALPHA, LEFT), damping=0.05), UNEQUAL, ALPHA), 0.9),
+    "a body on one side": (System(RigidBodyEquation(0.5), OneSided(), 0.5), -0.5),
+    "the damped oscillator": (System(LinearEquation(0.05), scale=0.4), 0.9),
+    "the damped oscillator of unlike edges": (System(LinearEquation(0.3), SIDES, ALPHA), 0.9),
+    "the damped oscillator on one side": (System(LinearEquation(0.02), OneSided(), ALPHA), -0.6),
 }
+UPWARDS = noise(120, 0.04, 8)
 
 
-def long_series(motion):
-    """The same motion with a sinusoid of no height in each piece, for which the march takes its long series, not the short ones."""
-    return Motion(motion.name, tuple(Piece(p.start, p.stop, (Harmonic(0.0),), p.constant, p.slope) for p in motion.pieces))
+def weighed(part, share, across, dt=0.04):
+    """(a record with another one upwards, the same for the march by long series)."""
+    return upwards(shaken(RECORDS[across][part], dt), shaken(UPWARDS[part], dt), share)
 
 
-def against_the_march(system, eta, samples, dt, count, seed):
+def against_the_march(name, motion, long, count, seed):
     """Outcomes and impacts equal, rotations within the tolerance of each cell, 1e-9 of its condition."""
-    motion = shaken(samples, dt)
+    (arch,) = load_structures("configs/arch.yaml")
+    system, eta = (Method("nonlinear").system_of(arch), arch.eta) if name == "an arch" else SYSTEMS[name]
     amplitude, omega = cells(count, seed)
     omega[:2] /= 40.0  # samples too far apart to be stepped over
     etas = np.full(count, eta)
     found = response(system, motion, amplitude, omega, etas)
-    run = Run(Batch.of(system, long_series(motion).segments, amplitude, omega, etas))
+    run = Run(Batch.of(system, system.segments(long), amplitude, omega, etas))
     run.all()
     np.testing.assert_array_equal(found.impacts, run.impacts)
     allowed = 1e3 * allowance(motion, amplitude, omega, np.abs(etas), lambda m, a, o, e: response(system, m, a, o, np.copysign(e, eta)))
@@ -52,68 +56,23 @@ def against_the_march(system, eta, samples, dt, count, seed):
     assert set(found.outcome) > {Outcome.ROCKED}
 
 
-@pytest.mark.parametrize("name", SYSTEMS)
+@pytest.mark.parametrize("name", [*SYSTEMS, "an arch"])
 def test_the_same_as_the_march_by_long_series(name):
-    against_the_march(*SYSTEMS[name], RECORDS[0][30:70], 0.05, 16, 5)
+    motion = shaken(RECORDS[0][30:70], 0.05)
+    against_the_march(name, motion, long_series(motion), 16, 5)
 
 
-def test_an_arch_steps_as_it_marches():
-    (arch,) = load_structures("configs/arch.yaml")
-    against_the_march(Method("nonlinear").system_of(arch), 0.9, RECORDS[0][30:60], 0.05, 12, 6)
+def test_the_same_as_that_march_on_ground_that_moves_upwards_too():
+    against_the_march("a damped body of unlike edges", *weighed(slice(36, 56), 0.5, 2), 6, 5)
 
 
 @pytest.mark.soak
 @pytest.mark.parametrize("record", range(3))
-@pytest.mark.parametrize("name", SYSTEMS)
-def test_three_hundred_cells_of_each_system(name, record):
-    against_the_march(*SYSTEMS[name], RECORDS[record], 0.04, 300, 20 + record)
-
-
-def against_lockstep(record, count, eta, alpha=ALPHA, part=slice(None)):
-    motion = shaken(RECORDS[record][part], 0.04)
-    amplitude, omega = cells(count, 30 + record)
-    etas = np.full(count, eta)
-    if eta == 1.0:  # without loss some never end: only those that bounce little
-        few = nonlinear_response(motion, amplitude + 2.0, omega, 0.98, alpha).impacts < 40
-        amplitude, omega, etas = amplitude[few] + 2.0, omega[few], etas[few]
-        few = nonlinear_response(motion, amplitude, omega, etas, alpha).impacts < 200
-        amplitude, omega, etas = amplitude[few], omega[few], etas[few]
-    found = nonlinear_response(motion, amplitude, omega, etas, alpha)
-    outcome, theta = lockstep(*reversed(motion.samples), amplitude * (alpha / math.tan(alpha)), omega, etas, Rigid(alpha))
-    allowed = 1e3 * allowance(motion, amplitude, omega, etas, lambda *cell: nonlinear_response(*cell, alpha))
-    assert_same(found, theta, outcome, allowed)
-    assert np.unique(outcome).size >= 2
-
-
-def test_bodies_against_an_integration_that_shares_no_code():
-    against_lockstep(2, 20, 0.7, part=slice(35, 80))
-
-
-@pytest.mark.soak
-@pytest.mark.parametrize("eta", [0.5, 0.9, 1.0])
-@pytest.mark.parametrize("record", range(3))
-def test_two_thousand_bodies_against_an_integration_that_shares_no_code(record, eta):
-    against_lockstep(record, 2000, eta)
-
-
-def test_what_changes_nothing():
-    """The mirrored, refined, delayed and continued record, and the scaled record against the scaled amplitude."""
-    samples = np.concatenate([[0.0], RECORDS[2][31:89], [0.0]])
-    amplitude, omega = cells(16, 7)
-    eta = np.full(16, 0.8)
-
-    def respond(m, a, o, e):
-        return nonlinear_response(m, a, o, e, ALPHA)
-
-    motion = shaken(samples, 0.04)
-    first = respond(motion, amplitude, omega, eta)
-    for same in (shaken(-samples, 0.04), shaken(4.0 * samples, 0.04)):
-        np.testing.assert_array_equal(respond(same, amplitude, omega, eta).theta_ratio, first.theta_ratio)
-    fine = np.interp(np.arange(4 * samples.size - 3) / 4.0, np.arange(samples.size), samples)
-    allowed = 1e3 * allowance(motion, amplitude, omega, eta, respond)
-    delayed, continued = np.append(np.zeros(33), samples), np.append(samples, np.zeros(100))
-    for other in (shaken(fine, 0.01), shaken(delayed, 0.04), shaken(continued, 0.04)):
-        assert_same(respond(other, amplitude, omega, eta), first.theta_ratio, first.outcome, allowed)
+@pytest.mark.parametrize("name", [*SYSTEMS, "an arch"])
+def test_many_cells_of_each_system(name, record):
+    motion = shaken(RECORDS[record], 0.04)
+    against_the_march(name, motion, long_series(motion), 300, 20 + record)
+    against_the_march(name, *weighed(slice(None, 100), (0.3, -1.2, 0.6)[record], record), 60, 20 + record)
 
 
 def test_the_tolerance_is_kept():
@@ -128,10 +87,10 @@ def test_the_tolerance_is_kept():
         assert np.nanmax(np.abs(found.theta_ratio - exact.theta_ratio)) > 1e-6 * tolerance, "fewer terms are taken"
 
 
+@pytest.mark.parametrize("motion", [shaken(RECORDS[0][30:60], 0.04), weighed(slice(36, 52), 0.8, 2)[0]], ids=["steady", "weighed"])
 @pytest.mark.parametrize("name", ["a body", "a damped body of unlike edges"])
-def test_no_digit_depends_on_the_neighbours(name, monkeypatch):
+def test_no_digit_depends_on_the_neighbours(name, motion, monkeypatch):
     system, eta = SYSTEMS[name]
-    motion = shaken(RECORDS[0][30:60], 0.04)
     amplitude, omega = cells(12, 6)
     together = response(system, motion, amplitude, omega, eta)
     narrow = response(system, motion, amplitude, omega, eta, pool=5)
@@ -192,3 +151,51 @@ def test_lemma_12_a_step_that_is_taken_holds_no_impact_and_no_higher_peak(equati
     assert np.all(path.max(axis=0)[taken] <= np.maximum(peak, end)[taken] * (1.0 + 1e-15))
     touches, peaks = path.min(axis=0) < 0.0, path.max(axis=0) > np.maximum(peak, end) * (1.0 + 1e-12)
     assert min((touches & ~taken).sum(), (peaks & ~taken).sum()) > 200
+
+
+def against_the_integration(words, samples, count, seed):
+    """Outcomes equal, and rotations within 1e-10, for bodies with A to 4 on ground that moves upwards too."""
+    random, decided = np.random.default_rng(seed), 0
+    motion, _ = weighed(samples, 0.5, 2, dt=0.05)
+    while decided < count:
+        body, solved, _ = drawn(words, random, (0.1, 0.5), (0.4, 0.98), 0.0)
+        amplitude = random.uniform(0.8, 4.0)
+        system = Method("nonlinear" if solved.nonlinear else "linear", 1e-11).system_of(body)
+        found = response(system, motion, amplitude, 1.0 / body.p, body.eta)
+        wanted = swing(solved, shaking(motion, body, amplitude, 1.0 / body.p))
+        if wanted.outcome == "undecided" or float(body.ground_acceleration(amplitude)) * motion.vertical.peak > 0.95 * body.gravity:
+            continue
+        decided += 1
+        assert Outcome(int(found.outcome)).flag == wanted.outcome
+        assert math.isnan(wanted.rotation) or abs(wanted.rotation - float(found.theta_ratio)) < 1e-10
+
+
+def test_weighed_bodies_against_an_integration_that_shares_no_code():
+    against_the_integration("nonlinear", slice(36, 48), 1, 3)
+
+
+@pytest.mark.soak
+@pytest.mark.parametrize("words", ["linear", "nonlinear", "damped nonlinear"])
+def test_more_weighed_bodies_against_that_integration(words):
+    against_the_integration(words, slice(30, 60), 12, 4)
+
+
+def test_free_fall_before_and_after_the_uplift():
+    """The ground falls as fast as the body at 0.5 s, which the across motion lifts at 0.25 s or at 0.75 s, or after a fall that is none."""
+    t = 0.05 * np.arange(25)
+    fall = -np.interp(t, [0.3, 0.55, 0.8], [0.0, 1.0, 0.0])
+    for early, share, wanted in ((True, 4.8, "lost_contact"), (False, 4.8, "lost_contact"), (False, 2.0, "rocked")):
+        push = np.interp(t, [0.1, 0.3, 0.5], [0.0, 1.0, 0.0]) if early else np.interp(t, [0.65, 0.8, 1.0], [0.0, 1.0, 0.0])
+        across, up = shaken(push, 0.05), shaken(fall, 0.05)
+        found = response(SYSTEMS["a body"][0], with_vertical(across, up, share), [1.2], [0.3], 0.9)
+        assert Outcome(int(found.outcome[0])).flag == wanted, (early, share)
+
+
+def test_records_of_one_step_are_stepped_and_others_marched(monkeypatch):
+    motion, _ = weighed(slice(30, 54), 0.5, 2)
+    other = with_vertical(shaken(RECORDS[2][30:54], 0.04), shaken(UPWARDS[30:54], 0.03))
+    stepped = []
+    monkeypatch.setattr(taylor_steps.WeighedTaylorStepper, "march", lambda self, waiting: stepped.append(waiting.size))
+    for m in (motion, other):
+        response(SYSTEMS["a body"][0], m, [2.0, 3.0], 0.5, 0.9)
+    assert stepped == [2]
