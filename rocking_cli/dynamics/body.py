@@ -47,11 +47,9 @@ class Edge(NamedTuple):
 @dataclass(frozen=True)
 class Body:
     """A rigid body: alpha [rad], kappa = m R^2/I [-] and a_scale [-] (1 unless given) of its edges, right and left, or one if they are
-    alike; linear: True for the linear equation; damping: zeta [-]; one_sided: True if it stands on its right edge only.
-
-    Pushes are a_scale times the ground acceleration: under them the linear equation and Fz are those of a_scale 1. Fx needs the
-    ground's own (`moves_with_the_ground`).
-    """
+    alike; linear: True for the linear equation; damping: zeta [-]; one_sided: True if it stands on its right edge only. Pushes are a_scale
+    times the ground acceleration: under them the linear equation and Fz are those of a_scale 1. Fx needs the ground's own
+    (`moves_with_the_ground`)."""
 
     alpha: tuple[float, ...]
     kappa: tuple[float, ...]

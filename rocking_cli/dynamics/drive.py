@@ -89,10 +89,8 @@ def _near(segments: Segments, k: Array, u: Array) -> Near:
 
 
 def _bracketed_crossing(segments: Segments, k: Array, level: Array, length: Array) -> Array:
-    """The crossing on a monotone segment of any shape: Halley's method inside a bracket that only shrinks.
-
-    A step leaves an error of its third power over the square of the distance at which the rate changes, 2 |rate/second derivative|.
-    """
+    """The crossing on a monotone segment of any shape: Halley's method inside a bracket that only shrinks. A step leaves an error of its
+    third power over the square of the distance at which the rate changes, 2 |rate/second derivative|."""
     low, high = np.zeros_like(length), length.copy()
     start, end = segments.s_start[k], segments.s_end[k]
     share = np.clip((level - start) / np.where(end == start, 1.0, end - start), 0.0, 1.0)
@@ -142,11 +140,9 @@ def phase_between(segments: Segments, k: Array, u: Array, to_k: Array, to_u: Arr
 
 
 class ImpulseAhead(NamedTuple):
-    """int |s| dphi to the end of a motion of sinusoids, which bounds overturning (Lemma 9); arrays over segments.
-
-    zero: the phase at which s changes its sign in a segment, 0 if it does not; sign: of s after that; turn, last: an antiderivative of s
-    at `zero` and at the segment's end; later: the integral after the segment, with room for rounding.
-    """
+    """int |s| dphi to the end of a motion of sinusoids, which bounds overturning (Lemma 9); arrays over segments. zero: the phase at which
+    s changes its sign in a segment, 0 if it does not; sign: of s after that; turn, last: an antiderivative of s at `zero` and at the
+    segment's end; later: the integral after the segment, with room for rounding."""
 
     segments: Segments
     zero: Array

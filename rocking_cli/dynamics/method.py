@@ -33,13 +33,10 @@ Reference = Callable[["Motion", float, float, float], tuple["Outcome", float]]
 
 @dataclass(frozen=True)
 class EquationKind:
-    """An equation of motion in the registry.
-
-    model: the word of `--model` and of files; serves: True for a structure for which it holds; build: the equation of a structure at a
-    tolerance, raises ValueError; shares: numbers besides restitution and damping that structures must have in common to share a
-    dimensionless computation; rates: name of its form in `references.general_solver`; exact: it has no tolerance; of_cells: the equation
-    of plain cells of these alphas at a tolerance, None if there is none.
-    """
+    """An equation of motion in the registry. model: the word of `--model` and of files; serves: True for a structure for which it holds;
+    build: the equation of a structure at a tolerance, raises ValueError; shares: numbers besides restitution and damping that structures
+    must have in common to share a dimensionless computation; rates: name of its form in `references.general_solver`; exact: it has no
+    tolerance; of_cells: the equation of plain cells of these alphas at a tolerance, None if there is none."""
 
     model: str
     serves: Callable[[RockingParameters], bool]

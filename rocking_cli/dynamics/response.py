@@ -28,11 +28,9 @@ _LIKELY = 2.0  # times the push that is proved beforehand: cells beyond it are w
 
 @dataclass(frozen=True)
 class Response:
-    """Result for each cell, in the shape of the input.
-
-    theta_ratio: max over time of |theta|/alpha [-], NaN where overturned or failed; outcome: uint8 codes of `Outcome`;
-    impacts: int32, impacts during the shaking without those of sequences that are closed in one step; work: counters.
-    """
+    """Result for each cell, in the shape of the input. theta_ratio: max over time of |theta|/alpha [-], NaN where overturned or failed;
+    outcome: uint8 codes of `Outcome`; impacts: int32, impacts during the shaking without those of sequences that are closed in one step;
+    work: counters."""
 
     theta_ratio: Array
     outcome: Array
@@ -152,10 +150,8 @@ def response_with_demands(
     system: System, motion: Motion, amplitude: Array, omega: Array, eta: Array | float, *, found: Response | None = None
 ) -> tuple[Response, dict[str, Array]]:
     """`response`, and the ground forces by name: `friction`, the largest |Fx|/Fz [-], and `fz_min`, the least Fz over m g [-], to 1e-6.
-
     Both are NaN where the body overturns. A second run of the bodies that stay upright computes them. found: the response, if it is known.
-    Raises ValueError for a system without a `body` of a_scale 1.
-    """
+    Raises ValueError for a system without a `body` of a_scale 1."""
     if system.body is None or not system.body.moves_with_the_ground:
         raise ValueError("demands need a system with a body, whose a_scale is 1")
     from .observers.ground_forces import GroundForces

@@ -18,11 +18,9 @@ _SYMMETRIC = Symmetric()
 
 @dataclass(frozen=True)
 class System:
-    """An equation of motion on a contact, `Symmetric` unless given.
-
-    scale: alpha/a_scale, the ground acceleration over g of A = 1 [-]; body: None if the forces on the ground are not known; own: the
-    (system, number of cells) of each structure, in the order of the cells, if there are several structures.
-    """
+    """An equation of motion on a contact, `Symmetric` unless given. scale: alpha/a_scale, the ground acceleration over g of A = 1 [-];
+    body: None if the forces on the ground are not known; own: the (system, number of cells) of each structure, in the order of the cells,
+    if there are several structures."""
 
     equation: Equation
     contact: Contact = _SYMMETRIC

@@ -27,11 +27,9 @@ _LONG = 1 << 16  # segments of a motion, which take 400 bytes each: of longer mo
 
 @dataclass(frozen=True)
 class WeighedSegments(Segments):
-    """The horizontal motion on common segments, with `later_max` of the left and `later_min` of the right effective motion.
-
-    vertical: s_v; right, left: the effective motions; edges: these two, one after the other; inward: (later_max, later_min) of the
-    horizontal motion; share: r of the right edge and the left one.
-    """
+    """The horizontal motion on common segments, with `later_max` of the left and `later_min` of the right effective motion. vertical: s_v;
+    right, left: the effective motions; edges: these two, one after the other; inward: (later_max, later_min) of the horizontal motion;
+    share: r of the right edge and the left one."""
 
     vertical: Segments
     right: Segments

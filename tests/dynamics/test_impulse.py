@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 from scipy.optimize import brentq
+from support.references import lanes
 
 from rocking_cli import LinearEquation, Outcome, System, cosine, linear_response, pulse, sine
 from rocking_cli.dynamics.drive import ImpulseAhead
-from rocking_cli.dynamics.lanes import Lanes
 from rocking_cli.dynamics.march import closings
 from rocking_cli.dynamics.march.batch import Batch
 from rocking_cli.dynamics.march.engine import Run
@@ -44,38 +44,34 @@ def landed(motion, cells, seed, share):
     """(run, lanes, amplitude): bodies just after an impact anywhere in a motion, with `share` of the speed at which the lemma ends."""
     segments, random = motion.segments, np.random.default_rng(seed)
     k = random.integers(0, len(segments), cells)
-    u, amplitude, omega = (
-        random.uniform(0.0, 1.0, cells) * segments.length[k],
-        random.uniform(0.2, 9.0, cells),
-        random.uniform(0.3, 60.0, cells),
-    )
+    u = random.uniform(0.0, 1.0, cells) * segments.length[k]
+    amplitude, omega = random.uniform(0.2, 9.0, cells), random.uniform(0.3, 60.0, cells)
     v = share * (1.0 - amplitude * ImpulseAhead.of(segments).after(k, u) / omega)
     at = np.flatnonzero(v > 0.0)
     k, u, amplitude, omega, v = (x[at] for x in (k, u, amplitude, omega, v))
-    side, zero = random.choice([-1.0, 1.0], at.size), np.zeros(at.size)
-    eta, count = random.uniform(0.5, 1.0, at.size), np.ones(at.size, dtype=np.int32)
+    side, eta = random.choice([-1.0, 1.0], at.size), random.uniform(0.5, 1.0, at.size)
     run = Run(Batch.of(System(LinearEquation()), segments, amplitude, omega, eta), at.size)
     push = -side * amplitude * motion.value(segments.start[k] + u)
-    return run, Lanes(np.arange(at.size), amplitude, omega, eta, k, u, side, zero, v, push - 1.0, zero.copy(), count, count.copy())
+    return run, lanes(amplitude=amplitude, omega=omega, eta=eta, k=k, u=u, side=side, v=v, b=push - 1.0, impacts=1, steps=1)
 
 
 @pytest.mark.parametrize("motion", [*FEW_PUSHES, sine(3), pulse("ricker-symmetric")], ids=lambda m: m.name)
 def test_lemma_9_nothing_to_come_overturns_what_is_below_the_bound(motion):
-    run, lanes = landed(motion, 600, 6, 0.999)
-    assert np.all(ImpulseAhead.of(motion.segments).cannot_overturn(lanes))
+    run, landing = landed(motion, 600, 6, 0.999)
+    assert np.all(ImpulseAhead.of(motion.segments).cannot_overturn(landing))
     with np.errstate(all="ignore"):
-        while lanes.cell.size:
-            lanes = run.round(lanes)
+        while landing.cell.size:
+            landing = run.round(landing)
     assert set(run.outcome.tolist()) == {Outcome.ROCKED}
 
 
 def test_just_above_the_bound_short_pulses_overturn():
-    run, lanes = landed(sine(0.5), 1000, 7, 1.001)
-    assert not np.any(ImpulseAhead.of(sine(0.5).segments).cannot_overturn(lanes))
-    quick = lanes.omega > 50.0
+    run, landing = landed(sine(0.5), 1000, 7, 1.001)
+    assert not np.any(ImpulseAhead.of(sine(0.5).segments).cannot_overturn(landing))
+    quick = landing.omega > 50.0
     with np.errstate(all="ignore"):
-        while lanes.cell.size:
-            lanes = run.round(lanes)
+        while landing.cell.size:
+            landing = run.round(landing)
     assert np.count_nonzero(run.outcome[quick] == Outcome.OVERTURNED_AFTER_IMPACT) > 30
 
 

@@ -99,17 +99,6 @@ def test_a_vertical_motion_that_is_next_to_none_changes_next_to_nothing(model):
     assert np.nanmax(np.abs(plain.theta_ratio - near.theta_ratio)) < 1e-10
 
 
-def test_one_lane_is_the_same_lane_in_a_batch():
-    body = block()
-    system = Method("nonlinear", 1e-9).system_of(body)
-    motion = with_vertical(sine(2), cosine(3), 0.5)
-    amplitude = np.linspace(1.3, 3.4, 4)
-    together = response(system, motion, amplitude, 4.0, body.eta)
-    alone = [response(system, motion, a, 4.0, body.eta) for a in amplitude]
-    assert np.array_equal(together.theta_ratio, [float(x.theta_ratio) for x in alone], equal_nan=True)
-    assert together.outcome.tolist() == [int(x.outcome) for x in alone]
-
-
 def test_free_fall_is_an_outcome_of_its_own_at_its_instant():
     body = block()
     system = Method("nonlinear").system_of(body)

@@ -37,10 +37,8 @@ class FreeMotion(NamedTuple):
 
 
 class Contact(ABC):
-    """How a body stands on the ground. The methods here hold for equal edges and for a single one.
-
-    alike: True if both edges are free and equal.
-    """
+    """How a body stands on the ground. The methods here hold for equal edges and for a single one. alike: True if both edges are free and
+    equal."""
 
     alike = False
 
@@ -95,11 +93,9 @@ class Contact(ABC):
 
 
 def first_uplift(segments: Segments, k: Array, u: Array, right: Array, left: Array) -> Uplift:
-    """First instant at or after (k, u) that lifts bodies at rest: -right s > 1 on to their right edge, left s > 1 on to their left.
-
-    right, left: amplitudes in units of each edge's uplift, 0 for an edge that does not exist. The force is 0 there unless
-    the drive jumps. If the weight varies each edge has an effective motion of its own, and the earlier uplift counts.
-    """
+    """First instant at or after (k, u) that lifts bodies at rest: -right s > 1 on to their right edge, left s > 1 on to their left. right,
+    left: amplitudes in units of each edge's uplift, 0 for an edge that does not exist. The force is 0 there unless the drive jumps. If the
+    weight varies each edge has an effective motion of its own, and the earlier uplift counts."""
     if (weighed := segments.weighed) is not None:
         one = first_uplift(weighed.right, k, u, right, np.zeros_like(right))
         other = first_uplift(weighed.left, k, u, np.zeros_like(left), left)
@@ -161,11 +157,9 @@ class Symmetric(Contact):
 
 
 class OneSided(Contact):
-    """A body that is free for theta > 0 only, on its right edge: a facade against transverse walls (Sorrentino et al. 2011).
-
-    At theta = 0 it hits its backing and returns on the same side with e times its speed; eta is e, within (-1, 0], of each cell. It lifts
-    off only outwards, and an inward drive presses it to its backing.
-    """
+    """A body that is free for theta > 0 only, on its right edge: a facade against transverse walls (Sorrentino et al. 2011). At theta = 0
+    it hits its backing and returns on the same side with e times its speed; eta is e, within (-1, 0], of each cell. It lifts off only
+    outwards, and an inward drive presses it to its backing."""
 
     def cells(self, equation: Equation, amplitude: Array, omega: Array, eta: Array) -> Cells:
         """One row, of the right edge; the lanes' eta is -e."""
@@ -203,13 +197,11 @@ def exchange(one: float, other: float) -> tuple[float, float]:
 
 @dataclass(frozen=True)
 class Unequal(Contact):
-    """Two edges that differ: A = 1 and Omega = 1 of a reference in the units of each edge, (right, left).
-
-    With y = |theta| over its unit and tau = p t on each side, an impact multiplies the speed y' by eta_12 (unit_1 p_1)/(unit_2 p_2), which
-    may exceed 1; eta_12 eta_21 < 1. drive: amplitude over the edge's uplift; omega: omega_g over the edge's p; eta: speed y' after over y'
-    before on leaving the edge; rotation: |theta|/alpha of y = 1; pace: |theta'| of d(|theta|/alpha)/dtau = 1 over that of the reference.
-    Raises ValueError when a number is out of range.
-    """
+    """Two edges that differ: A = 1 and Omega = 1 of a reference in the units of each edge, (right, left). With y = |theta| over its unit
+    and tau = p t on each side, an impact multiplies the speed y' by eta_12 (unit_1 p_1)/(unit_2 p_2), which may exceed 1; eta_12 eta_21 <
+    1. drive: amplitude over the edge's uplift; omega: omega_g over the edge's p; eta: speed y' after over y' before on leaving the edge;
+    rotation: |theta|/alpha of y = 1; pace: |theta'| of d(|theta|/alpha)/dtau = 1 over that of the reference. Raises ValueError when a
+    number is out of range."""
 
     drive: tuple[float, float]
     omega: tuple[float, float]

@@ -28,11 +28,9 @@ _SURELY = 1.0 - 1e-6  # part of a bound that is used: the rest is room for round
 
 @dataclass
 class OtherSide(Arrays):
-    """The side of the next arc, in units of this one: its outward drive is -drive a, its time `time` times that of the same arc here.
-
-    eta, back: speed after over before an impact on leaving this side and the other; a cycle keeps their product. rotation:
-    |theta|/alpha of y = 1 there over that here.
-    """
+    """The side of the next arc, in units of this one: its outward drive is -drive a, its time `time` times that of the same arc here. eta,
+    back: speed after over before an impact on leaving this side and the other; a cycle keeps their product. rotation: |theta|/alpha of y =
+    1 there over that here."""
 
     drive: Array | float
     time: Array | float

@@ -30,11 +30,9 @@ _INSIDE = 3.0  # error of the velocity inside a step over that at the end, where
 
 
 class Points(NamedTuple):
-    """Chebyshev's points of a step of length 1, and matrices for values of y'' at the start and the points.
-
-    at: the points with the end and without the start, (points, 1); twice: values to the double integral at the points; chebyshev: values to
-    Chebyshev coefficients; terms: these to the coefficients of time^2, time^3 ... of y.
-    """
+    """Chebyshev's points of a step of length 1, and matrices for values of y'' at the start and the points. at: the points with the end and
+    without the start, (points, 1); twice: values to the double integral at the points; chebyshev: values to Chebyshev coefficients; terms:
+    these to the coefficients of time^2, time^3 ... of y."""
 
     at: Array
     twice: Array

@@ -28,11 +28,9 @@ class Point(NamedTuple):
 
 
 class Flow(Protocol):
-    """The motion of each lane from its present state on, until the next impact or the end of a piece. Arrays are (lanes,).
-
-    damping: zeta [-]; y, v, b: displacement, velocity and acceleration at the start; longest: longest step [tau]; fastest: rate [1/tau] of
-    the fastest change, for the roots' tolerances.
-    """
+    """The motion of each lane from its present state on, until the next impact or the end of a piece. Arrays are (lanes,). damping: zeta
+    [-]; y, v, b: displacement, velocity and acceleration at the start; longest: longest step [tau]; fastest: rate [1/tau] of the fastest
+    change, for the roots' tolerances."""
 
     @property
     def damping(self) -> float: ...
@@ -58,11 +56,9 @@ class Flow(Protocol):
 
 
 class Ramp(NamedTuple):
-    """The drive of each lane over its unit of time [tau]: its value now and its gain until the unit is over, (lanes,).
-
-    factors: unit^2/((n + 1)(n + 2)) for the terms n + 2 of y, 0 beyond a lane's degree, (degrees, lanes); force: f now if it is known
-    to more digits than the drive tells, as at uplift, where it is 0; weight: w now and its gain, if it varies.
-    """
+    """The drive of each lane over its unit of time [tau]: its value now and its gain until the unit is over, (lanes,). factors: unit^2/((n
+    + 1)(n + 2)) for the terms n + 2 of y, 0 beyond a lane's degree, (degrees, lanes); force: f now if it is known to more digits than the
+    drive tells, as at uplift, where it is 0; weight: w now and its gain, if it varies."""
 
     drive: Array
     gain: Array
@@ -79,12 +75,10 @@ class Ramp(NamedTuple):
 
 
 class Law(NamedTuple):
-    """An equation of motion as text, y'' = -w F(y) + a G(y) - 2 zeta y', from which `single.recurrence` makes straight-line code.
-
-    name: of the equation, by which compiled code is kept; start: lines that find F0 and G0 from y; term: lines that find F<n> and G<n>
-    from Y1 ... Y<n> and earlier ones; numbers: floats that the lines name; constant: True if G = 1, which no line finds; local:
-    function of a y and a number of terms that returns the room |y - y(0)| in which they hold, and the argument `local` of the lines.
-    """
+    """An equation of motion as text, y'' = -w F(y) + a G(y) - 2 zeta y', from which `single.recurrence` makes straight-line code. name: of
+    the equation, by which compiled code is kept; start: lines that find F0 and G0 from y; term: lines that find F<n> and G<n> from Y1 ...
+    Y<n> and earlier ones; numbers: floats that the lines name; constant: True if G = 1, which no line finds; local: function of a y and a
+    number of terms that returns the room |y - y(0)| in which they hold, and the argument `local` of the lines."""
 
     name: str
     start: tuple[str, ...]
@@ -101,15 +95,13 @@ def convolution(a: str, b: str, n: int, first: int = 0) -> str:
 
 class Equation(ABC):
     """An equation of motion; y, v in its own unit, per tau. Its numbers are floats, or (lanes,) arrays where the two sides of a body differ
-    or every cell has a body of its own (`on`).
-
-    damping: zeta [-]; without damping the motion after the shaking has a closed form. tolerance: error of theta/alpha that series keep;
-    gain: bound of the growth of f with y, near the ground and for |a| <= 1, on either side; uplift_amplitude: the dimensionless amplitude A
-    at which a drive of s = 1 lifts the body; limit: y from which the body counts as overturned whatever comes (it lies on its side, the
-    linkage has collapsed); barrier: energy (`fall`) of a body that leaves the ground and just reaches its unstable equilibrium; bounds: the
-    largest l and m from the ground up to the limit; bounded: True if an envelope may use Lemmas 9 and 10; pool: lanes that the march
-    advances together; per_y, per_rotation: |theta|/alpha of y = 1, and y of |theta|/alpha = 1, where they are proportional.
-    """
+    or every cell has a body of its own (`on`). damping: zeta [-]; without damping the motion after the shaking has a closed form.
+    tolerance: error of theta/alpha that series keep; gain: bound of the growth of f with y, near the ground and for |a| <= 1, on either
+    side; uplift_amplitude: the dimensionless amplitude A at which a drive of s = 1 lifts the body; limit: y from which the body counts as
+    overturned whatever comes (it lies on its side, the linkage has collapsed); barrier: energy (`fall`) of a body that leaves the ground
+    and just reaches its unstable equilibrium; bounds: the largest l and m from the ground up to the limit; bounded: True if an envelope may
+    use Lemmas 9 and 10; pool: lanes that the march advances together; per_y, per_rotation: |theta|/alpha of y = 1, and y of |theta|/alpha =
+    1, where they are proportional."""
 
     tolerance: float
     gain: Any

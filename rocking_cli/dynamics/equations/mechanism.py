@@ -38,11 +38,9 @@ _FACTORIALS = np.array([[float(math.factorial(k))] for k in range(DEGREE + 1)])
 
 
 class MechanismEquation(Equation):
-    """Eq. 3.4 for one mechanism; tolerance: error of phi/alpha that is aimed at; damping: zeta [-], of q.
-
-    Raises ValueError when the mechanism does not stand or never becomes unstable, when its lambda(phi) does not fall until then, or when
-    the tolerance is not between 1e-13 and 1e-2.
-    """
+    """Eq. 3.4 for one mechanism; tolerance: error of phi/alpha that is aimed at; damping: zeta [-], of q. Raises ValueError when the
+    mechanism does not stand or never becomes unstable, when its lambda(phi) does not fall until then, or when the tolerance is not between
+    1e-13 and 1e-2."""
 
     def __init__(self, mechanism: Mechanism, tolerance: float = 1e-9, damping: float = 0.0) -> None:
         super().__init__(damping)
@@ -189,10 +187,8 @@ class MechanismEquation(Equation):
         return inverse(self.table, self.table.work, np.minimum(energy, self.barrier), self.top)
 
     def certainly_overturns(self, y: Array, v: Array, inward: Array, steady: bool = True) -> Array:
-        """True beyond the barrier of the strongest inward drive still to come, with the speed to pass it, or where it has collapsed.
-
-        Under a constant inward drive e the equilibrium, F/G = -e, is a maximum of int F + e G, since F/G falls.
-        """
+        """True beyond the barrier of the strongest inward drive still to come, with the speed to pass it, or where it has collapsed. Under
+        a constant inward drive e the equilibrium, F/G = -e, is a maximum of int F + e G, since F/G falls."""
         table = self.table
         certain = y >= self.limit
         if self.damping or not steady:  # energy is lost, or the barrier moves

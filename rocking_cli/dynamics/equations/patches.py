@@ -28,11 +28,9 @@ _SMALL = 3e-14
 
 @dataclass(frozen=True)
 class Marks:
-    """F/F0 and G/G0 about equally spaced marks.
-
-    low: the lowest mark; step: their distance; rows: coefficients of powers of y less the mark, (2, powers, marks); halves: fitted half
-    width of the patch at each mark; left: the first term left out, two steps away from a mark.
-    """
+    """F/F0 and G/G0 about equally spaced marks. low: the lowest mark; step: their distance; rows: coefficients of powers of y less the
+    mark, (2, powers, marks); halves: fitted half width of the patch at each mark; left: the first term left out, two steps away from a
+    mark."""
 
     low: float
     step: float
@@ -54,10 +52,8 @@ class Marks:
 @dataclass(frozen=True)
 class Patches:
     """Functions of y by patches: edges (patches + 1), centre, half (half the width that was fitted), and (terms, patches) coefficients.
-
-    Coefficients are of powers of (y - centre) / half. lift F/F0, push G/G0, turn phi/alpha; work and thrust: int lift dy and
-    int push dy from 0.
-    """
+    Coefficients are of powers of (y - centre) / half. lift F/F0, push G/G0, turn phi/alpha; work and thrust: int lift dy and int push dy
+    from 0."""
 
     edges: Array
     centre: Array

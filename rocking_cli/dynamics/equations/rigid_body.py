@@ -26,12 +26,9 @@ from .taylor import CACHED, TaylorSeries, drive_series, order_for, ramp_flow, se
 
 
 class RigidBodyEquation(Equation):
-    """Eq. 2.3 for a body of critical angle alpha [rad].
-
-    alpha: of both edges, (right, left) of a body whose edges differ, or an array of one alpha for each cell; tolerance: error of
-    theta/alpha that is aimed at; damping: zeta [-]. Raises ValueError when an alpha is not between 1e-30 and pi/2, the tolerance not
-    between 1e-13 and 1e-2, or the damping negative.
-    """
+    """Eq. 2.3 for a body of critical angle alpha [rad]. alpha: of both edges, (right, left) of a body whose edges differ, or an array of
+    one alpha for each cell; tolerance: error of theta/alpha that is aimed at; damping: zeta [-]. Raises ValueError when an alpha is not
+    between 1e-30 and pi/2, the tolerance not between 1e-13 and 1e-2, or the damping negative."""
 
     alpha: Any
     sin: Any
@@ -171,11 +168,9 @@ class RigidBodyEquation(Equation):
         return (self.alpha - 2.0 * np.arcsin(np.sqrt(0.5 * left))) / self.sin
 
     def certainly_overturns(self, y: Array, v: Array, inward: Array, steady: bool = True) -> Array:
-        """True beyond the barrier of the strongest inward drive still to come, with the speed to pass it, or where theta >= pi/2.
-
-        Under a constant inward e = inward tan(alpha) the equilibrium is at beta = alpha + arctan e and y'' is
-        sqrt(1 + e^2) sin(theta - beta) / sin(alpha). While v > 0 the energy over that barrier never falls.
-        """
+        """True beyond the barrier of the strongest inward drive still to come, with the speed to pass it, or where theta >= pi/2. Under a
+        constant inward e = inward tan(alpha) the equilibrium is at beta = alpha + arctan e and y'' is sqrt(1 + e^2) sin(theta - beta) /
+        sin(alpha). While v > 0 the energy over that barrier never falls."""
         e = inward * self.tan
         gap = self.alpha + np.arctan(e) - self.sin * y
         on_its_side = self.sin * y >= 0.5 * math.pi

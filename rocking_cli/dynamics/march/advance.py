@@ -18,6 +18,8 @@ from ..equations.taylor import TaylorSeries
 from ..lanes import Array, Lanes
 from .roots import falls_through_zero, hidden_turn, impact_root, sense, turning_point
 
+_SURELY = 1.0 - 1e-9  # a bound settles a question if it does so with this much room, which rounding never needs
+
 
 class Windows(NamedTuple):
     """Where the present window ends, for every lane: segment and phase in it, whether the drive is supercritical, and the phase of the
@@ -93,26 +95,21 @@ def _beyond_cuts(segments: Segments, window: Windows, side: Array, amplitude: Ar
         k[lanes], u[lanes] = following.k[same], following.u[same]
 
 
-_SURELY = 1.0 - 1e-9  # a bound settles a question if it does so with this much room, which rounding never needs
-
-
-# What a step covers: one window of the drive, or a supercritical window that is left outwards together with the subcritical one after it.
-SUPERCRITICAL, SUBCRITICAL, SUPERCRITICAL_FIRST = np.int8(0), np.int8(1), np.int8(2)
-
-
 class Step(NamedTuple):
-    """How far each lane goes in one proof. k, u: where the step ends; h: its length [tau]; kind: SUPERCRITICAL, SUBCRITICAL or
-    SUPERCRITICAL_FIRST; subcritical: time [tau] in it at which its subcritical window begins."""
+    """How far each lane goes in one proof: one window of the drive, or a supercritical window that is left outwards together with the
+    subcritical one after it. k, u: where the step ends; h: its length [tau]; supercritical: True if the drive is supercritical throughout;
+    subcritical: time [tau] in it at which its subcritical window begins, 0 if it is the only one."""
 
     k: Array
     u: Array
     h: Array
-    kind: Array
+    supercritical: Array
     subcritical: Array
 
 
 class Passage(NamedTuple):
-    """A step and the state at its end; time, velocity and force of an impact; bent: `TaylorSeries.bent`, where the weight varies."""
+    """A step and the state at its end; time, velocity and force of an impact; bent: as `TaylorSeries.at_with_chord_errors` has it, where
+    the weight varies."""
 
     step: Step
     arc: Flow
@@ -129,34 +126,24 @@ class Passage(NamedTuple):
         return self.end.b + 2.0 * self.arc.damping * self.end.v if self.arc.damping else self.end.b
 
 
-class TurningPoints(NamedTuple):
-    """Turning points: lanes, times [tau] since the start of their step, and heights y."""
-
-    lanes: Array
-    h: Array
-    y: Array
-
-
 def next_step(segments: Segments, lanes: Lanes, longest: Array) -> Step:
     """The longest step that one sign test covers and that the flow can take (`longest` [tau]), for each lane."""
     window = window_end(segments, lanes.k, lanes.u, lanes.side, lanes.amplitude)
     k, u = window.k.copy(), window.u.copy()
     h = window.phase(lanes.u) / lanes.omega
-    kind = np.where(window.supercritical, SUPERCRITICAL, SUBCRITICAL)
-    subcritical = np.zeros(h.size)
+    supercritical, subcritical = window.supercritical.copy(), np.zeros(h.size)
     # A supercritical window entered outwards holds no event: go on to the end of the subcritical one after it.
     on = np.flatnonzero(window.supercritical & (lanes.v >= 0.0) & (u < segments.length[k]) & (h < longest))
     if on.size:
         beyond = window_end(segments, k[on], u[on], lanes.side[on], lanes.amplitude[on])
         subcritical[on] = h[on]
         h[on] += beyond.phase(u[on]) / lanes.omega[on]
-        k[on], u[on] = beyond.k, beyond.u
-        kind[on] = SUPERCRITICAL_FIRST
+        k[on], u[on], supercritical[on] = beyond.k, beyond.u, False
     long = np.flatnonzero(h > longest)
     if long.size:
         h[long] = longest[long]
         k[long], u[long] = lanes.k[long], lanes.u[long] + longest[long] * lanes.omega[long]
-    return Step(k, u, h, kind, subcritical)
+    return Step(k, u, h, supercritical, subcritical)
 
 
 def advance(segments: Segments, lanes: Lanes, equation: Equation, until: Array | float = np.inf) -> Passage:
@@ -170,7 +157,7 @@ def advance(segments: Segments, lanes: Lanes, equation: Equation, until: Array |
     reach = step.h.copy()
     hit = end.y <= 0.0
     # A supercritical window entered inwards: its single minimum may touch the ground although both ends are above it.
-    dips = np.flatnonzero((step.kind == SUPERCRITICAL) & ~hit & (lanes.v < 0.0) & (end.v > 0.0))
+    dips = np.flatnonzero(step.supercritical & ~hit & (lanes.v < 0.0) & (end.v > 0.0))
     if dips.size:
         h = step.h[dips]
         h_min, y_min = turning_point(arc.take(dips), np.zeros(dips.size), h, 0.5 * h, -1.0)
@@ -199,24 +186,23 @@ def _impact_guess(arc: Flow, step: Step, end: Point, reach: Array, at: Array) ->
     return np.where((guess > low) & (guess < high), guess, 0.5 * (low + high))
 
 
-def turning_points(segments: Segments, lanes: Lanes, passage: Passage, wanted: Array) -> TurningPoints:
-    """The turning points of this step: at most one a lane, and only where a < 1 (Lemmas 3 and 4); of bodies whose weight varies
-    as many as the series has, in the order of lanes and times."""
+def turning_points(segments: Segments, lanes: Lanes, passage: Passage, wanted: Array) -> tuple[Array, Array, Array]:
+    """(lanes, times [tau] since the start of their step, heights y) of the turning points of this step: at most one a lane, and only where
+    a is below 1 (Lemmas 3 and 4); of bodies whose weight varies as many as the series has, in the order of lanes and times."""
+    step, end, damping = passage.step, passage.end, passage.arc.damping
+    wanted = wanted & ~step.supercritical
     if segments.weighed is not None:
         assert passage.bent is not None  # of a series
-        step, v = passage.step, np.where(passage.hit, passage.impact_v, passage.end.v)
-        known, at = sense(passage.arc, step.h, passage.end, passage.bent), wanted & (step.kind != SUPERCRITICAL)
-        at &= ~known.kept
-        once = at & known.monotone & (lanes.v > 0.0) & (v <= 0.0)
-        at, low, high = falls_through_zero(passage.arc, passage.reach, *(np.flatnonzero(x) for x in (at & ~known.monotone, once)))
+        v, (kept, monotone) = np.where(passage.hit, passage.impact_v, end.v), sense(passage.arc, step.h, end, passage.bent)
+        at = wanted & ~kept
+        once = at & monotone & (lanes.v > 0.0) & (v <= 0.0)
+        at, low, high = falls_through_zero(passage.arc, passage.reach, *(np.flatnonzero(x) for x in (at & ~monotone, once)))
         if not at.size:
-            return TurningPoints(at, low, high)
+            return at, low, high
         chord = high * (lanes.v[at] / (lanes.v[at] - np.minimum(v[at], 0.0)))  # where it is the only turn of the step
         guess = np.where(high - low == passage.reach[at], chord, 0.5 * (low + high))
-        return TurningPoints(at, *turning_point(passage.arc.take(at), low, high, guess, 1.0))
-    step, end, damping = passage.step, passage.end, passage.arc.damping
-    wanted = wanted & (step.kind != SUPERCRITICAL)
-    rises = wanted & ((step.kind == SUPERCRITICAL_FIRST) | (lanes.v > 0.0))
+        return at, *turning_point(passage.arc.take(at), low, high, guess, 1.0)
+    rises = wanted & ((step.subcritical > 0.0) | (lanes.v > 0.0))
     low, high = step.subcritical.copy(), passage.reach.copy()
     # Entered inwards, y' may rise through zero while the drive still falls: as a concave function, not above its tangent.
     slope = _slope(lanes.b, lanes.v, -damping)  # lanes carry the force
@@ -240,8 +226,8 @@ def turning_points(segments: Segments, lanes: Lanes, passage: Passage, wanted: A
     at = np.flatnonzero(sure)
     low, high = low[at], high[at]
     if not at.size:
-        return TurningPoints(at, low, low)
-    return TurningPoints(at, *turning_point(passage.arc.take(at), low, high, 0.5 * (low + high), 1.0))
+        return at, low, low
+    return at, *turning_point(passage.arc.take(at), low, high, 0.5 * (low + high), 1.0)
 
 
 def _slope(b: Array, v: Array, damping: float) -> Array:

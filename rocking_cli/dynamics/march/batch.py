@@ -58,11 +58,9 @@ MAX_STEPS = 120_000  # a cell that takes more, and 40 for each segment of the mo
 
 @dataclass(frozen=True)
 class Batch:
-    """Cells on one kind of body.
-
-    segments: of the motion, followed by still ground where damping leaves the free motion without a closed form; shaken: the segment from
-    which on the ground is still; peaks: True if the largest rotations are wanted; most_steps: after so many a cell is given up.
-    """
+    """Cells on one kind of body. segments: of the motion, followed by still ground where damping leaves the free motion without a closed
+    form; shaken: the segment from which on the ground is still; peaks: True if the largest rotations are wanted; most_steps: after so many
+    a cell is given up."""
 
     equation: Equation
     contact: Contact

@@ -8,7 +8,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...motions.segments import Segments
 from ..contacts.sequences import bounces_on, settles
 from ..drive import ImpulseAhead
 from ..lanes import Array, Lanes
@@ -67,21 +66,11 @@ def _rocked(lanes: Lanes, proved: Array) -> Closed:
     return Closed(at, Outcome.ROCKED, lanes.peak[at])
 
 
-def _unsettled(batch: Batch, lanes: Lanes) -> Closed:
-    """Damped lanes at the end of the still ground, where they should have settled."""
-    return Closed(np.flatnonzero(lanes.k >= len(batch.segments)), Outcome.FAILED, np.nan)
-
-
 FREE_MOTION = Closing(free_motion, "free_phase", still=True)
-DAMPED = [Closing(damped_settling, still=True), Closing(_unsettled)]
+UNSETTLED = Closing(lambda batch, lanes: Closed(np.flatnonzero(lanes.k >= len(batch.segments)), Outcome.FAILED, np.nan))
+DAMPED = [Closing(damped_settling, still=True), UNSETTLED]  # at the end of the still ground they should have settled
 SETTLES = Closing(lambda batch, lanes: _rocked(lanes, settles(batch.segments, lanes)), "chatters_closed")
 BOUNCES_ON = Closing(lambda batch, lanes: _rocked(lanes, bounces_on(batch.segments, lanes, batch.equation)), "chatters_closed")
-
-
-def impulse_bound(segments: Segments) -> Closing:
-    """Lanes that nothing to come overturns (Lemma 9), where only the outcome is wanted."""
-    ahead = ImpulseAhead.of(segments)
-    return Closing(lambda _, lanes: Closed(np.flatnonzero(ahead.cannot_overturn(lanes)), Outcome.ROCKED, np.nan))
 
 
 def closings_of(batch: Batch, observed: bool) -> tuple[list[Closing], list[Closing]]:
@@ -92,6 +81,8 @@ def closings_of(batch: Batch, observed: bool) -> tuple[list[Closing], list[Closi
         return DAMPED, []
     if observed or not batch.contact.alike or segments.weighed is not None:
         return [FREE_MOTION], []
-    few = not segments.straight and segments.pushes <= FEW
-    early = [SETTLES] * (linear and batch.peaks) + [BOUNCES_ON] * segments.straight
-    return [FREE_MOTION, *early], [impulse_bound(segments)] if linear and few and not batch.peaks else []
+    early = [FREE_MOTION, *[SETTLES] * (linear and batch.peaks), *[BOUNCES_ON] * segments.straight]
+    if batch.peaks or not linear or segments.straight or segments.pushes > FEW:
+        return early, []
+    ahead = ImpulseAhead.of(segments)  # where only the outcome is wanted: lanes that nothing to come overturns (Lemma 9)
+    return early, [Closing(lambda _, lanes: Closed(np.flatnonzero(ahead.cannot_overturn(lanes)), Outcome.ROCKED, np.nan))]

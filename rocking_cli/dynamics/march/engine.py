@@ -71,11 +71,9 @@ class WindowStepper:
 
 
 class Run:
-    """A batch of cells on its way through the pool, and their results so far.
-
-    Parameters: pool: lanes advanced together; stepper: makes what advances the lanes; observers: what is shown their motion.
-    theta_ratio, outcome, impacts: (cells,), as in `Response`; bounced: of damped cells, True after an impact on still ground.
-    """
+    """A batch of cells on its way through the pool, and their results so far. Parameters: pool: lanes advanced together; stepper: makes
+    what advances the lanes; observers: what is shown their motion. theta_ratio, outcome, impacts: (cells,), as in `Response`; bounced: of
+    damped cells, True after an impact on still ground."""
 
     def __init__(
         self, batch: Batch, pool: int | None = None, stepper: Callable[[Run], Stepper] = WindowStepper, observers: Sequence[Observer] = ()
@@ -134,10 +132,9 @@ class Run:
         wanted = ~(bad | over)
         wanted[np.flatnonzero(shaken)[free.outcome != Outcome.ROCKED]] = False
         if batch.peaks:
-            found = turning_points(seg, lanes, passage, wanted)
-            np.maximum.at(lanes.peak, found.lanes, found.y)  # there may be several to a lane
-            limit = np.broadcast_to(equation.limit, hit.shape)[found.lanes]
-            fallen = found.lanes[found.y >= limit]  # on its side, though it may be back within one step
+            at, _, y = turning_points(seg, lanes, passage, wanted)
+            np.maximum.at(lanes.peak, at, y)  # there may be several to a lane
+            fallen = at[y >= np.broadcast_to(equation.limit, hit.shape)[at]]  # on its side, though it may be back within one step
             over[fallen] = ~bad[fallen]
         if self.observers:
             y, v = np.where(hit, 0.0, end.y), np.where(hit, passage.impact_v, end.v)

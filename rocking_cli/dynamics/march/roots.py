@@ -1,14 +1,14 @@
-"""Impact times and peaks on an arc: roots that are known to be there, polished inside brackets.
+"""Impact times and peaks on an arc: roots that are known to be there, polished inside brackets; and turns of a series, isolated.
 
-Existence and uniqueness are settled before (see `advance`); here a lane holds a bracket with one root. Each lane
-iterates on its own and leaves when it has converged, so that its digits do not depend on its neighbours.
+Existence and uniqueness are settled before (see `advance`); here a lane holds a bracket with one root. Each lane iterates on its own and
+leaves when it has converged, so that its digits do not depend on its neighbours. Under a weight that varies the signs of the Bernstein
+coefficients of y' isolate its roots: in (0, 1) it has as many as they change sign, or fewer by an even number.
 """
 
 from __future__ import annotations
 
 from functools import lru_cache
 from math import comb
-from typing import NamedTuple
 
 import numpy as np
 
@@ -17,17 +17,16 @@ from ..equations.equation import Flow, Point
 from ..equations.taylor import CACHED, TaylorSeries, powers
 from ..lanes import Array
 
+_HALVINGS = 40  # two turns closer than 1e-12 of a step are none: the height between them is the same to every digit
 _NEAR = 1e-3  # a turning point this far, against every scale of the arc, is met to its fourth power over 24 by y's own Taylor series
 _CLOSE = 3e-6  # a Householder step this short, against every scale of the arc, leaves v an error of its third power
 _ROUNDS = 200  # bisection alone would end in 64 for any bracket that a double can hold between 1e-3 and 1e3
 
 
 def impact_root(arc: Flow, low: Array, high: Array, guess: Array) -> tuple[Array, Array]:
-    """First h with y(h) = 0 and the velocity there (not positive); NaN where it does not converge.
-
-    `low` is before the root (y > 0, or the arc's own start), `high` is at it or after it (y <= 0), and y falls through
-    the root. Fourth-order Householder steps, a bisection where one leaves the bracket or starts on the rising side.
-    """
+    """First h with y(h) = 0 and the velocity there (not positive); NaN where it does not converge. `low` is before the root (y > 0, or the
+    arc's own start), `high` is at it or after it (y <= 0), and y falls through the root. Fourth-order Householder steps, a bisection where
+    one leaves the bracket or starts on the rising side."""
     h_out, v_out = np.empty_like(low), np.empty_like(low)
     lanes = np.arange(low.size)
     low, high, h = low.copy(), high.copy(), guess.copy()
@@ -72,11 +71,9 @@ def _householder(f: Point) -> Array:
 
 
 def turning_point(arc: Flow, low: Array, high: Array, guess: Array, sense: float) -> tuple[Array, Array]:
-    """The h between `low` and `high` where sense * v falls through zero, and y there.
-
-    sense = +1 finds a peak (v goes from + to -), sense = -1 a minimum. Halley steps with bisection as the safeguard;
-    y at the turning point is taken to second order in what is left, so a step of 1e-5 leaves 1e-16.
-    """
+    """The h between `low` and `high` where sense * v falls through zero, and y there. sense = +1 finds a peak (v goes from + to -), sense =
+    -1 a minimum. Halley steps with bisection as the safeguard; y at the turning point is taken to second order in what is left, so a step
+    of 1e-5 leaves 1e-16."""
     h_out, y_out = np.empty_like(low), np.empty_like(low)
     lanes = np.arange(low.size)
     low, high, h = low.copy(), high.copy(), guess.copy()
@@ -108,11 +105,9 @@ def turning_point(arc: Flow, low: Array, high: Array, guess: Array, sense: float
 
 
 def hidden_turn(arc: Flow, low: Array, high: Array, sense: float) -> Array:
-    """A point with sense * v < 0 between two ends with sense * v >= 0, NaN where there is none.
-
-    Lemma 4. sense = +1: a dip of v while the drive rises: v'' = v + a' > 0 while v > 0, so v is convex there and the sign of its slope b
-    says on which side its minimum lies. sense = -1: a rise of v while the drive falls, its mirror image.
-    """
+    """A point with sense * v < 0 between two ends with sense * v >= 0, NaN where there is none. Lemma 4. sense = +1: a dip of v while the
+    drive rises: v'' = v + a' > 0 while v > 0, so v is convex there and the sign of its slope b says on which side its minimum lies. sense =
+    -1: a rise of v while the drive falls, its mirror image."""
     found = np.full(low.shape, np.nan)
     lanes = np.arange(low.size)
     low, high = low.copy(), high.copy()
@@ -132,20 +127,12 @@ def hidden_turn(arc: Flow, low: Array, high: Array, sense: float) -> Array:
     return found
 
 
-_HALVINGS = 40  # two turns closer than 1e-12 of a step are none: the height between them is the same to every digit
-
-
-class Sense(NamedTuple):
-    """Of each step whether y' is proved to have no zero, and whether y' is proved to be monotone."""
-
-    kept: Array
-    monotone: Array
-
-
-def sense(arc: Flow, h: Array, end: Point, bent: Array) -> Sense:
-    """What follows for steps of h from both their ends and how far they are bent in between (`TaylorSeries.bent`)."""
+def sense(arc: Flow, h: Array, end: Point, bent: Array) -> tuple[Array, Array]:
+    """(True if y' is proved to have no zero, True if it is proved to be monotone) along steps of h, from both their ends and how far they
+    are bent in between (`TaylorSeries.at_with_chord_errors`)."""
     speed, rate = (np.array([at_start * part, at_end * part]) for at_start, at_end, part in ((arc.v, end.v, h), (arc.b, end.b, h * h)))
-    return Sense(*((x.min(axis=0) > most) | (x.max(axis=0) < -most) for x, most in zip((speed, rate), bent, strict=True)))
+    kept, monotone = ((x.min(axis=0) > most) | (x.max(axis=0) < -most) for x, most in zip((speed, rate), bent, strict=True))
+    return kept, monotone
 
 
 def falls_through_zero(arc: Flow, reach: Array, lanes: Array, once: Array) -> tuple[Array, Array, Array]:

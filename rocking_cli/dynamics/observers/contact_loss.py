@@ -52,11 +52,8 @@ class Shakes(NamedTuple):
 
 
 def chord_errors(body: Body, edge: Edge, s: Shakes, h: Array, one: Ends, other: Ends) -> Array:
-    """h^2/8 times a bound of |Fz''| over m g; infinite where the stretch is too long for a bound of |u'|.
-
-    |u'''| is at most P' + W' |z| + 2 zeta (P + W |z|) and (P + W + 4 zeta^2) |u'|, for the nonlinear equation with |sin z| for |z|; the
-    linear one has no P |u'|.
-    """
+    """h^2/8 times a bound of |Fz''| over m g; infinite where the stretch is too long for a bound of |u'|. |u'''| is at most P' + W' |z| + 2
+    zeta (P + W |z|) and (P + W + 4 zeta^2) |u'|, for the nonlinear equation with |sin z| for |z|; the linear one has no P |u'|."""
     zeta2, heavy, eighth = 2.0 * body.damping, 1.0 + s.sway, 0.125 * h * h
     flat, steep, by_turn = s.push1 + zeta2 * s.push, heavy + zeta2 * zeta2, s.sway1 + zeta2 * heavy
     if body.linear:
@@ -80,10 +77,8 @@ def chord_errors(body: Body, edge: Edge, s: Shakes, h: Array, one: Ends, other: 
 
 
 class ContactLoss(Observer):
-    """Which cells have lost the ground, of those `watched` on their way; `open`: of which nothing is proved beforehand, (cells,).
-
-    ahead: the push over the proved one, above 0, beyond which cells are watched.
-    """
+    """Which cells have lost the ground, of those `watched` on their way; `open`: of which nothing is proved beforehand, (cells,). ahead:
+    the push over the proved one, above 0, beyond which cells are watched."""
 
     def __init__(self, body: Body, batch: Batch, ahead: float) -> None:
         self.body, self.batch, self.segments, self.ground = body, batch, batch.segments, Ground(body, batch.segments)
@@ -167,11 +162,9 @@ class ContactLoss(Observer):
         self._lost[some.cell[np.flatnonzero(self._least_to_come(some) <= 0.0)]] = True
 
     def _least_to_come(self, lanes: Lanes) -> Array:
-        """Least Fz/(m g) over still ground, of the next impact on either edge; damped a lower bound, -inf where none is proved.
-
-        With S = sin z (linear: z) and u'^2 = q at the next impact Fz >= 1 - kappa (S sin z + u'^2 cos z), which falls towards the ground
-        while 3 cos z > cos(alpha) + q/2 (linear: q < 1). Damping takes energy, and adds at most 2 zeta kappa u' to the force.
-        """
+        """Least Fz/(m g) over still ground, of the next impact on either edge; damped a lower bound, -inf where none is proved. With S =
+        sin z (linear: z) and u'^2 = q at the next impact Fz >= 1 - kappa (S sin z + u'^2 cos z), which falls towards the ground while 3 cos
+        z > cos(alpha) + q/2 (linear: q < 1). Damping takes energy, and adds at most 2 zeta kappa u' to the force."""
         here, there = self.body.on(lanes.side), self.body.on(-lanes.side)
         square, least = self.body.square_at_ground(here, lanes.y, lanes.v), np.full(lanes.y.size, np.inf)
         for edge, q in ((here, square), (there, square * (lanes.eta * there.unit / here.unit) ** 2)):

@@ -65,11 +65,9 @@ class Extremes:
         return ~(bound <= self.largest[cell])
 
     def search(self, cell: Array, along: Callable[[Array, Array], Ratio], s: Stretches, one: Ratio, other: Ratio) -> None:
-        """Take in the largest values on stretches of these cells, (n,).
-
-        along: the ratio in motions of given indices at given times; one, other: the ratio at the start and at the end of each stretch. The
-        value found on a stretch depends neither on other stretches nor on the extremes so far.
-        """
+        """Take in the largest values on stretches of these cells, (n,). along: the ratio in motions of given indices at given times; one,
+        other: the ratio at the start and at the end of each stretch. The value found on a stretch depends neither on other stretches nor on
+        the extremes so far."""
         best = np.maximum(one.value, other.value)
         self.offer(cell, best)
         with np.errstate(all="ignore"):

@@ -79,10 +79,8 @@ class ForceExtremes(Extremes):
         return np.any(beat, axis=tuple(range(beat.ndim - 1)))
 
     def take_in_along(self, cell: Array, along: Along, whole: Stretches, start: Forces, end: Forces, one_way: bool = False) -> None:
-        """Forces on stretches of motions of these cells.
-
-        along: the forces inside the motions; start, end: those at the ends of each stretch; one_way: True if only an outward Fx counts.
-        """
+        """Forces on stretches of motions of these cells. along: the forces inside the motions; start, end: those at the ends of each
+        stretch; one_way: True if only an outward Fx counts."""
         s, one, other = parts(along, whole, start, end)
         kinds = np.array([0, 1] if one_way else [0, 1, -1])
         kind, own = np.repeat(kinds, s.own.size), np.tile(s.own, kinds.size)

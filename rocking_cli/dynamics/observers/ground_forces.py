@@ -189,13 +189,10 @@ class GroundForces(Observer):
             can = self.extremes.can_be_beaten(cell, fx, fz)
         bounces, done = np.flatnonzero(known & (speed > 0.0)), known | ~can
         self.extremes.take_in(cell[bounces], fx[:, 0][..., bounces], fz[:, 0][..., bounces])
-        self._rest_after(lanes, lasts, np.flatnonzero(done & (lanes.k < self.batch.shaken)))
-        return done
-
-    def _rest_after(self, lanes: Lanes, lasts: Array, at: Array) -> None:
-        """The rest of the lanes `at` after their bounces, until their next uplift."""
+        at = np.flatnonzero(done & (lanes.k < self.batch.shaken))  # they rest after their bounces until their next uplift
         cell, (k, u) = lanes.cell[at], place(self.segments, lanes.k[at], lanes.u[at] + lanes.omega[at] * lasts[at])
         self.rest(cell, k, u, *self.batch.rests_until(cell, k, u)[1])
+        return done
 
     def result(self, outcome: Array) -> tuple[Array, Array]:
         """The largest |Fx|/Fz (infinite where Fz <= 0) and the least Fz/(m g) of each cell, (cells,); outcome: of each cell."""

@@ -12,11 +12,8 @@ from ..lanes import Array, Lanes
 
 
 class Arcs(NamedTuple):
-    """The motion of lanes from their present state until `stop` [tau], each along its flow.
-
-    lanes: as they are at 0; flow: of these lanes; y, v, b: displacement, velocity and force at `stop`, (lanes,); wanted: indices of the
-    lanes whose outcome is still open.
-    """
+    """The motion of lanes from their present state until `stop` [tau], each along its flow. lanes: as they are at 0; flow: of these lanes;
+    y, v, b: displacement, velocity and force at `stop`, (lanes,); wanted: indices of the lanes whose outcome is still open."""
 
     lanes: Lanes
     flow: Flow
@@ -28,10 +25,8 @@ class Arcs(NamedTuple):
 
 
 class TaylorSteps(NamedTuple):
-    """Motion of bodies in the air from one sample to the next, (steps,).
-
-    cell: which cell; side: +1 or -1; equation: of these cells on these sides; start, end: (y, y') at either end; ramp: what drives them.
-    """
+    """Motion of bodies in the air from one sample to the next, (steps,). cell: which cell; side: +1 or -1; equation: of these cells on
+    these sides; start, end: (y, y') at either end; ramp: what drives them."""
 
     cell: Array
     side: Array

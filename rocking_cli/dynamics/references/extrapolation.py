@@ -67,11 +67,9 @@ def step(rate: Rate, start: Point, length: float) -> Point | None:
 
 
 def path(rate: Rate, start: Point, stop: float, limit: float) -> Path:
-    """The path from an instant on or above the ground until `stop`, an impact, or an angle beyond `limit`.
-
-    A step holds at most one peak, or one dip, which may reach the ground although both ends of the step lie above it.
-    Raises ArithmeticError when no step is short enough.
-    """
+    """The path from an instant on or above the ground until `stop`, an impact, or an angle beyond `limit`. A step holds at most one peak,
+    or one dip, which may reach the ground although both ends of the step lie above it. Raises ArithmeticError when no step is short
+    enough."""
     peaks: list[Point] = []
     stretch, passed = stop - start.time, 0.0
     longest, here, steps = stretch / _PIECES, start, [start]

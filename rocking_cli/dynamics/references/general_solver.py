@@ -46,12 +46,9 @@ class Arm(NamedTuple):
 
 @dataclass(frozen=True)
 class Rates:
-    """An equation of motion on one edge.
-
-    alpha: critical angle [rad]; uplift: static lambda [-]; limit: theta [rad] from which the body has overturned whatever comes; of:
-    (theta', w') by tau, from theta, w, the inward ground acceleration [g] and the weight over m g; returns: False if nothing is known of
-    bodies beyond alpha that have lost contact.
-    """
+    """An equation of motion on one edge. alpha: critical angle [rad]; uplift: static lambda [-]; limit: theta [rad] from which the body has
+    overturned whatever comes; of: (theta', w') by tau, from theta, w, the inward ground acceleration [g] and the weight over m g; returns:
+    False if nothing is known of bodies beyond alpha that have lost contact."""
 
     alpha: float
     uplift: float
@@ -98,12 +95,9 @@ def mechanism_rates(structure: RockingParameters, edge: Edge) -> Rates:
 
 @dataclass(frozen=True)
 class Problem:
-    """A structure as general solvers take it.
-
-    edges: the equation of each side, +1 for theta > 0, and -1 unless the body rocks to the right only; scale: ground acceleration of
-    A = 1 [g]; eta: theta' after over before an impact on leaving each edge, empty for that of the cell; arms: those of a rigid body, empty
-    if its forces are not known.
-    """
+    """A structure as general solvers take it. edges: the equation of each side, +1 for theta > 0, and -1 unless the body rocks to the right
+    only; scale: ground acceleration of A = 1 [g]; eta: theta' after over before an impact on leaving each edge, empty for that of the cell;
+    arms: those of a rigid body, empty if its forces are not known."""
 
     edges: dict[int, Rates]
     scale: float
@@ -154,11 +148,8 @@ def next_uplift(piece: Piece, phase: float, push: float) -> float | None:
 
 
 def lets_go(rough: tuple[float, float, float], force: Callable[[float], float]) -> bool:
-    """True if a force falls to zero on a step, which holds at most one minimum.
-
-    rough: the force at the start, about the middle and at the end; force: function of the part of the step. The search is skipped if the
-    parabola through the three stays well above zero.
-    """
+    """True if a force falls to zero on a step, which holds at most one minimum. rough: the force at the start, about the middle and at the
+    end; force: function of the part of the step. The search is skipped if the parabola through the three stays well above zero."""
     first, middle, last = rough
     if first <= 0.0 or last <= 0.0:
         return True

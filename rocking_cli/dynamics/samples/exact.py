@@ -62,10 +62,8 @@ def _mode(samples: Array, weights: Sequence[float], decays: Sequence[float]) -> 
 
 
 class Stretches(NamedTuple):
-    """Bounds over stretches: that of level k from sample n covers the samples n ... n + 2^k, as far as there are any.
-
-    low: (2 sides x stretches,), 40 bytes a sample; start, shift: (levels,); face: entries of one side: 0 is the right edge, this the left.
-    """
+    """Bounds over stretches: that of level k from sample n covers the samples n ... n + 2^k, as far as there are any. low: (2 sides x
+    stretches,), 40 bytes a sample; start, shift: (levels,); face: entries of one side: 0 is the right edge, this the left."""
 
     low: Array
     start: Array

@@ -149,12 +149,8 @@ class WeighedTaylorStepper(TaylorStepper):
         weight = np.maximum(added, sway * self.steepest_up / pace)
         return degrees(2.0 + drive + weight, pace * np.sqrt(1.0 + added), self.equation.tolerance)
 
-    def _sway(self, outward: Array) -> Array:
-        """zg''/g of s_v = 1."""
-        return np.where(outward < 0.0, *self.share) * np.abs(outward)
-
     def _ramp(self, k: Array, outward: Array, pace: Array, factors: Array) -> Ramp:
-        sway = self._sway(outward)
+        sway = np.where(outward < 0.0, *self.share) * np.abs(outward)  # zg''/g of s_v = 1
         weight = sway * self.ups.take(k)
         weight += 1.0
         return super()._ramp(k, outward, pace, factors)._replace(weight=(weight, sway * self.rises.take(k)))

@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
+from support import references
 
 from rocking_cli import build_structure, parse_documents, pulse, sine
 from rocking_cli.dynamics.equations import collocation
 from rocking_cli.dynamics.equations.mechanism import MechanismEquation
-from rocking_cli.dynamics.lanes import Lanes
 from rocking_cli.dynamics.system import System
 
 ARCHES = {
@@ -37,8 +37,8 @@ def lanes_of(equation, segments, count, seed):
     u, side = random.uniform(0.0, segments.length[k]), random.choice([-1.0, 1.0], count)
     amplitude, omega = random.uniform(1.0, 12.0, count), random.uniform(0.5, 12.0, count)
     y, v = random.uniform(0.0, min(2.5, 0.5 * equation.limit), count), random.uniform(-3.0, 3.0, count)
-    b, none = equation.force(y, -side * amplitude * drive(segments, k, u)), np.zeros(count, dtype=np.int32)
-    return Lanes(np.arange(count), amplitude, omega, np.ones(count), k, u, side, y, v, b, np.zeros(count), none, none)
+    b = equation.force(y, -side * amplitude * drive(segments, k, u))
+    return references.lanes(amplitude=amplitude, omega=omega, k=k, u=u, side=side, y=y, v=v, b=b)
 
 
 @pytest.mark.parametrize("count", [8, 14, 17])

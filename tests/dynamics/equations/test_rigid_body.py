@@ -13,8 +13,6 @@ from support.references import integrated, lanes
 from rocking_cli import Method, Outcome, cosine, linear_response, nonlinear_response, parse_documents, sine, trace_envelope
 from rocking_cli import build_structure as build
 from rocking_cli.dynamics.equations.rigid_body import RigidBodyEquation
-from rocking_cli.dynamics.response import response
-from rocking_cli.dynamics.system import System
 from rocking_cli.motions import Harmonic, Motion, Piece
 
 BLOCK = "kind: block\nradius: 1.6065814 m\nalpha: 0.25\nrestitution: 0.9"
@@ -28,15 +26,6 @@ def test_overturning_intervals_of_the_reference_block():
     assert (found[0].a_from, found[0].a_to, found[1].a_from) == pytest.approx((3.03234, 6.74302, 7.49300), abs=1e-5)
     scale = 0.25 / math.tan(0.25)
     assert found[0].a_from * scale == pytest.approx(2.96890, abs=1e-5)
-
-
-def test_one_lane_is_the_same_lane_in_a_batch():
-    random = np.random.default_rng(5)
-    amplitude, omega = random.uniform(0.9, 9, 40), random.uniform(0.3, 12, 40)
-    whole = response(System(RigidBodyEquation(0.25)), sine(), amplitude, omega, 0.9)
-    for pool in (1, 7):
-        other = response(System(RigidBodyEquation(0.25)), sine(), amplitude, omega, 0.9, pool=pool)
-        assert other.theta_ratio.tobytes() == whole.theta_ratio.tobytes()
 
 
 @pytest.mark.parametrize("n", [10, pytest.param(200, marks=pytest.mark.soak)])
@@ -99,19 +88,6 @@ def test_free_quarter_period_equals_the_quadrature(alpha, start):
         time, y, v = time + h[0], end.y[0], end.v[0]
     time += brentq(lambda x: flow.at(np.array([x])).y[0], 0.0, h[0], xtol=1e-15)
     assert time == pytest.approx(expected, rel=1e-9, abs=0)
-
-
-def test_energy_is_constant_between_impacts():
-    model, y, v, energies = RigidBodyEquation(0.3, 1e-11), 0.0, 1.2, []
-    for _ in range(60):
-        energies.append(0.5 * v * v + math.cos(model.alpha - model.sin * y) / model.sin**2)
-        flow = series_from(model, y, v)
-        end = flow.at(flow.longest)
-        y, v = end.y[0], end.v[0]
-        if y < 0.0:
-            break
-    assert len(energies) > 3
-    assert np.ptp(energies) < 1e-11 * energies[0]
 
 
 def test_order_of_the_flow_is_the_order_of_its_series():

@@ -1,4 +1,4 @@
-"""Within one step: what is proved without a root search, and bodies that turn back next to the ground."""
+"""Within one step: windows of the drive, what is proved without a root search, and bodies that turn back next to the ground."""
 
 from __future__ import annotations
 
@@ -6,16 +6,15 @@ import math
 
 import numpy as np
 import pytest
+from support.references import LADDER, MIXED, lanes
 
-from rocking_cli import LinearEquation, Motion, RigidBodyEquation, sine
-from rocking_cli.dynamics.drive import drive_change
-from rocking_cli.dynamics.lanes import Lanes
+from rocking_cli import LinearEquation, RigidBodyEquation, cosine, pulse, sine
+from rocking_cli.dynamics.drive import crossing, drive_change, phase_between, place, segment_value
 from rocking_cli.dynamics.march import advance
-from rocking_cli.motions import Piece
-
-
-def one(x):
-    return np.array([float(x)])
+from rocking_cli.dynamics.march.advance import window_end
+from rocking_cli.dynamics.weight import weighed
+from rocking_cli.motions import Harmonic, Motion, Piece
+from rocking_cli.motions.biaxial import with_vertical
 
 
 @pytest.mark.parametrize(
@@ -36,17 +35,14 @@ def test_grazing_is_decided_on_either_side(model):
             for least in (-offset, offset):
                 spots = least + 0.5 * (y0 - least) * (nodes + 1.0)
                 rise = 0.5 * (y0 - least) * float(weights @ model.force(spots, np.full(40, a)))
-                k = np.zeros(1, dtype=np.int64)
-                b = model.force(one(y0), one(a))
-                lanes = Lanes(k, one(a), one(1), one(1), k, one(0), one(-1), one(y0), one(-math.sqrt(2 * rise)), b, one(0), k, k)
-                hit = False
+                b = model.force(np.array([y0]), np.array([a]))
+                body, hit = lanes(amplitude=a, side=-1.0, y=y0, v=-math.sqrt(2 * rise), b=b), False
                 for _ in range(40):
-                    event = advance.advance(push, lanes, model)
+                    event = advance.advance(push, body, model)
                     hit |= bool(event.hit[0])
                     if hit or event.end.v[0] > 0.0:
                         break
-                    lanes.u = event.step.u
-                    lanes.y, lanes.v, lanes.b = event.end.y, event.end.v, event.end.b
+                    body.u, body.y, body.v, body.b = event.step.u, event.end.y, event.end.v, event.end.b
                 assert hit == (least < 0.0), (offset, a, y0)
 
 
@@ -63,12 +59,11 @@ def test_grazing_is_decided_on_either_side(model):
 def test_the_drive_of_a_step_falls_until_its_last_segment_begins(side, begins, ends, falls_until):
     segments = sine().segments
     starts = 0.5 * math.pi * np.array([0.0, 1.0, 3.0])
-    k, u = np.array([begins[0]]), one(begins[1])
-    lanes = Lanes(k, one(2), one(3), one(1), k, u, one(side), one(0.4), one(0.1), one(0), one(0), k, k)
-    h = (starts[ends[0]] + ends[1] - starts[begins[0]] - begins[1]) / 3.0
-    step = advance.Step(np.array([ends[0]]), one(ends[1]), one(h), np.array([advance.SUBCRITICAL]), one(0))
-    passage = advance.Passage(step, None, None, one(h), np.array([False]), one(0), one(0))
-    found = advance._bottom(segments, lanes, passage, np.array([0]))
+    body, none = lanes(amplitude=2.0, omega=3.0, k=begins[0], u=begins[1], side=side, y=0.4, v=0.1), np.zeros(1)
+    h = np.array([(starts[ends[0]] + ends[1] - starts[begins[0]] - begins[1]) / 3.0])
+    step = advance.Step(np.array([ends[0]]), np.array([ends[1]]), h, np.array([False]), none)
+    passage = advance.Passage(step, None, None, h, np.array([False]), none, none)
+    found = advance._bottom(segments, body, passage, np.array([0]))
     assert found[0] == pytest.approx((falls_until - starts[begins[0]] - begins[1]) / 3.0, abs=1e-14)
 
 
@@ -79,25 +74,104 @@ def test_every_crest_of_a_step_is_found(damping):
     random, count, equation = np.random.default_rng(21), 2500, LinearEquation(damping)
     segments = sine(2).segments
     k, side = random.integers(0, len(segments), count), random.choice([-1.0, 1.0], count)
-    u, amplitude, omega = (
-        segments.length[k] * random.uniform(0.0, 0.95, count),
-        random.uniform(0.3, 3.0, count),
-        random.uniform(0.3, 2.0, count),
-    )
+    u = segments.length[k] * random.uniform(0.0, 0.95, count)
+    amplitude, omega = random.uniform(0.3, 3.0, count), random.uniform(0.3, 2.0, count)
     y, v = random.uniform(0.2, 1.4, count), random.uniform(-0.4, 0.4, count)
     b = equation.force(y, -side * amplitude * (segments.s_start[k] + drive_change(segments, k, u)))
-    lanes = Lanes(np.arange(count), amplitude, omega, np.ones(count), k, u, side, y, v, b, np.zeros(count), 0 * k, 0 * k)
-    passage = advance.advance(segments, lanes, equation)
-    found = advance.turning_points(segments, lanes, passage, np.ones(count, dtype=bool))
+    bodies = lanes(amplitude=amplitude, omega=omega, k=k, u=u, side=side, y=y, v=v, b=b)
+    passage = advance.advance(segments, bodies, equation)
+    turned, h, _ = advance.turning_points(segments, bodies, passage, np.ones(count, dtype=bool))
     raster = np.linspace(0.0, 1.0, 1001)[:, None] * passage.reach
-    speed = np.array([passage.arc.at(h).v for h in raster])
+    speed = np.array([passage.arc.at(x).v for x in raster])
     falls = (speed[:-1] > 0.0) & (speed[1:] <= 0.0)
     (at,) = np.nonzero(falls.any(axis=0))
-    np.testing.assert_array_equal(at, np.sort(found.lanes))
-    order = np.argsort(found.lanes)
+    np.testing.assert_array_equal(at, np.sort(turned))
+    order = np.argsort(turned)
     first = falls[:, at].argmax(axis=0)
-    assert np.all(raster[first, at] <= found.h[order] + 1e-12)
-    assert np.all(found.h[order] <= raster[first + 1, at] + 1e-12)
+    assert np.all(raster[first, at] <= h[order] + 1e-12)
+    assert np.all(h[order] <= raster[first + 1, at] + 1e-12)
     ends = speed[-1, at]
     assert ((v[at] < 0.0) & (ends < 0.0)).sum() > 5, "turned outwards and back"
     assert ((v[at] > 0.0) & (ends > 0.0)).sum() > 5, "turned back and outwards"
+
+
+MOTIONS = [sine(), sine(2.5), cosine(1.5), LADDER, MIXED, pulse("ricker-symmetric"), pulse("rectangular-impulse")]
+
+
+def drive_at(segments, k, u, side, amplitude):
+    """The outward drive at a position, and the rounding of it."""
+    s = segments.s_start[k] + segment_value(segments, k, u)[0]
+    return -side * amplitude * s, 1e-14 * amplitude * (1.0 + np.abs(segments.s_start[k]))
+
+
+@pytest.mark.parametrize("motion", MOTIONS, ids=lambda m: m.name)
+def test_windows_tile_the_motion_and_state_the_sign_of_the_drive(motion):
+    segments, random = motion.segments, np.random.default_rng(1)
+    amplitude, side = random.uniform(0.5, 8.0, 40), random.choice([-1.0, 1.0], 40)
+    k, u = np.zeros(40, dtype=np.int64), np.zeros(40)
+    covered, ridges = np.zeros(40), 0
+    for _ in range(4 * len(segments) + 4):
+        on = np.flatnonzero(k < len(segments))
+        if not on.size:
+            break
+        window = window_end(segments, k[on], u[on], side[on], amplitude[on])
+        ridges += int(window.supercritical.sum())
+        for i, lane in enumerate(on):
+            assert window.k[i] in (k[lane], k[lane] + 1)
+            spans = [(k[lane], u[lane], window.u[i] if window.k[i] == k[lane] else segments.length[k[lane]])]
+            spans += [(window.k[i], 0.0, window.u[i])] if window.k[i] > k[lane] else []
+            values = []
+            for at, low, high in spans:
+                assert high >= low
+                covered[lane] += high - low
+                inside = np.linspace(low, high, 60)
+                a, rounding = drive_at(segments, np.full(60, at), inside, side[lane], amplitude[lane])
+                beyond = a - 1.0 if window.supercritical[i] else 1.0 - a
+                assert np.all(beyond >= -1e-13 * amplitude[lane] - rounding)
+                values.append(a)
+            if not window.supercritical[i]:  # a subcritical ends at an inner maximum: the drive falls and rises, never the other way round
+                steps = np.sign(np.diff(np.concatenate(values)).round(12))
+                steps = steps[steps != 0.0]
+                assert np.all(np.diff(steps) >= 0.0)
+        k[on], u[on] = place(segments, window.k, window.u)
+    assert np.all(k == len(segments))
+    assert ridges > 0
+    assert covered == pytest.approx(np.full(40, motion.duration), rel=1e-13)
+
+
+@pytest.mark.parametrize("motion", MOTIONS, ids=lambda m: m.name)
+def test_a_crossing_is_where_the_motion_has_the_level(motion):
+    segments, random = motion.segments, np.random.default_rng(2)
+    for share in (1e-12, 1e-6, 0.1, 0.5, 0.9, 1.0 - 1e-9):
+        k = random.integers(0, len(segments), 50)
+        k = k[segments.s_start[k] != segments.s_end[k]]
+        level = segments.s_start[k] + share * (segments.s_end[k] - segments.s_start[k])
+        u = crossing(segments, k, level)
+        assert np.all((u >= 0.0) & (u <= segments.length[k]))
+        assert segments.s_start[k] + segment_value(segments, k, u)[0] == pytest.approx(level, abs=5e-15)
+
+
+@pytest.mark.parametrize("short", [1e-4, 1e-8, 1e-12])
+def test_a_crossing_next_to_an_extremum_keeps_its_distance_to_it(short):
+    """sin u = 1 - d at u = pi/2 - sqrt(2 d) (1 + d/12): the distance to the peak is off by no more than one rounding of the level."""
+    level = np.array([1.0 - short])
+    d = 1.0 - level[0]
+    u = crossing(sine(0.5).segments, np.zeros(1, dtype=np.int64), level)
+    expected = np.sqrt(2.0 * d) * (1.0 + d / 12.0)
+    assert np.pi / 2 - u[0] == pytest.approx(expected, abs=4e-16, rel=np.finfo(float).eps / d + d * d)
+
+
+WEIGHED = weighed(with_vertical(sine(2), Motion("fast", (Piece(0.0, 9.0, (Harmonic(0.6, 3.3, 0.4),)),))), 0.3, 0.5)
+
+
+@pytest.mark.parametrize("segments", [*(m.segments for m in (sine(2.5), MIXED, pulse("ricker-symmetric"))), WEIGHED])
+def test_the_phase_to_the_end_of_a_window_is_that_of_the_segments_between(segments):
+    random = np.random.default_rng(2)
+    side, amplitude = random.choice([-1.0, 1.0], 2000), random.uniform(0.5, 8.0, 2000)
+    k = random.integers(0, len(segments), 2000)
+    u = random.uniform(0.0, 1.0, 2000) * segments.length[k]
+    for _ in range(3):  # where a window ends the next one begins, and at its neighbours
+        end = window_end(segments, k, u, side, amplitude)
+        np.testing.assert_allclose(end.phase(u), phase_between(segments, k, u, end.k, end.u), rtol=0.0, atol=4e-15)
+        k, u = place(segments, end.k, np.nextafter(end.u, random.choice([-9.0, 9.0], 2000)))
+        k, u = np.minimum(k, len(segments) - 1), np.where(k < len(segments), u, 0.0)

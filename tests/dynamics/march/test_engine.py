@@ -3,17 +3,23 @@
 from __future__ import annotations
 
 import math
+import os
+import platform
+import subprocess
+import sys
 from collections import Counter
 from itertools import pairwise
 
 import numpy as np
 import pytest
+from support.documents import built
 from support.references import INTERVALS, LADDER, MIXED, integrated
 from support.synthetic_records import allowance
 
-from rocking_cli import Motion, Outcome, cosine, linear_response, pulse, sine
+from rocking_cli import Method, Motion, Outcome, RockingParameters, cosine, linear_response, pulse, response, sine
 from rocking_cli.dynamics.march.engine import Run
 from rocking_cli.motions import Harmonic, Piece
+from rocking_cli.motions.biaxial import with_vertical
 
 
 @pytest.mark.parametrize(("omega", "begin", "end", "no_impact", "digit"), INTERVALS)
@@ -26,13 +32,13 @@ def test_outcome_changes_where_the_reference_table_says(omega, begin, end, no_im
 
 def compare(motion, amplitude, omega, eta):
     """Every cell to what errors of 1e-15 come to in it."""
-    response = linear_response(motion, amplitude, omega, eta)
+    found = linear_response(motion, amplitude, omega, eta)
     allowed = 1e-3 * allowance(motion, amplitude, omega, eta)
     for i, case in enumerate(zip(amplitude, omega, eta, strict=True)):
         flag, theta, impacts = integrated(motion, *case)
-        assert Outcome(response.outcome[i]).flag == flag, case
-        assert math.isnan(theta) or abs(response.theta_ratio[i] - theta) <= allowed[i], case
-        assert impacts >= 10 or response.impacts[i] == impacts, case  # the oracle ends a sequence of impacts by a threshold
+        assert Outcome(found.outcome[i]).flag == flag, case
+        assert math.isnan(theta) or abs(found.theta_ratio[i] - theta) <= allowed[i], case
+        assert impacts >= 10 or found.impacts[i] == impacts, case  # the oracle ends a sequence of impacts by a threshold
 
 
 @pytest.mark.parametrize("n", [30, pytest.param(200, marks=pytest.mark.soak)])
@@ -73,16 +79,28 @@ def test_first_uplift_and_no_uplift():
     assert response.theta_ratio[:3].tolist() == [0.0] * 3
 
 
-def test_one_lane_equals_the_same_lane_in_a_batch_to_the_last_bit():
-    random = np.random.default_rng(3)
-    amplitude, omega, eta = random.uniform(0.9, 9, 400), random.uniform(0.3, 12, 400), random.uniform(0, 1, 400)
-    whole = linear_response(sine(1.5), amplitude, omega, eta)
-    small = linear_response(sine(1.5), amplitude, omega, eta, pool=7)
-    assert small.theta_ratio.tobytes() == whole.theta_ratio.tobytes()
-    for i in range(0, 400, 10):
-        one = linear_response(sine(1.5), amplitude[i], omega[i], eta[i])
-        assert one.theta_ratio.tobytes() == whole.theta_ratio[i].tobytes()
-        assert one.outcome == whole.outcome[i]
+ARCH = "kind: arch\nradius: 10 m\nthickness: 1.5 m\nangle: 157.5 deg\nvoussoirs: 7\nrestitution: 0.7"
+BLOCK = RockingParameters("b", "block", 2.0, 0.25, 0.9, math.tan(0.25), 1.0)
+
+
+@pytest.mark.parametrize(
+    ("body", "model", "motion", "count"),
+    [
+        (BLOCK, "linear", sine(1.5), 200),
+        (BLOCK, "nonlinear", sine(1.5), 40),
+        (BLOCK, "nonlinear", with_vertical(sine(2), cosine(3), 0.5), 4),
+        (built(ARCH), "nonlinear", sine(), 30),
+    ],
+    ids=["linear", "rigid body", "weighed", "arch"],
+)
+def test_one_lane_equals_the_same_lane_in_a_batch_to_the_last_bit(body, model, motion, count):
+    random, system = np.random.default_rng(3), Method(model).system_of(body)
+    cells = random.uniform(0.9, 9, count), random.uniform(0.3, 12, count), random.uniform(0, 1, count)
+    whole, few = response(system, motion, *cells), response(system, motion, *cells, pool=7)
+    assert few.theta_ratio.tobytes() == whole.theta_ratio.tobytes()
+    for i in range(0, count, 1 + count // 20):
+        one = response(system, motion, *(x[i] for x in cells))
+        assert (one.theta_ratio.tobytes(), one.outcome) == (whole.theta_ratio[i].tobytes(), whole.outcome[i])
 
 
 def test_those_that_bounce_longest_begin_in_whatever_order_cells_are_given(monkeypatch):
@@ -152,3 +170,22 @@ def test_cells_equal_fifty_digits(motion, amplitude, omega, eta, theta, toleranc
     found = linear_response(motion, amplitude, omega, eta)
     assert found.outcome == Outcome.ROCKED
     assert float(found.theta_ratio) == pytest.approx(theta, rel=0.0, abs=tolerance)
+
+
+CODE = """
+import resource
+import numpy as np
+from rocking_cli import linear_response, sine
+axis = np.linspace(0.5, 12.0, 300)
+for _ in range(4):
+    before = resource.getrusage(resource.RUSAGE_SELF).ru_minflt
+    linear_response(sine(), axis[None, :], axis[:, None], 0.9)
+print(resource.getrusage(resource.RUSAGE_SELF).ru_minflt - before)
+"""
+
+
+@pytest.mark.skipif(platform.libc_ver()[0] != "glibc", reason="another C library")
+@pytest.mark.parametrize("asked", [{}, {"MALLOC_TRIM_THRESHOLD_": "65536"}])
+def test_a_march_faults_in_no_memory_that_it_had_before(asked):
+    done = subprocess.run([sys.executable, "-c", CODE], env={**os.environ, **asked}, capture_output=True, text=True, check=True)
+    assert int(done.stdout) < 2000  # pages; 36,000 where each round gets its arrays anew

@@ -8,9 +8,14 @@ import numpy as np
 import pytest
 from oracles.ground_forces import asked
 from support.bodies import KINDS, drawn, shaken, shaking
+from support.synthetic_records import RECORDS, long_series, noise, upwards
+from support.synthetic_records import shaken as shaken_by
 
 from rocking_cli import Method, Outcome, build_structure, cosine, parse_documents, parse_grid, pulse, response, sine
+from rocking_cli.dynamics.march.batch import Batch
 from rocking_cli.dynamics.observers import extremes, ground_forces
+from rocking_cli.dynamics.observers.ground_forces import GroundForces
+from rocking_cli.dynamics.outcome import safe
 from rocking_cli.dynamics.response import response_with_demands
 from rocking_cli.errors import UsageError
 from rocking_cli.motions.biaxial import with_vertical
@@ -21,6 +26,8 @@ from rocking_cli.spectra.sweep import SweepOptions, spectrum_of
 MOTIONS = [sine(1), sine(2), pulse("rectangular-impulse"), cosine(1)]
 ETAS = 0.4, 0.85
 
+RECORD, UPWARDS = shaken_by(RECORDS[0], 0.05), shaken_by(noise(120, 0.04, 8), 0.04)
+SPIKES = shaken_by(np.random.default_rng(4).uniform(-1.0, 1.0, 60), 0.2)
 BLOCK = "kind: block\nwidth: 0.6\nheight: 3\n"
 BODIES = {"block": BLOCK, "one-sided": BLOCK + "one_sided: true\nrestitution: -0.4\n"}
 
@@ -58,15 +65,56 @@ def test_they_are_those_of_an_integration_by_another_solver(kind, vertical, coun
         count -= 1
 
 
-@pytest.mark.parametrize("motion", [sine(2), with_vertical(sine(1), cosine(1.0), 0.2)], ids=["steady", "weighed"])
-def test_cells_of_a_grid_ask_what_they_ask_alone(motion):
-    """Rest until the first uplift is looked at once for each amplitude that comes again."""
-    body = body_of(BODIES["block"])
-    system, (amplitude, omega) = Method("nonlinear").system_of(body), np.meshgrid([0.5, 1.2, 3.0], np.linspace(3.0, 8.0, 4))
-    _, together = response_with_demands(system, motion, amplitude, omega, body.eta)
-    for i in np.ndindex(amplitude.shape):
-        _, alone = response_with_demands(system, motion, amplitude[i], omega[i], body.eta)
-        assert all(np.array_equal(values[i], alone[name], equal_nan=True) for name, values in together.items())
+@pytest.mark.parametrize(
+    ("kind", "model", "vertical", "motion", "count"),
+    [
+        ("unequal", "nonlinear", True, RECORD, 3),
+        ("one-sided", "linear", False, RECORD, 3),
+        ("damped", "nonlinear", False, RECORD, 3),
+        *(
+            pytest.param(kind, model, vertical, motion, 60, marks=pytest.mark.soak)
+            for kind in KINDS
+            for model in ("linear", "nonlinear")
+            for vertical in (False, True)
+            for motion in (*map(shaken_by, RECORDS, (0.05, 0.05, 0.04)), SPIKES)
+        ),
+    ],
+)
+def test_under_records_they_are_those_of_the_march_by_long_series(kind, model, vertical, motion, count):
+    random = np.random.default_rng(3)
+    system = Method(model, 1e-12).system_of(drawn(kind, random, (0.1, 0.5), ETAS, 0.3)[0])
+    cells = random.uniform(0.8, 4.0, count), np.exp(random.uniform(-1.1, 0.5, count)), -0.6 if kind == "one-sided" else 0.6
+    motions = upwards(motion, UPWARDS, 0.3) if vertical else (motion, long_series(motion))
+    (found, stepped), (marched, asked) = (response_with_demands(system, m, *cells) for m in motions)
+    np.testing.assert_array_equal(found.outcome, marched.outcome)
+    upright = safe(found.outcome)
+    assert upright.sum() > 1
+    for name, values in stepped.items():
+        np.testing.assert_allclose(values[upright], asked[name][upright], rtol=1e-6, atol=1e-6)
+
+
+@pytest.mark.parametrize("kind", ["unequal", "one-sided"])
+def test_a_rest_under_lines_has_the_extremes_of_many_instants(kind):
+    motion, random = upwards(SPIKES, UPWARDS, 0.5)[0], np.random.default_rng(9)
+    system = Method("nonlinear").system_of(drawn(kind, random, (0.1, 0.5), ETAS, 0.3)[0])
+    amplitude, omega, segments = random.uniform(0.8, 4.0, 40), random.uniform(0.3, 1.6, 40), system.segments(motion)
+    forces = GroundForces(system.body, Batch.of(system, segments, amplitude, omega, np.zeros(40)))
+    cells = forces.cells
+    k, to_k = np.sort(random.integers(0, len(segments) + 1, (2, 40)), axis=0)
+    u, to_u = (random.uniform(0.0, 1.0, 40) * np.append(segments.length, 0.0)[i] for i in (k, to_k))
+    u[:3], to_u[:5] = 0.0, 0.0
+    forces.rest(np.arange(40), k, u, to_k, to_u)
+    friction, lift = forces.extremes.largest.reshape(2, 40)
+    start, length = np.append(segments.start, segments.start[-1] + segments.length[-1]), motion.duration
+    for i in range(40):
+        low, high = start[k[i]] + u[i], start[to_k[i]] + to_u[i]
+        phase = np.sort(np.append(np.linspace(low, high, 500), start)) if high > low else start[:0]
+        phase = phase[(phase >= low) & (phase <= high) & (phase < length * (1.0 - 1e-12))]
+        scale = float(cells.amplitude[0, i]) * system.body.edges[0].uplift
+        fx, fz = -scale * motion.value(phase), 1.0 + scale * motion.vertical.value(phase)
+        most = ((np.maximum(fx, 0.0) if kind == "one-sided" else np.abs(fx)) / fz).max(initial=0.0)
+        assert friction[i] == pytest.approx(most, abs=1e-9)
+        assert -lift[i] == pytest.approx(fz.min(initial=1.0), abs=1e-9)
 
 
 def worst(text, model, motion, cells, seed):
@@ -153,16 +201,6 @@ def test_a_body_that_stays_at_rest_needs_the_ground_acceleration_over_g():
         assert asked["fz_min"].tolist() == [1.0, 1.0]
 
 
-def test_following_the_forces_changes_no_bit_of_the_rest():
-    body = body_of(BODIES["block"])
-    amplitude, omega = np.meshgrid(np.linspace(0.5, 6.0, 9), np.linspace(0.6, 8.0, 7))
-    system = Method("nonlinear").system_of(body)
-    plain, (with_forces, asked) = (f(system, sine(1), amplitude, omega, body.eta) for f in (response, response_with_demands))
-    assert np.array_equal(plain.theta_ratio, with_forces.theta_ratio, equal_nan=True)
-    assert np.array_equal(plain.outcome, with_forces.outcome)
-    assert np.array_equal(np.isnan(asked["friction"]), np.isnan(plain.theta_ratio))
-
-
 def test_sweeps_hold_them_and_refuse_what_they_do_not_follow():
     grid, method = parse_grid("A=0.5:3:4,Omega=2:4:2"), Method("nonlinear")
     scene = PulseScene((body_of(BODIES["block"]),), grid, sine(1), method)
@@ -205,19 +243,30 @@ def test_extremes_do_not_depend_on_how_arcs_are_cut(kind, model, motion, cells, 
     assert apart_from_short_cuts(kind, model, motion, cells, seed, monkeypatch) < 1e-6
 
 
-@pytest.mark.parametrize("model", ["linear", "nonlinear"])
-def test_neither_other_cells_nor_the_number_of_lanes_change_a_digit(model, monkeypatch):
+@pytest.mark.parametrize(
+    ("model", "motion"),
+    [
+        ("linear", sine(2)),
+        ("nonlinear", sine(2)),
+        ("nonlinear", with_vertical(sine(1), cosine(1.0), 0.2)),
+        ("nonlinear", RECORD),
+        ("nonlinear", upwards(RECORD, UPWARDS, 0.3)[0]),
+    ],
+    ids=lambda x: getattr(x, "name", x),
+)
+def test_neither_other_cells_nor_the_time_of_the_look_change_a_digit(model, motion, monkeypatch):
     """Bodies that turn back beyond y = 1, that bounce for long, and that fall."""
     body, _, _ = drawn("unequal", np.random.default_rng(2), (0.2, 0.4), ETAS, 0.3)
-    system, motion, omega = Method(model).system_of(body), sine(2), 4.0
-    amplitude = np.concatenate([np.linspace(4.0, 6.0, 30), np.linspace(1.001, 1.05, 4)])
-    found, together = response_with_demands(system, motion, amplitude, omega, body.eta)
+    amplitude, omega = np.concatenate([np.linspace(4.0, 6.0, 30), np.linspace(1.001, 1.05, 4)]), 4.0
+    if motion.coarsest.samples is not None:
+        amplitude, omega = np.linspace(0.9, 3.0, 6), 0.6
+    cell = Method(model).system_of(body), motion
+    found, together = response_with_demands(*cell, amplitude, omega, body.eta)
     monkeypatch.setattr(ground_forces, "_TOGETHER", 3)
-    _, few = response_with_demands(system, motion, amplitude, omega, body.eta)
-    assert np.count_nonzero(found.theta_ratio > 1.0) > 0
-    assert np.count_nonzero(np.isnan(found.theta_ratio)) > 0
+    _, few = response_with_demands(*cell, amplitude[::-1], omega, body.eta)
+    assert np.count_nonzero(safe(found.outcome)) > 2
     for name, values in together.items():
-        assert np.array_equal(values, few[name], equal_nan=True)
-    for i in (3, 20, 30):
-        _, alone = response_with_demands(system, motion, amplitude[i], omega, body.eta)
+        assert np.array_equal(values, few[name][::-1], equal_nan=True)
+    for i in (0, amplitude.size // 2, -1):
+        _, alone = response_with_demands(*cell, amplitude[i], omega, body.eta)
         assert all(np.array_equal(values[i], alone[name], equal_nan=True) for name, values in together.items())

@@ -1,9 +1,14 @@
-"""The flow under many sinusoids, by sums, against its definition in 40 digits."""
+"""The exact flows, one sinusoid at a time and by sums, against their definition in 40 digits."""
+
+from __future__ import annotations
+
+import math
 
 import mpmath
 import numpy as np
 import pytest
 
+from rocking_cli.dynamics.equations.flow import LinearFlow
 from rocking_cli.dynamics.equations.summed_flow import SHORT, SummedFlow, can_be_summed
 from rocking_cli.motions import Harmonic, Motion, Piece, pulse, sine
 
@@ -21,21 +26,55 @@ def arcs(lanes, harmonics=5, seed=3):
     return ratios, y, v, b, sin, cos, top, h
 
 
-def exact(y, v, b, sin, cos, w, h):
+def exact(y, v, b, sin, cos, w, h, ramp=0.0):
     """y, v, b, j after h from the modes and the steady motion, in 40 digits."""
     with mpmath.workdps(40):
-        y, v, b, h = (mpmath.mpf(float(x)) for x in (y, v, b, h))
+        y, v, b, h, ramp = (mpmath.mpf(float(x)) for x in (y, v, b, h, ramp))
         terms = [tuple(mpmath.mpf(float(x)) for x in term) for term in zip(sin, cos, w, strict=True)]
-        # y'' = y - 1 + a with a = c + sum S sin + C cos and b = y - 1 + a at 0
+        # y'' = y - 1 + a with a = c + r t + sum S sin + C cos and b = y - 1 + a at 0
         level = b - y - sum(c for _, c, _ in terms)  # c - 1
 
         def steady(t, n):
             turned = [(s * mpmath.sin(x * t + n * mpmath.pi / 2) + c * mpmath.cos(x * t + n * mpmath.pi / 2)) * x**n for s, c, x in terms]
-            return -sum(z / (1 + x * x) for z, (_, _, x) in zip(turned, terms, strict=True)) - (level if n == 0 else 0)
+            line = (level + ramp * t, ramp, 0, 0)[n]
+            return -sum(z / (1 + x * x) for z, (_, _, x) in zip(turned, terms, strict=True)) - line
 
         up, out = y - steady(0, 0), v - steady(0, 1)
         modes = up * mpmath.cosh(h) + out * mpmath.sinh(h), up * mpmath.sinh(h) + out * mpmath.cosh(h)
         return [float(modes[n % 2] + steady(h, n)) for n in range(4)]
+
+
+@pytest.mark.parametrize("ramp", [None, 0.4])
+@pytest.mark.parametrize("harmonics", [1, 3])
+def test_the_flow_of_few_sinusoids_is_that_of_the_definition(harmonics, ramp):
+    """y and v are sums of terms that may cancel: the error is a few units in the last place of the largest of them."""
+    ratios, y, v, b, sin, cos, top, h = arcs(60, harmonics)
+    h = np.where(np.arange(60) % 3, h, 6.0 * h / h.max())
+    w = ratios[:, None] * top
+    found = np.array(LinearFlow(y, v, b, sin, cos, w, None if ramp is None else np.full(60, ramp)).at(h))
+    wanted = np.array([exact(*(x[..., i] for x in (y, v, b, sin, cos, w, h)), ramp or 0.0) for i in range(60)]).T
+    drive = np.abs(sin).sum(axis=0) + np.abs(cos).sum(axis=0) + (ramp or 0.0)
+    size_y = y + np.abs(v) * np.sinh(h) + (np.abs(b) + drive) * 2.0 * np.sinh(0.5 * h) ** 2
+    size_v = np.abs(v) * np.cosh(h) + (np.abs(b) + drive) * np.sinh(h)
+    assert np.all(np.abs(found[0] - wanted[0]) < 3e-15 * size_y)
+    assert np.all(np.abs(found[1] - wanted[1]) < 3e-15 * size_v)
+    assert np.all(np.abs(found[2:] - wanted[2:]) < 1e-14 * (1.0 + w.max(axis=0)) * (np.cosh(h) + drive))
+
+
+def test_uplift_from_rest_is_a_triple_root_without_noise():
+    """After uplift y starts as (rate w) h^3/6; at h = 1e-6 that is 1e-18, far below the rounding of terms of order one."""
+    rate, h, zero = math.sqrt(1.5**2 - 1.0), np.array([1e-6, 1e-5, 1e-4]), np.zeros(3)
+    arc = LinearFlow(zero, zero, zero, np.full((1, 3), rate), np.ones((1, 3)), np.full((1, 3), 3.0), None)
+    assert arc.at(h).y == pytest.approx(3.0 * rate * h**3 / 6 - 9.0 * h**4 / 24, rel=1e-7, abs=0)
+
+
+def test_free_rocking_period_is_housners():
+    """Slender free period pT = 4 arccosh(1/(1-x0)), Housner's formula: a quarter of it leads from rest at x0 to the ground."""
+    for x0 in (1e-6, 0.1, 0.5, 0.9, 0.999):
+        quarter = math.acosh(1 / (1 - x0)) if x0 > 1e-3 else math.sqrt(2 * x0) * (1 + 5 * x0 / 12)
+        still = np.zeros((1, 1))
+        arc = LinearFlow(np.array([x0]), np.zeros(1), np.array([x0 - 1.0]), still, still, np.ones((1, 1)), None)
+        assert abs(arc.at(np.array([quarter])).y[0]) < 1e-15 + 1e-11 * x0
 
 
 def test_the_state_is_that_of_the_definition():
