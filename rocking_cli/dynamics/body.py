@@ -83,10 +83,6 @@ class Body:
         """u'' of a body on the ground under this outward push [g] and weight over m g."""
         return (push if self.linear else push * np.cos(edge.alpha)) - weight * self.pull(edge)
 
-    def lying(self, edge: Edge, push: Array | float, weight: Array | float) -> Any:
-        """Fz/(m g) of bounces without speed on an edge, under this outward push [g] and weight over m g."""
-        return weight + edge.kappa * self.lifting(edge, push, weight) * np.sin(edge.alpha)
-
     def fall(self, edge: Edge, u: Array) -> Array:
         """The growth of u'^2 from u to the impact on still ground, undamped."""
         z = edge.alpha - u
@@ -101,10 +97,6 @@ class Body:
         if self.linear:
             return edge.alpha - np.sqrt(np.maximum(edge.alpha**2 - square, 0.0))
         return edge.alpha - np.arccos(np.minimum(np.cos(edge.alpha) + 0.5 * square, 1.0))
-
-    def at_impact(self, edge: Edge, square: Array) -> Array:
-        """Fz/(m g) just before an impact with u'^2 = square on still ground, undamped."""
-        return 1.0 - edge.kappa * (self.pull(edge) * np.sin(edge.alpha) + square * np.cos(edge.alpha))
 
     def pressed(self, edge: Edge, push: Array, turn: Array, sway: Array | float = 0.0) -> Array:
         """True where Fz > 0 is proved for pushes up to `push` [g] of either sign, |theta| up to `turn` [rad] and weights of 1 -+ sway."""

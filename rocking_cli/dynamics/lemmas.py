@@ -29,7 +29,7 @@ e           the strongest inward drive to come (Lemma 6), or a bound that the le
 w           the weight over m g, 1 + zg''/g where the ground moves upwards too; otherwise 1
 
 **Varying weight.** Where w varies, f = -w l(y) + a m(y), and a body is followed while w > 0; after that it has lost contact. The *net
-drive* is c = a + 1 - w, on each side its own. Each lemma says what changes with c in the place of a.
+drive* is c = a + 1 - w, on each side its own. A lemma says what changes with c in the place of a, if it is used there.
 
 **Events.** Uplift is the first instant with -A_right s > 1 or A_left s > 1, found on monotone segments. Lemmas 1 and 2 isolate impacts,
 Lemmas 3 and 4 isolate peaks: each is a root in a bracket that holds exactly one. Events at one instant are taken in the order impact,
@@ -43,7 +43,6 @@ While a < 1, a body that has crossed y = 0 downwards does not come back.
 Proof. For y <= 0, l/m > 1 > a, so f < 0: the body has y' <= 0 at the crossing, and where y' = 0 it only falls.
 So y > 0 at the end of a subcritical window proves that there was no impact, and y <= 0 that there was exactly one.
 Varying weight: it holds, since f = m (a - w l/m) and below the ground w l/m > w > a where c < 1.
-Used in `march.advance.advance`, `march.advance.window_end`.
 Test `test_lemmas.py::test_lemma_1_under_a_subcritical_drive_a_fallen_body_stays_below`.
 
 # Lemma 2 (supercritical drive)
@@ -51,7 +50,6 @@ Test `test_lemmas.py::test_lemma_1_under_a_subcritical_drive_a_fallen_body_stays
 While a >= 1 and y >= 0: if y' >= 0 at the start there is no event; if y' < 0 there is at most one minimum, and its sign decides.
 Proof. y' = 0 implies y'' >= 0. Undamped, y is convex there, so it lies above the point where the tangents at its ends meet.
 Varying weight: it holds, since above the ground w l/m <= w <= a where c >= 1.
-Used in `march.advance.next_step`, `march.advance.advance`.
 Test `test_lemmas.py::test_lemma_2_under_a_supercritical_drive_there_is_one_minimum_at_most`,
 `march/test_advance.py::test_grazing_is_decided_on_either_side`.
 
@@ -60,7 +58,6 @@ Test `test_lemmas.py::test_lemma_2_under_a_supercritical_drive_there_is_one_mini
 In a step along which a falls and then rises at most once, y' changes from positive to negative at most once.
 Proof. Where a' < 0, V is concave while it is negative; where a' > 0, V is convex while it is positive.
 Varying weight: it does not hold, since a' + w' (y - 1) has no known sign. Bernstein bounds of the series isolate the turns.
-Used in `march.advance.turning_points`, `march.roots.falls_through_zero`.
 Test `test_lemmas.py::test_lemma_3_a_drive_that_falls_and_then_rises_lets_the_body_turn_back_once`.
 
 # Lemma 4 (hidden turn)
@@ -70,7 +67,6 @@ Proof. The slope of V tells on which side of a point its extremum lies, and the 
 For Eqs. 2.3 and 3.4 f must grow with y. On stocky bodies under strong inward drives (a tan(alpha) tan(z) < -1) it may not, and a pair of
 turns within one window can be missed. This changes no outcome, only the height of a lower peak.
 Varying weight: as Lemma 3.
-Used in `march.roots.hidden_turn`.
 Test `test_lemmas.py::test_lemma_4_finds_a_pair_of_turns_that_hides_between_two_ends`.
 
 # Lemma 6 (certain overturning)
@@ -83,7 +79,6 @@ Proof. A weaker drive pushes back less, so the energy over that barrier does not
 Damped, nonlinear: only beyond the equilibrium under e. theta = pi/2, or a collapsed linkage, is overturning whatever follows.
 Varying weight: beyond the equilibrium of the constant inward drive e/w_-, w_- the least weight to come, and moving outwards: there l < 0
 and f >= w_- (-l - m e/w_-) >= 0. The bounds by energy are not used.
-Used in `equations.equation.Equation.certainly_overturns`, `march.batch.Batch.cannot_return`.
 Test `test_lemmas.py::test_lemma_6_no_drive_up_to_the_strongest_brings_back_what_is_lost`,
 `test_lemmas.py::test_lemma_6_calls_lost_what_has_the_speed_to_pass_the_barrier_and_no_less`.
 
@@ -109,7 +104,6 @@ No later uplift. Undamped linear oscillator, equal sides: let |a| <= e < 1 from 
 jumps and the last one included. The body then bounces to the end of the shaking below its peak, as v^2 exp(4/3 V/(1 - e)) bounds every
 v^2. Proof. Over an arc v^2 changes by int 2 y' a = -int 2 y da. While v^2 <= 3/4 (1 - e)^2 no arc rises above 2/3 v^2/(1 - e), since
 y'' <= y - 1 + e. So an arc multiplies v^2 by at most 1 + 4/3 dV/(1 - e), and an impact lowers it.
-Used in `contacts.sequences.sequence_ends`, `contacts.sequences.settles`.
 Test `test_lemmas.py::test_lemma_7_a_summed_sequence_ends_before_anything_else_happens`,
 `contacts/test_sequences.py::test_marching_on_finds_the_same_peak`.
 
@@ -121,7 +115,6 @@ Proof. The energy decides the height of an arc. An impact does not raise the spe
 bounce. On unequal sides two impacts together do not raise it, so each arc is no higher than the one before on its side.
 Damped: the body is marched on until these undamped peaks, which are above its own, are no higher than its peak so far.
 Varying weight: it holds, since the ground is still.
-Used in `contacts.contact.Contact.free_motion`, `march.closings.free_motion`.
 Test `contacts/test_contact.py::test_free_motion_equals_marching`.
 
 # Lemma 9 (nothing overturns below)
@@ -130,8 +123,6 @@ Undamped linear oscillator, equal sides: no body overturns while A int |s| dphi 
 sqrt(E) + A int |s| dphi/Omega < 1 over what is still to come, E = v^2 + y (2 - y).
 Proof. dE/dtau = 2 v a, and v^2 <= E below y = 1, so sqrt(E) grows by at most int |a| dtau. Impacts lower it. A body that overturns has
 had E >= 1.
-Varying weight: not used.
-Used in `drive.ImpulseAhead.cannot_overturn`, `rocking_cli.envelopes.boundaries`.
 Test `test_impulse.py::test_lemma_9_nothing_to_come_overturns_what_is_below_the_bound`.
 
 # Lemma 10 (nothing returns above)
@@ -140,8 +131,6 @@ The same oscillator, which the first segment of the motion lifts at any amplitud
 other one does too. Above an amplitude whose first arc outlasts the shaking every other first arc does too; there the modes y - 1 + v and
 v + 1 - y at the end of the shaking are convex in A.
 Proof. At a fixed time before the first impact y = A J - K with K > 0 and dy/dA = J, so y grows with A where it is positive.
-Varying weight: not used.
-Used in `rocking_cli.envelopes.one_arc`, `rocking_cli.envelopes.boundaries`.
 Test `tests/envelopes/test_boundaries.py::test_above_overturning_without_impact_there_is_nothing_else`.
 
 # Lemma 11 (exact propagation over samples)
@@ -151,8 +140,6 @@ While a <= c the same expression is an upper bound. Where y > 0 and a >= c on a 
 ends by more than (1 - c) T^2/8.
 Proof. Green's function sinh is not negative, so y is monotone in the drive. y'' >= c - 1 gives the bound by the ends.
 The state at the end of a stretch is exact, whatever happens on the way.
-Varying weight: not used.
-Used in `samples.exact.horizon`, `samples.exact.ExactStepper._doubtful`, `samples.exact.bounded_response`.
 Test `samples/test_records.py::test_records_against_an_integration_that_shares_no_code`.
 
 # Lemma 12 (Taylor step over samples)
@@ -164,8 +151,6 @@ K = L + M max(0, -a), f >= -K and y'' + 2 zeta y' >= -K, so that
   y' <= -K h at the end.
 Proof. The first claim is the integral of the inequality. From the peak y falls at most by exp(2 zeta s) K s^2/2 to an end s away.
 Varying weight: with w_+ L in the place of L, w_+ the largest weight of a stretch on which w > 0.
-Used in `samples.taylor_steps.TaylorStepper._step`, `samples.taylor_steps.WeighedTaylorStepper._step`, `single.recurrence`,
-`observers.peak_speed`.
 Test `samples/test_taylor_steps.py::test_lemma_12_a_step_that_is_taken_holds_no_impact_and_no_higher_peak`.
 
 # Lemma 13 (contact is kept)
@@ -174,7 +159,6 @@ A body whose arcs do not overturn it keeps Fz > 0 if the bound of its speed leav
 Proof. Such an arc begins or ends at rest, at a peak. The work of the strongest inward push and of the weight over the path between bounds
 the speed, and the speed bounds Fz from below (`body` has the formulas). Where this leaves the sign open, Fz >= min(its ends) -
 (h^2/8) max |Fz''| on stretches of the march that are halved until the sign is settled.
-Used in `body.Body.pressed`, `observers.contact_loss.ContactLoss`.
 Test `observers/test_contact_loss.py::test_what_a_rotation_proves_to_press_does`,
 `observers/test_contact_loss.py::test_they_are_the_cells_whose_least_force_is_not_positive`.
 
@@ -195,7 +179,6 @@ As long as W <= 0.095 D^2/g, and so g y <= D/10, y <= 1.053 W/F, M <= 1.05 y and
 Where a line ends, Q changes by phi times the change of c'. An impact lowers Q while |c' phi| <= 1: log W falls by at least 2 (1 - eta), and
 c' phi changes by 1 - eta of itself. If all these changes, for W = W_0 exp(G) [(1 - c^2)/(1 - c_0^2)]^(2/3), sum up to no more than G, W is
 never beyond this value: it would have to reach it first.
-Used in `contacts.sequences.bounces_on`, `contacts.sequences.ceiling`.
 Test `contacts/test_sequences.py::test_no_peak_is_above_the_ceiling`,
 `contacts/test_sequences.py::test_marching_on_under_a_record_finds_the_same_peak`.
 """

@@ -63,8 +63,8 @@ class Outcome(_Code):
 
 
 class Difference(_Code):
-    """How the linear equation judges a cell that the nonlinear one decides: codes of the file's `difference`. It is unsafe if it stands
-    where the body falls (`Outcome.falls`)."""
+    """The judgement of the linear equation on a cell that the nonlinear one decides: codes of the file's `difference`. It is unsafe if it
+    stands where the body falls (`Outcome.falls`)."""
 
     NOT_COMPUTED = 0, "one of them failed"
     AGREES = 1, "linear agrees"
@@ -84,7 +84,7 @@ def difference(nonlinear: Any, linear: Any) -> Any:
 
 
 def overturned(codes: Any) -> Any:
-    """Where codes of `Outcome`, of any shape, are `Outcome.overturned`; one that failed or lost contact is neither overturned nor safe.
+    """True for codes of `Outcome`, of any shape, that are `overturned`; a cell that failed or lost contact is neither overturned nor safe.
 
     >>> overturned(linear_response(sine(), [1.5, 12.0], 6.0, 0.9).outcome)
     array([False,  True])
@@ -93,7 +93,7 @@ def overturned(codes: Any) -> Any:
 
 
 def falls(codes: Any) -> Any:
-    """Where codes of `Outcome`, of any shape, are `Outcome.falls`.
+    """True for codes of `Outcome`, of any shape, that are `falls`.
 
     >>> falls(linear_response(sine(), [1.5, 12.0], 6.0, 0.9).outcome)
     array([False,  True])
@@ -102,7 +102,7 @@ def falls(codes: Any) -> Any:
 
 
 def safe(codes: Any) -> Any:
-    """Where codes of `Outcome`, of any shape, are `Outcome.safe`.
+    """True for codes of `Outcome`, of any shape, that are `safe`.
 
     >>> safe(linear_response(sine(), [1.5, 12.0], 6.0, 0.9).outcome)
     array([ True, False])

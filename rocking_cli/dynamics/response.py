@@ -182,7 +182,7 @@ def response_with_speed(system: System, motion: Motion, amplitude: Array, omega:
 
 
 def upright(outcome: Array) -> Array:
-    """Where bodies neither overturn nor fail."""
+    """True for bodies that neither overturn nor fail."""
     return safe(outcome) | (outcome == Outcome.LOST_CONTACT)
 
 

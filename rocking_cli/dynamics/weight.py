@@ -45,7 +45,7 @@ class WeighedSegments(Segments):
 
     @property
     def weighed(self) -> WeighedSegments:
-        """These themselves."""
+        """The same object."""
         return self
 
     def offset(self, side: Array) -> Array:

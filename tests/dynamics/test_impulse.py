@@ -1,7 +1,5 @@
 """What the shaking still can do, and that it overturns no body of which that is said."""
 
-from __future__ import annotations
-
 from itertools import pairwise
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Outcomes: codes, words and predicates."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """The largest angular speed, against an integration that shares no code and against energy."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """Unequal, one-sided and damped bodies, linear and nonlinear, against an integration that shares no code with the package."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

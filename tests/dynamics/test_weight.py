@@ -1,7 +1,5 @@
 """Bodies whose weight varies, against an integration of another kind, and what must not change."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
@@ -27,6 +25,7 @@ SYSTEMS = [
     "symmetric linear", "symmetric nonlinear", "unequal linear", "unequal nonlinear", "one-sided linear", "one-sided nonlinear",
     "damped linear", "damped nonlinear",
 ]  # fmt: skip
+FAST = with_vertical(sine(2), Motion("fast", (Piece(0.0, 9.0, (Harmonic(0.6, 3.3, 0.4),)),)))
 
 
 def compared(words, cells, seed):
@@ -160,7 +159,7 @@ def test_records_keep_the_ratio_of_their_amplitudes_and_others_do_not_go_with_th
 
 
 def test_segments_are_monotone_for_both_edges():
-    found = weighed(with_vertical(sine(2), Motion("fast", (Piece(0.0, 9.0, (Harmonic(0.6, 3.3, 0.4),)),))), 0.3, 0.5)
+    found = weighed(FAST, 0.3, 0.5)
     assert isinstance(found, WeighedSegments)
     k = np.arange(len(found))
     for edge in (found.right, found.left, found.vertical):
@@ -171,11 +170,10 @@ def test_segments_are_monotone_for_both_edges():
 
 def test_the_strongest_drive_to_come_is_no_less_than_any_of_it():
     """Of the horizontal motion, whose extremes are no ends of the common segments."""
-    motion = with_vertical(sine(2), Motion("fast", (Piece(0.0, 9.0, (Harmonic(0.6, 3.3, 0.4),)),)))
-    found = weighed(motion, 0.3, 0.5)
+    found = weighed(FAST, 0.3, 0.5)
     most, least = found.inward
     for k in range(len(found)):
-        ahead = motion.value(np.linspace(found.start[k], motion.duration, 3000))
+        ahead = FAST.value(np.linspace(found.start[k], FAST.duration, 3000))
         assert most[k] >= ahead.max() - 1e-15
         assert least[k] <= ahead.min() + 1e-15
     assert most[0] == 1.0 == -least[0]

@@ -172,17 +172,17 @@ class OneSided(Contact):
         return cells.amplitude[0] * -segments.later_min[0]
 
     def uplift(self, cells: Cells, segments: Segments, cell: Array, k: Array, u: Array) -> Uplift:
-        """At -A s > 1."""
+        """The first instant with -A s > 1."""
         amplitude = cells.amplitude[0, cell]
         return first_uplift(segments, k, u, amplitude, np.zeros_like(amplitude))
 
     def strike(self, cells: Cells, lanes: Lanes, v: Array, b: Array) -> None:
-        """Back on the same side, under the same force."""
+        """The body returns on the same side, under the same force."""
         lanes.v = -lanes.eta * v
         lanes.b = b.copy()
 
     def other_side(self, lanes: Lanes) -> None:
-        """Every arc is on this side."""
+        """None: every arc is on this side."""
 
 
 def exchange(one: float, other: float) -> tuple[float, float]:
@@ -231,7 +231,7 @@ class Unequal(Contact):
         lanes.amplitude[at], lanes.omega[at], lanes.eta[at] = (values[row, cell] for values in cells)
 
     def speed(self, side: Array, rate: Array) -> Array:
-        """In units of the reference."""
+        """The rate in units of the reference."""
         return rate * self._of(self.pace, side)
 
     def strike(self, cells: Cells, lanes: Lanes, v: Array, b: Array) -> None:

@@ -48,7 +48,7 @@ class DampedFlow(LinearFlow):
         s *= decay
         tiny = np.flatnonzero(h < SMALL)
         x = h[tiny]
-        s4, c4 = _higher(x, zeta)
+        s4, c4 = (np.polyval(terms, x) * (x * x) ** 2 for terms in _coefficients(zeta))  # what follows in S and C from h^4 on
         c[tiny] = x * x * (0.5 - zeta * x / 3.0) + c4
         y, v = self.v * s + self.b * c, (s * (-2.0 * zeta) + c + 1.0) * self.v + self.b * s
         drive, drive_rate = np.zeros(h.shape), np.zeros(h.shape)
@@ -76,15 +76,8 @@ class DampedFlow(LinearFlow):
         return Point(y + self.y, v, b, drive_rate + v - b * (2.0 * zeta))
 
 
-def _higher(h: Array, zeta: float) -> tuple[Array, Array]:
-    """S - h + zeta h^2 - (1 + 4 zeta^2) h^3/6 and C - h^2/2 + zeta h^3/3 for small h."""
-    s, c = (np.polyval(x, h) for x in _coefficients(zeta))
-    h4 = (h * h) ** 2
-    return s * h4, c * h4
-
-
 def _responses(w: Array, h: Array, zeta: float, s4: Array, c4: Array) -> tuple[Array, Array]:
-    """G3 and G4 for small h and w h, from the results of `_higher`: lower powers, which cancel, are left out of each term."""
+    """G3 and G4 for small h and w h, from the terms of S and C from h^4 on: lower powers, which cancel, are left out of each term."""
     x2 = (w * h) ** 2
     h3, cube = h**3 / 6.0, w * h * x2 / 6.0
     sine5 = -cube * x2 * np.polyval(_ODD, -x2) / 20.0  # x - sin x - x^3/6

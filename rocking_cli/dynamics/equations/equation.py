@@ -177,7 +177,7 @@ class Equation(ABC):
 
     @abstractmethod
     def fall(self, y: Array, v: Array) -> tuple[Array, Array]:
-        """On still ground, undamped: (True if the body overturns on this side, its energy, proportional to v^2 at the ground)."""
+        """(True if an undamped body overturns on this side on still ground, its energy, proportional to v^2 at the ground)."""
 
     @abstractmethod
     def peak(self, energy: Array) -> Array:

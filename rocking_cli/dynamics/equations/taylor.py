@@ -21,6 +21,13 @@ from .equation import Equation, Point, Ramp
 LOCAL = 3e-2
 CACHED = 2048  # lanes for which the recurrences stay in the second-level cache
 LOWEST, HIGHEST = 1e-13, 1e-2  # range of tolerances
+LONGEST = 1.0  # tau: a series of `MOST_TERMS` holds any tolerance up to it
+MOST_TERMS = 24
+WITHIN = 1e-2 * LOCAL  # error of a step, in y', over the tolerance: after a hundred impacts it has grown further than under a pulse
+_TINY = 1e-90  # stands for no time at all, where derivatives are taken as n (n - 1) ... c_n x^n / x^d
+_LEAST = 1e-3  # tau: the unit of lanes at the end of their line
+_GROWTH = 1.3  # g of lanes not far beyond the barrier; where it is larger, the last terms show it
+_ROOM = 0.1  # largest first term left out, over the error that a step may have
 
 
 @dataclass
@@ -72,9 +79,6 @@ class TaylorSeries(Arrays):
         """The force at an impact after h: y'' plus the drag."""
         there = self.at(h)
         return there.b + 2.0 * self.damping * there.v if self.damping else there.b
-
-
-_TINY = 1e-90  # stands for no time at all, where derivatives are taken as n (n - 1) ... c_n x^n / x^d
 
 
 def powers(x: Array, count: int) -> Array:
@@ -185,14 +189,6 @@ def longest(terms: Array, fastest: Array, tolerance: float) -> Array:
         np.log(size, out=size)
     size *= 1.0 / (1.0 - last)
     return np.minimum(np.exp(size.min(axis=0)), 4.0 * fastest) * (1.0 / fastest)
-
-
-LONGEST = 1.0  # tau: a series of `MOST_TERMS` holds any tolerance up to it
-MOST_TERMS = 24
-WITHIN = 1e-2 * LOCAL  # error of a step, in y', over the tolerance: after a hundred impacts it has grown further than under a pulse
-_LEAST = 1e-3  # tau: the unit of lanes at the end of their line
-_GROWTH = 1.3  # g of lanes not far beyond the barrier; where it is larger, the last terms show it
-_ROOM = 0.1  # largest first term left out, over the error that a step may have
 
 
 def degrees(size: Array, unit: Array, tolerance: float) -> Array:

@@ -22,7 +22,7 @@ _SURELY = 1.0 - 1e-9  # a bound settles a question if it does so with this much 
 
 
 class Windows(NamedTuple):
-    """Where the present window ends, for every lane: segment and phase in it, whether the drive is supercritical, and the phase of the
+    """The end of the present window of every lane: segment and phase in it, True if the drive is supercritical, and the phase of the
     whole segments that lie between."""
 
     k: Array
@@ -31,7 +31,7 @@ class Windows(NamedTuple):
     over: Array
 
     def phase(self, u: Array) -> Array:
-        """How far it is from phase u of the present segment."""
+        """The phase from u in the present segment to the end of the window."""
         return self.u - u + self.over
 
 
@@ -96,9 +96,9 @@ def _beyond_cuts(segments: Segments, window: Windows, side: Array, amplitude: Ar
 
 
 class Step(NamedTuple):
-    """How far each lane goes in one proof: one window of the drive, or a supercritical window that is left outwards together with the
-    subcritical one after it. k, u: where the step ends; h: its length [tau]; supercritical: True if the drive is supercritical throughout;
-    subcritical: time [tau] in it at which its subcritical window begins, 0 if it is the only one."""
+    """The stretch that each lane goes in one proof: one window of the drive, or a supercritical window that is left outwards together with
+    the subcritical one after it. k, u: where the step ends; h: its length [tau]; supercritical: True if the drive is supercritical
+    throughout; subcritical: time [tau] in it at which its subcritical window begins, 0 if it is the only one."""
 
     k: Array
     u: Array

@@ -12,11 +12,14 @@ from ..equations.equation import Equation
 from ..lanes import Array, Cells, Lanes
 from ..system import System
 
+SETTLING = 250.0  # tau, times what damping slows the unstable mode: no body is longer on its way to its last impacts that matter
+MAX_STEPS = 120_000  # a cell that takes more, and 40 for each segment of the motion, is given up as failed
 _INSTANT = 1e-9  # tau: within it of a free fall the weight is as good as none
 
 
 class FreeFall:
-    """Where the ground first falls away from the body of each cell, (cells,): k, u its place in the motion; ever: True if it does."""
+    """The first instant at which the ground falls away from the body of each cell, (cells,): k, u: its place in the motion; ever: True if
+    there is one."""
 
     def __init__(self, segments: Segments, first: Uplift, ever: Array) -> None:
         self.segments, self.k, self.u, self.ever = segments, first.k, first.u, ever
@@ -50,10 +53,6 @@ class FreeFall:
         k, u = self.k[cell], self.u[cell]
         before = (k < lift.k) | ((k == lift.k) & (u < lift.u))
         return np.where(before, k, lift.k), np.where(before, u, lift.u)
-
-
-SETTLING = 250.0  # tau, times what damping slows the unstable mode: no body is longer on its way to its last impacts that matter
-MAX_STEPS = 120_000  # a cell that takes more, and 40 for each segment of the motion, is given up as failed
 
 
 @dataclass(frozen=True)
@@ -97,6 +96,6 @@ class Batch:
         return self.equation.on(side, lanes.cell[at]).certainly_overturns(y, v, inward, self.segments.weighed is None)
 
     def rests_until(self, cell: Array, k: Array, u: Array) -> tuple[Uplift, tuple[Array, Array]]:
-        """Where bodies at rest at (k, u) lift off, and (k, u) of that or of the instant at which the ground falls away from them."""
+        """The uplift of bodies that rest from (k, u) on, and (k, u) of it or of the instant at which the ground falls away from them."""
         lift = self.contact.uplift(self.cells, self.segments, cell, k, u)
         return lift, (lift.k, lift.u) if self.free_fall is None else self.free_fall.sooner(cell, lift)

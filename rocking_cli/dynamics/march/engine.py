@@ -42,7 +42,7 @@ def keep_freed_memory() -> None:
 
 
 class Stepper(Protocol):
-    """How the lanes of a run go from instant to instant."""
+    """The way of a run's lanes from instant to instant."""
 
     def march(self, waiting: Array) -> None:
         """Bring these cells, which leave the ground, to their end; (cells,) indices."""
@@ -55,7 +55,7 @@ class WindowStepper:
         self.run = run
 
     def march(self, waiting: Array) -> None:
-        """Those that are hardly lifted bounce longest, so they begin."""
+        """Bodies that are hardly lifted bounce longest, so they begin."""
         run, batch = self.run, self.run.batch
         if waiting.size > run.pool:
             lift = batch.contact.strongest(batch.cells, batch.segments)[waiting]
@@ -165,7 +165,7 @@ class Run:
         return lanes
 
     def _land(self, lanes: Landing, h: Array, v: Array, b: Array) -> Landing:
-        """These lanes after impacts h [tau] from now, with velocity v <= 0 and force b; those that came to their end are gone."""
+        """Returns these lanes after impacts h [tau] from now, with velocity v <= 0 and force b, less those that came to their end."""
         batch, seg = self.batch, self.batch.segments
         lanes.k, lanes.u = place(seg, lanes.k, lanes.u + lanes.omega * h)
         lanes.y = np.zeros(h.size)
@@ -264,7 +264,7 @@ class Run:
         self.outcome[cell], self.theta_ratio[cell] = Outcome.LOST_CONTACT, np.nan
 
     def _renew_drive(self, lanes: Lanes) -> None:
-        """Where a piece of the motion begins the drive may jump: take the force from the new side of the jump."""
+        """Take the force from the new side of a jump of the drive, which may be where a piece of the motion begins."""
         seg = self.batch.segments
         at = np.flatnonzero((lanes.u == 0.0) & (lanes.k > 0) & (lanes.k < len(seg)))
         self.push(lanes, at[~seg.joins[lanes.k[at] - 1]])

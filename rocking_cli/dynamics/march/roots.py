@@ -136,8 +136,8 @@ def sense(arc: Flow, h: Array, end: Point, bent: Array) -> tuple[Array, Array]:
 
 
 def falls_through_zero(arc: Flow, reach: Array, lanes: Array, once: Array) -> tuple[Array, Array, Array]:
-    """Where y' falls through zero on (0, reach): (lane, low, high) of every such turn, one in each bracket [tau]; of the lanes `once` it is
-    known to do so once."""
+    """The instants on (0, reach) at which y' falls through zero: (lane, low, high) of each, one in each bracket [tau]; of the lanes `once`
+    it is known to do so once."""
     if not isinstance(arc, TaylorSeries):
         raise TypeError("turns of a series only")
     found: list[tuple[Array, Array, Array]] = [(once, np.zeros(once.size), np.ones(once.size))]

@@ -77,7 +77,7 @@ def chord_errors(body: Body, edge: Edge, s: Shakes, h: Array, one: Ends, other: 
 
 
 class ContactLoss(Observer):
-    """Which cells have lost the ground, of those `watched` on their way; `open`: of which nothing is proved beforehand, (cells,). ahead:
+    """The search for lost contact in the cells that are `watched` on their way; `open`: True for cells without a proof beforehand. ahead:
     the push over the proved one, above 0, beyond which cells are watched."""
 
     def __init__(self, body: Body, batch: Batch, ahead: float) -> None:
@@ -152,7 +152,8 @@ class ContactLoss(Observer):
             edge = self.body.on(sense * some.side)
             for h in (np.zeros(lasts.size), lasts):
                 shaking = self.ground.shaking(some, h)
-                least = self.body.lying(edge, sense * shaking.push, shaking.weight)
+                lifting = self.body.lifting(edge, sense * shaking.push, shaking.weight)
+                least = shaking.weight + edge.kappa * lifting * np.sin(edge.alpha)
                 self._lost[some.cell[np.flatnonzero(least <= 0.0)]] = True
         return super().may_close(lanes)
 
@@ -168,7 +169,7 @@ class ContactLoss(Observer):
         here, there = self.body.on(lanes.side), self.body.on(-lanes.side)
         square, least = self.body.square_at_ground(here, lanes.y, lanes.v), np.full(lanes.y.size, np.inf)
         for edge, q in ((here, square), (there, square * (lanes.eta * there.unit / here.unit) ** 2)):
-            fz = self.body.at_impact(edge, q)
+            fz = 1.0 - edge.kappa * (self.body.pull(edge) * np.sin(edge.alpha) + q * np.cos(edge.alpha))
             if self.body.damping:
                 fz = fz - edge.kappa * 2.0 * self.body.damping * np.sqrt(q) * np.sin(edge.alpha)
                 falls = (q <= (1.0 if self.body.linear else 4.0 * np.cos(edge.alpha))) & (here.unit * lanes.y <= 2.0 * here.alpha)
@@ -177,9 +178,9 @@ class ContactLoss(Observer):
         return least
 
     def lost(self, cell: Array) -> Array:
-        """Those that were found."""
+        """True for the cells that were found."""
         return self._lost[cell]
 
     def may_settle(self, lanes: Lanes, bounced: Array) -> Array:
-        """All but those that may still lose the ground."""
+        """False for lanes that may still lose the ground."""
         return ~self.watched[lanes.cell] | self._lost[lanes.cell] | (self._least_to_come(lanes) > 0.0)

@@ -103,7 +103,7 @@ def parts(along: Callable[[Array, Array], Values], whole: Stretches, start: Valu
 
 
 def _excess(s: Stretches, one: Ratio, other: Ratio, level: Array) -> Array:
-    """By how much top - level * bottom may exceed 0 between its ends: Bernstein coefficients of the cubic, and an estimate of its error."""
+    """The most of top - level * bottom between its ends: the largest Bernstein coefficient of the cubic, and an estimate of its error."""
     h = s.high - s.low
     inner = [x.top - level * x.bottom + part * h * x.slope(level) for x, part in ((one, 1.0 / 3.0), (other, -1.0 / 3.0))]
     size = np.maximum(np.abs(one.top), np.abs(other.top)) + np.abs(level) * np.maximum(np.abs(one.bottom), np.abs(other.bottom))

@@ -162,7 +162,7 @@ class GroundForces(Observer):
         self.extremes.take_in_along(cell, along, whole, along(every, zero), along(every, top))
 
     def may_settle(self, lanes: Lanes, bounced: Array) -> Array:
-        """As `may_close`."""
+        """The same test as `may_close`."""
         return self.may_close(lanes)
 
     def may_close(self, lanes: Lanes) -> Array:

@@ -1,4 +1,4 @@
-"""What a run shows to its observers, and what they answer."""
+"""The interface of a run to its observers: the motion that it shows them, and their answers."""
 
 from __future__ import annotations
 
@@ -78,5 +78,5 @@ class Observer:
         return np.ones(lanes.cell.size, dtype=bool)
 
     def lost(self, cell: Array) -> Array:
-        """Those of these cells that have lost contact with the ground, (n,)."""
+        """True for those of these cells that have lost contact with the ground, (n,)."""
         return np.zeros(cell.size, dtype=bool)

@@ -91,5 +91,5 @@ class PeakSpeed(Observer):
         self.speed.offer(lanes.cell, self._speed(lanes.side, lanes.cell, zero, at_ground))
 
     def may_settle(self, lanes: Lanes, bounced: Array) -> Array:
-        """All but those that fall on still ground for the first time: they are followed to the impact."""
+        """False for lanes that fall on still ground for the first time: they are followed to the impact."""
         return ~((lanes.k >= self.shaken) & (lanes.y > 0.0) & ~bounced[lanes.cell])

@@ -203,7 +203,7 @@ class _Body:
         return 1.0 if self.up is None else 1.0 + self.drive * value(self.up, self.omega * time)
 
     def wait(self, piece: Piece, end: float) -> None:
-        """At rest: on to the first instant of uplift, or to the end of the piece."""
+        """Let the body rest until its first uplift, or until the end of the piece."""
         lifts = []
         for side, edge in self.problem.edges.items():  # with a vertical motion each edge has an effective motion of its own
             signal = piece if self.up is None else plus(piece, self.up.scaled(side * edge.uplift))

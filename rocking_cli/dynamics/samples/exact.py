@@ -104,7 +104,7 @@ class ExactLanes(PooledLanes):
 
 
 class ExactStepper(SampleStepper[ExactLanes]):
-    """How a run of the undamped linear oscillator goes through a record."""
+    """The way of a run of the undamped linear oscillator through a record."""
 
     def __init__(self, run: Run, samples: Samples) -> None:
         super().__init__(run, samples)
@@ -112,7 +112,7 @@ class ExactStepper(SampleStepper[ExactLanes]):
         self.rows = np.zeros(self.cells.omega.shape, dtype=np.int64)
 
     def shares(self, waiting: Array) -> Iterator[Array]:
-        """Those of few frequencies together, so that their tables stay small."""
+        """Cells of few frequencies together, so that their tables stay small."""
         paces, which = np.unique(self.step / self.cells.omega[:, waiting], return_inverse=True)
         which = which.reshape(-1, waiting.size)
         order = np.argsort(which[0], kind="stable")
@@ -150,11 +150,11 @@ class ExactStepper(SampleStepper[ExactLanes]):
         return np.minimum(np.frexp(LONGEST_STRETCH / pace)[1] - 1, self.stretches.start.size - 1).astype(np.int64)
 
     def can_jump(self, lanes: ExactLanes) -> Array:
-        """All but those that bounce within this interval."""
+        """True for lanes that do not bounce within this interval."""
         return (lanes.k < self.last) & ((lanes.y > 0.0) | (2.0 * lanes.v * lanes.omega >= -lanes.b * (self.step - lanes.u)))
 
     def jump(self, lanes: ExactLanes, at: Array, many: bool) -> Array:
-        """Some propagations. A lane stops where one is not proved."""
+        """Try some propagations. A lane stops where one is not proved."""
         own, go = lanes.take(at), np.ones(at.size, dtype=bool)
         drive, pace, top = own.outward, own.pace, self._top(own.pace)
         for _ in range(_ROUNDS):

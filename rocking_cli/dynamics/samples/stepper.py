@@ -35,7 +35,7 @@ Pooled = TypeVar("Pooled", bound=PooledLanes)
 
 
 class SampleStepper(ABC, Generic[Pooled]):
-    """How a run goes along the samples of a record."""
+    """The way of a run along the samples of a record."""
 
     def __init__(self, run: Run, samples: Samples) -> None:
         self.run, self.samples, self.gains = run, samples.values, gains(samples.values)
@@ -43,7 +43,7 @@ class SampleStepper(ABC, Generic[Pooled]):
         self.step, self.last = samples.step, samples.values.size - 1
 
     def march(self, waiting: Array) -> None:
-        """Those of like pace together; from window to window where samples are far apart."""
+        """March cells of like pace together; from window to window if samples are far apart."""
         pace = (self.step / self.cells.omega[:, waiting]).max(axis=0)
         WindowStepper(self.run).march(waiting[pace > LONGEST])
         waiting, pace = waiting[pace <= LONGEST], pace[pace <= LONGEST]
@@ -106,7 +106,7 @@ class SampleStepper(ABC, Generic[Pooled]):
                 lanes.slot = np.arange(keep.size)
 
     def _begin(self, cells: Array, slot: Array) -> Pooled:
-        """These cells at their first uplift."""
+        """The lanes of these cells at their first uplift."""
         lanes = self.run.start(cells)
         lanes.k, lanes.u = place(self.segments, lanes.k, lanes.u)
         return self.launch(PooledLanes(**vars(lanes), pace=self.step / lanes.omega, outward=-lanes.side * lanes.amplitude, slot=slot))
@@ -134,5 +134,5 @@ class SampleStepper(ABC, Generic[Pooled]):
 
 
 def gains(samples: Array) -> Array:
-    """How much s grows over the interval after each sample, 0 after the last."""
+    """The growth of s over the interval after each sample, 0 after the last."""
     return np.append(np.diff(samples), 0.0)

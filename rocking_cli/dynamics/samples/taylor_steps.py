@@ -32,7 +32,7 @@ class SteppingLanes(PooledLanes):
 
 
 class TaylorStepper(SampleStepper[SteppingLanes]):
-    """How a run of any equation goes from sample to sample of a record."""
+    """The way of a run of any equation from sample to sample of a record."""
 
     def __init__(self, run: Run, samples: Samples) -> None:
         super().__init__(run, samples)
@@ -47,15 +47,15 @@ class TaylorStepper(SampleStepper[SteppingLanes]):
         return degrees(2.0 + amplitude * np.maximum(2.0, self.steepest / pace), pace, self.equation.tolerance)
 
     def order(self, lanes: SteppingLanes, at: Array) -> Array:
-        """Those of like degree together, whose series have no rows of zeros."""
+        """Lanes of like degree together, whose series have no rows of zeros."""
         return at[np.argsort(lanes.degree[at].astype(np.int8), kind="stable")]
 
     def can_jump(self, lanes: SteppingLanes) -> Array:
-        """Those at a sample, and those inside an interval just after an impact."""
+        """True for lanes at a sample, and inside an interval just after an impact."""
         return ((lanes.u == 0.0) | (lanes.v > 0.0)) & (lanes.k < self.last)
 
     def jump(self, lanes: SteppingLanes, at: Array, many: bool) -> Array:
-        """Some Taylor steps, the first one to the next sample. A lane stops where a step is not proved."""
+        """Take some Taylor steps, the first one to the next sample. A lane stops where a step is not proved."""
         names = "cell", "side", "k", "u", "y", "v", "peak", "pace", "outward", "degree"
         cell, side, k, u, y, v, peak, pace, outward, degree = (getattr(lanes, name).take(at) for name in names)
         go, equation, past = np.ones(at.size, dtype=bool), self.equation.on(side, cell), u / self.step
@@ -78,7 +78,7 @@ class TaylorStepper(SampleStepper[SteppingLanes]):
         return go
 
     def _ramp(self, k: Array, outward: Array, pace: Array, factors: Array) -> Ramp:
-        """What drives lanes from sample k to the next."""
+        """The drive of lanes from sample k to the next."""
         return Ramp(outward * self.samples.take(k), outward * self.gains.take(k), pace, factors)
 
     def _step(self, equation: Equation, y: Array, v: Array, peak: Array, ramp: Ramp, last: Array) -> tuple[Array, Array, Array]:
@@ -125,7 +125,7 @@ class TaylorStepper(SampleStepper[SteppingLanes]):
 
 
 class WeighedTaylorStepper(TaylorStepper):
-    """As `TaylorStepper`, under the segments of a body whose weight varies; samples: the horizontal ones."""
+    """A `TaylorStepper` for bodies whose weight varies; samples: the horizontal ones."""
 
     def __init__(self, run: Run, samples: Samples) -> None:
         super().__init__(run, samples)
@@ -137,7 +137,7 @@ class WeighedTaylorStepper(TaylorStepper):
         self.highest, self.steepest_up = largest(self.ups), largest(self.rises)
 
     def march(self, waiting: Array) -> None:
-        """Those that the ground does not fall away from before it lifts them."""
+        """March the cells from which the ground does not fall away before it lifts them."""
         if self.run.batch.free_fall is not None and waiting.size:
             waiting = self.run.end_free_fall(self.run.start(waiting)).cell
         super().march(waiting)

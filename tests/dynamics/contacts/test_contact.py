@@ -1,7 +1,5 @@
 """The contacts: uplift, impacts and sums of their sequences on equal edges, on one side and on edges that differ; the free motion."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Sequences of impacts that are closed early: nothing that bodies do is above what is said of them, and marching on finds the same."""
 
-from __future__ import annotations
-
 import math
 from itertools import pairwise
 

@@ -1,7 +1,5 @@
 """Steps of a mechanism by collocation: the rule of their points, arcs against another integration, and what is not left standing."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp

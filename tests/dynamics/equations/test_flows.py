@@ -1,7 +1,5 @@
 """The exact flows, one sinusoid at a time and by sums, against their definition in 40 digits."""
 
-from __future__ import annotations
-
 import math
 
 import mpmath

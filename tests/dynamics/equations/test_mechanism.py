@@ -1,7 +1,5 @@
 """The nonlinear mechanism (Eq. 3.4): its tables, its energy, its periods, and cells against independent integrations."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Taylor series as the flow of an equation: their sums, their derivatives, and the step that a tolerance allows."""
 
-from __future__ import annotations
-
 import math
 
 import mpmath

@@ -1,7 +1,5 @@
 """Within one step: windows of the drive, what is proved without a root search, and bodies that turn back next to the ground."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The linear engine against independent numbers, closed forms and its own invariances."""
 
-from __future__ import annotations
-
 import math
 import os
 import platform

@@ -1,7 +1,5 @@
 """Stiff and extreme cells: never NaN without an outcome, never a hang, and the closed form or the limit where there is one."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

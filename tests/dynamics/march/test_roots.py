@@ -1,7 +1,5 @@
 """Impact times and turning points on arcs whose roots are known: polynomials in time."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

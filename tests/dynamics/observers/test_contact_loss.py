@@ -1,7 +1,5 @@
 """Bodies that leave the ground, against the momentum of an integration that shares no code, the histories' forces and closed forms."""
 
-from __future__ import annotations
-
 import math
 from itertools import islice
 

@@ -1,7 +1,5 @@
 """The search for extremes on stretches, and forces by the slopes that belong to them."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Ground forces of cells, against an integration by DOP853 with forces of its own, and the forces along their histories."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

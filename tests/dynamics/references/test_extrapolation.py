@@ -1,7 +1,5 @@
 """The steps of the slower path against closed forms."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

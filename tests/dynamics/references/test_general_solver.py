@@ -1,7 +1,5 @@
 """The slower path against independent integrations, against the engine, where it has to be patient, and where it loses contact."""
 
-from __future__ import annotations
-
 import math
 from collections import Counter
 from dataclasses import replace

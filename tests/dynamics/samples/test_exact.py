@@ -1,7 +1,5 @@
 """Exact propagation through records against the march, and the tables that it needs."""
 
-from __future__ import annotations
-
 from functools import partial
 from itertools import pairwise
 

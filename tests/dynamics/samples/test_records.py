@@ -1,7 +1,5 @@
 """Records by exact propagation and by Taylor steps: against an integration that shares no code, and what changes nothing."""
 
-from __future__ import annotations
-
 import math
 from functools import partial
 

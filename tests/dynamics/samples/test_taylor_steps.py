@@ -1,7 +1,5 @@
 """Taylor steps over samples against the march by long series, and on ground that moves upwards too against an integration."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
