@@ -6,11 +6,10 @@ the search, so the answers agree with the response at the demand.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
-from functools import partial
 from itertools import pairwise
+from typing import Self
 
 import numpy as np
 
@@ -22,7 +21,6 @@ from ..dynamics.single.response import response_alone
 from ..dynamics.system import System
 from ..errors import UsageError
 from ..motions import Motion
-from ..processes import Run, processes
 from ..structures.parameters import RockingParameters
 from .boundaries import Search
 from .changes import Brackets
@@ -33,12 +31,13 @@ Array = np.ndarray
 LONGEST_FINE = 200  # segments of a motion up to which the scan is as fine as an envelope's
 RATIO = 5e-3  # ratio of neighbouring amplitudes minus 1 of an envelope beyond that: a cell costs as much as a thousand of a pulse
 _COARSE, _FINE = 1e-3, 6e-5  # the same for a search for the lowest fall: everywhere, and in the tenth below a known fall
+_STATED = 1e-4  # of the amplitude: narrower falls may be missed there
 _FINEST, _NEAREST = 5e-6, 0.997  # under a pulse with narrow falls: step, and reach of the search below each fall
 _NEAR, _ABOVE = 0.9, 1.05  # times the lowest fall: start of the fine search, and end of the count of falls
-_STRETCH = 100  # amplitudes of the first stretch
-_FEW, _LONGER = 200, 100  # stretches of up to so many amplitudes, and one more for so many segments, are faster one by one
-_SHARE = 4  # the same per process
-_MANY = 1000  # amplitudes that processes share: fewer take nearly as long
+_FEW = 20  # amplitudes up to which the march is as fast as a scan
+_BESIDE = 3  # amplitudes on either side of a fall that seems to be, at which the march looks for it
+_CHECKED = 5  # amplitudes that the march looks at, below a fall and around one that seems to be
+_STRETCH, _WHOLE = 100, 20_000  # amplitudes of the first stretch of a search by the march, and by a scan
 _FIRST_WINDOW = 1.5  # range of A in one batch: so many cells cost about as much as one round
 _PARTS = 256  # parts of a bracket in one cut: there are few brackets, and a batch costs the same for any size
 
@@ -59,14 +58,11 @@ class Capacity:
     dust: float = 0.0
 
 
-def capacity(
-    structure: RockingParameters, motion: Motion, amplitude: float, omega: float, *, method: Method, a_max: float, workers: int = 1
-) -> Capacity:
+def capacity(structure: RockingParameters, motion: Motion, amplitude: float, omega: float, *, method: Method, a_max: float) -> Capacity:
     """The capacity of a structure at Omega [-] against a demand of A = `amplitude` [-], searched up to `a_max` and twice the demand.
 
     Intervals narrower than `narrowest` may be missed, but not around the demand. Changes are traced to the last digits of an exact method,
-    otherwise to its tolerance. workers: processes that share the search under a long motion. Raises UsageError if `amplitude` or
-    `a_max` is above the limit of a scan, OutputError when a process dies.
+    otherwise to its tolerance. Raises UsageError if `amplitude` or `a_max` is above the limit of a scan.
     """
     system, digits = method.system_of(structure), method.stated_tolerance or 4e-16
     lowest, top = system.least_uplift(motion), max(a_max, 2.0 * amplitude)
@@ -74,151 +70,168 @@ def capacity(
         raise UsageError(f"{structure.name}: found a search up to A = {top:.6g}; expected up to {HIGHEST:g}")
     if not lowest < top:
         return Capacity(None, None, lowest if np.isfinite(lowest) else None)
-    stretches = Stretches(system, motion, structure.eta, np.array([omega]), digits)
+    narrow = Falls.of(system, motion, omega, structure.eta, digits)
     if _long(motion):
-        with stretches.on_processes(workers) as stretches:
-            below = stretches.first_fall(lowest, min(amplitude, top)) if lowest < amplitude else None
-            stands = amplitude <= lowest or bool(safe(stretches.alone(amplitude)))
-            above = stretches.first_fall(max(lowest, amplitude), top) if stands else None
-        first = below or (above if stands else stretches.narrowed(amplitude * (1.0 - _COARSE), amplitude))
-        return Capacity(first, above, lowest, 0.0 if first is None else stretches.dust(first))
+        if narrow.stretch == _WHOLE:
+            narrow.look(np.unique([*_ladder(lowest, top, _COARSE), np.clip(amplitude, lowest, top)]))
+        stands = amplitude <= lowest or not narrow.falls(np.array([amplitude]))[0]
+        below = narrow.first(lowest, min(amplitude, top)) if lowest < amplitude else None
+        above = narrow.first(max(lowest, amplitude), top) if stands else None
+        first = below or (above if stands else narrow.lowest(lowest, amplitude, _FINE, _NEAR))
+        return Capacity(first, above, lowest, 0.0 if first is None else narrow.dust(first))
     search = Search(system, motion, structure.eta, top, digits=digits, parts=_PARTS)
-    falls: list[Brackets] = []  # one window after the other, until the outcome at the demand and the next fall above it are known
+    brackets: list[Brackets] = []  # one window after the other, until the outcome at the demand and the next fall above it are known
     above_demand = False
     for begin, end in _windows(lowest, amplitude, top, at_once=system.equation.bounded):
         fall, last = replace(search, a_min=begin, a_max=end).fall(omega)
-        falls += [fall] if fall.row.size else []
+        brackets += [fall] if fall.row.size else []
         above_demand = begin >= amplitude and fall.row.size > 0
         if above_demand or (end <= amplitude and not Outcome(last).safe):
             break
-    found = search.first_falls_in(omega, Brackets.joined(falls)) if falls else []
+    found = search.first_falls_in(omega, Brackets.joined(brackets)) if brackets else []
     first, dust = min(found, default=None), 0.0
     if first is not None and motion.segments.pushes > FEW:
-        first, dust = stretches.lowest_narrow_fall(lowest, first)
+        first, dust = narrow.lowest_narrow(lowest, first)
     safe_to = found[-1] if above_demand else None
     return Capacity(first, safe_to if first is None or safe_to is None or first < amplitude else first, lowest, dust)
 
 
 def narrowest(motion: Motion) -> str:
     """The width of intervals that a search may miss, in words."""
-    return f"{100.0 * _COARSE:g} % of the amplitude ({100.0 * _FINE:g} % in the tenth below a fall)" if _long(motion) else "0.001 in A"
+    return f"{100.0 * _COARSE:g} % of the amplitude ({100.0 * _STATED:g} % in the tenth below a fall)" if _long(motion) else "0.001 in A"
 
 
 def _long(motion: Motion) -> bool:
     return len(motion.segments) > LONGEST_FINE
 
 
-@dataclass(frozen=True)
-class Stretches:
-    """The outcomes of one system at one Omega under a long motion.
+@dataclass
+class Falls:
+    """The search for the lowest amplitude at which one body falls, where falls may be narrow.
 
-    shared, workers: the function of `processes` and their number; seen: all computed amplitudes `_COARSE` apart, with their falls.
+    falls: true for each amplitude that falls, by the march; seems: the same for many amplitudes, where it may be approximate: it tells
+    where to look; digits: relative width of a traced boundary; stretch: amplitudes that are looked at first together; seen: all
+    amplitudes `_COARSE` apart so far, with their falls.
     """
 
-    system: System
-    motion: Motion
-    eta: float
-    omega: Array
+    falls: Callable[[Array], Array]
+    seems: Callable[[Array], Array]
     digits: float
-    shared: Run | None = None
-    workers: int = 1
-    seen: list[tuple[Array, Array]] = field(default_factory=list)
+    stretch: int = _STRETCH
+    seen: tuple[Array, Array] = field(default_factory=lambda: (np.zeros(0), np.zeros(0, dtype=bool)))
 
-    @contextmanager
-    def on_processes(self, workers: int) -> Iterator[Stretches]:
-        """Context with the same search on `workers` processes. Raises OutputError when one dies."""
-        if workers == 1:
-            yield self
-            return
-        with processes(workers, self.look, "fewer `workers` need less") as run:
-            yield replace(self, shared=run, workers=workers)
+    @classmethod
+    def of(cls, system: System, motion: Motion, omega: float, eta: float, digits: float) -> Self:
+        """The search for a system of one body at one Omega."""
 
-    def falls(self, low: float, high: float, ratio: float) -> tuple[Array, Array]:
-        """(amplitudes from `low` to `high`, true for each that falls); if they are few, only up to 5 % above the first fall."""
-        if ratio == _COARSE:
-            amplitude = np.geomspace(low, high, 2 + int(np.log(high / low) / np.log1p(ratio)))
-        else:  # the same amplitudes for any ends
-            powers = np.arange(np.ceil(np.log(low) / np.log1p(ratio)), np.log(high) / np.log1p(ratio))
-            amplitude = np.unique(np.concatenate([[low, high], np.clip((1.0 + ratio) ** powers, low, high)]))
-        falls = ~safe(self._outcomes(amplitude))
-        amplitude = amplitude[: falls.size]
-        if ratio == _COARSE:
-            self.seen.append((amplitude, falls))
-        return amplitude, falls
+        def falls(amplitude: Array) -> Array:
+            return ~safe(response_alone(system, motion, amplitude, omega, eta, peaks=False).outcome)
 
-    def _outcomes(self, amplitude: Array) -> Array:
-        """The outcomes at rising amplitudes; if they are few, only up to 5 % above the first fall."""
-        run = self.shared or partial(map, self.look)
-        if amplitude.size > _FEW + len(self.motion.segments) // _LONGER:
-            outcome = np.empty(amplitude.size, dtype=np.uint8)
-            shares = self.workers if amplitude.size > _MANY else 1
-            for i, part in enumerate(run((amplitude[i::shares], False) for i in range(shares))):
-                outcome[i::shares] = part
-            return outcome
-        parts, end = [], np.inf
-        few = [amplitude[i : i + _SHARE] for i in range(0, amplitude.size, _SHARE)]
-        for share, part in zip(few, run((share, True) for share in few), strict=True):
-            parts.append(part)
-            end = min(end, *(_ABOVE * share[~safe(part)]), np.inf)
-            if share[-1] >= end:
-                break
-        return np.concatenate(parts)
+        def seems(amplitude: Array) -> Array:
+            if scan is not None and amplitude.size <= _FEW:
+                return falls(amplitude)
+            fallen = np.zeros(amplitude.size, dtype=bool) if scan is None else scan.falls(amplitude)
+            doubtful = np.flatnonzero(~fallen & (amplitude > (0.0 if scan is None else system.safe_amplitude(motion))))
+            fallen[doubtful] = ~safe(response(system, motion, amplitude[doubtful], np.asarray(omega), eta, peaks=False).outcome)
+            return fallen
 
-    def look(self, share: tuple[Array, bool]) -> Array:
-        """The outcomes at the amplitudes of a share, computed one after the other or together as the share states."""
-        amplitude, alone = share
-        return self.alone(amplitude) if alone else response(self.system, self.motion, amplitude, self.omega, self.eta, peaks=False).outcome
+        scan = None
+        if _long(motion):
+            from ..dynamics.single.scan import Scan
 
-    def alone(self, amplitude: Array | float) -> Array:
-        """The outcomes at amplitudes, each computed by itself."""
-        return response_alone(self.system, self.motion, amplitude, self.omega, self.eta, peaks=False).outcome
+            scan = Scan(system, motion, omega, eta) if Scan.serves(system, motion) else None
+        return cls(falls, seems, digits, _STRETCH if scan is None else _WHOLE)
 
-    def first_fall(self, begin: float, end: float) -> float | None:
+    def first(self, begin: float, end: float) -> float | None:
         """The lowest amplitude between these that falls, None if there is none."""
-        low, stretch = begin, _STRETCH
-        while low < end:
+        low, stretch, found = begin, self.stretch, None
+        while found is None and low < end:
             high = min(end, low * (1.0 + _COARSE) ** stretch)
-            amplitude, falls = self.falls(low, high, _COARSE)
-            if at := int(falls.argmax()):
-                return self.lowest_fall(begin, float(amplitude[at - 1]), float(amplitude[at]), _FINE, _NEAR)
-            if falls[0]:
-                return float(amplitude[0])
+            amplitude, seems = self._coarse(low, high)
+            found = next(filter(None, (self.lowest(begin, fall, _FINE, _NEAR) for fall in amplitude[seems].tolist())), None)
             low, stretch = high, 2 * stretch
-        return None
+        while (missed := self._missed(begin, found or end)) is not None:
+            found = self.lowest(begin, missed, _FINE, _NEAR)
+        return found
 
-    def lowest_fall(self, begin: float, below: float, found: float, ratio: float, near: float) -> float:
-        """The lowest fall from `begin` on. The search computes amplitudes at a ratio from `near` times `found` to `found`, and again below
-        each new fall. The body falls at `found` and stands at `below`, or just below `found` if the two are equal."""
-        known = found
-        while known > (fine := max(begin, near * found)) * (1.0 + ratio):
-            amplitude, falls = self.falls(fine, known, ratio)
-            known = fine
-            if falls[0]:
-                return float(amplitude[0])
-            if at := int(falls.argmax()):
-                below, found = float(amplitude[at - 1]), float(amplitude[at])
-        return self.narrowed(below, found)
+    def _missed(self, begin: float, end: float) -> float | None:
+        """A fall that the march finds at a few amplitudes between these."""
+        checked = np.geomspace(begin, end, _CHECKED + 2)[1:-1]
+        return next(iter(checked[self.falls(checked)].tolist()), None)
 
-    def lowest_narrow_fall(self, begin: float, found: float) -> tuple[float, float]:
+    def _coarse(self, low: float, high: float) -> tuple[Array, Array]:
+        """(amplitudes `_COARSE` apart between these, true where the body seems to fall); each is looked at once."""
+        amplitude = _ladder(low, high, _COARSE)
+        self.look(amplitude)
+        return amplitude, self.seen[1][np.searchsorted(self.seen[0], amplitude)]
+
+    def look(self, amplitude: Array) -> None:
+        """Look at amplitudes of the coarse search, together."""
+        new = np.setdiff1d(amplitude, self.seen[0], assume_unique=True)
+        if new.size:
+            every, order = np.unique(np.append(self.seen[0], new), return_index=True)
+            self.seen = every, np.append(self.seen[1], self.seems(new))[order]
+
+    def lowest(self, begin: float, found: float, ratio: float, near: float) -> float | None:
+        """The lowest fall from `begin` to `found`, where a body seems to fall, None if the march finds none. Amplitudes at a ratio are
+        looked at from `near` times `found` on, and below `near` times each new fall."""
+        low, high, lowest = max(begin, near * near * found), found, None
+        while low < high:
+            amplitude = _ladder(low, high, ratio)
+            seems = self.seems(amplitude)
+            seems[-1] |= lowest is None
+            new = next(filter(None, (self._confirmed(amplitude, run) for run in _runs(seems))), None)
+            if new is None:
+                break
+            lowest, low, high = new, max(begin, near * new), low
+        return lowest
+
+    def _confirmed(self, amplitude: Array, run: Array) -> float | None:
+        """The lower end of a fall at or near a run of these amplitudes, None if the march finds none there."""
+        first = np.arange(max(0, run[0] - _BESIDE), run[0] + 1)
+        fallen = first[self.falls(amplitude[first])]
+        if not fallen.size:
+            rest = np.arange(run[0] + 1, min(amplitude.size, run[-1] + _BESIDE + 1))
+            rest = rest[:: max(1, rest.size // _CHECKED)]
+            fallen = rest[self.falls(amplitude[rest])]
+        if not fallen.size:
+            return None
+        at, step = int(fallen[0]), 1
+        while at and self.falls(amplitude[(below := max(0, at - step)) : below + 1])[0]:
+            at, step = below, 2 * step
+        return self.narrowed(float(amplitude[below]), float(amplitude[at])) if at else float(amplitude[0])
+
+    def lowest_narrow(self, begin: float, found: float) -> tuple[float, float]:
         """(the lowest fall from `begin` on, `dust` of it), below a known fall; intervals 5e-6 of the amplitude wide are found if there
         is dust."""
-        first = self.lowest_fall(begin, found, found, _FINE, _NEAR)
-        self.falls(first, _ABOVE * first, _COARSE)
+        first = self.lowest(begin, found, _FINE, _NEAR) or found
+        self._coarse(first, _ABOVE * first)
         dust = self.dust(first)
-        return (self.lowest_fall(begin, first, first, _FINEST, _NEAREST) if dust else first), dust
+        return (self.lowest(begin, first, _FINEST, _NEAREST) or first if dust else first), dust
 
     def narrowed(self, low: float, high: float) -> float:
         """The amplitude, within `digits`, between standing at `low` and falling at `high`."""
         while high - low > self.digits * high and low < (middle := 0.5 * (low + high)) < high:
-            low, high = (middle, high) if safe(self.alone(middle)) else (low, middle)
+            low, high = (low, middle) if self.falls(np.array([middle]))[0] else (middle, high)
         return high
 
     def dust(self, first: float) -> float:
         """The share of falls among amplitudes `_COARSE` apart up to 5 % above the first fall; 0 if the falls are one interval."""
-        seen = sorted((a, bool(fall)) for amplitude, falls in self.seen for a, fall in zip(amplitude.tolist(), falls, strict=True))
-        falls = [fall for a, fall in seen if first < a < _ABOVE * first]
+        falls = self.seen[1][(first < self.seen[0]) & (self.seen[0] < _ABOVE * first)].tolist()
         single = sum(one != other for one, other in pairwise([True, *falls])) <= 1
         return 0.0 if single else 0.5 * sum(falls) / len(falls)
+
+
+def _ladder(low: float, high: float, ratio: float) -> Array:
+    """Amplitudes from `low` to `high` at this ratio, the same between any ends."""
+    powers = np.arange(np.ceil(np.log(low) / np.log1p(ratio)), np.log(high) / np.log1p(ratio))
+    return np.unique(np.concatenate([[low, high], np.clip((1.0 + ratio) ** powers, low, high)]))
+
+
+def _runs(flags: Array) -> list[Array]:
+    """The indices of each run of flags that are set."""
+    at = np.flatnonzero(flags)
+    return np.split(at, np.flatnonzero(np.diff(at) > 1) + 1) if at.size else []
 
 
 def _windows(lowest: float, demand: float, top: float, at_once: bool) -> Iterator[tuple[float, float]]:

@@ -28,7 +28,7 @@ Demand = tuple[RockingParameters, Motion, Grid]
 Progress = Callable[[int, int], None]
 
 _STAGES = 3  # of a verdict
-_BESIDE = np.array([0.0, *(sign * 10.0**-n for n in range(12, 5, -1) for sign in (-1.0, 1.0))])  # relative changes of a demand
+_BESIDE = np.array([0.0, *(sign * 10.0**-n for n in (12, 9, 6) for sign in (-1.0, 1.0))])  # relative changes of a demand
 _SAME = 0.01  # of theta/alpha: rotations under them that differ by less are one
 _WORTH = 3  # demands for each process that is started, at least
 OLD_COLUMNS = ("name", "friction")  # of structure and friction_needed, for this version
@@ -113,14 +113,13 @@ def check(
     shaking: Grid,
     *,
     a_max: float | None = A_MAX,
-    workers: int = 1,
     progress: Progress | None = None,
 ) -> Verdict:
     """The verdict on a structure under a motion, and the capacity it has left; shaking: a grid of one cell, the demand.
 
-    a_max: dimensionless amplitude up to which overturning is looked for (and twice the demand), None for no search; workers: processes
-    that share a long search; progress: called with the stages done and all of them: the responses, the search, the forces. Raises
-    UsageError for a demand of zero, one beyond what a search reaches, or a structure without units.
+    a_max: dimensionless amplitude up to which overturning is looked for (and twice the demand), None for no search; progress: called
+    with the stages done and all of them: the responses, the search, the forces. Raises UsageError for a demand of zero, one beyond what
+    a search reaches, or a structure without units.
 
     >>> (column,) = load_structures('configs/block.yaml')
     >>> verdict = check(column, sine(), parse_grid('a_g=0.35g,f_g=1.5'))
@@ -143,7 +142,7 @@ def check(
         least = method.system_of(structure).least_uplift(motion)
         found = Capacity(None, None, least if math.isfinite(least) else None)
     else:
-        found = capacity(structure, motion, amplitude, omega, method=method, a_max=a_max, workers=workers)
+        found = capacity(structure, motion, amplitude, omega, method=method, a_max=a_max)
     done(2, _STAGES)
     asked = _of_history(method, structure, motion, shaking)
     done(_STAGES, _STAGES)
@@ -189,17 +188,17 @@ def verdicts(
 ) -> Iterator[Verdict]:
     """The verdicts on (structure, motion, shaking), in their order, each as soon as it is found.
 
-    a_max: A, or an acceleration for each, None for no search; workers: processes, None for all cores where they are several: they share
-    the demands, or the search for each of few; progress: called with the stages or checks done and all of them. Raises as `check` does,
+    a_max: A, or an acceleration for each, None for no search; workers: processes that share the demands, None for all cores where that
+    saves time; progress: called with the stages or checks done and all of them. Raises as `check` does,
     OutputError when a worker process dies.
     """
     available, done = workers or available_cpus(), progress or _no_progress
     several = max(1, min(available, len(demands) // (1 if workers else _WORTH)))
     if several == 1:
         for i, demand in enumerate(demands):
-            yield _check_one(a_max, available, demand, partial(_after, done, i, len(demands)))
+            yield _check_one(a_max, demand, partial(_after, done, i, len(demands)))
         return
-    with processes(several, partial(_check_one, a_max, 1), "fewer `workers` need less") as run:
+    with processes(several, partial(_check_one, a_max), "fewer `workers` need less") as run:
         for i, verdict in enumerate(run(demands), 1):
             done(i, len(demands))
             yield verdict
@@ -228,9 +227,9 @@ def _after(progress: Progress, before: int, checks: int, stage: int, stages: int
     progress(before * stages + stage, checks * stages)
 
 
-def _check_one(a_max: float | Limit | None, workers: int, demand: Demand, progress: Progress | None = None) -> Verdict:
+def _check_one(a_max: float | Limit | None, demand: Demand, progress: Progress | None = None) -> Verdict:
     most = None if a_max is None else limit_of(a_max, demand[0])
-    return check(*demand, a_max=most, workers=workers, progress=progress)
+    return check(*demand, a_max=most, progress=progress)
 
 
 def _of_history(method: Method, structure: RockingParameters, motion: Motion, shaking: Grid) -> dict[str, float | None]:

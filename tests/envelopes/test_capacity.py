@@ -8,7 +8,6 @@ from support.synthetic_records import noise, shaken
 
 from rocking_cli import (
     LinearEquation,
-    Outcome,
     System,
     UsageError,
     build_structure,
@@ -20,7 +19,7 @@ from rocking_cli import (
 )
 from rocking_cli.dynamics.method import LINEAR, Method
 from rocking_cli.dynamics.outcome import safe
-from rocking_cli.envelopes.capacity import Stretches, capacity
+from rocking_cli.envelopes.capacity import Falls, capacity
 
 BLOCK = build_structure(parse_documents("kind: block\nradius: 1.6065856\nalpha: 0.25\nrestitution: 0.9")[0])  # p = 2.14 rad/s
 
@@ -83,77 +82,61 @@ def test_a_demand_beyond_the_scan_is_refused(demand):
 NARROW = [(3.16735, 3.16755), (3.18105, 3.18145), (3.18275, 3.18330), (3.22525, 3.22575), (3.2367, 3.23865)]
 
 
-class Told(Stretches):
-    """A search whose outcomes are those falls."""
-
-    def falls(self, low, high, ratio):
-        amplitude = np.geomspace(low, high, 2 + int(np.log(high / low) / np.log1p(ratio)))
-        falls = np.array([self._fall(a) for a in amplitude])
-        if ratio > 5e-4:
-            self.seen.append((amplitude, falls))
-        return amplitude, falls
-
-    def alone(self, amplitude):
-        return np.array(Outcome.OVERTURNED_AFTER_IMPACT if self._fall(amplitude) else Outcome.ROCKED)
-
-    def _fall(self, a):
-        return any(low <= a <= high for low, high in NARROW) or (a >= 3.3264 and int((a - 3.3264) / 0.002) % 2 == 0)
+def told(fall, seems=None):
+    """A search in which those amplitudes fall for which `fall` is true, and seem to fall where `seems` is."""
+    return Falls(
+        lambda a: np.array([fall(x) for x in a], dtype=bool), lambda a: np.array([(seems or fall)(x) for x in a], dtype=bool), 1e-9
+    )
 
 
-def test_the_lowest_of_six_narrow_falls_is_found_under_a_record():
-    found = Told(None, None, 0.9, np.ones(1), 1e-9)
-    assert found.first_fall(1.962, 40.0) == pytest.approx(3.16735, rel=1e-9, abs=0)
-    assert found.first_fall(3.24, 40.0) == pytest.approx(3.3264, rel=1e-9, abs=0)
-    assert found.first_fall(1.962, 3.1) is None
+def narrow(a):
+    return any(low <= a <= high for low, high in NARROW) or (a >= 3.3264 and int((a - 3.3264) / 0.002) % 2 == 0)
+
+
+@pytest.mark.parametrize("shift", [0.0, 1e-4, -1e-4], ids=["by the march", "by a scan that lags", "by a scan that leads"])
+def test_the_lowest_of_six_narrow_falls_is_found_under_a_record(shift):
+    found = told(narrow, lambda a: narrow(a * (1.0 + shift)))
+    assert found.first(1.962, 40.0) == pytest.approx(3.16735, rel=1e-9, abs=0)
+    assert found.first(3.24, 40.0) == pytest.approx(3.3264, rel=1e-9, abs=0)
+    assert found.first(1.962, 3.1) is None
     assert 0.1 < found.dust(3.3264) < 0.4
 
 
+def test_a_scan_that_sees_no_fall_is_held_against_the_march():
+    found = told(lambda a: a >= 3.3, lambda a: False)
+    assert found.first(1.962, 40.0) == pytest.approx(3.3, rel=1e-9, abs=0)
+    assert told(lambda a: False, lambda a: a > 3.0).first(1.962, 5.0) is None
+
+
 def test_one_wide_interval_is_no_dust():
-    found = Told(None, None, 0.9, np.ones(1), 1e-9)
-    amplitude = np.geomspace(3.0, 4.0, 300)
-    found.seen.append((amplitude, amplitude >= 3.3))
+    found = told(lambda a: a >= 3.3)
+    assert found.first(3.0, 4.0) == pytest.approx(3.3, rel=1e-9, abs=0)
     assert found.dust(3.3) == 0.0
 
 
 def test_the_lowest_fall_under_a_record_is_cut_to_its_last_digits():
     motion, system = shaken(noise(100, 0.05, 1)[30:60], 0.05), System(LinearEquation())
-    found = Stretches(system, motion, 0.9, np.array([0.4]), 1e-9)
-    first = found.first_fall(1.02, 8.0)
-    assert not safe(found.alone(first))
-    assert safe(found.alone(first * (1.0 - 3e-9)))
+    found = Falls.of(system, motion, 0.4, 0.9, 1e-9)
+    first = found.first(1.02, 8.0)
+    assert found.falls(first * (1.0 - 3e-9 * np.arange(2.0))).tolist() == [True, False]
     below = np.linspace(0.9 * first, first * (1.0 - 1e-8), 100)
     assert safe(response(system, motion, below, 0.4, 0.9, peaks=False).outcome).all()
 
 
-def test_processes_find_what_one_finds():
-    motion, block = shaken(np.tile(noise(100, 0.05, 1)[30:60], 10), 0.05), dimensionless_oscillator(0.9)
-    one, two = (capacity(block, motion, 1.6, 0.4, method=LINEAR, a_max=4.0, workers=n) for n in (1, 2))
-    assert one == two
-    assert one.first is not None
-
-
-def test_of_few_amplitudes_those_far_above_a_fall_are_not_looked_at():
-    motion, system = shaken(noise(100, 0.05, 1)[30:60], 0.05), System(LinearEquation())
-    found = Stretches(system, motion, 0.9, np.array([0.4]), 1e-9)
-    first = found.first_fall(1.02, 8.0)
-    amplitude, falls = found.falls(0.98 * first, 1.15 * first, 1e-3)
-    together = ~safe(response(system, motion, amplitude, 0.4, 0.9, peaks=False).outcome)
-    np.testing.assert_array_equal(falls, together)
-    assert amplitude[-1] == pytest.approx(1.05 * amplitude[falls.argmax()], rel=5e-3)
+@pytest.mark.parametrize(("dt", "seed"), [(0.06, 2), (0.06, 4), (0.01, 2), (0.01, 5)])
+def test_a_scan_leads_to_the_fall_that_the_march_finds(dt, seed):
+    motion, oscillator = shaken(noise(int(15.0 / dt), dt, seed), dt), dimensionless_oscillator(0.9)
+    system = LINEAR.system_of(oscillator)
+    march = Falls.of(system, motion, 0.4, 0.9, 4e-16)
+    march.seems = lambda a: ~safe(response(system, motion, a, 0.4, 0.9, peaks=False).outcome)
+    found = capacity(oscillator, motion, 1.6, 0.4, method=LINEAR, a_max=4.0)
+    assert found.first == pytest.approx(march.first(found.uplift, 4.0), rel=1e-15, abs=0)
 
 
 def test_the_lowest_of_narrow_falls_does_not_depend_on_the_one_that_was_found():
     """A third of all amplitudes from 1.292 on fall, in intervals 1e-5 wide."""
 
-    class Dust(Stretches):
-        def alone(self, amplitude):
-            falls = (amplitude >= 1.292) & (np.floor((np.asarray(amplitude) - 1.292) / 1e-5) % 3 == 0)
-            return np.where(falls, Outcome.OVERTURNED_AFTER_IMPACT, Outcome.ROCKED)
-
-        def _outcomes(self, amplitude):
-            return self.alone(amplitude)
-
-    search = Dust(None, None, 0.9, np.ones(1), 1e-9)
+    search = told(lambda a: a >= 1.292 and np.floor((a - 1.292) / 1e-5) % 3 == 0)
     for found in (1.292454, 1.294843, 1.38):
-        assert search.lowest_narrow_fall(1.1, found) == (pytest.approx(1.292, rel=1e-9, abs=0), pytest.approx(1.0 / 6.0, rel=0.4))
-    assert search.lowest_narrow_fall(1.1, 1.2) == (1.2, 0.0)
+        assert search.lowest_narrow(1.1, found) == (pytest.approx(1.292, rel=1e-9, abs=0), pytest.approx(1.0 / 6.0, rel=0.4))
+    assert search.lowest_narrow(1.1, 1.2) == (1.2, 0.0)

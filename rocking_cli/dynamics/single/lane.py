@@ -116,12 +116,12 @@ class Lane:
         return kept
 
     def lanes(self, cells: Cells, side: float) -> Lanes:
-        """A lane of one, on a side, at the motion's start."""
-        row = cells.row(np.array([side]))
-        amplitude, omega, eta = (np.atleast_1d(np.squeeze(values[row, np.array([0])])).astype(float) for values in cells)
-        zero, count = np.zeros(1), np.zeros(1, dtype=np.int64)
-        return Lanes(np.zeros(1, dtype=np.int64), amplitude, omega, eta, count, zero, np.array([side]), zero.copy(), zero.copy(),
-                     zero.copy(), zero.copy(), count.copy(), count.copy())  # fmt: skip
+        """A lane for each cell, on a side, at the motion's start."""
+        at = np.arange(cells.amplitude.shape[1])
+        sides, zero, count = np.full(at.size, side), np.zeros(at.size), np.zeros(at.size, dtype=np.int64)
+        amplitude, omega, eta = (np.broadcast_to(values, cells.amplitude.shape)[cells.row(sides), at].astype(float) for values in cells)
+        return Lanes(at, amplitude, omega, eta, count, zero, sides, zero.copy(), zero.copy(), zero.copy(), zero.copy(), count.copy(),
+                     count.copy())  # fmt: skip
 
     def tau(self, k: int, u: float) -> float:
         """Time by the first side's p of a place in the motion."""

@@ -11,7 +11,9 @@ from support.synthetic_records import RECORDS, allowance, assert_same, cells, no
 
 from rocking_cli import LinearEquation, Method, Outcome, RigidBodyEquation, System, cosine, load_structures, pulse, response, sine
 from rocking_cli.dynamics.contacts.contact import OneSided, Unequal
+from rocking_cli.dynamics.outcome import safe
 from rocking_cli.dynamics.single.response import response_alone
+from rocking_cli.dynamics.single.scan import Scan
 from rocking_cli.dynamics.single.series_roots import first_root, only_root, turns
 from rocking_cli.motions.biaxial import with_vertical
 
@@ -124,3 +126,19 @@ def test_a_pair_of_turns_within_a_step():
     """y' = (x - 0.4)(x - 0.6)/2 + small: up, down and up again; and none where it only slows."""
     assert turns((1.0, 0.12, -0.25, 1.0 / 6.0), 1.0) == pytest.approx([0.4], rel=1e-12)
     assert turns((1.0, 0.13, -0.25, 1.0 / 6.0), 1.0) == []
+
+
+SCANNED = {"a step a sample": shaken(noise(250, 0.06, 4), 0.06), "five samples a step": shaken(noise(1500, 0.01, 4), 0.01)}
+
+
+@pytest.mark.parametrize("motion", SCANNED.values(), ids=SCANNED)
+@pytest.mark.parametrize("name", SYSTEMS)
+def test_a_scan_falls_as_the_march_but_next_to_boundaries(name, motion):
+    system, eta = SYSTEMS[name]
+    amplitude = np.geomspace(1.01, 4.0, 150) * system.least_uplift(motion)
+    near = response(system, motion, np.outer([1.0 - 2e-4, 1.0, 1.0 + 2e-4], amplitude), 0.4, eta, peaks=False)
+    falls = ~safe(near.outcome)
+    settled = falls.all(axis=0) | ~falls.any(axis=0)
+    found = Scan(system, motion, 0.4, eta).falls(amplitude)
+    assert 3 < falls[1].sum() < 50
+    assert np.mean((found != falls[1])[settled]) < 0.015
