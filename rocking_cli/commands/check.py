@@ -23,7 +23,7 @@ INSET = 0.05  # of the width, whose effect on the capacity is told
 @command("rocking check configs/block.yaml configs/arch.yaml --a-g 0.35g --f-g 1.5 --sort capacity", printed)
 def check(
     files: tuple[str, ...] = options.files(),
-    asked: ground.Demand = group(ground.Demand),
+    asked: ground.Directed = group(ground.Directed),
     a_max: Limit = options.a_max(),
     verdict_only: bool = option("--verdict-only", is_flag=True, help="Skip the search; first_overturning_a and safe_to stay empty."),
     vary: tuple[str, ...] = options.vary(),
@@ -56,25 +56,40 @@ def check(
     files, shaken = asked.several(files)
     shaken = asked.of(shaken)
     structures, varied, lost = options.members_of(files, vary)
+    azimuths = asked.azimuths()
     shakes = shaken.needed()
     if output is not None:
         from ..publishing import check_target
 
         check_target(output, overwrite, options.FIGURES)
     demands = [(structure, *shake) for shake in shakes for structure in structures]
+    worst: list[float] = []
+    if azimuths is not None:
+        from ..responses.azimuth import has_direction, worst_azimuths
+
+        searched = ProgressLine("azimuths", "stages")
+        directed = worst_azimuths(structures, shaken.recordings, azimuths, workers=workers, progress=searched)
+        worst, demands = [angle for angle, _ in directed], [demand for _, demand in directed]
+        shakes = [(motion, grid) for _, motion, grid in demands]
+        note(f"azimuth: the worst of {azimuths.size} as recorded; at another one the capacity may be less")
+        if both := [s.name for s in structures if has_direction(s)]:
+            note(f"both signs of each azimuth, because the sides differ: {', '.join(both)}")
     told: list[Verdict] = []
     limit = None if verdict_only else a_max
     found: Iterable[Verdict] = verdicts(demands, a_max=limit, workers=workers, progress=ProgressLine("check", "stages"))
+    if sort and worst:
+        raise click.UsageError("--sort does not go with --azimuth")
     if sort:
         found = sorted(found, key=lambda v: float("inf") if v.capacity_demand is None else v.capacity_demand)
 
     def rows() -> Iterator[dict[str, Any]]:
         for verdict in found:
             told.append(verdict)
-            yield {**varied.get(verdict.structure, {}), **verdict.record()}
+            azimuth = {"azimuth": worst[len(told) - 1]} if worst else {}
+            yield {**varied.get(verdict.structure, {}), **azimuth, **verdict.record()}
 
     in_g = _in_g(asked.a_g or asked.scale_to or ("g" if asked.motion else ""))
-    emit(rows(), CHECK_COLUMNS, table_units="g,mm" if in_g else "mm", old=OLD_COLUMNS)
+    emit(rows(), CHECK_COLUMNS, table_units="g,mm,deg" if in_g else "mm,deg", old=OLD_COLUMNS)
     if output is not None:
         from ..reports.figures.capacities import draw_capacities
 

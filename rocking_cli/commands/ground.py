@@ -18,6 +18,8 @@ from .parameter_types import STATION, InputPath, PulseOrPath, Registered, pulse_
 from .printing import note, warn
 
 if TYPE_CHECKING:
+    import numpy as np
+
     from ..motions import Motion
     from ..motions.biaxial import Upwards
     from ..motions.grid import Grid
@@ -275,6 +277,31 @@ class Shaking:
 @dataclass(frozen=True)
 class Demand(Shaking, BothWays):
     """The ground motion, a vertical one, and the demand."""
+
+
+@dataclass(frozen=True)
+class Directed(Demand):
+    """The demand, or two horizontal components in a direction."""
+
+    azimuth: str | None = option(
+        "--azimuth", metavar="ANGLE|START:STOP:N",
+        help="Direction of two horizontal components in deg, from the first towards the second; of a span the worst one (check).",
+    )  # fmt: skip
+
+    def azimuths(self) -> np.ndarray | None:
+        """The directions [rad]; None without --azimuth. Raises UsageError."""
+        if self.azimuth is None:
+            return None
+        import numpy as np
+
+        from ..motions.grid import parse_span
+
+        for one in ("scale_to", *(one.name for one in fields(Shaking))):
+            if getattr(self, one) is not None:
+                raise click.UsageError(f"--{one.replace('_', '-')} does not go with --azimuth: --scale FACTOR scales both components")
+        if not self.motion:
+            raise click.UsageError("--azimuth goes with a record: give --motion")
+        return np.radians(parse_span("--azimuth", self.azimuth.replace("deg", ""), "number"))
 
 
 def note_demand(shakes: Sequence[tuple[Motion, Grid]]) -> None:

@@ -13,7 +13,7 @@ from .printing import emit, form, note, printed
 
 
 @dataclass(frozen=True)
-class OneMotion(ground.Demand):
+class OneMotion(ground.Directed):
     """The demand, with --dt for the rows."""
 
     motion_dt: float | None = option("--motion-dt", type=quantity("time"), metavar="TIME", help=ground.DT)
@@ -46,7 +46,16 @@ def response(
     """
     from ..responses.time_history import time_history
 
-    shaken = asked.of(asked.one())
+    azimuths = asked.azimuths()
+    if azimuths is None:
+        shaken = asked.of(asked.one())
+    else:
+        from ..responses.azimuth import at_azimuth
+
+        if azimuths.size > 1:
+            raise UsageError(f"--azimuth: found {asked.azimuth}; expected one angle (rocking check takes a span)")
+        recordings = asked.several(())[1].recordings
+        shaken = asked.of(ground.Ground(at_azimuth(recordings, float(azimuths[0])).motion))
     structures = options.structures_of((file,))
     if len(structures) != 1:
         raise UsageError(f"{file} holds {len(structures)} structures; expected one (rocking compare takes several)")

@@ -204,3 +204,22 @@ def test_the_effect_of_an_inset_on_the_least_capacity_is_told(rocking):
     assert told in plain.stderr.splitlines()
     for done in (worn, rocking("check", "block:0.5x2", *SHAKING, "--verdict-only"), rocking("check", "configs/parameters.yaml", *SHAKING)):
         assert "inside the edges" not in done.stderr
+
+
+def test_the_worst_azimuth_of_two_components(rocking, tmp_path):
+    (tmp_path / "a.txt").write_text(of_a_station(wave(60, 300.0), wave(60, 200.0), wave(60, 90.0), dt=0.1))
+    block = "{kind: block, name: A, width: 0.5, height: 2}"
+    (tmp_path / "b.yaml").write_text(f"{block}\n---\n{block.replace('A', 'B').replace('2}', '2, one_sided: true}')}")
+    call = ("check", "b.yaml", "--motion", "a.txt", "--verdict-only")
+    done = rocking(*call, "--azimuth", "0:180:7", "--json")
+    first, second = done.records
+    assert (first["structure"], first["azimuth"]) == ("A", pytest.approx(0.5235987755982988))  # tan of 33.7 deg is 200/300
+    assert second["azimuth"] in (pytest.approx(0.5235987755982988), pytest.approx(3.665191429188092))
+    assert "both signs of each azimuth, because the sides differ: B" in done.stderr
+    alone = rocking("response", "block:0.5x2", "--motion", "a.txt", "--azimuth", "30deg", "--events", "--json").records[-1]
+    assert alone["theta_ratio"] == pytest.approx(first["theta_ratio"], rel=1e-9)
+    for more, words in (
+        (("--a-g", "1"), "--a-g does not go with --azimuth"), (("--component", "N-S"), "found 1 horizontal component"),
+    ):  # fmt: skip
+        refused = rocking(*call, "--azimuth", "0:180:7", *more)
+        assert (refused.returncode, words in refused.stderr) == (2, True)

@@ -1,0 +1,67 @@
+"""The direction in which two horizontal components of a record are worst for a structure."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from ..errors import UsageError
+from ..motions.grid import as_recorded
+from ..motions.recording import Recording
+from ..structures.parameters import RockingParameters
+from .check import Demand, Progress, Verdict, verdicts
+
+
+def at_azimuth(pair: Sequence[Recording], azimuth: float) -> Recording:
+    """The two components in one direction: the first times cos(azimuth) plus the second times sin(azimuth); azimuth in rad.
+
+    The shorter one is at rest after its end. Raises UsageError unless there are two components with the same step.
+    """
+    if len(pair) != 2:
+        raise UsageError(f"found {len(pair)} horizontal component{'s' * (len(pair) != 1)}; expected two for an azimuth")
+    one, two = (r.record for r in pair)
+    if one.dt != two.dt:
+        raise UsageError(f"{one.label} has a step of {one.dt:g} s and {two.label} one of {two.dt:g} s; expected equal steps")
+    both = np.zeros((2, max(one.npts, two.npts)))
+    both[0, : one.npts], both[1, : two.npts] = one.acceleration, two.acceleration
+    name = f"{math.degrees(azimuth):.6g} deg"
+    turned = replace(one, component=name, acceleration=math.cos(azimuth) * both[0] + math.sin(azimuth) * both[1], header_pga=None)
+    return Recording(turned, pair[0].factor, upwards=pair[0].upwards)
+
+
+def worst_azimuths(
+    structures: Sequence[RockingParameters], pair: Sequence[Recording], azimuths: np.ndarray, *,
+    workers: int | None = None, progress: Progress | None = None,
+) -> list[tuple[float, Demand]]:  # fmt: skip
+    """The azimuth [rad] that is worst for each structure, with the demand there: the first that overturns it, else the largest rotation,
+    else the largest acceleration over that at uplift. Structures whose sides differ are shaken in the opposite directions too.
+
+    Raises UsageError as `at_azimuth` and `check` do.
+    """
+    opposite = (azimuths + math.pi).tolist()
+    shakes = {angle: at_azimuth(pair, angle) for angle in (*azimuths.tolist(), *opposite)}
+    tried = [
+        (angle, (s, shakes[angle].motion, as_recorded(shakes[angle].acceleration)))
+        for s in structures
+        for angle in (*azimuths.tolist(), *(opposite if has_direction(s) else ()))
+    ]
+    found = verdicts([demand for _, demand in tried], a_max=None, workers=workers, progress=progress)
+    worst: dict[str, tuple[tuple[bool, float, float], tuple[float, Demand]]] = {}
+    for one, verdict in zip(tried, found, strict=True):
+        rank = _rank(verdict)
+        if verdict.structure not in worst or rank > worst[verdict.structure][0]:
+            worst[verdict.structure] = rank, one
+    return [worst[s.name][1] for s in structures]
+
+
+def has_direction(structure: RockingParameters) -> bool:
+    """True if the opposite motion is another one for the structure: it has one side, or two that differ."""
+    return structure.one_sided or bool(structure.sides)
+
+
+def _rank(verdict: Verdict) -> tuple[bool, float, float]:
+    share = 0.0 if verdict.uplift_a is None else verdict.demand_a / verdict.uplift_a
+    return not verdict.outcome.safe or verdict.falls, verdict.theta_ratio or 0.0, share
