@@ -99,7 +99,7 @@ REFUSED = {
         (2, f"stated.yaml {SITE} --levels '0.2 m/s,0.4'", "found '0.2 m/s'"),
         (2, f"stated.yaml {SITE} {LEVELS} --limit -1", "--limit: found '-1'"),
         (2, f"stated.yaml {SITE} {LEVELS} --method ida", "--method: found 'ida'"),
-        (2, f"stated.yaml {SITE} {LEVELS} --im Sa", "--im: found 'Sa'"),
+        (2, f"stated.yaml {SITE} {LEVELS} --im Sx", "--im: found 'Sx'"),
         (2, f"stated.yaml {SITE} {LEVELS} --resume", "go with -o"),
         (2, f"stated.yaml {SITE} {LEVELS} --pulse cosine", "--pulses does not go with --pulse"),
         (2, f"stated.yaml {SITE} {LEVELS} --scale -1", "--pulses does not go with --scale"),
