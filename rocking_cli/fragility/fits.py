@@ -178,10 +178,14 @@ def fit_stripes(x: Array, n: Array, z: Array) -> Curve:
 def fit_cells(x: Array, n: Array, z: Array) -> Curve:
     """The curve of cells at any x, in any order: z of the weight n of each beyond the limit state. Raises UsageError for a share that
     does not rise with x."""
-    centre, beta = stripes(x, n, z)
-    if beta >= 0.99 * MOST:
-        raise UsageError("the share beyond the limit state does not rise with the levels; a fit needs one that does")
-    return Curve(float(np.exp(centre)), float(beta), float(np.max(n)))
+    return _curve(stripes(x, n, z), np.max(n), "the share beyond the limit state does not rise with the levels; a fit")
+
+
+def _curve(estimate: Estimate, n: float, flat: str = "") -> Curve:
+    centre, beta = map(float, estimate)
+    if flat and beta >= 0.99 * MOST:
+        raise UsageError(f"{flat} needs one that does")
+    return Curve(float(np.exp(centre)), beta, float(n))
 
 
 def fit_first(r: Array, limit: Array | float, weight: Array | None = None) -> Curve:
@@ -194,8 +198,7 @@ def fit_first(r: Array, limit: Array | float, weight: Array | None = None) -> Cu
     falls = int(np.count_nonzero(np.isfinite(r)))
     if falls < FEWEST:
         raise UsageError(f"{falls} of {np.size(r)} records overturn the body; a fit of first overturnings needs {FEWEST}")
-    centre, beta = first_overturning(r, limit, weight)
-    return Curve(float(np.exp(centre)), float(beta), float(np.size(r)))
+    return _curve(first_overturning(r, limit, weight), np.size(r))
 
 
 def fit_cloud(x: Array, theta_ratio: Array, limit: float, weight: Array | None = None) -> Curve:
@@ -209,10 +212,7 @@ def fit_cloud(x: Array, theta_ratio: Array, limit: float, weight: Array | None =
     there = int(np.count_nonzero(np.isfinite(theta_ratio) & (np.asarray(theta_ratio) > 0.0)))
     if there < FEWEST:
         raise UsageError(f"{there} of {np.size(x)} records rock the body without overturning; a regression needs {FEWEST}")
-    centre, beta = cloud(x, theta_ratio, limit, weight)
-    if beta >= 0.99 * MOST:
-        raise UsageError("the rotation does not grow with the intensity measure; a regression needs one that does")
-    return Curve(float(np.exp(centre)), float(beta), float(there))
+    return _curve(cloud(x, theta_ratio, limit, weight), there, "the rotation does not grow with the intensity measure; a regression")
 
 
 @dataclass(frozen=True)
@@ -272,9 +272,3 @@ def _band(low: Array, high: Array) -> Band | None:
         return None
     theta = np.exp([low[0], high[0]])
     return Band(float(theta[0]), float(theta[1]), float(low[1]), float(high[1]), ndtr(low[2:]), ndtr(high[2:]))
-
-
-def resurrections(beyond: Array) -> int:
-    """The number of records that overturn the body at one level and not at a higher one; beyond: (records, levels), levels rising."""
-    beyond = np.asarray(beyond, dtype=bool)
-    return int(np.count_nonzero((beyond[:, :-1] & ~beyond[:, 1:]).any(axis=1)))

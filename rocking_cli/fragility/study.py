@@ -139,7 +139,8 @@ class Study:
     def resurrections(self) -> int:
         """The number of motions that overturn the structure at one level and not at a higher one; exact if the intervals are traced."""
         if self.intervals is None:
-            return fragility.resurrections(self.exposure.beyond(None)[0])
+            beyond = self.exposure.beyond(None)[0]
+            return int((beyond[:, :-1] & ~beyond[:, 1:]).any(axis=1).sum())
         return sum(bool(found) and (len(found) > 1 or bool(np.isfinite(found[-1][1]))) for found in self.intervals)
 
     def exact_rows(self) -> Iterator[dict[str, Any]]:

@@ -10,10 +10,12 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from ..errors import UsageError
 from ..spectra.file.reader import SpectraFile
 from .figures import curves
-from .figures.canvas import SOURCE, Look, canvas, panels, refuse_empty, units_of_figures
+from .figures.canvas import FIGURE_UNITS, SOURCE, Look, canvas, panels
 from .figures.capacities import checked
 from .figures.characters import place_of
 from .figures.curves import accuracy, closed_forms, comparison, family, fragility_curves, overturning_spectra, phase, response
@@ -29,7 +31,6 @@ if TYPE_CHECKING:
 
     Kind = tuple[set[str], Callable[[Figure, Rows, Units], list[Axes]]]
 DRAWN = "check, envelope, response, compare (curves), params (a family), fragility (curves, cells) or accuracy"
-MOST_PANELS = 24
 
 
 def draw(
@@ -50,7 +51,7 @@ def draw(
     'slice at Omega = 5, the nearest of the file'
     """
     sources = [Path(x) for x in ([source] if isinstance(source, str | Path) else source)]
-    source, shown, told = sources[0], units_of_figures(units), None
+    source, shown, told = sources[0], Units({**FIGURE_UNITS.chosen, **(units.chosen if units else {})}), None
     instead = "; `text` needs nothing" if is_spectra_file(source) else ""
     with canvas(target, overwrite, look=look, tell=tell, instead=instead) as figure:
         if is_spectra_file(source):
@@ -59,12 +60,15 @@ def draw(
                     found = slice_of(file, cut)
                     axes = [figure.add_subplot()]
                     spectrum_lines(axes[0], found, shown)
-                    told = _told(found.where, found.value, shown)
+                    name, unit, factor = shown.column(found.where)
+                    told = f"slice at {name} = {found.value / factor:.6g} {unit}".rstrip() + ", the nearest of the file"
                 else:
                     axes = _places(figure, file, structure, every, shown)
         else:
             axes = _table(figure, str(source), _rows(sources), shown, over, portrait)
-        refuse_empty(axes, str(source))
+        lines = [np.asarray(line.get_xydata()) for one in axes for line in one.get_lines()]
+        if not any(one.collections or one.patches for one in axes) and not any(np.isfinite(x).all(axis=1).any() for x in lines):
+            raise UsageError(f"{source}: holds nothing to draw")
         for one in axes:
             if "x" in log:
                 one.set_xscale("log")
@@ -88,21 +92,14 @@ def is_spectra_file(source: Path) -> bool:
     return source.suffix.lower() in (".h5", ".hdf5", ".nc", ".part")
 
 
-def _told(where: str, value: float, units: Units) -> str:
-    name, unit, factor = units.column(where)
-    return f"slice at {name} = {value / factor:.6g} {unit}".rstrip() + ", the nearest of the file"
-
-
 def _places(figure: Figure, file: SpectraFile, name: str | None, every: bool, units: Units) -> list[Axes]:
     """Draw a spectra file: the map of one structure or record, or of all with `every`.
 
     Records over structures are drawn as lines. Records over alpha and T are drawn as quantiles, unless a record is named.
     """
-    word, names = next(iter(file.frame.dimensions.items()))
+    names = next(iter(file.frame.dimensions.values()))
     if "alpha" in file.frame.dimensions and name is None and not every:
         return record_spectra(figure, file, units)
-    if every and len(names) > MOST_PANELS:
-        raise UsageError(f"{file.path}: `all`: found {len(names)} {word}s; expected up to {MOST_PANELS} panels")
     chosen = list(range(len(names))) if every else [place_of(file, name)]
     axes = panels(figure, len(chosen))
     of_structures = any(isinstance(values, list) for values in list(file.frame.dimensions.values())[1:])

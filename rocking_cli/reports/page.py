@@ -96,18 +96,17 @@ def page(
         (files(__package__) / "page.html").read_text(encoding="utf-8")
     )
     motions = ", ".join(dict.fromkeys(v.motion for v in verdicts))
-    of = {s.structure.name: [v for v in verdicts if v.structure == s.structure.name] for s in subjects}
     if by_capacity:
         verdicts = sorted(verdicts, key=capacity_left)
-        subjects = sorted(subjects, key=lambda s: min(map(capacity_left, of[s.structure.name])))
+        order = [v.structure for v in verdicts]
+        subjects = sorted(subjects, key=lambda s: order.index(s.structure.name))
+    of = {s.structure.name: [v for v in verdicts if v.structure == s.structure.name] for s in subjects}
     with TemporaryDirectory() as name:
         folder = Path(name)
         return template.render(
             title=title or f"Rocking of {', '.join(s.structure.name for s in subjects)}",
             lead=f"{tally(verdicts)}, under {demand}." if summary else f"{tally(verdicts)}, under {motions}: {demand}.",
-            overview=[_row(OVERVIEW, overview_row(of[s.structure.name]), worst_of(of[s.structure.name])) for s in subjects]
-            if summary
-            else [],
+            overview=[_row(OVERVIEW, overview_row(mine), worst_of(mine)) for mine in of.values()] if summary else [],
             verdicts=[_row(HEADS, _values(v), v) for v in verdicts],
             capacities=_image(folder, lambda figure: capacities(figure, verdicts, True)),
             structures=[_section(folder, one, verdicts, pulse, recordings, workers) for one in subjects],

@@ -33,21 +33,15 @@ COLUMNS = {
 """The dimension of each column that has a unit."""
 
 _CHOICES: dict[str, dict[str, tuple[str, float]]] = {
-    "g": {"acceleration": ("g", DEFAULT_GRAVITY)},
-    "m/s2": {"acceleration": ("m/s2", 1.0)},
-    "cm/s2": {"acceleration": ("cm/s2", 1e-2)},
-    "gal": {"acceleration": ("gal", 1e-2)},
-    "Hz": {"circular frequency": ("Hz", 2.0 * math.pi)},
-    "rad/s": {"circular frequency": ("rad/s", 1.0)},
+    "g": {"acceleration": ("g", DEFAULT_GRAVITY)}, "m/s2": {"acceleration": ("m/s2", 1.0)},
+    "cm/s2": {"acceleration": ("cm/s2", 1e-2)}, "gal": {"acceleration": ("gal", 1e-2)},
+    "Hz": {"circular frequency": ("Hz", 2.0 * math.pi)}, "rad/s": {"circular frequency": ("rad/s", 1.0)},
     "deg": {"angle": ("deg", math.pi / 180.0), "angular velocity": ("deg/s", math.pi / 180.0)},
     "mrad": {"angle": ("mrad", 1e-3), "angular velocity": ("mrad/s", 1e-3)},
     "rad": {"angle": ("rad", 1.0), "angular velocity": ("rad/s", 1.0)},
-    "mm": {"length": ("mm", 1e-3)},
-    "cm": {"length": ("cm", 1e-2)},
-    "m": {"length": ("m", 1.0)},
-    "cm/s": {"velocity": ("cm/s", 1e-2)},
-    "m/s": {"velocity": ("m/s", 1.0)},
-}
+    "mm": {"length": ("mm", 1e-3)}, "cm": {"length": ("cm", 1e-2)}, "m": {"length": ("m", 1.0)},
+    "cm/s": {"velocity": ("cm/s", 1e-2)}, "m/s": {"velocity": ("m/s", 1.0)},
+}  # fmt: skip
 """The choices of `--units`: for each dimension that a choice changes, the unit and its factor to SI."""
 
 _OF_ONE = re.compile(r"(?:left|right|[a-z]+_\d+)_(.+)|(.+)_(?:linear|nonlinear)")  # a column for a side, a list item or an equation

@@ -15,7 +15,6 @@ from ..dynamics.references.general_solver import solve_cell
 from ..dynamics.references.scripted import Script
 from ..dynamics.response import response
 from ..errors import UsageError
-from ..motions.grid import Grid
 from ..spectra.scene import PulseScene
 from ..spectra.verification import sampled_cells
 
@@ -44,9 +43,9 @@ def work_precision(scene: PulseScene, *, sample: int = 40, scipy: int = 10, seed
     known = [i for i, (outcome, _) in enumerate(truth) if outcome != Outcome.FAILED]
     cells, truth = [cells[i] for i in known], [truth[i] for i in known]
 
-    a, w = _timed(one.grid, amplitude, omega)
-    tolerances = (None,) if one.method.exact else TOLERANCES
-    for tolerance in tolerances:
+    thin = max(1, math.ceil(math.sqrt(amplitude.size * omega.size / TIMED_CELLS)))
+    a, w = (x.ravel() for x in np.meshgrid(amplitude[::thin], omega[::thin]))
+    for tolerance in (None,) if one.method.exact else TOLERANCES:
         system = (one.method if tolerance is None else Method(one.method.model, tolerance)).system_of(structure)
         began = time.perf_counter()
         response(system, one.motion, a, w, structure.eta)
@@ -62,13 +61,6 @@ def work_precision(scene: PulseScene, *, sample: int = 40, scipy: int = 10, seed
             answers = [solve_cell(one.motion, a, w, structure.eta, problem, solver) for a, w in cells[:scipy]]
             cost = (time.perf_counter() - began) / max(1, len(answers))
             yield _compare(f"SciPy {method}", tolerance, answers, truth[:scipy], cost)
-
-
-def _timed(grid: Grid, amplitude: np.ndarray, omega: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """(A, Omega) of about TIMED_CELLS cells, evenly over the grid."""
-    thin = max(1, math.ceil(math.sqrt(amplitude.size * omega.size / TIMED_CELLS)))
-    a, w = np.meshgrid(amplitude[::thin], omega[::thin])
-    return a.ravel(), w.ravel()
 
 
 def _compare(

@@ -18,8 +18,10 @@ from rocking_cli import (
     trace_envelope,
 )
 from rocking_cli.dynamics.method import LINEAR, Method
-from rocking_cli.fragility.exposure import as_recorded, exposures, first_of, share_overturned, traced
+from rocking_cli.fragility.exposure import Exposure, as_recorded, exposures, first_of, share_overturned, traced
+from rocking_cli.fragility.fits import Resampling
 from rocking_cli.fragility.measures import MEASURES, Member, members_of, pulse_intensity, shaken_upwards
+from rocking_cli.fragility.study import Study
 from rocking_cli.motions.biaxial import Upwards, with_vertical
 from rocking_cli.motions.polyline import record_motion
 from rocking_cli.motions.recording import Recording
@@ -131,3 +133,9 @@ def test_what_leaves_the_ground_passes_every_limit():
     assert [found.beyond(limit)[0].tolist() for limit in (None, 0.1)] == [[[False, True]]] * 2
     ((first, *_),) = traced(body, [member], MEASURES["PGA"], float(body.ground_acceleration(1.6)), LINEAR)
     assert 1.0 < first[0] / body.ground_acceleration(1.0) < 1.6
+
+
+def test_resurrections_are_motions_that_stand_again_at_a_larger_level():
+    beyond = np.array([[0, 1, 1, 1], [0, 1, 0, 1], [1, 0, 1, 0], [0, 0, 0, 0]])
+    exposure = Exposure(np.arange(1.0, 5.0), np.zeros(beyond.shape), np.where(beyond, Outcome.OVERTURNED_NO_IMPACT, Outcome.ROCKED))
+    assert Study(BLOCK, RECORDS, MEASURES["PGA"], Resampling(), exposure).resurrections == 2

@@ -18,7 +18,6 @@ from rocking_cli.fragility.fits import (
     fit_cloud,
     fit_first,
     fit_stripes,
-    resurrections,
     stripes,
 )
 
@@ -119,11 +118,6 @@ def test_counts_that_part_at_one_level_have_no_dispersion():
 def test_what_the_data_do_not_bear_is_refused(call, words):
     with pytest.raises(UsageError, match=words):
         call()
-
-
-def test_resurrections_are_counted_by_record():
-    beyond = np.array([[0, 1, 1, 1], [0, 1, 0, 1], [1, 0, 1, 0], [0, 0, 0, 0]], dtype=bool)
-    assert resurrections(beyond) == 2
 
 
 def test_bands_follow_from_their_seed_and_hold_the_estimate():

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -21,9 +22,6 @@ from .canvas import Look, styled
 from .curves import scaled
 from .drawing import GROUND, INK, STONE
 
-if TYPE_CHECKING:
-    from matplotlib.patches import Polygon
-
 _FRAMES = 25  # in a second
 _LONGEST = 60.0  # s
 
@@ -37,6 +35,8 @@ def animate(
     body: the document of the structure; None: the block with the p and alpha of the response. The ground moves by the double integral of
     its acceleration. Raises UsageError if the rows have no times or no rocking body, and OutputError if the GIF cannot be written.
     """
+    from scipy.integrate import cumulative_trapezoid
+
     if not {"t", "ground_acceleration"} <= set(rows[0]):
         raise UsageError("an animation is in real time; found no columns t and ground_acceleration; expected a response with units")
     t, suffix = column(rows, "t"), "" if "theta" in rows[0] else "_nonlinear"
@@ -49,21 +49,23 @@ def animate(
         tell(f"{target}: found {t[-1]:.4g} s; the first {_LONGEST:g} s are shown")
     times = np.arange(0.0, min(float(t[-1]), _LONGEST), 1.0 / _FRAMES)
     turn, lean = np.interp(times, t, theta), np.interp(times, t, ratio)
-    ground = np.interp(times, t, _place(_place(column(rows, "ground_acceleration"), t), t))
-    outlines = [*sketch.bodies, *sketch.still]
-    corners = np.concatenate([np.array(outline) for outline in (*outlines, *sketch.moved)])
+    integral = partial(cumulative_trapezoid, x=t, initial=0.0)
+    ground = np.interp(times, t, integral(integral(column(rows, "ground_acceleration"))))
+    corners = np.concatenate([np.array(outline) for outline in (*sketch.bodies, *sketch.still, *sketch.moved)])
     (left, low), (right, high) = corners.min(axis=0), corners.max(axis=0)
     reach = 0.4 * (high - low)
     look, frames = look or Look(), []
     with styled(look) as figure:
         from matplotlib.backends.backend_agg import FigureCanvasAgg
+        from matplotlib.collections import PolyCollection
         from PIL import Image
 
         axes = figure.add_subplot(aspect="equal", xlabel="$x$ [m]", ylabel="$z$ [m]")
         axes.set(xlim=(left + ground.min() - reach, right + ground.max() + reach), ylim=(low - 0.1 * reach, high + 0.3 * reach), title=" ")
         axes.grid(visible=False)
-        stone = [axes.fill(*zip(*outline, strict=True), facecolor=STONE, edgecolor=INK, lw=0.9)[0] for outline in sketch.bodies]
-        still = [axes.fill(*zip(*outline, strict=True), facecolor=GROUND, edgecolor="0.6", lw=0.8)[0] for outline in sketch.still]
+        stone, still = (PolyCollection([], facecolors=face, edgecolors=INK, linewidths=0.9) for face in (STONE, GROUND))
+        axes.add_collection(stone)
+        axes.add_collection(still)
         (floor,) = axes.plot([], [], color=INK, lw=1.2, marker="|", ms=6.0)
         ticks = np.linspace(left - reach, right + reach, 12)
         clock = axes.text(0.02, 0.97, "", transform=axes.transAxes, va="top")
@@ -74,8 +76,8 @@ def animate(
         canvas.draw()
         figure.set_layout_engine("none")  # what stays needs no new layout in each frame
         for now, angle, share, x in zip(times, turn, lean, ground, strict=True):
-            _move(stone, shape_at(sketch, float(angle), float(share)), float(x))
-            _move(still, sketch.still, float(x))
+            stone.set_verts([np.add(outline, (x, 0.0)) for outline in shape_at(sketch, float(angle), float(share))])
+            still.set_verts([np.add(outline, (x, 0.0)) for outline in sketch.still])
             floor.set_data(ticks + x, np.full(ticks.size, low))
             clock.set_text(f"{now:.1f} s")
             canvas.draw()
@@ -93,13 +95,6 @@ def _block(alpha: float, p: float) -> Sketch:
     return rocker([rectangle(-half, half, 0.0, height)], (-half, 0.0), (half, 0.0), (0.0, 0.5 * height))
 
 
-def _place(rate: np.ndarray, t: np.ndarray) -> np.ndarray:
-    """The integral of a rate from the first time to each."""
-    from scipy.integrate import cumulative_trapezoid
-
-    return np.asarray(cumulative_trapezoid(rate, t, initial=0.0))
-
-
 def shape_at(sketch: Sketch, angle: float, share: float) -> list[Outline]:
     """The outlines of the bodies at theta = `angle` = `share` alpha: turned about an edge, or of a linkage between rest and alpha."""
     if sketch.centre is not None:
@@ -108,8 +103,3 @@ def shape_at(sketch: Sketch, angle: float, share: float) -> list[Outline]:
     sign = -1.0 if share < 0.0 else 1.0  # the mirror image of the mechanism
     mixed = [np.array(a) + abs(share) * (np.array(b) - np.array(a)) for a, b in zip(sketch.bodies, sketch.moved, strict=True)]
     return [tuple((sign * x, z) for x, z in outline.tolist()) for outline in mixed]
-
-
-def _move(patches: list[Polygon], outlines: Sequence[Outline], x: float) -> None:
-    for patch, outline in zip(patches, outlines, strict=True):
-        patch.set_xy([(a + x, z) for a, z in outline])

@@ -9,7 +9,7 @@ from __future__ import annotations
 import io
 import re
 import warnings
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -36,7 +36,7 @@ STYLE: dict[Any, Any] = {
 }  # fmt: skip
 WIDTH, PANEL = 5.6, (4.2, 3.2)  # inches
 _INCH = 0.0254  # m
-MOST_ACROSS = 3
+MOST_ACROSS, MOST_PANELS = 3, 24
 _UNDATED: dict[str, dict[str, Any]] = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}  # equal figures give equal files
 _LEAST_TEXT = 0.6  # of a text's own size, in a narrow figure
 _FINE = 600  # dots per inch of a map inside an SVG or PDF
@@ -53,11 +53,6 @@ SYMBOLS = {
 }  # fmt: skip
 SOURCE = "file"  # a column that names the file of each row, where several are drawn
 PLAIN = {"m/s2": "m/s²", "cm/s2": "cm/s²"}
-
-
-def units_of_figures(units: Units | None) -> Units:
-    """The units for a figure: the units asked for; g and Hz by default."""
-    return FIGURE_UNITS if units is None else Units({**FIGURE_UNITS.chosen, **units.chosen})
 
 
 @dataclass(frozen=True)
@@ -160,11 +155,10 @@ def values(rows: Rows, name: str, units: Units) -> np.ndarray:
     return column(rows, name) / units.column(name)[2]
 
 
-def series(rows: Rows, *keys: str, marked: bool = False) -> Iterator[tuple[Rows, dict[str, Any]]]:
-    """(rows, arguments of `plot`) of each line: its name, which is the texts in the columns `keys`, its colour, dash and marker."""
+def series(rows: Rows, *keys: str) -> Iterator[tuple[Rows, dict[str, Any]]]:
+    """(rows, arguments of `plot`) of each line: its name, which is the texts in the columns `keys`, its colour and dash."""
     for i, (texts, some) in enumerate(groups(rows, *keys).items()):
-        marker = {"marker": MARKERS[i % len(MARKERS)]} if marked else {}
-        yield some, {**line_style(i), **marker, "label": literal(", ".join(texts))}
+        yield some, {**line_style(i), "label": literal(", ".join(texts))}
 
 
 def line_style(number: int) -> dict[str, Any]:
@@ -173,7 +167,9 @@ def line_style(number: int) -> dict[str, Any]:
 
 
 def panels(figure: Figure, count: int) -> list[Axes]:
-    """`count` axes in rows of three, each of the size PANEL if there are several."""
+    """`count` axes in rows of three, each of the size PANEL if there are several. Raises UsageError for more than MOST_PANELS."""
+    if count > MOST_PANELS:
+        raise UsageError(f"found {count} panels; expected up to {MOST_PANELS}")
     across = min(count, MOST_ACROSS)
     down = -(-count // across)
     if count > 1:
@@ -196,12 +192,3 @@ def legend(axes: Axes, handles: Sequence[Any] | None = None) -> None:
         figure.legend(handles=entries, loc="outside right upper")
         width, height = figure.get_size_inches()
         figure.set_size_inches(width + 0.065 * max(len(str(entry.get_label())) for entry in entries) + 0.6, height)
-
-
-def refuse_empty(axes: Iterable[Axes], source: str) -> None:
-    """Raise UsageError if all axes are empty."""
-    for one in axes:
-        lines = [line.get_xydata() for line in one.get_lines()]
-        if one.collections or one.patches or any(np.isfinite(points).all(axis=1).any() for points in lines):
-            return
-    raise UsageError(f"{source}: holds nothing to draw")

@@ -9,7 +9,7 @@ import numpy as np
 from ...dynamics.outcome import Outcome
 from ...errors import UsageError
 from ...spectra.file.reader import SpectraFile
-from .slices import Slice, of_record, slice_of
+from .slices import Slice, of_record, plane, slice_of
 
 WIDTH, HEIGHT = 80, 24  # of the terminal, with a line for the prompt
 _MARGIN = 11  # columns for the numbers at the left
@@ -23,21 +23,15 @@ def text_map(file: SpectraFile, name: str | None, cut: str | None, width: int = 
     place = place_of(file, name)
     if any(isinstance(values, list) for _, values in both):
         return _slice_text(of_record(file, place), width, height)
-    (across, x), (up, y) = both if not file.frame.of_records else reversed(both)
-    x, y = np.asarray(x), np.asarray(y)
-    outcome = file.block(place, slice(None))["outcome"]
-    shown = outcome.T if not file.frame.of_records else outcome
-    head = _head([f"{places[place]}:", *(f"'{o.sign}' {o.sentence}" for o in Outcome if np.any(shown == o))], width)
+    (across, x), (up, y), block = plane(file, place)
+    shown = block["outcome"]
+    signs = (f"'{o.sign}' {o.sentence}" for o in Outcome if np.any(shown == o))
+    unbroken = "  ".join(item[:width].replace(" ", "\xa0") for item in (f"{places[place]}:", *signs))
+    head = [line.replace("\xa0", " ") for line in textwrap.wrap(unbroken, width)]
     rows = np.linspace(y.size - 1, 0, min(height - len(head) - 3, y.size)).astype(int)
     columns = np.linspace(0, x.size - 1, min(width - _MARGIN, x.size)).astype(int)
     lines = [f"{y[r]:>9.3g} |" + "".join(Outcome(int(shown[r, c])).sign for c in columns) for r in rows]
     return [*head, *lines, " " * 10 + "+" + "-" * columns.size, f"{up:>9}   {across} {x[0]:.4g} to {x[-1]:.4g}"]
-
-
-def _head(items: list[str], width: int) -> list[str]:
-    """The items in as few lines as possible; no item is broken."""
-    unbroken = [item[:width].replace(" ", "\xa0") for item in items]
-    return [line.replace("\xa0", " ") for line in textwrap.wrap("  ".join(unbroken), width)]
 
 
 def place_of(file: SpectraFile, name: str | None) -> int:

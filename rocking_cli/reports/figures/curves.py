@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from itertools import cycle
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -116,8 +117,8 @@ def comparison(figure: Figure, rows: Rows, units: Units) -> list[Axes]:
 def accuracy(figure: Figure, rows: Rows, _: Units) -> list[Axes]:
     """Draw the largest error over run time, one line for each method."""
     axes = figure.add_subplot()
-    for some, style in series(rows, "method", marked=True):
-        axes.plot(1e6 * column(some, "time_per_cell"), np.maximum(column(some, "error_max"), 1e-17), **style)
+    for marker, (some, style) in zip(cycle(MARKERS), series(rows, "method"), strict=False):
+        axes.plot(1e6 * column(some, "time_per_cell"), np.maximum(column(some, "error_max"), 1e-17), marker=marker, **style)
     axes.set(xscale="log", yscale="log", xlabel="run time a cell [µs]", ylabel=r"largest error of $\theta/\alpha$ [-]")
     legend(axes)
     return [axes]

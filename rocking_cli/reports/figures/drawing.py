@@ -7,8 +7,6 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from ...documents.document import Document
 from ...errors import DocumentError
 from ...structures import RockingParameters, build_structure
@@ -52,14 +50,14 @@ def draw_structures(
     with canvas(target, overwrite, look=look, tell=tell) as figure:
         drawn = panels(figure, len(found))
         for axes, (one, sketch) in zip(drawn, found, strict=True):
+            if axes is not drawn[0]:  # one scale
+                axes.sharex(drawn[0])
+                axes.sharey(drawn[0])
             structure_axes(axes, one, sketch, units or Units())
-        spans = np.array([(*axes.get_xlim(), *axes.get_ylim()) for axes in drawn])
-        width, height = np.diff(spans[:, :2]).max(), np.diff(spans[:, 2:]).max()
-        for axes, (left, right, low, _) in zip(drawn, spans, strict=True):
-            axes.set(xlim=(0.5 * (left + right - width), 0.5 * (left + right + width)), ylim=(low, low + height))
+        (left, right), (low, high) = drawn[0].get_xlim(), drawn[0].get_ylim()
         across = min(len(found), MOST_ACROSS)
-        down = -(-len(found) // across)
-        figure.set_size_inches(_WIDTH * across, down * (1.0 + (_WIDTH - 0.6) * min(1.4, max(0.4, height / width))))
+        shape = min(1.4, max(0.4, (high - low) / (right - left)))
+        figure.set_size_inches(_WIDTH * across, -(-len(found) // across) * (1.0 + (_WIDTH - 0.6) * shape))
 
 
 def structure_axes(axes: Axes, built: RockingParameters, sketch: Sketch, units: Units) -> None:

@@ -19,7 +19,6 @@ if TYPE_CHECKING:
 
 _MODES = {o.mode: o for o in Outcome}
 _APART = ("structure", "record", "alpha", "sign", "model")  # each combination of their values has its panel
-_MOST = 24  # panels
 _WIDTHS = {"T": 2.5, "record": 6.0}  # of bars; the intervals of neighbouring sizes and records are unrelated
 Interval = tuple[float, float, float]  # frequency, lower and upper amplitude
 
@@ -27,13 +26,11 @@ Interval = tuple[float, float, float]  # frequency, lower and upper amplitude
 def bands(figure: Figure, rows: Rows, units: Units) -> list[Axes]:
     """Draw overturning amplitudes over frequency, over T = 2 pi/p, or of each record.
 
-    Intervals of neighbouring frequencies that overlap are joined; others are bars. Raises ValueError for too many panels.
+    Intervals of neighbouring frequencies that overlap are joined; others are bars.
     """
     over = next(key for key in ("omega_g", "Omega", "T", "record") if all(row.get(key) for row in rows))
     amplitude = "a" if over in ("omega_g", "record") else "A"
     found = groups(rows, *(key for key in _APART if key != over))
-    if len(found) > _MOST:
-        raise ValueError(f"found {len(found)} panels; expected up to {_MOST}")
     records = list(dict.fromkeys(row["record"] for row in rows)) if over == "record" else []
     drawn = panels(figure, len(found))
     for axes, some in zip(drawn, found.values(), strict=True):

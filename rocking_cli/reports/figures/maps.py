@@ -13,6 +13,7 @@ from ...spectra.file.reader import SpectraFile
 from ..rows import Rows, groups
 from ..units import Units
 from .canvas import DASHES, label, legend, literal, panels, titled, values
+from .slices import plane
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -31,24 +32,22 @@ def outcome_map(axes: Axes, file: SpectraFile, place: int, units: Units) -> list
     from matplotlib.colors import BoundaryNorm, ListedColormap
     from matplotlib.patches import Patch
 
-    (_, names), *both = file.frame.dimensions.items()
-    across, up = both if not file.frame.of_records else reversed(both)  # frequency and amplitude; T and alpha
-    if isinstance(up[1], list) or isinstance(across[1], list):
+    names, *both = file.frame.dimensions.values()
+    if any(isinstance(values, list) for values in both):
         raise UsageError(f"{file.path}: found structures on an axis; expected two axes of numbers for a map")
-    block = file.block(place, slice(None))
-    outcome = block["outcome"]
-    shown = outcome.T if not file.frame.of_records else outcome  # (up, across)
+    across, up, block = plane(file, place)
+    shown = block["outcome"]
     if not np.any(shown != Outcome.NOT_COMPUTED):
         raise UsageError(f"{file.path}: holds no computed cell of {names[place]}, nothing to draw")
-    x, y = (np.asarray(values) / units.column(name)[2] for name, values in (across, up))
+    x, y = (values / units.column(name)[2] for name, values in (across, up))
     colours = [o.colour for o in Outcome]
     norm = BoundaryNorm(np.arange(-0.5, len(colours)), len(colours))
     axes.pcolormesh(x, y, shown, cmap=ListedColormap(colours), norm=norm, shading="nearest", rasterized=True)
     entries: list[Any] = [Patch(facecolor=o.colour, edgecolor="0.5", label=o.sentence) for o in Outcome if np.any(shown == o)]
     if "difference" in block:
-        entries += _differences(axes, x, y, block["difference"] if file.frame.of_records else block["difference"].T)
+        entries += _differences(axes, x, y, block["difference"])
     if "friction" in block and min(shown.shape) > 1:
-        _frictions(axes, x, y, block["friction"].T)
+        _frictions(axes, x, y, block["friction"])
     if x.size > 1 and y.size > 1:
         axes.set(xlim=(x[0], x[-1]), ylim=(y[0], y[-1]))
     if not file.frame.of_records:

@@ -104,6 +104,15 @@ def of_record(file: SpectraFile, place: int) -> Slice:
     return Slice("record", float(place), along, np.asarray(x), names, tuple(block["theta_ratio"]), tuple(block["outcome"]), title)
 
 
+def plane(file: SpectraFile, place: int) -> tuple[tuple[str, np.ndarray], tuple[str, np.ndarray], dict[str, np.ndarray]]:
+    """((name, values) of the axis across, (name, values) of the axis up, arrays of cells (up, across)) of a structure or record."""
+    both = [(name, np.asarray(values)) for name, values in list(file.frame.dimensions.items())[1:]]
+    block = file.block(place, slice(None))
+    if file.frame.of_records:  # T and alpha
+        return both[1], both[0], block
+    return both[0], both[1], {name: cells.T for name, cells in block.items()}
+
+
 def spectrum_lines(axes: Axes, found: Slice, units: Units) -> None:
     """Draw a line for each structure or record, and bars where it overturned or lost contact. Raises UsageError without a computed cell."""
     if not any(np.any(outcome != Outcome.NOT_COMPUTED) for outcome in found.outcome):
