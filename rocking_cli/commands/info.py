@@ -67,5 +67,5 @@ def info(
 
 
 def _names(values: list[str]) -> str:
-    """The names in one text; the first, the last and the number if there are many."""
+    """A text of all names; of many names only the first, the last and how many there are."""
     return ", ".join(values) if len(values) <= _MOST_NAMES else f"{len(values)}, {values[0]} to {values[-1]}"

@@ -145,7 +145,7 @@ class Document:
         return str(value.content)
 
     def flag(self, key: str) -> bool:
-        """True or false; false if the key is absent. Raises DocumentError."""
+        """The value of a key that is true or false; False if the key is absent. Raises DocumentError for another value."""
         if not self.has(key):
             return False
         value = self.values[key]

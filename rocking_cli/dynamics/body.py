@@ -76,7 +76,7 @@ class Body:
         return Edge(*(np.where(side > 0.0, right, left) for right, left in zip(*self.edges, strict=True)))
 
     def pull(self, edge: Edge) -> Any:
-        """-u'' at the ground under the weight m g alone."""
+        """-u'' just above the ground, where the weight m g alone acts: how fast the body is pulled back."""
         return edge.alpha if self.linear else np.sin(edge.alpha)
 
     def lifting(self, edge: Edge, push: Array | float, weight: Array | float) -> Any:

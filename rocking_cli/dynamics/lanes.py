@@ -16,7 +16,7 @@ class Arrays:
     """Base of dataclasses of lanes. A field is an array whose last axis holds the lanes, another such record, or a value of all lanes."""
 
     def take(self, at: Array | slice) -> Self:
-        """The record of these lanes, copied if they are given by index."""
+        """These lanes alone: copies of their numbers if `at` holds indices, views if it is a slice."""
         return type(self)(*[_taken(getattr(self, name), at) for name in self.__dataclass_fields__])
 
     def put(self, places: Array, others: Self) -> None:

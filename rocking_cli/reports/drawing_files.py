@@ -142,4 +142,6 @@ def _table(figure: Figure, source: str, rows: Rows, units: Units, over: str | No
                 return kind(figure, rows, units)
     except (ValueError, TypeError, KeyError) as error:
         raise UsageError(f"{source}: cannot be drawn: {error}") from None
-    raise UsageError(f"{source}: found the columns {', '.join(sorted(there))[:80]}; expected the CSV of {DRAWN}")
+    raise UsageError(
+        f"{source}: found the columns {', '.join(sorted(there))[:80]}; expected a table (--csv) of one of these commands: {DRAWN}"
+    )

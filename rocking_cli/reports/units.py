@@ -110,7 +110,8 @@ def parse_units(text: str) -> Units:
 
 
 def si_of(heading: str) -> tuple[str, float]:
-    """(column, factor to SI) of a heading that `Units.heading` wrote; (heading, 1) for any other. f_g [Hz] becomes omega_g."""
+    """The column that a heading names, and the factor from its unit to SI; the heading itself and 1 if it names no unit. f_g [Hz] becomes
+    omega_g."""
     match = HEADING.fullmatch(heading)
     if match is None:
         return heading, 1.0

@@ -120,7 +120,7 @@ class RockingParameters:
         if not self.sides:
             return
         if [side.side for side in self.sides] != ["left", "right"]:
-            raise StructureError("sides are not the left one and the right one, in this order")
+            raise StructureError("found other `sides`; expected two, the left one first and then the right one")
         if self.one_sided:
             raise StructureError("a one-sided body has one side")
         weaker = weaker_side(self.sides)

@@ -82,7 +82,7 @@ class TaylorSeries(Arrays):
 
 
 def powers(x: Array, count: int) -> Array:
-    """(count, ...): 1, x, x^2 ..., each doubling of the rows in one product."""
+    """The powers x^0 ... x^(count - 1) as rows, (count, ...)."""
     rows = np.empty((count, *x.shape), dtype=x.dtype)
     rows[0], rows[1] = 1.0, x
     have = 2

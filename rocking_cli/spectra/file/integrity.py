@@ -151,6 +151,6 @@ def record_of(index: int, content: bytes) -> bytes:
 
 
 def reason(error: BaseException) -> str:
-    """The message of a fault."""
+    """The message of an error, in one line."""
     text = str(error.args[0]) if isinstance(error, KeyError) and error.args else str(error)
     return text if " " in text else f"it has no {text!r}"

@@ -37,7 +37,7 @@ CHUNK_TABLES = {
 
 @dataclass(frozen=True)
 class ChunkGrid:
-    """An array of some shape, cut into chunks, which are counted row-major; those at its edge are filled up."""
+    """An array that is cut into chunks, counted row by row. Chunks that reach over the edge of the array are filled up with zeros."""
 
     shape: tuple[int, ...]
     chunk: tuple[int, ...]
@@ -72,7 +72,7 @@ class ChunkGrid:
 
 @dataclass(frozen=True)
 class Layout:
-    """A spectra file without its cells.
+    """All of a spectra file but the results of its cells.
 
     frame: the places of its cells; chunk: (rows, columns); names: of the variables; scene: the identity of the scene; attributes: others of
     the root, with shard "i/n" for the i-th of n parts, and without shard if any chunks may be missing.

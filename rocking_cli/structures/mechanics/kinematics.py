@@ -136,7 +136,7 @@ def equilibrium(mechanism: Mechanism) -> float:
         scan = np.linspace(low, high, 513)
         below = np.flatnonzero(np.asarray(mechanism.coefficients(scan).lift) <= 0.0)
         if not below.size:
-            raise StructureError("never reaches an unstable equilibrium within the reach of its links")
+            raise StructureError("the mechanism reaches no unstable equilibrium: its blocks collide or come apart before")
         first = int(below[0])
         if high - low <= 1e-15 * high:
             return float(scan[first])
