@@ -49,7 +49,7 @@ def params(
         if not variations:
             built = options.lifting(with_distinct_names([build_structure(document) for document in documents]), linear_uplift)
             options.remark_on(built)
-            early.extend(s for s in built if shown is None and s.uplift > 1.01 * s.linear_uplift)
+            early.extend(s for s in built if shown is None and s.restraints is None and s.uplift > 1.01 * s.linear_uplift)
             plain = [structure.record() for structure in built]
             rows = [row for record in plain for row in _rows(record, shown)]
             if shown == "csv":
@@ -97,6 +97,8 @@ def _rows(record: dict[str, Any], form: str | None, varied: dict[str, float] | N
     below = [{"name": f"  {side.pop('side')} edge", **side} for side in sides]
     if form is None:
         below += [{"name": f"  on {one.pop('on')}", **one} for one in record.pop("interfaces", [])]
+        below += [{"name": f"  restrained, {one['side']}", **one} for one in record.pop("restrained", [])]
+        record = {key: value for key, value in record.items() if key not in ("ties", "tendon")}
         if "hinges" in record:
             record["hinges [deg]"] = ", ".join(f"{math.degrees(hinge['angle']):.6g}" for hinge in record.pop("hinges"))
     # alpha of a block is both a varied key and a parameter

@@ -25,6 +25,11 @@ UNITS: dict[str, dict[str, float]] = {
     "mass": {"kg": 1.0, "t": 1e3},
     "density": {**dict.fromkeys(("kg/m3", "kg/m^3", "kg/m³"), 1.0), **dict.fromkeys(("t/m3", "t/m^3", "t/m³"), 1e3)},
     "moment of inertia": {**dict.fromkeys(("kg m2", "kg m^2", "kg m²"), 1.0), **dict.fromkeys(("t m2", "t m^2", "t m²"), 1e3)},
+    "force": {"N": 1.0, "kN": 1e3, "MN": 1e6},
+    "stiffness": {"N/m": 1.0, "kN/m": 1e3, "MN/m": 1e6, "N/mm": 1e3, "kN/mm": 1e6},
+    "damping coefficient": {**dict.fromkeys(("N s/m", "Ns/m"), 1.0), **dict.fromkeys(("kN s/m", "kNs/m"), 1e3)},
+    "area": {**dict.fromkeys(("m2", "m^2", "m²"), 1.0), "cm2": 1e-4, **dict.fromkeys(("mm2", "mm^2", "mm²"), 1e-6)},
+    "stress": {"Pa": 1.0, "kPa": 1e3, "MPa": 1e6, "GPa": 1e9},
     "number": {},
 }
 

@@ -104,6 +104,9 @@ class Method:
 
     def kind_of(self, structure: RockingParameters) -> EquationKind:
         """The equation of the model for a structure. Raises UsageError if the model has none."""
+        if structure.restraints:
+            found = f"{structure.name}: found ties or a tendon, which no equation of motion takes into account so far"
+            raise UsageError(f"{found}; expected a body without them (rocking params and rocking draw take them)")
         for kind in EQUATIONS:
             if kind.model == self.model and kind.serves(structure):
                 return kind

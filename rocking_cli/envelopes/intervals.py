@@ -231,7 +231,9 @@ def check_curves(structure: RockingParameters, motion: Motion, axis: Axis) -> No
     _scaled(structure, axis)
     _closed_form_of(motion)
     if not structure.plain:
-        raise UsageError(f"{structure.name}: `closed_form`: found damping, one side or unequal sides; expected a body without them")
+        raise UsageError(
+            f"{structure.name}: `closed_form`: found damping, one side, unequal sides, ties or a tendon; expected a body without them"
+        )
 
 
 def _closed_form_of(motion: Motion) -> str:

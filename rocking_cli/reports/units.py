@@ -22,7 +22,7 @@ SI = {
 """The SI unit of each dimension. Gravity and Arias intensity are separate dimensions, because `--units` must not change them."""
 
 COLUMNS = {
-    **dict.fromkeys(("alpha", "alpha_geometric", "theta", "theta_max", "angle", "azimuth"), "angle"),
+    **dict.fromkeys(("alpha", "alpha_geometric", "equilibrium", "theta", "theta_max", "angle", "azimuth"), "angle"),
     "p": "frequency parameter", "theta_dot": "angular velocity", "omega_g": "circular frequency",
     **dict.fromkeys(("a_g", "a_from", "a_to", "demand_a", "uplift_a", "first_overturning_a", "safe_to"), "acceleration"),
     **dict.fromkeys(("ground_acceleration", "pga", "header_pga", "S_a", "sa", "avgsa"), "acceleration"),

@@ -26,7 +26,8 @@ def build_structure(document: Document) -> RockingParameters:
     stem = "structure" if document.source.startswith("<") else Path(document.source).stem.replace(",", " ")
     name = document.word("name", stem if document.index == 0 else f"{stem}-{document.index + 1}")
     try:
-        built = replace(build(document, name), damping=damping_of(document), friction=friction_of(document))
+        built = build(document, name)
+        built = replace(built, damping=damping_of(document) + built.damping, friction=friction_of(document))
     except StructureError as error:
         raise DocumentError(f"{document.place}: {document.values['kind'].content}: {error}") from None
     document.finish()

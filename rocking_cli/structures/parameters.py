@@ -12,6 +12,7 @@ from ..errors import StructureError
 
 if TYPE_CHECKING:
     from .mechanics.kinematics import Mechanism
+    from .restraints import Restraints
 
 VARIED = ("varied", "varied_units")  # details of a member of a family: SI value by key, and SI unit by key
 DIMENSIONLESS = "dimensionless"  # `structure` of an oscillator without units
@@ -86,6 +87,7 @@ class RockingParameters:
     one_sided: the body rocks on its right edge only (theta > 0). Its eta includes the impact on its backing and lies in (-1, 0].
     damping: zeta of the moment -2 zeta p theta' [-]; friction: coefficient of the base or joints [-], None if not stated.
     arm: R, distance from the edge to the mass centre [m], only for one rigid body; without R the ground forces are not known.
+    restraints: ties and a tendon, which change uplift, stiffness and equilibrium; all other numbers are those of the free body.
     top: distances from the left and the right edge to the farthest point of the top [m], empty without a geometry.
     Raises StructureError if a number is not finite or out of range, or if the sides do not agree with the rest.
     """
@@ -107,6 +109,7 @@ class RockingParameters:
     friction: float | None = None
     arm: float | None = None
     top: tuple[float, ...] = field(default=(), repr=False, compare=False)
+    restraints: Restraints | None = None
 
     def __post_init__(self) -> None:
         _check_numbers(self)
@@ -136,8 +139,8 @@ class RockingParameters:
 
     @property
     def plain(self) -> bool:
-        """True for the body of the paper: two equal edges and no damping."""
-        return not (self.sides or self.one_sided or self.damping)
+        """True for the body of the paper: two equal edges, no damping and no restraints."""
+        return not (self.sides or self.one_sided or self.damping or self.restraints)
 
     @classmethod
     def from_record(cls, record: Mapping[str, Any]) -> RockingParameters:
@@ -146,6 +149,10 @@ class RockingParameters:
         kind = record["structure_kind"] if "structure_kind" in record else record["structure"]  # files of earlier versions
         more = {key: record[key] for key in ("one_sided", "damping", "friction", "arm") if key in record}
         more |= {"eta_source": record["eta_source"], "gravity": record["gravity"]}
+        if "ties" in record or "tendon" in record:
+            from .restraints import restraints_from
+
+            more["restraints"] = restraints_from(record)
         details = {key: record[key] for key in VARIED if key in record}
         return cls(record["name"], kind, **fields_in(record), sides=sides, details=details, **more)
 
@@ -179,6 +186,7 @@ class RockingParameters:
         numbers = {key: getattr(self, _FIELDS[key]) for key in ("p", "alpha", "eta", "lambda", "a_scale")}
         more = {key: getattr(self, key) for key in ("one_sided", "damping", "friction", "arm") if getattr(self, key)}
         sides = {"sides": [side.record() for side in self.sides]} if self.sides else {}
+        more |= self.restraints.record() if self.restraints else {}
         return {**kind, **numbers, "eta_source": self.eta_source, "gravity": self.gravity, **sides, **more, **self.details}
 
     def alpha_on(self, side: Any) -> Any:

@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from ..mechanics.single_body import RigidBody
     from ..sketch import Sketch
 
-OF_BODIES = ("inset",)  # keys that every rigid kind takes, and no other one
+OF_BODIES = ("inset", "ties", "tendon", "dampers")  # keys that every rigid kind takes, and no other one
 GROUP = "rocking.structures"
 KINDS = ("block", "point_mass", "spire", "arch", "frame", "prism", "drum", "rigid", "stack", "wall", "parameters")
 
@@ -110,6 +110,10 @@ def sketch_of(document: Document, built: RockingParameters) -> Sketch:
     if hasattr(kind, "body"):
         body: RigidBody = kind.body(document)
         found: Sketch = body.moved_in(body.inset_of(document)).drawing
+        if built.restraints:
+            from ..restraints import drawn
+
+            found = drawn(built.restraints, found)
     elif hasattr(kind, "sketch"):
         found = kind.sketch(document, built)
     else:

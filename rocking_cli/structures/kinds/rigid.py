@@ -31,7 +31,7 @@ def body(document: Document) -> RigidBody:
     moments = Moments(1.0, x, height, gyration**2 + x * x + height * height)
     outlines = [circle((0.0, height), gyration), ((-left, 0.0), (right, 0.0))]
     drawing = rocker(outlines, (-left, 0.0), (right, 0.0), (0.0, height))
-    return body_on_edges(moments, half, limit="a body more slender than this one", drawing=drawing)
+    return body_on_edges(moments, half, crown=math.inf, limit="a body more slender than this one", drawing=drawing)
 
 
 def _gyration(document: Document) -> float:

@@ -16,6 +16,16 @@ P_RANGE = f"a positive number, from {1.0 / LARGEST_P:g} to {LARGEST_P:g} rad/s"
 
 def build(document: Document, name: str) -> RockingParameters:
     """The parameters that the document states; a_scale = alpha/lambda if one of these is absent (Eq. 3.9). Raises DocumentError."""
+    found = _free(document, name)
+    if not [key for key in ("ties", "tendon") if document.has(key)]:
+        return found
+    from ..restraints import restrained
+
+    document.has("restrained")  # what params printed is derived anew
+    return restrained(document, found)
+
+
+def _free(document: Document, name: str) -> RockingParameters:
     from . import reports_of
 
     structure = document.word("structure_kind", "parameters")

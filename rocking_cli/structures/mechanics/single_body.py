@@ -46,7 +46,8 @@ class RigidBody(ABC):
 
     limit: states for which bodies the momentum model holds; drawing: its geometry; top: (x, z) [m] from the middle of the base of the
     impact point on a backing, and backing: the factor of this impact, None if the geometry does not define them; again: the body with
-    its pivots inside the edges by a length [m], if `moved_in` does not hold for it; details: as in `RockingParameters`.
+    its pivots inside the edges by a length [m], if `moved_in` does not hold for it; crown: height above the pivots [m], None for that of
+    the drawing; share: m g R of the parts over mass g R [-]; details: as in `RockingParameters`.
     """
 
     limit: str
@@ -54,6 +55,8 @@ class RigidBody(ABC):
     top: Point | None = None
     backing: float | None = None
     again: Callable[[float], RigidBody] | None = None
+    crown: float | None = None
+    share: float = 1.0
     details: Mapping[str, Any] = field(default_factory=dict)
 
     @abstractmethod
@@ -62,10 +65,22 @@ class RigidBody(ABC):
 
     def parameters(self, document: Document, name: str) -> RockingParameters:
         """The rocking parameters, with gravity, restitution, sides, mass and inset of the document. Raises DocumentError."""
+        inset, more, whole = self.inset_of(document), {}, min(self.edges(1.0), key=lambda edge: edge.uplift)
         if document.has("inset"):
-            inset, whole = self.inset_of(document), min(self.edges(1.0), key=lambda edge: edge.uplift)
-            return self.moved_in(inset)._parameters(document, name, {"inset": inset, "alpha_geometric": whole.alpha})
-        return self._parameters(document, name, {})
+            more = {"inset": inset, "alpha_geometric": whole.alpha}
+        body = self.moved_in(inset)
+        found = body._parameters(document, name, more)
+        if not [key for key in ("ties", "tendon", "dampers") if document.has(key)]:
+            return found
+        from ..restraints import restrained
+
+        pivot, points = body.drawing.pivots[0][1], [point for one in (*body.drawing.still, *body.drawing.bodies) for point in one]
+        level = pivot[1] - min(z for _, z in points)
+        crown = level + (self.crown or max(z for _, z in points) - pivot[1])
+        radius = body.radius if isinstance(body, EqualEdges) else None
+        return restrained(
+            document, found, crown=crown, level=level, inset=inset, width=body.width + 2.0 * inset, radius=radius, share=self.share
+        )
 
     def _parameters(self, document: Document, name: str, more_details: dict[str, float]) -> RockingParameters:
         gravity, mass = gravity_of(document), mass_of(document)
@@ -107,6 +122,11 @@ class RigidBody(ABC):
     def reach(self) -> float:
         """The least horizontal distance from an edge to the mass centre [m]."""
 
+    @property
+    @abstractmethod
+    def width(self) -> float:
+        """The distance between the pivots [m]."""
+
     @abstractmethod
     def _moved_in(self, inset: float) -> RigidBody: ...
 
@@ -143,11 +163,16 @@ class EqualEdges(RigidBody):
         """Half the width of the base."""
         return self.radius * math.sin(self.alpha)
 
+    @property
+    def width(self) -> float:
+        """Twice the reach."""
+        return 2.0 * self.reach
+
     def _moved_in(self, inset: float) -> RigidBody:
         half, z = self.reach - inset, self.radius * math.cos(self.alpha)
         polar = (self.inertia - 1.0) * self.radius**2 + z * z
         moved = symmetric_body(Moments(1.0, 0.0, z, polar), half, top=self.top, limit=self.limit, drawing=self._redrawn(inset))
-        return replace(moved, details=self.details)
+        return replace(moved, details=self.details, crown=self.crown)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -165,6 +190,11 @@ class TwoEdges(RigidBody):
     def reach(self) -> float:
         """That of the nearer edge."""
         return self.half - abs(self.moments.x / self.moments.mass)
+
+    @property
+    def width(self) -> float:
+        """Of the base."""
+        return 2.0 * self.half
 
     def _moved_in(self, inset: float) -> RigidBody:
         half = self.half - inset

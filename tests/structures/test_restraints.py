@@ -1,0 +1,251 @@
+"""Ties, tendons and dampers: documents, their statics against other forms of the same equations, and that no dynamics ignores them."""
+
+from __future__ import annotations
+
+import json
+import math
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+from support.documents import built
+
+from rocking_cli import (
+    DocumentError,
+    Method,
+    UsageError,
+    build_structure,
+    check,
+    parse_documents,
+    parse_grid,
+    response,
+    sine,
+    spectrum,
+    trace_envelope,
+)  # fmt: skip
+from rocking_cli.envelopes.intervals import check_curves, frequency_axis
+from rocking_cli.structures import RockingParameters
+from rocking_cli.structures.kinds import sketch_of
+from rocking_cli.structures.restraints import Tendon, Tie
+
+WALL = "kind: wall\nthickness: 0.6 m\nheight: 6 m\none_sided: true\nmass: 7200 kg\n"
+TIE = "{height: 5.5 m, stiffness: 2e6 N/m, prestress: 5 kN, yield: 20 kN, ultimate: 30 mm, side: right}"
+BLOCK = "kind: block\nwidth: 1\nheight: 5\ngravity: 9.8\nmass: 2551.0204081632653\n"
+TENDON = "tendon: {area: 144 mm2, modulus: 195 GPa, length: 5 m, prestress: 150 kN, rupture: 267.84 kN}\n"
+MOMENT, ALPHA = 7200 * 9.81 * math.hypot(0.3, 3.0), math.atan(0.1)  # m g R of the wall
+
+
+def tied(**keys):
+    return built(WALL + "ties:\n- {" + ", ".join(f"{key}: {value!r}" for key, value in keys.items()) + "}")
+
+
+def statics(body):
+    (row,) = body.details["restrained"]
+    return row
+
+
+def test_the_tendon_of_a_block_has_the_reference_values():
+    # Evaluated independently: p, stiffness after uplift, rotation of rupture; lambda = tan alpha (1 + P0/(m g)) with P0 = 6 m g.
+    body = built(BLOCK + TENDON)
+    row = statics(body)
+    assert (body.p, row["side"]) == (pytest.approx(1.697913, abs=1e-6), "both")
+    assert (row["stiffness"], row["lambda"]) == (pytest.approx(21.027764, abs=1e-6), pytest.approx(0.2 * 7, rel=1e-12))
+    # 2 b sin(theta/2) is the elongation that stands in the moment; b sin theta would give 0.041978.
+    assert body.restraints.tendon.changes(0.5) == [pytest.approx(2 * math.asin((267840 - 150000) / 5.616e6), rel=1e-12)]
+    assert row["equilibrium"] == pytest.approx(body.alpha, rel=1e-12)  # the tendon breaks before, and leaves the free body
+    assert statics(built(BLOCK + TENDON.replace(", rupture: 267.84 kN", "")))["equilibrium"] == "none"
+
+
+def test_the_tie_of_a_wall_lifts_at_the_acceleration_of_its_prestress():
+    body = built(WALL + f"ties:\n- {TIE}")
+    row = statics(body)
+    assert row["lambda"] == pytest.approx(0.1 + 5000 * 5.5 / (7200 * 9.81 * 3), rel=1e-12)
+    assert row["lambda"] > 0.2
+    assert row["stiffness"] == pytest.approx(2e6 * 5.5**2 / MOMENT - 1, rel=1e-12)
+    free = built(WALL)
+    assert (body.p, body.alpha, body.uplift, body.eta) == (free.p, free.alpha, free.uplift, free.eta)
+
+
+@pytest.mark.parametrize("behind", [0.0, 0.4, -0.05])
+def test_the_moment_of_a_tie_is_that_of_its_anchor_moved_with_the_body(behind):
+    tie = Tie(5.5, 2e6, 5e3, 20e3, 0.5, behind)
+    for theta in (1e-4, 0.002, 0.03, 0.08):
+        x, z = np.cos(theta) * -behind + np.sin(theta) * 5.5, np.cos(theta) * 5.5 + np.sin(theta) * behind  # turned clockwise
+        force = min(5e3 + 2e6 * (x + behind), 20e3) if x + behind < 0.5 else 0.0
+        assert tie.moment(theta) == pytest.approx(force * z, rel=1e-12)
+    for theta, u in zip(tie.changes(), (15e3 / 2e6, 0.5), strict=True):
+        assert np.cos(theta) * -behind + np.sin(theta) * 5.5 + behind == pytest.approx(u, rel=1e-12)
+
+
+def restoring(theta, stiffness, prestress, force, ultimate, height=5.5):
+    """Over m g R, in the form of the equation of motion: R_t, alpha_t, tension only."""
+    reach, start = math.hypot(0.0, height), 0.0
+    u = reach * (math.sin(start) - math.sin(start - theta))
+    tension = np.clip(prestress + stiffness * u, 0.0, force) if u < ultimate else 0.0
+    return math.sin(ALPHA - theta) + tension * reach * math.cos(start - theta) / MOMENT
+
+
+@pytest.mark.parametrize(
+    ("stiffness", "prestress", "force", "ultimate"),
+    [
+        (1e4, 2e3, math.inf, math.inf),
+        (2e6, 5e3, 20e3, math.inf),
+        (0.0, 9e3, math.inf, math.inf),
+        (2e4, 0.0, 12e3, 0.9),
+        (2e4, 1e3, 12e3, 1.5),
+    ],
+)
+def test_the_equilibrium_is_where_nothing_brings_the_body_back(stiffness, prestress, force, ultimate):
+    keys = {"height": 5.5, "stiffness": stiffness, "prestress": prestress, "yield": force, "ultimate": ultimate}
+    found = statics(tied(**{key: value for key, value in keys.items() if value < math.inf}))["equilibrium"]
+    law = (stiffness, prestress, force, ultimate)
+    scan = np.linspace(0.0, math.pi / 2, 200_001)[1:]
+    first = next(i for i, theta in enumerate(scan) if restoring(theta, *law) <= 0.0)
+    assert scan[first - 1] < found <= scan[first] * (1 + 1e-9)
+    if ultimate > 5.5 * math.sin(scan[first]):  # it does not break there
+        assert found == pytest.approx(brentq(restoring, scan[first - 1], scan[first], args=law, xtol=1e-15), rel=1e-9)
+    assert found > ALPHA
+
+
+def test_a_tie_that_breaks_beyond_alpha_leaves_the_body_at_its_rupture():
+    found = statics(tied(height=5.5, stiffness=2e5, ultimate=1.1))["equilibrium"]
+    assert found == pytest.approx(math.asin(1.1 / 5.5), rel=1e-9)
+    assert found > ALPHA
+    assert statics(tied(height=5.5, stiffness=2e5))["equilibrium"] > 1.5  # where its lever is gone
+
+
+def test_a_tie_of_one_side_makes_the_sides_differ():
+    text = "kind: block\nwidth: 1\nheight: 5\nmass: 5 t\nties: [{height: 4, stiffness: 1e5%s}]"
+    both, (left, right) = built(text % ""), built(text % ", side: right").details["restrained"]
+    assert [row["side"] for row in (statics(both), left, right)] == ["both", "left", "right"]
+    assert (left["lambda"], left["stiffness"]) == (both.uplift, -1.0)
+    assert left["equilibrium"] == pytest.approx(both.alpha, rel=1e-12)
+    assert {**right, "side": "both"} == statics(both)
+
+
+def test_an_unequal_body_has_the_statics_of_each_edge():
+    body = built("kind: rigid\nleft: 0.42\nright: 0.31\nheight: 1.15\ngyration: 0.68\nmass: 2 t\nties: [{height: 9, stiffness: 1 MN/m}]")
+    for row, side in zip(body.details["restrained"], body.sides, strict=True):
+        assert row["stiffness"] == pytest.approx(1e6 * 81 / (2000 * 9.81 * side.arm) - 1, rel=1e-12)
+
+
+def test_heights_count_from_the_ground_and_pivots_move_with_inset_and_interface():
+    text = "mass: 5 t\nties: [{height: 2.5, stiffness: 1e5}]\n"
+    plain, worn = built("kind: block\nwidth: 1\nheight: 5\n" + text), built("kind: block\nwidth: 1\nheight: 5\ninset: 4 cm\n" + text)
+    assert (plain.restraints.ties[0].behind, worn.restraints.ties[0].behind) == (0.0, -0.04)
+    stack = built("kind: stack\npieces: [{width: 2, height: 0.5}, {width: 0.4, height: 3}]\n" + text)
+    assert stack.restraints.ties[0].height == 2.0
+    frame = built("kind: frame\ncolumns: 4\nwidth: 0.5\nheight: 4\ncap_ratio: 1.5\n" + text)
+    moment = 5000 * 9.81 * math.hypot(0.25, 2) * (1 + 2 * 1.5) / (1 + 1.5)  # the beam has twice the lever
+    assert statics(frame)["stiffness"] == pytest.approx(1e5 * 2.5**2 / moment - 1, rel=1e-12)
+
+
+def test_dampers_are_a_damping():
+    text = "kind: block\nwidth: 1\nheight: 5\nmass: 5 t\ndampers: {coefficient: 2 kN s/m}\n"
+    body = built(text)
+    zeta = 1.5 * 2000 / (5000 * body.p) * math.sin(body.alpha) ** 2
+    assert body.damping == pytest.approx(zeta, rel=1e-12)
+    assert built(text + "damping: 0.02").damping == pytest.approx(zeta + 0.02, rel=1e-12)
+    assert "restrained" not in body.details
+    assert built(json.dumps(body.record())) == body
+    worn = built(text + "inset: 0.1")  # the near dashpot acts too
+    assert worn.damping == pytest.approx(2000 * (0.9**2 + 0.1**2) * worn.p / (2 * 5000 * 9.81 * worn.arm), rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    "text", [WALL + f"ties:\n- {TIE}", BLOCK + TENDON, BLOCK + f"inset: 2 cm\nties:\n- {{height: 3, stiffness: 1e4}}\n{TENDON}"]
+)
+def test_what_is_printed_is_a_document_with_the_same_restraints(text):
+    body = built(text)
+    assert built(json.dumps(body.record())) == body
+    assert RockingParameters.from_record(body.record()).restraints == body.restraints
+
+
+def test_a_drawing_shows_ties_and_tendon():
+    (document,) = parse_documents(BLOCK + "ties: [{height: 4, stiffness: 1, behind: 0.2, side: right}]\n" + TENDON)
+    tie, tendon = sketch_of(document, build_structure(document)).lines
+    assert tie == ("tie", ((pytest.approx(0.3), 4.0), (pytest.approx(-0.5 - 0.15 * 5), 4.0)))
+    assert tendon == ("tendon", ((0.0, 0.0), (0.0, pytest.approx(5.0))))
+
+
+@pytest.mark.parametrize("text", [WALL + f"ties:\n- {TIE}", BLOCK + TENDON, BLOCK + "ties: [{height: 1, stiffness: 0}]"])
+def test_no_dynamics_ignores_a_restraint(text):
+    body, grid = built(text), parse_grid("a_g=0.3g,f_g=1")
+    with pytest.raises(UsageError, match="found damping, one side, unequal sides, ties or a tendon"):
+        check_curves(body, sine(), frequency_axis("Omega=2"))
+    for run in (
+        lambda one: check(one, sine(), grid),
+        lambda one: response(Method("linear").system_of(one), sine(), 2.0, 3.0, one.eta),
+        lambda one: Method("nonlinear").system_of(one),
+        lambda one: Method("linear").problem_of(one),
+        lambda one: trace_envelope(one, sine(), [2.0]),
+        lambda one: spectrum([one], sine(), parse_grid("A=1:2:2,Omega=1:2:2"), workers=1),
+    ):
+        for stated in (body, built(json.dumps(body.record())), body.lifting_at_lambda()):
+            with pytest.raises(UsageError, match="f: found ties or a tendon, which no equation of motion takes into account"):
+                run(stated)
+
+
+REFUSED = {
+    WALL + "ties:\n- ": [
+        ("{height: 6.5, stiffness: 1}", r"f.yaml:7:12: height: found 6.5; expected a height above 0 m, .* up to 6 m, its top"),
+        ("{height: 0, stiffness: 1}", "height: found 0; expected a height above 0 m"),
+        ("{height: 5, stiffness: -1}", r"f.yaml:7:26: stiffness: found -1; expected a stiffness from 0"),
+        ("{height: 5}", "no key 'stiffness'"),
+        ("{height: 5, stiffness: 1, prestress: 5 kN, yield: 4 kN}", r"f.yaml:7:40: prestress: found 5000 N, above the yield of 4000 N"),
+        ("{height: 5, stiffness: 1e6, prestress: 5 kN, yield: 20 kN, ultimate: 14 mm}", "ultimate: found 0.014 m, below the elongation"),
+        ("{height: 5, stiffness: 1, ultimate: 0}", "ultimate: found 0; expected a positive length"),
+        ("{height: 5, stiffness: 1, prestress: -1}", "prestress: found -1; expected a force from 0"),
+        ("{height: 5, stiffness: 1, side: left}", "side: found left on a one-sided body, which never leans there; expected right"),
+        ("{height: 5, stiffness: 1, side: up}", "side: found up; expected one of left, right, both"),
+        ("{height: 5, stiffness: 1, behind: 0.7}", "behind: found 0.7; expected a length from 0 to 0.6 m"),
+        ("{height: 5, stiffness: 1, area: 3 mm2}", "area: found area together with stiffness"),
+        ("{height: 5, area: 3 mm2, length: 2 m}", "no key 'modulus'"),
+        ("{height: 5, stiffnes: 1}", "unknown key 'stiffnes' .did you mean 'stiffness'"),
+        ("{height: 5, stiffness: 1, colour: red}", "unknown key 'colour'"),
+    ],
+    BLOCK: [
+        (
+            "tendon: {stiffness: 1, prestress: 6 kN, rupture: 5 kN}",
+            r"f.yaml:6:50: rupture: found 5000 N, not above the prestress of 6000 N",
+        ),
+        ("tendon: {stiffness: 1, colour: red}", "unknown key 'colour'"),
+        ("tendon: 3", "tendon: found 3; expected a mapping"),
+        ("ties: []", "ties: found a list; expected a list of ties"),
+        ("dampers: {coefficient: 1e9}", r"f.yaml:6:10: dampers: found dampers of zeta = .*; expected zeta below 1"),
+        ("dampers: {coefficient: 1 kg}", "coefficient: found 1 kg; expected a damping coefficient"),
+    ],
+    "kind: arch\nradius: 10\nthickness: 1.5\nangle: 3\n": [
+        ("ties: [{height: 1, stiffness: 1}]", r"f.yaml:5:7: ties: found ties of kind arch; expected no ties"),
+        ("tendon: {stiffness: 1}", "tendon: found tendon of kind arch; expected no tendon"),
+        ("dampers: {coefficient: 1}", "dampers: found dampers of kind arch; expected no dampers"),
+    ],
+    "kind: parameters\np: 1\nalpha: 0.2\neta: 1\nlambda: 0.2\n": [
+        ("mass: 1\nties: [{height: 1, stiffness: 1}]", "ties: found ties of a body whose arm is not known; expected arm as well"),
+        ("dampers: {coefficient: 1}", "dampers: found dampers of kind parameters"),
+        ("mass: 1\narm: 1\nties: [{height: 1, stiffness: 1}]\ndampers: {coefficient: 1}", "dampers of a body whose width is not known"),
+    ],
+    "kind: rigid\nleft: 0.42\nright: 0.31\nheight: 1.15\ngyration: 0.68\nmass: 1 t\n": [
+        ("tendon: {stiffness: 1}", "tendon: found tendon of a body with two unequal sides"),
+        ("dampers: {coefficient: 1}", "dampers: found dampers of a body with two unequal sides"),
+    ],
+    "kind: block\nwidth: 1\nheight: 5\n": [
+        ("ties: [{height: 1, stiffness: 1}]", "no key 'mass'; expected mass: the mass .kg., which ties need")
+    ],
+    "kind: frame\ncolumns: 2\nwidth: 1\nheight: 6\ncap_ratio: 1\nmass: 1 t\n": [
+        ("tendon: {stiffness: 1}", "tendon of a body with other parts")
+    ],
+}
+
+
+@pytest.mark.parametrize(("text", "words"), [(common + text, words) for common, rows in REFUSED.items() for text, words in rows])
+def test_refusals(text, words):
+    with pytest.raises(DocumentError, match=words):
+        built(text)
+
+
+def test_a_tendon_breaks_at_its_rupture():
+    tendon = Tendon(1e5, 1e3, 3e3)
+    (theta,) = tendon.changes(0.5)
+    assert (tendon.moment(0.999 * theta, 0.5) > 1e3 * 0.5, tendon.moment(1.001 * theta, 0.5)) == (True, 0.0)
+    assert Tendon(0.0, 1e3).changes(0.5) == []
