@@ -6,8 +6,10 @@ it calls.
 
 from __future__ import annotations
 
+import sys
 from functools import cache
 from importlib import import_module
+from types import ModuleType
 from typing import Any
 
 __version__ = "0.1.0"
@@ -31,6 +33,15 @@ def __getattr__(name: str) -> Any:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     module, there = _homes()[name]
     return getattr(import_module(module), there)
+
+
+class _Package(ModuleType):
+    """This package: its function `fragility` stands before the subpackage of the same name."""
+
+    fragility = property(lambda self: __getattr__("fragility"), lambda self, subpackage: None)
+
+
+sys.modules[__name__].__class__ = _Package
 
 
 def __dir__() -> list[str]:

@@ -15,8 +15,10 @@ import xarray
 
 import rocking_cli
 from rocking_cli import UsageError, build_structure, dimensionless_oscillator, load_structures, parse_documents, parse_grid, sine, spectrum
+from rocking_cli.commands.help import page
 
 PUBLIC = {name: getattr(rocking_cli, name) for name in dir(rocking_cli)}
+ELSEWHERE = {"Any", "Array", "Axes", "Callable", "Iterable", "Iterator", "Mapping", "Path", "Sequence", "Unpack", "np", "progress"}
 FUNCTIONS = sorted(name for name, thing in PUBLIC.items() if inspect.isfunction(thing))
 
 
@@ -34,6 +36,55 @@ def test_types_are_shipped(pytestconfig):
     stub = ast.parse((pytestconfig.rootpath / "rocking_cli" / "__init__.pyi").read_text())
     listed = [alias.name for node in stub.body if isinstance(node, ast.ImportFrom) for alias in node.names]
     assert sorted([*listed, "__version__"]) == dir(rocking_cli)
+
+
+def test_the_page_of_help_lists_every_name():
+    told = set(re.findall(r"\w+", page("python")))
+    assert sorted(PUBLIC.keys() - told - {"__version__"}) == []
+
+
+@pytest.mark.parametrize("name", FUNCTIONS)
+def test_types_in_signatures_are_public(name):
+    told = {word for one in inspect.get_annotations(PUBLIC[name]).values() for word in re.findall(r"(?<![.\w])[A-Za-z]\w*", str(one))}
+    assert sorted(told - PUBLIC.keys() - set(dir(builtins)) - ELSEWHERE) == []
+
+
+def test_a_function_stands_before_the_subpackage_of_its_name():
+    from rocking_cli.fragility import fits
+
+    assert (rocking_cli.fragility, rocking_cli.fit_stripes) == (PUBLIC["fragility"], fits.fit_stripes)
+
+
+def test_a_drawing_goes_into_axes_of_the_caller(tmp_path):
+    figure = pytest.importorskip("matplotlib.figure").Figure()
+    bodies = [dimensionless_oscillator(0.9), dimensionless_oscillator(0.8)]
+    rocking_cli.write_spectrum(bodies, sine(), parse_grid("A=1:8:9,Omega=4:5:2"), tmp_path / "d.h5", workers=1)
+    one, other = figure.subplots(1, 2)
+    size = tuple(figure.get_size_inches())
+    assert rocking_cli.draw(tmp_path / "d.h5", other, cut="Omega=5") is other
+    assert other.lines
+    assert not one.lines
+    assert (len(figure.axes), tuple(figure.get_size_inches())) == (2, size)
+    with pytest.raises(UsageError, match=r"a drawing of \d panels; expected one"):
+        rocking_cli.draw(tmp_path / "d.h5", one, every=True)
+
+
+def test_a_record_needs_no_grid():
+    block = load_structures("configs/block.yaml")[0]
+    (recording,) = rocking_cli.load_records("configs/motions/synthetic.at2", scale=0.7)
+    found = rocking_cli.check(block, recording, a_max=None)
+    assert found.demand_a == pytest.approx(recording.acceleration, rel=1e-12)
+    (history,) = rocking_cli.compare([block], recording)
+    assert history.histories["nonlinear"].theta_ratio == pytest.approx(found.theta_ratio, rel=1e-9)
+    assert float(spectrum([block], recording.record, workers=1).scene.grid.amplitude.values[0]) == pytest.approx(
+        recording.acceleration / 0.7
+    )
+    with pytest.raises(UsageError, match="no grid; expected one"):
+        rocking_cli.check(block, sine())
+    with pytest.raises(UsageError, match=r"a record runs in its own time; expected Omega = 1/p = 0\.3\d+ alone"):
+        rocking_cli.trace_envelope(block, recording.motion, [6.28])
+    with pytest.raises(UsageError, match="expected no axis"):
+        rocking_cli.envelope(block, recording, "f_g=1")
 
 
 @pytest.mark.parametrize("name", FUNCTIONS)

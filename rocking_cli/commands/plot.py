@@ -98,5 +98,5 @@ def plot(
         overwrite=overwrite,
         tell=note,
     )
-    if told:
+    if isinstance(told, str):
         note(told)

@@ -62,7 +62,8 @@ def trace_envelope(
 
     For a linear oscillator with a restitution alone use `dimensionless_oscillator(eta)`. Boundaries are
     traced to the last digits of the model's outcome. Intervals that touch but differ in mode are listed apart. sign: of the
-    ground acceleration, for a body with unequal sides: "+", "-", or "worse", which lists the intervals of either. workers:
+    ground acceleration, for a body with unequal sides: "+", "-", or "worse", which lists the intervals of either; omegas: under a record
+    1/p alone, since it runs in its own time. workers:
     processes, None for all cores if that saves time. Raises UsageError when a_max is not above the initiation or the model
     does not hold for the structure, OutputError when a worker process dies.
 
@@ -70,6 +71,8 @@ def trace_envelope(
     [(1.403565, 3.484663), (3.63115, None)]
     """
     omegas = np.atleast_1d(np.asarray(omegas, dtype=float))
+    if motion.acceleration is not None and not structure.dimensionless and np.any(np.abs(omegas * structure.p - 1.0) > 1e-9):
+        raise UsageError(f"{motion.name}: a record runs in its own time; expected Omega = 1/p = {1.0 / structure.p:.6g} alone")
     searches, amplitudes = _scan_of(motion, omegas.size, structure, method, a_max, sign)
     if workers is not None and workers < 1:
         raise UsageError(f"`workers`: found {workers}; expected a whole number from 1")

@@ -7,7 +7,7 @@ proportional to a power of the scale factor of a motion.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -73,6 +73,12 @@ def measure_of(name: str) -> Measure:
     if found is None:
         raise UsageError(f"`im`: found {name!r}; expected {', '.join(MEASURES)}, SA(T), AvgSA(T){did_you_mean(name, MEASURES)}")
     return found
+
+
+def compared(members: Sequence[Member], own: Measure) -> Collection[Measure]:
+    """The measures whose efficiency is compared: MEASURES, those of SPECTRAL if all members are records, and their own."""
+    spectral = map(measure_of, SPECTRAL) if all(m.recording is not None for m in members) else ()
+    return {m.name: m for m in (*MEASURES.values(), *spectral, own)}.values()
 
 
 @dataclass(frozen=True, eq=False)

@@ -4,19 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
+from itertools import product
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from ..documents.table import named_rows
+from ..dynamics.method import Method, governing_method
 from ..dynamics.outcome import Outcome
 from ..errors import DocumentError, UsageError
+from ..motions.recording import Recording
 from ..structures.parameters import RockingParameters
-from . import fits as fragility
-from .exposure import Exposure, Interval, first_of, share_overturned
-from .fits import Band, Curve, Resampling
-from .measures import MEASURES, Measure, Member, cell
+from . import fits
+from .exposure import Exposure, Interval, as_recorded, exposures, first_of, share_overturned, traced
+from .fits import Band, Curve, Resampling, check_levels
+from .measures import MEASURES, Measure, Member, cell, compared, measure_of, members_of
 
 Array = np.ndarray
 METHODS = ("stripes", "first", "cloud")
@@ -95,15 +98,15 @@ class Study:
 
     def fit(self, method: str, limit: float | None) -> Fit:
         """The curve of a limit state by a method. Raises UsageError if the data do not support a fit."""
-        if len(self.members) < fragility.FEWEST:
-            raise UsageError(f"{len(self.members)} records; a fit needs {fragility.FEWEST}")
+        if len(self.members) < fits.FEWEST:
+            raise UsageError(f"{len(self.members)} records; a fit needs {fits.FEWEST}")
         return {"stripes": self._stripes, "first": self._first, "cloud": self._cloud}[method](limit)
 
     def _fit(
-        self, method: str, limit: float | None, curve: Curve, estimate: Callable[[Array], fragility.Estimate], points: dict[float, float]
+        self, method: str, limit: float | None, curve: Curve, estimate: Callable[[Array], fits.Estimate], points: dict[float, float]
     ) -> Fit:
         x = self._abscissae()
-        band = fragility.bootstrap(len(self.members), estimate, self.how, x) if self.how.samples else None
+        band = fits.bootstrap(len(self.members), estimate, self.how, x) if self.how.samples else None
         return Fit(self.structure.name, self.measure.name, word_of(limit), method, curve, band, x, points)
 
     def _abscissae(self) -> Array:
@@ -114,26 +117,26 @@ class Study:
         beyond, known = self.exposure.beyond(limit)
         levels, w = self.exposure.levels, self.weight[:, None]
         n, z = w * known, w * (beyond & known)
-        curve = fragility.fit_stripes(levels, n.sum(0), z.sum(0))
+        curve = fits.fit_stripes(levels, n.sum(0), z.sum(0))
         points = dict(zip(levels.tolist(), (z.sum(0) / n.sum(0)).tolist(), strict=True))
-        return self._fit("stripes", limit, curve, lambda i: fragility.stripes(levels, n[i].sum(-2), z[i].sum(-2)), points)
+        return self._fit("stripes", limit, curve, lambda i: fits.stripes(levels, n[i].sum(-2), z[i].sum(-2)), points)
 
     def _first(self, limit: float | None) -> Fit:
         if limit is not None:
             raise UsageError(f"limit state {limit:g}: the method first needs the limit state overturning")
         assert self.intervals is not None
         r, highest, w = first_of(self.intervals), float(self.exposure.levels[-1]), self.weight
-        curve = fragility.fit_first(r, highest, w)
+        curve = fits.fit_first(r, highest, w)
         share = {float(x): float(w[r <= x].sum() / w.sum()) for x in self.exposure.levels}
-        return self._fit("first", limit, curve, lambda i: fragility.first_overturning(r[i], highest, w[i]), share)
+        return self._fit("first", limit, curve, lambda i: fits.first_overturning(r[i], highest, w[i]), share)
 
     def _cloud(self, limit: float | None) -> Fit:
         if limit is None:
             raise UsageError("limit state overturning: the method cloud needs a rotation")
         assert self.recorded is not None
         x, theta, w = self.own, self.recorded[0], self.weight
-        curve = fragility.fit_cloud(x, theta, limit, w)
-        return self._fit("cloud", limit, curve, lambda i: fragility.cloud(x[i], theta[i], limit, w[i]), {})
+        curve = fits.fit_cloud(x, theta, limit, w)
+        return self._fit("cloud", limit, curve, lambda i: fits.cloud(x[i], theta[i], limit, w[i]), {})
 
     @property
     def resurrections(self) -> int:
@@ -158,17 +161,17 @@ class Study:
         """
         found: list[tuple[str, Curve]] = []
         gone, known = self.exposure.beyond(None)
-        for measure in MEASURES.values():
+        for measure in compared(self.members, self.measure):
             own = np.array([m.measured(measure, self.structure) for m in self.members])
             power = measure.power / self.measure.power
             if self.intervals is not None:
                 first, most = first_of(self.intervals) / self.own, float(self.exposure.levels[-1]) / self.own
-                curve = fragility.fit_first(own * first**power, own * most**power, self.weight)
+                curve = fits.fit_first(own * first**power, own * most**power, self.weight)
             else:
                 x, n = own[:, None] * (self.exposure.levels / self.own[:, None]) ** power, self.weight[:, None] * known
                 if not 0.0 < (n * gone).sum() < n.sum():
                     raise UsageError(f"{self.structure.name}: all cells overturn, or none; expected levels at which some do")
-                curve = replace(fragility.fit_cells(x.ravel(), n.ravel(), (n * gone).ravel()), n=float(len(self.members)))
+                curve = replace(fits.fit_cells(x.ravel(), n.ravel(), (n * gone).ravel()), n=float(len(self.members)))
             found.append((measure.name, curve))
         found.sort(key=lambda pair: pair[1].beta)
         least = found[0][1].beta
@@ -187,6 +190,40 @@ class Study:
                 yield {**row, "theta_ratio": float(theta), "outcome": Outcome(int(outcome)).flag}
 
 
+def fragility(
+    structures: Sequence[RockingParameters], records: Sequence[Recording], levels: Sequence[float] | Array, im: str = "PGA", *,
+    limits: Sequence[float | None] = LIMITS, methods: Sequence[str] = ("stripes",), method: Method | None = None,
+    how: Resampling | None = None, workers: int | None = None,
+) -> list[Fit]:  # fmt: skip
+    """The fragility curves of structures under records, as `rocking fragility` fits them.
+
+    levels: of the measure im, in SI; limits: values of |theta|/alpha, None for overturning; methods: of `METHODS`; method: the equation of
+    motion, None for `governing_method`; how: of the bootstrap. A limit state that the data do not support is left out. Raises UsageError
+    for bad levels, and if no fit is left.
+
+    >>> fragility(load_structures('configs/block.yaml'), load_records('configs/motions/synthetic.at2'), [1.0, 2.0])
+    Traceback (most recent call last):
+        ...
+    rocking_cli.errors.UsageError: 1 records; a fit needs 4
+    """
+    measure, members, x = measure_of(im), members_of(records), check_levels(np.asarray(levels, dtype=float))
+    method = method or governing_method(*structures)
+    found: list[Fit] = []
+    refused: list[UsageError] = []
+    for s, exposure in zip(structures, exposures(structures, members, measure, x, method, workers=workers), strict=True):
+        intervals = traced(s, members, measure, float(x[-1]), method, workers=workers) if "first" in methods else None
+        recorded = as_recorded(s, members, method) if "cloud" in methods else None
+        study = Study(s, members, measure, how or Resampling(), exposure, intervals, recorded)
+        for one, limit in product(methods, limits):
+            try:
+                found.append(study.fit(one, limit))
+            except UsageError as error:
+                refused.append(error)
+    if not found and refused:
+        raise refused[0]
+    return found
+
+
 def counted(path: str | Path, how: Resampling) -> list[Fit]:
     """The curves of given counts: CSV with the columns im (a level), n and z.
 
@@ -198,10 +235,10 @@ def counted(path: str | Path, how: Resampling) -> list[Fit]:
     values = {key: np.array([cell(path, line, row, key, "number") for line, row in rows]) for key in ("im", "n", "z")}
     x, n, z = values["im"], values["n"], values["z"]
     try:
-        curve = fragility.fit_stripes(x, n, z)
+        curve = fits.fit_stripes(x, n, z)
     except UsageError as error:
         raise UsageError(f"{path}: {error}") from None
     at = np.union1d(np.geomspace(0.5 * x[0], 1.5 * x[-1], _POINTS), x)
-    band = fragility.bootstrap_counts(x, n, z, how, at) if how.samples else None
+    band = fits.bootstrap_counts(x, n, z, how, at) if how.samples else None
     points = dict(zip(x.tolist(), (z / n).tolist(), strict=True))
     return [Fit(Path(path).stem, "im", "counted", "stripes", curve, band, at, points)]

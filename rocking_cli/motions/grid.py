@@ -6,6 +6,7 @@ import math
 import zlib
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 
@@ -155,6 +156,22 @@ OWN_TIME = Axis("omega_g", np.array([1.0]))  # rad/s; then the phase of a record
 def as_recorded(acceleration: float) -> Grid:
     """The grid of one cell for a motion in its own time with this peak acceleration [m/s2]."""
     return Grid(Axis("a_g", np.array([acceleration])), OWN_TIME)
+
+
+class HasMotion(Protocol):
+    """A record or a recording: something with a motion of its own."""
+
+    @property
+    def motion(self) -> Motion:
+        """The motion."""
+
+
+def demand_of(motion: Motion | HasMotion, shaking: Grid | None) -> tuple[Motion, Grid]:
+    """A motion, or that of a record, with its grid; without one a record as recorded. Raises UsageError for another one without a grid."""
+    found = motion if isinstance(motion, Motion) else motion.motion
+    if shaking is None and found.acceleration is None:
+        raise UsageError(f"{found.name}: no grid; expected one, such as parse_grid('a_g=0.3g,f_g=1'), which only a record does not need")
+    return found, shaking or as_recorded(found.acceleration or 0.0)
 
 
 def demand_in_words(shakes: Sequence[tuple[Motion, Grid]]) -> str:

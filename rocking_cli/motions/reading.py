@@ -31,7 +31,7 @@ LONG, _BYTES = 5_000_000, 200  # a record with so many samples gets a remark on 
 MEASURES = {"PGA": "acceleration", "PGV": "velocity", "PGD": "length", "Arias": "velocity", "CAV": "velocity"}  # dimensions by name
 
 
-class Given(TypedDict, total=False):
+class MotionChoices(TypedDict, total=False):
     """Choices for the motion of a file: its factor `scale`, which may be negative, and `tell`, called with each remark.
 
     For records only: component by name or number; unit and dt [s] of plain numbers; scale_to, instead of `scale`: a text such as
@@ -47,8 +47,8 @@ class Given(TypedDict, total=False):
     tell: Callable[[str], None] | None
 
 
-def read_motion(path: str | Path, **given: Unpack[Given]) -> Motion:
-    """The motion of a motion document or a record; path `-` is standard input; given: see `Given`.
+def read_motion(path: str | Path, **given: Unpack[MotionChoices]) -> Motion:
+    """The motion of a motion document or a record; path `-` is standard input; given: see `MotionChoices`.
 
     Raises UsageError if the file cannot be read or an option does not apply, and DocumentError.
 
@@ -67,11 +67,11 @@ def read_motion(path: str | Path, **given: Unpack[Given]) -> Motion:
 
 
 def read_motions(
-    paths: Sequence[str], *, unread: Callable[[str], None] | None = None, **given: Unpack[Given]
+    paths: Sequence[str], *, unread: Callable[[str], None] | None = None, **given: Unpack[MotionChoices]
 ) -> Motion | tuple[Recording, ...]:
     """The motion of a single motion document, or the records of files, directories and lists of files (see `record_files`).
 
-    unread: called with each file of a directory that cannot be read, an error if None; given: see `Given`, but component may be
+    unread: called with each file of a directory that cannot be read, an error if None; given: see `MotionChoices`, but component may be
     `horizontal` or `all` too; None: each horizontal component of each file. Raises UsageError and DocumentError as `read_motion` does,
     and UsageError without a record.
     """
@@ -92,6 +92,21 @@ def read_motions(
     return with_distinct_labels(found)
 
 
+def load_records(
+    paths: str | Path | Sequence[str | Path], *, unread: Callable[[str], None] | None = None, **given: Unpack[MotionChoices]
+) -> tuple[Recording, ...]:
+    """The records of a folder, of files, or of lists of files; arguments and errors as of `read_motions`, and UsageError for a document.
+
+    >>> (record,) = load_records('configs/motions/synthetic.at2', scale=0.5)
+    >>> record.label, round(record.acceleration, 3)
+    ('synthetic', 1.962)
+    """
+    found = read_motions([str(x) for x in ([paths] if isinstance(paths, str | Path) else paths)], unread=unread, **given)
+    if isinstance(found, Motion):
+        raise UsageError(f"{found.name}: a motion document; expected records (read_motion takes both)")
+    return found
+
+
 def holds_records(path: str) -> bool:
     """True if a path is a record, a directory or a list of files, by its content; false for standard input."""
     if path == "-" or not os.path.exists(path):
@@ -99,14 +114,14 @@ def holds_records(path: str) -> bool:
     return os.path.isdir(path) or (os.path.isfile(path) and (is_record(path) or next(record_files([path]))[0] != path))
 
 
-def _recordings(records: list[Record], taken: Sequence[Record], given: Given) -> list[Recording]:
+def _recordings(records: list[Record], taken: Sequence[Record], given: MotionChoices) -> list[Recording]:
     """The recordings of some records of a file, with the vertical component of the file if it has a factor."""
     vertical = given.get("vertical")
     up = None if vertical is None else Upwards(record_motion(vertical_of(records)), vertical)
     return [Recording(record, upwards=up) for record in taken]
 
 
-def _scaled(recording: Recording, given: Given) -> Recording:
+def _scaled(recording: Recording, given: MotionChoices) -> Recording:
     """The recording with its factor. Raises UsageError."""
     record, tell = recording.record, given.get("tell")
     if tell is not None:
@@ -115,7 +130,7 @@ def _scaled(recording: Recording, given: Given) -> Recording:
     return replace(recording, factor=factor_of(record, given.get("scale"), given.get("scale_to")))
 
 
-def _of_document(source: str, raw: bytes, given: Given) -> Motion:
+def _of_document(source: str, raw: bytes, given: MotionChoices) -> Motion:
     """The motion of the bytes of a document, times `scale`. Raises DocumentError, and UsageError if a choice for records is given."""
     documents = documents_of(source, raw)
     if len(documents) > 1:

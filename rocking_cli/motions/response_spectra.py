@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -28,8 +29,12 @@ _NAME = re.compile(r"(SA|AvgSA)(?:\((.*)\))?", re.IGNORECASE)
 _MEAN = np.linspace(0.2, 1.5, 10)  # periods over T1 of AvgSA(T1)
 
 
-def displacement_spectrum(record: Record, periods: Array, damping: float = DAMPING) -> Array:
-    """S_d [m] of the unscaled record at periods [s] of shape (n,), to 1e-6 of the largest. Raises UsageError for bad periods or damping."""
+def displacement_spectrum(record: Record, periods: Sequence[float] | Array, damping: float = DAMPING) -> Array:
+    """S_d [m] of the unscaled record at periods [s] of shape (n,). Raises UsageError for bad periods or damping.
+
+    >>> displacement_spectrum(read_record('configs/motions/synthetic.at2'), [0.5, 1.0]).round(4).tolist()
+    [0.0621, 0.367]
+    """
     periods = np.asarray(periods, dtype=float)
     if not (periods.ndim == 1 and periods.size and np.all(np.isfinite(periods)) and np.all(periods > 0.0)):
         raise UsageError("`periods`: expected one or more positive times in s")
@@ -43,8 +48,12 @@ def displacement_spectrum(record: Record, periods: Array, damping: float = DAMPI
     return found
 
 
-def acceleration_spectrum(record: Record, periods: Array, damping: float = DAMPING) -> Array:
-    """S_a = (2 pi/T)^2 S_d [m/s2], the pseudo-acceleration of the unscaled record; arguments and errors as `displacement_spectrum`."""
+def acceleration_spectrum(record: Record, periods: Sequence[float] | Array, damping: float = DAMPING) -> Array:
+    """S_a = (2 pi/T)^2 S_d [m/s2], the pseudo-acceleration of the unscaled record; arguments and errors as `displacement_spectrum`.
+
+    >>> acceleration_spectrum(read_record('configs/motions/synthetic.at2'), [0.5, 1.0]).round(3).tolist()
+    [9.803, 14.488]
+    """
     return (2.0 * math.pi / np.asarray(periods)) ** 2 * displacement_spectrum(record, periods, damping)
 
 

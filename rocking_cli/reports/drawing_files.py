@@ -6,6 +6,7 @@ A new figure is one file with a function of figure, rows and units, and one line
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from contextlib import nullcontext
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -34,11 +35,11 @@ DRAWN = "check, envelope, response, compare (curves), params (a family), fragili
 
 
 def draw(
-    source: str | Path | Sequence[str | Path], target: str | Path, *, structure: str | None = None, cut: str | None = None,
+    source: str | Path | Sequence[str | Path], target: str | Path | Axes, *, structure: str | None = None, cut: str | None = None,
     every: bool = False, over: str | None = None, log: str = "", units: Units | None = None, look: Look | None = None,
     portrait: bool = False, overwrite: bool = True, tell: Callable[[str], None] | None = None,
-) -> str | None:  # fmt: skip
-    """Draw a file into a PNG, SVG or PDF; for a slice, return a sentence that states its value.
+) -> str | Axes | None:  # fmt: skip
+    """Draw a file into a PNG, SVG or PDF; for a slice, return a sentence that states its value. Or into Axes, which are returned.
 
     source: a spectra file, or CSV (`-`: standard input), or the CSV of several responses; structure: name of the structure or record of
     a map, None for the first; cut: a slice of a spectra file, such as `Omega=5` or `f_g=1.5`; every: a panel for each structure; over:
@@ -53,7 +54,12 @@ def draw(
     sources = [Path(x) for x in ([source] if isinstance(source, str | Path) else source)]
     source, shown, told = sources[0], Units({**FIGURE_UNITS.chosen, **(units.chosen if units else {})}), None
     instead = "; `text` needs nothing" if is_spectra_file(source) else ""
-    with canvas(target, overwrite, look=look, tell=tell, instead=instead) as figure:
+    place: Any
+    if isinstance(target, str | Path):
+        place = canvas(target, overwrite, look=look, tell=tell, instead=instead)
+    else:
+        place = nullcontext(OneAxes(target))
+    with place as figure:
         if is_spectra_file(source):
             with SpectraFile(source) as file:
                 if cut is not None:
@@ -74,7 +80,30 @@ def draw(
                 one.set_xscale("log")
             if "y" in log:
                 one.set_yscale("log")
-    return told
+    return told if isinstance(target, str | Path) else target
+
+
+class OneAxes:
+    """The figure of some Axes, to which a drawing adds no others."""
+
+    def __init__(self, axes: Axes) -> None:
+        self._axes = axes
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._axes.figure, name)
+
+    def set_size_inches(self, *_: float) -> None:
+        """The figure keeps its size."""
+
+    def add_subplot(self, *_: Any, **__: Any) -> Axes:
+        """The Axes themselves."""
+        return self._axes
+
+    def subplots(self, down: int = 1, across: int = 1, **_: Any) -> np.ndarray:
+        """The Axes in an array. Raises UsageError for several panels."""
+        if down * across > 1:
+            raise UsageError(f"found a drawing of {down * across} panels; expected one, or a file as target")
+        return np.array([[self._axes]])
 
 
 def _rows(sources: Sequence[Path]) -> Rows:

@@ -11,6 +11,7 @@ import hashlib
 import platform
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from datetime import date
 from importlib import import_module
 from importlib.metadata import version
 from importlib.resources import files
@@ -31,12 +32,14 @@ from ..fragility.fits import FEWEST, Resampling
 from ..fragility.measures import MEASURES, members_of
 from ..fragility.study import LIMITS, Fit, Study, word_of
 from ..motions import Motion
-from ..motions.grid import Axis, Grid
+from ..motions.grid import Axis, Grid, HasMotion, demand_in_words, demand_of
 from ..motions.recording import Recording
-from ..responses.check import Verdict, tally
+from ..motions.records import Record
+from ..publishing import published
+from ..responses.check import Verdict, check_all, tally
 from ..spectra.file.reader import SpectraFile
 from ..spectra.sweep import write_spectrum
-from ..structures import RockingParameters
+from ..structures import RockingParameters, build_structure, with_distinct_names
 from ..structures.kinds import sketch_of
 from .figures.canvas import FIGURE_UNITS, canvas, literal
 from .figures.capacities import capacities
@@ -115,6 +118,34 @@ def page(
             versions=[("rocking", __version__), ("Python", platform.python_version()), *((p, version(p)) for p in _PACKAGES)],
             hashes=_hashes(subjects, recordings, vertical),
         )
+
+
+def report(
+    documents: Sequence[Document], motion: Motion | HasMotion | Sequence[Recording], target: str | Path, *, shaking: Grid | None = None,
+    title: str | None = None, summary: bool = False, by_capacity: bool = False, overwrite: bool = True, workers: int | None = None,
+) -> list[Verdict]:  # fmt: skip
+    """Write the page of `rocking report` about the structures of documents under a motion or records; return its verdicts.
+
+    shaking: a grid of one cell, which records do not need; the other arguments as of `page`. Raises UsageError, and OutputError for a file
+    that cannot be written.
+
+    >>> verdicts = report(read_documents('configs/parameters.yaml'), sine(), 'r.html', shaking=parse_grid('a_g=0.2g,f_g=2'))
+    >>> [verdict.outcome.flag for verdict in verdicts]
+    ['no_uplift']
+    """
+    motions = list(motion) if isinstance(motion, Sequence) else [motion]
+    shakes = [demand_of(one, shaking) for one in motions]
+    structures = with_distinct_names([build_structure(document) for document in documents])
+    verdicts = check_all([(s, *shake) for shake in shakes for s in structures], workers=workers)
+    recordings = [one if isinstance(one, Recording) else Recording(one) for one in motions if isinstance(one, Recording | Record)]
+    text = page(
+        [Subject(document, s) for document, s in zip(documents, structures, strict=True)], verdicts, recordings=recordings,
+        pulse=None if recordings else shakes[0], demand=demand_in_words(shakes), command="rocking_cli.report", made=str(date.today()),
+        workers=workers, title=title, summary=summary, by_capacity=by_capacity,
+    )  # fmt: skip
+    with published(Path(target), overwrite) as file:
+        file.write(text.encode())
+    return verdicts
 
 
 def _hashes(subjects: Sequence[Subject], recordings: Sequence[Recording], vertical: str | None) -> list[tuple[str, str]]:

@@ -9,14 +9,17 @@ from typing import Any
 
 import numpy as np
 
-from ..dynamics.method import Method
+from ..dynamics.method import Method, governing_method
 from ..dynamics.outcome import Outcome
 from ..dynamics.references.general_solver import solve_cell
 from ..dynamics.references.scripted import Script
 from ..dynamics.response import response
 from ..errors import UsageError
+from ..motions import Motion
+from ..motions.grid import Grid
 from ..spectra.scene import PulseScene
 from ..spectra.verification import sampled_cells
+from ..structures.parameters import RockingParameters
 
 TOLERANCES = (1e-4, 1e-6, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12)
 SCIPY_METHODS = ("RK45", "LSODA", "DOP853")
@@ -61,6 +64,20 @@ def work_precision(scene: PulseScene, *, sample: int = 40, scipy: int = 10, seed
             answers = [solve_cell(one.motion, a, w, structure.eta, problem, solver) for a, w in cells[:scipy]]
             cost = (time.perf_counter() - began) / max(1, len(answers))
             yield _compare(f"SciPy {method}", tolerance, answers, truth[:scipy], cost)
+
+
+def accuracy(
+    structure: RockingParameters, motion: Motion, grid: Grid, *, method: Method | None = None, sample: int = 40, scipy: int = 10,
+    seed: int = 0,
+) -> list[dict[str, Any]]:  # fmt: skip
+    """The rows of `work_precision` for a structure over a grid; method: None for `governing_method`. Raises UsageError.
+
+    >>> rows = accuracy(dimensionless_oscillator(0.9), sine(), parse_grid('A=1:8:20,Omega=1:8:20'), sample=5, scipy=0)
+    >>> rows[0]['method'], rows[0]['misjudged']
+    ('rocking, exact', 0)
+    """
+    method = method or governing_method(structure, dimensionless=grid.dimensionless)
+    return list(work_precision(PulseScene((structure,), grid, motion, method), sample=sample, scipy=scipy, seed=seed))
 
 
 def _compare(

@@ -19,7 +19,7 @@ from ..envelopes.intervals import A_MAX
 from ..envelopes.limit import Limit, limit_of
 from ..errors import UsageError
 from ..motions import Motion
-from ..motions.grid import Grid
+from ..motions.grid import Grid, HasMotion, demand_of
 from ..processes import available_cpus, processes
 from ..structures.parameters import RockingParameters
 from .time_history import time_history
@@ -109,13 +109,14 @@ class Verdict:
 
 def check(
     structure: RockingParameters,
-    motion: Motion,
-    shaking: Grid,
+    motion: Motion | HasMotion,
+    shaking: Grid | None = None,
     *,
     a_max: float | None = A_MAX,
     progress: Progress | None = None,
 ) -> Verdict:
-    """The verdict on a structure under a motion, and the capacity it has left; shaking: a grid of one cell, the demand.
+    """The verdict on a structure under a motion, and the capacity it has left; shaking: a grid of one cell, the demand,
+    which a record does not need.
 
     a_max: dimensionless amplitude up to which overturning is looked for (and twice the demand), None for no search; progress: called
     with the stages done and all of them: the responses, the search, the forces. Raises UsageError for a demand of zero, one beyond what
@@ -126,6 +127,7 @@ def check(
     >>> verdict.outcome.flag, round(verdict.capacity_demand, 4)
     ('rocked', 1.1149)
     """
+    motion, shaking = demand_of(motion, shaking)
     if structure.dimensionless:
         raise UsageError("a restitution alone has no units: give a structure document")
     amplitude, omega = (float(x[0]) for x in shaking.scaled(structure))

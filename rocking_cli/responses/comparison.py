@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from ..dynamics.method import Method
+from ..dynamics.method import Method, governing_method
 from ..motions import Motion
-from ..motions.grid import Axis, Grid
+from ..motions.grid import Axis, Grid, HasMotion, demand_of
 from ..structures.parameters import RockingParameters
 from .history import quarter_period
 from .time_history import TimeHistory, time_history
@@ -27,8 +27,20 @@ def scaled_alike(structure: RockingParameters, shaking: Grid, first: RockingPara
     return Grid(Axis("a_g", structure.ground_acceleration(amplitude)), Axis("omega_g", omega * structure.p))
 
 
-def compare(structures: Sequence[RockingParameters], motion: Motion, shaking: Grid, methods: Sequence[Method]) -> list[TimeHistory]:
-    """The response of each structure to the motion scaled to equal (A, Omega), from its own a_g and omega_g. Raises UsageError."""
+def compare(
+    structures: Sequence[RockingParameters], motion: Motion | HasMotion, shaking: Grid | None = None, methods: Sequence[Method] = ()
+) -> list[TimeHistory]:
+    """The response of each structure to the motion scaled to equal (A, Omega), from its own a_g and omega_g.
+
+    shaking: a grid of one cell for the first structure, which a record does not need; methods: empty for `governing_method`. Raises
+    UsageError.
+
+    >>> found = compare(load_structures(['configs/block.yaml', 'configs/arch.yaml']), sine(), parse_grid('A=2,Omega=5'))
+    >>> [history.outcome('linear').flag for history in found]
+    ['rocked', 'rocked']
+    """
+    motion, shaking = demand_of(motion, shaking)
+    methods = methods or [governing_method(*structures, dimensionless=shaking.dimensionless)]
     return [time_history(s, motion, scaled_alike(s, shaking, structures[0]), methods) for s in structures]
 
 

@@ -13,14 +13,20 @@ from typing import Any
 
 import numpy as np
 
+from ..dynamics.method import Method, governing_method
 from ..dynamics.outcome import Outcome
 from ..envelopes.boundaries import Search, Steps
 from ..envelopes.capacity import RATIO
-from ..envelopes.intervals import A_MAX, BOTH, HIGHEST, NONE, SIGNS, in_turn, worse
+from ..envelopes.intervals import A_MAX, BOTH, HIGHEST, NONE, SIGNS, frequency_axis, in_turn, structure_intervals, worse
 from ..envelopes.limit import Limit, limit_of
 from ..errors import UsageError
+from ..motions import Motion
+from ..motions.grid import Axis
+from ..motions.recording import Recording
+from ..motions.records import Record
 from ..processes import available_cpus
-from .record_scene import RecordScene
+from ..structures.parameters import RockingParameters
+from .record_scene import RecordScene, structures_scene
 
 Array = np.ndarray
 
@@ -113,6 +119,31 @@ def tracing_records(
             yield from _told(scene, task, column, steps, tracing.first, sign == BOTH)
         if progress:
             progress(n, len(tasks))
+
+
+def envelope(
+    structure: RockingParameters, motion: Motion | Record | Recording, axis: Axis | str | None = None, *, method: Method | None = None,
+    a_max: float = A_MAX, sign: str = "worse", workers: int | None = None,
+) -> list[dict[str, Any]]:  # fmt: skip
+    """Every overturning interval of a structure, as the rows of `rocking envelope`.
+
+    axis: of frequencies, such as 'f_g=0.5:5:10'; None for a `Recording`, whose scale is varied; method: None for `governing_method`; the
+    other arguments as of `trace_envelope`. Raises UsageError as that does.
+
+    >>> rows = envelope(load_structures('configs/parameters.yaml')[0], sine(), 'f_g=1.5')
+    >>> [(round(row['a_from'], 3), row['mode']) for row in rows]
+    [(11.734, 'after_impact'), (26.953, 'no_impact')]
+    """
+    axis = frequency_axis(axis) if isinstance(axis, str) else axis
+    method = method or governing_method(structure, dimensionless=axis is not None and axis.name == "Omega")
+    if isinstance(motion, Motion):
+        if axis is None:
+            raise UsageError(f"{motion.name}: no axis of frequencies; expected one, such as 'f_g=0.5:5:10', or a record of load_records")
+        return list(structure_intervals(structure, motion, axis, method=method, sign=sign, a_max=a_max, workers=workers))
+    if axis is not None:
+        raise UsageError("a record runs in its own time; expected no axis of frequencies")
+    recording = motion if isinstance(motion, Recording) else Recording(motion)
+    return list(tracing_records(Tracing(structures_scene([structure], [recording], method=method), a_max), sign=sign, workers=workers))
 
 
 def _tasks(tracing: Tracing, sign: str, shares: int) -> Iterator[Task]:

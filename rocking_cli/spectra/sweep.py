@@ -17,7 +17,7 @@ from ..errors import Interrupted, UsageError
 from ..interruption import check as check_for_a_stop
 from ..interruption import deferred
 from ..motions import Motion
-from ..motions.grid import Grid
+from ..motions.grid import Grid, HasMotion, demand_of
 from ..processes import available_cpus, refuse_endless
 from ..structures.parameters import RockingParameters
 from .results import Spectrum, Summary
@@ -122,9 +122,10 @@ def _demand_bodies(scene: Scene) -> None:
 
 
 def spectrum(
-    structures: Sequence[RockingParameters], motion: Motion, grid: Grid, *, method: Method | None = None, **options: Any
-) -> Spectrum:
-    """The rocking spectrum of structures over a grid, in memory.
+    structures: Sequence[RockingParameters], motion: Motion | HasMotion, grid: Grid | None = None, *, method: Method | None = None,
+    **options: Any,
+) -> Spectrum:  # fmt: skip
+    """The rocking spectrum of structures over a grid, in memory; a record needs none, or one of its peak: parse_grid(..., own_time=True).
 
     method: the equation of motion, None for `governing_method`; options: workers, check and quantities of `SweepOptions`. Raises
     UsageError.
@@ -133,7 +134,7 @@ def spectrum(
     >>> found.theta_ratio.shape, int(overturned(found.outcome).sum())
     ((1, 40, 50), 1163)
     """
-    return spectrum_of(_pulse_scene(structures, motion, grid, method), SweepOptions(**options))
+    return spectrum_of(_pulse_scene(structures, *demand_of(motion, grid), method), SweepOptions(**options))
 
 
 def _pulse_scene(structures: Sequence[RockingParameters], motion: Motion, grid: Grid, method: Method | None) -> PulseScene:

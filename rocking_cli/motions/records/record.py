@@ -6,13 +6,16 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from decimal import Decimal
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from ...documents.quantities import DEFAULT_GRAVITY, UNITS, parse_whole
 from ...errors import DocumentError, NoComponent, UsageError
 from ..blocks import largest
+
+if TYPE_CHECKING:
+    from ..motion import Motion
 
 LARGEST = 1e6  # m/s2, beyond which no ground shakes
 STEPS = (1e-7, 1e3)  # s, from the shortest to the longest
@@ -74,6 +77,13 @@ class Record:
     def duration(self) -> float:
         """Time from the first sample to the last [s]."""
         return (self.npts - 1) * self.dt
+
+    @property
+    def motion(self) -> Motion:
+        """The motion as recorded, in its own time (omega_g = 1 rad/s)."""
+        from ..polyline import record_motion
+
+        return record_motion(self)
 
     @property
     def label(self) -> str:

@@ -185,10 +185,11 @@ def legend(axes: Axes, handles: Sequence[Any] | None = None) -> None:
     entries = axes.get_legend_handles_labels()[0] if handles is None else list(handles)
     if not entries or (handles is None and len(entries) < 2):
         return
-    if len(entries) <= _SHORT and max(len(str(entry.get_label())) for entry in entries) <= _NARROW:
+    figure: Any = axes.figure
+    short = len(entries) <= _SHORT and max(len(str(entry.get_label())) for entry in entries) <= _NARROW
+    if short or figure.get_layout_engine() is None:  # a figure of the caller, which makes no room outside
         axes.legend(handles=entries)
     else:
-        figure: Any = axes.figure
         figure.legend(handles=entries, loc="outside right upper")
         width, height = figure.get_size_inches()
         figure.set_size_inches(width + 0.065 * max(len(str(entry.get_label())) for entry in entries) + 0.6, height)
