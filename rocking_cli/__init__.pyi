@@ -63,6 +63,7 @@ from .responses.comparison import compare as compare
 from .responses.history import History as History
 from .responses.history import history as history
 from .responses.time_history import TimeHistory as TimeHistory
+from .responses.time_history import time_history as time_history
 from .spectra.file.merging import Merged as Merged
 from .spectra.file.merging import merge as merge
 from .spectra.file.reader import SpectraFile as SpectraFile
@@ -81,5 +82,6 @@ from .structures.family import family as family
 from .structures.family import parse_variation as parse_variation
 from .structures.parameters import RockingParameters as RockingParameters
 from .structures.parameters import dimensionless_oscillator as dimensionless_oscillator
+from .structures.templates import template as template
 
 __version__: str

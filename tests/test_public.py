@@ -15,6 +15,7 @@ import xarray
 
 import rocking_cli
 from rocking_cli import UsageError, build_structure, dimensionless_oscillator, load_structures, parse_documents, parse_grid, sine, spectrum
+from rocking_cli.commands import COMMANDS
 from rocking_cli.commands.help import page
 
 PUBLIC = {name: getattr(rocking_cli, name) for name in dir(rocking_cli)}
@@ -41,6 +42,7 @@ def test_types_are_shipped(pytestconfig):
 def test_the_page_of_help_lists_every_name():
     told = set(re.findall(r"\w+", page("python")))
     assert sorted(PUBLIC.keys() - told - {"__version__"}) == []
+    assert sorted(COMMANDS.keys() - set(re.findall(r"rocking (\w+) +\w", page("python"))) - {"help"}) == []
 
 
 @pytest.mark.parametrize("name", FUNCTIONS)

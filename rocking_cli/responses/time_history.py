@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..dynamics.method import Method
+from ..dynamics.method import Method, governing_method
 from ..dynamics.outcome import Outcome
 from ..errors import UsageError
 from ..motions import Motion, Piece
-from ..motions.grid import Grid
+from ..motions.grid import Grid, HasMotion, demand_of
 from ..structures.parameters import RockingParameters
 from .force_history import Body, Demands, ForceHistory
 from .ground_history import Ground
@@ -257,32 +257,37 @@ def _in_words(asked: Demands, s: RockingParameters) -> str:
 
 def time_history(
     structure: RockingParameters,
-    motion: Motion | None,
-    shaking: Grid | None,
-    methods: Sequence[Method],
+    motion: Motion | HasMotion | None,
+    shaking: Grid | None = None,
+    methods: Sequence[Method] = (),
     *,
     release: float = 0.0,
     duration: float | None = None,
 ) -> TimeHistory:
-    """The response of one structure; shaking: a grid of one cell, None for free rocking from theta/alpha = release.
+    """The response of one structure; motion: None for free rocking from theta/alpha = release; shaking: a grid of one cell, which a
+    record does not need; methods: the equations of motion, empty for `governing_method`.
 
     duration [s] that is shown, None for the shaking and 30/p after it; the outcome is that of the whole motion.
     Raises UsageError.
+
+    >>> found = time_history(load_structures('configs/block.yaml')[0], sine(), parse_grid('a_g=0.35g,f_g=1.5'))
+    >>> [event.event for event in found.histories['nonlinear'].events][:3]
+    ['uplift', 'peak', 'impact']
     """
-    motion = motion or STILL
+    moved, shaking = (STILL, None) if motion is None else demand_of(motion, shaking)
+    methods = methods or [governing_method(structure, dimensionless=shaking is not None and shaking.dimensionless)]
     amplitude, omega = (float(x[0]) for x in shaking.scaled(structure)) if shaking else (0.0, 1.0)
     if shaking and not amplitude > 0.0:
         raise UsageError("the amplitude is 0; expected a positive one; free rocking is `release` without a motion")
     if not (0.0 <= release < 1.0):
         raise UsageError(f"`release`: found {release:g}; expected theta/alpha from 0 to below 1")
-    tau = motion.duration / omega + FREE if duration is None else duration * structure.p
+    tau = moved.duration / omega + FREE if duration is None else duration * structure.p
     if not (math.isfinite(tau) and tau > 0.0):
         raise UsageError(f"`duration`: found {duration if duration is not None else tau:g}; expected a positive time [s]")
     try:
         histories = {
-            m.model: history(m.system_of(structure), motion, amplitude, omega, structure.eta, release=release, duration=tau)
-            for m in methods
+            m.model: history(m.system_of(structure), moved, amplitude, omega, structure.eta, release=release, duration=tau) for m in methods
         }
     except ValueError as error:
         raise UsageError(f"{structure.name}: {error}") from None
-    return TimeHistory(structure, motion, amplitude, omega, histories, tau)
+    return TimeHistory(structure, moved, amplitude, omega, histories, tau)

@@ -7,7 +7,7 @@ import pytest
 from support.record_layouts import wave
 
 from rocking_cli import DocumentError, UsageError, build_structure, parse_documents, pulse, sine
-from rocking_cli.fragility.measures import MEASURES, Member, measure_of, members_of, pulse_intensity, site_pulses
+from rocking_cli.fragility.measures import MEASURES, Member, compared, measure_of, members_of, pulse_intensity, site_pulses
 from rocking_cli.motions.recording import Recording
 from rocking_cli.motions.records import Record
 from rocking_cli.motions.response_spectra import mean_acceleration
@@ -78,3 +78,10 @@ def test_spectral_measures_are_of_records_only():
     pulse_member = Member("p", 1.0, 1.0, pulse_intensity(pulse("sine"), 1.0, 1.0), pulse=pulse("sine"))
     with pytest.raises(UsageError, match=r"found AvgSA\(0.5,1\) of a pulse; expected a record"):
         pulse_member.measured(measure, BLOCK)
+
+
+def test_the_efficiency_of_spectral_measures_is_compared_under_records():
+    record = Record("r", "text", None, 0.02, wave(300, 3.0), None, "m/s2", "r", "")
+    names = [m.name for m in compared(members_of([Recording(record)]), measure_of("SA(0.3)"))]
+    assert names == [*MEASURES, "SA(0.5)", "SA(1)", "SA(2)", "AvgSA(1)", "SA(0.3)"]
+    assert [m.name for m in compared([Member("p", 1.0, 1.0, pulse_intensity(sine(), 1.0, 1.0))], MEASURES["PGA"])] == [*MEASURES]
