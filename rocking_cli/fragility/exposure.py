@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from contextlib import nullcontext
 from dataclasses import dataclass
 from functools import partial
+from itertools import groupby, pairwise
 from pathlib import Path
 from typing import Any
 
@@ -16,9 +16,10 @@ from ..dynamics.outcome import Outcome, falls
 from ..dynamics.response import response
 from ..envelopes.boundaries import Search
 from ..envelopes.capacity import LONGEST_FINE, RATIO
+from ..envelopes.intervals import in_turn
 from ..errors import UsageError
 from ..motions.grid import Axis
-from ..processes import available_cpus, processes
+from ..processes import available_cpus
 from ..structures.parameters import RockingParameters
 from .measures import Measure, Member
 
@@ -126,11 +127,10 @@ def traced(
     task = partial(_trace, structure, measure, highest, method)
     workers = min(workers or (available_cpus() if any(m.recording for m in members) else 1), len(members))
     found = []
-    with processes(workers, task, "fewer `workers` need less") if workers > 1 else nullcontext(partial(map, task)) as run:
-        for intervals in run(members):
-            found.append(intervals)
-            if progress is not None:
-                progress(len(found), len(members))
+    for intervals in in_turn(task, members, workers):
+        found.append(intervals)
+        if progress is not None:
+            progress(len(found), len(members))
     return found
 
 
@@ -151,17 +151,8 @@ def _trace(structure: RockingParameters, measure: Measure, highest: float, metho
     if not search.lowest < search.a_max:
         return []
     (steps,) = search.rows(np.array([member.omega / structure.p]))
-    intervals: list[Interval] = []
-    begin: float | None = None
-    for amplitude, label in steps:
-        down = Outcome(label).falls
-        x = (amplitude / unit) ** measure.power
-        if down and begin is None:
-            begin = x
-        elif not down and begin is not None:
-            intervals.append((begin, x))
-            begin = None
-    return intervals if begin is None else [*intervals, (begin, np.inf)]
+    runs = [(down, (next(run)[0] / unit) ** measure.power) for down, run in groupby(steps, key=lambda step: Outcome(step[1]).falls)]
+    return [(x, end) for (down, x), (_, end) in pairwise([*runs, (False, np.inf)]) if down]
 
 
 def first_of(intervals: Sequence[Sequence[Interval]]) -> Array:
