@@ -25,9 +25,9 @@ def text_map(file: SpectraFile, name: str | None, cut: str | None, width: int = 
         return _slice_text(of_record(file, place), width, height)
     (across, x), (up, y), block = plane(file, place)
     shown = block["outcome"]
-    signs = (f"'{o.sign}' {o.sentence}" for o in Outcome if np.any(shown == o))
-    unbroken = "  ".join(item[:width].replace(" ", "\xa0") for item in (f"{places[place]}:", *signs))
-    head = [line.replace("\xa0", " ") for line in textwrap.wrap(unbroken, width)]
+    items = (f"{places[place]}:", *(f"'{o.sign}' {o.sentence}" for o in Outcome if np.any(shown == o)))
+    first, *signs = (item[:width].replace(" ", "\xa0") for item in items)  # no item is broken
+    head = [line.replace("\xa0", " ") for line in textwrap.wrap(f"{first} {'  '.join(signs)}", width)]
     rows = np.linspace(y.size - 1, 0, min(height - len(head) - 3, y.size)).astype(int)
     columns = np.linspace(0, x.size - 1, min(width - _MARGIN, x.size)).astype(int)
     lines = [f"{y[r]:>9.3g} |" + "".join(Outcome(int(shown[r, c])).sign for c in columns) for r in rows]
