@@ -150,9 +150,7 @@ class RockingParameters:
         more = {key: record[key] for key in ("one_sided", "damping", "friction", "arm") if key in record}
         more |= {"eta_source": record["eta_source"], "gravity": record["gravity"]}
         if "ties" in record or "tendon" in record:
-            from .restraints import restraints_from
-
-            more["restraints"] = restraints_from(record)
+            raise ValueError("a record with ties or a tendon is read as a document")
         details = {key: record[key] for key in VARIED if key in record}
         return cls(record["name"], kind, **fields_in(record), sides=sides, details=details, **more)
 

@@ -10,21 +10,19 @@ A tendon on the centre line, at the distance b from the pivot, has the elongatio
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from .parameters import MOST_DAMPING, RockingParameters, Side
 from .shared_keys import damping_of, mass_of
-from .sketch import Sketch
 
 if TYPE_CHECKING:
     from ..documents.document import Document
+    from .sketch import Sketch
 
-KEYS = ("ties", "tendon", "dampers")
 SIDES = {"left": ("left",), "right": ("right",), "both": ("left", "right")}
 _TIES = "a list of ties, each with height, stiffness (or length, area and modulus), and prestress, yield, ultimate, behind, side"
-_POINTS = 1000  # of the search for an equilibrium, beside the yield and rupture of each tie
+_POINTS = 1000  # of the search for an equilibrium
 
 
 @dataclass(frozen=True)
@@ -48,13 +46,6 @@ class Tie:
         force = 0.0 if u >= self.ultimate else min(self.prestress + self.stiffness * u, self.yield_force)
         return force * (self.height * math.cos(theta) + self.behind * math.sin(theta))
 
-    def changes(self) -> list[float]:
-        """The rotations of yield and of rupture [rad]."""
-        slack = (self.yield_force - self.prestress) / self.stiffness if self.stiffness else math.inf
-        reach, start = math.hypot(self.height, self.behind), math.atan2(self.behind, self.height)
-        sines = [math.sin(start) - u / reach for u in (slack, self.ultimate)]
-        return [start - math.asin(sine) for sine in sines if sine >= -1.0]
-
 
 @dataclass(frozen=True)
 class Tendon:
@@ -69,14 +60,9 @@ class Tendon:
         force = self.prestress + 2.0 * self.stiffness * lever * math.sin(0.5 * theta)
         return force * lever * math.cos(0.5 * theta) if force < self.rupture else 0.0
 
-    def changes(self, lever: float) -> list[float]:
-        """The rotation of rupture [rad]."""
-        sine = (self.rupture - self.prestress) / (2.0 * self.stiffness * lever) if self.stiffness else math.inf
-        return [2.0 * math.asin(sine)] if sine <= 1.0 else []
-
 
 class Stand(NamedTuple):
-    """A body on one edge: its side, alpha [rad], and m g R [N m]; lever: from the pivot to the centre line [m]."""
+    """A body on one edge: its side, alpha [rad], m g R [N m], and the distance from the pivot to the centre line [m]."""
 
     side: str
     alpha: float
@@ -96,68 +82,42 @@ class Restraints:
         found: dict[str, Any] = {"ties": [_stated(tie) for tie in self.ties]} if self.ties else {}
         return found | ({"tendon": _stated(self.tendon)} if self.tendon else {})
 
-    def statics(self, stands: Sequence[Stand]) -> list[dict[str, Any]]:
-        """For each side lambda, the stiffness after uplift over m g R (linear; -1 of the free body), and the equilibrium that replaces
-        alpha [rad], or "none". Sides that are alike have one row."""
-        rows = []
-        for stand in stands:
-            ties = [tie for tie in self.ties if stand.side in SIDES[tie.side]]
-            tendon = self.tendon or Tendon(0.0)
-            pull = sum(tie.prestress * tie.height for tie in ties) + tendon.prestress * stand.lever
-            stiff = sum(tie.stiffness * tie.height**2 for tie in ties) + tendon.stiffness * stand.lever**2
-            row: dict[str, Any] = {"side": stand.side, "lambda": math.tan(stand.alpha) + pull / (stand.moment * math.cos(stand.alpha))}
-            rows.append(row | {"stiffness": stiff / stand.moment - 1.0, "equilibrium": _equilibrium(stand, ties, tendon)})
-        if len(rows) == 2 and {**rows[0], "side": ""} == {**rows[1], "side": ""}:
-            return [{**rows[0], "side": "both"}]
-        return rows
+    def statics(self, stand: Stand) -> dict[str, Any]:
+        """lambda, the stiffness after uplift over m g R (linear; -1 of the free body), and the equilibrium that replaces alpha: the first
+        rotation [rad] up to a right angle from which the body does not return, "none" if there is none."""
+        ties, tendon = [tie for tie in self.ties if stand.side in SIDES[tie.side]], self.tendon or Tendon(0.0)
+        pull = sum(tie.prestress * tie.height for tie in ties) + tendon.prestress * stand.lever
+        stiff = sum(tie.stiffness * tie.height**2 for tie in ties) + tendon.stiffness * stand.lever**2
+
+        def returns(theta: float) -> bool:
+            own = stand.moment * math.sin(stand.alpha - theta) + tendon.moment(theta, stand.lever)
+            return own + sum(tie.moment(theta) for tie in ties) > 0.0
+
+        low, high, step = 0.0, 0.0, 0.5 * math.pi / _POINTS
+        while (stays := returns(high)) and high < 0.5 * math.pi:
+            low, high = high, high + step
+        for _ in range(60):  # bisection, which also ends at a rupture
+            middle = 0.5 * (low + high)
+            low, high = (middle, high) if returns(middle) else (low, middle)
+        uplift = math.tan(stand.alpha) + pull / (stand.moment * math.cos(stand.alpha))
+        return {"lambda": uplift, "stiffness": stiff / stand.moment - 1.0, "equilibrium": "none" if stays else high}
+
+    def drawn(self, drawing: Sketch) -> Sketch:
+        """The drawing with the ties, from their anchors across the body and beyond, and the tendon."""
+        (_, (left, level)), (_, (right, _)) = drawing.pivots[0], drawing.pivots[-1]
+        x, z = zip(*(point for body in drawing.bodies for point in body), strict=True)
+        ends = {"left": (left, 1.0, max(x)), "right": (right, -1.0, min(x))}
+        lines = []
+        for one, (pivot, away, end) in [(tie, ends[side]) for tie in self.ties for side in SIDES[tie.side]]:
+            height = level + one.height
+            lines.append(("tie", ((pivot + away * one.behind, height), (end + away * 0.15 * (max(z) - level), height))))
+        if self.tendon:
+            lines.append(("tendon", ((0.5 * (left + right), level), (0.5 * (left + right), max(z)))))
+        return replace(drawing, lines=(*lines, *drawing.lines))
 
 
 def _stated(one: Tie | Tendon) -> dict[str, Any]:
     return {key.removesuffix("_force"): value for key, value in vars(one).items() if value != math.inf}
-
-
-def restraints_from(record: Mapping[str, Any]) -> Restraints | None:
-    """The restraints of a record that `Restraints.record` is a part of; None without any."""
-    ties = tuple(Tie(**{"yield_force" if key == "yield" else key: value for key, value in tie.items()}) for tie in record.get("ties", ()))
-    tendon = Tendon(**record["tendon"]) if "tendon" in record else None
-    return Restraints(ties, tendon) if ties or tendon else None
-
-
-def drawn(held: Restraints, drawing: Sketch) -> Sketch:
-    """The drawing with the ties, as lines from their anchors across the body and beyond, and the tendon."""
-    (_, (left, level)), (_, (right, _)) = drawing.pivots[0], drawing.pivots[-1]
-    outline = [point for body in drawing.bodies for point in body]
-    ends, top = {"left": max(x for x, _ in outline), "right": min(x for x, _ in outline)}, max(z for _, z in outline)
-    lines = []
-    for tie in held.ties:
-        for side in SIDES[tie.side]:
-            away, foot = (1.0, left) if side == "left" else (-1.0, right)
-            z = level + tie.height
-            lines.append(("tie", ((foot + away * tie.behind, z), (ends[side] + away * 0.15 * (top - level), z))))
-    if held.tendon:
-        middle = 0.5 * (left + right)
-        lines.append(("tendon", ((middle, level), (middle, top))))
-    return replace(drawing, lines=(*lines, *drawing.lines))
-
-
-def _equilibrium(stand: Stand, ties: Sequence[Tie], tendon: Tendon) -> float | str:
-    """The first rotation up to a right angle at which the body does not return, "none" if there is none."""
-
-    def returns(theta: float) -> bool:
-        own = stand.moment * math.sin(stand.alpha - theta)
-        return own + sum(tie.moment(theta) for tie in ties) + tendon.moment(theta, stand.lever) > 0.0
-
-    changes = [theta for tie in ties for theta in tie.changes()] + tendon.changes(stand.lever)
-    grid = sorted([*(0.5 * math.pi * i / _POINTS for i in range(1, _POINTS + 1)), *changes, *(theta * (1.0 + 1e-12) for theta in changes)])
-    low = 0.0
-    for high in grid:
-        if not returns(high):
-            for _ in range(60):  # bisection, which also ends at a rupture
-                middle = 0.5 * (low + high)
-                low, high = (middle, high) if returns(middle) else (low, middle)
-            return high
-        low = high
-    return "none"
 
 
 def restrained(
@@ -169,14 +129,13 @@ def restrained(
     crown, width: height and width of the body [m]; level: of its pivots above the ground [m]; inset: of its pivots [m]; radius: R of a
     body without an arm [m]; share: m g R over mass g R [-].
     """
-    mass, given = mass_of(document), [key for key in KEYS if document.has(key)]
+    mass, given = mass_of(document), [key for key in ("ties", "tendon", "dampers") if document.has(key)]
     if mass is None:
         raise document.missing("mass", f"the mass [kg], which {given[0]} need")
-    stands = []
     both: tuple[Side | RockingParameters, ...] = body.sides or (body, body)
+    stands = []
     for side, of in zip(SIDES["both"], both, strict=True):
-        arm = radius if of.arm is None else of.arm
-        if arm is None:
+        if (arm := of.arm or radius) is None:
             raise document.fault(given[0], f"{given[0]} of a body whose arm is not known", "arm as well")
         stands.append(Stand(side, of.alpha, mass * body.gravity * arm * share, arm * math.sin(of.alpha)))
     for key in ("tendon", "dampers"):
@@ -184,16 +143,15 @@ def restrained(
             found = "two unequal sides" if body.sides else "other parts on each edge"
             raise document.fault(key, f"{key} of a body with {found}", "a body that rocks alike and as a whole on both edges")
     if "dampers" in given:
-        if width == math.inf:
-            raise document.fault("dampers", "dampers of a body whose width is not known", "damping")
-        zeta = _damping(document, body.p, stands[1].moment, (width - inset, inset))
-        body = replace(body, damping=zeta)
+        body = replace(body, damping=_damping(document, body.p, stands[0].moment, (width - inset) ** 2 + inset**2))
     ties = _ties(document, crown, level, inset, width) if "ties" in given else ()
-    if not ties and "tendon" not in given:
-        return body
     held = Restraints(ties, _tendon(document) if "tendon" in given else None)
-    statics = held.statics(stands[1:] if body.one_sided else stands)
-    return replace(body, restraints=held, details={**body.details, "restrained": statics})
+    if held == Restraints():
+        return body
+    rows = [{"side": stand.side, **held.statics(stand)} for stand in (stands[1:] if body.one_sided else stands)]
+    if len(rows) == 2 and rows[0] == {**rows[1], "side": "left"}:
+        rows = [{**rows[0], "side": "both"}]
+    return replace(body, restraints=held, details={**body.details, "restrained": rows})
 
 
 def _ties(document: Document, crown: float, level: float, inset: float, width: float) -> tuple[Tie, ...]:
@@ -203,16 +161,14 @@ def _ties(document: Document, crown: float, level: float, inset: float, width: f
         height = part.quantity("height", "length", above=level, most=crown, where=where) - level
         where, least = f"a length from 0 to {width:g} m, the width of the body", 0.0 if width < math.inf else -math.inf
         behind = part.quantity("behind", "length", least=least, most=width, where=where, default=0.0)
-        stiffness, prestress = _stiffness(part), _force(part, "prestress", 0.0)
-        force = _force(part, "yield", math.inf)
+        stiffness, prestress, force = _stiffness(part), _force(part, "prestress", 0.0), _force(part, "yield", math.inf)
         if prestress > force:
             raise part.fault("prestress", f"{prestress:g} N, above the yield of {force:g} N", "a prestress up to the yield")
-        ultimate = math.inf
-        if part.has("ultimate"):
-            ultimate = part.quantity("ultimate", "length", above=0.0, where="a positive length, the elongation at rupture")
-            if stiffness and ultimate * stiffness < force - prestress < math.inf:
-                found = f"{ultimate:g} m, below the elongation at yield of {(force - prestress) / stiffness:g} m"
-                raise part.fault("ultimate", found, "an elongation from the yield on")
+        where = "a positive length, the elongation at rupture"
+        ultimate = part.quantity("ultimate", "length", above=0.0, where=where, default=math.inf)
+        if stiffness and ultimate * stiffness < force - prestress < math.inf:
+            found = f"{ultimate:g} m, below the elongation at yield of {(force - prestress) / stiffness:g} m"
+            raise part.fault("ultimate", found, "an elongation from the yield on")
         side = part.choice("side", list(SIDES), "right" if one_sided else "both")
         if one_sided and side == "left":
             raise part.fault("side", "left on a one-sided body, which never leans there", "right")
@@ -230,12 +186,13 @@ def _tendon(document: Document) -> Tendon:
     return tendon
 
 
-def _damping(document: Document, p: float, moment: float, levers: Sequence[float]) -> float:
-    """zeta = c (sum of squared levers) p/(2 m g R) of two dashpots at the edges; levers: from the pivot to the edges [m]."""
+def _damping(document: Document, p: float, moment: float, levers: float) -> float:
+    """zeta = c levers p/(2 m g R) of two dashpots at the edges; levers: the sum of their squared distances from the pivot [m2]."""
     part = document.part("dampers", document.values["dampers"])
-    c = part.quantity("coefficient", "damping coefficient", least=0.0, where="a coefficient from 0")
+    if levers == math.inf:
+        raise document.fault("dampers", "dampers of a body whose width is not known", "damping")
+    zeta = part.quantity("coefficient", "damping coefficient", least=0.0, where="a coefficient from 0") * levers * p / (2.0 * moment)
     part.finish()
-    zeta = c * sum(lever * lever for lever in levers) * p / (2.0 * moment)
     if not zeta + damping_of(document) < MOST_DAMPING:
         raise document.fault("dampers", f"dampers of zeta = {zeta:.4g}", f"zeta below {MOST_DAMPING:g}, with the damping of the document")
     return zeta
@@ -245,9 +202,9 @@ def _stiffness(part: Document) -> float:
     """K [N/m], or E A/L of a rod. Raises DocumentError."""
     rod = {"length": "length", "area": "area", "modulus": "stress"}
     given = [key for key in rod if part.has(key)]
-    if not given or part.has("stiffness"):
-        if given:
-            raise part.fault(given[0], f"{given[0]} together with stiffness", "stiffness, or length, area and modulus, not both")
+    if given and part.has("stiffness"):
+        raise part.fault(given[0], f"{given[0]} together with stiffness", "stiffness, or length, area and modulus, not both")
+    if not given:
         return part.quantity("stiffness", "stiffness", least=0.0, where="a stiffness from 0")
     length, area, modulus = (part.quantity(key, rod[key], above=0.0, where="a positive value") for key in rod)
     return modulus * area / length

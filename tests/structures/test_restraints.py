@@ -26,7 +26,7 @@ from rocking_cli import (
 from rocking_cli.envelopes.intervals import check_curves, frequency_axis
 from rocking_cli.structures import RockingParameters
 from rocking_cli.structures.kinds import sketch_of
-from rocking_cli.structures.restraints import Tendon, Tie
+from rocking_cli.structures.restraints import Tie
 
 WALL = "kind: wall\nthickness: 0.6 m\nheight: 6 m\none_sided: true\nmass: 7200 kg\n"
 TIE = "{height: 5.5 m, stiffness: 2e6 N/m, prestress: 5 kN, yield: 20 kN, ultimate: 30 mm, side: right}"
@@ -50,8 +50,9 @@ def test_the_tendon_of_a_block_has_the_reference_values():
     row = statics(body)
     assert (body.p, row["side"]) == (pytest.approx(1.697913, abs=1e-6), "both")
     assert (row["stiffness"], row["lambda"]) == (pytest.approx(21.027764, abs=1e-6), pytest.approx(0.2 * 7, rel=1e-12))
-    # 2 b sin(theta/2) is the elongation that stands in the moment; b sin theta would give 0.041978.
-    assert body.restraints.tendon.changes(0.5) == [pytest.approx(2 * math.asin((267840 - 150000) / 5.616e6), rel=1e-12)]
+    # 2 b sin(theta/2) is the elongation that stands in the moment; b sin theta would break it at 0.041978.
+    breaks = 2 * math.asin((267840 - 150000) / 5.616e6)
+    assert [body.restraints.tendon.moment(theta, 0.5) > 0.0 for theta in (breaks - 1e-9, breaks + 1e-9)] == [True, False]
     assert row["equilibrium"] == pytest.approx(body.alpha, rel=1e-12)  # the tendon breaks before, and leaves the free body
     assert statics(built(BLOCK + TENDON.replace(", rupture: 267.84 kN", "")))["equilibrium"] == "none"
 
@@ -73,8 +74,6 @@ def test_the_moment_of_a_tie_is_that_of_its_anchor_moved_with_the_body(behind):
         x, z = np.cos(theta) * -behind + np.sin(theta) * 5.5, np.cos(theta) * 5.5 + np.sin(theta) * behind  # turned clockwise
         force = min(5e3 + 2e6 * (x + behind), 20e3) if x + behind < 0.5 else 0.0
         assert tie.moment(theta) == pytest.approx(force * z, rel=1e-12)
-    for theta, u in zip(tie.changes(), (15e3 / 2e6, 0.5), strict=True):
-        assert np.cos(theta) * -behind + np.sin(theta) * 5.5 + behind == pytest.approx(u, rel=1e-12)
 
 
 def restoring(theta, stiffness, prestress, force, ultimate, height=5.5):
@@ -158,7 +157,8 @@ def test_dampers_are_a_damping():
 def test_what_is_printed_is_a_document_with_the_same_restraints(text):
     body = built(text)
     assert built(json.dumps(body.record())) == body
-    assert RockingParameters.from_record(body.record()).restraints == body.restraints
+    with pytest.raises(ValueError, match="is read as a document"):
+        RockingParameters.from_record(body.record())
 
 
 def test_a_drawing_shows_ties_and_tendon():
@@ -242,10 +242,3 @@ REFUSED = {
 def test_refusals(text, words):
     with pytest.raises(DocumentError, match=words):
         built(text)
-
-
-def test_a_tendon_breaks_at_its_rupture():
-    tendon = Tendon(1e5, 1e3, 3e3)
-    (theta,) = tendon.changes(0.5)
-    assert (tendon.moment(0.999 * theta, 0.5) > 1e3 * 0.5, tendon.moment(1.001 * theta, 0.5)) == (True, 0.0)
-    assert Tendon(0.0, 1e3).changes(0.5) == []

@@ -110,10 +110,7 @@ def sketch_of(document: Document, built: RockingParameters) -> Sketch:
     if hasattr(kind, "body"):
         body: RigidBody = kind.body(document)
         found: Sketch = body.moved_in(body.inset_of(document)).drawing
-        if built.restraints:
-            from ..restraints import drawn
-
-            found = drawn(built.restraints, found)
+        found = built.restraints.drawn(found) if built.restraints else found
     elif hasattr(kind, "sketch"):
         found = kind.sketch(document, built)
     else:

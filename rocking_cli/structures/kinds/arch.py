@@ -106,26 +106,25 @@ def _given(document: Document, ring: Ring, joints: np.ndarray | None) -> FourBar
         raise document.fault("hinges", str(value), _HINGES)
     stated = [_hinge(document, child, face) for child, face in zip(value.content, FACES, strict=True)]
     hinges, first = np.array([angle for angle, _ in stated]), stated[0][1]
-    if not np.all(np.diff(hinges) > 0.0):
-        raise document.fault("hinges", "angles out of order", _HINGES)
-    if any(a == b for (_, a), (_, b) in pairwise(stated)):
-        raise document.fault("hinges", "faces that do not alternate", _HINGES)
-    if not (hinges[0] >= -1e-12 and hinges[-1] <= ring.angle * (1.0 + 1e-12)):
-        wanted = f"angles from 0 to {math.degrees(ring.angle):g} deg (a bare number is in rad)"
-        raise document.fault("hinges", "a hinge beyond the springings", wanted)
+
+    def demand(holds: object, found: str, wanted: str = _HINGES) -> None:
+        if not holds:
+            raise document.fault("hinges", found, wanted)
+
+    demand(np.all(np.diff(hinges) > 0.0), "angles out of order")
+    demand(all(a != b for (_, a), (_, b) in pairwise(stated)), "faces that do not alternate")
+    within = f"angles from 0 to {math.degrees(ring.angle):g} deg (a bare number is in rad)"
+    demand(hinges[0] >= -1e-12 and hinges[-1] <= ring.angle * (1.0 + 1e-12), "a hinge beyond the springings", within)
     if joints is not None:
         nearest = joints[np.abs(np.subtract.outer(hinges, joints)).argmin(axis=1)]
-        if np.max(np.abs(nearest - hinges)) > 1e-6:
-            wanted = f"multiples of {math.degrees(joints[1]):g} deg, the voussoirs' joints"
-            raise document.fault("hinges", "a hinge between two joints", wanted)
+        wanted = f"multiples of {math.degrees(joints[1]):g} deg, the voussoirs' joints"
+        demand(np.max(np.abs(nearest - hinges)) <= 1e-6, "a hinge between two joints", wanted)
         hinges = nearest
     hinges = np.clip(hinges, 0.0, ring.angle)
     mechanism = FourBar(ring, tuple((hinges if first == FACES[0] else ring.angle - hinges[::-1]).tolist()))
     at = mechanism.at_rest()
-    if not (bool(at.admissible) and float(at.push) > 0.0):
-        raise document.fault("hinges", "hinges that do not open on their far faces", "hinges of a mechanism that sways")
-    if not float(at.lift) > 0.0:
-        raise document.fault("hinges", "an arch that collapses in this mechanism under its own weight", "a thicker arch, or other hinges")
+    demand(at.admissible and at.push > 0.0, "hinges that do not open on their far faces", "hinges of a mechanism that sways")
+    demand(at.lift > 0.0, "an arch that collapses in this mechanism under its own weight", "a thicker arch, or other hinges")
     return mechanism
 
 

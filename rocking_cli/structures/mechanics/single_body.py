@@ -46,8 +46,8 @@ class RigidBody(ABC):
 
     limit: states for which bodies the momentum model holds; drawing: its geometry; top: (x, z) [m] from the middle of the base of the
     impact point on a backing, and backing: the factor of this impact, None if the geometry does not define them; again: the body with
-    its pivots inside the edges by a length [m], if `moved_in` does not hold for it; crown: height above the pivots [m], None for that of
-    the drawing; share: m g R of the parts over mass g R [-]; details: as in `RockingParameters`.
+    its pivots inside the edges by a length [m], if `_moved_in` does not hold; crown: height [m], None for that of the drawing; share:
+    m g R of the parts over mass g R [-]; details: as in `RockingParameters`.
     """
 
     limit: str
@@ -74,13 +74,10 @@ class RigidBody(ABC):
             return found
         from ..restraints import restrained
 
-        pivot, points = body.drawing.pivots[0][1], [point for one in (*body.drawing.still, *body.drawing.bodies) for point in one]
-        level = pivot[1] - min(z for _, z in points)
-        crown = level + (self.crown or max(z for _, z in points) - pivot[1])
-        radius = body.radius if isinstance(body, EqualEdges) else None
-        return restrained(
-            document, found, crown=crown, level=level, inset=inset, width=body.width + 2.0 * inset, radius=radius, share=self.share
-        )
+        (_, (left, level)), *_, (_, (right, _)) = body.drawing.pivots
+        z = [z for outline in (*body.drawing.still, *body.drawing.bodies) for _, z in outline]
+        geometry = {"crown": body.crown or max(z) - min(z), "level": level - min(z), "inset": inset, "width": right - left + 2.0 * inset}
+        return restrained(document, found, **geometry, radius=getattr(body, "radius", None), share=body.share)
 
     def _parameters(self, document: Document, name: str, more_details: dict[str, float]) -> RockingParameters:
         gravity, mass = gravity_of(document), mass_of(document)
@@ -122,11 +119,6 @@ class RigidBody(ABC):
     def reach(self) -> float:
         """The least horizontal distance from an edge to the mass centre [m]."""
 
-    @property
-    @abstractmethod
-    def width(self) -> float:
-        """The distance between the pivots [m]."""
-
     @abstractmethod
     def _moved_in(self, inset: float) -> RigidBody: ...
 
@@ -163,11 +155,6 @@ class EqualEdges(RigidBody):
         """Half the width of the base."""
         return self.radius * math.sin(self.alpha)
 
-    @property
-    def width(self) -> float:
-        """Twice the reach."""
-        return 2.0 * self.reach
-
     def _moved_in(self, inset: float) -> RigidBody:
         half, z = self.reach - inset, self.radius * math.cos(self.alpha)
         polar = (self.inertia - 1.0) * self.radius**2 + z * z
@@ -190,11 +177,6 @@ class TwoEdges(RigidBody):
     def reach(self) -> float:
         """That of the nearer edge."""
         return self.half - abs(self.moments.x / self.moments.mass)
-
-    @property
-    def width(self) -> float:
-        """Of the base."""
-        return 2.0 * self.half
 
     def _moved_in(self, inset: float) -> RigidBody:
         half = self.half - inset

@@ -18,25 +18,19 @@ def worn(body: RockingParameters, share: float) -> tuple[float, RockingParameter
     beyond an edge.
     """
     sides: tuple[Side | RockingParameters, ...] = body.sides or (body, body)
-    if any(side.arm is None for side in sides):
-        return None
-    (left, z), (right, _) = ((side.arm * math.sin(side.alpha), side.arm * math.cos(side.alpha)) for side in sides if side.arm is not None)
-    width, x, arm = left + right, 0.5 * (left - right), math.hypot(right, z)
-    half = (0.5 - share) * width
+    (left, _), (right, z) = ((math.sin(side.alpha) * (side.arm or 0.0), math.cos(side.alpha) * (side.arm or 0.0)) for side in sides)
+    x, half, square = 0.5 * (left - right), (0.5 - share) * (left + right), right * right + z * z
     if not abs(x) < half:
         return None
-    central = body.gravity * arm / sides[1].p ** 2 - arm * arm  # I_G/m
-    edges = edges_of(Moments(1.0, x, z, central + x * x + z * z), half, body.gravity)
+    polar = body.gravity * math.sqrt(square) / sides[1].p ** 2 - square + x * x + z * z  # I_G/m and the parallel axis
     kept = body.one_sided or body.eta_source == "given"
-    found = [edge.side(name, abs(side.eta) if kept else edge.eta) for name, edge, side in zip(("left", "right"), edges, sides, strict=True)]
-    if body.sides:
-        fields: dict[str, Any] = {
-            "eta_source": body.eta_source,
-            "gravity": body.gravity,
-            "damping": body.damping,
-            "friction": body.friction,
-        }
-        return share * width, RockingParameters.of_sides(body.name, body.structure, *found, **fields)
-    one = found[1]
-    eta = body.eta if kept else one.eta
-    return share * width, replace(body, p=one.p, alpha=one.alpha, uplift=one.uplift, eta=eta, arm=one.arm, details={})
+    edges = zip(("left", "right"), edges_of(Moments(1.0, x, z, polar), half, body.gravity), sides, strict=True)
+    there = [edge.side(name, abs(side.eta) if kept else edge.eta) for name, edge, side in edges]
+    moved = RockingParameters.of_sides(body.name, body.structure, *there)
+    numbers: dict[str, Any] = {
+        "p": moved.p,
+        "alpha": moved.alpha,
+        "uplift": moved.uplift,
+        "eta": body.eta if kept and not body.sides else moved.eta,
+    }
+    return share * (left + right), replace(body, **numbers, arm=moved.arm, sides=moved.sides, details={})
