@@ -62,6 +62,8 @@ from .responses.check import check as check
 from .responses.comparison import compare as compare
 from .responses.history import History as History
 from .responses.history import history as history
+from .responses.solving import Boundary as Boundary
+from .responses.solving import boundaries as boundaries
 from .responses.time_history import TimeHistory as TimeHistory
 from .responses.time_history import time_history as time_history
 from .spectra.file.merging import Merged as Merged

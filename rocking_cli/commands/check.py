@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from itertools import repeat
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -54,7 +55,8 @@ def check(
     from ..responses.check import CHECK_COLUMNS, OLD_COLUMNS, verdicts
 
     files, shaken = asked.several(files)
-    shaken = asked.of(shaken)
+    ends = [end.of(shaken) for end in asked.ends()]
+    shaken = ends[0] if ends else asked.of(shaken)
     structures, varied, lost = options.members_of(files, vary)
     azimuths = asked.azimuths()
     shakes = shaken.needed()
@@ -63,30 +65,37 @@ def check(
 
         check_target(output, overwrite, options.FIGURES)
     demands = [(structure, *shake) for shake in shakes for structure in structures]
-    worst: list[float] = []
+    beside: list[dict[str, float]] = []  # a further column of each demand
     if azimuths is not None:
         from ..responses.azimuth import has_direction, worst_azimuths
 
         searched = ProgressLine("azimuths", "stages")
         directed = worst_azimuths(structures, shaken.recordings, azimuths, workers=workers, progress=searched)
-        worst, demands = [angle for angle, _ in directed], [demand for _, demand in directed]
+        beside, demands = [{"azimuth": angle} for angle, _ in directed], [demand for _, demand in directed]
         shakes = [(motion, grid) for _, motion, grid in demands]
         note(f"azimuth: the worst of {azimuths.size} as recorded; at another one the capacity may be less")
         if both := [s.name for s in structures if has_direction(s)]:
             note(f"both signs of each azimuth, because the sides differ: {', '.join(both)}")
+    if ends:
+        from ..envelopes.worst import at_worst_frequency
+
+        motion, low, high = *shakes[0], ends[1].shakes[0][1]
+        worst = [at_worst_frequency(structure, motion, low, high, a_max) for structure in structures]
+        demands = [(structure, motion, grid) for structure, (grid, _) in zip(structures, worst, strict=True)]
+        shakes, beside = [(motion, low), (motion, high)], [{"worst_f_g": frequency} for _, frequency in worst]
     told: list[Verdict] = []
     limit = None if verdict_only else a_max
-    found: Iterable[Verdict] = verdicts(demands, a_max=limit, workers=workers, progress=ProgressLine("check", "stages"))
-    if sort and worst:
-        raise click.UsageError("--sort does not go with --azimuth")
+    judged = verdicts(demands, a_max=limit, workers=workers, progress=ProgressLine("check", "stages"))
+    found: Iterable[tuple[Verdict, dict[str, float]]] = zip(judged, beside or repeat({}), strict=False)
     if sort:
-        found = sorted(found, key=lambda v: float("inf") if v.capacity_demand is None else v.capacity_demand)
+        found = sorted(found, key=lambda pair: float("inf") if (c := pair[0].capacity_demand) is None else c)
 
     def rows() -> Iterator[dict[str, Any]]:
-        for verdict in found:
+        for verdict, more in found:
             told.append(verdict)
-            azimuth = {"azimuth": worst[len(told) - 1]} if worst else {}
-            yield {**varied.get(verdict.structure, {}), **azimuth, **verdict.record()}
+            own = verdict.record()
+            head = {"structure": own["structure"], "motion": own["motion"], **more} if more else {}
+            yield {**varied.get(verdict.structure, {}), **head, **own}
 
     in_g = _in_g(asked.a_g or asked.scale_to or ("g" if asked.motion else ""))
     emit(rows(), CHECK_COLUMNS, table_units="g,mm,deg" if in_g else "mm,deg", old=OLD_COLUMNS)

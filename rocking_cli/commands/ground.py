@@ -278,6 +278,15 @@ class Shaking:
 class Demand(Shaking, BothWays):
     """The ground motion, a vertical one, and the demand."""
 
+    def ends(self) -> list[Demand]:
+        """The demands at both ends of a range of frequencies, FROM:TO; none without one. Raises click.UsageError for an amplitude alone."""
+        given = {key: getattr(self, key) for key in ("omega_g", "f_g", "T_g", "Omega")}
+        if (self.a_g or self.A) and not self.motion and not any(given.values()):
+            ways = "a range of frequencies such as --f-g 0.5:5, records by --motion FILE --scale-to PGA=0.3g"
+            raise click.UsageError(f"--a-g alone is no motion: give {ways}, or see the static lambda of rocking params")
+        of = {key: text.split(":") for key, text in given.items() if text and text.count(":") == 1}
+        return [replace(self, **{key: end}) for key, ends in of.items() for end in ends]
+
 
 @dataclass(frozen=True)
 class Directed(Demand):

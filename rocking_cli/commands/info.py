@@ -1,21 +1,32 @@
-"""`rocking info`: the contents of a spectra file, and its verification."""
+"""`rocking info`: the contents of a spectra file, its verification, and the command that makes it again."""
 
 from __future__ import annotations
 
-from typing import Any
+import shlex
+from pathlib import Path
+from textwrap import wrap
+from typing import TYPE_CHECKING, Any
+
+import click
 
 from . import streams
 from .command import argument, command, option
 from .parameter_types import InputPath
-from .printing import emit, form, printed
+from .printing import emit, form, note, printed
+
+if TYPE_CHECKING:
+    from ..spectra.file.reader import SpectraFile
 
 _MOST_NAMES = 12
+_OF_THE_RUN = ("output", "overwrite", "resume", "shard", "scheduler", "workers", "quiet", "form", "json_")  # what changes no cell
 
 
 @command("rocking info towers.h5 --verify", printed)
 def info(
     files: tuple[str, ...] = argument(nargs=-1, type=InputPath(), required=True, metavar="FILE..."),
     verify: bool = option("--verify", is_flag=True, help="Check every chunk against its checksum."),
+    again: bool = option("--command", is_flag=True, help="Also eta, tolerance, counts and the command that makes the file again."),
+    documents: bool = option("--documents", is_flag=True, help="Print the documents of the structures instead, as JSON Lines."),
 ) -> int:
     """Show the contents of spectra files: scene, completeness, run time, estimated error.
 
@@ -24,43 +35,41 @@ def info(
     from ..spectra.file.reader import SpectraFile
     from ..spectra.work.machine import described
 
-    damaged = []
+    damaged: list[str] = []
     records: list[dict[str, Any]] = []
+    commands: list[str] = []
     for path in files:
         with SpectraFile(path) as file:
+            if documents:
+                emit(_documents(file), form="json")
+                continue
             attributes, dimensions = file.attributes, file.frame.dimensions
-            records.append(
-                {
-                    "file": path,
-                    **{f"{name}s": _names(values) for name, values in dimensions.items() if isinstance(values, list)},
-                    "model": file.scene["model"],
-                    "motion": attributes["motion"],
-                    **{
-                        name: f"{values[0]:g} to {values[-1]:g}, {len(values)}"
-                        for name, values in dimensions.items()
-                        if not isinstance(values, list)
-                    },
-                    "chunks": f"{int(file.done.sum())} of {file.done.size}",
-                    "complete": "yes" if file.complete else "no",
-                    "run_time": attributes.get("run_time"),
-                    "estimated_error": attributes.get("estimated_error"),
-                    "checked_cells": attributes.get("checked_cells"),
-                    "source": attributes.get("source"),
-                    "sealed": "yes" if file.digest else "no",
-                    "digest": file.digest,
-                    "computed_on": "; ".join(described(m) for m in file.machines) or None,
-                }
-            )
+            names = {f"{name}s": _names(values) for name, values in dimensions.items() if isinstance(values, list)}
+            axes = {k: f"{v[0]:g} to {v[-1]:g}, {len(v)}" for k, v in dimensions.items() if not isinstance(v, list)}
+            record = {"file": path, **names, "model": file.scene["model"], "motion": attributes["motion"], **axes}
+            record |= {"chunks": f"{int(file.done.sum())} of {file.done.size}", "complete": "yes" if file.complete else "no"}
+            record |= {key: attributes.get(key) for key in ("run_time", "estimated_error", "checked_cells", "source")}
+            record |= {"sealed": "yes" if file.digest else "no", "digest": file.digest}
+            record["computed_on"] = "; ".join(described(m) for m in file.machines) or None
             if verify:
                 bad = file.damaged_chunks()
-                records[-1]["damaged_chunks"] = len(bad)
+                record["damaged_chunks"] = len(bad)
                 damaged += [f"{path}: chunk {i} is damaged" for i in bad]
-    if form() is None:
-        for record in records:
-            for key, value in record.items():
-                streams.put(f"{key:<16} {'-' if value is None else value}")
-    else:
-        emit(records)
+            if again:
+                counts = {key.removeprefix("cells_"): int(n) for key, n in attributes.items() if key.startswith("cells_")}
+                etas = [f"{one['eta']:.6g}" for one in file.scene.get("structures", ())]
+                record |= {"eta": _names(etas) or None, "tolerance": attributes.get("tolerance")}
+                record |= {"cells": ", ".join(f"{n} {name}" for name, n in counts.items() if n), "command": _command(path, file)}
+                commands.append(record["command"] or "")
+            records.append(record)
+    if documents:
+        return 0
+    emit([{**record, "command": None} for record in records] if form() is None else records)
+    for line in filter(None, commands if form() is None else []):
+        for part in (parts := wrap(line, 96, subsequent_indent="  ", break_long_words=False, break_on_hyphens=False)):
+            streams.put(part if part is parts[-1] else f"{part} \\")
+    if not all(commands):
+        note("written by a function of Python: the file holds no command")
     for line in damaged:
         streams.say(f"rocking: {line}")
     return 1 if damaged else 0
@@ -69,3 +78,35 @@ def info(
 def _names(values: list[str]) -> str:
     """A text of all names; of many names only the first, the last and how many there are."""
     return ", ".join(values) if len(values) <= _MOST_NAMES else f"{len(values)}, {values[0]} to {values[-1]}"
+
+
+def _documents(file: SpectraFile) -> list[dict[str, Any]]:
+    """The documents of a file, each with the name that its structure has there."""
+    from ..documents.document import parse_documents
+
+    text, names = str(file.attributes.get("documents", "")), file.frame.dimensions.get("structure", [])
+    found = [one for part in text.split("\n---\n") if part for one in parse_documents(part, file.path.name)]
+    return [{**{k: v.plain() for k, v in one.values.items()}, "name": name} for one, name in zip(found, names, strict=False)]
+
+
+def _command(path: str, file: SpectraFile) -> str | None:
+    """The command that makes a file again from its documents and the motions that its first command names; None without a command."""
+    from ..motions.reading import holds_records
+
+    name, *arguments = shlex.split(str(file.attributes.get("history", "")).partition("rocking ")[2]) or [""]
+    root = click.get_current_context().find_root()
+    assert isinstance(root.command, click.Group)
+    made = root.command.get_command(root, name)
+    if made is None:
+        return None
+    given, _, _ = made.make_parser(click.Context(made)).parse_args(arguments)
+    files = given.get("files")
+    records = [one for one in files if holds_records(one)] if isinstance(files, list | tuple) else []
+    words = ["rocking", name, *(["-"] if (stated := _documents(file)) else []), *records]
+    for parameter in made.params:
+        if isinstance(parameter, click.Option) and parameter.name in given and parameter.name not in _OF_THE_RUN:
+            value = given[parameter.name]
+            for one in value if parameter.multiple else [value]:
+                words += [parameter.opts[-1]] if parameter.is_flag else [parameter.opts[-1], str(one)]
+    source = f"{shlex.join(['rocking', 'info', path, '--documents'])} | " if stated else ""
+    return f"{source}{shlex.join([*words, '-o', f'{Path(path).stem}-again.h5'])}"

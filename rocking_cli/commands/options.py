@@ -16,7 +16,7 @@ import click
 from . import streams
 from .command import argument, option
 from .parameter_types import InputPath, OutputPath, Parsed, Registered, Restitution, limit, model_names, quantity
-from .printing import note
+from .printing import below, note
 
 if TYPE_CHECKING:
     from ..dynamics.method import Method
@@ -261,9 +261,9 @@ def remark_on(structures: Iterable[RockingParameters] = (), grid: Grid | None = 
     remarks = [remark for one in structures for remark in structure_remarks(one)] + ([] if grid is None else list(grid_remarks(grid)))
     remarks += [*span_remarks(spans), *bare_remarks(spans)]
     for remark in remarks[:_REMARKS]:
-        note(remark)
+        below(remark)
     if len(remarks) > _REMARKS:
-        note(f"and {len(remarks) - _REMARKS} more such remarks")
+        below(f"and {len(remarks) - _REMARKS} more such remarks")
 
 
 def refuse_own_input(output: Path, recordings: Sequence[Recording] = ()) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Iterable
 from contextlib import suppress
 from pathlib import Path
@@ -29,10 +30,21 @@ class OutputPath(click.Path):
 
 
 class InputPath(click.Path):
-    """The name of a file to read, or - for standard input, with shell completion; the library reports its faults."""
+    """The name of a file to read, or - for standard input, with shell completion; the library reports its faults.
+
+    A name below `configs` that is not in this folder is that of a file which is shipped with the package.
+    """
 
     def __init__(self) -> None:
         super().__init__(readable=False, allow_dash=True)
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        found = str(super().convert(value, param, ctx))
+        if Path(found).parts[:1] == ("configs",) and not os.path.exists(found):
+            from ..structures.templates import shipped
+
+            return str(shipped(Path(found).relative_to("configs")) or found)
+        return found
 
 
 class Registered(click.ParamType):

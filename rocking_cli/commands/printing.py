@@ -1,4 +1,4 @@
-"""Output of a call: rows on standard output, lines on standard error; the options --json, --csv, --units and --quiet.
+"""Output of a call: rows on standard output, lines on standard error; their options.
 
 The library speaks of arguments in backticks; `in_options` makes them options: `a_g` becomes --a-g.
 """
@@ -9,6 +9,8 @@ import re
 import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
+from shutil import get_terminal_size
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -48,11 +50,13 @@ units = _of_call(
 )  # fmt: skip
 _json = _of_call("--json", "form", flag_value="json", help="JSON Lines on standard output.")
 _csv = _of_call("--csv", "form", flag_value="csv", help="CSV on standard output.")
+_columns = _of_call("--columns", metavar="NAME,…", help="Columns of a table (default: all that are not empty).")
+_digits = _of_call("--digits", type=click.IntRange(1, 17), help="Significant digits of a table (default: 4).")
 
 
 def printed(command: F) -> F:
-    """Decorator: the options --json, --csv, --units and --quiet."""
-    return _json(_csv(units(quiet(command))))
+    """Decorator: the options of rows on standard output, and --quiet."""
+    return _json(_csv(_columns(_digits(units(quiet(command))))))
 
 
 def is_quiet() -> bool:
@@ -79,7 +83,7 @@ def emit(
     columns: the CSV header if there is no row; form: without --json and --csv; table_units: of a table without --units; without:
     columns that have no unit here; old: columns under an old name, for programs only.
     """
-    from ..reports.tables import lines
+    from ..reports.tables import WIDTH, lines
     from ..reports.units import Units, parse_units
 
     units, form = units_of(), _kept("form") or form
@@ -89,7 +93,10 @@ def emit(
         rows = ({key: value for key, value in row.items() if key not in old} for row in rows)
     if without:
         units = replace(units or Units(), without=frozenset(without))
-    for line in lines(rows, form or "table", columns, encoding=sys.stdout.encoding, units=units):
+    width = get_terminal_size((WIDTH, 0)).columns if sys.stdout.isatty() else WIDTH
+    chosen = [name.strip() for name in (_kept("columns") or "").split(",") if name.strip()]
+    table = {"digits": _kept("digits") or 4, "width": width, "chosen": chosen} if form is None else {}
+    for line in lines(rows, form or "table", columns, encoding=sys.stdout.encoding, units=units, **table):
         streams.put(line)
 
 
@@ -107,6 +114,13 @@ def warn(text: str) -> None:
     """Print a line on standard error, the library's terms in it replaced by the options of the command."""
     context = click.get_current_context(silent=True)
     streams.say(text if context is None else in_options(text, context.command))
+
+
+def below(text: str) -> None:
+    """Print a line on standard error as `note` does: below the table of a command that prints one."""
+    context = click.get_current_context()
+    tabular = form() is None and any(parameter.name == "columns" for parameter in context.command.params)
+    context.call_on_close(partial(note, text)) if tabular else note(text)
 
 
 def note(text: str) -> None:

@@ -187,9 +187,10 @@ def demand_in_words(shakes: Sequence[tuple[Motion, Grid]]) -> str:
     if name == "a_g":
         text += f" m/s2 = {span(DEFAULT_GRAVITY, 3)} g"
     if not own_time:
-        frequency = float(grid.frequency.values[0])
-        text += f", Omega {frequency:.5g}" if grid.dimensionless else f", f_g {frequency / math.tau:.5g} Hz"
-    return f"{text}{f', {len(shakes)} motions' if len(shakes) > 1 else ''}"
+        values = [float(grid.frequency.values[0]) for _, grid in shakes]
+        text += f", Omega {span(1.0, 5)}" if grid.dimensionless else f", f_g {span(math.tau, 5)} Hz"
+    motions = len({id(motion) for motion, _ in shakes})
+    return f"{text}{f', {motions} motions' if motions > 1 else ''}"
 
 
 def parse_grid(text: str, structures: int = 1, *, own_time: bool = False) -> Grid:

@@ -7,13 +7,18 @@ import io
 import json
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from itertools import zip_longest
+from textwrap import wrap
 from typing import Any
 from unicodedata import normalize
 
+from ..errors import UsageError, did_you_mean
 from .units import Units
 
 Record = Mapping[str, Any]
 
+WIDTH = 100  # of a table, if no terminal says otherwise
+_UPRIGHT = 3  # rows at most
 _FORMULA = ("=", "+", "-", "@")  # a spreadsheet reads a text that begins so as a formula, after blanks and in full width too
 
 
@@ -42,18 +47,52 @@ def csv_lines(records: Iterable[Record], columns: Sequence[str] = ()) -> Iterato
         yield _csv_row(list(columns))
 
 
-def table_lines(records: Iterable[Record], digits: int = 6) -> Iterator[str]:
-    """The lines of an aligned table; numbers have `digits` significant digits and stand at the right."""
+def table_lines(records: Iterable[Record], digits: int = 4, width: int = WIDTH, chosen: Sequence[str] = ()) -> Iterator[str]:
+    """The lines of an aligned table, none longer than `width`; numbers have `digits` significant digits.
+
+    chosen: the names of the columns to show, without units; without any, all that are not empty. Up to three rows stand upright, a line
+    a quantity. Columns beyond the width stand in further tables, each with the first column. Raises UsageError for an unknown column.
+    """
     rows = list(records)
-    if not rows:
+    known = {key.partition(" [")[0]: key for row in rows for key in row if key != "kind"}
+    if unknown := [name for name in chosen if rows and name not in known]:
+        raise UsageError(f"`columns`: found {unknown[0]!r}{did_you_mean(unknown[0], known)}; expected names among {', '.join(known)}")
+    keys = [known[name] for name in chosen if rows] or [k for k in known.values() if any(row.get(k) not in (None, "", []) for row in rows)]
+    cells = [[key, *(_text(row.get(key), digits) for row in rows)] for key in keys]
+    if len(rows) <= _UPRIGHT:
+        yield from _upright(cells, width)
         return
-    columns = [key for key in dict.fromkeys(key for row in rows for key in row) if key != "kind"]
-    cells = [[_text(row.get(c), digits) for c in columns] for row in rows]
-    numeric = [all(isinstance(row.get(c), int | float | None) for row in rows) for c in columns]
-    widths = [max(len(c), *(len(row[i]) for row in cells)) for i, c in enumerate(columns)]
-    for line in [columns, *cells]:
-        parts = [x.rjust(w) if right else x.ljust(w) for x, w, right in zip(line, widths, numeric, strict=True)]
-        yield "  ".join(parts).rstrip()
+    numeric = [all(isinstance(row.get(key), int | float | None) for row in rows) for key in keys]
+    widths = [min(max(map(len, cells[0])), width // 2)]
+    widths += [min(max(map(len, column)), width - widths[0] - 2) for column in cells[1:]]
+    begin = 1
+    while begin <= len(keys) - (len(keys) > 1):
+        end, used = begin + 1, sum(widths[:1] + widths[begin : begin + 1]) + 2
+        while end < len(keys) and used + 2 + widths[end] <= width:
+            used += 2 + widths[end]
+            end += 1
+        if begin > 1:
+            yield ""
+        for line in zip(*(_aligned(cells[i], widths[i], numeric[i]) for i in (0, *range(begin, min(end, len(keys))))), strict=True):
+            yield "  ".join(line).rstrip()
+        begin = end
+
+
+def _aligned(column: Sequence[str], width: int, right: bool) -> list[str]:
+    """The cells of a column, at the right or left of it; a longer one is cut."""
+    cut = [cell if len(cell) <= width else f"{cell[: width - 3]}..." for cell in column]
+    return [cell.rjust(width) if right else cell.ljust(width) for cell in cut]
+
+
+def _upright(cells: Sequence[Sequence[str]], width: int) -> Iterator[str]:
+    """A line a quantity: its heading and its values; a value that is too long goes on below."""
+    widths = [max(map(len, column)) for column in zip(*cells, strict=True)]
+    most = (width - widths[0]) // max(len(widths) - 1, 1) - 2 if sum(widths) + 2 * len(widths) - 2 > width else width
+    widths[1:] = [min(w, most) for w in widths[1:]]
+    for heading, *values in cells:
+        parts = zip_longest([heading], *(wrap(value, w) for value, w in zip(values, widths[1:], strict=True)), fillvalue="")
+        for line in parts:
+            yield "  ".join(x.ljust(w) for x, w in zip(line, widths, strict=True)).rstrip()
 
 
 def flat(record: Record) -> dict[str, Any]:
@@ -66,18 +105,19 @@ def flat(record: Record) -> dict[str, Any]:
 
 
 def lines(
-    records: Iterable[Record], form: str, columns: Sequence[str] = (), *, encoding: str = "utf-8", units: Units | None = None
+    records: Iterable[Record], form: str, columns: Sequence[str] = (), *, encoding: str = "utf-8", units: Units | None = None, **table: Any
 ) -> Iterator[str]:
     """The rows as lines of `json`, `csv` or `table`.
 
-    columns: the header of CSV without rows; encoding: of the output; units: for tables and CSV (None: SI), stated in the headings.
+    columns: the header of CSV without rows; encoding: of the output; units: for tables and CSV (None: SI), stated in the headings;
+    table: arguments of `table_lines`.
     """
     if form == "json":
         return (json_line(r, encoding) for r in records)
     units = units or Units()
     if form == "csv":
         return csv_lines(units.shown(map(flat, records)), [headed for headed, _ in map(units.heading, columns)])
-    return table_lines(units.shown(records))
+    return table_lines(units.shown(records), **table)
 
 
 def _plain(value: Any) -> Any:

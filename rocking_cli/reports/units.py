@@ -18,6 +18,7 @@ from ..errors import UsageError
 SI = {
     "angle": "rad", "angular velocity": "rad/s", "frequency parameter": "rad/s", "circular frequency": "rad/s",
     "acceleration": "m/s2", "velocity": "m/s", "length": "m", "mass": "kg", "time": "s", "intensity": "m/s", "gravity": "m/s2",
+    "frequency": "Hz",
 }  # fmt: skip
 """The SI unit of each dimension. Gravity and Arias intensity are separate dimensions, because `--units` must not change them."""
 
@@ -27,7 +28,7 @@ COLUMNS = {
     **dict.fromkeys(("a_g", "a_from", "a_to", "demand_a", "uplift_a", "first_overturning_a", "safe_to"), "acceleration"),
     **dict.fromkeys(("ground_acceleration", "pga", "header_pga", "S_a", "sa", "avgsa"), "acceleration"),
     **dict.fromkeys(("t", "t_max", "dt", "duration", "pga_time", "d5_75", "d5_95", "T", "run_time", "time_per_cell", "pgv_pga"), "time"),
-    "pgv": "velocity", "arias": "intensity", "cav": "intensity", "gravity": "gravity", "mass": "mass",
+    "worst_f_g": "frequency", "pgv": "velocity", "arias": "intensity", "cav": "intensity", "gravity": "gravity", "mass": "mass",
     **dict.fromkeys(("pgd", "S_d", "top_displacement", "x", "z", "arm", "length", "tip_height", "crack_height", "inset"), "length"),
 }  # fmt: skip
 """The dimension of each column that has a unit."""

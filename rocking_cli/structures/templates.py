@@ -14,8 +14,12 @@ def template(kind: str) -> str:
     >>> build_structure(parse_documents(template('block'))[0]).structure
     'block'
     """
-    for folder in (files("rocking_cli"), Path(__file__).resolve().parents[2]):
-        place = folder / "configs" / f"{kind}.yaml"
-        if place.is_file():
-            return place.read_text(encoding="utf-8")
+    if place := shipped(f"{kind}.yaml"):
+        return place.read_text(encoding="utf-8")
     raise UsageError(f"this installation has no commented document of kind {kind}")
+
+
+def shipped(name: str | Path) -> Path | None:
+    """The path of a file or folder in the shipped folder `configs`; None if there is none."""
+    places = (Path(str(folder)) / "configs" / name for folder in (files("rocking_cli"), Path(__file__).resolve().parents[2]))
+    return next(filter(Path.exists, places), None)

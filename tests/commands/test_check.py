@@ -67,10 +67,8 @@ def test_a_fall_during_which_the_ground_would_have_to_pull_is_told(rocking, tmp_
 
 
 def test_the_table_speaks_the_unit_of_the_request(rocking, stated):
-    in_g, in_si = (rocking("check", stated, "--a-g", a, "--f-g", "1.2").stdout.splitlines() for a in ("0.35g", "3.4335"))
-    assert "uplift_a [g]" in in_g[0]
-    assert "uplift_a [m/s2]" in in_si[0]
-    assert (float(in_g[1].split()[9]), float(in_si[1].split()[9])) == pytest.approx((0.2, 1.962), abs=1e-9)
+    in_g, in_si = (rocking("check", stated, "--a-g", a, "--f-g", "1.2", "--columns", "uplift_a").stdout for a in ("0.35g", "3.4335"))
+    assert (in_g, in_si) == ("uplift_a [g]  0.2\n", "uplift_a [m/s2]  1.962\n")
     assert rocking("check", stated, *SHAKING, "--csv").stdout.splitlines()[0] == (
         "structure,motion,model,outcome,theta_ratio,top_displacement [m],demand_a [m/s2],uplift_a [m/s2],"
         "first_overturning_a [m/s2],capacity_demand,safe_to [m/s2],outcome_linear,friction_needed,fz_min,name,friction"
@@ -167,7 +165,7 @@ def test_a_directory_gives_both_horizontal_components_and_the_station_its_vertic
     assert rocking("check", "block:0.5x2", "--motion", "set/a.txt", *named, "--json").record == rows[0]
 
     (tmp_path / "set" / "b.csv").write_text("0 0\n0.1 1\n0.2 0\n")
-    done = rocking("check", stated, "--motion", "set", "-q")
+    done = rocking("check", stated, "--motion", "set", "-q", "--csv")
     assert (done.returncode, len(done.stdout.splitlines()), done.stderr.count("\n")) == (4, 3, 1)
     assert rocking("check", stated, "--motion", "set", "--scale", "9", "--fail-on", "overturning").returncode == 5
 
@@ -223,3 +221,29 @@ def test_the_worst_azimuth_of_two_components(rocking, tmp_path):
     ):  # fmt: skip
         refused = rocking(*call, "--azimuth", "0:180:7", *more)
         assert (refused.returncode, words in refused.stderr) == (2, True)
+
+
+def test_the_worst_frequency_of_a_range_is_exact(rocking, stated):
+    """Beyond its ends nothing is looked for; between them an envelope at 40 frequencies finds no lower amplitude."""
+    for shaking in (("--f-g", "0.7:3"), ("--T-g", "0.4:1.4", "--cycles", "2")):
+        done = rocking("check", stated, "--a-g", "0.1g", *shaking, "--json")
+        row = done.record
+        motion = shaking[2:]
+        grid = shaking[0].strip("-").replace("-", "_") + f"={shaking[1]}:40"
+        lowest = rocking("envelope", stated, "--grid", grid, "--lowest", "--a-max", "4", "--model", "linear", *motion, "--json").records
+        least = min(one["a_from"] or float("inf") for one in lowest)
+        assert row["first_overturning_a"] <= least * (1.0 + 1e-9)
+        there = rocking("check", stated, "--a-g", "0.1g", "--f-g", repr(row["worst_f_g"]), *motion, "--json").record
+        assert {**there, "worst_f_g": row["worst_f_g"]} == row
+    assert "demand: a_g 0.981 m/s2 = 0.1 g, f_g 0.71429 to 2.5 Hz" in done.stderr
+    assert "worst_f_g [Hz]" in rocking("check", stated, "--a-g", "0.1g", "--f-g", "0.7:3").stdout
+
+
+def test_a_demand_that_overturns_at_some_frequency_is_not_called_safe(rocking):
+    """At the frequency of the least overturning amplitude, 0.9 Hz, the block stands in its safe window under this amplitude."""
+    alone, ranged = (
+        rocking("check", "block:0.5x2,restitution=0.7", "--a-g", "0.6g", "--f-g", f, "--json").record for f in ("0.9", "0.9:1.6")
+    )
+    assert (alone["outcome"], alone["capacity_demand"] < 1.0) == ("rocked", True)
+    assert ranged["outcome"].startswith("overturned")
+    assert ranged["worst_f_g"] > 0.9

@@ -41,9 +41,9 @@ def test_limit_states_and_methods_are_rows(rocking, stated):
     assert float(rows[0]["theta"]) < float(rows[1]["theta"])
     assert {r["n"] for r in rows} == {"9"}
     assert rows[0]["median [m/s2]"] == rows[0]["theta"]
-    table = rocking("fragility", stated, *SITE, "--limit", "overturning", "-q").stdout.splitlines()
-    assert table[1].split()[1:3] == ["PGA", "[g]"]
-    assert float(table[1].split()[5]) == pytest.approx(float(rows[1]["theta"]) / 9.81, rel=1e-5)
+    table = rocking("fragility", stated, *SITE, "--limit", "overturning", "-q", "--columns", "im,median", "--digits", "8").stdout
+    assert table.splitlines()[0] == "im      PGA [g]"
+    assert float(table.split()[-1]) == pytest.approx(float(rows[1]["theta"]) / 9.81, rel=1e-7)
 
 
 def test_a_vertical_motion_moves_the_curves(rocking, stated):
@@ -63,7 +63,7 @@ def test_units_are_those_asked_for(rocking, stated):
     (im, si), (in_g, g) = told(), told("--units", "g")
     assert (im, in_g, g) == ("PGA", "PGA [g]", pytest.approx(si / 9.81, rel=1e-14))
     table = rocking("fragility", stated, *SITE, "--limit", "overturning", "-q", "--units", "m/s2").stdout
-    assert table.splitlines()[1].split()[1:3] == ["PGA", "[m/s2]"]
+    assert "PGA [m/s2]" in table
 
 
 @pytest.mark.parametrize(("im", "heading", "factor"), [("PGA", "PGA [g]", 9.81), ("PGV", "PGV [cm/s]", 0.01), ("nPGA", "nPGA", 1.0)])
@@ -78,7 +78,7 @@ def test_a_figure_speaks_the_units_asked_for(im, heading, factor):
 def test_what_the_data_do_not_bear_is_said_and_the_rest_kept(rocking, stated):
     done = rocking("fragility", stated, *SITE[:2], "--levels", "0.05g,0.1g,0.35g,0.6g", "--limit", "0.001,overturning", "--bootstrap", "0")
     assert done.returncode == 4
-    assert len(done.stdout.splitlines()) == 2
+    assert "limit_state  overturning\n" in done.stdout
     assert "Stated, 0.001, stripes: 0 levels with some records beyond" in done.stderr
 
 

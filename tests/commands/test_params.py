@@ -29,7 +29,7 @@ def test_every_shipped_config_has_parameters(rocking, pytestconfig):
 
 def test_table_for_people_names_units(rocking):
     done = rocking("params", "configs/block.yaml")
-    assert "p [rad/s]" in done.stdout.splitlines()[0]
+    assert "\np [rad/s] " in done.stdout
     assert "Column" in done.stdout
 
 
@@ -38,11 +38,11 @@ LEANING = "{kind: rigid, name: Statue, left: 0.2, right: 0.3, height: 1.2, gyrat
 
 def test_a_table_has_a_row_for_each_side(rocking):
     lines = rocking("params", "configs/block.yaml", "-", stdin=LEANING).stdout.splitlines()
-    heads, column, statue, left, right = (line.split() for line in lines)
+    heads, column, statue, left, right = (line.split() for line in lines[:5])
     assert (column[0], statue[0], left[:2], right[:2]) == ("Column", "Statue", ["left", "edge"], ["right", "edge"])
     assert statue[2:4] == left[3:5]  # p and alpha of the edge that lifts first
     assert "side" not in heads
-    assert (heads[2], left[2], left[6]) == ("p", "-", "0.166667")
+    assert (heads[2], left[2], left[6]) == ("p", "-", "0.1667")
 
 
 def test_csv_has_columns_for_both_sides(rocking):
@@ -112,11 +112,11 @@ def test_csv_of_different_kinds_has_every_column(rocking):
 
 def test_a_table_has_the_interfaces_of_a_stack_and_hinges_in_degrees(rocking):
     lines = rocking("params", "configs/stack.yaml", "configs/arch.yaml").stdout.splitlines()
-    assert [line.split("  ")[0] or line.split("  ")[1] for line in lines[1:]] == [
+    assert [line.split("  ")[0] or line.split("  ")[1] for line in lines[1:6]] == [
         "Statue on a plinth", "on its base", "on piece 1 from below", "on piece 2 from below", "Oppenheim",
     ]  # fmt: skip
-    assert "hinges [deg]" in lines[0]
-    assert "0, 67.5, 112.5, 157.5" in lines[-1]
+    (at,) = (i for i, line in enumerate(lines) if "hinges [deg]" in line)
+    assert lines[at + 5].split("  ")[-1].strip() == "0, 67.5, 112.5, 157.5"
 
 
 def test_csv_tells_the_units_asked_for_and_json_stays_in_si(rocking):

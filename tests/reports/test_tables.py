@@ -7,7 +7,8 @@ import json
 
 import pytest
 
-from rocking_cli.reports.tables import csv_lines, json_line, lines
+from rocking_cli.errors import UsageError
+from rocking_cli.reports.tables import csv_lines, json_line, lines, table_lines
 
 FORMULAS = ["=1+1", "  =1+1", "\t=1+1", "＝1+1", "＋1", "\u3000＠SUM(A1)", "+1", "-1", "@SUM(A1)", '=HYPERLINK("http://x","y")']
 
@@ -40,3 +41,27 @@ def test_json_gives_every_text_back_and_shows_no_control_character(name, encodin
 
 def test_json_of_people_s_names_is_readable():
     assert json_line({"name": "Säule", "x": float("inf")}) == '{"name": "Säule", "x": null}'
+
+
+LONG = "a sentence of many words that no table of a hundred columns holds, so that it is cut or goes on below the first line"
+
+
+@pytest.mark.parametrize("rows", range(6))
+@pytest.mark.parametrize("width", [60, 100])
+def test_a_table_fits_its_width_and_shows_every_cell(rows, width):
+    records = [{"name": f"n{i}", "empty": None, "said": LONG} | {f"column_{k}": 1e3 * i + k for k in range(20)} for i in range(rows)]
+    shown = list(table_lines(records, width=width))
+    assert max(map(len, shown), default=0) <= width
+    words = " ".join(shown).split()
+    assert "empty" not in words
+    for record in records:
+        assert {f"{x:.4g}" for x in record.values() if isinstance(x, float)} <= set(words)
+
+
+def test_three_rows_stand_upright_and_four_below_each_other():
+    rows = [{"name": "A", "p": 2.0 / 3.0, "n": None}, {"name": "B", "p": 12345.678, "n": 3}]
+    assert list(table_lines(rows)) == ["name  A       B", "p     0.6667  1.235e+04", "n     -       3"]
+    assert list(table_lines(2 * rows, digits=8, chosen=["p", "name"]))[:3] == ["         p  name", "0.66666667  A", " 12345.678  B"]
+    assert list(table_lines([])) == []
+    with pytest.raises(UsageError, match=r"`columns`: found 'P' .did you mean 'p'\?.; expected names among name, p, n"):
+        list(table_lines(rows, chosen=["P"]))

@@ -1,0 +1,60 @@
+"""`rocking solve`: the values of a key from which a structure stands."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import click
+
+from . import ground, options
+from .command import command, group, option
+from .printing import emit, form, note, printed
+from .progress import ProgressLine
+
+_SCAN = 17  # values of a range that states no number
+
+
+@command("rocking solve configs/block.yaml --vary width=0.4:0.8 --a-g 0.4g --f-g 1", printed)
+def solve(
+    files: tuple[str, ...] = options.files(),
+    vary: str = option("--vary", required=True, metavar="KEY=FROM:TO[:N]", help="The key and its range, scanned at N values (default 17)."),
+    margin: float = option(
+        "--margin", type=click.FloatRange(0.0, 100.0, min_open=True), default=1.0, show_default=True, help="Capacity over demand."
+    ),
+    share: float = option(
+        "--share", type=click.FloatRange(0.0, 1.0, min_open=True), default=1.0, show_default=True, help="Share of the motions of a set."
+    ),
+    asked: ground.Demand = group(ground.Demand),
+    workers: int | None = options.workers(),
+) -> int:
+    """Find the values of a key from which each structure stands under a motion with a margin.
+
+    One row for each boundary in the range: the value, rounded to six digits on the side on which the structure stands, that side, and
+    capacity_demand of the document with this value as rocking check finds it. Under records the margin holds for a share of them. The
+    range is scanned first: two boundaries between neighbouring values of the scan may be missed. The equation is the governing one:
+    nonlinear for a known geometry in units (a_g, f_g, a record), linear on dimensionless axes and for stated parameters.
+    """
+    from ..responses.solving import boundaries
+    from ..structures.family import parse_variation
+
+    files, shaken = asked.several(files)
+    shaken = asked.of(shaken)
+    documents = options.documents_of(files)
+    shakes = shaken.needed()
+    varied = parse_variation(f"{vary}:{_SCAN}" if vary.count(":") == 1 else vary)
+    rows: list[dict[str, Any]] = []
+    remarks: list[str] = []
+    for document in documents:
+        given: dict[str, Any] = {"margin": margin, "share": share, "workers": workers, "progress": ProgressLine("solve", "values")}
+        found, told = boundaries(document, varied, shakes, **given)
+        for one in found:
+            row = one.record()
+            name, key, value = (row.pop(column) for column in ("structure", "key", "value"))
+            at = {"key": key, "value": value} if form() else {heading: f"{x:.6g}" for heading, x in one.shown.items()}
+            rows.append({"structure": name, **at, **row})
+        remarks += told
+    emit(rows, ("structure", "key", "value", "side", "capacity_demand"))
+    ground.note_demand(shakes)
+    for line in remarks:
+        note(line)
+    return 4 if shaken.unread else 0

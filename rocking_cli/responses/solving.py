@@ -1,0 +1,110 @@
+"""The values of a key of a document between which a structure stands under motions with a margin."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass
+from functools import cache
+from itertools import pairwise
+from typing import Any
+
+from ..documents.document import Document
+from ..dynamics.outcome import Outcome
+from ..envelopes.limit import Limit
+from ..motions import Motion
+from ..motions.grid import Grid
+from ..structures.family import Variation, family
+from .check import verdicts
+
+_DIGITS = 6  # significant digits of a boundary, which is rounded to the side that stands
+_BEYOND = 4.0  # times the demand and the margin: the reach of the search; capacities above it count as this one
+_EXACT = 1e-8  # of a boundary before it is rounded
+
+
+@dataclass(frozen=True)
+class Boundary:
+    """A value [SI] of a key beside which a structure stands; shown: the same in the unit of the range.
+
+    side: "stands above" or "stands below"; capacity_demand: that of the document with this value, by `check`; under a set of motions
+    the least of the required share.
+    """
+
+    structure: str
+    key: str
+    value: float
+    side: str
+    capacity_demand: float
+    shown: dict[str, float]
+
+    def record(self) -> dict[str, Any]:
+        """As `rocking solve --json` prints it."""
+        return {key: value for key, value in asdict(self).items() if key != "shown"}
+
+
+def boundaries(
+    document: Document,
+    varied: Variation,
+    shakes: Sequence[tuple[Motion, Grid]],
+    *,
+    margin: float = 1.0,
+    share: float = 1.0,
+    workers: int | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> tuple[list[Boundary], list[str]]:
+    """(every boundary between neighbouring values of `varied`, remarks): on one side of it the first overturning amplitude is at least
+    `margin` times the demand under this share of the motions. Boundaries closer than two values may be missed.
+
+    shakes: motions with grids of one cell, the demands; progress: called with the values done and all. Raises UsageError, DocumentError.
+
+    >>> (column,) = read_documents('configs/block.yaml')
+    >>> (found,), _ = boundaries(column, parse_variation('width=0.4:0.8:9'), [(sine(), parse_grid('a_g=0.4g,f_g=1'))])
+    >>> found.side, found.value, round(found.capacity_demand, 4)
+    ('stands above', 0.623121, 1.0)
+    """
+    from scipy.optimize import brentq
+
+    most = max(float(grid.amplitude.values[0]) for _, grid in shakes)
+    reach = Limit(_BEYOND * margin * most, shakes[0][1].amplitude.name == "a_g")
+    remarks: list[str] = []
+
+    @cache
+    def excess(value: float) -> float:
+        """The logarithm of capacity over demand and margin; nan if there is no such structure, or no verdict."""
+        (member,) = family(document, [varied._replace(values=(value,))])
+        if member.parameters is None:
+            remarks.append(f"no solution for {varied.key} = {value:g}: {member.fault}")
+            return math.nan
+        found = list(verdicts([(member.parameters, *shake) for shake in shakes], a_max=reach, workers=workers))
+        if any(v.outcome == Outcome.FAILED for v in found):
+            remarks.append(f"no verdict for {varied.key} = {value:g}")
+            return math.nan
+        capacities = sorted(
+            min(_BEYOND * margin, math.inf if (c := v.capacity_demand) is None else c, math.nextafter(1.0, 0.0) if v.falls else math.inf)
+            for v in found
+        )
+        return math.log(capacities[math.floor(len(capacities) * (1.0 - share) + 1e-9)] / margin)
+
+    def boundary(low: float, high: float, above: bool) -> Boundary:
+        exact, outwards = brentq(excess, low, high, xtol=_EXACT * abs(high), rtol=_EXACT), math.ceil if above else math.floor
+        for digits in range(_DIGITS, 16):  # the first that stands: close by there may be another boundary
+            unit = 10.0 ** (math.floor(math.log10(abs(exact) or 1.0)) - digits + 1)
+            value = min(high, max(low, float(f"{outwards(exact / unit) * unit:.{digits}g}")))
+            if excess(value) >= 0.0:
+                break
+        (member,) = family(document, [varied._replace(values=(value,))])
+        assert member.parameters is not None
+        name, side = member.parameters.name, "stands above" if above else "stands below"
+        capacity_demand = margin * math.exp(excess(value))
+        return Boundary(name[: name.rindex(f" {varied.key}=")], varied.key, member.varied[varied.key], side, capacity_demand, member.shown)
+
+    scanned = []
+    for i, value in enumerate(varied.values, 1):
+        scanned.append((value, excess(value)))
+        if progress is not None:
+            progress(i, len(varied.values))
+    found = [boundary(a, b, y >= 0.0) for (a, x), (b, y) in pairwise(scanned) if (x >= 0.0) != (y >= 0.0) and not math.isnan(x + y)]
+    if not found:
+        stands = {x >= 0.0 for _, x in scanned if not math.isnan(x)}
+        remarks.append(f"{'stands' if stands == {True} else 'does not stand'} with this margin at any value of the range")
+    return found, list(dict.fromkeys(remarks))
