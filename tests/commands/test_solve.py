@@ -24,35 +24,41 @@ def test_the_value_found_is_that_from_which_the_check_finds_the_margin(rocking, 
     assert float(table["width [cm]"]) == pytest.approx(100.0 * found["value"], rel=1e-12)
 
 
-def test_every_boundary_of_the_range_and_a_range_without_one(rocking, monkeypatch):
-    """Where the capacity is 1 + 0.1 (h - 2)(5 - h) of a height h, the body stands between 2 m and 5 m."""
+@pytest.fixture
+def judged(monkeypatch):
+    """A function that makes the capacity under each motion a function of the varied height."""
 
-    def judged(demands, **_):
-        ((structure, _, _),) = demands
-        h = structure.details["varied"]["height"]
-        return [SimpleNamespace(outcome=Outcome.ROCKED, falls=False, capacity_demand=1.0 + 0.1 * (h - 2.0) * (5.0 - h))]
+    def by(*capacities):
+        def verdicts(demands, **_):
+            heights = [structure.details["varied"]["height"] for structure, _, _ in demands]
+            found = [capacity(h) for capacity, h in zip(capacities, heights, strict=True)]
+            return [SimpleNamespace(outcome=Outcome.ROCKED, falls=False, capacity_demand=c) for c in found]
 
-    monkeypatch.setattr("rocking_cli.responses.solving.verdicts", judged)
+        monkeypatch.setattr("rocking_cli.responses.solving.verdicts", verdicts)
+
+    return by
+
+
+def test_every_boundary_of_the_range_and_a_range_without_one(rocking, judged):
+    def capacity(h: float) -> float:
+        return 1.0 + 0.1 * (h - 2.0) * (5.0 - h)
+
+    judged(capacity)
     call = ("solve", "block:0.6x1", *SHAKING, "--json", "--vary")
     low, high = rocking(*call, "height=1.3:6:5").records
     assert (low["side"], high["side"]) == ("stands above", "stands below")
     assert 2.0 <= low["value"] < 2.00002
     assert 4.99998 < high["value"] <= 5.0
-    assert low["capacity_demand"] == pytest.approx(1.0 + 0.1 * (low["value"] - 2.0) * (5.0 - low["value"]), rel=1e-12)
-    for span, said in (("height=3:4", "stands with this margin"), ("height=6:7", "does not stand with this margin")):
+    assert low["capacity_demand"] == pytest.approx(capacity(low["value"]), rel=1e-12)
+    for span, said in (("height=3:4", "stands with this margin"), ("height=6:6.5", "does not stand with this margin")):
         none = rocking(*call, span)
         assert (none.returncode, none.stdout) == (0, "")
         assert f"{said} at any value of the range" in none.stderr
 
 
-def test_a_share_of_the_records(rocking, tmp_path):
-    for n, peak in enumerate((2.0, 3.0)):
-        (tmp_path / f"r{n}.csv").write_text("".join(f"{0.3 * i:.1f},{peak * x}\n" for i, x in enumerate((0, 1, 1, 0, -1, -1, 0))))
-    records = ("--motion", "r0.csv", "r1.csv", "--unit", "m/s2", "--vary", "width=0.3:1.1:3", "--json")
-    every, half = (rocking("solve", "block:0.6x3", *records, *share).record for share in ((), ("--share", "0.5")))
-    for found, peak in ((every, 3.0), (half, 2.0)):
-        alone = ("check", f"block:{found['value']}x3", *records[:5], "--json")
-        capacities = sorted(row["capacity_demand"] for row in rocking(*alone).records)
-        assert capacities[peak == 2.0] == pytest.approx(1.0, abs=2e-6)
-        assert capacities[peak == 2.0] >= 1.0
-    assert half["value"] < every["value"]
+def test_a_share_of_the_records(rocking, judged):
+    judged(lambda h: h, lambda h: 0.5 * h, lambda h: 0.25 * h)
+    record = "configs/motions/synthetic.at2"
+    call = ("solve", "block:0.6x9", "--motion", record, record, record, "--vary", "height=0.8:9:7", "--margin", "1.5", "--json")
+    for share, value in (("1", 6.0), ("0.9", 6.0), ("0.66", 3.0), ("0.3", 1.5)):
+        assert rocking(*call, "--share", share).record["value"] == pytest.approx(value, rel=2e-6)
