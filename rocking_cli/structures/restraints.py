@@ -129,7 +129,7 @@ def restrained(
     crown, width: height and width of the body [m]; level: of its pivots above the ground [m]; inset: of its pivots [m]; radius: R of a
     body without an arm [m]; share: m g R over mass g R [-].
     """
-    mass, given = mass_of(document), [key for key in ("ties", "tendon", "dampers") if document.has(key)]
+    mass, given = mass_of(document) or body.details.get("mass"), [key for key in ("ties", "tendon", "dampers") if document.has(key)]
     if mass is None:
         raise document.missing("mass", f"the mass [kg], which {given[0]} need")
     both: tuple[Side | RockingParameters, ...] = body.sides or (body, body)

@@ -67,6 +67,14 @@ def test_the_tie_of_a_wall_lifts_at_the_acceleration_of_its_prestress():
     assert (body.p, body.alpha, body.uplift, body.eta) == (free.p, free.alpha, free.uplift, free.eta)
 
 
+def test_a_wall_has_its_mass_from_its_density_and_length():
+    found = built(WALL.replace("mass: 7200 kg", "density: 2 t/m3\nlength: 1 m") + f"ties:\n- {TIE}")
+    assert found.details["mass"] == pytest.approx(7200, rel=1e-14)
+    assert statics(found)["lambda"] == pytest.approx(statics(built(WALL + f"ties:\n- {TIE}"))["lambda"], rel=1e-13)
+    with pytest.raises(DocumentError, match="density: found density together with mass; expected one of them"):
+        built(WALL + "density: 2000\nlength: 1")
+
+
 @pytest.mark.parametrize("behind", [0.0, 0.4, -0.05])
 def test_the_moment_of_a_tie_is_that_of_its_anchor_moved_with_the_body(behind):
     tie = Tie(5.5, 2e6, 5e3, 20e3, 0.5, behind)

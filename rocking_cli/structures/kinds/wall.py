@@ -12,8 +12,13 @@ SIZES = ("thickness", "height")
 
 
 def body(document: Document) -> RigidBody:
-    """A wall from thickness, height, and length (only reported). Raises DocumentError."""
+    """A wall from thickness, height, and length; density and length give its mass. Raises DocumentError."""
     thickness, height = document.length("thickness"), document.length("height")
     details = {"length": document.length("length")} if document.has("length") else {}
+    if document.has("density"):
+        if document.has("mass"):
+            raise document.fault("density", "density together with mass", "one of them")
+        density = document.quantity("density", "density", above=0.0, where="a positive density")
+        details["mass"] = density * thickness * height * document.length("length")
     limit = "a wall thinner than 1.414 times its height"
     return rectangle_body(0.5 * math.hypot(thickness, height), math.atan2(thickness, height), limit=limit, details=details)
