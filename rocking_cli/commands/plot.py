@@ -24,6 +24,7 @@ def plot(
     over: str | None = option("--over", metavar="KEY[/KEY]", help="The axis of a family (default: the first key varied)."),
     log: str | None = option("--log", type=click.Choice(["x", "y", "xy"]), help="Logarithmic axes."),
     phase: bool = option("--phase", is_flag=True, help="The phase portrait of a response, with the separatrix."),
+    align: bool = option("--align", is_flag=True, help="Count the time of each response from its largest rotation."),
     animate: Path | None = option(
         "--animate", type=OutputPath(), metavar="OUT.gif", help="The body of a response in motion, in real time."
     ),
@@ -57,7 +58,7 @@ def plot(
     for flag, there in given.items():
         if there and not is_spectra_file(file):
             raise click.UsageError(f"{flag} goes with a spectra file (.h5)")
-    for flag, there in {"--over": over is not None, "--phase": phase, "--animate": animate is not None}.items():
+    for flag, there in {"--over": over is not None, "--phase": phase, "--align": align, "--animate": animate is not None}.items():
         if there and is_spectra_file(file):
             raise click.UsageError(f"{flag} goes with CSV, of {'a family (--vary)' if flag == '--over' else 'a response'}")
     if body is not None and animate is None:
@@ -95,6 +96,7 @@ def plot(
         units=units_of(),
         look=look,
         portrait=phase,
+        align=align,
         overwrite=overwrite,
         tell=note,
     )

@@ -37,15 +37,16 @@ DRAWN = "check, envelope, response, compare (curves), params (a family), fragili
 def draw(
     source: str | Path | Sequence[str | Path], target: str | Path | Axes, *, structure: str | None = None, cut: str | None = None,
     every: bool = False, over: str | None = None, log: str = "", units: Units | None = None, look: Look | None = None,
-    portrait: bool = False, overwrite: bool = True, tell: Callable[[str], None] | None = None,
+    portrait: bool = False, align: bool = False, overwrite: bool = True, tell: Callable[[str], None] | None = None,
 ) -> str | Axes | None:  # fmt: skip
     """Draw a file into a PNG, SVG or PDF; for a slice, return a sentence that states its value. Or into Axes, which are returned.
 
     source: a spectra file, or CSV (`-`: standard input), or the CSV of several responses; structure: name of the structure or record of
     a map, None for the first; cut: a slice of a spectra file, such as `Omega=5` or `f_g=1.5`; every: a panel for each structure; over:
     the abscissa of a family, `KEY` or `KEY/KEY`; log: x, y or xy; units: None for g and Hz; portrait: the phase portrait of a response;
-    overwrite: an existing file may be replaced; tell: called with the characters that the font lacks. Raises UsageError if the source
-    is another file or has nothing to draw, and OutputError if matplotlib is not installed or the figure cannot be written.
+    align: the time of each response counts from its largest rotation; overwrite: an existing file may be replaced; tell: called with the
+    characters that the font lacks. Raises UsageError if the source is another file or has nothing to draw, and OutputError if matplotlib
+    is not installed or the figure cannot be written.
 
     >>> _ = write_spectrum([dimensionless_oscillator(0.9)], sine(), parse_grid('A=1:8:50,Omega=4:5:2'), 'd.h5', workers=1)
     >>> draw('d.h5', 'slice.svg', cut='Omega=5')
@@ -71,7 +72,7 @@ def draw(
                 else:
                     axes = _places(figure, file, structure, every, shown)
         else:
-            axes = _table(figure, str(source), _rows(sources), shown, over, portrait)
+            axes = _table(figure, str(source), _rows(sources), shown, over, portrait, align)
         lines = [np.asarray(line.get_xydata()) for one in axes for line in one.get_lines()]
         if not any(one.collections or one.patches for one in axes) and not any(np.isfinite(x).all(axis=1).any() for x in lines):
             raise UsageError(f"{source}: holds nothing to draw")
@@ -158,7 +159,7 @@ TABLES: tuple[Kind, ...] = (
 """Columns and figure of each table; the first entry whose columns are all there applies."""
 
 
-def _table(figure: Figure, source: str, rows: Rows, units: Units, over: str | None, portrait: bool) -> list[Axes]:
+def _table(figure: Figure, source: str, rows: Rows, units: Units, over: str | None, portrait: bool, align: bool) -> list[Axes]:
     there = set(rows[0])
     if "event" in there:
         raise UsageError(f"{source}: found events; expected the time history, which rocking response prints without them")
@@ -166,7 +167,7 @@ def _table(figure: Figure, source: str, rows: Rows, units: Units, over: str | No
         if any(heading.startswith(curves.VARIED) for heading in there) and there & {"first_overturning_a", "A_from"}:
             return curves.least_amplitudes(figure, rows, units, over)
         kinds: tuple[Kind, ...] = (*TABLES, ({"p", "alpha", "eta", "lambda"}, partial(family, over=over)))
-        for wanted, kind in [(set(), phase)] if portrait else kinds:
+        for wanted, kind in [(set[str](), phase if portrait else partial(response, align=True))] if portrait or align else kinds:
             if wanted <= there:
                 return kind(figure, rows, units)
     except (ValueError, TypeError, KeyError) as error:

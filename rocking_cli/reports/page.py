@@ -46,7 +46,7 @@ from .figures.capacities import capacities
 from .figures.curves import fragility_curves
 from .figures.drawing import structure_axes
 from .figures.maps import outcome_map
-from .overview import OVERVIEW, capacity_left, overview_row, worst_of
+from .overview import OVERVIEW, capacity_left, demand_plainly, overview_row, worst_of
 from .relations import parameter_rows
 
 if TYPE_CHECKING:
@@ -140,8 +140,8 @@ def report(
     recordings = [one if isinstance(one, Recording) else Recording(one) for one in motions if isinstance(one, Recording | Record)]
     text = page(
         [Subject(document, s) for document, s in zip(documents, structures, strict=True)], verdicts, recordings=recordings,
-        pulse=None if recordings else shakes[0], demand=demand_in_words(shakes), command="rocking_cli.report", made=str(date.today()),
-        workers=workers, title=title, summary=summary, by_capacity=by_capacity,
+        pulse=None if recordings else shakes[0], demand=(demand_plainly if summary else demand_in_words)(shakes),
+        command="rocking_cli.report", made=str(date.today()), workers=workers, title=title, summary=summary, by_capacity=by_capacity,
     )  # fmt: skip
     with published(Path(target), overwrite) as file:
         file.write(text.encode())

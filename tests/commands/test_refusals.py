@@ -138,7 +138,7 @@ REFUSED = {
     ],
     "plot": [
         (2, "params.csv -o there.svg", "exists"),
-        (2, "foreign.csv -o x.png", "found the columns a, b; expected the CSV of check"),
+        (2, "foreign.csv -o x.png", "found the columns a, b; expected a table (--csv)"),
         (2, "params.csv -o x.bmp", "ends in .png"),
         (2, "params.csv --text", "spectra files"),
         (2, "params.csv --slice A=1 -o x.png", "--slice goes with a spectra file"),
@@ -148,6 +148,7 @@ REFUSED = {
         (2, "SPECTRUM --all --slice A=3 -o x.png", "--all and --slice do not go together"),
         (2, "SPECTRUM -o ''", "found an empty name"),
         (2, "SPECTRUM --phase -o x.png", "--phase goes with CSV, of a response"),
+        (2, "SPECTRUM --align -o x.png", "--align goes with CSV, of a response"),
         (2, "params.csv --phase -o x.png", "cannot be drawn: found no column theta_ratio"),
         (2, "params.csv --animate x.gif", "found no columns t and ground_acceleration"),
         (2, "params.csv --animate x.png", "ends in .gif"),

@@ -29,24 +29,33 @@ VARIED = "varied_"  # begins the columns of the varied values of check and envel
 _X = "over"  # a column for the abscissa of a family
 
 
-def response(figure: Figure, rows: Rows, units: Units) -> list[Axes]:
-    """Draw the rotation (a line for each file and equation), below it the forces if the rows have any, and the ground acceleration."""
+def response(figure: Figure, rows: Rows, units: Units, align: bool = False) -> list[Axes]:
+    """Draw the rotation (a line for each file and equation), below it the forces if the rows have any, and the ground acceleration.
+
+    align: the time of each file counts from its largest rotation, or from theta = alpha if the body overturns.
+    """
     x, y, ground = ("t", "theta", "ground_acceleration") if "t" in rows[0] else ("tau", "theta_ratio", "A")
     pushes = [c for c in rows[0] if c.startswith(("fx_ratio", "fz_ratio")) and not c.endswith("_after")]
     ratios = [3, *([1.5] if pushes else []), 1]
     axes, *between, below = figure.subplots(len(ratios), 1, sharex=True, height_ratios=ratios)
     files = groups(rows, SOURCE)
     for i, (source, some) in enumerate(files.items()):
+        at = values(some, x, units)
+        if align:
+            ratio = column(some, next(c for c in rows[0] if c.startswith("theta_ratio")))
+            at -= at[np.argmax(np.minimum(np.abs(ratio), 1.0))]
         for j, name in enumerate(c for c in rows[0] if re.fullmatch(f"{y}(_linear|_nonlinear)?", c)):
             model = name.removeprefix(y).strip("_")
             text = ", ".join([*map(literal, source), *([f"{model} equation"] if model else [])]) or "response"
             style = line_style(j) if len(files) == 1 else {"color": f"C{i}", "ls": DASHES[j]}
-            axes.plot(values(some, x, units), values(some, name, units), label=text, **style)
+            axes.plot(at, values(some, name, units), label=text, **style)
         style = {"color": "0.3" if len(files) == 1 else f"C{i}", "lw": 1.0}
-        below.plot(*with_jumps(values(some, x, units), values(some, ground, units)), **style)
+        below.plot(*with_jumps(at, values(some, ground, units)), **style)
     axes.set_ylabel(label(y, units))
     legend(axes)
-    below.set(xlabel=label(x, units), ylabel=label("ground_acceleration" if x == "t" else "A_s", units))
+    below.set(
+        xlabel=label(x, units) + ", 0 at the largest rotation" * align, ylabel=label("ground_acceleration" if x == "t" else "A_s", units)
+    )
     for one in between:
         for i, name in enumerate(pushes):
             style = {"color": "C2" if name[1] == "x" else "C3", "ls": DASHES[i // 2]}  # an equation has its dash of above

@@ -155,6 +155,8 @@ def test_several_responses_are_in_one_panel_with_a_dash_for_each_equation(drawn,
         f"t{t}, {m} equation": (f"C{i}", ls) for i, t in enumerate(("0.36", "0.44")) for m, ls in (("linear", "-"), ("nonlinear", "--"))
     }
     assert len(below.get_lines()) == 2
+    first = drawn(names, align=True).axes[0].get_lines()[0]  # comes back before alpha
+    assert np.abs(first.get_ydata()).argmax() == np.abs(first.get_xdata()).argmin()
     with pytest.raises(UsageError, match="several CSV of rocking response"):
         drawn([names[0], table(*SPIRES)[0]])
 
