@@ -10,7 +10,7 @@ from typing import NamedTuple, Self
 
 import numpy as np
 
-from ..motions.piece import Near
+from ..motions.motion import Near
 from ..motions.segments import Segments
 from .lanes import Array, Lanes
 

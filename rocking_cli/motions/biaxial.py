@@ -10,8 +10,7 @@ import numpy as np
 
 from ..errors import UsageError
 from .blocks import blocks
-from .motion import Motion, checked_scale
-from .piece import plus
+from .motion import Motion, checked_scale, plus
 from .polyline import Polyline
 
 

@@ -1,6 +1,6 @@
 """A motion: ground acceleration over its amplitude a_g, as exact pieces over the phase phi = omega_g t.
 
-One motion serves every frequency. For the s(phi) of a piece (see `piece`) the linear oscillator has a closed-form solution.
+One motion serves every frequency. For s(phi) of a `Piece` the linear oscillator has a closed-form solution.
 `Segments` cuts the pieces at the extremes of s. On a segment s is monotone, and so the engine can prove where roots are.
 """
 
@@ -10,21 +10,72 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 
 from ..errors import MotionError
-from .piece import Harmonic, Piece
 from .segments import Samples, Segments, largest_from
 
 LARGEST_SCALE = 1e100  # larger amplitudes may overflow
+
+
+@dataclass(frozen=True)
+class Harmonic:
+    """A sinusoid C sin(w phi + f): amplitude C [-], frequency w [multiples of omega_g], phase f [rad]."""
+
+    amplitude: float
+    frequency: float = 1.0
+    phase: float = 0.0
+
+
+@dataclass(frozen=True)
+class Piece:
+    """One piece of a motion between two phases [rad]: harmonics, constant c0 [-], slope c1 [1/rad]."""
+
+    start: float
+    stop: float
+    harmonics: tuple[Harmonic, ...] = ()
+    constant: float = 0.0
+    slope: float = 0.0
+
+    def value(self, phase: np.ndarray | float) -> np.ndarray:
+        """s(phase) [-], shape of `phase`."""
+        phase = np.asarray(phase, dtype=float)
+        total = self.constant + self.slope * (phase - self.start)
+        for h in self.harmonics:
+            total = total + h.amplitude * np.sin(h.frequency * phase + h.phase)
+        return np.asarray(total)
+
+    def scaled(self, factor: float) -> Piece:
+        """The piece times a factor."""
+        harmonics = tuple(replace(h, amplitude=factor * h.amplitude) for h in self.harmonics)
+        return Piece(self.start, self.stop, harmonics, factor * self.constant, factor * self.slope)
+
+
+def plus(a: Piece, b: Piece) -> Piece:
+    """The sum of two pieces; sinusoids of equal frequency become one."""
+    waves: dict[float, complex] = {}
+    for h in (*a.harmonics, *b.harmonics):
+        waves[h.frequency] = waves.get(h.frequency, 0.0) + h.amplitude * np.exp(1j * h.phase)
+    harmonics = tuple(Harmonic(float(abs(c)), w, float(np.angle(c))) for w, c in waves.items())
+    return Piece(a.start, a.stop, harmonics, a.constant + b.constant, a.slope + b.slope)
+
+
+class Near(NamedTuple):
+    """s - s_start and its first two derivatives by phase, (lanes,)."""
+
+    change: np.ndarray
+    rate: np.ndarray
+    bend: np.ndarray
 
 
 @dataclass(frozen=True, eq=False)
 class Motion:
     """A named motion: contiguous pieces from phase 0; the ground acceleration is a_g s(phi).
 
-    vertical: the vertical motion on the same pieces, positive upwards, over the same amplitude; None if there is none.
+    vertical: the vertical motion on the same pieces, positive upwards, over the same amplitude; None if there is none; acceleration: the
+    amplitude a_g of a record [m/s2], which runs in its own time (omega_g = 1 rad/s); None for any other motion.
 
     Raises MotionError if there is no piece, if pieces overlap or leave a gap, or if a number is not finite.
     """
@@ -32,11 +83,7 @@ class Motion:
     name: str
     pieces: Sequence[Piece]
     vertical: Motion | None = None
-
-    @property
-    def acceleration(self) -> float | None:
-        """The amplitude a_g of a record [m/s2], which runs in its own time (omega_g = 1 rad/s); None for any other motion."""
-        return None
+    acceleration: float | None = None
 
     @property
     def samples(self) -> Samples | None:
@@ -55,17 +102,17 @@ class Motion:
         for i, piece in enumerate(self.pieces):
             numbers = [piece.start, piece.stop, piece.constant, piece.slope]
             numbers += [x for h in piece.harmonics for x in (h.amplitude, h.frequency, h.phase)]
+            found = ""
             if not np.all(np.isfinite(numbers)):
-                raise MotionError(f"motion {self.name!r}: piece {i + 1} holds a number that is not finite")
-            if any(h.frequency <= 0.0 for h in piece.harmonics):
-                raise MotionError(f"motion {self.name!r}: piece {i + 1} has a frequency that is not positive")
-            if abs(piece.start - at) > 1e-12 * max(1.0, at):
-                raise MotionError(
-                    f"motion {self.name!r}: piece {i + 1} begins at {piece.start:g} rad, expected {at:g}: "
-                    "pieces must follow one another without gap or overlap"
-                )
-            if not piece.stop > piece.start:
-                raise MotionError(f"motion {self.name!r}: piece {i + 1} is empty or runs backwards")
+                found = "holds a number that is not finite"
+            elif any(h.frequency <= 0.0 for h in piece.harmonics):
+                found = "has a frequency that is not positive"
+            elif abs(piece.start - at) > 1e-12 * max(1.0, at):
+                found = f"begins at {piece.start:g} rad, expected {at:g}: pieces must follow one another without gap or overlap"
+            elif not piece.stop > piece.start:
+                found = "is empty or runs backwards"
+            if found:
+                raise MotionError(f"motion {self.name!r}: piece {i + 1} {found}")
             at = piece.stop
 
     @property

@@ -13,8 +13,7 @@ import numpy as np
 
 from ..documents.document import Document, Value
 from ..errors import DocumentError, MotionError
-from .motion import Motion
-from .piece import Harmonic, Piece
+from .motion import Harmonic, Motion, Piece
 from .polyline import Polyline
 from .pulses import MOST_CYCLES, TURN
 

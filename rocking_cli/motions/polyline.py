@@ -13,8 +13,7 @@ import numpy as np
 
 from ..errors import MotionError
 from .blocks import largest
-from .motion import Motion, checked_scale, upwards
-from .piece import Piece
+from .motion import Motion, Piece, checked_scale, upwards
 from .segments import Samples, Segments, line_segments
 
 if TYPE_CHECKING:
@@ -37,7 +36,6 @@ class Polyline(Motion):
     stop: Array
     constant: Array
     slope: Array
-    _acceleration: float | None
 
     def __init__(
         self, name: str, start: Array, stop: Array, constant: Array, slope: Array, acceleration: float | None = None,
@@ -50,13 +48,8 @@ class Polyline(Motion):
             raise MotionError(f"motion {name!r}: holds a number that is not finite")
         if not np.all(stop > start):
             raise MotionError(f"motion {name!r}: an interval is empty or runs backwards")
-        for key, value in {"name": name, **arrays, "_acceleration": acceleration, "vertical": vertical}.items():
+        for key, value in {"name": name, **arrays, "acceleration": acceleration, "vertical": vertical}.items():
             object.__setattr__(self, key, value)
-
-    @property
-    def acceleration(self) -> float | None:
-        """See `Motion.acceleration`."""
-        return self._acceleration
 
     @cached_property
     def pieces(self) -> Sequence[Piece]:

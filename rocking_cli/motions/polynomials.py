@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from .piece import Near
+from .motion import Near
 
 Array = np.ndarray
 

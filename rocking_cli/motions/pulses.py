@@ -13,8 +13,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import MotionError, did_you_mean
-from .motion import Motion
-from .piece import Harmonic, Piece
+from .motion import Harmonic, Motion, Piece
 
 MOST_CYCLES = 100_000
 TURN = 2.0 * np.pi

@@ -19,7 +19,7 @@ from functools import partial
 
 import numpy as np
 
-from .piece import Piece
+from .motion import Piece
 
 Array = np.ndarray
 

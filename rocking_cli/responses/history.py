@@ -26,8 +26,7 @@ from ..dynamics.single.march import march
 from ..dynamics.single.state import Listener
 from ..dynamics.system import System
 from ..motions.blocks import blocks
-from ..motions.motion import Motion
-from ..motions.piece import Piece
+from ..motions.motion import Motion, Piece
 from ..motions.segments import Segments
 
 Array = np.ndarray

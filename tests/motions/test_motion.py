@@ -1,4 +1,4 @@
-"""Motions: values, monotone segments, and what is refused."""
+"""Motions: values, monotone segments and their turning points, segments of many sinusoids as polynomials, and what is refused."""
 
 from __future__ import annotations
 
@@ -6,11 +6,15 @@ import math
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
-from rocking_cli import cosine, sine
+from rocking_cli import cosine, pulse, sine
+from rocking_cli.dynamics.drive import crossing, segment_value
 from rocking_cli.errors import MotionError
-from rocking_cli.motions import Harmonic, Motion, Piece
+from rocking_cli.motions import Harmonic, Motion, Piece, polynomials
 from rocking_cli.motions.polyline import Polyline
+from rocking_cli.motions.turning_points import isolated_extremes
 
 
 def test_sine_and_cosine_are_cut_at_their_extremes_without_rounding():
@@ -80,3 +84,113 @@ def test_the_extent_of_segments_is_that_of_each():
     for first, last, high, low in zip(k, to, largest, least, strict=True):
         ends = np.concatenate([segments.s_start[first:last], segments.s_end[first:last]])
         assert (high, low) == (ends.max(initial=-np.inf), ends.min(initial=np.inf))
+
+
+AT = 2.0 + 1e-3 * math.sqrt(2)
+
+
+@pytest.mark.parametrize("apart", [1e-2, 1e-3, 1e-4, 1e-6])
+def test_two_extremes_close_together_are_both_found(apart):
+    """s' = cos(phi - c) - cos(d/2) is positive for |phi - c| < d/2 only."""
+    piece = Piece(0.0, 6.0, (Harmonic(1.0, 1.0, -AT),), 0.0, -math.cos(apart / 2))
+    found = isolated_extremes(piece)
+    # A rate of rounding 1e-16 over its slope d/2 there; the cosine rounds its own roots by 1e-16 / d too.
+    assert found == pytest.approx([AT - apart / 2, AT + apart / 2], abs=1e-15 / apart + 1e-15)
+    segments = Motion("two", (piece,)).segments
+    rise = (segments.s_end - segments.s_start)[1]
+    assert rise == pytest.approx(apart**3 / 12.0, rel=1e-3, abs=2e-15)
+    assert len(segments) == 3
+
+
+@pytest.mark.parametrize("at", [0.5, AT, 3.0])
+def test_a_double_extreme_is_none(at):
+    """s' = 1 - cos(phi - c) touches zero: s rises throughout."""
+    piece = Piece(0.0, 6.0, (Harmonic(-1.0, 1.0, -at),), 0.0, 1.0)
+    assert isolated_extremes(piece).size == 0
+
+
+def test_a_triple_extreme_is_one():
+    """s' = sin^3(phi - c) = (3 sin - sin 3)/4 crosses zero with no slope, known to the cube root of its rounding."""
+    piece = Piece(0.0, 4.0, (Harmonic(-0.75, 1.0, math.pi / 2 - AT), Harmonic(1.0 / 12.0, 3.0, math.pi / 2 - 3.0 * AT)))
+    assert isolated_extremes(piece) == pytest.approx([AT], abs=1e-5)
+
+
+@given(
+    st.lists(st.floats(-1.0, 1.0), min_size=6, max_size=6),
+    st.lists(st.floats(-math.pi, math.pi), min_size=6, max_size=6),
+    st.floats(-0.5, 0.5),
+)
+def test_every_root_of_the_rate_is_found(amplitudes, phases, slope):
+    """With frequencies 1 ... 6 and z = exp(i phi) the rate is a polynomial in z over z^6: its roots of modulus one are the extremes."""
+    harmonics = tuple(Harmonic(c, float(n), f) for n, (c, f) in enumerate(zip(amplitudes, phases, strict=True), 1) if abs(c) > 1e-3)
+    if not harmonics:
+        return
+    piece = Piece(0.0, 2.0 * math.pi, harmonics, 0.0, slope)
+    polynomial = np.zeros(13, dtype=complex)
+    polynomial[6] = slope
+    for h in harmonics:
+        n = int(h.frequency)
+        polynomial[6 - n] += 0.5 * h.amplitude * n * np.exp(1j * h.phase)  # highest power first
+        polynomial[6 + n] += 0.5 * h.amplitude * n * np.exp(-1j * h.phase)
+    roots = np.roots(np.trim_zeros(polynomial))
+    circle = np.sort(np.angle(roots[np.abs(np.abs(roots) - 1.0) < 1e-9]) % (2.0 * math.pi))
+    close = np.abs(np.abs(roots) - 1.0) < 1e-3
+    apart = np.abs(roots[close, None] - roots[None, close])[~np.eye(int(close.sum()), dtype=bool)]
+    if (close.sum() != circle.size) or (apart < 1e-3).any() or (circle < 1e-6).any() or (circle > 2.0 * math.pi - 1e-6).any():
+        return  # what a companion matrix cannot tell
+    assert isolated_extremes(piece) == pytest.approx(circle, abs=1e-9)
+
+
+@pytest.mark.parametrize(("name", "extremes"), [("ricker-antisymmetric", 4), ("mavroeidis-papageorgiou", 6)])
+def test_pulses_turn_where_they_do(name, extremes):
+    assert len(pulse(name).segments) == extremes + 1
+
+
+TWO_TONES = Motion("two tones", (Piece(0.0, 5.0, (Harmonic(1.0), Harmonic(0.3, 7.0, 1.0)), 0.1, 0.2), Piece(5.0, 6.0, slope=-0.5)))
+MOTIONS = [pulse("ricker-symmetric"), pulse("ricker-antisymmetric"), pulse("mavroeidis-papageorgiou", gamma=3.3, phase=1.0), TWO_TONES]
+
+
+@pytest.mark.parametrize("motion", MOTIONS, ids=lambda m: m.name)
+def test_polynomials_are_the_sums_of_sinusoids_and_their_derivatives(motion):
+    segments = motion.segments
+    random = np.random.default_rng(1)
+    k = random.integers(0, len(segments), 3000)
+    u = random.uniform(0.0, 1.0, k.size) * segments.length[k]
+    u[:100] = 0.0
+    u[100:200] = segments.length[k[100:200]]
+    near = segments.table.near(k, u)
+    change, sin, cos = segment_value(segments, k, u)
+    w = segments.frequency[:, k]
+    assert np.abs(near.change - change).max() < 2e-15
+    assert np.abs(near.rate - (w * cos).sum(axis=0) - segments.slope[k]).max() < 1e-14
+    assert np.abs(near.bend + (w * w * sin).sum(axis=0)).max() < 5e-13
+
+
+@pytest.mark.parametrize("motion", MOTIONS, ids=lambda m: m.name)
+def test_crossings_are_where_the_drive_has_the_level(motion):
+    segments = motion.segments
+    random = np.random.default_rng(2)
+    rises = np.abs(segments.s_end - segments.s_start) > 1e-3
+    k = random.choice(np.flatnonzero(rises), 2000)
+    share = np.concatenate([10.0 ** -np.arange(1.0, 13.0), 1.0 - 10.0 ** -np.arange(1.0, 13.0), random.uniform(0.0, 1.0, 1976)])
+    level = segments.s_start[k] + share * (segments.s_end[k] - segments.s_start[k])
+    u = crossing(segments, k, level)
+    assert np.all((u >= 0.0) & (u <= segments.length[k]))
+    assert np.abs(segments.s_start[k] + segment_value(segments, k, u)[0] - level).max() < 3e-15
+    assert np.array_equal(u[:50], [crossing(segments, k[i : i + 1], level[i : i + 1])[0] for i in range(50)])  # each by itself
+
+
+def test_what_has_a_closed_form_has_no_table():
+    assert sine(3).segments.table is None
+    assert Motion("line", (Piece(0.0, 1.0, slope=1.0),)).segments.table is None
+
+
+def test_a_motion_of_too_many_patches_is_summed_term_by_term(monkeypatch):
+    monkeypatch.setattr(polynomials, "_MOST_PATCHES", 5)
+    segments = Motion(TWO_TONES.name, TWO_TONES.pieces).segments
+    assert segments.table is None
+    k = np.full(5, 1)
+    level = np.linspace(segments.s_start[1], segments.s_end[1], 7)[1:-1]
+    u = crossing(segments, k, level)
+    assert np.abs(segments.s_start[k] + segment_value(segments, k, u)[0] - level).max() < 1e-15
+    assert np.abs(u - crossing(TWO_TONES.segments, k, level)).max() < 1e-14

@@ -14,8 +14,7 @@ from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import TYPE_CHECKING, NamedTuple
 
-from ...motions.motion import Motion, extremes
-from ...motions.piece import Piece, plus
+from ...motions.motion import Motion, Piece, extremes, plus
 from ..outcome import FALLEN, Outcome
 from .extrapolation import Path, Point, Rate, path, step
 
