@@ -7,6 +7,7 @@ import re
 from collections.abc import Sequence
 
 from ..documents.quantities import DEFAULT_GRAVITY
+from ..dynamics.method import LINEAR
 from ..dynamics.outcome import Outcome
 from ..motions import Motion
 from ..motions.grid import Grid
@@ -50,7 +51,7 @@ def verdict_plainly(v: Verdict) -> str:
             said += f" Weaker shaking, from {first}, overturns it."
     if v.unsettled:
         said += " A change of the demand in its last digits changes this."
-    return said + " Its base would slide." * v.slides
+    return said + " Its base would slide." * v.slides + " This is by the linear equation alone." * (v.model == LINEAR.model)
 
 
 def capacity_left(v: Verdict) -> float:

@@ -188,6 +188,7 @@ def test_a_first_page_in_words_comes_before_the_details(rocking, tmp_path):
     ("changes", "said"),
     [
         ({}, "Stands: it rocks to 50 % of its critical angle."),
+        ({"model": "linear"}, "Stands: it rocks to 50 % of its critical angle. This is by the linear equation alone."),
         ({"first_overturning_a": 3.924}, "Stands: it rocks to 50 % of its critical angle. Weaker shaking, from 0.4 g, overturns it."),
         (
             {"outcome": Outcome.NO_UPLIFT, "unsettled": True},
@@ -199,11 +200,12 @@ def test_a_first_page_in_words_comes_before_the_details(rocking, tmp_path):
     ],
 )
 def test_a_verdict_in_a_sentence(changes, said):
-    assert verdict_plainly(replace(STANDS, demand_a=4.0, **changes)) == said
+    assert verdict_plainly(replace(STANDS, **{"model": "nonlinear", **changes})) == said
 
 
 def test_the_worst_of_several_motions_speaks_for_a_structure():
-    falls, failed = replace(STANDS, motion="1", outcome=Outcome.OVERTURNED_NO_IMPACT), replace(STANDS, motion="2", outcome=Outcome.FAILED)
+    falls = replace(STANDS, model="nonlinear", motion="1", outcome=Outcome.OVERTURNED_NO_IMPACT)
+    failed = replace(falls, motion="2", outcome=Outcome.FAILED)
     assert overview_row([STANDS, falls, STANDS])[1:3] == ("Falls: it overturns without impact. It falls under 1 of 3 motions.", "1")
     assert overview_row([STANDS, falls, failed])[2] == "2"
 
