@@ -31,6 +31,7 @@ Array = np.ndarray
 LONGEST_FINE = 200  # segments of a motion up to which the scan is as fine as an envelope's
 RATIO = 5e-3  # ratio of neighbouring amplitudes minus 1 of an envelope beyond that: a cell costs as much as a thousand of a pulse
 _COARSE, _FINE = 1e-3, 6e-5  # the same for a search for the lowest fall: everywhere, and in the tenth below a known fall
+_TRACED = 1e-6  # of the amplitude: boundaries under a record
 _STATED = 1e-4  # of the amplitude: narrower falls may be missed there
 _FINEST, _NEAREST = 5e-6, 0.997  # under a pulse with narrow falls: step, and reach of the search below each fall
 _NEAR, _ABOVE = 0.9, 1.05  # times the lowest fall: start of the fine search, and end of the count of falls
@@ -61,10 +62,10 @@ class Capacity:
 def capacity(structure: RockingParameters, motion: Motion, amplitude: float, omega: float, *, method: Method, a_max: float) -> Capacity:
     """The capacity of a structure at Omega [-] against a demand of A = `amplitude` [-], searched up to `a_max` and twice the demand.
 
-    Intervals narrower than `narrowest` may be missed, but not around the demand. Changes are traced to the last digits of an exact method,
-    otherwise to its tolerance. Raises UsageError if `amplitude` or `a_max` is above the limit of a scan.
+    Intervals narrower than `narrowest` may be missed, but not around the demand. Changes are traced as `tracing_width` says. Raises
+    UsageError if `amplitude` or `a_max` is above the limit of a scan.
     """
-    system, digits = method.system_of(structure), method.stated_tolerance or 4e-16
+    system, digits = method.system_of(structure), tracing_width(method, motion)
     lowest, top = system.least_uplift(motion), max(a_max, 2.0 * amplitude)
     if not top <= HIGHEST:
         raise UsageError(f"{structure.name}: found a search up to A = {top:.6g}; expected up to {HIGHEST:g}")
@@ -94,6 +95,11 @@ def capacity(structure: RockingParameters, motion: Motion, amplitude: float, ome
         first, dust = narrow.lowest_narrow(lowest, first)
     safe_to = found[-1] if above_demand else None
     return Capacity(first, safe_to if first is None or safe_to is None or first < amplitude else first, lowest, dust)
+
+
+def tracing_width(method: Method, motion: Motion) -> float:
+    """The relative width to which a boundary is traced: the last digits of an exact method or the tolerance, under a record 1e-6."""
+    return max(method.stated_tolerance or 4e-16, _TRACED if _long(motion) else 0.0)
 
 
 def narrowest(motion: Motion) -> str:

@@ -15,7 +15,7 @@ from ..dynamics.method import Method
 from ..dynamics.outcome import Outcome, falls
 from ..dynamics.response import response
 from ..envelopes.boundaries import Search
-from ..envelopes.capacity import LONGEST_FINE, RATIO
+from ..envelopes.capacity import LONGEST_FINE, RATIO, tracing_width
 from ..envelopes.intervals import in_turn
 from ..errors import UsageError
 from ..motions.grid import Axis
@@ -146,7 +146,7 @@ def _trace(structure: RockingParameters, measure: Measure, highest: float, metho
     long = len(member.motion.segments) > LONGEST_FINE
     search = Search(
         method.system_of(structure), member.motion, structure.eta, unit * highest ** (1.0 / measure.power),
-        ratio=RATIO if long else 0.0, digits=method.stated_tolerance or 4e-16, parts=_PARTS,
+        ratio=RATIO if long else 0.0, digits=tracing_width(method, member.motion), parts=_PARTS,
     )  # fmt: skip
     if not search.lowest < search.a_max:
         return []

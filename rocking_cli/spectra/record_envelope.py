@@ -16,7 +16,7 @@ import numpy as np
 from ..dynamics.method import Method, governing_method
 from ..dynamics.outcome import Outcome
 from ..envelopes.boundaries import Search, Steps
-from ..envelopes.capacity import RATIO
+from ..envelopes.capacity import RATIO, tracing_width
 from ..envelopes.intervals import A_MAX, BOTH, HIGHEST, NONE, SIGNS, frequency_axis, in_turn, structure_intervals, worse
 from ..envelopes.limit import Limit, limit_of
 from ..errors import UsageError
@@ -80,7 +80,7 @@ class Tracing:
     def searches(self, task: Task) -> list[Search]:
         """A search for each sign of the motion."""
         structure, motion = self.scene.structures[task.structure], self.scene.recordings[task.record].motion
-        system, digits = self.scene.method.system_of(structure), self.scene.method.stated_tolerance or 4e-16
+        system, digits = self.scene.method.system_of(structure), tracing_width(self.scene.method, motion)
         factors = (1.0,) if system.contact.alike else SIGNS[task.sign]
         motions = [motion if f > 0.0 else motion.scaled(f) for f in factors]
         most = self.limit(task.structure)

@@ -127,7 +127,7 @@ def test_the_lowest_fall_under_a_record_is_cut_to_its_last_digits():
 def test_a_scan_leads_to_the_fall_that_the_march_finds(dt, seed):
     motion, oscillator = shaken(noise(int(15.0 / dt), dt, seed), dt), dimensionless_oscillator(0.9)
     system = LINEAR.system_of(oscillator)
-    march = Falls.of(system, motion, 0.4, 0.9, 4e-16)
+    march = Falls.of(system, motion, 0.4, 0.9, 1e-6)
     march.seems = lambda a: ~safe(response(system, motion, a, 0.4, 0.9, peaks=False).outcome)
     found = capacity(oscillator, motion, 1.6, 0.4, method=LINEAR, a_max=4.0)
     assert found.first == pytest.approx(march.first(found.uplift, 4.0), rel=1e-15, abs=0)
