@@ -75,8 +75,13 @@ def predict_exactly(structure: RockingParameters, motion: Motion, shaking: Grid)
     edges = [edge for edge in ends if ends.count(edge) == 1]  # between two overturning modes there is no boundary
     nearest = min(edges, key=lambda edge: abs(edge - amplitude), default=None) if amplitude > 0.0 else None
     ratio = float(found.theta_ratio[0]) if np.isfinite(found.theta_ratio[0]) else None
+    si = {} if structure.dimensionless else {"a_g": float(structure.ground_acceleration(amplitude)), "omega_g": omega * structure.p}
     return {
-        **_record(structure, amplitude, omega),
+        "structure": structure.name,
+        "eta": structure.eta,
+        "A": amplitude,
+        "Omega": omega,
+        **si,
         "theta_max": None if ratio is None or structure.sides else ratio * structure.alpha,
         "theta_ratio": ratio,
         "outcome": Outcome(int(found.outcome[0])).flag,
@@ -99,17 +104,9 @@ def _interpolated(spectrum: SpectraFile, index: int, amplitude: float, omega: fl
     return float(across[0] * (1 - x) + across[-1] * x)
 
 
-def _record(structure: RockingParameters, amplitude: float, omega: float) -> dict[str, Any]:
-    units = {}
-    if not structure.dimensionless:
-        units = {"a_g": float(structure.ground_acceleration(amplitude)), "omega_g": omega * structure.p}
-    return {"structure": structure.name, "eta": structure.eta, "A": amplitude, "Omega": omega, **units}
-
-
 def _cell(axis: np.ndarray, value: float) -> tuple[list[int], float]:
     """The grid lines around a value, and its place between them."""
-    if axis.size == 1:
-        return [0], 0.0
-    low = int(np.clip(np.searchsorted(axis, value, side="right") - 1, 0, axis.size - 2))
-    place = float((value - axis[low]) / (axis[low + 1] - axis[low]))
-    return ([low], 0.0) if place == 0.0 else ([low + 1], 0.0) if place == 1.0 else ([low, low + 1], place)
+    low = int(np.searchsorted(axis, value, side="right")) - 1
+    if axis[low] == value:
+        return [low], 0.0
+    return [low, low + 1], float((value - axis[low]) / (axis[low + 1] - axis[low]))

@@ -52,8 +52,7 @@ class Band(NamedTuple):
 
     def cells(self) -> Array:
         """A, Omega and eta of each cell."""
-        every = [np.broadcast_to(x, self.shape).ravel() for x in (self.amplitude, self.omega, self.structure.eta)]
-        return np.stack(every)
+        return np.stack([np.broadcast_to(x, self.shape).ravel() for x in (self.amplitude, self.omega, self.structure.eta)])
 
 
 class Cell(NamedTuple):

@@ -158,13 +158,7 @@ def spectrum_of(scene: Scene, options: SweepOptions | None = None) -> Spectrum:
 
 
 def write_spectrum(
-    structures: Sequence[RockingParameters],
-    motion: Motion,
-    grid: Grid,
-    path: str | Path,
-    *,
-    method: Method | None = None,
-    **options: Any,
+    structures: Sequence[RockingParameters], motion: Motion, grid: Grid, path: str | Path, *, method: Method | None = None, **options: Any
 ) -> Summary:
     """Compute a spectrum of structures under a pulse and stream it into an HDF5 file.
 

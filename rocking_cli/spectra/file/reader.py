@@ -111,10 +111,9 @@ class SpectraFile(ExitStack[None]):
 
     def motion(self) -> Motion:
         """The ground motion of a spectrum of a pulse. Raises OutputError, UsageError for one of records."""
-        if self.frame.of_records:
-            raise UsageError(f"{self.path}: found spectra of records; expected the spectrum of a pulse")
-        if "vertical" in self.scene:
-            raise UsageError(f"{self.path}: found a vertical motion; expected the spectrum of a horizontal pulse alone")
+        if self.frame.of_records or "vertical" in self.scene:
+            found = "spectra of records" if self.frame.of_records else "a vertical motion"
+            raise UsageError(f"{self.path}: found {found}; expected the spectrum of a pulse, which is horizontal alone")
         try:
             name, pieces = self.scene["motion"]
             return Motion(name, tuple(Piece(**{**p, "harmonics": tuple(Harmonic(**h) for h in p["harmonics"])}) for p in pieces))
