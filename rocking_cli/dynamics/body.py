@@ -64,6 +64,11 @@ class Body:
         return all(scale == 1.0 for scale in self.a_scale)
 
     @property
+    def alike(self) -> bool:
+        """True if one edge stands for both, or is the only one."""
+        return len(self.alpha) == 1
+
+    @property
     def edges(self) -> tuple[Edge, ...]:
         """The numbers of each edge."""
         pairs = zip(self.alpha, self.kappa, strict=True)
@@ -71,7 +76,7 @@ class Body:
 
     def on(self, side: Array) -> Edge:
         """The numbers of the edges of these sides, +1 right and -1 left."""
-        if len(self.alpha) == 1:
+        if self.alike:
             return self.edges[0]
         return Edge(*(np.where(side > 0.0, right, left) for right, left in zip(*self.edges, strict=True)))
 
@@ -98,8 +103,9 @@ class Body:
             return edge.alpha - np.sqrt(np.maximum(edge.alpha**2 - square, 0.0))
         return edge.alpha - np.arccos(np.minimum(np.cos(edge.alpha) + 0.5 * square, 1.0))
 
-    def pressed(self, edge: Edge, push: Array, turn: Array, sway: Array | float = 0.0) -> Array:
-        """True where Fz > 0 is proved for pushes up to `push` [g] of either sign, |theta| up to `turn` [rad] and weights of 1 -+ sway."""
+    def pressed(self, edge: Edge, push: Array, turn: Array, sway: Array | float = 0.0, fastest: Array | float = np.inf) -> Array:
+        """True where Fz > 0 is proved for pushes up to `push` [g] of either sign, |theta| up to `turn` and u' up to `fastest` [rad], and
+        weights of 1 -+ sway."""
         light, heavy, alpha = 1.0 - sway, 1.0 + sway, edge.alpha
         lowest = alpha - turn
         kept = (light > 0.0) & (lowest >= _LOWEST)
@@ -116,7 +122,7 @@ class Body:
                 square = 2.0 * (heavy * (np.cos(bottom) - np.cos(down)) + push * (np.sin(high) - np.sin(lowest)))
                 still = light * (1.0 - edge.kappa * sin * sin) - edge.kappa * push * sin * cos
             slowed = 2.0 * self.damping * turn
-            speed = slowed + np.sqrt(slowed**2 + np.maximum(square, 0.0))
+            speed = np.minimum(slowed + np.sqrt(slowed**2 + np.maximum(square, 0.0)), fastest)
             kept &= still - edge.kappa * (speed * speed * cos + 2.0 * self.damping * speed * sin) > 0.0
         return kept
 

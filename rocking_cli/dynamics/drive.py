@@ -125,7 +125,8 @@ def place(segments: Segments, k: Array, u: Array) -> tuple[Array, Array]:
         over = over[u[over] >= segments.length[k[over]]]
         u[over] -= segments.length[k[over]]
         k[over] += 1
-        u[over[k[over] == len(segments)]] = 0.0
+    ended = segments.ended(k)
+    k[ended], u[ended] = len(segments), 0.0
     return k, u
 
 

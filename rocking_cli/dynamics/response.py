@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..motions.motion import Motion
+from ..motions.segments import Chain
 from .equations.linear import LinearEquation
 from .lanes import Array
 from .march.batch import Batch
@@ -17,7 +18,7 @@ from .outcome import Outcome, Work, safe
 from .system import System
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Sequence
 
     from .observers.observer import Observer
 
@@ -89,7 +90,7 @@ def _marched(
 ) -> Run:
     """The finished run of a batch of these cells, with those that lost the ground. jumps: False if the observers have to see the arcs or
     Taylor steps of every lane."""
-    stepper, pool = _stepper_of(system, motion, pool, jumps)
+    stepper, pool = _stepper_of(system, [motion], pool, jumps)
     watched: Array | bool = False
     if system.body is not None:
         from .observers.contact_loss import ContactLoss
@@ -105,12 +106,14 @@ def _marched(
     return run
 
 
-def _stepper_of(system: System, motion: Motion, pool: int | None, jumps: bool) -> tuple[Callable[[Run], Stepper], int | None]:
-    """(the stepper of a run, the number of lanes that it advances together)."""
-    samples, weighed = motion.coarsest.samples, motion.vertical is not None
-    if samples is None or (weighed and not jumps):
+def _stepper_of(system: System, motions: Sequence[Motion], pool: int | None, jumps: bool) -> tuple[Callable[[Run], Stepper], int | None]:
+    """(the stepper of a run under these motions, the number of lanes that it advances together)."""
+    samples = [found for motion in motions if (found := motion.coarsest.samples) is not None]
+    weighed = motions[0].vertical is not None
+    if len(samples) < len(motions) or (weighed and not jumps):
         return WindowStepper, pool
-    if jumps and not weighed and motion.samples is not None and system.equation.bounded:  # linear, undamped, under equal steps: exact
+    equal = all(motion.samples is not None for motion in motions)
+    if jumps and not weighed and equal and system.equation.bounded:  # linear, undamped, under equal steps: exact
         from .samples.exact import LANES, ExactStepper
 
         return partial(ExactStepper, samples=samples), pool or LANES
@@ -119,9 +122,11 @@ def _stepper_of(system: System, motion: Motion, pool: int | None, jumps: bool) -
     return partial(WeighedTaylorStepper if weighed else TaylorStepper, samples=samples), pool or LANES
 
 
-def that_left_the_ground(system: System, motion: Motion, cells: Cells, doubtful: Array, theta_ratio: Array | None) -> Array:
+def that_left_the_ground(
+    system: System, motion: Motion, cells: Cells, doubtful: Array, theta_ratio: Array | None, fastest: Array | None = None
+) -> Array:
     """Indices of those `doubtful` cells, of bodies that rock and survive, that lose the ground. Cells are marched once more if neither
-    their amplitude nor their rotation, if it is given, proves that they press on the ground."""
+    their amplitude nor their rotation and largest |d theta/d tau| [rad], where they are given, prove that they press on the ground."""
     if system.own:
         ends = np.cumsum([count for _, count in system.own])
         found = []
@@ -138,7 +143,7 @@ def that_left_the_ground(system: System, motion: Motion, cells: Cells, doubtful:
     loss = ContactLoss(system.body, Batch.of(system, segments, *cells, peaks=False), np.inf)
     at = np.flatnonzero(loss.open & doubtful)
     if theta_ratio is not None:
-        at = at[~loss.pressed(at, theta_ratio[at])]
+        at = at[~loss.pressed(at, theta_ratio[at], None if fastest is None else fastest[at])]
     batch = Batch.of(system, segments, *_of(cells, at), peaks=False)
     watch = ContactLoss(system.body, batch, 1.0)
     again = Run(batch, observers=[watch] if watch.any else [])
@@ -179,6 +184,27 @@ def response_with_speed(system: System, motion: Motion, amplitude: Array, omega:
     speed = PeakSpeed(batch)
     run = _marched(system, motion, cells, batch, speed, jumps=motion.vertical is None)
     return _response(run, shape), np.where(safe(run.outcome), speed.speed.largest, np.nan).reshape(shape)
+
+
+def response_under_records(
+    system: System, records: Sequence[Motion], which: Array, amplitude: Array, omega: Array, eta: Array
+) -> tuple[Response, Array]:
+    """`response_with_speed` of each cell under the record with its number in `which`, (cells,), but for bodies that lose the ground: every
+    record must be `chains`. The cells of all records share the pool."""
+    from .observers.peak_speed import PeakSpeed
+
+    chain = Chain.of([record.coarsest.segments for record in records])
+    batch = Batch.of(system, chain, amplitude, omega, eta, first=chain.first[which])
+    speed = PeakSpeed(batch)
+    stepper, pool = _stepper_of(system, records, None, True)
+    run = Run(batch, pool, stepper, [speed])
+    run.all()
+    return _response(run, amplitude.shape), np.where(safe(run.outcome), speed.speed.largest, np.nan)
+
+
+def chains(system: System, motion: Motion) -> bool:
+    """True for a record at equal steps, without a vertical one, under which the cells of an undamped system may share a run with others."""
+    return motion.vertical is None and motion.samples is not None and not system.equation.damping
 
 
 def upright(outcome: Array) -> Array:

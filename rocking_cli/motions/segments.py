@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -75,6 +76,10 @@ class Segments:
     def force_at_impact(self, _side: np.ndarray, _amplitude: np.ndarray, _k: np.ndarray, _u: np.ndarray, b: np.ndarray) -> np.ndarray:
         """The force on bodies at the ground; b: that force under a constant weight."""
         return b
+
+    def ended(self, k: np.ndarray) -> np.ndarray:
+        """True where the motion is over at the start of segment k."""
+        return k >= len(self)
 
     def hardest(self, side: np.ndarray, amplitude: np.ndarray, k: np.ndarray) -> np.ndarray:
         """The strongest inward drive from segment k on, over the least weight to come; infinite where that is none."""
@@ -202,6 +207,34 @@ class Segments:
         """Bounds of |ds/dphase| [1/rad] and |d2s/dphase2| [1/rad2]."""
         size, w = np.hypot(self.sin, self.cos), self.frequency
         return float(((size * w).sum(axis=0) + np.abs(self.slope)).max()), float((size * w * w).sum(axis=0).max())
+
+
+@dataclass(frozen=True)
+class Chain(Segments):
+    """The segments of several motions behind one another, each followed by still ground without an end; first: of each motion."""
+
+    first: np.ndarray
+
+    @classmethod
+    def of(cls, motions: Sequence[Segments]) -> Chain:
+        """The chain of these motions."""
+        rested = [one.followed_by_rest(np.inf) for one in motions]
+        columns = {f.name: np.concatenate([getattr(one, f.name) for one in rested], axis=-1) for f in fields(Segments)}
+        return cls(**columns, first=np.cumsum([0, *map(len, rested[:-1])]))
+
+    @cached_property
+    def _still(self) -> np.ndarray:
+        """The still ground behind the motion of each segment, (K + 1,)."""
+        return np.append(np.repeat(np.append(self.first[1:], len(self)) - 1, np.diff(self.first, append=len(self))), 0)
+
+    def ended(self, k: np.ndarray) -> np.ndarray:
+        """True also on the still ground between two motions."""
+        return np.asarray(k >= self._still.take(k))
+
+    def next_beyond(self, k: np.ndarray, above: np.ndarray, below: np.ndarray) -> np.ndarray:
+        """The first one within the motion of segment k."""
+        found = super().next_beyond(k, above, below)
+        return np.where(found < self._still.take(k), found, len(self))
 
 
 class Samples(NamedTuple):

@@ -100,6 +100,21 @@ def test_rocking_spectra_over_alpha_and_size(records, eta):
     assert found.velocity_ratio[0, 1] == pytest.approx(speed * ALPHAS.values[1], rel=1e-14, nan_ok=True)
 
 
+@pytest.mark.parametrize("method", [Method(), Method("nonlinear")])
+def test_records_share_a_run_and_are_those_of_each_alone(method):
+    """Of other lengths, steps and peaks, one with its samples far apart."""
+    steps = {"a": (70, 0.02), "b": (300, 0.005), "c": (24, 0.8), "d": (33, 0.03)}
+    several = [recorded(wave(count, 4.0 + count % 7), dt, name) for name, (count, dt) in steps.items()]
+    axes = Axis("alpha", np.radians([6.0, 20.0, 50.0])), Axis("T", np.linspace(0.6, 9.0, 9))
+    together, *alone = (
+        spectrum_of(angles_scene(*axes, x, 0.6, method), SweepOptions(workers=1, check=0)) for x in (several, *zip(several))
+    )
+    for i, one in enumerate(alone):
+        for name in ("theta_ratio", "outcome", "impacts", "velocity_ratio"):
+            np.testing.assert_array_equal(getattr(together, name)[i], getattr(one, name)[0])
+    assert len(set(together.outcome.flat)) > 3
+
+
 def test_blocks_of_all_angles_go_in_one_run_and_are_those_of_each_alone():
     short = (recording("a", 18, 6.0),)
     scene, own = (angles_scene(Axis("alpha", x), PERIODS, short, 0.5, NONLINEAR) for x in (ALPHAS.values, ALPHAS.values[1:]))

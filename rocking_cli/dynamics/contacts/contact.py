@@ -54,9 +54,9 @@ class Contact(ABC):
     def other_side(self, lanes: Lanes) -> OtherSide | None:
         """The side on which lanes land at their next impact; None for the same side."""
 
-    def strongest(self, cells: Cells, segments: Segments) -> Array:
-        """The motion's strongest drive of each cell over its value at uplift: above 1 the body lifts off, (cells,)."""
-        return np.maximum(cells.amplitude[0] * -segments.later_min[0], cells.amplitude[-1] * segments.later_max[0])
+    def strongest(self, cells: Cells, segments: Segments, first: Array | int = 0) -> Array:
+        """The strongest drive of each cell from segment `first` on over its value at uplift: above 1 the body lifts off, (cells,)."""
+        return np.maximum(cells.amplitude[0] * -segments.later_min[first], cells.amplitude[-1] * segments.later_max[first])
 
     def uplift(self, cells: Cells, segments: Segments, cell: Array, k: Array, u: Array) -> Uplift:
         """The first uplift of bodies at rest at (k, u), on to either edge."""
@@ -167,9 +167,9 @@ class OneSided(Contact):
             raise ValueError("eta of a one-sided body must be within (-1, 0]")
         return Cells((amplitude / equation.uplift_amplitude)[None], omega[None], np.abs(eta)[None])
 
-    def strongest(self, cells: Cells, segments: Segments) -> Array:
+    def strongest(self, cells: Cells, segments: Segments, first: Array | int = 0) -> Array:
         """-A min s: only a ground acceleration towards the backing lifts it."""
-        return cells.amplitude[0] * -segments.later_min[0]
+        return cells.amplitude[0] * -segments.later_min[first]
 
     def uplift(self, cells: Cells, segments: Segments, cell: Array, k: Array, u: Array) -> Uplift:
         """The first instant with -A s > 1."""

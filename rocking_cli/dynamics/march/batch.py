@@ -58,27 +58,31 @@ class FreeFall:
 @dataclass(frozen=True)
 class Batch:
     """Cells on one kind of body. segments: of the motion, followed by still ground where damping leaves the free motion without a closed
-    form; shaken: the segment from which on the ground is still; peaks: True if the largest rotations are wanted; most_steps: after so many
-    a cell is given up."""
+    form; first: the segment with which the motion of each cell begins; shaken: the one from which on the ground is still; peaks: True if
+    the largest rotations are wanted; most_steps: after so many a cell is given up."""
 
     equation: Equation
     contact: Contact
     cells: Cells
     segments: Segments
+    first: Array
     shaken: int
     peaks: bool
     free_fall: FreeFall | None
     most_steps: int
 
     @classmethod
-    def of(cls, system: System, segments: Segments, amplitude: Array, omega: Array, eta: Array, peaks: bool = True) -> Batch:
+    def of(
+        cls, system: System, segments: Segments, amplitude: Array, omega: Array, eta: Array, peaks: bool = True, first: Array | None = None
+    ) -> Batch:
         """Cells (A, Omega, eta), each (cells,), of a system under a motion. Raises ValueError when an eta does not fit the contact."""
         equation, shaken = system.equation, len(segments)
         cells = system.contact.cells(equation, amplitude, omega, eta)
         if equation.damping and omega.size:
             segments = segments.followed_by_rest(SETTLING * (1.0 + 3.0 * equation.damping) * float(cells.omega.max()))
         free_fall = FreeFall.of(segments, cells, shaken)
-        return cls(equation, system.contact, cells, segments, shaken, peaks, free_fall, MAX_STEPS + 40 * shaken)
+        first = np.zeros(omega.size, dtype=np.int64) if first is None else first
+        return cls(equation, system.contact, cells, segments, first, shaken, peaks, free_fall, MAX_STEPS + 40 * shaken)
 
     @property
     def size(self) -> int:

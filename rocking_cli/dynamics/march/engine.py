@@ -58,7 +58,7 @@ class WindowStepper:
         """Bodies that are hardly lifted bounce longest, so they begin."""
         run, batch = self.run, self.run.batch
         if waiting.size > run.pool:
-            lift = batch.contact.strongest(batch.cells, batch.segments)[waiting]
+            lift = batch.contact.strongest(batch.cells, batch.segments, batch.first)[waiting]
             waiting = waiting[np.argsort((255.0 - 255.0 / lift).astype(np.uint8), kind="stable")]  # of bytes it takes a pass each
         lanes, taken = run.start(waiting[:0]), 0
         with np.errstate(all="ignore"):
@@ -91,22 +91,21 @@ class Run:
     def all(self) -> None:
         """Run every cell to its end, once."""
         batch = self.batch
-        lifts = batch.contact.strongest(batch.cells, batch.segments) > 1.0
+        lifts = batch.contact.strongest(batch.cells, batch.segments, batch.first) > 1.0
         waiting, still = np.flatnonzero(lifts), np.flatnonzero(~lifts)
-        start, never = np.zeros(still.size, dtype=np.int64), np.full(still.size, len(batch.segments))
-        zero = np.zeros(still.size)
+        zero, never = np.zeros(still.size), np.full(still.size, len(batch.segments))
         to = (never, zero) if batch.free_fall is None else batch.free_fall.sooner(still, Uplift(never, zero, zero, zero))
         for observer in self.observers:
-            observer.rest(still, start, zero, *to)
+            observer.rest(still, batch.first[still], zero, *to)
         self.work += Work(no_uplift=still.size)
         self.stepper(self).march(waiting)
 
     def start(self, cell: Array) -> Lanes:
         """Bodies at rest, taken to their first uplift; k is the number of segments where there is none."""
-        zero, first_segment, count = (np.zeros(cell.size, dtype=kind) for kind in (np.float64, np.int64, np.int32))
-        first, to = self.batch.rests_until(cell, first_segment, zero)
+        zero, count, begin = np.zeros(cell.size), np.zeros(cell.size, dtype=np.int32), self.batch.first[cell]
+        first, to = self.batch.rests_until(cell, begin, zero)
         for observer in self.observers if cell.size else ():
-            observer.rest(cell, first_segment, zero, *to)
+            observer.rest(cell, begin, zero, *to)
         peak = np.full(cell.size, 0.0 if self.batch.peaks else np.inf)  # infinite: nothing that comes can matter to it
         row = self.batch.cells.row(first.side)
         amplitude, omega, eta = (values[row, cell] for values in self.batch.cells)

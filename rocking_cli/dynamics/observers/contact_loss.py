@@ -27,6 +27,7 @@ from ..march.batch import Batch
 from .observer import Arcs, Observer
 
 _ROOM = 0.25  # of the bound of a speed; a longer stretch has none
+_MARGIN = 1.01  # times a speed that was found to 1e-6: a bound of it
 _HALVINGS = 30  # a stretch this short in which Fz is positive wherever it was looked at only touches zero
 
 
@@ -97,12 +98,15 @@ class ContactLoss(Observer):
         self.any = bool(self.watched.any())
         self._lost = np.zeros(self.watched.size, dtype=bool)
 
-    def pressed(self, at: Array, theta_ratio: Array) -> Array:
-        """True for those of these cells whose largest rotation proves that they pressed on the ground throughout."""
+    def pressed(self, at: Array, theta_ratio: Array, fastest: Array | None = None) -> Array:
+        """True for those of these cells whose largest rotation and u' [rad], if it is known, prove that they pressed on the ground."""
         kept = np.ones(at.size, dtype=bool)
         for i, (edge, ratio) in enumerate(zip(self.body.edges, self.sway, strict=True)):
             push = self.batch.cells.amplitude[i, at] * (edge.uplift * self.across[0])
-            kept &= push <= self.body.safe_at(i, edge.alpha * theta_ratio, ratio)
+            proved = push <= self.body.safe_at(i, edge.alpha * theta_ratio, ratio)
+            if fastest is not None and self.body.alike:
+                proved |= self.body.pressed(edge, push, edge.alpha * theta_ratio, ratio * push, _MARGIN * fastest)
+            kept &= proved
         return kept
 
     def arcs(self, arcs: Arcs) -> None:

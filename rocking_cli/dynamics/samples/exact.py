@@ -75,21 +75,23 @@ class Stretches(NamedTuple):
         return self.low.take(face + self.start.take(level) + (n >> self.shift.take(level)))
 
 
-def stretches(samples: Array, levels: int) -> Stretches:
-    """The bounds of samples s (n,), for stretches of 1, 2, 4 ... 2^(levels - 1) intervals; on the right edge the outward drive is -s."""
-    last = samples.size - 1
-    slack = SLACK * largest(samples)
+def stretches(motions: Sequence[Array], levels: int) -> Stretches:
+    """The bounds of the samples s (n,) of motions, for stretches of 1, 2, 4 ... 2^(levels - 1) intervals; on the right edge the outward
+    drive is -s. Those of a motion take as much room as those of the longest one."""
     shift = np.maximum(0, np.arange(levels, dtype=np.int64) - _FINE)
-    sizes = last // (1 << shift) + 1
+    sizes = (max(samples.size for samples in motions) - 1) // (1 << shift) + 1
     start = np.cumsum(sizes) - sizes
-    low = np.empty((2, int(sizes.sum())), dtype=np.float32)
-    for side, outward in zip(low, (-samples, samples), strict=True):
-        least = (outward - slack).astype(np.float32)
-        for level in range(levels):
-            reach = 1 << max(level - 1, 0)  # from the front: what comes later has not changed yet
-            least[:-reach] = np.minimum(least[:-reach], least[reach:])
-            side[start[level] : start[level] + sizes[level]] = np.minimum.reduceat(least, np.arange(0, last + 1, 1 << int(shift[level])))
-    return Stretches(low.ravel(), start, shift, low.shape[1])
+    low = np.empty((len(motions), 2, int(sizes.sum())), dtype=np.float32)
+    for own, samples in zip(low, motions, strict=True):
+        last, slack = samples.size - 1, SLACK * largest(samples)
+        for side, outward in zip(own, (-samples, samples), strict=True):
+            least = (outward - slack).astype(np.float32)
+            for level in range(levels):
+                reach = 1 << max(level - 1, 0)  # from the front: what comes later has not changed yet
+                least[:-reach] = np.minimum(least[:-reach], least[reach:])
+                found = np.minimum.reduceat(least, np.arange(0, last + 1, 1 << int(shift[level])))
+                side[start[level] : start[level] + found.size] = found
+    return Stretches(low.ravel(), start, shift, low.shape[2])
 
 
 @dataclass
@@ -106,20 +108,25 @@ class ExactLanes(PooledLanes):
 class ExactStepper(SampleStepper[ExactLanes]):
     """The way of a run of the undamped linear oscillator through a record."""
 
-    def __init__(self, run: Run, samples: Samples) -> None:
+    def __init__(self, run: Run, samples: Sequence[Samples]) -> None:
         super().__init__(run, samples)
-        self.stretches = stretches(self.samples, 1 + math.ceil(math.log2(self.last)))
+        self.sizes = np.array([one.size for one in self.values])
+        self.stretches = stretches(self.values, 1 + math.ceil(math.log2(self.sizes.max() - 1)))
+        self.face = 2 * self.stretches.face * self.motion
         self.rows = np.zeros(self.cells.omega.shape, dtype=np.int64)
 
     def shares(self, waiting: Array) -> Iterator[Array]:
-        """Cells of few frequencies together, so that their tables stay small."""
-        paces, which = np.unique(self.step / self.cells.omega[:, waiting], return_inverse=True)
-        which = which.reshape(-1, waiting.size)
-        order = np.argsort(which[0], kind="stable")
-        for some in _cut(order, which[0][order], max(1, _TABLES // (16 * len(which) * self.samples.size))):
+        """Cells of few motions and frequencies together, so that their tables stay small."""
+        pairs = self.motion[waiting] + 1j * (self.step[waiting] / self.cells.omega[:, waiting])
+        tables, which = np.unique(pairs, return_inverse=True)
+        motion, which = tables.real.astype(np.int64), which.reshape(-1, waiting.size)
+        order, begin = np.argsort(which[0], kind="stable"), np.cumsum(self.sizes[motion]) - self.sizes[motion]
+        for some in _cut(order, begin[which[0][order]], _TABLES // (16 * len(which))):
             mine, row = np.unique(which[:, some], return_inverse=True)
-            self.bounded = bounded_response(self.samples, paces[mine]).ravel()
-            self.rows[:, waiting[some]] = row.reshape(len(which), -1) * self.samples.size
+            of = [(self.values[i], tables.imag[mine[motion[mine] == i]]) for i in np.unique(motion[mine]).tolist()]
+            self.bounded = np.concatenate([bounded_response(values, paces).ravel() for values, paces in of])
+            begins = np.cumsum(self.sizes[motion[mine]]) - self.sizes[motion[mine]]
+            self.rows[:, waiting[some]] = begins[row].reshape(len(which), -1) - self.first[waiting[some]]
             yield np.sort(waiting[some])
 
     def launch(self, lanes: PooledLanes) -> ExactLanes:
@@ -138,7 +145,7 @@ class ExactStepper(SampleStepper[ExactLanes]):
         inside = lanes.u > 0.0
         lanes.row = self.rows[self.cells.row(lanes.side), lanes.cell]
         there = self.equation.flow(self.segments, lanes).at((lanes.pace - lanes.u / lanes.omega) * inside)
-        bounded = self.bounded.take(lanes.row + np.minimum(lanes.k + inside, self.last))
+        bounded = self.bounded.take(lanes.row + np.minimum(lanes.k + inside, self.last.take(lanes.cell)))
         y, v = there.y - 1.0 - lanes.outward * bounded.real, there.v - lanes.outward * bounded.imag
         lanes.up, lanes.down = 0.5 * (y + v), 0.5 * (y - v)
         fall = (lanes.v + np.sqrt(lanes.v * lanes.v - 2.0 * lanes.b * lanes.y)) / -lanes.b
@@ -151,20 +158,23 @@ class ExactStepper(SampleStepper[ExactLanes]):
 
     def can_jump(self, lanes: ExactLanes) -> Array:
         """True for lanes that do not bounce within this interval."""
-        return (lanes.k < self.last) & ((lanes.y > 0.0) | (2.0 * lanes.v * lanes.omega >= -lanes.b * (self.step - lanes.u)))
+        ahead = self.step.take(lanes.cell) - lanes.u
+        return (lanes.k < self.last.take(lanes.cell)) & ((lanes.y > 0.0) | (2.0 * lanes.v * lanes.omega >= -lanes.b * ahead))
 
     def jump(self, lanes: ExactLanes, at: Array, many: bool) -> Array:
         """Try some propagations. A lane stops where one is not proved."""
         own, go = lanes.take(at), np.ones(at.size, dtype=bool)
         drive, pace, top = own.outward, own.pace, self._top(own.pace)
+        first, last, face, per_step = (x.take(own.cell) for x in (self.first, self.last, self.face, 1.0 / self.step))
+        face += (drive > 0.0) * self.stretches.face
         for _ in range(_ROUNDS):
-            least = np.abs(drive) * self.stretches.at((drive > 0.0) * self.stretches.face, own.level, own.k)  # outward drive
+            least = np.abs(drive) * self.stretches.at(face, own.level, own.k - first)  # outward drive
             time, fall = horizon(own.y, own.v, least)
-            past = own.u * (1.0 / self.step)  # samples since the start of the interval
-            ahead = np.fmin(past + time * (_SURELY / pace), np.minimum(np.left_shift(1, own.level), self.last - own.k))
+            past = own.u * per_step  # samples since the start of the interval
+            ahead = np.fmin(past + time * (_SURELY / pace), np.minimum(np.left_shift(1, own.level), last - own.k))
             go &= ahead >= 1.0
             count = np.where(go, ahead, 1.0).astype(np.int64)
-            to = np.minimum(own.k + count, self.last)
+            to = np.minimum(own.k + count, last)
             grown = np.exp((count - (own.u > 0.0)) * pace)  # where u is 0 the modes belong to this sample, else to the next
             up, down, bounded = own.up * grown, own.down / grown, self.bounded.take(own.row + to)
             y, v = drive * bounded.real + (up + down) + 1.0, drive * bounded.imag + (up - down)
@@ -179,7 +189,7 @@ class ExactStepper(SampleStepper[ExactLanes]):
             for name, value in {"k": to, "u": 0.0, "y": y, "v": v, "peak": peak, "up": up, "down": down}.items():
                 setattr(own, name, np.where(moved, value, getattr(own, name)))
             own.level = np.where(go, level, own.level)
-            go &= own.k < self.last
+            go &= own.k < last
             if np.count_nonzero(go) * _FEW < at.size:
                 break
         lanes.put(at, own)
@@ -204,8 +214,9 @@ class ExactStepper(SampleStepper[ExactLanes]):
 
     def _strongest(self, lanes: ExactLanes, at: Array) -> Array:
         """Upper bound of the outward drive over the stretches of these lanes."""
-        drive = lanes.outward[at]
-        return -np.abs(drive) * self.stretches.at((drive < 0.0) * self.stretches.face, lanes.level[at], lanes.k[at])
+        drive, cell = lanes.outward[at], lanes.cell[at]
+        face = self.face.take(cell) + (drive < 0.0) * self.stretches.face
+        return -np.abs(drive) * self.stretches.at(face, lanes.level[at], lanes.k[at] - self.first.take(cell))
 
 
 def horizon(y: Array, v: Array, least: Array) -> tuple[Array, Array]:

@@ -6,7 +6,7 @@ Subclasses say how far a lane can jump: `exact.ExactStepper` and `taylor_steps.T
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Generic, TypeVar
 
@@ -37,14 +37,19 @@ Pooled = TypeVar("Pooled", bound=PooledLanes)
 class SampleStepper(ABC, Generic[Pooled]):
     """The way of a run along the samples of a record."""
 
-    def __init__(self, run: Run, samples: Samples) -> None:
-        self.run, self.samples, self.gains = run, samples.values, gains(samples.values)
-        self.equation, self.cells, self.segments = run.batch.equation, run.batch.cells, run.batch.segments
-        self.step, self.last = samples.step, samples.values.size - 1
+    def __init__(self, run: Run, samples: Sequence[Samples]) -> None:
+        """samples: of each motion in the segments. Of each cell: its motion, the first and the last sample, the step."""
+        self.run, self.equation, self.cells, self.segments = run, run.batch.equation, run.batch.cells, run.batch.segments
+        self.values = [one.values for one in samples]
+        self.samples, self.gains = np.concatenate(self.values), np.concatenate([gains(one) for one in self.values])
+        ends = np.cumsum([one.size for one in self.values])
+        self.motion = np.searchsorted(ends, run.batch.first, side="right")
+        self.first, self.last = run.batch.first, ends[self.motion] - 1
+        self.step = np.array([one.step for one in samples])[self.motion]
 
     def march(self, waiting: Array) -> None:
         """March cells of like pace together; from window to window if samples are far apart."""
-        pace = (self.step / self.cells.omega[:, waiting]).max(axis=0)
+        pace = (self.step[waiting] / self.cells.omega[:, waiting]).max(axis=0)
         WindowStepper(self.run).march(waiting[pace > LONGEST])
         waiting, pace = waiting[pace <= LONGEST], pace[pace <= LONGEST]
         with np.errstate(all="ignore"):
@@ -61,7 +66,7 @@ class SampleStepper(ABC, Generic[Pooled]):
 
     def can_jump(self, lanes: Pooled) -> Array:
         """True for lanes that may try to jump."""
-        return (lanes.u == 0.0) & (lanes.k < self.last)
+        return (lanes.u == 0.0) & (lanes.k < self.last.take(lanes.cell))
 
     def order(self, lanes: Pooled, at: Array) -> Array:
         """The indices `at`, those together that jump alike."""
@@ -73,7 +78,7 @@ class SampleStepper(ABC, Generic[Pooled]):
 
     def after_round(self, lanes: Pooled) -> None:
         """Renew the numbers of lanes in the pool after a round of the march."""
-        lanes.pace, lanes.outward = self.step / lanes.omega, -lanes.side * lanes.amplitude
+        lanes.pace, lanes.outward = self.step.take(lanes.cell) / lanes.omega, -lanes.side * lanes.amplitude
 
     def _advance(self, waiting: Array) -> None:
         """Advance these cells, as many at once as the pool holds, until all are done."""
@@ -109,12 +114,14 @@ class SampleStepper(ABC, Generic[Pooled]):
         """The lanes of these cells at their first uplift."""
         lanes = self.run.start(cells)
         lanes.k, lanes.u = place(self.segments, lanes.k, lanes.u)
-        return self.launch(PooledLanes(**vars(lanes), pace=self.step / lanes.omega, outward=-lanes.side * lanes.amplitude, slot=slot))
+        pace = self.step.take(lanes.cell) / lanes.omega
+        return self.launch(PooledLanes(**vars(lanes), pace=pace, outward=-lanes.side * lanes.amplitude, slot=slot))
 
     def _careful(self, lanes: Pooled) -> Pooled:
         """A round of the march for lanes that cannot jump."""
-        past = lanes.k >= len(self.segments)
+        past = self.segments.ended(lanes.k)
         if past.any():  # undamped, at the end of the shaking
+            lanes.k[past] = len(self.segments)
             ended = lanes.take(np.flatnonzero(past))
             failed = ~np.isfinite(ended.y)
             self.run.finish(ended, np.flatnonzero(failed), Outcome.FAILED, np.nan)

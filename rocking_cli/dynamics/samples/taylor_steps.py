@@ -6,6 +6,7 @@ Lemma 12 proves that it holds no impact and no peak above the highest one; other
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -34,17 +35,18 @@ class SteppingLanes(PooledLanes):
 class TaylorStepper(SampleStepper[SteppingLanes]):
     """The way of a run of any equation from sample to sample of a record."""
 
-    def __init__(self, run: Run, samples: Samples) -> None:
+    def __init__(self, run: Run, samples: Sequence[Samples]) -> None:
         super().__init__(run, samples)
-        self.steepest = largest(self.gains)
+        self.steepest = np.array([largest(gains(one)) for one in self.values])[self.motion]
 
     def launch(self, lanes: PooledLanes) -> SteppingLanes:
         """Lanes with the degree of their series."""
-        return SteppingLanes(**vars(lanes), degree=self._degree(lanes.amplitude, lanes.pace))
+        return SteppingLanes(**vars(lanes), degree=self._degree(lanes))
 
-    def _degree(self, amplitude: Array, pace: Array) -> Array:
+    def _degree(self, lanes: PooledLanes) -> Array:
         """Degree of the series of lanes, for speeds that rocking usually has."""
-        return degrees(2.0 + amplitude * np.maximum(2.0, self.steepest / pace), pace, self.equation.tolerance)
+        drive = lanes.amplitude * np.maximum(2.0, self.steepest.take(lanes.cell) / lanes.pace)
+        return degrees(2.0 + drive, lanes.pace, self.equation.tolerance)
 
     def order(self, lanes: SteppingLanes, at: Array) -> Array:
         """Lanes of like degree together, whose series have no rows of zeros."""
@@ -52,14 +54,14 @@ class TaylorStepper(SampleStepper[SteppingLanes]):
 
     def can_jump(self, lanes: SteppingLanes) -> Array:
         """True for lanes at a sample, and inside an interval just after an impact."""
-        return ((lanes.u == 0.0) | (lanes.v > 0.0)) & (lanes.k < self.last)
+        return ((lanes.u == 0.0) | (lanes.v > 0.0)) & (lanes.k < self.last.take(lanes.cell))
 
     def jump(self, lanes: SteppingLanes, at: Array, many: bool) -> Array:
         """Take some Taylor steps, the first one to the next sample. A lane stops where a step is not proved."""
         names = "cell", "side", "k", "u", "y", "v", "peak", "pace", "outward", "degree"
         cell, side, k, u, y, v, peak, pace, outward, degree = (getattr(lanes, name).take(at) for name in names)
-        go, equation, past = np.ones(at.size, dtype=bool), self.equation.on(side, cell), u / self.step
-        factors, last = factors_for(pace, degree), degree * at.size + np.arange(at.size)
+        go, equation, past = np.ones(at.size, dtype=bool), self.equation.on(side, cell), u / self.step.take(cell)
+        factors, last, end = factors_for(pace, degree), degree * at.size + np.arange(at.size), self.last.take(cell)
         for n in range(_STEPS if many else _NARROW):
             ramp = self._ramp(k, outward, pace, factors)
             if n == 0 and past.any():
@@ -71,7 +73,7 @@ class TaylorStepper(SampleStepper[SteppingLanes]):
             y, v, peak = np.where(go, end_y, y), np.where(go, end_v, v), np.where(go, np.maximum(peak, end_y), peak)
             k += go
             u *= ~go
-            go &= k < self.last
+            go &= k < end
             if not go.any():
                 break
         lanes.k[at], lanes.u[at], lanes.y[at], lanes.v[at], lanes.peak[at] = k, u, y, v, peak
@@ -121,13 +123,13 @@ class TaylorStepper(SampleStepper[SteppingLanes]):
         """The degree too is that of the edge that a lane is on."""
         super().after_round(lanes)
         if len(self.cells.amplitude) > 1:
-            lanes.degree = self._degree(lanes.amplitude, lanes.pace)
+            lanes.degree = self._degree(lanes)
 
 
 class WeighedTaylorStepper(TaylorStepper):
     """A `TaylorStepper` for bodies whose weight varies; samples: the horizontal ones."""
 
-    def __init__(self, run: Run, samples: Samples) -> None:
+    def __init__(self, run: Run, samples: Sequence[Samples]) -> None:
         super().__init__(run, samples)
         segments = run.batch.segments.weighed
         self.share, upwards = segments.share, segments.vertical
@@ -142,9 +144,11 @@ class WeighedTaylorStepper(TaylorStepper):
             waiting = self.run.end_free_fall(self.run.start(waiting)).cell
         super().march(waiting)
 
-    def _degree(self, amplitude: Array, pace: Array) -> Array:
+    def _degree(self, lanes: PooledLanes) -> Array:
         """Terms grow with the root of the weight."""
-        drive, sway = amplitude * np.maximum(2.0, self.steepest / pace), max(abs(x) for x in self.share) * amplitude
+        amplitude, pace = lanes.amplitude, lanes.pace
+        drive = amplitude * np.maximum(2.0, self.steepest.take(lanes.cell) / pace)
+        sway = max(abs(x) for x in self.share) * amplitude
         added = sway * self.highest
         weight = np.maximum(added, sway * self.steepest_up / pace)
         return degrees(2.0 + drive + weight, pace * np.sqrt(1.0 + added), self.equation.tolerance)

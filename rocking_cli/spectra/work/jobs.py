@@ -17,7 +17,15 @@ import numpy as np
 
 from ...dynamics.method import LINEAR
 from ...dynamics.outcome import Difference, Outcome, Work, difference
-from ...dynamics.response import Response, response, response_with_demands, response_with_speed, that_left_the_ground
+from ...dynamics.response import (
+    Response,
+    chains,
+    response,
+    response_under_records,
+    response_with_demands,
+    response_with_speed,
+    that_left_the_ground,
+)  # fmt: skip
 from ...motions import Motion
 from ...processes import Run, processes
 from ...structures.parameters import RockingParameters
@@ -74,44 +82,64 @@ class Job:
     @property
     def together(self) -> int:
         """The number of units in one batch, which fills the engine's pool; they are one system."""
-        if not (self.scene.method.exact and self.scene.one_system):
+        one_run = len({self.scene.runs_with(structure) for structure in self.scene.structures}) == 1
+        if not (one_run and (self.scene.method.exact or self.pooled)):
             return 1
         return max(1, TOGETHER // (self.chunk[0] * self.chunk[1]))
+
+    @property
+    def pooled(self) -> bool:
+        """True if cells under several records may share a run."""
+        return self.scene.of_records and self.quantities == ("velocity_ratio",)
 
     def answer(self, item: Item) -> list[Report] | Answer:
         """The reports of some units, or the reference of a cell."""
         return self.run(item) if isinstance(item, list) else reference(self.scene, item)
 
     def run(self, units: Sequence[Unit]) -> list[Report]:
-        """Compute some units. Bands of one system under one motion form one batch; with forces also of one body."""
+        """Compute some units. Bands of one system under one motion, or under records that chain, form one batch; with forces also of one
+        body."""
         scene = self.scene
         _, rows, columns = scene.shape
         bands = [list(scene.bands(u, (min(self.chunk[0], rows - u.row), min(self.chunk[1], columns - u.column)))) for u in units]
         batches: dict[Any, list[Band]] = {}
         for band in chain.from_iterable(bands):
             body = scene.method.body_of(band.structure) if self.forces else None
-            batches.setdefault((id(band.motion), scene.runs_with(band.structure), body), []).append(band)
+            shared = self.pooled and chains(scene.method.system_of(band.structure), band.motion)
+            batches.setdefault((None if shared else id(band.motion), scene.runs_with(band.structure), body), []).append(band)
         found: dict[int, list[Block]] = {}
         work = Work()
-        for batch in batches.values():
-            whole, cells, own = self.together_of(batch)
+        for key, batch in batches.items():
+            cells, shared = np.concatenate([band.cells() for band in batch], axis=1), key[0] is None
+            whole, own = self.under_records(batch, cells) if shared else self.together_of(batch, cells)
             work += own
-            found |= {id(band): blocks for band, blocks in zip(batch, self.cut(batch, whole, cells), strict=True)}
+            blocks = self.cut(batch, whole, cells, shared or scene.method.exact)
+            found |= {id(band): of_each for band, of_each in zip(batch, blocks, strict=True)}
         works = chain([work], repeat(Work()))
         return [self.report(unit, [found[id(band)] for band in own], w) for unit, own, w in zip(units, bands, works, strict=False)]
 
-    def cut(self, batch: Sequence[Band], whole: Block, cells: np.ndarray) -> Iterator[list[Block]]:
-        """The blocks of each band of a batch, for each of its sharers."""
+    def cut(self, batch: Sequence[Band], whole: Block, cells: np.ndarray, doubtful: bool) -> Iterator[list[Block]]:
+        """The blocks of each band of a batch, for each of its sharers; doubtful: their cells may have lost the ground."""
         last = 0
         for band in batch:
             first, last = last, last + band.size
             block = {name: x[first:last].reshape(band.shape) for name, x in whole.items()}
-            yield [self._standing(sharer, band.motion, cells[:, first:last], block) for sharer in band.sharers]
+            yield [self._standing(s, band.motion, cells[:, first:last], block) if doubtful else block for s in band.sharers]
 
-    def together_of(self, batch: Sequence[Band]) -> tuple[Block, np.ndarray, Work]:
-        """(the variables of all cells of bands under one motion, their A, Omega and eta, the work)."""
+    def under_records(self, batch: Sequence[Band], cells: np.ndarray) -> tuple[Block, Work]:
+        """(the variables of all cells (A, Omega, eta) of bands of one system under several records, the work)."""
+        counts, structures = [band.size for band in batch], [band.structure for band in batch]
+        system = replace(self.scene.method.system_of_cells(structures, counts), body=None, own=())
+        numbers: dict[int, int] = {}
+        which = np.repeat([numbers.setdefault(id(band.motion), len(numbers)) for band in batch], counts)
+        records = list({id(band.motion): band.motion for band in batch}.values())
+        got, rate = response_under_records(system, records, which, *cells)
+        rate *= np.repeat([s.alpha for s in structures], counts)
+        return {"theta_ratio": got.theta_ratio, "outcome": got.outcome, "impacts": got.impacts, "velocity_ratio": rate}, got.work
+
+    def together_of(self, batch: Sequence[Band], cells: np.ndarray) -> tuple[Block, Work]:
+        """(the variables of all cells (A, Omega, eta) of bands under one motion, the work)."""
         method, motion, counts, structures = self.scene.method, batch[0].motion, [b.size for b in batch], [b.structure for b in batch]
-        cells = np.concatenate([band.cells() for band in batch], axis=1)
         system = method.system_of_cells(structures, counts)
         if method.exact and not self.forces:
             system = replace(system, body=None, own=())  # structures that share rotations have different bodies
@@ -140,14 +168,13 @@ class Job:
             linear = response(LINEAR.system_of_cells(structures, counts), motion, *cells)
             beside |= {"theta_ratio_linear": linear.theta_ratio, "outcome_linear": linear.outcome}
             beside["difference"] = difference(got.outcome, linear.outcome)
-        return {"theta_ratio": got.theta_ratio, "outcome": got.outcome, "impacts": got.impacts, **beside}, cells, got.work
+        return {"theta_ratio": got.theta_ratio, "outcome": got.outcome, "impacts": got.impacts, **beside}, got.work
 
     def _standing(self, structure: RockingParameters, motion: Motion, cells: np.ndarray, block: Block) -> Block:
-        """The block of one of the structures that share it, with its own lost contact if the linear equation lets it leave the ground."""
-        if not self.scene.method.exact:
-            return block
+        """The block of one of the structures that share it, with its own lost contact."""
         doubtful, system = block["outcome"].ravel() == Outcome.ROCKED, self.scene.method.system_of(structure)
-        gone = that_left_the_ground(system, motion, (cells[0], cells[1], cells[2]), doubtful, block["theta_ratio"].ravel())
+        theta_ratio, fastest = (block[name].ravel() if name in block else None for name in ("theta_ratio", "velocity_ratio"))
+        gone = that_left_the_ground(system, motion, (cells[0], cells[1], cells[2]), doubtful, theta_ratio, fastest)
         if gone.size:
             block = {name: x.copy() for name, x in block.items()}
             block["outcome"].flat[gone] = Outcome.LOST_CONTACT

@@ -63,7 +63,7 @@ def test_the_work_follows_the_impacts_and_not_the_samples():
     amplitude, omega = cells(60, 8)
     rounds = []
     for motion in (shaken(samples, 0.02), shaken(fine, 0.005)):
-        stepper, eta = partial(ExactStepper, samples=motion.samples), np.full(60, 0.9)
+        stepper, eta = partial(ExactStepper, samples=[motion.samples]), np.full(60, 0.9)
         run = Run(Batch.of(System(LinearEquation()), motion.segments, amplitude, omega, eta), LANES, stepper)
         run.all()
         rounds.append(run.work.steps)
@@ -103,7 +103,7 @@ def test_each_bound_is_below_its_stretch_and_not_below_a_stretch_a_quarter_longe
     samples = np.random.default_rng(count).standard_normal(count)
     slack = SLACK * np.abs(samples).max()
     levels = 1 + int(np.ceil(np.log2(count)))
-    bounds = stretches(samples, levels)
+    bounds = stretches([samples], levels)
     n = np.arange(count)
     for face, outward in ((0, -samples), (bounds.face, samples)):
         for level in range(levels):

@@ -133,7 +133,7 @@ def test_lemma_12_a_step_that_is_taken_holds_no_impact_and_no_higher_peak(equati
     random, count = np.random.default_rng(3), 4000
     motion = shaken(RECORDS[0], 0.04)
     one = np.ones(1)
-    stepper = TaylorStepper(Run(Batch.of(System(equation), motion.segments, one, one, one)), motion.samples)
+    stepper = TaylorStepper(Run(Batch.of(System(equation), motion.segments, one, one, one)), [motion.samples])
     unit = 10.0 ** random.uniform(-2.5, -0.3, count)
     y, v = 10.0 ** random.uniform(-5.0, 0.0, count), random.uniform(-1.0, 1.0, count) * 10.0 ** random.uniform(-3.0, 0.0, count)
     drive, gain = random.uniform(-4.0, 4.0, (2, count))
