@@ -21,7 +21,7 @@ _MOST_NAMES = 12
 _OF_THE_RUN = ("output", "overwrite", "resume", "shard", "scheduler", "workers", "quiet", "form", "json_")  # what changes no cell
 
 
-@command("rocking info towers.h5 --verify", printed)
+@command("rocking spectrum --eta 0.9 --grid A=0.5:8:20,Omega=1:6:20 -o map.h5 && rocking info map.h5 --verify", printed)
 def info(
     files: tuple[str, ...] = argument(nargs=-1, type=InputPath(), required=True, metavar="FILE..."),
     verify: bool = option("--verify", is_flag=True, help="Check every chunk against its checksum."),

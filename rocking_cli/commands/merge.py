@@ -12,7 +12,10 @@ from .printing import note, quiet, warn
 MOST = 20  # missing shards in the message
 
 
-@command("rocking merge part-1.h5 part-2.h5 -o whole.h5", quiet)
+_SHARD = "rocking spectrum --eta 0.9 --grid A=0.5:8:200,Omega=1:6:200 --chunk 20000"
+
+
+@command(f"{_SHARD} --shard 1/2 -o 1.h5 && {_SHARD} --shard 2/2 -o 2.h5 && rocking merge 1.h5 2.h5 -o whole.h5", quiet)
 def merge(
     files: tuple[str, ...] = argument(nargs=-1, type=InputPath(), required=True, metavar="FILE..."),
     output: Path = options.output(required=True, help="The HDF5 file to write."),

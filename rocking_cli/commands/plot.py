@@ -12,7 +12,7 @@ from .parameter_types import InputPath, OutputPath
 from .printing import note, quiet, units, units_of
 
 
-@command("rocking plot slice.h5 --text", quiet, units)
+@command("rocking spectrum --eta 0.9 --grid A=0.5:8:40,Omega=1:6:40 -o map.h5 && rocking plot map.h5 --text", quiet, units)
 def plot(
     files: tuple[Path, ...] = argument(nargs=-1, required=True, type=click.Path(path_type=Path), metavar="FILE..."),
     output: Path | None = options.output(help="The figure: .png, .svg or .pdf."),

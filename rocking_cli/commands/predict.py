@@ -7,8 +7,10 @@ from .command import argument, command, group, option
 from .parameter_types import InputPath
 from .printing import emit, note, printed
 
+_SPECTRUM = "rocking params configs/block.yaml --json | rocking spectrum - --grid A=0.5:6:50,Omega=1:10:50 -o block.h5"
 
-@command("rocking predict shared.h5 configs/block.yaml --a-g 0.35g --f-g 1.5", printed)
+
+@command(f"{_SPECTRUM} && rocking predict block.h5 configs/block.yaml --a-g 0.35g --f-g 1.5", printed)
 def predict(
     spectrum: str = argument(type=InputPath()),
     files: tuple[str, ...] = options.files(),

@@ -45,9 +45,11 @@ def test_a_topic_is_its_page(rocking, topic):
 
 @pytest.mark.parametrize("name", PAGES)
 def test_what_a_page_shows_runs_in_order(rocking, tmp_path, name):
-    """On axes of at most nine values, whatever a page shows."""
+    """On axes of at most nine values, whatever a page shows; no line of a table is longer than a terminal of 100 columns."""
     for line in re.findall(r"^    (rocking .*)$", page(name), re.MULTILINE):
-        shell(rocking, re.sub(r"(:[\d.]+g?:)\d\d+\b", r"\g<1>9", line), tmp_path)
+        shown = shell(rocking, re.sub(r"(:[\d.]+g?:)\d\d+\b", r"\g<1>9", line), tmp_path)
+        if not re.search(r"--(json|csv|documents)|convert", line):
+            assert max(map(len, shown.splitlines()), default=0) <= 100
 
 
 @pytest.mark.parametrize("name", PAGES)
