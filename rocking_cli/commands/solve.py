@@ -14,7 +14,7 @@ from .progress import ProgressLine
 _SCAN = 17  # values of a range that states no number
 
 
-@command("rocking solve configs/block.yaml --vary width=0.4:0.8 --a-g 0.4g --f-g 1", printed)
+@command("rocking solve configs/block.yaml --vary width=0.5:0.8:4 --a-g 0.4g --f-g 1", printed)
 def solve(
     files: tuple[str, ...] = options.files(),
     vary: str = option("--vary", required=True, metavar="KEY=FROM:TO[:N]", help="The key and its range, scanned at N values (default 17)."),

@@ -18,7 +18,7 @@ from ..structures.family import Variation, family
 from .check import verdicts
 
 _DIGITS = 6  # significant digits of a boundary, which is rounded to the side that stands
-_BEYOND = 4.0  # times the demand and the margin: the reach of the search; capacities above it count as this one
+_BEYOND = 2.0  # times the demand and the margin: the reach of the search; capacities above it count as this one
 _EXACT = 1e-8  # of a boundary before it is rounded
 
 
