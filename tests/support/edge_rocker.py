@@ -8,7 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from rocking_cli.structures.mechanics.kinematics import Coefficients, Moments, spin_about
+from rocking_cli.structures.mechanics.kinematics import Coefficients
+from rocking_cli.structures.mechanics.moments import Moments, spin_about
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ import math
 from collections.abc import Sequence
 
 from ...documents.document import Document
-from ..mechanics.kinematics import Moments
+from ..mechanics.moments import Moments
 from ..mechanics.single_body import RigidBody, body_on_edges
 from ..sketch import rocker
 

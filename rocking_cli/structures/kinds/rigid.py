@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from ...documents.document import Document
-from ..mechanics.kinematics import Moments
+from ..mechanics.moments import Moments
 from ..mechanics.single_body import RigidBody, body_on_edges
 from ..shared_keys import mass_of
 from ..sketch import circle, rocker

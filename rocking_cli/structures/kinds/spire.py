@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ...documents.document import Document
-from ..mechanics.kinematics import Moments, spin_about
+from ..mechanics.moments import Moments, spin_about
 from ..mechanics.single_body import RigidBody, symmetric_body
 from ..sketch import rocker
 

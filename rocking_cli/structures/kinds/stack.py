@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ...documents.document import Document
-from ..mechanics.kinematics import Moments
+from ..mechanics.moments import Moments
 from ..mechanics.single_body import RigidBody
 from ..mechanics.stacked_pieces import Piece, offset_of, round_piece, stacked
 

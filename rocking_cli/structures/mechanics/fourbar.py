@@ -14,7 +14,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from .kinematics import Coefficients, Moments, Spin, spin_about
+from .kinematics import Coefficients
+from .moments import Moments, Spin, spin_about
 
 INTRADOS, EXTRADOS = "intrados", "extrados"
 FACES = (INTRADOS, EXTRADOS, INTRADOS, EXTRADOS)

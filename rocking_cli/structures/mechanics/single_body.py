@@ -22,7 +22,7 @@ from ...documents.document import Document
 from ..parameters import RockingParameters, Side, fields_in
 from ..shared_keys import gravity_of, mass_of, one_sided_restitution_of, restitution_of
 from ..sketch import Point, Sketch, rectangle, rocker
-from .kinematics import Moments, spin_about
+from .moments import Moments, spin_about
 
 
 class Edge(NamedTuple):

@@ -15,7 +15,7 @@ from typing import NamedTuple
 from ...documents.document import Document
 from ..shared_keys import gravity_of
 from ..sketch import rocker
-from .kinematics import Moments
+from .moments import Moments
 from .single_body import RigidBody, body_on_edges, edges_of, symmetric_body
 
 

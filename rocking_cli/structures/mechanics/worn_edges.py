@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import Any
 
 from ..parameters import RockingParameters, Side
-from .kinematics import Moments
+from .moments import Moments
 from .single_body import edges_of
 
 

@@ -16,7 +16,8 @@ from support.edge_rocker import EdgeRocker
 from rocking_cli import DocumentError
 from rocking_cli.structures.kinds.prism import polygon_moments
 from rocking_cli.structures.kinds.spire import Spire
-from rocking_cli.structures.mechanics.kinematics import Moments, linearise
+from rocking_cli.structures.mechanics.kinematics import linearise
+from rocking_cli.structures.mechanics.moments import Moments
 from rocking_cli.structures.mechanics.stacked_pieces import frustum_moments
 
 WALL = "kind: wall\nthickness: 0.6\nheight: 5\n"
