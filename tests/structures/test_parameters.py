@@ -36,8 +36,8 @@ def test_defaults_are_not_printed():
 @pytest.mark.parametrize(
     ("body", "change", "words"),
     [
-        (TWO, {"sides": (RIGHT, LEFT)}, "left one and the right one"),
-        (TWO, {"sides": (LEFT,)}, "left one and the right one"),
+        (TWO, {"sides": (RIGHT, LEFT)}, "expected two, the left one first and then the right one"),
+        (TWO, {"sides": (LEFT,)}, "expected two, the left one first and then the right one"),
         (TWO, {"p": 2.0}, "not those of the right edge, which lifts first"),
         (TWO, {"one_sided": True, "eta": -0.4}, "one side"),
         (TWO, {"one_sided": True, "sides": ()}, "eta is 0.9; expected a number above -1"),
