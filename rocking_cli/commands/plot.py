@@ -78,10 +78,10 @@ def plot(
         from ..reports.rows import rows_of
 
         check_target(animate, overwrite, (".gif",))
-        documents = options.documents_of((body,), 1, "an animation") if body is not None else [None]
-        moving(rows_of(str(file)), animate, documents[0], look=look, overwrite=overwrite, tell=note)
-    if output is None and animate is not None:
-        return
+        document = None if body is None else options.documents_of((body,), 1, "an animation")[0]
+        moving(rows_of(str(file)), animate, document, look=look, overwrite=overwrite, tell=note)
+        if output is None:
+            return
     if output is None:
         raise click.UsageError("no output: give -o FIGURE.png (or .svg, .pdf), or --text")
     check_target(output, overwrite, options.FIGURES)

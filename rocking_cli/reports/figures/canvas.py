@@ -146,8 +146,7 @@ def valued(column: str, value: float, units: Units) -> str:
 
 def titled(name: str, eta: float) -> str:
     """The name of a structure and its eta; only eta if the name states it, as that of a dimensionless oscillator."""
-    own = f"eta={eta:g}"
-    return rf"$\eta$ = {eta:.4g}" if name == own else rf"{literal(name)}, $\eta$ = {eta:.4g}"
+    return rf"$\eta$ = {eta:.4g}" if name == f"eta={eta:g}" else rf"{literal(name)}, $\eta$ = {eta:.4g}"
 
 
 def values(rows: Rows, name: str, units: Units) -> np.ndarray:

@@ -77,13 +77,13 @@ def capacities(figure: Figure, verdicts: Sequence[Verdict], in_g: bool) -> Axes:
             f"{ratio}  {v.sentence}{window}", (1.0, row), xycoords=("axes fraction", "data"), xytext=(6, 0),
             textcoords="offset points", va="center", fontsize="small",
         )  # fmt: skip
-    motions, names = (list(dict.fromkeys(x)) for x in ((v.motion for v in verdicts), (v.structure for v in verdicts)))
-    of_motion = [v.motion if len(names) == 1 else f"{v.structure}, {v.motion}" for v in verdicts]
-    axes.set_yticks(range(len(verdicts)), [literal(x) for x in (of_motion if len(motions) > 1 else [v.structure for v in verdicts])])
+    motions, names, models = (list(dict.fromkeys(x)) for x in zip(*((v.motion, v.structure, v.model) for v in verdicts), strict=True))
+    rows = [v.structure if len(motions) == 1 else v.motion if len(names) == 1 else f"{v.structure}, {v.motion}" for v in verdicts]
+    axes.set_yticks(range(len(verdicts)), [literal(row) for row in rows])
     axes.invert_yaxis()
     axes.set(xlim=(0.0, most), xlabel=f"a_g [{'g' if in_g else 'm/s²'}]\nbar: to the first overturning; dots: uplift; line: demand")
     under = motions[0] if len(motions) == 1 else f"{len(motions)} motions"
-    of, models = f"{names[0]}, " if len(names) == 1 else "", list(dict.fromkeys(v.model for v in verdicts))
+    of = f"{names[0]}, " if len(names) == 1 else ""
     axes.set_title(literal(f"capacity over demand: {of}{under}, {' or '.join(models)} equation"))
     axes.grid(axis="y", visible=False)
     return axes
