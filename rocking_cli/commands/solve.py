@@ -44,6 +44,7 @@ def solve(
     varied = parse_variation(f"{vary}:{_SCAN}" if vary.count(":") == 1 else vary)
     rows: list[dict[str, Any]] = []
     remarks: list[str] = []
+    failed = bool(shaken.unread)
     for document in documents:
         given: dict[str, Any] = {"margin": margin, "share": share, "workers": workers, "progress": ProgressLine("solve", "values")}
         found, told = boundaries(document, varied, shakes, **given)
@@ -52,9 +53,10 @@ def solve(
             name, key, value = (row.pop(column) for column in ("structure", "key", "value"))
             at = {"key": key, "value": value} if form() else {heading: f"{x:.6g}" for heading, x in one.shown.items()}
             rows.append({"structure": name, **at, **row})
-        remarks += told
+        remarks += [f"{document.source}: {line}" if len(documents) > 1 else line for line in told]
+        failed = failed or any(line.startswith("no ") for line in told)
     emit(rows, ("structure", "key", "value", "side", "capacity_demand"))
     ground.note_demand(shakes)
     for line in remarks:
         note(line)
-    return 4 if shaken.unread else 0
+    return 4 if failed else 0

@@ -85,13 +85,19 @@ def boundaries(
         )
         return math.log(capacities[math.floor(len(capacities) * (1.0 - share) + 1e-9)] / margin)
 
-    def boundary(low: float, high: float, above: bool) -> Boundary:
-        exact, outwards = brentq(excess, low, high, xtol=_EXACT * abs(high), rtol=_EXACT), math.ceil if above else math.floor
+    def boundary(low: float, high: float, above: bool) -> Boundary | None:
+        outwards = math.ceil if above else math.floor
+        try:
+            exact = brentq(excess, low, high, xtol=_EXACT * abs(high), rtol=_EXACT)
+        except ValueError:  # a value without a structure or a verdict, which is remarked on
+            return None
         for digits in range(_DIGITS, 16):  # the first that stands: close by there may be another boundary
             unit = 10.0 ** (math.floor(math.log10(abs(exact) or 1.0)) - digits + 1)
             value = min(high, max(low, float(f"{outwards(exact / unit) * unit:.{digits}g}")))
             if excess(value) >= 0.0:
                 break
+        else:
+            value = high if above else low
         (member,) = family(document, [varied._replace(values=(value,))])
         assert member.parameters is not None
         name, side = member.parameters.name, "stands above" if above else "stands below"
@@ -103,8 +109,9 @@ def boundaries(
         scanned.append((value, excess(value)))
         if progress is not None:
             progress(i, len(varied.values))
-    found = [boundary(a, b, y >= 0.0) for (a, x), (b, y) in pairwise(scanned) if (x >= 0.0) != (y >= 0.0) and not math.isnan(x + y)]
-    if not found:
-        stands = {x >= 0.0 for _, x in scanned if not math.isnan(x)}
-        remarks.append(f"{'stands' if stands == {True} else 'does not stand'} with this margin at any value of the range")
+    changes = [(a, b, y >= 0.0) for (a, x), (b, y) in pairwise(scanned) if (x >= 0.0) != (y >= 0.0) and not math.isnan(x + y)]
+    found = [one for change in changes if (one := boundary(*change)) is not None]
+    stands = {x >= 0.0 for _, x in scanned if not math.isnan(x)}
+    if len(stands) == 1:
+        remarks.append(f"{'stands' if True in stands else 'does not stand'} with this margin at any value of the scan")
     return found, list(dict.fromkeys(remarks))

@@ -53,7 +53,7 @@ def test_every_boundary_of_the_range_and_a_range_without_one(rocking, judged):
     for span, said in (("height=3:4", "stands with this margin"), ("height=6:6.5", "does not stand with this margin")):
         none = rocking(*call, span)
         assert (none.returncode, none.stdout) == (0, "")
-        assert f"{said} at any value of the range" in none.stderr
+        assert f"{said} at any value of the scan" in none.stderr
 
 
 def test_a_share_of_the_records(rocking, judged):
@@ -62,3 +62,13 @@ def test_a_share_of_the_records(rocking, judged):
     call = ("solve", "block:0.6x9", "--motion", record, record, record, "--vary", "height=0.8:9:7", "--margin", "1.5", "--json")
     for share, value in (("1", 6.0), ("0.9", 6.0), ("0.66", 3.0), ("0.3", 1.5)):
         assert rocking(*call, "--share", share).record["value"] == pytest.approx(value, rel=5e-6)
+
+
+def test_values_without_a_structure_are_named_and_nothing_is_claimed_of_them(rocking, judged):
+    """A height is no negative one, and the capacity is known of positive ones only."""
+    judged(lambda h: 0.8 * h)
+    done = rocking("solve", "block:0.6x1", *SHAKING, "--vary", "height=-1:2:4", "--json")
+    assert (done.returncode, done.record["value"]) == (4, pytest.approx(1.25, rel=2e-6))
+    assert done.stderr.count("no solution for height = ") == 2
+    none = rocking("solve", "block:0.6x1", *SHAKING, "--vary", "height=-2:-1:2", "--json")
+    assert (none.returncode, none.stdout, "at any value" in none.stderr) == (4, "", False)
