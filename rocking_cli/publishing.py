@@ -6,7 +6,6 @@ A file is written under another name in the same folder, created exclusively, an
 from __future__ import annotations
 
 import os
-import secrets
 import stat
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
@@ -113,7 +112,7 @@ def put_in_place(partial: Path, target: Path, overwrite: bool) -> None:
 
 def _partial(target: Path) -> Path:
     """A name for the partial file of a target that nobody else has."""
-    return target.with_name(f"{target.name}.{secrets.token_hex(4)}.part")
+    return target.with_name(f"{target.name}.{os.urandom(4).hex()}.part")
 
 
 def _is_a_stream(path: Path) -> bool:

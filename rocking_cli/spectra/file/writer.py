@@ -10,7 +10,6 @@ from __future__ import annotations
 import io
 import json
 import os
-import secrets
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
@@ -166,7 +165,7 @@ class SpectraWriter:
             self.created = True
             image = layout.image()
             self.file.truncate(0)
-            note = json.dumps({"layout": digest([image]), "token": secrets.token_hex(8)}).encode()
+            note = json.dumps({"layout": digest([image]), "token": os.urandom(8).hex()}).encode()
             write(self.file, len(SIGNATURE), image[len(SIGNATURE) :] + record_of(NOTE, note))
             write(self.file, 0, SIGNATURE)
         self.log = Log(self.file)

@@ -8,8 +8,10 @@ from __future__ import annotations
 import hashlib
 import json
 import platform
+import re
 from collections.abc import Mapping, Sequence
 from functools import cache
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -30,8 +32,6 @@ def version() -> str:
 
 def machine() -> dict[str, Any]:
     """This machine and its libraries by name, as JSON values; `cpu`: the vector instructions that NumPy uses."""
-    from importlib.metadata import version as version_of
-
     import h5py
     import numpy as np
 
@@ -42,11 +42,19 @@ def machine() -> dict[str, Any]:
         "libc": " ".join(platform.libc_ver()).strip(),
         "python": platform.python_version(),
         "numpy": np.__version__,
-        "scipy": version_of("scipy"),
+        "scipy": _scipy_version(),
         "h5py": h5py.__version__,
         "hdf5": h5py.version.hdf5_version,
         "cpu": [*simd.get("baseline", []), *simd.get("found", [])],
     }
+
+
+def _scipy_version() -> str:
+    """SciPy's version as its file states it; the imports of SciPy and of importlib.metadata take as long as a small sweep."""
+    spec = find_spec("scipy")
+    text = Path(spec.origin).with_name("version.py").read_text(encoding="utf-8") if spec is not None and spec.origin else ""
+    found = re.search(r"^version = ['\"](.+?)['\"]", text, re.MULTILINE)
+    return found[1] if found else "unknown"
 
 
 def described(machine: Mapping[str, Any]) -> str:
