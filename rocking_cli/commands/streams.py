@@ -6,6 +6,8 @@ import os
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager, redirect_stderr, redirect_stdout, suppress
+from shutil import get_terminal_size
+from textwrap import wrap
 from typing import TextIO, cast
 
 import click
@@ -48,9 +50,12 @@ def put(line: str) -> None:
 
 
 def say(line: str) -> None:
-    """A line on standard error, at once."""
+    """A line on standard error, at once; a terminal shows it in lines of whole words."""
     end_line()
-    sys.stderr.write(f"{printable(line)}\n")
+    text = printable(line)
+    if sys.stderr.isatty():
+        text = "\n".join(wrap(text, get_terminal_size((100, 0)).columns, break_long_words=False, break_on_hyphens=False))
+    sys.stderr.write(f"{text}\n")
     sys.stderr.flush()
 
 

@@ -67,6 +67,14 @@ def test_what_is_said_next_stands_on_a_line_of_its_own_and_the_bar_begins_again(
     streams.end_line()
 
 
+def test_a_terminal_shows_a_long_sentence_in_lines_of_whole_words(begin, monkeypatch):
+    terminal = begin()
+    monkeypatch.setenv("COLUMNS", "60")
+    streams.say("many words " * 12)
+    shown = terminal.getvalue().splitlines()
+    assert (" ".join(shown), max(map(len, shown)) <= 60) == (("many words " * 12).strip(), True)
+
+
 def test_nothing_is_shown_where_nobody_looks(begin, monkeypatch):
     terminal = begin()
     with quiet():
