@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from itertools import product
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -21,10 +20,8 @@ from .progress import ProgressLine
 if TYPE_CHECKING:
     import numpy as np
 
-    from ..dynamics.method import Method
-    from ..fragility.measures import Measure, Member
+    from ..fragility.measures import Measure
     from ..fragility.study import Fit, Study
-    from ..structures import RockingParameters
 
 
 def _measures() -> list[str]:
@@ -98,7 +95,7 @@ def fragility(
     """
     from ..fragility.fits import Resampling
     from ..fragility.measures import measure_of, members_of, shaken_upwards, site_pulses
-    from ..fragility.study import EFFICIENCY_COLUMNS, METHODS, counted
+    from ..fragility.study import EFFICIENCY_COLUMNS, METHODS, counted, fitted, studies
 
     files, shaken = motions.several(files)
     if wanted.counts is not None:
@@ -129,66 +126,33 @@ def fragility(
             options.refuse_own_input(wanted.output, shaken.recordings)
     elif sweep.shard is not None or sweep.scheduler is not None or sweep.resume:
         raise click.UsageError("--shard, --scheduler and --resume go with -o OUT.h5")
-    studies = list(_studies(structures, members, measure, levels, equation, methods, wanted, sweep, texts))
-    if not studies:
+    how = Resampling(wanted.samples, wanted.seed)
+    writing = {**sweep.writing(texts), "history": options.command_line(), "path": wanted.output, "workers": sweep.workers}
+    studied = studies(structures, members, measure, levels, equation, methods, how, exact=wanted.exact, line=ProgressLine, **writing)
+    found = list(studied)
+    if not found:
         note(f"{wanted.output}: {sweep.shard} is written; join the shards by rocking merge, then repeat the call with --resume")
         return 4 if shaken.unread else 0
     refused: list[str] = []
     if wanted.cells:
         from ..fragility.study import CELL_COLUMNS
 
-        emit([row for study in studies for row in study.cells()], CELL_COLUMNS)
+        emit([row for study in found for row in study.cells()], CELL_COLUMNS)
     elif wanted.efficiency:
-        emit([row for study in studies for row in study.efficiency()], EFFICIENCY_COLUMNS, without=("theta",))
+        emit([row for study in found for row in study.efficiency()], EFFICIENCY_COLUMNS, without=("theta",))
     else:
-        fits, refused = _fits(studies, states, methods)
+        fits, refused = fitted(found, states, methods)
         if not fits and not (wanted.exact and wanted.curve):
             raise UsageError(refused[0] if refused else "no limit state for this method: first needs overturning, cloud needs rotations")
-        _emit(fits, studies if wanted.exact else [], wanted)
+        _emit(fits, found if wanted.exact else [], wanted)
     for line in (*refused, *model.in_words([equation], structures), f"{len(members)} motions"):
         note(line)
-    for study in studies:
+    for study in found:
         if study.resurrections:
             words = f"{study.resurrections} of {len(members)} motions overturn it at one intensity and not at a larger one"
             note(f"{study.structure.name}: {words}")
     stated = click.get_current_context().get_parameter_source("limits") is not click.core.ParameterSource.DEFAULT
     return 4 if shaken.unread or (refused and stated) else 0  # of the default limit states some may have no fit
-
-
-def _studies(
-    structures: Sequence[RockingParameters], members: Sequence[Member], measure: Measure, levels: np.ndarray, method: Method,
-    fits: Iterable[str], wanted: Fits, sweep: options.Sweep, texts: str,
-) -> Iterator[Study]:  # fmt: skip
-    """Each structure under the set of motions; fits: the methods of fitting."""
-    from ..fragility.exposure import as_recorded, exposures, traced
-    from ..fragility.fits import Resampling
-    from ..fragility.study import Study
-
-    writing = {**sweep.writing(texts), "history": options.command_line(), "path": wanted.output, "workers": sweep.workers}
-    found = exposures(structures, members, measure, levels, method, progress=ProgressLine("fragility", "chunks"), **writing)
-    for structure, exposure in zip(structures, found, strict=False):
-        intervals = recorded = None
-        if wanted.exact or "first" in fits:
-            line = ProgressLine(structure.name, "motions")
-            intervals = traced(structure, members, measure, float(levels[-1]), method, workers=sweep.workers, progress=line)
-        if "cloud" in fits:
-            recorded = as_recorded(structure, members, method)
-        yield Study(structure, members, measure, Resampling(wanted.samples, wanted.seed), exposure, intervals, recorded)
-
-
-def _fits(studies: Sequence[Study], states: Iterable[float | None], methods: Iterable[str]) -> tuple[list[Fit], list[str]]:
-    """(the fits, a sentence for each fit that the data do not support)."""
-    from ..fragility.study import word_of
-
-    fits, refused = [], []
-    for study, method, state in product(studies, methods, states):
-        if (method == "first") != (state is None) and method != "stripes":
-            continue  # first is of overturning, cloud of rotations
-        try:
-            fits.append(study.fit(method, state))
-        except UsageError as error:
-            refused.append(f"{study.structure.name}, {word_of(state)}, {method}: {error}")
-    return fits, refused
 
 
 def _emit(fits: Sequence[Fit], exact: Sequence[Study], wanted: Fits) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import product
 from pathlib import Path
@@ -204,24 +204,47 @@ def fragility(
     >>> fragility(load_structures('configs/block.yaml'), load_records('configs/motions/synthetic.at2'), [1.0, 2.0])
     Traceback (most recent call last):
         ...
-    rocking_cli.errors.UsageError: 1 records; a fit needs 4
+    rocking_cli.errors.UsageError: Column, 0.1, stripes: 1 records; a fit needs 4
     """
-    measure, members, x = measure_of(im), members_of(records), check_levels(np.asarray(levels, dtype=float))
-    method = method or governing_method(*structures)
-    found: list[Fit] = []
-    refused: list[UsageError] = []
-    for s, exposure in zip(structures, exposures(structures, members, measure, x, method, workers=workers), strict=True):
-        intervals = traced(s, members, measure, float(x[-1]), method, workers=workers) if "first" in methods else None
-        recorded = as_recorded(s, members, method) if "cloud" in methods else None
-        study = Study(s, members, measure, how or Resampling(), exposure, intervals, recorded)
-        for one, limit in product(methods, limits):
-            try:
-                found.append(study.fit(one, limit))
-            except UsageError as error:
-                refused.append(error)
+    measure, x = measure_of(im), check_levels(np.asarray(levels, dtype=float))
+    method, how = method or governing_method(*structures), how or Resampling()
+    found, refused = fitted(
+        list(studies(structures, members_of(records), measure, x, method, methods, how, workers=workers)), limits, methods
+    )
     if not found and refused:
-        raise refused[0]
+        raise UsageError(refused[0])
     return found
+
+
+def studies(
+    structures: Sequence[RockingParameters], members: Sequence[Member], measure: Measure, levels: Array, method: Method,
+    fits: Iterable[str], how: Resampling, *, exact: bool = False, workers: int | None = None,
+    line: Callable[[str, str], Callable[[int, int], None] | None] = lambda name, unit: None, **writing: Any,
+) -> Iterator[Study]:  # fmt: skip
+    """Each structure under a set of motions; fits: the methods of fitting; exact: trace every overturning interval; line: the progress of
+    work by its name and unit; writing: further arguments of `exposures`."""
+    found = exposures(structures, members, measure, levels, method, workers=workers, progress=line("fragility", "chunks"), **writing)
+    for s, exposure in zip(structures, found, strict=False):
+        intervals = recorded = None
+        if exact or "first" in fits:
+            highest = float(levels[-1])
+            intervals = traced(s, members, measure, highest, method, workers=workers, progress=line(s.name, "motions"))
+        if "cloud" in fits:
+            recorded = as_recorded(s, members, method)
+        yield Study(s, members, measure, how, exposure, intervals, recorded)
+
+
+def fitted(studies: Sequence[Study], limits: Iterable[float | None], methods: Iterable[str]) -> tuple[list[Fit], list[str]]:
+    """(the fits, a sentence for each fit that the data do not support)."""
+    found, refused = [], []
+    for study, method, limit in product(studies, methods, limits):
+        if (method == "first") != (limit is None) and method != "stripes":
+            continue  # first is of overturning, cloud of rotations
+        try:
+            found.append(study.fit(method, limit))
+        except UsageError as error:
+            refused.append(f"{study.structure.name}, {word_of(limit)}, {method}: {error}")
+    return found, refused
 
 
 def counted(path: str | Path, how: Resampling) -> list[Fit]:
