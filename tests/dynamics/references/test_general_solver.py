@@ -35,8 +35,8 @@ from rocking_cli import (
 from rocking_cli.dynamics.observers.contact_loss import ContactLoss
 from rocking_cli.dynamics.observers.observer import Observer
 from rocking_cli.dynamics.references import general_solver
+from rocking_cli.dynamics.references.extrapolation import Script
 from rocking_cli.dynamics.references.general_solver import lets_go, next_uplift, solve_cell
-from rocking_cli.dynamics.references.scripted import Script
 from rocking_cli.motions import Motion, Piece
 from rocking_cli.motions.biaxial import with_vertical
 
