@@ -60,7 +60,7 @@ RECORD = "configs/motions/synthetic.at2"
 ARCH, RECORDS = "rocking_cli.structures.kinds.arch", "rocking_cli.motions.records"
 BODY = "rocking_cli.dynamics.equations.rigid_body"
 LOSS = "rocking_cli.dynamics.observers.contact_loss"
-FORCES = [f"rocking_cli.dynamics.observers.{name}" for name in ("ground_forces", "forces")]
+FORCES = ["rocking_cli.dynamics.observers.ground_forces"]
 
 
 def loaded(arguments: str, folder: Path) -> dict[str, str]:

@@ -1,4 +1,4 @@
-"""The ground forces of each cell, to 1e-6: the least vertical force and the largest |Fx|/Fz of a rigid body.
+"""The ground forces of each cell, to 1e-6: the least vertical force and the largest |Fx|/Fz of a rigid body (formulas in `body`).
 
 An observer of a run of its own. The forces on every arc, at rest and in the free motion after the shaking are searched for their
 extremes. A sequence of impacts is marched until its forces cannot be extremes, or are nearly those of bounces without speed.
@@ -6,18 +6,20 @@ extremes. A sequence of impacts is marched until its forces cannot be extremes, 
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import dataclass
+
 import numpy as np
 
 from ...motions.segments import Segments
-from ..body import FAR, Body, Ground, Shaking, value_and_slope
+from ..body import FAR, Body, Edge, Ground, Shaking, value_and_slope
 from ..drive import place
 from ..equations.equation import Ramp
 from ..equations.taylor import line_series
-from ..lanes import Array, Lanes
+from ..lanes import Array, Arrays, Lanes
 from ..march.batch import Batch
 from ..outcome import Outcome
-from .extremes import Stretches
-from .forces import ForceExtremes, Forces, forces_on
+from .extremes import Extremes, Ratio, Stretches, parts
 from .observer import Arcs, Observer, TaylorSteps
 
 _TOGETHER = 4096  # Taylor steps over samples that are searched at once
@@ -27,6 +29,88 @@ _ROOM = 1.25  # times the speed of now: what a sequence of impacts may come to
 _ARCS = 3  # on still ground: each edge has had its fastest impact
 _LEAST = 1e-20  # of u'^2 at the top of an arc, where the slopes by u are those by time over u'
 _BY_TURN = 3.0  # rate at which the forces on still ground bend by u
+
+
+@dataclass
+class Forces(Arrays):
+    """Outward Fx and Fz over m g [-], and their slopes by the time of the stretch; arrays of one shape."""
+
+    fx: Array
+    fz: Array
+    fx_slope: Array
+    fz_slope: Array
+
+    def ratio(self, kind: Array) -> Ratio:
+        """-Fz for the kind 0, Fx/Fz for 1, -Fx/Fz for -1."""
+        up = kind == 0
+        return Ratio(
+            np.where(up, -self.fz, kind * self.fx), np.where(up, 1.0, self.fz),
+            np.where(up, -self.fz_slope, kind * self.fx_slope), np.where(up, 0.0, self.fz_slope),
+        )  # fmt: skip
+
+
+Along = Callable[[Array, Array], Forces]  # the forces in motions of given indices, at given times
+
+
+def forces_on(body: Body, edge: Edge, shaking: Shaking, u: Array, rate: Array) -> Forces:
+    """Forces of a body at u, u' [rad, by tau] on an edge under this push and weight over m g; arrays of one shape."""
+    push, push_slope, weight, weight_slope = shaking
+    z = edge.alpha - u
+    sin, cos = np.sin(z), np.cos(z)
+    if body.linear:
+        bend, jerk = push - weight * z, push_slope + weight * rate - weight_slope * z
+    else:
+        bend = push * cos - weight * sin
+        jerk = push_slope * cos + rate * (weight * cos + push * sin) - weight_slope * sin
+    if body.damping:
+        bend = bend - 2.0 * body.damping * rate
+        jerk = jerk - 2.0 * body.damping * bend
+    square, turns = rate * rate, 3.0 * rate * bend
+    jerk = jerk - rate * square
+    return Forces(
+        edge.kappa * (bend * cos + square * sin) - push,
+        weight + edge.kappa * (bend * sin - square * cos),
+        edge.kappa * (jerk * cos + turns * sin) - push_slope,
+        weight_slope + edge.kappa * (jerk * sin - turns * cos),
+    )
+
+
+class ForceExtremes(Extremes):
+    """The largest |Fx|/Fz of each cell, then the largest -Fz/(m g) of each, (2 cells,); at first those of a body at rest."""
+
+    def __init__(self, cells: int) -> None:
+        super().__init__(np.repeat([0.0, -1.0], cells))
+        self.cells = cells
+
+    def take_in(self, cell: Array, fx: Array, fz: Array) -> None:
+        """Forces of these cells, (..., n)."""
+        self.offer(np.broadcast_to(cell, fx.shape), _friction(fx, fz))
+        self.offer(np.broadcast_to(self.cells + cell, fz.shape), -fz)
+
+    def can_be_beaten(self, cell: Array, fx: Array, fz: Array) -> Array:
+        """True where any of the forces of these cells, (..., n), exceeds the extremes so far, or is not known, (n,)."""
+        beat = self.can_beat(cell, _friction(fx, fz)) | self.can_beat(self.cells + cell, -fz)
+        return np.any(beat, axis=tuple(range(beat.ndim - 1)))
+
+    def take_in_along(self, cell: Array, along: Along, whole: Stretches, start: Forces, end: Forces, one_way: bool = False) -> None:
+        """Forces on stretches of motions of these cells. along: the forces inside the motions; start, end: those at the ends of each
+        stretch; one_way: True if only an outward Fx counts."""
+        s, one, other = parts(along, whole, start, end)
+        kinds = np.array([0, 1] if one_way else [0, 1, -1])
+        kind, own = np.repeat(kinds, s.own.size), np.tile(s.own, kinds.size)
+        every = np.tile(np.arange(s.own.size), kinds.size)
+        s, one, other = s.take(every), one.take(every), other.take(every)
+        s.own = np.arange(own.size)
+
+        def of_kind(at: Array, x: Array) -> Ratio:
+            return along(own[at], x).ratio(kind[at])
+
+        self.search(cell[own] + np.where(kind == 0, self.cells, 0), of_kind, s, one.ratio(kind), other.ratio(kind))
+
+
+def _friction(fx: Array, fz: Array) -> Array:
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.where(np.isnan(fz), np.nan, np.where(fz > 0.0, np.abs(fx) / fz, np.inf))
 
 
 class GroundForces(Observer):

@@ -5,7 +5,7 @@ import pytest
 
 from rocking_cli.dynamics.body import Body, Shaking
 from rocking_cli.dynamics.observers.extremes import Extremes, Stretches
-from rocking_cli.dynamics.observers.forces import ForceExtremes, Forces, forces_on
+from rocking_cli.dynamics.observers.ground_forces import ForceExtremes, Forces, forces_on
 
 
 def test_extremes_are_the_largest_values_offered():
