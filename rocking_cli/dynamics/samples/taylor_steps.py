@@ -52,31 +52,24 @@ class TaylorStepper(SampleStepper[SteppingLanes]):
         """Lanes of like degree together, whose series have no rows of zeros."""
         return at[np.argsort(lanes.degree[at].astype(np.int8), kind="stable")]
 
-    def can_jump(self, lanes: SteppingLanes) -> Array:
-        """True for lanes at a sample, and inside an interval just after an impact."""
-        return ((lanes.u == 0.0) | (lanes.v > 0.0)) & (lanes.k < self.last.take(lanes.cell))
-
     def jump(self, lanes: SteppingLanes, at: Array, many: bool) -> Array:
-        """Take some Taylor steps, the first one to the next sample. A lane stops where a step is not proved."""
-        names = "cell", "side", "k", "u", "y", "v", "peak", "pace", "outward", "degree"
-        cell, side, k, u, y, v, peak, pace, outward, degree = (getattr(lanes, name).take(at) for name in names)
-        go, equation, past = np.ones(at.size, dtype=bool), self.equation.on(side, cell), u / self.step.take(cell)
+        """Take some Taylor steps. A lane stops where a step is not proved."""
+        names = "cell", "side", "k", "y", "v", "peak", "pace", "outward", "degree"
+        cell, side, k, y, v, peak, pace, outward, degree = (getattr(lanes, name).take(at) for name in names)
+        go, equation = np.ones(at.size, dtype=bool), self.equation.on(side, cell)
         factors, last, end = factors_for(pace, degree), degree * at.size + np.arange(at.size), self.last.take(cell)
-        for n in range(_STEPS if many else _NARROW):
+        for _ in range(_STEPS if many else _NARROW):
             ramp = self._ramp(k, outward, pace, factors)
-            if n == 0 and past.any():
-                ramp = ramp.after(past)._replace(factors=factors_for(pace * (1.0 - past), degree))
             end_y, end_v, proved = self._step(equation, y, v, peak, ramp, last)
             go &= proved
             for observer in self.run.observers:
                 observer.steps(TaylorSteps(cell, side, equation, (y, v), (end_y, end_v), ramp), go)
             y, v, peak = np.where(go, end_y, y), np.where(go, end_v, v), np.where(go, np.maximum(peak, end_y), peak)
             k += go
-            u *= ~go
             go &= k < end
             if not go.any():
                 break
-        lanes.k[at], lanes.u[at], lanes.y[at], lanes.v[at], lanes.peak[at] = k, u, y, v, peak
+        lanes.k[at], lanes.y[at], lanes.v[at], lanes.peak[at] = k, y, v, peak
         return go
 
     def _ramp(self, k: Array, outward: Array, pace: Array, factors: Array) -> Ramp:
@@ -120,10 +113,24 @@ class TaylorStepper(SampleStepper[SteppingLanes]):
         return end_y, end_v, proved
 
     def after_round(self, lanes: SteppingLanes) -> None:
-        """The degree too is that of the edge that a lane is on."""
+        """Lanes inside an interval, after an impact, go on to its end where that is proved: in `jump` those that stop would cost more."""
         super().after_round(lanes)
-        if len(self.cells.amplitude) > 1:
+        if len(self.cells.amplitude) > 1:  # the other edge has its own
             lanes.degree = self._degree(lanes)
+        at = np.flatnonzero((lanes.u > 0.0) & (lanes.k < self.last.take(lanes.cell)) & (lanes.v > 0.0))
+        if not at.size:
+            return
+        some = lanes.take(at)
+        share, equation = some.u / self.step.take(some.cell), self.equation.on(some.side, some.cell)
+        factors, last = factors_for(some.pace * (1.0 - share), some.degree), some.degree * at.size + np.arange(at.size)
+        ramp = self._ramp(some.k, some.outward, some.pace, factors).after(share)
+        y, v, proved = self._step(equation, some.y, some.v, some.peak, ramp, last)
+        for observer in self.run.observers:
+            observer.steps(TaylorSteps(some.cell, some.side, equation, (some.y, some.v), (y, v), ramp), proved)
+        on = np.flatnonzero(proved)
+        at = at[on]
+        lanes.k[at], lanes.u[at] = some.k[on] + 1, 0.0
+        lanes.y[at], lanes.v[at], lanes.peak[at] = y[on], v[on], np.maximum(some.peak[on], y[on])
 
 
 class WeighedTaylorStepper(TaylorStepper):

@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 from support import references
+from support.documents import built
 
-from rocking_cli import build_structure, parse_documents, pulse, sine
+from rocking_cli import pulse, sine
 from rocking_cli.dynamics.equations import collocation
 from rocking_cli.dynamics.equations.mechanism import MechanismEquation
 from rocking_cli.dynamics.system import System
@@ -18,8 +19,7 @@ ARCHES = {
 
 
 def mechanism(name):
-    (document,) = parse_documents(f"kind: arch\n{ARCHES[name]}\nrestitution: 0.8")
-    return build_structure(document).mechanism
+    return built(f"kind: arch\n{ARCHES[name]}\nrestitution: 0.8").mechanism
 
 
 def drive(segments, k, u):

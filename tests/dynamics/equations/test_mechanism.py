@@ -5,8 +5,9 @@ import math
 import numpy as np
 import pytest
 from scipy.integrate import quad, solve_ivp
+from support.documents import built
 
-from rocking_cli import Method, Outcome, build_structure, cosine, linear_response, parse_documents, pulse, sine
+from rocking_cli import Method, Outcome, cosine, linear_response, pulse, sine
 from rocking_cli.dynamics.equations.linear import LinearEquation
 from rocking_cli.dynamics.equations.mechanism import MechanismEquation
 from rocking_cli.dynamics.response import response
@@ -24,14 +25,12 @@ ARCHES = {
 
 @pytest.fixture(scope="module", params=list(ARCHES))
 def arch(request):
-    (document,) = parse_documents(f"kind: arch\nrestitution: 0.8\n{ARCHES[request.param]}")
-    return build_structure(document)
+    return built(f"kind: arch\nrestitution: 0.8\n{ARCHES[request.param]}")
 
 
 @pytest.fixture(scope="module")
 def oppenheim():
-    (document,) = parse_documents(f"kind: arch\n{ARCHES['oppenheim']}")
-    return build_structure(document)
+    return built(f"kind: arch\n{ARCHES['oppenheim']}")
 
 
 def test_tables_are_the_linkage_to_rounding(arch):
@@ -150,8 +149,7 @@ def test_cells_stay_within_five_tolerances(oppenheim, n):
 
 def test_an_arch_that_barely_moves_is_its_linear_oscillator():
     """As alpha tends to 0 the nonlinear arch tends to the linear one (here alpha = 0.0009, its lambda(phi) nearly straight)."""
-    (document,) = parse_documents(f"kind: arch\nrestitution: 0.8\n{ARCHES['barely stands']}")
-    arch = build_structure(document)
+    arch = built(f"kind: arch\nrestitution: 0.8\n{ARCHES['barely stands']}")
     amplitude, omega = np.array([2.0, 4.0, 5.5]), np.array([6.0, 8.0, 10.0])
     found = response(Method("nonlinear").system_of(arch), sine(), amplitude, omega, 0.8)
     linear = linear_response(sine(), amplitude, omega, 0.8)
@@ -165,5 +163,5 @@ def test_linear_quarter_period_is_its_closed_form():
 
 @pytest.mark.parametrize(("thickness", "angle"), [(0.8, 100), (0.795, 100), (0.801, 101), (2.0, 140), (0.5, 90)])
 def test_ordinary_arches_have_a_nonlinear_model(thickness, angle):
-    (document,) = parse_documents(f"kind: arch\nradius: 10\nthickness: {thickness}\nangle: {angle} deg\nrestitution: 0.8")
-    assert MechanismEquation(build_structure(document).mechanism).limit > 1.0
+    arch = built(f"kind: arch\nradius: 10\nthickness: {thickness}\nangle: {angle} deg\nrestitution: 0.8")
+    assert MechanismEquation(arch.mechanism).limit > 1.0

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 from scipy.optimize import brentq
+from support.documents import built
 from support.references import integrated, lanes
 
-from rocking_cli import Method, Outcome, cosine, linear_response, nonlinear_response, parse_documents, sine, trace_envelope
-from rocking_cli import build_structure as build
+from rocking_cli import Method, Outcome, cosine, linear_response, nonlinear_response, sine, trace_envelope
 from rocking_cli.dynamics.equations.rigid_body import RigidBodyEquation
 from rocking_cli.motions import Harmonic, Motion, Piece
 
@@ -18,8 +18,7 @@ BLOCK = "kind: block\nradius: 1.6065814 m\nalpha: 0.25\nrestitution: 0.9"
 
 def test_overturning_intervals_of_the_reference_block():
     # alpha = 0.25, p = 2.14 rad/s, eta = 0.9, Omega = 5, in A = a_g/(alpha g); traced by two independent programs.
-    (document,) = parse_documents(BLOCK)
-    found = trace_envelope(build(document), sine(), [5.0], method=Method("nonlinear"), a_max=9.0)
+    found = trace_envelope(built(BLOCK), sine(), [5.0], method=Method("nonlinear"), a_max=9.0)
     assert [i.mode for i in found] == ["after_impact", "no_impact"]
     assert (found[0].a_from, found[0].a_to, found[1].a_from) == pytest.approx((3.03234, 6.74302, 7.49300), abs=1e-5)
     scale = 0.25 / math.tan(0.25)

@@ -4,17 +4,16 @@ import math
 
 import numpy as np
 import pytest
+from support.documents import built
 from support.references import reference
 
 from rocking_cli import (
     MechanismEquation,
     Outcome,
     System,
-    build_structure,
     dimensionless_oscillator,
     linear_response,
     nonlinear_response,
-    parse_documents,
     parse_grid,
     pulse,
     response,
@@ -121,8 +120,7 @@ def test_uplift_on_the_edge_of_a_piece():
 
 
 def test_an_arch_at_the_edge_of_stability():
-    (document,) = parse_documents("kind: arch\nradius: 10\nthickness: 1.0751 m\nangle: 180 deg\nrestitution: 0.8")
-    arch = build_structure(document)
+    arch = built("kind: arch\nradius: 10\nthickness: 1.0751 m\nangle: 180 deg\nrestitution: 0.8")
     assert 0.0 < arch.uplift < 1e-3
     found = response(System(MechanismEquation(arch.mechanism)), sine(), np.array([0.9, 1.5, 4.0, 12.0]), 4.0, 0.8)
     assert found.outcome.tolist() == linear_response(sine(), np.array([0.9, 1.5, 4.0, 12.0]), 4.0, 0.8).outcome.tolist()
@@ -130,8 +128,7 @@ def test_an_arch_at_the_edge_of_stability():
 
 @pytest.mark.parametrize("p", [1e-3, 1.0, 1e3])
 def test_frequency_parameters_from_1e_3_to_1e3(p):
-    (document,) = parse_documents(f"kind: parameters\np: {p}\nalpha: 0.2\neta: 0.9\na_scale: 1")
-    structure = build_structure(document)
+    structure = built(f"kind: parameters\np: {p}\nalpha: 0.2\neta: 0.9\na_scale: 1")
     found = spectrum([structure], sine(), parse_grid(f"a_g=1:12:12,omega_g={0.5 * p}:{8 * p}:9"))
     again = spectrum([dimensionless_oscillator(0.9)], sine(), parse_grid(f"A={1 / 1.962}:{12 / 1.962}:12,Omega=0.5:8:9"))
     assert np.array_equal(found.outcome, again.outcome)
@@ -142,7 +139,6 @@ def test_frequency_parameters_from_1e_3_to_1e3(p):
     "grid", ["a_g=1e-310:2e-310:3,omega_g=1:2:3", "a_g=1e300:1e301:3,omega_g=1e-3:1:3", "a_g=1e290:1e291:3,omega_g=1e9:1e10:3"]
 )
 def test_denormal_and_huge_inputs_have_an_outcome(grid):
-    (document,) = parse_documents("kind: block\nwidth: 0.5\nheight: 2")
-    found = spectrum([build_structure(document)], sine(), parse_grid(grid), check=0)
+    found = spectrum([built("kind: block\nwidth: 0.5\nheight: 2")], sine(), parse_grid(grid), check=0)
     assert not np.any(found.outcome == Outcome.NOT_COMPUTED)
     assert np.isfinite(found.theta_ratio[found.outcome == Outcome.ROCKED]).all()

@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 from oracles.ground_forces import asked
 from support.bodies import KINDS, drawn, shaken, shaking
+from support.documents import built
 from support.synthetic_records import RECORDS, long_series, noise, upwards
 from support.synthetic_records import shaken as shaken_by
 
-from rocking_cli import Method, Outcome, build_structure, cosine, parse_documents, parse_grid, pulse, response, sine
+from rocking_cli import Method, Outcome, cosine, parse_grid, pulse, response, sine
 from rocking_cli.dynamics.march.batch import Batch
 from rocking_cli.dynamics.observers import extremes, ground_forces
 from rocking_cli.dynamics.observers.ground_forces import GroundForces
@@ -28,10 +29,6 @@ RECORD, UPWARDS = shaken_by(RECORDS[0], 0.05), shaken_by(noise(120, 0.04, 8), 0.
 SPIKES = shaken_by(np.random.default_rng(4).uniform(-1.0, 1.0, 60), 0.2)
 BLOCK = "kind: block\nwidth: 0.6\nheight: 3\n"
 BODIES = {"block": BLOCK, "one-sided": BLOCK + "one_sided: true\nrestitution: -0.4\n"}
-
-
-def body_of(text):
-    return build_structure(parse_documents(text)[0])
 
 
 @pytest.mark.parametrize(
@@ -117,7 +114,7 @@ def test_a_rest_under_lines_has_the_extremes_of_many_instants(kind):
 
 def worst(text, model, motion, cells, seed):
     """(cells compared, largest differences of friction and of fz_min from the histories)."""
-    body, method, random = body_of(text), Method(model, 1e-11), np.random.default_rng(seed)
+    body, method, random = built(text), Method(model, 1e-11), np.random.default_rng(seed)
     amplitude, omega = random.uniform(0.6, 4.0, cells), random.uniform(0.8, 8.0, cells)
     found, asked = response_with_demands(method.system_of(body), motion, amplitude, omega, body.eta)
     differences = [(0.0, 0.0)]
@@ -146,7 +143,7 @@ def test_the_extremes_are_those_of_the_histories(name, model, motion, cells):
 @pytest.mark.soak
 def test_bounces_that_a_history_does_not_show_press_less_than_a_body_at_rest():
     """Just above uplift the force falls until the last of them; an integration by DOP853 follows 318 to 1e-8 of the speed."""
-    body, method = body_of(BODIES["block"]), Method("linear")
+    body, method = built(BODIES["block"]), Method("linear")
     amplitude, omega, fz_min = 1.02779675372563, 4.887328366201234, 0.94759598
     _, got = response_with_demands(method.system_of(body), sine(1), amplitude, omega, body.eta)
     history = time_history(body, sine(1), parse_grid(f"A={amplitude!r},Omega={omega!r}"), [method])
@@ -172,7 +169,7 @@ def test_a_body_presses_unless_it_loses_the_ground_or_the_ground_falls_away(kind
 @pytest.mark.parametrize(("across", "up"), [("sine", "mavroeidis-papageorgiou"), ("rectangular-impulse", "rectangular-impulse")])
 def test_forces_of_a_body_that_has_gone_far_before_the_ground_falls_away_are_not_searched(across, up):
     """Linear, it goes to 1e9 rad, where its forces oscillate a billion times."""
-    body = body_of("kind: block\nwidth: 0.1\nheight: 0.4\n")
+    body = built("kind: block\nwidth: 0.1\nheight: 0.4\n")
     motion, grid = with_vertical(pulse(across), pulse(up), 0.7), parse_grid("a_g=3g,f_g=0.3")
     found, asked_for = response_with_demands(Method().system_of(body), motion, 3.0 / body.alpha, 2.0 * math.pi * 0.3 / body.p, body.eta)
     assert Outcome(int(found.outcome)).overturned
@@ -182,7 +179,7 @@ def test_forces_of_a_body_that_has_gone_far_before_the_ground_falls_away_are_not
 
 def test_structures_of_one_rotation_have_their_own_forces():
     """The linear equation answers for both blocks at once, but not for their forces."""
-    grid, motion, blocks = parse_grid("A=0.5:2:2,Omega=4"), sine(1), [body_of(BLOCK), body_of(BLOCK.replace("0.6", "0.9"))]
+    grid, motion, blocks = parse_grid("A=0.5:2:2,Omega=4"), sine(1), [built(BLOCK), built(BLOCK.replace("0.6", "0.9"))]
     both = spectrum_of(PulseScene(tuple(blocks), grid, motion, Method()), SweepOptions(quantities=("friction",))).beside["friction"]
     for found, block in zip(both, blocks, strict=True):
         alone = spectrum_of(PulseScene((block,), grid, motion, Method()), SweepOptions(quantities=("friction",))).beside["friction"]
@@ -191,7 +188,7 @@ def test_structures_of_one_rotation_have_their_own_forces():
 
 
 def test_a_body_that_stays_at_rest_needs_the_ground_acceleration_over_g():
-    body = body_of(BODIES["block"])
+    body = built(BODIES["block"])
     for model in ("linear", "nonlinear"):
         system = Method(model).system_of(body)
         _, asked = response_with_demands(system, sine(1), [0.3, 0.6], 3.0, body.eta)
@@ -201,11 +198,11 @@ def test_a_body_that_stays_at_rest_needs_the_ground_acceleration_over_g():
 
 def test_sweeps_hold_them_and_refuse_what_they_do_not_follow():
     grid, method = parse_grid("A=0.5:3:4,Omega=2:4:2"), Method("nonlinear")
-    scene = PulseScene((body_of(BODIES["block"]),), grid, sine(1), method)
+    scene = PulseScene((built(BODIES["block"]),), grid, sine(1), method)
     found = spectrum_of(scene, SweepOptions(quantities=("friction", "fz_min")))
     assert found.beside["friction"].shape == found.theta_ratio.shape
     assert np.nanmin(found.beside["friction"]) == pytest.approx(0.5 * scene.structures[0].alpha, rel=1e-14)
-    mass = body_of(f"kind: point_mass\nradius: 3\nalpha: {math.atan(0.2)}\nrestitution: {scene.structures[0].eta!r}\n")
+    mass = built(f"kind: point_mass\nradius: 3\nalpha: {math.atan(0.2)}\nrestitution: {scene.structures[0].eta!r}\n")
     with pytest.raises(UsageError, match="not its forces"):
         spectrum_of(PulseScene((*scene.structures, mass), grid, sine(1), Method()), SweepOptions(quantities=("friction",)))
 
