@@ -12,7 +12,8 @@ from scipy.optimize import brentq
 from rocking_cli import LinearEquation, RigidBodyEquation, System, response
 from rocking_cli.dynamics import lemmas
 from rocking_cli.dynamics.contacts.contact import OneSided, Symmetric, Unequal
-from rocking_cli.dynamics.equations.flow import DampedFlow, LinearFlow
+from rocking_cli.dynamics.equations.damped_flow import DampedFlow
+from rocking_cli.dynamics.equations.flow import LinearFlow
 from rocking_cli.dynamics.march.batch import Batch
 from rocking_cli.dynamics.march.engine import Run
 from rocking_cli.dynamics.march.roots import hidden_turn

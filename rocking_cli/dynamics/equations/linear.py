@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -10,9 +11,12 @@ from ...motions.segments import Segments
 from ..drive import segment_value
 from ..lanes import Array, Lanes
 from .equation import Equation, Law, Ramp
-from .flow import DampedFlow, LinearFlow
+from .flow import LinearFlow
 from .summed_flow import SummedFlow, can_be_summed
 from .taylor import TaylorSeries, drive_series, order_for, ramp_flow, series
+
+if TYPE_CHECKING:
+    from .damped_flow import DampedFlow
 
 WEIGHED = 1e-12  # tolerance of the series where the weight varies, which has no closed form
 
@@ -45,6 +49,8 @@ class LinearEquation(Equation):
             return SummedFlow.of(lanes.y, lanes.v, lanes.b, outward * cos, outward * sin, top * lanes.omega, frequency / top)
         w = segments.frequency.take(lanes.k, axis=1) * lanes.omega
         if self.damping:
+            from .damped_flow import DampedFlow
+
             return DampedFlow(lanes.y, lanes.v, lanes.b, outward * cos, outward * sin, w, ramp, self.damping)
         return LinearFlow(lanes.y, lanes.v, lanes.b, outward * cos, outward * sin, w, ramp)
 
