@@ -103,10 +103,10 @@ class ContactLoss(Observer):
         kept = np.ones(at.size, dtype=bool)
         for i, (edge, ratio) in enumerate(zip(self.body.edges, self.sway, strict=True)):
             push = self.batch.cells.amplitude[i, at] * (edge.uplift * self.across[0])
-            proved = push <= self.body.safe_at(i, edge.alpha * theta_ratio, ratio)
-            if fastest is not None and self.body.alike:
-                proved |= self.body.pressed(edge, push, edge.alpha * theta_ratio, ratio * push, _MARGIN * fastest)
-            kept &= proved
+            if fastest is None or not self.body.alike:
+                kept &= push <= self.body.safe_at(i, edge.alpha * theta_ratio, ratio)
+            else:
+                kept &= self.body.pressed(edge, push, edge.alpha * theta_ratio, ratio * push, _MARGIN * fastest)
         return kept
 
     def arcs(self, arcs: Arcs) -> None:
