@@ -147,11 +147,6 @@ class Scene(ABC):
         """A key: structures with equal keys are computed in one run of the engine under one motion."""
         return self.shares(structure)
 
-    @property
-    def one_system(self) -> bool:
-        """True if the structures differ in restitution only."""
-        return len({self.shares(s) for s in self.structures}) == 1
-
 
 @dataclass(frozen=True, eq=False)
 class PulseScene(Scene):
