@@ -173,5 +173,5 @@ def _table(figure: Figure, source: str, rows: Rows, units: Units, over: str | No
     except (ValueError, TypeError, KeyError) as error:
         raise UsageError(f"{source}: cannot be drawn: {error}") from None
     raise UsageError(
-        f"{source}: found the columns {', '.join(sorted(there))[:80]}; expected a table (--csv) of one of these commands: {DRAWN}"
+        f"{source}: found the columns {', '.join(sorted(there))[:80]}; expected the CSV table of one of these commands: {DRAWN}"
     )

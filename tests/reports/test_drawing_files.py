@@ -41,7 +41,7 @@ def test_a_long_legend_stands_beside_the_axes(count, name, outside):
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        ("a,b\n1,2\n", "found the columns a, b; expected a table"),
+        ("a,b\n1,2\n", "found the columns a, b; expected the CSV table"),
         ("p,alpha\n", "holds no rows"),
         ("event,t\nuplift,1\n", "found events"),
         ("t,theta,ground_acceleration\n0,x,1\n", "cannot be drawn"),
