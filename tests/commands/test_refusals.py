@@ -138,7 +138,7 @@ REFUSED = {
     ],
     "plot": [
         (2, "params.csv -o there.svg", "exists"),
-        (2, "foreign.csv -o x.png", "found the columns a, b; expected a table (--csv)"),
+        (2, "foreign.csv -o x.png", "found the columns a, b; expected the CSV table"),
         (2, "params.csv -o x.bmp", "ends in .png"),
         (2, "params.csv --text", "spectra files"),
         (2, "params.csv --slice A=1 -o x.png", "--slice goes with a spectra file"),
