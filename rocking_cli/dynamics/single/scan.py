@@ -25,7 +25,7 @@ _STEP = 0.05  # [tau]
 _ORDER = 4  # of the series of a step
 _SHORT = 0.1  # times `_STEP`: bounces shorter than that are averaged; with 0.5 narrow falls are missed that march and scan find by chance
 _MOST = 4  # impacts in a step; the later ones are averaged
-_ROOTS = 2  # steps of Newton's method to an impact
+_ROOTS = 2  # steps of Newton's method to an impact; one where a line is the record itself
 
 
 class Rest(NamedTuple):
@@ -55,6 +55,7 @@ class Scan:
         laws = [lane.laws[side] for side in faces]
         self.sides, self.others = np.array(list(faces)), np.arange(len(faces))[::-1]
         self.drive, self.keeps, self.limit = (np.array([getattr(f, name) for f in faces.values()]) for name in ("drive", "keeps", "limit"))
+        self.lowest_limit = float(self.limit.min())
         self.pace = np.array([1.0 / f.omega for f in faces.values()])
         numbers = {name: np.array([law.numbers[name] for law in laws]) for name in laws[0].numbers}
         self.differ = {name: x for name, x in numbers.items() if x.min() < x.max()}
@@ -88,8 +89,8 @@ class _Lanes:
         for line in zip(*self.scan.lines, strict=True):
             start = self._lifted(*line[:2])
             self._step(np.flatnonzero(~self.rest), start, *line)
-            gone = self.y > self.scan.limit[self.row]
-            if gone.any():
+            if not self.y.max(initial=0.0) <= self.scan.lowest_limit:
+                gone = ~(self.y <= self.scan.limit[self.row])
                 self.fallen[self.at[gone]] = True
                 for name in ("at", "amplitude", "row", "y", "v", "rest"):
                     setattr(self, name, getattr(self, name)[~gone])
@@ -99,6 +100,8 @@ class _Lanes:
     def _lifted(self, s: float, rise: float) -> Array:
         """Share of the line at which lanes at rest lift off; 0 for the others."""
         start = np.zeros(self.at.size)
+        if not self.rest.any():
+            return start
         for row, drive in enumerate(self.scan.drive):
             if max(drive * s, drive * (s + rise)) <= 0.0:
                 continue
@@ -116,7 +119,7 @@ class _Lanes:
             if not at.size:
                 return
             drive, pace = scan.drive[row] * self.amplitude[at], scan.pace[row]
-            h = lasts * pace * (1.0 - x)
+            h = np.maximum(lasts * pace * (1.0 - x), 1e-12)
             numbers = scan.numbers | {name: values[row] for name, values in scan.differ.items()}
             terms = scan.terms(y, v, h, drive * (s + rise * x), drive * (rise * (1.0 - x)), **numbers)
             y, v = sum(terms[1:], terms[0]), sum((n * c for n, c in enumerate(terms[2:], 2)), terms[1])
@@ -138,14 +141,18 @@ class _Lanes:
     def _averaged(self, at: Array, x: Array, v: Array, s: float, rise: float, lasts: float, last: bool) -> Array:
         """True for lanes whose further bounces within the line are averaged under the drive halfway to its end."""
         scan, row = self.scan, self.row[at]
-        here, there = (1.0 - scan.drive[side] * self.amplitude[at] * (s + rise * (0.5 + 0.5 * x)) for side in (row, scan.others[row]))
+        push = self.amplitude[at] * (s + rise * (0.5 + 0.5 * x))
+        here = 1.0 - scan.drive[row] * push
         few = (here > 0.0) & (last | (2.0 * v < _SHORT * here * _STEP))
-        bounce, cycle = 2.0 * v / here, scan.keeps[row]
-        if len(scan.sides) == 2:
-            bounce, cycle = bounce + 2.0 * cycle * v / np.maximum(there, 1e-3), cycle * scan.keeps[scan.others[row]]
-        left = v * (1.0 - lasts * scan.pace[row] * (1.0 - x) * (1.0 - cycle) / bounce)
         i = np.flatnonzero(few)
-        self.v[at[i]], self.rest[at[i]] = np.fmax(left[i], 0.0), ~(left[i] > 1e-7)
+        if i.size:
+            at, x, v, row, bounce = at[i], x[i], v[i], row[i], 2.0 * v[i] / here[i]
+            cycle, other = scan.keeps[row], scan.others[row]
+            if len(scan.sides) == 2:
+                bounce = bounce + 2.0 * cycle * v / np.maximum(1.0 - scan.drive[other] * push[i], 1e-3)
+                cycle = cycle * scan.keeps[other]
+            left = v * (1.0 - lasts * scan.pace[row] * (1.0 - x) * (1.0 - cycle) / bounce)
+            self.v[at], self.rest[at] = np.fmax(left, 0.0), ~(left > 1e-7)
         return few
 
     def _end(self) -> None:
@@ -205,13 +212,14 @@ def _impact(
     root = np.sqrt(np.maximum(v * v - 4.0 * half * y, 0.0))
     t = np.where(v > 0.0, -0.5 * (v + root) / half, 2.0 * y / (root - v))
     away: tuple[Array | float, Array | float] = 0.0, 0.0
-    for n in range(_ROOTS + 1):
+    roots = 1 if rest is None else _ROOTS
+    for n in range(roots + 1):
         t = np.fmin(np.fmax(t, 0.0), 1.0)
         y, v = _value(terms, t)
         if rest is not None and n:
             w, dw = rest.at(x + (1.0 - x) * t, lasts * pace, pace)
             away = w, dw / (lasts * pace)
             y, v = y + drive * w, v + drive * dw * (1.0 - x)
-        if n < _ROOTS:
+        if n < roots:
             t = t - y / v
     return x + (1.0 - x) * t, v / h, away
