@@ -15,7 +15,7 @@ REPORTS = ("direction",)
 
 
 def body(document: Document) -> RigidBody:
-    """A rigid body. Raises DocumentError.
+    """The rigid body that a document of this kind describes. Raises DocumentError.
 
     Keys: left, right: horizontal distance from each edge to the mass centre; height of the mass centre above the edges; gyration:
     radius of gyration about the mass centre, or inertia about it and mass; mass is optional with gyration. The drawing shows the base,
