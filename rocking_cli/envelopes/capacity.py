@@ -36,9 +36,9 @@ _STATED = 1e-4  # of the amplitude: narrower falls may be missed there
 _FINEST, _NEAREST = 5e-6, 0.997  # under a pulse with narrow falls: step, and reach of the search below each fall
 _NEAR, _ABOVE = 0.9, 1.05  # times the lowest fall: start of the fine search, and end of the count of falls
 _FEW = 20  # amplitudes up to which the march is as fast as a scan
-_BESIDE = 3  # amplitudes on either side of a fall that seems to be, at which the march looks for it
+_BESIDE = 5  # amplitudes on either side of a fall that seems to be, at which the march looks for it
 _CHECKED = 5  # amplitudes that the march looks at, below a fall and around one that seems to be
-_STRETCH, _WHOLE = 100, 20_000  # amplitudes of the first stretch of a search by the march, and by a scan
+_STRETCH = 100  # amplitudes of the first stretch of a search by the march
 _FIRST_WINDOW = 1.5  # range of A in one batch: so many cells cost about as much as one round
 _PARTS = 256  # parts of a bracket in one cut: there are few brackets, and a batch costs the same for any size
 
@@ -73,7 +73,7 @@ def capacity(structure: RockingParameters, motion: Motion, amplitude: float, ome
         return Capacity(None, None, lowest if np.isfinite(lowest) else None)
     narrow = Falls.of(system, motion, omega, structure.eta, digits)
     if _long(motion):
-        if narrow.stretch == _WHOLE:
+        if narrow.at_once:
             narrow.look(np.unique([*_ladder(lowest, top, _COARSE), np.clip(amplitude, lowest, top)]))
         stands = amplitude <= lowest or not narrow.falls(np.array([amplitude]))[0]
         below = narrow.first(lowest, min(amplitude, top)) if lowest < amplitude else None
@@ -116,14 +116,14 @@ class Falls:
     """The search for the lowest amplitude at which one body falls, where falls may be narrow.
 
     falls: true for each amplitude that falls, by the march; seems: the same for many amplitudes, where it may be approximate: it tells
-    where to look; digits: relative width of a traced boundary; stretch: amplitudes that are looked at first together; seen: all
+    where to look; digits: relative width of a traced boundary; at_once: true if all amplitudes are looked at together; seen: all
     amplitudes `_COARSE` apart so far, with their falls.
     """
 
     falls: Callable[[Array], Array]
     seems: Callable[[Array], Array]
     digits: float
-    stretch: int = _STRETCH
+    at_once: bool = False
     seen: tuple[Array, Array] = field(default_factory=lambda: (np.zeros(0), np.zeros(0, dtype=bool)))
 
     @classmethod
@@ -146,13 +146,13 @@ class Falls:
             from ..dynamics.single.scan import Scan
 
             scan = Scan(system, motion, omega, eta) if Scan.serves(system, motion) else None
-        return cls(falls, seems, digits, _STRETCH if scan is None else _WHOLE)
+        return cls(falls, seems, digits, scan is not None)
 
     def first(self, begin: float, end: float) -> float | None:
         """The lowest amplitude between these that falls, None if there is none."""
-        low, stretch, found = begin, self.stretch, None
+        low, stretch, found = begin, _STRETCH, None
         while found is None and low < end:
-            high = min(end, low * (1.0 + _COARSE) ** stretch)
+            high = end if self.at_once else min(end, low * (1.0 + _COARSE) ** stretch)
             amplitude, seems = self._coarse(low, high)
             found = next(filter(None, (self.lowest(begin, fall, _FINE, _NEAR) for fall in amplitude[seems].tolist())), None)
             low, stretch = high, 2 * stretch
@@ -180,7 +180,7 @@ class Falls:
 
     def lowest(self, begin: float, found: float, ratio: float, near: float) -> float | None:
         """The lowest fall from `begin` to `found`, where a body seems to fall, None if the march finds none. Amplitudes at a ratio are
-        looked at from `near` times `found` on, and below `near` times each new fall."""
+        looked at from near^2 times `found` on, then from `near` times each new fall on."""
         low, high, lowest = max(begin, near * near * found), found, None
         while low < high:
             amplitude = _ladder(low, high, ratio)

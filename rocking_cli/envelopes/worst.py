@@ -43,7 +43,7 @@ def at_worst_frequency(
 def _worst(
     structure: RockingParameters, motion: Motion, amplitude: float, ends: tuple[float, float], method: Method, a_max: float
 ) -> float:
-    """The worst Omega from `low` to `high` for a demand of A = `amplitude`."""
+    """The worst Omega between two ends for a demand of A = `amplitude`."""
     from scipy.optimize import minimize_scalar
 
     system, (low, high) = method.system_of(structure), ends

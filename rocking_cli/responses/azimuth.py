@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import cache, partial
+from itertools import islice
 
 import numpy as np
 
@@ -41,20 +43,13 @@ def worst_azimuths(
 
     Raises UsageError as `at_azimuth` and `check` do.
     """
-    opposite = (azimuths + math.pi).tolist()
-    shakes = {angle: at_azimuth(pair, angle) for angle in (*azimuths.tolist(), *opposite)}
-    tried = [
-        (angle, (s, shakes[angle].motion, as_recorded(shakes[angle].acceleration)))
-        for s in structures
-        for angle in (*azimuths.tolist(), *(opposite if has_direction(s) else ()))
-    ]
-    found = verdicts([demand for _, demand in tried], a_max=None, workers=workers, progress=progress)
-    worst: dict[str, tuple[tuple[bool, float, float], tuple[float, Demand]]] = {}
-    for one, verdict in zip(tried, found, strict=True):
-        rank = _rank(verdict)
-        if verdict.structure not in worst or rank > worst[verdict.structure][0]:
-            worst[verdict.structure] = rank, one
-    return [worst[s.name][1] for s in structures]
+    turned = cache(partial(at_azimuth, pair))
+    tried: list[list[tuple[float, Demand]]] = []
+    for s in structures:
+        angles = [*azimuths.tolist(), *((azimuths + math.pi).tolist() if has_direction(s) else ())]
+        tried.append([(angle, (s, turned(angle).motion, as_recorded(turned(angle).acceleration))) for angle in angles])
+    found = verdicts([demand for several in tried for _, demand in several], a_max=None, workers=workers, progress=progress)
+    return [max(zip(map(_rank, islice(found, len(several))), several, strict=True), key=lambda pair: pair[0])[1] for several in tried]
 
 
 def has_direction(structure: RockingParameters) -> bool:
@@ -64,4 +59,4 @@ def has_direction(structure: RockingParameters) -> bool:
 
 def _rank(verdict: Verdict) -> tuple[bool, float, float]:
     share = 0.0 if verdict.uplift_a is None else verdict.demand_a / verdict.uplift_a
-    return not verdict.outcome.safe or verdict.falls, verdict.theta_ratio or 0.0, share
+    return not verdict.outcome.safe, verdict.theta_ratio or 0.0, share

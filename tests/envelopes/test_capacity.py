@@ -130,7 +130,7 @@ def test_a_scan_leads_to_the_fall_that_the_march_finds(dt, seed):
     march = Falls.of(system, motion, 0.4, 0.9, 1e-6)
     march.seems = lambda a: ~safe(response(system, motion, a, 0.4, 0.9, peaks=False).outcome)
     found = capacity(oscillator, motion, 1.6, 0.4, method=LINEAR, a_max=4.0)
-    assert found.first == pytest.approx(march.first(found.uplift, 4.0), rel=1e-15, abs=0)
+    assert found.first == pytest.approx(march.first(found.uplift, 4.0), rel=2e-6, abs=0)  # each is traced to 1e-6
 
 
 def test_the_lowest_of_narrow_falls_does_not_depend_on_the_one_that_was_found():

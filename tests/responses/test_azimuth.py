@@ -18,7 +18,7 @@ from rocking_cli.responses.azimuth import at_azimuth, worst_azimuths
 from rocking_cli.responses.check import check
 
 BODY = built("{kind: block, name: A, width: 0.5, height: 2}")
-ONE_SIDED = built("{kind: block, name: B, width: 0.5, height: 2, one_sided: true}")
+ONE_SIDED = built("{kind: block, name: A, width: 0.5, height: 2, one_sided: true}")  # the name of the other one
 SAMPLES = wave(120, 3.4)
 AZIMUTHS = np.radians(np.arange(0.0, 180.0, 30.0))
 

@@ -2,8 +2,9 @@
 
 All lanes take the same steps, up to `_STEP` of tau, with the Taylor terms of `recurrence` on arrays. Over a step the record is a
 straight line with the same integral and first moment; the rest of it, r, moves a body by the outward drive of s = 1 times W, where
-W'' = r and W is 0 at both ends, which is added where an impact is looked for. Bounces shorter than a part of a step are averaged. Next
-to the march itself the outcomes are those of an amplitude that differs by about 1e-5 of it.
+W'' = r and W is 0 at both ends, which is added where an impact is looked for. Bounces shorter than a part of a step are averaged. The
+boundaries between standing and falling lie beside those of the march: of 48 first falls at most 5e-6 of the amplitude where a line is
+one sample, 6e-5 where it covers several; 2.4e-4 was seen once.
 """
 
 from __future__ import annotations
@@ -29,7 +30,7 @@ _ROOTS = 2  # steps of Newton's method to an impact; one where a line is the rec
 
 
 class Rest(NamedTuple):
-    """The rest r of the record within its line, of each sample: W and W' at its start, r there, and how much r rises."""
+    """The rest r of the record within its line: W and W' at the start of each sample, r there, and how much r rises over it."""
 
     w: Array
     dw: Array
