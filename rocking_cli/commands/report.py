@@ -33,11 +33,9 @@ def report(
     extra: pip install 'rocking[report]'.
     """
     from ..dynamics.outcome import Outcome
-    from ..motions.grid import demand_in_words
-    from ..publishing import check_target, published
-    from ..reports.overview import demand_plainly
-    from ..reports.page import Subject, demand_extra, page
-    from ..responses.check import check_all, tally
+    from ..publishing import check_target
+    from ..reports.page import Subject, demand_extra, write_page
+    from ..responses.check import tally
     from ..structures import build_structure, with_distinct_names
 
     files, shaken = asked.several(files)
@@ -49,24 +47,21 @@ def report(
     demand_extra()
     structures = with_distinct_names([build_structure(document) for document in documents])
     options.remark_on(structures)
-    demands = [(structure, *shake) for shake in shakes for structure in structures]
-    verdicts = check_all(demands, workers=workers, progress=ProgressLine("report", "stages"))
-    text = page(
+    verdicts = write_page(
         [Subject(document, structure) for document, structure in zip(documents, structures, strict=True)],
-        verdicts,
-        pulse=None if shaken.recordings else shakes[0],
-        demand=demand_plainly(shakes, asked.vertical) if summary else demand_in_words(shakes),
+        shakes,
+        output,
         recordings=shaken.recordings,
         vertical=asked.vertical,
         command=options.command_line(),
         made=options.now(),
-        workers=workers,
         title=title,
         summary=summary,
         by_capacity=sort is not None,
+        overwrite=overwrite,
+        workers=workers,
+        progress=ProgressLine("report", "stages"),
     )
-    with published(output, overwrite) as file:
-        file.write(text.encode())
     ground.note_demand(shakes)
     ground.note_governing(structures, shakes[0][1].dimensionless)
     note(f"{output}: {tally(verdicts)}")

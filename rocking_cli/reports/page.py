@@ -36,7 +36,7 @@ from ..motions.grid import Axis, Grid, HasMotion, demand_in_words, demand_of
 from ..motions.recording import Recording
 from ..motions.records import Record
 from ..publishing import published
-from ..responses.check import Verdict, check_all, tally
+from ..responses.check import Progress, Verdict, check_all, tally
 from ..spectra.file.reader import SpectraFile
 from ..spectra.sweep import write_spectrum
 from ..structures import RockingParameters, build_structure, with_distinct_names
@@ -134,15 +134,26 @@ def report(
     ['no_uplift']
     """
     motions = list(motion) if isinstance(motion, Sequence) else [motion]
-    shakes = [demand_of(one, shaking) for one in motions]
     structures = with_distinct_names([build_structure(document) for document in documents])
-    verdicts = check_all([(s, *shake) for shake in shakes for s in structures], workers=workers)
-    recordings = [one if isinstance(one, Recording) else Recording(one) for one in motions if isinstance(one, Recording | Record)]
-    text = page(
-        [Subject(document, s) for document, s in zip(documents, structures, strict=True)], verdicts, recordings=recordings,
-        pulse=None if recordings else shakes[0], demand=(demand_plainly if summary else demand_in_words)(shakes),
-        command="rocking_cli.report", made=str(date.today()), workers=workers, title=title, summary=summary, by_capacity=by_capacity,
+    return write_page(
+        [Subject(document, s) for document, s in zip(documents, structures, strict=True)],
+        [demand_of(one, shaking) for one in motions], target, command="rocking_cli.report", made=str(date.today()),
+        recordings=[one if isinstance(one, Recording) else Recording(one) for one in motions if isinstance(one, Recording | Record)],
+        title=title, summary=summary, by_capacity=by_capacity, overwrite=overwrite, workers=workers,
     )  # fmt: skip
+
+
+def write_page(
+    subjects: Sequence[Subject], shakes: Sequence[tuple[Motion, Grid]], target: str | Path, *, recordings: Sequence[Recording],
+    overwrite: bool, workers: int | None, summary: bool, vertical: str | None = None, progress: Progress | None = None, **given: Any,
+) -> list[Verdict]:  # fmt: skip
+    """Check the structures under motions with their demands, write the page and return the verdicts; given: more arguments of `page`."""
+    verdicts = check_all([(one.structure, *shake) for shake in shakes for one in subjects], workers=workers, progress=progress)
+    demand = demand_plainly(shakes, vertical) if summary else demand_in_words(shakes)
+    pulse = None if recordings else shakes[0]
+    text = page(
+        subjects, verdicts, pulse=pulse, recordings=recordings, vertical=vertical, demand=demand, workers=workers, summary=summary, **given
+    )
     with published(Path(target), overwrite) as file:
         file.write(text.encode())
     return verdicts
