@@ -10,7 +10,7 @@ With psi = arcsin(1/A) and T = (2 pi - psi)/Omega the state at the end of one cy
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.optimize import brentq
@@ -51,37 +51,47 @@ def no_impact_amplitude(omega: float, pulse: str = "sine") -> float:
     return float(brentq(margin, 1.0, high, xtol=1e-15, rtol=8.9e-16, maxiter=500)) if margin(1.0) < 0.0 else 1.0
 
 
-class _FirstSide(NamedTuple):
-    """The motion on the side of the first uplift, tau = 0 at uplift; q sin is the particular solution."""
+class _FirstSide:
+    """The motion on the side of the first uplift, tau = 0 at uplift; q sin is the particular solution. Of a float with `math`, of an
+    array of amplitudes with `numpy`."""
 
-    amplitude: float
-    omega: float
+    def __init__(self, amplitude: Any, omega: float, library: Any = math) -> None:
+        a, w, self.library = amplitude, omega, library
+        self.amplitude, self.omega = a, w
+        self.psi: Any = math.asin(1.0 / a) if library is math else np.arcsin(1.0 / a)
+        self.duration: Any = (2.0 * math.pi - self.psi) / w
+        self.below = (math.pi - 2.0 * self.psi) / w  # the drive is below 1: from here the body cannot rise again
+        self.big, self.s = w**2 / (1.0 + w**2), w * library.sqrt((a - 1.0) * (a + 1.0)) / (1.0 + w**2)
+        self.q = a / (1.0 + w**2)
 
-    @property
-    def psi(self) -> float:
-        return math.asin(1.0 / self.amplitude)
+    def place(self, t: Any) -> Any:
+        """x at t."""
+        m = self.library
+        return 1.0 - self.big * m.cosh(t) + self.s * m.sinh(t) - self.q * m.sin(self.psi + self.omega * t)
 
-    @property
-    def duration(self) -> float:
-        return (2.0 * math.pi - self.psi) / self.omega
-
-    def state(self, t: float) -> tuple[float, float]:
-        a, w = self.amplitude, self.omega
-        big = w**2 / (1.0 + w**2)
-        s, q = w * math.sqrt((a - 1.0) * (a + 1.0)) / (1.0 + w**2), a / (1.0 + w**2)
-        phase = self.psi + w * t
-        x = 1.0 - big * math.cosh(t) + s * math.sinh(t) - q * math.sin(phase)
-        v = -big * math.sinh(t) + s * math.cosh(t) - q * w * math.cos(phase)
-        return x, v
+    def speed(self, t: Any) -> Any:
+        """x' at t."""
+        m = self.library
+        return -self.big * m.sinh(t) + self.s * m.cosh(t) - self.q * self.omega * m.cos(self.psi + self.omega * t)
 
     def impact(self) -> float | None:
         """Time of the impact inside the pulse, None if there is none; NaN if the motion is below rounding."""
-        if self.state(self.duration)[0] > 0.0:
+        if self.place(self.duration) > 0.0:
             return None
-        below = (math.pi - 2.0 * self.psi) / self.omega  # the drive is below 1: from here the body cannot rise again
-        if self.state(below)[0] <= 0.0:
+        if self.place(self.below) <= 0.0:
             return math.nan
-        return float(brentq(lambda t: self.state(t)[0], below, self.duration, xtol=1e-15, rtol=8.9e-16, maxiter=500))
+        return float(brentq(self.place, self.below, self.duration, xtol=1e-15, rtol=8.9e-16, maxiter=500))
+
+    def energy_left(self) -> Any:
+        """1 + v_e^2 - (1 - x_e)^2 at the end of the pulse."""
+        return 1.0 + self.speed(self.duration) ** 2 - (1.0 - self.place(self.duration)) ** 2
+
+    def margin_inside(self, at: Any, eta: float) -> Any:
+        """The unstable mode x - 1 + v at the end of the pulse, of a body that strikes before it: x'' = x - 1 - A sin(phase + Omega t)."""
+        m, w = self.library, self.omega
+        rest, phase = self.duration - at, self.psi + w * at
+        drive = self.amplitude * (w * m.cos(phase) + m.sin(phase) - w * m.exp(-rest)) / (1.0 + w**2)
+        return m.exp(rest) * (-eta * self.speed(at) - 1.0 - drive)
 
 
 def after_impact_margin(amplitude: float, omega: float, eta: float) -> float:
@@ -92,14 +102,20 @@ def after_impact_margin(amplitude: float, omega: float, eta: float) -> float:
     first = _FirstSide(amplitude, omega)
     at = first.impact()
     if at is None:
-        x_e, v_e = first.state(first.duration)
-        return eta * math.sqrt(max(0.0, 1.0 + v_e**2 - (1.0 - x_e) ** 2)) - 1.0
-    if math.isnan(at):  # an A this close to 1 does not overturn
-        return -1.0
-    rest, phase = first.duration - at, first.psi + omega * at
-    # On the other side x'' = x - 1 - A sin(phase + Omega t): unstable mode at the end of the pulse.
-    drive = amplitude * (omega * math.cos(phase) + math.sin(phase) - omega * math.exp(-rest)) / (1.0 + omega**2)
-    return math.exp(rest) * (-eta * first.state(at)[1] - 1.0 - drive)
+        return eta * math.sqrt(max(0.0, first.energy_left())) - 1.0
+    return -1.0 if math.isnan(at) else float(first.margin_inside(at, eta))  # an A this close to 1 does not overturn
+
+
+def _overturns(amplitude: np.ndarray, omega: float, eta: float) -> np.ndarray:
+    """True where that margin is positive, (amplitudes,); impacts are bisected."""
+    first = _FirstSide(amplitude, omega, np)
+    low, high = first.below, first.duration
+    for _ in range(50):
+        middle = 0.5 * (low + high)
+        above = first.place(middle) > 0.0
+        low, high = np.where(above, middle, low), np.where(above, high, middle)
+    inside = (first.place(first.below) > 0.0) & (first.margin_inside(high, eta) > 0.0)
+    return np.where(first.place(first.duration) > 0.0, eta**2 * first.energy_left() > 1.0, inside)
 
 
 def peak_after_impact(amplitude: float, omega: float, eta: float) -> float:
@@ -108,8 +124,7 @@ def peak_after_impact(amplitude: float, omega: float, eta: float) -> float:
     Exact if the impact follows the pulse: D0* = (1 - x_e)^2 - v_e^2 is the energy at the end of the pulse.
     """
     first = _FirstSide(amplitude, omega)
-    x_e, v_e = first.state(first.duration)
-    left = 1.0 - eta**2 * (1.0 - (1.0 - x_e) ** 2 + v_e**2)
+    left = 1.0 - eta**2 * first.energy_left()
     return 1.0 - math.sqrt(left) if 0.0 <= left <= 1.0 else math.nan
 
 
@@ -120,7 +135,7 @@ def _single_impact(amplitude: float, omega: float, eta: float) -> bool:
     if at is None:
         return True
     t = np.linspace(0.0, first.duration - at, 4001)[1:]
-    phase, q, speed = first.psi + omega * at, amplitude / (1.0 + omega**2), -eta * first.state(at)[1]
+    phase, q, speed = first.psi + omega * at, amplitude / (1.0 + omega**2), -eta * first.speed(at)
     sine, cosine = q * math.sin(phase), q * omega * math.cos(phase)
     x = 1.0 + (-1.0 - sine) * np.cosh(t) + (speed - cosine) * np.sinh(t) + q * np.sin(phase + omega * t)
     return bool(np.all(x > 0.0))
@@ -136,7 +151,8 @@ def after_impact_amplitudes(omega: float, eta: float) -> list[float]:
     if top <= 1.0:
         return []
     span = 1.0 + (top - 1.0) * np.linspace(1e-9, 1.0, _SCAN)
-    signs = [after_impact_margin(float(a), omega, eta) > 0.0 for a in span]
+    # The last one by the scalar way: without loss the margin is 0 there, and rounding decides.
+    signs = np.append(_overturns(span[:-1], omega, eta), after_impact_margin(float(span[-1]), omega, eta) > 0.0)
     roots = [
         float(brentq(after_impact_margin, a, b, args=(omega, eta), xtol=1e-15, rtol=8.9e-16, maxiter=500))
         for a, b, before, after in zip(span[:-1], span[1:], signs[:-1], signs[1:], strict=True)
