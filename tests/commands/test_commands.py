@@ -10,7 +10,6 @@ from pathlib import Path
 import click
 import pytest
 from click.shell_completion import ShellComplete
-from support.shown_commands import shell
 
 from rocking_cli.commands import COMMANDS, cli, main
 
@@ -44,16 +43,6 @@ def test_a_closed_pipe_is_no_error(tmp_path):
     assert done.returncode == 0
     assert done.stderr == ""
     assert len(done.stdout.splitlines()) == 2
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("command", COMMANDS)
-def test_help_shows_an_example_that_runs_anywhere(rocking, tmp_path, command):
-    """In an empty folder, where `configs` is found in the package."""
-    (tmp_path / "configs").unlink()
-    text = " ".join(rocking(command, "--help").stdout.split())
-    for line in text.partition("Example: ")[2].partition(" | jq")[0].split(" && "):
-        shell(rocking, line, tmp_path)
 
 
 RECORD = "configs/motions/synthetic.at2"

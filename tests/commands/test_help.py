@@ -43,13 +43,23 @@ def test_a_topic_is_its_page(rocking, topic):
     assert rocking("help", topic).stdout == page(topic)
 
 
-@pytest.mark.parametrize("name", PAGES)
-def test_what_a_page_shows_runs_in_order(rocking, tmp_path, name):
-    """On axes of at most nine values, whatever a page shows; no line of a table is longer than a terminal of 100 columns."""
-    for line in re.findall(r"^    (rocking .*)$", page(name), re.MULTILINE):
-        shown = shell(rocking, re.sub(r"(:[\d.]+g?:)\d\d+\b", r"\g<1>9", line), tmp_path)
+def example(rocking, command):
+    """The lines of the example that the help of a command shows."""
+    text = " ".join(rocking(command, "--help").stdout.split())
+    return text.partition("Example: ")[2].partition(" | jq")[0].split(" && ")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", dict.fromkeys((*COMMANDS, *PAGES)))
+def test_examples_and_pages_run_in_order_anywhere(rocking, tmp_path, name):
+    """In an empty folder, where `configs` is found in the package, and shortened; no line of a table is wider than 100 columns."""
+    (tmp_path / "configs").unlink()
+    shown = example(rocking, name) if name in COMMANDS else []
+    for line in dict.fromkeys([*shown, *re.findall(r"^    (rocking .*)$", page(name), re.MULTILINE)]):
+        shorter = re.sub(r"(:[\d.]+g?:)\d\d+\b", r"\g<1>9", line.replace("--duration 2 ", "--duration 0.2 "))
+        printed = shell(rocking, shorter, tmp_path)
         if not re.search(r"--(json|csv|documents)|convert", line):
-            assert max(map(len, shown.splitlines()), default=0) <= 100
+            assert max(map(len, printed.splitlines()), default=0) <= 100
 
 
 @pytest.mark.parametrize("name", PAGES)

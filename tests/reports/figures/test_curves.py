@@ -196,7 +196,7 @@ def test_the_least_amplitude_of_a_check_is_drawn_over_a_varied_key(drawn, table)
 
 def test_the_least_amplitude_of_an_envelope_is_drawn_for_each_frequency_over_a_quotient(drawn, table):
     call = ("envelope", "block:0.3x2", "--grid", "f_g=1:2:2", "--a-max", "4", "--vary", "width=0.3:0.5:3", "--vary", "height=2:3:2")
-    source, rows = table(*call)
+    source, rows = table(*call, "--model", "linear")
     (axes,) = drawn(source, over="width/height").axes
     assert axes.get_xlabel() == "width / height [-]"
     found = lines(axes)

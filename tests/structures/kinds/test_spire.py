@@ -79,7 +79,7 @@ def test_crack_at_the_base_and_vanishing_wall():
     assert (film.p, film.alpha, film.eta) == pytest.approx((thin.p, thin.alpha, thin.eta), rel=1e-6, abs=0)
 
 
-@settings(max_examples=60)
+@settings(max_examples=15)
 @given(st.floats(0.05, 0.2), st.floats(0.02, 0.5), st.floats(0, 0.5))
 def test_spires_are_rocking_structures(kappa, wall, crack):
     s = built(
