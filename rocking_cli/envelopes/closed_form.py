@@ -60,7 +60,7 @@ class _FirstSide:
         self.amplitude, self.omega = a, w
         self.psi: Any = math.asin(1.0 / a) if library is math else np.arcsin(1.0 / a)
         self.duration: Any = (2.0 * math.pi - self.psi) / w
-        self.below = (math.pi - 2.0 * self.psi) / w  # the drive is below 1: from here the body cannot rise again
+        self.below: Any = (math.pi - 2.0 * self.psi) / w  # the drive is below 1: from here the body cannot rise again
         self.big, self.s = w**2 / (1.0 + w**2), w * library.sqrt((a - 1.0) * (a + 1.0)) / (1.0 + w**2)
         self.q = a / (1.0 + w**2)
 
