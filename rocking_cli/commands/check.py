@@ -98,7 +98,7 @@ def check(
             yield {**varied.get(verdict.structure, {}), **head, **own}
 
     in_g = _in_g(asked.a_g or asked.scale_to or ("g" if asked.motion else ""))
-    emit(rows(), CHECK_COLUMNS, table_units="g,mm,deg" if in_g else "mm,deg", old=OLD_COLUMNS)
+    emit(rows(), CHECK_COLUMNS, table_units="g,mm,deg" if in_g else "mm,deg", unseen=OLD_COLUMNS)
     if output is not None:
         from ..reports.figures.capacities import draw_capacities
 

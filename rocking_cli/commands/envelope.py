@@ -69,7 +69,7 @@ def envelope(
     --model both traces the intervals of both equations, a row each with its model. A line states over which share of the overturning
     amplitudes the linear equation is unsafe.
     """
-    from ..envelopes.intervals import CURVE_COLUMNS, check_curves, frequency_axis, structure_curves
+    from ..envelopes.intervals import CURVE_COLUMNS, NAMED, check_curves, frequency_axis, structure_curves
 
     files, shaken = motions.several(files, one_upwards=True)
     if shaken.motion is None:
@@ -83,7 +83,7 @@ def envelope(
         for structure in structures:  # all of them, before the first row is printed
             check_curves(structure, motion, axis)
         rows = ({**varied.get(s.name, {}), **row} for s in structures for row in structure_curves(s, motion, axis))
-        emit(rows, CURVE_COLUMNS)
+        emit(rows, CURVE_COLUMNS, unseen=NAMED)
         return 4 if lost else 0
     methods = model.methods(structures, axis.name == "Omega")
     told = model.in_words(methods, structures, axis.name == "Omega")
@@ -95,7 +95,7 @@ def _of_pulse(
     varied: dict[str, dict[str, float]],
 ) -> int:  # fmt: skip
     """Print the intervals of each structure by each method, then the lines `told`. Returns the exit code."""
-    from ..envelopes.intervals import INTERVAL_COLUMNS, NARROWEST, NONE, check_intervals, misjudged, structure_intervals
+    from ..envelopes.intervals import INTERVAL_COLUMNS, NAMED, NARROWEST, NONE, check_intervals, misjudged, structure_intervals
 
     for structure in structures:  # all of them, before the first row is printed
         for method in methods:
@@ -117,7 +117,7 @@ def _of_pulse(
                     found.append(row)
                     if row["mode"] == NONE:
                         none.add(row["Omega"])
-                    yield {**varied.get(structure.name, {}), **row, **({"model": method.model} if both else {})}
+                    yield {**varied.get(structure.name, {}), **row}
                 if none:
                     by = f", {method.model}" if both else ""
                     told.append(f"{structure.name}{by}: no overturning up to A = {most:g} at {len(none)} of {axis.values.size} frequencies")
@@ -125,7 +125,7 @@ def _of_pulse(
             if both and not wanted.lowest:
                 told.append(f"{structure.name}: {misjudged(*compared, a_max=most)}")
 
-    emit(rows(), (*INTERVAL_COLUMNS, *(["model"] if both else [])))
+    emit(rows(), INTERVAL_COLUMNS, unseen=NAMED[: 1 if both else 2])
     return _closing(told, f"{NARROWEST:g} in A", failed)
 
 
@@ -145,7 +145,7 @@ def _of_records(
     """Print the overturning scales of records, or their quantiles; returns the exit code."""
     from ..dynamics.method import model_in_words
     from ..envelopes.capacity import RATIO
-    from ..envelopes.intervals import NONE
+    from ..envelopes.intervals import NAMED, NONE
     from ..spectra.record_envelope import Tracing, overturning_spectrum, tracing_records
     from ..spectra.record_scene import scene_of_words
 
@@ -171,7 +171,7 @@ def _of_records(
         emit(overturning_spectrum(scene, rows()))
     else:
         places = ("record", "alpha", "T") if scene.over_angles else ("record", "structure")
-        emit(rows(), (*places, "A_from", *([] if tracing.first else ["A_to"]), "mode"))
+        emit(rows(), (*places, "A_from", *([] if tracing.first else ["A_to"]), "mode", "model"), unseen=NAMED)
     told = [model_in_words(scene.method, *structures, model=model.models[0])]
     if modes[NONE]:
         told.append(f"no overturning up to {tracing.most} in {modes[NONE]} searches")

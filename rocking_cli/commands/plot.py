@@ -29,7 +29,7 @@ def plot(
         "--animate", type=OutputPath(), metavar="OUT.gif", help="The body of a response in motion, in real time."
     ),
     body: str | None = option(
-        "--body", type=InputPath(), metavar="FILE", help="The structure to animate (default: the block of its p, alpha)."
+        "--body", type=InputPath(), metavar="FILE", help="The structure of --animate and --phase (default: the block of its p, alpha)."
     ),
     text: bool = option("--text", is_flag=True, help="A quick look in the terminal, without matplotlib."),
     looks: options.Looks = group(options.Looks),
@@ -61,8 +61,8 @@ def plot(
     for flag, there in {"--over": over is not None, "--phase": phase, "--align": align, "--animate": animate is not None}.items():
         if there and is_spectra_file(file):
             raise click.UsageError(f"{flag} goes with CSV, of {'a family (--vary)' if flag == '--over' else 'a response'}")
-    if body is not None and animate is None:
-        raise click.UsageError("--body goes with --animate")
+    if body is not None and animate is None and not phase:
+        raise click.UsageError("--body goes with --animate and --phase")
     if sum(given.values()) > 1:
         raise click.UsageError(f"{' and '.join(flag for flag, there in given.items() if there)} do not go together")
     if text:
@@ -73,12 +73,12 @@ def plot(
                 streams.put(line)
         return
     look = looks.look()
+    document = None if body is None else options.documents_of((body,), 1, "a response")[0]
     if animate is not None:
         from ..reports.figures.animation import animate as moving
         from ..reports.rows import rows_of
 
         check_target(animate, overwrite, (".gif",))
-        document = None if body is None else options.documents_of((body,), 1, "an animation")[0]
         moving(rows_of(str(file)), animate, document, look=look, overwrite=overwrite, tell=note)
         if output is None:
             return
@@ -96,6 +96,7 @@ def plot(
         units=units_of(),
         look=look,
         portrait=phase,
+        body=document,
         align=align,
         overwrite=overwrite,
         tell=note,

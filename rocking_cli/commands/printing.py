@@ -76,25 +76,25 @@ def form() -> str | None:
 
 def emit(
     rows: Iterable[Mapping[str, Any]], columns: Sequence[str] = (), *, form: str | None = None, table_units: str | None = None,
-    without: Sequence[str] = (), old: Sequence[str] = (),
+    without: Sequence[str] = (), unseen: Sequence[str] = (),
 ) -> None:  # fmt: skip
     """Print rows, each as soon as it is computed.
 
     columns: the CSV header if there is no row; form: without --json and --csv; table_units: of a table without --units; without:
-    columns that have no unit here; old: columns under an old name, for programs only.
+    columns that have no unit here; unseen: columns for programs only, which a table leaves out.
     """
     from ..reports.tables import WIDTH, lines
     from ..reports.units import Units, parse_units
 
     units, form = units_of(), _kept("form") or form
+    chosen = [name.strip() for name in (_kept("columns") or "").split(",") if name.strip()]
     if units is None and form is None and table_units is not None:
         units = parse_units(table_units)
-    if old and form is None:
-        rows = ({key: value for key, value in row.items() if key not in old} for row in rows)
+    if unseen and form is None:
+        rows = ({key: value for key, value in row.items() if key not in unseen or key in chosen} for row in rows)
     if without:
         units = replace(units or Units(), without=frozenset(without))
     width = get_terminal_size((WIDTH, 0)).columns if sys.stdout.isatty() else WIDTH
-    chosen = [name.strip() for name in (_kept("columns") or "").split(",") if name.strip()]
     table = {"digits": _kept("digits") or 4, "width": width, "chosen": chosen} if form is None else {}
     for line in lines(rows, form or "table", columns, encoding=sys.stdout.encoding, units=units, **table):
         streams.put(line)

@@ -44,7 +44,7 @@ def response(
     collapsed. The speed of an impact in the events is the speed before it. With --json the last row of each model is a summary.
     --forces: fx_ratio and fz_ratio, the horizontal and vertical force over m g, and the friction that they need.
     """
-    from ..responses.time_history import time_history
+    from ..responses.time_history import NAMED, time_history
 
     azimuths = asked.azimuths()
     if azimuths is None:
@@ -71,7 +71,7 @@ def response(
     shown = {"dimensionless": dimensionless, "forces": forces}
     rows = found.events(**shown) if events else found.records(dt=dt, steps=steps, **shown)
     closing = found.summaries(**shown) if events and form() == "json" else ()
-    emit(chain(rows, closing), ("model", "event") if events else ())
+    emit(chain(rows, closing), ("model", "event") if events else (), unseen=() if events else NAMED)
     if shaken.grid is not None:
         ground.note_demand(shaken.shakes)
     for line in (*model.in_words(methods, structures, bare), *found.summary(forces=forces)):

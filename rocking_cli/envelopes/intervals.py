@@ -32,8 +32,9 @@ HIGHEST = 100_000.0  # largest a_max; a larger scan takes too long
 SIGNS = {"+": (1.0,), "-": (-1.0,), "worse": (1.0, -1.0)}  # of the ground acceleration, for bodies with unequal sides
 NONE = "none"  # the mode of a body that no amplitude overturns
 BOTH = "both"  # each sign by itself
-INTERVAL_COLUMNS = ("structure", "Omega", "A_from", "A_to", "mode")
-CURVE_COLUMNS = ("structure", "curve", "Omega", "A")
+NAMED = ("motion", "model")  # columns for programs; a table has them only where they differ
+INTERVAL_COLUMNS = ("structure", "Omega", "A_from", "A_to", "mode", *NAMED)
+CURVE_COLUMNS = ("structure", "curve", "Omega", "A", *NAMED)
 _SMALL = 1_000_000  # number of amplitudes below which one process is faster
 _SHARE, _SHARE_IN_STEPS = 8_000_000, 100_000  # amplitudes of a process between reports: some seconds, by an exact equation and by others
 
@@ -202,7 +203,7 @@ def structure_intervals(
                     record["omega_g"] = omega * structure.p
                     for key, amplitude in (("a_from", low), ("a_to", high)):
                         record[key] = None if amplitude is None else structure.ground_acceleration(amplitude)
-                yield record
+                yield record | {"motion": motion.name, "model": method.model}
 
 
 def misjudged(linear: Sequence[Mapping[str, Any]], nonlinear: Sequence[Mapping[str, Any]], *, a_max: float) -> str:
@@ -253,4 +254,5 @@ def structure_curves(structure: RockingParameters, motion: Motion, axis: Axis) -
     from .closed_form import closed_form_curves
 
     for point in closed_form_curves(_scaled(structure, axis), structure.eta, _closed_form_of(motion)):
-        yield {"structure": structure.name, "curve": point.curve, "Omega": point.omega, "A": point.amplitude}
+        row = {"structure": structure.name, "curve": point.curve, "Omega": point.omega, "A": point.amplitude}
+        yield row | {"motion": motion.name, "model": LINEAR.model}

@@ -19,9 +19,10 @@ from .figures import curves
 from .figures.canvas import FIGURE_UNITS, SOURCE, Look, canvas, panels
 from .figures.capacities import checked
 from .figures.characters import place_of
-from .figures.curves import accuracy, closed_forms, comparison, family, fragility_curves, overturning_spectra, phase, response
+from .figures.curves import accuracy, closed_forms, comparison, family, fragility_curves, overturning_spectra, response
 from .figures.envelopes import bands
 from .figures.maps import outcome_map, two_measures
+from .figures.phase import phase
 from .figures.slices import of_record, record_spectra, slice_of, spectrum_lines
 from .rows import Rows, rows_of
 from .units import Units
@@ -30,6 +31,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+    from ..documents.document import Document
+
     Kind = tuple[set[str], Callable[[Figure, Rows, Units], list[Axes]]]
 DRAWN = "check, envelope, response, compare (curves), params (a family), fragility (curves, cells) or accuracy"
 
@@ -37,16 +40,17 @@ DRAWN = "check, envelope, response, compare (curves), params (a family), fragili
 def draw(
     source: str | Path | Sequence[str | Path], target: str | Path | Axes, *, structure: str | None = None, cut: str | None = None,
     every: bool = False, over: str | None = None, log: str = "", units: Units | None = None, look: Look | None = None,
-    portrait: bool = False, align: bool = False, overwrite: bool = True, tell: Callable[[str], None] | None = None,
+    portrait: bool = False, body: Document | None = None, align: bool = False, overwrite: bool = True,
+    tell: Callable[[str], None] | None = None,
 ) -> str | Axes | None:  # fmt: skip
     """Draw a file into a PNG, SVG or PDF; for a slice, return a sentence that states its value. Or into Axes, which are returned.
 
     source: a spectra file, or CSV (`-`: standard input), or the CSV of several responses; structure: name of the structure or record of
     a map, None for the first; cut: a slice of a spectra file, such as `Omega=5` or `f_g=1.5`; every: a panel for each structure; over:
     the abscissa of a family, `KEY` or `KEY/KEY`; log: x, y or xy; units: None for g and Hz; portrait: the phase portrait of a response;
-    align: the time of each response counts from its largest rotation; overwrite: an existing file may be replaced; tell: called with the
-    characters that the font lacks. Raises UsageError if the source is another file or has nothing to draw, and OutputError if matplotlib
-    is not installed or the figure cannot be written.
+    body: the structure of its separatrix, None for the block with its p and alpha; align: the time of each response counts from its
+    largest rotation; overwrite: an existing file may be replaced; tell: called with the characters that the font lacks. Raises UsageError
+    if the source is another file or has nothing to draw, and OutputError if matplotlib is not installed or the figure cannot be written.
 
     >>> _ = write_spectrum([dimensionless_oscillator(0.9)], sine(), parse_grid('A=1:8:50,Omega=4:5:2'), 'd.h5', workers=1)
     >>> draw('d.h5', 'slice.svg', cut='Omega=5')
@@ -72,7 +76,7 @@ def draw(
                 else:
                     axes = _places(figure, file, structure, every, shown)
         else:
-            axes = _table(figure, str(source), _rows(sources), shown, over, portrait, align)
+            axes = _table(figure, str(source), _rows(sources), shown, over, partial(phase, body=body) if portrait else None, align)
         lines = [np.asarray(line.get_xydata()) for one in axes for line in one.get_lines()]
         if not any(one.collections or one.patches for one in axes) and not any(np.isfinite(x).all(axis=1).any() for x in lines):
             raise UsageError(f"{source}: holds nothing to draw")
@@ -112,7 +116,7 @@ def _rows(sources: Sequence[Path]) -> Rows:
     if len(sources) == 1:
         return rows_of(str(sources[0]))
     found = [{SOURCE: source.stem, **row} for source in sources for row in rows_of(str(source))]
-    if len({tuple(row) for row in found}) > 1 or not {"t", "tau"} & set(found[0]) or "structure" in found[0]:
+    if len({tuple(row) for row in found}) > 1 or not _is_response(found[0]):
         raise UsageError(f"{', '.join(map(str, sources))}: expected one file, or several CSV of rocking response with the same columns")
     return found
 
@@ -153,21 +157,28 @@ TABLES: tuple[Kind, ...] = (
     ({"im", "limit_state", "probability", "fraction"}, fragility_curves),
     ({"pga", "pgv_pga", "outcome"}, two_measures),
     ({"p", "pga_ratio_16", "pga_ratio_50", "pga_ratio_84"}, overturning_spectra),
-    ({"t"}, response),
-    ({"tau"}, response),
 )
 """Columns and figure of each table; the first entry whose columns are all there applies."""
 
 
-def _table(figure: Figure, source: str, rows: Rows, units: Units, over: str | None, portrait: bool, align: bool) -> list[Axes]:
+def _is_response(row: dict[str, str]) -> bool:
+    """True for a row of `rocking response`, which has a speed."""
+    return any(key.startswith(("theta_dot", "theta_ratio_rate")) for key in row)
+
+
+def _table(
+    figure: Figure, source: str, rows: Rows, units: Units, over: str | None, portrait: Callable[..., list[Axes]] | None, align: bool
+) -> list[Axes]:
     there = set(rows[0])
     if "event" in there:
         raise UsageError(f"{source}: found events; expected the time history, which rocking response prints without them")
     try:
         if any(heading.startswith(curves.VARIED) for heading in there) and there & {"first_overturning_a", "A_from"}:
             return curves.least_amplitudes(figure, rows, units, over)
+        if portrait is not None or align or _is_response(rows[0]):
+            return (portrait or partial(response, align=align))(figure, rows, units)
         kinds: tuple[Kind, ...] = (*TABLES, ({"p", "alpha", "eta", "lambda"}, partial(family, over=over)))
-        for wanted, kind in [(set[str](), phase if portrait else partial(response, align=True))] if portrait or align else kinds:
+        for wanted, kind in kinds:
             if wanted <= there:
                 return kind(figure, rows, units)
     except (ValueError, TypeError, KeyError) as error:

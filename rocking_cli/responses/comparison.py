@@ -17,6 +17,7 @@ from .time_history import TimeHistory, time_history
 
 RELEASES = (0.3, 0.6, 0.9)  # theta/alpha of the free quarter periods (Fig. 7b)
 _SAMPLES = 4001
+_SHAKEN = 201  # times at least of a curve while the ground moves
 
 
 def scaled_alike(structure: RockingParameters, shaking: Grid, first: RockingParameters) -> Grid:
@@ -82,9 +83,9 @@ def comparison_records(responses: Sequence[TimeHistory], methods: Sequence[Metho
 
 
 def curve_records(responses: Sequence[TimeHistory], methods: Sequence[Method]) -> Iterator[dict[str, Any]]:
-    """The curves themselves: structure, model, t [s], theta [rad], tau, theta/alpha and the ground acceleration [m/s2]."""
+    """The curves themselves: structure, model, t [s], theta [rad], tau, theta/alpha, the ground acceleration [m/s2] and motion."""
     for r in responses:
-        tau = r.times(None, False)
+        tau = np.union1d(r.times(None, False), np.linspace(0.0, r.motion.duration / r.omega, _SHAKEN))
         ground = r.structure.ground_acceleration(r.amplitude * r.motion.value(tau * r.omega))
         for method in methods:
             found = r.histories[method.model]
@@ -93,4 +94,5 @@ def curve_records(responses: Sequence[TimeHistory], methods: Sequence[Method]) -
                     yield {
                         "structure": r.structure.name, "model": method.model, "t": float(x) / r.structure.p,
                         "theta": float(alpha) * float(y), "tau": float(x), "theta_ratio": float(y), "ground_acceleration": float(a),
+                        "motion": r.motion.name,
                     }  # fmt: skip

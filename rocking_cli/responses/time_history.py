@@ -26,7 +26,8 @@ if TYPE_CHECKING:
 FREE = 30.0  # tau for which a response is followed after the shaking, unless the user says
 POINTS = 500  # times of a history over its whole length, unless the user says
 MOST_POINTS = 10_000_000
-STILL = Motion("none, free rocking", (Piece(0.0, 1.0),))
+NAMED = ("structure", "motion", "model")  # columns that are the same in every row
+STILL = Motion("free rocking", (Piece(0.0, 1.0),))
 
 
 @dataclass(frozen=True, eq=False)
@@ -137,7 +138,7 @@ class TimeHistory:
         self, *, dt: float | None = None, steps: bool = False, dimensionless: bool = False, forces: bool = False
     ) -> Iterator[dict[str, Any]]:
         """One record a time; dt in s, or in tau with `dimensionless`; forces: with those on the ground, over m g, too. Columns carry
-        the model's name where there are two. With units tau and theta/alpha come last."""
+        the model's name where there are two. With units tau and theta/alpha come after them, and `NAMED` last."""
         s = self.structure
         time = 1.0 if dimensionless else 1.0 / s.p
         tau = self.times(None if dt is None else dt / time, steps)
@@ -155,9 +156,10 @@ class TimeHistory:
                 acting = self.arch_forces[model].columns(tau) if self.arch_forces else self.forces[model].columns(tau)
                 columns |= {name + suffix: values for name, values in acting.items()}
         columns |= {names[3]: ground if dimensionless else s.ground_acceleration(ground), **last}
+        named = dict(zip(NAMED, (s.name, self.motion.name, " and ".join(self.histories)), strict=True))
         keys = list(columns)
         for row in zip(*columns.values(), strict=True):
-            yield {k: None if math.isnan(x) else float(x) for k, x in zip(keys, row, strict=True)}
+            yield {k: None if math.isnan(x) else float(x) for k, x in zip(keys, row, strict=True)} | named
 
     def events(self, *, dimensionless: bool = False, forces: bool = False) -> Iterator[dict[str, Any]]:
         """One record for each uplift, impact, peak, rest, overturning and loss of contact, which is the last; the rate is that before an

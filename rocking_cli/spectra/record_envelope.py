@@ -174,7 +174,7 @@ def _told(scene: RecordScene, task: Task, column: int, steps: Steps, first: bool
     for bounds, mode in told:
         row: dict[str, Any] = {**of, **{f"A_{key}": a for key, a in bounds.items()}, "mode": mode}
         row |= {f"a_{key}": None if a is None else float(structure.ground_acceleration(a)) for key, a in bounds.items()}
-        yield row | {f"scale_{key}": None if a is None else a / own for key, a in bounds.items()}
+        yield row | {f"scale_{key}": None if a is None else a / own for key, a in bounds.items()} | {"model": scene.method.model}
 
 
 def overturning_spectrum(scene: RecordScene, records: Iterable[Mapping[str, Any]]) -> Iterator[dict[str, Any]]:

@@ -22,5 +22,5 @@ def test_comparison_collapses_and_tells_the_models_apart(rocking):
 def test_curves_of_a_comparison(rocking):
     done = rocking("compare", "configs/block.yaml", "configs/spire.yaml", "--A", "2", "--Omega", "4", "--curves", "--csv")
     found = done.rows
-    assert list(found[0]) == ["structure", "model", "t", "theta", "tau", "theta_ratio", "ground_acceleration"]
+    assert list(found[0]) == ["structure", "model", "t", "theta", "tau", "theta_ratio", "ground_acceleration", "motion"]
     assert {r["structure"] for r in found} == {"Column", "Spire"}

@@ -8,12 +8,14 @@ import math
 import pytest
 
 IMPULSE = ("--pulse", "rectangular-impulse", "--a-g", "0.5g", "--T-g", "0.4")
+NAMED = ("structure", "motion", "model")
 
 
 def test_time_history_has_the_documented_columns(rocking):
     done = rocking("response", "configs/block.yaml", "--a-g", "3.5", "--f-g", "1.5", "--dt", "0.01", "--csv")
     found = done.rows
-    assert list(found[0]) == ["t", "theta", "theta_dot", "ground_acceleration", "tau", "theta_ratio"]
+    assert list(found[0]) == ["t", "theta", "theta_dot", "ground_acceleration", "tau", "theta_ratio", *NAMED]
+    assert {tuple(row[key] for key in NAMED) for row in found} == {("Column", "sine, 1 cycle", "nonlinear")}
     assert [float(r["t"]) for r in found[:3]] == pytest.approx([0.0, 0.01, 0.02])
     assert float(found[10]["ground_acceleration"]) == pytest.approx(3.5 * math.sin(2 * math.pi * 1.5 * 0.1))
     assert "Column, nonlinear: rocks and survives, largest theta" in done.stderr
@@ -34,7 +36,7 @@ def test_dimensionless_history_is_the_same_curve(rocking):
     call = ("response", "configs/block.yaml", "--A", "2", "--Omega", "4", "--steps", "--json")
     si, plain = rocking(*call).records, rocking(*call, "--dimensionless").records
     block = rocking("params", "configs/block.yaml", "--json").record
-    assert list(plain[0]) == ["tau", "theta_ratio", "theta_ratio_rate", "A"]
+    assert list(plain[0]) == ["tau", "theta_ratio", "theta_ratio_rate", "A", *NAMED]
     for a, b in zip(si, plain, strict=True):
         assert a["t"] * block["p"] == pytest.approx(b["tau"], rel=1e-12, abs=0)
         assert a["theta"] == pytest.approx(b["theta_ratio"] * block["alpha"], rel=1e-12, abs=0)
@@ -58,7 +60,7 @@ def test_forces_in_the_history_and_in_the_closing_record(rocking, tmp_path):
     call = ("response", "b.yaml", "--a-g", "0.3g", "--f-g", "2", "--model", "nonlinear")
     done = rocking(*call, "--forces", "--csv")
     assert list(done.rows[0]) == [
-        "t", "theta", "theta_dot", "fx_ratio", "fz_ratio", "ground_acceleration", "tau", "theta_ratio",
+        "t", "theta", "theta_dot", "fx_ratio", "fz_ratio", "ground_acceleration", "tau", "theta_ratio", *NAMED,
     ]  # fmt: skip
     assert "with the friction 0.19 of the document the base would slide before it rocks" in done.stderr
     *events, last = rocking(*call, "--forces", "--events", "--json").records

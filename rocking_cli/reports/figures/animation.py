@@ -11,16 +11,15 @@ from typing import Any
 import numpy as np
 
 from ...documents.document import Document
-from ...documents.quantities import DEFAULT_GRAVITY
 from ...errors import UsageError
 from ...publishing import published
 from ...structures import build_structure
 from ...structures.kinds import sketch_of
-from ...structures.sketch import Outline, Sketch, rectangle, rocker, turned
+from ...structures.sketch import Outline, Sketch, turned
 from ..rows import Rows, column
 from .canvas import Look, styled
-from .curves import scaled
 from .drawing import GROUND, INK, STONE
+from .phase import block_of, scaled
 
 _FRAMES = 25  # in a second
 _LONGEST = 60.0  # s
@@ -44,7 +43,8 @@ def animate(
         theta, ratio, alpha, p = scaled(rows, suffix)
     except (KeyError, ValueError) as error:
         raise UsageError(f"an animation needs a response that rocks, with the columns tau and theta_ratio: {error}") from None
-    sketch = _block(float(alpha.max()), p) if body is None else sketch_of(body, build_structure(body))
+    body = block_of(float(alpha.max()), p) if body is None else body
+    sketch = sketch_of(body, build_structure(body))
     if t[-1] > _LONGEST and tell is not None:
         tell(f"{target}: found {t[-1]:.4g} s; the first {_LONGEST:g} s are shown")
     times = np.arange(0.0, min(float(t[-1]), _LONGEST), 1.0 / _FRAMES)
@@ -86,13 +86,6 @@ def animate(
     frames[0].save(drawn, format="gif", save_all=True, append_images=frames[1:], duration=1000 // _FRAMES, loop=0)
     with published(Path(target), overwrite) as file:
         file.write(drawn.getvalue())
-
-
-def _block(alpha: float, p: float) -> Sketch:
-    """The block with this alpha and p, R = 3 g/(4 p^2)."""
-    radius = 0.75 * DEFAULT_GRAVITY / p**2
-    half, height = radius * np.sin(alpha), 2.0 * radius * np.cos(alpha)
-    return rocker([rectangle(-half, half, 0.0, height)], (-half, 0.0), (half, 0.0), (0.0, 0.5 * height))
 
 
 def shape_at(sketch: Sketch, angle: float, share: float) -> list[Outline]:

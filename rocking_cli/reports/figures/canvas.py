@@ -149,6 +149,12 @@ def titled(name: str, eta: float) -> str:
     return rf"$\eta$ = {eta:.4g}" if name == f"eta={eta:g}" else rf"{literal(name)}, $\eta$ = {eta:.4g}"
 
 
+def heading(rows: Rows, *keys: str) -> str:
+    """The title of a figure: the texts that are the same in all rows, such as `Column, sine, 1 cycle, nonlinear equation`."""
+    texts = {key: rows[0][key] for key in keys if rows[0].get(key) and len(groups(rows, key)) == 1}
+    return literal(", ".join(f"{text} equation{'s' * (' and ' in text)}" if key == "model" else text for key, text in texts.items()))
+
+
 def values(rows: Rows, name: str, units: Units) -> np.ndarray:
     """A column of numbers in these units."""
     return column(rows, name) / units.column(name)[2]

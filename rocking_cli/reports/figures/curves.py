@@ -12,7 +12,7 @@ from ...documents.quantities import headed
 from ...errors import UsageError
 from ..rows import Rows, column, groups
 from ..units import HEADING, Units, dimension_of
-from .canvas import DASHES, MARKERS, PLAIN, SOURCE, label, legend, line_style, literal, series, valued, values
+from .canvas import DASHES, MARKERS, PLAIN, SOURCE, heading, label, legend, line_style, literal, series, valued, values
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -51,7 +51,7 @@ def response(figure: Figure, rows: Rows, units: Units, align: bool = False) -> l
             axes.plot(at, values(some, name, units), label=text, **style)
         style = {"color": "0.3" if len(files) == 1 else f"C{i}", "lw": 1.0}
         below.plot(*with_jumps(at, values(some, ground, units)), **style)
-    axes.set_ylabel(label(y, units))
+    axes.set(ylabel=label(y, units), title=heading(rows, "structure", "motion", "model"))
     legend(axes)
     below.set(
         xlabel=label(x, units) + ", 0 at the largest rotation" * align, ylabel=label("ground_acceleration" if x == "t" else "A_s", units)
@@ -74,38 +74,6 @@ def with_jumps(t: np.ndarray, a: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return np.insert(t, jumps, t[jumps]), np.insert(a, jumps, a[jumps - 1])
 
 
-def phase(figure: Figure, rows: Rows, units: Units) -> list[Axes]:
-    """Draw the phase portrait of a response: theta_dot/(p alpha) over theta/alpha, and the separatrix of the linear equation, inside
-    which a body left to itself comes back. Raises ValueError if the rows do not tell p and alpha."""
-    axes = figure.add_subplot()
-    for i, suffix in enumerate(s for s in ("", "_linear", "_nonlinear") if f"theta_ratio{s}" in rows[0]):
-        if "t" in rows[0]:
-            ratio, alpha, p = scaled(rows, suffix)[1:]
-            rate = column(rows, f"theta_dot{suffix}") / (p * alpha)
-        else:
-            ratio, rate = column(rows, f"theta_ratio{suffix}"), column(rows, f"theta_ratio_rate{suffix}")
-        axes.plot(ratio, rate, lw=1.0, **line_style(i), label=f"{suffix[1:]} equation" if suffix else "response")
-        axes.plot(ratio[-1:], rate[-1:], "o", color=f"C{i}", ms=4.0)
-    if not axes.get_lines():
-        raise ValueError("found no column theta_ratio; expected the CSV of rocking response")
-    reach = 1.05 * max(1.0, *(float(np.nanmax(np.abs(line.get_xdata()))) for line in axes.get_lines()))
-    x = np.linspace(0.0, reach, 201)
-    for side, sign in ((1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)):
-        axes.plot(side * x, sign * (1.0 - x), color="0.4", lw=0.9, ls="--", label="separatrix, linear" if side == sign == 1.0 else None)
-    axes.set(xlim=(-reach, reach), xlabel=label("theta_ratio", units), ylabel=r"$\dot\theta/(p\,\alpha)$ [-]")
-    legend(axes)
-    return [axes]
-
-
-def scaled(rows: Rows, suffix: str = "") -> tuple[np.ndarray, np.ndarray, np.ndarray, float]:
-    """(theta, theta/alpha, alpha at each time, p) of a response with units. Raises ValueError if it does not rock."""
-    theta, ratio, tau, t = (column(rows, name) for name in (f"theta{suffix}", f"theta_ratio{suffix}", "tau", "t"))
-    rocks = np.flatnonzero(ratio)
-    if not rocks.size:
-        raise ValueError("the body does not rock, so that its angle alpha is not known")
-    return theta, ratio, np.interp(np.arange(ratio.size), rocks, theta[rocks] / ratio[rocks]), float(tau[-1] / t[-1])
-
-
 def comparison(figure: Figure, rows: Rows, units: Units) -> list[Axes]:
     """Draw the ground acceleration if the rows have it, theta over t, and theta/alpha over p t, in which the responses coincide
     (Figs. 8b to 8d)."""
@@ -119,6 +87,7 @@ def comparison(figure: Figure, rows: Rows, units: Units) -> list[Axes]:
         one.set(xlabel=label(x, units), ylabel=label(y, units))
     if len(shown) == 3:  # the ground moves for the first part of the response only
         axes[0].set_xlim(0.0, 1.1 * max(float(row["t"]) for row in rows if float(row["ground_acceleration"])))
+    axes[len(axes) // 2].set_title(heading(rows, "structure", "motion", "model"))
     legend(axes[-1])
     return axes
 
@@ -138,7 +107,7 @@ def closed_forms(figure: Figure, rows: Rows, units: Units) -> list[Axes]:
     axes = figure.add_subplot()
     for some, style in series(rows, "structure", "curve"):
         axes.plot(values(some, "Omega", units), values(some, "A", units), **{**style, "label": style["label"].replace("_", " ")})
-    axes.set(xlabel=label("Omega", units), ylabel=label("A", units))
+    axes.set(xlabel=label("Omega", units), ylabel=label("A", units), title=heading(rows, "structure", "motion", "model"))
     legend(axes)
     return [axes]
 
@@ -205,6 +174,8 @@ def family(figure: Figure, rows: Rows, units: Units, over: str | None = None) ->
     keys = ["p", "alpha", "eta", "lambda", *(["a_scale"] if np.any(column(rows, "a_scale") != 1.0) else [])]
     figure.set_size_inches(10.5 if len(keys) > 4 else 7.2, 5.2)
     panels = list(figure.subplots(2, (len(keys) + 1) // 2, sharex=True).ravel())
+    names = {row["name"].partition(f" {varied[0].partition(' [')[0]}=")[0] for row in rows}
+    figure.suptitle(literal(names.pop()) if len(names) == 1 else "", fontsize="medium")
     for one, key in zip(panels, keys, strict=False):
         for i, (group, some) in enumerate(groups(rows, *others).items()):
             text = ", ".join(_valued(k, v) for k, v in zip(others, group, strict=True)) or "_"
@@ -246,7 +217,7 @@ def least_amplitudes(figure: Figure, rows: Rows, units: Units, over: str | None 
         if "demand_a" in rows[0] and (demand := round(float(values(some, "demand_a", units)[0]), 9)) not in demands:
             axes.axhline(demand, color="0.4", lw=1.0, ls="--", label="_" if demands else "demand")
             demands.add(demand)
-    axes.set(xlabel=xlabel, ylabel=label(y, units))
+    axes.set(xlabel=xlabel, ylabel=label(y, units), title=heading(rows, "motion", "record", "model"))
     axes.set_ylim(bottom=0.0)
     legend(axes)
     return [axes]

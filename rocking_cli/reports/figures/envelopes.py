@@ -11,7 +11,7 @@ import numpy as np
 from ...dynamics.outcome import Outcome
 from ..rows import Rows, groups
 from ..units import Units
-from .canvas import label, legend, literal, panels, valued, values
+from .canvas import heading, label, legend, literal, panels, valued, values
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -43,8 +43,9 @@ def bands(figure: Figure, rows: Rows, units: Units) -> list[Axes]:
         else:
             margin = 0.02 * (places[-1] - places[0]) or 0.5
             axes.set(xlim=(places[0] - margin, places[-1] + margin), xlabel=label(over, units))
-        names = [(key, some[0][key]) for key in _APART if key != over and some[0].get(key)]
+        names = [(key, some[0][key]) for key in _APART[:-1] if key != over and some[0].get(key)]
         title = ", ".join(valued(key, float(text), units) if key == "alpha" else literal(text) for key, text in names)
+        title = "\n".join(filter(None, (title, heading(some, "motion", "model"))))
         axes.set(ylabel=label("a_g" if amplitude == "a" else "A", units), title=title)
     return drawn
 

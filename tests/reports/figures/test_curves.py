@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from support.axes import lines, numbers, same
 
-from rocking_cli import UsageError
+from rocking_cli import UsageError, load_structures, read_documents
 from rocking_cli.reports.figures.curves import with_jumps
 from rocking_cli.reports.units import parse_units
 
@@ -172,8 +172,27 @@ def test_a_phase_portrait_has_the_separatrix_inside_which_a_body_comes_back(draw
     assert np.all(np.abs(x) + np.abs(y) < 1.0)
     before = np.cumsum(x <= 0.0) == 0
     assert ((1.0 - x) ** 2 - y**2)[before] == pytest.approx(0.04, rel=1e-9)
-    assert np.add(*separatrix.get_data()) == pytest.approx(1.0, rel=1e-12)
+    assert np.add(*separatrix.get_data()) == pytest.approx(1.0, rel=1e-6)
+    assert axes.get_title() == "block:0.5x2 restitution=0.9, free rocking, linear equation"
     assert axes.get_ylabel() == r"$\dot\theta/(p\,\alpha)$ [-]"
+
+
+def test_a_portrait_has_the_separatrix_of_its_own_equation(drawn, rocking):
+    """Without a document of the block with p and alpha of the response: (theta_dot/p)^2 = 2 (1 - cos(alpha - theta)) at the level of
+    the unstable equilibrium."""
+    call, alpha = ("response", "block:0.5x2", "--a-g", "0.3g", "--f-g", "1", "--duration", "2"), np.arctan(0.25)
+    (axes,) = drawn(rocking(*call, "--csv").stdout, portrait=True).axes
+    x, y = axes.get_lines()[2].get_data()
+    np.testing.assert_allclose((alpha * y) ** 2, 2.0 * (1.0 - np.cos(alpha * (1.0 - x))), atol=1e-8)
+    assert axes.get_lines()[2].get_label() == "separatrix of a block"
+    (rigid,) = load_structures("configs/rigid.yaml")
+    csv = rocking("response", "configs/rigid.yaml", "--a-g", "0.5g", "--f-g", "1.2", "--csv").stdout
+    with pytest.raises(UsageError, match="sides differ"):
+        drawn(csv, portrait=True)
+    (axes,) = drawn(csv, portrait=True, body=read_documents("configs/rigid.yaml")[0]).axes
+    for side, line in zip(reversed(rigid.sides), axes.get_lines()[2::2], strict=True):  # speeds over alpha of the side and p of the body
+        x, y = line.get_data()
+        np.testing.assert_allclose((side.alpha * y * rigid.p / side.p) ** 2, 2 * (1 - np.cos(side.alpha * (1 - np.abs(x)))), atol=1e-8)
 
 
 def test_a_fragility_curve_is_dashed_beyond_its_last_level(drawn):

@@ -36,13 +36,13 @@ def test_an_envelope_is_a_band_from_where_overturning_begins_to_where_it_ends(dr
         assert colour[row["mode"]] not in inside(axes, x, low - 1e-3)
     assert inside(axes, 5.0, 6.7) == set()  # the safe window
     assert (axes.get_xlabel(), axes.get_ylabel()) == (r"$\Omega = \omega_g/p$ [-]", r"$A = a_{scale}\,a_g/(\alpha g)$ [-]")
-    assert axes.get_title() == "eta=0.9"
+    assert axes.get_title() == "eta=0.9\nsine, 1 cycle, linear equation"
 
 
 def test_structures_have_a_panel_each_in_g_and_hz(drawn, table):
     source, rows = table("envelope", "configs/block.yaml", "configs/spire.yaml", "--grid", "f_g=0.5:1:3", "--a-max", "6")
     figure = drawn(source)
-    assert [axes.get_title() for axes in figure.axes] == ["Column", "Spire"]
+    assert [axes.get_title() for axes in figure.axes] == [f"{name}\nsine, 1 cycle, nonlinear equation" for name in ("Column", "Spire")]
     assert {(axes.get_xlabel(), axes.get_ylabel()) for axes in figure.axes} == {("$f_g$ [Hz]", "$a_g$ [g]")}
     for axes, name in zip(figure.axes, ("Column", "Spire"), strict=True):
         mine = [r for r in rows if r["structure"] == name and r["mode"] != "none"]
@@ -55,6 +55,7 @@ def test_closed_form_curves_are_a_line_each(drawn, table):
     source, rows = table("envelope", "--eta", "0.9", "--grid", "Omega=2:6:9", "--closed-form")
     found = lines(drawn(source).axes[0])
     assert len(found) == 4
+    assert drawn(source).axes[0].get_title() == "eta=0.9, sine, 1 cycle, linear equation"
     for label, line in found.items():
         mine = [r for r in rows if r["curve"].replace("_", " ") in label]
         same(line, numbers(mine, "Omega"), numbers(mine, "A"))
@@ -62,7 +63,9 @@ def test_closed_form_curves_are_a_line_each(drawn, table):
 
 def test_both_equations_have_a_panel_each(drawn, table):
     source, _ = table("envelope", "configs/block.yaml", "--grid", "f_g=1", "--model", "both", "--a-max", "4")
-    assert [axes.get_title() for axes in drawn(source).axes] == ["Column, linear", "Column, nonlinear"]
+    assert [axes.get_title() for axes in drawn(source).axes] == [
+        f"Column\nsine, 1 cycle, {model} equation" for model in ("linear", "nonlinear")
+    ]
 
 
 def test_records_are_bars_in_g(drawn):
