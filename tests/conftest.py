@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import json
+import os
 import signal
 import subprocess
 import sys
@@ -22,6 +23,7 @@ settings.register_profile("the same everywhere", derandomize=True, database=None
 settings.load_profile("the same everywhere")
 
 ROOT = Path(__file__).resolve().parent.parent
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)  # what the tests start keeps its compiled modules, as it does for a user
 
 
 class Done(subprocess.CompletedProcess[str]):

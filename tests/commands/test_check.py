@@ -128,7 +128,7 @@ def test_a_figure_of_the_capacities(rocking, stated, tmp_path):
 
 def test_a_negative_amplitude_turns_records_over_too(rocking, tmp_path):
     (tmp_path / "a.txt").write_text("0\n4\n-3\n1\n0\n")
-    call = ("check", "wall:1.2x8,one_sided=true", "--motion", "a.txt", "--unit", "m/s2", "--dt", "0.3", "--json")
+    call = ("check", "wall:1.2x8,one_sided=true", "--motion", "a.txt", "--unit", "m/s2", "--dt", "0.3", "--a-max", "2", "--json")
     turned, scaled = rocking(*call, "--a-g=-0.3g"), rocking(*call, "--a-g", "0.3g", "--scale", "-1")
     assert turned.returncode == scaled.returncode == 0, turned.stderr + scaled.stderr
     assert turned.stdout == scaled.stdout != rocking(*call, "--a-g", "0.3g").stdout

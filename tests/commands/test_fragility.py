@@ -46,8 +46,9 @@ def test_limit_states_and_methods_are_rows(rocking, stated):
     assert float(table.split()[-1]) == pytest.approx(float(rows[1]["theta"]) / 9.81, rel=1e-7)
 
 
-def test_a_vertical_motion_moves_the_curves(rocking, stated):
-    call = ("fragility", stated, *SITE, "--method", "stripes,first", "--limit", "overturning", "--csv")
+def test_a_vertical_motion_moves_the_curves(rocking, stated, tmp_path):
+    (tmp_path / "few.csv").write_text("a_g,T_g\n" + "".join(f"{0.1 * i:.1f} g,{0.3 + 0.2 * i:.1f} s\n" for i in range(1, 6)))
+    call = ("fragility", stated, "--pulses", "few.csv", *SITE[2:], "--method", "stripes,first", "--limit", "overturning", "--csv")
     done = [rocking(*call, *more) for more in ((), ("--vertical", "sine", "--vertical-scale", "0.8"))]
     flat, both = ([float(row["theta"]) for row in csv.DictReader(one.stdout.splitlines())] for one in done)
     assert len(flat) == len(both) == 2, done[1].stderr

@@ -63,7 +63,7 @@ def test_pipeline_from_params(rocking, tmp_path):
 
 def test_arches_and_spires_sweep_like_any_other_structure(rocking, tmp_path):
     """A cell of the spectrum overturns just where it lies inside an interval of the envelope."""
-    files, periods = [f"configs/{name}.yaml" for name in ("arch", "spire_cracked", "prism")], "T_g=0.5:2:4"
+    files, periods = [f"configs/{name}.yaml" for name in ("arch", "spire_cracked", "prism")], "T_g=0.6:1.6:2"
     assert rocking("spectrum", *files, "--grid", f"a_g=0.1g:2g:20,{periods}", "-o", "s.h5").returncode == 0
     envelope = rocking("envelope", *files, "--grid", periods, "--a-max", "20", "--sign", "+", "--json")
     rows = envelope.records

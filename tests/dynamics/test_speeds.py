@@ -47,7 +47,7 @@ def fastest(model, body, amplitude, omega, eta):
 ])  # fmt: skip
 def test_the_largest_speed_by_another_integration(model, body, damping):
     """Under exact propagation, Taylor steps and the march."""
-    random, count, eta = np.random.default_rng(2), 40, 0.5
+    random, count, eta = np.random.default_rng(2), 12, 0.5
     large = np.arange(count) % 2 == 0  # in the air the fastest of these, the others at an impact
     amplitude = np.where(large, random.uniform(2.0, 15.0, count), random.uniform(1.5, 4.0, count))
     omega = np.exp(np.where(large, random.uniform(1.0, 2.0, count), random.uniform(-1.6, 0.3, count)))
@@ -62,7 +62,7 @@ def test_the_largest_speed_by_another_integration(model, body, damping):
     np.testing.assert_allclose(found.theta_ratio, plain.theta_ratio, rtol=1e-9, atol=0)  # jumps are cut where a speed may hide
     assert set(found.outcome) == {Outcome.ROCKED}
     np.testing.assert_allclose(speed, marched.speed.largest, rtol=1e-10)
-    for i in range(6):
+    for i in range(4):
         assert speed[i] == pytest.approx(fastest(model, body, amplitude[i], omega[i], eta), rel=1e-5)
 
 

@@ -123,13 +123,16 @@ def test_the_lowest_fall_under_a_record_is_cut_to_its_last_digits():
     assert safe(response(system, motion, below, 0.4, 0.9, peaks=False).outcome).all()
 
 
-@pytest.mark.parametrize(("dt", "seed"), [(0.06, 2), (0.06, 4), (0.01, 2), (0.01, 5)])
+@pytest.mark.parametrize(
+    ("dt", "seed"), [(0.06, 2), (0.01, 2), *(pytest.param(*case, marks=pytest.mark.soak) for case in ((0.06, 4), (0.01, 5)))]
+)
 def test_a_scan_leads_to_the_fall_that_the_march_finds(dt, seed):
     motion, oscillator = shaken(noise(int(15.0 / dt), dt, seed), dt), dimensionless_oscillator(0.9)
     system = LINEAR.system_of(oscillator)
     march = Falls.of(system, motion, 0.4, 0.9, 1e-6)
     march.seems = lambda a: ~safe(response(system, motion, a, 0.4, 0.9, peaks=False).outcome)
     found = capacity(oscillator, motion, 1.6, 0.4, method=LINEAR, a_max=4.0)
+    assert found.first is not None
     assert found.first == pytest.approx(march.first(found.uplift, 4.0), rel=2e-6, abs=0)  # each is traced to 1e-6
 
 

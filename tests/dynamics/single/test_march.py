@@ -128,7 +128,7 @@ def test_a_pair_of_turns_within_a_step():
     assert turns((1.0, 0.13, -0.25, 1.0 / 6.0), 1.0) == []
 
 
-SCANNED = {"a step a sample": shaken(noise(250, 0.06, 4), 0.06), "five samples a step": shaken(noise(1500, 0.01, 4), 0.01)}
+SCANNED = {"a step a sample": shaken(noise(100, 0.06, 4), 0.06), "five samples a step": shaken(noise(600, 0.01, 9), 0.01)}
 
 
 @pytest.mark.parametrize("motion", SCANNED.values(), ids=SCANNED)
