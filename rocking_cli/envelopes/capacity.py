@@ -6,10 +6,10 @@ the search, so the answers agree with the response at the demand.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
-from typing import Self
+from typing import TYPE_CHECKING, NamedTuple, Self
 
 import numpy as np
 
@@ -25,6 +25,9 @@ from ..structures.parameters import RockingParameters
 from .boundaries import Search
 from .changes import Brackets
 from .intervals import HIGHEST
+
+if TYPE_CHECKING:
+    from ..dynamics.single.scan import Scan
 
 Array = np.ndarray
 
@@ -59,28 +62,78 @@ class Capacity:
     dust: float = 0.0
 
 
-def capacity(structure: RockingParameters, motion: Motion, amplitude: float, omega: float, *, method: Method, a_max: float) -> Capacity:
+class Sought(NamedTuple):
+    """A capacity that is asked for: of a structure at Omega [-] against a demand of A = `amplitude` [-], searched up to `a_max` and twice
+    the demand."""
+
+    structure: RockingParameters
+    motion: Motion
+    amplitude: float
+    omega: float
+    method: Method
+    a_max: float
+
+    def ends(self) -> tuple[float, float]:
+        """The least and the largest amplitude of the search. Raises UsageError if the largest is above the limit of a scan."""
+        top = max(self.a_max, 2.0 * self.amplitude)
+        if not top <= HIGHEST:
+            raise UsageError(f"{self.structure.name}: found a search up to A = {top:.6g}; expected up to {HIGHEST:g}")
+        return self.method.system_of(self.structure).least_uplift(self.motion), top
+
+
+def searches(sought: Sequence[Sought]) -> list[Falls]:
+    """The search for each; what they will look at is scanned together. Raises UsageError as `capacity` does."""
+    found, ahead = [], []
+    for asked in sought:
+        structure, motion, amplitude, omega, method, _ = asked
+        narrow = Falls.of(method.system_of(structure), motion, omega, structure.eta, tracing_width(method, motion))
+        lowest, top = asked.ends()
+        found.append(narrow)
+        if narrow.scan is not None and lowest < top:
+            ahead.append((narrow.scan, lowest, float(np.clip(amplitude, lowest, top)), top))
+    if ahead:
+        from ..dynamics.single.scan import follow
+
+        scans = [scan for scan, *_ in ahead]
+        follow(scans, [np.append(_ladder(lowest, top, _COARSE), demand) for _, lowest, demand, top in ahead])
+        fine = [[_below(scan, lowest, demand), _below(scan, demand, top)] for scan, lowest, demand, top in ahead]
+        follow(scans, [np.unique(np.concatenate(parts)) for parts in fine])
+    return found
+
+
+def _below(scan: Scan, begin: float, end: float) -> Array:
+    """The amplitudes below the lowest fall between these that a scan knows of, at which `Falls.lowest` will look."""
+    fall = scan.known[0][scan.known[1] & (begin <= scan.known[0]) & (scan.known[0] <= end)][:1]
+    return _ladder(max(begin, _NEAR * _NEAR * fall[0]), fall[0], _FINE) if fall.size else fall
+
+
+def capacity(
+    structure: RockingParameters,
+    motion: Motion,
+    amplitude: float,
+    omega: float,
+    *,
+    method: Method,
+    a_max: float,
+    narrow: Falls | None = None,
+) -> Capacity:
     """The capacity of a structure at Omega [-] against a demand of A = `amplitude` [-], searched up to `a_max` and twice the demand.
 
-    Intervals narrower than `narrowest` may be missed, but not around the demand. Changes are traced as `tracing_width` says. Raises
-    UsageError if `amplitude` or `a_max` is above the limit of a scan.
+    narrow: one of `searches`. Intervals narrower than `narrowest` may be missed, but not around the demand. Changes are traced as
+    `tracing_width` says. Raises UsageError if `amplitude` or `a_max` is above the limit of a scan.
     """
-    system, digits = method.system_of(structure), tracing_width(method, motion)
-    lowest, top = system.least_uplift(motion), max(a_max, 2.0 * amplitude)
-    if not top <= HIGHEST:
-        raise UsageError(f"{structure.name}: found a search up to A = {top:.6g}; expected up to {HIGHEST:g}")
+    asked, system = Sought(structure, motion, amplitude, omega, method, a_max), method.system_of(structure)
+    lowest, top = asked.ends()
     if not lowest < top:
         return Capacity(None, None, lowest if np.isfinite(lowest) else None)
-    narrow = Falls.of(system, motion, omega, structure.eta, digits)
+    narrow = narrow or searches([asked])[0]
     if _long(motion):
-        if narrow.at_once:
-            narrow.look(np.unique([*_ladder(lowest, top, _COARSE), np.clip(amplitude, lowest, top)]))
         stands = amplitude <= lowest or not narrow.falls(np.array([amplitude]))[0]
         below = narrow.first(lowest, min(amplitude, top)) if lowest < amplitude else None
         above = narrow.first(max(lowest, amplitude), top) if stands else None
         first = below or (above if stands else narrow.lowest(lowest, amplitude, _FINE, _NEAR))
         return Capacity(first, above, lowest, 0.0 if first is None else narrow.dust(first))
-    search = Search(system, motion, structure.eta, top, digits=digits, parts=_PARTS)
+    search = Search(system, motion, structure.eta, top, digits=narrow.digits, parts=_PARTS)
     brackets: list[Brackets] = []  # one window after the other, until the outcome at the demand and the next fall above it are known
     above_demand = False
     for begin, end in _windows(lowest, amplitude, top, at_once=system.equation.bounded):
@@ -116,14 +169,14 @@ class Falls:
     """The search for the lowest amplitude at which one body falls, where falls may be narrow.
 
     falls: true for each amplitude that falls, by the march; seems: the same for many amplitudes, where it may be approximate: it tells
-    where to look; digits: relative width of a traced boundary; at_once: true if all amplitudes are looked at together; seen: all
+    where to look; digits: relative width of a traced boundary; scan: of all amplitudes together, None if there is none; seen: all
     amplitudes `_COARSE` apart so far, with their falls.
     """
 
     falls: Callable[[Array], Array]
     seems: Callable[[Array], Array]
     digits: float
-    at_once: bool = False
+    scan: Scan | None = None
     seen: tuple[Array, Array] = field(default_factory=lambda: (np.zeros(0), np.zeros(0, dtype=bool)))
 
     @classmethod
@@ -146,13 +199,13 @@ class Falls:
             from ..dynamics.single.scan import Scan
 
             scan = Scan(system, motion, omega, eta) if Scan.serves(system, motion) else None
-        return cls(falls, seems, digits, scan is not None)
+        return cls(falls, seems, digits, scan)
 
     def first(self, begin: float, end: float) -> float | None:
         """The lowest amplitude between these that falls, None if there is none."""
         low, stretch, found = begin, _STRETCH, None
         while found is None and low < end:
-            high = end if self.at_once else min(end, low * (1.0 + _COARSE) ** stretch)
+            high = end if self.scan else min(end, low * (1.0 + _COARSE) ** stretch)
             amplitude, seems = self._coarse(low, high)
             found = next(filter(None, (self.lowest(begin, fall, _FINE, _NEAR) for fall in amplitude[seems].tolist())), None)
             low, stretch = high, 2 * stretch

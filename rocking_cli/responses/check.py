@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
+from itertools import chain, repeat
 from typing import Any
 
 import numpy as np
@@ -14,7 +15,7 @@ from ..dynamics.method import LINEAR, Method, governing_method
 from ..dynamics.outcome import Outcome, safe
 from ..dynamics.response import Response
 from ..dynamics.single.response import response_alone
-from ..envelopes.capacity import Capacity, capacity
+from ..envelopes.capacity import LONGEST_FINE, Capacity, Falls, Sought, capacity, searches
 from ..envelopes.intervals import A_MAX
 from ..envelopes.limit import Limit, limit_of
 from ..errors import UsageError
@@ -30,6 +31,7 @@ Progress = Callable[[int, int], None]
 _STAGES = 3  # of a verdict
 _BESIDE = np.array([0.0, *(sign * 10.0**-n for n in (12, 9, 6) for sign in (-1.0, 1.0))])  # relative changes of a demand
 _SAME = 0.01  # of theta/alpha: rotations under them that differ by less are one
+_TOGETHER = 10  # demands that share a scan
 _WORTH = 3  # demands for each process that is started, at least
 OLD_COLUMNS = ("name", "friction")  # of structure and friction_needed, for this version
 CHECK_COLUMNS = (
@@ -127,13 +129,25 @@ def check(
     >>> verdict.outcome.flag, round(verdict.capacity_demand, 4)
     ('rocked', 1.1149)
     """
-    motion, shaking = demand_of(motion, shaking)
+    return _judged(structure, *demand_of(motion, shaking), a_max, None, progress)
+
+
+def _sought(structure: RockingParameters, motion: Motion, shaking: Grid, a_max: float) -> Sought:
+    """The capacity against a demand. Raises UsageError as `check` does."""
     if structure.dimensionless:
         raise UsageError("a restitution alone has no units: give a structure document")
     amplitude, omega = (float(x[0]) for x in shaking.scaled(structure))
     if not amplitude > 0.0:
         raise UsageError("the amplitude is 0; expected a positive one")
-    method, done = governing_method(structure, dimensionless=shaking.dimensionless), progress or _no_progress
+    return Sought(structure, motion, amplitude, omega, governing_method(structure, dimensionless=shaking.dimensionless), a_max)
+
+
+def _judged(
+    structure: RockingParameters, motion: Motion, shaking: Grid, a_max: float | None, narrow: Falls | None, progress: Progress | None
+) -> Verdict:
+    """The verdict of `check`; narrow: the search for falls if it has begun."""
+    _, _, amplitude, omega, method, most = _sought(structure, motion, shaking, a_max or 0.0)
+    done = progress or _no_progress
     beside = amplitude * (1.0 + _BESIDE)
     governs = _respond(method, structure, motion, beside, omega)
     outcome, rotation = Outcome(int(governs.outcome[0])), float(governs.theta_ratio[0])
@@ -144,7 +158,7 @@ def check(
         least = method.system_of(structure).least_uplift(motion)
         found = Capacity(None, None, least if math.isfinite(least) else None)
     else:
-        found = capacity(structure, motion, amplitude, omega, method=method, a_max=a_max)
+        found = capacity(structure, motion, amplitude, omega, method=method, a_max=most, narrow=narrow)
     done(2, _STAGES)
     asked = _of_history(method, structure, motion, shaking)
     done(_STAGES, _STAGES)
@@ -196,12 +210,15 @@ def verdicts(
     """
     available, done = workers or available_cpus(), progress or _no_progress
     several = max(1, min(available, len(demands) // (1 if workers else _WORTH)))
+    shared = any(len(motion.segments) > LONGEST_FINE for _, motion, _ in demands) and a_max is not None
+    size = min(_TOGETHER, -(-len(demands) // several)) if shared else 1
+    groups = [demands[i : i + size] for i in range(0, len(demands), size)]
     if several == 1:
-        for i, demand in enumerate(demands):
-            yield _check_one(a_max, demand, partial(_after, done, i, len(demands)))
+        for i, group in enumerate(groups):
+            yield from _each(a_max, group, [partial(_after, done, i * size + j, len(demands)) for j in range(len(group))])
         return
-    with processes(several, partial(_check_one, a_max), "fewer `workers` need less") as run:
-        for i, verdict in enumerate(run(demands), 1):
+    with processes(several, partial(_all, a_max), "fewer `workers` need less") as run:
+        for i, verdict in enumerate(chain.from_iterable(run(groups)), 1):
             done(i, len(demands))
             yield verdict
 
@@ -229,9 +246,16 @@ def _after(progress: Progress, before: int, checks: int, stage: int, stages: int
     progress(before * stages + stage, checks * stages)
 
 
-def _check_one(a_max: float | Limit | None, demand: Demand, progress: Progress | None = None) -> Verdict:
-    most = None if a_max is None else limit_of(a_max, demand[0])
-    return check(*demand, a_max=most, progress=progress)
+def _each(a_max: float | Limit | None, demands: Sequence[Demand], progress: Sequence[Progress | None]) -> Iterator[Verdict]:
+    """The verdicts on demands of which the searches are scanned together."""
+    most = [None if a_max is None else limit_of(a_max, structure) for structure, _, _ in demands]
+    found = searches([_sought(*demand, a) for demand, a in zip(demands, most, strict=True) if a is not None])
+    for demand, a, narrow, done in zip(demands, most, found or repeat(None), progress, strict=False):
+        yield _judged(*demand, a, narrow, done)
+
+
+def _all(a_max: float | Limit | None, demands: Sequence[Demand]) -> list[Verdict]:
+    return list(_each(a_max, demands, [None] * len(demands)))
 
 
 def _of_history(method: Method, structure: RockingParameters, motion: Motion, shaking: Grid) -> dict[str, float | None]:

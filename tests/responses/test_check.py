@@ -7,12 +7,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from support.synthetic_records import shaken
+from support.synthetic_records import noise, shaken
 
 from rocking_cli import Axis, Grid, Outcome, UsageError, build_structure, parse_documents, parse_grid, pulse, sine, trace_envelope
 from rocking_cli.dynamics.method import governing_method
 from rocking_cli.envelopes.capacity import Capacity
 from rocking_cli.envelopes.intervals import A_MAX
+from rocking_cli.motions.grid import as_recorded
 from rocking_cli.responses.check import CHECK_COLUMNS, check, check_all, tally
 from rocking_cli.responses.time_history import time_history
 
@@ -157,6 +158,17 @@ def test_workers_change_nothing():
     verdicts = check_all(demands, workers=1, progress=lambda *x: heard.append(x))
     assert check_all(demands, workers=2) == verdicts == [check(*demand) for demand in demands]
     assert heard == [(i + 1, 3 * len(demands)) for i in range(3 * len(demands))]  # three stages of each
+
+
+def test_verdicts_under_records_are_the_same_one_by_one_and_together():
+    """Their searches are scanned together."""
+    motions = [shaken(noise(600, 0.02, seed), 0.02) for seed in (1, 2)]
+    shaking = as_recorded(2.9)
+    bodies = [build_structure(parse_documents(f"{{kind: block, name: A, width: 0.4, height: {height}}}")[0]) for height in (1.6, 2.0, 2.4)]
+    demands = [(body, motion, shaking) for motion in motions for body in bodies]
+    alone = [check(*demand, a_max=4.0) for demand in demands]
+    assert sum(v.first_overturning_a is not None for v in alone) >= 3
+    assert check_all(demands, a_max=4.0, workers=1) == check_all(demands, a_max=4.0, workers=2) == alone
 
 
 def test_no_demand_is_refused():

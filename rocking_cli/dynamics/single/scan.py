@@ -1,15 +1,17 @@
-"""The approximate falls of one body at many amplitudes of a record: they tell a search where to look, and decide nothing.
+"""The approximate falls of bodies at many amplitudes of a record: they tell a search where to look, and decide nothing.
 
-All lanes take the same steps, up to `_STEP` of tau, with the Taylor terms of `recurrence` on arrays. Over a step the record is a
-straight line with the same integral and first moment; the rest of it, r, moves a body by the outward drive of s = 1 times W, where
-W'' = r and W is 0 at both ends, which is added where an impact is looked for. Bounces shorter than a part of a step are averaged. The
-boundaries between standing and falling lie beside those of the march: of 48 first falls at most 5e-6 of the amplitude where a line is
-one sample, 6e-5 where it covers several; 2.4e-4 was seen once.
+A line of the record lasts up to `_STEP` of tau: over it the record is a straight line with the same integral and first moment; the rest
+of it, r, moves a body by the outward drive of s = 1 times W, where W'' = r and W is 0 at both ends, which is added where an impact is
+looked for. Each lane, a body at an amplitude, goes its own way: in a round every lane moves on to the end of its line or to an impact,
+with the Taylor terms of `recurrence` on arrays. So lanes of many bodies share the cost of a round, and no bit depends on the others.
+Bounces shorter than a part of a line are averaged. The boundaries between standing and falling lie beside those of the march: of 48 first
+falls at most 5e-6 of the amplitude where a line is one sample, 6e-5 where it covers several; 2.4e-4 was seen once.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -25,44 +27,33 @@ Array = np.ndarray
 _STEP = 0.05  # [tau]
 _ORDER = 4  # of the series of a step
 _SHORT = 0.1  # times `_STEP`: bounces shorter than that are averaged; with 0.5 narrow falls are missed that march and scan find by chance
-_MOST = 4  # impacts in a step; the later ones are averaged
+_MOST = 4  # impacts in a line; the later ones are averaged
 _ROOTS = 2  # steps of Newton's method to an impact; one where a line is the record itself
+_ROUNDS = 8  # after so many, lanes at rest are lifted and lanes at the end leave
+_AHEAD = 64  # lines among which the next uplift is looked for at once
 
 
-class Rest(NamedTuple):
-    """The rest r of the record within its line: W and W' at the start of each sample, r there, and how much r rises over it."""
+class Lines(NamedTuple):
+    """The lines of a record: s at the start of each, its rise, its length; (lines,). The rest r within each, of each of its samples: W and
+    W' at its start, r there, and how much r rises; (4, lines, samples), no samples if a line is the record itself."""
 
-    w: Array
-    dw: Array
-    start: Array
+    s: Array
     rise: Array
-
-    def at(self, share: Array, length: Array | float, pace: Array | float) -> tuple[Array, Array]:
-        """(W, W' times the length) at shares of a line that lasts `length` [tau]; pace: tau over the phase."""
-        count = self.w.size
-        j = np.minimum((share * count).astype(np.intp), count - 1)
-        part, over = length / count, share * count - j
-        at, bend = self.start[j] * over, self.rise[j] * over * over
-        w = self.w[j] * pace**2 + self.dw[j] * pace * part * over + part * part * over * (0.5 * at + bend / 6.0)
-        return w, (self.dw[j] * pace + part * (at + 0.5 * bend)) * length
+    length: Array
+    rest: Array
 
 
 class Scan:
-    """One body under one record at one Omega."""
+    """One body under one record at one Omega. kind: bodies of which it is the same can be followed together; known: the amplitudes A at
+    which it was followed, and its falls."""
 
     def __init__(self, system: System, motion: Motion, omega: float, eta: float) -> None:
         self.lane = lane = Lane(system, system.segments(motion.coarsest), omega, eta)
-        faces = lane.faces(1.0)
-        laws = [lane.laws[side] for side in faces]
-        self.sides, self.others = np.array(list(faces)), np.arange(len(faces))[::-1]
-        self.drive, self.keeps, self.limit = (np.array([getattr(f, name) for f in faces.values()]) for name in ("drive", "keeps", "limit"))
-        self.lowest_limit = float(self.limit.min())
-        self.pace = np.array([1.0 / f.omega for f in faces.values()])
-        numbers = {name: np.array([law.numbers[name] for law in laws]) for name in laws[0].numbers}
-        self.differ = {name: x for name, x in numbers.items() if x.min() < x.max()}
-        self.numbers: dict[str, Any] = {"tan": np.tan, "exp": np.exp, **{name: float(x[0]) for name, x in numbers.items()}}
-        self.terms: Callable[..., tuple[Any, ...]] = compiled(laws[0], _ORDER, lane.zeta, True, False).terms
-        self.lines = _lines(lane.segments, _STEP / float(self.pace.max()))
+        self.faces = list(lane.faces(1.0).values())
+        self.laws = [lane.laws[face.side] for face in self.faces]
+        self.lines = _lines(lane.segments, _STEP * min(face.omega for face in self.faces))
+        self.kind = self.laws[0].name, lane.zeta, len(self.faces), self.lines.rest.size > 0
+        self.known = np.zeros(0), np.zeros(0, dtype=bool)
 
     @staticmethod
     def serves(system: System, motion: Motion) -> bool:
@@ -72,104 +63,218 @@ class Scan:
 
     def falls(self, amplitude: Array) -> Array:
         """True for each amplitude A at which the body seems to fall, (lanes,)."""
+        follow([self], [amplitude])
+        return self.known[1][np.searchsorted(self.known[0], amplitude)]
+
+
+def follow(scans: Sequence[Scan], amplitudes: Sequence[Array]) -> None:
+    """Follow each body at its amplitudes A, as far as that was not done before: together, whatever their motions."""
+    new = [np.setdiff1d(a, scan.known[0]) for scan, a in zip(scans, amplitudes, strict=True)]
+    for kind in dict.fromkeys(scan.kind for scan in scans):
+        alike = [i for i, scan in enumerate(scans) if scan.kind == kind and new[i].size]
+        if not alike:
+            continue
         with np.errstate(all="ignore"):
-            return _Lanes(self, amplitude).falls()
+            falls = _Pool([scans[i] for i in alike], [new[i] for i in alike]).falls()
+        for i, fallen in zip(alike, np.split(falls, np.cumsum([new[i].size for i in alike])), strict=False):
+            every = np.append(scans[i].known[0], new[i])
+            order = np.argsort(every)
+            scans[i].known = every[order], np.append(scans[i].known[1], fallen)[order]
 
 
-class _Lanes:
-    """The state of the lanes that have not fallen: index, A, side (as a row of the scan's numbers), y, y', at rest."""
+class _Pool:
+    """Lanes that still move: number; A; k, x: line and share of it; row: body and side; y, y'; drive: outward drive of s = 1 times A; pace:
+    tau over the phase; struck: impacts in the line; rested: line after the one in which it came to rest, -1 of others."""
 
-    def __init__(self, scan: Scan, amplitude: Array) -> None:
-        self.scan, self.fallen = scan, np.zeros(amplitude.size, dtype=bool)
-        self.at, self.amplitude = np.arange(amplitude.size), amplitude
-        self.row = np.zeros(amplitude.size, dtype=np.intp)
-        self.y, self.v, self.rest = np.zeros(amplitude.size), np.zeros(amplitude.size), np.ones(amplitude.size, dtype=bool)
+    _EACH = ("number", "amplitude", "k", "x", "row", "y", "v", "drive", "pace", "struck", "rested")
+
+    def __init__(self, scans: list[Scan], amplitudes: list[Array]) -> None:
+        faces = [face for scan in scans for face in scan.faces]
+        self.scans, self.sides, row = scans, len(scans[0].faces), np.arange(len(faces))
+        self.others = row + self.sides - 1 - 2 * (row % self.sides)
+        self.drives, self.keeps, self.limit, omega = (
+            np.array([getattr(f, n) for f in faces]) for n in ("drive", "keeps", "limit", "omega")
+        )
+        self.paces, self.lowest_limit = 1.0 / omega, float(self.limit.min())
+        laws = [law for scan in scans for law in scan.laws]
+        numbers = {name: np.array([law.numbers[name] for law in laws]) for name in laws[0].numbers}
+        self.differ = {name: x for name, x in numbers.items() if x.min() < x.max()}
+        alike = {name: float(x[0]) for name, x in numbers.items() if name not in self.differ}
+        self.numbers: dict[str, Any] = {"tan": np.tan, "exp": np.exp, **alike}
+        self.terms: Callable[..., tuple[Any, ...]] = compiled(laws[0], _ORDER, scans[0].lane.zeta, True, False).terms
+        self._lay([scan.lines for scan in scans])
+        body = np.repeat(np.arange(len(scans)), [a.size for a in amplitudes])
+        self.number, self.amplitude, self.row = np.arange(body.size), np.concatenate(amplitudes), body * self.sides
+        self.k, self.rested, self.struck = self.end[body], self.begin[body], np.zeros(body.size, dtype=np.intp)
+        self.x, self.y, self.v, self.drive, self.pace = np.zeros((5, body.size))
+        self.fallen = np.zeros(body.size, dtype=bool)
+
+    def _lay(self, every: list[Lines]) -> None:
+        """The lines of the bodies, one record after the other; after each record come lines without length, where lanes wait."""
+        places: dict[bytes, tuple[int, int]] = {}
+        parts, size = [], 0
+        for lines in every:
+            key = b"".join(x.tobytes() for x in lines[:3])
+            if key not in places:
+                places[key] = size, size + lines.s.size
+                size += lines.s.size + _ROUNDS + 1
+                parts.append(lines)
+        self.begin, self.end = np.array([places[b"".join(x.tobytes() for x in lines[:3])] for lines in every]).T
+        still = np.zeros(_ROUNDS + 1)
+        self.s, self.rise, self.length = (np.concatenate([x for lines in parts for x in (lines[i], still)]) for i in range(3))
+        ahead = np.zeros(_AHEAD)
+        high, low = np.maximum(self.s, self.s + self.rise), np.maximum(-self.s, -self.s - self.rise)
+        begins = np.cumsum([0] + [lines.s.size + still.size for lines in parts])
+        self.later = np.empty((2, size))
+        for begin, end in pairwise(begins.tolist()):
+            for later, x in zip(self.later, (high, low), strict=True):
+                later[begin:end] = np.maximum.accumulate(x[begin:end][::-1])[::-1]
+        high[self.end] = low[self.end] = np.inf
+        self.high, self.low = np.append(high, ahead), np.append(low, ahead)
+        samples = [lines.rest.shape[2] for lines in parts]
+        rests = [np.pad(lines.rest, ((0, 0), (0, still.size), (0, 0))).reshape(4, -1) for lines in parts]
+        self.rest = np.concatenate(rests, axis=1) if any(samples) else None
+        self.count = np.repeat(samples, np.diff(begins))
+        self.sample = np.cumsum(self.count) - self.count
 
     def falls(self) -> Array:
         """True for each lane that falls."""
-        for line in zip(*self.scan.lines, strict=True):
-            start = self._lifted(*line[:2])
-            self._step(np.flatnonzero(~self.rest), start, *line)
-            if not self.y.max(initial=0.0) <= self.scan.lowest_limit:
-                gone = ~(self.y <= self.scan.limit[self.row])
-                self.fallen[self.at[gone]] = True
-                for name in ("at", "amplitude", "row", "y", "v", "rest"):
-                    setattr(self, name, getattr(self, name)[~gone])
-        self._end()
+        rounds = 0
+        while self.number.size:
+            if rounds % _ROUNDS == 0:
+                self._wait()
+            self._round()
+            rounds += 1
         return self.fallen
 
-    def _lifted(self, s: float, rise: float) -> Array:
-        """Share of the line at which lanes at rest lift off; 0 for the others."""
-        start = np.zeros(self.at.size)
-        if not self.rest.any():
-            return start
-        for row, drive in enumerate(self.scan.drive):
-            if max(drive * s, drive * (s + rise)) <= 0.0:
-                continue
-            begin, gain = drive * s * self.amplitude, drive * rise * self.amplitude
-            up = self.rest & (np.maximum(begin, begin + gain) > 1.0)
-            start[up] = np.where(begin[up] < 1.0, (1.0 - begin[up]) / gain[up], 0.0)
-            self.row[up], self.rest[up] = row, False
-        return start
+    def _keep(self, stay: Array) -> None:
+        for name in self._EACH:
+            setattr(self, name, getattr(self, name)[stay])
+        self.own = {name: x[self.row] for name, x in self.differ.items()}
 
-    def _step(self, at: Array, start: Array, s: float, rise: float, lasts: float, rest: Rest | None) -> None:
-        """From shares `start` of a line to its end: lanes `at`, those that strike the ground once more from there."""
-        scan = self.scan
-        x, row, y, v = start[at], self.row[at], self.y[at], self.v[at]
-        for impacts in range(_MOST + 1):
-            if not at.size:
-                return
-            drive, pace = scan.drive[row] * self.amplitude[at], scan.pace[row]
-            h = np.maximum(lasts * pace * (1.0 - x), 1e-12)
-            numbers = scan.numbers | {name: values[row] for name, values in scan.differ.items()}
-            terms = scan.terms(y, v, h, drive * (s + rise * x), drive * (rise * (1.0 - x)), **numbers)
-            y, v = sum(terms[1:], terms[0]), sum((n * c for n, c in enumerate(terms[2:], 2)), terms[1])
-            self.y[at], self.v[at] = y, v / h
-            hit = np.flatnonzero(y <= 0.0)
-            if not hit.size:
-                return
-            at, x, row, drive, pace, h = at[hit], x[hit], row[hit], drive[hit], pace[hit], h[hit]
-            x, struck, away = _impact([c[hit] for c in terms], x, h, drive, lasts, pace, rest)
-            v = -scan.keeps[row] * np.minimum(struck, 0.0)
-            row = scan.others[row]
-            self.row[at] = row
-            self.y[at], self.v[at] = 0.0, v
-            other, unit = scan.drive[row] * self.amplitude[at], scan.pace[row] / pace
-            y, moving = -other * away[0] * unit**2, v - other * away[1] * unit
-            on = np.flatnonzero(~self._averaged(at, x, v, s, rise, lasts, impacts == _MOST))
-            at, x, row, y, v = at[on], x[on], row[on], y[on], moving[on]
+    def _wait(self) -> None:
+        """Lanes at rest are put where they lift off next; those that never do, and those at the end of their record, leave."""
+        waits = self.length[self.k] == 0.0
+        over = waits & (self.rested < 0)
+        self._end(np.flatnonzero(over))
+        at = np.flatnonzero(waits & ~over)
+        body = self.row[at] // self.sides
+        first = body * self.sides
+        drives = [self.drives[first + side] * self.amplitude[at] for side in range(self.sides)]
+        above, below = np.full((2, at.size), np.inf)
+        for drive in drives:
+            above, below = np.where(drive > 0.0, 1.0 / drive, above), np.where(drive < 0.0, -1.0 / drive, below)
+        k = self.rested[at]
+        lifts = (self.later[0, k] > above) | (self.later[1, k] > below)
+        k[~lifts] = self.end[body[~lifts]]
+        looks = np.flatnonzero(lifts)
+        while looks.size:
+            ahead = k[looks, None] + np.arange(_AHEAD)
+            loud = (self.high[ahead] > above[looks, None]) | (self.low[ahead] > below[looks, None])
+            found = loud.argmax(axis=1)
+            none = ~loud[np.arange(looks.size), found]
+            k[looks] += np.where(none, _AHEAD, found)
+            looks = looks[none]
+        s, rise, open_ = self.s[k], self.rise[k], np.ones(at.size, dtype=bool)
+        for side, drive in enumerate(drives):
+            begin, gain = drive * s, drive * rise
+            up = open_ & (np.maximum(begin, begin + gain) > 1.0)
+            i, open_ = at[up], open_ & ~up
+            self.row[i], self.drive[i], self.pace[i] = first[up] + side, drive[up], self.paces[first[up] + side]
+            self.x[i] = np.where(begin[up] < 1.0, (1.0 - begin[up]) / gain[up], 0.0)
+        self.k[at], self.y[at], self.v[at], self.rested[at] = k, 0.0, 0.0, -1
+        over[at] = k == self.end[body]
+        self._keep(~over)
 
-    def _averaged(self, at: Array, x: Array, v: Array, s: float, rise: float, lasts: float, last: bool) -> Array:
-        """True for lanes whose further bounces within the line are averaged under the drive halfway to its end."""
-        scan, row = self.scan, self.row[at]
-        push = self.amplitude[at] * (s + rise * (0.5 + 0.5 * x))
-        here = 1.0 - scan.drive[row] * push
+    def _round(self) -> None:
+        """Each lane to the end of its line, or to an impact."""
+        k, x, drive = self.k, self.x, self.drive
+        left, s, rise = 1.0 - x, self.s[k], self.rise[k]
+        lasts = self.length[k] * self.pace
+        h = np.maximum(lasts * left, 1e-12)
+        terms = self.terms(self.y, self.v, h, drive * (s + rise * x), drive * (rise * left), **self.numbers, **self.own)
+        self.y, self.v = sum(terms[1:], terms[0]), sum((n * c for n, c in enumerate(terms[2:], 2)), terms[1]) / h
+        self.k, self.x = k + 1, np.zeros_like(x)
+        hit = np.flatnonzero(self.y <= 0.0)
+        if hit.size:
+            self._strike(hit, k[hit], x[hit], h[hit], lasts[hit], [c[hit] for c in terms])
+        if not self.y.max(initial=0.0) <= self.lowest_limit:
+            gone = ~(self.y <= self.limit[self.row])
+            self.fallen[self.number[gone]] = True
+            self._keep(~gone)
+
+    def _strike(self, at: Array, k: Array, x: Array, h: Array, lasts: Array, terms: list[Array]) -> None:
+        """The impacts of lanes `at`, whose step of h began at share x of line k."""
+        before, row = self.drive[at], self.row[at]
+        x, v, w, dw = self._impact(terms, x, h, k, lasts, before)
+        v = -self.keeps[row] * np.minimum(v, 0.0)
+        unit, row = 1.0 / self.pace[at], self.others[row]
+        pace, drive = self.paces[row], self.drives[row] * self.amplitude[at]
+        unit *= pace
+        struck = self.struck[at] + 1
+        self.struck = np.zeros_like(self.struck)
+        self.row[at], self.drive[at], self.pace[at], self.y[at] = row, drive, pace, 0.0
+        for name, values in self.differ.items():
+            self.own[name][at] = values[row]
+        # Further bounces within the line, averaged under the drive halfway to its end.
+        push = self.s[k] + self.rise[k] * (0.5 + 0.5 * x)
+        here, last = 1.0 - drive * push, struck > _MOST
         few = (here > 0.0) & (last | (2.0 * v < _SHORT * here * _STEP))
-        i = np.flatnonzero(few)
-        if i.size:
-            at, x, v, row, bounce = at[i], x[i], v[i], row[i], 2.0 * v[i] / here[i]
-            cycle, other = scan.keeps[row], scan.others[row]
-            if len(scan.sides) == 2:
-                bounce = bounce + 2.0 * cycle * v / np.maximum(1.0 - scan.drive[other] * push[i], 1e-3)
-                cycle = cycle * scan.keeps[other]
-            left = v * (1.0 - lasts * scan.pace[row] * (1.0 - x) * (1.0 - cycle) / bounce)
-            self.v[at], self.rest[at] = np.fmax(left, 0.0), ~(left > 1e-7)
-        return few
+        bounce, cycle = 2.0 * v / here, self.keeps[row]
+        if self.sides == 2:
+            other = self.others[row]
+            bounce = bounce + 2.0 * cycle * v / np.maximum(1.0 - self.drives[other] * self.amplitude[at] * push, 1e-3)
+            cycle = cycle * self.keeps[other]
+        slow = v * (1.0 - self.length[k] * pace * (1.0 - x) * (1.0 - cycle) / bounce)
+        self.v[at] = np.where(few, np.fmax(slow, 0.0), v)
+        rests = few & ~(slow > 1e-7)
+        on = np.flatnonzero(~few & ~last)
+        i = at[on]
+        self.k[i], self.x[i], self.struck[i] = k[on], x[on], struck[on]
+        self.y[i], self.v[i] = -drive[on] * w[on] * unit[on] ** 2, v[on] - drive[on] * dw[on] * unit[on]
+        i = at[rests]
+        self.rested[i], self.k[i], self.y[i], self.v[i] = k[rests] + 1, self.end[row[rests] // self.sides], 1e-9, 0.0
 
-    def _end(self) -> None:
-        """The free motion of the lanes that still rock."""
-        lane, up = self.scan.lane, np.flatnonzero(~self.rest)
-        contact, equation = lane.system.contact, lane.system.equation
-        for row, side in enumerate(self.scan.sides):
-            i = up[self.row[up] == row]
+    def _impact(self, terms: list[Array], x: Array, h: Array, k: Array, lasts: Array, drive: Array) -> tuple[Array, Array, Array, Array]:
+        """(share of line k at which y comes to 0, y' there, W and W' there) of lanes whose step of h began at share x of the line."""
+        y, v, half = terms[:3]
+        root = np.sqrt(np.maximum(v * v - 4.0 * half * y, 0.0))
+        t = np.where(v > 0.0, -0.5 * (v + root) / half, 2.0 * y / (root - v))
+        w = dw = np.zeros_like(x)
+        roots = 1 if self.rest is None else _ROOTS
+        for n in range(roots + 1):
+            t = np.fmin(np.fmax(t, 0.0), 1.0)
+            y, v = _value(terms, t)
+            if self.rest is not None and n:
+                w, dw = self._away(self.rest, x + (1.0 - x) * t, k, lasts)
+                y, v = y + drive * w, v + drive * dw * h
+            if n < roots:
+                t = t - y / v
+        return x + (1.0 - x) * t, v / h, w, dw
+
+    def _away(self, rest: Array, share: Array, k: Array, lasts: Array) -> tuple[Array, Array]:
+        """(W, W') at shares of lines that last `lasts` [tau]."""
+        count = self.count[k]
+        j = np.minimum((share * count).astype(np.intp), count - 1)
+        w, dw, start, rise = rest[:, self.sample[k] + j]
+        part, over, pace = lasts / count, share * count - j, lasts / self.length[k]
+        at, bend = start * over, rise * over * over
+        w = w * pace**2 + dw * pace * part * over + part * part * over * (0.5 * at + bend / 6.0)
+        return w, dw * pace + part * (at + 0.5 * bend)
+
+    def _end(self, at: Array) -> None:
+        """The free motion of lanes that still rock at the end of their record."""
+        for row in np.unique(self.row[at]).tolist():
+            i, lane, side = at[self.row[at] == row], self.scans[row // self.sides].lane, row % self.sides
+            contact, equation = lane.system.contact, lane.system.equation
             cells = contact.cells(equation, self.amplitude[i], np.broadcast_to(lane.omega, i.shape), np.broadcast_to(lane.eta, i.shape))
-            lanes = lane.lanes(cells, float(side))
+            lanes = lane.lanes(cells, self.scans[0].faces[side].side)
             free = contact.free_motion(equation, lanes, np.arange(i.size), self.y[i], self.v[i])
-            self.fallen[self.at[i]] = free.overturns | free.overturns_after_impact
+            self.fallen[self.number[i]] = free.overturns | free.overturns_after_impact
 
 
-def _lines(segments: Segments, step: float) -> tuple[list[float], list[float], list[float], list[Rest | None]]:
-    """(s at the start of each line, its rise, its length, the rest of the record)."""
+def _lines(segments: Segments, step: float) -> Lines:
+    """The lines of a record, each of whole segments up to a step [rad] long in all, or of parts of a segment."""
     start, length = segments.s_start[:], segments.length[:]
     change = segments.s_end[:] - start
     count = max(1, int(step / length.max() * (1.0 + 1e-9)))
@@ -177,7 +282,7 @@ def _lines(segments: Segments, step: float) -> tuple[list[float], list[float], l
         cuts = np.maximum(1, np.ceil(length / step * (1.0 - 1e-9))).astype(np.intp)
         part = np.arange(cuts.sum()) - np.repeat(np.cumsum(cuts) - cuts, cuts)
         start, change, length, cuts = (np.repeat(x, cuts) for x in (start, change, length, cuts))
-        return (start + change * part / cuts).tolist(), (change / cuts).tolist(), (length / cuts).tolist(), [None] * length.size
+        return Lines(start + change * part / cuts, change / cuts, length / cuts, np.zeros((4, length.size, 0)))
     size = float(length[0])
     s, rise = (np.append(x, np.zeros(-x.size % count)).reshape(-1, count) for x in (start, change))
     middle = size * (np.arange(count) + 0.5 - 0.5 * count)
@@ -188,7 +293,7 @@ def _lines(segments: Segments, step: float) -> tuple[list[float], list[float], l
     left, bend = s - begin[:, None] - gain[:, None] * np.arange(count) / count, rise - gain[:, None] / count
     dw = _sums(size * (left + 0.5 * bend))
     w = _sums(size * dw + size * size * (0.5 * left + bend / 6.0))
-    return begin.tolist(), gain.tolist(), [whole] * len(begin), [Rest(*rows) for rows in zip(w, dw, left, bend, strict=True)]
+    return Lines(begin, gain, np.full(begin.size, whole), np.array([w, dw, left, bend]))
 
 
 def _sums(gains: Array) -> Array:
@@ -203,24 +308,3 @@ def _value(terms: list[Array], x: Array) -> tuple[Array, Array]:
         v = v * x + y
         y = y * x + c
     return y, v
-
-
-def _impact(
-    terms: list[Array], x: Array, h: Array, drive: Array, lasts: float, pace: Array, rest: Rest | None
-) -> tuple[Array, Array, tuple[Array | float, Array | float]]:
-    """(share of the line at which y comes to 0, y' there, W and W' there) of lanes whose step of h began at share x of the line."""
-    y, v, half = terms[:3]
-    root = np.sqrt(np.maximum(v * v - 4.0 * half * y, 0.0))
-    t = np.where(v > 0.0, -0.5 * (v + root) / half, 2.0 * y / (root - v))
-    away: tuple[Array | float, Array | float] = 0.0, 0.0
-    roots = 1 if rest is None else _ROOTS
-    for n in range(roots + 1):
-        t = np.fmin(np.fmax(t, 0.0), 1.0)
-        y, v = _value(terms, t)
-        if rest is not None and n:
-            w, dw = rest.at(x + (1.0 - x) * t, lasts * pace, pace)
-            away = w, dw / (lasts * pace)
-            y, v = y + drive * w, v + drive * dw * (1.0 - x)
-        if n < roots:
-            t = t - y / v
-    return x + (1.0 - x) * t, v / h, away

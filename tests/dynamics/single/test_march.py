@@ -13,7 +13,7 @@ from rocking_cli import LinearEquation, Method, Outcome, RigidBodyEquation, Syst
 from rocking_cli.dynamics.contacts.contact import OneSided, Unequal
 from rocking_cli.dynamics.outcome import safe
 from rocking_cli.dynamics.single.response import response_alone
-from rocking_cli.dynamics.single.scan import Scan
+from rocking_cli.dynamics.single.scan import Scan, follow
 from rocking_cli.dynamics.single.series_roots import first_root, only_root, turns
 from rocking_cli.motions.biaxial import with_vertical
 
@@ -142,3 +142,13 @@ def test_a_scan_falls_as_the_march_but_next_to_boundaries(name, motion):
     found = Scan(system, motion, 0.4, eta).falls(amplitude)
     assert 3 < falls[1].sum() < 50
     assert np.mean((found != falls[1])[settled]) < 0.015
+
+
+def test_no_fall_depends_on_the_bodies_and_the_motions_that_are_scanned_with_it():
+    cases = [(system, motion, omega, eta) for motion in SCANNED.values() for system, eta in SYSTEMS.values() for omega in (0.4, 0.53)]
+    cases += [(System(RigidBodyEquation(alpha), scale=alpha), SCANNED["a step a sample"], 0.4, 0.9) for alpha in (0.1, 0.3)]
+    together = [Scan(*case) for case in cases]
+    amplitudes = [np.geomspace(1.01, 4.0, 40 + 3 * i) * case[0].least_uplift(case[1]) for i, case in enumerate(cases)]
+    follow(together, amplitudes)
+    for scan, case, amplitude in zip(together, cases, amplitudes, strict=True):
+        assert scan.known[1].tolist() == Scan(*case).falls(amplitude).tolist()
