@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from . import options
+from . import options, written
 from .command import command, group
 from .printing import note, quiet, units, units_of
 
@@ -15,7 +15,7 @@ MOST = 12  # panels that a page shows
 def draw(
     files: tuple[str, ...] = options.files(),
     output: Path = options.output(required=True, help="The figure: .png, .svg or .pdf."),
-    looks: options.Looks = group(options.Looks),
+    looks: written.Looks = group(written.Looks),
     overwrite: bool = options.overwrite(),
 ) -> None:
     """Draw structures at one scale, a panel each: outline, pivots, mass centre, R and alpha; dashed: the shape at alpha.

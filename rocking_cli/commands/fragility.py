@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from ..errors import UsageError
-from . import ground, options
+from . import ground, options, written
 from .command import command, group, option
 from .parameter_types import InputPath, Registered
 from .printing import emit, form, note, printed, units_of
@@ -82,7 +82,7 @@ def fragility(
     motions: ground.BothWays = group(ground.BothWays),
     wanted: Fits = group(Fits),
     model: options.Model = group(options.Model),
-    sweep: options.Sweep = group(options.Sweep),
+    sweep: written.Sweep = group(written.Sweep),
 ) -> int:
     """Fit lognormal fragility curves of structures under a set of records or site pulses.
 
@@ -127,7 +127,7 @@ def fragility(
     elif sweep.shard is not None or sweep.scheduler is not None or sweep.resume:
         raise click.UsageError("--shard, --scheduler and --resume go with -o OUT.h5")
     how = Resampling(wanted.samples, wanted.seed)
-    writing = {**sweep.writing(texts), "history": options.command_line(), "path": wanted.output, "workers": sweep.workers}
+    writing = {**sweep.writing(texts), "history": written.command_line(), "path": wanted.output, "workers": sweep.workers}
     studied = studies(structures, members, measure, levels, equation, methods, how, exact=wanted.exact, line=ProgressLine, **writing)
     found = list(studied)
     if not found:

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from . import options, streams
+from . import options, streams, written
 from .command import argument, command, group, option
 from .parameter_types import InputPath, OutputPath
 from .printing import note, quiet, units, units_of
@@ -32,7 +32,7 @@ def plot(
         "--body", type=InputPath(), metavar="FILE", help="The structure of --animate and --phase (default: the block of its p, alpha)."
     ),
     text: bool = option("--text", is_flag=True, help="A quick look in the terminal, without matplotlib."),
-    looks: options.Looks = group(options.Looks),
+    looks: written.Looks = group(written.Looks),
     overwrite: bool = options.overwrite(),
 ) -> None:
     """Draw a spectra file (overturning map or slice), or the CSV of check, envelope, response, compare --curves, params --vary,

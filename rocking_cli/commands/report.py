@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from . import ground, options
+from . import ground, options, written
 from .command import command, group, option
 from .printing import note, quiet
 from .progress import ProgressLine
@@ -53,8 +53,8 @@ def report(
         output,
         recordings=shaken.recordings,
         vertical=asked.vertical,
-        command=options.command_line(),
-        made=options.now(),
+        command=written.command_line(),
+        made=written.now(),
         title=title,
         summary=summary,
         by_capacity=sort is not None,

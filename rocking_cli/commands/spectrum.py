@@ -8,7 +8,7 @@ from typing import Any
 
 import click
 
-from . import ground, options
+from . import ground, options, written
 from .command import command, group, option
 from .printing import emit, is_quiet, note, quiet
 from .progress import ProgressLine
@@ -39,7 +39,7 @@ def spectrum(
     sizeless: options.Sizeless = group(options.Sizeless),
     motions: ground.BothWays = group(ground.BothWays),
     model: options.Equations = group(options.Equations),
-    sweep: options.Sweep = group(options.Sweep),
+    sweep: written.Sweep = group(written.Sweep),
 ) -> int:
     """Sweep every structure over a grid and write its rocking spectrum.
 
@@ -89,7 +89,7 @@ def spectrum(
         impacts=impacts,
         quantities=quantities,
         strict=strict,
-        history=f"{options.now()}: {options.command_line()}",
+        history=f"{written.now()}: {written.command_line()}",
         sample_validity=not (no_validity or is_quiet()),
         progress=ProgressLine("spectrum", "chunks"),
         **sweep.writing(texts),
