@@ -5,11 +5,11 @@ CODE := $(shell find rocking_cli -type f -not -path '*/__pycache__/*')
 CONFIGS := $(shell find configs -type f)
 TESTS := $(shell find tests -type f -not -path '*/__pycache__/*')
 
-.PHONY: help demo test lint quick figures study bench database golden trace soak ladder mutants clean
+.PHONY: help demo test lint quick figures study code-study bench database golden trace soak ladder mutants clean
 
 .DEFAULT_GOAL := help
 help: ## This list
-	@sed -n 's/^\([a-z]*\):.*## \(.*\)/  \1\t\2/p' $(MAKEFILE_LIST) | expand -t 14
+	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/  \1\t\2/p' $(MAKEFILE_LIST) | expand -t 14
 
 demo: out/demo.h5 ## Set up .venv and compute a first spectrum, out/demo.h5
 test: $(STAMPS)/test ## Set up .venv and run the tests
@@ -78,6 +78,10 @@ study: $(STAMPS)/dev ## How often the linear equation calls safe what overturns
 	$(ROCKING) spectrum $(STUDY)/blocks.jsonl --grid A=1:8:281,Omega=1:8:57 --model both --tolerance 1e-6 -o $(STUDY)/validity.h5 --overwrite
 	$(ROCKING) plot $(STUDY)/validity.h5 --all -o $(STUDY)/validity.png --overwrite
 	.venv/bin/python tests/bench/validity.py $(STUDY)/validity.h5
+
+# How often the methods of the Italian code accept an amplitude that overturns, for columns and walls under the shipped motion.
+code-study: $(STAMPS)/dev ## How often the methods of the Italian code are unsafe
+	.venv/bin/python tests/bench/code_study.py
 
 bench: $(STAMPS)/dev ## Speed and error of every scene
 	.venv/bin/python -m pip install --quiet --disable-pip-version-check --editable '.[bench]'

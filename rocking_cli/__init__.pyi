@@ -35,6 +35,9 @@ from .motions import Motion as Motion
 from .motions import cosine as cosine
 from .motions import pulse as pulse
 from .motions import sine as sine
+from .motions.design_spectra import FloorMode as FloorMode
+from .motions.design_spectra import SpectrumFile as SpectrumFile
+from .motions.design_spectra import read_spectrum as read_spectrum
 from .motions.grid import Axis as Axis
 from .motions.grid import Grid as Grid
 from .motions.grid import HasMotion as HasMotion
@@ -52,6 +55,7 @@ from .motions.response_spectra import displacement_spectrum as displacement_spec
 from .reports.drawing_files import draw as draw
 from .reports.figures.canvas import Look as Look
 from .reports.figures.capacities import draw_capacities as draw_capacities
+from .reports.figures.capacity_curves import draw_capacity_curves as draw_capacity_curves
 from .reports.figures.drawing import draw_structures as draw_structures
 from .reports.page import report as report
 from .reports.units import Units as Units
@@ -59,6 +63,9 @@ from .reports.work_precision import accuracy as accuracy
 from .responses.check import Progress as Progress
 from .responses.check import Verdict as Verdict
 from .responses.check import check as check
+from .responses.code_check import CodeCheck as CodeCheck
+from .responses.code_check import code_check as code_check
+from .responses.code_check import first_beyond as first_beyond
 from .responses.comparison import compare as compare
 from .responses.history import History as History
 from .responses.history import history as history

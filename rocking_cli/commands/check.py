@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from . import ground, options
+from . import code, ground, options
 from .command import command, group, option
 from .printing import emit, is_quiet, note, printed, units_of
 from .progress import ProgressLine
@@ -25,6 +25,7 @@ INSET = 0.05  # of the width, whose effect on the capacity is told
 def check(
     files: tuple[str, ...] = options.files(),
     asked: ground.Directed = group(ground.Directed),
+    coded: code.Code = group(code.Code),
     a_max: Limit = options.a_max(),
     verdict_only: bool = option("--verdict-only", is_flag=True, help="Skip the search; first_overturning_a and safe_to stay empty."),
     vary: tuple[str, ...] = options.vary(),
@@ -59,11 +60,15 @@ def check(
     shaken = ends[0] if ends else asked.of(shaken)
     structures, varied, lost = options.members_of(files, vary)
     azimuths = asked.azimuths()
-    shakes = shaken.needed()
+    by_code = coded.rows()
     if output is not None:
         from ..publishing import check_target
 
         check_target(output, overwrite, options.FIGURES)
+    if by_code and coded.spectrum and not shaken.shakes:
+        by_code.alone(structures, varied, output, overwrite)
+        return 4 if lost else 0
+    shakes = shaken.needed()
     demands = [(structure, *shake) for shake in shakes for structure in structures]
     beside: list[dict[str, float]] = []  # a further column of each demand
     if azimuths is not None:
@@ -83,6 +88,8 @@ def check(
         worst = [at_worst_frequency(structure, motion, low, high, a_max) for structure in structures]
         demands = [(structure, motion, grid) for structure, (grid, _) in zip(structures, worst, strict=True)]
         shakes, beside = [(motion, low), (motion, high)], [{"worst_f_g": frequency} for _, frequency in worst]
+    if by_code:
+        demands = by_code.dynamic(demands)
     told: list[Verdict] = []
     limit = None if verdict_only else a_max
     judged = verdicts(demands, a_max=limit, workers=workers, progress=ProgressLine("check", "stages"))
@@ -95,17 +102,21 @@ def check(
             told.append(verdict)
             own = verdict.record()
             head = {"structure": own["structure"], "motion": own["motion"], **more} if more else {}
-            yield {**varied.get(verdict.structure, {}), **head, **own}
+            added = by_code.columns(verdict, not verdict_only) if by_code else {}
+            yield {**varied.get(verdict.structure, {}), **head, **own, **added}
+        yield from by_code.others() if by_code else ()
 
     in_g = _in_g(asked.a_g or asked.scale_to or ("g" if asked.motion else ""))
     emit(rows(), CHECK_COLUMNS, table_units="g,mm,deg" if in_g else "mm,deg", unseen=OLD_COLUMNS)
-    if output is not None:
+    if output is not None and by_code:
+        by_code.draw(output, overwrite)
+    elif output is not None:
         from ..reports.figures.capacities import draw_capacities
 
         draw_capacities(told, output, in_g=in_g, overwrite=overwrite, tell=note)
     ground.note_demand(shakes)
     ground.note_governing(structures, shakes[0][1].dimensionless)
-    for line in _remarks(told):
+    for line in (*_remarks(told), *(by_code.lines if by_code else ())):
         note(line)
     if not (verdict_only or is_quiet()) and (remark := _of_an_inset(told, demands, a_max, workers)):
         note(remark)
@@ -153,7 +164,7 @@ def _remarks(verdicts: list[Verdict]) -> list[str]:
         return [f"{v.structure} under {v.motion}" if several else v.structure for v in found]
 
     falls = named(v for v in verdicts if v.outcome.overturned)
-    lines = [f"{len(falls)} of {len(verdicts)} overturn{': ' if falls else ''}{', '.join(falls)}"]
+    lines = [f"{len(falls)} of {len(verdicts)} overturn{': ' if falls else ''}{', '.join(falls)}"] * bool(verdicts)
     told: list[tuple[str, Callable[[Verdict], Any]]] = [
         ("lose contact with the ground, and their later motion is not known", lambda v: v.falls and not v.outcome.overturned),
         (

@@ -17,6 +17,7 @@ TOPICS = {
     "files": "Spectra files: contents, checksums, partial files.",
     "output": "Streams, tables, JSON and CSV, exit codes, completion.",
     "python": "The Python functions of each command.",
+    "code": "A check by the Italian code: columns, formulas, demand, limits.",
     "words": "The words of commands, columns and files, each with one meaning.",
     "changes": "Stable interfaces, and changes by version.",
 }

@@ -30,6 +30,8 @@ COLUMNS = {
     **dict.fromkeys(("t", "t_max", "dt", "duration", "pga_time", "d5_75", "d5_95", "T", "run_time", "time_per_cell", "pgv_pga"), "time"),
     "worst_f_g": "frequency", "pgv": "velocity", "arias": "intensity", "cav": "intensity", "gravity": "gravity", "mass": "mass",
     **dict.fromkeys(("pgd", "S_d", "top_displacement", "x", "z", "arm", "length", "tip_height", "crack_height", "inset"), "length"),
+    **dict.fromkeys(("code_linear", "code_slv", "code_slc", "theta_04_a"), "acceleration"), "d_slv": "length", "d_slc": "length",
+    "t_slv": "time", "t_slc": "time",
 }  # fmt: skip
 """The dimension of each column that has a unit."""
 

@@ -1,0 +1,100 @@
+"""What `rocking check --code` adds to the rows, the figure and the lines of a check."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import click
+
+from ..dynamics.method import governing_method
+from ..errors import UsageError
+from ..motions.design_spectra import parse_floor, read_spectrum
+from ..responses.check import Demand, Verdict
+from ..responses.code_check import CodeCheck, code_check, first_beyond
+from ..structures import RockingParameters
+from .code import Code
+from .printing import emit, note
+
+
+class CodeRows:
+    """The checks of a call by the code.
+
+    given: the arguments of `code_check`; checks: (check, its demand, True if an equation of motion takes the body) by structure and motion;
+    lines: what is to be said of them.
+    """
+
+    def __init__(self, asked: Code) -> None:
+        """Read the options. Raises UsageError, DocumentError."""
+        if asked.code is None:
+            raise click.UsageError("--spectrum, --floor and --fc go with --code")
+        site = None if asked.spectrum is None else read_spectrum(asked.spectrum)
+        self.given: dict[str, Any] = {"site": site, "floor": [parse_floor(text) for text in asked.floor]}
+        self.given["confidence"] = 1.0 if asked.fc is None else asked.fc
+        self.checks: dict[tuple[str, str], tuple[CodeCheck, Demand, bool]] = {}
+        self.lines: list[str] = []
+
+    def alone(
+        self, structures: Sequence[RockingParameters], varied: Mapping[str, Mapping[str, Any]], output: Path | None, overwrite: bool
+    ) -> None:
+        """Print the rows under the spectrum of a file, without any motion."""
+        found = [code_check(structure, **self.given) for structure in structures]
+        self._remark(found)
+        emit(({**varied.get(one.structure, {}), **_head(one), **one.record()} for one in found), table_units="g,mm,deg")
+        if output is not None:
+            _draw(found, output, overwrite)
+        for line in self.lines:
+            note(line)
+
+    def dynamic(self, demands: Sequence[Demand]) -> list[Demand]:
+        """Check every demand by the code; the demands on bodies that an equation of motion takes."""
+        for structure, motion, grid in demands:
+            try:
+                governing_method(structure, dimensionless=grid.dimensionless).system_of(structure)
+                moves = True
+            except UsageError as error:
+                moves = False
+                self.lines.append(f"no dynamics: {error}")
+            check = code_check(structure, motion, grid, **self.given)
+            self.checks[structure.name, motion.name] = check, (structure, motion, grid), moves
+        self._remark([check for check, _, _ in self.checks.values()])
+        return [demand for _, demand, moves in self.checks.values() if moves]
+
+    def columns(self, verdict: Verdict, searched: bool) -> dict[str, Any]:
+        """The columns of the code beside a verdict; searched: with the amplitude at which theta exceeds 0.4 alpha."""
+        check, demand, _ = self.checks[verdict.structure, verdict.motion]
+        beyond = first_beyond(*demand, most=verdict.first_overturning_a) if searched else None
+        several = f"{verdict.structure} under {verdict.motion}: " if len(self.checks) > 1 else ""
+        self.lines += [several + line for line in check.promises(verdict.first_overturning_a, beyond)]
+        return check.record(beyond)
+
+    def others(self) -> Iterator[dict[str, Any]]:
+        """The rows of bodies that no equation of motion takes."""
+        for check, (_, motion, _), moves in self.checks.values():
+            if not moves:
+                yield {**_head(check), "motion": motion.name, **check.record()}
+
+    def draw(self, output: Path, overwrite: bool) -> None:
+        """Draw the capacity curve of every check."""
+        _draw([check for check, _, _ in self.checks.values()], output, overwrite)
+
+    def _remark(self, checks: Sequence[CodeCheck]) -> None:
+        demands = list(dict.fromkeys(check.demand for check in checks))
+        where = " on a floor" if self.given["floor"] else ""
+        on = demands[0] if len(demands) == 1 else f"{len(demands)} motions"
+        self.lines.insert(0, f"code: Circolare 7/2019 C8.7.1, FC = {self.given['confidence']:g}, spectrum of {on}{where}")
+        if where:
+            self.lines.append("the dynamics are those under the motion of the ground, not of the floor")
+        if told := dict.fromkeys(check.structure for check in checks if check.slv.broken):
+            self.lines.append(f"a tie or a tendon breaks before 0.4 d0, and decides d_slv: {', '.join(told)}")
+
+
+def _head(check: CodeCheck) -> dict[str, Any]:
+    return {"structure": check.structure, "motion": check.demand, "demand_a": check.demand_a}
+
+
+def _draw(checks: Sequence[CodeCheck], output: Path, overwrite: bool) -> None:
+    from ..reports.figures.capacity_curves import draw_capacity_curves
+
+    draw_capacity_curves(checks, output, overwrite=overwrite, tell=note)

@@ -1,0 +1,217 @@
+"""Elastic spectra as a code takes them: of a motion, of a file, and of a floor (Circolare 7/2019, section C7.2.3).
+
+A spectrum has a peak [m/s2], the pseudo-acceleration at given periods, and the displacement that a code compares with a limit state.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Protocol
+
+import numpy as np
+
+from ..documents.composition import text_of
+from ..documents.files import read_bytes
+from ..documents.quantities import parse_quantity
+from ..documents.table import rows_of
+from ..errors import DocumentError, UsageError
+from .blocks import largest
+from .motion import Motion
+from .records.record import Record
+from .response_spectra import DAMPING, acceleration_spectrum, displacement_spectrum
+
+Array = np.ndarray
+
+_SAMPLES = 4000  # of a pulse; their lines change S_d by less than 1e-5 of it, with a jump inside the pulse by 1e-3
+_PERIODS, _SHORTEST = 100, 0.02  # periods up to T of which the largest S_d is looked for, and the shortest over T
+_NEAR = 9  # periods around the largest, twice
+_FIRST = 0.03  # s, the longest first period of a file, whose S_a is the peak ground acceleration
+_A, _B = 0.8, 1.1  # of T_k: the plateau of a floor spectrum (C7.2.6-8)
+_FLOOR = "T=TIME,xi=RATIO,gamma_psi=NUMBER"
+
+
+class Spectrum(Protocol):
+    """An elastic spectrum."""
+
+    @property
+    def peak(self) -> float: ...  # of the acceleration that the spectrum belongs to [m/s2]
+
+    def acceleration(self, periods: Array, damping: float) -> Array: ...  # S_a [m/s2] at periods [s]
+
+    def demand(self, period: float, damping: float) -> float: ...  # the displacement [m] to compare with that of a limit state
+
+
+@dataclass(frozen=True)
+class MotionSpectrum:
+    """The spectrum of a motion of the site: the demand is the largest S_d up to the period, since the stiffness falls to the secant one."""
+
+    record: Record
+
+    @classmethod
+    def of(cls, motion: Motion, amplitude: float, omega: float) -> MotionSpectrum:
+        """The spectrum of a motion of this amplitude a_g [m/s2] and frequency [rad/s], without its vertical part."""
+        if motion.samples is not None:
+            dt, values = motion.samples.step / omega, motion.samples.values
+        else:
+            phase = np.linspace(0.0, motion.duration, max(_SAMPLES, 100 * len(motion.segments)) + 1)
+            phase[-1] = np.nextafter(phase[-1], 0.0)
+            dt, values = motion.duration / (phase.size - 1) / omega, motion.value(phase)
+        return cls(Record(motion.name, "motion", None, dt, amplitude * values, None, "m/s2", motion.name, ""))
+
+    @property
+    def peak(self) -> float:
+        """The peak ground acceleration."""
+        return largest(self.record.acceleration)
+
+    def acceleration(self, periods: Array, damping: float) -> Array:
+        """As `acceleration_spectrum`."""
+        return acceleration_spectrum(self.record, periods, damping)
+
+    def demand(self, period: float, damping: float) -> float:
+        """The largest S_d [m] of periods from 0.02 to 1 of this one."""
+        periods = period * np.geomspace(_SHORTEST, 1.0, _PERIODS)
+        for _ in range(3):
+            found = displacement_spectrum(self.record, periods, damping)
+            i = int(found.argmax())
+            periods = np.linspace(periods[max(0, i - 1)], periods[min(i + 1, periods.size - 1)], _NEAR)
+        return float(found[i])
+
+
+@dataclass(frozen=True, eq=False)
+class SpectrumFile:
+    """S_a [m/s2] over T [s] at 5 % damping as a file states it, straight lines between its points.
+
+    For another damping S_a is multiplied by sqrt(10/(5 + xi)) from its peak on, and stays as it is before the peak, which is safe.
+    """
+
+    name: str
+    periods: Array
+    values: Array
+
+    @property
+    def peak(self) -> float:
+        """S_a at the first period."""
+        return float(self.values[0])
+
+    def acceleration(self, periods: Array, damping: float) -> Array:
+        """S_a at these periods. Raises UsageError beyond the last one."""
+        periods = np.asarray(periods)
+        if np.max(periods) > self.periods[-1]:
+            found = f"`spectrum` {self.name}: found periods up to {self.periods[-1]:g} s"
+            raise UsageError(f"{found}; expected up to {np.max(periods):.4g} s, the period of a limit state")
+        factor = np.where(periods >= self.periods[self.values.argmax()], damping_factor(damping), 1.0)
+        return np.asarray(np.interp(periods, self.periods, self.values) * factor)
+
+    def demand(self, period: float, damping: float) -> float:
+        """S_d [m] at the period."""
+        return float(self.acceleration(np.array([period]), damping)[0]) * (period / (2.0 * math.pi)) ** 2
+
+
+@dataclass(frozen=True)
+class FloorMode:
+    """A mode of a building: period [s], damping [-], and gamma psi [-], its participation times its shape at the floor."""
+
+    period: float
+    damping: float
+    gamma_psi: float
+
+
+@dataclass(frozen=True)
+class FloorSpectrum:
+    """The spectrum on a floor of a building with these modes, on a ground with this spectrum."""
+
+    ground: Spectrum
+    modes: Sequence[FloorMode]
+
+    @property
+    def peak(self) -> float:
+        """The peak acceleration of the floor."""
+        return float(self.acceleration(np.zeros(1), DAMPING)[0])
+
+    def acceleration(self, periods: Array, damping: float) -> Array:
+        """S_eZ (C7.2.5-10): the root of the sum of squares over the modes."""
+        squares = np.zeros(np.shape(periods))
+        for mode in self.modes:
+            own = float(self.ground.acceleration(np.array([mode.period]), mode.damping)[0])
+            a_z = own * abs(mode.gamma_psi) * math.sqrt(1.0 + 0.0004 * (100.0 * mode.damping) ** 2)
+            gain = max(1.0, 1.1 / math.sqrt(mode.damping) * damping_factor(damping))
+            r = np.asarray(periods) / mode.period
+            away = np.where(r < _A, np.maximum(1.0 - r / _A, 0.0) ** 1.6, np.maximum(r / _B - 1.0, 0.0) ** 1.2)
+            squares += (gain * a_z / (1.0 + (gain - 1.0) * away)) ** 2
+        return np.sqrt(squares)
+
+    def demand(self, period: float, damping: float) -> float:
+        """The displacement [m] at the period, at least that at b T_1 with the acceleration at T_1 (C8.7.1.12)."""
+        first = max(mode.period for mode in self.modes)
+        here, there = self.acceleration(np.array([period, first]), damping).tolist()
+        least = there * (_B * first) ** 2 if period > _B * first else 0.0
+        return max(here * period**2, least) / (4.0 * math.pi**2)
+
+
+def damping_factor(damping: float) -> float:
+    """eta = sqrt(10/(5 + xi)) >= 0.55, xi in %.
+
+    >>> round(damping_factor(0.08), 4)
+    0.8771
+    """
+    return max(0.55, math.sqrt(10.0 / (5.0 + 100.0 * damping)))
+
+
+def read_spectrum(path: str | Path) -> SpectrumFile:
+    """The spectrum of a CSV file with the columns T and S_a (or Se), units in the headings or SI; other columns are not read.
+
+    Raises UsageError if the file cannot be read, DocumentError with file, line and column for its faults.
+
+    >>> from pathlib import Path
+    >>> _ = Path('site.csv').write_text('T,S_a [g]\\n0,0.2\\n0.5,0.5\\n4,0.1')
+    >>> round(read_spectrum('site.csv').peak, 3)
+    1.962
+    """
+    source, raw = read_bytes(path)
+    text = text_of(source, raw)
+    first = text.lstrip().partition("\n")[0]
+    periods: list[float] = []
+    values: list[float] = []
+    for cells in rows_of(text, source, max(",;\t", key=first.count)):
+        row = {cell.key: cell for cell in cells}
+        found = row.get("T"), row.get("S_a") or row.get("Se")
+        if None in found:
+            raise DocumentError(f"{cells[0].place}: found {', '.join(row)}; expected the columns T and S_a")
+        for cell, dimension, kept in zip(found, ("time", "acceleration"), (periods, values), strict=True):
+            assert cell is not None
+            try:
+                kept.append(parse_quantity(cell.text, dimension))
+            except ValueError as error:
+                raise DocumentError(f"{cell.place}: {cell.key}: found {cell.text!r}; expected {error}") from None
+        (at, level) = found
+        assert at is not None
+        assert level is not None
+        if periods[-1] < 0.0 or (len(periods) > 1 and not periods[-1] > periods[-2]):
+            raise DocumentError(f"{at.place}: T: found {at.text!r}; expected periods that rise, of one spectrum")
+        if not values[-1] > 0.0:
+            raise DocumentError(f"{level.place}: {level.key}: found {level.text!r}; expected a positive acceleration")
+        if "damping" in row and row["damping"].text not in ("0.05", "5 %"):
+            raise DocumentError(f"{row['damping'].place}: damping: found {row['damping'].text}; expected 0.05")
+    if len(periods) < 2:
+        raise DocumentError(f"{source}: found {len(periods)} points of a spectrum; expected two or more")
+    if periods[0] > _FIRST:
+        wanted = f"a first period up to {_FIRST:g} s, whose S_a is the peak ground acceleration"
+        raise DocumentError(f"{source}: found the first period {periods[0]:g} s; expected {wanted}")
+    return SpectrumFile(Path(source).stem, np.array(periods), np.array(values))
+
+
+def parse_floor(text: str) -> FloorMode:
+    """The mode of a text such as `T=0.4,xi=0.05,gamma_psi=1.3`. Raises UsageError."""
+    given = {key.strip(): value for key, _, value in (part.partition("=") for part in text.split(","))}
+    if given.keys() != {"T", "xi", "gamma_psi"}:
+        raise UsageError(f"`floor`: found {text!r}; expected {_FLOOR}")
+    try:
+        period, damping, shape = (parse_quantity(given[key], of) for key, of in (("T", "time"), ("xi", "number"), ("gamma_psi", "number")))
+    except ValueError as error:
+        raise UsageError(f"`floor`: found {text!r}; expected {error}") from None
+    if not (period > 0.0 and 0.0 < damping < 1.0 and shape != 0.0):
+        raise UsageError(f"`floor`: found {text!r}; expected a positive T, xi between 0 and 1, and a gamma_psi that is not zero")
+    return FloorMode(period, damping, shape)

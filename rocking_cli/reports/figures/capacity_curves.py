@@ -1,0 +1,59 @@
+"""Figures of a check by a code: the capacity curve a over d, the secants of its limit states, and the demand spectrum."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ...documents.quantities import DEFAULT_GRAVITY
+from ...responses.code_check import SLC, SLV, CodeCheck
+from .canvas import Look, canvas, literal, panels
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+_PERIODS = np.geomspace(0.03, 1.0, 200)  # over the longest secant period, of the demand
+_MM = 1000.0
+
+
+def draw_capacity_curves(
+    checks: Sequence[CodeCheck], target: str | Path, *, look: Look | None = None, overwrite: bool = True,
+    tell: Callable[[str], None] | None = None,
+) -> None:  # fmt: skip
+    """Draw each check by a code in a panel of its own, into a PNG, SVG or PDF file.
+
+    overwrite: an existing file may be replaced; tell: called with characters that the font lacks. Raises UsageError for too many panels,
+    OutputError if matplotlib is not installed or the figure cannot be written.
+
+    >>> (column,) = load_structures('configs/block.yaml')
+    >>> draw_capacity_curves([code_check(column, sine(), parse_grid('a_g=0.3g,T_g=0.4'))], 'curve.svg')
+    """
+    with canvas(target, overwrite, look=look, tell=tell) as figure:
+        for axes, check in zip(panels(figure, len(checks)), checks, strict=True):
+            _panel(axes, check)
+        width, height = figure.get_size_inches()
+        figure.set_size_inches(1.4 * width, height)  # for the legends
+
+
+def _panel(axes: Axes, check: CodeCheck) -> None:
+    """One check: d in mm, a in g; a cross marks the demand at each limit state."""
+    d, a = _MM * check.curve.displacement, check.curve.multiplier * check.factor / DEFAULT_GRAVITY
+    axes.plot(d, a, color="k", lw=1.8, label="capacity")
+    right, top = 1.05 * max(d[-1], min(_MM * check.slc.demand, 2.0 * d[-1])), 1.3 * float(a.max())
+    periods = _PERIODS * max(check.slv.period, check.slc.period)
+    for i, (name, at, state) in enumerate((("SLV", check.slv, SLV), ("SLC", check.slc, SLC))):
+        x, y, asked, colour = _MM * at.displacement, at.acceleration / DEFAULT_GRAVITY, _MM * at.demand, f"C{i}"
+        demand = check.spectrum.acceleration(periods, state.damping)
+        s_d = _MM * demand * (periods / (2.0 * np.pi)) ** 2
+        axes.plot(s_d, demand / DEFAULT_GRAVITY, lw=1.1, alpha=0.7, label=f"demand, {100.0 * state.damping:g} %", color=colour)
+        slope = (2.0 * np.pi / at.period) ** 2 / (_MM * DEFAULT_GRAVITY)
+        axes.plot([0.0, right], [0.0, right * slope], lw=0.9, ls="--", label=f"$T_{{{name}}}$ = {at.period:.3g} s", color=colour)
+        axes.plot(x, y, "o", ms=5, label=f"$d_{{{name}}}$ = {x:.3g} mm", color=colour)
+        axes.plot(asked, asked * slope, "x", ms=6, label=f"demand at {name} {asked:.3g} mm", color=colour)
+        axes.plot([x, x], [0.0, y], lw=0.7, ls=":", color=colour)
+    axes.set(xlim=(0.0, right), ylim=(0.0, top), xlabel="$d$ [mm]", ylabel="$a$ [g]")
+    axes.set_title(literal(f"{check.structure}, {check.demand}: {check.demand_a / DEFAULT_GRAVITY:.3g} g"), fontsize="small")
+    axes.legend(fontsize="x-small", loc="upper left", bbox_to_anchor=(1.01, 1.0))

@@ -1,0 +1,186 @@
+"""The check of a local mechanism by the Italian code: Circolare 21 gennaio 2019 n. 7, section C8.7.1.2.1.
+
+    a = alpha g/(e* FC) (C8.7.1.3),   T_s = k pi sqrt(d_s/a(d_s)), k = 1.68 at SLV and 1.56 at SLC (C8.7.1.10, 11)
+
+A limit state is reached at the amplitude whose spectrum demands the displacement d_s, and never below uplift.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..documents.quantities import DEFAULT_GRAVITY
+from ..dynamics.method import governing_method
+from ..dynamics.outcome import safe
+from ..dynamics.single.response import response_alone
+from ..errors import UsageError
+from ..motions import Motion
+from ..motions.design_spectra import FloorMode, FloorSpectrum, MotionSpectrum, Spectrum, SpectrumFile
+from ..motions.grid import Grid, HasMotion, demand_of
+from ..structures.mechanics.capacity_curve import CapacityCurve, capacity_curves
+from ..structures.parameters import RockingParameters
+
+Q = 2.0  # behaviour factor of the linear check
+ROTATION = 0.40  # of alpha, which is d_SLV of a slender body
+_RATIO, _EXACT, _AT_ONCE = 5e-3, 1e-4, 20  # of amplitudes: step of a search, width of its answer; amplitudes that are looked at together
+METHODS = {"code_linear": f"q = {Q:g}", "code_slv": "SLV", "code_slc": "SLC"}
+
+
+class LimitState(NamedTuple):
+    """A limit state of the displacement method: share of d0, secant period over pi sqrt(d/a), damping of the demand."""
+
+    share: float
+    factor: float
+    damping: float
+
+
+SLV, SLC = LimitState(0.40, 1.68, 0.08), LimitState(0.60, 1.56, 0.10)
+
+
+class Reached(NamedTuple):
+    """A limit state of a mechanism: d [m], a [m/s2] and secant period T [s]; the demand on it [m], and the amplitude [m/s2] that reaches
+    it; broken: True if a tie decides it by its break."""
+
+    displacement: float
+    acceleration: float
+    period: float
+    demand: float
+    amplitude: float
+    broken: bool
+
+
+@dataclass(frozen=True)
+class CodeCheck:
+    """A structure checked by the code; amplitudes are of the motion, or the peak of a spectrum file [m/s2].
+
+    demand, demand_a: name and amplitude of the motion or the file; factor: a over alpha, g/(e* FC) [m/s2]; linear: the amplitude that
+    q = 2 accepts; slv, slc: the limit states; curve: the mechanism. Of several directions these are the least amplitudes, and the curve
+    with the least code_slv. on_floor: True for the spectrum of a floor.
+    """
+
+    structure: str
+    demand: str
+    demand_a: float
+    factor: float
+    linear: float
+    slv: Reached
+    slc: Reached
+    curve: CapacityCurve
+    spectrum: Spectrum
+    on_floor: bool
+
+    def record(self, beyond: float | None = None) -> dict[str, Any]:
+        """The columns that `rocking check --code` adds; beyond: the amplitude [m/s2] of `first_beyond`."""
+        found: dict[str, Any] = {}
+        for key, a in {**self.accepted(), "theta_04_a": beyond}.items():
+            found |= {key: a, f"{key.removesuffix('_a')}_ratio": None if a is None else a / self.demand_a}
+        limits = {"d_slv": self.slv.displacement, "t_slv": self.slv.period, "d_slc": self.slc.displacement, "t_slc": self.slc.period}
+        return found | {"e_star": self.curve.e_star, **limits}
+
+    def accepted(self) -> dict[str, float]:
+        """The amplitude [m/s2] that each method accepts, by its column."""
+        return {"code_linear": self.linear, "code_slv": self.slv.amplitude, "code_slc": self.slc.amplitude}
+
+    def promises(self, fall: float | None, beyond: float | None) -> list[str]:
+        """A sentence on each method that accepts more than the amplitude `fall` that overturns the body, or SLV more than `beyond`, that of
+        `first_beyond` [m/s2]. None for a floor, whose motion is another one than that which shakes the body."""
+        told = []
+        for key, a in {} if self.on_floor else self.accepted().items():
+            method = f"the {METHODS[key]} method accepts {a / DEFAULT_GRAVITY:.3f} g"
+            if fall is not None and a > fall:
+                told.append(f"{method}, the body overturns at {fall / DEFAULT_GRAVITY:.3f} g")
+            elif key == "code_slv" and beyond is not None and a > beyond:
+                told.append(f"{method}, theta exceeds {ROTATION:g} alpha at {beyond / DEFAULT_GRAVITY:.3f} g")
+        return told
+
+
+def code_check(
+    structure: RockingParameters,
+    motion: Motion | HasMotion | None = None,
+    shaking: Grid | None = None,
+    *,
+    site: SpectrumFile | None = None,
+    floor: Sequence[FloorMode] = (),
+    confidence: float = 1.0,
+) -> CodeCheck:
+    """The check of a structure by the code "ntc2018" under the spectrum of a motion, or of the site; shaking: as for `check`.
+
+    site: the spectrum of a file; floor: the modes of the building that carries the body, on a ground with this spectrum; confidence: FC.
+    Raises UsageError for a structure without geometry, without a motion and a spectrum, for an amplitude of zero, or periods beyond those
+    of the spectrum.
+
+    >>> (column,) = load_structures('configs/block.yaml')
+    >>> found = code_check(column, sine(), parse_grid('a_g=0.3g,T_g=0.4'))
+    >>> round(found.linear / 9.81, 3), round(found.slv.amplitude / 9.81, 3), round(found.slc.amplitude / 9.81, 3)
+    (0.5, 0.537, 0.765)
+    """
+    if not 1.0 <= confidence < math.inf:
+        raise UsageError(f"`fc`: found {confidence:g}; expected a confidence factor from 1, such as 1.35")
+    demand: Spectrum
+    if site is not None:
+        demand, name, amplitude = site, site.name, site.peak
+    elif motion is not None:
+        motion, shaking = demand_of(motion, shaking)
+        a, omega = (float(x[0]) for x in shaking.scaled(structure))
+        name, amplitude = motion.name, float(structure.ground_acceleration(a))
+        if not amplitude > 0.0:
+            raise UsageError("the amplitude is 0; expected a positive one")
+        demand = MotionSpectrum.of(motion, amplitude, omega * structure.p)
+    else:
+        raise UsageError("no demand; expected a motion, or the spectrum of a site")
+    demand = FloorSpectrum(demand, tuple(floor)) if floor else demand
+    curves, uplifts, limits = capacity_curves(structure), [], []
+    for curve in curves:
+        factor = structure.gravity / (curve.e_star * confidence)
+        uplifts.append(amplitude * factor * float(curve.multiplier[0]) / demand.peak)
+        limits.append([_reached(curve, factor, state, demand, amplitude, uplifts[-1]) for state in (SLV, SLC)])
+    slv, slc = (min(found, key=lambda one: one.amplitude) for found in zip(*limits, strict=True))
+    curve = curves[[one for one, _ in limits].index(slv)]
+    factor = structure.gravity / (curve.e_star * confidence)
+    return CodeCheck(structure.name, name, amplitude, factor, Q * min(uplifts), slv, slc, curve, demand, bool(floor))
+
+
+def _reached(curve: CapacityCurve, factor: float, state: LimitState, demand: Spectrum, amplitude: float, uplift: float) -> Reached:
+    d, alpha, broken = curve.limit(state.share)
+    period = state.factor * math.pi * math.sqrt(d / (alpha * factor))
+    asked = demand.demand(period, state.damping)
+    return Reached(d, alpha * factor, period, asked, max(uplift, amplitude * d / asked), broken)
+
+
+def first_beyond(
+    structure: RockingParameters, motion: Motion, shaking: Grid, share: float = ROTATION, *, most: float | None = None
+) -> float | None:
+    """The lowest amplitude a_g [m/s2] under which |theta| exceeds `share` alpha or the body falls, by the governing equation, None if there
+    is none up to `most` [m/s2], by default ten times the demand. Amplitudes 0.5 % apart are looked at. Raises UsageError as `check` does.
+
+    >>> (column,) = load_structures('configs/block.yaml')
+    >>> round(first_beyond(column, sine(), parse_grid('a_g=0.3g,T_g=0.4')) / 9.81, 3)
+    0.571
+    """
+    demand, omega = (float(x[0]) for x in shaking.scaled(structure))
+    system = governing_method(structure, dimensionless=shaking.dimensionless).system_of(structure)
+    low, top = system.least_uplift(motion), 10.0 * demand if most is None else structure.dimensionless_amplitude(most)
+
+    def beyond(amplitude: np.ndarray) -> np.ndarray:
+        found = response_alone(system, motion, amplitude, omega, structure.eta)
+        with np.errstate(invalid="ignore"):
+            return np.asarray(~safe(found.outcome) | (found.theta_ratio > share))
+
+    ratio = 1.0 + _RATIO
+    while low < top:
+        amplitudes = np.minimum(low * ratio ** np.arange(_AT_ONCE + 1), top)
+        gone = np.flatnonzero(beyond(amplitudes))
+        if gone.size:
+            high = float(amplitudes[gone[0]])
+            low = float(amplitudes[max(0, gone[0] - 1)])
+            while high - low > _EXACT * high:
+                middle = 0.5 * (low + high)
+                low, high = (low, middle) if beyond(np.array([middle]))[0] else (middle, high)
+            return float(structure.ground_acceleration(high))
+        low = float(amplitudes[-1])
+    return None

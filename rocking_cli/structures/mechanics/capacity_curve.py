@@ -1,0 +1,121 @@
+"""The capacity curve of a mechanism, by virtual work in its displaced positions (Circolare 7/2019, section C8.7.1.2.1).
+
+With the displacements of the mechanism in its present position, of every weight P and of the forces F of ties:
+
+    alpha = (sum P delta_y - sum F delta_F)/sum P delta_x (C8.7.1.1),   e* = (sum P delta_x)^2/(sum P sum P delta_x^2) at rest (C8.7.1.5)
+
+The control point is the mass centre of all that moves. So d = d_C sum P delta_x^2/(delta_C sum P delta_x) (C8.7.1.4) is d_C/e*. The
+weight of a body acts at its mass centre: e* = 1 for one body, and an arch has three weights, those of its links.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ...errors import UsageError
+from ..parameters import RockingParameters, Side
+from ..restraints import SIDES, Restraints, Tendon, Tie
+
+Array = np.ndarray
+
+_POINTS = 2001
+_BESIDE = 1e-9  # relative distance of the points on either side of a break
+
+
+class Limit(NamedTuple):
+    """A limit state: d [m] and alpha [-] there; broken: True if the break of a tie or a tendon decides it."""
+
+    displacement: float
+    multiplier: float
+    broken: bool
+
+
+class CapacityCurve(NamedTuple):
+    """The multiplier alpha [-] of the weights over the displacement d [m] of the equivalent oscillator.
+
+    displacement, multiplier: (n,), from rest to d0, where the weights alone have no capacity left; a tie that still holds there is not
+    counted on, which is safe. e_star: mass of the oscillator over that of the mechanism [-]; breaks: index of the last point before each
+    break of a tie or a tendon.
+    """
+
+    displacement: Array
+    multiplier: Array
+    e_star: float
+    breaks: tuple[int, ...] = ()
+
+    @property
+    def vanishes(self) -> float:
+        """d0 [m]."""
+        return float(self.displacement[-1])
+
+    def limit(self, share: float) -> Limit:
+        """`share` of d0, or the first break that leaves less than half of the largest multiplier until then, if it comes before."""
+        d = share * self.vanishes
+        for i in self.breaks:
+            before = float(self.displacement[i])
+            if before < d and self.multiplier[i + 1] < 0.5 * self.multiplier[: i + 1].max():
+                return Limit(before, float(self.multiplier[i]), True)
+        return Limit(d, float(np.interp(d, self.displacement, self.multiplier)), False)
+
+
+def capacity_curves(structure: RockingParameters) -> list[CapacityCurve]:
+    """The curve of each direction in which a structure can fall, one if both are alike. Raises UsageError if its geometry is not known.
+
+    >>> (curve,) = capacity_curves(load_structures('block:0.5x2')[0])
+    >>> curve.e_star, curve.vanishes, float(curve.multiplier[0])
+    (1.0, 0.25, 0.25)
+    """
+    from .fourbar import FourBar
+
+    if isinstance(structure.mechanism, FourBar):
+        return [_of_arch(structure.mechanism, structure.alpha)]
+    if structure.arm is None:
+        found = f"{structure.name}: found kind {structure.structure} without the place of one mass centre"
+        raise UsageError(f"{found}; expected the geometry of a rigid body or of an arch")
+    if structure.sides:
+        return [_of_body(side, side.side, structure) for side in structure.sides]
+    ties = structure.restraints.ties if structure.restraints else ()
+    sides = ["right"] if structure.one_sided or all(tie.side == "both" for tie in ties) else list(SIDES["both"])
+    return [_of_body(structure, side, structure) for side in sides]
+
+
+def _of_body(edge: Side | RockingParameters, side: str, structure: RockingParameters) -> CapacityCurve:
+    """The curve of a body that turns about one edge up to alpha: d = R (sin alpha - sin(alpha - theta)), and tan(alpha - theta) with the
+    moments of ties and of the tendon."""
+    alpha, arm, held = edge.alpha, edge.arm or 0.0, structure.restraints or Restraints()
+    lever, ties, tendon = arm * math.sin(alpha), [tie for tie in held.ties if side in SIDES[tie.side]], held.tendon or Tendon(0.0)
+    breaks = sorted({x for x in (*map(_break, ties), _snap(tendon, lever)) if x < alpha})
+    theta = np.unique([*np.linspace(0.0, alpha, _POINTS), *(x * (1.0 + sign * _BESIDE) for x in breaks for sign in (-1.0, 1.0))])
+    moment = np.array([tendon.moment(x, lever) + sum(tie.moment(x) for tie in ties) for x in theta.tolist()])
+    weight = structure.details["mass"] * structure.gravity * arm if structure.restraints else 1.0
+    multiplier = np.tan(alpha - theta) + moment / (weight * np.cos(alpha - theta))
+    before = tuple((np.searchsorted(theta, breaks) - 1).tolist())
+    return CapacityCurve(arm * (math.sin(alpha) - np.sin(alpha - theta)), multiplier, 1.0, before)
+
+
+def _break(tie: Tie) -> float:
+    """The rotation [rad] at which a tie breaks, infinite if it does not: u = R_t (sin a - sin(a - theta)), a the angle of its anchor."""
+    reach, start = math.hypot(tie.behind, tie.height), math.atan2(tie.behind, tie.height)
+    sine = math.sin(start) - tie.ultimate / reach
+    return start - math.asin(sine) if sine >= -1.0 else math.inf
+
+
+def _snap(tendon: Tendon, lever: float) -> float:
+    """The rotation [rad] at which a tendon breaks, infinite if it does not: its elongation is 2 b sin(theta/2)."""
+    sine = (tendon.rupture - tendon.prestress) / (2.0 * lever * tendon.stiffness) if tendon.stiffness else math.inf
+    return 2.0 * math.asin(sine) if sine <= 1.0 else math.inf
+
+
+def _of_arch(mechanism: Any, alpha: float) -> CapacityCurve:
+    """The curve of a linkage up to its unstable equilibrium; its mass centre moves by the integral of push over the mass."""
+    phi = np.linspace(0.0, alpha, _POINTS)
+    _, lift, push = mechanism.coefficients(phi)
+    masses = np.array([link.mass for link in mechanism.links])
+    across = np.array([u.x0 + u.omega * m.z / m.mass for (_, _, u), m in zip(mechanism.fields(), mechanism.links, strict=True)])
+    e_star = float((masses @ across) ** 2 / (masses.sum() * (masses @ across**2)))
+    steps = 0.5 * (push[1:] + push[:-1]) * np.diff(phi)
+    d = np.concatenate([[0.0], np.cumsum(steps)]) / (masses.sum() * e_star)
+    return CapacityCurve(d, lift / push, e_star)

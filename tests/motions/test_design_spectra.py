@@ -1,0 +1,105 @@
+"""Spectra as a code takes them: the formulas evaluated by hand, another integrator, and files that are refused."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from rocking_cli import DocumentError, FloorMode, SpectrumFile, UsageError, pulse, read_record, read_spectrum, sine
+from rocking_cli.motions.design_spectra import FloorSpectrum, MotionSpectrum, damping_factor, parse_floor
+
+SITE = SpectrumFile("site", np.array([0.0, 0.2, 0.6, 4.0]), np.array([2.0, 5.0, 5.0, 0.5]))
+
+
+def test_the_factor_of_damping():
+    assert [damping_factor(x) for x in (0.05, 0.08, 0.10, 0.5)] == pytest.approx([1.0, math.sqrt(10 / 13), math.sqrt(10 / 15), 0.55])
+
+
+def test_a_file_keeps_its_values_before_the_peak():
+    eta = damping_factor(0.08)
+    assert SITE.acceleration(np.array([0.0, 0.1, 0.4, 2.3]), 0.08) == pytest.approx([2.0, 3.5, 5.0 * eta, 2.75 * eta])
+    assert SITE.demand(2.3, 0.08) == pytest.approx(2.75 * eta * (2.3 / (2 * math.pi)) ** 2)
+    with pytest.raises(UsageError, match=r"found periods up to 4 s; expected up to 4\.5 s"):
+        SITE.demand(4.5, 0.08)
+
+
+def test_the_spectrum_of_a_floor():
+    # C7.2.5 to 10 by hand: T_k = 0.4 s on the plateau, xi_k = 5 %, gamma psi = 1.3, the element with 8 %.
+    floor = FloorSpectrum(SITE, [FloorMode(0.4, 0.05, 1.3)])
+    a_z = 5.0 * 1.3 * math.sqrt(1.01)
+    gain = 1.1 / math.sqrt(0.05) * math.sqrt(10 / 13)
+    assert floor.peak == pytest.approx(a_z)
+    here = floor.acceleration(np.array([0.16, 0.32, 0.43, 0.88]), 0.08)
+    assert here == pytest.approx([gain * a_z / (1 + (gain - 1) * 0.5**1.6), gain * a_z, gain * a_z, gain * a_z / gain])
+    both = FloorSpectrum(SITE, [FloorMode(0.4, 0.05, 1.3), FloorMode(0.4, 0.05, -1.3)])
+    assert both.peak == pytest.approx(math.sqrt(2) * a_z)
+
+
+def test_the_displacement_on_a_floor_does_not_fall_below_that_of_its_first_mode():
+    floor = FloorSpectrum(SITE, [FloorMode(0.4, 0.05, 1.3)])
+    (at_first,) = floor.acceleration(np.array([0.4]), 0.08)
+    assert floor.demand(0.7, 0.08) == pytest.approx(at_first * (1.1 * 0.4 / (2 * math.pi)) ** 2)
+    (later,) = floor.acceleration(np.array([3.0]), 0.08)
+    assert floor.demand(3.0, 0.08) == pytest.approx(later * (3.0 / (2 * math.pi)) ** 2)
+
+
+@pytest.mark.parametrize("name", ["sine", "rectangular-impulse", "ricker-symmetric"])
+def test_the_displacement_under_a_pulse_by_another_integrator(name):
+    motion, amplitude, omega, period, xi = pulse(name), 3.0, 5.0, 1.4, 0.08
+    w, end = 2 * math.pi / period, motion.duration / omega
+    found = solve_ivp(
+        lambda t, y: [y[1], -2 * xi * w * y[1] - w * w * y[0] - amplitude * float(motion.value(omega * t))],
+        (0.0, end + period), [0.0, 0.0], max_step=end / 2000, rtol=1e-9, atol=1e-12,
+    )  # fmt: skip
+    spectrum = MotionSpectrum.of(motion, amplitude, omega)
+    (a,) = spectrum.acceleration(np.array([period]), xi)
+    assert a / w**2 == pytest.approx(np.abs(found.y[0]).max(), rel=1e-3)
+
+
+def test_the_demand_of_a_motion_is_the_largest_up_to_the_period(pytestconfig):
+    record = read_record(pytestconfig.rootpath / "configs/motions/synthetic.at2")
+    spectrum = MotionSpectrum.of(record.motion, 0.5 * record.motion.acceleration, 1.0)
+    periods = np.linspace(0.03, 1.6, 1500)
+    assert spectrum.peak == pytest.approx(0.5 * np.abs(record.acceleration).max())
+    most = (spectrum.acceleration(periods, 0.08) * (periods / (2 * math.pi)) ** 2).max()
+    assert spectrum.demand(1.6, 0.08) == pytest.approx(most, rel=1e-4)
+    slow = MotionSpectrum.of(sine(), 1.0, 2 * math.pi)  # without rounding of its peak
+    assert slow.peak == pytest.approx(1.0, rel=1e-6)
+
+
+def test_a_file_is_read_in_its_units(tmp_path):
+    (tmp_path / "a.csv").write_text("T [s];Se [g];remark\n0;0.2;x\n0.5;0.5;y\n2;0.1;z\n")
+    found = read_spectrum(tmp_path / "a.csv")
+    assert (found.name, found.peak) == ("a", pytest.approx(1.962))
+    assert found.values == pytest.approx([1.962, 4.905, 0.981])
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("T,x\n0,1\n", "a.csv:2:1: found T, x; expected the columns T and S_a"),
+        ("T,S_a\n0,1\n0.5,m\n", "a.csv:3:2: S_a: found 'm'; expected "),
+        ("T,S_a\n0,1\n0.5,2\n0.5,3\n", "a.csv:4:1: T: found '0.5'; expected periods that rise, of one spectrum"),
+        ("T,S_a\n0,1\n0.5,-2\n", "a.csv:3:2: S_a: found '-2'; expected a positive acceleration"),
+        ("T,S_a,damping\n0,1,0.05\n0.5,2,0.08\n", "a.csv:3:3: damping: found 0.08; expected 0.05"),
+        ("T,S_a\n0,1\n", "a.csv: found 1 points of a spectrum; expected two or more"),
+        ("T,S_a\n0.1,1\n1,2\n", "a.csv: found the first period 0.1 s; expected a first period up to 0.03 s"),
+        ("T [mm],S_a\n0,1\n1,2\n", "a.csv:2:1: T: found '0 mm'; expected"),
+        ("", "a.csv: found 0 points of a spectrum"),
+    ],
+)
+def test_a_malformed_file_is_refused_with_its_place(tmp_path, text, said):
+    (tmp_path / "a.csv").write_text(text)
+    with pytest.raises(DocumentError, match=said):
+        read_spectrum(tmp_path / "a.csv")
+
+
+@pytest.mark.parametrize(
+    "text", ["T=1", "T=1,xi=0.05,gamma_psi=1,q=2", "T=1 m,xi=0.05,gamma_psi=1", "T=0,xi=0.05,gamma_psi=1", "T=1,xi=5,gamma_psi=1"]
+)
+def test_a_malformed_floor_is_refused(text):
+    with pytest.raises(UsageError, match="`floor`: found"):
+        parse_floor(text)
