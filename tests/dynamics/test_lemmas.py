@@ -139,7 +139,7 @@ def ramp(rng):
     return Motion("ramp", (Piece(0.0, 6.0, (), sign * 1.3, -0.2 * sign), Piece(6.0, 30.0, (), ends[0], (ends[1] - ends[0]) / 24.0)))
 
 
-@pytest.mark.parametrize("motions", [2, pytest.param(10, marks=pytest.mark.soak)])
+@pytest.mark.parametrize("motions", [1, pytest.param(10, marks=pytest.mark.soak)])
 @pytest.mark.parametrize("name", list(CONTACTS))
 @pytest.mark.parametrize(
     ("equation", "upwards"),

@@ -75,8 +75,8 @@ def judged(structure, motion, demand, a_max=A_MAX):
 
 def test_verdicts_agree_with_envelope_and_history():
     random = np.random.default_rng(16)
-    fell = [judged(*at_random(random, linear=n >= 1, pulses=QUICK), a_max=4.0) for n in range(10)]
-    assert 2 < sum(x for x, _ in fell) < 8
+    fell = [judged(*at_random(random, linear=n >= 1, pulses=QUICK), a_max=4.0) for n in range(6)]
+    assert 1 < sum(x for x, _ in fell) < 5
 
 
 @pytest.mark.parametrize(("a_g", "falls", "at_lambda"), [("3", False, False), ("6", True, False), ("3", False, True)])
@@ -130,7 +130,7 @@ def test_a_fallen_statue_says_how_little_it_takes():
 
 
 def test_the_record_has_the_documented_columns():
-    record = check(structure_of("kind: block\nwidth: 0.5\nheight: 2"), sine(), parse_grid("a_g=0.3g,f_g=1")).record()
+    record = check(structure_of("kind: block\nwidth: 0.5\nheight: 2"), sine(), parse_grid("a_g=0.3g,f_g=1"), a_max=None).record()
     assert tuple(record) == CHECK_COLUMNS == (
         "structure", "motion", "model", "outcome", "theta_ratio", "top_displacement", "demand_a", "uplift_a", "first_overturning_a",
         "capacity_demand", "safe_to", "outcome_linear", "friction_needed", "fz_min", "name", "friction",
@@ -143,7 +143,7 @@ def test_the_record_has_the_documented_columns():
 def test_friction_is_that_of_the_response():
     """At rest it is a_g/g; a block that rocks needs more, and less than its weight stays on the ground."""
     block = structure_of("kind: block\nwidth: 0.5\nheight: 2")
-    still, rocks = (check(block, sine(), parse_grid(f"a_g={a}g,f_g=1.5")) for a in (0.2, 0.35))
+    still, rocks = (check(block, sine(), parse_grid(f"a_g={a}g,f_g=1.5"), a_max=None) for a in (0.2, 0.35))
     assert (still.friction, still.fz_min) == (pytest.approx(0.2, rel=1e-12, abs=0), 1.0)
     history = time_history(block, sine(), parse_grid("a_g=0.35g,f_g=1.5"), [governing_method(block)])
     (summary,) = history.summaries(forces=True)
@@ -189,10 +189,10 @@ def test_what_leaves_the_ground_counts_as_a_fall_and_is_told_apart():
 def test_a_body_that_needs_more_friction_than_its_document_states_slides():
     """A block of b/h = 1/4 under 0.3 g needs as much as lifts it, 0.25, and little more."""
     for stated, slides in ((0.2, True), (0.25, True), (0.28, False)):
-        verdict = check(structure_of(f"kind: block\nwidth: 0.5\nheight: 2\nfriction: {stated}"), sine(), DEMAND, a_max=2.0)
+        verdict = check(structure_of(f"kind: block\nwidth: 0.5\nheight: 2\nfriction: {stated}"), sine(), DEMAND, a_max=None)
         assert (verdict.slides, verdict.friction > stated) == (slides, slides)
         assert verdict.sentence.endswith("though its base would slide") == slides
-    assert not check(structure_of("kind: block\nwidth: 0.5\nheight: 2"), sine(), DEMAND, a_max=2.0).slides
+    assert not check(structure_of("kind: block\nwidth: 0.5\nheight: 2"), sine(), DEMAND, a_max=None).slides
 
 
 @pytest.mark.parametrize("searched", [False, pytest.param(True, marks=pytest.mark.soak)], ids=["beside the demand", "and in a search"])

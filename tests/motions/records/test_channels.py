@@ -305,7 +305,7 @@ def test_bad_files_are_told_with_file_and_line(tmp_path, text, words):
     assert words in refusal(tmp_path / "a", text)
 
 
-@pytest.mark.parametrize("count", [37, 40, 45, 48])
+@pytest.mark.parametrize("count", [37, 40, *(pytest.param(count, marks=pytest.mark.soak) for count in (45, 48))])
 def test_a_line_of_numbers_missing_or_twice_loses_no_channel(tmp_path, count):
     long = {"length": count / 100}
     texts = [geonet("N", wave(count, 900.0)) + geonet("E", wave(count, 800.0)) + geonet("Up", wave(count, 70.0))]
