@@ -29,6 +29,10 @@ from .fragility.fits import Resampling as Resampling
 from .fragility.fits import fit_cloud as fit_cloud
 from .fragility.fits import fit_first as fit_first
 from .fragility.fits import fit_stripes as fit_stripes
+from .fragility.hazard import HazardCurve as HazardCurve
+from .fragility.hazard import Rate as Rate
+from .fragility.hazard import annual_rate as annual_rate
+from .fragility.hazard import read_hazard as read_hazard
 from .fragility.study import Fit as Fit
 from .fragility.study import fragility as fragility
 from .motions import Motion as Motion

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -13,7 +14,7 @@ import click
 from ..errors import UsageError
 from . import ground, options, written
 from .command import command, group, option
-from .parameter_types import InputPath, Registered
+from .parameter_types import InputPath, Registered, quantity
 from .printing import emit, form, note, printed, units_of
 from .progress import ProgressLine
 
@@ -69,6 +70,14 @@ class Fits:
     cells: bool = option("--cells", is_flag=True, help="Print every motion at every level over PGA and PGV/PGA instead, for rocking plot.")
     curve: bool = option("--curve", is_flag=True, help="Print points of the curves with their bands instead, for rocking plot.")
     counts: str | None = option("--counts", type=InputPath(), metavar="FILE", help="Fit given counts: CSV of im, n, z.")
+    hazard: str | None = option(
+        "--hazard", type=InputPath(), metavar="FILE", help="Annual rates with this hazard curve: CSV of OpenQuake, or two columns."
+    )
+    site: str | None = option("--site", metavar="LON,LAT", help="The site of the hazard curve, in a file with several.")
+    standing: float | None = option(
+        "--standing", type=quantity("number of years"), metavar="TIME",
+        help="The body has stood so long, such as 10000yr: the confidence with which this rejects the hazard curve.",
+    )  # fmt: skip
     samples: int = option(
         "--bootstrap", type=click.IntRange(0, 100_000), default=1000, show_default=True, help="Samples for bands; 0: none."
     )
@@ -94,6 +103,7 @@ def fragility(
     p^2 PGD/(g tan alpha).
     """
     from ..fragility.fits import Resampling
+    from ..fragility.hazard import read_hazard
     from ..fragility.measures import measure_of, members_of, shaken_upwards, site_pulses
     from ..fragility.study import EFFICIENCY_COLUMNS, METHODS, counted, fitted, studies
 
@@ -111,8 +121,15 @@ def fragility(
     if len(asked) > 1:
         raise click.UsageError(f"{' and '.join(asked)} do not go together")
     measure = measure_of(wanted.im)
+    if wanted.hazard is None and (wanted.site is not None or wanted.standing is not None):
+        raise click.UsageError(f"{'--site' if wanted.standing is None else '--standing'} goes with --hazard")
+    if wanted.hazard is not None and (wanted.cells or wanted.efficiency):
+        raise click.UsageError(f"--hazard does not go with {asked[0]}")
+    hazard = None if wanted.hazard is None else read_hazard(wanted.hazard, measure.name, wanted.site)
     levels = _levels(wanted.levels, measure)
     states = dict.fromkeys(_each("--limit", wanted.limits, _limit, "positive values of |theta|/alpha, or overturning"))
+    if wanted.standing is not None and not (wanted.standing > 0.0 and None in states):
+        raise click.UsageError("--standing goes with a positive time and the limit state overturning")
     methods = dict.fromkeys(_each("--method", wanted.methods, lambda name: METHODS[METHODS.index(name)], ", ".join(METHODS)))
     members = site_pulses(wanted.pulses) if wanted.pulses is not None else members_of(shaken.recordings)
     if shaken.upwards is not None:
@@ -128,12 +145,16 @@ def fragility(
         raise click.UsageError("--shard, --scheduler and --resume go with -o OUT.h5")
     how = Resampling(wanted.samples, wanted.seed)
     writing = {**sweep.writing(texts), "history": written.command_line(), "path": wanted.output, "workers": sweep.workers}
-    studied = studies(structures, members, measure, levels, equation, methods, how, exact=wanted.exact, line=ProgressLine, **writing)
+    exact = wanted.exact or (hazard is not None and None in states)
+    studied = studies(
+        structures, members, measure, levels, equation, methods, how, exact=exact, hazard=hazard, line=ProgressLine, **writing
+    )  # fmt: skip
     found = list(studied)
     if not found:
         note(f"{wanted.output}: {sweep.shard} is written; join the shards by rocking merge, then repeat the call with --resume")
         return 4 if shaken.unread else 0
     refused: list[str] = []
+    remarks: list[str] = []
     if wanted.cells:
         from ..fragility.study import CELL_COLUMNS
 
@@ -142,10 +163,14 @@ def fragility(
         emit([row for study in found for row in study.efficiency()], EFFICIENCY_COLUMNS, without=("theta",))
     else:
         fits, refused = fitted(found, states, methods)
-        if not fits and not (wanted.exact and wanted.curve):
+        if not fits and not (exact and (wanted.curve or hazard)):
             raise UsageError(refused[0] if refused else "no limit state for this method: first needs overturning, cloud needs rotations")
-        _emit(fits, found if wanted.exact else [], wanted)
-    for line in (*refused, *model.in_words([equation], structures), f"{len(members)} motions"):
+        _emit(fits, found if exact else [], wanted)
+        if hazard is not None:
+            rated = [(f"{fit.structure}, {fit.limit}, {fit.method}", fit.rate) for fit in fits]
+            rated += [(f"{study.structure.name}, overturning, exact", study.rate_without_fit) for study in found if exact]
+            remarks = [f"{name}: {words}" for name, rate in rated if rate is not None for words in rate.remarks(hazard)]
+    for line in (*refused, *remarks, *model.in_words([equation], structures), f"{len(members)} motions"):
         note(line)
     for study in found:
         if study.resurrections:
@@ -158,17 +183,23 @@ def fragility(
 def _emit(fits: Sequence[Fit], exact: Sequence[Study], wanted: Fits) -> None:
     """Print the rows of fits or of their curves. A table, or output with --units, states the unit of the measure."""
     from ..documents.quantities import headed
-    from ..fragility.study import CURVE_COLUMNS, FRAGILITY_COLUMNS
+    from ..fragility.hazard import RATE_COLUMNS
+    from ..fragility.study import CURVE_COLUMNS, FRAGILITY_COLUMNS, HAZARD_COLUMNS
     from ..reports.units import Units, dimension_of, parse_units
 
     if wanted.curve:
         rows = [row for fit in fits for row in fit.points_of_curve()] + [row for study in exact for row in study.exact_rows()]
-        emit(rows, CURVE_COLUMNS, without=("x",))
+        emit(rows, CURVE_COLUMNS + (HAZARD_COLUMNS if wanted.hazard is not None else ()), without=("x",))
         return
     asked, shown = units_of(), form()
     told = asked or (parse_units("g") if shown is None and _IN_G.search(wanted.levels or "") else Units())
-    records = []
-    for record in (fit.record() for fit in fits):
+    records, rows = [], [fit.record() for fit in fits]
+    if wanted.hazard is not None:
+        rows += [study.exact_record() for study in exact]
+    for record in rows:
+        if wanted.standing is not None:
+            falls = record["limit_state"] == "overturning"
+            record |= {"rejected": -math.expm1(-record["annual_rate"] * wanted.standing) if falls else None}
         if shown != "json":
             dimension = dimension_of(record["im"].lower())
             unit, factor = ("", 1.0) if dimension is None else told.of(dimension)
@@ -180,7 +211,7 @@ def _emit(fits: Sequence[Fit], exact: Sequence[Study], wanted: Fits) -> None:
             else:
                 record = {headed(k, unit) if k.startswith("median") else k: x for k, x in record.items()}
         records.append(record)
-    emit(records, FRAGILITY_COLUMNS, without=("theta",))
+    emit(records, FRAGILITY_COLUMNS + (RATE_COLUMNS if wanted.hazard is not None else ()), without=("theta",))
 
 
 def _each(flag: str, text: str, read: Callable[[str], Any], expected: str = "") -> list[Any]:

@@ -21,6 +21,7 @@ UNITS: dict[str, dict[str, float]] = {
     "angular frequency": {"rad/s": 1.0, "1/s": 1.0, "rad s-1": 1.0},
     "frequency": {"Hz": 1.0, "1/s": 1.0},
     "time": {"s": 1.0, "ms": 1e-3},
+    "number of years": {"yr": 1.0, "years": 1.0, "kyr": 1e3},
     "velocity": {"m/s": 1.0, "cm/s": 1e-2, "mm/s": 1e-3},
     "mass": {"kg": 1.0, "t": 1e3},
     "density": {**dict.fromkeys(("kg/m3", "kg/m^3", "kg/m³"), 1.0), **dict.fromkeys(("t/m3", "t/m^3", "t/m³"), 1e3)},

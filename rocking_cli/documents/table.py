@@ -43,7 +43,7 @@ def delimiter_of(text: str) -> str | None:
     first = match[1] if match else ""
     for delimiter in _DELIMITERS if KIND in first else ():
         try:
-            names = [_split(heading)[0] for heading in next(csv.reader([first], delimiter=delimiter), [])]
+            names = [split_heading(heading)[0] for heading in next(csv.reader([first], delimiter=delimiter), [])]
         except csv.Error:
             continue
         if len(names) > 1 and KIND in names:
@@ -57,7 +57,7 @@ def demand_no_table(text: str, source: str) -> None:
     for delimiter in _DELIMITERS if len(first) <= _LONGEST_HEADING and not _NO_HEADING.search(first) else ():
         names = first.split(delimiter)
         if len(names) > 1 and all(name.strip() for name in names) and rest.partition("\n")[0].count(delimiter) == len(names) - 1:
-            found = ", ".join(_split(name)[0] for name in names)
+            found = ", ".join(split_heading(name)[0] for name in names)
             shown = found if len(found) <= 60 else found[:57] + "..."
             raise DocumentError(
                 f"{Place(source, 1, 1)}: CSV without a column {KIND!r}; found {shown}; expected a heading such as kind,name,width"
@@ -103,13 +103,14 @@ def named_rows(path: str | Path) -> tuple[list[str], list[tuple[int, dict[str, s
         raise DocumentError(f"{source}: is not CSV ({error})") from None
 
 
-def _split(heading: str) -> tuple[str, str]:
+def split_heading(heading: str) -> tuple[str, str]:
+    """(name, unit) of the heading of a column; the unit, in brackets, may be absent."""
     match = _HEADING.fullmatch(heading)
     return (match["key"], match["unit"] or "") if match else (heading, "")
 
 
 def _columns(row: list[str], source: str, line: int) -> list[tuple[str, str]]:
-    columns = [_split(heading) for heading in row]
+    columns = [split_heading(heading) for heading in row]
     before: set[str] = set()
     for i, (key, unit) in enumerate(columns, 1):
         place = Place(source, line, i)

@@ -44,7 +44,7 @@ class Curve:
 
 @dataclass(frozen=True)
 class Band:
-    """A confidence band of a curve's two parameters, and of its probability at some intensities, (k,)."""
+    """A confidence band of a curve's two parameters, of its probability at some intensities, (k,), and of its annual rate."""
 
     theta_low: float
     theta_high: float
@@ -52,6 +52,7 @@ class Band:
     beta_high: float
     low: Array
     high: Array
+    rate: tuple[float, float] | None = None
 
 
 def stripes(x: Array, n: Array, z: Array) -> Estimate:
@@ -224,12 +225,24 @@ class Resampling:
     level: float = 0.95
 
 
-def bootstrap(records: int, estimate: Callable[[Array], Estimate], how: Resampling, x: Array | None = None) -> Band | None:
-    """The band of an estimate over resampled records, bias-corrected and accelerated.
+def bootstrap(
+    records: int, estimate: Callable[[Array], Estimate], how: Resampling, x: Array | None = None,
+    rate: Callable[[Array, Array], Array] | None = None,
+) -> Band | None:  # fmt: skip
+    """The band of an estimate over resampled records (see `interval`).
+
+    estimate: function from indices of records, (..., records), to curves; x: intensities for the band of the probability; rate: function
+    from ln theta and beta to an annual rate. None if the samples do not vary.
+    """
+    return _band(*interval(records, lambda index: _drawn(estimate(index), x, rate), how), rated=rate is not None)
+
+
+def interval(records: int, statistic: Callable[[Array], Array], how: Resampling) -> tuple[Array, Array]:
+    """The lower and upper ends of statistics over resampled records, (k,) each, bias-corrected and accelerated.
 
     Samples of few records vary too little, so the level is widened from the normal to Student's t, and by the root of n/(n - 1)
-    (Hesterberg 2015, section 3.6). estimate: function from indices of records, (..., records), to curves; x: intensities for the band of
-    the probability. None if the samples do not vary.
+    (Hesterberg 2015, section 3.6). statistic: function from indices of records, (..., records), to numbers, (k, ...). NaN for a
+    statistic whose samples do not vary.
     """
     import warnings
 
@@ -237,16 +250,16 @@ def bootstrap(records: int, estimate: Callable[[Array], Estimate], how: Resampli
 
     quantile = stats.t.ppf(0.5 * (1.0 - how.level), records - 1) * np.sqrt(records / (records - 1.0))
 
-    def statistic(index: Array, axis: int = -1) -> Array:
-        return _drawn(estimate(np.moveaxis(np.asarray(index, dtype=np.int64), axis, -1)), x)
+    def of(index: Array, axis: int = -1) -> Array:
+        return statistic(np.moveaxis(np.asarray(index, dtype=np.int64), axis, -1))
 
     with warnings.catch_warnings(), np.errstate(divide="ignore", invalid="ignore"):  # if all samples are on one side of the estimate
         warnings.simplefilter("ignore", stats.DegenerateDataWarning)
         found = stats.bootstrap(
-            (np.arange(records),), statistic, n_resamples=how.samples, batch=max(1, 2_000_000 // (32 * records)), vectorized=True,
+            (np.arange(records),), of, n_resamples=how.samples, batch=max(1, 2_000_000 // (32 * records)), vectorized=True,
             confidence_level=1.0 - 2.0 * float(stats.norm.cdf(quantile)), method="BCa", random_state=np.random.default_rng(how.seed),
         ).confidence_interval  # fmt: skip
-    return _band(np.asarray(found.low), np.asarray(found.high))
+    return np.asarray(found.low), np.asarray(found.high)
 
 
 def bootstrap_counts(levels: Array, n: Array, z: Array, how: Resampling, x: Array | None = None) -> Band | None:
@@ -259,16 +272,19 @@ def bootstrap_counts(levels: Array, n: Array, z: Array, how: Resampling, x: Arra
     return _band(low, high)
 
 
-def _drawn(estimate: Estimate, x: Array | None) -> Array:
-    """ln theta, beta, and ln(x/theta)/beta at each x, stacked."""
+def _drawn(estimate: Estimate, x: Array | None, rate: Callable[[Array, Array], Array] | None = None) -> Array:
+    """ln theta, beta, the annual rate if one is asked for, and ln(x/theta)/beta at each x, stacked."""
     centre, beta = estimate
-    return np.stack([centre, beta, *((np.log(value) - centre) / beta for value in ([] if x is None else x))])
+    rates = [] if rate is None else [rate(centre, beta)]
+    return np.stack([centre, beta, *rates, *((np.log(value) - centre) / beta for value in ([] if x is None else x))])
 
 
-def _band(low: Array, high: Array) -> Band | None:
+def _band(low: Array, high: Array, rated: bool = False) -> Band | None:
     from scipy.special import ndtr
 
+    rate = (float(low[2]), float(high[2])) if rated and np.isfinite(low[2] + high[2]) else None
+    low, high = (np.delete(end, 2) if rated else end for end in (low, high))
     if not (np.all(np.isfinite(low)) and np.all(np.isfinite(high))):
         return None
     theta = np.exp([low[0], high[0]])
-    return Band(float(theta[0]), float(theta[1]), float(low[1]), float(high[1]), ndtr(low[2:]), ndtr(high[2:]))
+    return Band(float(theta[0]), float(theta[1]), float(low[1]), float(high[1]), ndtr(low[2:]), ndtr(high[2:]), rate)

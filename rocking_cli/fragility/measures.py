@@ -44,6 +44,11 @@ class Measure:
     of_structure: bool = False
     periods: tuple[float, ...] = ()  # of SA and AvgSA, in s
 
+    def told(self, value: float) -> str:
+        """A value [SI] in words; accelerations are in g."""
+        in_g = self.dimension == "acceleration"
+        return f"{value / DEFAULT_GRAVITY:.4g} g" if in_g else f"{value:.4g} {self.unit}".rstrip()
+
 
 def _tan(s: RockingParameters) -> float:
     return s.gravity * math.tan(s.alpha)

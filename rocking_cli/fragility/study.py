@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from itertools import product
 from pathlib import Path
 from typing import Any
@@ -19,6 +20,7 @@ from ..structures.parameters import RockingParameters
 from . import fits
 from .exposure import Exposure, Interval, as_recorded, exposures, first_of, share_overturned, traced
 from .fits import Band, Curve, Resampling, check_levels
+from .hazard import HazardCurve, Rate
 from .measures import MEASURES, Measure, Member, cell, compared, measure_of, members_of
 
 Array = np.ndarray
@@ -28,6 +30,7 @@ FRAGILITY_COLUMNS = (
     "structure", "im", "limit_state", "method", "median", "beta", "median_low", "median_high", "beta_low", "beta_high",
     "n", "theta", "theta_low", "theta_high",
 )  # fmt: skip
+HAZARD_COLUMNS = ("hazard", "deaggregation", "annual_rate")  # of the points of a curve
 CURVE_COLUMNS = ("structure", "im", "limit_state", "method", "x", "probability", "low", "high", "fraction")
 CELL_COLUMNS = ("structure", "motion", "pga", "pgv_pga", "theta_ratio", "outcome")
 EFFICIENCY_COLUMNS = ("structure", "im", "theta", "beta", "efficiency", "n")
@@ -41,7 +44,10 @@ def word_of(limit: float | None) -> str:
 
 @dataclass(frozen=True, eq=False)
 class Fit:
-    """A fitted curve with its band and data points: x and the fraction beyond the limit state."""
+    """A fitted curve with its band and data points: x and the fraction beyond the limit state.
+
+    With a hazard curve: the annual rate of the fit, and of overturning that of the traced intervals, without a fit.
+    """
 
     structure: str
     im: str
@@ -51,23 +57,40 @@ class Fit:
     band: Band | None
     x: Array
     points: dict[float, float] = field(default_factory=dict)
+    hazard: HazardCurve | None = None
+    rate: Rate | None = None
+    rate_without_fit: Rate | None = None
 
     def record(self) -> dict[str, Any]:
         """The fit as one row."""
         c, b = self.curve, self.band
         low, high, *beta = (None,) * 4 if b is None else (b.theta_low, b.theta_high, b.beta_low, b.beta_high)
         values = (c.theta, c.beta, low, high, *beta, round(c.n), c.theta, low, high)
-        return {**self._names(), **dict(zip(FRAGILITY_COLUMNS[4:], values, strict=True))}
+        row = {**self._names(), **dict(zip(FRAGILITY_COLUMNS[4:], values, strict=True))}
+        if self.rate is not None:
+            row |= {**self.rate.record(), "rate_without_fit": self.rate_without_fit and self.rate_without_fit.annual}
+        return row
 
     def points_of_curve(self) -> Iterator[dict[str, Any]]:
         """The curve as rows, with the band, and the fraction at the levels."""
         probability = self.curve(self.x)
-        for i, x in enumerate(self.x.tolist()):
+        hazard = hazard_points(self.hazard, self.x, probability, self.rate)
+        for i, (x, more) in enumerate(zip(self.x.tolist(), hazard, strict=True)):
             low, high = (None, None) if self.band is None else (float(self.band.low[i]), float(self.band.high[i]))
-            yield {**self._names(), "x": x, "probability": float(probability[i]), "low": low, "high": high, "fraction": self.points.get(x)}
+            row = {**self._names(), "x": x, "probability": float(probability[i]), "low": low, "high": high}
+            yield {**row, "fraction": self.points.get(x), **more}
 
     def _names(self) -> dict[str, Any]:
         return {"structure": self.structure, "im": self.im, "limit_state": self.limit, "method": self.method}
+
+
+def hazard_points(hazard: HazardCurve | None, x: Array, probability: Array, rate: Rate | None) -> list[dict[str, Any]]:
+    """The columns HAZARD_COLUMNS of points of a curve: H, the part dlambda/d(ln x) of the annual rate lambda, and lambda [1/year]."""
+    if hazard is None or rate is None:
+        return [{} for _ in x]
+    inside = (x >= hazard.x[0]) & (x <= hazard.x[-1])
+    columns = (np.where(inside, hazard(x), np.nan), probability * hazard.density(x), np.full(x.shape, rate.annual))
+    return [dict(zip(HAZARD_COLUMNS, map(float, values), strict=True)) for values in zip(*columns, strict=True)]
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,7 +98,7 @@ class Study:
     """A structure under a set of motions.
 
     exposure: at the levels; intervals: overturning intervals of the measure, if traced; recorded: (theta_ratio, outcome) under the unscaled
-    motions.
+    motions; hazard: of the site.
     """
 
     structure: RockingParameters
@@ -85,6 +108,7 @@ class Study:
     exposure: Exposure
     intervals: Sequence[Sequence[Interval]] | None = None
     recorded: tuple[Array, Array] | None = None
+    hazard: HazardCurve | None = None
 
     @property
     def weight(self) -> Array:
@@ -105,13 +129,49 @@ class Study:
     def _fit(
         self, method: str, limit: float | None, curve: Curve, estimate: Callable[[Array], fits.Estimate], points: dict[float, float]
     ) -> Fit:
-        x = self._abscissae()
-        band = fits.bootstrap(len(self.members), estimate, self.how, x) if self.how.samples else None
-        return Fit(self.structure.name, self.measure.name, word_of(limit), method, curve, band, x, points)
+        x, hazard, rate = self._abscissae(), self.hazard, None
+        of = None if hazard is None else hazard.rate_of
+        band = fits.bootstrap(len(self.members), estimate, self.how, x, of) if self.how.samples else None
+        if hazard is not None:
+            low, high = (None, None) if band is None or band.rate is None else band.rate
+            annual = float(hazard.rate_of(np.log(curve.theta), np.array(curve.beta)))
+            rate = Rate(annual, low, high, float(hazard.rate[-1]), float(hazard.x[-1]), float(curve(hazard.x[0])))
+        free = self.rate_without_fit if limit is None else None
+        return Fit(self.structure.name, self.measure.name, word_of(limit), method, curve, band, x, points, hazard, rate, free)
 
     def _abscissae(self) -> Array:
         levels = self.exposure.levels
+        if self.hazard is not None:
+            levels = np.union1d(levels, self.hazard.x)
+            return np.union1d(np.geomspace(levels[0], levels[-1], _POINTS), levels)
         return np.union1d(np.geomspace(0.5 * levels[0], 1.5 * levels[-1], _POINTS), levels)
+
+    @cached_property
+    def rate_without_fit(self) -> Rate | None:
+        """The annual rate of overturning from the traced intervals, without a fit: the mean over the motions, each with its weight.
+
+        Nothing is counted beyond the highest level or the last of the hazard curve. None without a hazard curve, or without intervals.
+        """
+        if self.hazard is None or self.intervals is None:
+            return None
+        highest, w = min(float(self.exposure.levels[-1]), float(self.hazard.x[-1])), self.weight
+        of_each = w * self.hazard.of_intervals(self.intervals, highest)
+        low = high = None
+        if self.how.samples and len(self.members) >= fits.FEWEST and np.ptp(of_each) > 0.0:
+            ends = fits.interval(len(self.members), lambda i: (of_each[i].sum(-1) / w[i].sum(-1))[None], self.how)
+            low, high = (float(end[0]) if np.isfinite(end[0]) else None for end in ends)
+        first = float(w @ [any(a < self.hazard.x[0] < b for a, b in found) for found in self.intervals] / w.sum())
+        return Rate(float(of_each.sum() / w.sum()), low, high, float(self.hazard(highest)), highest, first)
+
+    def exact_record(self) -> dict[str, Any]:
+        """The annual rate of overturning without a fit as one row. Raises UsageError without it."""
+        if self.rate_without_fit is None:
+            raise UsageError(f"{self.structure.name}: found no hazard curve or no traced intervals; expected both")
+        row = {**dict.fromkeys(FRAGILITY_COLUMNS), **self._names(), "n": len(self.members), **self.rate_without_fit.record()}
+        return {**row, "rate_without_fit": self.rate_without_fit.annual}
+
+    def _names(self) -> dict[str, str]:
+        return {"structure": self.structure.name, "im": self.measure.name, "limit_state": "overturning", "method": "exact"}
 
     def _stripes(self, limit: float | None) -> Fit:
         beyond, known = self.exposure.beyond(limit)
@@ -149,9 +209,9 @@ class Study:
     def exact_rows(self) -> Iterator[dict[str, Any]]:
         """The share of overturning motions as rows, one for each change."""
         assert self.intervals is not None
-        names = {"structure": self.structure.name, "im": self.measure.name, "limit_state": "overturning", "method": "exact"}
-        for x, share in zip(*share_overturned(self.intervals, self.weight), strict=True):
-            yield {**names, "x": float(x), "probability": None, "low": None, "high": None, "fraction": float(share)}
+        x, share = share_overturned(self.intervals, self.weight)
+        for at, part, more in zip(x, share, hazard_points(self.hazard, x, share, self.rate_without_fit), strict=True):
+            yield {**self._names(), "x": float(at), "probability": None, "low": None, "high": None, "fraction": float(part), **more}
 
     def efficiency(self) -> list[dict[str, Any]]:
         """Rows: the dispersion over each measure, the smallest first; efficiency: the smallest over this one.
@@ -193,13 +253,13 @@ class Study:
 def fragility(
     structures: Sequence[RockingParameters], records: Sequence[Recording], levels: Sequence[float] | Array, im: str = "PGA", *,
     limits: Sequence[float | None] = LIMITS, methods: Sequence[str] = ("stripes",), method: Method | None = None,
-    how: Resampling | None = None, workers: int | None = None,
+    how: Resampling | None = None, workers: int | None = None, hazard: HazardCurve | None = None,
 ) -> list[Fit]:  # fmt: skip
     """The fragility curves of structures under records, as `rocking fragility` fits them.
 
     levels: of the measure im, in SI; limits: values of |theta|/alpha, None for overturning; methods: of `METHODS`; method: the equation of
-    motion, None for `governing_method`; how: of the bootstrap. A limit state that the data do not support is left out. Raises UsageError
-    for bad levels, and if no fit is left.
+    motion, None for `governing_method`; how: of the bootstrap; hazard: for annual rates, of the same measure. A limit state that the data
+    do not support is left out. Raises UsageError for bad levels or another measure, and if no fit is left.
 
     >>> fragility(load_structures('configs/block.yaml'), load_records('configs/motions/synthetic.at2'), [1.0, 2.0])
     Traceback (most recent call last):
@@ -208,8 +268,13 @@ def fragility(
     """
     measure, x = measure_of(im), check_levels(np.asarray(levels, dtype=float))
     method, how = method or governing_method(*structures), how or Resampling()
+    if hazard is not None and hazard.im != measure.name:
+        raise UsageError(f"found a hazard curve of {hazard.im}; expected {measure.name}, the measure `im`")
+    exact = hazard is not None and None in limits
     found, refused = fitted(
-        list(studies(structures, members_of(records), measure, x, method, methods, how, workers=workers)), limits, methods
+        list(studies(structures, members_of(records), measure, x, method, methods, how, exact=exact, hazard=hazard, workers=workers)),
+        limits,
+        methods,
     )
     if not found and refused:
         raise UsageError(refused[0])
@@ -218,11 +283,11 @@ def fragility(
 
 def studies(
     structures: Sequence[RockingParameters], members: Sequence[Member], measure: Measure, levels: Array, method: Method,
-    fits: Iterable[str], how: Resampling, *, exact: bool = False, workers: int | None = None,
+    fits: Iterable[str], how: Resampling, *, exact: bool = False, hazard: HazardCurve | None = None, workers: int | None = None,
     line: Callable[[str, str], Callable[[int, int], None] | None] = lambda name, unit: None, **writing: Any,
 ) -> Iterator[Study]:  # fmt: skip
-    """Each structure under a set of motions; fits: the methods of fitting; exact: trace every overturning interval; line: the progress of
-    work by its name and unit; writing: further arguments of `exposures`."""
+    """Each structure under a set of motions; fits: the methods of fitting; exact: trace every overturning interval; hazard: for rates;
+    line: the progress of work by its name and unit; writing: further arguments of `exposures`."""
     found = exposures(structures, members, measure, levels, method, workers=workers, progress=line("fragility", "chunks"), **writing)
     for s, exposure in zip(structures, found, strict=False):
         intervals = recorded = None
@@ -231,7 +296,7 @@ def studies(
             intervals = traced(s, members, measure, highest, method, workers=workers, progress=line(s.name, "motions"))
         if "cloud" in fits:
             recorded = as_recorded(s, members, method)
-        yield Study(s, members, measure, how, exposure, intervals, recorded)
+        yield Study(s, members, measure, how, exposure, intervals, recorded, hazard)
 
 
 def fitted(studies: Sequence[Study], limits: Iterable[float | None], methods: Iterable[str]) -> tuple[list[Fit], list[str]]:

@@ -18,9 +18,10 @@ from ..errors import UsageError
 SI = {
     "angle": "rad", "angular velocity": "rad/s", "frequency parameter": "rad/s", "circular frequency": "rad/s",
     "acceleration": "m/s2", "velocity": "m/s", "length": "m", "mass": "kg", "time": "s", "intensity": "m/s", "gravity": "m/s2",
-    "frequency": "Hz",
+    "frequency": "Hz", "annual rate": "1/yr", "years": "yr",
 }  # fmt: skip
-"""The SI unit of each dimension. Gravity and Arias intensity are separate dimensions, because `--units` must not change them."""
+"""The SI unit of each dimension (years for rates). Gravity and Arias intensity are separate dimensions, because `--units` must not change
+them."""
 
 COLUMNS = {
     **dict.fromkeys(("alpha", "alpha_geometric", "equilibrium", "theta", "theta_max", "angle", "azimuth"), "angle"),
@@ -32,6 +33,8 @@ COLUMNS = {
     **dict.fromkeys(("pgd", "S_d", "top_displacement", "x", "z", "arm", "length", "tip_height", "crack_height", "inset"), "length"),
     **dict.fromkeys(("code_linear", "code_slv", "code_slc", "theta_04_a"), "acceleration"), "d_slv": "length", "d_slc": "length",
     "t_slv": "time", "t_slc": "time",
+    **dict.fromkeys(("annual_rate", "annual_rate_low", "annual_rate_high", "rate_beyond", "rate_without_fit"), "annual rate"),
+    **dict.fromkeys(("hazard", "deaggregation"), "annual rate"), "return_period": "years",
 }  # fmt: skip
 """The dimension of each column that has a unit."""
 

@@ -120,3 +120,55 @@ def test_cells_are_every_motion_at_every_level_over_two_measures(rocking, stated
     assert len(rows) == 9 * 4
     assert [float(r["pga [m/s2]"]) / 9.81 for r in rows[:4]] == pytest.approx(np.linspace(0.2, 0.45, 4), rel=1e-12)
     assert float(rows[0]["pgv_pga [s]"]) == pytest.approx(2 / (2 * np.pi * 0.7), rel=1e-6)  # of a sine 2/omega
+
+
+HAZARD = ("--hazard", "configs/motions/hazard.csv")
+
+
+def test_a_hazard_curve_gives_annual_rates(rocking, stated):
+    fitted, exact = rocking("fragility", stated, *SITE, *HAZARD, "--limit", "overturning", "--standing", "10kyr", "--json").records
+    assert fitted["annual_rate_low"] < fitted["annual_rate"] < fitted["annual_rate_high"]
+    assert (fitted["method"], exact["method"], exact["median"]) == ("stripes", "exact", None)
+    assert fitted["rate_without_fit"] == exact["rate_without_fit"] == exact["annual_rate"]
+    assert 0.3 < exact["annual_rate"] / fitted["annual_rate"] < 1.0
+    assert fitted["rate_beyond"] == 2.5e-6
+    assert exact["rate_beyond"] == pytest.approx(np.exp(np.interp(np.log(0.45), np.log([0.4, 0.8]), np.log([2.5e-4, 3e-5]))))
+    for row in (fitted, exact):
+        assert row["return_period"] == pytest.approx(1 / row["annual_rate"])
+        assert row["p_50_years"] == pytest.approx(1 - np.exp(-50 * row["annual_rate"]))
+        assert row["rejected"] == pytest.approx(1 - np.exp(-1e4 * row["annual_rate"]))
+    done = rocking("fragility", stated, *SITE, *HAZARD, "--limit", "0.5,overturning", "--standing", "10000yr", "--csv")
+    rows = list(csv.DictReader(done.stdout.splitlines()))
+    assert [(r["limit_state"], r["rejected"] == "") for r in rows] == [("0.5", True), ("overturning", False), ("overturning", False)]
+    assert float(rows[1]["annual_rate [1/yr]"]) == fitted["annual_rate"]
+    assert "Stated, overturning, exact: 0.000" in done.stderr
+    assert "a year up to 0.45 g; stronger motions, not counted, add 0.000174 at most" in done.stderr
+
+
+def test_a_rate_needs_no_fit(rocking, stated):
+    """At levels at which two motions of nine overturn the body, and no fit stands."""
+    call = ("fragility", stated, *SITE[:2], "--levels", "0.1g,0.31g", *HAZARD, "--limit", "overturning", "--bootstrap", "0")
+    done = rocking(*call, "--json")
+    (row,) = done.records
+    assert (done.returncode, row["method"], row["annual_rate_low"]) == (4, "exact", None)
+    assert row["annual_rate"] > 0.0
+
+
+def test_a_figure_holds_hazard_fragility_and_the_part_of_each_level(rocking, stated, tmp_path):
+    rows = list(
+        csv.DictReader(rocking("fragility", stated, *SITE, *HAZARD, "--limit", "1,overturning", "--curve", "--csv").stdout.splitlines())
+    )
+    fit = [r for r in rows if r["method"] == "stripes" and r["limit_state"] == "overturning"]
+    x, part = (np.array([float(r[name]) for r in fit]) for name in ("x", "deaggregation [1/yr]"))
+    assert float(0.5 * (part[1:] + part[:-1]) @ np.diff(np.log(x))) == pytest.approx(float(fit[0]["annual_rate [1/yr]"]), rel=0.03)
+    figure = Figure()
+    named = [{key.partition(" [")[0]: value for key, value in row.items()} for row in rows]
+    (axes,) = fragility_curves(figure, named, parse_units("g"))
+    left, right = figure.axes
+    assert (left, left.get_xscale(), right.get_yscale()) == (axes, "log", "log")
+    (hazard,) = right.get_lines()
+    assert hazard.get_xdata()[[0, -1]] == pytest.approx([0.02, 1.6])
+    assert hazard.get_ydata()[[0, -1]] == pytest.approx([0.1, 2.5e-6])
+    shown = [line for line in left.get_lines() if line.get_linestyle() == ":" and len(line.get_xdata())]
+    assert max(float(np.max(line.get_ydata())) for line in shown) == 1.0
+    assert len(shown) == 2  # of the fits, not of the exact shares

@@ -24,6 +24,7 @@ FILES = {
     "counts.csv": "im,n,z\n0.2,10,1\n0.4,10,4\n0.6,10,8\n",
     "x.csv": "im,n,z\n0.2,40,x\n",
     "short.csv": "im,n\n0.2,40\n",
+    "rising.csv": "PGA [g],annual_rate\n0.1,1e-3\n0.2,2e-3\n",
     "foreign.csv": "a,b\n1,2\n",
     "params.csv": "base_radius,height,p\n1,2,3\n",
     "there.h5": "mine",
@@ -31,6 +32,7 @@ FILES = {
     "there.svg": "mine",
 }
 AT2, SITE = "--motion configs/motions/synthetic.at2", "--pulses configs/motions/site_pulses.csv"
+RATES = "--hazard configs/motions/hazard.csv"
 SMALL, LEVELS = "--grid A=0.5:9:40,Omega=0.5:12:30 -o s.h5", "--levels 0.2g:0.45g:4"
 AT = "--a-g 0.35g --f-g 1.2"
 COLUMN = "configs/block.yaml"
@@ -107,6 +109,18 @@ REFUSED = {
         (2, f"stated.yaml {SITE} {LEVELS} --vertical-scale 2", "--vertical-scale goes with --vertical"),
         (2, f"stated.yaml {SITE} {LEVELS} --curve --efficiency", "--efficiency and --curve do not go together"),
         (2, f"stated.yaml {SITE} --levels 0.01g,0.02g,0.03g --limit overturning", "stated, overturning, stripes: 0 levels with some"),
+        (2, f"stated.yaml {SITE} {LEVELS} --standing 9yr", "--standing goes with --hazard"),
+        (2, f"stated.yaml {SITE} {LEVELS} --site 9,45", "--site goes with --hazard"),
+        (2, f"stated.yaml {SITE} {LEVELS} {RATES} --cells", "--hazard does not go with --cells"),
+        (2, f"stated.yaml {SITE} {LEVELS} {RATES} --standing 9s", "--standing: found '9s'; expected a number of years"),
+        (2, f"stated.yaml {SITE} {LEVELS} {RATES} --standing 0", "--standing goes with a positive time"),
+        (2, f"stated.yaml {SITE} {LEVELS} {RATES} --standing 9yr --limit 1", "and the limit state overturning"),
+        (2, f"stated.yaml {SITE} --levels 0.1,0.4 --im PGV {RATES}", "line 1: found levels of PGA; expected PGV, the measure --im"),
+        (2, f"stated.yaml {SITE} {LEVELS} {RATES} --site 9,45", "--site goes with a file of OpenQuake"),
+        (2, f"--counts counts.csv {RATES}", "--counts does not go with --hazard"),
+        (2, f"stated.yaml {SITE} {LEVELS} --hazard none.csv", "none.csv: cannot be read"),
+        (3, f"stated.yaml {SITE} {LEVELS} --hazard empty", "empty: found an empty file; expected a hazard curve"),
+        (3, f"stated.yaml {SITE} {LEVELS} --hazard rising.csv", "rising.csv, line 3: found 2e-3 above 1e-3 of the level before"),
         (2, "stated.yaml --counts counts.csv", "--counts does not go with structure"),
         (2, "--counts counts.csv --im PGV", "--counts does not go with --im"),
         (2, "--counts counts.csv -o x.h5", "--counts does not go with --output"),

@@ -13,6 +13,7 @@ from ...errors import UsageError
 from ..rows import Rows, column, groups
 from ..units import HEADING, Units, dimension_of
 from .canvas import DASHES, MARKERS, PLAIN, SOURCE, heading, label, legend, line_style, literal, series, valued, values
+from .hazards import with_hazard
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -115,7 +116,8 @@ def closed_forms(figure: Figure, rows: Rows, units: Units) -> list[Axes]:
 def fragility_curves(figure: Figure, rows: Rows, units: Units) -> list[Axes]:
     """Draw a fragility curve with its confidence band and the observed fractions for each structure, limit state and method.
 
-    A curve is dashed beyond the last level of its fractions. A method without a fitted curve is drawn as steps of its fractions.
+    A curve is dashed beyond the last level of its fractions. A method without a fitted curve is drawn as steps of its fractions. Rows
+    with a hazard curve have it on a second axis, and the annual rate over x.
     """
     axes = figure.add_subplot()
     im, keys = rows[0]["im"], ("structure", "limit_state", "method")
@@ -125,9 +127,11 @@ def fragility_curves(figure: Figure, rows: Rows, units: Units) -> list[Axes]:
         {**row, "limit_state": row["limit_state"] if row["limit_state"] == "overturning" else f"θ/α > {row['limit_state']}"} for row in rows
     ]
     varied = [key for key in keys if len(groups(rows, key)) > 1]
-    for i, some in enumerate(groups(rows, *keys).values()):
+    lines = list(groups(rows, *keys).values())
+    for i, some in enumerate(lines):
         x, p, share = column(some, "x") / factor, column(some, "probability"), column(some, "fraction")
-        style: dict[str, Any] = {"color": f"C{i}", "label": literal(", ".join(some[0][key] for key in varied)) or None}
+        told = [some[0][key] for key in varied] + [f"{float(some[0][key]):.2g} a year" for key in ("annual_rate",) if key in some[0]]
+        style: dict[str, Any] = {"color": f"C{i}", "label": literal(", ".join(told)) or None}
         if np.all(np.isnan(p)):
             axes.step(np.append(0.0, x), np.append(0.0, share), where="post", lw=1.0, **style)
             continue
@@ -140,6 +144,8 @@ def fragility_curves(figure: Figure, rows: Rows, units: Units) -> list[Axes]:
     title = literal(", ".join(rows[0][key] for key in keys if key not in varied and key != "limit_state"))
     axes.set(xlabel=MEASURE_LABELS.get(im) or headed(im, PLAIN.get(unit, unit)), ylabel=f"P({state} | {im})", ylim=(0.0, 1.0), title=title)
     axes.set_xlim(left=0.0)
+    if "hazard" in rows[0]:
+        with_hazard(axes, lines, factor)
     legend(axes)
     return [axes]
 

@@ -1,0 +1,291 @@
+"""Seismic hazard: how often a year the levels of a measure are exceeded, and how often a limit state is passed.
+
+The annual rate of a limit state is the integral of P(x) over |dH(x)|, where P is the fragility and H the hazard curve. Between its
+points H is a straight line in log-log, H = H_i (x/x_i)^-k, so that a lognormal P gives a closed form on each of them (integration by
+parts, and Cornell's H(theta) exp(k^2 beta^2/2) for a line without ends):
+
+    -[P H] + H_i (x_i/theta)^k exp(k^2 beta^2/2) [Phi(u_i+1 + k beta) - Phi(u_i + k beta)],   u = ln(x/theta)/beta
+
+Nothing is counted outside the points; H(x_last) bounds the part beyond the last.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+import math
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from ..documents.composition import text_of
+from ..documents.files import read_bytes
+from ..documents.quantities import DEFAULT_GRAVITY, parse_quantity, split_quantity
+from ..documents.table import split_heading
+from ..errors import DocumentError, UsageError
+from .measures import Measure, measure_of
+
+Array = np.ndarray
+Rows = list[tuple[int, list[str]]]  # line number and cells
+Point = tuple[str, str, float, str, float]  # place, text and value (SI) of a level, text and value of its annual rate
+
+RATE_COLUMNS = (
+    "annual_rate", "annual_rate_low", "annual_rate_high", "rate_beyond", "return_period", "p_50_years", "rate_without_fit", "rejected",
+)  # fmt: skip
+_OPENQUAKE = {"PGV": ("cm/s", 0.01), "PGD": ("cm", 0.01), "Arias": ("m/s", 1.0), "CAV": ("g s", DEFAULT_GRAVITY)}
+_TABLE = "a measure with its unit, and annual_rate or p_50_years: PGA [g],annual_rate"
+_NEAR = 1e-4  # degrees within which a site is the one asked for
+_LITTLE = 0.1  # part of a rate that may be missed without a remark
+_COMMON = 0.01  # probability at the first level without a remark
+
+
+def openquake_unit(measure: Measure) -> tuple[str, float]:
+    """The unit in which OpenQuake gives a measure, and its factor to SI."""
+    return _OPENQUAKE.get(measure.name, ("g", DEFAULT_GRAVITY))
+
+
+@dataclass(frozen=True, eq=False)
+class HazardCurve:
+    """The annual rates [1/year] at which levels [SI] of the measure `im` are exceeded, (n,).
+
+    Raises UsageError unless there are two levels or more, positive and rising, with positive rates that do not rise.
+
+    >>> hazard = HazardCurve([1.0, 2.0, 4.0], [1e-2, 1e-3, 1e-4])
+    >>> float(hazard(2.0))
+    0.001
+    """
+
+    x: Array
+    rate: Array
+    im: str = "PGA"
+
+    def __post_init__(self) -> None:
+        for name in ("x", "rate"):
+            object.__setattr__(self, name, np.asarray(getattr(self, name), dtype=float))
+        there = self.x.ndim == 1 and self.x.shape == self.rate.shape and self.x.size > 1
+        if not (there and np.all(np.isfinite(self.x)) and self.x[0] > 0.0 and np.all(np.diff(self.x) > 0.0)):
+            raise UsageError("hazard curve: expected two or more levels, positive and rising")
+        if not (np.all(np.isfinite(self.rate)) and self.rate[-1] > 0.0 and np.all(np.diff(self.rate) <= 0.0)):
+            raise UsageError("hazard curve: expected positive rates that do not rise")
+
+    def __call__(self, x: Array | float) -> Array:
+        """H [1/year] at levels x [SI], of their shape; outside the points that of the nearest one."""
+        with np.errstate(divide="ignore"):
+            return np.asarray(np.exp(np.interp(np.log(x), np.log(self.x), np.log(self.rate))))
+
+    @property
+    def slope(self) -> Array:
+        """k of each line, (n - 1,)."""
+        return -np.diff(np.log(self.rate)) / np.diff(np.log(self.x))
+
+    def density(self, x: Array) -> Array:
+        """-dH/d(ln x) [1/year] at levels x [SI], on the right of a point; 0 outside the points."""
+        line = np.searchsorted(self.x, x, side="right") - 1
+        inside = (line >= 0) & (line < self.slope.size)
+        return np.where(inside, self.slope[np.clip(line, 0, self.slope.size - 1)] * self(x), 0.0)
+
+    def rate_of(self, ln_theta: Array, beta: Array) -> Array:
+        """The annual rate [1/year] of lognormal fragilities, of the shape of ln theta and beta."""
+        from scipy.special import log_ndtr, ndtr
+
+        y, k = np.log(self.x), self.slope
+        ln_theta, beta = np.asarray(ln_theta, dtype=float)[..., None], np.asarray(beta, dtype=float)[..., None]
+        u = (y - ln_theta) / beta
+        low, high = u[..., :-1] + k * beta, u[..., 1:] + k * beta
+        low, high = np.where(low > 0.0, -high, low), np.where(low > 0.0, -low, high)  # the same difference of Phi, without cancellation
+        with np.errstate(divide="ignore", invalid="ignore"):
+            between = log_ndtr(high) + np.log1p(-np.exp(log_ndtr(low) - log_ndtr(high)))
+        part = np.exp(np.log(self.rate[:-1]) + k * (y[:-1] - ln_theta) + 0.5 * (k * beta) ** 2 + between)
+        ends = ndtr(u) * self.rate
+        return np.asarray(np.clip(ends[..., 0] - ends[..., -1] + np.nan_to_num(part).sum(-1), 0.0, self.rate[0] - self.rate[-1]))
+
+    def of_intervals(self, intervals: Sequence[Sequence[tuple[float, float]]], highest: float = math.inf) -> Array:
+        """The annual rate [1/year] that each motion adds: the sum of H(x_from) - H(x_to) over its overturning intervals, (members,);
+        nothing is counted beyond `highest`."""
+        return np.array([float(sum(self(min(a, highest)) - self(min(b, highest)) for a, b in found)) for found in intervals])
+
+
+@dataclass(frozen=True)
+class Rate:
+    """An annual rate [1/year] of passing a limit state, its 95 % band (None: not known), the most that motions beyond the last level add
+    to it, that level [SI], and the probability at the first level of the hazard curve, below which nothing is counted."""
+
+    annual: float
+    low: float | None
+    high: float | None
+    beyond: float
+    last: float
+    first: float
+
+    def probability(self, years: float) -> float:
+        """The probability of passing the limit state within some years."""
+        return -math.expm1(-self.annual * years)
+
+    def record(self) -> dict[str, float | None]:
+        """The rate as columns of a row."""
+        period = 1.0 / self.annual if self.annual > 0.0 else None
+        values = (self.annual, self.low, self.high, self.beyond, period, self.probability(50.0))
+        return dict(zip(RATE_COLUMNS, values, strict=False))
+
+    def remarks(self, hazard: HazardCurve) -> list[str]:
+        """A sentence for each end of the levels beyond which a good part of the rate may be missed."""
+        told, found = measure_of(hazard.im).told, []
+        if self.beyond > _LITTLE * self.annual:
+            found.append(f"{self.annual:.3g} a year up to {told(self.last)}; stronger motions, not counted, add {self.beyond:.3g} at most")
+        if self.first > _COMMON:
+            place = f"{told(float(hazard.x[0]))}, where the hazard curve begins"
+            found.append(f"the probability is {self.first:.2g} at {place}; weaker motions, not counted, add to the rate")
+        return found
+
+
+def annual_rate(theta: float, beta: float, hazard: HazardCurve) -> float:
+    """The annual rate [1/year] of a limit state: the integral of Phi(ln(x/theta)/beta) over |dH(x)|; theta in SI.
+
+    >>> round(annual_rate(0.43, 0.35, HazardCurve([1e-4, 1.0, 1e4], [5e5, 5e-5, 5e-15])), 8)
+    0.00060472
+    """
+    if not (theta > 0.0 and beta > 0.0 and math.isfinite(theta) and math.isfinite(beta)):
+        raise UsageError(f"found theta = {theta:g} and beta = {beta:g}; expected positive numbers")
+    return float(hazard.rate_of(np.array(math.log(theta)), np.array(beta)))
+
+
+def read_hazard(path: str | Path, im: str = "PGA", site: str | None = None) -> HazardCurve:
+    """The hazard curve of a file: a CSV of OpenQuake as it is written, or two columns, levels and annual rates or probabilities.
+
+    im: the measure that the levels must have; site: `LON,LAT` of the row of OpenQuake's file, None for its only one. A probability p in t
+    years is the rate -ln(1 - p)/t. Leading levels whose probability is 1, and last ones whose rate is 0, are left out. Raises UsageError
+    for an unreadable file or another measure, DocumentError with file, line and column for its faults.
+
+    >>> read_hazard('configs/motions/hazard.csv').rate[:3].tolist()
+    [0.1, 0.03, 0.008]
+    """
+    source, raw = read_bytes(path)
+    reader = csv.reader(io.StringIO(text_of(source, raw), newline=""), strict=True)
+    try:
+        rows = [(reader.line_num, [cell.strip() for cell in row]) for row in reader if any(cell.strip() for cell in row)]
+    except csv.Error as error:
+        raise DocumentError(f"{source}, line {reader.line_num}: is not CSV ({error})") from None
+    if not rows:
+        raise DocumentError(f"{source}: found an empty file; expected a hazard curve")
+    measure = measure_of(im)
+    if rows[0][1][0].startswith("#"):
+        points = _openquake(source, rows, measure, site)
+    elif site is not None:
+        raise UsageError(f"{source}: `site` goes with a file of OpenQuake; found two columns")
+    else:
+        points = _two_columns(source, rows, measure)
+    before: Point | None = None
+    for point in points:
+        place, text, level, told, rate = point
+        if not level > 0.0 or (before is not None and level <= before[2]):
+            raise DocumentError(
+                f"{place}: found the level {text}{f' after {before[1]}' if before else ''}; expected positive, rising levels"
+            )
+        if before is not None and rate > before[4]:
+            raise DocumentError(f"{place}: found {told} above {before[3]} of the level before; expected a hazard curve that does not rise")
+        before = point
+    kept = [(level, rate) for _, _, level, _, rate in points if 0.0 < rate < math.inf]
+    if len(kept) < 2:
+        raise DocumentError(f"{source}: found {len(kept)} levels with a positive, finite rate; expected two or more")
+    x, rates = np.array(kept).T
+    return HazardCurve(x, rates, measure.name)
+
+
+def _same(place: str, found: str, wanted: Measure) -> None:
+    """Raise UsageError if levels are of another measure."""
+    try:
+        name = "another measure" if found == "AvgSA" else measure_of("Arias" if found == "IA" else found).name
+    except UsageError:
+        name = "another measure"
+    if name != wanted.name:
+        raise UsageError(f"{place}: found levels of {found}; expected {wanted.name}, the measure `im`")
+
+
+def _number(place: str, text: str, dimension: str = "number") -> float:
+    try:
+        return parse_quantity(text, dimension)
+    except ValueError as error:
+        raise DocumentError(f"{place}: found {text!r}; expected {error}") from None
+
+
+def _rate(place: str, text: str, years: float | None) -> float:
+    """The annual rate of a cell; years: those of a probability, None for a rate."""
+    value = _number(place, text)
+    if value < 0.0 or (years is not None and value > 1.0):
+        raise DocumentError(f"{place}: found {text!r}; expected {'a rate from 0' if years is None else 'a probability from 0 to 1'}")
+    if years is None:
+        return value
+    return -math.log1p(-value) / years if value < 1.0 else math.inf
+
+
+def _openquake(source: str, rows: Rows, measure: Measure, site: str | None) -> list[Point]:
+    """The points of one site in a file of OpenQuake."""
+    line, told = rows[0][0], " ".join(rows[0][1])
+    imt, time = re.search(r"\bimt='([^']*)'", told), re.search(r"\binvestigation_time=([\d.eE+-]+)", told)
+    if imt is None or time is None or len(rows) < 2 or not any(name.startswith("poe-") for name in rows[1][1]):
+        raise DocumentError(
+            f"{source}, line {line}: found no hazard curve of OpenQuake; expected imt=, investigation_time= and columns poe-"
+        )
+    _same(f"{source}, line {line}", imt[1], measure)
+    years = _number(f"{source}, line {line}", time[1])
+    if not years > 0.0:
+        raise DocumentError(f"{source}, line {line}: found investigation_time={time[1]}; expected a positive number of years")
+    (top, names), sites = rows[1], rows[2:]
+    for at, row in sites:
+        if len(row) != len(names):
+            raise DocumentError(f"{source}, line {at}: found {len(row)} cells; expected {len(names)}")
+    chosen = (
+        sites
+        if site is None
+        else [(at, row) for at, row in sites if _is_at(f"{source}, line {at}", site, dict(zip(names, row, strict=True)))]
+    )
+    if len(chosen) != 1:
+        raise UsageError(f"{source}: found {len(chosen)} sites{f' at {site}' if site else ''}; expected one: name it as `site`, LON,LAT")
+    ((at, row),) = chosen
+    unit, factor = openquake_unit(measure)
+    found = []
+    for i, (name, cell) in enumerate(zip(names, row, strict=True), 1):
+        if name.startswith("poe-"):
+            level = _number(f"{source}, line {top}, column {i}", name[4:])
+            place = f"{source}, line {at}, column {i}"
+            found.append((place, f"{name[4:]} {unit}", level * factor, cell, _rate(place, cell, years)))
+    return found
+
+
+def _is_at(place: str, site: str, row: dict[str, str]) -> bool:
+    """True for the row of a site `LON,LAT`. Raises UsageError for another text."""
+    try:
+        wanted = [parse_quantity(part, "number") for part in site.split(",")]
+    except ValueError:
+        wanted = []
+    if len(wanted) != 2:
+        raise UsageError(f"`site`: found {site!r}; expected LON,LAT in degrees, such as 9.15,45.15")
+    return all(abs(_number(place, row.get(key, "")) - value) < _NEAR for key, value in zip(("lon", "lat"), wanted, strict=True))
+
+
+def _two_columns(source: str, rows: Rows, measure: Measure) -> list[Point]:
+    """The points of a table with a heading: levels, and annual rates or probabilities."""
+    (line, names), body = rows[0], rows[1:]
+    (im, unit), (kind, _) = (split_heading(name) for name in names) if len(names) == 2 else (("", ""), ("", ""))
+    years = re.fullmatch(r"p_([\d.]+)_years?", kind)
+    if kind != "annual_rate" and years is None:
+        raise DocumentError(f"{source}, line {line}: found the columns {', '.join(names)}; expected {_TABLE}")
+    _same(f"{source}, line {line}", im, measure)
+    time = None if years is None else _number(f"{source}, line {line}", years[1])
+    if time == 0.0:
+        raise DocumentError(f"{source}, line {line}: found {kind}; expected a positive number of years")
+    found = []
+    for at, row in body:
+        place = f"{source}, line {at}"
+        if len(row) != 2:
+            raise DocumentError(f"{place}: found {len(row)} cells; expected 2")
+        text, parts = row[0], split_quantity(row[0])
+        if parts is not None and not parts[1]:
+            if not unit and measure.unit:  # m/s2 would be the rule, g is what everybody means
+                raise DocumentError(f"{place}: found the level {text} without a unit; expected {_TABLE}")
+            text = f"{text} {unit}".strip()
+        found.append((place, text, _number(place, text, measure.dimension), row[1], _rate(place, row[1], time)))
+    return found
