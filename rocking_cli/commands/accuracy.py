@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import click
 
-from . import ground, options
+from . import equations, ground, options
 from .command import command, group, option
 from .printing import emit, note, printed
 
@@ -20,9 +20,9 @@ def accuracy(
         "--scipy", type=click.IntRange(0, 10_000), default=10, show_default=True, help="Cells of the sample for each SciPy solver."
     ),
     seed: int = option("--seed", type=click.IntRange(0), default=0, show_default=True, help="Seed of the sample."),
-    sizeless: options.Oscillators = group(options.Oscillators),
+    sizeless: equations.Oscillators = group(equations.Oscillators),
     motions: ground.Motions = group(ground.Motions),
-    model: options.Model = group(options.Model),
+    model: equations.Model = group(equations.Model),
 ) -> None:
     """Work-precision table of one structure's scene.
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import click
 
-from . import ground, options
+from . import equations, ground, options
 from .command import command, group, option
 from .printing import emit, note, printed
 
@@ -14,7 +14,7 @@ def compare(
     files: tuple[str, ...] = options.files(),
     motions: ground.Motions = group(ground.Motions),
     shaking: ground.Shaking = group(ground.Shaking),
-    model: options.Models = group(options.Models),
+    model: equations.Models = group(equations.Models),
     eta: float | None = option("--eta", type=click.FloatRange(0.0, 1.0), help="Restitution for every structure instead of its own."),
     curves: bool = option("--curves", is_flag=True, help="Print the curves t, theta, tau, theta_ratio instead."),
 ) -> int:

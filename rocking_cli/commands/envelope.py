@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from . import ground, options
+from . import equations, ground, options
 from .command import command, group, option
 from .printing import emit, note, printed
 from .progress import ProgressLine
@@ -51,9 +51,9 @@ class Envelope:
 def envelope(
     files: tuple[str, ...] = options.files(),
     wanted: Envelope = group(Envelope),
-    sizeless: options.Sizeless = group(options.Sizeless),
+    sizeless: equations.Sizeless = group(equations.Sizeless),
     motions: ground.BothWays = group(ground.BothWays),
-    model: options.Equations = group(options.Equations),
+    model: equations.Equations = group(equations.Equations),
 ) -> int:
     """Trace every interval of amplitude that overturns, for each frequency.
 
@@ -140,7 +140,7 @@ def _closing(told: list[str], narrowest: str, failed: int) -> int:
 
 
 def _of_records(
-    files: tuple[str, ...], wanted: Envelope, sizeless: options.Sizeless, shaken: ground.Ground, model: options.Equations
+    files: tuple[str, ...], wanted: Envelope, sizeless: equations.Sizeless, shaken: ground.Ground, model: equations.Equations
 ) -> int:
     """Print the overturning scales of records, or their quantiles; returns the exit code."""
     from ..dynamics.method import model_in_words

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from ..errors import UsageError
-from . import ground, options, written
+from . import equations, ground, options, written
 from .command import command, group, option
 from .parameter_types import InputPath, Registered, quantity
 from .printing import emit, form, note, printed, units_of
@@ -90,7 +90,7 @@ def fragility(
     files: tuple[str, ...] = options.files(),
     motions: ground.BothWays = group(ground.BothWays),
     wanted: Fits = group(Fits),
-    model: options.Model = group(options.Model),
+    model: equations.Model = group(equations.Model),
     sweep: written.Sweep = group(written.Sweep),
 ) -> int:
     """Fit lognormal fragility curves of structures under a set of records or site pulses.

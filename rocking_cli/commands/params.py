@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
-from . import options
+from . import equations, options
 from .command import command
 from .printing import emit, form, note, printed
 from .progress import ProgressLine
@@ -22,7 +22,7 @@ SHARED = {"one_sided": False, "damping": 0.0, "friction": None, "arm": None}  # 
 def params(
     files: tuple[str, ...] = options.files(),
     vary: tuple[str, ...] = options.vary(),
-    linear_uplift: str = options.linear_uplift(),
+    linear_uplift: str = equations.linear_uplift(),
 ) -> int:
     """Derive p, alpha, eta, lambda and a_scale of each structure.
 
@@ -47,7 +47,7 @@ def params(
 
     def records() -> Iterator[dict[str, Any]]:
         if not variations:
-            built = options.lifting(with_distinct_names([build_structure(document) for document in documents]), linear_uplift)
+            built = equations.lifting(with_distinct_names([build_structure(document) for document in documents]), linear_uplift)
             options.remark_on(built)
             early.extend(s for s in built if shown is None and s.restraints is None and s.uplift > 1.01 * s.linear_uplift)
             plain = [structure.record() for structure in built]
@@ -65,7 +65,7 @@ def params(
                     faults.append(str(member.fault))
                     note_no_solution(member)
                 else:
-                    (structure,) = options.lifting([member.parameters], linear_uplift)
+                    (structure,) = equations.lifting([member.parameters], linear_uplift)
                     yield from _rows(structure.record(), shown, member.shown)
 
     emit(records())

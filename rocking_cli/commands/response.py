@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from itertools import chain
 
 from ..errors import UsageError
-from . import ground, options
+from . import equations, ground, options
 from .command import argument, command, group, option
 from .parameter_types import InputPath, quantity
 from .printing import emit, form, note, printed
@@ -23,7 +23,7 @@ class OneMotion(ground.Directed):
 def response(
     file: str = argument(type=InputPath()),
     asked: OneMotion = group(OneMotion),
-    model: options.Models = group(options.Models),
+    model: equations.Models = group(equations.Models),
     release: float = option(
         "--release", type=float, default=0.0, metavar="RATIO", help="Release from theta/alpha = RATIO; without a motion: free rocking."
     ),

@@ -8,7 +8,7 @@ from typing import Any
 
 import click
 
-from . import ground, options, written
+from . import equations, ground, options, written
 from .command import command, group, option
 from .printing import emit, is_quiet, note, quiet
 from .progress import ProgressLine
@@ -36,9 +36,9 @@ def spectrum(
     check: int | None = option("--check", type=click.IntRange(0, 10_000), metavar="N", help="Cells to verify by the independent path."),
     strict: bool = options.strict(),
     json_: bool = option("--json", is_flag=True, help="The closing summary as a JSON record on standard output."),
-    sizeless: options.Sizeless = group(options.Sizeless),
+    sizeless: equations.Sizeless = group(equations.Sizeless),
     motions: ground.BothWays = group(ground.BothWays),
-    model: options.Equations = group(options.Equations),
+    model: equations.Equations = group(equations.Equations),
     sweep: written.Sweep = group(written.Sweep),
 ) -> int:
     """Sweep every structure over a grid and write its rocking spectrum.

@@ -1,0 +1,113 @@
+"""The options of the equation of motion of a run, and of dimensionless oscillators in place of structures."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import partial
+from typing import TYPE_CHECKING
+
+import click
+
+from .command import option
+from .parameter_types import Registered, Restitution, model_names
+
+if TYPE_CHECKING:
+    from ..dynamics.method import Method
+    from ..structures import RockingParameters
+
+_RULE = (
+    "Equation of motion{both}. Default: nonlinear for a known geometry in units (a_g, f_g, a record), linear on dimensionless axes "
+    "(A, Omega) and for stated parameters."
+)
+
+linear_uplift = partial(
+    option, "--linear-uplift", type=click.Choice(["alpha", "lambda"]), default="alpha", show_default=True,
+    help="Uplift of rigid bodies in the linear equation: alpha g (Eq. 2.4), or lambda g, the true one (a_scale = alpha/lambda, Eq. 3.9).",
+)  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Oscillators:
+    """Dimensionless oscillators instead of structures."""
+
+    etas: tuple[float | None, ...] = option(
+        "--eta", multiple=True, type=Restitution(), metavar="ETA",
+        help="A dimensionless oscillator of this restitution instead of FILE; repeatable. With --alpha: that of the blocks, or `block`.",
+    )  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Sizeless(Oscillators):
+    """Dimensionless oscillators, or blocks of given angles under records, instead of structures."""
+
+    alphas: str | None = option(
+        "--alpha", metavar="ANGLES", help="Rigid blocks of these critical angles instead of FILE, such as 10,15,20deg (records)."
+    )
+
+
+@dataclass(frozen=True)
+class Model:
+    """The equation of motion of a run; `model` None: the governing equation."""
+
+    model: str | None = option("--model", type=Registered(model_names), help=_RULE.format(both=""))
+    tolerance: float = option("--tolerance", type=float, default=1e-9, show_default=True, help="Error of theta/alpha aimed at (nonlinear).")
+
+    @property
+    def models(self) -> tuple[str | None, ...]:
+        """The equations that are asked for, (None,) for that of the rule."""
+        return (self.model,)
+
+    def methods(self, structures: Sequence[RockingParameters], dimensionless: bool = False) -> list[Method]:
+        """The method of each requested equation. Raises UsageError."""
+        from ..dynamics.method import governing_method
+
+        return [governing_method(*structures, model=one, tolerance=self.tolerance, dimensionless=dimensionless) for one in self.models]
+
+    def in_words(self, methods: Sequence[Method], structures: Sequence[RockingParameters], dimensionless: bool = False) -> list[str]:
+        """The line that names each equation."""
+        from ..dynamics.method import model_in_words
+
+        pairs = zip(methods, self.models, strict=True)
+        return [model_in_words(method, *structures, model=model, dimensionless=dimensionless) for method, model in pairs]
+
+
+@dataclass(frozen=True)
+class Models(Model):
+    """The equation of motion of a run, or both."""
+
+    model: str | None = option(
+        "--model", type=Registered(lambda: (*model_names(), "both")), help=_RULE.format(both=", or both")
+    )  # fmt: skip
+
+    @property
+    def models(self) -> tuple[str | None, ...]:
+        """The equations that are asked for, (None,) for that of the rule."""
+        from ..dynamics.method import MODELS
+
+        return MODELS if self.model == "both" else (self.model,)
+
+
+@dataclass(frozen=True)
+class Equations(Models):
+    """The equation of motion of a run, or both, and the uplift of the linear one."""
+
+    linear_uplift: str = linear_uplift()
+
+    @property
+    def models(self) -> tuple[str | None, ...]:
+        """The requested equations, (None,) for the governing one; --linear-uplift lambda requests the linear one."""
+        return ("linear",) if self.model is None and self.linear_uplift == "lambda" else super().models
+
+    def lifting(self, structures: list[RockingParameters]) -> list[RockingParameters]:
+        """The structures with the requested uplift. Raises click.UsageError for another equation, or without structures."""
+        if self.linear_uplift == "lambda" and not structures:
+            raise click.UsageError("--linear-uplift lambda goes with structures: give FILE")
+        if self.linear_uplift == "lambda" and self.models != ("linear",):
+            raise click.UsageError("--linear-uplift lambda goes with --model linear; the nonlinear equation lifts at lambda anyway")
+        return lifting(structures, self.linear_uplift)
+
+
+def lifting(structures: list[RockingParameters], linear_uplift: str) -> list[RockingParameters]:
+    """The structures with the uplift of --linear-uplift."""
+    return [structure.lifting_at_lambda() for structure in structures] if linear_uplift == "lambda" else structures
