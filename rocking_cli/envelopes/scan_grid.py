@@ -14,6 +14,8 @@ Array = np.ndarray
 Ends = TypeVar("Ends", bound=NamedTuple)  # arrays of shape (rows,)
 
 SCAN_STEP = 0.999e-3  # in A; no interval wider than 1e-3 is missed
+LONGEST_FINE = 200  # segments of a motion up to which the scan is as fine as an envelope's
+COARSE = 1e-3  # ratio of neighbouring amplitudes minus 1 of the search for the lowest fall beyond that
 
 
 @dataclass(frozen=True)

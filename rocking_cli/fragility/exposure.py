@@ -15,8 +15,9 @@ from ..dynamics.method import Method
 from ..dynamics.outcome import Outcome, falls
 from ..dynamics.response import response
 from ..envelopes.boundaries import Search
-from ..envelopes.capacity import LONGEST_FINE, RATIO, tracing_width
+from ..envelopes.capacity import RATIO, tracing_width
 from ..envelopes.intervals import in_turn
+from ..envelopes.scan_grid import LONGEST_FINE
 from ..errors import UsageError
 from ..motions.grid import Axis
 from ..processes import available_cpus

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
 from itertools import chain, repeat
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -15,15 +15,19 @@ from ..dynamics.method import LINEAR, Method, governing_method
 from ..dynamics.outcome import Outcome, safe
 from ..dynamics.response import Response
 from ..dynamics.single.response import response_alone
-from ..envelopes.capacity import LONGEST_FINE, Capacity, Falls, Sought, capacity, searches
+from ..envelopes.capacity import Capacity, Sought, capacity, searches
 from ..envelopes.intervals import A_MAX
 from ..envelopes.limit import Limit, limit_of
+from ..envelopes.scan_grid import LONGEST_FINE
 from ..errors import UsageError
 from ..motions import Motion
 from ..motions.grid import Grid, HasMotion, demand_of
 from ..processes import available_cpus, processes
 from ..structures.parameters import RockingParameters
 from .time_history import time_history
+
+if TYPE_CHECKING:
+    from ..envelopes.lowest_fall import Falls
 
 Demand = tuple[RockingParameters, Motion, Grid]
 Progress = Callable[[int, int], None]

@@ -19,7 +19,8 @@ from rocking_cli import (
 )
 from rocking_cli.dynamics.method import LINEAR, Method
 from rocking_cli.dynamics.outcome import safe
-from rocking_cli.envelopes.capacity import Falls, capacity
+from rocking_cli.envelopes.capacity import capacity
+from rocking_cli.envelopes.lowest_fall import Falls
 
 BLOCK = build_structure(parse_documents("kind: block\nradius: 1.6065856\nalpha: 0.25\nrestitution: 0.9")[0])  # p = 2.14 rad/s
 

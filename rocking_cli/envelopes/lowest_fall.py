@@ -1,0 +1,177 @@
+"""The lowest amplitude at which one body falls, where falls may be narrow: under a record, or a pulse of several cycles."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from itertools import pairwise
+from typing import TYPE_CHECKING, Self
+
+import numpy as np
+
+from ..dynamics.outcome import safe
+from ..dynamics.response import response
+from ..dynamics.single.response import response_alone
+from ..dynamics.system import System
+from ..motions import Motion
+from .scan_grid import COARSE, LONGEST_FINE
+
+if TYPE_CHECKING:
+    from ..dynamics.single.scan import Scan
+
+Array = np.ndarray
+
+_FINE = 6e-5  # ratio of neighbouring amplitudes minus 1 in the tenth below a known fall
+_FINEST, _NEAREST = 5e-6, 0.997  # under a pulse with narrow falls: step, and reach of the search below each fall
+_NEAR, _ABOVE = 0.9, 1.05  # times the lowest fall: start of the fine search, and end of the count of falls
+_FEW = 20  # amplitudes up to which the march is as fast as a scan
+_BESIDE = 5  # amplitudes on either side of a fall that seems to be, at which the march looks for it
+_CHECKED = 5  # amplitudes that the march looks at, below a fall and around one that seems to be
+_STRETCH = 100  # amplitudes of the first stretch of a search by the march
+
+
+@dataclass
+class Falls:
+    """The search for the lowest amplitude at which one body falls, where falls may be narrow.
+
+    falls: true for each amplitude that falls, by the march; seems: the same for many amplitudes, where it may be approximate: it tells
+    where to look; digits: relative width of a traced boundary; scan: of all amplitudes together, None if there is none; seen: all
+    amplitudes `COARSE` apart so far, with their falls.
+    """
+
+    falls: Callable[[Array], Array]
+    seems: Callable[[Array], Array]
+    digits: float
+    scan: Scan | None = None
+    seen: tuple[Array, Array] = field(default_factory=lambda: (np.zeros(0), np.zeros(0, dtype=bool)))
+
+    @classmethod
+    def of(cls, system: System, motion: Motion, omega: float, eta: float, digits: float) -> Self:
+        """The search for a system of one body at one Omega."""
+
+        def falls(amplitude: Array) -> Array:
+            return ~safe(response_alone(system, motion, amplitude, omega, eta, peaks=False).outcome)
+
+        def seems(amplitude: Array) -> Array:
+            if scan is not None and amplitude.size <= _FEW:
+                return falls(amplitude)
+            fallen = np.zeros(amplitude.size, dtype=bool) if scan is None else scan.falls(amplitude)
+            doubtful = np.flatnonzero(~fallen & (amplitude > (0.0 if scan is None else system.safe_amplitude(motion))))
+            fallen[doubtful] = ~safe(response(system, motion, amplitude[doubtful], np.asarray(omega), eta, peaks=False).outcome)
+            return fallen
+
+        scan = None
+        if len(motion.segments) > LONGEST_FINE:
+            from ..dynamics.single.scan import Scan
+
+            scan = Scan(system, motion, omega, eta) if Scan.serves(system, motion) else None
+        return cls(falls, seems, digits, scan)
+
+    def first(self, begin: float, end: float) -> float | None:
+        """The lowest amplitude between these that falls, None if there is none."""
+        low, stretch, found = begin, _STRETCH, None
+        while found is None and low < end:
+            high = end if self.scan else min(end, low * (1.0 + COARSE) ** stretch)
+            amplitude, seems = self._coarse(low, high)
+            found = next(filter(None, (self.lowest(begin, fall) for fall in amplitude[seems].tolist())), None)
+            low, stretch = high, 2 * stretch
+        while (missed := self._missed(begin, found or end)) is not None:
+            found = self.lowest(begin, missed)
+        return found
+
+    def _missed(self, begin: float, end: float) -> float | None:
+        """A fall that the march finds at a few amplitudes between these."""
+        checked = np.geomspace(begin, end, _CHECKED + 2)[1:-1]
+        return next(iter(checked[self.falls(checked)].tolist()), None)
+
+    def _coarse(self, low: float, high: float) -> tuple[Array, Array]:
+        """(amplitudes `COARSE` apart between these, true where the body seems to fall); each is looked at once."""
+        amplitude = _ladder(low, high, COARSE)
+        self.look(amplitude)
+        return amplitude, self.seen[1][np.searchsorted(self.seen[0], amplitude)]
+
+    def look(self, amplitude: Array) -> None:
+        """Look at amplitudes of the coarse search, together."""
+        new = np.setdiff1d(amplitude, self.seen[0], assume_unique=True)
+        if new.size:
+            every, order = np.unique(np.append(self.seen[0], new), return_index=True)
+            self.seen = every, np.append(self.seen[1], self.seems(new))[order]
+
+    def lowest(self, begin: float, found: float, ratio: float = _FINE, near: float = _NEAR) -> float | None:
+        """The lowest fall from `begin` to `found`, where a body seems to fall, None if the march finds none. Amplitudes at a ratio are
+        looked at from near^2 times `found` on, then from `near` times each new fall on."""
+        low, high, lowest = max(begin, near * near * found), found, None
+        while low < high:
+            amplitude = _ladder(low, high, ratio)
+            seems = self.seems(amplitude)
+            seems[-1] |= lowest is None
+            new = next(filter(None, (self._confirmed(amplitude, run) for run in _runs(seems))), None)
+            if new is None:
+                break
+            lowest, low, high = new, max(begin, near * new), low
+        return lowest
+
+    def _confirmed(self, amplitude: Array, run: Array) -> float | None:
+        """The lower end of a fall at or near a run of these amplitudes, None if the march finds none there."""
+        first = np.arange(max(0, run[0] - _BESIDE), run[0] + 1)
+        fallen = first[self.falls(amplitude[first])]
+        if not fallen.size:
+            rest = np.arange(run[0] + 1, min(amplitude.size, run[-1] + _BESIDE + 1))
+            rest = rest[:: max(1, rest.size // _CHECKED)]
+            fallen = rest[self.falls(amplitude[rest])]
+        if not fallen.size:
+            return None
+        at, step = int(fallen[0]), 1
+        while at and self.falls(amplitude[(below := max(0, at - step)) : below + 1])[0]:
+            at, step = below, 2 * step
+        return self.narrowed(float(amplitude[below]), float(amplitude[at])) if at else float(amplitude[0])
+
+    def lowest_narrow(self, begin: float, found: float) -> tuple[float, float]:
+        """(the lowest fall from `begin` on, `dust` of it), below a known fall; intervals 5e-6 of the amplitude wide are found if there
+        is dust."""
+        first = self.lowest(begin, found) or found
+        self._coarse(first, _ABOVE * first)
+        dust = self.dust(first)
+        return (self.lowest(begin, first, _FINEST, _NEAREST) or first if dust else first), dust
+
+    def narrowed(self, low: float, high: float) -> float:
+        """The amplitude, within `digits`, between standing at `low` and falling at `high`."""
+        while high - low > self.digits * high and low < (middle := 0.5 * (low + high)) < high:
+            low, high = (low, middle) if self.falls(np.array([middle]))[0] else (middle, high)
+        return high
+
+    def dust(self, first: float) -> float:
+        """The share of falls among amplitudes `COARSE` apart up to 5 % above the first fall; 0 if the falls are one interval."""
+        falls = self.seen[1][(first < self.seen[0]) & (self.seen[0] < _ABOVE * first)].tolist()
+        single = sum(one != other for one, other in pairwise([True, *falls])) <= 1
+        return 0.0 if single else 0.5 * sum(falls) / len(falls)
+
+
+def _ladder(low: float, high: float, ratio: float) -> Array:
+    """Amplitudes from `low` to `high` at this ratio, the same between any ends."""
+    powers = np.arange(np.ceil(np.log(low) / np.log1p(ratio)), np.log(high) / np.log1p(ratio))
+    return np.unique(np.concatenate([[low, high], np.clip((1.0 + ratio) ** powers, low, high)]))
+
+
+def _runs(flags: Array) -> list[Array]:
+    """The indices of each run of flags that are set."""
+    at = np.flatnonzero(flags)
+    return np.split(at, np.flatnonzero(np.diff(at) > 1) + 1) if at.size else []
+
+
+def look_ahead(asked: Sequence[tuple[Falls, float, float, float]]) -> None:
+    """Scan together what searches between a least and a largest amplitude around a demand will look at: (search, least, demand, largest)
+    of each."""
+    from ..dynamics.single.scan import follow
+
+    scanned = [(falls.scan, lowest, demand, top) for falls, lowest, demand, top in asked if falls.scan is not None]
+    scans = [scan for scan, *_ in scanned]
+    follow(scans, [np.append(_ladder(lowest, top, COARSE), demand) for _, lowest, demand, top in scanned])
+    fine = [[_below(scan, lowest, demand), _below(scan, demand, top)] for scan, lowest, demand, top in scanned]
+    follow(scans, [np.unique(np.concatenate(parts)) for parts in fine])
+
+
+def _below(scan: Scan, begin: float, end: float) -> Array:
+    """The amplitudes below the lowest fall between these that a scan knows of, at which `Falls.lowest` will look."""
+    fall = scan.known[0][scan.known[1] & (begin <= scan.known[0]) & (scan.known[0] <= end)][:1]
+    return _ladder(max(begin, _NEAR * _NEAR * fall[0]), fall[0], _FINE) if fall.size else fall
