@@ -11,6 +11,7 @@ from rocking_cli import (
     MechanismEquation,
     Outcome,
     System,
+    cosine,
     dimensionless_oscillator,
     linear_response,
     nonlinear_response,
@@ -36,15 +37,25 @@ def both(amplitude, omega, eta, alpha=0.25, motion=None):
     )
 
 
+def assert_decided(*responses):
+    """Every cell has an outcome, a rotation where it rocks and none where it falls."""
+    for found in responses:
+        assert set(found.outcome.tolist()) <= set(DECIDED)
+        assert np.isfinite(found.theta_ratio[found.outcome == Outcome.ROCKED]).all()
+        assert np.isnan(found.theta_ratio[~safe(found.outcome)]).all()
+
+
 @pytest.mark.parametrize("omega", [1e-4, 1e-2, 1.0, 1e2, 1e4])
 @pytest.mark.parametrize("eta", [0.0, 1e-6, 0.9, 0.99, pytest.param(0.999, marks=pytest.mark.soak)])
 def test_amplitudes_from_uplift_to_1e8_are_decided(omega, eta):
     amplitude = np.array([1 + 1e-12, 1 + 1e-9, 1.001, 1.1, 2.0, 1e2, 1e4, 1e8])
-    for found in both(amplitude, omega, eta):
-        assert set(found.outcome.tolist()) <= set(DECIDED)
-        rocked = found.outcome == Outcome.ROCKED
-        assert np.isfinite(found.theta_ratio[rocked]).all()
-        assert np.isnan(found.theta_ratio[~safe(found.outcome)]).all()
+    assert_decided(*both(amplitude, omega, eta))
+
+
+@pytest.mark.parametrize("motion", [cosine(1), sine(5.5)], ids=lambda m: m.name)
+def test_drives_that_jump_and_many_half_cycles_are_decided_too(motion):
+    amplitude, omega, eta = (np.ravel(x) for x in np.meshgrid([1 + 1e-12, 1.001, 2.0, 1e8], [1e-4, 1.0, 1e4], [0.0, 0.9]))
+    assert_decided(*both(amplitude, omega, eta, motion=motion))
 
 
 @pytest.mark.parametrize("omega", [1.0, 1e2, 1e4])
@@ -114,9 +125,8 @@ def test_uplift_on_the_edge_of_a_piece():
     for amplitude, omega in ((2.0, 300.0), (2.0 + 1e-12, 300.0), (1.0 + 1e-15, 3.0)):
         for found in both(amplitude, omega, 0.0, motion=motion):
             assert int(found.outcome) in DECIDED
-    cosine = linear_response(pulse("cosine"), 1.0 + 1e-15, 2.0, 0.5)
-    assert cosine.outcome == Outcome.ROCKED
-    assert linear_response(pulse("cosine"), 1.0, 2.0, 0.5).outcome == Outcome.NO_UPLIFT
+    assert linear_response(cosine(), 1.0 + 1e-15, 2.0, 0.5).outcome == Outcome.ROCKED
+    assert linear_response(cosine(), 1.0, 2.0, 0.5).outcome == Outcome.NO_UPLIFT
 
 
 def test_an_arch_at_the_edge_of_stability():

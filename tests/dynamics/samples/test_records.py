@@ -8,7 +8,8 @@ import pytest
 from oracles.record_lockstep import LINEAR, Rigid, lockstep
 from support.synthetic_records import RECORDS, allowance, assert_same, cells, shaken
 
-from rocking_cli import linear_response, nonlinear_response
+from rocking_cli import Method, RockingParameters, linear_response, nonlinear_response, response
+from rocking_cli.structures.parameters import Side
 
 ALPHA = 0.25
 RESPOND = {"linear": linear_response, "nonlinear": partial(nonlinear_response, alpha=ALPHA)}
@@ -54,3 +55,19 @@ def test_what_changes_nothing(model):
     delayed, continued = np.append(np.zeros(33), samples), np.append(samples, np.zeros(100))
     for other in (shaken(fine, 0.01), shaken(delayed, 0.04), shaken(continued, 0.04)):
         assert_same(respond(other, amplitude, omega, eta), first.theta_ratio, first.outcome, allowed)
+
+
+@pytest.mark.parametrize("model", RESPOND)
+def test_a_record_turned_over_is_a_body_turned_round(model):
+    """Of unlike edges: the other edge goes where the first one did."""
+    edges = (2.0, 0.2, math.tan(0.2), 1.0, 0.7), (2.2, 0.26, math.tan(0.26), 1.0, 0.5)
+    motion, (amplitude, omega) = shaken(RECORDS[0][30:70], 0.05), cells(12, 3)
+
+    def found(first, other, shaking):
+        body = RockingParameters.of_sides("b", "prism", Side("left", *first), Side("right", *other))
+        return response(Method(model).system_of(body), shaking, amplitude, omega, body.eta)
+
+    here, there, still = found(*edges, motion.scaled(-1.0)), found(*edges[::-1], motion), found(*edges, motion)
+    np.testing.assert_array_equal(here.outcome, there.outcome)
+    np.testing.assert_allclose(here.theta_ratio, there.theta_ratio, rtol=1e-13)
+    assert not np.allclose(here.theta_ratio, still.theta_ratio, rtol=1e-3, equal_nan=True)
