@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple, Self
+from typing import Any, NamedTuple, Self, TypeVar
 
 import numpy as np
 
 Array = np.ndarray
+Extended = TypeVar("Extended", bound="Arrays")
 
 
 @dataclass
@@ -23,6 +24,10 @@ class Arrays:
         """Write the lanes of another record into these places."""
         for name in self.__dataclass_fields__:
             getattr(self, name)[places] = getattr(others, name)
+
+    def extended(self, kind: type[Extended], **more: Array) -> Extended:
+        """These lanes as a record of a subclass, with the values of its own fields."""
+        return kind(**vars(self), **more)
 
     @classmethod
     def joined(cls, parts: Sequence[Self]) -> Self:

@@ -127,33 +127,9 @@ class Equation(ABC):
     def flow(self, segments: Segments, lanes: Lanes) -> Flow:
         """The flow of the lanes from their present state."""
 
-    def along(self, y: Array) -> Callable[[int], Array]:
-        """A function of n that returns terms n of l and m, (2, lanes), from the terms 0 to n of y, (terms, lanes); it is called for n = 0,
-        1 ... in this order."""
-        raise NotImplementedError
-
+    @abstractmethod
     def ramp_terms(self, y: Array, v: Array, ramp: Ramp) -> Array:
         """Terms of y in powers of time over `ramp.unit` under a straight line, (degrees + 2, lanes)."""
-        terms = np.empty((len(ramp.factors) + 2, y.size))
-        terms[0] = y
-        np.multiply(v, ramp.unit, out=terms[1])
-        term, drag = self.along(terms), 2.0 * self.damping / ramp.unit
-        before = np.empty((2, y.size))
-        for n, factor in enumerate(ramp.factors):
-            lift, push = here = term(n)
-            pushed = np.multiply(ramp.drive, push, out=terms[n + 2])
-            if n:
-                pushed += ramp.gain * before[1]
-            pushed -= lift if ramp.weight is None else ramp.weight[0] * lift
-            if n and ramp.weight is not None:
-                pushed -= ramp.weight[1] * before[0]
-            if not n and ramp.force is not None:
-                pushed[:] = ramp.force
-            if self.damping:
-                pushed -= drag * ((n + 1) * terms[n + 1])
-            pushed *= factor
-            before = here
-        return terms
 
     @abstractmethod
     def law(self, side: float) -> Law:
@@ -192,6 +168,38 @@ class Equation(ABC):
     def certainly_overturns(self, y: Array, v: Array, inward: Array, steady: bool = True) -> Array:
         """True where no drive up to `inward` >= 0 (over the uplift's) can bring the body back (Lemma 6). steady: True if the weight is
         constant; otherwise `inward` is over the least weight to come."""
+
+
+class SeriesEquation(Equation):
+    """An equation whose l and m are series in y, so that the terms of y follow from each other."""
+
+    @abstractmethod
+    def along(self, y: Array) -> Callable[[int], Array]:
+        """A function of n that returns terms n of l and m, (2, lanes), from the terms 0 to n of y, (terms, lanes); it is called for n = 0,
+        1 ... in this order."""
+
+    def ramp_terms(self, y: Array, v: Array, ramp: Ramp) -> Array:
+        """See `Equation.ramp_terms`."""
+        terms = np.empty((len(ramp.factors) + 2, y.size))
+        terms[0] = y
+        np.multiply(v, ramp.unit, out=terms[1])
+        term, drag = self.along(terms), 2.0 * self.damping / ramp.unit
+        before = np.empty((2, y.size))
+        for n, factor in enumerate(ramp.factors):
+            lift, push = here = term(n)
+            pushed = np.multiply(ramp.drive, push, out=terms[n + 2])
+            if n:
+                pushed += ramp.gain * before[1]
+            pushed -= lift if ramp.weight is None else ramp.weight[0] * lift
+            if n and ramp.weight is not None:
+                pushed -= ramp.weight[1] * before[0]
+            if not n and ramp.force is not None:
+                pushed[:] = ramp.force
+            if self.damping:
+                pushed -= drag * ((n + 1) * terms[n + 1])
+            pushed *= factor
+            before = here
+        return terms
 
 
 def falls_by_energy(v: Array, energy: Array, barrier: Array | float, beyond: Array) -> Array:

@@ -25,7 +25,7 @@ from ...structures.mechanics.kinematics import Mechanism
 from ..drive import summed
 from ..lanes import Array, Lanes
 from .collocation import collocated
-from .equation import Equation, Law, falls_by_energy
+from .equation import Law, SeriesEquation, falls_by_energy
 from .patches import DEGREE, inverse, largest, tabulate
 from .taylor import CACHED, LOCAL, MOST_TERMS, TaylorSeries, drive_series, longest, order_for, powers, ramp_flow
 
@@ -37,7 +37,7 @@ _MARGIN = 1e-6  # energy beyond a barrier from which overturning is certain, wha
 _FACTORIALS = np.array([[float(math.factorial(k))] for k in range(DEGREE + 1)])
 
 
-class MechanismEquation(Equation):
+class MechanismEquation(SeriesEquation):
     """Eq. 3.4 for one mechanism; tolerance: error of phi/alpha that is aimed at; damping: zeta [-], of q. Raises ValueError when the
     mechanism does not stand or never becomes unstable, when its lambda(phi) does not fall until then, or when the tolerance is not between
     1e-13 and 1e-2."""

@@ -21,11 +21,11 @@ from ...motions.blocks import blocks
 from ...motions.segments import Segments
 from ...structures.parameters import LEAST_ALPHA
 from ..lanes import Array, Lanes
-from .equation import Equation, Law, convolution, falls_by_energy
+from .equation import Law, SeriesEquation, convolution, falls_by_energy
 from .taylor import CACHED, TaylorSeries, drive_series, order_for, ramp_flow, series
 
 
-class RigidBodyEquation(Equation):
+class RigidBodyEquation(SeriesEquation):
     """Eq. 2.3 for a body of critical angle alpha [rad]. alpha: of both edges, (right, left) of a body whose edges differ, or an array of
     one alpha for each cell; tolerance: error of theta/alpha that is aimed at; damping: zeta [-]. Raises ValueError when an alpha is not
     between 1e-30 and pi/2, the tolerance not between 1e-13 and 1e-2, or the damping negative."""

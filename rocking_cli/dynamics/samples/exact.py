@@ -131,7 +131,7 @@ class ExactStepper(SampleStepper[ExactLanes]):
 
     def launch(self, lanes: PooledLanes) -> ExactLanes:
         """Lanes with their modes about the bounded response."""
-        found = ExactLanes(**vars(lanes), up=lanes.y, down=lanes.y, row=lanes.k, level=lanes.k)
+        found = lanes.extended(ExactLanes, up=lanes.y, down=lanes.y, row=lanes.k, level=lanes.k)
         self._renew_modes(found)
         return found
 

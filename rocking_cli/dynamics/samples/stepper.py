@@ -38,7 +38,7 @@ class SampleStepper(ABC, Generic[Pooled]):
     """The way of a run along the samples of a record."""
 
     def __init__(self, run: Run, samples: Sequence[Samples]) -> None:
-        """samples: of each motion in the segments. Of each cell: its motion, the first and the last sample, the step."""
+        """samples: those of each motion, in the order of the segments. Every cell gets its motion, first and last sample, and step."""
         self.run, self.equation, self.cells, self.segments = run, run.batch.equation, run.batch.cells, run.batch.segments
         self.values = [one.values for one in samples]
         self.samples, self.gains = np.concatenate(self.values), np.concatenate([gains(one) for one in self.values])
@@ -115,7 +115,7 @@ class SampleStepper(ABC, Generic[Pooled]):
         lanes = self.run.start(cells)
         lanes.k, lanes.u = place(self.segments, lanes.k, lanes.u)
         pace = self.step.take(lanes.cell) / lanes.omega
-        return self.launch(PooledLanes(**vars(lanes), pace=pace, outward=-lanes.side * lanes.amplitude, slot=slot))
+        return self.launch(lanes.extended(PooledLanes, pace=pace, outward=-lanes.side * lanes.amplitude, slot=slot))
 
     def _careful(self, lanes: Pooled) -> Pooled:
         """A round of the march for lanes that cannot jump."""

@@ -41,7 +41,7 @@ class TaylorStepper(SampleStepper[SteppingLanes]):
 
     def launch(self, lanes: PooledLanes) -> SteppingLanes:
         """Lanes with the degree of their series."""
-        return SteppingLanes(**vars(lanes), degree=self._degree(lanes))
+        return lanes.extended(SteppingLanes, degree=self._degree(lanes))
 
     def _degree(self, lanes: PooledLanes) -> Array:
         """Degree of the series of lanes, for speeds that rocking usually has."""
