@@ -60,10 +60,8 @@ class Value:
 @dataclass
 class Document:
     """One document: its values by key. Each reading method marks its key as asked; `finish` refuses the other keys.
-
-    keys: the place of each key; index: number of the document in its file; asked: keys that were asked for; inner: documents
-    inside the lists of this one; dimensions: the dimension of each quantity that was read.
-    """
+    keys: the place of each key; index: number of the document in its file; asked: keys that were asked for; inner: documents inside the
+    lists of this one; dimensions: the dimension of each quantity that was read."""
 
     source: str
     place: Place
@@ -108,10 +106,8 @@ class Document:
         where: str = "",
         default: float | None = None,
     ) -> float:
-        """The SI value of a key, or `default` if the key is absent; `where` states the range in words.
-
-        Raises DocumentError if the value has a wrong unit or is out of range, or if the key is absent and has no default.
-        """
+        """The SI value of a key, or `default` if the key is absent; `where` states the range in words. Raises DocumentError if the value
+        has a wrong unit or is out of range, or if the key is absent and has no default."""
         self.dimensions[key] = dimension
         if not self.has(key):
             if default is None:
@@ -222,10 +218,8 @@ def _range_text(above: float, below: float, least: float, most: float) -> str:
 
 
 def read_documents(path: str | Path) -> list[Document]:
-    """All documents of a YAML, JSON or CSV file; `-` is standard input.
-
-    Raises UsageError if the file cannot be read, and DocumentError if it holds no valid document.
-    """
+    """All documents of a YAML, JSON or CSV file; `-` is standard input. Raises UsageError if the file cannot be read, and DocumentError if
+    it holds no valid document."""
     return documents_of(*read_bytes(path))
 
 

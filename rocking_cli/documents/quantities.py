@@ -39,10 +39,8 @@ _QUANTITY = re.compile(rf"\s*({_NUMBER})\s*(.*?)\s*\Z", re.DOTALL)
 
 
 def split_quantity(text: str) -> tuple[float, str] | None:
-    """(number, unit text) of a quantity, or None if the text does not begin with a decimal number.
-
-    `1e-3` is a number and `010` is ten; `no`, `.inf` and `nan` are not numbers, `0x10` and `1:30` have no valid unit.
-    """
+    """(number, unit text) of a quantity, or None if the text does not begin with a decimal number. `1e-3` is a number and `010` is ten;
+    `no`, `.inf` and `nan` are not numbers, `0x10` and `1:30` have no valid unit."""
     match = _QUANTITY.match(text)
     return None if match is None else (float(match[1]), match[2])
 

@@ -91,10 +91,8 @@ def rows_of(text: str, source: str, delimiter: str) -> Iterator[list[Cell]]:
 
 
 def named_rows(path: str | Path) -> tuple[list[str], list[tuple[int, dict[str, str]]]]:
-    """(column names, rows) of any CSV file; a row is (line number, cells by column). An empty file has no columns.
-
-    Raises UsageError if the file cannot be read, and DocumentError if it is not CSV.
-    """
+    """(column names, rows) of any CSV file; a row is (line number, cells by column). An empty file has no columns. Raises UsageError if the
+    file cannot be read, and DocumentError if it is not CSV."""
     source, raw = read_bytes(path)
     reader = csv.DictReader(io.StringIO(text_of(source, raw), newline=""), strict=True)
     try:

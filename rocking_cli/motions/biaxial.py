@@ -15,11 +15,8 @@ from .polyline import Polyline
 
 
 def with_vertical(motion: Motion, vertical: Motion, scale: float = 1.0) -> Motion:
-    """A horizontal motion together with a vertical one times `scale`, which may be negative.
-
-    Two records keep the ratio of their amplitudes. Two pulses or motion documents share a_g and phase.
-    Raises UsageError if only one of the two is a record.
-    """
+    """A horizontal motion together with a vertical one times `scale`, which may be negative. Two records keep the ratio of their
+    amplitudes. Two pulses or motion documents share a_g and phase. Raises UsageError if only one of the two is a record."""
     own, other = motion.acceleration, vertical.acceleration
     if (own is None) != (other is None):
         raise UsageError("only one of the horizontal and the vertical motion is a record; expected two records, or none")

@@ -116,10 +116,8 @@ def scaled_frequency(axis: Axis, structure: RockingParameters) -> np.ndarray:
 
 
 def parse_axes(text: str, *, records: bool = False) -> dict[str, Axis]:
-    """Axes by name from a text such as `a_g=0.1g:1g:50,omega_g=1:20:40:log`; records: accept the axes of records instead.
-
-    Raises UsageError.
-    """
+    """Axes by name from a text such as `a_g=0.1g:1g:50,omega_g=1:20:40:log`; records: accept the axes of records instead. Raises
+    UsageError."""
     axes: dict[str, Axis] = {}
     known = _RECORD_AXES if records else _PULSE_AXES
     for part in text.split(","):
@@ -194,9 +192,8 @@ def demand_in_words(shakes: Sequence[tuple[Motion, Grid]]) -> str:
 
 
 def parse_grid(text: str, structures: int = 1, *, own_time: bool = False) -> Grid:
-    """The grid of the option `--grid`: two axes, both with units or both dimensionless. Raises UsageError.
-
-    structures: their number, for the limit of cells; own_time: for a record, whose grid has only the axis A or a_g of its peak.
+    """The grid of the option `--grid`: two axes, both with units or both dimensionless. Raises UsageError. structures: their number, for
+    the limit of cells; own_time: for a record, whose grid has only the axis A or a_g of its peak.
 
     >>> parse_grid('a_g=0.1g:1g:50,f_g=0.5:5:40').shape  # frequencies, amplitudes
     (40, 50)
@@ -218,10 +215,8 @@ def parse_grid(text: str, structures: int = 1, *, own_time: bool = False) -> Gri
 
 
 def parse_angles(text: str) -> Axis:
-    """The axis of critical angles from a text such as `10,15,20deg` or START:STOP:N. Raises UsageError.
-
-    A number without a unit takes the next unit to its right.
-    """
+    """The axis of critical angles from a text such as `10,15,20deg` or START:STOP:N. Raises UsageError. A number without a unit takes the
+    next unit to its right."""
     if ":" in text:
         return Axis("alpha", parse_span("`alpha`", text, "angle"))
     unit, found = "", []

@@ -73,12 +73,9 @@ class Near(NamedTuple):
 @dataclass(frozen=True, eq=False)
 class Motion:
     """A named motion: contiguous pieces from phase 0; the ground acceleration is a_g s(phi).
-
     vertical: the vertical motion on the same pieces, positive upwards, over the same amplitude; None if there is none; acceleration: the
-    amplitude a_g of a record [m/s2], which runs in its own time (omega_g = 1 rad/s); None for any other motion.
-
-    Raises MotionError if there is no piece, if pieces overlap or leave a gap, or if a number is not finite.
-    """
+    amplitude a_g of a record [m/s2], which runs in its own time (omega_g = 1 rad/s); None for any other motion. Raises MotionError if there
+    is no piece, if pieces overlap or leave a gap, or if a number is not finite."""
 
     name: str
     pieces: Sequence[Piece]
@@ -132,9 +129,7 @@ class Motion:
 
     def on(self, marks: np.ndarray, vertical: Motion | None = None) -> Motion:
         """The same motion with a piece between each two of these phases [rad], which include all its own marks; zero after its end.
-
-        vertical: a motion on the same pieces to add to it.
-        """
+        vertical: a motion on the same pieces to add to it."""
         pieces = []
         for start, stop in pairwise(marks.tolist()):
             middle = 0.5 * (start + stop)
@@ -143,10 +138,8 @@ class Motion:
         return Motion(self.name + upwards(vertical), tuple(pieces), vertical)
 
     def scaled(self, factor: float, name: str | None = None) -> Motion:
-        """The motion times a factor. A negative factor reverses the horizontal motion only; the vertical one takes |factor|.
-
-        name: by default that of the motion with the factor. Raises MotionError, see `checked_scale`.
-        """
+        """The motion times a factor. A negative factor reverses the horizontal motion only; the vertical one takes |factor|. name: by
+        default that of the motion with the factor. Raises MotionError, see `checked_scale`."""
         told, up = self._scaled_name(factor)
         return Motion(name or told, tuple(p.scaled(factor) for p in self.pieces), up)
 
@@ -203,10 +196,8 @@ class Motion:
         )
 
     def _lengths(self, index: np.ndarray, start: np.ndarray, stop: np.ndarray) -> np.ndarray:
-        """Lengths [rad] of the segments, exact between quarter turns of a single sinusoid.
-
-        The sines there are exact, and the rounding of phases would add up over many cycles.
-        """
+        """Lengths [rad] of the segments, exact between quarter turns of a single sinusoid. The sines there are exact, and the rounding of
+        phases would add up over many cycles."""
         length = stop - start
         for i, piece in enumerate(self.pieces):
             if len(piece.harmonics) == 1:

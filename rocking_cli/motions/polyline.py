@@ -27,10 +27,8 @@ _ROUNDING = 4e-16  # rounding of equal steps over the duration, and of joined li
 
 class Polyline(Motion):
     """Straight lines over contiguous intervals of phase: s = constant + slope (phase - start).
-
-    start, stop [rad], constant [-], slope [1/rad]: arrays of shape (n,), start[0] = 0; acceleration: see `Motion.acceleration`.
-    Raises MotionError if an interval is empty or a number is not finite.
-    """
+    start, stop [rad], constant [-], slope [1/rad]: arrays of shape (n,), start[0] = 0; acceleration: see `Motion.acceleration`. Raises
+    MotionError if an interval is empty or a number is not finite."""
 
     start: Array
     stop: Array
@@ -132,10 +130,8 @@ class Polyline(Motion):
 
 
 def record_motion(record: Record, scale: float = 1.0, name: str = "") -> Polyline:
-    """The motion of a record in its own time, times `scale`: omega_g = 1 rad/s, max |s| = 1, `acceleration` = |scale| PGA [m/s2].
-
-    name: by default the label of the record. Raises MotionError if the record is zero throughout, or for the scale.
-    """
+    """The motion of a record in its own time, times `scale`: omega_g = 1 rad/s, max |s| = 1, `acceleration` = |scale| PGA [m/s2]. name: by
+    default the label of the record. Raises MotionError if the record is zero throughout, or for the scale."""
     peak = largest(record.acceleration)
     if not peak > 0.0:
         raise MotionError(f"motion {record.label!r}: zero throughout; the motion must have a non-zero value")

@@ -22,11 +22,8 @@ _MOST_PATCHES = 50_000  # above it there is no table
 
 @dataclass(frozen=True)
 class Table:
-    """The polynomials of K segments with P patches.
-
-    first, last: first and last patch of a segment, (K,); half: half width of its patches [rad], (K,); terms: coefficients of the
-    powers of (u - centre)/half, (DEGREE + 1, P).
-    """
+    """The polynomials of K segments with P patches. first, last: first and last patch of a segment, (K,); half: half width of its patches
+    [rad], (K,); terms: coefficients of the powers of (u - centre)/half, (DEGREE + 1, P)."""
 
     first: Array
     last: Array

@@ -54,10 +54,8 @@ def rectangular_impulse() -> Motion:
 
 
 def ricker_symmetric() -> Motion:
-    """(1 - x^2) exp(-x^2/2), x = (phi - phi_0)/sqrt(2): the Ricker wavelet of predominant frequency omega_g.
-
-    A sum of 23 cosines gives it to 1e-13.
-    """
+    """(1 - x^2) exp(-x^2/2), x = (phi - phi_0)/sqrt(2): the Ricker wavelet of predominant frequency omega_g. A sum of 23 cosines gives it
+    to 1e-13."""
     return Motion("symmetric Ricker", (_ricker(math.sqrt(2.0), lambda k: (1.0, 0.5 * np.pi)),))
 
 

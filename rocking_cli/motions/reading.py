@@ -33,10 +33,8 @@ MEASURES = {"PGA": "acceleration", "PGV": "velocity", "PGD": "length", "Arias": 
 
 class MotionChoices(TypedDict, total=False):
     """Choices for the motion of a file: its factor `scale`, which may be negative, and `tell`, called with each remark.
-
     For records only: component by name or number; unit and dt [s] of plain numbers; scale_to, instead of `scale`: a text such as
-    `PGA=0.35g`; vertical: factor of the vertical component of the same file, which is added.
-    """
+    `PGA=0.35g`; vertical: factor of the vertical component of the same file, which is added."""
 
     component: str | None
     unit: str | None
@@ -48,9 +46,8 @@ class MotionChoices(TypedDict, total=False):
 
 
 def read_motion(path: str | Path, **given: Unpack[MotionChoices]) -> Motion:
-    """The motion of a motion document or a record; path `-` is standard input; given: see `MotionChoices`.
-
-    Raises UsageError if the file cannot be read or an option does not apply, and DocumentError.
+    """The motion of a motion document or a record; path `-` is standard input; given: see `MotionChoices`. Raises UsageError if the file
+    cannot be read or an option does not apply, and DocumentError.
 
     >>> read_motion('configs/motions/two_pulses.yaml').name
     'Two pulses'
@@ -70,11 +67,9 @@ def read_motions(
     paths: Sequence[str], *, unread: Callable[[str], None] | None = None, **given: Unpack[MotionChoices]
 ) -> Motion | tuple[Recording, ...]:
     """The motion of a single motion document, or the records of files, directories and lists of files (see `record_files`).
-
     unread: called with each file of a directory that cannot be read, an error if None; given: see `MotionChoices`, but component may be
-    `horizontal` or `all` too; None: each horizontal component of each file. Raises UsageError and DocumentError as `read_motion` does,
-    and UsageError without a record.
-    """
+    `horizontal` or `all` too; None: each horizontal component of each file. Raises UsageError and DocumentError as `read_motion` does, and
+    UsageError without a record."""
 
     def shaken(records: list[Record]) -> list[Recording]:
         return _recordings(records, chosen(records, given.get("component")), given)
@@ -198,11 +193,9 @@ def read_set(
     unread: Callable[[str], None] | None = None,
 ) -> Iterator[Taken]:
     """The results of `take` on the records of each file; for the paths see `record_files`. unit, dt [s]: of plain numbers.
-
     tell: called for each file of a directory that is no record or lacks an acceleration or the component, and for each file without
     results; unread: called for each file of a directory that cannot be read or taken, an error if None, as for a named file. Raises
-    UsageError, DocumentError and the errors of `take`.
-    """
+    UsageError, DocumentError and the errors of `take`."""
     demand_unit(unit)
     for path, named, held in record_files(paths):
         try:
@@ -227,10 +220,8 @@ def read_set(
 
 def record_files(paths: Sequence[str]) -> Iterator[tuple[str, bool, tuple[str, bytes] | None]]:
     """The files of a set, each with True if it was named, and with its content if it is read already (standard input).
-
-    A directory gives its files in order of name, unnamed; a list file (a path on each line, from the folder of the list) the files
-    that it names; any other path itself. Raises UsageError.
-    """
+    A directory gives its files in order of name, unnamed; a list file (a path on each line, from the folder of the list) the files that it
+    names; any other path itself. Raises UsageError."""
     for path in paths:
         if path != "-" and os.path.isdir(path):
             inside = sorted(os.path.join(path, name) for name in os.listdir(path) if not name.startswith("."))

@@ -21,11 +21,8 @@ from .records import Record
 
 @dataclass(frozen=True, eq=False)
 class Recording:
-    """A record times a factor, which may be negative.
-
-    label: its name in a set; upwards: the vertical motion. Raises MotionError if the record is zero throughout, or the factor is zero
-    or not finite.
-    """
+    """A record times a factor, which may be negative. label: its name in a set; upwards: the vertical motion. Raises MotionError if the
+    record is zero throughout, or the factor is zero or not finite."""
 
     record: Record
     factor: float = 1.0

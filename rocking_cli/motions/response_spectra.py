@@ -58,10 +58,8 @@ def acceleration_spectrum(record: Record, periods: Sequence[float] | Array, damp
 
 
 def periods_of(name: str) -> tuple[str, Array] | None:
-    """The name and the periods [s] of SA(T), or of AvgSA(T1) (ten from 0.2 to 1.5 T1; T1 = 1 s if not stated) or AvgSA(T, T, ...).
-
-    None for another measure. Raises UsageError for a period that is not positive.
-    """
+    """The name and the periods [s] of SA(T), or of AvgSA(T1) (ten from 0.2 to 1.5 T1; T1 = 1 s if not stated) or AvgSA(T, T, ...). None for
+    another measure. Raises UsageError for a period that is not positive."""
     if (match := _NAME.fullmatch(name.strip())) is None:
         return None
     mean, text = match[1].casefold() != "sa", match[2] or ("1" if match[1].casefold() != "sa" else "")

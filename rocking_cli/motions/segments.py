@@ -28,11 +28,9 @@ class Wave:
 @dataclass(frozen=True)
 class Segments:
     """The K monotone segments of a motion. Arrays have the shape (K,), or (harmonics, K) for sin, cos and frequency.
-
-    start, length [rad]; s_start, s_end: s at the ends, inside the segment; sin, cos: of the argument of each sinusoid at the start,
-    times its amplitude; frequency: over omega_g; slope [1/rad]; joins: the next segment belongs to the same piece; later_max,
-    later_min: largest and least s from the start of the segment on, with 0 for the ground at rest after the motion.
-    """
+    start, length [rad]; s_start, s_end: s at the ends, inside the segment; sin, cos: of the argument of each sinusoid at the start, times
+    its amplitude; frequency: over omega_g; slope [1/rad]; joins: the next segment belongs to the same piece; later_max, later_min: largest
+    and least s from the start of the segment on, with 0 for the ground at rest after the motion."""
 
     start: np.ndarray
     length: np.ndarray

@@ -115,11 +115,8 @@ def form_among(names: Iterable[str]) -> Form:
 
 @dataclass(frozen=True, eq=False)
 class Frame:
-    """The places of a file's cells.
-
-    dimensions: the values on each of the three, in their order; beside: other lists by name, each with its dimension; units: of the
-    varied keys of a family, which ABOUT does not know.
-    """
+    """The places of a file's cells. dimensions: the values on each of the three, in their order; beside: other lists by name, each with its
+    dimension; units: of the varied keys of a family, which ABOUT does not know."""
 
     dimensions: Mapping[str, Values]
     beside: Mapping[str, tuple[str, Values]]

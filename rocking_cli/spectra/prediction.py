@@ -22,10 +22,9 @@ ETA_TOLERANCE = 1e-6  # restitutions closer than this count as equal
 
 def predict(structure: RockingParameters, spectrum: SpectraFile | str | Path, shaking: Grid) -> dict[str, Any]:
     """The row of `predict_exactly` under the motion of a linear dimensionless spectrum, with the value interpolated in the spectrum.
-
-    theta_ratio_interpolated is linear between the spectrum's cells around (A, Omega), None unless all of them are
-    safe; interpolation_error is its distance from the computed theta_ratio. Raises UsageError when the spectrum has other axes,
-    model or restitutions, or does not reach (A, Omega).
+    theta_ratio_interpolated is linear between the spectrum's cells around (A, Omega), None unless all of them are safe; interpolation_error
+    is its distance from the computed theta_ratio. Raises UsageError when the spectrum has other axes, model or restitutions, or does not
+    reach (A, Omega).
 
     >>> _ = write_spectrum([dimensionless_oscillator(0.9)], sine(), parse_grid('A=1:4:50,Omega=1:8:50'), 'p.h5', workers=1)
     >>> found = predict(dimensionless_oscillator(0.9), 'p.h5', parse_grid('A=1.5,Omega=6'))
@@ -60,12 +59,10 @@ def predict(structure: RockingParameters, spectrum: SpectraFile | str | Path, sh
 
 def predict_exactly(structure: RockingParameters, motion: Motion, shaking: Grid) -> dict[str, Any]:
     """theta_max [rad], theta_ratio and outcome, computed, and the distance to overturning, from boundaries traced along A.
-
-    capacity_demand: the lowest overturning amplitude over A, below 1 if a lower amplitude overturns the body; margin: relative distance
-    in A to the nearest boundary between standing and overturning; margin_side: the side of A on which it lies. They are None if no
-    amplitude up to A_MAX and 2 A overturns, and at A = 0. theta_max is None if the edges differ, since the largest theta/alpha does
-    not state its edge. Raises UsageError for a demand above the limit of a scan.
-    """
+    capacity_demand: the lowest overturning amplitude over A, below 1 if a lower amplitude overturns the body; margin: relative distance in
+    A to the nearest boundary between standing and overturning; margin_side: the side of A on which it lies. They are None if no amplitude
+    up to A_MAX and 2 A overturns, and at A = 0. theta_max is None if the edges differ, since the largest theta/alpha does not state its
+    edge. Raises UsageError for a demand above the limit of a scan."""
     amplitude, omega = (float(x[0]) for x in shaking.scaled(structure))
     if 2.0 * amplitude > HIGHEST:
         raise UsageError(f"{structure.name}: found A = {amplitude:.6g}; expected up to {HIGHEST / 2.0:g}")

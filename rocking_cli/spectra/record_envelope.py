@@ -102,12 +102,10 @@ def tracing_records(
     tracing: Tracing, *, sign: str = "worse", workers: int | None = None, progress: Callable[[int, int], None] | None = None
 ) -> Iterator[dict[str, Any]]:
     """Rows of the overturning intervals, in the order of records and structures.
-
     A row has record; structure, or alpha [rad] and T = 2 pi/p [s]; the ends as dimensionless amplitudes A_from and A_to, as peaks of the
     ground a_from and a_to [m/s2], and as factors of the original record scale_from and scale_to (A_to, a_to and scale_to None if the
     interval continues beyond a_max); mode. With `first` only the first interval, without its end; A_from None and mode "none" if no
-    amplitude overturns. sign "both" adds `sign`, None if the sides are equal. Raises OutputError when a worker process dies.
-    """
+    amplitude overturns. sign "both" adds `sign`, None if the sides are equal. Raises OutputError when a worker process dies."""
     scene = tracing.scene
     tasks = list(_tasks(tracing, sign, 1))
     cells = sum(len(task.omegas) * math.log(max(2.0, tracing.limit(task.structure))) for task in tasks) / math.log1p(RATIO)
@@ -126,7 +124,6 @@ def envelope(
     a_max: float = A_MAX, sign: str = "worse", workers: int | None = None,
 ) -> list[dict[str, Any]]:  # fmt: skip
     """Every overturning interval of a structure, as the rows of `rocking envelope`.
-
     axis: of frequencies, such as 'f_g=0.5:5:10'; None for a `Recording`, whose scale is varied; method: None for `governing_method`; the
     other arguments as of `trace_envelope`. Raises UsageError as that does.
 
@@ -179,10 +176,8 @@ def _told(scene: RecordScene, task: Task, column: int, steps: Steps, first: bool
 
 def overturning_spectrum(scene: RecordScene, records: Iterable[Mapping[str, Any]]) -> Iterator[dict[str, Any]]:
     """The rows of a spectrum, one for each size or structure, from the rows of `tracing_records` with `first`.
-
-    structure, or alpha [rad] and T [s]; p [rad/s]; pga_ratio_16, _50, _84: quantiles of the first overturning PGA/(lambda g)
-    over the records [%], None if too few of them overturn the body; overturned, records: their numbers.
-    """
+    structure, or alpha [rad] and T [s]; p [rad/s]; pga_ratio_16, _50, _84: quantiles of the first overturning PGA/(lambda g) over the
+    records [%], None if too few of them overturn the body; overturned, records: their numbers."""
     found: dict[tuple[Any, ...], list[float]] = {}
     keys = ("alpha", "T") if scene.over_angles else ("structure",)
     for record in records:

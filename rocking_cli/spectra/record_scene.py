@@ -31,10 +31,8 @@ AS_RECORDED = Axis("scale", np.array([1.0]))
 
 def block_of(alpha: float, eta: float | None) -> RockingParameters:
     """A rigid block of critical angle alpha [rad] whatever its size; eta: None for 1 - 3/2 sin^2 alpha.
-
-    Its p is 1 rad/s; forces over its weight are those of any size (p^2 = 3g/(4R)). Raises StructureError for a restitution out of
-    range, such as that of a block whose width is above 1.41 times its height.
-    """
+    Its p is 1 rad/s; forces over its weight are those of any size (p^2 = 3g/(4R)). Raises StructureError for a restitution out of range,
+    such as that of a block whose width is above 1.41 times its height."""
     if eta is None:
         eta, source = 1.0 - 1.5 * math.sin(alpha) ** 2, "momentum"
     else:
@@ -46,11 +44,9 @@ def block_of(alpha: float, eta: float | None) -> RockingParameters:
 @dataclass(frozen=True, eq=False)
 class RecordScene(Scene):
     """Structures under records.
-
-    columns: the third dimension, one of `COLUMNS`; with T [s] the structures are blocks of one size each, whose p is 2 pi/T
-    instead, and the second dimension is their alpha. Raises UsageError when there is no structure or record, one has no units or the
-    model does not hold for it, or there are too many cells.
-    """
+    columns: the third dimension, one of `COLUMNS`; with T [s] the structures are blocks of one size each, whose p is 2 pi/T instead, and
+    the second dimension is their alpha. Raises UsageError when there is no structure or record, one has no units or the model does not hold
+    for it, or there are too many cells."""
 
     structures: tuple[RockingParameters, ...]
     recordings: tuple[Recording, ...]
@@ -192,10 +188,8 @@ def scene_of_words(
     model: str | None = None,
     tolerance: float = TOLERANCE,
 ) -> RecordScene:
-    """The scene of the options `--grid` (None: as recorded), `--alpha` and `--eta` (None: of a block).
-
-    model, tolerance: those of `governing_method`. Raises UsageError.
-    """
+    """The scene of the options `--grid` (None: as recorded), `--alpha` and `--eta` (None: of a block). model, tolerance: those of
+    `governing_method`. Raises UsageError."""
     found = parse_axes(axes, records=True) if axes is not None else {}
     if alphas is not None and "alpha" in found:
         raise UsageError("`alpha` does not go with alpha in `grid`")

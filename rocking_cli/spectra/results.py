@@ -28,15 +28,13 @@ _RECORDED = (
 @dataclass(frozen=True)
 class Summary:
     """Counts, times and checks of a sweep; times, checks and counters are those of this run.
-
-    run_time [s]; estimated_error: largest difference of theta/alpha from another path on the checked cells; sensitive_cells: checked
-    cells that were chosen for their sensitivity; misjudged: checked cells whose outcome differs; beyond_tolerance: those
-    where theta/alpha differs by more than the tolerance times the condition; shared_cells: cells taken from another structure of equal
-    restitution; resumed_cells: cells from an earlier run; elsewhere: the differences of its machine; records: their number, 0 for a
-    pulse; compared: checked cells of a linear sweep of records that were also computed by the nonlinear equation; otherwise: those of
-    them that differ in overturning; differences: cells by `Difference`, if both equations were computed; validity: of a linear sweep, if
-    requested; weighed: True if the ground also moved vertically.
-    """
+    run_time [s]; estimated_error: largest difference of theta/alpha from another path on the checked cells; sensitive_cells: checked cells
+    that were chosen for their sensitivity; misjudged: checked cells whose outcome differs; beyond_tolerance: those where theta/alpha
+    differs by more than the tolerance times the condition; shared_cells: cells taken from another structure of equal restitution;
+    resumed_cells: cells from an earlier run; elsewhere: the differences of its machine; records: their number, 0 for a pulse; compared:
+    checked cells of a linear sweep of records that were also computed by the nonlinear equation; otherwise: those of them that differ in
+    overturning; differences: cells by `Difference`, if both equations were computed; validity: of a linear sweep, if requested; weighed:
+    True if the ground also moved vertically."""
 
     structures: int
     cells: int

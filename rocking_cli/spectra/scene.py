@@ -151,10 +151,8 @@ class Scene(ABC):
 @dataclass(frozen=True, eq=False)
 class PulseScene(Scene):
     """Structures over a grid of amplitude and frequency, under one motion.
-
-    Structures of equal restitution share one dimensionless linear spectrum, which is computed once (section 3.3 of the paper).
-    Raises UsageError when a structure has no units but the grid does, or the scene holds no structure.
-    """
+    Structures of equal restitution share one dimensionless linear spectrum, which is computed once (section 3.3 of the paper). Raises
+    UsageError when a structure has no units but the grid does, or the scene holds no structure."""
 
     structures: tuple[RockingParameters, ...]
     grid: Grid

@@ -87,10 +87,8 @@ class SweepOptions:
         return min(rows, max(1, self.chunk_cells // width)), width
 
     def quantities_of(self, scene: Scene) -> tuple[str, ...]:
-        """The quantities to compute, in the order of `QUANTITIES`: the requested ones, and those that the scene always has.
-
-        Raises UsageError if one is not defined for the scene.
-        """
+        """The quantities to compute, in the order of `QUANTITIES`: the requested ones, and those that the scene always has. Raises
+        UsageError if one is not defined for the scene."""
         found = tuple(name for name in QUANTITIES if name in (*self.quantities, *scene.quantities))
         if "velocity_ratio" in found and not scene.of_records:
             raise UsageError("quantity velocity_ratio: found the sweep of a pulse; expected a sweep of records")
@@ -126,7 +124,6 @@ def spectrum(
     **options: Any,
 ) -> Spectrum:  # fmt: skip
     """The rocking spectrum of structures over a grid, in memory; a record needs none, or one of its peak: parse_grid(..., own_time=True).
-
     method: the equation of motion, None for `governing_method`; options: workers, check and quantities of `SweepOptions`. Raises
     UsageError.
 
@@ -161,7 +158,6 @@ def write_spectrum(
     structures: Sequence[RockingParameters], motion: Motion, grid: Grid, path: str | Path, *, method: Method | None = None, **options: Any
 ) -> Summary:
     """Compute a spectrum of structures under a pulse and stream it into an HDF5 file.
-
     method: as in `spectrum`; options: those of `SweepOptions`: workers, scheduler, chunk_cells, check, quantities, impacts, overwrite,
     resume, strict, shard, documents, history, progress and tell. Raises what `write_scene` raises.
 
@@ -173,11 +169,8 @@ def write_spectrum(
 
 
 def write_scene(scene: Scene, path: str | Path, options: SweepOptions | None = None) -> Summary:
-    """Compute a scene and stream it, chunk by chunk, into an HDF5 file (layout: `rocking help files`).
-
-    Raises UsageError for a refused scene or output, OutputError when the file cannot be written or a worker process dies,
-    Interrupted on Ctrl-C.
-    """
+    """Compute a scene and stream it, chunk by chunk, into an HDF5 file (layout: `rocking help files`). Raises UsageError for a refused
+    scene or output, OutputError when the file cannot be written or a worker process dies, Interrupted on Ctrl-C."""
     from .file.layout import Layout
     from .file.writer import SpectraWriter
 

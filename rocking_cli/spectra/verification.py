@@ -148,11 +148,8 @@ def reference(scene: Scene, place: Place) -> Answer:
 
 
 class Verification:
-    """The cells of some units, of `size` rows and columns, that are computed again.
-
-    sensitive: their places, with True for those chosen for their sensitivity; seen: outcome and theta/alpha of each in the sweep; answers:
-    of the reference.
-    """
+    """The cells of some units, of `size` rows and columns, that are computed again. sensitive: their places, with True for those chosen for
+    their sensitivity; seen: outcome and theta/alpha of each in the sweep; answers: of the reference."""
 
     def __init__(self, scene: Scene, check: int, chunk: tuple[int, int], units: Sequence[Unit]) -> None:
         (rows, columns), there = chunk, {(unit.places[0], unit.row, unit.column) for unit in units}

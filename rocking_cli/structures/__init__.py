@@ -35,9 +35,8 @@ def build_structure(document: Document) -> RockingParameters:
 
 
 def read_documents(path: str | Path) -> list[Document]:
-    """All documents of a YAML, JSON or CSV file (`-` is standard input), or the document that a text like `block:0.5x2` states.
-
-    Raises UsageError if the file cannot be read, and DocumentError if it holds no valid document.
+    """All documents of a YAML, JSON or CSV file (`-` is standard input), or the document that a text like `block:0.5x2` states. Raises
+    UsageError if the file cannot be read, and DocumentError if it holds no valid document.
 
     >>> [document.source for document in read_documents('configs/arch.yaml')]
     ['configs/arch.yaml']
@@ -53,9 +52,8 @@ def read_documents(path: str | Path) -> list[Document]:
 
 
 def load_structures(paths: str | Path | Iterable[str | Path]) -> list[RockingParameters]:
-    """The rocking parameters of every document of these paths, in order; `read_documents` lists the accepted forms of a path.
-
-    Raises UsageError if a file cannot be read, and DocumentError if a document is not valid.
+    """The rocking parameters of every document of these paths, in order; `read_documents` lists the accepted forms of a path. Raises
+    UsageError if a file cannot be read, and DocumentError if a document is not valid.
 
     >>> [structure.name for structure in load_structures(['configs/block.yaml', 'configs/arch.yaml'])]
     ['Column', 'Oppenheim']

@@ -68,9 +68,8 @@ def members(variations: Sequence[Variation]) -> int:
 
 
 def family(document: Document, variations: Sequence[Variation | str]) -> Iterator[Member]:
-    """Every combination of the varied values; the last key varies fastest. A text among `variations` goes through `parse_variation`.
-
-    Raises DocumentError if a key is unknown, and UsageError if a key takes a text.
+    """Every combination of the varied values; the last key varies fastest. A text among `variations` goes through `parse_variation`. Raises
+    DocumentError if a key is unknown, and UsageError if a key takes a text.
 
     >>> (document,) = read_documents('configs/block.yaml')
     >>> [round(member.parameters.p, 4) for member in family(document, ['height=2:4:3'])]

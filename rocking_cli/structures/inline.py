@@ -17,10 +17,8 @@ _KIND = re.compile(r"([A-Za-z_][A-Za-z0-9_]+):(.*)", re.DOTALL)
 
 def inline_document(text: str) -> Document | None:
     """The document that `KIND:SIZES,KEY=VALUE,…` states, or None if the text is a file name or has another form.
-
     The sizes are the keys SIZES of the kind, with an x between them. A unit of length after the last size holds for the sizes that have
-    none. Raises DocumentError.
-    """
+    none. Raises DocumentError."""
     match = _KIND.fullmatch(text)
     if match is None or os.path.exists(text):
         return None

@@ -38,10 +38,8 @@ def _check_numbers(of: Side | RockingParameters) -> None:
 @dataclass(frozen=True)
 class Side:
     """The parameters of an unsymmetric body while it stands on its `side` "right" (theta > 0) or "left" (theta < 0).
-
-    eta: angular speed after over before the impact with which it leaves this edge [-]; the others as in `RockingParameters`.
-    Raises StructureError if a number is not finite or out of range.
-    """
+    eta: angular speed after over before the impact with which it leaves this edge [-]; the others as in `RockingParameters`. Raises
+    StructureError if a number is not finite or out of range."""
 
     side: str
     p: float
@@ -160,10 +158,8 @@ class RockingParameters:
         return self.alpha / self.a_scale
 
     def lifting_at_lambda(self) -> RockingParameters:
-        """A rigid body with a_scale = alpha/lambda (Eq. 3.9) on every edge: its linear oscillator lifts at lambda, as the body does.
-
-        A structure whose a_scale is not 1 is returned unchanged.
-        """
+        """A rigid body with a_scale = alpha/lambda (Eq. 3.9) on every edge: its linear oscillator lifts at lambda, as the body does. A
+        structure whose a_scale is not 1 is returned unchanged."""
         if self.a_scale != 1.0:
             return self
         sides = tuple(replace(side, a_scale=side.alpha / side.uplift) for side in self.sides)
@@ -209,9 +205,8 @@ def weaker_side(sides: Sequence[Side]) -> Side:
 
 
 def dimensionless_oscillator(eta: float) -> RockingParameters:
-    """The oscillator of a dimensionless spectrum. Its p, alpha, lambda, a_scale and gravity are 1, so a_g = A and omega_g = Omega.
-
-    Raises StructureError if eta is not in [0, 1].
+    """The oscillator of a dimensionless spectrum. Its p, alpha, lambda, a_scale and gravity are 1, so a_g = A and omega_g = Omega. Raises
+    StructureError if eta is not in [0, 1].
 
     >>> dimensionless_oscillator(0.9).eta
     0.9

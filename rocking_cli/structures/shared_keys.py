@@ -21,10 +21,8 @@ def gravity_of(document: Document) -> float:
 
 
 def restitution_of(document: Document, momentum: float, limit: str) -> tuple[float, str]:
-    """(eta, its source): the document's value, or `momentum`, the value from conservation of angular momentum.
-
-    `limit` states for which bodies the momentum model holds. Raises DocumentError if eta is not given and `momentum` is negative.
-    """
+    """(eta, its source): the document's value, or `momentum`, the value from conservation of angular momentum. `limit` states for which
+    bodies the momentum model holds. Raises DocumentError if eta is not given and `momentum` is negative."""
     if _given(document):
         return abs(_stated(document, "a number from 0 to 1, or auto", least=0.0, most=1.0)), "given"
     if momentum < 0.0:
@@ -34,10 +32,8 @@ def restitution_of(document: Document, momentum: float, limit: str) -> tuple[flo
 
 def one_sided_restitution_of(document: Document, base: tuple[float, float], backing: float | None) -> tuple[float, str]:
     """(e, its source) of a one-sided body, -1 < e <= 0: the document's value, or the product of three impacts.
-
-    base: eta of the impact on the right edge and on the left edge; backing: the factor of the impact on the backing, None if the
-    geometry does not define the point of impact. Raises DocumentError.
-    """
+    base: eta of the impact on the right edge and on the left edge; backing: the factor of the impact on the backing, None if the geometry
+    does not define the point of impact. Raises DocumentError."""
     if _given(document):
         wanted = ONE_SIDED_RESTITUTION + ("" if backing is None else ", or auto")
         return _stated(document, wanted, above=-1.0, most=0.0) + 0.0, "given"

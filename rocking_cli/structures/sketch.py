@@ -15,11 +15,9 @@ Lines = tuple[tuple[str, Outline], ...]
 @dataclass(frozen=True)
 class Sketch:
     """Geometry to draw; points are (x, z) [m].
-
-    bodies: outlines of the rocking bodies at rest; still: of the parts that do not move; moved: of the bodies at theta = alpha;
-    hollows: of cavities; pivots: name and place; centre: mass centre of the rocking body, None for a linkage; lines: label and
-    points of other lines, such as a crack.
-    """
+    bodies: outlines of the rocking bodies at rest; still: of the parts that do not move; moved: of the bodies at theta = alpha; hollows: of
+    cavities; pivots: name and place; centre: mass centre of the rocking body, None for a linkage; lines: label and points of other lines,
+    such as a crack."""
 
     bodies: tuple[Outline, ...]
     still: tuple[Outline, ...] = ()
@@ -33,10 +31,8 @@ class Sketch:
 def rocker(
     bodies: Iterable[Outline], left: Point, right: Point, centre: Point, *, inset: float = 0.0, lines: Lines = (), **more: Any
 ) -> Sketch:
-    """The sketch of one rigid body on two edges, also turned by alpha about the right pivot. `more`: other fields of the sketch.
-
-    inset: how far the pivots lie inside the edges [m].
-    """
+    """The sketch of one rigid body on two edges, also turned by alpha about the right pivot. `more`: other fields of the sketch. inset: how
+    far the pivots lie inside the edges [m]."""
     bodies, edges = tuple(bodies), (left, right)
     if inset:
         left, right = (left[0] + inset, left[1]), (right[0] - inset, right[1])

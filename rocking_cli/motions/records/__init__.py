@@ -69,10 +69,8 @@ def _blamed(source: str, entry: EntryPoint | None) -> AbstractContextManager[Non
 
 
 def _format_of(source: str, head: str) -> tuple[Any, EntryPoint | None]:
-    """The format that recognises a file, and the entry point of the package that adds it; (None, None) for a file without records.
-
-    Raises DocumentError for a package that fails.
-    """
+    """The format that recognises a file, and the entry point of the package that adds it; (None, None) for a file without records. Raises
+    DocumentError for a package that fails."""
     for found in _formats():
         if found.recognise(head):
             return found, None
@@ -96,12 +94,9 @@ def demand_unit(unit: str | None) -> None:
 
 def records_of(source: str, raw: bytes, *, unit: str | None = None, dt: float | None = None, named: bool = True) -> list[Record] | None:
     """Every component of a file, or None if it has no record format; unit, dt [s]: of plain numbers.
-
-    named: false for a file of a directory, where uncorrected accelerograms may lie beside the corrected ones, and records that state
-    their unit beside plain numbers.
-    Raises DocumentError if a file of a record format is not valid or holds counts, NoAcceleration for an uncorrected one that is not
-    named, and UsageError for an unknown unit.
-    """
+    named: false for a file of a directory, where uncorrected accelerograms may lie beside the corrected ones, and records that state their
+    unit beside plain numbers. Raises DocumentError if a file of a record format is not valid or holds counts, NoAcceleration for an
+    uncorrected one that is not named, and UsageError for an unknown unit."""
     demand_unit(unit)
     unpacked = _unpack(source, raw)
     _refuse_binary(source, unpacked)

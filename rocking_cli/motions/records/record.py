@@ -41,12 +41,10 @@ class Series(NamedTuple):
 @dataclass(frozen=True, eq=False)
 class Record:
     """One component of a ground motion as recorded.
-
-    name: of the file, without its extension; format: as `rocking records` prints it; component: as the file calls it, or None;
-    dt [s]; acceleration [m/s2], shape (npts,); header_pga [m/s2]: the peak that the file's header states; unit: of the file;
-    source: path; sha256: of the file. Raises DocumentError if there are fewer than two samples, if one is not finite or beyond
-    1e6 m/s2, or if dt is not from 1e-7 to 1000 s.
-    """
+    name: of the file, without its extension; format: as `rocking records` prints it; component: as the file calls it, or None; dt [s];
+    acceleration [m/s2], shape (npts,); header_pga [m/s2]: the peak that the file's header states; unit: of the file; source: path; sha256:
+    of the file. Raises DocumentError if there are fewer than two samples, if one is not finite or beyond 1e6 m/s2, or if dt is not from
+    1e-7 to 1000 s."""
 
     name: str
     format: str

@@ -67,10 +67,8 @@ def fortran_layout(text: str) -> Layout | None:
 
 
 class RecordText:
-    """The text of one file and the place up to which it has been read; `line` is the number of the next line, from 1.
-
-    unit, dt [s]: as the user states them for plain numbers.
-    """
+    """The text of one file and the place up to which it has been read; `line` is the number of the next line, from 1. unit, dt [s]: as the
+    user states them for plain numbers."""
 
     def __init__(self, source: str, raw: bytes, unit: str | None = None, dt: float | None = None) -> None:
         self.source, self.unit_given, self.dt_given = source, unit, dt

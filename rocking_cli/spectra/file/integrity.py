@@ -92,10 +92,8 @@ def checked_digest(file: BinaryIO) -> str | None:
 
 class Log:
     """The layout and the records of a partial file.
-
     image: the bytes of an HDF5 file without chunks; notes: statements about the whole; places: (offset, bytes) of the last record of each
-    index; end: where the last whole record ends. Raises ValueError where it is no partial file, or its layout is damaged.
-    """
+    index; end: where the last whole record ends. Raises ValueError where it is no partial file, or its layout is damaged."""
 
     def __init__(self, file: BinaryIO) -> None:
         self.file, size = file, file.seek(0, os.SEEK_END)

@@ -73,10 +73,8 @@ class ChunkGrid:
 @dataclass(frozen=True)
 class Layout:
     """All of a spectra file but the results of its cells.
-
     frame: the places of its cells; chunk: (rows, columns); names: of the variables; scene: the identity of the scene; attributes: others of
-    the root, with shard "i/n" for the i-th of n parts, and without shard if any chunks may be missing.
-    """
+    the root, with shard "i/n" for the i-th of n parts, and without shard if any chunks may be missing."""
 
     frame: Frame
     chunk: tuple[int, ...]

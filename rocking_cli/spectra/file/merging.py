@@ -32,10 +32,8 @@ class Merged:
 
 
 def merge(paths: Sequence[str | Path], output: str | Path, *, overwrite: bool = False, strict: bool = False) -> Merged:
-    """Write one spectrum from these shards; strict: refuse shards of machines that compute differently.
-
-    Raises UsageError when they are not of one scene, OutputError when one is damaged, two hold different data for the same
-    cells, or the output cannot be written.
+    """Write one spectrum from these shards; strict: refuse shards of machines that compute differently. Raises UsageError when they are not
+    of one scene, OutputError when one is damaged, two hold different data for the same cells, or the output cannot be written.
 
     >>> grid = parse_grid('A=1:8:50,Omega=1:8:40')
     >>> for i in (1, 2):

@@ -32,11 +32,9 @@ UNPACKED = 8  # chunks that are kept as arrays
 
 class SpectraFile(ExitStack[None]):
     """A spectra file, finished or partial, open for reading; a context manager.
-
     frame: the places of its cells; structures: parameters as stored; names: of the variables; cut, done: how it is cut, and which chunks
     are there; attributes: of the root; digest: of a finished file, None of a partial one. Every byte is checked against the digest or a
-    checksum. Raises UsageError if the file cannot be opened, and OutputError if it is no spectra file or has changed.
-    """
+    checksum. Raises UsageError if the file cannot be opened, and OutputError if it is no spectra file or has changed."""
 
     def __init__(self, path: str | Path) -> None:
         super().__init__()
@@ -161,8 +159,7 @@ class SpectraFile(ExitStack[None]):
             raise OutputError(f"{self.path}: chunk {index} is damaged: {error}") from None
 
     def block(self, place: int, rows: slice, columns: slice = slice(None)) -> dict[str, np.ndarray]:
-        """The variables at one place of the first dimension, over a part of the other two; every chunk is checked. Raises
-        OutputError."""
+        """The variables at one place of the first dimension, over a part of the other two; every chunk is checked. Raises OutputError."""
         wanted = [slice(*s.indices(n)[:2]) for s, n in zip((slice(place, place + 1), rows, columns), self.frame.shape, strict=True)]
         shape = [max(0, s.stop - s.start) for s in wanted]
         found = {name: np.full(shape, VARIABLES[name].fill, VARIABLES[name].dtype) for name in self.names}

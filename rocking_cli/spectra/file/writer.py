@@ -118,12 +118,10 @@ def _stands(file: BinaryIO, path: Path) -> bool:
 
 class SpectraWriter:
     """The one writer of a spectra file; a context manager that closes the partial file whatever happens.
-
-    strict: refuse a partial file that was begun on a machine that computes differently; machines: those whose chunks are written, this
-    one unless given. part: the partial file; done: the finished chunks; resumed: those of an earlier run, with their counts of outcomes;
+    strict: refuse a partial file that was begun on a machine that computes differently; machines: those whose chunks are written, this one
+    unless given. part: the partial file; done: the finished chunks; resumed: those of an earlier run, with their counts of outcomes;
     elsewhere: the differences of the machines, empty where they compute alike. Raises UsageError for an output that is refused, OutputError
-    when the file is in use or cannot be written.
-    """
+    when the file is in use or cannot be written."""
 
     def __init__(
         self,
@@ -276,10 +274,8 @@ class SpectraWriter:
 
 
 def difference(one: Any, other: Any) -> tuple[str, str, str] | None:
-    """(the place where two scenes first differ, the value there in each, as JSON of at most 60 characters); None if they are equal.
-
-    The place of a text that begins a list is that of the list.
-    """
+    """(the place where two scenes first differ, the value there in each, as JSON of at most 60 characters); None if they are equal. The
+    place of a text that begins a list is that of the list."""
     texts = [{place: json.dumps(value) for place, value in _values(scene)} for scene in (one, other)]
     for place in texts[0] | texts[1]:
         if texts[0].get(place) != texts[1].get(place):

@@ -31,11 +31,8 @@ _HINGES = "four angles from springing A, rising, or four of {angle, face} with f
 
 
 def build(document: Document, name: str) -> RockingParameters:
-    """The parameters of an arch. Raises DocumentError.
-
-    Keys: thickness; radius and angle (inclusion), or span and rise; measured: centre-line (default), intrados or extrados;
-    voussoirs (absent: a continuous arch); hinges (absent: the governing ones).
-    """
+    """The parameters of an arch. Raises DocumentError. Keys: thickness; radius and angle (inclusion), or span and rise; measured:
+    centre-line (default), intrados or extrados; voussoirs (absent: a continuous arch); hinges (absent: the governing ones)."""
     if document.flag("one_sided"):
         raise document.fault("one_sided", "true", "false: an arch sways to both sides")
     mechanism, governing = find_mechanism(document)
@@ -54,10 +51,8 @@ def build(document: Document, name: str) -> RockingParameters:
 
 
 def find_mechanism(document: Document) -> tuple[FourBar, float | None]:
-    """(mechanism, governing lambda). The mechanism has the document's hinges, or else the governing ones.
-
-    Raises DocumentError if the arch does not stand, the given hinges are not admissible, or no linkage of four hinges governs.
-    """
+    """(mechanism, governing lambda). The mechanism has the document's hinges, or else the governing ones. Raises DocumentError if the arch
+    does not stand, the given hinges are not admissible, or no linkage of four hinges governs."""
     ring = ring_of(document)
     voussoirs = document.integer("voussoirs", 4, MOST_VOUSSOIRS) if document.has("voussoirs") else None
     joints = None if voussoirs is None else np.linspace(0.0, ring.angle, voussoirs + 1)
@@ -77,10 +72,8 @@ def find_mechanism(document: Document) -> tuple[FourBar, float | None]:
 
 
 def ring_of(document: Document) -> Ring:
-    """The ring from radius and angle, or from span and rise: R = (span^2/4 + rise^2)/(2 rise), angle = 4 atan(2 rise/span).
-
-    The key `measured` states the line on which radius, span and rise are taken. Springings are radial. Raises DocumentError.
-    """
+    """The ring from radius and angle, or from span and rise: R = (span^2/4 + rise^2)/(2 rise), angle = 4 atan(2 rise/span). The key
+    `measured` states the line on which radius, span and rise are taken. Springings are radial. Raises DocumentError."""
     outward = MEASURED[document.choice("measured", list(MEASURED), "centre-line")]
     pairs = [pair for pair in PAIRS if any(document.has(key) for key in pair)] or [PAIRS[0]]
     if len(pairs) > 1 or not all(document.has(key) for key in pairs[0]):

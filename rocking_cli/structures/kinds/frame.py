@@ -19,11 +19,8 @@ REPORTS = ("cap_ratio",)
 
 
 def body(document: Document) -> RigidBody:
-    """A frame. Raises DocumentError.
-
-    Keys: columns: their number; width and height (or radius and alpha) of one column; cap_ratio: gamma. The drawing shows up to six of
-    the columns.
-    """
+    """A frame. Raises DocumentError. Keys: columns: their number; width and height (or radius and alpha) of one column; cap_ratio: gamma.
+    The drawing shows up to six of the columns."""
     count = document.integer("columns", 1, 1_000_000)
     where = "a number from 0, the mass of the beam over that of all columns"
     gamma = document.quantity("cap_ratio", "number", least=0.0, where=where)

@@ -16,11 +16,9 @@ REPORTS = ("direction",)
 
 def body(document: Document) -> RigidBody:
     """The rigid body that a document of this kind describes. Raises DocumentError.
-
-    Keys: left, right: horizontal distance from each edge to the mass centre; height of the mass centre above the edges; gyration:
-    radius of gyration about the mass centre, or inertia about it and mass; mass is optional with gyration. The drawing shows the base,
-    and the circle of the radius of gyration in place of an outline.
-    """
+    Keys: left, right: horizontal distance from each edge to the mass centre; height of the mass centre above the edges; gyration: radius of
+    gyration about the mass centre, or inertia about it and mass; mass is optional with gyration. The drawing shows the base, and the circle
+    of the radius of gyration in place of an outline."""
     left, right, height = document.length("left"), document.length("right"), document.length("height")
     half, x, gyration = 0.5 * (left + right), 0.5 * (left - right), _gyration(document)
     reach = math.hypot(min(left, right), height)

@@ -42,10 +42,8 @@ class Cone(NamedTuple):
 
     def above(self, edge: float, slope: float, both: bool = False) -> Moments:
         """The moments of the part above the plane through (edge, 0) that rises by `slope` towards -x; both: and above its mirror image.
-
-        A slice is a circle or ring cut by a chord and has closed forms. The integral over z is Gauss-Legendre in theta, with
-        z = middle - half cos(theta), which removes the square roots at the ends of an interval.
-        """
+        A slice is a circle or ring cut by a chord and has closed forms. The integral over z is Gauss-Legendre in theta, with z = middle -
+        half cos(theta), which removes the square roots at the ends of an interval."""
         nodes, weights = np.polynomial.legendre.leggauss(_NODES)
         theta = 0.5 * math.pi * (nodes + 1.0)
         total = Moments(0.0, 0.0, 0.0, 0.0)
@@ -113,10 +111,8 @@ class Spire(NamedTuple):
 
 
 def body(document: Document) -> RigidBody:
-    """A spire; the drawing shows its section, the crack and its mirror image. Raises DocumentError.
-
-    Keys: base_radius, height, thickness (absent: thin wall), tip_height, crack: none | diagonal, crack_height.
-    """
+    """A spire; the drawing shows its section, the crack and its mirror image. Raises DocumentError. Keys: base_radius, height, thickness
+    (absent: thin wall), tip_height, crack: none | diagonal, crack_height."""
     spire = _read(document)
     r, h, crack, moments = spire.base_radius, spire.height, spire.crack_height, spire.rocking()
     left, right, apex, inner = (-r, 0.0), (r, 0.0), (0.0, h), r - spire.thickness

@@ -60,10 +60,8 @@ class Rates(NamedTuple):
 
 
 def rates(points: Any, links: Any) -> Rates:
-    """First-order kinematics of the linkage in any position, from AB + w2 BC + w3 CD = 0.
-
-    points: (x, z) of A, B, C, D; links: (mass, first moment of x, first moment of z) of the three links.
-    """
+    """First-order kinematics of the linkage in any position, from AB + w2 BC + w3 CD = 0. points: (x, z) of A, B, C, D; links: (mass, first
+    moment of x, first moment of z) of the three links."""
     (xa, za), (xb, zb), (xc, zc), (xd, zd) = points
     abx, abz, bcx, bcz, cdx, cdz = xb - xa, zb - za, xc - xb, zc - zb, xd - xc, zd - zc
     turn = bcx * cdz - bcz * cdx
@@ -77,10 +75,8 @@ def rates(points: Any, links: Any) -> Rates:
 
 @dataclass(frozen=True)
 class FourBar:
-    """A mechanism of an arch: its ring and the angles [rad] of its four hinges, in rising order.
-
-    voussoirs: their number, None for a continuous arch; it has no effect on the mechanism.
-    """
+    """A mechanism of an arch: its ring and the angles [rad] of its four hinges, in rising order. voussoirs: their number, None for a
+    continuous arch; it has no effect on the mechanism."""
 
     ring: Ring
     hinges: tuple[float, ...]

@@ -26,10 +26,8 @@ _STEP = 1e-30  # of the complex-step derivative, which subtracts nothing and so 
 
 
 def search_joints(ring: Ring, joints: np.ndarray) -> tuple[Hinges, float] | None:
-    """(hinges, lambda) of the governing mechanism with hinges on these joints [rad], or None if no mechanism is admissible.
-
-    lambda <= 0: the arch does not stand. Two hinges on one joint: it opens over its whole depth, which may govern short thick arches.
-    """
+    """(hinges, lambda) of the governing mechanism with hinges on these joints [rad], or None if no mechanism is admissible. lambda <= 0:
+    the arch does not stand. Two hinges on one joint: it opens over its whole depth, which may govern short thick arches."""
     count = joints.size
     inner, outer = np.array(ring.point(joints, FACES[0])), np.array(ring.point(joints, FACES[1]))
     upto = ring.sector(0.0, joints)
@@ -49,10 +47,8 @@ def search_joints(ring: Ring, joints: np.ndarray) -> tuple[Hinges, float] | None
 
 
 def search_continuous(ring: Ring) -> tuple[Hinges, float] | None:
-    """(hinges, lambda) of the governing mechanism of a continuous arch, with angles to 1e-10 rad.
-
-    None if no mechanism is admissible, or if two hinges converge, as in short thick arches, which have no least mechanism.
-    """
+    """(hinges, lambda) of the governing mechanism of a continuous arch, with angles to 1e-10 rad. None if no mechanism is admissible, or if
+    two hinges converge, as in short thick arches, which have no least mechanism."""
     start = search_joints(ring, np.linspace(0.0, ring.angle, _COARSE + 1))
     if start is None:
         return None
@@ -133,10 +129,8 @@ def static_uplift(ring: Ring, joints: np.ndarray) -> float | None:
 
 
 def _thrust(ring: Ring, s: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Fx, Fz and the moment about the centre in the joints at s [rad], by the equilibrium of the arch up to there, shape (joints, 5).
-
-    They are linear in Fx, Fz and moment at the left springing, lambda, and 1.
-    """
+    """Fx, Fz and the moment about the centre in the joints at s [rad], by the equilibrium of the arch up to there, shape (joints, 5). They
+    are linear in Fx, Fz and moment at the left springing, lambda, and 1."""
     unit, part = np.eye(5), ring.sector(np.zeros(s.size), s)
     mass, x, z = (np.asarray(moment)[:, None] for moment in part[:3])
     return unit[0] + mass * unit[3], unit[1] - mass * unit[4], unit[2] - z * unit[3] - x * unit[4]

@@ -36,10 +36,8 @@ class Mechanism(Protocol):
     def coefficients(self, phi: Any) -> Coefficients: ...  # M, V'/g and B at rotations phi [rad], of any shape
 
     def overlap(self) -> tuple[float, float]:
-        """(int rho u.w, int rho w.w), u before an impact and w after it; the first only over the parts that move in both fields.
-
-        Their ratio is eta from conservation of angular momentum.
-        """
+        """(int rho u.w, int rho w.w), u before an impact and w after it; the first only over the parts that move in both fields. Their
+        ratio is eta from conservation of angular momentum."""
         ...
 
 

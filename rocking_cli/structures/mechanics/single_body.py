@@ -43,12 +43,10 @@ class Edge(NamedTuple):
 @dataclass(frozen=True, kw_only=True)
 class RigidBody(ABC):
     """A rigid body as its kind reads it from a document.
-
     limit: states for which bodies the momentum model holds; drawing: its geometry; top: (x, z) [m] from the middle of the base of the
-    impact point on a backing, and backing: the factor of this impact, None if the geometry does not define them; again: the body with
-    its pivots inside the edges by a length [m], if `_moved_in` does not hold; crown: height [m], None for that of the drawing; share:
-    m g R of the parts over mass g R [-]; details: as in `RockingParameters`.
-    """
+    impact point on a backing, and backing: the factor of this impact, None if the geometry does not define them; again: the body with its
+    pivots inside the edges by a length [m], if `_moved_in` does not hold; crown: height [m], None for that of the drawing; share: m g R of
+    the parts over mass g R [-]; details: as in `RockingParameters`."""
 
     limit: str
     drawing: Sketch
@@ -132,11 +130,9 @@ class RigidBody(ABC):
 @dataclass(frozen=True, kw_only=True)
 class EqualEdges(RigidBody):
     """A rigid body with equal edges: p^2 = M g R/I_P, lambda = tan alpha (Eq. 2.2), a_scale = 1 (Eq. 2.4).
-
-    radius: R, from the edge to the mass centre [m]; alpha [rad]; inertia: I_P/(M R^2) about the edge [-]; eta: from angular
-    momentum, by default 1 - (M R^2/I_P)(1 - cos 2 alpha) (Eqs. 2.6, 3.3); whole: true if the same body rocks on both edges, so that
-    its ground forces are known.
-    """
+    radius: R, from the edge to the mass centre [m]; alpha [rad]; inertia: I_P/(M R^2) about the edge [-]; eta: from angular momentum, by
+    default 1 - (M R^2/I_P)(1 - cos 2 alpha) (Eqs. 2.6, 3.3); whole: true if the same body rocks on both edges, so that its ground forces
+    are known."""
 
     radius: float
     alpha: float
@@ -189,10 +185,8 @@ class TwoEdges(RigidBody):
 
 
 def rectangle_body(radius: float, alpha: float, **more: Any) -> EqualEdges:
-    """A rectangle of half diagonal `radius` [m]: p^2 = 3g/(4R), eta = 1 - 3/2 sin^2 alpha; `more`: other fields of the body.
-
-    One-sided, it hits its backing at its top: e = (1 - 3/2 sin^2 alpha)^2 (1 - 3/2 cos^2 alpha).
-    """
+    """A rectangle of half diagonal `radius` [m]: p^2 = 3g/(4R), eta = 1 - 3/2 sin^2 alpha; `more`: other fields of the body. One-sided, it
+    hits its backing at its top: e = (1 - 3/2 sin^2 alpha)^2 (1 - 3/2 cos^2 alpha)."""
     half, z = radius * math.sin(alpha), radius * math.cos(alpha)
     drawing = rocker([rectangle(-half, half, 0.0, 2.0 * z)], (-half, 0.0), (half, 0.0), (0.0, z))
     backing = 1.0 - 1.5 * math.cos(alpha) ** 2
@@ -201,10 +195,8 @@ def rectangle_body(radius: float, alpha: float, **more: Any) -> EqualEdges:
 
 
 def symmetric_body(moments: Moments, half: float, *, top: Point | None = None, **more: Any) -> EqualEdges:
-    """A body on its right edge (half, 0) [m]; the body that rocks on the left edge is its mirror image.
-
-    top: (x, z) [m] of the impact point on a backing, None if the geometry does not define it; more: the other fields of the body.
-    """
+    """A body on its right edge (half, 0) [m]; the body that rocks on the left edge is its mirror image. top: (x, z) [m] of the impact point
+    on a backing, None if the geometry does not define it; more: the other fields of the body."""
     right, z = half - moments.x / moments.mass, moments.z / moments.mass
     radius = math.hypot(right, z)
     inertia, alpha = moments.about(half, 0.0) / (moments.mass * radius**2), math.atan2(right, z)
@@ -243,10 +235,8 @@ def _against_backing(body: Moments, half: float, top: Point | None) -> float | N
 
 
 def radius_and_alpha(document: Document, centroid: float = 0.5) -> tuple[float, float]:
-    """(R [m], alpha [rad]) from radius and alpha, or from width and height. Raises DocumentError.
-
-    The mass centre is at width/2 from the edge and at `centroid` x height.
-    """
+    """(R [m], alpha [rad]) from radius and alpha, or from width and height. Raises DocumentError. The mass centre is at width/2 from the
+    edge and at `centroid` x height."""
     sizes = [key for key in ("width", "height") if document.has(key)]
     polar = [key for key in ("radius", "alpha") if document.has(key)]
     if sizes and polar:

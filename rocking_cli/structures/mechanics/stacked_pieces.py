@@ -31,10 +31,8 @@ class Piece(NamedTuple):
 
 
 def frustum_moments(low: float, high: float, height: float) -> Moments:
-    """Moments of a solid frustum of a cone of unit density on z = 0; low, high: radii at its base and top [m].
-
-    int R^2, int R^2 z, int R^2 z^2 and int R^4 over z are polynomials in the two radii.
-    """
+    """Moments of a solid frustum of a cone of unit density on z = 0; low, high: radii at its base and top [m]. int R^2, int R^2 z, int R^2
+    z^2 and int R^4 over z are polynomials in the two radii."""
     a, b = low, high
     area = math.pi * height * (a * a + a * b + b * b) / 3.0
     first = math.pi * height**2 * (a * a + 2.0 * a * b + 3.0 * b * b) / 12.0
@@ -93,10 +91,8 @@ class Bed(NamedTuple):
 
 def stacked(document: Document, key: str, word: str, pieces: Sequence[Piece], inset: float = 0.0) -> RigidBody:
     """The body that rocks on the interface with the least margin, the lowest if several are equal.
-
-    pieces: from below; key: of their list in the document; word: for one of them; inset: from the edges of every interface [m].
-    Raises DocumentError if a piece does not stand on the one below it, or the stack does not stand.
-    """
+    pieces: from below; key: of their list in the document; word: for one of them; inset: from the edges of every interface [m]. Raises
+    DocumentError if a piece does not stand on the one below it, or the stack does not stand."""
     moments, beds = Moments(0.0, 0.0, 0.0, 0.0), list[Bed]()
     for i in range(len(pieces) - 1, -1, -1):
         piece = pieces[i]
