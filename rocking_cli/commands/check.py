@@ -139,7 +139,7 @@ def _in_g(asked: str) -> bool:
 def _of_an_inset(told: list[Verdict], demands: Sequence[Demand], a_max: Limit, workers: int | None) -> str | None:
     """How much of the least capacity an inset takes, None if no structure has a capacity and geometry to tell it."""
     from ..responses.check import check_all
-    from ..structures.mechanics.worn_edges import worn
+    from ..structures.mechanics.single_body import worn
 
     asked = {(structure.name, motion.name): (structure, motion, grid) for structure, motion, grid in demands}
     for verdict in sorted((v for v in told if v.first_overturning_a), key=lambda v: v.capacity_demand or 0.0):

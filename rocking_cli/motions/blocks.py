@@ -6,13 +6,10 @@ from collections.abc import Iterator
 
 import numpy as np
 
-_PART = 1 << 16
 
-
-def blocks(size: int, most: int | None = None) -> Iterator[slice]:
+def blocks(size: int, most: int = 1 << 16) -> Iterator[slice]:
     """Slices of consecutive blocks of an array of this size, each of at most `most` values (default 2^16)."""
-    step = most or _PART
-    return (slice(first, min(first + step, size)) for first in range(0, size, step))
+    return (slice(first, min(first + most, size)) for first in range(0, size, most))
 
 
 def largest(values: np.ndarray) -> float:

@@ -38,16 +38,15 @@ _RECORD_AXES = {
 }
 MEANT = {"pga": "a_g", "a": "A", "w": "omega_g", "f": "f_g", "frequency": "f_g", "period": "T_g", "t": "T_g"}
 _FORM = "NAME=START:STOP:N[:log] or NAME=VALUE"
-UNITS = {"A": "1", "Omega": "1", "a_g": "m s-2", "omega_g": "rad s-1", "scale": "1", "T": "s", "alpha": "rad"}
-LONG_NAMES = {
-    "A": "dimensionless amplitude a_scale a_g / (alpha g)",
-    "Omega": "dimensionless frequency omega_g / p",
-    "a_g": "amplitude of ground acceleration",
-    "omega_g": "angular frequency of ground motion",
-    "scale": "factor of the records",
-    "T": "2 pi / p, a measure of size and no period",
-    "alpha": "critical angle",
-}
+AXES = {
+    "A": ("1", "dimensionless amplitude a_scale a_g / (alpha g)"),
+    "Omega": ("1", "dimensionless frequency omega_g / p"),
+    "a_g": ("m s-2", "amplitude of ground acceleration"),
+    "omega_g": ("rad s-1", "angular frequency of ground motion"),
+    "scale": ("1", "factor of the records"),
+    "T": ("s", "2 pi / p, a measure of size and no period"),
+    "alpha": ("rad", "critical angle"),
+}  # units and long name of each axis in a file
 _FROM_ZERO = ("A", "a_g", "scale")
 _PAIRS = (("A", "Omega"), ("a_g", "omega_g"), ("A", "omega_g"))  # the last one for records
 
@@ -62,8 +61,8 @@ class Axis:
 
     def __post_init__(self) -> None:
         v = self.values
-        if self.name not in UNITS:
-            raise UsageError(f"axis {self.name!r} is not one of {', '.join(UNITS)}")
+        if self.name not in AXES:
+            raise UsageError(f"axis {self.name!r} is not one of {', '.join(AXES)}")
         if v.ndim != 1 or not v.size or not np.all(np.isfinite(v)) or np.any(np.diff(v) <= 0.0):
             raise UsageError(f"axis {self.name}: its values must be finite and rise")
         if v[0] < 0.0 or (v[0] == 0.0 and self.name not in _FROM_ZERO):
@@ -203,15 +202,14 @@ def parse_grid(text: str, structures: int = 1, *, own_time: bool = False) -> Gri
         if len(axes) != 1 or next(iter(axes)) not in ("A", "a_g"):
             raise UsageError(f"`grid`: found {written_axes(text)}; expected A or a_g, since a record runs in its own time")
         axes["omega_g"] = OWN_TIME
-    pair = next((pair for pair in _PAIRS[: 3 if own_time else 2] if set(axes) == set(pair)), None)
-    if pair is None:
-        raise UsageError(f"`grid`: found {written_axes(text)}; expected A and Omega, or a_g and one of omega_g, f_g, T_g")
-    grid = Grid(axes[pair[0]], axes[pair[1]])
-    cells = math.prod(grid.shape) * max(1, structures)
-    if cells > MAX_CELLS:
-        found = f"{cells:.3g} cells ({9e-9 * cells:.3g} GB)"
-        raise UsageError(f"`grid`: {found} are more than the limit of {MAX_CELLS:.0e} in one file; split the grid")
-    return grid
+    for amplitude, frequency in _PAIRS[: 3 if own_time else 2]:
+        if axes.keys() == {amplitude, frequency}:
+            grid = Grid(axes[amplitude], axes[frequency])
+            if (cells := math.prod(grid.shape) * max(1, structures)) <= MAX_CELLS:
+                return grid
+            found = f"{cells:.3g} cells ({9e-9 * cells:.3g} GB)"
+            raise UsageError(f"`grid`: {found} are more than the limit of {MAX_CELLS:.0e} in one file; split the grid")
+    raise UsageError(f"`grid`: found {written_axes(text)}; expected A and Omega, or a_g and one of omega_g, f_g, T_g")
 
 
 def parse_angles(text: str) -> Axis:

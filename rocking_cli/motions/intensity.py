@@ -44,11 +44,12 @@ def intensity(record: Record) -> Intensity:
     v = velocity(a, dt)
     d = displacement(a, v, dt)
     energy = _from_zero(dt / 3.0 * (a[:-1] ** 2 + a[:-1] * a[1:] + a[1:] ** 2))
+    i = np.flatnonzero(a[:-1] * a[1:] < 0.0)  # v has an extreme inside
     at_5, at_75, at_95 = (_reached(a, dt, energy, part) for part in (0.05, 0.75, 0.95))
     return Intensity(
         pga=largest(a),
         pga_time=int(np.abs(a).argmax()) * dt,
-        pgv=_largest_velocity(a, v, dt),
+        pgv=max(largest(v), largest(v[i] + 0.5 * dt * a[i] ** 2 / (a[i] - a[i + 1]))),
         pgd=_largest_displacement(a, v, d, dt),
         arias=math.pi / (2.0 * DEFAULT_GRAVITY) * float(energy[-1]),
         cav=_absolute(a, dt),
@@ -80,12 +81,6 @@ def _absolute(a: Array, dt: float) -> float:
     parts = 0.5 * dt * total
     parts[crosses] = 0.5 * dt * (a0[crosses] ** 2 + a1[crosses] ** 2) / total[crosses]
     return float(parts.sum())
-
-
-def _largest_velocity(a: Array, v: Array, dt: float) -> float:
-    i = np.flatnonzero(a[:-1] * a[1:] < 0.0)
-    inside = v[i] + 0.5 * dt * a[i] ** 2 / (a[i] - a[i + 1])
-    return max(largest(v), largest(inside))
 
 
 def _largest_displacement(a: Array, v: Array, d: Array, dt: float) -> float:

@@ -120,7 +120,7 @@ class Motion:
     def still_until(self, phase: float) -> Motion:
         """The motion with the ground at rest after it up to a phase [rad]."""
         up = None if self.vertical is None else self.vertical.still_until(phase)
-        return Motion(self.name, (*self.pieces, Piece(self.duration, phase)), up)
+        return self.on(np.append(self.marks, phase), up)
 
     @property
     def marks(self) -> np.ndarray:
@@ -135,7 +135,7 @@ class Motion:
             middle = 0.5 * (start + stop)
             piece = next((p for p in self.pieces if p.start <= middle < p.stop), Piece(start, stop))
             pieces.append(replace(piece, start=start, stop=stop, constant=piece.constant + piece.slope * (start - piece.start)))
-        return Motion(self.name + upwards(vertical), tuple(pieces), vertical)
+        return Motion(self.name.removesuffix(upwards(vertical)) + upwards(vertical), tuple(pieces), vertical)
 
     def scaled(self, factor: float, name: str | None = None) -> Motion:
         """The motion times a factor. A negative factor reverses the horizontal motion only; the vertical one takes |factor|. name: by

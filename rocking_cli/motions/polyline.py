@@ -71,13 +71,6 @@ class Polyline(Motion):
         """The index of the interval that holds each phase [rad], or of the nearest interval."""
         return np.asarray(np.clip(np.searchsorted(self.start, phase, side="right") - 1, 0, self.start.size - 1))
 
-    def still_until(self, phase: float) -> Polyline:
-        """The motion with the ground at rest after it up to a phase [rad]."""
-        lasts = {"start": self.duration, "stop": phase, "constant": 0.0, "slope": 0.0}
-        columns = {key: np.append(getattr(self, key), last) for key, last in lasts.items()}
-        up = None if self.vertical is None else self.vertical.still_until(phase)
-        return Polyline(self.name, **columns, acceleration=self.acceleration, vertical=up)
-
     def scaled(self, factor: float, name: str | None = None) -> Polyline:
         """See `Motion.scaled`."""
         told, up = self._scaled_name(factor)
@@ -95,7 +88,8 @@ class Polyline(Motion):
         moves = start < self.stop[-1]
         constant = np.where(moves, self.constant[i] + self.slope[i] * (start - self.start[i]), 0.0)
         slope = np.where(moves, self.slope[i], 0.0)
-        return Polyline(self.name + upwards(vertical), start, stop, constant, slope, self.acceleration, vertical)
+        name = self.name.removesuffix(upwards(vertical)) + upwards(vertical)
+        return Polyline(name, start, stop, constant, slope, self.acceleration, vertical)
 
     @cached_property
     def samples(self) -> Samples | None:

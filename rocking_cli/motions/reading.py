@@ -71,12 +71,16 @@ def read_motions(
     `horizontal` or `all` too; None: each horizontal component of each file. Raises UsageError and DocumentError as `read_motion` does, and
     UsageError without a record."""
 
-    def shaken(records: list[Record]) -> list[Recording]:
-        return _recordings(records, chosen(records, given.get("component")), given)
-
     tell = given.get("tell") or (lambda text: None)
     try:
-        taken = read_set(paths, shaken, unit=given.get("unit"), dt=given.get("dt"), tell=tell, unread=unread)
+        taken = read_set(
+            paths,
+            lambda records: _recordings(records, chosen(records, given.get("component")), given),
+            unit=given.get("unit"),
+            dt=given.get("dt"),
+            tell=tell,
+            unread=unread,
+        )
         found = [_scaled(recording, given) for recording in taken]
     except NoRecord as error:
         if len(paths) > 1 or error.source not in (paths[0], STDIN):
@@ -117,12 +121,20 @@ def _recordings(records: list[Record], taken: Sequence[Record], given: MotionCho
 
 
 def _scaled(recording: Recording, given: MotionChoices) -> Recording:
-    """The recording with its factor. Raises UsageError."""
-    record, tell = recording.record, given.get("tell")
-    if tell is not None:
-        for remark in remarks_on(record):
+    """The recording with its factor, after its remarks are told. Both `scale` and `scale_to` go only with a scale of -1, which reverses
+    the record. Raises UsageError."""
+    record, scale, scale_to = recording.record, given.get("scale"), given.get("scale_to")
+    if tell := given.get("tell"):
+        for remark in record.remarks:
             tell(f"{record.source}: {remark}")
-    return replace(recording, factor=factor_of(record, given.get("scale"), given.get("scale_to")))
+        if record.npts >= LONG:
+            gigabytes = f"{_BYTES * record.npts / 1e9:.2g} GB"
+            tell(f"{record.source}: {record.npts:,} samples; a response to them takes about {gigabytes} of memory")
+    if scale_to is None:
+        return recording if scale is None else replace(recording, factor=scale)
+    if scale not in (None, -1.0):
+        raise UsageError("found both `scale` and `scale_to`; expected one of them, or both with a scale of -1, which reverses a record")
+    return replace(recording, factor=factor_to(record, scale_to) * (scale or 1.0))
 
 
 def _of_document(source: str, raw: bytes, given: MotionChoices) -> Motion:
@@ -135,23 +147,6 @@ def _of_document(source: str, raw: bytes, given: MotionChoices) -> Motion:
         if given.get(name) is not None:
             raise UsageError(f"{source}: found a motion document; `{name}` applies to a record only")
     return motion if scale is None else motion.scaled(scale)
-
-
-def remarks_on(record: Record) -> tuple[str, ...]:
-    """The remarks on a record, one sentence each; for a long record also the memory that a response needs."""
-    if record.npts < LONG:
-        return record.remarks
-    memory = f"{record.npts:,} samples; a response to them takes about {_BYTES * record.npts / 1e9:.2g} GB of memory"
-    return (*record.remarks, memory)
-
-
-def factor_of(record: Record, scale: float | None, scale_to: str | None) -> float:
-    """The factor from `--scale` or `--scale-to`; both may be given only if the scale is -1. Raises UsageError."""
-    if scale_to is None:
-        return 1.0 if scale is None else scale
-    if scale not in (None, -1.0):
-        raise UsageError("found both `scale` and `scale_to`; expected one of them, or both with a scale of -1, which reverses a record")
-    return factor_to(record, scale_to) * (scale or 1.0)
 
 
 def factor_to(record: Record, text: str) -> float:
@@ -229,16 +224,14 @@ def record_files(paths: Sequence[str]) -> Iterator[tuple[str, bool, tuple[str, b
             if not files:
                 raise UsageError(f"{path}: a directory without files")
             yield from ((x, False, None) for x in files)
-        elif path == "-":
-            held = read_bytes(path)
-            names = _listed(io.BytesIO(held[1]), "")
-            yield from ((x, True, None) for x in names) if names else [(path, True, held)]
         else:
-            names = []
-            if os.path.isfile(path):
+            held, names = read_bytes(path) if path == "-" else None, list[str]()
+            if held is not None:
+                names = _listed(io.BytesIO(held[1]), "")
+            elif os.path.isfile(path):
                 with open(path, "rb") as file:
                     names = _listed(file, os.path.dirname(path))
-            yield from ((x, True, None) for x in names or [path])
+            yield from ((x, True, None) for x in names) if names else [(path, True, held)]
 
 
 def _listed(file: BinaryIO, folder: str) -> list[str]:

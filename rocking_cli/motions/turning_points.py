@@ -14,8 +14,6 @@ inflection with a level tangent, are no extremes, and s is monotone there in dou
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from functools import partial
 
 import numpy as np
 
@@ -51,7 +49,7 @@ def isolated_extremes(piece: Piece) -> Array:
     terms, _, rounding = _series(piece, at, at)
     at, rises = (x[np.abs(terms[0]) > rounding[0]] for x in (at, terms[0] > 0.0))
     change = np.flatnonzero(rises[1:] != rises[:-1])
-    return _bisected(partial(_rate, piece), at[change], at[change + 1])
+    return _bisected(piece, at[change], at[change + 1])
 
 
 def _series(piece: Piece, low: Array, high: Array) -> tuple[Array, Array, Array]:
@@ -73,17 +71,16 @@ def _series(piece: Piece, low: Array, high: Array) -> tuple[Array, Array, Array]
     return terms, rest, rounding
 
 
-def _rate(piece: Piece, phase: Array) -> Array:
-    """ds/dphase at phases [rad], one-dimensional."""
+def _bisected(piece: Piece, low: Array, high: Array) -> Array:
+    """Phases [rad] where ds/dphase changes its sign between two ends, to the last bit; without a change one of the ends."""
     amplitude, w, f = np.array([(h.amplitude, h.frequency, h.phase) for h in piece.harmonics]).T[:, :, None]
-    return np.asarray((amplitude * w * np.cos(w * phase + f)).sum(axis=0) + piece.slope)
 
+    def rises(phase: Array) -> Array:
+        return np.asarray((amplitude * w * np.cos(w * phase + f)).sum(axis=0) + piece.slope >= 0.0)
 
-def _bisected(function: Callable[[Array], Array], low: Array, high: Array) -> Array:
-    """Points where a function changes its sign between two ends, to the last bit; without a change one of the ends."""
-    sign = function(low) >= 0.0
+    sign = rises(low)
     for _ in range(_HALVINGS if low.size else 0):
         middle = 0.5 * (low + high)
-        before = (function(middle) >= 0.0) == sign
+        before = rises(middle) == sign
         low, high = np.where(before, middle, low), np.where(before, high, middle)
     return high

@@ -11,8 +11,8 @@ import numpy as np
 from ..dynamics.method import LINEAR
 from ..dynamics.outcome import Outcome, Work
 from ..errors import OutputError
+from .dimensions import VARIABLES
 from .scene import Scene
-from .variables import VARIABLES
 from .verification import Validity
 
 if TYPE_CHECKING:

@@ -20,9 +20,9 @@ from ..motions import Motion
 from ..motions.grid import Grid, HasMotion, demand_of
 from ..processes import available_cpus, refuse_endless
 from ..structures.parameters import RockingParameters
+from .dimensions import QUANTITIES, VARIABLES
 from .results import Spectrum, Summary
 from .scene import PulseScene, Scene, Unit, cut_into_units
-from .variables import QUANTITIES, VARIABLES
 from .verification import Verification, default_check, validity
 from .work.jobs import Block, Job, local_crew, unit_reports
 

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 VARIED = ("varied", "varied_units")  # details of a member of a family: SI value by key, and SI unit by key
 DIMENSIONLESS = "dimensionless"  # `structure` of an oscillator without units
 MOST_DAMPING = 1.0  # zeta stays below it
-_FIELDS = {"p": "p", "alpha": "alpha", "lambda": "uplift", "a_scale": "a_scale", "eta": "eta"}  # by the printed name
+_FIELDS = {"p": "p", "alpha": "alpha", "eta": "eta", "lambda": "uplift", "a_scale": "a_scale"}  # by the printed name
 LEAST_ALPHA = 1e-30  # rad; a fallen body has theta/alpha = 1/alpha, so a smaller alpha costs too many steps
 
 
@@ -57,14 +57,11 @@ class Side:
 
     def record(self) -> dict[str, Any]:
         """The parameters as `rocking params --json` prints them."""
-        return {"side": self.side, **self.numbers(), **({} if self.arm is None else {"arm": self.arm})}
-
-    def numbers(self) -> dict[str, float]:
-        """The five parameters by their printed names."""
-        return _numbers(self)
+        return {"side": self.side, **numbers_of(self), **({} if self.arm is None else {"arm": self.arm})}
 
 
-def _numbers(of: Side | RockingParameters) -> dict[str, float]:
+def numbers_of(of: Side | RockingParameters) -> dict[str, float]:
+    """The five parameters by their printed names."""
     return {key: getattr(of, name) for key, name in _FIELDS.items()}
 
 
@@ -125,15 +122,15 @@ class RockingParameters:
         if self.one_sided:
             raise StructureError("a one-sided body has one side")
         weaker = weaker_side(self.sides)
-        if weaker.numbers() != _numbers(self):
+        if numbers_of(weaker) != numbers_of(self):
             raise StructureError(f"p, alpha, lambda, a_scale and eta are not those of the {weaker.side} edge, which lifts first")
 
     @classmethod
     def of_sides(cls, name: str, structure: str, left: Side, right: Side, **more: Any) -> RockingParameters:
         """A body on two edges; without `sides` if their parameters are equal. `more`: the other fields."""
-        sides = () if left.numbers() == right.numbers() else (left, right)
+        sides = () if numbers_of(left) == numbers_of(right) else (left, right)
         weaker = weaker_side((left, right))
-        return cls(name, structure, **fields_in(weaker.numbers()), sides=sides, arm=weaker.arm, **more)
+        return cls(name, structure, **fields_in(numbers_of(weaker)), sides=sides, arm=weaker.arm, **more)
 
     @property
     def plain(self) -> bool:
@@ -177,11 +174,10 @@ class RockingParameters:
     def record(self) -> dict[str, Any]:
         """The parameters as `rocking params --json` prints them: a document of kind `parameters`."""
         kind = {"name": self.name, "kind": "parameters", "structure_kind": self.structure}
-        numbers = {key: getattr(self, _FIELDS[key]) for key in ("p", "alpha", "eta", "lambda", "a_scale")}
         more = {key: getattr(self, key) for key in ("one_sided", "damping", "friction", "arm") if getattr(self, key)}
         sides = {"sides": [side.record() for side in self.sides]} if self.sides else {}
         more |= self.restraints.record() if self.restraints else {}
-        return {**kind, **numbers, "eta_source": self.eta_source, "gravity": self.gravity, **sides, **more, **self.details}
+        return {**kind, **numbers_of(self), "eta_source": self.eta_source, "gravity": self.gravity, **sides, **more, **self.details}
 
     def alpha_on(self, side: Any) -> Any:
         """alpha [rad] on the right edge (side = +1) or the left edge (side = -1), shape of `side`."""

@@ -12,8 +12,8 @@ from rocking_cli.dynamics.outcome import Difference, Outcome, difference
 from rocking_cli.reports.figures.maps import outcome_map
 from rocking_cli.reports.summary import summary_lines
 from rocking_cli.reports.units import Units
+from rocking_cli.spectra.dimensions import QUANTITIES
 from rocking_cli.spectra.file.reader import SpectraFile
-from rocking_cli.spectra.variables import QUANTITIES
 
 STOCKY = build_structure(parse_documents("kind: block\nname: Stocky\nwidth: 1\nheight: 2")[0])
 GRID = parse_grid("A=0.8:6:14,Omega=1:6:12")

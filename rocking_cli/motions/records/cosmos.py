@@ -50,10 +50,9 @@ def read(text: RecordText) -> list[Series]:
             others = f"{block[2]} in {block[3]}"
             text.skip(count, layout)
         text.demand_end(count)
-    if not found and others:
-        raise text.no_acceleration(f"no acceleration, only {others}; expected an acceleration with a unit")
     if not found:
-        raise text.fault("no channel")
+        wanted = "expected an acceleration with a unit"
+        raise text.no_acceleration(f"no acceleration, only {others}; {wanted}") if others else text.fault("no channel")
     return found
 
 

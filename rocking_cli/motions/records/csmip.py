@@ -52,10 +52,9 @@ def read(text: RecordText) -> list[Series]:
             found.append(Series(stated(_FIRST, latest), dt, text.numbers(count, layout), unit, peak))
             above = []
         text.demand_end(count)
-    if not found and others:
-        raise text.no_acceleration(f"no points of accel data, only of {others}")
     if not found:
-        raise text.fault("no line `n points of accel data`")
+        only = f"no points of accel data, only of {others}"
+        raise text.no_acceleration(only) if others else text.fault("no line `n points of accel data`")
     return found
 
 

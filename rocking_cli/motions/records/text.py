@@ -13,12 +13,15 @@ from typing import NamedTuple
 import numpy as np
 
 from ...errors import DocumentError, NoAcceleration
-from .numbers import NUMBER, OF_NUMBERS, Array, parsed, shown, value_of
 from .record import WRITTEN_UNITS, Series, unit_of
 
+Array = np.ndarray
 Keys = dict[str, tuple[str, int]]
 
 HEAD = 1 << 16  # bytes in which a format shows itself
+NUMBER = re.compile(rb"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?")
+_D_AS_E = bytes.maketrans(b"Dd", b"Ee")  # the letter of an exponent in Fortran
+OF_NUMBERS = b" \t\n0123456789+-.eEdD*"
 _DOS_BLOCK = 128  # bytes
 FORTRAN = r"\(\s*(?:\d+P\s*,?\s*)?(?P<columns>\d*)\s*[FEGDI]\s*(?P<width>[1-9]\d?)"  # a format such as (8F10.5) or (1E15.6)
 
@@ -101,9 +104,8 @@ class RecordText:
     def lines(self, count: int) -> list[str]:
         """The next `count` lines. Raises DocumentError if the file ends before."""
         found: list[str] = []
-        while len(found) < count:
-            line = self.next_line()
-            if line is None:
+        for _ in range(count):
+            if (line := self.next_line()) is None:
                 raise self.fault("the file ends within its header")
             found.append(line)
         return found
@@ -111,8 +113,7 @@ class RecordText:
     def find(self, pattern: re.Pattern[str]) -> re.Match[str] | None:
         """The first match in the lines to come; reads up to the end of its line, or of the file if there is none (None)."""
         while (line := self.next_line()) is not None:
-            found = pattern.search(line)
-            if found is not None:
+            if (found := pattern.search(line)) is not None:
                 return found
         return None
 
@@ -269,3 +270,33 @@ class RecordText:
         if value is None:
             raise self.fault(f"found {shown(token)}{after}")
         return value
+
+
+def value_of(token: bytes) -> float | None:
+    """The finite number that a token states, which may have the exponent letter D; None if it states none."""
+    token = token.translate(_D_AS_E)
+    value = float(token) if NUMBER.fullmatch(token) else np.nan
+    return value if np.isfinite(value) else None
+
+
+def parsed(block: bytes) -> Array | None:
+    """The numbers between the blanks of a block; None if one of its words is not a finite number."""
+    try:
+        values = np.array(block.translate(_D_AS_E).split(), dtype=bytes).astype(float)
+    except ValueError:
+        return None
+    return values if np.all(np.isfinite(values)) and b"_" not in block else None  # Python takes 1_000 for a number
+
+
+def shown(token: bytes) -> str:
+    """A token that is not a number, in quotes and with the reason."""
+    if not token:
+        return "blanks in place of a number"
+    words = token.decode("latin-1")
+    if set(token) == {42}:
+        reason = "stars in place of a number"
+    elif len(NUMBER.findall(token)) > 1 and not NUMBER.sub(b"", token).strip(b"."):
+        reason = "two numbers run together"
+    else:
+        reason = "which is no finite number"
+    return f"{(words if len(words) <= 40 else words[:37] + '...')!r}, {reason}"

@@ -16,8 +16,7 @@ import h5py
 import numpy as np
 
 from ... import __version__
-from ..dimensions import Frame, Values
-from ..variables import VARIABLES, Variable
+from ..dimensions import VARIABLES, Frame, Values, Variable
 
 GZIP_LEVEL = 1  # on these data level 4 takes three times as long and saves 2 %
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from ...dynamics.outcome import Outcome
 from ...errors import OutputError, UsageError
-from ..variables import VARIABLES
+from ..dimensions import VARIABLES
 from ..work.machine import together, unlike
 from .layout import Layout, Packed, unpack
 from .reader import SpectraFile

@@ -7,7 +7,7 @@ import json
 import os
 import stat
 from collections.abc import Iterator, Sequence
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
@@ -20,9 +20,7 @@ from ...errors import FAULTS, OutputError, UsageError
 from ...motions import Harmonic, Motion, Piece
 from ...motions.grid import Axis, Grid
 from ...structures.parameters import RockingParameters
-from ..dimensions import EDGE_PARAMETERS, VARIED, Frame, Values, form_among, varied_units
-from ..variables import VARIABLES
-from ..work.machine import machines_of
+from ..dimensions import EDGE_PARAMETERS, VARIABLES, VARIED, Frame, Values, form_among, varied_units
 from .integrity import SIGNATURE, Log, checked_digest, read, reason
 from .layout import BOOKKEEPING, CHUNK_TABLES, ChunkGrid, Packed, checksum, split, unpack
 
@@ -96,8 +94,10 @@ class SpectraFile(ExitStack[None]):
 
     @property
     def machines(self) -> list[dict[str, Any]]:
-        """The machines that computed the chunks."""
-        return machines_of(self.attributes.get("computed_on"))
+        """The machines that computed the chunks; none if the file does not state them as it should."""
+        with suppress(TypeError, ValueError):
+            return [found for found in json.loads(self.attributes.get("computed_on", "[]")) if isinstance(found, dict)]
+        return []
 
     @property
     def grid(self) -> Grid:

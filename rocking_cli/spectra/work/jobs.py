@@ -113,18 +113,15 @@ class Job:
             cells, shared = np.concatenate([band.cells() for band in batch], axis=1), key[0] is None
             whole, own = self.under_records(batch, cells) if shared else self.together_of(batch, cells)
             work += own
-            blocks = self.cut(batch, whole, cells, shared or scene.method.exact)
-            found |= {id(band): of_each for band, of_each in zip(batch, blocks, strict=True)}
+            last = 0
+            for band in batch:
+                first, last = last, last + band.size
+                block = {name: x[first:last].reshape(band.shape) for name, x in whole.items()}
+                found[id(band)] = [block] * len(band.sharers)
+                if shared or scene.method.exact:
+                    found[id(band)] = [self._standing(s, band.motion, cells[:, first:last], block) for s in band.sharers]
         works = chain([work], repeat(Work()))
         return [self.report(unit, [found[id(band)] for band in own], w) for unit, own, w in zip(units, bands, works, strict=False)]
-
-    def cut(self, batch: Sequence[Band], whole: Block, cells: np.ndarray, doubtful: bool) -> Iterator[list[Block]]:
-        """The blocks of each band of a batch, for each of its sharers; doubtful: their cells may have lost the ground."""
-        last = 0
-        for band in batch:
-            first, last = last, last + band.size
-            block = {name: x[first:last].reshape(band.shape) for name, x in whole.items()}
-            yield [self._standing(s, band.motion, cells[:, first:last], block) if doubtful else block for s in band.sharers]
 
     def under_records(self, batch: Sequence[Band], cells: np.ndarray) -> tuple[Block, Work]:
         """(the variables of all cells (A, Omega, eta) of bands of one system under several records, the work)."""

@@ -6,12 +6,9 @@ Two machines with equal states compute the same bytes.
 from __future__ import annotations
 
 import hashlib
-import json
 import platform
-import re
 from collections.abc import Mapping, Sequence
 from functools import cache
-from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -32,6 +29,8 @@ def version() -> str:
 
 def machine() -> dict[str, Any]:
     """This machine and its libraries by name, as JSON values; `cpu`: the vector instructions that NumPy uses."""
+    from importlib.metadata import version as installed_version
+
     import h5py
     import numpy as np
 
@@ -42,33 +41,16 @@ def machine() -> dict[str, Any]:
         "libc": " ".join(platform.libc_ver()).strip(),
         "python": platform.python_version(),
         "numpy": np.__version__,
-        "scipy": _scipy_version(),
+        "scipy": installed_version("scipy"),
         "h5py": h5py.__version__,
         "hdf5": h5py.version.hdf5_version,
         "cpu": [*simd.get("baseline", []), *simd.get("found", [])],
     }
 
 
-def _scipy_version() -> str:
-    """SciPy's version as its file states it; the imports of SciPy and of importlib.metadata take as long as a small sweep."""
-    spec = find_spec("scipy")
-    text = Path(spec.origin).with_name("version.py").read_text(encoding="utf-8") if spec is not None and spec.origin else ""
-    found = re.search(r"^version = ['\"](.+?)['\"]", text, re.MULTILINE)
-    return found[1] if found else "unknown"
-
-
 def described(machine: Mapping[str, Any]) -> str:
     """A machine in one line."""
     return ", ".join(f"{key} {' '.join(value) if isinstance(value, list) else value}" for key, value in machine.items())
-
-
-def machines_of(text: Any) -> list[dict[str, Any]]:
-    """The machines that a file's attribute `computed_on` lists, in their order; none if it cannot be read."""
-    try:
-        found = json.loads(text)
-    except (TypeError, ValueError):
-        return []
-    return [m for m in found if isinstance(m, dict)] if isinstance(found, list) else []
 
 
 def together(lists: Sequence[Sequence[Mapping[str, Any]]]) -> list[dict[str, Any]]:

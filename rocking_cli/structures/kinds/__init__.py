@@ -105,14 +105,12 @@ def sizes_of(word: str) -> Sequence[str]:
 
 def sketch_of(document: Document, built: RockingParameters) -> Sketch:
     """The sketch of a structure that was built from the document. Raises DocumentError if its kind has no geometry."""
-    word = str(document.values["kind"].content)
-    kind = _module(word)
+    kind = _module(word := str(document.values["kind"].content))
     if hasattr(kind, "body"):
         body: RigidBody = kind.body(document)
-        found: Sketch = body.moved_in(body.inset_of(document)).drawing
-        found = built.restraints.drawn(found) if built.restraints else found
-    elif hasattr(kind, "sketch"):
-        found = kind.sketch(document, built)
-    else:
+        drawing = body.moved_in(body.inset_of(document)).drawing
+        return built.restraints.drawn(drawing) if built.restraints else drawing
+    if not hasattr(kind, "sketch"):
         raise document.fault("kind", f"{word}, which states no geometry to draw", f"one of {', '.join(KINDS[:-1])}")
+    found: Sketch = kind.sketch(document, built)
     return found

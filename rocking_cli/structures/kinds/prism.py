@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from itertools import combinations, pairwise
 
 from ...documents.document import Document
 from ..mechanics.moments import Moments
@@ -21,7 +22,7 @@ Corner = tuple[float, float]
 def polygon_moments(corners: Sequence[Corner]) -> Moments:
     """Moments of a polygon of unit density by Green's theorem; corners (x, z) [m], counterclockwise for a positive mass."""
     mass = x = z = polar = 0.0
-    for (x1, z1), (x2, z2) in zip(corners, [*corners[1:], corners[0]], strict=True):
+    for (x1, z1), (x2, z2) in pairwise([*corners, corners[0]]):
         cross = x1 * z2 - x2 * z1
         mass += cross / 2.0
         x += cross * (x1 + x2) / 6.0
@@ -72,16 +73,12 @@ def _corners(document: Document) -> list[Corner]:
 
 def _crosses_itself(corners: Sequence[Corner]) -> bool:
     """True if two edges that are not neighbours touch, or if an edge runs back along its neighbour."""
-    edges = list(zip(corners, [*corners[1:], corners[0]], strict=True))
-    count = len(edges)
-    for i, (a, b) in enumerate(edges):
-        c = edges[(i + 1) % count][1]
+    edges = list(pairwise([*corners, corners[0]]))
+    last = len(edges) - 1
+    for (a, b), (_, c) in pairwise([*edges, edges[0]]):
         if _turn(a, b, c) == 0.0 and (b[0] - a[0]) * (c[0] - b[0]) + (b[1] - a[1]) * (c[1] - b[1]) < 0.0:
             return True
-        for j in range(i + 2, count):
-            if (j + 1) % count != i and _touch(a, b, *edges[j]):
-                return True
-    return False
+    return any(_touch(*edges[i], *edges[j]) for i, j in combinations(range(last + 1), 2) if 1 < j - i < last)
 
 
 def _turn(a: Corner, b: Corner, c: Corner) -> float:

@@ -6,7 +6,7 @@ import math
 from typing import Any
 
 from ...documents.document import Document
-from ..parameters import DIMENSIONLESS, VARIED, RockingParameters, Side, weaker_side
+from ..parameters import DIMENSIONLESS, VARIED, RockingParameters, Side, numbers_of, weaker_side
 from ..shared_keys import ONE_SIDED_RESTITUTION, gravity_of
 
 REPORTS = ()
@@ -17,7 +17,7 @@ P_RANGE = f"a positive number, from {1.0 / LARGEST_P:g} to {LARGEST_P:g} rad/s"
 def build(document: Document, name: str) -> RockingParameters:
     """The parameters that the document states; a_scale = alpha/lambda if one of these is absent (Eq. 3.9). Raises DocumentError."""
     found = _free(document, name)
-    if not [key for key in ("ties", "tendon") if document.has(key)]:
+    if not (document.has("ties") | document.has("tendon")):
         return found
     from ..restraints import restrained
 
@@ -43,7 +43,7 @@ def _free(document: Document, name: str) -> RockingParameters:
         raise document.fault("one_sided", "a one-sided body of two sides", "sides, or one_sided: true, not both")
     left, right = _sides(document, more["gravity"])
     weaker = weaker_side((left, right))
-    for key, number in {**weaker.numbers(), "arm": weaker.arm}.items():
+    for key, number in {**numbers_of(weaker), "arm": weaker.arm}.items():
         dimension = {"p": "frequency parameter", "alpha": "angle", "arm": "length"}.get(key, "number")
         if document.has(key) and document.quantity(key, dimension) != number:
             raise document.fault(key, str(document.values[key]), f"{number!r} as in sides, where the {weaker.side} edge lifts first")

@@ -19,7 +19,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
 from ...documents.document import Document
-from ..parameters import RockingParameters, Side, fields_in
+from ..parameters import RockingParameters, Side
 from ..shared_keys import gravity_of, mass_of, one_sided_restitution_of, restitution_of
 from ..sketch import Point, Sketch, rectangle, rocker
 from .moments import Moments, spin_about
@@ -63,34 +63,39 @@ class RigidBody(ABC):
 
     def parameters(self, document: Document, name: str) -> RockingParameters:
         """The rocking parameters, with gravity, restitution, sides, mass and inset of the document. Raises DocumentError."""
-        inset, more, whole = self.inset_of(document), {}, min(self.edges(1.0), key=lambda edge: edge.uplift)
-        if document.has("inset"):
-            more = {"inset": inset, "alpha_geometric": whole.alpha}
+        inset, gravity, mass = self.inset_of(document), gravity_of(document), mass_of(document)
         body = self.moved_in(inset)
-        found = body._parameters(document, name, more)
+        details = dict(body.details)
+        if mass is not None:
+            details["mass"] = mass
+        if document.has("inset"):
+            details |= {"inset": inset, "alpha_geometric": min(self.edges(1.0), key=lambda edge: edge.uplift).alpha}
+        left, right = body.edges(gravity)
+        more: dict[str, Any] = {"name": name, "structure": str(document.values["kind"].content), "gravity": gravity, "details": details}
+        more["top"] = body._top_arms()
+        if document.flag("one_sided"):
+            e, source = one_sided_restitution_of(document, (right.eta, left.eta), body.backing)
+            more |= {"p": right.p, "alpha": right.alpha, "eta": e, "uplift": right.uplift, "a_scale": 1.0, "arm": right.arm}
+            found = RockingParameters(**more, eta_source=source, one_sided=True)
+        else:
+            eta_left, source = restitution_of(document, left.eta, body.limit)
+            eta_right, _ = restitution_of(document, right.eta, body.limit)
+            details |= body.direction()
+            sides = left.side("left", eta_left), right.side("right", eta_right)
+            found = RockingParameters.of_sides(**more, left=sides[0], right=sides[1], eta_source=source)
         if not [key for key in ("ties", "tendon", "dampers") if document.has(key)]:
             return found
         from ..restraints import restrained
 
-        (_, (left, level)), *_, (_, (right, _)) = body.drawing.pivots
+        (_, (x_left, level)), *_, (_, (x_right, _)) = body.drawing.pivots
         z = [z for outline in (*body.drawing.still, *body.drawing.bodies) for _, z in outline]
-        geometry = {"crown": body.crown or max(z) - min(z), "level": level - min(z), "inset": inset, "width": right - left + 2.0 * inset}
+        geometry = {
+            "crown": body.crown or max(z) - min(z),
+            "level": level - min(z),
+            "inset": inset,
+            "width": x_right - x_left + 2.0 * inset,
+        }
         return restrained(document, found, **geometry, radius=getattr(body, "radius", None), share=body.share)
-
-    def _parameters(self, document: Document, name: str, more_details: dict[str, float]) -> RockingParameters:
-        gravity, mass = gravity_of(document), mass_of(document)
-        left, right = self.edges(gravity)
-        details = {**self.details, **({} if mass is None else {"mass": mass}), **more_details}
-        more: dict[str, Any] = {"name": name, "structure": str(document.values["kind"].content), "gravity": gravity, "details": details}
-        more["top"] = self._top_arms()
-        if document.flag("one_sided"):
-            e, source = one_sided_restitution_of(document, (right.eta, left.eta), self.backing)
-            numbers = right.side("right", 0.0).numbers() | {"eta": e}
-            return RockingParameters(**more, **fields_in(numbers), arm=right.arm, eta_source=source, one_sided=True)
-        eta_left, source = restitution_of(document, left.eta, self.limit)
-        eta_right, _ = restitution_of(document, right.eta, self.limit)
-        details |= self.direction()
-        return RockingParameters.of_sides(**more, left=left.side("left", eta_left), right=right.side("right", eta_right), eta_source=source)
 
     def _top_arms(self) -> tuple[float, ...]:
         """The distances from the left and the right edge to the farthest point of the top [m]; empty if the geometry defines no top."""
@@ -232,6 +237,24 @@ def _against_backing(body: Moments, half: float, top: Point | None) -> float | N
     x, z = body.x / body.mass, body.z / body.mass
     central = body.about(x, z)
     return float((central + body.mass * ((x + half) * (x - top[0]) + z * (z - top[1]))) / body.about(*top))
+
+
+def worn(body: RockingParameters, share: float) -> tuple[float, RockingParameters] | None:
+    """(inset [m], parameters) of a rigid body whose pivots lie inside the edges by this share of the distance between them. A restitution
+    that is given, or that includes the impact on a backing, stays. None if the mass centre is not known, or would be beyond an edge."""
+    sides: tuple[Side | RockingParameters, ...] = body.sides or (body, body)
+    (left, _), (right, z) = ((math.sin(side.alpha) * (side.arm or 0.0), math.cos(side.alpha) * (side.arm or 0.0)) for side in sides)
+    x, half, square = 0.5 * (left - right), (0.5 - share) * (left + right), right * right + z * z
+    if not abs(x) < half:
+        return None
+    polar = body.gravity * math.sqrt(square) / sides[1].p ** 2 - square + x * x + z * z  # I_G/m and the parallel axis
+    kept = body.one_sided or body.eta_source == "given"
+    edges = zip(("left", "right"), edges_of(Moments(1.0, x, z, polar), half, body.gravity), sides, strict=True)
+    there = [edge.side(name, abs(side.eta) if kept else edge.eta) for name, edge, side in edges]
+    moved = RockingParameters.of_sides(body.name, body.structure, *there)
+    eta = body.eta if kept and not body.sides else moved.eta
+    numbers: dict[str, Any] = {"p": moved.p, "alpha": moved.alpha, "uplift": moved.uplift, "eta": eta}
+    return share * (left + right), replace(body, **numbers, arm=moved.arm, sides=moved.sides, details={})
 
 
 def radius_and_alpha(document: Document, centroid: float = 0.5) -> tuple[float, float]:

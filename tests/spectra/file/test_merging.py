@@ -8,12 +8,12 @@ import h5py
 import pytest
 
 from rocking_cli import OutputError, UsageError, dimensionless_oscillator, parse_grid, sine, write_spectrum
+from rocking_cli.spectra.dimensions import VARIABLES
 from rocking_cli.spectra.file import writer as store
 from rocking_cli.spectra.file.layout import Layout, pack, unpack
 from rocking_cli.spectra.file.merging import merge
 from rocking_cli.spectra.file.reader import SpectraFile
 from rocking_cli.spectra.file.writer import SpectraWriter
-from rocking_cli.spectra.variables import VARIABLES
 
 GRID = parse_grid("A=0.5:12:40,Omega=0.5:12:30")
 

@@ -26,7 +26,7 @@ STATUE = "kind: stack\npieces: [{width: 1.2, depth: 1, height: 0.9}, {radius: 0.
 
 def numbers(body):
     """The five parameters of each side of a body, or of the body."""
-    return [tuple(side.numbers().values()) for side in body.sides] or [(body.p, body.alpha, body.uplift, body.a_scale, body.eta)]
+    return [(one.p, one.alpha, one.uplift, one.a_scale, one.eta) for one in body.sides or (body,)]
 
 
 def cylinder(level, radius, height):
