@@ -179,14 +179,9 @@ class NoRecord(DocumentError):
 
 
 def read_set(
-    paths: Sequence[str],
-    take: Callable[[list[Record]], Sequence[Taken]],
-    *,
-    unit: str | None = None,
-    dt: float | None = None,
-    tell: Callable[[str], None],
-    unread: Callable[[str], None] | None = None,
-) -> Iterator[Taken]:
+    paths: Sequence[str], take: Callable[[list[Record]], Sequence[Taken]], *, unit: str | None = None, dt: float | None = None,
+    tell: Callable[[str], None], unread: Callable[[str], None] | None = None,
+) -> Iterator[Taken]:  # fmt: skip
     """The results of `take` on the records of each file; for the paths see `record_files`. unit, dt [s]: of plain numbers.
     tell: called for each file of a directory that is no record or lacks an acceleration or the component, and for each file without
     results; unread: called for each file of a directory that cannot be read or taken, an error if None, as for a named file. Raises

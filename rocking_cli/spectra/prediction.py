@@ -92,18 +92,15 @@ def predict_exactly(structure: RockingParameters, motion: Motion, shaking: Grid)
 
 def _interpolated(spectrum: SpectraFile, index: int, amplitude: float, omega: float) -> float | None:
     """theta_ratio between the cells around (A, Omega), None unless all of them are safe."""
-    rows, x = _cell(spectrum.grid.frequency.values, omega)
-    columns, y = _cell(spectrum.grid.amplitude.values, amplitude)
-    block = spectrum.block(index, slice(rows[0], rows[-1] + 1), slice(columns[0], columns[-1] + 1))
+    places = []
+    for axis, value in ((spectrum.grid.frequency.values, omega), (spectrum.grid.amplitude.values, amplitude)):
+        low = int(np.searchsorted(axis, value, side="right")) - 1
+        on_a_line = axis[low] == value
+        share = 0.0 if on_a_line else float((value - axis[low]) / (axis[low + 1] - axis[low]))
+        places.append((slice(low, low + (1 if on_a_line else 2)), share))
+    (rows, x), (columns, y) = places
+    block = spectrum.block(index, rows, columns)
     if not safe(block["outcome"]).all():
         return None
-    across = block["theta_ratio"] @ np.array([1 - y, y][: len(columns)])
+    across = block["theta_ratio"] @ np.array([1 - y, y][: columns.stop - columns.start])
     return float(across[0] * (1 - x) + across[-1] * x)
-
-
-def _cell(axis: np.ndarray, value: float) -> tuple[list[int], float]:
-    """The grid lines around a value, and its place between them."""
-    low = int(np.searchsorted(axis, value, side="right")) - 1
-    if axis[low] == value:
-        return [low], 0.0
-    return [low, low + 1], float((value - axis[low]) / (axis[low + 1] - axis[low]))

@@ -33,12 +33,9 @@ def block_of(alpha: float, eta: float | None) -> RockingParameters:
     """A rigid block of critical angle alpha [rad] whatever its size; eta: None for 1 - 3/2 sin^2 alpha.
     Its p is 1 rad/s; forces over its weight are those of any size (p^2 = 3g/(4R)). Raises StructureError for a restitution out of range,
     such as that of a block whose width is above 1.41 times its height."""
-    if eta is None:
-        eta, source = 1.0 - 1.5 * math.sin(alpha) ** 2, "momentum"
-    else:
-        source = "given"
-    arm = 0.75 * DEFAULT_GRAVITY
-    return RockingParameters(f"alpha={alpha:.6g}", "block", 1.0, alpha, eta, math.tan(alpha), 1.0, source, arm=arm)
+    own, arm = 1.0 - 1.5 * math.sin(alpha) ** 2, 0.75 * DEFAULT_GRAVITY
+    numbers = (1.0, alpha, own if eta is None else eta, math.tan(alpha), 1.0, "momentum" if eta is None else "given")
+    return RockingParameters(f"alpha={alpha:.6g}", "block", *numbers, arm=arm)
 
 
 @dataclass(frozen=True, eq=False)
@@ -168,44 +165,38 @@ def angles_scene(
     alphas: Axis, periods: Axis, recordings: Sequence[Recording], eta: float | None = None, method: Method = LINEAR
 ) -> RecordScene:
     """Rigid blocks over alpha and T = 2 pi/p under records; eta: None for the value of a block. Raises UsageError."""
-    blocks = []
-    for alpha in alphas.values.tolist():
+
+    def block(alpha: float) -> RockingParameters:
         try:
-            blocks.append(block_of(alpha, eta))
+            return block_of(alpha, eta)
         except StructureError as error:
             hint = "; `eta` gives it another one" if eta is None and str(error).startswith("eta") else ""
             raise UsageError(f"alpha {alpha:.6g} rad: {error}{hint}") from None
-    return RecordScene(tuple(blocks), tuple(recordings), periods, method)
+
+    return RecordScene(tuple(map(block, alphas.values.tolist())), tuple(recordings), periods, method)
 
 
 def scene_of_words(
-    structures: Sequence[RockingParameters],
-    recordings: Sequence[Recording],
-    *,
-    axes: str | None = None,
-    alphas: str | None = None,
-    etas: Sequence[float | None] = (),
-    model: str | None = None,
-    tolerance: float = TOLERANCE,
-) -> RecordScene:
+    structures: Sequence[RockingParameters], recordings: Sequence[Recording], *, axes: str | None = None, alphas: str | None = None,
+    etas: Sequence[float | None] = (), model: str | None = None, tolerance: float = TOLERANCE,
+) -> RecordScene:  # fmt: skip
     """The scene of the options `--grid` (None: as recorded), `--alpha` and `--eta` (None: of a block). model, tolerance: those of
     `governing_method`. Raises UsageError."""
     found = parse_axes(axes, records=True) if axes is not None else {}
-    if alphas is not None and "alpha" in found:
-        raise UsageError("`alpha` does not go with alpha in `grid`")
     if alphas is not None:
+        if "alpha" in found:
+            raise UsageError("`alpha` does not go with alpha in `grid`")
         found["alpha"] = parse_angles(alphas)
     if "alpha" in found or "T" in found:
         if structures:
             raise UsageError("structures have angles and a size of their own; expected scale, A or a_g with them, alpha and T without them")
         if set(found) != {"alpha", "T"}:
-            named = [*([written_axes(axes)] if axes is not None else []), *(["alpha"] if alphas is not None else [])]
-            raise UsageError(f"found {' and '.join(named)}; expected `alpha` and `grid` T=START:STOP:N together")
+            named = [written_axes(axes or ""), "" if alphas is None else "alpha"]
+            raise UsageError(f"found {' and '.join(filter(None, named))}; expected `alpha` and `grid` T=START:STOP:N together")
         if len(etas) > 1:
             raise UsageError(f"`eta`: found {len(etas)} values; expected one over alpha and T")
-        return angles_scene(
-            found["alpha"], found["T"], recordings, etas[0] if etas else None, governing_method(model=model, tolerance=tolerance)
-        )
+        method = governing_method(model=model, tolerance=tolerance)
+        return angles_scene(found["alpha"], found["T"], recordings, etas[0] if etas else None, method)
     if len(found) > 1:
         raise UsageError(f"`grid`: found {written_axes(axes or '')}; expected one of scale, A and a_g")
     columns = next(iter(found.values()), AS_RECORDED)

@@ -74,18 +74,30 @@ def checked_cells(scene: Scene, check: int) -> Array:
 
 def sampled_cells(scene: Scene, check: int, seed: int = _SEED) -> Array:
     """(structure, row, column) of cells drawn without regard to units, among those that uplift."""
+    _, rows, columns = scene.shape
     owners = [group[0] for group in scene.sharing()]
     lifts: dict[int, float] = {}  # the uplift of each structure
 
-    def uplifts(at: Place) -> bool:
+    def uplifts(at: tuple[int, int, int]) -> bool:
         cell = scene.cell(*at)
         if id(cell.structure) not in lifts:
             lifts[id(cell.structure)] = float(np.min(scene.method.system_of(cell.structure).equation.uplift_amplitude))
         return cell.amplitude * cell.motion.peak > lifts[id(cell.structure)]
 
-    drawn = np.random.default_rng(seed).integers((len(owners), *scene.shape[1:]), size=(20 * check, 3)).tolist()
+    drawn = _drawn(seed, 20 * check, (len(owners), rows, columns)).tolist()
     once = dict.fromkeys((owners[i], row, column) for i, row, column in drawn)  # a small grid is drawn several times
     return np.array(list(islice(filter(uplifts, once), check)), dtype=np.int64).reshape(-1, 3)
+
+
+def _drawn(seed: int, count: int, below: tuple[int, ...]) -> Array:
+    """`count` rows of random whole numbers from 0, each column below a limit of up to 2^32, by SplitMix64 (Steele, Lea and Flood 2014);
+    the import of numpy.random takes longer than a small sweep."""
+    with np.errstate(over="ignore"):
+        z = np.uint64(seed) + np.arange(1, count * len(below) + 1, dtype=np.uint64) * np.uint64(0x9E3779B97F4A7C15)
+        z = (z ^ (z >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
+        z = (z ^ (z >> np.uint64(27))) * np.uint64(0x94D049BB133111EB)
+        upper = ((z ^ (z >> np.uint64(31))) >> np.uint64(32)).reshape(count, len(below))  # its upper half, a fraction of 2^32
+    return (upper * np.array(below, dtype=np.uint64) >> np.uint64(32)).astype(np.int64)
 
 
 def sensitive_cells(scene: Scene, count: int) -> Array:

@@ -124,15 +124,9 @@ class SpectraWriter:
     when the file is in use or cannot be written."""
 
     def __init__(
-        self,
-        path: Path,
-        layout: Layout,
-        *,
-        overwrite: bool = False,
-        resume: bool = False,
-        strict: bool = False,
+        self, path: Path, layout: Layout, *, overwrite: bool = False, resume: bool = False, strict: bool = False,
         machines: Sequence[Mapping[str, Any]] = (),
-    ) -> None:
+    ) -> None:  # fmt: skip
         self.part, self.output, self.overwrite = check_output(path, overwrite, resume), followed(path), overwrite
         self.names, self.cut = layout.names, layout.cut
         self.whole = layout.attributes.get("shard") == "1/1"
