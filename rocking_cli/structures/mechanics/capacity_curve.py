@@ -72,7 +72,7 @@ def capacity_curves(structure: RockingParameters) -> list[CapacityCurve]:
 
     if isinstance(structure.mechanism, FourBar):
         return [_of_arch(structure.mechanism, structure.alpha)]
-    if structure.arm is None:
+    if any(edge.arm is None for edge in structure.sides or (structure,)):
         found = f"{structure.name}: found kind {structure.structure} without the place of one mass centre"
         raise UsageError(f"{found}; expected the geometry of a rigid body or of an arch")
     if structure.sides:
