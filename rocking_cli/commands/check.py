@@ -116,7 +116,7 @@ def check(
         draw_capacities(told, output, in_g=in_g, overwrite=overwrite, tell=note)
     ground.note_demand(shakes)
     ground.note_governing(structures, shakes[0][1].dimensionless)
-    for line in (*_remarks(told), *(by_code.lines if by_code else ())):
+    for line in (*_remarks(told), *(by_code.said() if by_code else ())):
         note(line)
     if not (verdict_only or is_quiet()) and (remark := _of_an_inset(told, demands, a_max, workers)):
         note(remark)

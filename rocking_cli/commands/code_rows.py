@@ -12,7 +12,7 @@ from ..dynamics.method import governing_method
 from ..errors import UsageError
 from ..motions.design_spectra import parse_floor, read_spectrum
 from ..responses.check import Demand, Verdict
-from ..responses.code_check import CodeCheck, code_check, first_beyond
+from ..responses.code_check import SLC, SLV, CodeCheck, code_check, first_beyond
 from ..structures import RockingParameters
 from .code import Code
 from .printing import emit, note
@@ -34,6 +34,7 @@ class CodeRows:
         self.given["confidence"] = 1.0 if asked.fc is None else asked.fc
         self.checks: dict[tuple[str, str], tuple[CodeCheck, Demand, bool]] = {}
         self.lines: list[str] = []
+        self.told: dict[str, list[Verdict]] = {}
 
     def alone(
         self, structures: Sequence[RockingParameters], varied: Mapping[str, Mapping[str, Any]], output: Path | None, overwrite: bool
@@ -64,6 +65,7 @@ class CodeRows:
     def columns(self, verdict: Verdict, searched: bool) -> dict[str, Any]:
         """The columns of the code beside a verdict; searched: with the amplitude at which theta exceeds 0.4 alpha."""
         check, demand, _ = self.checks[verdict.structure, verdict.motion]
+        self.told.setdefault(verdict.structure, []).append(verdict)
         beyond = first_beyond(*demand, most=verdict.first_overturning_a) if searched else None
         several = f"{verdict.structure} under {verdict.motion}: " if len(self.checks) > 1 else ""
         self.lines += [several + line for line in check.promises(verdict.first_overturning_a, beyond)]
@@ -74,6 +76,24 @@ class CodeRows:
         for check, (_, motion, _), moves in self.checks.values():
             if not moves:
                 yield {**_head(check), "motion": motion.name, **check.record()}
+
+    def said(self) -> list[str]:
+        """The lines to print, with the means of the rotations of free bodies under several records (C8.7.1.2.1.9). There d/d0 is at most
+        theta/alpha."""
+        found = []
+        for name, verdicts in self.told.items():
+            structure = next(s for _, (s, _, _), _ in self.checks.values() if s.name == name)
+            if len(verdicts) < 2 or self.given["floor"] or structure.mechanism or structure.restraints or structure.sides:
+                continue
+            falls = sum(v.falls or v.theta_ratio is None or v.theta_ratio >= 1.0 for v in verdicts)
+            mean = sum(v.theta_ratio or 0.0 for v in verdicts) / len(verdicts)
+            met = (
+                " and ".join(key for key, state in (("SLV", SLV), ("SLC", SLC)) if not falls and mean <= state.share)
+                or "neither SLV nor SLC"
+            )
+            told = f"{falls} pass alpha" if falls else f"none passes alpha, the mean of theta_ratio is {mean:.3g}"
+            found.append(f"{name}: dynamics (C8.7.1.2.1.9), {len(verdicts)} motions: {told}: {met} met")
+        return [*self.lines, *found]
 
     def draw(self, output: Path, overwrite: bool) -> None:
         """Draw the capacity curve of every check."""

@@ -71,6 +71,23 @@ def test_a_tied_body_has_its_rows_of_the_code(rocking, site, tmp_path):
 
 
 @pytest.mark.parametrize(
+    ("peaks", "said"),
+    [
+        ((3.0, 3.5), "none passes alpha, the mean of theta_ratio is {:.3g}: SLV and SLC met"),
+        ((3.0, 40.0), "1 pass alpha: neither SLV nor SLC met"),
+    ],
+)
+def test_several_records_are_judged_by_their_mean(rocking, tmp_path, peaks, said):
+    for n, peak in enumerate(peaks):
+        (tmp_path / f"r{n}.csv").write_text("".join(f"{0.1 * i:.1f},{peak * x}\n" for i, x in enumerate((0, 1, 1, 0, -1, -1, 0))))
+    done = rocking(
+        "check", "block:0.5x2", "--motion", "r0.csv", "r1.csv", "--unit", "m/s2", "--code", "ntc2018", "--verdict-only", "--json"
+    )
+    mean = sum(row["theta_ratio"] or 0.0 for row in done.records) / 2
+    assert f"block:0.5x2: dynamics (C8.7.1.2.1.9), 2 motions: {said.format(mean)}" in done.stderr.splitlines()
+
+
+@pytest.mark.parametrize(
     ("code", "arguments", "said"),
     [
         (2, ("configs/parameters.yaml", *SHAKING), "without the place of one mass centre; expected the geometry of a rigid body"),
