@@ -5,7 +5,7 @@ CODE := $(shell find rocking_cli -type f -not -path '*/__pycache__/*')
 CONFIGS := $(shell find configs -type f)
 TESTS := $(shell find tests -type f -not -path '*/__pycache__/*')
 
-.PHONY: help demo test lint quick figures study code-study bench database golden trace soak ladder mutants clean
+.PHONY: help demo test lint quick figures study code-study bench database golden trace soak ladder mutants readers clean
 
 .DEFAULT_GOAL := help
 help: ## This list
@@ -110,6 +110,16 @@ trace: $(STAMPS)/dev ## Where the time of a scene goes: make trace SCENE="linear
 
 soak: $(STAMPS)/dev ## The long checks
 	.venv/bin/python -m pytest -m soak
+
+# OpenQuake and pelicun stand in environments of their own; of OpenQuake only what its reader of fragility models imports.
+READ := .venv/readers
+readers: $(STAMPS)/dev ## Exported fragility curves, read by OpenQuake and pelicun themselves
+	$(PYTHON) -m venv $(READ)/openquake && $(PYTHON) -m venv $(READ)/pelicun
+	$(READ)/pelicun/bin/pip install --quiet pelicun
+	$(READ)/openquake/bin/pip install --quiet --no-deps openquake.engine
+	$(READ)/openquake/bin/pip install --quiet numpy scipy h5py pandas toml psutil decorator pyzmq shapely pyproj requests numba h3 alpha_shapes fiona
+	PYTHON_OPENQUAKE=$(READ)/openquake/bin/python PYTHON_PELICUN=$(READ)/pelicun/bin/python \
+	  .venv/bin/python -m pytest -m soak tests/fragility/test_exports.py
 
 # The numeric tests with other processors' kernels of OpenBLAS, NumPy and the C library.
 ladder: $(STAMPS)/dev ## The numeric tests with other processors' kernels

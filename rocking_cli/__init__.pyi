@@ -24,6 +24,7 @@ from .errors import OutputError as OutputError
 from .errors import RockingError as RockingError
 from .errors import StructureError as StructureError
 from .errors import UsageError as UsageError
+from .fragility.exports import export_fragility as export_fragility
 from .fragility.fits import Curve as Curve
 from .fragility.fits import Resampling as Resampling
 from .fragility.fits import fit_cloud as fit_cloud

@@ -78,11 +78,14 @@ class Fits:
         "--standing", type=quantity("number of years"), metavar="TIME",
         help="The body has stood so long, such as 10000yr: the confidence with which this rejects the hazard curve.",
     )  # fmt: skip
+    export: str | None = option(
+        "--export", type=click.Choice(["openquake", "pelicun"]), help="Write -o for this program: NRML (.xml), or CSV and JSON (.csv)."
+    )
     samples: int = option(
         "--bootstrap", type=click.IntRange(0, 100_000), default=1000, show_default=True, help="Samples for bands; 0: none."
     )
     seed: int = option("--seed", type=click.IntRange(0), default=0, show_default=True, help="Seed of the bootstrap.")
-    output: Path | None = options.output(help="The HDF5 file of all cells to write (records).")
+    output: Path | None = options.output(help="The HDF5 file of all cells (records), or that of --export.")
 
 
 @command("rocking fragility configs/block.yaml --pulses configs/motions/site_pulses.csv --levels 0.2g:0.7g:11", printed)
@@ -135,7 +138,18 @@ def fragility(
     if shaken.upwards is not None:
         members = shaken_upwards(members, shaken.upwards)
     (equation,) = model.methods(structures)
-    if wanted.output is not None:
+    if wanted.export is not None:
+        from ..fragility.exports import check_export
+
+        if wanted.output is None or sweep.resume or sweep.shard is not None or sweep.scheduler is not None:
+            raise click.UsageError("--export goes with -o FILE, and without --resume, --shard and --scheduler")
+        if wanted.cells or wanted.efficiency or len(methods) > 1:
+            raise click.UsageError("--export goes with one --method, and without --cells and --efficiency")
+        if wanted.exact and None not in states:
+            raise click.UsageError("--export of exact shares goes with the limit state overturning")
+        check_export(wanted.output, wanted.export, measure, sweep.overwrite)
+        options.refuse_own_input(wanted.output, shaken.recordings)
+    elif wanted.output is not None:
         from ..spectra.file.writer import check_output
 
         if not (sweep.resume and wanted.output.is_file()):
@@ -144,7 +158,8 @@ def fragility(
     elif sweep.shard is not None or sweep.scheduler is not None or sweep.resume:
         raise click.UsageError("--shard, --scheduler and --resume go with -o OUT.h5")
     how = Resampling(wanted.samples, wanted.seed)
-    writing = {**sweep.writing(texts), "history": written.command_line(), "path": wanted.output, "workers": sweep.workers}
+    writing = {**sweep.writing(texts), "history": written.command_line(), "workers": sweep.workers}
+    writing["path"] = None if wanted.export else wanted.output
     exact = wanted.exact or (hazard is not None and None in states)
     studied = studies(
         structures, members, measure, levels, equation, methods, how, exact=exact, hazard=hazard, line=ProgressLine, **writing
@@ -165,11 +180,18 @@ def fragility(
         fits, refused = fitted(found, states, methods)
         if not fits and not (exact and (wanted.curve or hazard)):
             raise UsageError(refused[0] if refused else "no limit state for this method: first needs overturning, cloud needs rotations")
+        if wanted.export is not None and wanted.output is not None:
+            from ..fragility.exports import export_fragility
+
+            curves = found if wanted.exact else fits
+            if not curves:
+                raise UsageError(refused[0])
+            remarks += export_fragility(curves, wanted.output, wanted.export, im=measure.name, overwrite=sweep.overwrite)
         _emit(fits, found if exact else [], wanted)
         if hazard is not None:
             rated = [(f"{fit.structure}, {fit.limit}, {fit.method}", fit.rate) for fit in fits]
             rated += [(f"{study.structure.name}, overturning, exact", study.rate_without_fit) for study in found if exact]
-            remarks = [f"{name}: {words}" for name, rate in rated if rate is not None for words in rate.remarks(hazard)]
+            remarks += [f"{name}: {words}" for name, rate in rated if rate is not None for words in rate.remarks(hazard)]
     for line in (*refused, *remarks, *model.in_words([equation], structures), f"{len(members)} motions"):
         note(line)
     for study in found:

@@ -60,6 +60,7 @@ class Fit:
     hazard: HazardCurve | None = None
     rate: Rate | None = None
     rate_without_fit: Rate | None = None
+    no_damage: float = 0.0  # the level [SI] up to which the structure stays at rest, 0 if that is not known
 
     def record(self) -> dict[str, Any]:
         """The fit as one row."""
@@ -120,6 +121,13 @@ class Study:
         """The measure of each unscaled motion, (members,)."""
         return np.array([m.measured(self.measure, self.structure) for m in self.members])
 
+    @property
+    def no_damage(self) -> float:
+        """The level [SI] up to which the structure stays at rest: lambda g for PGA without a vertical motion, otherwise 0."""
+        lifted = any(m.recording.upwards is not None if m.recording else m.motion.vertical is not None for m in self.members)
+        s = self.structure
+        return 0.0 if lifted or self.measure.name != "PGA" else s.gravity * min(s.uplift, s.linear_uplift)
+
     def fit(self, method: str, limit: float | None) -> Fit:
         """The curve of a limit state by a method. Raises UsageError if the data do not support a fit."""
         if len(self.members) < fits.FEWEST:
@@ -137,7 +145,9 @@ class Study:
             annual = float(hazard.rate_of(np.log(curve.theta), np.array(curve.beta)))
             rate = Rate(annual, low, high, float(hazard.rate[-1]), float(hazard.x[-1]), float(curve(hazard.x[0])))
         free = self.rate_without_fit if limit is None else None
-        return Fit(self.structure.name, self.measure.name, word_of(limit), method, curve, band, x, points, hazard, rate, free)
+        return Fit(
+            self.structure.name, self.measure.name, word_of(limit), method, curve, band, x, points, hazard, rate, free, self.no_damage
+        )
 
     def _abscissae(self) -> Array:
         levels = self.exposure.levels
