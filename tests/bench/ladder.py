@@ -20,8 +20,7 @@ from pathlib import Path
 import numpy as np
 
 ROOT = Path(__file__).resolve().parents[2]
-NUMERIC = [f"tests/{room}" for room in ("dynamics", "motions", "responses", "structures")]
-NUMERIC += [f"tests/spectra/test_{module}.py" for module in ("boundaries", "closed_form", "envelope", "grid", "scene")]
+NUMERIC = [f"tests/{room}" for room in ("dynamics", "envelopes", "motions", "responses", "structures")]
 CORES = ("Haswell", "SkylakeX", "Zen", "Prescott")
 WITHOUT_FMA = "glibc.cpu.hwcaps=-AVX512F,-AVX2,-FMA,-FMA4"
 

@@ -24,8 +24,8 @@ def test_a_body_just_inside_comes_back_and_one_just_outside_falls(text, model, a
     for share, falls in ((0.999, False), (1.001, True)):
         beyond = at > 100  # there a body comes back if it is fast enough
         theta, w = ratio[at] * body.alpha, rate[at] * body.alpha / spin * (2.0 - share if beyond else share)
-        for _ in range(4000):
-            theta, w = _after(edge, theta, w, 0.005)
+        for _ in range(1000):
+            theta, w = _after(edge, theta, w, 0.02)
             if theta < 0.0 or (theta > 1.4 * body.alpha and w > 0.0):
                 break
         assert (theta > 0.0) == falls
