@@ -181,12 +181,10 @@ def fragility(
         if not fits and not (exact and (wanted.curve or hazard)):
             raise UsageError(refused[0] if refused else "no limit state for this method: first needs overturning, cloud needs rotations")
         if wanted.export is not None and wanted.output is not None:
-            from ..fragility.exports import export_fragility
+            from ..fragility import exports
 
-            curves = found if wanted.exact else fits
-            if not curves:
-                raise UsageError(refused[0])
-            remarks += export_fragility(curves, wanted.output, wanted.export, im=measure.name, overwrite=sweep.overwrite)
+            states_of = [exports.of_share(study) for study in found] if wanted.exact else [exports.of_fit(fit) for fit in fits]
+            remarks += exports.write(states_of, wanted.output, wanted.export, measure, sweep.overwrite)
         _emit(fits, found if exact else [], wanted)
         if hazard is not None:
             rated = [(f"{fit.structure}, {fit.limit}, {fit.method}", fit.rate) for fit in fits]

@@ -71,11 +71,11 @@ def of_share(study: Study) -> Exported:
 
 
 def export_fragility(
-    curves: Sequence[Fit | Study], target: str | Path, form: str = "openquake", *, im: str = "PGA", overwrite: bool = False
+    curves: Sequence[Fit], target: str | Path, form: str = "openquake", *, im: str = "PGA", overwrite: bool = False
 ) -> list[str]:
     """Write fragility curves for another program, and return sentences on what the file holds otherwise than the curves.
 
-    curves: fits, one for each structure and limit state, or studies with traced intervals (exact shares); form: `openquake` (NRML 0.5) or
+    curves: fits, one for each structure and limit state, with levels in SI; form: `openquake` (NRML 0.5) or
     `pelicun` (CSV, and JSON of the same name); im: their measure. Limit states that a structure lacks are left out. Raises UsageError for
     a measure that the program does not know, and OutputError if a file cannot be written.
 
@@ -84,9 +84,13 @@ def export_fragility(
         ...
     rocking_cli.errors.UsageError: found no fragility curve to export
     """
-    target, measure = Path(target), measure_of(im)
-    check_export(target, form, measure, overwrite)
-    states = [of_fit(one) if isinstance(one, Fit) else of_share(one) for one in curves]
+    measure = measure_of(im)
+    check_export(Path(target), form, measure, overwrite)
+    return write([of_fit(fit) for fit in curves], Path(target), form, measure, overwrite)
+
+
+def write(states: Sequence[Exported], target: Path, form: str, measure: Measure, overwrite: bool) -> list[str]:
+    """Write limit states of structures as `export_fragility` does, all of them curves or all of them shares."""
     if not states:
         raise UsageError("found no fragility curve to export")
     grouped: dict[str, dict[str, Exported]] = {}

@@ -113,7 +113,7 @@ REFUSED = {
         (2, f"stated.yaml {SITE} {LEVELS} --export pelicun -o f.csv --cells", "--export goes with one --method, and without --cells"),
         (2, f"stated.yaml {SITE} {LEVELS} --export pelicun -o f.csv --method stripes,first", "--export goes with one --method"),
         (2, f"stated.yaml {SITE} {LEVELS} --export openquake -o f.csv", "ends in .xml"),
-        (2, f"stated.yaml {SITE} --levels 1,2 --im nPGA --export openquake -o f.xml", "--im: found nPGA; expected a measure that openquake"),
+        (2, f"stated.yaml {SITE} --levels 1,2 --im nPGA --export openquake -o f.xml", "found nPGA; expected a measure that openquake"),
         (2, f"stated.yaml {SITE} {LEVELS} --export openquake -o f.xml --exact --limit 1", "goes with the limit state overturning"),
         (2, f"stated.yaml {SITE} {LEVELS} --standing 9yr", "--standing goes with --hazard"),
         (2, f"stated.yaml {SITE} {LEVELS} --site 9,45", "--site goes with --hazard"),
