@@ -84,9 +84,8 @@ class _Composer(yaml.SafeLoader):
 
 def _compose_yaml(text: str, source: str, first: int) -> list[tuple[yaml.Node, int]]:
     if len(text) > LONGEST:
-        raise DocumentError(
-            f"{_place_in(text, LONGEST, source).below(first)}: longer than {LONGEST >> 20} MiB, the limit of a structure document"
-        )
+        place = _place_in(text, LONGEST, source).below(first)
+        raise DocumentError(f"{place}: longer than {LONGEST >> 20} MiB, the limit of a structure document")
     try:
         return [(node, first) for node in yaml.compose_all(text, Loader=_Composer)]
     except _Unlikely as error:

@@ -192,9 +192,8 @@ class Document:
         for key, place in self.keys.items():
             if key not in self.asked:
                 known = sorted(self.asked)
-                raise DocumentError(
-                    f"{place}: unknown key {key!r}{did_you_mean(key, known, MEANT)}; known keys of this kind: {', '.join(known)}"
-                )
+                meant = did_you_mean(key, known, MEANT)
+                raise DocumentError(f"{place}: unknown key {key!r}{meant}; known keys of this kind: {', '.join(known)}")
 
     def with_value(self, key: str, text: str, source: str) -> Document:
         """A copy of the document with one value replaced or added; `source` is the place of the value in error messages."""

@@ -59,9 +59,8 @@ def demand_no_table(text: str, source: str) -> None:
         if len(names) > 1 and all(name.strip() for name in names) and rest.partition("\n")[0].count(delimiter) == len(names) - 1:
             found = ", ".join(split_heading(name)[0] for name in names)
             shown = found if len(found) <= 60 else found[:57] + "..."
-            raise DocumentError(
-                f"{Place(source, 1, 1)}: CSV without a column {KIND!r}; found {shown}; expected a heading such as kind,name,width"
-            )
+            wanted = "expected a heading such as kind,name,width"
+            raise DocumentError(f"{Place(source, 1, 1)}: CSV without a column {KIND!r}; found {shown}; {wanted}")
 
 
 def rows_of(text: str, source: str, delimiter: str) -> Iterator[list[Cell]]:

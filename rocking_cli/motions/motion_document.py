@@ -52,9 +52,8 @@ def _pieces(document: Document) -> tuple[Piece, ...]:
     for i, value in enumerate(_children(document, "pieces", _PIECES, 1), 1):
         part = document.part("pieces", value)
         start = part.quantity("from", "number", least=0.0, most=MOST_CYCLES, where=f"a time in periods from 0 to {MOST_CYCLES:g}")
-        stop = part.quantity(
-            "to", "number", least=start + SHORTEST, most=MOST_CYCLES, where=f"a time in periods after {start:g}, up to {MOST_CYCLES:g}"
-        )
+        where = f"a time in periods after {start:g}, up to {MOST_CYCLES:g}"
+        stop = part.quantity("to", "number", least=start + SHORTEST, most=MOST_CYCLES, where=where)
         before = pieces[-1].stop / TURN if pieces else 0.0
         if abs(start - before) > 1e-9 * max(1.0, before):
             what = "overlaps the one before" if start < before else "leaves a gap"

@@ -46,9 +46,9 @@ def predict(structure: RockingParameters, spectrum: SpectraFile | str | Path, sh
     amplitude, omega = (float(x[0]) for x in shaking.scaled(structure))
     a, w = spectrum.grid.amplitude.values, spectrum.grid.frequency.values
     if not (a[0] <= amplitude <= a[-1] and w[0] <= omega <= w[-1]):
+        held = f"A {a[0]:g} to {a[-1]:g}, Omega {w[0]:g} to {w[-1]:g}"
         raise UsageError(
-            f"{structure.name}: A = {amplitude:.6g}, Omega = {omega:.6g} is outside the spectrum "
-            f"(A {a[0]:g} to {a[-1]:g}, Omega {w[0]:g} to {w[-1]:g}); `exact` computes it"
+            f"{structure.name}: A = {amplitude:.6g}, Omega = {omega:.6g} is outside the spectrum ({held}); `exact` computes it"
         )
     record = predict_exactly(structure, spectrum.motion(), shaking)
     read_off = _interpolated(spectrum, nearest, amplitude, omega)

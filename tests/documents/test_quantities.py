@@ -1,7 +1,5 @@
 """Numbers as people write them."""
 
-from __future__ import annotations
-
 import pytest
 
 from rocking_cli.documents.quantities import parse_quantity, parse_whole

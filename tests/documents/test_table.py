@@ -1,7 +1,5 @@
 """Lists of structures as CSV."""
 
-from __future__ import annotations
-
 import csv
 import io
 import time

@@ -1,7 +1,5 @@
 """Spectra as a code takes them: the formulas evaluated by hand, another integrator, and files that are refused."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Axes of a sweep: units, spacing and refusals."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Intensity measures: closed forms, and a quadrature in many small steps that shares no code."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Motions: values, monotone segments and their turning points, segments of many sinusoids as polynomials, and what is refused."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Motion documents: the motion that they state, and refusals."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Motions of straight lines: the same numbers as the pieces they stand for, and records in their own time."""
 
-from __future__ import annotations
-
 import dataclasses
 import pickle
 

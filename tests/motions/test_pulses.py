@@ -1,7 +1,5 @@
 """Pulses by name: their shape, their closed forms, and cells under them against an independent integration."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

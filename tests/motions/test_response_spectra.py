@@ -1,7 +1,5 @@
 """Response spectra against SciPy's integration of the oscillator, closed forms, and their measures."""
 
-from __future__ import annotations
-
 import math
 from itertools import pairwise
 

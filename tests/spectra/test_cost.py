@@ -1,7 +1,5 @@
 """A run that would take years is refused, with the number, before anything is computed or printed."""
 
-from __future__ import annotations
-
 import pytest
 
 SWEEP, ENVELOPE = ("spectrum", "--eta", "0.9", "-o", "s.h5"), ("envelope", "b.yaml", "--eta", "0.9")

@@ -1,7 +1,5 @@
 """Both equations in one sweep: each as by itself, and where they part."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from matplotlib.figure import Figure

@@ -1,7 +1,5 @@
 """Predictions: computed, with a margin inside which the fate does not change."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

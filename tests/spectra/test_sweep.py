@@ -1,7 +1,5 @@
 """Sweeps: the same bits however they are cut and spread, the file's layout, and what a reader sees."""
 
-from __future__ import annotations
-
 import math
 import tracemalloc
 

@@ -1,7 +1,5 @@
 """What a family varied is a coordinate of its spectra."""
 
-from __future__ import annotations
-
 import h5py
 import numpy as np
 import pytest

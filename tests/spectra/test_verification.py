@@ -1,7 +1,5 @@
 """Which cells are checked, always the same ones; their condition; and what a linear sweep says of its own validity."""
 
-from __future__ import annotations
-
 import itertools
 import math
 from functools import partial

@@ -1,7 +1,5 @@
 """Families of structures: what is varied, in which unit and order, and members that have no solution."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

@@ -1,7 +1,5 @@
 """Structures stated on the command line itself."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import pytest

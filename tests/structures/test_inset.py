@@ -1,7 +1,5 @@
 """Pivots inside the edges: the same body on a narrower base, on every rigid kind."""
 
-from __future__ import annotations
-
 import json
 import math
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """The parameters' record: sides, one side, damping; what it refuses."""
 
-from __future__ import annotations
-
 import json
 import math
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """Ties, tendons and dampers: documents, their statics against other forms of the same equations, and that no dynamics ignores them."""
 
-from __future__ import annotations
-
 import json
 import math
 

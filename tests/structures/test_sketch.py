@@ -1,7 +1,5 @@
 """What is drawn of a structure is its geometry: mass centre, pivots, cracks, hinges, and the shape at alpha."""
 
-from __future__ import annotations
-
 import math
 from itertools import pairwise
 

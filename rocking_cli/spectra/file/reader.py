@@ -49,9 +49,8 @@ class SpectraFile(ExitStack[None]):
         except BaseException as error:
             self.close()
             if isinstance(error, _FAULTS):
-                raise OutputError(
-                    f"{path}: is not a spectra file as this program wrote it: changed by another one, or damaged ({reason(error)})"
-                ) from None
+                found = f"changed by another one, or damaged ({reason(error)})"
+                raise OutputError(f"{path}: is not a spectra file as this program wrote it: {found}") from None
             raise
         self._arrays = lru_cache(UNPACKED)(self._unpacked)
 

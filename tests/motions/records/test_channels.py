@@ -1,7 +1,5 @@
 """Several channels a file: CSMIP volume 2 and GeoNet, whose numbers touch, COSMOS, and the three layouts of volume 1."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from support.record_layouts import as_printed, refusal, rows, wave, with_a_line_missing_or_twice

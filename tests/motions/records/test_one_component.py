@@ -1,7 +1,5 @@
 """PEER AT2 in the spellings of real files, and SMC (USGS): numbers of ten characters without a blank between."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from support.record_layouts import as_printed, refusal, rows, wave

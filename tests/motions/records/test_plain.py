@@ -1,7 +1,5 @@
 """Plain columns of numbers: their unit, and the step of a single column, have to be given."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from support.record_layouts import as_printed, refusal, wave

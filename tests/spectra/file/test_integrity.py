@@ -1,7 +1,5 @@
 """No byte of a file changes unseen: of a finished one by its digest, of a partial one by the checksums of its records."""
 
-from __future__ import annotations
-
 import io
 import json
 import random

@@ -1,7 +1,5 @@
 """Chunks as the file stores them: what HDF5 itself makes of them, and where they lie."""
 
-from __future__ import annotations
-
 import io
 
 import h5py

@@ -1,7 +1,5 @@
 """Shards come together only where they say the same of the same scene."""
 
-from __future__ import annotations
-
 import json
 
 import h5py

@@ -1,7 +1,5 @@
 """Spectra files are read as this program wrote them, or as its earlier version did, or refused in one sentence."""
 
-from __future__ import annotations
-
 import shutil
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """A sweep that is stopped goes on to the same file; its partial file belongs to one process, and nothing of others is replaced."""
 
-from __future__ import annotations
-
 import errno
 import fcntl
 import os

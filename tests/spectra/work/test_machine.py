@@ -1,7 +1,5 @@
 """Machines that compute differently are recognised, and named."""
 
-from __future__ import annotations
-
 import json
 import os
 import shutil

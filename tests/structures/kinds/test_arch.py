@@ -1,7 +1,5 @@
 """The arch: reference values, families, invariances and refusals."""
 
-from __future__ import annotations
-
 import contextlib
 import itertools
 import math

@@ -1,7 +1,5 @@
 """Documents that are refused: the place, the key, the value found and the values expected."""
 
-from __future__ import annotations
-
 import pytest
 from support.documents import built
 

@@ -1,7 +1,5 @@
 """Kinds of one rigid body: closed forms, published values, one body in other words, edges that differ, and a backing behind it."""
 
-from __future__ import annotations
-
 import itertools
 import math
 from dataclasses import replace

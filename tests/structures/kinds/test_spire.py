@@ -1,7 +1,5 @@
 """Spires: reference values, independent integrations of the cracked tip, limits and refusals."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Capacity curves against closed forms, and for an arch against the virtual work of links that another program moves."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

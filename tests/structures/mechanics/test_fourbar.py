@@ -1,7 +1,5 @@
 """The four-bar linkage of an arch against a general solver and against sums over its material."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

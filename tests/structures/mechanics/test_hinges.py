@@ -1,7 +1,5 @@
 """Where an arch hinges: the search against its line of thrust, brute force and published values."""
 
-from __future__ import annotations
-
 import itertools
 import math
 
