@@ -18,6 +18,7 @@ TOPICS = {
     "output": "Streams, tables, JSON and CSV, exit codes, completion.",
     "python": "The Python functions of each command.",
     "code": "A check by the Italian code: columns, formulas, demand, limits.",
+    "validation": "Tests, programs and closed forms that results were compared with.",
     "words": "The words of commands, columns and files, each with one meaning.",
     "changes": "Stable interfaces, and changes by version.",
 }
