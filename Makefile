@@ -112,7 +112,7 @@ soak: $(STAMPS)/dev ## The long checks
 	.venv/bin/python -m pytest -m soak
 
 validate: $(STAMPS)/dev ## The rows of `rocking help validation` that need nothing but the package
-	.venv/bin/python tests/bench/validate.py
+	PYTHONPATH=tests .venv/bin/python tests/bench/validate.py
 
 # OpenQuake and pelicun stand in environments of their own; of OpenQuake only what its reader of fragility models imports.
 READ := .venv/readers
