@@ -118,7 +118,7 @@ def check(
     ground.note_governing(structures, shakes[0][1].dimensionless)
     for line in (*_remarks(told), *(by_code.said() if by_code else ())):
         note(line)
-    if not (verdict_only or is_quiet()) and (remark := _of_an_inset(told, demands, a_max, workers)):
+    if not (verdict_only or is_quiet()) and (remark := _of_an_inset(told, demands, a_max)):
         note(remark)
     width = " or ".join(dict.fromkeys(narrowest(shake) for shake, _ in shakes))
     if not verdict_only:
@@ -136,9 +136,10 @@ def _in_g(asked: str) -> bool:
     return asked.rstrip().endswith("g")
 
 
-def _of_an_inset(told: list[Verdict], demands: Sequence[Demand], a_max: Limit, workers: int | None) -> str | None:
+def _of_an_inset(told: list[Verdict], demands: Sequence[Demand], a_max: Limit) -> str | None:
     """How much of the least capacity an inset takes, None if no structure has a capacity and geometry to tell it."""
-    from ..responses.check import check_all
+    from ..envelopes.limit import limit_of
+    from ..responses.check import first_overturning
     from ..structures.mechanics.single_body import worn
 
     asked = {(structure.name, motion.name): (structure, motion, grid) for structure, motion, grid in demands}
@@ -146,10 +147,11 @@ def _of_an_inset(told: list[Verdict], demands: Sequence[Demand], a_max: Limit, w
         structure, motion, grid = asked[verdict.structure, verdict.motion]
         if "inset" in structure.details or (found := worn(structure, INSET)) is None:
             continue
-        (other,) = check_all([(found[1], motion, grid)], a_max=a_max, workers=workers)
-        if other.first_overturning_a is None or verdict.first_overturning_a is None:
+        known = verdict.first_overturning_a or 0.0
+        other = first_overturning(found[1], motion, grid, limit_of(a_max, found[1]), known)
+        if other is None:
             return None
-        change = 100.0 * (other.first_overturning_a / verdict.first_overturning_a - 1.0)
+        change = 100.0 * (other / known - 1.0)
         pivots = f"pivots {1000.0 * found[0]:.3g} mm inside the edges ({100.0 * INSET:g} % of the width: rounding, wear)"
         return f"{structure.name}: {pivots} {'take' if change <= 0.0 else 'add'} {abs(change):.2g} % of the capacity"
     return None
