@@ -159,6 +159,7 @@ def _of_an_inset(told: list[Verdict], demands: Sequence[Demand], a_max: Limit) -
 
 def _remarks(verdicts: list[Verdict]) -> list[str]:
     """The lines under the table."""
+    from ..dynamics.outcome import Outcome
 
     several = len({v.motion for v in verdicts}) > 1
 
@@ -168,7 +169,8 @@ def _remarks(verdicts: list[Verdict]) -> list[str]:
     falls = named(v for v in verdicts if v.outcome.overturned)
     lines = [f"{len(falls)} of {len(verdicts)} overturn{': ' if falls else ''}{', '.join(falls)}"] * bool(verdicts)
     told: list[tuple[str, Callable[[Verdict], Any]]] = [
-        ("lose contact with the ground, and their later motion is not known", lambda v: v.falls and not v.outcome.overturned),
+        ("lose contact with the ground, and their later motion is not known", lambda v: v.outcome == Outcome.LOST_CONTACT),
+        ("come to rest leaning, held by their ties, which counts as a fall", lambda v: v.outcome == Outcome.LEANING),
         (
             "stand in a safe window, and overturn at a lower amplitude",
             lambda v: v.outcome.safe and v.capacity_demand is not None and v.capacity_demand < 1.0,
@@ -185,6 +187,10 @@ def _remarks(verdicts: list[Verdict]) -> list[str]:
         if names := named(filter(holds, verdicts)):
             lines.append(f"{words}: {', '.join(names)}")
     for v in verdicts:
+        if v.devices:
+            from ..responses.tied_history import remarks
+
+            lines += [f"{named([v])[0]}: {line}" for line in remarks(v.devices, v.first_overturning_a, v.first_overturning_a_free)]
         if v.dust:
             share = f"{100.0 * v.dust:.2g} % of the amplitudes within 5 % of it"
             lines.append(f"{named([v])[0]}: above first_overturning {share} overturn, and narrower intervals may begin below")

@@ -98,7 +98,7 @@ def _rows(record: dict[str, Any], form: str | None, varied: dict[str, float] | N
     if form is None:
         below += [{"name": f"  on {one.pop('on')}", **one} for one in record.pop("interfaces", [])]
         below += [{"name": f"  restrained, {one['side']}", **one} for one in record.pop("restrained", [])]
-        record = {key: value for key, value in record.items() if key not in ("ties", "tendon")}
+        record = {key: value for key, value in record.items() if key not in ("ties", "tendon", "stands")}
         if "hinges" in record:
             record["hinges [deg]"] = ", ".join(f"{math.degrees(hinge['angle']):.6g}" for hinge in record.pop("hinges"))
     # alpha of a block is both a varied key and a parameter

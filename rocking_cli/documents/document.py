@@ -61,7 +61,8 @@ class Value:
 class Document:
     """One document: its values by key. Each reading method marks its key as asked; `finish` refuses the other keys.
     keys: the place of each key; index: number of the document in its file; asked: keys that were asked for; inner: documents inside the
-    lists of this one; dimensions: the dimension of each quantity that was read."""
+    lists of this one; dimensions: the dimension of each quantity that was read, such as `height` or `ties.0.height`; within: the document
+    around this one, and the path of this one in it."""
 
     source: str
     place: Place
@@ -72,6 +73,7 @@ class Document:
     asked: set[str] = field(default_factory=set)
     inner: list[Document] = field(default_factory=list)
     dimensions: dict[str, str] = field(default_factory=dict)
+    within: tuple[Document, str] | None = None
 
     def has(self, key: str) -> bool:
         """True if the document has the key and its value is not null."""
@@ -101,6 +103,8 @@ class Document:
         """The SI value of a key, or `default` if the key is absent; `where` states the range in words. Raises DocumentError if the value
         has a wrong unit or is out of range, or if the key is absent and has no default."""
         self.dimensions[key] = dimension
+        if self.within:
+            self.within[0].dimensions[f"{self.within[1]}.{key}"] = dimension
         if not self.has(key):
             if default is None:
                 raise self.missing(key, accepted(dimension))
@@ -168,11 +172,11 @@ class Document:
                 return first, second
         raise self.fault(key, f"a {name} that is not a pair of {dimension}s (line {value.place.line})", wanted)
 
-    def part(self, key: str, value: Value) -> Document:
+    def part(self, key: str, value: Value, path: str = "") -> Document:
         """A mapping inside the value of `key`, as a document. Raises DocumentError if `value` is not a mapping."""
         if not isinstance(value.content, dict):
             raise DocumentError(f"{value.place}: {key}: found {value}; expected a mapping of keys to values")
-        return Document(self.source, value.place, value.content, {k: v.place for k, v in value.content.items()})
+        return Document(self.source, value.place, value.content, {k: v.place for k, v in value.content.items()}, within=(self, path or key))
 
     def parts(self, key: str, wanted: str) -> list[Document]:
         """The mappings of a non-empty list, each as a document; `finish` of this document finishes them. Raises DocumentError."""
@@ -181,7 +185,7 @@ class Document:
             raise self.missing(key, wanted)
         if not isinstance(value.content, list) or not value.content:
             raise self.fault(key, str(value), wanted)
-        found = [self.part(key, child) for child in value.content]
+        found = [self.part(key, child, f"{key}.{i}") for i, child in enumerate(value.content)]
         self.inner += found
         return found
 

@@ -104,9 +104,6 @@ class Method:
 
     def kind_of(self, structure: RockingParameters) -> EquationKind:
         """The equation of the model for a structure. Raises UsageError if the model has none."""
-        if structure.restraints:
-            found = f"{structure.name}: found ties or a tendon, which no equation of motion takes into account so far"
-            raise UsageError(f"{found}; expected a body without them (rocking params and rocking draw take them)")
         for kind in EQUATIONS:
             if kind.model == self.model and kind.serves(structure):
                 return kind
@@ -127,7 +124,12 @@ class Method:
         try:
             equation = build(structure, self.tolerance)
             scale = None if structure.dimensionless else structure.alpha / structure.a_scale
-            return System(equation, contact_of(structure, equation), scale, self.body_of(structure))
+            system = System(equation, contact_of(structure, equation), scale, self.body_of(structure))
+            if structure.restraints is None:
+                return system
+            from .tied.devices import tied_system
+
+            return tied_system(structure, system, linear=self.exact)
         except ValueError as error:
             raise UsageError(f"{structure.name}: {error}") from None
 
@@ -155,7 +157,7 @@ class Method:
 
     def shares(self, structure: RockingParameters) -> tuple[Any, ...]:
         """A key: structures with equal keys are one system, and with equal restitutions one dimensionless computation (sections 3.3, 4)."""
-        return structure.one_sided, structure.sides, structure.damping, self.kind_of(structure).shares(structure)
+        return structure.one_sided, structure.sides, structure.damping, structure.restraints, self.kind_of(structure).shares(structure)
 
     def reference_of(self, structure: RockingParameters) -> Reference:
         """(outcome, theta_ratio) of a cell (motion, A, Omega, eta) by the slower, independent path, `CHECKED_BY`."""
@@ -167,6 +169,9 @@ class Method:
         """A structure as the reference path takes it."""
         from .references import general_solver
 
+        if structure.restraints:
+            found = f"{structure.name}: found ties or a tendon, which general solvers do not know"
+            raise UsageError(f"{found}; expected a body without them")
         return general_solver.problem_of(structure, getattr(general_solver, self.kind_of(structure).rates))
 
 

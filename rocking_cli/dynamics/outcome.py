@@ -8,6 +8,7 @@ from typing import Any, Self
 
 import numpy as np
 
+LOST = "lost contact"  # the event
 FALLEN = 3.0  # |theta|/alpha from which a body counts as overturned when the ground falls away; the end of its history
 
 
@@ -40,6 +41,7 @@ class Outcome(_Code):
     OVERTURNED_AFTER_IMPACT = 4, "overturns after an impact", "#E69F00", "o"
     FAILED = 5, "failed", "#000000", "!"
     LOST_CONTACT = 6, "loses contact with the ground", "#CC79A7", "^"
+    LEANING = 7, "comes to rest leaning, held by its ties", "#009E73", "/"
 
     @property
     def mode(self) -> str:
@@ -53,8 +55,8 @@ class Outcome(_Code):
 
     @property
     def falls(self) -> bool:
-        """True if the body fell, or left the ground, after which it may not come back upright."""
-        return self.overturned or self == Outcome.LOST_CONTACT
+        """True if the body fell, or left the ground, after which it may not come back upright, or is left leaning."""
+        return self.overturned or self in (Outcome.LOST_CONTACT, Outcome.LEANING)
 
     @property
     def safe(self) -> bool:

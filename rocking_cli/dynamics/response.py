@@ -59,6 +59,10 @@ def response(
         raise ValueError("amplitude must be finite and not negative")
     if not (np.all(np.isfinite(cells[1])) and np.all(cells[1] > 0.0)):
         raise ValueError("omega must be positive and finite")
+    if system.devices is not None:
+        from .tied.response import tied_response
+
+        return tied_response(system, motion, cells, shape, peaks)
     prove = bool(cells[0].max(initial=0.0) > system.safe_amplitude(motion))  # by the peaks, that the body presses on the ground
     run = _marched(system, motion, cells, _batch(system, motion, cells, peaks or prove), pool=pool)
     return _response(run, shape, peaks)
@@ -179,6 +183,8 @@ def response_with_speed(system: System, motion: Motion, amplitude: Array, omega:
     alpha and p are those of A and Omega."""
     from .observers.peak_speed import PeakSpeed
 
+    if system.devices is not None:
+        raise ValueError("the largest speed of a body with ties or a tendon is not computed")
     shape, cells = _flat(amplitude, omega, eta)
     batch = _batch(system, motion, cells, peaks=True)
     speed = PeakSpeed(batch)
@@ -204,7 +210,7 @@ def response_under_records(
 
 def chains(system: System, motion: Motion) -> bool:
     """True for a record at equal steps, without a vertical one, under which the cells of an undamped system may share a run with others."""
-    return motion.vertical is None and motion.samples is not None and not system.equation.damping
+    return motion.vertical is None and motion.samples is not None and not system.equation.damping and system.devices is None
 
 
 def upright(outcome: Array) -> Array:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -13,6 +14,9 @@ from .body import Body
 from .contacts.contact import Contact, Symmetric
 from .equations.equation import Equation
 
+if TYPE_CHECKING:
+    from .tied.devices import Devices
+
 _SYMMETRIC = Symmetric()
 
 
@@ -20,13 +24,24 @@ _SYMMETRIC = Symmetric()
 class System:
     """An equation of motion on a contact, `Symmetric` unless given. scale: alpha/a_scale, the ground acceleration over g of A = 1 [-];
     body: None if the forces on the ground are not known; own: the (system, number of cells) of each structure, in the order of the cells,
-    if there are several structures."""
+    if there are several structures; devices: ties and a tendon, None without them."""
 
     equation: Equation
     contact: Contact = _SYMMETRIC
     scale: float | None = None
     body: Body | None = None
     own: tuple[tuple[System, int], ...] = ()
+    devices: Devices | None = None
+
+    @property
+    def alike(self) -> bool:
+        """True if both sides are free and equal, so that a motion of the other sign has the mirrored response."""
+        return self.contact.alike and (self.devices is None or self.devices.alike)
+
+    @property
+    def bounded(self) -> bool:
+        """True if an envelope may use Lemmas 9 and 10."""
+        return self.equation.bounded and self.devices is None
 
     def segments(self, motion: Motion) -> Segments:
         """The segments of a motion, `WeighedSegments` if it has a vertical part. Raises ValueError for such a motion without a scale."""
@@ -53,6 +68,8 @@ class System:
     def least_uplift(self, motion: Motion) -> float:
         """The least amplitude A at which the body lifts off or the ground falls away [-]; infinite if there is none."""
         one, segments = self.contact.cells(self.equation, np.ones(1), np.ones(1), np.zeros(1)), self.segments(motion)
+        if self.devices is not None:
+            one = one._replace(amplitude=one.amplitude / self.devices.held_at_first())
         strongest = float(self.contact.strongest(one, segments)[0])
         if (weighed := segments.weighed) is not None:  # w < 0 above 1/|w - 1| of A = 1, also where a wall holds the body
             strongest = max(strongest, 1.0 - float(weighed.least_weight(np.ones(1), one.amplitude[0], np.zeros(1, dtype=np.int64))[0]))

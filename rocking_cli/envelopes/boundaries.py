@@ -183,7 +183,7 @@ class Search:
         scan, segments = self.grid, self.motion.segments
         none = Brackets(*(np.zeros(0, dtype=kind) for kind in (np.int64, float, float, np.uint8, np.uint8)))
         first, last = np.zeros(omegas.size, dtype=np.int64), np.full(omegas.size, scan.size - 1)
-        if not (self.system.equation.bounded and self.system.contact.alike and self.motion.vertical is None):
+        if not (self.system.bounded and self.system.alike and self.motion.vertical is None):
             return first, last, none
         safe_to = self.system.safe_amplitude(self.motion)
         first = np.minimum(self._quiet(omegas), scan.below(np.full(omegas.size, safe_to)))

@@ -123,7 +123,7 @@ def capacity(
     search = Search(system, motion, structure.eta, top, digits=tracing_width(method, motion), parts=_PARTS)
     brackets: list[Brackets] = []  # one window after the other, until the outcome at the demand and the next fall above it are known
     above_demand = False
-    for begin, end in _windows(lowest, amplitude, top, at_once=system.equation.bounded):
+    for begin, end in _windows(lowest, amplitude, top, at_once=system.bounded):
         fall, last = replace(search, a_min=begin, a_max=end).fall(omega)
         brackets += [fall] if fall.row.size else []
         above_demand = begin >= amplitude and fall.row.size > 0

@@ -120,7 +120,7 @@ def _scan_of(
     if motion.vertical is not None and structure.dimensionless:
         raise UsageError("a restitution alone has no weight that a vertical motion could change: give a structure document")
     system = method.system_of(structure)
-    factors = (1.0,) if system.contact.alike else SIGNS[sign]
+    factors = (1.0,) if system.alike else SIGNS[sign]
     searches = [Search(system, motion.scaled(f) if f < 0.0 else motion, structure.eta, a_max) for f in factors]
     lowest = min(search.lowest for search in searches)
     if not np.isfinite(a_max) or a_max <= lowest < np.inf:
@@ -189,7 +189,7 @@ def structure_intervals(
     lowest: only the lowest interval of each frequency; more: arguments of `trace_envelope`. Raises as `trace_envelope`.
     """
     omegas = _scaled(structure, axis)
-    apart = sign == BOTH and not method.system_of(structure).contact.alike
+    apart = sign == BOTH and not method.system_of(structure).alike
     for one in ("+", "-") if apart else ("worse" if sign == BOTH else sign,):
         rows: dict[float, list[tuple[float | None, float | None, str]]] = {float(omega): [] for omega in omegas}
         for found in trace_envelope(structure, motion, omegas, method=method, sign=one, **more):

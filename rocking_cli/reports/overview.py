@@ -41,6 +41,8 @@ def verdict_plainly(v: Verdict) -> str:
         said = "Not known: the computation failed."
     elif v.outcome.overturned:
         said = f"Falls: it {v.outcome.sentence}."
+    elif v.outcome == Outcome.LEANING:
+        said = "Leans: it comes to rest held by its ties alone, so it counts as falling."
     elif v.falls:
         said = "Leaves the ground: its later motion is not known, so it counts as falling."
     elif v.outcome == Outcome.NO_UPLIFT:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from itertools import chain, repeat
 from typing import TYPE_CHECKING, Any
@@ -55,7 +55,8 @@ class Verdict:
     known; friction_needed is also None if the body loses the ground; unsettled: true if changes of the demand by 1e-12 to 1e-6 of it
     change the outcome, or theta_ratio by 0.01; dust: if many narrow intervals overturn the body, the share of amplitudes within
     5 % above the first that do; slides: true if friction_needed is more than that of the document; top_displacement: the largest of the
-    top of the body from its rest position [m], None without a geometry or if it falls.
+    top of the body from its rest position [m], None without a geometry or if it falls; first_overturning_a_free: that of the same body
+    without its ties and tendon; devices: a row for each of these, as `History.devices` has it, empty without any.
     """
 
     structure: str
@@ -74,6 +75,8 @@ class Verdict:
     dust: float = 0.0
     slides: bool = False
     top_displacement: float | None = None
+    first_overturning_a_free: float | None = None
+    devices: tuple[dict[str, Any], ...] = ()
 
     @property
     def name(self) -> str:
@@ -97,7 +100,7 @@ class Verdict:
 
     @property
     def falls(self) -> bool:
-        """True if the body fell or lost the ground."""
+        """True if the body fell, lost the ground or is left leaning."""
         return self.outcome.falls
 
     def record(self) -> dict[str, Any]:
@@ -110,7 +113,12 @@ class Verdict:
             "outcome": self.outcome.flag,
             "outcome_linear": self.outcome_linear.flag,
         }
-        return {key: own[key] for key in CHECK_COLUMNS}
+        found = {key: own[key] for key in CHECK_COLUMNS}
+        if not self.devices:
+            return found
+        from .tied_history import columns_of
+
+        return found | {"first_overturning_a_free": self.first_overturning_a_free} | columns_of(self.devices)
 
 
 def check(
@@ -171,6 +179,9 @@ def _judged(
         found = Capacity(None, None, least if math.isfinite(least) else None)
     else:
         found = capacity(structure, motion, amplitude, omega, method=method, a_max=most, narrow=narrow)
+    free = None
+    if structure.restraints and a_max is not None:
+        free = capacity(replace(structure, restraints=None), motion, amplitude, omega, method=method, a_max=most).first
     done(2, _STAGES)
     asked = _of_history(method, structure, motion, shaking)
     done(_STAGES, _STAGES)
@@ -202,6 +213,7 @@ def _judged(
         outcome_linear=Outcome(int(linear.outcome[0])),
         unsettled=bool(stands.any() and (falls.any() or np.ptp(governs.theta_ratio[stands]) > _SAME)),
         dust=found.dust,
+        first_overturning_a_free=acceleration(free),
         slides=structure.friction is not None and (asked.get("friction_needed") or 0.0) > structure.friction,
         **asked,
     )
@@ -244,9 +256,10 @@ def check_all(
 
 def tally(verdicts: Sequence[Verdict]) -> str:
     """How many overturn, and how many lose the ground if any does, in words."""
-    lost = sum(v.falls and not v.outcome.overturned for v in verdicts)
+    lost, leans = (sum(v.outcome == outcome for v in verdicts) for outcome in (Outcome.LOST_CONTACT, Outcome.LEANING))
     overturn = f"{sum(v.outcome.overturned for v in verdicts)} of {len(verdicts)} overturn"
-    return f"{overturn}, {lost} lose{'s' if lost == 1 else ''} contact with the ground" if lost else overturn
+    overturn += f", {lost} lose{'s' if lost == 1 else ''} contact with the ground" if lost else ""
+    return overturn + (f", {leans} come{'s' if leans == 1 else ''} to rest leaning" if leans else "")
 
 
 def _no_progress(done: int, total: int) -> None:
@@ -270,13 +283,14 @@ def _all(a_max: float | Limit | None, demands: Sequence[Demand]) -> list[Verdict
     return list(_each(a_max, demands, [None] * len(demands)))
 
 
-def _of_history(method: Method, structure: RockingParameters, motion: Motion, shaking: Grid) -> dict[str, float | None]:
-    """friction_needed, fz_min and top_displacement of the history, as far as a body that falls is followed."""
-    if structure.arm is None and not structure.top:
+def _of_history(method: Method, structure: RockingParameters, motion: Motion, shaking: Grid) -> dict[str, Any]:
+    """friction_needed, fz_min, top_displacement and devices of the history, as far as a body that falls is followed."""
+    if structure.arm is None and not structure.top and not structure.restraints:
         return {}
     found = time_history(structure, motion, shaking, [method])
-    top = {"top_displacement": found.top_displacement(method.model)}
-    if structure.arm is None:
+    devices = found.histories[method.model].devices
+    top: dict[str, Any] = {"top_displacement": found.top_displacement(method.model), **({"devices": devices} if devices else {})}
+    if structure.arm is None or devices:
         return top
     asked = found.forces[method.model].demands
     return top | {"friction_needed": asked.friction.friction if np.isfinite(asked.friction.friction) else None, "fz_min": asked.fz_min}

@@ -11,7 +11,7 @@ from array import array
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -20,7 +20,7 @@ from ..dynamics.equations.equation import Equation
 from ..dynamics.equations.taylor import TaylorSeries
 from ..dynamics.lanes import Lanes
 from ..dynamics.march.batch import MAX_STEPS
-from ..dynamics.outcome import FALLEN, Outcome
+from ..dynamics.outcome import FALLEN, LOST, Outcome
 from ..dynamics.single.lane import Lane
 from ..dynamics.single.march import march
 from ..dynamics.single.state import Listener
@@ -31,10 +31,10 @@ from ..motions.segments import Segments
 
 Array = np.ndarray
 
-_INVISIBLE = 1e-4  # speed of a bounce, y' by tau: its height is below 1e-8
+INVISIBLE = 1e-4  # speed of a bounce, y' by tau: its height is below 1e-8
 _SUMMED, _UNSEEN = 1e-3, 1000  # part of that speed at which the rest of a bouncing is summed, and bounces until then at most
 LONGEST = 1e9  # tau: beyond, doubles do not tell the times of an arc apart
-LOST = "lost contact"
+_KNOWN = (Outcome.ROCKED, Outcome.LEANING)  # outcomes with a largest rotation
 LATE = 1.0 + 1e-14  # of a time: what still belongs to the arc that ends there
 
 
@@ -77,20 +77,22 @@ class Arcs(NamedTuple):
 
 
 class Event(NamedTuple):
-    """At a time tau: release, uplift, impact, peak, rest, overturning or lost contact; theta/alpha and its rate by tau (before
-    an impact), and the side, +1 or -1. alpha is that of the side the body is on, tau = p t that of the edge that lifts first."""
+    """At a time tau: release, uplift, impact, peak, rest, overturning, lost contact, or an event of a tie or tendon; theta/alpha and its
+    rate by tau (before an impact), the side, +1 or -1, and the tie or tendon, "" without one. alpha is that of the side the body is on,
+    tau = p t that of the edge that lifts first."""
 
     tau: float
     event: str
     theta_ratio: float
     rate: float
     side: float
+    device: str = ""
 
 
 @dataclass(frozen=True)
 class History:
     """A response in time: arcs, events, the time tau at which it ends, the outcome, also after that, and the largest
-    |theta|/alpha of all, also after that (NaN where it overturned)."""
+    |theta|/alpha of all, also after that (NaN where it overturned); devices: a row for each tie and tendon (`tied_history`)."""
 
     equation: Equation
     arcs: Arcs
@@ -98,6 +100,7 @@ class History:
     end: float
     outcome: Outcome
     highest: float
+    devices: tuple[dict[str, Any], ...] = ()
 
     def at(self, tau: Array) -> tuple[Array, Array]:
         """theta/alpha [-] and its derivative by tau [-] at times tau, arrays of one shape; zero at rest, NaN after the end."""
@@ -132,14 +135,14 @@ class History:
         """max |theta|/alpha [-]: 0 where the body never left the ground, None where it overturned or was given up."""
         if self.outcome == Outcome.NO_UPLIFT:
             return 0.0
-        if self.outcome != Outcome.ROCKED:
+        if self.outcome not in _KNOWN:
             return None
         return self.highest if self.peak is None else max(self.highest, abs(self.peak.theta_ratio))
 
     @cached_property
     def peak(self) -> Event | None:
         """The event of the largest |theta|/alpha up to the end; None where the body never left the ground, or overturned."""
-        if self.outcome != Outcome.ROCKED:
+        if self.outcome not in _KNOWN:
             return None
         found = [e for e in self.events if e.event in ("peak", "release")]
         return max(found, key=lambda e: abs(e.theta_ratio)) if found else None
@@ -167,6 +170,10 @@ def history(
     if motion.duration / omega > LONGEST:
         raise ValueError(f"omega: found {omega:g}; expected a value with which the shaking ends before tau = {LONGEST:g}")
     duration = max(motion.duration / omega, duration)
+    if system.devices is not None:
+        from .tied_history import tied_history
+
+        return tied_history(system, motion, amplitude, omega, eta, release, duration)
     segments = system.segments(motion.coarsest.still_until(1.001 * duration * omega))
     return _Writer(system, segments, omega, eta).record(amplitude, release, duration)
 
@@ -187,7 +194,7 @@ class _Writer:
         return min(float(np.min(equation.limit)), float(equation.displacement(np.array([FALLEN]))[0]))
 
     def record(self, amplitude: float, release: float, duration: float) -> History:
-        listener = Listener(self._keep, self._note, self._rest, _INVISIBLE, (self._fallen(1.0), self._fallen(-1.0)))
+        listener = Listener(self._keep, self._note, self._rest, INVISIBLE, (self._fallen(1.0), self._fallen(-1.0)))
         self.cells = self.system.contact.cells(self.equation, np.array([amplitude]), self.lane.omega, self.lane.eta)
         with np.errstate(all="ignore"):
             ended = march(self.lane, amplitude, listener=listener, release=release, most=MAX_STEPS + 40 * len(self.segments))

@@ -11,14 +11,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..dynamics.method import Method, governing_method
-from ..dynamics.outcome import Outcome
+from ..dynamics.outcome import LOST, Outcome
 from ..errors import UsageError
 from ..motions import Motion, Piece
 from ..motions.grid import Grid, HasMotion, demand_of
 from ..structures.parameters import RockingParameters
 from .force_history import Body, Demands, ForceHistory
 from .ground_history import Ground
-from .history import LOST, Event, History, history
+from .history import Event, History, history
 
 if TYPE_CHECKING:
     from .arch_history import ArchHistory
@@ -83,6 +83,8 @@ class TimeHistory:
     def forces(self) -> dict[str, ForceHistory]:
         """The forces on the ground by each equation of motion, of a rigid body; of an arch see `arch_forces`. Raises UsageError."""
         s = self.structure
+        if any(found.devices for found in self.histories.values()):
+            raise UsageError(f"{s.name}: found ties or a tendon; expected a body without them, whose forces on the ground are known")
         ground = Ground(self.motion, float(s.ground_acceleration(self.amplitude)) / s.gravity, self.omega)
         body = Body.of(s)
         return {model: ForceHistory(body, ground, found) for model, found in self.histories.items()}
@@ -103,7 +105,8 @@ class TimeHistory:
         return self.histories[model].outcome if self._lost(model) is None else Outcome.LOST_CONTACT
 
     def _lost(self, model: str) -> float | None:
-        """The first instant tau at which Fz <= 0 under a body that does not overturn; None without one, and where forces are not known."""
+        """The first instant tau at which Fz <= 0 under a body that does not overturn; None without one, and where forces are not known or
+        the march has looked itself (ties)."""
         if self.histories[model].outcome not in (Outcome.ROCKED, Outcome.LOST_CONTACT):
             return None
         try:
@@ -118,7 +121,8 @@ class TimeHistory:
         yield from (m for m in found.events if m.tau <= stop and (lost is None or m.event != LOST))
         if lost is not None and lost <= self.shown:
             at = np.array([lost])
-            yield Event(lost, LOST, *(float(x[0]) for x in (*found.at(at), found.sides(at))))
+            ratio, rate = found.at(at)
+            yield Event(lost, LOST, float(ratio[0]), float(rate[0]), float(found.sides(at)[0]))
 
     @cached_property
     def arch_forces(self) -> dict[str, ArchHistory]:
@@ -168,7 +172,7 @@ class TimeHistory:
         forces: with those on the ground before and after it, over m g, and an impact's impulses over m g [s].
         """
         s = self.structure
-        for model in self.histories:
+        for model, found in self.histories.items():
             for m in self._events(model):
                 if dimensionless:
                     row = {"tau": m.tau, "theta_ratio": m.theta_ratio, "theta_ratio_rate": m.rate}
@@ -181,7 +185,7 @@ class TimeHistory:
                     pushes = {name: _finite(x) for name, x in self.arch_forces[model].event(m).items()}
                 elif forces:
                     pushes = _forces_at(self.forces[model], m, time)
-                yield {"model": model, "event": m.event, **row, **pushes}
+                yield {"model": model, "event": m.event, **row, **({"device": m.device or None} if found.devices else {}), **pushes}
 
     def summaries(self, *, dimensionless: bool = False, forces: bool = False) -> Iterator[dict[str, Any]]:
         """The outcome of the structure, one record a model: theta_ratio (None where it overturned) and outcome.
@@ -208,6 +212,8 @@ class TimeHistory:
                 demanded["demand_a"] = float(s.ground_acceleration(self.amplitude))
             if not dimensionless:
                 demanded["top_displacement"] = self.top_displacement(model)
+            if found.devices:
+                demanded["devices"] = [{key: x for key, x in one.items() if key != "words"} for one in found.devices]
             yield {"model": model, "event": "summary", **demanded, "theta_ratio": found.theta_ratio, "outcome": self.outcome(model).flag}
 
     def summary(self, *, forces: bool = False) -> Iterator[str]:
@@ -224,6 +230,7 @@ class TimeHistory:
                 text += f", top displaced by up to {1e3 * top:.4g} mm"
             if not any(m.event in ("rest", "overturning") for m in found.events) and found.outcome == Outcome.ROCKED:
                 text += f"; still rocking at {found.end / s.p:.4g} s"
+            text += "".join(f"; {device['words']}" for device in found.devices)
             if forces:
                 text += "; " + (self.arch_forces[model].words() if self.arch_forces else _in_words(self.forces[model].demands, s))
             yield f"{s.name}, {model}: {text}"

@@ -81,7 +81,7 @@ class Tracing:
         """A search for each sign of the motion."""
         structure, motion = self.scene.structures[task.structure], self.scene.recordings[task.record].motion
         system, digits = self.scene.method.system_of(structure), tracing_width(self.scene.method, motion)
-        factors = (1.0,) if system.contact.alike else SIGNS[task.sign]
+        factors = (1.0,) if system.alike else SIGNS[task.sign]
         motions = [motion if f > 0.0 else motion.scaled(f) for f in factors]
         most = self.limit(task.structure)
         found = [Search(system, m, structure.eta, most, ratio=RATIO, digits=digits, parts=_PARTS) for m in motions]
@@ -146,7 +146,7 @@ def envelope(
 def _tasks(tracing: Tracing, sign: str, shares: int) -> Iterator[Task]:
     for record in range(len(tracing.scene.recordings)):
         for i, structure in enumerate(tracing.scene.structures):
-            apart = sign == BOTH and not tracing.scene.method.system_of(structure).contact.alike
+            apart = sign == BOTH and not tracing.scene.method.system_of(structure).alike
             count = tracing.omegas(i).size
             for one in ("+", "-") if apart else ("worse" if sign == BOTH else sign,):
                 for part in np.array_split(np.arange(count), min(shares, count)):
@@ -161,7 +161,7 @@ def _told(scene: RecordScene, task: Task, column: int, steps: Steps, first: bool
     else:
         of = {"record": recording.label, "structure": structure.name}
     if signed:
-        of["sign"] = None if scene.method.system_of(structure).contact.alike else int(SIGNS[task.sign][0])
+        of["sign"] = None if scene.method.system_of(structure).alike else int(SIGNS[task.sign][0])
     own = float(structure.dimensionless_amplitude(recording.acceleration))
     ends = [*(a for a, _ in steps), None][1:] if steps else []
     falls = [({"from": a, "to": end}, Outcome(label)) for (a, label), end in zip(steps, ends, strict=True) if not Outcome(label).safe]

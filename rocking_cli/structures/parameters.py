@@ -145,8 +145,10 @@ class RockingParameters:
         more = {key: record[key] for key in ("one_sided", "damping", "friction", "arm") if key in record}
         more |= {"eta_source": record["eta_source"], "gravity": record["gravity"]}
         if "ties" in record or "tendon" in record:
-            raise ValueError("a record with ties or a tendon is read as a document")
-        details = {key: record[key] for key in VARIED if key in record}
+            from .restraints import Restraints
+
+            more["restraints"] = Restraints.from_record(record)
+        details = {key: record[key] for key in (*VARIED, "restrained") if key in record}
         return cls(record["name"], kind, **fields_in(record), sides=sides, details=details, **more)
 
     @property

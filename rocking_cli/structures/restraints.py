@@ -17,6 +17,8 @@ from .parameters import MOST_DAMPING, RockingParameters, Side
 from .shared_keys import damping_of, mass_of
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from ..documents.document import Document
     from .sketch import Sketch
 
@@ -72,15 +74,23 @@ class Stand(NamedTuple):
 
 @dataclass(frozen=True)
 class Restraints:
-    """The ties and the tendon of a body."""
+    """The ties and the tendon of a body; stands: the body on its left and on its right edge."""
 
     ties: tuple[Tie, ...] = ()
     tendon: Tendon | None = None
+    stands: tuple[Stand, ...] = ()
 
     def record(self) -> dict[str, Any]:
-        """As a document states them, in SI units."""
+        """As a document states them, in SI units, with what a spectra file needs besides."""
         found: dict[str, Any] = {"ties": [_stated(tie) for tie in self.ties]} if self.ties else {}
-        return found | ({"tendon": _stated(self.tendon)} if self.tendon else {})
+        return found | ({"tendon": _stated(self.tendon)} if self.tendon else {}) | {"stands": [one._asdict() for one in self.stands]}
+
+    @classmethod
+    def from_record(cls, record: Mapping[str, Any]) -> Restraints:
+        """The restraints of a record of parameters, its heights from the pivots. Raises KeyError or TypeError if it is not valid."""
+        ties = (Tie(**{"yield_force" if key == "yield" else key: x for key, x in one.items()}) for one in record.get("ties", ()))
+        tendon = Tendon(**record["tendon"]) if "tendon" in record else None
+        return cls(tuple(ties), tendon, tuple(Stand(**one) for one in record["stands"]))
 
     def statics(self, stand: Stand) -> dict[str, Any]:
         """lambda, the stiffness after uplift over m g R (linear; -1 of the free body), and the equilibrium that replaces alpha: the first
@@ -145,8 +155,8 @@ def restrained(
     if "dampers" in given:
         body = replace(body, damping=_damping(document, body.p, stands[0].moment, (width - inset) ** 2 + inset**2))
     ties = _ties(document, crown, level, inset, width) if "ties" in given else ()
-    held = Restraints(ties, _tendon(document) if "tendon" in given else None)
-    if held == Restraints():
+    held = Restraints(ties, _tendon(document) if "tendon" in given else None, tuple(stands))
+    if not (held.ties or held.tendon):
         return body
     rows = [{"side": stand.side, **held.statics(stand)} for stand in (stands[1:] if body.one_sided else stands)]
     if len(rows) == 2 and rows[0] == {**rows[1], "side": "left"}:

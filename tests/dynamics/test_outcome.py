@@ -13,6 +13,7 @@ EXPECTED = {  # code, safe, overturned, the word of an envelope's interval
     "overturned_after_impact": (4, False, True, "after_impact"),
     "failed": (5, False, False, "failed"),
     "lost_contact": (6, False, False, "lost_contact"),
+    "leaning": (7, False, False, "leaning"),
 }
 
 
@@ -26,9 +27,9 @@ def test_a_failed_or_missing_cell_is_neither_safe_nor_overturned():
 
 
 def test_codes_are_outcomes_and_other_numbers_are_not():
-    assert [Outcome(code) for code in range(7)] == list(Outcome)
-    with pytest.raises(ValueError, match="7"):
-        Outcome(7)
+    assert [Outcome(code) for code in range(8)] == list(Outcome)
+    with pytest.raises(ValueError, match="8"):
+        Outcome(8)
 
 
 def test_each_outcome_has_a_look_of_its_own():

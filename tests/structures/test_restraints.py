@@ -1,4 +1,4 @@
-"""Ties, tendons and dampers: documents, their statics against other forms of the same equations, and that no dynamics ignores them."""
+"""Ties, tendons and dampers: documents, their statics against other forms of the same equations, and what follows them."""
 
 import json
 import math
@@ -19,10 +19,15 @@ from rocking_cli import (
     response,
     sine,
     spectrum,
-    trace_envelope,
+    time_history,
+    write_spectrum,
 )  # fmt: skip
+from rocking_cli.dynamics.response import response_with_speed
 from rocking_cli.envelopes.intervals import check_curves, frequency_axis
+from rocking_cli.responses.solving import boundaries
+from rocking_cli.spectra.file.reader import SpectraFile
 from rocking_cli.structures import RockingParameters
+from rocking_cli.structures.family import family, parse_variation
 from rocking_cli.structures.kinds import sketch_of
 from rocking_cli.structures.restraints import Tie
 
@@ -163,8 +168,7 @@ def test_dampers_are_a_damping():
 def test_what_is_printed_is_a_document_with_the_same_restraints(text):
     body = built(text)
     assert built(json.dumps(body.record())) == body
-    with pytest.raises(ValueError, match="is read as a document"):
-        RockingParameters.from_record(body.record())
+    assert RockingParameters.from_record(json.loads(json.dumps(body.record()))).restraints == body.restraints
 
 
 def test_a_drawing_shows_ties_and_tendon():
@@ -174,22 +178,67 @@ def test_a_drawing_shows_ties_and_tendon():
     assert tendon == ("tendon", ((0.0, 0.0), (0.0, pytest.approx(5.0))))
 
 
-@pytest.mark.parametrize("text", [WALL + f"ties:\n- {TIE}", BLOCK + TENDON, BLOCK + "ties: [{height: 1, stiffness: 0}]"])
-def test_no_dynamics_ignores_a_restraint(text):
+@pytest.mark.parametrize("text", [WALL + f"ties:\n- {TIE}", BLOCK + TENDON])
+def test_what_does_not_know_restraints_refuses_them(text, tmp_path):
     body, grid = built(text), parse_grid("a_g=0.3g,f_g=1")
     with pytest.raises(UsageError, match="found damping, one side, unequal sides, ties or a tendon"):
         check_curves(body, sine(), frequency_axis("Omega=2"))
-    for run in (
-        lambda one: check(one, sine(), grid),
-        lambda one: response(Method("linear").system_of(one), sine(), 2.0, 3.0, one.eta),
-        lambda one: Method("nonlinear").system_of(one),
-        lambda one: Method("linear").problem_of(one),
-        lambda one: trace_envelope(one, sine(), [2.0]),
-        lambda one: spectrum([one], sine(), parse_grid("A=1:2:2,Omega=1:2:2"), workers=1),
-    ):
-        for stated in (body, built(json.dumps(body.record())), body.lifting_at_lambda()):
-            with pytest.raises(UsageError, match="f: found ties or a tendon, which no equation of motion takes into account"):
-                run(stated)
+    with pytest.raises(UsageError, match="found ties or a tendon, which general solvers do not know"):
+        Method("linear").problem_of(body)
+    with pytest.raises(UsageError, match="found ties or a tendon; expected a body without them, whose forces on the ground are known"):
+        next(time_history(body, sine(), grid).records(forces=True))
+    with pytest.raises(ValueError, match="the largest speed of a body with ties or a tendon is not computed"):
+        response_with_speed(Method("linear").system_of(body), sine(), np.ones(1), np.ones(1), body.eta)
+
+
+def test_a_spectra_file_keeps_the_restraints(tmp_path):
+    body = built(WALL + f"ties:\n- {TIE}")
+    grid, path = parse_grid("a_g=0.2g:1.4g:5,T_g=0.4:1:3"), tmp_path / "tied.h5"
+    summary = spectrum([body], sine(), grid, method=Method("nonlinear"), workers=1)
+    found = response(Method("nonlinear").system_of(body), sine(), *np.meshgrid(*grid.scaled(body)), body.eta)
+    np.testing.assert_array_equal(np.squeeze(summary.outcome), found.outcome)
+    write_spectrum([body], sine(), grid, path, method=Method("nonlinear"), workers=1)
+    with SpectraFile(path) as file:
+        assert file.structures[0].restraints == body.restraints
+        np.testing.assert_array_equal(np.squeeze(file.array("outcome")), found.outcome)
+
+
+def test_solve_varies_a_tie():
+    (document,) = parse_documents(WALL + f"ties:\n- {TIE.replace(', ultimate: 30 mm', '')}", "f.yaml")
+    shakes = [(sine().scaled(-1.0), parse_grid("a_g=1g,T_g=0.8"))]
+    (found,), remarks = boundaries(document, parse_variation("ties.0.yield=8kN:14kN:2"), shakes)
+    assert (found.side, found.key, remarks) == ("stands above", "ties.0.yield", [])
+    stands = []
+    for force in (found.value * 0.999, found.value):
+        (member,) = family(document, [f"ties.0.yield={force}N:{force}N:1"])
+        assert member.parameters.restraints.ties[0].yield_force == pytest.approx(force, rel=1e-12)
+        stands.append(check(member.parameters, *shakes[0]).capacity_demand >= 1.0)
+    assert stands == [False, True]
+
+
+@pytest.mark.parametrize(
+    ("key", "words"),
+    [
+        ("ties.0.yeild", r"unknown key 'yeild' .did you mean 'yield'"),
+        ("ties.3.yield", "found '3' in a list .line 7.; expected a number from 0 to 0 and a key"),
+        ("ties.0", "found '0' in a list"),
+        ("ties.0.height.x", "found 'x' in 5.5 m"),
+    ],
+)
+def test_a_path_that_leads_nowhere_is_refused(key, words):
+    (document,) = parse_documents(WALL + f"ties:\n- {TIE}", "f.yaml")
+    with pytest.raises(DocumentError, match=words):
+        list(family(document, [f"{key}=1:1:1"]))
+
+
+def test_dampers_move_a_body_as_their_zeta_does():
+    text = "kind: block\nwidth: 1\nheight: 5\nmass: 5 t\n"
+    damped = built(text + "dampers: {coefficient: 2 kN s/m}")
+    stated = built(text + f"damping: {damped.damping!r}")
+    grid = parse_grid("a_g=0.4g,f_g=1")
+    assert check(damped, sine(), grid) == check(stated, sine(), grid)
+    one, other = (list(time_history(s, sine(), grid).events()) for s in (damped, stated))
+    assert one == other
 
 
 REFUSED = {

@@ -144,7 +144,7 @@ def falls_through_zero(arc: Flow, reach: Array, lanes: Array, once: Array) -> tu
     parts = [_speed(arc.take(lanes[part]), reach[lanes[part]]) for part in blocks(lanes.size, CACHED)]
     speed = np.concatenate([np.zeros((len(arc.terms) - 1, 0)), *parts], axis=1)
     own = lanes
-    bernstein = _bernstein(speed)
+    bernstein = bernstein_form(speed)
     low, high = np.zeros(own.size), np.ones(own.size)
     for _ in range(_HALVINGS):
         falls = (bernstein[:-1] > 0.0) & (bernstein[1:] <= 0.0)
@@ -180,10 +180,10 @@ def _from_powers(count: int) -> Array:
     return np.array([[comb(i, n) / comb(count - 1, n) for n in range(count)] for i in range(count)])
 
 
-def _bernstein(terms: Array) -> Array:
+def bernstein_form(terms: Array) -> Array:
     """Bernstein coefficients on [0, 1] of polynomials, (terms, lanes), each summed in the same order whatever its neighbours."""
     if terms.shape[1] == 1:  # NumPy sums a single lane in another order
-        return _bernstein(np.repeat(terms, 2, axis=1))[:, :1]
+        return bernstein_form(np.repeat(terms, 2, axis=1))[:, :1]
     parts = [np.einsum("in,nl->il", _from_powers(len(terms)), terms[:, block]) for block in blocks(terms.shape[1], CACHED)]
     return np.concatenate([terms[:, :0], *parts], axis=1)
 

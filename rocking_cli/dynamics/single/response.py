@@ -27,6 +27,8 @@ def response_alone(
     Bodies that bounce for very long, and those of which neither the amplitude nor the rotation proves that they press on the ground,
     are decided as `response` does.
     """
+    if system.devices is not None:
+        return response(system, motion, np.asarray(amplitude), np.asarray(omega), eta, peaks=peaks)
     cells = tuple(np.asarray(x, dtype=float) for x in np.broadcast_arrays(amplitude, omega, eta))
     shape, (amplitude, omega, eta) = cells[0].shape, (x.ravel() for x in cells)
     prove = bool(amplitude.max(initial=0.0) > system.safe_amplitude(motion))  # peaks may, that a body presses on the ground

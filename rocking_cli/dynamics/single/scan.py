@@ -58,6 +58,8 @@ class Scan:
     @staticmethod
     def serves(system: System, motion: Motion) -> bool:
         """True if the scan can follow bodies of this system under this motion."""
+        if system.devices is not None:
+            return False
         straight = system.segments(motion.coarsest).straight
         return straight and motion.vertical is None and system.equation.law(1.0).local is None
 

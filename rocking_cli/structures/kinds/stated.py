@@ -21,7 +21,8 @@ def build(document: Document, name: str) -> RockingParameters:
         return found
     from ..restraints import restrained
 
-    document.has("restrained")  # what params printed is derived anew
+    for key in ("restrained", "stands"):  # what params printed is derived anew
+        document.has(key)
     return restrained(document, found)
 
 

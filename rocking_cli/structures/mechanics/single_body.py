@@ -241,7 +241,10 @@ def _against_backing(body: Moments, half: float, top: Point | None) -> float | N
 
 def worn(body: RockingParameters, share: float) -> tuple[float, RockingParameters] | None:
     """(inset [m], parameters) of a rigid body whose pivots lie inside the edges by this share of the distance between them. A restitution
-    that is given, or that includes the impact on a backing, stays. None if the mass centre is not known, or would be beyond an edge."""
+    that is given, or that includes the impact on a backing, stays. None if the mass centre would be beyond an edge, and of a body with
+    ties or a tendon, whose levers change too."""
+    if body.restraints:
+        return None
     sides: tuple[Side | RockingParameters, ...] = body.sides or (body, body)
     (left, _), (right, z) = ((math.sin(side.alpha) * (side.arm or 0.0), math.cos(side.alpha) * (side.arm or 0.0)) for side in sides)
     x, half, square = 0.5 * (left - right), (0.5 - share) * (left + right), right * right + z * z

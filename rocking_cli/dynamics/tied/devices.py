@@ -1,0 +1,226 @@
+"""Ties and a tendon in the units of an equation: elongation, force, and the rotations at which a phase of them ends.
+
+A tie at the height h and the distance x behind the pivot has e = x (1 - cos theta) + h sin theta, and the lever h cos theta + x sin theta;
+a tendon at the distance b has e = 2 b sin(theta/2) and the lever b cos(theta/2). (A rupture at b sin theta, which some sources state, does
+not agree with that lever.) In the linear equation e = h theta and b theta, and the levers are h and b. The force is
+
+    F = 0 (slack, broken),  P0 + K (e - e_p) (elastic),  F_y (yielding),  e_p the permanent elongation
+
+Each device acts on one side; a tie of both sides is two devices. A tendon acts on both and breaks on both.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import NamedTuple, Self
+
+import numpy as np
+
+from ...structures.parameters import RockingParameters
+from ...structures.restraints import SIDES, Tendon, Tie
+from ..body import Body
+from ..lanes import Array
+from ..system import System
+
+SLACK, ELASTIC, YIELDING, BROKEN = range(4)
+ROWS = ("right", "left")  # sides as rows of arrays
+
+
+class Phase(NamedTuple):
+    """The present phases of the devices of lanes, on their side. low, high: y between which they last, (devices, lanes); fixed, rate:
+    force at e = 0 [N] and its growth [N/m], (devices, lanes); yields: True where one yields, (lanes,)."""
+
+    low: Array
+    high: Array
+    fixed: Array
+    rate: Array
+    yields: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Devices:
+    """The restraints of a body on its sides, (sides, devices) arrays, right side first; names: of each device.
+
+    height, behind: h and x [m], of a tendon b and 0; unit: rotation of y = 1 [rad], (sides, 1); moment: m g R times the unit [N m], (sides,
+    1); tendon: True for the tendon, (devices,); linear: True for the linear equation; body: of the free body for its forces on the ground,
+    None if they are not known; weight: m g [N], infinite if they are not known.
+    """
+
+    stiffness: Array
+    prestress: Array
+    force: Array
+    ultimate: Array
+    height: Array
+    behind: Array
+    unit: Array
+    moment: Array
+    tendon: Array
+    names: tuple[str, ...]
+    linear: bool
+    body: Body | None
+    weight: float
+
+    @classmethod
+    def of(cls, structure: RockingParameters, unit: Array, *, linear: bool, body: Body | None) -> Self | None:
+        """The devices of a structure with restraints; None if none of them ever pulls. unit: rotation of y = 1 on the right and the left
+        side [rad]."""
+        restraints, one_sided = structure.restraints, structure.one_sided
+        assert restraints is not None
+        stands = dict(zip(SIDES["both"], restraints.stands, strict=True))
+        rows = ROWS[:1] if one_sided else ROWS
+        columns: list[tuple[str, list[tuple[float, ...]]]] = []
+        for i, tie in enumerate(restraints.ties):
+            if tie.stiffness or tie.prestress:
+                columns.append((f"tie {i + 1}", [_of_tie(tie, row) for row in rows]))
+        held = restraints.tendon
+        if held and (held.stiffness or held.prestress):
+            columns.append(("tendon", [_of_tendon(held, stands[row].lever) for row in rows]))
+        if not columns:
+            return None
+        numbers = np.array([of for _, of in columns]).transpose(2, 1, 0)
+        unit = unit[: len(rows), None]
+        moment = unit * np.array([[stands[row].moment] for row in rows])
+        names = tuple(name for name, _ in columns)
+        arm = (structure.sides or (structure,))[0].arm
+        weight = np.inf if body is None or arm is None else restraints.stands[0].moment / arm
+        stiffness, prestress, force, ultimate, height, behind = numbers
+        return cls(
+            stiffness,
+            prestress,
+            force,
+            ultimate,
+            height,
+            behind,
+            unit,
+            moment,
+            np.array([name == "tendon" for name in names]),
+            names,
+            linear,
+            body,
+            weight,
+        )
+
+    def on(self, numbers: Array, row: Array) -> Array:
+        """Numbers of the devices on these sides, (devices, lanes)."""
+        return numbers[row].T
+
+    def elongation(self, row: Array, y: Array) -> Array:
+        """e [m] at y, (devices, lanes)."""
+        theta, h, x = self.unit[row, 0] * y, self.on(self.height, row), self.on(self.behind, row)
+        if self.linear:
+            return h * theta
+        of_tie = x * (2.0 * np.sin(0.5 * theta) ** 2) + h * np.sin(theta)
+        return np.where(self.tendon[:, None], 2.0 * h * np.sin(0.5 * theta), of_tie) if self.tendon.any() else of_tie
+
+    def level(self, row: Array, e: Array) -> Array:
+        """y of an elongation [m], infinite where no rotation reaches it, (devices, lanes)."""
+        h, x, unit = self.on(self.height, row), self.on(self.behind, row), self.unit[row, 0]
+        if self.linear:
+            return e / h / unit
+        with np.errstate(invalid="ignore"):
+            turned = np.arctan2(x, h) - np.arcsin((x - e) / np.hypot(x, h))
+            if self.tendon.any():
+                turned = np.where(self.tendon[:, None], 2.0 * np.arcsin(0.5 * e / h), turned)
+        return np.where(np.isnan(turned), np.where(e > 0.0, np.inf, -np.inf), turned) / unit
+
+    def thresholds(self, row: Array, plastic: Array) -> tuple[Array, Array]:
+        """(e from which a device pulls, e at which it yields) with these permanent elongations [m]; infinite without stiffness."""
+        stiffness, prestress = self.on(self.stiffness, row), self.on(self.prestress, row)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            pulls, yields = plastic - prestress / stiffness, plastic + (self.on(self.force, row) - prestress) / stiffness
+        return np.where(stiffness > 0.0, pulls, -np.inf), np.where(stiffness > 0.0, yields, np.inf)
+
+    def stretched(self, row: Array, elongation: Array) -> Array:
+        """The permanent elongation that a device keeps after this one, as it turns back while yielding [m]."""
+        with np.errstate(divide="ignore", invalid="ignore"):
+            elastic = (self.on(self.force, row) - self.on(self.prestress, row)) / self.on(self.stiffness, row)
+        return np.maximum(0.0, np.where(self.on(self.stiffness, row) > 0.0, elongation - elastic, 0.0))
+
+    def backbone(self, row: Array, elongation: Array) -> Array:
+        """The largest force [N] of devices that have been stretched to these elongations."""
+        return np.minimum(self.on(self.prestress, row) + self.on(self.stiffness, row) * elongation, self.on(self.force, row))
+
+    def phase(self, row: Array, phase: Array, plastic: Array) -> Phase:
+        """The limits and the force of devices in these phases, (devices, lanes)."""
+        pulls, yields = self.thresholds(row, plastic)
+        ultimate, stiffness = self.on(self.ultimate, row), self.on(self.stiffness, row)
+        elastic, yielding = phase == ELASTIC, phase == YIELDING
+        high = np.where(phase == SLACK, pulls, np.where(elastic, np.minimum(yields, ultimate), np.where(yielding, ultimate, np.inf)))
+        low = np.where(elastic, pulls, -np.inf)
+        fixed = np.where(elastic, self.on(self.prestress, row) - stiffness * plastic, 0.0)
+        fixed = np.where(yielding, self.on(self.force, row), fixed)
+        return Phase(self.level(row, low), self.level(row, high), fixed, np.where(elastic, stiffness, 0.0), yielding.any(axis=0))
+
+    def at_ground(self, row: Array, phase: Array, plastic: Array) -> Array:
+        """The phases in which devices begin as a body leaves the ground on these sides."""
+        pulls, _ = self.thresholds(row, plastic)
+        return np.where(phase == BROKEN, BROKEN, np.where(pulls <= 0.0, ELASTIC, SLACK))
+
+    def pull(self, row: Array, phase: Array, plastic: Array) -> Array:
+        """-y'' that the devices add on bodies at the ground, (lanes,)."""
+        force = np.clip(self.on(self.prestress, row) - self.on(self.stiffness, row) * plastic, 0.0, None)
+        force = np.where(phase == BROKEN, 0.0, force)
+        return _added(force * self.on(self.height, row)) / self.moment[row, 0]
+
+    @property
+    def alike(self) -> bool:
+        """True if the sides have the same devices."""
+        numbers = (self.stiffness, self.prestress, self.force, self.ultimate, self.height, self.behind, self.unit, self.moment)
+        return all(bool(np.all(x == x[0])) for x in numbers)
+
+    def held_at_first(self) -> Array:
+        """The drive over that of the free body at which a body leaves the ground on to each of its sides, before any yield, (sides, 1)."""
+        rows, none = np.arange(len(self.stiffness)), np.zeros((len(self.names), len(self.stiffness)))
+        return np.asarray(1.0 + self.pull(rows, none, none)[:, None])
+
+    def downwards(self, row: Array, now: Phase, y: Array) -> Array:
+        """The vertical force of a tendon over m g, (lanes,)."""
+        force = np.where(self.tendon[:, None], now.fixed + now.rate * self.elongation(row, y), 0.0)
+        return _added(force) * np.cos(0.5 * self.unit[row, 0] * y) / self.weight
+
+    def linear_terms(self, row: Array, now: Phase) -> tuple[Array, Array]:
+        """(-y'' at y = 0, its growth with y) that the devices add in the linear equation, (lanes,)."""
+        h, moment = self.on(self.height, row), self.moment[row, 0]
+        return _added(now.fixed * h) / moment, _added(now.rate * h * h) * self.unit[row, 0] / moment
+
+    def circular_terms(self, row: Array, now: Phase) -> Array:
+        """Coefficients of cos theta, sin theta, cos 2 theta, sin 2 theta and, with a tendon, cos(theta/2), sin(theta/2), in y'', (4 or 6,
+        lanes)."""
+        h, x, tie = self.on(self.height, row), self.on(self.behind, row), ~self.tendon[:, None]
+        fixed, rate = now.fixed + now.rate * x, np.where(tie, now.rate, 0.0)
+        rows = [
+            _added(np.where(tie, fixed * h, 0.0)),
+            _added(np.where(tie, fixed * x, now.rate * h * h)),
+            _added(-rate * x * h),
+            _added(0.5 * rate * (h * h - x * x)),
+        ]
+        if self.tendon.any():
+            rows += [_added(np.where(tie, 0.0, now.fixed * h)), np.zeros(row.size)]
+        return np.asarray(-np.array(rows) / self.moment[row, 0])
+
+
+def tied_system(structure: RockingParameters, free: System, *, linear: bool) -> System:
+    """The system of a structure with its restraints, from that of the free body, which stays as it is if none of them ever pulls."""
+    sides = np.array([1.0, -1.0])
+    unit = np.broadcast_to(free.equation.on(sides).rotation(np.ones(2)) * structure.alpha_on(sides), 2)
+    devices = Devices.of(structure, unit, linear=linear, body=free.body)
+    return free if devices is None else replace(free, devices=devices, body=None)
+
+
+def _of_tie(tie: Tie, row: str) -> tuple[float, ...]:
+    if row not in SIDES[tie.side]:
+        return 0.0, 0.0, np.inf, np.inf, tie.height, tie.behind
+    return tie.stiffness, tie.prestress, tie.yield_force, tie.ultimate, tie.height, tie.behind
+
+
+def _of_tendon(held: Tendon, lever: float) -> tuple[float, ...]:
+    ultimate = (held.rupture - held.prestress) / held.stiffness if held.stiffness else np.inf
+    return held.stiffness, held.prestress, np.inf, ultimate, lever, 0.0
+
+
+def _added(rows: Array) -> Array:
+    """The sum over the devices, one after the other: no digit depends on a lane's neighbours."""
+    total = rows[0].copy()
+    for row in rows[1:]:
+        total += row
+    return total

@@ -1,0 +1,399 @@
+"""The march of tied bodies, many at once, from event to event.
+
+A step is a stretch on which y is monotone, within one segment of the motion and one phase of the restraints (`series`). If y passes an end
+of the phase, the step ends there: the bracket holds one root. So no engagement, yield, slack, rupture or impact is stepped over.
+
+After the shaking the body goes on over still ground until its outcome is proved. The energy that it needs to come back to a peak, from
+which it has returned, is what it had there; impacts, damping and yielding only take energy, and a rupture begins the count anew. So
+
+- a body that has returned to the ground from a peak on each of its sides never exceeds these peaks again: it rocked;
+- a body that turns back outwards above the ground after such a peak goes to and fro between both: it leans;
+- a body overturns if it lies on its side, or, in the linear equation, if it moves outwards in the last phase of its restraints, whose
+  stiffness is not positive, and no drive to come reaches its force.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Protocol
+
+import numpy as np
+
+from ...motions.motion import Motion
+from ..contacts.contact import OneSided
+from ..drive import drive_change, place
+from ..equations.rigid_body import RigidBodyEquation
+from ..lanes import Array, Cells, Lanes
+from ..march.batch import MAX_STEPS
+from ..outcome import FALLEN, LOST, Outcome
+from ..system import System
+from .devices import BROKEN, ELASTIC, SLACK, YIELDING, Phase
+from .series import Law, Stretch, root, value
+
+_STILL = 1e-100  # a speed whose square a double does not hold is none
+_TOGETHER = 8192  # lanes
+_INSTANTS = 33  # of a stretch, at which the forces on the ground are computed
+WORDS = {SLACK: "slack", ELASTIC: "engagement", YIELDING: "yield", BROKEN: "rupture"}
+
+
+@dataclass
+class TiedLanes(Lanes):
+    """Lanes of tied bodies. phase, plastic, farthest: of each device, its permanent and its largest elongation [m], (sides, devices,
+    lanes); exact: True where y'' is exactly 0; bounced: True after an impact; turned: bits of the sides, 1 right and 2 left, on which the
+    body has turned back on still ground; rests: True where it comes to rest; lost: True if Fz <= 0 was met."""
+
+    phase: Array
+    plastic: Array
+    farthest: Array
+    exact: Array
+    bounced: Array
+    turned: Array
+    rests: Array
+    lost: Array
+
+
+class Recorder(Protocol):
+    """It sees the march of one body, which it follows up to a phase `until` [rad], and each bounce down to the speed `visible`."""
+
+    until: float
+    visible: float
+
+    def keep(self, lanes: Lanes, found: Stretch, reach: float) -> None:
+        """A stretch of `reach` [tau] from the state of the lanes."""
+
+    def note(self, lanes: Lanes, event: str, y: float, v: float, device: str = "") -> None:
+        """An event at the place of the lanes."""
+
+    def rest(self, before: Lanes, after: Lanes, bounces: float) -> None:
+        """A rest, after bouncing for `bounces` [tau] from just after an impact on, to the next uplift."""
+
+
+@dataclass(frozen=True)
+class Found:
+    """Results of cells. outcome, theta_ratio, impacts: as in `Response`; phase, plastic, farthest: of each device at the end, (sides,
+    devices, cells)."""
+
+    outcome: Array
+    theta_ratio: Array
+    impacts: Array
+    steps: Array
+    phase: Array
+    plastic: Array
+    farthest: Array
+
+
+class March:
+    """The march of cells (A, Omega, eta) of one tied body under a motion; recorder: of one cell. Raises ValueError for a motion
+    with a vertical part."""
+
+    def __init__(self, system: System, motion: Motion, amplitude: Array, omega: Array, eta: Array, recorder: Recorder | None = None):
+        if motion.vertical is not None:
+            raise ValueError("found a vertical motion under a body with ties or a tendon; expected a horizontal motion alone")
+        assert system.devices is not None
+        segments = motion.segments
+        self.system, self.equation, self.contact, self.devices = system, system.equation, system.contact, system.devices
+        self.cells = self.contact.cells(self.equation, amplitude, omega, eta)
+        self.shaken, self.segments, self.recorder = len(segments), segments.followed_by_rest(np.inf), recorder
+        self.one_sided = isinstance(self.contact, OneSided)
+        self.every = 1 if self.one_sided else 3
+        sides, alpha = np.array([1.0, -1.0]), 1.0
+        if isinstance(self.equation, RigidBodyEquation):
+            alpha = self.equation.on(sides).alpha
+        self.law = Law(self.devices, np.broadcast_to(alpha, 2), self.equation.damping, self.equation.tolerance)
+        self.limit = np.minimum(np.broadcast_to(self.equation.on(sides).limit, 2), self._lever_ends())
+        self._told = False
+        self.doubtful = 1.0  # y beyond which the march asks whether a body can come back
+        if recorder is not None:
+            self.doubtful = float(np.max(self.equation.on(sides).displacement(np.full(2, FALLEN))))
+        self.most = MAX_STEPS + 40 * self.shaken
+        size, shape = omega.size, (*self.devices.stiffness.shape, omega.size)
+        self.found = Found(
+            np.zeros(size, dtype=np.uint8), np.full(size, np.nan), np.zeros(size, dtype=np.int32), np.zeros(size, dtype=np.int64),
+            np.zeros(shape, dtype=np.int64), np.zeros(shape), np.zeros(shape),
+        )  # fmt: skip
+
+    def _lever_ends(self) -> Array:
+        """y at which a tie has lost its lever, on the right and the left side: from there on the body counts as overturned."""
+        if self.devices.linear:
+            return np.full(2, np.inf)
+        turned = np.arctan2(self.devices.height, -np.minimum(self.devices.behind, 0.0)).min(axis=1)
+        return np.resize(turned / self.devices.unit[:, 0], 2)
+
+    def run(self, release: float = 0.0) -> Found:
+        """All cells, from rest or released to the right from theta/alpha = release."""
+        with np.errstate(all="ignore"):
+            for first in range(0, self.found.outcome.size, _TOGETHER):
+                lanes = self._begin(np.arange(first, min(first + _TOGETHER, self.found.outcome.size)), release)
+                while lanes.cell.size:
+                    lanes = self._round(lanes)
+        return self.found
+
+    def row(self, lanes: Lanes) -> Array:
+        """The rows of the sides that lanes are on."""
+        return np.zeros(lanes.side.size, dtype=np.int64) if self.one_sided else (lanes.side < 0.0).astype(np.int64)
+
+    def _of(self, numbers: Array, row: Array) -> Array:
+        return numbers[row, :, np.arange(row.size)].T
+
+    def _begin(self, cell: Array, release: float) -> TiedLanes:
+        count, zero = np.zeros(cell.size, dtype=np.int64), np.zeros(cell.size)
+        amplitude, omega, eta = (np.broadcast_to(x, self.cells.omega.shape)[0, cell] for x in self.cells)
+        none = np.zeros((*self.devices.stiffness.shape, cell.size))
+        lanes = TiedLanes(
+            cell, amplitude.copy(), omega.copy(), eta.copy(), count, zero, np.ones(cell.size), zero.copy(), zero.copy(), zero.copy(),
+            zero.copy(), count.copy(), count.copy(), none.astype(np.int64), none.copy(), none.copy(), zero != 0.0, zero != 0.0,
+            count.copy(), zero != 0.0, zero != 0.0,
+        )  # fmt: skip
+        if release:
+            lanes.y[:] = self.equation.on(np.ones(cell.size)).displacement(np.full(cell.size, release))
+            lanes.peak[:] = lanes.y
+            row = self.row(lanes)
+            e = self.devices.elongation(row, lanes.y)
+            lanes.plastic[0], lanes.farthest[0] = self.devices.stretched(row, e), e
+            pulls, _ = self.devices.thresholds(row, lanes.plastic[0])
+            broken = e >= self.devices.on(self.devices.ultimate, row)
+            lanes.phase[0] = np.where(broken, BROKEN, np.where(e > pulls, ELASTIC, SLACK))
+            self._note(lanes, "release", lanes.y, lanes.v)
+            return lanes
+        return self._from_rest(lanes, np.arange(cell.size), first=True)
+
+    def _note(self, lanes: Lanes, event: str, y: Array, v: Array, device: str = "") -> None:
+        if self.recorder is not None:
+            self.recorder.note(lanes, event, float(y[0]), float(v[0]), device)
+
+    def _from_rest(self, lanes: TiedLanes, at: Array, first: bool = False) -> TiedLanes:
+        """Put lanes that rest at their next uplift; those that never lift again are finished."""
+        if not at.size:
+            return lanes
+        resting = lanes.take(at)
+        held = self._held(resting)
+        bounces = 0.0 if self.recorder is None or first else float(self.contact.sequence_time(self._free(resting))[0])
+        drive = np.broadcast_to(self.cells.amplitude[:, resting.cell], (len(self.cells.amplitude), at.size))
+        effective = Cells(np.array([drive[0] / held[0], drive[-1] / held[-1]]), self.cells.omega, self.cells.eta)
+        again = self.contact.uplift(effective, self.segments, np.arange(at.size), resting.k, resting.u)
+        k, u = place(self.segments, again.k, again.u)
+        lanes.k[at], lanes.u[at], lanes.y[at], lanes.v[at] = k, u, 0.0, 0.0
+        if not self.one_sided:
+            self.contact.turn(self.cells, lanes, at, again.side)
+        moved = (k != again.k) & ~self.segments.joins[np.minimum(again.k, len(self.segments) - 1)]
+        lanes.exact[at] = (again.b == 0.0) & ~moved
+        self._leave(lanes, at)
+        ended = k >= self.shaken
+        if self.recorder is not None:
+            if not first:
+                self.recorder.rest(resting, lanes, bounces)
+            elif not ended[0]:
+                self._note(lanes, "uplift", lanes.y, lanes.v)
+        lanes.rests[at] = False
+        return self._finish(lanes, at[ended], np.full(lanes.cell.size, Outcome.NO_UPLIFT if first else Outcome.ROCKED))
+
+    def _held(self, lanes: TiedLanes) -> Array:
+        """The drive over that of the free body at which lanes at rest leave the ground to each of their sides, (sides, lanes)."""
+        rows = range(len(self.devices.stiffness))
+        count = lanes.cell.size
+        return np.array([1.0 + self.devices.pull(np.full(count, i), lanes.phase[i], lanes.plastic[i]) for i in rows])
+
+    def _leave(self, lanes: TiedLanes, at: Array) -> None:
+        """Put the devices of lanes that leave the ground into the phase in which they begin."""
+        row = self.row(lanes)[at]
+        phase, plastic = lanes.phase[row, :, at].T, lanes.plastic[row, :, at].T
+        lanes.phase[row, :, at] = self.devices.at_ground(row, phase, plastic).T
+
+    def _round(self, lanes: TiedLanes) -> TiedLanes:
+        """One step of every lane, and what happens at its end."""
+        lanes.steps += 1
+        over = lanes.u >= self.segments.length[lanes.k]
+        lanes.k[over] += 1
+        lanes.u[over] = 0.0
+        row = self.row(lanes)
+        now = self.devices.phase(row, self._of(lanes.phase, row), self._of(lanes.plastic, row))
+        ground, limit = now.low.max(axis=0, initial=0.0), self.limit[row]
+        high = np.minimum(now.high.min(axis=0, initial=np.inf), limit)
+        found = self.law.stretch(self.segments, lanes, row, now, lanes.exact)
+        y, slope = value(found.terms, found.share)
+        up, down = (found.outward > 0.0) & (y >= high), (found.outward < 0.0) & (y <= ground)
+        met = up | down
+        share, level = found.share.copy(), np.where(up, high, ground)
+        at = np.flatnonzero(met)
+        if at.size:
+            terms = found.terms[:, at] * -found.outward[at]
+            share[at] = root(terms, np.zeros(at.size), share[at], -found.outward[at] * level[at])
+            slope[at] = value(found.terms[:, at], share[at])[1]
+        if self.recorder is not None:
+            self.recorder.keep(lanes, found, float(share[0] * found.unit[0]))
+        self._press(lanes, row, now, found, share)
+        turns = found.turns & ~met
+        lanes.y, lanes.v = np.where(met, level, y), np.where(turns, 0.0, slope / found.unit)
+        through = ~met & ~turns & (share == 1.0)
+        length = self.segments.length[lanes.k]
+        whole = through & (found.unit * lanes.omega >= (length - lanes.u) * (1.0 - 1e-15))
+        lanes.u = np.where(whole, length, np.minimum(lanes.u + lanes.omega * share * found.unit, length))
+        lanes.exact[:] = False
+        return self._events(lanes, row, now, high, found.outward, up, down & (ground > 0.0), down & (ground <= 0.0), turns)
+
+    def _press(self, lanes: TiedLanes, row: Array, now: Phase, found: Stretch, share: Array) -> None:
+        """Note the lanes with Fz <= 0 along their stretches: where no bound excludes it, at `_INSTANTS` of each."""
+        body = self.devices.body
+        if body is None:
+            return
+        edge, n = body.on(lanes.side), np.arange(1.0, len(found.terms))[:, None]
+        rate = n * np.abs(found.terms[1:]) * share ** (n - 1.0) * (edge.unit / found.unit)
+        speed, bend = rate.sum(axis=0), ((n[1:] - 1.0) * rate[1:]).sum(axis=0) / (share * found.unit)
+        doubtful = np.flatnonzero(~lanes.lost & ~(edge.kappa * (bend + speed * speed) < 1.0))
+        for x in np.linspace(0.0, 1.0, _INSTANTS) if doubtful.size else ():
+            at = share[doubtful] * x
+            slope, unit, side = n * found.terms[1:, doubtful], found.unit[doubtful], body.on(lanes.side[doubtful])
+            y, (v, b) = value(found.terms[:, doubtful], at)[0], value(slope, at)
+            z = side.alpha - side.unit * y
+            fz = 1.0 + side.kappa * side.unit * (b * np.sin(z) - side.unit * v * v * np.cos(z)) / unit**2
+            pulled = self.devices.downwards(row[doubtful], Phase(*(p[..., doubtful] for p in now)), y)
+            lanes.lost[doubtful] |= fz + pulled <= 0.0
+        if self.recorder is not None and lanes.lost[0] and not self._told:
+            self._told = True
+            self._note(lanes, LOST, lanes.y, lanes.v)
+
+    def _events(
+        self, lanes: TiedLanes, row: Array, now: Phase, high: Array, outward: Array, up: Array, down: Array, hit: Array, turns: Array
+    ) -> TiedLanes:
+        """The events at the end of a step, one a lane: an upper or lower end of a phase, an impact, a turn."""
+        fallen = up & (high >= self.limit[row])
+        back = turns & (outward > 0.0)
+        self._stretch(lanes, np.flatnonzero(back | up), row)
+        for at, limits, sign in ((np.flatnonzero(up & ~fallen), now.high, 1.0), (np.flatnonzero(down), now.low, -1.0)):
+            if at.size:
+                self._pass(lanes, at, row, limits, sign)
+        peaked = np.flatnonzero(back)
+        if peaked.size:
+            lanes.peak[peaked] = np.maximum(lanes.peak[peaked], lanes.y[peaked])
+            still = peaked[lanes.k[peaked] >= self.shaken]
+            lanes.turned[still] |= 1 << row[still]
+            self._note(lanes, "peak", lanes.y, lanes.v)
+            self._unload(lanes, peaked[now.yields[peaked]], row)
+        leans = turns & (outward < 0.0) & ((lanes.turned >> row) & 1 > 0)
+        falls = fallen | self._certain(lanes, row, now, high)
+        failed = (lanes.steps > self.most) | ~np.isfinite(lanes.y + lanes.v)
+        impacts = np.flatnonzero(hit)
+        ended = np.zeros(lanes.cell.size, dtype=bool)
+        if impacts.size:
+            ended = self._strike(lanes, impacts, row)
+        outcome = np.where(falls, np.where(lanes.bounced, Outcome.OVERTURNED_AFTER_IMPACT, Outcome.OVERTURNED_NO_IMPACT), 0)
+        outcome = np.where(leans, Outcome.LEANING, np.where(ended, Outcome.ROCKED, outcome))
+        outcome = np.where(failed, Outcome.FAILED, outcome)
+        if self.recorder is not None and outcome[0] in (Outcome.LEANING, Outcome.ROCKED) and self._time(lanes) < self.recorder.until:
+            outcome[:] = 0
+        if falls.any():
+            self._stretch(lanes, np.flatnonzero(falls), row)
+            self._note(lanes, "overturning", lanes.y, lanes.v)
+        lanes = self._finish(lanes, np.flatnonzero(outcome), outcome)
+        return self._from_rest(lanes, np.flatnonzero(lanes.rests))
+
+    def _time(self, lanes: Lanes) -> float:
+        """The phase [rad] of the motion at which the first lane is."""
+        return float(self.segments.start[lanes.k[0]] + lanes.u[0])
+
+    def _stretch(self, lanes: TiedLanes, at: Array, row: Array) -> None:
+        """Keep the largest elongation of devices that are not broken."""
+        e, row = self.devices.elongation(row[at], lanes.y[at]), row[at]
+        whole = lanes.phase[row, :, at].T != BROKEN
+        lanes.farthest[row, :, at] = np.where(whole, np.maximum(lanes.farthest[row, :, at].T, e), lanes.farthest[row, :, at].T).T
+
+    def _pass(self, lanes: TiedLanes, at: Array, row: Array, limits: Array, sign: float) -> None:
+        """Devices of the lanes `at`, which have come to the end of a phase, enter the next one."""
+        reached = sign * (lanes.y[at] - limits[:, at]) >= 0.0
+        phase, plastic = (x[row[at], :, at].T for x in (lanes.phase, lanes.plastic))
+        elastic, ultimate = phase == ELASTIC, self.devices.on(self.devices.ultimate, row[at])
+        _, yields = self.devices.thresholds(row[at], plastic)
+        if sign > 0.0:
+            following = np.where(phase == SLACK, ELASTIC, np.where(elastic & (yields < ultimate), YIELDING, BROKEN))
+        else:
+            following = np.full(phase.shape, SLACK)
+        following = np.where(reached, following, phase)
+        breaks = reached & (following == BROKEN)
+        kept = np.where(breaks, self.devices.stretched(row[at], ultimate), plastic)
+        lanes.phase[row[at], :, at], lanes.plastic[row[at], :, at] = following.T, kept.T
+        torn = at[breaks.any(axis=0)]
+        lanes.turned[torn] = 0
+        for device in np.flatnonzero(self.devices.tendon):  # it breaks on both sides
+            lanes.phase[:, device, at[breaks[device]]] = BROKEN
+        if self.recorder is not None:
+            for device in np.flatnonzero(reached[:, 0]):
+                self._note(lanes, WORDS[int(following[device, 0])], lanes.y, lanes.v, self.devices.names[device])
+
+    def _unload(self, lanes: TiedLanes, at: Array, row: Array) -> None:
+        """Devices that yield turn elastic as the lanes `at` turn back, with what is left of their elongation."""
+        if not at.size:
+            return
+        phase, plastic = (x[row[at], :, at].T for x in (lanes.phase, lanes.plastic))
+        left = self.devices.stretched(row[at], self.devices.elongation(row[at], lanes.y[at]))
+        yielding = phase == YIELDING
+        lanes.phase[row[at], :, at] = np.where(yielding, ELASTIC, phase).T
+        lanes.plastic[row[at], :, at] = np.where(yielding, np.maximum(left, plastic), plastic).T
+        if self.recorder is not None:
+            for device in np.flatnonzero(yielding[:, 0]):
+                self._note(lanes, "unloading", lanes.y, lanes.v, self.devices.names[device])
+
+    def _certain(self, lanes: TiedLanes, row: Array, now: Phase, high: Array) -> Array:
+        """True for lanes that no drive to come can turn back."""
+        falls = np.zeros(lanes.cell.size, dtype=bool)
+        at = np.flatnonzero((lanes.y > self.doubtful) & (lanes.v > 0.0) & (high >= self.limit[row]))
+        if not at.size:
+            return falls
+        side, k = lanes.side[at], np.minimum(lanes.k[at], len(self.segments) - 1)
+        inward = self.segments.hardest(side, lanes.amplitude[at], k)
+        if self.devices.linear:
+            there = Phase(*(x[..., at] for x in now))
+            soft = self.devices.linear_terms(row[at], there)[1] <= 1.0
+            falls[at] = soft & (self.law.force(row[at], there, lanes.y[at], -inward) > 0.0)
+        else:
+            free = ~(now.fixed[:, at].any(axis=0) | now.rate[:, at].any(axis=0))
+            falls[at] = free & self.equation.on(side).certainly_overturns(lanes.y[at], lanes.v[at], inward)
+        return falls
+
+    def _strike(self, lanes: TiedLanes, at: Array, row: Array) -> Array:
+        """Impacts of the lanes `at`; those that come to rest go on from their next uplift. True for lanes whose outcome is known."""
+        self._note(lanes, "impact", lanes.y, lanes.v)
+        struck = lanes.take(at)
+        still = struck.k >= self.shaken
+        struck.impacts += ~still
+        struck.bounced[:] = True
+        struck.v = np.minimum(struck.v, 0.0)
+        known = np.zeros(lanes.cell.size, dtype=bool)
+        known[at] = still & (struck.turned == self.every)
+        self.contact.strike(self.cells, struck, struck.v, struck.b)
+        struck.y[:] = 0.0
+        for name in ("side", "y", "v", "amplitude", "omega", "eta", "peak", "impacts", "bounced"):
+            getattr(lanes, name)[at] = getattr(struck, name)
+        self._leave(lanes, at)
+        stops, seen = struck.v < _STILL, 0.0 if self.recorder is None else self.recorder.visible
+        lanes.rests[at] = stops | (((seen == 0.0) | (struck.v < seen)) & self._bounces_out(lanes.take(at)))
+        return known
+
+    def _bounces_out(self, lanes: TiedLanes) -> Array:
+        """True for lanes just after an impact whose bouncing ends in rest before any other event (Lemma 7): under the drive over that at
+        which the weaker side is held, of which the inward force is at least as large, and grows with y."""
+        return self.contact.sequence_ends(self.segments, self._free(lanes), self.equation)
+
+    def _free(self, lanes: TiedLanes) -> TiedLanes:
+        """Lanes of a free body that lifts where the weaker side does: its forces at the ground are not larger."""
+        held = self._held(lanes).min(axis=0)
+        seg, k = self.segments, np.minimum(lanes.k, len(self.segments) - 1)
+        amplitude = lanes.amplitude / held
+        b = -lanes.side * amplitude * (seg.s_start[k] + drive_change(seg, k, lanes.u)) - 1.0
+        return replace(lanes, amplitude=amplitude, v=lanes.v / held, b=b, peak=lanes.peak / held)
+
+    def _finish(self, lanes: TiedLanes, at: Array, outcome: Array) -> TiedLanes:
+        """Hand in the results of the lanes `at`, of the outcomes of all lanes; returns the others."""
+        if not at.size:
+            return lanes
+        cell, found, row = lanes.cell[at], self.found, self.row(lanes)[at]
+        found.outcome[cell], found.impacts[cell], found.steps[cell] = outcome[at], lanes.impacts[at], lanes.steps[at]
+        known = np.isin(outcome[at], (Outcome.NO_UPLIFT, Outcome.ROCKED, Outcome.LEANING))
+        ratio = self.equation.on(lanes.side[at]).rotation(lanes.peak[at])
+        found.theta_ratio[cell] = np.where(known & ~lanes.lost[at], ratio, np.nan)
+        found.outcome[cell[known & lanes.lost[at]]] = Outcome.LOST_CONTACT
+        phase, plastic = lanes.phase[row, :, at].T, lanes.plastic[row, :, at].T
+        left = self.devices.stretched(row, self.devices.elongation(row, lanes.y[at]))
+        lanes.plastic[row, :, at] = np.where(phase == YIELDING, np.maximum(left, plastic), plastic).T
+        for name in ("phase", "plastic", "farthest"):
+            getattr(found, name)[..., cell] = getattr(lanes, name)[..., at]
+        return lanes.take(np.delete(np.arange(lanes.cell.size), at))

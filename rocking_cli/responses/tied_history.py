@@ -1,0 +1,131 @@
+"""The response in time of a body with ties or a tendon: it listens to the march of one such body (`dynamics.tied`)."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ..dynamics.equations.taylor import TaylorSeries
+from ..dynamics.lanes import Lanes
+from ..dynamics.outcome import LOST, Outcome
+from ..dynamics.system import System
+from ..dynamics.tied.devices import BROKEN, YIELDING
+from ..dynamics.tied.march import March
+from ..dynamics.tied.series import Stretch
+from ..motions.motion import Motion
+from .history import INVISIBLE, Arcs, Event, History
+
+Array = np.ndarray
+
+STATES = ("elastic", "yielded", "broken")  # of ties and tendons
+
+
+class _Recorder:
+    """The arcs and events of one body; until: phase [rad] to which it is followed; omega: Omega of the history."""
+
+    visible = INVISIBLE
+
+    def __init__(self, system: System, until: float, omega: float) -> None:
+        self.system, self.until, self.omega = system, until, omega
+        self.march: March | None = None
+        self.arcs: list[tuple[float, float, float, float, float, Array]] = []
+        self.events: list[Event] = []
+
+    def tau(self, lanes: Lanes) -> float:
+        """tau of the history at the place of the lanes."""
+        assert self.march is not None
+        segments, k = self.march.segments, min(int(lanes.k[0]), len(self.march.segments) - 1)
+        return (float(segments.start[k]) + float(lanes.u[0])) / self.omega
+
+    def keep(self, lanes: Lanes, found: Stretch, reach: float) -> None:
+        """Keep a stretch as an arc."""
+        pace = self.omega / float(lanes.omega[0])
+        self.arcs.append((self.tau(lanes), reach, float(lanes.side[0]), pace, float(found.unit[0]), found.terms[:, 0].copy()))
+
+    def note(self, lanes: Lanes, event: str, y: float, v: float, device: str = "", later: float = 0.0) -> None:
+        """Keep an event, `later` [tau] than the place of the lanes."""
+        tau, side = max(self.tau(lanes) + later, self.events[-1].tau if self.events else 0.0), float(lanes.side[0])
+        equation, pace = self.system.equation.on(lanes.side[:1]), self.omega / float(lanes.omega[0])
+        ratio, rate = equation.rotation(np.array([y])), equation.rotation_rate(np.array([y]), np.array([v]))
+        self.events.append(Event(tau, event, float(side * ratio[0]) + 0.0, float(side * rate[0]) * pace + 0.0, side, device))
+
+    def rest(self, before: Lanes, after: Lanes, bounces: float) -> None:
+        """Keep a rest, after bouncing for `bounces` [tau of the side], and the uplift after it."""
+        lasts = bounces * float(before.omega[0]) / self.omega
+        lifts = after.k[0] < len(self.march.segments) if self.march else False
+        if not lifts or self.tau(after) > self.tau(before) + lasts:
+            self.note(before, "rest", 0.0, 0.0, later=lasts)
+        if lifts:
+            self.note(after, "uplift", 0.0, 0.0)
+
+
+def tied_history(system: System, motion: Motion, amplitude: float, omega: float, eta: float, release: float, duration: float) -> History:
+    """`history` of a body with ties or a tendon. Raises ValueError for a vertical motion."""
+    recorder = _Recorder(system, duration * omega, omega)
+    recorder.march = march = March(system, motion.coarsest, np.array([amplitude]), np.array([omega]), np.array([eta]), recorder)
+    found = march.run(release)
+    outcome, events = Outcome(int(found.outcome[0])), recorder.events
+    end = min([duration, *(e.tau for e in events if e.event in ("overturning", LOST))])
+    kept = [arc for arc in recorder.arcs if arc[0] <= end]
+    numbers = np.array([arc[:5] for arc in kept]).reshape(-1, 5).T
+    start, reach, side, pace, unit = numbers
+    terms = np.zeros((max((arc[5].size for arc in kept), default=5), len(kept)))
+    for i, arc in enumerate(kept):
+        terms[: arc[5].size, i] = arc[5]
+    flow = TaylorSeries(terms, unit, unit, np.ones(unit.size), system.equation.damping)
+    arcs = Arcs(start, np.minimum(start + reach / pace, end), side, flow, pace)
+    shown = tuple(e for e in events if e.tau <= end)
+    return History(system.equation, arcs, shown, end, outcome, float(found.theta_ratio[0]), tuple(device_rows(system, march)))
+
+
+def device_rows(system: System, march: March) -> list[dict[str, Any]]:
+    """A row for each tie and the tendon of the first cell: device; force, the largest [N], and tie_force, the same over its yield [-] (None
+    without one); tie_elongation and permanent, its largest and its permanent elongation [m]; state: elastic, yielded or broken. A tie of
+    both sides acts as two; its row holds the larger numbers and the worse state; words: the row as a sentence."""
+    devices, found = system.devices, march.found
+    assert devices is not None
+    rows = np.arange(len(devices.stiffness))
+    force = devices.backbone(rows, found.farthest[:, :, 0].T).T
+    told = []
+    for i, name in enumerate(devices.names):
+        on = [row for row in rows if devices.stiffness[row, i] or devices.prestress[row, i]]
+        largest, limit = float(max(force[row, i] for row in on)), float(devices.force[on[0], i])
+        row: dict[str, Any] = {
+            "device": name,
+            "force": largest,
+            "tie_force": largest / limit if np.isfinite(limit) else None,
+            "tie_elongation": float(max(found.farthest[row, i, 0] for row in on)),
+            "permanent": float(max(found.plastic[row, i, 0] for row in on)),
+            "state": STATES[max(_rank(int(found.phase[row, i, 0]), float(found.plastic[row, i, 0])) for row in on)],
+        }
+        told.append({**row, "words": _in_words(row)})
+    return told
+
+
+def _rank(phase: int, plastic: float) -> int:
+    """The place of a state in STATES."""
+    return 2 if phase == BROKEN else int(phase == YIELDING or plastic > 0.0)
+
+
+def columns_of(devices: tuple[dict[str, Any], ...]) -> dict[str, Any]:
+    """The columns of `rocking check` from the rows of `device_rows`: the largest of each number, and the worst state."""
+    keys = ("tie_force", "tie_elongation", "permanent")
+    most = {key: max((x for one in devices if (x := one[key]) is not None), default=None) for key in keys}
+    return {**most, "tie_state": max((one["state"] for one in devices), key=STATES.index)}
+
+
+def _in_words(device: dict[str, Any]) -> str:
+    """A row as a sentence."""
+    share = "" if device["tie_force"] is None else f" ({device['tie_force']:.4g} of its yield)"
+    left = f", {1e3 * device['permanent']:.4g} mm of them permanent" if device["permanent"] else ""
+    return f"{device['device']} {device['state']}, up to {device['force']:.6g} N{share} and {1e3 * device['tie_elongation']:.4g} mm{left}"
+
+
+def remarks(devices: tuple[dict[str, Any], ...], first: float | None, free: float | None) -> list[str]:
+    """A sentence for each row of `device_rows`, and one on the lowest overturning amplitudes with these devices and without."""
+    lines = [one["words"] for one in devices]
+    if first is not None and free is not None:
+        change = 100.0 * (first / free - 1.0)
+        lines.append(f"its ties {'add' if change >= 0.0 else 'take'} {abs(change):.3g} % of the capacity without them")
+    return lines

@@ -1,0 +1,234 @@
+"""Tied bodies: reference values, SciPy's DOP853 with bisected events, energy, limits, and the outcomes that a remaining force decides."""
+
+from __future__ import annotations
+
+import math
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from oracles.tied_body import Device, TiedBody
+from support.documents import built
+
+from rocking_cli import Method, Outcome, check, parse_grid, pulse, response, sine, time_history
+from rocking_cli.dynamics.method import LINEAR
+from rocking_cli.dynamics.tied.march import March
+from rocking_cli.motions import Motion, Piece
+from rocking_cli.motions.motion import Harmonic
+
+WALL = "kind: wall\nthickness: 0.6 m\nheight: 6 m\none_sided: true\nmass: 7200 kg\n"
+TIE = "ties: [{height: 5.5 m, stiffness: 2e6 N/m, prestress: 5 kN%s}]\n"
+ELASTIC, YIELDING = TIE % "", TIE % ", yield: 20 kN"
+OUTWARDS = sine().scaled(-1.0)
+MASS, HALF, HIGH, G = 7200.0, 0.3, 3.0, 9.81
+RADIUS, ALPHA = math.hypot(HALF, HIGH), math.atan2(HALF, HIGH)
+EXACT = Method("nonlinear", 1e-12)
+
+
+def marched(text, motion, a_g, period, method=EXACT, damping=""):
+    """(structure, results) of the march of one body; a_g [g]."""
+    body = built(text + damping)
+    system = method.system_of(body)
+    cells = (body.dimensionless_amplitude(a_g * G), 2 * math.pi / period / body.p, body.eta)
+    return body, March(system, motion, *(np.array([x]) for x in cells)).run()
+
+
+@pytest.mark.parametrize(
+    ("tie", "a_g", "period", "ratio", "force", "permanent"),
+    [
+        (TIE.replace("2e6", "0").replace("5 kN", "1e-9 N") % "", 0.3, 0.8, 0.3014725417, 1e-9, 0.0),
+        (ELASTIC, 1.0, 0.8, 0.0418895686, 50925.712, 0.0),
+        (YIELDING, 0.6, 0.5, 0.0317766603, 20e3, 9.9192239e-3),
+        (YIELDING, 1.0, 0.8, 0.4226061233, 20e3, 0.22409471),
+    ],
+)
+def test_reference_values_of_a_one_sided_wall(tie, a_g, period, ratio, force, permanent):
+    # Evaluated independently; the first half of the cycle drives the wall outwards.
+    found = time_history(built(WALL + tie), OUTWARDS, parse_grid(f"a_g={a_g}g,T_g={period}"), [EXACT]).histories["nonlinear"]
+    (device,) = found.devices
+    assert found.theta_ratio == pytest.approx(ratio, abs=6e-11)
+    assert device["force"] == pytest.approx(force, rel=2e-8)
+    assert device["permanent"] == pytest.approx(permanent, rel=2e-8, abs=1e-15)
+    assert device["state"] == ("yielded" if permanent else "elastic")
+
+
+def test_the_first_yield_is_met_when_the_reference_says():
+    found = time_history(built(WALL + YIELDING), OUTWARDS, parse_grid("a_g=0.6g,T_g=0.5"), [EXACT])
+    events = list(found.events())
+    first = next(row for row in events if row["event"] == "yield")
+    assert (first["t"], first["device"]) == (pytest.approx(0.1252954474, abs=6e-11), "tie 1")
+    words = [row["event"] for row in events]
+    assert words[:7] == ["uplift", "yield", "peak", "unloading", "slack", "impact", "peak"]
+
+
+def test_the_prestress_holds_the_wall_at_a_fifth_of_g():
+    _, found = marched(WALL + YIELDING, OUTWARDS, 0.2, 0.8)
+    assert found.outcome[0] == Outcome.NO_UPLIFT
+    body = built(WALL + YIELDING)
+    uplift = 0.1 + 5000 * 5.5 / (MASS * G * 3)
+    assert EXACT.system_of(body).least_uplift(sine()) == pytest.approx(body.dimensionless_amplitude(uplift * G), rel=1e-12)
+    assert EXACT.system_of(body).least_uplift(OUTWARDS) == pytest.approx(body.dimensionless_amplitude(uplift * G), rel=1e-12)
+
+
+def cases():
+    """Random ties on a wall under a sine cycle: (document, devices, damping, one-sided, a_g, period, sign)."""
+    random = np.random.default_rng(5)
+    for _ in range(24):
+        one = random.random() < 0.5
+        rows, devices = [], []
+        for _ in range(random.integers(1, 3)):
+            h, stiffness = random.uniform(2, 6), 10 ** random.uniform(4, 6.5)
+            prestress = random.choice([0.0, random.uniform(0, 8e3)])
+            force = max(prestress, 1e3) + random.uniform(0, 3e4)
+            ultimate = (force - prestress) / stiffness + random.uniform(0.005, 0.3)
+            keys = {"height": h, "stiffness": stiffness, "prestress": prestress, "behind": random.choice([0.0, random.uniform(0, 0.6)])}
+            yields, breaks = random.random() < 0.8, random.random() < 0.5
+            keys |= ({"yield": force} if yields else {}) | ({"ultimate": ultimate} if breaks else {})
+            keys["side"] = "right" if one else str(random.choice(["left", "right", "both"]))
+            rows.append("{" + ", ".join(f"{key}: {x}" for key, x in keys.items()) + "}")
+            for side in {"right": [1], "left": [-1], "both": [1, -1]}[keys["side"]]:
+                limits = force if yields else math.inf, ultimate if breaks else math.inf
+                devices.append(Device(side, stiffness, prestress, *limits, h, keys["behind"]))
+        damping = random.choice([0.0, 0.03])
+        text = WALL.replace("true", str(one).lower()) + f"ties: [{', '.join(rows)}]\ndamping: {damping}\n"
+        yield text, devices, damping, random.uniform(0.15, 1.2), random.uniform(0.3, 1.5), random.choice([1.0, -1.0])
+
+
+@pytest.mark.parametrize(("text", "devices", "damping", "a_g", "period", "sign"), list(cases()))
+def test_dop853_with_bisected_events_agrees(text, devices, damping, a_g, period, sign):
+    body, found = marched(text, sine() if sign > 0 else OUTWARDS, a_g, period, Method("nonlinear", 1e-11))
+    oracle = TiedBody(MASS, RADIUS, ALPHA, 4 / 3 * MASS * RADIUS**2, body.eta, devices, damping)
+    largest, outcome = oracle.run(
+        lambda t: sign * a_g * G * math.sin(2 * math.pi * t / period) if t <= period else 0.0, [period], period + 12 / body.p
+    )
+    fell = Outcome(int(found.outcome[0])).overturned
+    assert fell == (outcome == "overturned")
+    if not fell:
+        assert found.theta_ratio[0] == pytest.approx(largest / ALPHA, abs=1e-7)
+
+
+def test_a_tie_without_force_is_the_free_body_to_the_bit():
+    free, held = built(WALL), built(WALL + "ties: [{height: 5, stiffness: 0, yield: 5 kN}]")
+    grid = parse_grid("a_g=0.05g:1g:30,T_g=0.3:2:7")
+    for method in (EXACT, LINEAR):
+        one, other = (response(method.system_of(s), sine(), *np.meshgrid(*grid.scaled(s)), s.eta) for s in (free, held))
+        np.testing.assert_array_equal(one.theta_ratio, other.theta_ratio)
+        np.testing.assert_array_equal(one.outcome, other.outcome)
+    assert check(held, sine(), parse_grid("a_g=0.3g,T_g=0.8")).record() == check(free, sine(), parse_grid("a_g=0.3g,T_g=0.8")).record()
+
+
+def test_a_vanishing_tie_tends_to_the_free_body_which_is_marched_otherwise():
+    grid = parse_grid("a_g=0.05g:1g:30,T_g=0.3:2:7")
+    for text in (WALL, WALL.replace("true", "false"), WALL + "damping: 0.04\n", "kind: rigid\nleft: 0.42\nright: 0.31\nheight: 1.15\n"
+                 "gyration: 0.68\nmass: 2 t\n"):  # fmt: skip
+        free, held = built(text), built(text + "ties: [{height: 1, stiffness: 0, prestress: 1e-11 N}]")
+        for method in (EXACT, LINEAR):
+            cells = (*np.meshgrid(*grid.scaled(free)), free.eta)
+            one, other = (response(method.system_of(s), sine(2), *cells) for s in (free, held))
+            assert (one.outcome == other.outcome).mean() > 0.995  # on a boundary the last digits decide
+            same = (one.outcome == other.outcome) & np.isfinite(one.theta_ratio)
+            apart = np.abs(one.theta_ratio - other.theta_ratio)[same]
+            assert np.median(apart) < 1e-11
+            assert np.quantile(apart, 0.98) < 1e-7
+
+
+def test_a_stiff_tie_of_a_yield_tends_to_a_constant_force():
+    ratios = []
+    for stiffness in (1e8, 1e9, 1e10):
+        _, found = marched(WALL + f"ties: [{{height: 5.5, stiffness: {stiffness}, yield: 8 kN}}]", OUTWARDS, 0.5, 0.8)
+        ratios.append(found.theta_ratio[0])
+    _, constant = marched(WALL + "ties: [{height: 5.5, stiffness: 0, prestress: 8 kN}]", OUTWARDS, 0.5, 0.8)
+    apart = [abs(ratio - constant.theta_ratio[0]) for ratio in ratios]
+    assert apart[1] < 0.2 * apart[0]
+    assert apart[2] < 0.2 * apart[1]
+    assert apart[2] < 1e-4
+
+
+@pytest.mark.parametrize("text", [WALL + YIELDING, WALL.replace("true", "false") + TIE % ", yield: 15 kN, behind: 0.4, ultimate: 90 cm"])
+def test_the_energy_is_balanced_with_the_plastic_work(text):
+    """Kinetic energy, weight and springs between uplift and the first impact, against the work of the ground."""
+    period, a_g = 0.8, 0.9
+    body = built(text)
+    found = time_history(body, OUTWARDS, parse_grid(f"a_g={a_g}g,T_g={period}"), [Method("nonlinear", 1e-13)]).histories["nonlinear"]
+    (tie,) = body.restraints.ties
+    begin, end = (next(e.tau for e in found.events if e.event == word) for word in ("uplift", "impact"))
+    marks = [begin, *(e.tau for e in found.events if begin < e.tau < end), end]
+    marks = np.unique([*marks, *found.steps()[(found.steps() > begin) & (found.steps() < end)]])
+    nodes, weights = np.polynomial.legendre.leggauss(20)
+    ground = elastic = plastic = 0.0
+    permanent = next((e for e in found.events if e.event == "unloading"), None)
+    for low, high in pairwise(marks):
+        tau = low + 0.5 * (high - low) * (nodes + 1)
+        ratio, rate = found.at(tau)
+        theta, speed = ALPHA * ratio, ALPHA * rate * body.p
+        push = a_g * G * np.sin(2 * np.pi / period * tau / body.p) * (tau / body.p < period)
+        ground += 0.5 * (high - low) / body.p * np.sum(weights * MASS * push * RADIUS * np.cos(ALPHA - theta) * speed)
+    top = ALPHA * permanent.theta_ratio
+    u = tie.behind * (1 - math.cos(top)) + tie.height * math.sin(top)
+    stretched = u - (tie.yield_force - tie.prestress) / tie.stiffness
+    plastic = tie.yield_force * stretched
+    left = max(0.0, tie.prestress - tie.stiffness * stretched) ** 2 / (2 * tie.stiffness) if tie.stiffness else 0.0
+    elastic = left - tie.prestress**2 / (2 * tie.stiffness)
+    speed = ALPHA * body.p * next(e.rate for e in found.events if e.event == "impact")
+    kinetic = 0.5 * 4 / 3 * MASS * RADIUS**2 * speed**2
+    assert found.devices[0]["permanent"] >= stretched * (1 - 1e-12)
+    assert ground == pytest.approx(kinetic + plastic + elastic, rel=1e-10)
+
+
+def test_the_tendon_of_a_block_breaks_at_its_elongation():
+    # By the stated elongation 2 b sin(theta/2), as in the equation of motion; b sin theta would break it at 0.041978.
+    text = "kind: block\nwidth: 1\nheight: 5\ngravity: 9.8\nmass: 2551.0204081632653\n"
+    tendon = "tendon: {area: 144 mm2, modulus: 195 GPa, length: 5 m, prestress: 150 kN, rupture: 267.84 kN}\n"
+    found = time_history(built(text + tendon), sine(), parse_grid("a_g=19.6,T_g=0.5"), [EXACT]).histories["nonlinear"]
+    (breaks,) = (e for e in found.events if e.event == "rupture")
+    assert abs(breaks.theta_ratio) * math.atan(0.2) == pytest.approx(2 * math.asin((267840 - 150000) / 5.616e6), rel=1e-12)
+    assert found.devices[0]["state"] == "broken"
+    assert found.outcome.overturned
+    kept = response(LINEAR.system_of(built(text + tendon.replace(", rupture: 267.84 kN", ""))), sine(), 30.0, np.linspace(1, 9, 9), 0.9)
+    assert not any(Outcome(x).overturned for x in kept.outcome)  # nothing overturns it before rupture
+
+
+def test_a_body_that_a_tie_holds_beyond_alpha_leans():
+    body, found = marched(WALL + YIELDING, OUTWARDS, 1.6, 0.8)
+    assert found.outcome[0] == Outcome.LEANING
+    assert found.theta_ratio[0] > 1.0
+    demand = parse_grid("a_g=1.6g,T_g=0.8")
+    verdict = check(body, OUTWARDS, demand, a_max=None)
+    assert (verdict.outcome.flag, verdict.falls, verdict.record()["tie_state"]) == ("leaning", True, "yielded")
+    late = time_history(body, OUTWARDS, demand, [EXACT], duration=40.0).histories["nonlinear"]
+    assert late.outcome == Outcome.LEANING
+    ratio, _ = late.at(np.linspace(20.0, 39.0, 500) * body.p)
+    assert ratio.min() > 0.5  # it goes to and fro about an equilibrium that is not upright
+    assert ratio.max() <= late.theta_ratio * (1 + 1e-12)
+    damped = time_history(built(WALL + YIELDING + "damping: 0.1\n"), OUTWARDS, demand, [EXACT], duration=90.0).histories["nonlinear"]
+    theta = ALPHA * damped.at(np.array([89.0]) * body.p)[0][0]
+    left = damped.devices[0]["permanent"]
+    force = 5e3 + 2e6 * (5.5 * math.sin(theta) - left)
+    weight = MASS * G * RADIUS * math.sin(ALPHA - theta)
+    assert force * 5.5 * math.cos(theta) == pytest.approx(-weight, rel=1e-4)  # the equilibrium of the remaining force
+    _, torn = marched(WALL + TIE % ", yield: 20 kN, ultimate: 80 cm", OUTWARDS, 1.6, 0.8)
+    assert Outcome(int(torn.outcome[0])).overturned
+
+
+def test_a_lane_has_the_same_digits_in_any_company():
+    text = WALL.replace("true", "false") + TIE % ", yield: 20 kN, side: right"
+    body = built(text)
+    system, eta = Method("nonlinear").system_of(body), body.eta
+    amplitude, omega = (x.ravel() for x in np.meshgrid(np.linspace(2, 16, 9), np.linspace(2, 9, 5)))
+    wave = Motion("two", (Piece(0.0, 7.0, (Harmonic(1.0), Harmonic(0.4, 2.3, 0.2))),))
+    for motion in (sine(), wave, pulse("rectangular-impulse")):
+        whole = response(system, motion, amplitude, omega, eta)
+        for i in (0, 7, 20, 44):
+            one = response(system, motion, amplitude[i : i + 1], omega[i : i + 1], eta)
+            assert (one.outcome[0], one.theta_ratio[0]) == (whole.outcome[i], pytest.approx(whole.theta_ratio[i], abs=0, nan_ok=True))
+        mirrored = response(system, motion.scaled(-1.0), amplitude, omega, eta)
+        assert not np.array_equal(mirrored.theta_ratio, whole.theta_ratio, equal_nan=True)  # the sides differ
+
+
+def test_a_vertical_motion_is_refused():
+    from rocking_cli.motions.biaxial import with_vertical
+
+    body = built(WALL + YIELDING)
+    motion = with_vertical(sine(), sine(), 0.5)
+    with pytest.raises(ValueError, match="found a vertical motion under a body with ties or a tendon; expected a horizontal motion alone"):
+        response(EXACT.system_of(body), motion, 3.0, 4.0, body.eta)
