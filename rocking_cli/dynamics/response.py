@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..errors import UsageError
 from ..motions.motion import Motion
 from ..motions.segments import Chain
 from .equations.linear import LinearEquation
@@ -161,6 +162,8 @@ def response_with_demands(
     """`response`, and the ground forces by name: `friction`, the largest |Fx|/Fz [-], and `fz_min`, the least Fz over m g [-], to 1e-6.
     Both are NaN where the body overturns. A second run of the bodies that stay upright computes them. found: the response, if it is known.
     Raises ValueError for a system without a `body` of a_scale 1."""
+    if system.devices is not None:
+        raise UsageError("found ties or a tendon; expected a body without them, whose forces on the ground are known")
     if system.body is None or not system.body.moves_with_the_ground:
         raise ValueError("demands need a system with a body, whose a_scale is 1")
     from .observers.ground_forces import GroundForces
@@ -184,7 +187,7 @@ def response_with_speed(system: System, motion: Motion, amplitude: Array, omega:
     from .observers.peak_speed import PeakSpeed
 
     if system.devices is not None:
-        raise ValueError("the largest speed of a body with ties or a tendon is not computed")
+        raise UsageError("found ties or a tendon; expected a body without them, whose largest speed is computed")
     shape, cells = _flat(amplitude, omega, eta)
     batch = _batch(system, motion, cells, peaks=True)
     speed = PeakSpeed(batch)

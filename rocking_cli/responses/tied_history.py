@@ -61,7 +61,7 @@ class _Recorder:
 
 
 def tied_history(system: System, motion: Motion, amplitude: float, omega: float, eta: float, release: float, duration: float) -> History:
-    """`history` of a body with ties or a tendon. Raises ValueError for a vertical motion."""
+    """`history` of a body with ties or a tendon. Raises UsageError for a vertical motion."""
     recorder = _Recorder(system, duration * omega, omega)
     recorder.march = march = March(system, motion.coarsest, np.array([amplitude]), np.array([omega]), np.array([eta]), recorder)
     found = march.run(release)

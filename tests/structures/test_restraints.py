@@ -187,7 +187,7 @@ def test_what_does_not_know_restraints_refuses_them(text, tmp_path):
         Method("linear").problem_of(body)
     with pytest.raises(UsageError, match="found ties or a tendon; expected a body without them, whose forces on the ground are known"):
         next(time_history(body, sine(), grid).records(forces=True))
-    with pytest.raises(ValueError, match="the largest speed of a body with ties or a tendon is not computed"):
+    with pytest.raises(UsageError, match="found ties or a tendon; expected a body without them, whose largest speed is computed"):
         response_with_speed(Method("linear").system_of(body), sine(), np.ones(1), np.ones(1), body.eta)
 
 

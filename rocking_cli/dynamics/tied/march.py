@@ -19,6 +19,7 @@ from typing import Protocol
 
 import numpy as np
 
+from ...errors import UsageError
 from ...motions.motion import Motion
 from ..contacts.contact import OneSided
 from ..drive import drive_change, place
@@ -83,12 +84,12 @@ class Found:
 
 
 class March:
-    """The march of cells (A, Omega, eta) of one tied body under a motion; recorder: of one cell. Raises ValueError for a motion
+    """The march of cells (A, Omega, eta) of one tied body under a motion; recorder: of one cell. Raises UsageError for a motion
     with a vertical part."""
 
     def __init__(self, system: System, motion: Motion, amplitude: Array, omega: Array, eta: Array, recorder: Recorder | None = None):
         if motion.vertical is not None:
-            raise ValueError("found a vertical motion under a body with ties or a tendon; expected a horizontal motion alone")
+            raise UsageError("found a vertical motion under a body with ties or a tendon; expected a horizontal motion alone")
         assert system.devices is not None
         segments = motion.segments
         self.system, self.equation, self.contact, self.devices = system, system.equation, system.contact, system.devices

@@ -10,7 +10,7 @@ import pytest
 from oracles.tied_body import Device, TiedBody
 from support.documents import built
 
-from rocking_cli import Method, Outcome, check, parse_grid, pulse, response, sine, time_history
+from rocking_cli import Method, Outcome, UsageError, check, parse_grid, pulse, response, sine, time_history
 from rocking_cli.dynamics.method import LINEAR
 from rocking_cli.dynamics.tied.march import March
 from rocking_cli.motions import Motion, Piece
@@ -230,5 +230,5 @@ def test_a_vertical_motion_is_refused():
 
     body = built(WALL + YIELDING)
     motion = with_vertical(sine(), sine(), 0.5)
-    with pytest.raises(ValueError, match="found a vertical motion under a body with ties or a tendon; expected a horizontal motion alone"):
+    with pytest.raises(UsageError, match="found a vertical motion under a body with ties or a tendon; expected a horizontal motion alone"):
         response(EXACT.system_of(body), motion, 3.0, 4.0, body.eta)
