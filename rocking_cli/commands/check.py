@@ -118,6 +118,10 @@ def check(
     ground.note_governing(structures, shakes[0][1].dimensionless)
     for line in (*_remarks(told), *(by_code.said() if by_code else ())):
         note(line)
+    if azimuths is None and (sided := [(s, motion.scaled(-1.0), grid) for s, motion, grid in demands if s.one_sided or s.sides]):
+        falls = dict.fromkeys(v.structure for v in verdicts(sided, a_max=None, workers=workers) if v.falls)
+        names = ", ".join(falls or dict.fromkeys(s.name for s, _, _ in sided))
+        note(f"the opposite direction (--scale -1), another one for unequal sides: {'overturns' if falls else 'does not overturn'} {names}")
     if not (verdict_only or is_quiet()) and (remark := _of_an_inset(told, demands, a_max)):
         note(remark)
     width = " or ".join(dict.fromkeys(narrowest(shake) for shake, _ in shakes))

@@ -17,7 +17,9 @@ _SCAN = 17  # values of a range that states no number
 @command("rocking solve configs/block.yaml --vary width=0.5:0.8:4 --a-g 0.4g --f-g 1", printed)
 def solve(
     files: tuple[str, ...] = options.files(),
-    vary: str = option("--vary", required=True, metavar="KEY=FROM:TO[:N]", help="The key and its range, scanned at N values (default 17)."),
+    vary: str = option(
+        "--vary", required=True, metavar="KEY=START:STOP[:N]", help="The key and its range, scanned at N values (default 17)."
+    ),
     margin: float = option(
         "--margin", type=click.FloatRange(0.0, 100.0, min_open=True), default=1.0, show_default=True, help="Capacity over demand."
     ),
@@ -41,7 +43,7 @@ def solve(
     shaken = asked.of(shaken)
     documents = options.documents_of(files)
     shakes = shaken.needed()
-    varied = parse_variation(f"{vary}:{_SCAN}" if vary.count(":") == 1 else vary)
+    varied = parse_variation(vary, _SCAN)
     rows: list[dict[str, Any]] = []
     remarks: list[str] = []
     failed = bool(shaken.unread)

@@ -33,17 +33,20 @@ class Member(NamedTuple):
     fault: str | None  # the reason why the document has no solution
 
 
-def parse_variation(text: str) -> Variation:
-    """The variation that `KEY=START:STOP:N` states. Bounds without a unit take the unit of the document. Raises UsageError.
+def parse_variation(text: str, count: int | None = None) -> Variation:
+    """The variation that `KEY=START:STOP:N` states. Bounds without a unit take the unit of the document; count: N of a text that states
+    none. Raises UsageError.
 
     >>> parse_variation('angle=150deg:160deg:3')
     Variation(key='angle', values=(150.0, 155.0, 160.0), unit='deg')
     """
     key, equals, span = text.partition("=")
     parts = span.split(":")
+    parts += [str(count)] * (count is not None and len(parts) == 2)
     ends = [split_quantity(part) for part in parts[:2]]
     if not equals or not key.strip() or len(parts) != 3 or not ends[0] or not ends[1]:
-        raise UsageError(f"`vary`: found {text!r}; expected KEY=START:STOP:N, such as thickness=1.2:2.0:9 or angle=150deg:180deg:31")
+        wanted = "KEY=START:STOP:N" if count is None else "KEY=START:STOP or KEY=START:STOP:N"
+        raise UsageError(f"`vary`: found {text!r}; expected {wanted}, such as thickness=1.2:2.0:9 or angle=150deg:180deg:31")
     (start, unit), (stop, other) = ends[0], ends[1]
     if unit != other and unit and other:
         raise UsageError(f"`vary` {key}: found bounds in {unit} and {other}; expected one unit for both")

@@ -234,7 +234,8 @@ def _abscissa(rows: Rows, varied: list[str], over: str | None) -> tuple[np.ndarr
     names = {heading.partition(" [")[0].removeprefix(VARIED): heading for heading in varied}
     keys = next(iter(names)).split("/") if over is None else over.split("/")
     if len(keys) > 2 or any(key not in names for key in keys):
-        raise UsageError(f"`over`: found {over!r}; expected {', '.join(names)}, or one over another, such as KEY/KEY")
+        more = "; a key of one value is varied too, as in height=2:2:1" if len(keys) == 2 else ""
+        raise UsageError(f"`over`: found {over!r}; expected {', '.join(names)}, or one over another, such as KEY/KEY{more}")
     numbers, headings = [column(rows, names[key]) for key in keys], [names[key] for key in keys]
     others = [heading for heading in varied if heading not in headings]
     if len(keys) == 1:
