@@ -64,8 +64,8 @@ figures: $(STAMPS)/dev ## The figures of the paper, out/figures
 	$(ROCKING) response configs/arch.yaml --release 0.6 --model both --duration 3 --csv > $(FIG)/fig7b.csv
 	$(ROCKING) plot $(FIG)/fig7b.csv -o $(FIG)/fig7b.png --overwrite
 	for t in 0.36 0.40 0.44; do \
-	  $(ROCKING) response configs/arch.yaml --pulse rectangular-impulse --a-g 1g --T-g $$t --model both --duration 5 --csv > $(FIG)/fig7d_$$t.csv || exit 1; done
-	$(ROCKING) plot $(FIG)/fig7d_0.36.csv $(FIG)/fig7d_0.40.csv $(FIG)/fig7d_0.44.csv -o $(FIG)/fig7d.png --overwrite
+	  $(ROCKING) response configs/arch.yaml --pulse rectangular-impulse --a-g 1g --T-g $$t --model both --duration 5 --csv > $(FIG)/t_p=$$t.csv || exit 1; done
+	$(ROCKING) plot $(FIG)/t_p=0.36.csv $(FIG)/t_p=0.40.csv $(FIG)/t_p=0.44.csv -o $(FIG)/fig7d.png --overwrite
 	$(ROCKING) draw configs/block.yaml configs/spire.yaml configs/arch.yaml -o $(FIG)/fig8a.png --overwrite
 	$(ROCKING) compare configs/block.yaml configs/spire.yaml configs/arch.yaml --A 2 --Omega 4 --eta 0.8 --curves --csv > $(FIG)/fig8.csv
 	$(ROCKING) plot $(FIG)/fig8.csv -o $(FIG)/fig8bcd.png --overwrite

@@ -88,7 +88,9 @@ class Ground:
 class Source:
     """A pulse by name, or files of motions."""
 
-    pulse: str | None = option("--pulse", type=Registered(pulse_names), help="Ground motion (default: sine); see `rocking help motions`.")
+    pulse: str | None = option(
+        "--pulse", type=Registered(pulse_names), metavar="NAME", help="Ground motion (default: sine); see `rocking help motions`."
+    )
     cycles: float | None = option("--cycles", type=float, help="Cycles of a sine or cosine, in half cycles (default 1).")
     gamma: float | None = option("--gamma", type=float, help="Duration over period of a mavroeidis-papageorgiou pulse (default 2).")
     phase: float | None = option(

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from pathlib import Path
+from textwrap import fill
 from typing import TYPE_CHECKING, Any
 
 from ...documents.document import Document
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 _WIDTH = 4.2  # inches, of a panel
+_NAME = 48  # characters of a line of a name above it
 STONE, GROUND, INK = "#D9CBB8", "#EFEFEF", "#333333"
 
 
@@ -99,7 +101,7 @@ def structure_axes(axes: Axes, built: RockingParameters, sketch: Sketch, units: 
     axes.margins(0.08)
     axes.grid(visible=False)
     axes.set(xlabel=f"$x$ [{unit}]", ylabel=f"$z$ [{unit}]")
-    axes.set_title(f"{literal(built.name)}\n{_numbers(built, units)}{radius}", fontsize="small")
+    axes.set_title(f"{fill(literal(built.name), _NAME)}\n{_numbers(built, units)}{radius}", fontsize="small")
 
 
 def _mass_centre(axes: Axes, built: RockingParameters, sketch: Sketch, metre: float) -> float:

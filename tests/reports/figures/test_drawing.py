@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from rocking_cli import DocumentError
+from rocking_cli import DocumentError, parse_documents
 from rocking_cli.reports.figures.drawing import draw_structures
 from rocking_cli.reports.units import parse_units
 from rocking_cli.structures import read_documents
@@ -91,3 +91,11 @@ def test_bodies_are_at_one_scale_and_one_without_geometry_is_left_out(drawn):
     assert [said.endswith("left out") for said in told] == [True]
     with pytest.raises(DocumentError, match="states no geometry"):
         drawn("parameters")
+
+
+def test_a_long_name_stands_on_lines_of_its_panel(figures, tmp_path):
+    name = "Marble lion with a very long inventory name 1884.12.3 of the east staircase landing"
+    draw_structures(parse_documents(f"{{kind: block, name: {name}, width: 0.7, height: 0.95}}"), tmp_path / "figure.png")
+    (axes,) = figures[-1].axes
+    *lines, _, _ = axes.get_title().splitlines()
+    assert (" ".join(lines), max(map(len, lines)) <= 48) == (name, True)
