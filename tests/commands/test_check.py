@@ -248,3 +248,13 @@ def test_a_demand_that_overturns_at_some_frequency_is_not_called_safe(rocking):
     assert (alone["outcome"], alone["capacity_demand"] < 1.0) == ("rocked", True)
     assert ranged["outcome"].startswith("overturned")
     assert ranged["worst_f_g"] > 0.9
+
+
+def test_the_opposite_direction_of_a_body_with_one_side_is_told(rocking):
+    """The row is that of the stated sign; the line tells what the same call with --scale -1 prints as its outcome."""
+    call = ("check", "block:0.5x2,one_sided=true", "--a-g", "0.6g", "--f-g", "1", "--verdict-only")
+    there, opposite = (rocking(*call, *more, "--json") for more in ((), ("--scale", "-1")))
+    outcomes = [done.record["outcome"].startswith("overturned") for done in (there, opposite)]
+    for done, falls in zip((there, opposite), reversed(outcomes), strict=True):
+        assert f"unequal sides: {'overturns' if falls else 'does not overturn'} block:0.5x2" in done.stderr
+    assert "opposite" not in rocking("check", "block:0.5x2", *call[2:]).stderr
