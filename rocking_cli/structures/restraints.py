@@ -120,7 +120,8 @@ class Restraints:
         lines = []
         for one, (pivot, away, end) in [(tie, ends[side]) for tie in self.ties for side in SIDES[tie.side]]:
             height = level + one.height
-            lines.append(("tie", ((pivot + away * one.behind, height), (end + away * 0.15 * (max(z) - level), height))))
+            course = (pivot + away * one.behind, height), (end + away * 0.15 * (max(z) - level), height)
+            lines.append(("tie", tuple(sorted(course))))
         if self.tendon:
             lines.append(("tendon", ((0.5 * (left + right), level), (0.5 * (left + right), max(z)))))
         return replace(drawing, lines=(*lines, *drawing.lines))

@@ -174,7 +174,7 @@ def test_what_is_printed_is_a_document_with_the_same_restraints(text):
 def test_a_drawing_shows_ties_and_tendon():
     (document,) = parse_documents(BLOCK + "ties: [{height: 4, stiffness: 1, behind: 0.2, side: right}]\n" + TENDON)
     tie, tendon = sketch_of(document, build_structure(document)).lines
-    assert tie == ("tie", ((pytest.approx(0.3), 4.0), (pytest.approx(-0.5 - 0.15 * 5), 4.0)))
+    assert tie == ("tie", ((pytest.approx(-0.5 - 0.15 * 5), 4.0), (pytest.approx(0.3), 4.0)))
     assert tendon == ("tendon", ((0.0, 0.0), (0.0, pytest.approx(5.0))))
 
 

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 _PERIODS = np.geomspace(0.03, 1.0, 200)  # over the longest secant period, of the demand
+_FARTHEST = 3.0  # times the capacity, up to which the axes show a demand
 _MM = 1000.0
 
 
@@ -42,17 +43,20 @@ def _panel(axes: Axes, check: CodeCheck) -> None:
     """One check: d in mm, a in g; a cross marks the demand at each limit state."""
     d, a = _MM * check.curve.displacement, check.curve.multiplier * check.factor / DEFAULT_GRAVITY
     axes.plot(d, a, color="k", lw=1.8, label="capacity")
-    right, top = 1.05 * max(d[-1], min(_MM * check.slc.demand, 2.0 * d[-1])), 1.3 * float(a.max())
+    asked = [(_MM * at.demand, (2.0 * np.pi / at.period) ** 2 * at.demand / DEFAULT_GRAVITY) for at in (check.slv, check.slc)]
+    right, top = (
+        1.1 * max(own.max(), *np.minimum(marks, _FARTHEST * own.max())) for own, marks in zip((d, a), zip(*asked, strict=True), strict=True)
+    )
     periods = _PERIODS * max(check.slv.period, check.slc.period)
-    for i, (name, at, state) in enumerate((("SLV", check.slv, SLV), ("SLC", check.slc, SLC))):
-        x, y, asked, colour = _MM * at.displacement, at.acceleration / DEFAULT_GRAVITY, _MM * at.demand, f"C{i}"
+    for i, (name, at, state, mark) in enumerate((("SLV", check.slv, SLV, asked[0]), ("SLC", check.slc, SLC, asked[1]))):
+        x, y, colour = _MM * at.displacement, at.acceleration / DEFAULT_GRAVITY, f"C{i}"
         demand = check.spectrum.acceleration(periods, state.damping)
         s_d = _MM * demand * (periods / (2.0 * np.pi)) ** 2
         axes.plot(s_d, demand / DEFAULT_GRAVITY, lw=1.1, alpha=0.7, label=f"demand, {100.0 * state.damping:g} %", color=colour)
         slope = (2.0 * np.pi / at.period) ** 2 / (_MM * DEFAULT_GRAVITY)
         axes.plot([0.0, right], [0.0, right * slope], lw=0.9, ls="--", label=f"$T_{{{name}}}$ = {at.period:.3g} s", color=colour)
         axes.plot(x, y, "o", ms=5, label=f"$d_{{{name}}}$ = {x:.3g} mm", color=colour)
-        axes.plot(asked, asked * slope, "x", ms=6, label=f"demand at {name} {asked:.3g} mm", color=colour)
+        axes.plot(*mark, "x", ms=6, label=f"demand at {name} {mark[0]:.3g} mm", color=colour)
         axes.plot([x, x], [0.0, y], lw=0.7, ls=":", color=colour)
     axes.set(xlim=(0.0, right), ylim=(0.0, top), xlabel="$d$ [mm]", ylabel="$a$ [g]")
     axes.set_title(literal(f"{check.structure}, {check.demand}: {check.demand_a / DEFAULT_GRAVITY:.3g} g"), fontsize="small")

@@ -78,9 +78,11 @@ def structure_axes(axes: Axes, built: RockingParameters, sketch: Sketch, units: 
     for outlines, style in layers:
         for outline in outlines:
             axes.fill(*zip(*scaled(outline), strict=True), **style)
+    labels = [label for label, _ in sketch.lines]
     for i, (label, course) in enumerate(sketch.lines):
-        axes.plot(*zip(*scaled(course), strict=True), color="#D55E00", lw=0.8 if i else 1.6, ls=":" if i else "-", label=label)
-        if i == 0:
+        image = label.startswith("its ")  # of a line before
+        axes.plot(*zip(*scaled(course), strict=True), color="#D55E00", lw=0.8 if image else 1.6, ls=":" if image else "-", label=label)
+        if not image and labels.index(label) == i:
             axes.annotate(
                 label, scaled(course)[-1], xytext=(-4, 6), textcoords="offset points", ha="right", color="#D55E00", fontsize="small"
             )
