@@ -44,8 +44,8 @@ def test_a_long_legend_stands_beside_the_axes(count, name, outside):
         ("a,b\n1,2\n", "found the columns a, b; expected the CSV table"),
         ("p,alpha\n", "holds no rows"),
         ("event,t\nuplift,1\n", "found events"),
-        ("t,theta,ground_acceleration\n0,x,1\n", "cannot be drawn"),
-        ("t,theta,ground_acceleration\n0,,\n1,,\n", "holds nothing to draw"),
+        ("t,theta,theta_dot,ground_acceleration\n0,x,0,1\n", "cannot be drawn"),
+        ("t,theta,theta_dot,ground_acceleration\n0,,,\n1,,,\n", "holds nothing to draw"),
         ("structure,Omega,A_from,A_to,mode\nx,1,,,none\nx,2,,,none\n", "holds nothing to draw"),
     ],
 )
