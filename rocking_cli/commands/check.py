@@ -66,6 +66,8 @@ def check(
 
         check_target(output, overwrite, options.FIGURES)
     if by_code and coded.spectrum and not shaken.shakes:
+        if fail_on or sort:
+            raise click.UsageError(f"{'--fail-on' if fail_on else '--sort'} needs a motion: under --spectrum alone nothing is shaken")
         by_code.alone(structures, varied, output, overwrite)
         return 4 if lost else 0
     shakes = shaken.needed()

@@ -26,6 +26,7 @@ _FIRST_LINE = re.compile(r"\s*([^\r\n]{1,10000})")
 _LONGEST_HEADING = 100_000  # characters
 _NO_HEADING = re.compile(r":(?:\s|$)|^\s*[-#\[{&%\"'|>]|^\s*-?[\d.]")  # what YAML begins with, and a row of numbers
 _FACTORS = {unit: factor for units in UNITS.values() for unit, factor in units.items()}
+_BARE = ("", "-", "1")  # no unit
 _WORDS = {"True": "true", "TRUE": "true", "False": "false", "FALSE": "false"}  # as spreadsheets write them
 
 
@@ -63,10 +64,10 @@ def demand_no_table(text: str, source: str) -> None:
             raise DocumentError(f"{Place(source, 1, 1)}: CSV without a column {KIND!r}; found {shown}; {wanted}")
 
 
-def rows_of(text: str, source: str, delimiter: str) -> Iterator[list[Cell]]:
-    """The non-empty cells of each row that is not blank. Raises DocumentError."""
+def rows_of(text: str, source: str, delimiter: str, *, si: bool = False) -> Iterator[list[Cell]]:
+    """The non-empty cells of each row that is not blank; si: a number keeps its SI unit too. Raises DocumentError."""
     if len(text) > LONGEST:
-        raise DocumentError(f"{source}: longer than {LONGEST >> 20} MiB, the limit of a table of structures")
+        raise DocumentError(f"{source}: longer than {LONGEST >> 20} MiB, the limit of a table")
     reader = csv.reader(io.StringIO(text, newline=""), delimiter=delimiter, strict=True)
     columns: list[tuple[str, str]] | None = None
     line = 1
@@ -81,7 +82,7 @@ def rows_of(text: str, source: str, delimiter: str) -> Iterator[list[Cell]]:
             if len(row) > len(columns):
                 raise DocumentError(f"{Place(source, first, len(columns) + 1)}: found {len(row)} cells; expected {len(columns)}")
             yield [
-                Cell(key, _with_unit(cell.strip(), unit), Place(source, first, i))
+                Cell(key, _with_unit(cell.strip(), unit, si=si), Place(source, first, i))
                 for i, (cell, (key, unit)) in enumerate(zip(row, columns, strict=False), 1)
                 if cell.strip()
             ]
@@ -116,12 +117,12 @@ def _columns(row: list[str], source: str, line: int) -> list[tuple[str, str]]:
         if key in before:
             raise DocumentError(f"{place}: duplicate column {key!r}")
         before.add(key)
-        if unit not in ("", "-", "1") and unit not in _FACTORS:
+        if unit not in _BARE and unit not in _FACTORS:
             raise DocumentError(f"{place}: {key}: found the unit {unit!r}; expected one of {', '.join(_FACTORS)}")
     return columns
 
 
-def _with_unit(cell: str, unit: str) -> str:
+def _with_unit(cell: str, unit: str, *, si: bool) -> str:
     parts = split_quantity(cell)
     bare = parts is not None and not parts[1]
-    return f"{cell} {unit}" if bare and _FACTORS.get(unit, 1.0) != 1.0 else _WORDS.get(cell, cell)
+    return f"{cell} {unit}" if bare and unit not in _BARE and (si or _FACTORS[unit] != 1.0) else _WORDS.get(cell, cell)

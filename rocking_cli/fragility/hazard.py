@@ -243,7 +243,8 @@ def _openquake(source: str, rows: Rows, measure: Measure, site: str | None) -> l
         else [(at, row) for at, row in sites if _is_at(f"{source}, line {at}", site, dict(zip(names, row, strict=True)))]
     )
     if len(chosen) != 1:
-        raise UsageError(f"{source}: found {len(chosen)} sites{f' at {site}' if site else ''}; expected one: name it as `site`, LON,LAT")
+        wanted = "one, named by `site` as LON,LAT" if sites else "a row of longitude, latitude, depth and probabilities"
+        raise UsageError(f"{source}: found {len(chosen)} sites{f' at {site}' if site else ''}; expected {wanted}")
     ((at, row),) = chosen
     unit, factor = openquake_unit(measure)
     found = []

@@ -15,7 +15,7 @@ import numpy as np
 
 from ..documents.composition import text_of
 from ..documents.files import read_bytes
-from ..documents.quantities import parse_quantity
+from ..documents.quantities import parse_quantity, split_quantity
 from ..documents.table import rows_of
 from ..errors import DocumentError, UsageError
 from .blocks import largest
@@ -101,7 +101,7 @@ class SpectrumFile:
         periods = np.asarray(periods)
         if np.max(periods) > self.periods[-1]:
             found = f"`spectrum` {self.name}: found periods up to {self.periods[-1]:g} s"
-            raise UsageError(f"{found}; expected up to {np.max(periods):.4g} s, the period of a limit state")
+            raise UsageError(f"{found}; expected up to {np.max(periods):.4g} s, the longest period of the check")
         factor = np.where(periods >= self.periods[self.values.argmax()], damping_factor(damping), 1.0)
         return np.asarray(np.interp(periods, self.periods, self.values) * factor)
 
@@ -161,7 +161,7 @@ def damping_factor(damping: float) -> float:
 
 
 def read_spectrum(path: str | Path) -> SpectrumFile:
-    """The spectrum of a CSV file with the columns T and S_a (or Se), units in the headings or SI; other columns are not read.
+    """The spectrum of a CSV file with the columns T [s] and S_a (or Se), whose heading or cells state a unit; other columns are not read.
 
     Raises UsageError if the file cannot be read, DocumentError with file, line and column for its faults.
 
@@ -175,7 +175,7 @@ def read_spectrum(path: str | Path) -> SpectrumFile:
     first = text.lstrip().partition("\n")[0]
     periods: list[float] = []
     values: list[float] = []
-    for cells in rows_of(text, source, max(",;\t", key=first.count)):
+    for cells in rows_of(text, source, max(",;\t", key=first.count), si=True):
         row = {cell.key: cell for cell in cells}
         found = row.get("T"), row.get("S_a") or row.get("Se")
         if None in found:
@@ -191,6 +191,10 @@ def read_spectrum(path: str | Path) -> SpectrumFile:
         assert level is not None
         if periods[-1] < 0.0 or (len(periods) > 1 and not periods[-1] > periods[-2]):
             raise DocumentError(f"{at.place}: T: found {at.text!r}; expected periods that rise, of one spectrum")
+        if (parts := split_quantity(level.text)) is not None and not parts[1]:
+            raise DocumentError(
+                f"{level.place}: {level.key}: found {level.text!r} without a unit; expected {level.key} [g] or [m/s2] as heading"
+            )
         if not values[-1] > 0.0:
             raise DocumentError(f"{level.place}: {level.key}: found {level.text!r}; expected a positive acceleration")
         if "damping" in row and row["damping"].text not in ("0.05", "5 %"):
@@ -205,8 +209,9 @@ def read_spectrum(path: str | Path) -> SpectrumFile:
 
 def parse_floor(text: str) -> FloorMode:
     """The mode of a text such as `T=0.4,xi=0.05,gamma_psi=1.3`. Raises UsageError."""
-    given = {key.strip(): value for key, _, value in (part.partition("=") for part in text.split(","))}
-    if given.keys() != {"T", "xi", "gamma_psi"}:
+    parts = [part.partition("=") for part in text.split(",")]
+    given = {key.strip(): value for key, _, value in parts}
+    if len(parts) != 3 or given.keys() != {"T", "xi", "gamma_psi"}:
         raise UsageError(f"`floor`: found {text!r}; expected {_FLOOR}")
     try:
         period, damping, shape = (parse_quantity(given[key], of) for key, of in (("T", "time"), ("xi", "number"), ("gamma_psi", "number")))

@@ -97,11 +97,12 @@ def test_several_records_are_judged_by_their_mean(rocking, tmp_path, peaks, said
         (2, ("block:0.5x2", *SHAKING, "--floor", "T=1"), "--floor: found 'T=1'; expected T=TIME,xi=RATIO,gamma_psi=NUMBER"),
         (2, ("block:5x60", "--spectrum", "site.csv"), "--spectrum site: found periods up to 5 s; expected up to"),
         (2, ("block:0.5x2", "--spectrum", "none.csv"), "none.csv: cannot be read"),
+        (2, ("block:0.5x2", "--spectrum", "site.csv", "--fail-on", "overturning"), "--fail-on needs a motion"),
         (3, ("block:0.5x2", "--spectrum", "bad.csv"), "bad.csv:3:1: T: found '0'; expected periods that rise"),
     ],
 )
 def test_what_cannot_be_checked_is_refused(refused, site, tmp_path, code, arguments, said):
-    (tmp_path / "bad.csv").write_text("T,S_a\n0,1\n0,2\n")
+    (tmp_path / "bad.csv").write_text("T,S_a [g]\n0,1\n0,2\n")
     assert said in refused(code, "check", *arguments, "--code", "ntc2018")
 
 

@@ -168,6 +168,7 @@ REFUSED = {
     "PGV [cm/s],annual_rate\n1,1e-3\n2,1e-4\n": "line 1: found levels of PGV; expected PGA, the measure `im`",
     "#,something\nlon,lat\n": "found no hazard curve of OpenQuake",
     OPENQUAKE.format(years="50.0", imt="PGA"): "found 2 sites; expected one",
+    OPENQUAKE.format(years="50.0", imt="PGA").partition("9.15000")[0]: "found 0 sites; expected a row of longitude",
     OPENQUAKE.format(years="50.0", imt="SA(0.2)"): "found levels of SA(0.2); expected PGA",
     OPENQUAKE.format(years="50.0", imt="AvgSA"): "found levels of AvgSA; expected PGA",
     OPENQUAKE.format(years="0.0", imt="PGA"): "found investigation_time=0.0; expected a positive",

@@ -79,13 +79,16 @@ def test_a_file_is_read_in_its_units(tmp_path):
     ("text", "said"),
     [
         ("T,x\n0,1\n", "a.csv:2:1: found T, x; expected the columns T and S_a"),
-        ("T,S_a\n0,1\n0.5,m\n", "a.csv:3:2: S_a: found 'm'; expected "),
-        ("T,S_a\n0,1\n0.5,2\n0.5,3\n", "a.csv:4:1: T: found '0.5'; expected periods that rise, of one spectrum"),
-        ("T,S_a\n0,1\n0.5,-2\n", "a.csv:3:2: S_a: found '-2'; expected a positive acceleration"),
-        ("T,S_a,damping\n0,1,0.05\n0.5,2,0.08\n", "a.csv:3:3: damping: found 0.08; expected 0.05"),
-        ("T,S_a\n0,1\n", "a.csv: found 1 points of a spectrum; expected two or more"),
-        ("T,S_a\n0.1,1\n1,2\n", "a.csv: found the first period 0.1 s; expected a first period up to 0.03 s"),
-        ("T [mm],S_a\n0,1\n1,2\n", "a.csv:2:1: T: found '0 mm'; expected"),
+        ("T,S_a [m/s2]\n0,1\n0.5,m\n", "a.csv:3:2: S_a: found 'm'; expected "),
+        ("T,S_a [m/s2]\n0,1\n0.5,2\n0.5,3\n", "a.csv:4:1: T: found '0.5'; expected periods that rise, of one spectrum"),
+        ("T,S_a [m/s2]\n0,1\n0.5,-2\n", "a.csv:3:2: S_a: found '-2 m/s2'; expected a positive acceleration"),
+        ("T,S_a [m/s2],damping\n0,1,0.05\n0.5,2,0.08\n", "a.csv:3:3: damping: found 0.08; expected 0.05"),
+        ("T,S_a [m/s2]\n0,1\n", "a.csv: found 1 points of a spectrum; expected two or more"),
+        ("T,S_a [m/s2]\n0.1,1\n1,2\n", "a.csv: found the first period 0.1 s; expected a first period up to 0.03 s"),
+        ("T [mm],S_a [m/s2]\n0,1\n1,2\n", "a.csv:2:1: T: found '0 mm'; expected"),
+        ("T [Hz],S_a [g]\n0,1\n1,2\n", "a.csv:2:1: T: found '0 Hz'; expected a time"),
+        ("T,S_a [kg]\n0,1\n1,2\n", "a.csv:2:2: S_a: found '1 kg'; expected an acceleration"),
+        ("T,Se\n0,1\n1,2\n", "a.csv:2:2: Se: found '1' without a unit; expected "),
         ("", "a.csv: found 0 points of a spectrum"),
     ],
 )
@@ -96,7 +99,15 @@ def test_a_malformed_file_is_refused_with_its_place(tmp_path, text, said):
 
 
 @pytest.mark.parametrize(
-    "text", ["T=1", "T=1,xi=0.05,gamma_psi=1,q=2", "T=1 m,xi=0.05,gamma_psi=1", "T=0,xi=0.05,gamma_psi=1", "T=1,xi=5,gamma_psi=1"]
+    "text",
+    [
+        "T=1",
+        "T=1,xi=0.05,gamma_psi=1,q=2",
+        "T=1,xi=0.05,gamma_psi=1,T=2",
+        "T=1 m,xi=0.05,gamma_psi=1",
+        "T=0,xi=0.05,gamma_psi=1",
+        "T=1,xi=5,gamma_psi=1",
+    ],
 )
 def test_a_malformed_floor_is_refused(text):
     with pytest.raises(UsageError, match="`floor`: found"):
