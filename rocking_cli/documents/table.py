@@ -64,8 +64,8 @@ def demand_no_table(text: str, source: str) -> None:
             raise DocumentError(f"{Place(source, 1, 1)}: CSV without a column {KIND!r}; found {shown}; {wanted}")
 
 
-def rows_of(text: str, source: str, delimiter: str, *, si: bool = False) -> Iterator[list[Cell]]:
-    """The non-empty cells of each row that is not blank; si: a number keeps its SI unit too. Raises DocumentError."""
+def rows_of(text: str, source: str, delimiter: str) -> Iterator[list[Cell]]:
+    """The non-empty cells of each row that is not blank. Raises DocumentError."""
     if len(text) > LONGEST:
         raise DocumentError(f"{source}: longer than {LONGEST >> 20} MiB, the limit of a table")
     reader = csv.reader(io.StringIO(text, newline=""), delimiter=delimiter, strict=True)
@@ -81,8 +81,9 @@ def rows_of(text: str, source: str, delimiter: str, *, si: bool = False) -> Iter
                 continue
             if len(row) > len(columns):
                 raise DocumentError(f"{Place(source, first, len(columns) + 1)}: found {len(row)} cells; expected {len(columns)}")
+            derived = any(key == KIND and cell.strip() == "parameters" for cell, (key, _) in zip(row, columns, strict=False))
             yield [
-                Cell(key, _with_unit(cell.strip(), unit, si=si), Place(source, first, i))
+                Cell(key, _with_unit(cell.strip(), unit, derived), Place(source, first, i))
                 for i, (cell, (key, unit)) in enumerate(zip(row, columns, strict=False), 1)
                 if cell.strip()
             ]
@@ -122,7 +123,8 @@ def _columns(row: list[str], source: str, line: int) -> list[tuple[str, str]]:
     return columns
 
 
-def _with_unit(cell: str, unit: str, *, si: bool) -> str:
+def _with_unit(cell: str, unit: str, derived: bool) -> str:
+    """The cell with the unit of its column; a number that `rocking params` derived stays a number in SI units."""
     parts = split_quantity(cell)
     bare = parts is not None and not parts[1]
-    return f"{cell} {unit}" if bare and unit not in _BARE and (si or _FACTORS[unit] != 1.0) else _WORDS.get(cell, cell)
+    return f"{cell} {unit}" if bare and unit not in _BARE and (not derived or _FACTORS[unit] != 1.0) else _WORDS.get(cell, cell)

@@ -175,7 +175,7 @@ def read_spectrum(path: str | Path) -> SpectrumFile:
     first = text.lstrip().partition("\n")[0]
     periods: list[float] = []
     values: list[float] = []
-    for cells in rows_of(text, source, max(",;\t", key=first.count), si=True):
+    for cells in rows_of(text, source, max(",;\t", key=first.count)):
         row = {cell.key: cell for cell in cells}
         found = row.get("T"), row.get("S_a") or row.get("Se")
         if None in found:
