@@ -20,12 +20,15 @@ class Code:
 
     code: str | None = option("--code", type=click.Choice(["ntc2018"]), help="Check by the Italian code as well: code_linear, code_slv, …")
     spectrum: str | None = option(
-        "--spectrum", type=InputPath(), metavar="FILE", help="Its spectrum: CSV of T and S_a at 5 % (default: that of the motion)."
+        "--spectrum", type=InputPath(), metavar="FILE", help="Spectrum for --code: CSV of T and S_a at 5 % (default: the motion's)."
     )
     floor: tuple[str, ...] = option(
-        "--floor", multiple=True, metavar="T=…,xi=…,gamma_psi=…", help="On a floor of a building with this mode; repeatable."
+        "--floor",
+        multiple=True,
+        metavar="T=…,xi=…,gamma_psi=…",
+        help="For --code: a mode of the building whose floor bears the body; repeatable.",
     )
-    fc: float | None = option("--fc", type=float, metavar="FC", help="Its confidence factor (default 1).")
+    fc: float | None = option("--fc", type=float, metavar="FC", help="Confidence factor of --code (default 1).")
 
     def rows(self) -> CodeRows | None:
         """What the code adds to the rows of a check; None without --code. Raises UsageError, DocumentError."""
