@@ -127,5 +127,8 @@ def remarks(devices: tuple[dict[str, Any], ...], first: float | None, free: floa
     lines = [one["words"] for one in devices]
     if first is not None and free is not None:
         change = 100.0 * (first / free - 1.0)
-        lines.append(f"its ties {'add' if change >= 0.0 else 'take'} {abs(change):.3g} % of the capacity without them")
+        tendon, ties = (any((one["device"] == "tendon") is held for one in devices) for held in (True, False))
+        name, without = ("ties and tendon", "them") if ties and tendon else ("ties", "them") if ties else ("tendon", "it")
+        verb = ("add" if change >= 0.0 else "take") + "s" * (name == "tendon")
+        lines.append(f"its {name} {verb} {abs(change):.3g} % of the capacity without {without}")
     return lines

@@ -23,6 +23,7 @@ class Device:
     height: float = 0.0
     behind: float = 0.0
     tendon: bool = False
+    linear: bool = False
     permanent: float = 0.0
     yielding: bool = False
     broken: bool = False
@@ -30,11 +31,15 @@ class Device:
     farthest: float = 0.0
 
     def elongation(self, u):
+        if self.linear:
+            return self.height * u
         if self.tendon:
             return 2 * self.height * math.sin(u / 2)
         return self.behind * (1 - math.cos(u)) + self.height * math.sin(u)
 
     def lever(self, u):
+        if self.linear:
+            return self.height
         return self.height * math.cos(u / 2) if self.tendon else self.height * math.cos(u) + self.behind * math.sin(u)
 
     def tension(self, u):
@@ -57,11 +62,13 @@ class TiedBody:
     devices: list
     damping: float = 0.0
     gravity: float = 9.81
+    linear: bool = False
     events: list = field(default_factory=list)
 
     def bend(self, side, ground, t, u, v):
         moment = sum(d.tension(u) * d.lever(u) for d in self.devices if d.side == side)
-        weight = self.mass * self.radius * (self.gravity * math.sin(self.alpha - u) + side * ground(t) * math.cos(self.alpha - u))
+        sin, cos = (self.alpha - u, 1.0) if self.linear else (math.sin(self.alpha - u), math.cos(self.alpha - u))
+        weight = self.mass * self.radius * (self.gravity * sin + side * ground(t) * cos)
         return -(weight + moment) / self.inertia - 2 * self.damping * math.sqrt(self.mass * self.gravity * self.radius / self.inertia) * v
 
     def rates(self, side, ground, t, state):

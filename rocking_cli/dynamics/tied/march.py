@@ -22,6 +22,7 @@ import numpy as np
 from ...errors import UsageError
 from ...motions.motion import Motion
 from ..contacts.contact import OneSided
+from ..contacts.sequences import OtherSide, sequence_ends, sequence_time
 from ..drive import drive_change, place
 from ..equations.rigid_body import RigidBodyEquation
 from ..lanes import Array, Cells, Lanes
@@ -31,7 +32,7 @@ from ..system import System
 from .devices import BROKEN, ELASTIC, SLACK, YIELDING, Phase
 from .series import Law, Stretch, root, value
 
-_STILL = 1e-100  # a speed whose square a double does not hold is none
+_STILL = 1e-20  # a speed is none below this: later it changes y by about as much, and any uplift by far less than the rounding of y
 _TOGETHER = 8192  # lanes
 _INSTANTS = 33  # of a stretch, at which the forces on the ground are computed
 WORDS = {SLACK: "slack", ELASTIC: "engagement", YIELDING: "yield", BROKEN: "rupture"}
@@ -168,7 +169,7 @@ class March:
             return lanes
         resting = lanes.take(at)
         held = self._held(resting)
-        bounces = 0.0 if self.recorder is None or first else float(self.contact.sequence_time(self._free(resting))[0])
+        bounces = 0.0 if self.recorder is None or first else float(sequence_time(*self._free(resting))[0])
         drive = np.broadcast_to(self.cells.amplitude[:, resting.cell], (len(self.cells.amplitude), at.size))
         effective = Cells(np.array([drive[0] / held[0], drive[-1] / held[-1]]), self.cells.omega, self.cells.eta)
         again = self.contact.uplift(effective, self.segments, np.arange(at.size), resting.k, resting.u)
@@ -370,17 +371,34 @@ class March:
         return known
 
     def _bounces_out(self, lanes: TiedLanes) -> Array:
-        """True for lanes just after an impact whose bouncing ends in rest before any other event (Lemma 7): under the drive over that at
-        which the weaker side is held, of which the inward force is at least as large, and grows with y."""
-        return self.contact.sequence_ends(self.segments, self._free(lanes), self.equation)
+        """True for lanes just after an impact whose bouncing ends in rest before any other event (Lemma 7). A restraint that neither
+        yields nor breaks gives back the work that it takes, and its inward force is least at the ground: as a constant force it holds
+        the body less. A tie whose moment falls with y is left out."""
+        free, there = self._free(lanes)
+        devices, lowest, falls = self.devices, np.full(lanes.cell.size, np.inf), np.zeros(lanes.cell.size, dtype=bool)
+        for i, held in enumerate(self._held(lanes)):
+            row, whole = np.full(held.size, i), lanes.phase[i] != BROKEN
+            limit = np.minimum(devices.thresholds(row, lanes.plastic[i])[1], devices.on(devices.ultimate, row))
+            level = np.where(whole, devices.level(row, limit), np.inf).min(axis=0)
+            lowest = np.minimum(lowest, level / held)
+            h, x = devices.on(devices.height, row), devices.on(devices.behind, row)
+            falls |= (whole & (devices.on(devices.prestress, row) * x + devices.on(devices.stiffness, row) * h * h < 0.0)).any(axis=0)
+        free.peak[:] = np.minimum(free.peak, lowest)
+        return ~falls & sequence_ends(self.segments, free, self.equation, there)
 
-    def _free(self, lanes: TiedLanes) -> TiedLanes:
-        """Lanes of a free body that lifts where the weaker side does: its forces at the ground are not larger."""
-        held = self._held(lanes).min(axis=0)
+    def _free(self, lanes: TiedLanes) -> tuple[TiedLanes, OtherSide | None]:
+        """(Lanes of a free body that the restraints hold at the ground as constant forces, its other side): in the unit of y in which the
+        body at rest falls back with acceleration 1."""
+        every, row, there = self._held(lanes), self.row(lanes), self.contact.other_side(lanes)
+        held = every[row, np.arange(row.size)]
         seg, k = self.segments, np.minimum(lanes.k, len(self.segments) - 1)
         amplitude = lanes.amplitude / held
         b = -lanes.side * amplitude * (seg.s_start[k] + drive_change(seg, k, lanes.u)) - 1.0
-        return replace(lanes, amplitude=amplitude, v=lanes.v / held, b=b, peak=lanes.peak / held)
+        if there is not None:
+            over = every[1 - row, np.arange(row.size)] / held
+            drive, time, rotation = (np.broadcast_to(x, held.shape) for x in (there.drive, there.time, there.rotation))
+            there = OtherSide(drive / over, time, there.eta / over, there.back * over, rotation * over)
+        return replace(lanes, amplitude=amplitude, v=lanes.v / held, b=b, peak=lanes.peak / held), there
 
     def _finish(self, lanes: TiedLanes, at: Array, outcome: Array) -> TiedLanes:
         """Hand in the results of the lanes `at`, of the outcomes of all lanes; returns the others."""

@@ -12,9 +12,11 @@ from support.documents import built
 
 from rocking_cli import Method, Outcome, UsageError, check, parse_grid, pulse, response, sine, time_history
 from rocking_cli.dynamics.method import LINEAR
+from rocking_cli.dynamics.tied.devices import BROKEN
 from rocking_cli.dynamics.tied.march import March
 from rocking_cli.motions import Motion, Piece
 from rocking_cli.motions.motion import Harmonic
+from rocking_cli.responses.tied_history import remarks
 
 WALL = "kind: wall\nthickness: 0.6 m\nheight: 6 m\none_sided: true\nmass: 7200 kg\n"
 TIE = "ties: [{height: 5.5 m, stiffness: 2e6 N/m, prestress: 5 kN%s}]\n"
@@ -175,10 +177,29 @@ def test_the_energy_is_balanced_with_the_plastic_work(text):
     assert ground == pytest.approx(kinetic + plastic + elastic, rel=1e-10)
 
 
+BLOCK = "kind: block\nwidth: 1\nheight: 5\ngravity: 9.8\nmass: 2551.0204081632653\n"
+TENDON = "tendon: {area: 144 mm2, modulus: 195 GPa, length: 5 m, prestress: 150 kN, rupture: 267.84 kN}\n"
+
+
+@pytest.mark.parametrize("linear", [False, True])
+@pytest.mark.parametrize(("a_g", "period", "stands", "breaks"), [(2.0, 0.2, True, False), (2.5, 0.25, True, True), (2.0, 0.5, False, True)])
+def test_a_block_with_a_tendon_against_dop853(linear, a_g, period, stands, breaks):
+    body, found = marched(BLOCK + TENDON, sine(), a_g * 9.8 / G, period, LINEAR if linear else Method("nonlinear", 1e-11))
+    mass, radius = 25000 / 9.8, math.hypot(0.5, 2.5)
+    ultimate = (267840 - 150000) / 5.616e6
+    devices = [Device(side, 5.616e6, 150e3, ultimate=ultimate, height=0.5, tendon=True, linear=linear) for side in (1, -1)]
+    oracle = TiedBody(mass, radius, math.atan(0.2), 4 / 3 * mass * radius**2, body.eta, devices, gravity=9.8, linear=linear)
+    push = 2 * math.pi / period
+    largest, outcome = oracle.run(lambda t: a_g * 9.8 * math.sin(push * t) if t <= period else 0.0, [period], period + 3 / body.p)
+    assert bool((found.phase == BROKEN).any()) == devices[0].broken == breaks
+    assert Outcome(int(found.outcome[0])).overturned == (outcome == "overturned") != stands
+    if stands:
+        assert found.theta_ratio[0] == pytest.approx(largest / math.atan(0.2), abs=1e-7)
+
+
 def test_the_tendon_of_a_block_breaks_at_its_elongation():
     # By the stated elongation 2 b sin(theta/2), as in the equation of motion; b sin theta would break it at 0.041978.
-    text = "kind: block\nwidth: 1\nheight: 5\ngravity: 9.8\nmass: 2551.0204081632653\n"
-    tendon = "tendon: {area: 144 mm2, modulus: 195 GPa, length: 5 m, prestress: 150 kN, rupture: 267.84 kN}\n"
+    text, tendon = BLOCK, TENDON
     found = time_history(built(text + tendon), sine(), parse_grid("a_g=19.6,T_g=0.5"), [EXACT]).histories["nonlinear"]
     (breaks,) = (e for e in found.events if e.event == "rupture")
     assert abs(breaks.theta_ratio) * math.atan(0.2) == pytest.approx(2 * math.asin((267840 - 150000) / 5.616e6), rel=1e-12)
@@ -223,6 +244,25 @@ def test_a_lane_has_the_same_digits_in_any_company():
             assert (one.outcome[0], one.theta_ratio[0]) == (whole.outcome[i], pytest.approx(whole.theta_ratio[i], abs=0, nan_ok=True))
         mirrored = response(system, motion.scaled(-1.0), amplitude, omega, eta)
         assert not np.array_equal(mirrored.theta_ratio, whole.theta_ratio, equal_nan=True)  # the sides differ
+
+
+def test_a_body_that_a_tie_presses_to_the_ground_comes_to_rest_at_once():
+    # The drive would lift the wall to the right without the tie on this side.
+    system = EXACT.system_of(built(WALL.replace("true", "false") + TIE % ", yield: 20 kN, side: right"))
+    found = March(system, sine(), np.array([1.0886, 1.0770]), np.array([9.9814, 10.7059]), np.full(2, 0.9)).run()
+    assert found.steps.max() < 150
+
+
+@pytest.mark.parametrize(
+    ("names", "first", "words"),
+    [
+        (["tie 1"], 3.0, "its ties add 50 % of the capacity without them"),
+        (["tendon"], 3.0, "its tendon adds 50 % of the capacity without it"),
+        (["tie 1", "tendon"], 1.0, "its ties and tendon take 50 % of the capacity without them"),
+    ],
+)
+def test_the_change_of_the_capacity_names_its_restraints(names, first, words):
+    assert remarks(tuple({"device": name, "words": ""} for name in names), first, 2.0)[-1] == words
 
 
 def test_a_vertical_motion_is_refused():
