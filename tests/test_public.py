@@ -84,7 +84,7 @@ def test_a_record_needs_no_grid():
     with pytest.raises(UsageError, match="no grid; expected one"):
         rocking_cli.check(block, sine())
     with pytest.raises(UsageError, match=r"a record runs in its own time; expected Omega = 1/p = 0\.3\d+ alone"):
-        rocking_cli.trace_envelope(block, recording.motion, [6.28])
+        rocking_cli.trace_envelope(block, recording, [6.28])
     with pytest.raises(UsageError, match="expected no axis"):
         rocking_cli.envelope(block, recording, "f_g=1")
 

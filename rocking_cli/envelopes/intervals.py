@@ -20,7 +20,7 @@ from ..dynamics.method import LINEAR, Method
 from ..dynamics.outcome import Outcome
 from ..errors import UsageError
 from ..motions import Motion, pulse
-from ..motions.grid import Axis, parse_axes, scaled_frequency, written_axes
+from ..motions.grid import Axis, HasMotion, parse_axes, scaled_frequency, written_axes
 from ..processes import available_cpus, processes, refuse_endless
 from ..structures.parameters import RockingParameters
 from .boundaries import Search, Steps
@@ -50,7 +50,7 @@ class Interval(NamedTuple):
 
 def trace_envelope(
     structure: RockingParameters,
-    motion: Motion,
+    motion: Motion | HasMotion,
     omegas: Sequence[float] | np.ndarray,
     *,
     method: Method = LINEAR,
@@ -71,7 +71,7 @@ def trace_envelope(
     >>> [(round(i.a_from, 6), i.a_to and round(i.a_to, 6)) for i in trace_envelope(dimensionless_oscillator(0.9), sine(), [3.0])]
     [(1.403565, 3.484663), (3.63115, None)]
     """
-    omegas = np.atleast_1d(np.asarray(omegas, dtype=float))
+    motion, omegas = motion if isinstance(motion, Motion) else motion.motion, np.atleast_1d(np.asarray(omegas, dtype=float))
     if motion.acceleration is not None and not structure.dimensionless and np.any(np.abs(omegas * structure.p - 1.0) > 1e-9):
         raise UsageError(f"{motion.name}: a record runs in its own time; expected Omega = 1/p = {1.0 / structure.p:.6g} alone")
     searches, amplitudes = _scan_of(motion, omegas.size, structure, method, a_max, sign)

@@ -159,7 +159,7 @@ def read_hazard(path: str | Path, im: str = "PGA", site: str | None = None) -> H
     years is the rate -ln(1 - p)/t. Leading levels whose probability is 1, and last ones whose rate is 0, are left out. Raises UsageError
     for an unreadable file or another measure, DocumentError with file, line and column for its faults.
 
-    >>> read_hazard('configs/motions/hazard.csv').rate[:3].tolist()
+    >>> read_hazard('configs/hazard.csv').rate[:3].tolist()
     [0.1, 0.03, 0.008]
     """
     source, raw = read_bytes(path)

@@ -122,7 +122,7 @@ def test_cells_are_every_motion_at_every_level_over_two_measures(rocking, stated
     assert float(rows[0]["pgv_pga [s]"]) == pytest.approx(2 / (2 * np.pi * 0.7), rel=1e-6)  # of a sine 2/omega
 
 
-HAZARD = ("--hazard", "configs/motions/hazard.csv")
+HAZARD = ("--hazard", "configs/hazard.csv")
 
 
 def test_a_hazard_curve_gives_annual_rates(rocking, stated):

@@ -32,7 +32,7 @@ FILES = {
     "there.svg": "mine",
 }
 AT2, SITE = "--motion configs/motions/synthetic.at2", "--pulses configs/motions/site_pulses.csv"
-RATES = "--hazard configs/motions/hazard.csv"
+RATES = "--hazard configs/hazard.csv"
 SMALL, LEVELS = "--grid A=0.5:9:40,Omega=0.5:12:30 -o s.h5", "--levels 0.2g:0.45g:4"
 AT = "--a-g 0.35g --f-g 1.2"
 COLUMN = "configs/block.yaml"
