@@ -36,7 +36,7 @@ NAMED = ("motion", "model")  # columns for programs; a table has them only where
 INTERVAL_COLUMNS = ("structure", "Omega", "A_from", "A_to", "mode", *NAMED)
 CURVE_COLUMNS = ("structure", "curve", "Omega", "A", *NAMED)
 _SMALL = 1_000_000  # number of amplitudes below which one process is faster
-_SHARE, _SHARE_IN_STEPS = 8_000_000, 100_000  # amplitudes of a process between reports: some seconds, by an exact equation and by others
+_SHARE, _SHARE_IN_STEPS = 8_000_000, 400_000  # amplitudes of a process between reports: some seconds, by an exact equation and by others
 
 
 class Interval(NamedTuple):
