@@ -203,6 +203,13 @@ def test_a_spectra_file_keeps_the_restraints(tmp_path):
         np.testing.assert_array_equal(np.squeeze(file.array("outcome")), found.outcome)
 
 
+def test_a_path_leads_to_a_key_of_a_tie():
+    (document,) = parse_documents(WALL + f"ties:\n- {TIE}", "f.yaml")
+    (member,) = family(document, ["ties.0.yield=12kN:12kN:1"])
+    assert member.parameters.restraints.ties[0].yield_force == pytest.approx(12e3, rel=1e-12)
+
+
+@pytest.mark.soak
 def test_solve_varies_a_tie():
     (document,) = parse_documents(WALL + f"ties:\n- {TIE.replace(', ultimate: 30 mm', '')}", "f.yaml")
     shakes = [(sine().scaled(-1.0), parse_grid("a_g=1g,T_g=0.8"))]

@@ -34,6 +34,7 @@ from .series import Law, Stretch, root, value
 
 _STILL = 1e-20  # a speed is none below this: later it changes y by about as much, and any uplift by far less than the rounding of y
 _TOGETHER = 8192  # lanes
+_HELD = 4.0  # times m g R sin(alpha), to which restraints may hold a body at the ground
 _INSTANTS = 33  # of a stretch, at which the forces on the ground are computed
 WORDS = {SLACK: "slack", ELASTIC: "engagement", YIELDING: "yield", BROKEN: "rupture"}
 
@@ -373,7 +374,8 @@ class March:
     def _bounces_out(self, lanes: TiedLanes) -> Array:
         """True for lanes just after an impact whose bouncing ends in rest before any other event (Lemma 7). A restraint that neither
         yields nor breaks gives back the work that it takes, and its inward force is least at the ground: as a constant force it holds
-        the body less. A tie whose moment falls with y is left out."""
+        the body less. A tie whose moment falls with y is left out, and so are restraints that hold a body more than `_HELD` times: their
+        lever falls with y faster than the lemma allows for."""
         free, there = self._free(lanes)
         devices, lowest, falls = self.devices, np.full(lanes.cell.size, np.inf), np.zeros(lanes.cell.size, dtype=bool)
         for i, held in enumerate(self._held(lanes)):
@@ -383,6 +385,7 @@ class March:
             lowest = np.minimum(lowest, level / held)
             h, x = devices.on(devices.height, row), devices.on(devices.behind, row)
             falls |= (whole & (devices.on(devices.prestress, row) * x + devices.on(devices.stiffness, row) * h * h < 0.0)).any(axis=0)
+            falls |= held > _HELD
         free.peak[:] = np.minimum(free.peak, lowest)
         return ~falls & sequence_ends(self.segments, free, self.equation, there)
 

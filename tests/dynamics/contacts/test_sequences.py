@@ -1,6 +1,7 @@
 """Sequences of impacts that are closed early: nothing that bodies do is above what is said of them, and marching on finds the same."""
 
 import math
+from functools import partial
 from itertools import pairwise
 
 import numpy as np
@@ -9,9 +10,10 @@ from support.references import lanes
 from support.synthetic_records import noise, shaken
 
 from rocking_cli import LinearEquation, Outcome, cosine, linear_response, nonlinear_response, pulse, sine
+from rocking_cli.dynamics.contacts import sequences
 from rocking_cli.dynamics.contacts.sequences import bounces_on, ceiling, settles
 from rocking_cli.dynamics.march import closings
-from rocking_cli.motions import blocks as blocks_module
+from rocking_cli.motions.blocks import blocks
 from rocking_cli.motions.polyline import Polyline
 
 MOTIONS = [sine(), sine(3), cosine(1.5), pulse("rectangular"), pulse("ricker-symmetric"), pulse("mavroeidis-papageorgiou")]
@@ -190,7 +192,7 @@ def test_a_long_record_is_gone_through_part_by_part(monkeypatch):
     motion = shaken(noise(60, 0.05, 1), 0.05)
     body = start(motion, 0.9, 1e-4)
     whole = ceiling(motion.segments, body, 1.0)
-    monkeypatch.setattr(blocks_module, "_PART", 7)
+    monkeypatch.setattr(sequences, "blocks", partial(blocks, most=7))
     assert ceiling(motion.segments, body, 1.0) == pytest.approx(whole, rel=1e-14)
 
 
@@ -199,5 +201,5 @@ def test_nothing_is_proved_of_a_motion_that_jumps(monkeypatch):
     for after, sure in ((0.5, True), (0.499, False), (-0.5, False)):
         motion = Polyline("step", marks[:-1], marks[1:], np.array([0.5, after]), np.zeros(2))
         for part in (1, 2):
-            monkeypatch.setattr(blocks_module, "_PART", part)
+            monkeypatch.setattr(sequences, "blocks", partial(blocks, most=part))
             assert np.isfinite(ceiling(motion.segments, start(motion, 0.5, 1e-3), 1.0)) == sure

@@ -145,10 +145,10 @@ def test_a_scan_falls_as_the_march_but_next_to_boundaries(name, motion):
 
 
 def test_no_fall_depends_on_the_bodies_and_the_motions_that_are_scanned_with_it():
-    cases = [(system, motion, omega, eta) for motion in SCANNED.values() for system, eta in SYSTEMS.values() for omega in (0.4, 0.53)]
+    cases = [(system, motion, 0.4, eta) for motion in SCANNED.values() for system, eta in SYSTEMS.values()]
     cases += [(System(RigidBodyEquation(alpha), scale=alpha), SCANNED["a step a sample"], 0.4, 0.9) for alpha in (0.1, 0.3)]
     together = [Scan(*case) for case in cases]
-    amplitudes = [np.geomspace(1.01, 4.0, 40 + 3 * i) * case[0].least_uplift(case[1]) for i, case in enumerate(cases)]
+    amplitudes = [np.geomspace(1.01, 4.0, 12 + i) * case[0].least_uplift(case[1]) for i, case in enumerate(cases)]
     follow(together, amplitudes)
     for scan, case, amplitude in zip(together, cases, amplitudes, strict=True):
         assert scan.known[1].tolist() == Scan(*case).falls(amplitude).tolist()
