@@ -61,7 +61,7 @@ def response(
     if not (np.all(np.isfinite(cells[1])) and np.all(cells[1] > 0.0)):
         raise ValueError("omega must be positive and finite")
     if system.devices is not None:
-        from .tied.response import tied_response
+        from .tied.tied_march import tied_response
 
         return tied_response(system, motion, cells, shape, peaks)
     prove = bool(cells[0].max(initial=0.0) > system.safe_amplitude(motion))  # by the peaks, that the body presses on the ground

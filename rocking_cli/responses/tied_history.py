@@ -11,8 +11,8 @@ from ..dynamics.lanes import Lanes
 from ..dynamics.outcome import LOST, Outcome
 from ..dynamics.system import System
 from ..dynamics.tied.devices import BROKEN, YIELDING
-from ..dynamics.tied.march import March
 from ..dynamics.tied.series import Stretch
+from ..dynamics.tied.tied_march import March
 from ..motions.motion import Motion
 from .history import INVISIBLE, Arcs, Event, History
 

@@ -83,22 +83,9 @@ class Devices:
         names = tuple(name for name, _ in columns)
         arm = (structure.sides or (structure,))[0].arm
         weight = np.inf if body is None or arm is None else restraints.stands[0].moment / arm
+        tendon = np.array([name == "tendon" for name in names])
         stiffness, prestress, force, ultimate, height, behind = numbers
-        return cls(
-            stiffness,
-            prestress,
-            force,
-            ultimate,
-            height,
-            behind,
-            unit,
-            moment,
-            np.array([name == "tendon" for name in names]),
-            names,
-            linear,
-            body,
-            weight,
-        )
+        return cls(stiffness, prestress, force, ultimate, height, behind, unit, moment, tendon, names, linear, body, weight)
 
     def on(self, numbers: Array, row: Array) -> Array:
         """Numbers of the devices on these sides, (devices, lanes)."""

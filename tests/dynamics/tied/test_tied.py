@@ -13,7 +13,7 @@ from support.documents import built
 from rocking_cli import Method, Outcome, UsageError, check, parse_grid, pulse, response, sine, time_history
 from rocking_cli.dynamics.method import LINEAR
 from rocking_cli.dynamics.tied.devices import BROKEN
-from rocking_cli.dynamics.tied.march import March
+from rocking_cli.dynamics.tied.tied_march import March
 from rocking_cli.motions import Motion, Piece
 from rocking_cli.motions.motion import Harmonic
 from rocking_cli.responses.tied_history import remarks

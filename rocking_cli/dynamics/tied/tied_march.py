@@ -14,8 +14,7 @@ which it has returned, is what it had there; impacts, damping and yielding only 
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-from typing import Protocol
+from dataclasses import replace
 
 import numpy as np
 
@@ -27,10 +26,12 @@ from ..drive import drive_change, place
 from ..equations.rigid_body import RigidBodyEquation
 from ..lanes import Array, Cells, Lanes
 from ..march.batch import MAX_STEPS
-from ..outcome import FALLEN, LOST, Outcome
+from ..outcome import FALLEN, LOST, Outcome, Work
+from ..response import Response
 from ..system import System
 from .devices import BROKEN, ELASTIC, SLACK, YIELDING, Phase
 from .series import Law, Stretch, root, value
+from .tied_lanes import Found, Recorder, TiedLanes
 
 _STILL = 1e-20  # a speed is none below this: later it changes y by about as much, and any uplift by far less than the rounding of y
 _TOGETHER = 8192  # lanes
@@ -39,50 +40,12 @@ _INSTANTS = 33  # of a stretch, at which the forces on the ground are computed
 WORDS = {SLACK: "slack", ELASTIC: "engagement", YIELDING: "yield", BROKEN: "rupture"}
 
 
-@dataclass
-class TiedLanes(Lanes):
-    """Lanes of tied bodies. phase, plastic, farthest: of each device, its permanent and its largest elongation [m], (sides, devices,
-    lanes); exact: True where y'' is exactly 0; bounced: True after an impact; turned: bits of the sides, 1 right and 2 left, on which the
-    body has turned back on still ground; rests: True where it comes to rest; lost: True if Fz <= 0 was met."""
-
-    phase: Array
-    plastic: Array
-    farthest: Array
-    exact: Array
-    bounced: Array
-    turned: Array
-    rests: Array
-    lost: Array
-
-
-class Recorder(Protocol):
-    """It sees the march of one body, which it follows up to a phase `until` [rad], and each bounce down to the speed `visible`."""
-
-    until: float
-    visible: float
-
-    def keep(self, lanes: Lanes, found: Stretch, reach: float) -> None:
-        """A stretch of `reach` [tau] from the state of the lanes."""
-
-    def note(self, lanes: Lanes, event: str, y: float, v: float, device: str = "") -> None:
-        """An event at the place of the lanes."""
-
-    def rest(self, before: Lanes, after: Lanes, bounces: float) -> None:
-        """A rest, after bouncing for `bounces` [tau] from just after an impact on, to the next uplift."""
-
-
-@dataclass(frozen=True)
-class Found:
-    """Results of cells. outcome, theta_ratio, impacts: as in `Response`; phase, plastic, farthest: of each device at the end, (sides,
-    devices, cells)."""
-
-    outcome: Array
-    theta_ratio: Array
-    impacts: Array
-    steps: Array
-    phase: Array
-    plastic: Array
-    farthest: Array
+def tied_response(system: System, motion: Motion, cells: tuple[Array, Array, Array], shape: tuple[int, ...], peaks: bool) -> Response:
+    """The `Response` of flat cells in a shape; peaks: False leaves theta_ratio NaN. Raises UsageError for a vertical motion."""
+    found = March(system, motion.coarsest, *cells).run()
+    work = Work(cells=cells[0].size, impacts=int(found.impacts.sum()), steps=int(found.steps.sum()))
+    ratio = found.theta_ratio if peaks else np.full(found.outcome.size, np.nan)
+    return Response(ratio.reshape(shape), found.outcome.reshape(shape), found.impacts.reshape(shape), work)
 
 
 class March:
