@@ -4,8 +4,6 @@ The public names stand in `__init__.pyi`, each with its home. They are imported 
 it calls.
 """
 
-from __future__ import annotations
-
 import sys
 from functools import cache
 from importlib import import_module

@@ -1,7 +1,5 @@
 """The kinds of failure, each with its exit code at the shell."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping
 
 

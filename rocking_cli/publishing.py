@@ -3,8 +3,6 @@
 A file is written under another name in the same folder, created exclusively, and put in place when it is complete.
 """
 
-from __future__ import annotations
-
 import os
 import stat
 from collections.abc import Iterator

@@ -1,7 +1,5 @@
 """Shared by the tests: the command line as a user meets it, in this process, and a spectra file to read."""
 
-from __future__ import annotations
-
 import io
 import json
 import os

@@ -1,7 +1,5 @@
 """What is offered for a word that is unknown."""
 
-from __future__ import annotations
-
 import pytest
 
 from rocking_cli.errors import did_you_mean

@@ -1,7 +1,5 @@
 """A stop that is asked for where Python cannot raise it is remembered, and no traceback is printed of it."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 

@@ -1,7 +1,5 @@
 """What POSIX alone offers is not needed: every module is imported, and a spectra file written and read, without these names."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 

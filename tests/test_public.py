@@ -1,7 +1,5 @@
 """The public names: one list, examples that run, exceptions that can be caught, types that a checker sees."""
 
-from __future__ import annotations
-
 import ast
 import builtins
 import doctest

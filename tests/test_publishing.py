@@ -1,7 +1,5 @@
 """Files that are written are whole, replace nothing unasked, and leave nothing behind."""
 
-from __future__ import annotations
-
 import errno
 import os
 import subprocess

@@ -1,7 +1,5 @@
 """What the README shows runs, and prints what it shows."""
 
-from __future__ import annotations
-
 import re
 
 from bench.speed import in_readme

@@ -1,7 +1,5 @@
 """The comparisons of `make validate` hold."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

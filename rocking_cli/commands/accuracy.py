@@ -1,7 +1,5 @@
 """`rocking accuracy`: error against run time for a scene."""
 
-from __future__ import annotations
-
 import click
 
 from . import equations, ground, options

@@ -1,7 +1,5 @@
 """What `rocking check --code` adds to the rows, the figure and the lines of a check."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """A command is a function: its parameters are the arguments, options and groups of options of the command line."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import Field, field, fields
 from functools import wraps

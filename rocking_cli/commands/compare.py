@@ -1,7 +1,5 @@
 """`rocking compare`: structures at equal A and Omega, or the linear and the nonlinear equation."""
 
-from __future__ import annotations
-
 import click
 
 from . import equations, ground, options

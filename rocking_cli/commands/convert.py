@@ -1,7 +1,5 @@
 """`rocking convert`: the cells of a spectra file as rows."""
 
-from __future__ import annotations
-
 from .command import argument, command
 from .parameter_types import InputPath
 from .printing import emit, printed, warn

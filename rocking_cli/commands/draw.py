@@ -1,7 +1,5 @@
 """`rocking draw`: structures to scale."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from . import options, written

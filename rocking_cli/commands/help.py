@@ -1,7 +1,5 @@
 """`rocking help`: the reference of a command or a topic, from the pages in `pages/`."""
 
-from __future__ import annotations
-
 from importlib.resources import files
 
 import click

@@ -1,7 +1,5 @@
 """`rocking init`: a commented document to begin with."""
 
-from __future__ import annotations
-
 import click
 
 from ..structures.kinds import KINDS

@@ -1,7 +1,5 @@
 """`rocking merge`: the shards of a sweep, put together."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from . import options

@@ -1,7 +1,5 @@
 """`rocking params`: rocking parameters of structure documents."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any

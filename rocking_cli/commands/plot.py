@@ -1,7 +1,5 @@
 """`rocking plot`: figures of spectra files and of the CSV that the commands print."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import click

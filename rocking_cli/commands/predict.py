@@ -1,7 +1,5 @@
 """`rocking predict`: the response of a structure under the motion of a dimensionless spectrum."""
 
-from __future__ import annotations
-
 from . import ground, options
 from .command import argument, command, group, option
 from .parameter_types import InputPath

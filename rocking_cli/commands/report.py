@@ -1,7 +1,5 @@
 """`rocking report`: structures under a motion, as one page."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import click

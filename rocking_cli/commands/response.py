@@ -1,7 +1,5 @@
 """`rocking response`: the time history of one structure under one motion."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from itertools import chain
 

@@ -1,7 +1,5 @@
 """`rocking solve`: the values of a key from which a structure stands."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import click

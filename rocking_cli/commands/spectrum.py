@@ -1,7 +1,5 @@
 """`rocking spectrum`: structures over a grid of amplitude and frequency, to an HDF5 file."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 from typing import Any

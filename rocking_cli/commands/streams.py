@@ -1,7 +1,5 @@
 """The standard streams of a call: failures of output, and escapes for control characters."""
 
-from __future__ import annotations
-
 import os
 import sys
 from collections.abc import Iterator

@@ -1,7 +1,5 @@
 """The bytes of a file that a user names; `-` is standard input."""
 
-from __future__ import annotations
-
 import os
 import select
 import stat

@@ -1,7 +1,5 @@
 """Values inside the lists and mappings of a document, by a path such as `ties.0.yield`."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """Numbers with units, such as `157.5 deg`, `25 mm` or `0.3 g`. A number without a unit is in SI units."""
 
-from __future__ import annotations
-
 import math
 import re
 

@@ -5,8 +5,6 @@ In a table of structures a row is a document, a column is a key, and the heading
 means that the key is absent.
 """
 
-from __future__ import annotations
-
 import csv
 import io
 import re

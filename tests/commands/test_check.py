@@ -1,7 +1,5 @@
 """`rocking check` at the shell."""
 
-from __future__ import annotations
-
 import csv
 import io
 import json

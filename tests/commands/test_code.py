@@ -1,7 +1,5 @@
 """`rocking check --code` at the shell."""
 
-from __future__ import annotations
-
 import pytest
 
 BLOCK = ("check", "block:0.5x2")

@@ -1,7 +1,5 @@
 """The program as a whole at the shell: unknown words, pipes, full disks, help, start-up."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

@@ -1,7 +1,5 @@
 """`rocking compare` at the shell."""
 
-from __future__ import annotations
-
 import pytest
 
 

@@ -1,7 +1,5 @@
 """`rocking convert` at the shell."""
 
-from __future__ import annotations
-
 import math
 
 import h5py

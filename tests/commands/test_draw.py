@@ -1,7 +1,5 @@
 """`rocking draw` at the shell; what drawings show is tested with the reports."""
 
-from __future__ import annotations
-
 
 def test_a_drawing_is_written_in_the_format_of_its_name(rocking, tmp_path):
     for name, begins in (("x.svg", b"<?xml"), ("x.pdf", b"%PDF")):

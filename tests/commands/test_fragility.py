@@ -1,7 +1,5 @@
 """`rocking fragility` at the shell."""
 
-from __future__ import annotations
-
 import csv
 
 import numpy as np

@@ -1,7 +1,5 @@
 """`rocking help`: every command and topic has its reference, and what a page shows runs."""
 
-from __future__ import annotations
-
 import re
 
 import click

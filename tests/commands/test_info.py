@@ -1,7 +1,5 @@
 """`rocking info` at the shell."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import pytest

@@ -1,7 +1,5 @@
 """`rocking init`: documents to begin with."""
 
-from __future__ import annotations
-
 import pytest
 
 from rocking_cli.structures import KINDS

@@ -1,7 +1,5 @@
 """`rocking merge` at the shell."""
 
-from __future__ import annotations
-
 from support.documents import SMALL_SCENE, same_file
 
 

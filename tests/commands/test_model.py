@@ -1,7 +1,5 @@
 """One rule for the equation in every command: of motion itself for a known geometry in units, else the linear one; each run says which."""
 
-from __future__ import annotations
-
 import pytest
 
 UNITS, BARE = ("--a-g", "0.3g", "--f-g", "2"), ("--A", "2", "--Omega", "3")

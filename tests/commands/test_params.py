@@ -1,7 +1,5 @@
 """`rocking params` at the shell."""
 
-from __future__ import annotations
-
 import json
 import math
 

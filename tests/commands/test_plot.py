@@ -1,7 +1,5 @@
 """`rocking plot` at the shell: the formats it writes and what it refuses. What figures show is tested with the reports."""
 
-from __future__ import annotations
-
 import sys
 
 import pytest

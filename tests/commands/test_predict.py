@@ -1,7 +1,5 @@
 """`rocking predict` at the shell."""
 
-from __future__ import annotations
-
 import json
 
 import pytest

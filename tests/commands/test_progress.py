@@ -1,7 +1,5 @@
 """The line of progress on a terminal: units, time left, and a line of its own for what comes after it."""
 
-from __future__ import annotations
-
 import io
 import re
 import signal

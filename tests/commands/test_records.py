@@ -1,7 +1,5 @@
 """`rocking records` at the shell."""
 
-from __future__ import annotations
-
 import gzip
 import json
 

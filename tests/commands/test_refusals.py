@@ -1,7 +1,5 @@
 """Calls that are refused: the exit code, and the words of the one sentence that says why."""
 
-from __future__ import annotations
-
 import shlex
 
 import pytest

@@ -1,7 +1,5 @@
 """`rocking report`: a page that stands alone, holds what `rocking check` prints, and trusts no name."""
 
-from __future__ import annotations
-
 import base64
 import hashlib
 import json

@@ -1,7 +1,5 @@
 """`rocking response` at the shell."""
 
-from __future__ import annotations
-
 import json
 import math
 

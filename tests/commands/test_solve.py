@@ -1,7 +1,5 @@
 """`rocking solve` at the shell: what it finds is right by itself."""
 
-from __future__ import annotations
-
 from types import SimpleNamespace
 
 import pytest

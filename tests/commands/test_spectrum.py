@@ -1,7 +1,5 @@
 """`rocking spectrum` at the shell: what it writes, what it says, and the calls a user gets wrong."""
 
-from __future__ import annotations
-
 import os
 import re
 import signal

@@ -1,7 +1,5 @@
 """The standard streams: readers who go, devices that are full or closed, encodings, control characters, names that are none."""
 
-from __future__ import annotations
-
 import io
 import json
 import os

@@ -1,7 +1,5 @@
 """The library speaks of arguments, the commands of their options."""
 
-from __future__ import annotations
-
 import ast
 import re
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Text to nodes: bounds that cost nothing, and a line for every refusal, whatever was written."""
 
-from __future__ import annotations
-
 import random
 import re
 

@@ -1,7 +1,5 @@
 """Documents: YAML and JSON, several in a file, and every refusal with its place."""
 
-from __future__ import annotations
-
 import contextlib
 import itertools
 import math
