@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..contacts.sequences import bounces_on, settles
+from ..contacts.sequences import bounces_on, outlasts, settles
 from ..drive import ImpulseAhead
 from ..lanes import Array, Lanes
 from ..outcome import Outcome
@@ -71,6 +71,7 @@ UNSETTLED = Closing(lambda batch, lanes: Closed(np.flatnonzero(lanes.k >= len(ba
 DAMPED = [Closing(damped_settling, still=True), UNSETTLED]  # at the end of the still ground they should have settled
 SETTLES = Closing(lambda batch, lanes: _rocked(lanes, settles(batch.segments, lanes)), "chatters_closed")
 BOUNCES_ON = Closing(lambda batch, lanes: _rocked(lanes, bounces_on(batch.segments, lanes, batch.equation)), "chatters_closed")
+OUTLASTS = Closing(lambda batch, lanes: Closed(np.flatnonzero(outlasts(batch.segments, lanes, batch.most_steps)), Outcome.FAILED, np.nan))
 
 
 def closings_of(batch: Batch, observed: bool) -> tuple[list[Closing], list[Closing]]:
@@ -79,9 +80,11 @@ def closings_of(batch: Batch, observed: bool) -> tuple[list[Closing], list[Closi
     segments, linear = batch.segments, batch.equation.bounded
     if batch.equation.damping:
         return DAMPED, []
-    if observed or not batch.contact.alike or segments.weighed is not None:
+    if not batch.contact.alike or segments.weighed is not None:
         return [FREE_MOTION], []
-    early = [FREE_MOTION, *[SETTLES] * (linear and batch.peaks), *[BOUNCES_ON] * segments.straight]
+    if observed:
+        return [FREE_MOTION, OUTLASTS], []
+    early = [FREE_MOTION, OUTLASTS, *[SETTLES] * (linear and batch.peaks), *[BOUNCES_ON] * segments.straight]
     if batch.peaks or not linear or segments.straight or segments.pushes > FEW:
         return early, []
     ahead = ImpulseAhead.of(segments)  # where only the outcome is wanted: lanes that nothing to come overturns (Lemma 9)

@@ -12,7 +12,7 @@ from support.synthetic_records import noise, shaken
 from rocking_cli import LinearEquation, Outcome, cosine, linear_response, nonlinear_response, pulse, sine
 from rocking_cli.dynamics.contacts import sequences
 from rocking_cli.dynamics.contacts.sequences import bounces_on, ceiling, settles
-from rocking_cli.dynamics.march import closings
+from rocking_cli.dynamics.march import batch, closings
 from rocking_cli.motions.blocks import blocks
 from rocking_cli.motions.polyline import Polyline
 
@@ -46,6 +46,21 @@ def test_sequences_that_only_the_end_of_the_shaking_ends_are_not_followed():
     found = linear_response(sine(), 1.0 + 1e-9, [2.0, 8.0], 1.0 - 1e-9)
     assert found.outcome.tolist() == [Outcome.ROCKED, Outcome.ROCKED]
     assert found.work.steps < 200
+
+
+@pytest.mark.parametrize("motion", [cosine(1.5), pulse("ricker-symmetric")], ids=lambda m: m.name)
+def test_given_up_is_what_would_have_been_given_up(motion, monkeypatch):
+    monkeypatch.setattr(batch, "MAX_STEPS", 400)
+    random = np.random.default_rng(5)
+    amplitude, omega = 1.0 + 10.0 ** random.uniform(-9.0, -1.0, 200), 10.0 ** random.uniform(-1.0, 1.0, 200)
+    eta = random.choice([1.0, 1.0 - 1e-9, 1.0 - 1e-5, 0.999], 200)
+    early = linear_response(motion, amplitude, omega, eta)
+    monkeypatch.setattr(closings, "OUTLASTS", closings.FREE_MOTION)
+    late = linear_response(motion, amplitude, omega, eta)
+    assert np.array_equal(early.outcome, late.outcome)
+    assert np.array_equal(early.theta_ratio, late.theta_ratio, equal_nan=True)
+    assert early.work.steps < 0.6 * late.work.steps
+    assert 50 < (early.outcome == Outcome.FAILED).sum() < 150
 
 
 def test_a_body_at_the_bound_is_marched():
