@@ -53,6 +53,11 @@ FAULTS = (OSError, LookupError, ValueError, RuntimeError, TypeError, AttributeEr
 """The errors of h5py for a file that is not a whole spectra file."""
 
 
+def counted(number: int, thing: str) -> str:
+    """`1 level`, `2 levels`."""
+    return f"{number} {thing}{'' if number == 1 else 's'}"
+
+
 def did_you_mean(word: str, known: Iterable[str], meant: Mapping[str, str] | None = None) -> str:
     """` (did you mean 'x'?)` for an unknown word, or an empty text.
 

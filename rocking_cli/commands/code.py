@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from .command import option
-from .parameter_types import InputPath
+from .parameter_types import NUMBER, InputPath
 
 if TYPE_CHECKING:
     from .code_rows import CodeRows
@@ -28,7 +28,7 @@ class Code:
         metavar="T=…,xi=…,gamma_psi=…",
         help="For --code: a mode of the building whose floor bears the body; repeatable.",
     )
-    fc: float | None = option("--fc", type=float, metavar="FC", help="Confidence factor of --code (default 1).")
+    fc: float | None = option("--fc", type=NUMBER, metavar="FC", help="Confidence factor of --code (default 1).")
 
     def rows(self) -> CodeRows | None:
         """What the code adds to the rows of a check; None without --code. Raises UsageError, DocumentError."""

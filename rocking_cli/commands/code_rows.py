@@ -12,6 +12,7 @@ from ..motions.design_spectra import parse_floor, read_spectrum
 from ..responses.check import Demand, Verdict
 from ..responses.code_check import SLC, SLV, CodeCheck, code_check, first_beyond
 from ..structures import RockingParameters
+from ..structures.mechanics.capacity_curve import demand_geometry
 from .code import Code
 from .printing import emit, note
 
@@ -38,6 +39,7 @@ class CodeRows:
         self, structures: Sequence[RockingParameters], varied: Mapping[str, Mapping[str, Any]], output: Path | None, overwrite: bool
     ) -> None:
         """Print the rows under the spectrum of a file, without any motion."""
+        demand_geometry(structures)
         found = [code_check(structure, **self.given) for structure in structures]
         self._remark(found)
         emit(({**varied.get(one.structure, {}), **_head(one), **one.record()} for one in found), table_units="g,mm,deg")
@@ -48,6 +50,7 @@ class CodeRows:
 
     def dynamic(self, demands: Sequence[Demand]) -> list[Demand]:
         """Check every demand by the code; the demands on bodies that an equation of motion takes."""
+        demand_geometry([structure for structure, _, _ in demands])
         for structure, motion, grid in demands:
             try:
                 governing_method(structure, dimensionless=grid.dimensionless).system_of(structure)

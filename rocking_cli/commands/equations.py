@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import click
 
 from .command import option
-from .parameter_types import Registered, Restitution, model_names
+from .parameter_types import NUMBER, Registered, Restitution, model_names
 
 if TYPE_CHECKING:
     from ..dynamics.method import Method
@@ -51,7 +51,9 @@ class Model:
     """The equation of motion of a run; `model` None: the governing equation."""
 
     model: str | None = option("--model", type=Registered(model_names), help=_RULE.format(both=""))
-    tolerance: float = option("--tolerance", type=float, default=1e-9, show_default=True, help="Error of theta/alpha aimed at (nonlinear).")
+    tolerance: float = option(
+        "--tolerance", type=NUMBER, default=1e-9, show_default=True, help="Error of theta/alpha aimed at (nonlinear)."
+    )
 
     @property
     def models(self) -> tuple[str | None, ...]:

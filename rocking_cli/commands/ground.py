@@ -14,7 +14,7 @@ import click
 from ..errors import RockingError, UsageError
 from .command import option
 from .options import remark_on
-from .parameter_types import STATION, InputPath, PulseOrPath, Registered, pulse_names, quantity
+from .parameter_types import NUMBER, STATION, InputPath, PulseOrPath, Registered, pulse_names, quantity
 from .printing import note, warn
 
 if TYPE_CHECKING:
@@ -91,8 +91,8 @@ class Source:
     pulse: str | None = option(
         "--pulse", type=Registered(pulse_names), metavar="NAME", help="Ground motion (default: sine); see `rocking help motions`."
     )
-    cycles: float | None = option("--cycles", type=float, help="Cycles of a sine or cosine, in half cycles (default 1).")
-    gamma: float | None = option("--gamma", type=float, help="Duration over period of a mavroeidis-papageorgiou pulse (default 2).")
+    cycles: float | None = option("--cycles", type=NUMBER, help="Cycles of a sine or cosine, in half cycles (default 1).")
+    gamma: float | None = option("--gamma", type=NUMBER, help="Duration over period of a mavroeidis-papageorgiou pulse (default 2).")
     phase: float | None = option(
         "--phase", type=quantity("angle"), metavar="ANGLE",
         help="Phase of a mavroeidis-papageorgiou pulse, in rad or with a unit (default 0).",
@@ -107,7 +107,7 @@ class Source:
 class Motions(Reading, Source):
     """The ground motion: a pulse, a motion document, a record or a set of them."""
 
-    scale: float | None = option("--scale", type=float, metavar="FACTOR", help="Factor of the motion; a negative one reverses it.")
+    scale: float | None = option("--scale", type=NUMBER, metavar="FACTOR", help="Factor of the motion; a negative one reverses it.")
     scale_to: str | None = option("--scale-to", metavar="IM=VALUE", help="Scale a record to an intensity measure, such as PGA=0.35g.")
 
     def one(self) -> Ground:
@@ -187,7 +187,7 @@ class BothWays(Motions):
         help=f"Vertical motion, upwards: a pulse by name, a motion document, a record, or {STATION}: the component of the same file.",
     )  # fmt: skip
     vertical_scale: float | None = option(
-        "--vertical-scale", type=float, metavar="FACTOR", help="Factor of the vertical motion (default 1)."
+        "--vertical-scale", type=NUMBER, metavar="FACTOR", help="Factor of the vertical motion (default 1)."
     )
     vertical_component: str | None = option("--vertical-component", metavar="NAME", help="The component of a file that holds several.")
     vertical_unit: str | None = option("--vertical-unit", metavar="UNIT", help="Unit of a vertical record in plain columns of numbers.")

@@ -96,6 +96,9 @@ def quantity(dimension: str) -> Parsed:
     return Parsed(dimension, read)
 
 
+NUMBER = quantity("number")
+
+
 def limit(text: str) -> Limit:
     """The amplitude of a text: `20` is A, `1g` and `5 m/s2` are accelerations. Raises ValueError."""
     from ..documents.quantities import parse_quantity

@@ -10,6 +10,7 @@ import click
 
 from . import ground, options
 from .command import command, group, option
+from .parameter_types import NUMBER
 from .printing import emit, note, printed, warn
 
 if TYPE_CHECKING:
@@ -28,7 +29,9 @@ def records(
     reading: ground.Reading = group(ground.Reading),
     export_spectrum: bool = option("--export-spectrum", is_flag=True, help="The elastic response spectrum instead, a row a period."),
     periods: str | None = option("--periods", metavar="START:STOP:N[:log]", help="Periods of the spectrum (default 0.02:5:100:log s)."),
-    damping: float | None = option("--damping", type=float, metavar="RATIO", help="Damping ratio of the spectrum (default 0.05)."),
+    damping: float | None = option(
+        "--damping", type=NUMBER, metavar="RATIO", help="Damping ratio of the spectrum, such as 0.05 for 5 % (the default)."
+    ),
 ) -> int:
     """Show what records hold, a row a component: sampling and intensity measures in s, m/s2, m/s and m.
 

@@ -6,7 +6,7 @@ from itertools import chain
 from ..errors import UsageError
 from . import equations, ground, options
 from .command import argument, command, group, option
-from .parameter_types import InputPath, quantity
+from .parameter_types import NUMBER, InputPath, quantity
 from .printing import emit, form, note, printed
 
 
@@ -23,7 +23,7 @@ def response(
     asked: OneMotion = group(OneMotion),
     model: equations.Models = group(equations.Models),
     release: float = option(
-        "--release", type=float, default=0.0, metavar="RATIO", help="Release from theta/alpha = RATIO; without a motion: free rocking."
+        "--release", type=NUMBER, default=0.0, metavar="RATIO", help="Release from theta/alpha = RATIO; without a motion: free rocking."
     ),
     duration: float | None = option(
         "--duration", type=quantity("time"), metavar="TIME", help="Duration of the rows (default: the shaking and 30/p after it)."

@@ -19,7 +19,7 @@ import yaml
 from ..errors import DocumentError, did_you_mean
 from .composition import DEEPEST, MOST_VALUES, Place, compose, text_of
 from .files import read_bytes
-from .quantities import SMALLEST_LENGTH, accepted, parse_quantity, split_quantity
+from .quantities import FACTORS, SMALLEST_LENGTH, accepted, parse_quantity, split_quantity
 
 if TYPE_CHECKING:
     from .table import Cell
@@ -44,7 +44,7 @@ class Value:
         return "a list" if isinstance(self.content, list) else "a mapping"
 
     def plain(self) -> Any:
-        """The value as JSON holds it: a number without a unit is a float, `true`, `false` and null are themselves."""
+        """The value as JSON holds it: a number in SI, with its unit or without, is a float; `true`, `false` and null are themselves."""
         if isinstance(self.content, list):
             return [v.plain() for v in self.content]
         if isinstance(self.content, dict):
@@ -52,7 +52,7 @@ class Value:
         if self.quoted:
             return self.content
         parts = split_quantity(self.content)
-        if parts and not parts[1]:
+        if parts and (not parts[1] or FACTORS.get(parts[1]) == 1.0):
             return parts[0]
         return {"null": None, "~": None, "": None, "true": True, "false": False}.get(self.content, self.content)
 

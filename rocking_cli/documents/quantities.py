@@ -31,6 +31,8 @@ UNITS: dict[str, dict[str, float]] = {
     "stress": {"Pa": 1.0, "kPa": 1e3, "MPa": 1e6, "GPa": 1e9},
     "number": {},
 }
+FACTORS = {unit: factor for units in UNITS.values() for unit, factor in units.items()}
+"""The factor to SI of every unit."""
 
 _NUMBER = r"[+-]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
 _QUANTITY = re.compile(rf"\s*({_NUMBER})\s*(.*?)\s*\Z", re.DOTALL)

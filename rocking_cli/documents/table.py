@@ -15,7 +15,7 @@ from typing import NamedTuple
 from ..errors import DocumentError
 from .composition import LONGEST, Place, text_of
 from .files import read_bytes
-from .quantities import UNITS, split_quantity
+from .quantities import FACTORS, split_quantity
 
 KIND = "kind"  # only a table of structures has this column
 _DELIMITERS = (",", ";", "\t")
@@ -23,7 +23,6 @@ _HEADING = re.compile(r"\s*(?P<key>.*?)\s*(?:[\[(]\s*(?P<unit>[^\])]*?)\s*[\])])
 _FIRST_LINE = re.compile(r"\s*([^\r\n]{1,10000})")
 _LONGEST_HEADING = 100_000  # characters
 _NO_HEADING = re.compile(r":(?:\s|$)|^\s*[-#\[{&%\"'|>]|^\s*-?[\d.]")  # what YAML begins with, and a row of numbers
-_FACTORS = {unit: factor for units in UNITS.values() for unit, factor in units.items()}
 _BARE = ("", "-", "1")  # no unit
 _WORDS = {"True": "true", "TRUE": "true", "False": "false", "FALSE": "false"}  # as spreadsheets write them
 
@@ -79,9 +78,8 @@ def rows_of(text: str, source: str, delimiter: str) -> Iterator[list[Cell]]:
                 continue
             if len(row) > len(columns):
                 raise DocumentError(f"{Place(source, first, len(columns) + 1)}: found {len(row)} cells; expected {len(columns)}")
-            derived = any(key == KIND and cell.strip() == "parameters" for cell, (key, _) in zip(row, columns, strict=False))
             yield [
-                Cell(key, _with_unit(cell.strip(), unit, derived), Place(source, first, i))
+                Cell(key, _with_unit(cell.strip(), unit), Place(source, first, i))
                 for i, (cell, (key, unit)) in enumerate(zip(row, columns, strict=False), 1)
                 if cell.strip()
             ]
@@ -116,13 +114,13 @@ def _columns(row: list[str], source: str, line: int) -> list[tuple[str, str]]:
         if key in before:
             raise DocumentError(f"{place}: duplicate column {key!r}")
         before.add(key)
-        if unit not in _BARE and unit not in _FACTORS:
-            raise DocumentError(f"{place}: {key}: found the unit {unit!r}; expected one of {', '.join(_FACTORS)}")
+        if unit not in _BARE and unit not in FACTORS:
+            raise DocumentError(f"{place}: {key}: found the unit {unit!r}; expected one of {', '.join(FACTORS)}")
     return columns
 
 
-def _with_unit(cell: str, unit: str, derived: bool) -> str:
-    """The cell with the unit of its column; a number that `rocking params` derived stays a number in SI units."""
+def _with_unit(cell: str, unit: str) -> str:
+    """The cell with the unit of its column."""
     parts = split_quantity(cell)
     bare = parts is not None and not parts[1]
-    return f"{cell} {unit}" if bare and unit not in _BARE and (not derived or _FACTORS[unit] != 1.0) else _WORDS.get(cell, cell)
+    return f"{cell} {unit}" if bare and unit not in _BARE else _WORDS.get(cell, cell)

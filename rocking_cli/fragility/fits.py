@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..errors import UsageError
+from ..errors import UsageError, counted
 
 Array = np.ndarray
 Estimate = tuple[Array, Array]  # ln theta and beta, each (...)
@@ -172,7 +172,7 @@ def fit_stripes(x: Array, n: Array, z: Array) -> Curve:
         raise UsageError("counts: expected n above 0 and z from 0 to n at every level")
     some = int(np.count_nonzero((z > 0.0) & (z < n)))
     if some < 2:
-        raise UsageError(f"{some} level{'' if some == 1 else 's'} with some records beyond the limit state and some not; a fit needs two")
+        raise UsageError(f"{counted(some, 'level')} with some records beyond the limit state and some not; a fit needs two")
     return fit_cells(x, n, z)
 
 

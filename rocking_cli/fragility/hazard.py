@@ -25,7 +25,7 @@ from ..documents.composition import text_of
 from ..documents.files import read_bytes
 from ..documents.quantities import DEFAULT_GRAVITY, parse_quantity, split_quantity
 from ..documents.table import split_heading
-from ..errors import DocumentError, UsageError
+from ..errors import DocumentError, UsageError, counted
 from .measures import Measure, measure_of
 
 Array = np.ndarray
@@ -189,7 +189,7 @@ def read_hazard(path: str | Path, im: str = "PGA", site: str | None = None) -> H
         before = point
     kept = [(level, rate) for _, _, level, _, rate in points if 0.0 < rate < math.inf]
     if len(kept) < 2:
-        raise DocumentError(f"{source}: found {len(kept)} levels with a positive, finite rate; expected two or more")
+        raise DocumentError(f"{source}: found {counted(len(kept), 'level')} with a positive, finite rate; expected two or more")
     x, rates = np.array(kept).T
     return HazardCurve(x, rates, measure.name)
 
@@ -236,7 +236,7 @@ def _openquake(source: str, rows: Rows, measure: Measure, site: str | None) -> l
     (top, names), sites = rows[1], rows[2:]
     for at, row in sites:
         if len(row) != len(names):
-            raise DocumentError(f"{source}, line {at}: found {len(row)} cells; expected {len(names)}")
+            raise DocumentError(f"{source}, line {at}: found {counted(len(row), 'cell')}; expected {len(names)}")
     chosen = (
         sites
         if site is None
@@ -282,7 +282,7 @@ def _two_columns(source: str, rows: Rows, measure: Measure) -> list[Point]:
     for at, row in body:
         place = f"{source}, line {at}"
         if len(row) != 2:
-            raise DocumentError(f"{place}: found {len(row)} cells; expected 2")
+            raise DocumentError(f"{place}: found {counted(len(row), 'cell')}; expected 2")
         text, parts = row[0], split_quantity(row[0])
         if parts is not None and not parts[1]:
             if not unit and measure.unit:  # m/s2 would be the rule, g is what everybody means

@@ -17,7 +17,7 @@ from ..documents.composition import text_of
 from ..documents.files import read_bytes
 from ..documents.quantities import parse_quantity, split_quantity
 from ..documents.table import rows_of
-from ..errors import DocumentError, UsageError
+from ..errors import DocumentError, UsageError, counted
 from .blocks import largest
 from .motion import Motion
 from .records.record import Record
@@ -30,7 +30,7 @@ _PERIODS, _SHORTEST = 100, 0.02  # periods up to T of which the largest S_d is l
 _NEAR = 9  # periods around the largest, twice
 _FIRST = 0.03  # s, the longest first period of a file, whose S_a is the peak ground acceleration
 _A, _B = 0.8, 1.1  # of T_k: the plateau of a floor spectrum (C7.2.6-8)
-_FLOOR = "T=TIME,xi=RATIO,gamma_psi=NUMBER"
+_FLOOR, _FLOOR_KEYS = "T=TIME,xi=RATIO,gamma_psi=NUMBER", {"T": "time", "xi": "number", "gamma_psi": "number"}
 
 
 class Spectrum(Protocol):
@@ -177,6 +177,8 @@ def read_spectrum(path: str | Path) -> SpectrumFile:
     values: list[float] = []
     for cells in rows_of(text, source, max(",;\t", key=first.count)):
         row = {cell.key: cell for cell in cells}
+        if "S_a" in row and "Se" in row:
+            raise DocumentError(f"{row['Se'].place}: found both S_a and Se; expected one of them")
         found = row.get("T"), row.get("S_a") or row.get("Se")
         if None in found:
             raise DocumentError(f"{cells[0].place}: found {', '.join(row)}; expected the columns T and S_a")
@@ -200,7 +202,7 @@ def read_spectrum(path: str | Path) -> SpectrumFile:
         if "damping" in row and row["damping"].text not in ("0.05", "5 %"):
             raise DocumentError(f"{row['damping'].place}: damping: found {row['damping'].text}; expected 0.05")
     if len(periods) < 2:
-        raise DocumentError(f"{source}: found {len(periods)} points of a spectrum; expected two or more")
+        raise DocumentError(f"{source}: found {counted(len(periods), 'point')} of a spectrum; expected two or more")
     if periods[0] > _FIRST:
         wanted = f"a first period up to {_FIRST:g} s, whose S_a is the peak ground acceleration"
         raise DocumentError(f"{source}: found the first period {periods[0]:g} s; expected {wanted}")
@@ -211,12 +213,16 @@ def parse_floor(text: str) -> FloorMode:
     """The mode of a text such as `T=0.4,xi=0.05,gamma_psi=1.3`. Raises UsageError."""
     parts = [part.partition("=") for part in text.split(",")]
     given = {key.strip(): value for key, _, value in parts}
-    if len(parts) != 3 or given.keys() != {"T", "xi", "gamma_psi"}:
+    if len(parts) != 3 or given.keys() != _FLOOR_KEYS.keys():
         raise UsageError(f"`floor`: found {text!r}; expected {_FLOOR}")
-    try:
-        period, damping, shape = (parse_quantity(given[key], of) for key, of in (("T", "time"), ("xi", "number"), ("gamma_psi", "number")))
-    except ValueError as error:
-        raise UsageError(f"`floor`: found {text!r}; expected {error}") from None
+    found = {}
+    for key, dimension in _FLOOR_KEYS.items():
+        try:
+            found[key] = parse_quantity(given[key], dimension)
+        except ValueError as error:
+            hint = ", such as 0.05 for 5 %" if key == "xi" else ""
+            raise UsageError(f"`floor`: {key}: found {given[key]!r}; expected {error}{hint}") from None
+    period, damping, shape = found.values()
     if not (period > 0.0 and 0.0 < damping < 1.0 and shape != 0.0):
         raise UsageError(f"`floor`: found {text!r}; expected a positive T, xi between 0 and 1, and a gamma_psi that is not zero")
     return FloorMode(period, damping, shape)

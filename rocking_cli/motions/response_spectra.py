@@ -25,12 +25,14 @@ Array = np.ndarray
 DAMPING = 0.05  # of a spectrum that states none, and of measures
 _STEPS = 12  # in the shortest period, at least: then a step holds one turning point of u
 _SIZE = 1 << 21  # samples times periods that are computed at once
+_FINEST = 1 << 24  # samples, to which a short period cuts the steps of a record
 _NAME = re.compile(r"(SA|AvgSA)(?:\((.*)\))?", re.IGNORECASE)
 _MEAN = np.linspace(0.2, 1.5, 10)  # periods over T1 of AvgSA(T1)
 
 
 def displacement_spectrum(record: Record, periods: Sequence[float] | Array, damping: float = DAMPING) -> Array:
-    """S_d [m] of the unscaled record at periods [s] of shape (n,). Raises UsageError for bad periods or damping.
+    """S_d [m] of the unscaled record at periods [s] of shape (n,). Raises UsageError for bad periods or damping, and for periods below the
+    step of the record whose steps would need more than 2^24 samples.
 
     >>> displacement_spectrum(read_record('configs/motions/synthetic.at2'), [0.5, 1.0]).round(4).tolist()
     [0.0621, 0.367]
@@ -40,6 +42,9 @@ def displacement_spectrum(record: Record, periods: Sequence[float] | Array, damp
         raise UsageError("`periods`: expected one or more positive times in s")
     if not 0.0 <= damping < 1.0:
         raise UsageError(f"`damping`: found {damping:g}; expected a number from 0 to below 1")
+    shortest = min(record.dt, record.dt * _STEPS * record.npts / _FINEST)
+    if np.any(periods < shortest):
+        raise UsageError(f"`periods`: found {periods.min():g} s; expected times from {shortest:.3g} s for {record.name}")
     found, order = np.empty(periods.size), np.argsort(periods)
     while order.size:
         finer = max(1, math.ceil(record.dt * _STEPS / periods[order[0]]))

@@ -89,18 +89,29 @@ def test_several_records_are_judged_by_their_mean(rocking, tmp_path, peaks, said
     ("code", "arguments", "said"),
     [
         (2, ("configs/parameters.yaml", *SHAKING), "without the place of one mass centre; expected the geometry of a rigid body"),
-        (2, ("configs/frame.yaml", *SHAKING), "found kind frame without the place of one mass centre"),
+        (
+            2,
+            ("block:0.5x2", "configs/frame.yaml", "configs/parameters.yaml", *SHAKING),
+            "found Temple front (kind frame), Measured arch (kind parameters) without the place of one mass centre",
+        ),
         (2, ("block:0.5x2",), "no shaking"),
         (2, ("block:0.5x2", *SHAKING, "--fc", "0.5"), "--fc: found 0.5; expected a confidence factor from 1"),
         (2, ("block:0.5x2", *SHAKING, "--floor", "T=1"), "--floor: found 'T=1'; expected T=TIME,xi=RATIO,gamma_psi=NUMBER"),
+        (
+            2,
+            ("block:0.5x2", *SHAKING, "--floor", "T=1,xi=5%,gamma_psi=1"),
+            "--floor: xi: found '5%'; expected a number without a unit, such as",
+        ),
         (2, ("block:5x60", "--spectrum", "site.csv"), "--spectrum site: found periods up to 5 s; expected up to"),
         (2, ("block:0.5x2", "--spectrum", "none.csv"), "none.csv: cannot be read"),
         (2, ("block:0.5x2", "--spectrum", "site.csv", "--fail-on", "overturning"), "--fail-on needs a motion"),
+        (3, ("block:0.5x2", "--spectrum", "two.csv"), "two.csv:2:3: found both S_a and Se; expected one of them"),
         (3, ("block:0.5x2", "--spectrum", "bad.csv"), "bad.csv:3:1: T: found '0'; expected periods that rise"),
     ],
 )
 def test_what_cannot_be_checked_is_refused(refused, site, tmp_path, code, arguments, said):
     (tmp_path / "bad.csv").write_text("T,S_a [g]\n0,1\n0,2\n")
+    (tmp_path / "two.csv").write_text("T,S_a [g],Se [g]\n0,1,2\n1,2,3\n")
     assert said in refused(code, "check", *arguments, "--code", "ntc2018")
 
 

@@ -68,6 +68,8 @@ def test_every_row_of_a_table_is_a_structure_of_a_command(rocking, tmp_path):
         ("kind,width [furlong]\nblock,1", "f.csv:1:2: width: found the unit 'furlong'; expected one of m, mm"),
         ("kind,width [kg]\nblock,1", "f.csv:2:2: width: found 1 kg; expected a length"),
         ("kind,width [m],height [s]\nblock,1,2", "f.csv:2:3: height: found 2 s; expected a length"),
+        ("kind,p [m],alpha,eta,lambda\nparameters,2,0.2,0.8,0.2", "f.csv:2:2: p: found 2 m; expected a frequency parameter"),
+        ("kind,p,alpha,eta,lambda,mass [s]\nparameters,2,0.2,0.8,0.2,9", "f.csv:2:6: mass: found 9 s; expected a mass"),
         ("kind,width,width\nblock,1,2", "f.csv:1:3: duplicate column 'width'"),
         ("kind,\nblock,1", "f.csv:1:2: a column without a name"),
         ("kind,width [cm],height\n\nblock,x,2", "f.csv:3:2: width: found x; expected a length"),

@@ -10,6 +10,8 @@ from ..parameters import DIMENSIONLESS, VARIED, RockingParameters, Side, numbers
 from ..shared_keys import ONE_SIDED_RESTITUTION, gravity_of
 
 REPORTS = ()
+DIMENSIONS = {"mass": "mass", "alpha_geometric": "angle", **dict.fromkeys(("inset", "length", "tip_height", "crack_height"), "length")}
+"""The dimension of each detail that has a unit."""
 LARGEST_P = 1e150  # rad/s; p^2 and 1/p^2 must be within double precision
 P_RANGE = f"a positive number, from {1.0 / LARGEST_P:g} to {LARGEST_P:g} rad/s"
 
@@ -35,6 +37,7 @@ def _free(document: Document, name: str) -> RockingParameters:
     inset = ("inset", "alpha_geometric") if document.has("alpha_geometric") else ()  # the stated alpha is that with the inset
     reported = (*reports_of(structure), "mass", *inset, *VARIED)
     details = {key: document.values[key].plain() for key in document.values if key in reported and document.has(key)}
+    details |= {key: document.quantity(key, DIMENSIONS[key]) for key in details if key in DIMENSIONS}
     _check_varied(document, details)
     more: dict[str, Any] = {"eta_source": document.word("eta_source", "given"), "gravity": gravity_of(document), "details": details}
     one_sided = document.flag("one_sided")

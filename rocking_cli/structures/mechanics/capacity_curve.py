@@ -11,6 +11,7 @@ weight of a body acts at its mass centre: e* = 1 for one body, and an arch has t
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -61,6 +62,18 @@ class CapacityCurve(NamedTuple):
         return Limit(d, float(np.interp(d, self.displacement, self.multiplier)), False)
 
 
+def demand_geometry(structures: Sequence[RockingParameters]) -> None:
+    """Raise UsageError with the names of all structures that have no curve, since their geometry is not known."""
+    from .fourbar import FourBar
+
+    def known(structure: RockingParameters) -> bool:
+        return isinstance(structure.mechanism, FourBar) or all(edge.arm is not None for edge in structure.sides or (structure,))
+
+    if found := [f"{one.name} (kind {one.structure})" for one in structures if not known(one)]:
+        told = f"found {', '.join(found)} without the place of one mass centre"
+        raise UsageError(f"{told}; expected the geometry of a rigid body or of an arch")
+
+
 def capacity_curves(structure: RockingParameters) -> list[CapacityCurve]:
     """The curve of each direction in which a structure can fall, one if both are alike. Raises UsageError if its geometry is not known.
 
@@ -70,11 +83,9 @@ def capacity_curves(structure: RockingParameters) -> list[CapacityCurve]:
     """
     from .fourbar import FourBar
 
+    demand_geometry([structure])
     if isinstance(structure.mechanism, FourBar):
         return [_of_arch(structure.mechanism, structure.alpha)]
-    if any(edge.arm is None for edge in structure.sides or (structure,)):
-        found = f"{structure.name}: found kind {structure.structure} without the place of one mass centre"
-        raise UsageError(f"{found}; expected the geometry of a rigid body or of an arch")
     if structure.sides:
         return [_of_body(side, side.side, structure) for side in structure.sides]
     ties = structure.restraints.ties if structure.restraints else ()
