@@ -86,11 +86,9 @@ code-study: $(STAMPS)/dev ## How often the methods of the Italian code are unsaf
 bench: $(STAMPS)/dev ## Speed and error of every scene
 	.venv/bin/python -m pip install --quiet --disable-pip-version-check --editable '.[bench]'
 	.venv/bin/python tests/bench/bench.py
-	.venv/bin/python tests/bench/records.py
 	.venv/bin/python tests/bench/waiting.py
 	.venv/bin/python tests/support/shown_commands.py
 	.venv/bin/python tests/bench/left_out.py
-	.venv/bin/python tests/bench/extremes.py
 	.venv/bin/python tests/bench/database.py
 
 # Records at the scale of a database, minutes: 200 x 10^4 cells, the nonlinear equation, first and all intervals of overturning.
@@ -101,12 +99,12 @@ database: $(STAMPS)/dev ## Records at the scale of a database, minutes
 BASE ?= HEAD
 golden: $(STAMPS)/dev ## Which results of the commit BASE the working tree changes, by bits
 	rm -rf out/golden && mkdir -p out/golden/base && git archive $(BASE) rocking_cli | tar -x -C out/golden/base
-	PYTHONPATH=$(CURDIR)/out/golden/base .venv/bin/python tests/bench/golden.py write out/golden/base.json
-	PYTHONPATH=$(CURDIR) .venv/bin/python tests/bench/golden.py compare out/golden/base.json
+	PYTHONPATH=$(CURDIR)/out/golden/base .venv/bin/python tests/bench/golden.py write out/golden/base.npz
+	PYTHONPATH=$(CURDIR) .venv/bin/python tests/bench/golden.py compare out/golden/base.npz
 
-# Where the time of a scene goes, stage by stage: make trace SCENE="linear arch", all scenes without.
+# Where the time of a scene goes, function by function: make trace SCENE="linear arch", all scenes without.
 trace: $(STAMPS)/dev ## Where the time of a scene goes: make trace SCENE="linear arch"
-	.venv/bin/python tests/bench/trace.py $(SCENE)
+	.venv/bin/python tests/bench/scenes.py $(SCENE)
 
 soak: $(STAMPS)/dev ## The long checks
 	.venv/bin/python -m pytest -m soak

@@ -9,62 +9,48 @@ import time
 from pathlib import Path
 
 import numpy as np
+from scenes import quake
 
-BLOCK = "block:0.5x2.5"
 RECORDS = {"1,559 samples": (1559, 0.02, 3), "8,000 samples": (8000, 0.005, 2), "16,400 samples": (16400, 0.005, 5)}
-LINEAR, NONLINEAR = ("--model", "linear"), ("--model", "nonlinear")
-OF_ONE = {  # under each record
-    "response --events, nonlinear": ("response", BLOCK, "--events", *NONLINEAR),
-    "response --events, linear": ("response", BLOCK, "--events", *LINEAR),
-    "check": ("check", BLOCK),
-    "check --verdict-only": ("check", BLOCK, "--verdict-only"),
-}
-OF_SEVERAL = {  # under the shortest record
-    "check, 20 blocks": ("check", "blocks.yaml"),
-    "spectrum, 20 blocks": ("spectrum", "blocks.yaml", *NONLINEAR, "-o", "blocks.h5", "--overwrite"),
-    "envelope --motion up to A = 10": ("envelope", BLOCK, "--a-max", "10"),
-}
-WITHOUT = {  # a record
-    "check, 12 statues, a pulse": ("check", "statues.yaml", "--a-g", "0.35g", "--f-g", "1.5"),
-    "envelope, 40 frequencies in Hz": ("envelope", BLOCK, "--grid", "f_g=0.5:4:40", *NONLINEAR),
-    "params of an arch": ("params", "configs/arch.yaml"),
-}
 STATUE = "kind: rigid\nname: S{n}\nleft: 0.{n:02d}\nright: 0.4\nheight: 2.0\ngyration: 0.9\n"
+BLOCK = "kind: block\nname: B{n}\nwidth: 0.5\nheight: {height:g}\n"
+OF_EACH_RECORD = (
+    "response block:0.5x2.5 --events --model nonlinear",
+    "response block:0.5x2.5 --events --model linear",
+    "check block:0.5x2.5",
+    "check block:0.5x2.5 --verdict-only",
+)
+OF_THE_SHORTEST = (
+    "check blocks.yaml",
+    "spectrum blocks.yaml --model nonlinear -o blocks.h5 --overwrite",
+    "envelope block:0.5x2.5 --a-max 10",
+)
+WITHOUT = (
+    "check statues.yaml --a-g 0.35g --f-g 1.5 -q",
+    "envelope block:0.5x2.5 --grid f_g=0.5:4:40 --model nonlinear -q",
+    "params arch:10x1.5x157.5deg",
+)
 
 
-def quake(count: int, dt: float, seed: int) -> np.ndarray:
-    """Noise about 2 Hz that swells and fades, 3.4 m/s2 at its peak."""
-    f, t = np.fft.rfftfreq(count, dt), np.arange(count) / count
-    colour = f * f / ((0.06 + f * f) * np.sqrt((1.0 - (f / 2.0) ** 2) ** 2 + (0.6 * f) ** 2) * (1.0 + (f / 10.0) ** 4))
-    a = np.fft.irfft(np.fft.rfft(np.random.default_rng(seed).standard_normal(count)) * colour, count)
-    a *= np.minimum(t / 0.06, 1.0) * np.where(t < 0.2, 1.0, np.exp(-7.3 * (t - 0.2)))
-    return 3.4 * a / np.abs(a).max()
-
-
-def waited(what: str, where: str, command: tuple[str, ...], folder: Path, *more: str) -> None:
+def waited(command: str, where: str, folder: Path, *more: str) -> None:
     """Print how long a command takes."""
-    named = [str(folder / word) if word.startswith(("blocks", "statues")) else word for word in command]
     began = time.perf_counter()
-    subprocess.run([sys.executable, "-m", "rocking_cli", *named, *more], check=True, capture_output=True)
-    print(f"{what:<32} {where:<16} {time.perf_counter() - began:6.2f} s", flush=True)
+    subprocess.run([sys.executable, "-m", "rocking_cli", *command.split(), *more], check=True, capture_output=True, cwd=folder)
+    print(f"{command:<66} {where:<16} {time.perf_counter() - began:6.2f} s", flush=True)
 
 
 def main() -> None:
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        blocks = (f"kind: block\nname: B{n}\nwidth: 0.5\nheight: {1.5 + 0.1 * n:g}\n" for n in range(1, 21))
-        (folder / "blocks.yaml").write_text("---\n".join(blocks))
+        (folder / "blocks.yaml").write_text("---\n".join(BLOCK.format(n=n, height=1.5 + 0.1 * n) for n in range(1, 21)))
         (folder / "statues.yaml").write_text("---\n".join(STATUE.format(n=n) for n in range(42, 54)))
         for record, (count, dt, seed) in RECORDS.items():
-            path = folder / f"{count}.csv"
-            np.savetxt(path, np.column_stack([np.arange(count) * dt, quake(count, dt, seed)]), delimiter=",", header="t,a", comments="")
-            for what, command in OF_ONE.items():
-                waited(what, record, command, folder, "--motion", str(path), "--unit", "m/s2", "-q")
-        first = next(iter(RECORDS))
-        for what, command in OF_SEVERAL.items():
-            waited(what, first, command, folder, "--motion", str(folder / f"{RECORDS[first][0]}.csv"), "--unit", "m/s2", "-q")
-        for what, command in WITHOUT.items():
-            waited(what, "", command, folder, *(() if command[0] == "params" else ("-q",)))
+            samples = np.column_stack([np.arange(count) * dt, quake(count, dt, seed)])
+            np.savetxt(folder / "record.csv", samples, delimiter=",", header="t,a", comments="")
+            for command in (*OF_EACH_RECORD, *(OF_THE_SHORTEST if count < 2000 else ())):
+                waited(command, record, folder, "--motion", "record.csv", "--unit", "m/s2", "-q")
+        for command in WITHOUT:
+            waited(command, "", folder)
 
 
 if __name__ == "__main__":
