@@ -1,7 +1,5 @@
 """Processes: results in order, whatever fails is said, and nobody waits for one that cannot answer."""
 
-from __future__ import annotations
-
 import os
 import resource
 import signal
@@ -48,7 +46,7 @@ class Untold(Exception):
     def __init__(self, one: int, two: int) -> None:
         super().__init__(f"{one} and {two}")
 
-    def __reduce__(self) -> tuple[type[Untold], tuple[int]]:  # in as many words, since some packages teach exceptions to travel
+    def __reduce__(self) -> tuple[type["Untold"], tuple[int]]:  # in as many words, since some packages teach exceptions to travel
         return Untold, (1,)
 
 

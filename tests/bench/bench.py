@@ -6,8 +6,6 @@ process is timed by that process's own time, what needs more by the wall's. `--v
 cells given to heyoka. With 1000 values the figures are kept in speed.json, from which the README's table is written.
 """
 
-from __future__ import annotations
-
 import argparse
 import json
 import os

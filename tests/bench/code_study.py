@@ -3,8 +3,6 @@
 Columns and walls under the shipped motion, scaled to peaks from 0.01 g to 1.5 g; the outcome is that of the equation of motion.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from rocking_cli import code_check, load_records, load_structures

@@ -3,8 +3,6 @@
 Same windows, same flow, same roots, cell by cell in threads. It knows nothing but this one motion.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -4,8 +4,6 @@ of 21,000 components; with --long the nonlinear equation and the overturning sca
     python tests/bench/database.py [RECORDS] [--long]
 """
 
-from __future__ import annotations
-
 import argparse
 import os
 import tempfile

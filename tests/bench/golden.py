@@ -8,8 +8,6 @@ depend on the C library and on the processor's kernels: a file of another machin
 may change.
 """
 
-from __future__ import annotations
-
 import argparse
 import json
 import os

@@ -7,8 +7,6 @@ interval of five or more equal outcomes in it is wider than 1e-4, and missed whe
 a raster of 1e-6 shows that nothing narrower cuts it in two.
 """
 
-from __future__ import annotations
-
 import sys
 import time
 from itertools import pairwise

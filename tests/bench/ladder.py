@@ -7,8 +7,6 @@ are those that compare numbers: documents, commands and files only hand on what 
 a test fails that passes on this machine as it is.
 """
 
-from __future__ import annotations
-
 import contextlib
 import io
 import os

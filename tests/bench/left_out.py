@@ -3,8 +3,6 @@
 The engine has no switch for this; its parts are replaced from outside. Prints the table of `rocking help accuracy`.
 """
 
-from __future__ import annotations
-
 import time
 from contextlib import nullcontext
 from functools import partial

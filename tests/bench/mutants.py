@@ -7,8 +7,6 @@ bound that only spares work, a tolerance that another one covers); each of the o
 is found first, by one run of all. Exit code 0: it is a report.
 """
 
-from __future__ import annotations
-
 import argparse
 import ast
 import json
@@ -142,7 +140,7 @@ class Suite:
     tests: dict[tuple[str, str], list[tuple[float, str]]]
 
     @classmethod
-    def watched(cls, which: list[str]) -> Suite:
+    def watched(cls, which: list[str]) -> "Suite":
         with tempfile.TemporaryDirectory() as folder:
             calls = Path(folder) / "calls"
             environment = {**os.environ, CALLS: str(calls), "PYTHONPATH": os.pathsep.join((str(ROOT), str(ROOT / "tests")))}

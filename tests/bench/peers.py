@@ -4,8 +4,6 @@ Each integrates through the pulse with the impact as a terminal event and closes
 energy; nothing of the engine is used.
 """
 
-from __future__ import annotations
-
 import math
 import time
 from multiprocessing import get_context

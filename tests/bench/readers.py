@@ -5,8 +5,6 @@ LEVEL... the same through pelicun's random variables. It imports nothing of this
 own.
 """
 
-from __future__ import annotations
-
 import json
 import sys
 

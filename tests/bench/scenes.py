@@ -3,8 +3,6 @@
 `python tests/bench/scenes.py [SCENE...]`, or `make trace SCENE="linear arch"`, prints where their time goes, function by function.
 """
 
-from __future__ import annotations
-
 import cProfile
 import math
 import pstats

@@ -3,8 +3,6 @@
 bench.py writes speed.json; a test compares the README's table with it.
 """
 
-from __future__ import annotations
-
 import json
 import re
 from pathlib import Path

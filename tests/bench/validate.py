@@ -4,8 +4,6 @@ Each line gives what was compared, with which source, the number of cases and th
 large or an outcome differs. PYTHONPATH holds tests/, as make validate says.
 """
 
-from __future__ import annotations
-
 import math
 import sys
 

@@ -3,8 +3,6 @@
 Reads a file of `rocking spectrum --model both` over a family of blocks, and prints the table as the README and the pages show it.
 """
 
-from __future__ import annotations
-
 import math
 import sys
 

@@ -1,7 +1,5 @@
 """What a person waits for: whole commands on few structures, in seconds."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 import tempfile

@@ -6,8 +6,6 @@ eighth-order differences over phi, and the sums kept as Chebyshev series. M phi'
 to the left is the mirror image.
 """
 
-from __future__ import annotations
-
 import math
 from itertools import pairwise
 

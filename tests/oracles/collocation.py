@@ -11,8 +11,6 @@ with p and alpha of the edge on which the body stands: right for theta > 0, left
 negative.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace

@@ -4,8 +4,6 @@ output, extremes by Brent's method between samples.
     Fx/m = xg + s R (u'' cos z + u'^2 sin z),   Fz/m = g + zg + R (u'' sin z - u'^2 cos z),   z = alpha - u
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from itertools import pairwise

@@ -5,8 +5,6 @@ ramp as they stand in a textbook, or by collocation; an impact is a sign change 
 crest one of v, both found by Newton's method in a bracket. Nothing is jumped, closed or proved: a bounce goes on until its speed is 1e-11.
 """
 
-from __future__ import annotations
-
 from itertools import pairwise
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The oracle of unequal, one-sided and damped bodies itself, against closed forms and the oracle of the symmetric one."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

@@ -4,8 +4,6 @@ The reaction at the left springing (two forces and a moment) and the tilt are fo
 left of a joint then give the force in it, and where it passes. Weights and centroids are summed over points in the material.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,8 +1,6 @@
 """A tied body by SciPy's DOP853 in SI units, phase by phase: the ends of phases are looked for where signs change at points along each
 step and bisected on the dense output. It shares no code with the package."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, field
 from functools import partial

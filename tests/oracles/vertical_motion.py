@@ -6,8 +6,6 @@
 with u = |theta| and s its sign. The bodies are those of `oracle_systems`.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from typing import NamedTuple

@@ -1,7 +1,5 @@
 """What axes hold, read back: lines by their label, columns as numbers."""
 
-from __future__ import annotations
-
 import numpy as np
 
 

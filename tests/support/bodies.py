@@ -1,7 +1,5 @@
 """Bodies drawn at random, as the package takes them and as the integrations do, and what shakes them."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from functools import partial

@@ -1,7 +1,5 @@
 """What a document writes, as a test needs it: structures from their text, and the scene that the tests of files share."""
 
-from __future__ import annotations
-
 import csv
 import io
 from pathlib import Path

@@ -1,7 +1,5 @@
 """One rigid body on two edges as a mechanism of the general form, which the package has in closed form."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import Any

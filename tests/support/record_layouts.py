@@ -1,7 +1,5 @@
 """Numbers of our own in the layouts of record files, for the tests of their readers."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Independent answers to one cell that tests share, and motions and lanes to ask for."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from typing import Any

@@ -3,8 +3,6 @@
 `python tests/support/shown_commands.py` writes what they print into the README.
 """
 
-from __future__ import annotations
-
 import re
 import shlex
 import subprocess

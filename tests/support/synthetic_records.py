@@ -1,7 +1,5 @@
 """Synthetic records, cells under them, and what rounding may come to in each: for the tests of the engines."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from rocking_cli import Motion, linear_response

@@ -1,7 +1,5 @@
 """Processes that tests start and meddle with: what they have written so far is the clock, not the time they take."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 import time
