@@ -53,7 +53,7 @@ def check(
     """
     from ..dynamics.outcome import Outcome
     from ..envelopes.capacity import narrowest
-    from ..responses.check import CHECK_COLUMNS, OLD_COLUMNS, verdicts
+    from ..responses.check import CHECK_COLUMNS, OLD_COLUMNS, verdicts, would_fall
 
     files, shaken = asked.several(files)
     ends = [end.of(shaken) for end in asked.ends()]
@@ -121,9 +121,9 @@ def check(
     for line in (*_remarks(told), *(by_code.said() if by_code else ())):
         note(line)
     if azimuths is None and (sided := [(s, motion.scaled(-1.0), grid) for s, motion, grid in demands if s.one_sided or s.sides]):
-        falls = dict.fromkeys(v.structure for v in verdicts(sided, a_max=None, workers=workers) if v.falls)
-        names = ", ".join(falls or dict.fromkeys(s.name for s, _, _ in sided))
-        note(f"the opposite direction (--scale -1), another one for unequal sides: {'overturns' if falls else 'does not overturn'} {names}")
+        fallen = dict.fromkeys(demand[0].name for demand in sided if would_fall(*demand))
+        names, does = ", ".join(fallen or dict.fromkeys(s.name for s, _, _ in sided)), "overturns" if fallen else "does not overturn"
+        note(f"the opposite direction (--scale -1), another one for unequal sides: {does} {names}")
     if not (verdict_only or is_quiet()) and (remark := _of_an_inset(told, demands, a_max)):
         note(remark)
     width = " or ".join(dict.fromkeys(narrowest(shake) for shake, _ in shakes))

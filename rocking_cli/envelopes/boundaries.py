@@ -1,10 +1,9 @@
 """Changes of the outcome along the amplitude, for many frequencies: a scan brackets the changes, and sections trace each one.
 
-For the linear oscillator theorems exclude most of the scan (Lemmas 9 and 10 of `dynamics`):
+Theorems exclude amplitudes of the scan (Lemmas 9 and 10 of `dynamics`), the latter two for the linear oscillator, most of them there:
 
-- Nothing overturns while A int |s| dphi <= Omega, from the first uplift on. With E = v^2 + y (2 - y), dE/dtau = 2 v a, and v^2 <= E
-  below y = 1: the root of E grows by at most int |a| dtau, impacts lower it, and a body that overturns has had E >= 1. Bodies that may
-  lose contact without overturning are computed from a smaller amplitude on (`System.safe_amplitude`).
+- Nothing overturns while A int |s| dphi is small, from the first uplift on (`Search.harmless`). Bodies that may lose contact without
+  overturning are computed from a smaller amplitude on (`System.safe_amplitude`).
 - If one amplitude overturns without impact, so does every larger one, provided that the motion lifts the body on its first segment at any
   amplitude. At a fixed time y = A J - K with K > 0 and dy/dA = J: if y > 0 it grows with A.
 - So if the first arc outlasts the shaking at one amplitude, it does at every larger one. The outcome then changes only at amplitudes whose
@@ -20,7 +19,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..dynamics.contacts.contact import first_uplift
+from ..dynamics.lanes import Cells
 from ..dynamics.march.closings import FEW
 from ..dynamics.outcome import Outcome, safe
 from ..dynamics.response import response
@@ -81,6 +80,20 @@ class Search:
     def grid(self) -> ScanGrid:
         """The amplitudes of the scan."""
         return ScanGrid.between(self.lowest, self.a_max, uplift=self.uplift, ratio=self.ratio)
+
+    @cached_property
+    def harmless(self) -> float:
+        """A int |s| dphi/Omega from the first uplift on, up to which nothing overturns (Lemma 9)."""
+        (amplitude, omega, eta), sides = self._cells(np.ones(1), np.ones(1)), np.array([1.0, -1.0])
+        equation = self.system.equation.on(sides)
+        speed = np.sqrt(equation.barrier / equation.fall(np.zeros(2), np.ones(2))[1])  # at the ground, of a body that just overturns
+        with np.errstate(divide="ignore"):
+            unit = np.array([1.0, np.clip(1.0, eta[-1, 0], 1.0 / eta[0, 0])])  # in which no impact raises the speed
+        growth = unit * (amplitude / omega)[:, 0] * equation.bounds[1]
+        return float((unit * speed).min() / growth.max())
+
+    def _cells(self, amplitude: Array, omega: Array) -> Cells:
+        return self.system.contact.cells(self.system.equation, amplitude, omega, np.full(omega.shape, self.eta))
 
     def outcome(self, amplitude: Array, omega: Array) -> Array:
         """Codes of `Outcome`, with ROCKED for every safe amplitude."""
@@ -183,11 +196,11 @@ class Search:
         scan, segments = self.grid, self.motion.segments
         none = Brackets(*(np.zeros(0, dtype=kind) for kind in (np.int64, float, float, np.uint8, np.uint8)))
         first, last = np.zeros(omegas.size, dtype=np.int64), np.full(omegas.size, scan.size - 1)
-        if not (self.system.bounded and self.system.alike and self.motion.vertical is None):
+        if self.system.devices is not None or self.motion.vertical is not None:
             return first, last, none
         safe_to = self.system.safe_amplitude(self.motion)
         first = np.minimum(self._quiet(omegas), scan.below(np.full(omegas.size, safe_to)))
-        if not _lifts_at_once(self.motion):
+        if not (self.system.bounded and self.system.alike and _lifts_at_once(self.motion)):
             return first, last, none
         over, falls = self._outcome_from(omegas, first, last, lambda label, _: label == Outcome.OVERTURNED_NO_IMPACT)
         last[over] = falls
@@ -203,13 +216,13 @@ class Search:
         return first, last, Brackets(row, *ends, under, above).take(np.flatnonzero(under != above))
 
     def _quiet(self, omegas: Array) -> Array:
-        """The last scan point that cannot overturn, since A int |s| dphi <= Omega from the first uplift on."""
-        scan, segments = self.grid, self.motion.segments
+        """The last scan point of each row that cannot overturn, since A int |s| dphi is `harmless`."""
+        scan, segments, most = self.grid, self.motion.segments, (1.0 - 1e-9) * self.harmless * omegas
         if segments.straight:  # trapezoids of the whole motion; they exceed the integral if s changes its sign
             parts = (
                 segments.length[part] @ (np.abs(segments.s_start[part]) + np.abs(segments.s_end[part])) for part in blocks(len(segments))
             )
-            return scan.below((1.0 - 1e-9) * omegas / (0.5 * float(sum(parts))))
+            return scan.below(most / (0.5 * float(sum(parts))))
         from ..dynamics.drive import ImpulseAhead
 
         ahead = ImpulseAhead.of(segments)
@@ -217,8 +230,9 @@ class Search:
         while np.any(high - low > 1):  # a larger amplitude lifts earlier
             middle = (low + high) // 2
             amplitude = scan.amplitude(middle)
-            lift = first_uplift(segments, np.zeros(omegas.size, dtype=np.int64), np.zeros(omegas.size), amplitude, amplitude)
-            holds = amplitude * ahead.after(lift.k, lift.u) <= (1.0 - 1e-9) * omegas
+            cell = np.arange(omegas.size)
+            lift = self.system.contact.uplift(self._cells(amplitude, omegas), segments, cell, 0 * cell, np.zeros(omegas.size))
+            holds = amplitude * ahead.after(lift.k, lift.u) <= most
             low, high = np.where(holds, middle, low), np.where(holds, high, middle)
         return low
 

@@ -144,6 +144,12 @@ def check(
     return _judged(structure, *demand_of(motion, shaking), a_max, None, progress)
 
 
+def would_fall(structure: RockingParameters, motion: Motion, shaking: Grid) -> bool:
+    """True if a demand overturns a body, lifts it off the ground, or leaves it leaning."""
+    _, _, amplitude, omega, method, _ = _sought(structure, motion, shaking, 0.0)
+    return Outcome(int(_respond(method, structure, motion, np.array([amplitude]), omega).outcome[0])).falls
+
+
 def first_overturning(structure: RockingParameters, motion: Motion, shaking: Grid, a_max: float, near: float) -> float | None:
     """The lowest amplitude that overturns a body, None if there is none; near: where it is expected, which saves time [m/s2]."""
     asked = _sought(structure, motion, shaking, a_max)
