@@ -10,7 +10,6 @@ import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
-from shutil import get_terminal_size
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -83,6 +82,8 @@ def emit(
     columns: the CSV header if there is no row; form: without --json and --csv; table_units: of a table without --units; without:
     columns that have no unit here; unseen: columns for programs only, which a table leaves out.
     """
+    from shutil import get_terminal_size
+
     from ..reports.tables import WIDTH, lines
     from ..reports.units import Units, parse_units
 

@@ -4,7 +4,6 @@ import os
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager, redirect_stderr, redirect_stdout, suppress
-from shutil import get_terminal_size
 from textwrap import wrap
 from typing import TextIO, cast
 
@@ -52,6 +51,8 @@ def say(line: str) -> None:
     end_line()
     text = printable(line)
     if sys.stderr.isatty():
+        from shutil import get_terminal_size
+
         text = "\n".join(wrap(text, get_terminal_size((100, 0)).columns, break_long_words=False, break_on_hyphens=False))
     sys.stderr.write(f"{text}\n")
     sys.stderr.flush()

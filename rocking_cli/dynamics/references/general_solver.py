@@ -28,6 +28,7 @@ _MOST, _A_SEGMENT = 5_000, 50  # limit of stretches of a cell, and what each seg
 _SCRIPT_STRETCH = 10.0  # tau between two tests of overturning where the solver chooses its steps
 _AT_REST = 1e-11
 _NEAR, _PART = 0.1, 0.1  # the least force of a step is searched for if it may be below the first plus the second times its variation
+_STILL = Piece(0.0, math.inf)  # the ground after the shaking
 _ROUNDS = 32  # of the search; each leaves two thirds of the interval
 
 
@@ -217,7 +218,7 @@ class _Body:
         of, start, push = self.here.of, Point(self.time, self.theta, self.w), self.side * self.drive
 
         def rate(t: float, theta: float, w: float) -> tuple[float, float]:
-            return of(theta, w, push * value(piece, self.omega * t), self.weight(t))
+            return of(theta, w, push * value(piece, self.omega * t), self.weight(t)) if piece is not _STILL else of(theta, w, 0.0, 1.0)
 
         stretch = 0.5 / (1.0 + self.omega * max((h.frequency for h in piece.harmonics), default=0.0))
         stop = min(end, self.time + (stretch if self.solver is path else _SCRIPT_STRETCH))
@@ -270,14 +271,14 @@ class _Body:
 
     def still(self) -> tuple[Outcome, float]:
         """After the shaking: on over still ground, until the outcome is certain."""
-        ground, impacts, self.up = Piece(0.0, math.inf), 0, None
+        impacts, self.up = 0, None
         for _ in range(_MOST):
             if self.side == 0 or impacts > 2:
                 return (Outcome.ROCKED if self.peak > 0.0 else Outcome.NO_UPLIFT), self.peak
             if self.theta > self.here.alpha and self.w >= 0.0:
                 return self.overturned(), math.nan
             before, bounced, self.bounced = self.time, self.bounced, False
-            self.move(ground, math.inf)
+            self.move(_STILL, math.inf)
             impacts += self.bounced
             self.bounced |= bounced
             if not self.time > before:

@@ -29,8 +29,6 @@ def version() -> str:
 
 def machine() -> dict[str, Any]:
     """This machine and its libraries by name, as JSON values; `cpu`: the vector instructions that NumPy uses."""
-    from importlib.metadata import version as installed_version
-
     import h5py
     import numpy as np
 
@@ -41,11 +39,21 @@ def machine() -> dict[str, Any]:
         "libc": " ".join(platform.libc_ver()).strip(),
         "python": platform.python_version(),
         "numpy": np.__version__,
-        "scipy": installed_version("scipy"),
+        "scipy": _version_of("scipy"),
         "h5py": h5py.__version__,
         "hdf5": h5py.version.hdf5_version,
         "cpu": [*simd.get("baseline", []), *simd.get("found", [])],
     }
+
+
+def _version_of(package: str) -> str:
+    """The version of a package that states it in `version.py`: to import it, or to read its metadata, takes as long as a small sweep."""
+    from importlib.util import find_spec
+    from runpy import run_path
+
+    spec = find_spec(package)
+    folders = spec.submodule_search_locations if spec is not None else None
+    return str(run_path(f"{folders[0]}/version.py")["version"]) if folders else "none"
 
 
 def described(machine: Mapping[str, Any]) -> str:
