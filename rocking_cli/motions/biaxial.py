@@ -1,7 +1,5 @@
 """Horizontal and vertical ground motion together: on the same pieces, with one time and one amplitude."""
 
-from __future__ import annotations
-
 import hashlib
 from dataclasses import dataclass
 from typing import Any

@@ -1,7 +1,5 @@
 """Long arrays in blocks, so that temporary arrays stay small."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 import numpy as np

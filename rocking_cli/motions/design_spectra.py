@@ -1,22 +1,21 @@
 """Elastic spectra as a code takes them: of a motion, of a file, and of a floor (Circolare 7/2019, section C7.2.3).
 
-A spectrum has a peak [m/s2], the pseudo-acceleration at given periods, and the displacement that a code compares with a limit state.
+A spectrum has `peak`, that of the acceleration [m/s2], `acceleration`, S_a [m/s2] at periods [s] of shape (n,), and `demand`, the
+displacement [m] that a code compares with that of a limit state.
 """
-
-from __future__ import annotations
 
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Protocol
+from typing import Self
 
 import numpy as np
 
 from ..documents.composition import text_of
 from ..documents.files import read_bytes
 from ..documents.quantities import parse_quantity, split_quantity
-from ..documents.table import rows_of
+from ..documents.table import Cell, rows_of
 from ..errors import DocumentError, UsageError, counted
 from .blocks import largest
 from .motion import Motion
@@ -33,17 +32,6 @@ _A, _B = 0.8, 1.1  # of T_k: the plateau of a floor spectrum (C7.2.6-8)
 _FLOOR, _FLOOR_KEYS = "T=TIME,xi=RATIO,gamma_psi=NUMBER", {"T": "time", "xi": "number", "gamma_psi": "number"}
 
 
-class Spectrum(Protocol):
-    """An elastic spectrum."""
-
-    @property
-    def peak(self) -> float: ...  # of the acceleration that the spectrum belongs to [m/s2]
-
-    def acceleration(self, periods: Array, damping: float) -> Array: ...  # S_a [m/s2] at periods [s]
-
-    def demand(self, period: float, damping: float) -> float: ...  # the displacement [m] to compare with that of a limit state
-
-
 @dataclass(frozen=True)
 class MotionSpectrum:
     """The spectrum of a motion of the site: the demand is the largest S_d up to the period, since the stiffness falls to the secant one."""
@@ -51,7 +39,7 @@ class MotionSpectrum:
     record: Record
 
     @classmethod
-    def of(cls, motion: Motion, amplitude: float, omega: float) -> MotionSpectrum:
+    def of(cls, motion: Motion, amplitude: float, omega: float) -> Self:
         """The spectrum of a motion of this amplitude a_g [m/s2] and frequency [rad/s], without its vertical part."""
         if motion.samples is not None:
             dt, values = motion.samples.step / omega, motion.samples.values
@@ -123,7 +111,7 @@ class FloorMode:
 class FloorSpectrum:
     """The spectrum on a floor of a building with these modes, on a ground with this spectrum."""
 
-    ground: Spectrum
+    ground: MotionSpectrum | SpectrumFile
     modes: Sequence[FloorMode]
 
     @property
@@ -149,6 +137,9 @@ class FloorSpectrum:
         here, there = self.acceleration(np.array([period, first]), damping).tolist()
         least = there * (_B * first) ** 2 if period > _B * first else 0.0
         return max(here * period**2, least) / (4.0 * math.pi**2)
+
+
+Spectrum = MotionSpectrum | SpectrumFile | FloorSpectrum
 
 
 def damping_factor(damping: float) -> float:
@@ -179,26 +170,20 @@ def read_spectrum(path: str | Path) -> SpectrumFile:
         row = {cell.key: cell for cell in cells}
         if "S_a" in row and "Se" in row:
             raise DocumentError(f"{row['Se'].place}: found both S_a and Se; expected one of them")
-        found = row.get("T"), row.get("S_a") or row.get("Se")
-        if None in found:
+        at, level = row.get("T"), row.get("S_a") or row.get("Se")
+        if at is None or level is None:
             raise DocumentError(f"{cells[0].place}: found {', '.join(row)}; expected the columns T and S_a")
-        for cell, dimension, kept in zip(found, ("time", "acceleration"), (periods, values), strict=True):
-            assert cell is not None
+        for cell, dimension, kept in ((at, "time", periods), (level, "acceleration", values)):
             try:
                 kept.append(parse_quantity(cell.text, dimension))
             except ValueError as error:
-                raise DocumentError(f"{cell.place}: {cell.key}: found {cell.text!r}; expected {error}") from None
-        (at, level) = found
-        assert at is not None
-        assert level is not None
+                raise _fault(cell, str(error)) from None
         if periods[-1] < 0.0 or (len(periods) > 1 and not periods[-1] > periods[-2]):
-            raise DocumentError(f"{at.place}: T: found {at.text!r}; expected periods that rise, of one spectrum")
+            raise _fault(at, "periods that rise, of one spectrum")
         if (parts := split_quantity(level.text)) is not None and not parts[1]:
-            raise DocumentError(
-                f"{level.place}: {level.key}: found {level.text!r} without a unit; expected {level.key} [g] or [m/s2] as heading"
-            )
+            raise _fault(level, f"{level.key} [g] or [m/s2] as heading", " without a unit")
         if not values[-1] > 0.0:
-            raise DocumentError(f"{level.place}: {level.key}: found {level.text!r}; expected a positive acceleration")
+            raise _fault(level, "a positive acceleration")
         if "damping" in row and row["damping"].text not in ("0.05", "5 %"):
             raise DocumentError(f"{row['damping'].place}: damping: found {row['damping'].text}; expected 0.05")
     if len(periods) < 2:
@@ -207,6 +192,10 @@ def read_spectrum(path: str | Path) -> SpectrumFile:
         wanted = f"a first period up to {_FIRST:g} s, whose S_a is the peak ground acceleration"
         raise DocumentError(f"{source}: found the first period {periods[0]:g} s; expected {wanted}")
     return SpectrumFile(Path(source).stem, np.array(periods), np.array(values))
+
+
+def _fault(cell: Cell, wanted: str, lacks: str = "") -> DocumentError:
+    return DocumentError(f"{cell.place}: {cell.key}: found {cell.text!r}{lacks}; expected {wanted}")
 
 
 def parse_floor(text: str) -> FloorMode:

@@ -1,7 +1,5 @@
 """The grid of a sweep: an amplitude axis and a frequency axis, both with units or both dimensionless."""
 
-from __future__ import annotations
-
 import math
 import zlib
 from collections.abc import Sequence

@@ -4,8 +4,6 @@ In an interval dt the velocity is a parabola and the displacement a cubic. Their
 of v) inside an interval.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 
@@ -41,46 +39,29 @@ def intensity(record: Record) -> Intensity:
     (3.924, 0.67)
     """
     a, dt = record.acceleration, record.dt
-    v = velocity(a, dt)
-    d = displacement(a, v, dt)
-    energy = _from_zero(dt / 3.0 * (a[:-1] ** 2 + a[:-1] * a[1:] + a[1:] ** 2))
-    i = np.flatnonzero(a[:-1] * a[1:] < 0.0)  # v has an extreme inside
+    a0, a1 = a[:-1], a[1:]
+    v = _sums(0.5 * dt * (a0 + a1))
+    d = _sums(dt * v[:-1] + dt * dt / 6.0 * (2.0 * a0 + a1))
+    energy = _sums(dt / 3.0 * (a0**2 + a0 * a1 + a1**2))
+    total = np.abs(a0) + np.abs(a1)
+    i, areas = np.flatnonzero(a0 * a1 < 0.0), 0.5 * dt * total
+    areas[i] = 0.5 * dt * (a0[i] ** 2 + a1[i] ** 2) / total[i]  # two triangles where a changes its sign, else a trapezoid
     at_5, at_75, at_95 = (_reached(a, dt, energy, part) for part in (0.05, 0.75, 0.95))
     return Intensity(
         pga=largest(a),
         pga_time=int(np.abs(a).argmax()) * dt,
-        pgv=max(largest(v), largest(v[i] + 0.5 * dt * a[i] ** 2 / (a[i] - a[i + 1]))),
+        pgv=max(largest(v), largest(v[i] + 0.5 * dt * a[i] ** 2 / (a[i] - a[i + 1]))),  # an extreme where a changes its sign
         pgd=_largest_displacement(a, v, d, dt),
         arias=math.pi / (2.0 * DEFAULT_GRAVITY) * float(energy[-1]),
-        cav=_absolute(a, dt),
+        cav=float(areas.sum()),
         d5_75=at_75 - at_5,
         d5_95=at_95 - at_5,
     )
 
 
-def velocity(a: Array, dt: float) -> Array:
-    """Velocity at the samples, shape of `a`, from rest."""
-    return _from_zero(0.5 * dt * (a[:-1] + a[1:]))
-
-
-def displacement(a: Array, v: Array, dt: float) -> Array:
-    """Displacement at the samples, shape of `a`, from zero; v: velocity at the samples."""
-    return _from_zero(dt * v[:-1] + dt * dt / 6.0 * (2.0 * a[:-1] + a[1:]))
-
-
-def _from_zero(gains: Array) -> Array:
+def _sums(gains: Array) -> Array:
     """Sums up to each sample of what each interval adds."""
     return np.cumsum(np.concatenate([[0.0], gains]))
-
-
-def _absolute(a: Array, dt: float) -> float:
-    """Integral of |a|: two triangles where a changes sign, else a trapezoid."""
-    a0, a1 = np.abs(a[:-1]), np.abs(a[1:])
-    total = a0 + a1
-    crosses = a[:-1] * a[1:] < 0.0
-    parts = 0.5 * dt * total
-    parts[crosses] = 0.5 * dt * (a0[crosses] ** 2 + a1[crosses] ** 2) / total[crosses]
-    return float(parts.sum())
 
 
 def _largest_displacement(a: Array, v: Array, d: Array, dt: float) -> float:

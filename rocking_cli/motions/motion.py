@@ -175,15 +175,20 @@ class Motion:
         start, stop = np.concatenate([m[:-1] for m in marks]), np.concatenate([m[1:] for m in marks])
         shape = max(len(p.harmonics) for p in self.pieces), start.size
         sin, cos, frequency, s_start, s_end = np.zeros(shape), np.zeros(shape), np.ones(shape), np.empty(start.size), np.empty(start.size)
+        length = stop - start
         for i, piece in enumerate(self.pieces):
-            mine = index == i
+            mine = np.flatnonzero(index == i)
             s_start[mine], s_end[mine] = _exact_value(piece, start[mine]), _exact_value(piece, stop[mine])
             for j, h in enumerate(piece.harmonics):
                 sin[j, mine], cos[j, mine] = _sin_cos(h, start[mine])
                 frequency[j, mine] = h.frequency
+            if len(piece.harmonics) == 1:  # exact between quarter turns, as the sines: the rounding of phases adds up over many cycles
+                (first, rest), (last, left) = _quarters(h, start[mine]), _quarters(h, stop[mine])
+                exact = (rest == 0.0) & (left == 0.0) & (last > first)
+                length[mine[exact]] = (last - first)[exact] * (np.pi / 2) / h.frequency
         return Segments(
             start=start,
-            length=self._lengths(index, start, stop),
+            length=length,
             s_start=s_start,
             s_end=s_end,
             sin=sin,
@@ -194,18 +199,6 @@ class Motion:
             later_max=largest_from(np.maximum(s_start, s_end)),
             later_min=0.0 - largest_from(-np.minimum(s_start, s_end)),  # no negative zero
         )
-
-    def _lengths(self, index: np.ndarray, start: np.ndarray, stop: np.ndarray) -> np.ndarray:
-        """Lengths [rad] of the segments, exact between quarter turns of a single sinusoid. The sines there are exact, and the rounding of
-        phases would add up over many cycles."""
-        length = stop - start
-        for i, piece in enumerate(self.pieces):
-            if len(piece.harmonics) == 1:
-                mine, h = np.flatnonzero(index == i), piece.harmonics[0]
-                (first, rest), (last, left) = _quarters(h, start[mine]), _quarters(h, stop[mine])
-                exact = (rest == 0.0) & (left == 0.0) & (last > first)
-                length[mine[exact]] = (last - first)[exact] * (np.pi / 2) / h.frequency
-        return length
 
 
 def extremes(piece: Piece) -> list[float]:

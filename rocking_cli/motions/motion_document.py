@@ -4,8 +4,6 @@ Times are in periods T_g = 2 pi / omega_g and accelerations in a_g, so that one 
 T_g = 1 s and a_g = 1 m/s2 they are in s and m/s2.
 """
 
-from __future__ import annotations
-
 from itertools import pairwise
 from pathlib import Path
 

@@ -4,8 +4,6 @@ A segment is cut into equal patches. On a patch of half width d the remainder is
 below rounding.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 
@@ -71,9 +69,17 @@ class Table:
 
 def table_of(segments: Any) -> Table | None:
     """The table of `Segments`; None if it is too large."""
-    counts = _patches_of(segments)
-    if counts is None:
-        return None
+    size, w = np.hypot(segments.sin, segments.cos), segments.frequency  # (harmonics, K)
+    peak = max(segments.later_max[0], -segments.later_min[0])
+    counts, over = np.ones(segments.length.size, dtype=np.int64), float(np.prod(np.arange(2.0, DEGREE + 2.0)))
+    for _ in range(64):
+        half = 0.5 * segments.length / counts
+        wide = (size * (w * half) ** (DEGREE + 1)).sum(axis=0) > _REMAINDER * peak * over
+        if not wide.any():
+            break
+        counts[wide] = counts[wide] * 5 // 4 + 1
+        if counts.sum() > _MOST_PATCHES:
+            return None
     half = 0.5 * segments.length / counts
     k = np.repeat(np.arange(segments.length.size), counts)
     last = np.cumsum(counts) - 1
@@ -90,20 +96,3 @@ def table_of(segments: Any) -> Table | None:
     terms[0] += segments.slope[k] * centre
     terms[1] += segments.slope[k] * half[k]
     return Table(first, last, half, terms)
-
-
-def _patches_of(segments: Any) -> Array | None:
-    """The number of patches of each segment, (K,); None if there are too many."""
-    size, w = np.hypot(segments.sin, segments.cos), segments.frequency  # (harmonics, K)
-    peak = max(segments.later_max[0], -segments.later_min[0])
-    counts = np.ones(segments.length.size, dtype=np.int64)
-    over = float(np.prod(np.arange(2.0, DEGREE + 2.0)))
-    for _ in range(64):
-        half = 0.5 * segments.length / counts
-        wide = (size * (w * half) ** (DEGREE + 1)).sum(axis=0) > _REMAINDER * peak * over
-        if not wide.any():
-            break
-        counts[wide] = counts[wide] * 5 // 4 + 1
-        if counts.sum() > _MOST_PATCHES:
-            return None
-    return counts

@@ -1,9 +1,7 @@
 """The pulses of the literature by name, over phi = omega_g t; for a pulse with a duration, omega_g = 2 pi / duration.
 
-A new pulse is one function that returns a motion, and one line in PULSES.
+A new pulse is one line in PULSES, and a function that returns its motion where the line does not hold it.
 """
-
-from __future__ import annotations
 
 import math
 from collections.abc import Callable
@@ -38,32 +36,18 @@ def cosine(cycles: float = 1.0) -> Motion:
     return _trigonometric("cosine", cycles, np.pi / 2)
 
 
-def half_sine() -> Motion:
-    """sin(phi) for half a cycle."""
-    return Motion("half sine", (Piece(0.0, np.pi, (Harmonic(1.0),)),))
-
-
-def rectangular() -> Motion:
-    """+1 for the duration t_d = 2 pi / omega_g."""
-    return Motion("rectangular", (Piece(0.0, TURN, constant=1.0),))
-
-
-def rectangular_impulse() -> Motion:
-    """+1 for t_p = 2 pi / omega_g, then -1/2 for 2 t_p: the impulse of Fig. 7c; the ground velocity at its end is zero."""
-    return Motion("rectangular impulse", (Piece(0.0, TURN, constant=1.0), Piece(TURN, 3.0 * TURN, constant=-0.5)))
-
-
-def ricker_symmetric() -> Motion:
-    """(1 - x^2) exp(-x^2/2), x = (phi - phi_0)/sqrt(2): the Ricker wavelet of predominant frequency omega_g. A sum of 23 cosines gives it
-    to 1e-13."""
-    return Motion("symmetric Ricker", (_ricker(math.sqrt(2.0), lambda k: (1.0, 0.5 * np.pi)),))
-
-
-def ricker_antisymmetric() -> Motion:
-    """x (x^2 - 3) exp(-x^2/2), x = (phi - phi_0)/sqrt(3), over its largest value: the derivative of the symmetric wavelet."""
-    x2 = 3.0 - math.sqrt(6.0)
+def ricker(antisymmetric: bool = False) -> Motion:
+    """The symmetric Ricker wavelet (1 - x^2) exp(-x^2/2), x = (phi - phi_0)/sqrt(2), or its derivative x (x^2 - 3) exp(-x^2/2),
+    x = (phi - phi_0)/sqrt(3), over its largest value. omega_g is the predominant frequency; a sum of 23 sinusoids gives it to 1e-13."""
+    unit, x2, harmonics = math.sqrt(3.0 if antisymmetric else 2.0), 3.0 - math.sqrt(6.0), []
     peak = math.sqrt(x2) * (3.0 - x2) * math.exp(-0.5 * x2)
-    return Motion("antisymmetric Ricker", (_ricker(math.sqrt(3.0), lambda k: (-k / peak, 0.0)),))
+    for n in range(1, int(_TAIL * _TAIL / np.pi) + 1):  # the Fourier series on |x| <= _TAIL
+        k = n * np.pi / _TAIL
+        factor, quarter = (-k / peak, 0.0) if antisymmetric else (1.0, 0.5 * np.pi)
+        amplitude = math.sqrt(TURN) / _TAIL * k * k * math.exp(-0.5 * k * k) * factor
+        harmonics.append(Harmonic(amplitude, k / unit, quarter - (n % 2) * np.pi))
+    name = "antisymmetric Ricker" if antisymmetric else "symmetric Ricker"
+    return Motion(name, (Piece(0.0, 2.0 * _TAIL * unit, tuple(harmonics)),))
 
 
 def mavroeidis_papageorgiou(gamma: float = 2.0, phase: float = 0.0) -> Motion:
@@ -93,27 +77,17 @@ def _trigonometric(name: str, cycles: float, phase: float) -> Motion:
     return Motion(f"{name}, {cycles:g} cycle{'' if cycles == 1 else 's'}", (Piece(0.0, halves * np.pi, (Harmonic(1.0, 1.0, phase),)),))
 
 
-def _ricker(unit: float, term: Callable[[float], tuple[float, float]]) -> Piece:
-    """Fourier series on |x| <= _TAIL, x = phi/unit - _TAIL, of (1 - x^2) exp(-x^2/2), each cosine replaced by `term`."""
-    harmonics = []
-    for n in range(1, int(_TAIL * _TAIL / np.pi) + 1):
-        k = n * np.pi / _TAIL
-        factor, quarter = term(k)
-        amplitude = math.sqrt(TURN) / _TAIL * k * k * math.exp(-0.5 * k * k) * factor
-        harmonics.append(Harmonic(amplitude, k / unit, quarter - (n % 2) * np.pi))
-    return Piece(0.0, 2.0 * _TAIL * unit, tuple(harmonics))
-
-
 PULSES: dict[str, Callable[..., Motion]] = {
     "sine": sine,
     "cosine": cosine,
-    "half-sine": half_sine,
-    "rectangular": rectangular,
-    "rectangular-impulse": rectangular_impulse,
-    "ricker-symmetric": ricker_symmetric,
-    "ricker-antisymmetric": ricker_antisymmetric,
+    "half-sine": lambda: Motion("half sine", (Piece(0.0, np.pi, (Harmonic(1.0),)),)),
+    "rectangular": lambda: Motion("rectangular", (Piece(0.0, TURN, constant=1.0),)),
+    # For t_p, then for 2 t_p: the impulse of Fig. 7c, which leaves no ground velocity.
+    "rectangular-impulse": lambda: Motion("rectangular impulse", (Piece(0.0, TURN, (), 1.0), Piece(TURN, 3.0 * TURN, (), -0.5))),
+    "ricker-symmetric": lambda: ricker(),
+    "ricker-antisymmetric": lambda: ricker(antisymmetric=True),
     "mavroeidis-papageorgiou": mavroeidis_papageorgiou,
-}
+}  # the motion of each pulse, from its parameters
 
 
 def pulse(name: str, **parameters: Any) -> Motion:

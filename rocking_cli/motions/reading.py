@@ -1,7 +1,5 @@
 """Motions and records of files, scaled. The content of a file shows if it is a motion document or a record."""
 
-from __future__ import annotations
-
 import io
 import math
 import os

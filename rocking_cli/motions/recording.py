@@ -1,13 +1,11 @@
 """Records with a scale factor, each in its own time."""
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from itertools import count
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 
@@ -46,7 +44,7 @@ class Recording:
         """The intensity measures of the record without the factor."""
         return intensity(self.record)
 
-    def times(self, factor: float) -> Recording:
+    def times(self, factor: float) -> Self:
         """The recording times a positive factor, which also scales its vertical motion."""
         up = None if self.upwards is None else replace(self.upwards, scale=self.upwards.scale * factor)
         return replace(self, factor=self.factor * factor, upwards=up)

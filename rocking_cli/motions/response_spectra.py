@@ -8,8 +8,6 @@ s = w (-xi + i sqrt(1 - xi^2)), with z' = s z - a, and so an exact recurrence fr
 S_d is the largest |u| at any time, also between the samples and after the record; S_a = w^2 S_d is the pseudo-acceleration.
 """
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Sequence

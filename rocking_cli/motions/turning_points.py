@@ -11,8 +11,6 @@ An interval that passes no test is halved. Ends at which r is zero within roundi
 inflection with a level tangent, are no extremes, and s is monotone there in double precision.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Families of structures: one document with some values varied, in all combinations (Figs. 4 and 6)."""
 
-from __future__ import annotations
-
 import itertools
 import math
 from collections.abc import Iterator, Sequence

@@ -1,7 +1,5 @@
 """Structures stated on the command line, such as `block:0.5x2` or `spire:1.5x12,thickness=0.15,crack=diagonal`."""
 
-from __future__ import annotations
-
 import os
 import re
 from typing import TYPE_CHECKING
@@ -15,7 +13,7 @@ if TYPE_CHECKING:
 _KIND = re.compile(r"([A-Za-z_][A-Za-z0-9_]+):(.*)", re.DOTALL)
 
 
-def inline_document(text: str) -> Document | None:
+def inline_document(text: str) -> "Document | None":
     """The document that `KIND:SIZES,KEY=VALUE,…` states, or None if the text is a file name or has another form.
     The sizes are the keys SIZES of the kind, with an x between them. A unit of length after the last size holds for the sizes that have
     none. Raises DocumentError."""

@@ -1,7 +1,5 @@
 """The geometry of a structure for a drawing."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -40,6 +38,13 @@ def rocker(
     alpha = math.atan2(right[0] - centre[0], centre[1] - right[1])
     moved = tuple(turned(outline, right, alpha) for outline in bodies)
     return Sketch(bodies, moved=moved, pivots=(("left", left), ("right", right)), centre=centre, lines=lines, **more)
+
+
+def redrawn(drawn: Sketch, inset: float) -> Sketch:
+    """The sketch of a rigid body, made by `rocker`, with its pivots inside the edges by a length [m]."""
+    assert drawn.centre is not None
+    (_, left), (_, right) = drawn.pivots
+    return rocker(drawn.bodies, left, right, drawn.centre, inset=inset, still=drawn.still, hollows=drawn.hollows, lines=drawn.lines)
 
 
 def rectangle(left: float, right: float, low: float, high: float) -> Outline:

@@ -1,7 +1,5 @@
 """A commented example document of each kind, from the configs that are shipped with the package."""
 
-from __future__ import annotations
-
 from importlib.resources import files
 from pathlib import Path
 

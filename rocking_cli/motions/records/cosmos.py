@@ -3,8 +3,6 @@
 The step is real-header value 62 in ms; value 34 is that of the raw record. Points, step and length have to agree.
 """
 
-from __future__ import annotations
-
 import re
 
 import numpy as np
@@ -51,8 +49,7 @@ def read(text: RecordText) -> list[Series]:
             text.skip(count, layout)
         text.demand_end(count)
     if not found:
-        wanted = "expected an acceleration with a unit"
-        raise text.no_acceleration(f"no acceleration, only {others}; {wanted}") if others else text.fault("no channel")
+        raise text.no_acceleration(f"no acceleration, only {others}; expected an acceleration with a unit")
     return found
 
 

@@ -4,8 +4,6 @@ Each channel is a text header, numbers, and blocks of acceleration, velocity and
 `2980 points of accel data equally spaced at  .020 sec, in cm/sec2. (8f10.6)`. Numbers touch, so the columns of the format part them.
 """
 
-from __future__ import annotations
-
 import re
 
 from .record import Series, unit_of

@@ -1,8 +1,6 @@
 """GeoNet V2A and V1A (GNS Science): three components a file, each 16 lines of text, 10 of numbers, then acceleration, velocity and
 displacement in mm/s2, mm/s and mm, ten values of eight characters a line; V1A is uncorrected and has acceleration alone."""
 
-from __future__ import annotations
-
 import re
 
 from .record import Series

@@ -1,7 +1,5 @@
 """Formats whose header is lines of keys: ESM and ITACA, K-NET and KiK-net (NIED), AFAD (NSMN), and CWB (now CWA)."""
 
-from __future__ import annotations
-
 import re
 
 import numpy as np

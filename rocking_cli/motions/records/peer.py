@@ -1,7 +1,5 @@
 """PEER AT2: text lines, one of which is `NPTS=  n, DT=  x SEC` (older files: `n  x  NPTS, DT`), then n values in g."""
 
-from __future__ import annotations
-
 import re
 
 from .record import Series

@@ -1,7 +1,5 @@
 """Plain text: one column of accelerations, or two of time [s] and acceleration, below any lines that hold no numbers."""
 
-from __future__ import annotations
-
 import re
 
 import numpy as np

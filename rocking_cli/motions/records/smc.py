@@ -1,8 +1,6 @@
 """SMC (USGS): 11 lines of text, 48 integers and 50 reals in fixed columns, comments behind bars, values in cm/s2 of ten characters
 (fourteen where the header states eight digits)."""
 
-from __future__ import annotations
-
 import re
 
 from .record import Series

@@ -4,11 +4,9 @@ Numbers stand between blanks, or in columns of a fixed width (Fortran), where ne
 the speed of NumPy. If that fails, it is read line by line, to name the place of the fault.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable, Iterable, Iterator
-from typing import NamedTuple
+from typing import NamedTuple, Self
 
 import numpy as np
 
@@ -41,7 +39,7 @@ class Format(NamedTuple):
 
     NAME: str
     recognise: Callable[[str], bool]
-    read: Callable[[RecordText], list[Series]]
+    read: "Callable[[RecordText], list[Series]]"
 
 
 class Layout(NamedTuple):
@@ -51,7 +49,7 @@ class Layout(NamedTuple):
     width: int | None = None
 
     @classmethod
-    def of(cls, found: re.Match[str]) -> Layout:
+    def of(cls, found: re.Match[str]) -> Self:
         """The layout of a match of FORTRAN."""
         return cls(max(1, int(found["columns"] or 1)), int(found["width"]))
 

@@ -4,8 +4,6 @@ If the text says G/10, a line holds five pairs of time and acceleration (F7.3), 
 `* VOL1DS`; else the samples announce themselves, as in `13200 Accelerogram points at 200 pts/sec in units of g. Format: (8f9.6)`.
 """
 
-from __future__ import annotations
-
 import re
 
 from .plain import even_step

@@ -32,7 +32,6 @@ from ..shared_keys import gravity_of, one_sided_restitution_of, restitution_of
 
 if TYPE_CHECKING:
     from ...documents.document import Document
-    from ..mechanics.single_body import RigidBody
     from ..sketch import Sketch
 
 OF_BODIES = ("inset", "ties", "tendon", "dampers")  # keys that every rigid kind takes, and no other one
@@ -107,8 +106,7 @@ def sketch_of(document: Document, built: RockingParameters) -> Sketch:
     """The sketch of a structure that was built from the document. Raises DocumentError if its kind has no geometry."""
     kind = _module(word := str(document.values["kind"].content))
     if hasattr(kind, "body"):
-        body: RigidBody = kind.body(document)
-        drawing = body.moved_in(body.inset_of(document)).drawing
+        drawing: Sketch = kind.body(document).moved_in(document)[1].drawing
         return built.restraints.drawn(drawing) if built.restraints else drawing
     if not hasattr(kind, "sketch"):
         raise document.fault("kind", f"{word}, which states no geometry to draw", f"one of {', '.join(KINDS[:-1])}")

@@ -4,8 +4,6 @@ lambda is the least uplift acceleration of all admissible mechanisms. The other 
 its unstable equilibrium (Eqs. 3.5-3.9).
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from itertools import pairwise

@@ -1,7 +1,5 @@
 """The rigid rectangular block (Fig. 1 left, Eqs. 2.1-2.6)."""
 
-from __future__ import annotations
-
 from ...documents.document import Document
 from ..mechanics.single_body import RigidBody, radius_and_alpha, rectangle_body
 

@@ -1,7 +1,5 @@
 """A solid of revolution on the edge of its base circle: a cylinder, a frustum of a cone, or a stack of drums."""
 
-from __future__ import annotations
-
 from ...documents.document import Document
 from ..mechanics.single_body import RigidBody
 from ..mechanics.stacked_pieces import round_piece, stacked

@@ -6,13 +6,11 @@ With gamma = mass of the beam / mass of all columns, the frame rocks as one bloc
     p_hat = p sqrt((1 + 2 gamma)/(1 + 3 gamma)),   eta = (1 - 3/2 sin^2 alpha + 3 gamma cos 2 alpha)/(1 + 3 gamma)
 """
 
-from __future__ import annotations
-
 import math
 from functools import partial
 
 from ...documents.document import Document
-from ..mechanics.single_body import EqualEdges, RigidBody, radius_and_alpha
+from ..mechanics.single_body import RigidBody, equal_edges, radius_and_alpha
 from ..sketch import Sketch, rectangle, turned
 
 REPORTS = ("cap_ratio",)
@@ -38,8 +36,8 @@ def _frame(drawn: int, gamma: float, radius: float, alpha: float, inset: float =
     # The mass of the beam moves on the diagonal 2 R: it adds 2 gamma to M R and 4 gamma to I/(M R^2).
     inertia, share = (whole + 4.0 * gamma) / (1.0 + 2.0 * gamma), 4.0 / whole * gamma
     eta = (1.0 - 2.0 / whole * math.sin(alpha) ** 2 + share * math.cos(2.0 * alpha)) / (1.0 + share)
-    return EqualEdges(
-        radius=radius, alpha=alpha, inertia=inertia, eta=eta, whole=False, limit="more slender columns", details={"cap_ratio": gamma},
+    return equal_edges(
+        radius, alpha, inertia, eta=eta, whole=False, limit="more slender columns", details={"cap_ratio": gamma},
         drawing=drawing, again=again, share=(1.0 + 2.0 * gamma) / (1.0 + gamma),
     )  # fmt: skip
 

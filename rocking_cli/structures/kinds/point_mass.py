@@ -1,11 +1,9 @@
 """A point mass on rigid struts (Fig. 1 right): p^2 = g/R1, eta = 1 - 2 sin^2 alpha."""
 
-from __future__ import annotations
-
 import math
 
 from ...documents.document import Document
-from ..mechanics.single_body import EqualEdges, RigidBody, radius_and_alpha
+from ..mechanics.single_body import RigidBody, equal_edges, radius_and_alpha
 from ..sketch import circle, rocker
 
 REPORTS = ()
@@ -19,4 +17,4 @@ def body(document: Document) -> RigidBody:
     half, mass = radius * math.sin(alpha), (0.0, radius * math.cos(alpha))
     feet = (-half, 0.0), (half, 0.0)
     drawing = rocker([(feet[0], mass), (feet[1], mass), circle(mass, 0.05 * radius)], *feet, mass)
-    return EqualEdges(radius=radius, alpha=alpha, inertia=1.0, limit="a point mass with alpha up to 45 deg", drawing=drawing)
+    return equal_edges(radius, alpha, 1.0, limit="a point mass with alpha up to 45 deg", drawing=drawing)

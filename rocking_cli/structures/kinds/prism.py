@@ -3,8 +3,6 @@
 An unsymmetric section has two sides. A one-sided block hits its backing at its highest corner, the leftmost of several.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from itertools import combinations, pairwise

@@ -1,7 +1,5 @@
 """A rigid body with known edges, mass centre and moment of inertia."""
 
-from __future__ import annotations
-
 import math
 
 from ...documents.document import Document

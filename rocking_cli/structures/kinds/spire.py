@@ -6,8 +6,6 @@ above it rocks; a mirrored crack opens in the other direction. The paper gives E
 equations for the crack.
 """
 
-from __future__ import annotations
-
 import itertools
 import math
 from typing import Any, NamedTuple

@@ -1,7 +1,5 @@
 """A stack of round and rectangular pieces, such as a statue on its plinth, drums under a capital, or a finial on a gable."""
 
-from __future__ import annotations
-
 from ...documents.document import Document
 from ..mechanics.moments import Moments
 from ..mechanics.single_body import RigidBody

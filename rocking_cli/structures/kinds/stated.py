@@ -1,7 +1,5 @@
 """Rocking parameters stated directly, as `rocking params --json` prints them for every kind."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

@@ -1,7 +1,5 @@
 """A wall that rocks out of its plane, as a block as wide as the wall is thick; without openings and without bonded walls."""
 
-from __future__ import annotations
-
 import math
 
 from ...documents.document import Document

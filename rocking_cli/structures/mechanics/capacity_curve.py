@@ -8,8 +8,6 @@ The control point is the mass centre of all that moves. So d = d_C sum P delta_x
 weight of a body acts at its mass centre: e* = 1 for one body, and an arch has three weights, those of its links.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from typing import Any, NamedTuple

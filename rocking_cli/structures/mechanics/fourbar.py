@@ -5,8 +5,6 @@ which lie on the intrados, extrados, intrados, extrados. Link A-B turns by phi, 
 (+x). The parts outside A and D do not move.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property, partial

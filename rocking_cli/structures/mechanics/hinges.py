@@ -8,8 +8,6 @@ bounds are equal where four hinges govern: the thrust through the hinges then st
 arches, whose joints open over their whole depth.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from itertools import pairwise, product
 

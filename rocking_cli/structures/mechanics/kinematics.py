@@ -8,8 +8,6 @@ One coordinate phi >= 0 moves rigid links; phi = 0 at rest. With the velocity fi
 A new mechanism is a class with the methods of `Mechanism`. A single rigid body has closed forms (`single_body`).
 """
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple, Protocol
 
 from ...errors import StructureError

@@ -13,15 +13,15 @@ e = eta_right eta_left (I_G + m r_L.r_T) / (I_G + m r_T^2) (Sorrentino et al. 20
 from __future__ import annotations
 
 import math
-from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import Any, NamedTuple
 
 from ...documents.document import Document
 from ..parameters import RockingParameters, Side
 from ..shared_keys import gravity_of, mass_of, one_sided_restitution_of, restitution_of
-from ..sketch import Point, Sketch, rectangle, rocker
+from ..sketch import Point, Sketch, rectangle, redrawn, rocker
 from .moments import Moments, spin_about
 
 
@@ -41,30 +41,30 @@ class Edge(NamedTuple):
 
 
 @dataclass(frozen=True, kw_only=True)
-class RigidBody(ABC):
+class RigidBody:
     """A rigid body as its kind reads it from a document.
-    limit: states for which bodies the momentum model holds; drawing: its geometry; top: (x, z) [m] from the middle of the base of the
-    impact point on a backing, and backing: the factor of this impact, None if the geometry does not define them; again: the body with its
-    pivots inside the edges by a length [m], if `_moved_in` does not hold; crown: height [m], None for that of the drawing; share: m g R of
-    the parts over mass g R [-]; details: as in `RockingParameters`."""
+    edges: (left edge, right edge) under a gravity [m/s2]; reach: the least horizontal distance from an edge to the mass centre [m]; again:
+    the body with its pivots inside the edges by a length [m]; limit: states for which bodies the momentum model holds; drawing: its
+    geometry; radius: R of two equal edges [m]; top: (x, z) [m] from the middle of the base of the impact point on a backing, and backing:
+    the factor of this impact, None if the geometry does not define them; crown: height [m], None for that of the drawing; share: m g R of
+    the parts over mass g R [-]; details: as in `RockingParameters`, leaning: those of a body whose edges may differ."""
 
+    edges: Callable[[float], tuple[Edge, Edge]]
+    reach: float
+    again: Callable[[float], RigidBody]
     limit: str
     drawing: Sketch
+    radius: float | None = None
     top: Point | None = None
     backing: float | None = None
-    again: Callable[[float], RigidBody] | None = None
     crown: float | None = None
     share: float = 1.0
     details: Mapping[str, Any] = field(default_factory=dict)
-
-    @abstractmethod
-    def edges(self, gravity: float) -> tuple[Edge, Edge]:
-        """The parameters on the left edge and on the right edge; gravity [m/s2]."""
+    leaning: Mapping[str, Any] = field(default_factory=dict)
 
     def parameters(self, document: Document, name: str) -> RockingParameters:
         """The rocking parameters, with gravity, restitution, sides, mass and inset of the document. Raises DocumentError."""
-        inset, gravity, mass = self.inset_of(document), gravity_of(document), mass_of(document)
-        body = self.moved_in(inset)
+        (inset, body), gravity, mass = self.moved_in(document), gravity_of(document), mass_of(document)
         details = dict(body.details)
         if mass is not None:
             details["mass"] = mass
@@ -80,7 +80,7 @@ class RigidBody(ABC):
         else:
             eta_left, source = restitution_of(document, left.eta, body.limit)
             eta_right, _ = restitution_of(document, right.eta, body.limit)
-            details |= body.direction()
+            details |= body.leaning
             sides = left.side("left", eta_left), right.side("right", eta_right)
             found = RockingParameters.of_sides(**more, left=sides[0], right=sides[1], eta_source=source)
         if not [key for key in ("ties", "tendon", "dampers") if document.has(key)]:
@@ -89,13 +89,16 @@ class RigidBody(ABC):
 
         (_, (x_left, level)), *_, (_, (x_right, _)) = body.drawing.pivots
         z = [z for outline in (*body.drawing.still, *body.drawing.bodies) for _, z in outline]
-        geometry = {
-            "crown": body.crown or max(z) - min(z),
-            "level": level - min(z),
-            "inset": inset,
-            "width": x_right - x_left + 2.0 * inset,
-        }
-        return restrained(document, found, **geometry, radius=getattr(body, "radius", None), share=body.share)
+        crown, width = body.crown or max(z) - min(z), x_right - x_left + 2.0 * inset
+        return restrained(
+            document, found, crown=crown, level=level - min(z), inset=inset, width=width, radius=body.radius, share=body.share
+        )
+
+    def moved_in(self, document: Document) -> tuple[float, RigidBody]:
+        """The document's inset, how far the pivots lie inside the edges [m], 0 by default, and the body on them. Raises DocumentError."""
+        where = f"a length from 0 to below {self.reach:g} m, beyond which the mass centre is not above the base"
+        inset = document.quantity("inset", "length", least=0.0, below=self.reach, where=where, default=0.0)
+        return inset, self.again(inset) if inset else self
 
     def _top_arms(self) -> tuple[float, ...]:
         """The distances from the left and the right edge to the farthest point of the top [m]; empty if the geometry defines no top."""
@@ -104,116 +107,61 @@ class RigidBody(ABC):
         top = [point for point in points if highest - point[1] <= 1e-9 * highest]
         return tuple(max(math.dist(pivot, point) for point in top) for _, pivot in self.drawing.pivots if top)
 
-    def direction(self) -> dict[str, str]:
-        """The edge over which the body falls, if its edges may differ."""
-        return {}
 
-    def inset_of(self, document: Document) -> float:
-        """The document's inset, how far the pivots lie inside the edges [m], 0 by default. Raises DocumentError."""
-        where = f"a length from 0 to below {self.reach:g} m, beyond which the mass centre is not above the base"
-        return document.quantity("inset", "length", least=0.0, below=self.reach, where=where, default=0.0)
-
-    def moved_in(self, inset: float) -> RigidBody:
-        """The body with its pivots inside the edges [m]."""
-        return self if inset == 0.0 else self.again(inset) if self.again else self._moved_in(inset)
-
-    @property
-    @abstractmethod
-    def reach(self) -> float:
-        """The least horizontal distance from an edge to the mass centre [m]."""
-
-    @abstractmethod
-    def _moved_in(self, inset: float) -> RigidBody: ...
-
-    def _redrawn(self, inset: float) -> Sketch:
-        drawn = self.drawing
-        assert drawn.centre is not None
-        (_, left), (_, right) = drawn.pivots
-        return rocker(drawn.bodies, left, right, drawn.centre, inset=inset, still=drawn.still, hollows=drawn.hollows, lines=drawn.lines)
-
-
-@dataclass(frozen=True, kw_only=True)
-class EqualEdges(RigidBody):
+def equal_edges(
+    radius: float, alpha: float, inertia: float, *, drawing: Sketch, eta: float | None = None, whole: bool = True, **more: Any
+) -> RigidBody:
     """A rigid body with equal edges: p^2 = M g R/I_P, lambda = tan alpha (Eq. 2.2), a_scale = 1 (Eq. 2.4).
     radius: R, from the edge to the mass centre [m]; alpha [rad]; inertia: I_P/(M R^2) about the edge [-]; eta: from angular momentum, by
     default 1 - (M R^2/I_P)(1 - cos 2 alpha) (Eqs. 2.6, 3.3); whole: true if the same body rocks on both edges, so that its ground forces
-    are known."""
+    are known; more: the other fields of the body."""
+    half, z = radius * math.sin(alpha), radius * math.cos(alpha)
+    momentum, arm = 1.0 - 2.0 * math.sin(alpha) ** 2 / inertia if eta is None else eta, radius if whole else None
 
-    radius: float
-    alpha: float
-    inertia: float
-    eta: float | None = None
-    whole: bool = True
+    def edges(gravity: float) -> tuple[Edge, Edge]:
+        edge = Edge(math.sqrt(gravity / (radius * inertia)), alpha, math.tan(alpha), momentum, arm)
+        return edge, edge
 
-    def edges(self, gravity: float) -> tuple[Edge, Edge]:
-        """The same parameters twice."""
-        eta = 1.0 - 2.0 * math.sin(self.alpha) ** 2 / self.inertia if self.eta is None else self.eta
-        p, arm = math.sqrt(gravity / (self.radius * self.inertia)), self.radius if self.whole else None
-        return (Edge(p, self.alpha, math.tan(self.alpha), eta, arm),) * 2
+    def again(inset: float) -> RigidBody:
+        moments = Moments(1.0, 0.0, z, (inertia - 1.0) * radius**2 + z * z)
+        kept = {key: more[key] for key in ("top", "limit", "details", "crown") if key in more}
+        return symmetric_body(moments, half - inset, drawing=redrawn(drawing, inset), **kept)
 
-    @property
-    def reach(self) -> float:
-        """Half the width of the base."""
-        return self.radius * math.sin(self.alpha)
-
-    def _moved_in(self, inset: float) -> RigidBody:
-        half, z = self.reach - inset, self.radius * math.cos(self.alpha)
-        polar = (self.inertia - 1.0) * self.radius**2 + z * z
-        moved = symmetric_body(Moments(1.0, 0.0, z, polar), half, top=self.top, limit=self.limit, drawing=self._redrawn(inset))
-        return replace(moved, details=self.details, crown=self.crown)
+    return RigidBody(**{"again": again, **more}, edges=edges, reach=half, drawing=drawing, radius=radius)
 
 
-@dataclass(frozen=True, kw_only=True)
-class TwoEdges(RigidBody):
-    """A rigid body on the edges (-half, 0) and (half, 0) [m]."""
-
-    moments: Moments
-    half: float
-
-    def edges(self, gravity: float) -> tuple[Edge, Edge]:
-        """As `edges_of`."""
-        return edges_of(self.moments, self.half, gravity)
-
-    @property
-    def reach(self) -> float:
-        """That of the nearer edge."""
-        return self.half - abs(self.moments.x / self.moments.mass)
-
-    def _moved_in(self, inset: float) -> RigidBody:
-        half = self.half - inset
-        backing = _against_backing(self.moments, half, self.top)
-        return replace(self, half=half, backing=backing, drawing=self._redrawn(inset))
-
-    def direction(self) -> dict[str, str]:
-        """The side of the mass centre."""
-        return {"direction": "over the left edge" if self.moments.x < 0.0 else "over the right edge"}
-
-
-def rectangle_body(radius: float, alpha: float, **more: Any) -> EqualEdges:
+def rectangle_body(radius: float, alpha: float, **more: Any) -> RigidBody:
     """A rectangle of half diagonal `radius` [m]: p^2 = 3g/(4R), eta = 1 - 3/2 sin^2 alpha; `more`: other fields of the body. One-sided, it
     hits its backing at its top: e = (1 - 3/2 sin^2 alpha)^2 (1 - 3/2 cos^2 alpha)."""
     half, z = radius * math.sin(alpha), radius * math.cos(alpha)
     drawing = rocker([rectangle(-half, half, 0.0, 2.0 * z)], (-half, 0.0), (half, 0.0), (0.0, z))
     backing = 1.0 - 1.5 * math.cos(alpha) ** 2
-    top = (-half, 2.0 * z)
-    return EqualEdges(radius=radius, alpha=alpha, inertia=4.0 / 3.0, top=top, backing=backing, drawing=drawing, **more)
+    return equal_edges(radius, alpha, 4.0 / 3.0, top=(-half, 2.0 * z), backing=backing, drawing=drawing, **more)
 
 
-def symmetric_body(moments: Moments, half: float, *, top: Point | None = None, **more: Any) -> EqualEdges:
+def symmetric_body(moments: Moments, half: float, *, top: Point | None = None, **more: Any) -> RigidBody:
     """A body on its right edge (half, 0) [m]; the body that rocks on the left edge is its mirror image. top: (x, z) [m] of the impact point
-    on a backing, None if the geometry does not define it; more: the other fields of the body."""
+    on a backing, None if the geometry does not define it; more: the other arguments of `equal_edges`."""
     right, z = half - moments.x / moments.mass, moments.z / moments.mass
     radius = math.hypot(right, z)
     inertia, alpha = moments.about(half, 0.0) / (moments.mass * radius**2), math.atan2(right, z)
-    return EqualEdges(radius=radius, alpha=alpha, inertia=inertia, top=top, backing=_against_backing(moments, half, top), **more)
+    return equal_edges(radius, alpha, inertia, top=top, backing=_against_backing(moments, half, top), **more)
 
 
-def body_on_edges(moments: Moments, half: float, *, top: Point | None = None, **more: Any) -> RigidBody:
+def body_on_edges(moments: Moments, half: float, *, drawing: Sketch, top: Point | None = None, **more: Any) -> RigidBody:
     """A body that rocks as a whole on the edges (-half, 0) and (half, 0) [m]; arguments as for `symmetric_body`."""
     if abs(moments.x) <= 1e-13 * math.sqrt(moments.mass * moments.polar):  # the offset is rounding
         moments = moments._replace(x=0.0)
-        return symmetric_body(moments, half, top=top, eta=edges_of(moments, half, 1.0)[1].eta, **more)
-    return TwoEdges(moments=moments, half=half, top=top, backing=_against_backing(moments, half, top), **more)
+        return symmetric_body(moments, half, top=top, eta=edges_of(moments, half, 1.0)[1].eta, drawing=drawing, **more)
+
+    def again(inset: float) -> RigidBody:
+        return body_on_edges(moments, half - inset, drawing=redrawn(drawing, inset), top=top, **more)
+
+    return RigidBody(
+        **{"again": again, **more}, edges=partial(edges_of, moments, half), reach=half - abs(moments.x / moments.mass), drawing=drawing,
+        top=top, backing=_against_backing(moments, half, top),
+        leaning={"direction": "over the left edge" if moments.x < 0.0 else "over the right edge"},
+    )  # fmt: skip
 
 
 def edges_of(body: Moments, half: float, gravity: float) -> tuple[Edge, Edge]:

@@ -4,8 +4,6 @@ A stack rocks on the interface with the least uplift acceleration, and the piece
 offset, for example after an earthquake; the edges are then the ends of the overlap with the piece below.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from functools import partial
