@@ -33,7 +33,9 @@ def check(
         "--sort", type=click.Choice(["capacity"]), help="Sort the rows: the weakest first, structures that never overturn last."
     ),
     fail_on: str | None = option(
-        "--fail-on", type=click.Choice(["overturning"]), help="Exit code 5 if a structure overturns or loses contact."
+        "--fail-on",
+        type=click.Choice(["overturning"]),
+        help="Exit code 5 if a structure overturns or loses contact, one with unequal sides in either direction.",
     ),
     output: Path | None = options.output(help="Draw the capacities: .png, .svg or .pdf."),
     overwrite: bool = options.overwrite(),
@@ -53,7 +55,7 @@ def check(
     """
     from ..dynamics.outcome import Outcome
     from ..envelopes.capacity import narrowest
-    from ..responses.check import CHECK_COLUMNS, OLD_COLUMNS, verdicts, would_fall
+    from ..responses.check import CHECK_COLUMNS, OLD_COLUMNS, outcome_alone, verdicts
 
     files, shaken = asked.several(files)
     ends = [end.of(shaken) for end in asked.ends()]
@@ -84,10 +86,11 @@ def check(
         if both := [s.name for s in structures if has_direction(s)]:
             note(f"both signs of each azimuth, because the sides differ: {', '.join(both)}")
     if ends:
-        from ..envelopes.worst import at_worst_frequency
+        from ..envelopes.worst import at_worst_frequencies
 
         motion, low, high = *shakes[0], ends[1].shakes[0][1]
-        worst = [at_worst_frequency(structure, motion, low, high, a_max) for structure in structures]
+        searched = ProgressLine("frequencies", "structures")
+        worst = at_worst_frequencies(structures, motion, low, high, a_max, workers=workers, progress=searched)
         demands = [(structure, motion, grid) for structure, (grid, _) in zip(structures, worst, strict=True)]
         shakes, beside = [(motion, low), (motion, high)], [{"worst_f_g": frequency} for _, frequency in worst]
     if by_code:
@@ -120,18 +123,24 @@ def check(
     ground.note_governing(structures, shakes[0][1].dimensionless)
     for line in (*_remarks(told), *(by_code.said() if by_code else ())):
         note(line)
-    if azimuths is None and (sided := [(s, motion.scaled(-1.0), grid) for s, motion, grid in demands if s.one_sided or s.sides]):
-        fallen = dict.fromkeys(demand[0].name for demand in sided if would_fall(*demand))
-        names, does = ", ".join(fallen or dict.fromkeys(s.name for s, _, _ in sided)), "overturns" if fallen else "does not overturn"
+    sided = [(s, motion.scaled(-1.0), grid) for s, motion, grid in demands if azimuths is None and (s.one_sided or s.sides)]
+    if sided and ends:  # the worst frequency of the opposite direction is another one
+        worst = at_worst_frequencies([s for s, _, _ in sided], sided[0][1], low, high, a_max, workers=workers, progress=searched)
+        sided = [(s, motion, grid) for (s, motion, _), (grid, _) in zip(sided, worst, strict=True)]
+    opposite = [(demand[0].name, outcome_alone(*demand)) for demand in sided]
+    if opposite:
+        fallen = dict.fromkeys(name for name, outcome in opposite if outcome.falls)
+        names, does = ", ".join(fallen or dict.fromkeys(name for name, _ in opposite)), "overturns" if fallen else "does not overturn"
         note(f"the opposite direction (--scale -1), another one for unequal sides: {does} {names}")
     if not (verdict_only or is_quiet()) and (remark := _of_an_inset(told, demands, a_max)):
         note(remark)
     width = " or ".join(dict.fromkeys(narrowest(shake) for shake, _ in shakes))
     if not verdict_only:
         note(f"intervals narrower than {width} may be missed, except around the demand")
-    if fail_on and any(v.falls for v in told):
+    outcomes = [*(v.outcome for v in told), *(outcome for _, outcome in opposite)]
+    if fail_on and any(outcome.falls for outcome in outcomes):
         return 5
-    return 4 if lost or shaken.unread or any(v.outcome == Outcome.FAILED for v in told) else 0
+    return 4 if lost or shaken.unread or Outcome.FAILED in outcomes else 0
 
 
 def _in_g(asked: str) -> bool:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Sequence
+from functools import partial
 
 import numpy as np
 
@@ -11,9 +13,10 @@ from ..dynamics.outcome import safe
 from ..dynamics.response import response
 from ..motions import Motion
 from ..motions.grid import Axis, Grid
+from ..processes import available_cpus
 from ..structures.parameters import RockingParameters
 from .capacity import capacity
-from .intervals import A_MAX, trace_envelope
+from .intervals import A_MAX, in_turn, trace_envelope
 from .limit import Limit, limit_of
 
 _RATIO = 1.04  # of neighbouring frequencies of the scan; narrower minima may be missed
@@ -38,6 +41,21 @@ def at_worst_frequency(
     omega = _worst(structure, motion, amplitude, (min(begin, end), max(begin, end)), method, most)
     axis = Axis("Omega", np.array([omega])) if low.dimensionless else Axis("omega_g", np.array([omega * structure.p]))
     return Grid(low.amplitude, axis), omega * structure.p / math.tau
+
+
+def at_worst_frequencies(
+    structures: Sequence[RockingParameters], motion: Motion, low: Grid, high: Grid, a_max: float | Limit | None = A_MAX, *,
+    workers: int | None = None, progress: Callable[[int, int], None] | None = None,
+) -> list[tuple[Grid, float]]:  # fmt: skip
+    """`at_worst_frequency` of each structure. workers: processes that share the structures, None for all cores; progress: called with the
+    structures done and all of them. Raises UsageError, OutputError when a worker process dies."""
+    search = partial(at_worst_frequency, motion=motion, low=low, high=high, a_max=a_max)
+    found = []
+    for one in in_turn(search, structures, min(workers or available_cpus(), len(structures))):
+        found.append(one)
+        if progress:
+            progress(len(found), len(structures))
+    return found
 
 
 def _worst(

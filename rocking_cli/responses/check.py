@@ -144,10 +144,13 @@ def check(
     return _judged(structure, *demand_of(motion, shaking), a_max, None, progress)
 
 
-def would_fall(structure: RockingParameters, motion: Motion, shaking: Grid) -> bool:
-    """True if a demand overturns a body, lifts it off the ground, or leaves it leaning."""
+def outcome_alone(structure: RockingParameters, motion: Motion, shaking: Grid) -> Outcome:
+    """The outcome that the verdict of `check` has."""
     _, _, amplitude, omega, method, _ = _sought(structure, motion, shaking, 0.0)
-    return Outcome(int(_respond(method, structure, motion, np.array([amplitude]), omega).outcome[0])).falls
+    outcome = Outcome(int(_respond(method, structure, motion, np.array([amplitude]), omega).outcome[0]))
+    if outcome != Outcome.ROCKED:
+        return outcome
+    return Outcome.LOST_CONTACT if _lifts_off(_of_history(method, structure, motion, shaking)) else outcome
 
 
 def first_overturning(structure: RockingParameters, motion: Motion, shaking: Grid, a_max: float, near: float) -> float | None:
@@ -191,7 +194,7 @@ def _judged(
     done(2, _STAGES)
     asked = _of_history(method, structure, motion, shaking)
     done(_STAGES, _STAGES)
-    lifted_off = outcome == Outcome.ROCKED and (asked.get("fz_min", 1.0) or 0.0) <= 0.0
+    lifted_off = outcome == Outcome.ROCKED and _lifts_off(asked)
     near = beside[falls] if stands[0] and a_max is not None else beside[:0]
 
     def acceleration(*a: float | None) -> float | None:
@@ -300,6 +303,11 @@ def _of_history(method: Method, structure: RockingParameters, motion: Motion, sh
         return top
     asked = found.forces[method.model].demands
     return top | {"friction_needed": asked.friction.friction if np.isfinite(asked.friction.friction) else None, "fz_min": asked.fz_min}
+
+
+def _lifts_off(asked: dict[str, Any]) -> bool:
+    """True if the history of `_of_history` loses the ground."""
+    return (asked.get("fz_min", 1.0) or 0.0) <= 0.0
 
 
 def _respond(method: Method, structure: RockingParameters, motion: Motion, amplitude: np.ndarray, omega: float) -> Response:

@@ -234,6 +234,8 @@ def test_the_worst_frequency_of_a_range_is_exact(rocking, stated):
         assert row["first_overturning_a"] <= least * (1.0 + 1e-9)
         there = rocking("check", stated, "--a-g", "0.1g", "--f-g", repr(row["worst_f_g"]), *motion, "--json").record
         assert {**there, "worst_f_g": row["worst_f_g"]} == row
+    both = rocking("check", stated, "block:0.5x2", "--a-g", "0.1g", *shaking, "--a-max", "4", "--workers", "2", "--json").records
+    assert (both[0], both[1]["structure"]) == (row, "block:0.5x2")
     assert "demand: a_g 0.981 m/s2 = 0.1 g, f_g 0.71429 to 2.5 Hz" in done.stderr
     assert "worst_f_g [Hz]" in rocking("check", stated, "--a-g", "0.1g", "--f-g", "0.7:3").stdout
 
@@ -253,6 +255,11 @@ def test_the_opposite_direction_of_a_body_with_one_side_is_told(rocking):
     call = ("check", "block:0.5x2,one_sided=true", "--a-g", "0.6g", "--f-g", "1", "--verdict-only")
     there, opposite = (rocking(*call, *more, "--json") for more in ((), ("--scale", "-1")))
     outcomes = [done.record["outcome"].startswith("overturned") for done in (there, opposite)]
+    assert sorted(outcomes) == [False, True]
+    for more in ((), ("--scale", "-1")):
+        assert rocking(*call, *more, "--fail-on", "overturning").returncode == 5
     for done, falls in zip((there, opposite), reversed(outcomes), strict=True):
         assert f"unequal sides: {'overturns' if falls else 'does not overturn'} block:0.5x2" in done.stderr
     assert "opposite" not in rocking("check", "block:0.5x2", *call[2:]).stderr
+    ranged = rocking(*call[:4], "--f-g", "1:3", "--verdict-only", "--scale", "-1", "--fail-on", "overturning")
+    assert (ranged.returncode, "unequal sides: overturns block:0.5x2" in ranged.stderr) == (5, True)
