@@ -301,8 +301,8 @@ def _of_history(method: Method, structure: RockingParameters, motion: Motion, sh
     top: dict[str, Any] = {"top_displacement": found.top_displacement(method.model), **({"devices": devices} if devices else {})}
     if structure.arm is None or devices:
         return top
-    asked = found.forces[method.model].demands
-    return top | {"friction_needed": asked.friction.friction if np.isfinite(asked.friction.friction) else None, "fz_min": asked.fz_min}
+    asked = found.forces[method.model].summary("tau", 1.0)
+    return top | {key: asked[key] for key in ("friction_needed", "fz_min")}
 
 
 def _lifts_off(asked: dict[str, Any]) -> bool:

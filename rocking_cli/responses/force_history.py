@@ -16,9 +16,9 @@ the primes those of the other edge; their ratio is the friction that the impact 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from functools import cached_property, partial
+from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -27,7 +27,7 @@ from ..dynamics.body import FAR
 from ..dynamics.outcome import Outcome
 from ..errors import UsageError
 from ..motions.blocks import blocks
-from ..structures.parameters import RockingParameters, Side
+from ..structures.parameters import RockingParameters
 from .chebyshev import Extent, extent, first_below
 from .ground_history import Ground
 from .history import LATE, Event, History
@@ -126,54 +126,41 @@ class Edge(NamedTuple):
     eta: float
 
 
-@dataclass(frozen=True)
-class Body:
-    """A rigid body on its edges, as its forces need it; p of the edge that lifts first, whose tau a history runs in."""
-
-    right: Edge
-    left: Edge
-    p: float
-    one_sided: bool
-
-    @classmethod
-    def of(cls, structure: RockingParameters) -> Body:
-        """Raises UsageError if the structure is no rigid body, or if its mass centre is not known."""
-        if structure.arm is None:
-            raise UsageError(
-                f"{structure.name}: forces need one rigid body on its edges, and arm, the distance of its mass centre from them"
-            )
-        sides: list[Side | RockingParameters] = [*reversed(structure.sides)] or [structure, structure]
-        edges = []
-        for side in sides:
-            if side.arm is None:
-                raise UsageError(f"{structure.name}: forces need arm, the distance of the mass centre, of both edges")
-            edges.append(Edge(side.alpha, kappa(side.p, side.arm, structure.gravity), side.arm, side.p, side.eta))
-        return cls(edges[0], edges[1], structure.p, structure.one_sided)
-
-    def on(self, side: float) -> Edge:
-        """The edge of a side, +1 right or -1 left."""
-        return self.right if side > 0.0 else self.left
-
-    def impulses(self, event: Event) -> Impulses | None:
-        """The impulses of an impact; None of a one-sided body, whose backing bears a part that nobody knows."""
-        if self.one_sided:
-            return None
-        here, there = self.on(event.side), self.on(-event.side)
-        w = abs(event.rate) * here.alpha  # by tau of the history
-        scale = w * here.kappa * (self.p / here.p) ** 2 / here.arm
-        across = here.arm * math.cos(here.alpha) * (1.0 - here.eta)
-        return Impulses(
-            event.side * scale * across, scale * (here.arm * math.sin(here.alpha) + here.eta * there.arm * math.sin(there.alpha))
-        )
+def edges_of(structure: RockingParameters) -> tuple[Edge, Edge]:
+    """The right and the left edge. Raises UsageError if the structure is no rigid body, or if its mass centre is not known."""
+    if structure.arm is None:
+        raise UsageError(f"{structure.name}: forces need one rigid body on its edges, and arm, the distance of its mass centre from them")
+    edges = []
+    for side in (*reversed(structure.sides),) or (structure, structure):
+        if side.arm is None:
+            raise UsageError(f"{structure.name}: forces need arm, the distance of the mass centre, of both edges")
+        edges.append(Edge(side.alpha, kappa(side.p, side.arm, structure.gravity), side.arm, side.p, side.eta))
+    return edges[0], edges[1]
 
 
 @dataclass(frozen=True)
 class ForceHistory:
-    """The forces of one response of a rigid body."""
+    """The forces of one response of a rigid body on its edges (right, left)."""
 
-    body: Body
+    structure: RockingParameters
+    edges: tuple[Edge, Edge]
     ground: Ground
     found: History
+
+    def edge(self, side: float) -> Edge:
+        """The edge of a side, +1 right or -1 left."""
+        return self.edges[side < 0.0]
+
+    def impulses(self, event: Event) -> Impulses | None:
+        """The impulses of an impact; None of a one-sided body, whose backing bears a part that nobody knows."""
+        if self.structure.one_sided:
+            return None
+        here, there = self.edge(event.side), self.edge(-event.side)
+        w = abs(event.rate) * here.alpha  # by tau of the history
+        scale = w * here.kappa * (self.structure.p / here.p) ** 2 / here.arm
+        across = here.arm * math.cos(here.alpha) * (1.0 - here.eta)
+        upwards = here.arm * math.sin(here.alpha) + here.eta * there.arm * math.sin(there.alpha)
+        return Impulses(event.side * scale * across, scale * upwards)
 
     def at(self, tau: Array) -> Forces:
         """Forces at times tau, arrays of one shape: after an impact or a jump where there is one; NaN after the end."""
@@ -202,23 +189,24 @@ class ForceHistory:
     def along(self, arc: Array, tau: Array) -> Forces:
         """The forces at times tau on these arcs, by index, each from end to end its own."""
         arcs = self.found.arcs
-        side, start, stop, pace = (x[arc] for x in (arcs.side, arcs.start, arcs.stop, arcs.pace))
-        point, equation = arcs.flow.take(arc).at((tau - start) * pace), self.found.equation.on(side)  # of which the rotation is linear in y
-        right, left = self.body.right, self.body.left
+        side, point = arcs.side[arc], arcs.points(arc, tau)
+        equation = self.found.equation.on(side)  # of which the rotation is linear in y
+        right, left = self.edges
         alpha, kappa = (np.where(side > 0.0, *pair) for pair in ((right.alpha, left.alpha), (right.kappa, left.kappa)))
         u, rate, bend = (alpha * equation.rotation(x) for x in (point.y, point.v, point.b))
-        return body_forces(kappa, alpha, side, u, rate, bend, *self.ground.during(0.5 * (start + stop), tau))
+        return body_forces(kappa, alpha, side, u, rate, bend, *self.ground.during(0.5 * (arcs.start[arc] + arcs.stop[arc]), tau))
 
-    def _on(self, arc: int) -> Callable[[Array], Forces]:
-        """The same as a function of tau on one arc."""
-        return lambda tau: self.along(np.full(tau.size, arc), tau)
+    def _on(self, arc: int, of: Callable[[Forces], Array]) -> tuple[Callable[[Array], Array], float, float]:
+        """(a function of the forces as a function of tau, both ends) of one arc."""
+        arcs = self.found.arcs
+        return lambda tau: of(self.along(np.full(tau.size, arc), tau)), float(arcs.start[arc]), float(arcs.stop[arc])
 
     @cached_property
     def _bounds(self) -> tuple[Array, Array, Array]:
         """(arcs, by index; the least that Fz and the most that |Fx|/Fz may come to on each): of 17 instants, and a twentieth more than they
         lie apart. A body that begins an arc too far is not looked at."""
         arcs = self.found.arcs
-        alpha = np.where(arcs.side > 0.0, self.body.right.alpha, self.body.left.alpha)
+        alpha = np.where(arcs.side > 0.0, self.edges[0].alpha, self.edges[1].alpha)
         arc = np.flatnonzero((arcs.stop > arcs.start) & (alpha * self.found.equation.on(arcs.side).rotation(arcs.flow.y) < FAR))
         low, high = np.empty(arc.size), np.empty(arc.size)
         for part in blocks(arc.size, _TOGETHER):
@@ -245,9 +233,9 @@ class ForceHistory:
         extremes."""
         if not high > low * (1.0 + 1e-12):
             return
-        across, up = (along(low, high)(np.array([low, high])) for along in (self.ground.along, self.ground.up_along))
-        for side in (1.0,) if self.body.one_sided else (1.0, -1.0):
-            edge, equation = self.body.on(side), self.found.equation.on(np.full(2, side))
+        across, up = self.ground.during(0.5 * (low + high), np.array([low, high]))
+        for side in (1.0,) if self.structure.one_sided else (1.0, -1.0):
+            edge, equation = self.edge(side), self.found.equation.on(np.full(2, side))
             drive = -side * across / (edge.alpha * equation.uplift_amplitude)
             bend = edge.alpha * equation.rotation(equation.force(np.zeros(2), drive, 1.0 + up))
             found = body_forces(edge.kappa, edge.alpha, side, np.zeros(2), np.zeros(2), bend, across, up)
@@ -260,12 +248,7 @@ class ForceHistory:
         rocking: list[Demand] = []
         least = (1.0, 0.0)  # Fz/(m g), tau
         for bounces, rests, lifts in self.rests():
-            lines = self.ground.lines(rests, lifts) if lifts > rests else None
-            if lines is not None:
-                stretches: Iterable[tuple[Extent, Extent]] = [lines]
-            else:
-                stretches = (self._resting(*ends) for ends in self.ground.cut(rests, lifts)) if lifts > rests else ()
-            for weight, ratio in stretches:
+            for weight, ratio in self.ground.extents(rests, lifts) if lifts > rests else ():
                 least = min(least, (weight.least, weight.at_least))
                 resting += self._leaning(ratio) if weight.least > 0.0 else [Demand(math.inf, weight.at_least)]
             for tau, (fx, fz) in self._lying(bounces, rests):
@@ -275,8 +258,7 @@ class ForceHistory:
         for i in np.argsort(lows, kind="stable").tolist():
             if lows[i] > max(least[0], 0.0):
                 break
-            arc = int(arcs[i])
-            low, at_low, *_ = extent(_vertical(self._on(arc)), *self._ends(arc))
+            low, at_low, *_ = extent(*self._on(int(arcs[i]), lambda forces: forces.fz))
             least = min(least, (low, at_low))
             if low <= 0.0:
                 rocking.append(Demand(math.inf, at_low))
@@ -284,15 +266,14 @@ class ForceHistory:
         for i in np.argsort(-highs, kind="stable").tolist():
             if highs[i] < most or math.isinf(most):
                 break
-            arc = int(arcs[i])
-            ratio = extent(_ratio(self._on(arc)), *self._ends(arc))
+            ratio = extent(*self._on(int(arcs[i]), lambda forces: forces.fx / forces.fz))
             rocking.append(max(Demand(-ratio.least, ratio.at_least), Demand(ratio.largest, ratio.at_largest)))
             most = max(most, rocking[-1].friction)
         lifting = [self._after(event) for event in self.found.events if event.event == "uplift"][:1]
         if self.found.outcome == Outcome.LOST_CONTACT:  # from a jump on there may be no weight, and none before it shows that
             least = min(least, (0.0, self.found.end))
             (rocking if lifting else resting).append(Demand(math.inf, self.found.end))
-        impacts = [Demand(j.friction, e.tau) for e in self.found.events if e.event == "impact" and (j := self.body.impulses(e))]
+        impacts = [Demand(j.friction, e.tau) for e in self.found.events if e.event == "impact" and (j := self.impulses(e))]
         worst = [max(group, default=None) for group in (resting, lifting, rocking, impacts)]
         return Demands(worst[0], worst[1], worst[2], worst[3], *least)
 
@@ -306,25 +287,15 @@ class ForceHistory:
             found += [tau for tau, (_, fz) in self._lying(bounces, rests) if fz <= 0.0]
         arcs, lows, _ = self._bounds
         for arc in arcs[lows <= 0.0].tolist():
-            low, high = self._ends(arc)
-            if low < min(found):
-                first = first_below(partial(_pressed, self._on(arc)), low, high, 1.0)
-                found += [] if first is None else [first]
+            pressed, low, high = self._on(arc, lambda forces: 1.0 + forces.fz)  # around 1 its series ends where Fz has a root
+            if low < min(found) and (first := first_below(pressed, low, high, 1.0)) is not None:
+                found.append(first)
         return min(found)
-
-    def _ends(self, arc: int) -> tuple[float, float]:
-        return float(self.found.arcs.start[arc]), float(self.found.arcs.stop[arc])
-
-    def _resting(self, start: float, stop: float) -> tuple[Extent, Extent]:
-        """The weight over m g, and the push over the weight while there is one, in a stretch at rest in which no piece ends."""
-        across, up = self.ground.along(start, stop), self.ground.up_along(start, stop)
-        weight = extent(lambda tau: 1.0 + up(tau), start, stop)
-        return weight, extent(lambda tau: across(tau) / (1.0 + up(tau)), start, stop) if weight.least > 0.0 else weight
 
     def _leaning(self, ratio: Extent) -> list[Demand]:
         """The largest demands of either sign of a body at rest, the push over the weight being in this extent."""
         demands = [Demand(max(0.0, -ratio.least), ratio.at_least)]
-        if not self.body.one_sided:
+        if not self.structure.one_sided:
             demands.append(Demand(max(0.0, ratio.largest), ratio.at_largest))
         return demands
 
@@ -336,15 +307,41 @@ class ForceHistory:
         fx, fz = (float(x[0]) for x in self.along(arc, self.found.arcs.start[arc]))
         return Demand(abs(fx) / fz if fz > 0.0 else math.inf, uplift.tau)
 
+    def event(self, event: Event, time: float) -> dict[str, float | None]:
+        """The columns at an event, before and after it, with the impulses of an impact [s, or of tau where `time` is 1]."""
+        before, after = self.around(event.tau)
+        impulses = self.impulses(event) if event.event == "impact" else None
+        return {
+            "fx_ratio": before.fx, "fz_ratio": before.fz, "fx_ratio_after": after.fx, "fz_ratio_after": after.fz,
+            "impulse_x": None if impulses is None else impulses.jx * time, "impulse_z": None if impulses is None else impulses.jz * time,
+        }  # fmt: skip
 
-def _vertical(forces: Callable[[Array], Forces]) -> Callable[[Array], Array]:
-    return lambda tau: forces(tau).fz
+    def summary(self, when: str, time: float) -> dict[str, Any]:
+        """The demands as a record; `when` names a time, `time` its unit by tau."""
+        asked, stated = self.demands, self.structure.friction
+        friction = asked.friction.friction if math.isfinite(asked.friction.friction) else None
+        return {
+            "friction_needed": friction,
+            "friction": friction,  # for this version
+            f"friction_{when}": asked.friction.tau * time,
+            "friction_impact": None if asked.impact is None or not math.isfinite(asked.impact.friction) else asked.impact.friction,
+            "fz_min": asked.fz_min,
+            f"fz_min_{when}": asked.fz_min_tau * time,
+            **({} if stated is None else {"slides": asked.slides(stated)}),
+        }
 
-
-def _pressed(forces: Callable[[Array], Forces], tau: Array) -> Array:
-    """1 + Fz/(m g): of a root of Fz, too, the series of this ends."""
-    return 1.0 + forces(tau).fz
-
-
-def _ratio(forces: Callable[[Array], Forces]) -> Callable[[Array], Array]:
-    return lambda tau: np.divide(*forces(tau))
+    def words(self) -> str:
+        """The demands, in a sentence."""
+        asked, s = self.demands, self.structure
+        friction, tau = asked.friction
+        text = f"least Fz {asked.fz_min:.6g} m g at {asked.fz_min_tau / s.p:.4g} s"
+        if not math.isfinite(friction):
+            return f"{text}, so no friction holds the base"
+        text += f", required friction {friction:.6g} at {tau / s.p:.4g} s"
+        if asked.impact is not None:
+            text += f" ({asked.impact.friction:.6g} in impacts)"
+        if s.friction is None:
+            return text
+        when = {None: "does not slide", "impact": "would slide at an impact", "rocking": "would slide while rocking"}
+        words = when.get(asked.slides(s.friction), "would slide before it rocks")
+        return f"{text}: with the friction {s.friction:g} of the document the base {words}"

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import cached_property, reduce
+from functools import cached_property, partial, reduce
 from itertools import pairwise
 
 import numpy as np
@@ -12,7 +12,7 @@ import numpy as np
 from ..motions.blocks import blocks
 from ..motions.motion import Motion
 from ..motions.polyline import Polyline
-from .chebyshev import Extent
+from .chebyshev import Extent, extent
 
 Array = np.ndarray
 
@@ -39,24 +39,9 @@ class Ground:
         stops /= self.omega
         return stops
 
-    def along(self, low: float, high: float) -> Callable[[Array], Array]:
-        """xg''/g as a function of tau on a stretch in which no piece ends: one closed form, from end to end."""
-        return self._of(self.motion, low, high)
-
-    def up_along(self, low: float, high: float) -> Callable[[Array], Array]:
-        """The same of zg''/g."""
-        return np.zeros_like if self.motion.vertical is None else self._of(self.motion.vertical, low, high)
-
-    def _of(self, motion: Motion, low: float, high: float) -> Callable[[Array], Array]:
-        at = int(np.searchsorted(self.stops, 0.5 * (low + high)))
-        if at >= self.stops.size:
-            return np.zeros_like
-        piece = motion.pieces[at]
-        return lambda tau: self.amplitude * piece.value(tau * self.omega)
-
-    def during(self, inside: Array, tau: Array) -> tuple[Array, Array]:
-        """(xg''/g, zg''/g) at times tau, each by the closed form of the piece in which the time `inside` lies."""
-        k = np.searchsorted(self.stops, inside)
+    def during(self, inside: Array | float, tau: Array) -> tuple[Array, Array]:
+        """(xg''/g, zg''/g) at times tau, each by the closed form of the piece in which the time `inside` lies, or all by that of one."""
+        k = np.broadcast_to(np.searchsorted(self.stops, inside), tau.shape)
         found = [np.zeros(tau.shape) for _ in range(2)]
         shaken = np.flatnonzero(k < self.stops.size)
         for values, signal in zip(found, self._signals, strict=False):
@@ -80,6 +65,23 @@ class Ground:
         """A stretch of time cut where pieces end."""
         first, last = self._between(low, high)
         yield from pairwise([low, *self.stops[first:last].tolist(), high])
+
+    def extents(self, low: float, high: float) -> Iterator[tuple[Extent, Extent]]:
+        """The extents of the weight over m g and of xg''/g over that weight, of a stretch of lines or of each piece of it; the latter means
+        nothing where there is no weight."""
+        if (lines := self.lines(low, high)) is not None:
+            yield lines
+            return
+        for a, b in self.cut(low, high):
+            middle = 0.5 * (a + b)
+            weight = extent(partial(self._weight, middle), a, b)
+            yield weight, extent(partial(self._ratio, middle), a, b) if weight.least > 0.0 else weight
+
+    def _weight(self, inside: float, tau: Array) -> Array:
+        return 1.0 + self.during(inside, tau)[1]
+
+    def _ratio(self, inside: float, tau: Array) -> Array:
+        return self.during(inside, tau)[0] / self._weight(inside, tau)
 
     def _between(self, low: float, high: float) -> tuple[int, int]:
         """The first piece that ends after `low`, and the first that does not end before `high`."""

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import math
 from array import array
-from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, NamedTuple
@@ -16,7 +15,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..dynamics.drive import drive_change
-from ..dynamics.equations.equation import Equation
+from ..dynamics.equations.equation import Equation, Point
 from ..dynamics.equations.taylor import TaylorSeries
 from ..dynamics.lanes import Lanes
 from ..dynamics.march.batch import MAX_STEPS
@@ -38,18 +37,9 @@ _KNOWN = (Outcome.ROCKED, Outcome.LEANING)  # outcomes with a largest rotation
 LATE = 1.0 + 1e-14  # of a time: what still belongs to the arc that ends there
 
 
-class Arc(NamedTuple):
-    """The motion between two times tau on one side, along one series; pace: tau of the side over tau of the history."""
-
-    start: float
-    stop: float
-    side: float
-    flow: TaylorSeries
-    pace: float
-
-
 class Arcs(NamedTuple):
-    """All arcs in the order of time, arrays (arcs,), and one series a lane."""
+    """All arcs in the order of time, arrays (arcs,): the motion between two times tau on one side, along one series, a lane of `flow`.
+    pace: tau of the side over tau of the history."""
 
     start: Array
     stop: Array
@@ -57,23 +47,15 @@ class Arcs(NamedTuple):
     flow: TaylorSeries
     pace: Array
 
-    def __len__(self) -> int:
-        return int(self.start.size)
-
-    def one(self, i: int) -> Arc:
-        """An arc."""
-        flow = self.flow.take(np.array([i]))
-        return Arc(float(self.start[i]), float(self.stop[i]), float(self.side[i]), flow, float(self.pace[i]))
-
-    def each(self) -> Iterator[Arc]:
-        """One after the other."""
-        return (self.one(i) for i in range(len(self)))
-
     def at(self, tau: Array) -> tuple[Array, Array]:
         """(the times, by index, at which an arc goes on, the arc of each of them)."""
         arc = np.searchsorted(self.start, tau, side="right") - 1
-        inside = np.flatnonzero((arc >= 0) & (tau <= self.stop.take(arc) * LATE)) if len(self) else np.zeros(0, dtype=np.int64)
+        inside = np.flatnonzero((arc >= 0) & (tau <= self.stop.take(arc) * LATE)) if self.start.size else np.zeros(0, dtype=np.int64)
         return inside, arc[inside]
+
+    def points(self, arc: Array, tau: Array) -> Point:
+        """y and its derivatives at times tau, each on an arc, by index."""
+        return self.flow.take(arc).at((tau - self.start[arc]) * self.pace[arc])
 
 
 class Event(NamedTuple):
@@ -111,7 +93,7 @@ class History:
             inside, arc = self.arcs.at(here)
             if inside.size:
                 side, pace = self.arcs.side[arc], self.arcs.pace[arc]
-                point = self.arcs.flow.take(arc).at((here[inside] - self.arcs.start[arc]) * pace)
+                point = self.arcs.points(arc, here[inside])
                 equation = self.equation.on(side)
                 ratio[part][inside] = side * equation.rotation(point.y)
                 rate[part][inside] = side * equation.rotation_rate(point.y, point.v) * pace
@@ -241,29 +223,28 @@ class _Writer:
     def _overturn(self, arcs: Arcs) -> None:
         """The last time at which the body passes the height to which it is followed; it may be many arcs before it is certain that it
         falls."""
-        i = len(arcs) - 1
+        i = arcs.start.size - 1
         fallen = self._fallen(float(arcs.side[i]))
         while i and arcs.flow.terms[0, i] >= fallen:
             i -= 1
-        arc = arcs.one(i)
+        start, length, arc = float(arcs.start[i]), float(arcs.stop[i] - arcs.start[i]), np.array([i])
         share = np.linspace(0.0, 1.0, 65)  # beyond it, and perhaps back within this arc
-        beyond = np.flatnonzero(arc.flow.take(np.zeros(65, dtype=np.int64)).at(share * ((arc.stop - arc.start) * arc.pace)).y >= fallen)
-        low, high = arc.start, arc.start + float(share[beyond[0]] if beyond.size else 1.0) * (arc.stop - arc.start)
+        beyond = np.flatnonzero(arcs.flow.take(np.full(65, i)).at(share * (length * arcs.pace[i])).y >= fallen)
+        low, high = start, start + float(share[beyond[0]] if beyond.size else 1.0) * length
         for _ in range(80):
             middle = 0.5 * (low + high)
-            passed = float(arc.flow.at(np.array([(middle - arc.start) * arc.pace])).y[0]) >= fallen
-            low, high = (low, middle) if passed else (middle, high)
-        point = arc.flow.at(np.array([(high - arc.start) * arc.pace]))
+            low, high = (low, middle) if arcs.points(arc, np.array([middle])).y[0] >= fallen else (middle, high)
+        point = arcs.points(arc, np.array([high]))
         if float(point.y[0]) >= fallen * (1.0 - 1e-9):
             self.events = [e for e in self.events if e.tau <= high]
-            self._note(high, "overturning", arc.side, float(point.y[0]), float(point.v[0]))
+            self._note(high, "overturning", float(arcs.side[i]), float(point.y[0]), float(point.v[0]))
 
     def _lose(self, arcs: Arcs, tau: float) -> None:
         """The instant from which the ground falls as fast as the body."""
         self.events = [e for e in self.events if e.tau <= tau]
         found = History(self.equation, arcs, (), tau, Outcome.LOST_CONTACT, math.nan)
         ratio, rate = (float(x[0]) for x in found.at(np.array([tau])))
-        self.events.append(Event(tau, LOST, ratio, rate, float(arcs.side[-1]) if len(arcs) else 1.0))
+        self.events.append(Event(tau, LOST, ratio, rate, float(arcs.side[-1]) if arcs.side.size else 1.0))
 
     def _rest(self, before: Lanes, after: Lanes) -> None:
         """The end of the bouncing, by the sum of its series, and the uplift after it."""

@@ -16,7 +16,7 @@ from ..errors import UsageError
 from ..motions import Motion, Piece
 from ..motions.grid import Grid, HasMotion, demand_of
 from ..structures.parameters import RockingParameters
-from .force_history import Body, Demands, ForceHistory
+from .force_history import ForceHistory, edges_of
 from .ground_history import Ground
 from .history import Event, History, history
 
@@ -80,14 +80,22 @@ class TimeHistory:
         return np.append(marks[marks < self.end], self.end)
 
     @cached_property
-    def forces(self) -> dict[str, ForceHistory]:
-        """The forces on the ground by each equation of motion, of a rigid body; of an arch see `arch_forces`. Raises UsageError."""
+    def forces(self) -> dict[str, ForceHistory | ArchHistory]:
+        """The forces by each equation of motion: of a rigid body on the ground, of an arch at its hinges and joints. Raises UsageError."""
         s = self.structure
         if any(found.devices for found in self.histories.values()):
             raise UsageError(f"{s.name}: found ties or a tendon; expected a body without them, whose forces on the ground are known")
         ground = Ground(self.motion, float(s.ground_acceleration(self.amplitude)) / s.gravity, self.omega)
-        body = Body.of(s)
-        return {model: ForceHistory(body, ground, found) for model, found in self.histories.items()}
+        if s.mechanism is not None:
+            from ..structures.mechanics.fourbar import FourBar
+            from .arch_history import ArchHistory
+
+            if isinstance(s.mechanism, FourBar):
+                if any(model != "nonlinear" for model in self.histories):
+                    raise UsageError(f"{s.name}: the forces in an arch follow from the nonlinear equation: give `model` nonlinear")
+                return {model: ArchHistory(s, ground, found) for model, found in self.histories.items()}
+        edges = edges_of(s)
+        return {model: ForceHistory(s, edges, ground, found) for model, found in self.histories.items()}
 
     def top_displacement(self, model: str) -> float | None:
         """The largest displacement of the top from its rest position [m]; None without a geometry, and if the body does not stand."""
@@ -124,20 +132,6 @@ class TimeHistory:
             ratio, rate = found.at(at)
             yield Event(lost, LOST, float(ratio[0]), float(rate[0]), float(found.sides(at)[0]))
 
-    @cached_property
-    def arch_forces(self) -> dict[str, ArchHistory]:
-        """The forces in an arch by Eq. 3.4; empty of what is none. Raises UsageError."""
-        from ..structures.mechanics.fourbar import FourBar
-        from .arch_history import ArchHistory
-
-        s = self.structure
-        if not isinstance(s.mechanism, FourBar):
-            return {}
-        if any(model != "nonlinear" for model in self.histories):
-            raise UsageError(f"{s.name}: the forces in an arch follow from the nonlinear equation: give `model` nonlinear")
-        ground = Ground(self.motion, float(s.ground_acceleration(self.amplitude)) / s.gravity, self.omega)
-        return {model: ArchHistory(s, ground, found) for model, found in self.histories.items()}
-
     def records(
         self, *, dt: float | None = None, steps: bool = False, dimensionless: bool = False, forces: bool = False
     ) -> Iterator[dict[str, Any]]:
@@ -157,8 +151,7 @@ class TimeHistory:
             columns[names[1] + suffix], columns[names[2] + suffix] = ratio * angle, rate * angle / time
             last |= {} if dimensionless else {f"theta_ratio{suffix}": ratio}
             if forces:
-                acting = self.arch_forces[model].columns(tau) if self.arch_forces else self.forces[model].columns(tau)
-                columns |= {name + suffix: values for name, values in acting.items()}
+                columns |= {name + suffix: values for name, values in self.forces[model].columns(tau).items()}
         columns |= {names[3]: ground if dimensionless else s.ground_acceleration(ground), **last}
         named = dict(zip(NAMED, (s.name, self.motion.name, " and ".join(self.histories)), strict=True))
         keys = list(columns)
@@ -180,11 +173,7 @@ class TimeHistory:
                     alpha = float(s.alpha_on(m.side))
                     row = {"t": m.tau / s.p, "theta": alpha * m.theta_ratio, "theta_dot": alpha * s.p * m.rate}
                 time = 1.0 if dimensionless else 1.0 / s.p
-                pushes: dict[str, Any] = {}
-                if forces and self.arch_forces:
-                    pushes = {name: _finite(x) for name, x in self.arch_forces[model].event(m).items()}
-                elif forces:
-                    pushes = _forces_at(self.forces[model], m, time)
+                pushes = self.forces[model].event(m, time) if forces else {}
                 yield {"model": model, "event": m.event, **row, **({"device": m.device or None} if found.devices else {}), **pushes}
 
     def summaries(self, *, dimensionless: bool = False, forces: bool = False) -> Iterator[dict[str, Any]]:
@@ -195,19 +184,7 @@ class TimeHistory:
         """
         s, when, time = self.structure, "tau" if dimensionless else "t", 1.0 if dimensionless else 1.0 / self.structure.p
         for model, found in self.histories.items():
-            demanded: dict[str, Any] = {}
-            if forces and self.arch_forces:
-                demanded = self.arch_forces[model].summary(when, time)
-            elif forces:
-                asked = self.forces[model].demands
-                demanded = {
-                    **dict.fromkeys(("friction_needed", "friction"), _finite(asked.friction.friction)),  # the latter for this version
-                    f"friction_{when}": asked.friction.tau * time,
-                    "friction_impact": None if asked.impact is None else _finite(asked.impact.friction),
-                    "fz_min": asked.fz_min,
-                    f"fz_min_{when}": asked.fz_min_tau * time,
-                    **({} if s.friction is None else {"slides": asked.slides(s.friction)}),
-                }
+            demanded = self.forces[model].summary(when, time) if forces else {}
             if self.amplitude and not dimensionless:
                 demanded["demand_a"] = float(s.ground_acceleration(self.amplitude))
             if not dimensionless:
@@ -232,36 +209,8 @@ class TimeHistory:
                 text += f"; still rocking at {found.end / s.p:.4g} s"
             text += "".join(f"; {device['words']}" for device in found.devices)
             if forces:
-                text += "; " + (self.arch_forces[model].words() if self.arch_forces else _in_words(self.forces[model].demands, s))
+                text += "; " + self.forces[model].words()
             yield f"{s.name}, {model}: {text}"
-
-
-def _forces_at(forces: ForceHistory, event: Event, time: float) -> dict[str, Any]:
-    before, after = forces.around(event.tau)
-    impulses = forces.body.impulses(event) if event.event == "impact" else None
-    return {
-        "fx_ratio": before.fx, "fz_ratio": before.fz, "fx_ratio_after": after.fx, "fz_ratio_after": after.fz,
-        "impulse_x": None if impulses is None else impulses.jx * time, "impulse_z": None if impulses is None else impulses.jz * time,
-    }  # fmt: skip
-
-
-def _finite(x: float) -> float | None:
-    return x if math.isfinite(x) else None
-
-
-def _in_words(asked: Demands, s: RockingParameters) -> str:
-    friction, tau = asked.friction
-    text = f"least Fz {asked.fz_min:.6g} m g at {asked.fz_min_tau / s.p:.4g} s"
-    if not math.isfinite(friction):
-        return f"{text}, so no friction holds the base"
-    text += f", required friction {friction:.6g} at {tau / s.p:.4g} s"
-    if asked.impact is not None:
-        text += f" ({asked.impact.friction:.6g} in impacts)"
-    if s.friction is None:
-        return text
-    when = {None: "does not slide", "impact": "would slide at an impact", "rocking": "would slide while rocking"}
-    words = when.get(asked.slides(s.friction), "would slide before it rocks")
-    return f"{text}: with the friction {s.friction:g} of the document the base {words}"
 
 
 def time_history(

@@ -73,13 +73,13 @@ def test_a_smooth_drive_asks_for_tan_alpha_when_it_lifts():
     assert next(found.summaries(forces=True))["theta_ratio"] == 0.0
 
 
-def velocity(found, body, tau):
+def velocity(found, forces, tau):
     """Of the mass centre relative to the ground over g/p, by tau of the history."""
     ratio, rate = found.at(np.array([tau]))
     side = float(found.sides(np.array([tau]))[0])
-    edge = body.on(side)
+    edge = forces.edge(side)
     u, w = edge.alpha * abs(float(ratio[0])), edge.alpha * side * float(rate[0])
-    scale = edge.kappa * (body.p / edge.p) ** 2 * w
+    scale = edge.kappa * (forces.structure.p / edge.p) ** 2 * w
     return scale * side * math.cos(edge.alpha - u), scale * math.sin(edge.alpha - u)
 
 
@@ -97,10 +97,10 @@ def test_the_impulse_of_the_ground_is_the_change_of_momentum(text, grid, model):
     for a, b in pairwise(marks):
         at = forces.at(0.5 * (a + b) + 0.5 * (b - a) * NODES)
         total += 0.5 * (b - a) * np.array([WEIGHTS @ at.fx, WEIGHTS @ (at.fz - 1.0)])
-    impacts = [forces.body.impulses(e) for e in history.events if e.event == "impact"]
+    impacts = [forces.impulses(e) for e in history.events if e.event == "impact"]
     assert len(impacts) > 3
     total += np.sum([(j.jx, j.jz) for j in impacts], axis=0)
-    moved = np.array(velocity(history, forces.body, history.end))
+    moved = np.array(velocity(history, forces, history.end))
     a_g, omega = ground.amplitude, ground.omega
     shaken = min(history.end, 2 * math.pi / omega)
     moved[0] += a_g * (1 - math.cos(omega * shaken)) / omega
@@ -190,13 +190,13 @@ def test_contact_is_lost_at_the_first_instant_without_force_though_a_free_fall_i
     omega, a, up = found.omega, 0.8, 1.3 * 0.8
     assert (last["event"], history.events[-1].event) == ("lost contact", "lost contact")
     assert up * math.sin(omega * history.end) == pytest.approx(-1.0, abs=1e-9)
-    arc = next(arc for arc in history.arcs.each() if arc.start <= last["tau"] <= arc.stop)
+    side = float(history.sides(last["tau"]))
     lifts = max(e.tau for e in history.events if e.event in ("uplift", "impact") and e.tau < last["tau"])
     u, rate = (abs(float(x[0])) * body.alpha for x in history.at(np.array([lifts + 1e-9])))
 
     def bend(t, u):
         z = body.alpha - u
-        return -math.sin(z) * (1.0 + up * math.sin(omega * t)) - arc.side * a * math.cos(omega * t) * math.cos(z)
+        return -math.sin(z) * (1.0 + up * math.sin(omega * t)) - side * a * math.cos(omega * t) * math.cos(z)
 
     def fz(t, y):
         z = body.alpha - y[0]
