@@ -1,7 +1,5 @@
 """The first page for a curator: the demand and each verdict in words."""
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Sequence

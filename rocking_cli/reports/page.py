@@ -4,8 +4,6 @@ The page loads nothing from a network: its figures are embedded, and its content
 every text of the user. jinja2 and matplotlib are the extra `report`.
 """
 
-from __future__ import annotations
-
 import base64
 import hashlib
 import platform
@@ -250,7 +248,7 @@ def _map(
     write_spectrum([structure], motion, grid, path, method=method, quantities=beside, check=0, workers=workers, overwrite=True)
     with SpectraFile(path) as file:
 
-        def plan(figure: Figure) -> None:
+        def plan(figure: "Figure") -> None:
             figure.set_size_inches(8.4, 4.0)  # with the legend beside the map
             axes = figure.add_subplot()
             entries = outcome_map(axes, file, 0, FIGURE_UNITS)

@@ -1,7 +1,5 @@
 """The rocking parameters of a structure as the rows of a table: symbol, meaning, value, unit and relation."""
 
-from __future__ import annotations
-
 import math
 
 from ..structures import RockingParameters, Side

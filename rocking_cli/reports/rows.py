@@ -1,7 +1,5 @@
 """The rows of CSV that a command printed, in SI units by column name."""
 
-from __future__ import annotations
-
 import csv
 import io
 import json

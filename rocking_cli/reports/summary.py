@@ -1,7 +1,5 @@
 """The summary at the end of a sweep, in sentences."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 from ..dynamics.method import LINEAR

@@ -1,7 +1,5 @@
 """Rows on standard output, as an aligned table, JSON Lines or CSV. A row is a mapping of column names to values."""
 
-from __future__ import annotations
-
 import csv
 import io
 import json

@@ -3,8 +3,6 @@
 JSON and spectra files are always in SI units. Tables, CSV and figures show the units asked for and state them in their headings.
 """
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Iterable, Iterator, Mapping

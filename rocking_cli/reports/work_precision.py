@@ -1,7 +1,5 @@
 """Error and run time of the engine and of SciPy's solvers for one scene; an independent method gives the reference."""
 
-from __future__ import annotations
-
 import math
 import time
 from collections.abc import Iterator

@@ -9,8 +9,6 @@ the balance of the part of the link before it. While the mechanism is as it is a
 moment about the joint's centre: beyond that another hinge opens; and |T| <= mu N: beyond that the joint slides.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import NamedTuple
 

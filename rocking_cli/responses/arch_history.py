@@ -3,8 +3,6 @@
 Hinges are numbered from the left springing, 1 to 4, wherever the mechanism of the moment has them, and joints from it, 0, on.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property

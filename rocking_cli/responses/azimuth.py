@@ -1,7 +1,5 @@
 """The direction in which two horizontal components of a record are worst for a structure."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import replace

@@ -5,8 +5,6 @@
 A limit state is reached at the amplitude whose spectrum demands the displacement d_s, and never below uplift.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass

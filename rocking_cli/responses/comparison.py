@@ -1,8 +1,6 @@
 """Structures compared: their dimensional responses to motions scaled alike, which collapse (Fig. 8), and the linear against the
 nonlinear equation (Fig. 7)."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from typing import Any
 

@@ -13,8 +13,6 @@ base needs a coefficient of friction of max |Fx|/Fz, and Fz > 0 throughout. On p
 the primes those of the other edge; their ratio is the friction that the impact needs.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """How the ground moves along a history: between the ends of its pieces one closed form, or straight lines."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property, partial, reduce

@@ -4,8 +4,6 @@ It listens to the march of one body on floats: nothing is closed early but the l
 standing still after the motion.
 """
 
-from __future__ import annotations
-
 import math
 from array import array
 from dataclasses import dataclass

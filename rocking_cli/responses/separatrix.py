@@ -1,7 +1,5 @@
 """The separatrix of free motion: the states from which a body just reaches its unstable equilibrium."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 import numpy as np

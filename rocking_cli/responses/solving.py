@@ -1,7 +1,5 @@
 """The values of a key of a document between which a structure stands under motions with a margin."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass

@@ -1,7 +1,5 @@
 """Shared by the tests of figures: a figure instead of a file, the files that it is drawn from, and what its axes hold."""
 
-from __future__ import annotations
-
 import pytest
 from matplotlib.figure import Figure
 from support.documents import csv_rows

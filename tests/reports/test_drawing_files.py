@@ -1,7 +1,5 @@
 """What can be drawn, and how: axes, legends, and tables that are refused."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from matplotlib.figure import Figure

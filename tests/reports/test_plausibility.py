@@ -1,7 +1,5 @@
 """Remarks on what can be right and mostly is not."""
 
-from __future__ import annotations
-
 import pytest
 from support.documents import built
 

@@ -1,7 +1,5 @@
 """Records as lines: JSON that is JSON, CSV that a spreadsheet shows and does not compute."""
 
-from __future__ import annotations
-
 import csv
 import json
 

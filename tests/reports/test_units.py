@@ -1,7 +1,5 @@
 """Units of what is shown: headings, values, and what is asked for."""
 
-from __future__ import annotations
-
 import csv
 import json
 import math

@@ -1,7 +1,5 @@
 """Error against run time of a scene, judged by the path that knows all of it."""
 
-from __future__ import annotations
-
 from rocking_cli import Method, cosine, load_structures, parse_grid, sine
 from rocking_cli.motions.biaxial import with_vertical
 from rocking_cli.reports.work_precision import work_precision

@@ -1,7 +1,5 @@
 """Forces in an arch that sways: against Eq. 3.4, the static theorem, and the momentum of the links."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

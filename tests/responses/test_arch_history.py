@@ -1,7 +1,5 @@
 """Forces at the hinges of an arch along its response, against the momenta of its links as another hand places them."""
 
-from __future__ import annotations
-
 from functools import partial
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The worst direction of two components: a motion in one direction, and every direction checked by itself."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

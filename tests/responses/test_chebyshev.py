@@ -1,7 +1,5 @@
 """Extremes of smooth functions."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Verdicts against the envelope, the time history and an independent solver, for structures and pulses at random."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """The check by the Italian code against the check values of its reference, which another program computed."""
 
-from __future__ import annotations
-
 import pytest
 from support.documents import built
 

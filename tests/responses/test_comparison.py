@@ -1,7 +1,5 @@
 """Structures side by side collapse to one dimensionless curve."""
 
-from __future__ import annotations
-
 from rocking_cli import build_structure, parse_documents, parse_grid, sine
 from rocking_cli.dynamics.method import Method
 from rocking_cli.responses.comparison import collapse, compare

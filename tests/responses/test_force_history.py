@@ -1,7 +1,5 @@
 """Forces of a rigid body on the ground, against closed forms, the balance of momentum, and an integration of another kind."""
 
-from __future__ import annotations
-
 import dataclasses
 import math
 from itertools import pairwise

@@ -1,7 +1,5 @@
 """The ground along a history: the extent of pushes and weights under straight lines is that of the lines, one by one."""
 
-from __future__ import annotations
-
 from functools import reduce
 
 import numpy as np

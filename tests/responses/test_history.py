@@ -1,7 +1,5 @@
 """Responses in time: against closed forms and an independent integration, and against the engine's own peaks."""
 
-from __future__ import annotations
-
 import math
 from itertools import pairwise
 

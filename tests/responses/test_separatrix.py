@@ -1,7 +1,5 @@
 """The separatrix of mechanisms and damped bodies, against free motion from states just inside and just outside it."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from support.documents import built

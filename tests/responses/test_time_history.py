@@ -1,7 +1,5 @@
 """Time histories in units, against closed forms."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """A response in motion: the body and its ground as a GIF in real time."""
 
-from __future__ import annotations
-
 import io
 from collections.abc import Callable
 from functools import partial

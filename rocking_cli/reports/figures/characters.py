@@ -1,7 +1,5 @@
 """Outcome maps and slices in characters, for a terminal of 80 columns and 24 rows."""
 
-from __future__ import annotations
-
 import textwrap
 
 import numpy as np

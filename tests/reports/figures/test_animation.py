@@ -1,7 +1,5 @@
 """Responses in motion: the frames of a GIF, and the shapes in them."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from PIL import Image

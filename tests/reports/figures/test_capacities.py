@@ -1,7 +1,5 @@
 """The figure of capacities: what its bars and lines are."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import pytest

@@ -1,7 +1,5 @@
 """The figure of a check by a code: what its lines and marks are."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

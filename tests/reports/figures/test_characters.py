@@ -1,7 +1,5 @@
 """Maps and slices in characters."""
 
-from __future__ import annotations
-
 import pytest
 
 from rocking_cli import Outcome

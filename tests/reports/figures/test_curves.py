@@ -1,7 +1,5 @@
 """Responses, comparisons and families, read back from the figure that would be saved."""
 
-from __future__ import annotations
-
 import math
 from itertools import pairwise
 

@@ -1,7 +1,5 @@
 """Drawings by what they draw, read back from the figure that would be saved."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

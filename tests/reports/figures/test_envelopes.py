@@ -1,7 +1,5 @@
 """Envelopes, read back from the figure that would be saved."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from support.axes import lines, numbers, same

@@ -1,7 +1,5 @@
 """Overturning maps, read back from the figure that would be saved."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

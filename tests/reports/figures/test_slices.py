@@ -1,7 +1,5 @@
 """Slices of spectra and quantiles over a set of records, read back from the figure that would be saved."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
