@@ -39,8 +39,7 @@ def accuracy(
     if len(structures) > 1:
         raise click.UsageError(f"found {len(structures)} structures; expected one")
     methods = model.methods(structures, grid.dimensionless)
-    for line in model.in_words(methods, structures, grid.dimensionless):
-        note(line)
+    note(*model.in_words(methods, structures, grid.dimensionless))
     note(f"{structures[0].name}, {motion.name}; {sample} cells, seed {seed}; times in s a cell")
     scene = PulseScene(tuple(structures), grid, motion, methods[0])
     emit(work_precision(scene, sample=sample, scipy=scipy, seed=seed))

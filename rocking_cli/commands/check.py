@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass
 from itertools import repeat
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from . import code, ground, options
-from .command import command, group, option
+from . import ground, options
+from .command import command, group, option, refuse
+from .parameter_types import NUMBER, InputPath
 from .printing import emit, is_quiet, note, printed, units_of
 from .progress import ProgressLine
 
@@ -21,11 +23,26 @@ if TYPE_CHECKING:
 INSET = 0.05  # of the width, whose effect on the capacity is told
 
 
+@dataclass(frozen=True)
+class Code:
+    """A code to check by, and its demand."""
+
+    code: str | None = option("--code", type=click.Choice(["ntc2018"]), help="Check by the Italian code as well: code_linear, code_slv, …")
+    spectrum: str | None = option(
+        "--spectrum", type=InputPath(), metavar="FILE", help="Spectrum for --code: CSV of T and S_a at 5 % (default: the motion's)."
+    )
+    floor: tuple[str, ...] = option(
+        "--floor", multiple=True, metavar="T=…,xi=…,gamma_psi=…",
+        help="For --code: a mode of the building whose floor bears the body; repeatable.",
+    )  # fmt: skip
+    fc: float | None = option("--fc", type=NUMBER, metavar="FC", help="Confidence factor of --code (default 1).")
+
+
 @command("rocking check configs/block.yaml configs/arch.yaml --a-g 0.35g --f-g 1.5 --sort capacity", printed)
 def check(
     files: tuple[str, ...] = options.files(),
     asked: ground.Directed = group(ground.Directed),
-    coded: code.Code = group(code.Code),
+    coded: Code = group(Code),
     a_max: Limit = options.a_max(),
     verdict_only: bool = option("--verdict-only", is_flag=True, help="Skip the search; first_overturning_a and safe_to stay empty."),
     vary: tuple[str, ...] = options.vary(),
@@ -62,14 +79,19 @@ def check(
     shaken = ends[0] if ends else asked.of(shaken)
     structures, varied, lost = options.members_of(files, vary)
     azimuths = asked.azimuths()
-    by_code = coded.rows()
+    by_code = None
+    if coded.code is None:
+        refuse("goes with --code", "spectrum", "floor", "fc")
+    else:
+        from .code_rows import CodeRows
+
+        by_code = CodeRows(coded.spectrum, coded.floor, coded.fc)
     if output is not None:
         from ..publishing import check_target
 
         check_target(output, overwrite, options.FIGURES)
     if by_code and coded.spectrum and not shaken.shakes:
-        if fail_on or sort:
-            raise click.UsageError(f"{'--fail-on' if fail_on else '--sort'} needs a motion: under --spectrum alone nothing is shaken")
+        refuse("needs a motion: under --spectrum alone nothing is shaken", "fail_on", "sort")
         by_code.alone(structures, varied, output, overwrite)
         return 4 if lost else 0
     shakes = shaken.needed()
@@ -121,8 +143,7 @@ def check(
         draw_capacities(told, output, in_g=in_g, overwrite=overwrite, tell=note)
     ground.note_demand(shakes)
     ground.note_governing(structures, shakes[0][1].dimensionless)
-    for line in (*_remarks(told), *(by_code.said() if by_code else ())):
-        note(line)
+    note(*_remarks(told), *(by_code.said() if by_code else ()))
     sided = [(s, motion.scaled(-1.0), grid) for s, motion, grid in demands if azimuths is None and (s.one_sided or s.sides)]
     if sided and ends:  # the worst frequency of the opposite direction is another one
         worst = at_worst_frequencies([s for s, _, _ in sided], sided[0][1], low, high, a_max, workers=workers, progress=searched)

@@ -4,8 +4,6 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-import click
-
 from ..dynamics.method import governing_method
 from ..errors import UsageError
 from ..motions.design_spectra import parse_floor, read_spectrum
@@ -13,7 +11,6 @@ from ..responses.check import Demand, Verdict
 from ..responses.code_check import SLC, SLV, CodeCheck, code_check, first_beyond
 from ..structures import RockingParameters
 from ..structures.mechanics.capacity_curve import demand_geometry
-from .code import Code
 from .printing import emit, note
 
 
@@ -24,13 +21,10 @@ class CodeRows:
     lines: what is to be said of them.
     """
 
-    def __init__(self, asked: Code) -> None:
+    def __init__(self, spectrum: str | None, floor: Sequence[str], fc: float | None) -> None:
         """Read the options. Raises UsageError, DocumentError."""
-        if asked.code is None:
-            raise click.UsageError("--spectrum, --floor and --fc go with --code")
-        site = None if asked.spectrum is None else read_spectrum(asked.spectrum)
-        self.given: dict[str, Any] = {"site": site, "floor": [parse_floor(text) for text in asked.floor]}
-        self.given["confidence"] = 1.0 if asked.fc is None else asked.fc
+        site = None if spectrum is None else read_spectrum(spectrum)
+        self.given: dict[str, Any] = {"site": site, "floor": [parse_floor(text) for text in floor], "confidence": 1.0 if fc is None else fc}
         self.checks: dict[tuple[str, str], tuple[CodeCheck, Demand, bool]] = {}
         self.lines: list[str] = []
         self.told: dict[str, list[Verdict]] = {}
@@ -45,8 +39,7 @@ class CodeRows:
         emit(({**varied.get(one.structure, {}), **_head(one), **one.record()} for one in found), table_units="g,mm,deg")
         if output is not None:
             _draw(found, output, overwrite)
-        for line in self.lines:
-            note(line)
+        note(*self.lines)
 
     def dynamic(self, demands: Sequence[Demand]) -> list[Demand]:
         """Check every demand by the code; the demands on bodies that an equation of motion takes."""

@@ -26,6 +26,32 @@ def group(of: type) -> Any:
     return field(metadata={"group": of})
 
 
+def given(*names: str) -> list[str]:
+    """The options among these parameters that the call states, an argument as FILE."""
+    context = click.get_current_context()
+    found = []
+    for parameter in context.command.params:
+        name = parameter.name or ""
+        stated = context.get_parameter_source(name) is click.core.ParameterSource.COMMANDLINE
+        if isinstance(parameter, click.Argument):
+            stated = bool(context.params[name])  # click 8.2 calls it given where there is none
+        if name in names and stated:
+            found.append(parameter.opts[-1] if isinstance(parameter, click.Option) else "FILE")
+    return found
+
+
+def refuse(why: str, *names: str) -> None:
+    """Raise click.UsageError if the call states one of these parameters, which then would have no effect."""
+    for flag in given(*names):
+        raise click.UsageError(f"{flag} {why}")
+
+
+def refuse_together(*names: str) -> None:
+    """Raise click.UsageError if the call states more than one of these parameters."""
+    if len(flags := given(*names)) > 1:
+        raise click.UsageError(f"{' and '.join(flags)} do not go together")
+
+
 def command(example: str, *shared: Callable[[F], F]) -> Callable[[F], click.Command]:
     """A decorator that makes a command of a function; shared: decorators that add the options of the output.
 

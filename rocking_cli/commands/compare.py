@@ -36,8 +36,7 @@ def compare(
     methods = model.methods(structures, shaken.grid.dimensionless)
     responses = comparison.compare(structures, shaken.motion, shaken.grid, methods)
     emit((comparison.curve_records if curves else comparison.comparison_records)(responses, methods))
-    for line in model.in_words(methods, structures, shaken.grid.dimensionless):
-        note(line)
+    note(*model.in_words(methods, structures, shaken.grid.dimensionless))
     for method in methods:
         if len(structures) > 1:
             distance = comparison.collapse(responses, method.model)

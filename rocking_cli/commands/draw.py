@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from . import options, written
+from . import options
 from .command import command, group
 from .printing import note, quiet, units, units_of
 
@@ -13,7 +13,7 @@ MOST = 12  # panels that a page shows
 def draw(
     files: tuple[str, ...] = options.files(),
     output: Path = options.output(required=True, help="The figure: .png, .svg or .pdf."),
-    looks: written.Looks = group(written.Looks),
+    looks: options.Looks = group(options.Looks),
     overwrite: bool = options.overwrite(),
 ) -> None:
     """Draw structures at one scale, a panel each: outline, pivots, mass centre, R and alpha; dashed: the shape at alpha.

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from . import equations, ground, options
-from .command import command, group, option
+from .command import command, group, option, refuse
 from .printing import emit, note, printed
 from .progress import ProgressLine
 
@@ -74,8 +74,7 @@ def envelope(
     files, shaken = motions.several(files, one_upwards=True)
     if shaken.motion is None:
         return _of_records(files, wanted, sizeless, shaken, model)
-    if sizeless.alphas is not None or wanted.median:
-        raise click.UsageError(f"{'--median' if wanted.median else '--alpha'} goes with records: give --motion")
+    refuse("goes with records: give --motion", "alphas", "median")
     motion, axis = shaken.motion, frequency_axis(wanted.axes)
     structures, varied, lost = options.members_of(files, wanted.vary, sizeless.etas)
     structures = model.lifting(structures)
@@ -131,8 +130,7 @@ def _of_pulse(
 
 def _closing(told: list[str], narrowest: str, failed: int) -> int:
     """Print the last lines; returns the exit code."""
-    for line in told:
-        note(line)
+    note(*told)
     note(f"intervals narrower than {narrowest}, safe or overturning, may be missed")
     if failed:
         note(f"{failed} intervals could not be decided (mode failed)")
@@ -149,8 +147,7 @@ def _of_records(
     from ..spectra.record_envelope import Tracing, overturning_spectrum, tracing_records
     from ..spectra.record_scene import scene_of_words
 
-    if wanted.closed_form:
-        raise click.UsageError("--closed-form does not go with records")
+    refuse("does not go with records", "closed_form")
     if wanted.median and wanted.sign == "both":
         raise click.UsageError("--median does not go with --sign both")
     if len(model.models) > 1:

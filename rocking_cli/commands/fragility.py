@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from ..errors import UsageError
-from . import equations, ground, options, written
-from .command import command, group, option
+from . import equations, ground, options
+from .command import command, group, option, refuse, refuse_together
 from .parameter_types import InputPath, Registered, quantity
 from .printing import emit, form, note, printed, units_of
 from .progress import ProgressLine
@@ -31,21 +31,8 @@ def _measures() -> list[str]:
     return list(MEASURES)
 
 
-_SHAPE = ("pulse", "cycles", "gamma", "phase", "scale")  # of a motion that the options describe
 _WITH_COUNTS = ("counts", "curve", "samples", "seed", "form", "units", "quiet", "workers", "overwrite")
 _IN_G = re.compile(r"g(?![a-z])", re.IGNORECASE)  # and not in gal
-
-
-def _refuse(why: str, stray: Callable[[str], bool]) -> None:
-    """Raise click.UsageError for the first given parameter that `stray` selects by name, since it would have no effect."""
-    context = click.get_current_context()
-    for parameter in context.command.params:
-        name = parameter.name or ""
-        given = context.get_parameter_source(name) is click.core.ParameterSource.COMMANDLINE
-        if isinstance(parameter, click.Argument):
-            given = bool(context.params[name])  # click 8.2 calls it given where there is none
-        if given and stray(name):
-            raise click.UsageError(f"{why} {parameter.opts[-1] if isinstance(parameter, click.Option) else 'structure'}")
 
 
 @dataclass(frozen=True)
@@ -94,7 +81,7 @@ def fragility(
     motions: ground.BothWays = group(ground.BothWays),
     wanted: Fits = group(Fits),
     model: equations.Model = group(equations.Model),
-    sweep: written.Sweep = group(written.Sweep),
+    sweep: options.Sweep = group(options.Sweep),
 ) -> int:
     """Fit lognormal fragility curves of structures under a set of records or site pulses.
 
@@ -112,22 +99,20 @@ def fragility(
 
     files, shaken = motions.several(files)
     if wanted.counts is not None:
-        _refuse("--counts does not go with", lambda name: name not in _WITH_COUNTS)
+        refuse("does not go with --counts", *(click.get_current_context().params.keys() - set(_WITH_COUNTS)))
         _emit(counted(wanted.counts, Resampling(wanted.samples, wanted.seed)), [], wanted)
         return 0
     structures, texts = options.structures_and_texts(files)
     if bool(shaken.recordings) == (wanted.pulses is not None):
         raise click.UsageError("no set of motions: give either --motion with records, or --pulses with a table of pulses")
     if wanted.pulses is not None:
-        _refuse("--pulses does not go with", lambda name: name in _SHAPE)
-    asked = [f"--{name}" for name in ("efficiency", "cells", "curve") if getattr(wanted, name)]
-    if len(asked) > 1:
-        raise click.UsageError(f"{' and '.join(asked)} do not go together")
+        refuse("does not go with --pulses", "pulse", "cycles", "gamma", "phase", "scale")
+    refuse_together("efficiency", "cells", "curve")
     measure = measure_of(wanted.im)
-    if wanted.hazard is None and (wanted.site is not None or wanted.standing is not None):
-        raise click.UsageError(f"{'--site' if wanted.standing is None else '--standing'} goes with --hazard")
-    if wanted.hazard is not None and (wanted.cells or wanted.efficiency):
-        raise click.UsageError(f"--hazard does not go with {asked[0]}")
+    if wanted.hazard is None:
+        refuse("goes with --hazard", "site", "standing")
+    else:
+        refuse("does not go with --hazard", "cells", "efficiency")
     hazard = None if wanted.hazard is None else read_hazard(wanted.hazard, measure.name, wanted.site)
     levels = _levels(wanted.levels, measure)
     states = dict.fromkeys(_each("--limit", wanted.limits, _limit, "positive values of |theta|/alpha, or overturning"))
@@ -141,10 +126,11 @@ def fragility(
     if wanted.export is not None:
         from ..fragility.exports import check_export
 
-        if wanted.output is None or sweep.resume or sweep.shard is not None or sweep.scheduler is not None:
-            raise click.UsageError("--export goes with -o FILE, and without --resume, --shard and --scheduler")
-        if wanted.cells or wanted.efficiency or len(methods) > 1:
-            raise click.UsageError("--export goes with one --method, and without --cells and --efficiency")
+        refuse("does not go with --export", "resume", "shard", "scheduler", "cells", "efficiency")
+        if wanted.output is None:
+            raise click.UsageError("--export goes with -o FILE")
+        if len(methods) > 1:
+            raise click.UsageError("--export goes with one --method")
         if wanted.exact and None not in states:
             raise click.UsageError("--export of exact shares goes with the limit state overturning")
         check_export(wanted.output, wanted.export, measure, sweep.overwrite)
@@ -155,10 +141,10 @@ def fragility(
         if not (sweep.resume and wanted.output.is_file()):
             check_output(wanted.output, sweep.overwrite, sweep.resume)
             options.refuse_own_input(wanted.output, shaken.recordings)
-    elif sweep.shard is not None or sweep.scheduler is not None or sweep.resume:
-        raise click.UsageError("--shard, --scheduler and --resume go with -o OUT.h5")
+    else:
+        refuse("goes with -o OUT.h5", "resume", "shard", "scheduler")
     how = Resampling(wanted.samples, wanted.seed)
-    writing = {**sweep.writing(texts), "history": written.command_line(), "workers": sweep.workers}
+    writing = {**sweep.writing(texts), "history": options.command_line()}
     writing["path"] = None if wanted.export else wanted.output
     exact = wanted.exact or (hazard is not None and None in states)
     studied = studies(
@@ -190,8 +176,7 @@ def fragility(
             rated = [(f"{fit.structure}, {fit.limit}, {fit.method}", fit.rate) for fit in fits]
             rated += [(f"{study.structure.name}, overturning, exact", study.rate_without_fit) for study in found if exact]
             remarks += [f"{name}: {words}" for name, rate in rated if rate is not None for words in rate.remarks(hazard)]
-    for line in (*refused, *remarks, *model.in_words([equation], structures), f"{len(members)} motions"):
-        note(line)
+    note(*refused, *remarks, *model.in_words([equation], structures), f"{len(members)} motions")
     for study in found:
         if study.resurrections:
             words = f"{study.resurrections} of {len(members)} motions overturn it at one intensity and not at a larger one"

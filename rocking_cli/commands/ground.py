@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from ..errors import RockingError, UsageError
-from .command import option
+from .command import option, refuse
 from .options import remark_on
 from .parameter_types import NUMBER, STATION, InputPath, PulseOrPath, Registered, pulse_names, quantity
 from .printing import note, warn
@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from ..structures import RockingParameters
 
 _PULSE = ("pulse", "cycles", "gamma", "phase")
+_OF_A_FILE = ("vertical_component", "vertical_unit", "vertical_dt")
 DT = "Time between the values of a record in a single column."
 
 
@@ -162,8 +163,7 @@ class Motions(Reading, Source):
         given = {key: value for key, value in given.items() if value is not None}
         shape = {key: given.pop(key) for key in _PULSE if key in given}
         if self.motion:
-            for key in shape:
-                raise click.UsageError(f"--motion does not go with --{key}")
+            refuse("does not go with --motion", *_PULSE)
             if "motion_dt" in given:
                 given["dt"] = given.pop("motion_dt")
             with _named(dt="motion_dt"):
@@ -171,9 +171,9 @@ class Motions(Reading, Source):
         from ..motions import pulse
 
         factor = given.pop("scale", None)
-        for key in given:
-            flag = f"--vertical {STATION}" if key == "vertical" else f"--{key.replace('_', '-')}"
-            raise click.UsageError(f"{flag} goes with a record: give --motion")
+        refuse("goes with a record: give --motion", "component", "unit", "motion_dt", "scale_to")
+        if "vertical" in given:
+            raise click.UsageError(f"--vertical {STATION} goes with a record: give --motion")
         found = pulse(shape.pop("pulse", "sine"), **shape)
         return found if factor is None else found.scaled(factor)
 
@@ -196,12 +196,12 @@ class BothWays(Motions):
     def of_the_station(self) -> float | None:
         if self.vertical != STATION:
             return None
-        self._refuse(f"does not go with --vertical {STATION}", "component", "unit", "dt")
+        refuse(f"does not go with --vertical {STATION}", *_OF_A_FILE)
         return 1.0 if self.vertical_scale is None else self.vertical_scale
 
     def upwards(self) -> Upwards | None:
         if self.vertical is None:
-            self._refuse("goes with --vertical", "scale", "component", "unit", "dt")
+            refuse("goes with --vertical", "vertical_scale", *_OF_A_FILE)
         if self.vertical in (None, STATION):
             return None
         from ..motions import PULSES, pulse
@@ -209,19 +209,13 @@ class BothWays(Motions):
         from ..motions.reading import read_motion
 
         if self.vertical in PULSES:
-            self._refuse("goes with a record: give one to --vertical", "component", "unit", "dt")
+            refuse("goes with a record: give one to --vertical", *_OF_A_FILE)
             motion = pulse(self.vertical)
         else:
             component, unit, dt = self.vertical_component, self.vertical_unit, self.vertical_dt
             with _named(component="vertical_component", unit="vertical_unit", dt="vertical_dt"):
                 motion = read_motion(self.vertical, component=component, unit=unit, dt=dt, tell=note)
         return Upwards(motion, 1.0 if self.vertical_scale is None else self.vertical_scale)
-
-    def _refuse(self, why: str, *keys: str) -> None:
-        """Raise click.UsageError for the first of these options of the vertical motion that is given."""
-        for key in keys:
-            if getattr(self, f"vertical_{key}") is not None:
-                raise click.UsageError(f"--vertical-{key} {why}")
 
 
 def no_shaking(*instead: str) -> click.UsageError:
@@ -307,9 +301,7 @@ class Directed(Demand):
 
         from ..motions.grid import parse_span
 
-        for one in ("scale_to", *(one.name for one in fields(Shaking))):
-            if getattr(self, one) is not None:
-                raise click.UsageError(f"--{one.replace('_', '-')} does not go with --azimuth: --scale FACTOR scales both components")
+        refuse("does not go with --azimuth: --scale FACTOR scales both components", "scale_to", *(one.name for one in fields(Shaking)))
         if not self.motion:
             raise click.UsageError("--azimuth goes with a record: give --motion")
         return np.radians(parse_span("--azimuth", self.azimuth.replace("deg", ""), "number"))

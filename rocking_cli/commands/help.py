@@ -40,8 +40,7 @@ def help(
         text = f"{group.get_help()}\n\n{formatter.getvalue()}"
     else:
         text = "\n\n".join(part for part in (_options(group, name), page(name)) if part)
-    for line in text.rstrip().splitlines():
-        streams.put(line)
+    streams.put(*text.rstrip().splitlines())
 
 
 def page(name: str) -> str:

@@ -15,5 +15,4 @@ def init(kind: str = argument(type=click.Choice(list(KINDS)), metavar="KIND")) -
     """
     from ..structures.templates import template
 
-    for line in template(kind).splitlines():
-        streams.put(line)
+    streams.put(*template(kind).splitlines())

@@ -3,22 +3,27 @@
 from __future__ import annotations
 
 import os
+import shlex
+import sys
 from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from .command import argument, option
-from .parameter_types import InputPath, OutputPath, Parsed, limit
-from .printing import below, note
+from .command import argument, option, refuse
+from .parameter_types import InputPath, OutputPath, Parsed, limit, quantity
+from .printing import below, form, note
+from .streams import printable
 
 if TYPE_CHECKING:
     from ..motions.grid import Grid
     from ..motions.recording import Recording
+    from ..reports.figures.canvas import Look
     from ..structures import RockingParameters
-    from .families import Family
+    from ..structures.family import Member
 
 FIGURES = (".png", ".svg", ".pdf")
 _REMARKS = 3  # printed at most
@@ -50,6 +55,47 @@ vary = partial(
 )  # fmt: skip
 
 
+@dataclass(frozen=True)
+class Looks:
+    """How a figure is written."""
+
+    size: float | None = option("--size", type=quantity("length"), metavar="WIDTH", help="Width of the figure, such as 85mm.")
+    dpi: float | None = option("--dpi", type=click.FloatRange(20.0, 2400.0), help="Dots per inch (default: 200; maps in SVG and PDF 600).")
+    title: str | None = option("--title", metavar="TEXT", help="Title in place of the figure's own.")
+    style: str | None = option("--style", type=InputPath(), metavar="FILE", help="Style file of matplotlib (.mplstyle).")
+
+    def look(self) -> Look:
+        """The look that the options ask for. Raises click.UsageError."""
+        from ..reports.figures.canvas import Look
+
+        if self.size is not None and not 0.02 <= self.size <= 2.0:
+            raise click.UsageError(f"--size: found {self.size:g} m; expected a width from 20 mm to 2 m, with its unit, such as 85mm")
+        return Look(self.size, self.dpi, self.title, self.style)
+
+
+@dataclass(frozen=True)
+class Sweep:
+    """The options of the computation and of the file of a sweep."""
+
+    workers: int | None = workers()
+    overwrite: bool = overwrite()
+    resume: bool = option("--resume", is_flag=True, help="Go on with an interrupted sweep of the same scene (OUTPUT.part).")
+    shard: str | None = option("--shard", metavar="I/N", help="Compute only the I-th of N parts; rocking merge joins them.")
+    scheduler: str | None = option("--scheduler", metavar="ADDRESS", help="Compute on a dask.distributed cluster, such as tcp://host:8786.")
+
+    def writing(self, documents: str) -> dict[str, Any]:
+        """Arguments of `write_scene`; documents: the texts of the structures. Raises click.UsageError for --shard."""
+        from ..documents.quantities import parse_whole
+
+        shard = None
+        if self.shard is not None:
+            part, count = (parse_whole(x) for x in self.shard.partition("/")[::2])
+            if part is None or count is None or not 1 <= part <= count <= 1_000_000:
+                raise click.UsageError(f"--shard: found {self.shard!r}; expected I/N with I from 1 to N, such as 2/8")
+            shard = part, count
+        return {**vars(self), "shard": shard, "documents": documents, "tell": note}
+
+
 def structures_of(files: tuple[str, ...], etas: tuple[float | None, ...] = ()) -> list[RockingParameters]:
     """The structures of the given documents and the dimensionless oscillators of the given restitutions."""
     return structures_and_texts(files, etas)[0]
@@ -73,15 +119,41 @@ def structures_and_texts(files: tuple[str, ...], etas: tuple[float | None, ...] 
     return found, "\n---\n".join(d.text for d in documents)
 
 
-def members_of(files: tuple[str, ...], vary: tuple[str, ...], etas: tuple[float | None, ...] = ()) -> Family:
-    """The structures of `structures_of`, or the families of --vary with the columns of their varied values."""
+def members_of(
+    files: tuple[str, ...], vary: tuple[str, ...], etas: tuple[float | None, ...] = ()
+) -> tuple[list[RockingParameters], dict[str, dict[str, float]], int]:
+    """(the structures of `structures_of`, or of the families of --vary; the columns of the varied values by name of the structure; the
+    number of members without a solution, which are noted).
+
+    The columns hold SI units, as `varied_width`, in tables and CSV with the unit.
+    """
     if not vary:
         return structures_of(files, etas), {}, 0
-    from .families import families
+    from ..documents.quantities import headed
+    from ..structures import with_distinct_names
+    from ..structures.family import family, members, parse_variation
+    from ..structures.parameters import VARIED
 
-    if etas:
-        raise click.UsageError("--vary goes with FILE, not with --eta")
-    return families(documents_of(files), vary)
+    refuse("does not go with --vary", "etas")
+    documents, variations = documents_of(files), [parse_variation(text) for text in vary]
+    members(variations)
+    every = [member for document in documents for member in family(document, variations)]
+    found = with_distinct_names([member.parameters for member in every if member.parameters is not None])
+    columns = {}
+    for structure in found:
+        values, units = (structure.details[key] for key in VARIED)
+        columns[structure.name] = {headed(f"varied_{k}", "" if form() == "json" else units[k]): value for k, value in values.items()}
+    for member in every:
+        if member.parameters is None:
+            note_no_solution(member)
+    remark_on(found)
+    return found, columns, len(every) - len(found)
+
+
+def note_no_solution(member: Member) -> None:
+    """Print why a member of a family has no solution."""
+    varied = ", ".join(f"{key} = {value:g}" for key, value in member.shown.items())
+    note(f"no solution for {varied}: {member.fault}")
 
 
 def documents_of(files: tuple[str, ...], most: int | None = None, place: str = "") -> list[Any]:
@@ -121,3 +193,15 @@ def refuse_own_input(output: Path, recordings: Sequence[Recording] = ()) -> None
     for source in sources:
         if os.path.isfile(source) and output.is_file() and os.path.samefile(source, output):
             raise click.UsageError(f"{output} is an input of this call; give another output")
+
+
+def command_line() -> str:
+    """The call as a shell command."""
+    return printable(shlex.join(["rocking", *sys.argv[1:]]))
+
+
+def now() -> str:
+    """The time in UTC as the history of a file states it."""
+    from datetime import UTC, datetime
+
+    return datetime.now(UTC).strftime("%Y-%m-%dT%H:%M:%SZ")

@@ -34,7 +34,6 @@ def params(
     from ..reports.tables import flat
     from ..structures import build_structure, with_distinct_names
     from ..structures.family import family, members, parse_variation
-    from .families import note_no_solution
 
     documents = options.documents_of(files)
     variations = [parse_variation(text) for text in vary]
@@ -61,7 +60,7 @@ def params(
                 progress(i * total + j, len(documents) * total)
                 if member.parameters is None:
                     faults.append(str(member.fault))
-                    note_no_solution(member)
+                    options.note_no_solution(member)
                 else:
                     (structure,) = equations.lifting([member.parameters], linear_uplift)
                     yield from _rows(structure.record(), shown, member.shown)

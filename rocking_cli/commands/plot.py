@@ -1,11 +1,12 @@
 """`rocking plot`: figures of spectra files and of the CSV that the commands print."""
 
 from pathlib import Path
+from typing import Any
 
 import click
 
-from . import options, streams, written
-from .command import argument, command, group, option
+from . import options, streams
+from .command import argument, command, group, option, refuse, refuse_together
 from .parameter_types import InputPath, OutputPath
 from .printing import note, quiet, units, units_of
 
@@ -30,7 +31,7 @@ def plot(
         "--body", type=InputPath(), metavar="FILE", help="The structure of --animate and --phase (default: the block of its p, alpha)."
     ),
     text: bool = option("--text", is_flag=True, help="A quick look in the terminal, without matplotlib."),
-    looks: written.Looks = group(written.Looks),
+    looks: options.Looks = group(options.Looks),
     overwrite: bool = options.overwrite(),
 ) -> None:
     """Draw a spectra file (overturning map or slice), or the CSV of check, envelope, response, compare --curves, params --vary,
@@ -46,29 +47,25 @@ def plot(
     from ..spectra.file.reader import SpectraFile
 
     file, *others = files
-    if others and text:
-        raise click.UsageError(f"--text: found {len(files)} files; expected one")
-    if text and output is not None:
-        raise click.UsageError("--text does not go with -o")
-    if text and not is_spectra_file(file):
-        raise click.UsageError(f"{file}: --text draws spectra files (.h5), and -o FIGURE.png CSV as well")
-    given = {"--structure": structure is not None, "--all": every, "--slice": cut is not None}
-    for flag, there in given.items():
-        if there and not is_spectra_file(file):
-            raise click.UsageError(f"{flag} goes with a spectra file (.h5)")
-    for flag, there in {"--over": over is not None, "--phase": phase, "--align": align, "--animate": animate is not None}.items():
-        if there and is_spectra_file(file):
-            raise click.UsageError(f"{flag} goes with CSV, of {'a family (--vary)' if flag == '--over' else 'a response'}")
-    if body is not None and animate is None and not phase:
-        raise click.UsageError("--body goes with --animate and --phase")
-    if sum(given.values()) > 1:
-        raise click.UsageError(f"{' and '.join(flag for flag, there in given.items() if there)} do not go together")
+    if text:
+        if others:
+            raise click.UsageError(f"--text: found {len(files)} files; expected one")
+        refuse("does not go with --text", "output")
+        if not is_spectra_file(file):
+            raise click.UsageError(f"{file}: --text draws spectra files (.h5), and -o FIGURE.png CSV as well")
+    if is_spectra_file(file):
+        refuse("goes with CSV, of a family (--vary)", "over")
+        refuse("goes with CSV, of a response", "phase", "align", "animate")
+        refuse_together("structure", "every", "cut")
+    else:
+        refuse("goes with a spectra file (.h5)", "structure", "every", "cut")
+    if animate is None and not phase:
+        refuse("goes with --animate and --phase", "body")
     if text:
         from ..reports.figures.characters import text_map
 
         with SpectraFile(file) as spectrum:
-            for line in text_map(spectrum, structure, cut):
-                streams.put(line)
+            streams.put(*text_map(spectrum, structure, cut))
         return
     look = looks.look()
     document = None if body is None else options.documents_of((body,), 1, "a response")[0]
@@ -83,21 +80,8 @@ def plot(
     if output is None:
         raise click.UsageError("no output: give -o FIGURE.png (or .svg, .pdf), or --text")
     check_target(output, overwrite, options.FIGURES)
-    told = draw(
-        files,
-        output,
-        structure=structure,
-        cut=cut,
-        every=every,
-        over=over,
-        log=log or "",
-        units=units_of(),
-        look=look,
-        portrait=phase,
-        body=document,
-        align=align,
-        overwrite=overwrite,
-        tell=note,
-    )
+    drawn: dict[str, Any] = {"structure": structure, "cut": cut, "every": every}  # of a spectra file
+    drawn |= {"over": over, "portrait": phase, "body": document, "align": align}  # of rows
+    told = draw(files, output, log=log or "", units=units_of(), look=look, overwrite=overwrite, tell=note, **drawn)
     if isinstance(told, str):
         note(told)

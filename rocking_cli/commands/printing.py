@@ -124,7 +124,7 @@ def below(text: str) -> None:
     context.call_on_close(partial(note, text)) if tabular else note(text)
 
 
-def note(text: str) -> None:
-    """Print a line on standard error, unless --quiet."""
-    if not is_quiet():
-        warn(text)
+def note(*lines: str) -> None:
+    """Print lines on standard error, unless --quiet."""
+    for line in () if is_quiet() else lines:
+        warn(line)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from . import ground, options
-from .command import command, group, option
+from .command import command, group, option, refuse
 from .parameter_types import NUMBER
 from .printing import emit, note, printed, warn
 
@@ -48,8 +48,8 @@ def records(
 
     if not files:
         raise click.UsageError("no record: give FILE, or - for standard input")
-    if not export_spectrum and (periods is not None or damping is not None):
-        raise click.UsageError("--periods and --damping go with --export-spectrum")
+    if not export_spectrum:
+        refuse("goes with --export-spectrum", "periods", "damping")
     notes: list[str] = []
     unread: list[str] = []
 
@@ -60,8 +60,7 @@ def records(
 
     taken = list(read_set(files, rows, unit=reading.unit, dt=reading.motion_dt, tell=notes.append, unread=unread.append))
     emit(taken, SPECTRUM_COLUMNS if export_spectrum else COLUMNS)
-    for line in dict.fromkeys(notes):
-        note(line)
+    note(*dict.fromkeys(notes))
     for line in unread:
         warn(line)
     return 4 if unread else 0

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import click
 
-from . import ground, options, written
+from . import ground, options
 from .command import command, group, option
 from .printing import note, quiet
 from .progress import ProgressLine
@@ -51,8 +51,8 @@ def report(
         output,
         recordings=shaken.recordings,
         vertical=asked.vertical,
-        command=written.command_line(),
-        made=written.now(),
+        command=options.command_line(),
+        made=options.now(),
         title=title,
         summary=summary,
         by_capacity=sort is not None,

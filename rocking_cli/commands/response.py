@@ -5,7 +5,7 @@ from itertools import chain
 
 from ..errors import UsageError
 from . import equations, ground, options
-from .command import argument, command, group, option
+from .command import argument, command, group, option, refuse
 from .parameter_types import NUMBER, InputPath, quantity
 from .printing import emit, form, note, printed
 
@@ -59,8 +59,8 @@ def response(
         raise UsageError(f"{file} holds {len(structures)} structures; expected one (rocking compare takes several)")
     if shaken.grid is None and (asked.pulse or asked.motion or not release):
         raise ground.no_shaking("--A and --Omega", "--release without a motion for free rocking")
-    if steps and dt is not None:
-        raise UsageError("--steps does not go with --dt")
+    if dt is not None:
+        refuse("does not go with --dt", "steps")
     if dt is not None and not dt > 0.0:
         raise UsageError(f"--dt: found {dt:g} s; expected a positive time")
     bare = shaken.grid is not None and shaken.grid.dimensionless
@@ -72,6 +72,5 @@ def response(
     emit(chain(rows, closing), ("model", "event") if events else (), unseen=() if events else NAMED)
     if shaken.grid is not None:
         ground.note_demand(shaken.shakes)
-    for line in (*model.in_words(methods, structures, bare), *found.summary(forces=forces)):
-        note(line)
+    note(*model.in_words(methods, structures, bare), *found.summary(forces=forces))
     return 4 if found.failed else 0

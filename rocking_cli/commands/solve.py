@@ -57,6 +57,5 @@ def solve(
         failed = failed or any(line.startswith("no ") for line in told)
     emit(rows, ("structure", "key", "value", "side", "capacity_demand"))
     ground.note_demand(shakes)
-    for line in remarks:
-        note(line)
+    note(*remarks)
     return 4 if failed else 0

@@ -6,8 +6,8 @@ from typing import Any
 
 import click
 
-from . import equations, ground, options, written
-from .command import command, group, option
+from . import equations, ground, options
+from .command import command, group, option, refuse
 from .printing import emit, is_quiet, note, quiet
 from .progress import ProgressLine
 
@@ -37,7 +37,7 @@ def spectrum(
     sizeless: equations.Sizeless = group(equations.Sizeless),
     motions: ground.BothWays = group(ground.BothWays),
     model: equations.Equations = group(equations.Equations),
-    sweep: written.Sweep = group(written.Sweep),
+    sweep: options.Sweep = group(options.Sweep),
 ) -> int:
     """Sweep every structure over a grid and write its rocking spectrum.
 
@@ -61,8 +61,8 @@ def spectrum(
         quantities.append("linear")
     if shaken.motion is not None and axes is None:
         raise click.UsageError("no --grid: give two axes, such as a_g=0.1g:1g:50,f_g=0.5:5:40, or records as --motion")
-    if shaken.motion is not None and sizeless.alphas is not None:
-        raise click.UsageError("--alpha goes with records: give --motion")
+    if shaken.motion is not None:
+        refuse("goes with records: give --motion", "alphas")
     grid = None if shaken.motion is None else parse_grid(axes or "")
     check_output(output, sweep.overwrite, sweep.resume)
     options.refuse_own_input(output, shaken.recordings)
@@ -81,21 +81,19 @@ def spectrum(
         scene = scene_of_words(structures, shaken.recordings, axes=axes, alphas=sizeless.alphas, etas=sizeless.etas, **equation)
     options.remark_on(grid=grid, spans=axes or "")
     settings = SweepOptions(
-        workers=sweep.workers,
         chunk_cells=chunk_cells or CHUNK_CELLS,
         check=check,
         impacts=impacts,
         quantities=quantities,
         strict=strict,
-        history=f"{written.now()}: {written.command_line()}",
+        history=f"{options.now()}: {options.command_line()}",
         sample_validity=not (no_validity or is_quiet()),
         progress=ProgressLine("spectrum", "chunks"),
         **sweep.writing(texts),
     )
     summary = write_scene(scene, output, settings)
     told = model.in_words([scene.method], structures, grid is not None and grid.dimensionless)
-    for line in (*told, *summary_lines(summary, str(output))):
-        note(line)
+    note(*told, *summary_lines(summary, str(output)))
     if json_:
         emit([{"output": str(output), **summary.record()}], form="json")
     return 4 if summary.failed or shaken.unread else 0

@@ -38,12 +38,13 @@ def end_line() -> None:
         sys.stderr.write("\n")
 
 
-def put(line: str) -> None:
-    """A line on standard output, at once."""
-    if sys.stdout.isatty():
-        end_line()
-    sys.stdout.write(f"{printable(line)}\n")
-    sys.stdout.flush()
+def put(*lines: str) -> None:
+    """Lines on standard output, each at once."""
+    for line in lines:
+        if sys.stdout.isatty():
+            end_line()
+        sys.stdout.write(f"{printable(line)}\n")
+        sys.stdout.flush()
 
 
 def say(line: str) -> None:
