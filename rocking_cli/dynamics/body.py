@@ -15,7 +15,6 @@ and the speed bounds Fz from below. `observers.contact_loss` follows the bodies 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any, NamedTuple
 
@@ -44,8 +43,7 @@ class Edge(NamedTuple):
     uplift: Any
 
 
-@dataclass(frozen=True)
-class Body:
+class Body(NamedTuple):
     """A rigid body: alpha [rad], kappa = m R^2/I [-] and a_scale [-] (1 unless given) of its edges, right and left, or one if they are
     alike; linear: True for the linear equation; damping: zeta [-]; one_sided: True if it stands on its right edge only. Pushes are a_scale
     times the ground acceleration: under them the linear equation and Fz are those of a_scale 1. Fx needs the ground's own

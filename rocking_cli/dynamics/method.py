@@ -6,9 +6,9 @@ Equations that few structures need are imported where they are used.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -31,8 +31,7 @@ CHECKED_BY = "a Runge-Kutta method"
 Reference = Callable[["Motion", float, float, float], tuple["Outcome", float]]
 
 
-@dataclass(frozen=True)
-class EquationKind:
+class EquationKind(NamedTuple):
     """An equation of motion in the registry. model: the word of `--model` and of files; serves: True for a structure for which it holds;
     build: the equation of a structure at a tolerance, raises ValueError; shares: numbers besides restitution and damping that structures
     must have in common to share a dimensionless computation; rates: name of its form in `references.general_solver`; exact: it has no
@@ -144,7 +143,7 @@ class Method:
             return one
         own = tuple((self.system_of(s), count) for s, count in zip(structures, counts, strict=True))
         equation = one.equation if of_cells is None else of_cells(np.repeat([s.alpha for s in structures], counts), self.tolerance)
-        return replace(one, equation=equation, body=None, own=own)
+        return one._replace(equation=equation, body=None, own=own)
 
     def body_of(self, structure: RockingParameters) -> Body | None:
         """The body of a structure for its forces on the ground; None if its mass centre is not known."""

@@ -112,7 +112,7 @@ def safe(codes: Any) -> Any:
     return _SAFE[codes]
 
 
-@dataclass(frozen=True)
+@dataclass
 class Work:
     """Numbers of cells, impacts and steps that were computed, and of those that a proof left out."""
 

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -28,8 +27,7 @@ Cells = tuple[Array, Array, Array]  # A, Omega and eta, of one shape
 _LIKELY = 2.0  # times the push that is proved beforehand: cells beyond it are watched while they march
 
 
-@dataclass(frozen=True)
-class Response:
+class Response(NamedTuple):
     """Result for each cell, in the shape of the input. theta_ratio: max over time of |theta|/alpha [-], NaN where overturned or failed;
     outcome: uint8 codes of `Outcome`; impacts: int32, impacts during the shaking without those of sequences that are closed in one step;
     work: counters."""
@@ -174,7 +172,7 @@ def response_with_demands(
     cells = _of(cells, at)
     batch = _batch(system, motion, cells, peaks=False)
     forces = GroundForces(system.body, batch)
-    run = _marched(replace(system, body=None), motion, cells, batch, forces, jumps=False)
+    run = _marched(system._replace(body=None), motion, cells, batch, forces, jumps=False)
     asked = {name: np.full(found.outcome.size, np.nan) for name in ("friction", "fz_min")}
     for values, known in zip(asked.values(), forces.result(run.outcome), strict=True):
         values[at] = np.where(upright(run.outcome), known, np.nan)

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -20,8 +19,7 @@ if TYPE_CHECKING:
 _SYMMETRIC = Symmetric()
 
 
-@dataclass(frozen=True)
-class System:
+class System(NamedTuple):
     """An equation of motion on a contact, `Symmetric` unless given. scale: alpha/a_scale, the ground acceleration over g of A = 1 [-];
     body: None if the forces on the ground are not known; own: the (system, number of cells) of each structure, in the order of the cells,
     if there are several structures; devices: ties and a tendon, None without them."""

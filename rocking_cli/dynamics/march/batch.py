@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -55,8 +55,7 @@ class FreeFall:
         return np.where(before, k, lift.k), np.where(before, u, lift.u)
 
 
-@dataclass(frozen=True)
-class Batch:
+class Batch(NamedTuple):
     """Cells on one kind of body. segments: of the motion, followed by still ground where damping leaves the free motion without a closed
     form; first: the segment with which the motion of each cell begins; shaken: the one from which on the ground is still; peaks: True if
     the largest rotations are wanted; most_steps: after so many a cell is given up."""

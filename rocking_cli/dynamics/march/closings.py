@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -25,13 +24,12 @@ class Closed(NamedTuple):
     peak: Array | float
 
 
-@dataclass(frozen=True)
-class Closing:
+class Closing(NamedTuple):
     """closes(batch, lanes): the lanes just after an impact that it closes; counts: field of `Work` that counts them; still: True of lanes
     that are left on still ground, which observers are told."""
 
     closes: Callable[[Batch, Lanes], Closed]
-    counts: str | None = None
+    counts: str = ""
     still: bool = False
 
 

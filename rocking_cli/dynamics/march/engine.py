@@ -97,7 +97,7 @@ class Run:
         to = (never, zero) if batch.free_fall is None else batch.free_fall.sooner(still, Uplift(never, zero, zero, zero))
         for observer in self.observers:
             observer.rest(still, batch.first[still], zero, *to)
-        self.work += Work(no_uplift=still.size)
+        self.work.no_uplift += still.size
         self.stepper(self).march(waiting)
 
     def start(self, cell: Array) -> Lanes:
@@ -141,7 +141,8 @@ class Run:
             arcs = Arcs(lanes, passage.arc, passage.reach, y, v, b, np.flatnonzero(~(bad | over)))
             for observer in self.observers:
                 observer.arcs(arcs)
-        self.work += Work(impacts=int(hit.sum()), steps=hit.size)
+        self.work.impacts += int(hit.sum())
+        self.work.steps += hit.size
         self.finish(lanes, np.flatnonzero(bad), Outcome.FAILED, np.nan)
         last.peak = lanes.peak[shaken]
         self._end(FREE_MOTION, last, free._replace(peak=np.maximum(last.peak, free.peak)))
@@ -194,7 +195,8 @@ class Run:
         lanes.k[resting], lanes.u[resting] = again.k, again.u
         lanes.y[resting], lanes.v[resting], lanes.b[resting] = 0.0, 0.0, again.b
         batch.contact.turn(batch.cells, lanes, resting, again.side)
-        self.work += Work(chatters_closed=int(ends[resting].sum()), rests_skipped=resting.size)
+        self.work.chatters_closed += int(ends[resting].sum())
+        self.work.rests_skipped += resting.size
         settled = resting[again.k >= len(batch.segments)]
         self.finish(lanes, settled, Outcome.ROCKED, lanes.peak[settled])
         return lanes.take(np.flatnonzero(lanes.k < len(batch.segments)))
@@ -233,15 +235,15 @@ class Run:
             for observer in self.observers:
                 observer.free(upright)
         self.finish(lanes, at, outcome, peak)
-        if closing.counts is not None:
-            self.work += Work(**{closing.counts: at.size})
+        if closing.counts:
+            vars(self.work)[closing.counts] += at.size
         return at
 
     def overturn(self, lanes: Lanes, at: Array) -> None:
         """Finish the lanes `at`, which overturn."""
         bounced = (lanes.impacts[at] > 0) | self.bounced[lanes.cell[at]]
         self.finish(lanes, at, np.where(bounced, Outcome.OVERTURNED_AFTER_IMPACT, Outcome.OVERTURNED_NO_IMPACT), np.nan)
-        self.work += Work(certain_overturning=at.size)
+        self.work.certain_overturning += at.size
 
     def finish(self, lanes: Lanes, at: Array, outcome: Outcome | Array, peak: Array | float) -> None:
         """Hand in the results of the lanes `at`: their outcomes, and the largest y of those that rocked, NaN of others."""

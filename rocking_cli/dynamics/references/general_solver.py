@@ -9,8 +9,7 @@ rigid body that rocks where Fz <= 0 at instants along its steps.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from dataclasses import dataclass, field
+from collections.abc import Callable, Mapping
 from itertools import pairwise
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -44,8 +43,7 @@ class Arm(NamedTuple):
         return weight + self.rise * (bend * math.sin(z) - rate * rate * math.cos(z))
 
 
-@dataclass(frozen=True)
-class Rates:
+class Rates(NamedTuple):
     """An equation of motion on one edge. alpha: critical angle [rad]; uplift: static lambda [-]; limit: theta [rad] from which the body has
     overturned whatever comes; of: (theta', w') by tau, from theta, w, the inward ground acceleration [g] and the weight over m g; returns:
     False if nothing is known of bodies beyond alpha that have lost contact."""
@@ -93,16 +91,15 @@ def mechanism_rates(structure: RockingParameters, edge: Edge) -> Rates:
     return Rates(form.alpha, form.uplift, 0.5 * math.pi, rates, returns=False)
 
 
-@dataclass(frozen=True)
-class Problem:
+class Problem(NamedTuple):
     """A structure as general solvers take it. edges: the equation of each side, +1 for theta > 0, and -1 unless the body rocks to the right
     only; scale: ground acceleration of A = 1 [g]; eta: theta' after over before an impact on leaving each edge, empty for that of the cell;
     arms: those of a rigid body, empty if its forces are not known."""
 
     edges: dict[int, Rates]
     scale: float
-    eta: dict[int, float] = field(default_factory=dict)
-    arms: dict[int, Arm] = field(default_factory=dict)
+    eta: Mapping[int, float] = {}
+    arms: Mapping[int, Arm] = {}
 
 
 def problem_of(structure: RockingParameters, rates: Callable[[RockingParameters, Edge], Rates]) -> Problem:

@@ -11,7 +11,7 @@ Each device acts on one side; a tie of both sides is two devices. A tendon acts 
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import NamedTuple, Self
 
 import numpy as np
@@ -191,7 +191,7 @@ def tied_system(structure: RockingParameters, free: System, *, linear: bool) -> 
     sides = np.array([1.0, -1.0])
     unit = np.broadcast_to(free.equation.on(sides).rotation(np.ones(2)) * structure.alpha_on(sides), 2)
     devices = Devices.of(structure, unit, linear=linear, body=free.body)
-    return free if devices is None else replace(free, devices=devices, body=None)
+    return free if devices is None else free._replace(devices=devices, body=None)
 
 
 def _of_tie(tie: Tie, row: str) -> tuple[float, ...]:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 from itertools import chain, repeat
 from typing import Any
@@ -126,7 +126,7 @@ class Job:
     def under_records(self, batch: Sequence[Band], cells: np.ndarray) -> tuple[Block, Work]:
         """(the variables of all cells (A, Omega, eta) of bands of one system under several records, the work)."""
         counts, structures = [band.size for band in batch], [band.structure for band in batch]
-        system = replace(self.scene.method.system_of_cells(structures, counts), body=None, own=())
+        system = self.scene.method.system_of_cells(structures, counts)._replace(body=None, own=())
         numbers: dict[int, int] = {}
         which = np.repeat([numbers.setdefault(id(band.motion), len(numbers)) for band in batch], counts)
         records = list({id(band.motion): band.motion for band in batch}.values())
@@ -139,7 +139,7 @@ class Job:
         method, motion, counts, structures = self.scene.method, batch[0].motion, [b.size for b in batch], [b.structure for b in batch]
         system = method.system_of_cells(structures, counts)
         if method.exact and not self.forces:
-            system = replace(system, body=None, own=())  # structures that share rotations have different bodies
+            system = system._replace(body=None, own=())  # structures that share rotations have different bodies
         beside: Block = {}
         known: Response | None = None
         if "velocity_ratio" in self.quantities:
@@ -157,7 +157,7 @@ class Job:
         if "condition" in self.quantities:
             pairs = method.system_of_cells(structures * 2, counts * 2)  # for several sets of cells in turn
             if method.exact:
-                pairs = replace(pairs, body=None, own=())
+                pairs = pairs._replace(body=None, own=())
             amplitude, omega, eta = cells
             condition = condition_of(partial(response, pairs, motion), amplitude, omega, eta, method.stated_tolerance or 0.0)
             beside["condition"] = np.where(got.outcome == Outcome.LOST_CONTACT, np.nan, condition)

@@ -2,7 +2,6 @@
 
 import math
 from collections import Counter
-from dataclasses import replace
 from functools import partial
 from itertools import pairwise
 
@@ -123,8 +122,8 @@ def test_a_body_that_lies_on_its_side_is_not_followed():
         calls += 1
         return edge.of(*state)
 
-    watched = replace(edge, of=counted)
-    outcome, _ = solve_cell(sine(), 1e8, 0.01, 0.9, replace(problem, edges={1: watched, -1: watched}))
+    watched = edge._replace(of=counted)
+    outcome, _ = solve_cell(sine(), 1e8, 0.01, 0.9, problem._replace(edges={1: watched, -1: watched}))
     assert outcome == Outcome.OVERTURNED_NO_IMPACT
     assert calls < 20_000
 
