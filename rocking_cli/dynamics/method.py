@@ -17,7 +17,6 @@ from ..structures.parameters import RockingParameters, Side
 from .body import Body
 from .contacts.contact import Contact, OneSided, Symmetric, Unequal, exchange
 from .equations.equation import Equation
-from .equations.linear import LinearEquation
 from .equations.taylor import order_for
 from .system import System
 
@@ -46,6 +45,12 @@ class EquationKind(NamedTuple):
     of_cells: Callable[[np.ndarray, float], Equation] | None = None
 
 
+def _linear(structure: RockingParameters, tolerance: float) -> Equation:
+    from .equations.linear import LinearEquation
+
+    return LinearEquation(structure.damping)
+
+
 def _rigid(alpha: Any, tolerance: float, damping: float = 0.0) -> Equation:
     from .equations.rigid_body import RigidBodyEquation
 
@@ -65,7 +70,7 @@ def _mechanism(structure: RockingParameters, tolerance: float) -> Equation:
 
 EQUATIONS = (
     EquationKind(  # the linear oscillator, Eqs. 2.4 and 3.6
-        "linear", lambda s: True, lambda s, tolerance: LinearEquation(s.damping), lambda s: None, "linear_rates", exact=True
+        "linear", lambda s: True, _linear, lambda s: None, "linear_rates", exact=True
     ),
     EquationKind("nonlinear", lambda s: s.mechanism is not None, _mechanism, lambda s: s.mechanism, "mechanism_rates"),  # Eq. 3.4
     EquationKind(  # a rigid body, Eq. 2.3

@@ -10,7 +10,6 @@ import numpy as np
 from ..errors import UsageError
 from ..motions.motion import Motion
 from ..motions.segments import Chain
-from .equations.linear import LinearEquation
 from .lanes import Array
 from .march.batch import Batch
 from .march.engine import Run, Stepper, WindowStepper
@@ -227,6 +226,8 @@ def linear_response(
     >>> linear_response(sine(), [1.0, 1.5, 4.0], 6.0, 0.9).theta_ratio.round(6)
     array([0.      , 0.167098, 0.669456])
     """
+    from .equations.linear import LinearEquation
+
     return response(System(LinearEquation()), motion, amplitude, omega, eta, peaks=peaks, pool=pool)
 
 

@@ -32,9 +32,9 @@ _MOST_LOST = 100.0  # roundings of what the drive adds to an arc, just above SHO
 
 
 def can_be_summed(segments: Segments) -> bool:
-    """True if the motion has many sinusoids, everywhere the same, and near enough to each other for the sums to keep their digits. The sums
+    """True if the sinusoids of a motion are everywhere the same, and near enough to each other for the sums to keep their digits. The sums
     are of order sum |C| h/w, their result sum |C| w h^3/6 at small h, where h is at least SHORT over the fastest w."""
-    alike = segments.harmonics > 1 and not segments.sloped and bool(np.all(segments.frequency == segments.frequency[:, :1]))
+    alike = not segments.sloped and bool(np.all(segments.frequency == segments.frequency[:, :1]))
     return alike and 6.0 * segments.spread / SHORT**2 <= _MOST_LOST
 
 

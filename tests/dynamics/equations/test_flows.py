@@ -8,7 +8,7 @@ import pytest
 
 from rocking_cli.dynamics.equations.flow import LinearFlow
 from rocking_cli.dynamics.equations.summed_flow import SHORT, SummedFlow, can_be_summed
-from rocking_cli.motions import Harmonic, Motion, Piece, pulse, sine
+from rocking_cli.motions import Harmonic, Motion, Piece, pulse
 
 
 def arcs(lanes, harmonics=5, seed=3):
@@ -118,7 +118,6 @@ def test_the_digits_of_a_lane_are_its_own(lanes):
 def test_frequencies_far_apart_are_left_to_the_flow_that_keeps_them_apart():
     assert can_be_summed(pulse("ricker-symmetric").segments)
     assert can_be_summed(pulse("mavroeidis-papageorgiou").segments)
-    assert not can_be_summed(sine().segments)
     apart = (Piece(0.0, 2.0, (Harmonic(1.0), Harmonic(0.1, 1.5))), Piece(2.0, 3.0, (Harmonic(1.0), Harmonic(0.1, 2.5))))
     assert not can_be_summed(Motion("not the same everywhere", apart).segments)
     assert not can_be_summed(Motion("far", (Piece(0.0, 3.0, (Harmonic(1.0), Harmonic(0.1, 90.0))),)).segments)
