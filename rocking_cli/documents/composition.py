@@ -8,10 +8,12 @@ from __future__ import annotations
 import json
 import re
 from dataclasses import dataclass, replace
+from typing import Any
 
 import yaml
 
 from ..errors import DocumentError
+from .quantities import FACTORS, split_quantity
 
 LONGEST = 2 << 20  # characters of a YAML file, or of one JSON object
 MOST_VALUES = 100_000  # values of a document; an alias counts each time
@@ -33,6 +35,35 @@ class Place:
     def below(self, lines: int) -> Place:
         """The same place after `lines` more lines."""
         return replace(self, line=self.line + lines)
+
+
+@dataclass(frozen=True)
+class Value:
+    """The content of a node: the text of a scalar, a list of values, or a mapping."""
+
+    content: str | list[Value] | dict[str, Value]
+    place: Place
+    quoted: bool = False
+
+    def __str__(self) -> str:
+        if isinstance(self.content, str):
+            short = self.content if len(self.content) <= 60 else self.content[:57] + "..."
+            plain = short.isprintable() and short and not self.quoted
+            return short if plain else json.dumps(short, ensure_ascii=not short.isprintable())
+        return "a list" if isinstance(self.content, list) else "a mapping"
+
+    def plain(self) -> Any:
+        """The value as JSON holds it: a number in SI, with its unit or without, is a float; `true`, `false` and null are themselves."""
+        if isinstance(self.content, list):
+            return [v.plain() for v in self.content]
+        if isinstance(self.content, dict):
+            return {k: v.plain() for k, v in self.content.items()}
+        if self.quoted:
+            return self.content
+        parts = split_quantity(self.content)
+        if parts and (not parts[1] or FACTORS.get(parts[1]) == 1.0):
+            return parts[0]
+        return {"null": None, "~": None, "": None, "true": True, "false": False}.get(self.content, self.content)
 
 
 def text_of(source: str, raw: bytes) -> str:

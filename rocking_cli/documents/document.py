@@ -12,49 +12,20 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import yaml
 
 from ..errors import DocumentError, did_you_mean
-from .composition import DEEPEST, MOST_VALUES, Place, compose, text_of
+from .composition import DEEPEST, MOST_VALUES, Place, Value, compose, text_of
 from .files import read_bytes
-from .quantities import FACTORS, SMALLEST_LENGTH, accepted, parse_quantity, split_quantity
+from .quantities import SMALLEST_LENGTH, accepted, parse_quantity, split_quantity
 
 if TYPE_CHECKING:
     from .table import Cell
 
 MEANT = {"eta": "restitution", "e": "restitution", "zeta": "damping", "g": "gravity", "r": "radius", "h": "height", "b": "width"}
 _ITEM = re.compile(r"([a-z_]+)_(\d{1,4})_([a-z_]+)")  # a CSV column for an item of a list, such as pieces_1_width
-
-
-@dataclass(frozen=True)
-class Value:
-    """The content of a node: the text of a scalar, a list of values, or a mapping."""
-
-    content: str | list[Value] | dict[str, Value]
-    place: Place
-    quoted: bool = False
-
-    def __str__(self) -> str:
-        if isinstance(self.content, str):
-            short = self.content if len(self.content) <= 60 else self.content[:57] + "..."
-            plain = short.isprintable() and short and not self.quoted
-            return short if plain else json.dumps(short, ensure_ascii=not short.isprintable())
-        return "a list" if isinstance(self.content, list) else "a mapping"
-
-    def plain(self) -> Any:
-        """The value as JSON holds it: a number in SI, with its unit or without, is a float; `true`, `false` and null are themselves."""
-        if isinstance(self.content, list):
-            return [v.plain() for v in self.content]
-        if isinstance(self.content, dict):
-            return {k: v.plain() for k, v in self.content.items()}
-        if self.quoted:
-            return self.content
-        parts = split_quantity(self.content)
-        if parts and (not parts[1] or FACTORS.get(parts[1]) == 1.0):
-            return parts[0]
-        return {"null": None, "~": None, "": None, "true": True, "false": False}.get(self.content, self.content)
 
 
 @dataclass
@@ -199,11 +170,41 @@ class Document:
                 meant = did_you_mean(key, known, MEANT)
                 raise DocumentError(f"{place}: unknown key {key!r}{meant}; known keys of this kind: {', '.join(known)}")
 
+    def value_at(self, key: str) -> Value | None:
+        """The value of a key, or at a path such as `ties.0.yield`; None without it."""
+        head, *path = [key] if key in self.values else key.split(".")
+        found = self.values.get(head)
+        for name in path:
+            content = found.content if found else ""
+            found = content.get(name) if isinstance(content, dict) else _item(content, name)
+        return found
+
     def with_value(self, key: str, text: str, source: str) -> Document:
-        """A copy of the document with one value replaced or added; `source` is the place of the value in error messages."""
-        place = Place(source, 0, 0)
-        values = {**self.values, key: Value(text, place)}
-        return replace(self, values=values, keys={**self.keys, key: place}, asked=set(), inner=[], dimensions={})
+        """A copy of the document with the value of a key replaced or added, or that at a path such as `ties.0.yield`; `source` is the place
+        of the value in error messages. Raises DocumentError if there is no such place."""
+        head, *path = key.split(".")
+        new, keys = Value(text, Place(source, 0, 0)), self.keys
+        if path and head in self.values:
+            key, new = head, _with_inner(self.values[head], path, new)
+        else:
+            keys = {**keys, key: new.place}
+        return replace(self, values={**self.values, key: new}, keys=keys, asked=set(), inner=[], dimensions={})
+
+
+def _item(content: object, name: str) -> Value | None:
+    """The item of a list by its number; None without it."""
+    return content[int(name)] if isinstance(content, list) and name.isdigit() and int(name) < len(content) else None
+
+
+def _with_inner(value: Value, path: Sequence[str], new: Value) -> Value:
+    """A list or mapping with the value at a path in it replaced."""
+    name, *rest = path
+    if isinstance(value.content, dict) and (not rest or name in value.content):
+        return replace(value, content={**value.content, name: _with_inner(value.content[name], rest, new) if rest else new})
+    if isinstance(value.content, list) and rest and (old := _item(value.content, name)):
+        return replace(value, content=[_with_inner(x, rest, new) if x is old else x for x in value.content])
+    wanted = f"a number from 0 to {len(value.content) - 1} and a key" if isinstance(value.content, list) else "a key of a mapping"
+    raise DocumentError(f"{new.place}: found {name!r} in {value} (line {value.place.line}); expected {wanted}")
 
 
 def _range_text(above: float, below: float, least: float, most: float) -> str:

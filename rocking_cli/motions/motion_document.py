@@ -9,7 +9,8 @@ from pathlib import Path
 
 import numpy as np
 
-from ..documents.document import Document, Value
+from ..documents.composition import Value
+from ..documents.document import Document
 from ..errors import DocumentError, MotionError
 from .motion import Harmonic, Motion, Piece
 from .polyline import Polyline

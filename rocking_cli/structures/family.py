@@ -76,7 +76,6 @@ def family(document: Document, variations: Sequence[Variation | str]) -> Iterato
     >>> [round(member.parameters.p, 4) for member in family(document, ['height=2:4:3'])]
     [2.6717, 2.1996, 1.9106]
     """
-    from ..documents.paths import with_value
     from . import build_structure
 
     parsed = [parse_variation(v) if isinstance(v, str) else v for v in variations]
@@ -85,7 +84,7 @@ def family(document: Document, variations: Sequence[Variation | str]) -> Iterato
     for values in itertools.product(*(v.values for v in parsed)):
         varied, texts = document, {key: f"{value!r} {unit}".strip() for key, value, unit in zip(keys, values, units, strict=True)}
         for key, text in texts.items():
-            varied = with_value(varied, key, text, f"{document.source} with {key}={text}")
+            varied = varied.with_value(key, text, f"{document.source} with {key}={text}")
         try:
             built, fault = build_structure(varied), None
         except DocumentError as error:
@@ -106,8 +105,6 @@ def family(document: Document, variations: Sequence[Variation | str]) -> Iterato
 
 def _own_unit(document: Document, key: str) -> str:
     """The unit that the document states for the value of a key; empty if it states none."""
-    from ..documents.paths import value_at
-
-    value = value_at(document, key)
+    value = document.value_at(key)
     parts = split_quantity(value.content) if value is not None and isinstance(value.content, str) else None
     return parts[1] if parts else ""

@@ -10,7 +10,8 @@ from itertools import pairwise
 
 import numpy as np
 
-from ...documents.document import Document, Value
+from ...documents.composition import Value
+from ...documents.document import Document
 from ...documents.quantities import SMALLEST_LENGTH, parse_quantity
 from ..mechanics.fourbar import EXTRADOS, FACES, INTRADOS, FourBar, Ring
 from ..mechanics.hinges import carried_through, search_continuous, search_joints, static_uplift
